@@ -1,0 +1,90 @@
+//! What the physics can report instead of a result. A failure is an outcome of an evaluation, not an error
+//! of the infrastructure.
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// Why an evaluation has no result.
+#[derive(Debug, Clone, PartialEq, Error, Serialize, Deserialize)]
+pub enum SimulationFailure {
+    /// The sample does not give a valid scene (e.g. a bushing smaller than its journal).
+    #[error("the sample gives an invalid scene: {faults}")]
+    InvalidSample {
+        /// All faults, one per line.
+        faults: String,
+    },
+    /// The mechanism cannot be assembled with ideal joints at some crank position.
+    #[error("joint {joint} cannot be closed at time {time} s: gap {gap} m")]
+    CannotAssemble {
+        /// Joint with the largest gap.
+        joint: String,
+        /// Time within the cycle [s].
+        time: f64,
+        /// Remaining gap [m].
+        gap: f64,
+    },
+    /// The step size fell below its lower bound.
+    #[error("at cycle {cycle}, t = {time} s, the time step fell to {step} s (error {error} times its bound)")]
+    StepTooSmall {
+        /// Cycles done when it happened.
+        cycle: u32,
+        /// Time within the cycle [s].
+        time: f64,
+        /// The step that would have been needed [s].
+        step: f64,
+        /// Error estimate over tolerance at that step.
+        error: f64,
+    },
+    /// More steps than the bound of the accuracy setting.
+    #[error("at cycle {cycle}, t = {time} s, the bound of {bound} steps per cycle was reached")]
+    TooManySteps {
+        /// Cycles done.
+        cycle: u32,
+        /// Time within the cycle [s].
+        time: f64,
+        /// Bound on steps.
+        bound: u64,
+    },
+    /// The wear step could not reach its tolerance.
+    #[error(
+        "at cycle {cycle} the wear of joint {joint} did not reach its tolerance (error {error} times its bound)"
+    )]
+    WearStep {
+        /// Cycles done.
+        cycle: u32,
+        /// Joint.
+        joint: String,
+        /// Error estimate over tolerance.
+        error: f64,
+    },
+    /// Contact left the range of the model: wear went through the wall or the journal left the bore.
+    #[error(
+        "at cycle {cycle}, t = {time} s, joint {joint}: penetration {penetration} m is outside the contact law's range"
+    )]
+    OutOfRange {
+        /// Cycles done.
+        cycle: u32,
+        /// Time within the cycle [s].
+        time: f64,
+        /// Joint.
+        joint: String,
+        /// Penetration [m].
+        penetration: f64,
+    },
+    /// A number stopped being finite.
+    #[error("at cycle {cycle}, t = {time} s, {quantity} is not finite")]
+    NotFinite {
+        /// Cycles done.
+        cycle: u32,
+        /// Time within the cycle [s].
+        time: f64,
+        /// What it was.
+        quantity: String,
+    },
+    /// The scene asks for something this worker does not model.
+    #[error("not modelled: {what}")]
+    NotModelled {
+        /// What.
+        what: String,
+    },
+}

@@ -1,0 +1,59 @@
+//! How a study has samples evaluated, whoever does the work: a closure in unit tests, the worker's library in
+//! process, workers over Zenoh.
+
+use common::failure::SimulationFailure;
+use common::outputs::Evaluation;
+use thiserror::Error;
+
+/// One evaluation a study asks for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Request {
+    /// Number of the evaluation in its campaign, from 0, unique; the order of requests, not of replies.
+    pub id: u64,
+    /// Values of the scene's random variables `(d,)`, SI.
+    pub sample: Vec<f64>,
+    /// Whether the settled first cycle is wanted too.
+    pub with_first_cycle: bool,
+}
+
+/// One evaluation that has ended.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Finished {
+    /// The request's number.
+    pub id: u64,
+    /// What came of it; a failed simulation is an outcome, not an error.
+    pub outcome: Result<Evaluation, SimulationFailure>,
+    /// Who did it, e.g. `host-4711/0`.
+    pub worker: String,
+    /// How long the simulation took there [s].
+    pub wall: f64,
+}
+
+/// Why a batch could not be evaluated to its end.
+#[derive(Debug, Error)]
+pub enum EvaluateError {
+    /// The user asked to stop; everything recorded so far is safe.
+    #[error("interrupted")]
+    Interrupted,
+    /// The transport broke.
+    #[error("transport: {0}")]
+    Transport(String),
+    /// The caller could not record an outcome.
+    #[error("an outcome could not be recorded: {0}")]
+    Record(String),
+}
+
+/// Evaluates batches of samples.
+pub trait Evaluator {
+    /// Evaluates every request of `batch`, in any order, each exactly once; calls `record` on each outcome as
+    /// it arrives. An outcome counts as delivered (and may be acknowledged to a worker) only after `record`
+    /// returned `Ok`.
+    ///
+    /// # Errors
+    /// [`EvaluateError`]; outcomes recorded before it stay valid.
+    fn evaluate(
+        &mut self,
+        batch: &[Request],
+        record: &mut dyn FnMut(Finished) -> Result<(), EvaluateError>,
+    ) -> Result<(), EvaluateError>;
+}

@@ -1,0 +1,7 @@
+//! The coordinator: reliability studies of mechanisms with worn hinges.
+//!
+//! Data flows one way: design -> evaluate (dispatch) -> surrogate -> learning -> reliability -> sensitivity ->
+//! report; `study` is the campaign as one page.
+
+pub mod evaluate;
+pub mod summary;

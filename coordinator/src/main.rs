@@ -1,0 +1,3 @@
+//! Hingewise coordinator.
+
+fn main() {}

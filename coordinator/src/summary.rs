@@ -1,0 +1,155 @@
+//! The result of a study, as written to `summary.json` (`contract.md`) and shown by the report.
+//!
+//! Fields named `..._m` and `..._rpm` follow the contract; general outputs stand under their own name.
+
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// A value for each limit state of the scene, by name, in the scene's order is kept by `limit_states`.
+pub type PerLimitState = BTreeMap<String, f64>;
+
+/// A whole study.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StudySummary {
+    /// Scene name.
+    pub scene: String,
+    /// Version of the program.
+    pub version: String,
+    /// Seed.
+    pub seed: u64,
+    /// `ak` or `monte-carlo`.
+    pub method: String,
+    /// Accuracy preset.
+    pub accuracy: String,
+    /// Size of the Monte Carlo population at the end.
+    pub population: usize,
+    /// Counts of evaluations.
+    pub evaluations: EvaluationCounts,
+    /// Names of the limit states, in the scene's order.
+    pub limit_states: Vec<String>,
+    /// One row per checkpoint.
+    pub reliability: Vec<ReliabilityRow>,
+    /// One row per checkpoint: `cycles` and, per output, mean and standard deviation over the population.
+    pub moments: Vec<BTreeMap<String, f64>>,
+    /// Derivatives of the failure probabilities.
+    pub sensitivity: Vec<SensitivityRow>,
+    /// How learning went and why it stopped.
+    pub convergence: Convergence,
+    /// Where the time went.
+    pub timing_s: Timing,
+    /// Who worked.
+    pub workers: Vec<WorkerShare>,
+}
+
+/// Counts of evaluations.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct EvaluationCounts {
+    /// All.
+    pub total: usize,
+    /// Of the initial design.
+    pub initial: usize,
+    /// Added by learning.
+    pub added: usize,
+    /// Without a result.
+    pub failed: usize,
+}
+
+/// Reliability at one checkpoint.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ReliabilityRow {
+    /// Life [cycles].
+    pub cycles: u32,
+    /// R per limit state, and `total` for the series system; absorbing.
+    #[serde(flatten)]
+    pub reliability: PerLimitState,
+    /// Standard error of each (sampling and surrogate together).
+    pub standard_error: PerLimitState,
+}
+
+/// Derivative of the probability of failure of one limit state with respect to one variable's parameters.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SensitivityRow {
+    /// Life [cycles].
+    pub cycles: u32,
+    /// Limit state, or `total`.
+    pub limit_state: String,
+    /// Variable.
+    pub variable: String,
+    /// dPf / dmean [1/unit of the variable, SI].
+    pub d_pf_d_mean: f64,
+    /// dPf / dstd [1/unit of the variable, SI].
+    pub d_pf_d_std: f64,
+    /// Standard errors of the two.
+    pub standard_error: SensitivityError,
+    /// The two made comparable between variables: derivative times standard deviation [1].
+    pub scaled: SensitivityError,
+}
+
+/// A pair for mean and standard deviation.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct SensitivityError {
+    /// For the derivative to the mean.
+    pub d_pf_d_mean: f64,
+    /// For the derivative to the standard deviation.
+    pub d_pf_d_std: f64,
+}
+
+/// How learning went.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Convergence {
+    /// The rule that ended it, in words.
+    pub stopped_because: String,
+    /// One row per round of learning.
+    pub rounds: Vec<Round>,
+}
+
+/// One round of learning.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Round {
+    /// Round, from 0 (after the initial design).
+    pub round: usize,
+    /// Evaluations so far.
+    pub evaluations: usize,
+    /// Smallest coupled learning function over the population.
+    pub min_u: f64,
+    /// Share of the population with U_c < 2.
+    pub share_uncertain: f64,
+    /// Largest relative change of any R(n) since the round before; absent in round 0.
+    pub change_of_r: Option<f64>,
+    /// Largest estimated surrogate error of any R(n).
+    pub surrogate_error: f64,
+    /// Largest coefficient of variation of the failure probability at the governing checkpoint.
+    pub cov_pf: f64,
+    /// Dominance weight k, where defined.
+    pub dominance: Option<f64>,
+    /// Governing checkpoint [cycles]: where the system's R is nearest 1/2.
+    pub cycles: u32,
+    /// R of the system there.
+    pub reliability_total: f64,
+    /// Repairs of the surrogates this round (nugget raised, likelihood start failed).
+    pub repairs: usize,
+}
+
+/// Wall-clock time, coordinator's view [s].
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct Timing {
+    /// All.
+    pub total: f64,
+    /// Sum over evaluations of the simulations' own times.
+    pub simulation: f64,
+    /// Fitting, prediction, selection.
+    pub surrogate: f64,
+    /// Worker slots waiting while the coordinator computed, summed over slots.
+    pub idle: f64,
+}
+
+/// What one worker contributed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct WorkerShare {
+    /// Name.
+    pub name: String,
+    /// Evaluations.
+    pub evaluations: usize,
+    /// Sum of its simulation times [s].
+    pub simulation_s: f64,
+}

@@ -1,0 +1,3 @@
+//! Hingewise worker.
+
+fn main() {}
