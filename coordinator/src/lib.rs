@@ -4,4 +4,6 @@
 //! report; `study` is the campaign as one page.
 
 pub mod evaluate;
+pub mod journal;
+pub mod progress;
 pub mod summary;

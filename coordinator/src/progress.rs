@@ -1,0 +1,48 @@
+//! What a study tells whoever watches: the terminal, a test, a log.
+
+use crate::summary::Round;
+
+/// Something happened in a study.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Progress {
+    /// A batch goes out; `planned` evaluations are known of so far, `budget` is the bound.
+    BatchStarted {
+        /// Size of the batch.
+        size: usize,
+        /// Evaluations after this batch.
+        planned: usize,
+        /// Bound on evaluations.
+        budget: usize,
+        /// What the batch is for, e.g. `initial design`, `round 3`.
+        purpose: String,
+    },
+    /// One evaluation ended (or was found in the campaign file).
+    Evaluated {
+        /// Evaluations done.
+        done: usize,
+        /// Whether it failed.
+        failed: bool,
+        /// Whether it came from the campaign file.
+        recalled: bool,
+        /// Simulation time [s].
+        wall: f64,
+    },
+    /// The surrogates were refitted and the population classified.
+    RoundFinished(Round),
+    /// A warning for the user.
+    Warning(String),
+}
+
+/// Watches a study.
+pub trait Observer {
+    /// Takes notice; must not block for long.
+    fn notice(&mut self, progress: &Progress);
+}
+
+/// Watches nothing.
+#[derive(Debug, Default)]
+pub struct Silent;
+
+impl Observer for Silent {
+    fn notice(&mut self, _progress: &Progress) {}
+}
