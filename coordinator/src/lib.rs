@@ -3,7 +3,9 @@
 //! Data flows one way: design -> evaluate (dispatch) -> surrogate -> learning -> reliability -> sensitivity ->
 //! report; `study` is the campaign as one page.
 
+pub mod design;
 pub mod evaluate;
 pub mod journal;
 pub mod progress;
 pub mod summary;
+pub mod surrogate;
