@@ -6,6 +6,7 @@
 pub mod design;
 pub mod evaluate;
 pub mod journal;
+pub mod learning;
 pub mod progress;
 pub mod summary;
 pub mod surrogate;

@@ -43,6 +43,11 @@ impl Posterior {
         self.covariance[(i, i)].max(0.0)
     }
 
+    /// The model's nugget [1].
+    pub fn nugget(&self) -> f64 {
+        self.nugget
+    }
+
     /// Covariances of all points with point `j`, over sigma2 `(p,)` [1].
     pub fn column(&self, j: usize) -> &[f64] {
         self.covariance.col_as_slice(j)
