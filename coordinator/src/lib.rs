@@ -8,5 +8,8 @@ pub mod evaluate;
 pub mod journal;
 pub mod learning;
 pub mod progress;
+pub mod reliability;
+pub mod sensitivity;
+pub mod study;
 pub mod summary;
 pub mod surrogate;

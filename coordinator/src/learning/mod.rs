@@ -15,7 +15,7 @@ mod stopping;
 
 pub use checkpoints::checkpoints_that_matter;
 pub use classification::{Classification, classify, curves};
-pub use criterion::{Coupled, coupled_criterion, dominance};
+pub use criterion::{Coupled, UNCERTAIN, coupled_criterion, dominance};
 pub use error::{CurveErrors, estimate_errors};
 pub use pool::{Pool, choose_pool};
 pub use selection::select_batch;

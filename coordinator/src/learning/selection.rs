@@ -105,7 +105,8 @@ impl Nearness {
             for (i, j) in pool.members.iter().enumerate() {
                 let variance = posteriors[s].variance(i);
                 let root = variance.sqrt();
-                let left = if mode.variance_factor[*j] > 0.0 { variance / mode.variance_factor[*j] } else { 0.0 };
+                let left =
+                    if mode.variance_factor[*j] > 0.0 { variance / mode.variance_factor[*j] } else { 0.0 };
                 let mut density = 0.0;
                 for (n, mean) in mode.means_of(*j).iter().enumerate() {
                     let u = distance_over_std(mean - mode.threshold, mode.sigma[n] * root);

@@ -13,6 +13,7 @@ use super::fit::NUGGET_BOUNDS;
 use super::{Correlation, SurrogateError};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
+use std::ops::Range;
 
 /// An ordinary Kriging model of m outputs over n points.
 #[derive(Debug, Clone)]
@@ -160,7 +161,7 @@ impl Kriging {
     /// Means and variance factors at points `(d, b)`.
     pub fn predict(&self, points: MatRef<'_, f64>) -> Prediction {
         let w = self.whitened(points);
-        let mean = self.means(w.as_ref());
+        let mean = with_trend(&self.beta, self.residual.as_ref(), w.as_ref());
         let u = self.trend_residual(w.as_ref());
         let variance_factor = w
             .col_iter()
@@ -170,13 +171,14 @@ impl Kriging {
         Prediction { mean, variance_factor }
     }
 
-    /// Means alone at points `(d, b)`: `(m, b)`. Cheaper than [`Kriging::predict`]: no triangular solve, since
-    /// w' L^-1 r = r(x)' C^-1 r.
-    pub fn predict_means(&self, points: MatRef<'_, f64>, dual: MatRef<'_, f64>) -> Mat<f64> {
+    /// Means of the outputs `outputs` alone at points `(d, b)`: `(outputs.len(), b)`, with [`Kriging::dual`] given.
+    /// Cheaper than [`Kriging::predict`]: no triangular solve, since w' L^-1 r = r(x)' C^-1 r.
+    pub fn predict_means(&self, points: MatRef<'_, f64>, dual: &Mat<f64>, outputs: Range<usize>) -> Mat<f64> {
         let scaled = self.correlation.scale(points);
         let mut r = Mat::zeros(self.points(), points.ncols());
         cross_of_scaled_into(r.as_mut(), self.scaled.as_ref(), &self.norms, scaled.as_ref());
-        self.with_trend(dual, r.as_ref())
+        let dual = dual.subcols(outputs.start, outputs.len());
+        with_trend(&self.beta[outputs], dual, r.as_ref())
     }
 
     /// C^-1 (y_o - beta_o 1) `(n, m)`, for [`Kriging::predict_means`].
@@ -185,17 +187,13 @@ impl Kriging {
         super::factor::solve_lower_transposed(self.l.as_ref(), dual.as_mut());
         dual
     }
+}
 
-    fn means(&self, w: MatRef<'_, f64>) -> Mat<f64> {
-        self.with_trend(self.residual.as_ref(), w)
-    }
-
-    /// beta_o + a_o' b for each column of a and b: `(m, b)`.
-    fn with_trend(&self, a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Mat<f64> {
-        let mut mean = Mat::from_fn(self.beta.len(), b.ncols(), |o, _| self.beta[o]);
-        matmul(mean.as_mut(), Accum::Add, a.transpose(), b, 1.0, Par::Seq);
-        mean
-    }
+/// beta_o + a_o' b for each column of a and b: `(m, b)`.
+fn with_trend(beta: &[f64], a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Mat<f64> {
+    let mut mean = Mat::from_fn(beta.len(), b.ncols(), |o, _| beta[o]);
+    matmul(mean.as_mut(), Accum::Add, a.transpose(), b, 1.0, Par::Seq);
+    mean
 }
 
 #[cfg(test)]
@@ -243,7 +241,7 @@ mod tests {
         let model = Kriging::condition(x.as_ref(), values(&x).as_ref(), &correlation).unwrap();
         let at = Mat::from_fn(2, 7, |k, i| (i as f64 + 2.0 * k as f64).cos());
         let (whole, alone) =
-            (model.predict(at.as_ref()).mean, model.predict_means(at.as_ref(), model.dual().as_ref()));
+            (model.predict(at.as_ref()).mean, model.predict_means(at.as_ref(), &model.dual(), 0..2));
         assert!((&whole - &alone).norm_max() < 1e-7);
     }
 
