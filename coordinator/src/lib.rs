@@ -5,5 +5,7 @@
 
 pub mod evaluate;
 pub mod journal;
+pub mod output_unit;
 pub mod progress;
+pub mod store;
 pub mod summary;
