@@ -7,5 +7,8 @@ pub mod evaluate;
 pub mod journal;
 pub mod output_unit;
 pub mod progress;
+pub mod report;
+pub mod result_files;
 pub mod store;
 pub mod summary;
+pub mod terminal;
