@@ -259,7 +259,7 @@ pub fn first_cycle(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
     };
     let time: Vec<f64> = cycle.time.iter().map(|t| t * 1e3).collect();
     let trace = |values: &[f64], factor: f64| -> Vec<(f64, f64)> {
-        time.iter().zip(values).map(|(t, v)| (*t, v * factor)).collect()
+        thinned(time.iter().zip(values).map(|(t, v)| (*t, v * factor)).collect())
     };
     let forces: Vec<_> =
         cycle.joint_force.iter().map(|(n, f)| (format!("joint {n}"), trace(f, 1.0))).collect();
@@ -280,7 +280,8 @@ pub fn first_cycle(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
             format!("{}: {}° to {}°", body.label, fixed(low, 3), fixed(high, 3))
         })
         .collect();
-    let sides: [(&str, &str, &str, Vec<(String, Vec<(f64, f64)>)>, String); 3] = [
+    type Traces = Vec<(String, Vec<(f64, f64)>)>;
+    let sides: [(&str, &str, &str, Traces, String); 3] = [
         (
             "joint-forces",
             "Contact forces of the first cycle",
@@ -436,6 +437,27 @@ fn figure(name: &str, title: &str, caption: &str, svg: String) -> Figure {
     Figure { name: name.into(), title: title.into(), caption: caption.into(), svg }
 }
 
+/// Buckets a dense trace is thinned to: more than a figure has pixels across.
+const BUCKETS: usize = 700;
+
+/// A trace with its lowest and highest point of every bucket alone, so that no peak is lost; traces of few points
+/// stay as they are.
+fn thinned(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+    let size = points.len().div_ceil(BUCKETS);
+    if size <= 2 {
+        return points;
+    }
+    let mut kept = Vec::with_capacity(2 * BUCKETS + 2);
+    for bucket in points.chunks(size) {
+        let by_value = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
+        let ends = [bucket.iter().min_by(by_value), bucket.iter().max_by(by_value)];
+        let mut ends: Vec<_> = ends.into_iter().flatten().copied().collect();
+        ends.sort_by(|a, b| a.0.total_cmp(&b.0));
+        kept.extend(ends);
+    }
+    kept
+}
+
 /// Smallest and largest finite value; (0, 1) if there is none.
 fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let both = values.filter(|v| v.is_finite()).fold(None, |range: Option<(f64, f64)>, v| {
@@ -458,4 +480,31 @@ pub(super) fn words(name: &str) -> String {
 pub(super) fn capital(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::synthetic;
+
+    #[test]
+    fn a_dense_trace_keeps_its_peaks() {
+        let mut points: Vec<_> = (0..100_000).map(|k| (f64::from(k), 1.0)).collect();
+        points[54_321].1 = 9.0;
+        points[54_322].1 = -9.0;
+        let kept = thinned(points);
+        assert!(kept.len() <= 2 * BUCKETS && kept.is_sorted_by(|a, b| a.0 <= b.0));
+        assert_eq!(range(kept.iter().map(|p| p.1)), (-9.0, 9.0));
+    }
+
+    #[test]
+    fn the_three_checkpoints_straddle_the_governing_one() {
+        let input = synthetic::input();
+        let shown = three_around_governing(&input, &input.limit_states[1]);
+        assert_eq!(shown.iter().map(|d| d.cycles).collect::<Vec<_>>(), [64_000, 66_000, 68_000]);
+        let mut few = input.clone();
+        few.distributions.retain(|d| d.cycles == 10_000 || d.cycles >= 69_000);
+        let shown = three_around_governing(&few, &few.limit_states[0]);
+        assert_eq!(shown.iter().map(|d| d.cycles).collect::<Vec<_>>(), [69_000, 70_000, 71_000]);
+    }
 }

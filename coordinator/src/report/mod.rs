@@ -24,7 +24,10 @@ pub use input::{
 };
 pub use plot::PlotError;
 
-use crate::result_files::{ResultFileError, write_text};
+use crate::result_files::{ResultFileError, reliability_csv, summary_json, write_samples_csv, write_text};
+use crate::store::{CampaignFile, StoreError};
+use crate::summary::StudySummary;
+use common::scene::model::Scene;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -37,6 +40,9 @@ pub enum ReportError {
     /// A file cannot be written.
     #[error(transparent)]
     File(#[from] ResultFileError),
+    /// The campaign file cannot be read or written.
+    #[error(transparent)]
+    Store(#[from] StoreError),
 }
 
 /// A report in memory.
@@ -81,4 +87,37 @@ pub fn write(dir: &Path, input: &ReportInput) -> Result<PathBuf, ReportError> {
     let path = dir.join("report.html");
     write_text(&path, &report.html)?;
     Ok(path)
+}
+
+/// Ends a study: keeps its results in the campaign file, then writes every file of its folder ([`write_all`]).
+/// The path of the page.
+///
+/// # Errors
+/// [`ReportError`].
+pub fn deliver(
+    campaign: &mut CampaignFile,
+    scene: &Scene,
+    summary: &StudySummary,
+    distributions: &[OutputDistribution],
+) -> Result<PathBuf, ReportError> {
+    // Refused before anything is kept: what JSON cannot hold could not be read back.
+    summary_json(summary)?;
+    campaign.put_document(DISTRIBUTIONS_DOCUMENT, &distributions)?;
+    campaign.put_document(SUMMARY_DOCUMENT, summary)?;
+    let written = write_all(campaign, scene)?;
+    Ok(written.expect("the summary was stored two statements ago"))
+}
+
+/// Writes `summary.json`, `reliability.csv`, `samples.csv`, `report.html` and `figures/` of a finished study from
+/// its campaign file alone; the path of the page, or `None` if the study has not been finished.
+///
+/// # Errors
+/// [`ReportError`].
+pub fn write_all(campaign: &CampaignFile, scene: &Scene) -> Result<Option<PathBuf>, ReportError> {
+    let Some(input) = ReportInput::from_campaign(campaign, scene)? else { return Ok(None) };
+    let dir = campaign.dir();
+    write_text(&dir.join("summary.json"), &summary_json(&input.summary)?)?;
+    write_text(&dir.join("reliability.csv"), &reliability_csv(&input.summary))?;
+    write_samples_csv(&dir.join("samples.csv"), campaign, scene)?;
+    write(dir, &input).map(Some)
 }

@@ -34,6 +34,9 @@ impl Sections {
     }
 }
 
+/// Failed evaluations listed one by one.
+const FAILURES_LISTED: usize = 50;
+
 const STYLE: &str = include_str!("style.css");
 
 /// The figure as an SVG file of its own, light or dark as its reader's system is.
@@ -223,12 +226,21 @@ fn numerics(input: &ReportInput) -> String {
         let failed = input.failures.len() as u64;
         let _ = writeln!(
             html,
-            "<p>Evaluations without a result: {}. They are left out of the design.</p>",
-            count(failed)
+            "<p>Evaluations without a result: {}. They are left out of the design.{}</p>",
+            count(failed),
+            if failed > FAILURES_LISTED as u64 {
+                " The first are listed here, all in samples.csv."
+            } else {
+                ""
+            }
         );
         let table = tables::table_of_text(
             &["evaluation".into(), "what the simulation reported".into()],
-            input.failures.iter().map(|run| vec![run.id.to_string(), escape(&run.failure)]),
+            input
+                .failures
+                .iter()
+                .take(FAILURES_LISTED)
+                .map(|run| vec![run.id.to_string(), escape(&run.failure)]),
         );
         html += &details("Failed evaluations", &table);
     }

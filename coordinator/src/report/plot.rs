@@ -243,7 +243,7 @@ fn legend(series: &[Series]) -> Legend<'_> {
     let mut entries = Vec::new();
     for series in series.iter().filter(|series| !series.label.is_empty()) {
         // A sans-serif letter is 0.55 of its size wide on average, blanks between entries included.
-        let width = 34.0 + 0.55 * LETTERS * series.label.chars().count() as f64;
+        let width = 40.0 + 0.57 * LETTERS * series.label.chars().count() as f64;
         if x + width > WIDTH && x > 10.0 {
             (x, row) = (10.0, row + 1);
         }

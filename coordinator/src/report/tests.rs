@@ -158,7 +158,7 @@ fn page_and_figures_are_written_from_the_campaign_file_alone() {
     let dir = kept.as_deref().unwrap_or(temporary.path());
     let study = tempfile::tempdir().unwrap();
     drop(synthetic::campaign(study.path()));
-    let campaign = crate::store::CampaignFile::open(study.path()).unwrap();
+    let campaign = CampaignFile::open(study.path()).unwrap();
     let input = ReportInput::from_campaign(&campaign, &synthetic::scene()).unwrap().unwrap();
     assert_eq!((input.work.evaluations, input.failures.len()), (11, 1));
     let path = write(dir, &input).unwrap();
@@ -171,10 +171,29 @@ fn page_and_figures_are_written_from_the_campaign_file_alone() {
 }
 
 #[test]
+fn a_delivered_study_has_every_file_and_they_can_be_made_anew() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut campaign = synthetic::campaign(dir.path());
+    let study = synthetic::study();
+    let mut broken = study.summary.clone();
+    broken.convergence.rounds[0].min_u = f64::INFINITY;
+    assert!(deliver(&mut campaign, &synthetic::scene(), &broken, &[]).is_err());
+    let page = deliver(&mut campaign, &synthetic::scene(), &study.summary, &study.distributions).unwrap();
+    let names = ["summary.json", "reliability.csv", "samples.csv", "report.html", "figures/reliability.svg"];
+    let read = || names.map(|name| std::fs::read_to_string(dir.path().join(name)).unwrap());
+    let first = read();
+    names.iter().for_each(|name| std::fs::remove_file(dir.path().join(name)).unwrap());
+    drop(campaign);
+    let campaign = CampaignFile::open(dir.path()).unwrap();
+    assert_eq!(write_all(&campaign, &synthetic::scene()).unwrap(), Some(page));
+    assert_eq!(read(), first);
+}
+
+#[test]
 fn an_unfinished_study_has_no_report_yet() {
     let dir = tempfile::tempdir().unwrap();
     let meta = synthetic::campaign(&dir.path().join("finished")).meta().clone();
     let scene = synthetic::scene();
-    let campaign = crate::store::CampaignFile::create(&dir.path().join("new"), &meta, &scene).unwrap();
+    let campaign = CampaignFile::create(&dir.path().join("new"), &meta, &scene).unwrap();
     assert_eq!(ReportInput::from_campaign(&campaign, &scene).unwrap(), None);
 }
