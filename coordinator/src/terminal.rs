@@ -30,7 +30,7 @@ pub struct Narrator {
 
 impl Narrator {
     /// Takes notice; the line to print where there is no terminal, if any: one per round, one per warning, and
-    /// one about evaluations each [`LINE_EVERY`] at most.
+    /// one about evaluations each ten seconds at most.
     pub fn line(&mut self, now: Duration, progress: &Progress) -> Option<String> {
         self.notice(now, progress);
         match progress {
@@ -130,6 +130,12 @@ enum Voice {
     Bar(ProgressBar),
 }
 
+/// Look of the progress bar.
+fn style() -> ProgressStyle {
+    ProgressStyle::with_template("{spinner} [{elapsed_precise}] {bar:24} {wide_msg}")
+        .expect("the template is a constant, made once in the tests")
+}
+
 /// Shows a study on standard error.
 pub struct Terminal {
     narrator: Narrator,
@@ -144,9 +150,7 @@ impl Terminal {
             Voice::Quiet
         } else if std::io::stderr().is_terminal() {
             let bar = ProgressBar::with_draw_target(Some(0), ProgressDrawTarget::stderr());
-            let style = ProgressStyle::with_template("{spinner} [{elapsed_precise}] {bar:24} {wide_msg}")
-                .expect("the template is a constant and was tried");
-            bar.set_style(style);
+            bar.set_style(style());
             bar.enable_steady_tick(Duration::from_millis(250));
             Voice::Bar(bar)
         } else {
@@ -313,6 +317,20 @@ mod tests {
             state.contains("0.10/s, planned ones done in 3 min 10 s, 100 from the campaign file"),
             "{state}"
         );
+    }
+
+    #[test]
+    fn the_bar_shows_what_the_narrator_says() {
+        let bar = ProgressBar::with_draw_target(Some(0), ProgressDrawTarget::hidden());
+        bar.set_style(style());
+        let voice = Voice::Bar(bar.clone());
+        let mut terminal = Terminal { narrator: Narrator::default(), start: Instant::now(), voice };
+        terminal.notice(&batch(120, 120, "initial design"));
+        terminal.notice(&evaluated(7, true));
+        assert_eq!((bar.length(), bar.position()), (Some(120), 7));
+        assert!(bar.message().starts_with("7/120 evaluations (initial design)"), "{}", bar.message());
+        drop(terminal);
+        assert!(bar.is_finished());
     }
 
     #[test]
