@@ -80,17 +80,18 @@ impl WearRate {
             for sample in &self.samples {
                 self.arc_share(sample, rate);
             }
-            let length = self.profile.initial_radius() * self.width;
-            rate.iter_mut().for_each(|r| *r *= self.coefficient / length);
+            rate.iter_mut().for_each(|r| *r *= self.coefficient / self.width);
         }
     }
 
-    /// Adds one sample's share under the local law, F S over the arc's angle, to every control point inside the
-    /// contact arc.
+    /// Adds one sample's share under the local law, F S / |AB|, to every control point inside the contact arc.
     fn arc_share(&self, sample: &ContactSample, rate: &mut [f64]) {
         let psi = libm::atan2(sample.e[1], sample.e[0]);
         let (before, after) = self.arc(psi, sample.penetration);
-        let share = sample.work / (before + after);
+        // Length of the arc along the worn bore, by Simpson's rule over its angle.
+        let radius = |angle: f64| self.profile.at(within_turn(angle)).r;
+        let mean = (radius(psi - before) + 4.0 * radius(psi) + radius(psi + after)) / 6.0;
+        let share = sample.work / (mean * (before + after));
         let n = rate.len() as i64;
         let spacing = TAU / n as f64;
         let first = ((psi - before - ENTRY) / spacing).ceil() as i64;
@@ -156,6 +157,11 @@ impl WearRate {
         let above = if below + 1 == n { 0 } else { below + 1 };
         (walk(below, lead, false, at.d1), walk(above, spacing - lead, true, -at.d1))
     }
+}
+
+/// The same direction as an angle in [0, 2 pi) [rad].
+fn within_turn(angle: f64) -> f64 {
+    if angle < 0.0 { angle + TAU } else if angle >= TAU { angle - TAU } else { angle }
 }
 
 /// End of the arc within the first table interval: positive root of delta + slope x + q x^2, where q makes the
