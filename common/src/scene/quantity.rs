@@ -105,6 +105,12 @@ pub struct Kind {
 }
 
 impl Kind {
+    /// Its name and the units it may be written in.
+    pub fn in_words(&self) -> String {
+        let name = self.name;
+        if self.units.is_empty() { name.to_owned() } else { format!("{name} ({}, ...)", self.units) }
+    }
+
     /// The kind that a dimension stands for; of a dimension without a name, one named after nothing but itself.
     pub fn of(dimension: Dimension) -> Kind {
         let unnamed = Kind { name: "the quantity that is changed", dimension, units: "", si: "" };

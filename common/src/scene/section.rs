@@ -33,10 +33,15 @@ impl<'s> Section<'s> {
         self.table.get(key)
     }
 
-    fn require(&mut self, cx: &mut Context, key: &'static str, expected: &str) -> Option<&'s Value> {
+    fn require(
+        &mut self,
+        cx: &mut Context,
+        key: &'static str,
+        expected: impl FnOnce() -> String,
+    ) -> Option<&'s Value> {
         let value = self.get(key);
         if value.is_none() {
-            cx.fault(self.key(key), FaultKind::Missing { expected: expected.to_owned() });
+            cx.fault(self.key(key), FaultKind::Missing { expected: expected() });
         }
         value
     }
@@ -49,12 +54,7 @@ impl<'s> Section<'s> {
         kind: Kind,
         range: Range,
     ) -> Option<f64> {
-        let expected = if kind.units.is_empty() {
-            kind.name.to_owned()
-        } else {
-            format!("{} ({}, ...)", kind.name, kind.units)
-        };
-        let value = self.require(cx, key, &expected)?;
+        let value = self.require(cx, key, || kind.in_words())?;
         cx.quantity(&self.key(key), value, kind, range)
     }
 
@@ -75,7 +75,7 @@ impl<'s> Section<'s> {
 
     /// A pair `[x, y]` of quantities; the keys of its components end in `.x` and `.y`.
     pub(super) fn pair(&mut self, cx: &mut Context, key: &'static str, kind: Kind) -> Option<[f64; 2]> {
-        let value = self.require(cx, key, &format!("a pair [x, y], each {}", kind.name))?;
+        let value = self.require(cx, key, || format!("a pair [x, y], each {}", kind.name))?;
         pair(cx, &self.key(key), value, kind)
     }
 
@@ -95,7 +95,7 @@ impl<'s> Section<'s> {
 
     /// A text that must be there.
     pub(super) fn text(&mut self, cx: &mut Context, key: &'static str, expected: &str) -> Option<&'s str> {
-        let value = self.require(cx, key, expected)?;
+        let value = self.require(cx, key, || expected.to_owned())?;
         self.as_text(cx, key, value, expected)
     }
 
@@ -123,8 +123,12 @@ impl<'s> Section<'s> {
         key: &'static str,
         words: &[(&str, T)],
     ) -> Option<T> {
-        let names: Vec<_> = words.iter().map(|(name, _)| *name).collect();
-        let text = self.text(cx, key, &format!("one of {}", names.join(", ")));
+        let expected = || {
+            let names: Vec<_> = words.iter().map(|(name, _)| *name).collect();
+            format!("one of {}", names.join(", "))
+        };
+        let value = self.require(cx, key, expected);
+        let text = value.and_then(|value| self.as_text(cx, key, value, "a word"));
         let word = text.and_then(|word| cx.word(&self.key(key), word, words));
         self.given_up |= word.is_none();
         word
@@ -154,7 +158,7 @@ impl<'s> Section<'s> {
         let value = match (self.get(key), default) {
             (Some(value), _) => value,
             (None, Some(default)) => return Some(default),
-            (None, None) => return self.require(cx, key, &format!("a whole number {allowed}")).and(None),
+            (None, None) => return self.require(cx, key, || format!("a whole number {allowed}")).and(None),
         };
         match value.as_integer() {
             Some(n) if range.contains(&n) => Some(n),
@@ -176,7 +180,7 @@ impl<'s> Section<'s> {
         key: &'static str,
         expected: &str,
     ) -> Option<Vec<&'s str>> {
-        let value = self.require(cx, key, expected)?;
+        let value = self.require(cx, key, || expected.to_owned())?;
         let texts = value.as_array().and_then(|all| all.iter().map(Value::as_str).collect());
         if texts.is_none() {
             cx.wrong_type(&self.key(key), value, expected.to_owned());
@@ -191,7 +195,7 @@ impl<'s> Section<'s> {
         key: &'static str,
         expected: &str,
     ) -> Option<Section<'s>> {
-        self.require(cx, key, expected)?;
+        self.require(cx, key, || expected.to_owned())?;
         self.section_if_any(cx, key)
     }
 
