@@ -85,9 +85,9 @@ fn ranges() {
             "bodies.crank.speed: 0 is out of range, allowed: not 0",
         ),
         (
-            "checkpoint_every = 2000",
-            "checkpoint_every = 3000",
-            "life.cycles: 20000 is out of range, allowed: a multiple of checkpoint_every = 3000",
+            "checkpoint_every = 1000",
+            "checkpoint_every = 4000",
+            "life.cycles: 6000 is out of range, allowed: a multiple of checkpoint_every = 4000",
         ),
         (
             "population = 20000",
@@ -129,7 +129,7 @@ fn references_and_names() {
         "output = \"wear\"",
         "limit_states.wear.output: there is no output \"wear\"",
     );
-    one_fault("a = { body = \"rocker\" }", "a = { body = \"x\" }", "outputs.largest_rocker_speed.a.body");
+    one_fault("a = { body = \"rocker\" }", "a = { body = \"x\" }", "outputs.coupler_joint_speed.a.body");
     one_fault(
         "type = \"largest-wear\"",
         "type = \"largest-wear\"\njoints = [\"crnk\"]",
@@ -142,7 +142,7 @@ fn references_and_names() {
     );
     one_fault("motion = \"fixed\"", "motion = \"free-flying\"", "\"free-flying\" is unknown");
     one_fault(
-        "name = \"largest_rocker_speed\"",
+        "name = \"coupler_joint_speed\"",
         "name = \"max_wear_depth\"",
         "the name \"max_wear_depth\" is taken",
     );
@@ -173,7 +173,7 @@ fn keys() {
         "",
         "joints.crank.friction_speed: is missing, expected a speed (mm/s, m/s, ...)",
     );
-    one_fault("cycles = 20000\n", "", "life.cycles: is missing");
+    one_fault("cycles = 6000\n", "", "life.cycles: is missing");
     one_fault(
         "[[limit_states]]\nname = \"wear\"\noutput = \"max_wear_depth\"\nthreshold = \"30 um\"",
         "",
@@ -241,7 +241,7 @@ fn all_faults_at_once() {
         .replacen("elastic_modulus = \"206 GPa\"", "elastic_modulus = \"206 N\"", 1)
         .replacen("poisson_ratio = 0.34", "poison_ratio = 0.34", 1)
         .replacen("body = \"rocker\"\ntorque", "body = \"rokcer\"\ntorque", 1)
-        .replacen("cycles = 20000", "cycles = -1", 1);
+        .replacen("cycles = 6000", "cycles = -1", 1);
     let found = SceneSource::parse(&text, "my.toml").unwrap_err();
     let keys: Vec<_> = found.0.iter().map(|fault| fault.key.as_str()).collect();
     let expected = [
@@ -252,7 +252,7 @@ fn all_faults_at_once() {
         "life.cycles",
     ];
     assert_eq!(keys, expected);
-    assert_eq!(found.to_string().lines().count(), expected.len());
+    assert_eq!(found.to_string().lines().count(), 1 + expected.len());
 }
 
 #[test]
@@ -271,7 +271,7 @@ fn a_scene_extends_another() {
     let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
     let load = |name: &str| SceneSource::load(folder.join(name).to_str().unwrap());
     write("base.toml", FOUR_BAR);
-    write("longer.toml", "[scene]\nname = \"longer\"\nextends = \"base.toml\"\n[life]\ncycles = 40000\n");
+    write("longer.toml", "[scene]\nname = \"longer\"\nextends = \"base.toml\"\n[life]\ncycles = 12000\n");
     write("circle.toml", "[scene]\nname = \"circle\"\nextends = \"circle.toml\"\n");
     write("lost.toml", "[scene]\nname = \"lost\"\nextends = \"four-bra\"\n");
     write(
@@ -280,7 +280,7 @@ fn a_scene_extends_another() {
     );
 
     let longer = load("longer.toml").unwrap();
-    assert_eq!((longer.nominal().name.as_str(), longer.nominal().life.cycles), ("longer", 40_000));
+    assert_eq!((longer.nominal().name.as_str(), longer.nominal().life.cycles), ("longer", 12_000));
     assert_eq!(longer.nominal().bodies, SceneSource::builtin("four-bar").unwrap().nominal().bodies);
     // The text stands alone: the worker that receives it has no such file.
     assert_eq!(SceneSource::parse(longer.text(), "sent").unwrap().nominal(), longer.nominal());

@@ -3,9 +3,9 @@
 use super::quantity::{Dimension, Kind};
 use thiserror::Error;
 
-/// All faults of a scene, found in one pass.
+/// All faults of a scene, found in one pass; said in one line each, after their number if there are several.
 #[derive(Debug, Clone, PartialEq, Error)]
-#[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
+#[error("{}", in_lines(.0))]
 pub struct Faults(pub Vec<Fault>);
 
 /// One fault and where it is.
@@ -121,7 +121,7 @@ pub enum FaultKind {
     #[error(
         "there is no {what} \"{value}\"{}; there {}",
         suggestion(nearest),
-        if known.is_empty() { "is none".to_owned() } else { format!("are: {}", known.join(", ")) }
+        if known.is_empty() { "is none".to_owned() } else { format!("are: {}", list(known)) }
     )]
     UnknownReference {
         /// body, point, joint, material, output, variable, key.
@@ -179,6 +179,24 @@ fn suggestion(nearest: &Option<String>) -> String {
     nearest.as_ref().map(|name| format!(", did you mean \"{name}\"?")).unwrap_or_default()
 }
 
+fn in_lines(faults: &[Fault]) -> String {
+    match faults {
+        [one] => one.to_string(),
+        many => {
+            many.iter().fold(format!("{} faults", many.len()), |text, fault| format!("{text}\n  {fault}"))
+        }
+    }
+}
+
+/// Names that exist, as many as a reader takes in.
+fn list(names: &[String]) -> String {
+    const SHOWN: usize = 12;
+    match names.len().checked_sub(SHOWN) {
+        None | Some(0) => names.join(", "),
+        Some(more) => format!("{} and {more} more", names[..SHOWN].join(", ")),
+    }
+}
+
 fn units(kind: &Kind) -> String {
     if kind.units.is_empty() { "no unit".to_owned() } else { format!("{}, ...", kind.units) }
 }
@@ -188,7 +206,9 @@ pub(super) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) 
     known
         .into_iter()
         .map(|candidate| (strsim::damerau_levenshtein(name, candidate), candidate))
-        .filter(|(distance, candidate)| *distance <= 1 + candidate.chars().count() / 3)
+        .filter(|(distance, candidate)| {
+            *distance <= 1 + candidate.chars().count() / 3 || strsim::jaro_winkler(name, candidate) > 0.9
+        })
         .min_by_key(|(distance, _)| *distance)
         .map(|(_, candidate)| candidate.to_owned())
 }

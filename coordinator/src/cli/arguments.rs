@@ -100,7 +100,7 @@ Examples:
 }
 
 /// Options of a study.
-#[derive(Debug, Clone, Args, PartialEq)]
+#[derive(Debug, Clone, Default, Args, PartialEq)]
 pub struct RunArguments {
     /// Scene file, or name of a built-in scene [default: flapping-wing]
     #[arg(long, value_name = "NAME-or-FILE")]
@@ -142,7 +142,7 @@ pub struct ResumeArguments {
 }
 
 /// Who works, and where they meet.
-#[derive(Debug, Clone, Args, PartialEq)]
+#[derive(Debug, Clone, Default, Args, PartialEq)]
 pub struct FarmArguments {
     /// Local worker slots: a number, `auto` for one per core, 0 to wait for remote workers [default: auto]
     #[arg(long, value_name = "auto|N", value_parser = slots)]

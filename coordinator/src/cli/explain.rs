@@ -196,8 +196,8 @@ fn variables(out: &mut String, scene: &Scene) -> std::fmt::Result {
         // The unit was read when the scene was checked; "1" stands for a plain number.
         let scale = read_unit(&variable.unit).map_or(1.0, |unit| unit.multiply / unit.divide);
         let [mean, std, lower, upper] = [mean, std, lower, upper].map(|value| short(value / scale));
-        let unit = if variable.unit == "1" { "" } else { &variable.unit };
-        writeln!(out, "  {:width$}  mean {mean}, std {std}, from {lower} to {upper} {unit}", variable.name)?;
+        let unit = if variable.unit == "1" { String::new() } else { format!(" {}", variable.unit) };
+        writeln!(out, "  {:width$}  mean {mean}, std {std}, from {lower} to {upper}{unit}", variable.name)?;
     }
     writeln!(out)
 }

@@ -8,7 +8,7 @@ mod output;
 mod scenes;
 mod simulate;
 
-use arguments::{Arguments, Command, Talk};
+use arguments::{Arguments, Command, RunArguments, Talk};
 use clap::Parser;
 use error::CommandError;
 use std::io::IsTerminal;
@@ -35,6 +35,9 @@ pub fn main() -> ExitCode {
 
 fn command(arguments: Arguments) -> Result<(), CommandError> {
     let json = arguments.talk.json;
+    if arguments.command.is_some() && arguments.run != RunArguments::default() {
+        return Err(CommandError::MisplacedOptions);
+    }
     match arguments.command {
         Some(Command::Simulate(simulation)) => simulate::simulate(&simulation),
         Some(Command::Scenes { show }) => scenes::scenes(show.as_deref(), json),

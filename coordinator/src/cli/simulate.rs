@@ -3,6 +3,7 @@
 use super::arguments::SimulateArguments;
 use super::error::CommandError;
 use super::output::{deliver, to_json};
+use super::scenes::check_linkage;
 use common::accuracy::Accuracy;
 use common::outputs::{Diagnostics, Evaluation};
 use common::scene::{OutputKind, Scene, SceneSource};
@@ -65,6 +66,7 @@ pub fn simulate(arguments: &SimulateArguments) -> Result<(), CommandError> {
     let source = SceneSource::load(&arguments.scene)?;
     let settings = settings(&source, &arguments.set)?;
     let scene = source.resolve_with(&settings)?;
+    check_linkage(source.origin(), &scene)?;
     // The names come from the list of presets.
     let accuracy = Accuracy::by_name(&arguments.accuracy).unwrap_or_default();
     let start = Instant::now();
