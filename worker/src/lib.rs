@@ -1,1 +1,4 @@
 //! The worker: simulates worn mechanisms.
+
+pub mod service;
+pub mod simulator;
