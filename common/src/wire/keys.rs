@@ -11,6 +11,9 @@ pub const NOTICE: &str = "hingewise/notice";
 /// The liveliness tokens of all workers.
 pub const ALIVE_ALL: &str = "hingewise/alive/*/*";
 
+/// Liveliness token of the coordinator.
+pub const COORDINATOR: &str = "hingewise/coordinator";
+
 const ALIVE: &str = "hingewise/alive/";
 
 /// Longest name of a worker [bytes].
