@@ -6,5 +6,10 @@
 pub mod dispatch;
 pub mod evaluate;
 pub mod journal;
+pub mod output_unit;
 pub mod progress;
+pub mod report;
+pub mod result_files;
+pub mod store;
 pub mod summary;
+pub mod terminal;
