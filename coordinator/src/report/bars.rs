@@ -71,14 +71,14 @@ fn bars(figure: &str, rows: &[&SensitivityRow]) -> Result<String, PlotError> {
         let mut chart = ChartBuilder::on(root)
             .margin_top(px(6.0))
             .margin_right(px(14.0))
-            .margin_left(px(170.0))
+            .margin_left(px(152.0))
             .x_label_area_size(px(44.0))
             .build_cartesian_2d(-longest..longest, 0.0..rows.len() as f64)?;
         chart
             .configure_mesh()
             .disable_y_mesh()
             .disable_y_axis()
-            .x_labels(5)
+            .x_labels(4)
             .max_light_lines(0)
             .bold_line_style(stroke(Ink::Grid, 1.0))
             .axis_style(stroke(Ink::Muted, 1.0))
@@ -98,7 +98,7 @@ fn bars(figure: &str, rows: &[&SensitivityRow]) -> Result<String, PlotError> {
             let pale = [(0.0, top - 0.56), (std, top - 0.86)];
             chart.draw_series([Rectangle::new(pale, colour.mix(0.35).filled())])?;
             let middle = px(6.0 + ROW * (k as f64 + 0.5));
-            root.draw(&Text::new(words(&row.variable), (px(164.0), middle), right.clone()))?;
+            root.draw(&Text::new(words(&row.variable), (px(146.0), middle), right.clone()))?;
         }
         let axis = [(0.0, 0.0), (0.0, rows.len() as f64)];
         chart.draw_series([PathElement::new(axis, stroke(Ink::Muted, 1.0))])?;

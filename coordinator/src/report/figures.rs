@@ -423,7 +423,7 @@ pub fn learning(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
     ];
     let mut figures = Vec::new();
     for (name, title, y_label, y, series, caption) in plots {
-        let power = |v: f64| percent(10f64.powf(v));
+        let power = |v: f64| format!("{}\u{a0}%", short(10f64.powf(v + 2.0)));
         let y_text: &dyn Fn(f64) -> String = if name == "learning-shares" { &power } else { &short };
         let svg =
             Plot { figure: name, x_label: "evaluations", y_label, x, y, y_text, series: &series }.svg()?;

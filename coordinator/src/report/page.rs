@@ -72,13 +72,16 @@ pub fn html(input: &ReportInput, sections: &Sections) -> String {
     let mut body = String::new();
     let mut put = |text: &str| body.push_str(text);
     put(&head(input));
-    put(&section("Reliability", "", &figures(&sections.reliability, "one"), ""));
+    put("<h2>Reliability</h2>\n<div class=\"pair\"><div>");
+    put(&figures(&sections.reliability, "one"));
     let rows = rows_that_matter(summary, 1);
     let all = &summary.reliability;
+    put("</div><div>");
     put(&tables::reliability(input, rows));
     if rows.len() < all.len() {
         put(&details("All checkpoints", &tables::reliability(input, all)));
     }
+    put("</div></div>\n");
     put(&section(
         "How outputs spread",
         "",
@@ -103,8 +106,13 @@ pub fn html(input: &ReportInput, sections: &Sections) -> String {
         &figures(&sections.bores, "many"),
         "There is no nominal evaluation with worn joints.",
     ));
-    let sensitivities: String =
-        input.limit_states.iter().map(|state| tables::sensitivity(input, &state.name)).collect();
+    let sensitivities: String = input
+        .limit_states
+        .iter()
+        .map(|state| (escape(&state.name), tables::sensitivity(input, &state.name)))
+        .filter(|(_, table)| !table.is_empty())
+        .map(|(name, table)| format!("<h3>Failure by {name}</h3>\n{table}"))
+        .collect();
     put(&section(
         "Sensitivity",
         "",
@@ -218,7 +226,7 @@ fn numerics(input: &ReportInput) -> String {
             "<p>Evaluations without a result: {}. They are left out of the design.</p>",
             count(failed)
         );
-        let table = tables::table(
+        let table = tables::table_of_text(
             &["evaluation".into(), "what the simulation reported".into()],
             input.failures.iter().map(|run| vec![run.id.to_string(), escape(&run.failure)]),
         );
@@ -232,7 +240,7 @@ fn repeat(input: &ReportInput) -> String {
     let summary = &input.summary;
     let or_unknown = |text: &str| if text.is_empty() { UNKNOWN.to_string() } else { escape(text) };
     let mut html = String::from("<h2>To repeat it</h2>\n");
-    html += &tables::table(
+    html += &tables::table_of_text(
         &["what".into(), "value".into()],
         [
             ("command", format!("<code>{}</code>", or_unknown(&input.command))),

@@ -20,7 +20,7 @@ pub struct PlotError {
 pub(super) const SCALE: f64 = 4.0;
 
 /// Width a figure is designed for [CSS pixels].
-const WIDTH: f64 = 520.0;
+const WIDTH: f64 = 480.0;
 
 /// Size of lettering at that width [CSS pixels].
 const LETTERS: f64 = 13.5;
@@ -94,7 +94,7 @@ impl Plot<'_> {
     /// [`PlotError`].
     pub fn svg(&self) -> Result<String, PlotError> {
         let legend = legend(self.series);
-        let height = 310.0 + 20.0 * legend.rows as f64;
+        let height = 290.0 + 20.0 * legend.rows as f64;
         draw(self.figure, height, |root| self.draw_on(root, &legend))
     }
 
@@ -242,8 +242,8 @@ fn legend(series: &[Series]) -> Legend<'_> {
     let (mut x, mut row) = (10.0, 0);
     let mut entries = Vec::new();
     for series in series.iter().filter(|series| !series.label.is_empty()) {
-        // Six tenths of the letter size is an ample width for one letter of a sans-serif.
-        let width = 34.0 + 0.6 * LETTERS * series.label.chars().count() as f64;
+        // A sans-serif letter is 0.55 of its size wide on average, blanks between entries included.
+        let width = 34.0 + 0.55 * LETTERS * series.label.chars().count() as f64;
         if x + width > WIDTH && x > 10.0 {
             (x, row) = (10.0, row + 1);
         }

@@ -7,6 +7,11 @@ use super::input::ReportInput;
 use crate::summary::ReliabilityRow;
 use std::fmt::Write;
 
+/// A table whose last column is text that may break into lines. Cells are HTML.
+pub fn table_of_text(head: &[String], rows: impl Iterator<Item = Vec<String>>) -> String {
+    table(head, rows).replace("<table>", "<table class=\"text\">")
+}
+
 /// A table that scrolls sideways in itself on a narrow screen. Cells are HTML.
 pub fn table(head: &[String], rows: impl Iterator<Item = Vec<String>>) -> String {
     let cells = |cells: &[String], tag: &str| {

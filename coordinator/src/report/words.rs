@@ -73,16 +73,18 @@ fn who_fails_first(input: &ReportInput) -> Vec<String> {
             ));
         }
         [(from, first), rest @ ..] => {
-            text.push(format!("First to fail: {}, from {} cycles on.", named(first), count((*from).into())));
+            let always = if rest.is_empty() { "; it leads over the whole life studied" } else { "" };
+            text.push(format!(
+                "First to fail: {}, from {} cycles on{always}.",
+                named(first),
+                count((*from).into())
+            ));
             for (from, next) in rest {
                 text.push(format!(
                     "From {} cycles on {} has caused more failures.",
                     count((*from).into()),
                     named(next)
                 ));
-            }
-            if rest.is_empty() {
-                text.push("It leads over the whole life studied.".to_string());
             }
         }
     }
