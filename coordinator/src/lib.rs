@@ -3,7 +3,13 @@
 //! Data flows one way: design -> evaluate (dispatch) -> surrogate -> learning -> reliability -> sensitivity ->
 //! report; `study` is the campaign as one page.
 
+pub mod dispatch;
 pub mod evaluate;
 pub mod journal;
+pub mod output_unit;
 pub mod progress;
+pub mod report;
+pub mod result_files;
+pub mod store;
 pub mod summary;
+pub mod terminal;

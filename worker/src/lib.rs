@@ -8,5 +8,7 @@ pub mod integrate;
 pub mod life;
 pub mod mechanism;
 pub mod outputs;
+pub mod service;
 pub mod simulate;
+pub mod simulator;
 pub mod wear;
