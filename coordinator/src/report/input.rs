@@ -35,6 +35,11 @@ pub struct OutputDistribution {
     pub quantiles: Vec<(f64, f64)>,
 }
 
+/// Edges of `bins` equal bins from `from` to `to` `(bins + 1,)`, the last one exactly `to`.
+pub fn equal_edges(from: f64, to: f64, bins: usize) -> Vec<f64> {
+    (0..=bins).map(|k| if k == bins { to } else { from + (to - from) * k as f64 / bins as f64 }).collect()
+}
+
 /// A limit state, as the report shows it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LimitStateInfo {
@@ -229,4 +234,31 @@ fn notes(scene: &Scene) -> Vec<String> {
         ];
     }
     vec![]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::synthetic;
+
+    #[test]
+    fn equal_bins_end_where_they_should() {
+        assert_eq!(equal_edges(1.0, 2.0, 4), [1.0, 1.25, 1.5, 1.75, 2.0]);
+        assert_eq!(equal_edges(0.1, 0.3, 7)[7], 0.3);
+    }
+
+    #[test]
+    fn the_note_on_the_contact_law_stands_only_where_it_applies() {
+        let mut scene = synthetic::scene();
+        assert_eq!(notes(&scene).len(), 1);
+        for joint in &mut scene.joints {
+            if let JointKind::Clearance(clearance) = &mut joint.kind {
+                clearance.contact_law = ContactLaw::Foundation;
+            }
+        }
+        assert!(notes(&scene).is_empty());
+        let mut scene = synthetic::scene();
+        scene.limit_states.truncate(1);
+        assert!(notes(&scene).is_empty());
+    }
 }

@@ -20,7 +20,7 @@ mod words;
 pub use figures::Figure;
 pub use input::{
     DISTRIBUTIONS_DOCUMENT, FailedRun, LimitStateInfo, OutputDistribution, OutputInfo, ReportInput,
-    SUMMARY_DOCUMENT, VariableInfo, WorkTotals,
+    SUMMARY_DOCUMENT, VariableInfo, WorkTotals, equal_edges,
 };
 pub use plot::PlotError;
 
