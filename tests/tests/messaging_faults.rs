@@ -75,6 +75,32 @@ fn what_a_killed_process_held_is_done_elsewhere_within_a_second() {
 }
 
 #[test]
+fn what_a_frozen_process_held_is_done_elsewhere_and_its_return_is_harmless() {
+    in_time(|| {
+        let mut coordinator = coordinator();
+        let endpoint = coordinator.endpoints()[0].clone();
+        let frozen = Hanging::start(&endpoint);
+        assert!(coordinator.wait_for_workers(PATIENCE, |w| w.len() == 1));
+        let id = frozen.child.id().to_string();
+        let signal = move |name: &str| Command::new("kill").args([name, &id]).status().unwrap().success();
+        let stop_it = signal.clone();
+        let other = std::thread::spawn(move || {
+            assert_eq!(frozen.started.recv_timeout(PATIENCE).unwrap(), "started 0");
+            assert!(stop_it("-STOP"));
+            (worker_at(&endpoint, "other", 1, practice_result), frozen)
+        });
+        assert_eq!(evaluate(&mut coordinator, &requests(0..4)).unwrap(), expected(0..4));
+        let (other, _frozen) = other.join().unwrap();
+        assert!(coordinator.wait_for_workers(PATIENCE, |w| w.len() == 1), "only the other one is there");
+        assert!(signal("-CONT"));
+        assert!(coordinator.wait_for_workers(PATIENCE, |w| w.len() == 2), "it is back");
+        assert_eq!(evaluate(&mut coordinator, &requests(4..8)).unwrap(), expected(4..8));
+        coordinator.finish();
+        assert_eq!(other.join().unwrap(), Departure::CampaignEnded);
+    });
+}
+
+#[test]
 fn what_a_vanished_worker_held_is_done_elsewhere_and_counted_once() {
     in_time(|| {
         let mut coordinator = coordinator();
