@@ -6,6 +6,7 @@
 
 use super::held::Held;
 use super::link::Link;
+use super::patience::Patience;
 use super::slots::Slots;
 use super::{Departure, ServiceConfig, ServiceError};
 use common::wire::{
@@ -21,8 +22,6 @@ const MOST_HELD: usize = 64 << 20;
 /// Pauses between claims that nobody answers.
 const FIRST_BACKOFF: Duration = Duration::from_millis(50);
 const LONGEST_BACKOFF: Duration = Duration::from_secs(1);
-/// How often the user hears that nobody answers.
-const TELL_EVERY: Duration = Duration::from_secs(5);
 /// How long leaving may take.
 const FAREWELL: Duration = Duration::from_secs(5);
 /// Beyond the timeout of the query, after which Zenoh itself has forgotten it.
@@ -76,16 +75,20 @@ pub(super) struct Claims {
     /// No claim before this, whatever there is to say.
     silent_until: Instant,
     backoff: Duration,
-    unanswered_since: Option<Instant>,
-    told_at: Option<Instant>,
-    was_connected: bool,
+    patience: Patience,
     leaving_since: Option<Instant>,
     /// A claim that says the worker leaves was answered.
     said_farewell: bool,
 }
 
 impl Claims {
-    pub fn new(config: ServiceConfig, worker: WorkerId, link: Link, slots: Slots) -> Self {
+    pub fn new(
+        config: ServiceConfig,
+        worker: WorkerId,
+        link: Link,
+        slots: Slots,
+        patience: Patience,
+    ) -> Self {
         let now = Instant::now();
         Self {
             config,
@@ -99,9 +102,7 @@ impl Claims {
             ask_at: now,
             silent_until: now,
             backoff: FIRST_BACKOFF,
-            unanswered_since: None,
-            told_at: None,
-            was_connected: false,
+            patience,
             leaving_since: None,
             said_farewell: false,
         }
@@ -148,7 +149,9 @@ impl Claims {
             Inbox::Answer { sequence, frame } if self.is_under_way(sequence) => {
                 return self.answered(now, frame);
             }
-            Inbox::QueryEnded { sequence } if self.is_under_way(sequence) => self.unanswered(now),
+            Inbox::QueryEnded { sequence } if self.is_under_way(sequence) => {
+                self.unanswered(now, "nobody answers claims there".into());
+            }
             Inbox::Answer { .. } | Inbox::QueryEnded { .. } => {}
             Inbox::Notice(frame) => match wire::decode::<Notice>(&frame) {
                 Ok(Notice::Batch { points, .. }) => {
@@ -187,18 +190,18 @@ impl Claims {
             }
             Ok(Err(error)) => {
                 tracing::warn!("an answer of the coordinator could not be read: {error}");
-                self.unanswered(now);
+                self.unanswered(now, error.to_string());
                 return Ok(None);
             }
             Err(reason) => {
-                tracing::debug!("the coordinator gave no answer: {reason}");
-                self.unanswered(now);
+                self.unanswered(now, reason);
                 return Ok(None);
             }
         };
         let Some(UnderWay { credits, leaving, .. }) = self.under_way.take() else { return Ok(None) };
         self.said_farewell |= leaving;
-        self.note_contact();
+        self.patience.heard();
+        self.backoff = FIRST_BACKOFF;
         self.held.forget(&reply.acknowledged);
         match reply.next {
             Next::Work(order) => {
@@ -215,17 +218,6 @@ impl Claims {
         Ok(None)
     }
 
-    fn note_contact(&mut self) {
-        if !self.was_connected {
-            tracing::info!("connected to the coordinator at {}", self.config.connect);
-        } else if self.told_at.is_some() {
-            tracing::info!("the coordinator at {} answers again", self.config.connect);
-        }
-        self.was_connected = true;
-        (self.unanswered_since, self.told_at) = (None, None);
-        self.backoff = FIRST_BACKOFF;
-    }
-
     fn begin(&mut self, mut order: WorkOrder, now: Instant) {
         let tasks = std::mem::take(&mut order.tasks);
         let order = Arc::new(order);
@@ -240,9 +232,9 @@ impl Claims {
         }
     }
 
-    fn unanswered(&mut self, now: Instant) {
+    fn unanswered(&mut self, now: Instant, reason: String) {
         let since = self.under_way.take().map_or(now, |claim| claim.since);
-        self.unanswered_since = self.unanswered_since.or(Some(since));
+        self.patience.failed(since, reason);
         self.held.offer_again(now);
         let pause = self.spread(self.backoff);
         self.backoff = (2 * self.backoff).min(LONGEST_BACKOFF);
@@ -301,8 +293,7 @@ impl Claims {
             since: now,
         });
         if let Err(reason) = self.link.ask(self.sequence, frame) {
-            tracing::debug!("a claim could not be sent: {reason}");
-            self.unanswered(now);
+            self.unanswered(now, reason);
         }
         Ok(())
     }
@@ -319,7 +310,7 @@ impl Claims {
     fn check_time(&mut self, now: Instant) -> Result<Option<Departure>, ServiceError> {
         let patience = self.config.answer_timeout + QUERY_MARGIN;
         if self.under_way.as_ref().is_some_and(|claim| now.duration_since(claim.since) > patience) {
-            self.unanswered(now);
+            self.unanswered(now, "the claim was forgotten".into());
         }
         if let Some(since) = self.leaving_since {
             // What the coordinator has not taken by then (outcomes it does not know of) it will not take.
@@ -328,20 +319,7 @@ impl Claims {
                 return Ok(Some(Departure::Stopped { lost: self.held.len() }));
             }
         }
-        let Some(since) = self.unanswered_since else { return Ok(None) };
-        let silence = now.duration_since(since);
-        if self.config.give_up_after.is_some_and(|patience| silence >= patience) {
-            let endpoint = self.config.connect.clone();
-            return Err(ServiceError::Unreachable { endpoint, seconds: silence.as_secs_f64() });
-        }
-        if silence >= TELL_EVERY && self.told_at.is_none_or(|told| now.duration_since(told) >= TELL_EVERY) {
-            self.told_at = Some(now);
-            tracing::warn!(
-                "no coordinator answers at {} (for {:.0} s); trying again",
-                self.config.connect,
-                silence.as_secs_f64()
-            );
-        }
+        self.patience.check(now)?;
         Ok(None)
     }
 }

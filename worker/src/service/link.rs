@@ -1,10 +1,11 @@
 //! The worker's connection: the only place of the worker that knows Zenoh.
 
 use super::claims::Inbox;
-use super::{ServiceConfig, ServiceError};
+use super::patience::Patience;
+use super::{Departure, ServiceConfig, ServiceError};
 use common::wire::{WorkerId, keys};
-use std::sync::mpsc::{Sender, channel};
-use std::time::Duration;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::time::{Duration, Instant};
 use zenoh::liveliness::LivelinessToken;
 use zenoh::pubsub::Subscriber;
 use zenoh::query::ConsolidationMode;
@@ -12,7 +13,8 @@ use zenoh::{Config, Session, Wait};
 
 /// What the worker needs, as Zenoh settings. A hang of the worker is seen within its lease; reconnection is
 /// tried for ever and by the second, so that a restarted coordinator has its workers back at once (measured:
-/// 0.45 s against 4 s with Zenoh's own settings).
+/// 0.45 s against 4 s with Zenoh's own settings). The timeout bounds the first connection only: opening a client
+/// session waits for it, and without a bound it could neither give up nor be stopped.
 const SETTINGS: [(&str, &str); 9] = [
     ("mode", "\"client\""),
     ("listen/endpoints", "[]"),
@@ -20,10 +22,13 @@ const SETTINGS: [(&str, &str); 9] = [
     ("scouting/gossip/enabled", "false"),
     ("scouting/delay", "0"),
     ("transport/link/tx/lease", "2000"),
-    ("connect/timeout_ms", "-1"),
+    ("connect/timeout_ms", "1000"),
     ("connect/exit_on_failure", "false"),
     ("connect/retry", "{period_init_ms: 200, period_max_ms: 1000, period_increase_factor: 1.5}"),
 ];
+
+/// Pause between attempts to open the session.
+const RETRY: Duration = Duration::from_millis(200);
 
 /// A dead line may never let go.
 const CLOSE_TIMEOUT: Duration = Duration::from_secs(2);
@@ -39,13 +44,39 @@ pub(super) struct Link {
 }
 
 impl Link {
-    /// Opens the session; the connection itself comes about when the coordinator can be reached.
-    pub fn open(
+    /// Opens the session as soon as the coordinator can be reached; `Ok(Err(_))` if told to stop before.
+    ///
+    /// # Errors
+    /// [`ServiceError::Unreachable`] when it was not for too long.
+    pub fn connect(
+        settings: &Config,
+        service: &ServiceConfig,
+        worker: &WorkerId,
+        inbox: &Sender<Inbox>,
+        received: &Receiver<Inbox>,
+        patience: &mut Patience,
+    ) -> Result<Result<Self, Departure>, ServiceError> {
+        loop {
+            let started = Instant::now();
+            match zenoh::open(settings.clone()).wait() {
+                Ok(session) => return Self::declare(session, service, worker, inbox).map(Ok),
+                Err(error) => patience.failed(started, error.to_string()),
+            }
+            patience.check(Instant::now())?;
+            match received.recv_timeout(RETRY) {
+                Ok(Inbox::Stop) => return Ok(Err(Departure::Stopped { lost: 0 })),
+                Ok(Inbox::Abort) | Err(RecvTimeoutError::Disconnected) => return Ok(Err(Departure::Aborted)),
+                Ok(_) | Err(RecvTimeoutError::Timeout) => {}
+            }
+        }
+    }
+
+    fn declare(
+        session: Session,
         service: &ServiceConfig,
         worker: &WorkerId,
         inbox: &Sender<Inbox>,
     ) -> Result<Self, ServiceError> {
-        let session = zenoh::open(settings(service)?).wait().map_err(messaging)?;
         // Callbacks only feed the inbox: a callback that waits would hold up Zenoh's receiving threads.
         let to_claims = inbox.clone();
         let notices = session
@@ -112,7 +143,11 @@ impl Drop for Ended {
     }
 }
 
-fn settings(service: &ServiceConfig) -> Result<Config, ServiceError> {
+/// Zenoh settings of a worker.
+///
+/// # Errors
+/// [`ServiceError::Settings`].
+pub(super) fn settings(service: &ServiceConfig) -> Result<Config, ServiceError> {
     let mut config = match &service.zenoh_config {
         None => Config::default(),
         Some(file) => Config::from_file(file).map_err(|error| ServiceError::Settings {

@@ -15,6 +15,7 @@ mod claims;
 mod guard;
 mod held;
 mod link;
+mod patience;
 mod slots;
 
 use common::accuracy::Accuracy;
@@ -105,14 +106,16 @@ pub enum ServiceError {
     },
     /// Nobody answers.
     #[error(
-        "no coordinator answered at {endpoint} for {seconds:.0} s: is it running, is the address right, does it \
-         accept this worker?"
+        "no coordinator answered at {endpoint} for {seconds:.0} s ({last_reason}): is it running, is the address \
+         right, does it accept this worker?"
     )]
     Unreachable {
         /// Where it should be.
         endpoint: String,
         /// How long it was tried [s].
         seconds: f64,
+        /// What the last attempt said.
+        last_reason: String,
     },
     /// Coordinator and worker come from different versions of the program.
     #[error(
@@ -193,13 +196,20 @@ pub fn spawn(config: ServiceConfig, simulator: Arc<dyn Simulator>) -> Result<Wor
     }
     let worker = WorkerId { name: keys::worker_name(&config.name), epoch: new_epoch() };
     let (inbox, received) = channel();
-    let link = link::Link::open(&config, &worker, &inbox)?;
+    let settings = link::settings(&config)?;
     let slots = slots::Slots::start(config.slots, &worker.name, simulator, &inbox)
         .map_err(|e| ServiceError::Messaging(format!("cannot start a thread: {e}")))?;
-    let claims = claims::Claims::new(config, worker, link, slots);
+    let to_claims = inbox.clone();
+    let serve = move || {
+        let mut patience = patience::Patience::new(&config.connect, config.give_up_after);
+        match link::Link::connect(&settings, &config, &worker, &to_claims, &received, &mut patience)? {
+            Ok(link) => claims::Claims::new(config, worker, link, slots, patience).run(&received),
+            Err(departure) => Ok(departure),
+        }
+    };
     let thread = std::thread::Builder::new()
         .name("worker-claims".into())
-        .spawn(move || claims.run(&received))
+        .spawn(serve)
         .map_err(|e| ServiceError::Messaging(format!("cannot start a thread: {e}")))?;
     Ok(WorkerHandle { stopper: Stopper(inbox), thread })
 }
