@@ -32,8 +32,11 @@ pub fn at_checkpoints(lives: &[u32], values: &[f64], checkpoints: &[u32]) -> Vec
         }
         if k == 0 || k == n - 1 {
             // One-sided three-point slope, limited to the same sign and three times the secant.
-            let (s0, s1, h0, h1) =
-                if k == 0 { (secant[0], secant[1], h[0], h[1]) } else { (secant[n - 2], secant[n - 3], h[n - 2], h[n - 3]) };
+            let (s0, s1, h0, h1) = if k == 0 {
+                (secant[0], secant[1], h[0], h[1])
+            } else {
+                (secant[n - 2], secant[n - 3], h[n - 2], h[n - 3])
+            };
             let d = ((2.0 * h0 + h1) * s0 - h0 * s1) / (h0 + h1);
             return if d * s0 <= 0.0 { 0.0 } else { d.abs().min(3.0 * s0.abs()).copysign(s0) };
         }

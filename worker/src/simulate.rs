@@ -213,13 +213,13 @@ impl<'a> Run<'a> {
                 if joint.wear_coefficient == 0.0 {
                     continue;
                 }
-                m.steps[k]
-                    .advance(&mut m.rates[k], &mut m.depth[k], cycles, &mut self.wear_stats)
-                    .map_err(|failed| SimulationFailure::WearStep {
+                m.steps[k].advance(&mut m.rates[k], &mut m.depth[k], cycles, &mut self.wear_stats).map_err(
+                    |failed| SimulationFailure::WearStep {
                         cycle: self.cycle,
                         joint: joint.name.clone(),
                         error: failed.0,
-                    })?;
+                    },
+                )?;
                 joint.set_depth(&m.depth[k]);
             }
         }
@@ -275,9 +275,8 @@ impl<'a> Run<'a> {
                 }
             }
         }
-        let joint_force = self.joints(|m, k| {
-            m.recorder.forces.as_ref().map(|f| f[k].resample(&time)).unwrap_or_default()
-        });
+        let joint_force =
+            self.joints(|m, k| m.recorder.forces.as_ref().map(|f| f[k].resample(&time)).unwrap_or_default());
         FirstCycle { time, bodies, joint_force }
     }
 

@@ -123,7 +123,8 @@ fn study(
         }
     }
     let mut terminal = Terminal::new(talk.quiet);
-    let result = coordinator::study::run(&scene, &settings, &mut farm.evaluator, &mut campaign, &mut terminal);
+    let result =
+        coordinator::study::run(&scene, &settings, &mut farm.evaluator, &mut campaign, &mut terminal);
     terminal.finish();
     let mut result = result.map_err(|error| CommandError::of_study(error, &dir))?;
     let timing = &mut result.summary.timing_s;

@@ -200,7 +200,8 @@ impl Foundation {
                         polar[0][c] = -d_normal + friction * turn;
                         polar[1][c] = -d_friction - normal * turn;
                         polar[2][c] = -s.journal_radius * d_friction;
-                        polar[3][c] = d_normal * lever + normal * d_lever + d_friction * arm + friction * d_arm;
+                        polar[3][c] =
+                            d_normal * lever + normal * d_lever + d_friction * arm + friction * d_arm;
                     }
                     out.jacobian = from_polar(&polar, n, t);
                 }

@@ -189,8 +189,7 @@ mod tests {
     #[test]
     fn order_four_is_observed() {
         let fine = end(2048);
-        let error =
-            |n: usize| end(n).iter().zip(&fine).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let error = |n: usize| end(n).iter().zip(&fine).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         let order = (error(32) / error(128)).log2() / 2.0;
         assert!((3.8..4.4).contains(&order), "observed order {order}");
     }

@@ -55,13 +55,22 @@ impl<'a> Closure<'a> {
         }
         let points = scene.joints.iter().flat_map(|j| [j.journal.position, j.bushing.position]);
         let size = points.flatten().fold(1e-6_f64, |a, b| a.max(b.abs()));
-        Closure { scene, prescribed: scene.bodies.iter().map(Prescribed::of).collect(), first, centre, n, size }
+        Closure {
+            scene,
+            prescribed: scene.bodies.iter().map(Prescribed::of).collect(),
+            first,
+            centre,
+            n,
+            size,
+        }
     }
 
     fn start(&self) -> DVector<f64> {
         let mut q = DVector::zeros(self.n);
         for (body, first) in self.scene.bodies.iter().zip(&self.first) {
-            if let (Motion::Free { centre_of_mass, start_position, start_angle, .. }, Some(k)) = (&body.motion, *first) {
+            if let (Motion::Free { centre_of_mass, start_position, start_angle, .. }, Some(k)) =
+                (&body.motion, *first)
+            {
                 let frame = Frame::free(&[start_position[0], start_position[1], *start_angle], &[0.0; 3]);
                 let x = frame.point(*centre_of_mass);
                 q[k] = x[0];
@@ -119,9 +128,10 @@ impl<'a> Closure<'a> {
             *iterations += 1;
             let step = least_norm(jacobian, &phi);
             // No body moves by more than half the mechanism in one iteration.
-            let longest = step.iter().enumerate().fold(0.0_f64, |a, (k, s)| {
-                a.max(if k % 3 == 2 { s.abs() * self.size } else { s.abs() })
-            });
+            let longest = step
+                .iter()
+                .enumerate()
+                .fold(0.0_f64, |a, (k, s)| a.max(if k % 3 == 2 { s.abs() * self.size } else { s.abs() }));
             *q -= step * (0.5 * self.size / longest).min(1.0);
         }
         Err(SimulationFailure::CannotAssemble {

@@ -207,7 +207,9 @@ impl Island {
         const SHARE_OF_CLEARANCE: f64 = 0.01;
         let period = scene.life.period;
         let (mut length, mut frequency) = (1e-3_f64, 1.0 / period);
-        if let Some(smallest) = self.joints.iter().map(|j| j.contact.surface().clearance).min_by(f64::total_cmp) {
+        if let Some(smallest) =
+            self.joints.iter().map(|j| j.contact.surface().clearance).min_by(f64::total_cmp)
+        {
             length = SHARE_OF_CLEARANCE * smallest;
             let lightest = self.mass.iter().step_by(3).copied().fold(f64::INFINITY, f64::min);
             let stiffest = self.joints.iter().map(|j| j.contact.surface().stiffness).fold(0.0, f64::max);
@@ -238,7 +240,14 @@ impl Island {
     }
 
     #[inline]
-    fn assemble<const JACOBIAN: bool>(&self, t: f64, q: &[f64], v: &[f64], f: &mut [f64], at: &mut Linearised) {
+    fn assemble<const JACOBIAN: bool>(
+        &self,
+        t: f64,
+        q: &[f64],
+        v: &[f64],
+        f: &mut [f64],
+        at: &mut Linearised,
+    ) {
         let n = self.mass.len();
         f.copy_from_slice(&self.weight);
         if JACOBIAN {
@@ -246,7 +255,11 @@ impl Island {
             at.d.fill(0.0);
             at.ft.fill(0.0);
         }
-        let mut add = |ends: [usize; 2], force: &[f64; 6], k: &[[f64; 6]; 6], d: &[[f64; 6]; 6], at: &mut Linearised| {
+        let mut add = |ends: [usize; 2],
+                       force: &[f64; 6],
+                       k: &[[f64; 6]; 6],
+                       d: &[[f64; 6]; 6],
+                       at: &mut Linearised| {
             for (side, &frame) in ends.iter().enumerate() {
                 if frame >= self.bodies.len() {
                     continue;
@@ -299,7 +312,13 @@ impl Island {
 
     /// Generalised force of a load on its two frames, and its derivative to their coordinates.
     #[inline]
-    fn load_force(&self, load: &IslandLoad, t: f64, q: &[f64], v: &[f64]) -> ([usize; 2], [f64; 6], [[f64; 6]; 6]) {
+    fn load_force(
+        &self,
+        load: &IslandLoad,
+        t: f64,
+        q: &[f64],
+        v: &[f64],
+    ) -> ([usize; 2], [f64; 6], [[f64; 6]; 6]) {
         let mut k = [[0.0; 6]; 6];
         match *load {
             IslandLoad::Spring { at, anchor, direction: d, stiffness, free_length } => {
@@ -307,14 +326,7 @@ impl Island {
                 let (a, b) = (fa.turn(at.arm), fb.turn(anchor.arm));
                 let y = d[0] * (fa.x[0] + a[0] - fb.x[0] - b[0]) + d[1] * (fa.x[1] + a[1] - fb.x[1] - b[1]);
                 // Gradient of y to the six coordinates: the force is -stiffness (y - y0) times it.
-                let g = [
-                    d[0],
-                    d[1],
-                    a[0] * d[1] - a[1] * d[0],
-                    -d[0],
-                    -d[1],
-                    -(b[0] * d[1] - b[1] * d[0]),
-                ];
+                let g = [d[0], d[1], a[0] * d[1] - a[1] * d[0], -d[0], -d[1], -(b[0] * d[1] - b[1] * d[0])];
                 let pull = -stiffness * (y - free_length);
                 for r in 0..6 {
                     for c in 0..6 {
@@ -331,9 +343,7 @@ impl Island {
                 let torque = a[0] * force[1] - a[1] * force[0];
                 ([at.frame, NOBODY], [force[0], force[1], torque, 0.0, 0.0, 0.0], k)
             }
-            IslandLoad::Torque { frame, torque } => {
-                ([frame, NOBODY], [0.0, 0.0, torque, 0.0, 0.0, 0.0], k)
-            }
+            IslandLoad::Torque { frame, torque } => ([frame, NOBODY], [0.0, 0.0, torque, 0.0, 0.0, 0.0], k),
         }
     }
 }

@@ -98,7 +98,8 @@ impl WearRate {
         let last = ((psi + after + ENTRY) / spacing).floor() as i64;
         for i in first..=last.min(first + n - 1) {
             let at = i as f64 * spacing - psi;
-            let inside = (0.5 + (after - at) / ENTRY).clamp(0.0, 1.0) * (0.5 + (at + before) / ENTRY).clamp(0.0, 1.0);
+            let inside =
+                (0.5 + (after - at) / ENTRY).clamp(0.0, 1.0) * (0.5 + (at + before) / ENTRY).clamp(0.0, 1.0);
             rate[i.rem_euclid(n) as usize] += share * inside;
         }
     }
@@ -161,7 +162,13 @@ impl WearRate {
 
 /// The same direction as an angle in [0, 2 pi) [rad].
 fn within_turn(angle: f64) -> f64 {
-    if angle < 0.0 { angle + TAU } else if angle >= TAU { angle - TAU } else { angle }
+    if angle < 0.0 {
+        angle + TAU
+    } else if angle >= TAU {
+        angle - TAU
+    } else {
+        angle
+    }
 }
 
 /// End of the arc within the first table interval: positive root of delta + slope x + q x^2, where q makes the

@@ -135,12 +135,8 @@ impl Profile {
         for i in 0..n {
             let (m0, m1) = (m[i], m[(i + 1) % n]);
             let (w0, w1) = (self.depth[i], self.depth[(i + 1) % n]);
-            self.cubic[i] = [
-                self.initial_radius + w0,
-                w1 - w0 - (2.0 * m0 + m1) / 6.0,
-                0.5 * m0,
-                (m1 - m0) / 6.0,
-            ];
+            self.cubic[i] =
+                [self.initial_radius + w0, w1 - w0 - (2.0 * m0 + m1) / 6.0, 0.5 * m0, (m1 - m0) / 6.0];
         }
     }
 }
@@ -151,9 +147,8 @@ mod tests {
 
     fn bumpy(points: usize) -> Profile {
         let mut profile = Profile::round(1.5e-3, points);
-        let depth: Vec<f64> = (0..points)
-            .map(|i| 1e-5 * (1.0 + (TAU * i as f64 / points as f64).cos()))
-            .collect();
+        let depth: Vec<f64> =
+            (0..points).map(|i| 1e-5 * (1.0 + (TAU * i as f64 / points as f64).cos())).collect();
         profile.set_depth(&depth);
         profile
     }
