@@ -80,14 +80,14 @@ fn ranges() {
             "joints.crank.wear_coefficient",
         ),
         (
-            "speed = \"300 r/min\"",
+            "speed = \"900 r/min\"",
             "speed = \"0 r/min\"",
             "bodies.crank.speed: 0 is out of range, allowed: not 0",
         ),
         (
             "checkpoint_every = 1000",
-            "checkpoint_every = 4000",
-            "life.cycles: 6000 is out of range, allowed: a multiple of checkpoint_every = 4000",
+            "checkpoint_every = 3000",
+            "life.cycles: 8000 is out of range, allowed: a multiple of checkpoint_every = 3000",
         ),
         (
             "population = 20000",
@@ -95,8 +95,8 @@ fn ranges() {
             "study.population: 20 is out of range, allowed: >= initial = 30",
         ),
         ("initial = 30", "initial = 0", "study.initial: 0 is out of range"),
-        ("threshold = \"30 um\"", "threshold = \"0 um\"", "limit_states.wear.threshold"),
-        ("threshold = \"30 um\"", "threshold = \"30 r/min\"", "is an angular velocity, expected a length"),
+        ("threshold = \"8 um\"", "threshold = \"0 um\"", "limit_states.wear.threshold"),
+        ("threshold = \"8 um\"", "threshold = \"30 r/min\"", "is an angular velocity, expected a length"),
     ] {
         let found = faults(from, to);
         assert!(found[0].contains(expected), "found    {}\nexpected {expected}", found[0]);
@@ -136,7 +136,7 @@ fn references_and_names() {
         "did you mean \"crank\"?",
     );
     one_fault(
-        "contact_law = \"foundation\"",
+        "contact_law = \"local-hertz\"",
         "contact_law = \"hertz\"",
         "\"hertz\" is unknown; allowed: local-hertz, foundation",
     );
@@ -173,9 +173,9 @@ fn keys() {
         "",
         "joints.crank.friction_speed: is missing, expected a speed (mm/s, m/s, ...)",
     );
-    one_fault("cycles = 6000\n", "", "life.cycles: is missing");
+    one_fault("cycles = 8000\n", "", "life.cycles: is missing");
     one_fault(
-        "[[limit_states]]\nname = \"wear\"\noutput = \"max_wear_depth\"\nthreshold = \"30 um\"",
+        "[[limit_states]]\nname = \"wear\"\noutput = \"max_wear_depth\"\nthreshold = \"8 um\"",
         "",
         "at least one limit state",
     );
@@ -241,7 +241,7 @@ fn all_faults_at_once() {
         .replacen("elastic_modulus = \"206 GPa\"", "elastic_modulus = \"206 N\"", 1)
         .replacen("poisson_ratio = 0.34", "poison_ratio = 0.34", 1)
         .replacen("body = \"rocker\"\ntorque", "body = \"rokcer\"\ntorque", 1)
-        .replacen("cycles = 6000", "cycles = -1", 1);
+        .replacen("cycles = 8000", "cycles = -1", 1);
     let found = SceneSource::parse(&text, "my.toml").unwrap_err();
     let keys: Vec<_> = found.0.iter().map(|fault| fault.key.as_str()).collect();
     let expected = [

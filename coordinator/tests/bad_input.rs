@@ -147,3 +147,69 @@ fn bad_options() {
         }
     }
 }
+
+#[test]
+fn folders_that_hold_no_finished_study() {
+    let folder = tempfile::tempdir().unwrap();
+    let dir = folder.path().to_str().unwrap();
+    for command in ["resume", "report", "sensitivity"] {
+        one_message(&refused(&[command, dir], 2), &[dir, "holds no campaign"]);
+    }
+}
+
+#[test]
+fn addresses_that_cannot_be_listened_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("study");
+    let out = out.to_str().unwrap();
+    let run = ["run", "--scene", "four-bar", "--workers", "0", "--out", out];
+    let with = |more: &[&'static str]| [&run[..], more].concat();
+    one_message(&refused(&with(&["--listen", "tcp/0.0.0.0:0"]), 2), &["tcp/0.0.0.0:0", "--insecure"]);
+    one_message(
+        &refused(&with(&["--listen", "nowhere"]), 2),
+        &["--listen nowhere", "expected e.g. tcp/127.0.0.1:7447"],
+    );
+    one_message(&refused(&with(&["--config", "no.json5"]), 2), &["no.json5"]);
+    // Nothing was begun.
+    assert!(!Path::new(out).exists());
+}
+
+/// A study that waits for workers, ended when the test ends, however it ends.
+struct Waiting(std::process::Child);
+
+impl Drop for Waiting {
+    fn drop(&mut self) {
+        // It may have ended already.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+#[test]
+fn an_output_folder_in_use() {
+    use std::io::{BufRead, BufReader};
+    let folder = tempfile::tempdir().unwrap();
+    let dir = folder.path().to_str().unwrap();
+    let run = ["run", "--scene", "four-bar", "--workers", "0", "--out", dir];
+    let child = Command::new(env!("CARGO_BIN_EXE_coordinator"))
+        .args(run)
+        .stderr(std::process::Stdio::piped())
+        .stdout(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    let mut waiting = Waiting(child);
+    let mut lines = BufReader::new(waiting.0.stderr.take().unwrap()).lines().map(Result::unwrap);
+    assert!(lines.any(|line| line.starts_with("waiting for workers: worker --connect tcp/127.0.0.1:")));
+
+    for command in [&run[..], &["resume", dir], &["report", dir]] {
+        one_message(&refused(command, 2), &[dir, "in use by another running coordinator"]);
+    }
+
+    // Ctrl-C: everything done so far is saved, and the study can go on.
+    let killed = Command::new("kill").args(["-INT", &waiting.0.id().to_string()]).status().unwrap();
+    assert!(killed.success());
+    assert!(lines.any(|line| line.starts_with("error: interrupted;") && line.contains("coordinator resume")));
+    assert_eq!(waiting.0.wait().unwrap().code(), Some(130));
+    one_message(&refused(&run, 2), &[dir, "already holds a campaign", "coordinator resume"]);
+    one_message(&refused(&["report", dir], 2), &[dir, "not finished"]);
+}

@@ -1,9 +1,20 @@
 //! Why a command ended early, in one message, with its exit code.
 
+use super::signals::INTERRUPTED;
 use common::failure::SimulationFailure;
 use common::scene::{Faults, Motion, Scene};
-use std::path::PathBuf;
+use coordinator::dispatch::DispatchError;
+use coordinator::evaluate::EvaluateError;
+use coordinator::report::ReportError;
+use coordinator::result_files::ResultFileError;
+use coordinator::store::StoreError;
+use coordinator::study::StudyError;
+use std::path::{Path, PathBuf};
 use thiserror::Error;
+use worker::service::ServiceError;
+
+const FAILURE: u8 = 1;
+const BAD_INPUT: u8 = 2;
 
 /// What ended a command.
 #[derive(Debug, Error)]
@@ -42,20 +53,76 @@ pub enum CommandError {
         /// Why.
         failure: SimulationFailure,
     },
+    /// A scene without anything random, or without a limit state.
+    #[error(
+        "{origin}: a study needs at least one random variable and one limit state; `simulate` does without"
+    )]
+    NothingToStudy {
+        /// File or name of the scene.
+        origin: String,
+    },
+    /// An option that does not fit the others.
+    #[error("{option} {value} is out of range, allowed: {allowed}")]
+    Option {
+        /// Which.
+        option: &'static str,
+        /// Its value.
+        value: usize,
+        /// What is allowed.
+        allowed: String,
+    },
+    /// The campaign file has settings of another version.
+    #[error("{file}: the settings of this study cannot be read: {reason}")]
+    ForeignSettings {
+        /// The campaign file.
+        file: String,
+        /// Why.
+        reason: String,
+    },
+    /// A study without an end.
+    #[error("{}: this study is not finished; go on with `coordinator resume {}`", dir.display(), dir.display())]
+    NotFinished {
+        /// Its folder.
+        dir: PathBuf,
+    },
+    /// The user stopped the study.
+    #[error("interrupted; everything done so far is saved, go on with `coordinator resume {}`", dir.display())]
+    Interrupted {
+        /// Its folder.
+        dir: PathBuf,
+    },
+    /// The study cannot come to an end.
+    #[error("{error}; everything done so far is saved in {}", dir.display())]
+    Study {
+        /// Its folder.
+        dir: PathBuf,
+        /// Why.
+        error: StudyError,
+    },
+    /// The campaign file cannot be made, read or written.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// The coordinator cannot listen.
+    #[error(transparent)]
+    Dispatch(#[from] DispatchError),
+    /// A local worker cannot be started.
+    #[error("local worker: {0}")]
+    Worker(#[from] ServiceError),
+    /// A result file cannot be written.
+    #[error(transparent)]
+    ResultFile(#[from] ResultFileError),
+    /// The report cannot be written.
+    #[error(transparent)]
+    Report(#[from] ReportError),
+    /// The system refuses a signal handler.
+    #[error("signals: {0}")]
+    Signals(#[source] std::io::Error),
     /// Options of a study before a command.
     #[error("options of a study go after `run`: coordinator run --workers ...")]
     MisplacedOptions,
     /// A result that JSON cannot hold.
     #[error("the result cannot be written as JSON: {0}")]
     Json(#[from] serde_json::Error),
-    /// A file cannot be written.
-    #[error("{}: {source}", path.display())]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// The system's reason.
-        source: std::io::Error,
-    },
     /// Standard output is closed.
     #[error("standard output: {0}")]
     Output(#[source] std::io::Error),
@@ -68,11 +135,27 @@ impl CommandError {
             Self::Scene(_)
             | Self::LockedLinkage { .. }
             | Self::NotModelled { .. }
-            | Self::MisplacedOptions => 2,
-            Self::Simulation { .. } | Self::Json(_) | Self::Write { .. } => 1,
+            | Self::NothingToStudy { .. }
+            | Self::Option { .. }
+            | Self::ForeignSettings { .. }
+            | Self::NotFinished { .. }
+            | Self::MisplacedOptions => BAD_INPUT,
+            Self::Interrupted { .. } => INTERRUPTED,
+            Self::Study { error: StudyError::Setting { .. }, .. } => BAD_INPUT,
+            Self::Store(error) if error.is_bad_input() => BAD_INPUT,
+            Self::Dispatch(error) if error.is_bad_input() => BAD_INPUT,
+            Self::Worker(ServiceError::Settings { .. }) => BAD_INPUT,
             // Whoever closed the pipe has read all it wanted.
             Self::Output(error) if error.kind() == std::io::ErrorKind::BrokenPipe => 0,
-            Self::Output(_) => 1,
+            _ => FAILURE,
+        }
+    }
+
+    /// How a study ended early; `dir` is its folder.
+    pub fn of_study(error: StudyError, dir: &Path) -> Self {
+        match error {
+            StudyError::Evaluate(EvaluateError::Interrupted) => Self::Interrupted { dir: dir.to_path_buf() },
+            error => Self::Study { dir: dir.to_path_buf(), error },
         }
     }
 

@@ -2,10 +2,15 @@
 //! error; a command ends with one message and an exit code.
 
 mod arguments;
+mod distributions;
 mod error;
 mod explain;
+mod options;
 mod output;
+mod results;
+mod run;
 mod scenes;
+mod signals;
 mod simulate;
 
 use arguments::{Arguments, Command, RunArguments, Talk};
@@ -39,11 +44,15 @@ fn command(arguments: Arguments) -> Result<(), CommandError> {
         return Err(CommandError::MisplacedOptions);
     }
     match arguments.command {
+        None => run::run(&arguments.run, arguments.talk),
+        Some(Command::Run(study)) => run::run(&study, arguments.talk),
+        Some(Command::Resume(study)) => run::resume(&study, arguments.talk),
+        Some(Command::Sensitivity(study)) => results::sensitivity(&study.dir, json),
+        Some(Command::Report(study)) => results::report(&study.dir, json),
         Some(Command::Simulate(simulation)) => simulate::simulate(&simulation),
         Some(Command::Scenes { show }) => scenes::scenes(show.as_deref(), json),
         Some(Command::Check { file }) => scenes::check(&file, json),
         Some(Command::Explain { scene }) => explain::explain(&scene, json),
-        _ => Ok(()),
     }
 }
 
@@ -51,7 +60,7 @@ fn command(arguments: Arguments) -> Result<(), CommandError> {
 fn start_log(talk: Talk) {
     let level = match (talk.quiet, talk.verbose) {
         (true, _) => "error",
-        (false, 0) => "warn",
+        (false, 0) => "warn,zenoh=error",
         // Zenoh's own progress is of interest to its developers.
         (false, 1) => "info,zenoh=warn",
         (false, _) => "debug,zenoh=info",

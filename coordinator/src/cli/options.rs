@@ -4,6 +4,8 @@
 use super::arguments::{MethodName, RunArguments};
 use super::error::CommandError;
 use common::scene::{Scene, StudySettings};
+use coordinator::learning::Targets;
+use coordinator::study::{Method, Settings};
 use serde::{Deserialize, Serialize};
 
 /// Settings of a study; each of them may change its result.
@@ -35,10 +37,12 @@ impl StudyOptions {
         let monte_carlo = arguments.method == Some(MethodName::MonteCarlo);
         // Simulating a whole population is what nobody can wait for: the budget is the default there.
         let default_samples = if monte_carlo { defaults.max_evaluations } else { defaults.population };
+        let samples = arguments.samples.unwrap_or(default_samples);
+        let method = if monte_carlo { Method::MonteCarlo { samples } } else { Method::ActiveLearning };
         let options = StudyOptions {
-            method: if monte_carlo { "monte-carlo" } else { "ak" }.to_owned(),
+            method: method.name().to_owned(),
             accuracy: arguments.accuracy.clone().unwrap_or_else(|| "balanced".to_owned()),
-            samples: arguments.samples.unwrap_or(default_samples),
+            samples,
             initial: arguments.initial.unwrap_or(defaults.initial),
             batch: defaults.batch,
             max_evaluations: arguments.max_evaluations.unwrap_or(defaults.max_evaluations),
@@ -57,15 +61,19 @@ impl StudyOptions {
         Ok(options)
     }
 
-    /// The scene's study settings with these in their place.
-    pub fn study_settings(&self) -> StudySettings {
-        StudySettings {
+    /// What the study is asked to do.
+    pub fn settings(&self) -> Settings {
+        let monte_carlo = self.method == Method::MonteCarlo { samples: 0 }.name();
+        let method =
+            if monte_carlo { Method::MonteCarlo { samples: self.samples } } else { Method::ActiveLearning };
+        let study = StudySettings {
             population: self.samples,
             initial: self.initial,
             batch: self.batch,
             max_evaluations: self.max_evaluations,
             seed: self.seed,
-        }
+        };
+        Settings { study, method, accuracy: self.accuracy.clone(), targets: Targets::default() }
     }
 }
 
@@ -83,7 +91,7 @@ mod tests {
         let scene = SceneSource::builtin("four-bar").unwrap().nominal().study;
         let found = options(RunArguments { initial: Some(20), seed: Some(9), ..Default::default() }).unwrap();
         assert_eq!((found.initial, found.seed, found.samples), (20, 9, scene.population));
-        assert_eq!(found.study_settings().max_evaluations, scene.max_evaluations);
+        assert_eq!(found.settings().study.max_evaluations, scene.max_evaluations);
         let method = Some(MethodName::MonteCarlo);
         assert_eq!(
             options(RunArguments { method, ..Default::default() }).unwrap().samples,

@@ -1,6 +1,7 @@
 //! Where results go: standard output or a file.
 
 use super::error::CommandError;
+use coordinator::result_files::write_text;
 use serde::Serialize;
 use std::io::Write;
 use std::path::Path;
@@ -22,7 +23,6 @@ pub fn print(text: &str) -> Result<(), CommandError> {
 pub fn deliver(text: &str, file: Option<&Path>) -> Result<(), CommandError> {
     match file {
         None => print(text),
-        Some(path) => std::fs::write(path, text)
-            .map_err(|source| CommandError::Write { path: path.to_path_buf(), source }),
+        Some(path) => Ok(write_text(path, text)?),
     }
 }

@@ -61,15 +61,23 @@ fn table_into(out: &mut String, summary: &StudySummary) -> std::fmt::Result {
     let total = "total".to_owned();
     for state in summary.limit_states.iter().chain([&total]) {
         let Some(cycles) = telling_checkpoint(summary, state) else {
-            writeln!(out, "{state}: no sensitivity, the failure probability is 0 or 1 at every checkpoint\n")?;
+            writeln!(
+                out,
+                "{state}: no sensitivity, the failure probability is 0 or 1 at every checkpoint\n"
+            )?;
             continue;
         };
-        writeln!(out, "{state}, at {cycles} cycles: change of the failure probability with one standard deviation")?;
+        writeln!(
+            out,
+            "{state}, at {cycles} cycles: change of the failure probability with one standard deviation"
+        )?;
         writeln!(out, "  {:24} {:>20} {:>20}", "variable", "more mean", "more std")?;
         for row in strongest(summary, state, cycles) {
             let pair = |value: f64, error: f64| format!("{value:+.4} +- {error:.4}");
             // The errors of the derivatives, on the scale of the scaled derivatives.
-            let std_of = |derivative: f64, scaled: f64| if derivative == 0.0 { 0.0 } else { (scaled / derivative).abs() };
+            let std_of = |derivative: f64, scaled: f64| {
+                if derivative == 0.0 { 0.0 } else { (scaled / derivative).abs() }
+            };
             let mean_std = std_of(row.d_pf_d_mean, row.scaled.d_pf_d_mean);
             let std_std = std_of(row.d_pf_d_std, row.scaled.d_pf_d_std);
             writeln!(
@@ -87,9 +95,8 @@ fn table_into(out: &mut String, summary: &StudySummary) -> std::fmt::Result {
 
 /// Of the checkpoints with derivatives, the one where the reliability is nearest one half.
 fn telling_checkpoint(summary: &StudySummary, state: &str) -> Option<u32> {
-    let has_derivatives = |cycles: u32| {
-        summary.sensitivity.iter().any(|row| row.cycles == cycles && row.limit_state == state)
-    };
+    let has_derivatives =
+        |cycles: u32| summary.sensitivity.iter().any(|row| row.cycles == cycles && row.limit_state == state);
     summary
         .reliability
         .iter()

@@ -6,13 +6,11 @@ use super::output::{deliver, to_json};
 use super::scenes::check_linkage;
 use common::accuracy::Accuracy;
 use common::outputs::{Diagnostics, Evaluation};
-use common::scene::{OutputKind, Scene, SceneSource};
+use common::scene::{Faults, Scene, SceneSource};
+use coordinator::output_unit::OutputUnit;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::time::Instant;
-
-/// rad/s per r/min.
-const RAD_PER_S_PER_RPM: f64 = std::f64::consts::PI / 30.0;
 
 /// What is printed; the names are a contract with scripts and notebooks.
 #[derive(Debug, Serialize)]
@@ -87,7 +85,7 @@ fn settings(source: &SceneSource, all: &[String]) -> Result<Vec<(String, f64)>, 
             Err(found) => faults.extend(found.0),
         }
     }
-    if faults.is_empty() { Ok(settings) } else { Err(common::scene::Faults(faults).into()) }
+    if faults.is_empty() { Ok(settings) } else { Err(Faults(faults).into()) }
 }
 
 fn printed<'r>(
@@ -97,11 +95,11 @@ fn printed<'r>(
     evaluation: &'r Evaluation,
     wall_s: f64,
 ) -> Printed<'r> {
-    let outputs =
-        scene.outputs.iter().zip(&evaluation.histories).map(|(output, history)| match output.kind {
-            OutputKind::LargestWear { .. } => (format!("{}_m", output.name), history.clone()),
-            OutputKind::AngularVelocityDifference { .. } => (format!("{}_rpm", output.name), in_rpm(history)),
-        });
+    let outputs = scene.outputs.iter().zip(&evaluation.histories).map(|(output, history)| {
+        let unit = OutputUnit::of(&output.kind);
+        let values = history.iter().map(|&value| unit.to_file(value)).collect();
+        (format!("{}_{}", output.name, unit.suffix()), values)
+    });
     Printed {
         scene: &scene.name,
         accuracy,
@@ -155,7 +153,7 @@ fn printed_diagnostics(diagnostics: &Diagnostics) -> PrintedDiagnostics<'_> {
 }
 
 fn in_rpm(values: &[f64]) -> Vec<f64> {
-    values.iter().map(|value| value / RAD_PER_S_PER_RPM).collect()
+    values.iter().map(|&value| OutputUnit::AngularVelocity.to_file(value)).collect()
 }
 
 fn in_degrees(values: &[f64]) -> Vec<f64> {
