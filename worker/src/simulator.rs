@@ -1,11 +1,11 @@
-//! The simulator this program offers to a coordinator.
+//! The simulator this program offers to a coordinator: a scene's text and a sample in, one evaluation out.
 
 use crate::service::Simulator;
 use crate::simulate::simulate;
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
-use common::scene::{Faults, SceneSource};
+use common::scene::SceneSource;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// The simulator of the `worker` command and of local workers.
@@ -13,22 +13,21 @@ pub fn simulator() -> Arc<dyn Simulator> {
     Arc::new(Mechanism::default())
 }
 
-/// Remembers the last scene it read: a scene is checked at every bound of its variables when it is read, which
-/// takes some 10 ms, and a campaign has one scene.
+/// Simulates scenes; remembers the last one parsed, which is the next one asked for in all but name. What it
+/// remembers is a function of the task, so a task does not depend on the tasks before it.
 #[derive(Default)]
 struct Mechanism {
     last: Mutex<Option<Arc<SceneSource>>>,
 }
 
 impl Mechanism {
-    fn source(&self, text: &str) -> Result<Arc<SceneSource>, Faults> {
-        // What a panic elsewhere left behind is a whole scene or none.
+    fn source(&self, text: &str) -> Result<Arc<SceneSource>, SimulationFailure> {
         let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(source) = last.as_ref().filter(|source| source.text() == text) {
-            return Ok(Arc::clone(source));
+        if let Some(source) = last.as_ref().filter(|s| s.text() == text) {
+            return Ok(source.clone());
         }
-        let source = Arc::new(SceneSource::parse(text, "scene of the campaign")?);
-        *last = Some(Arc::clone(&source));
+        let source = SceneSource::parse(text, "task").map(Arc::new).map_err(invalid)?;
+        *last = Some(source.clone());
         Ok(source)
     }
 }
@@ -41,9 +40,11 @@ impl Simulator for Mechanism {
         accuracy: &Accuracy,
         with_first_cycle: bool,
     ) -> Result<Evaluation, SimulationFailure> {
-        let invalid = |faults: Faults| SimulationFailure::InvalidSample { faults: faults.to_string() };
-        let source = self.source(scene).map_err(invalid)?;
-        let scene = source.resolve_sample(sample).map_err(invalid)?;
+        let scene = self.source(scene)?.resolve_sample(sample).map_err(invalid)?;
         simulate(&scene, accuracy, with_first_cycle)
     }
+}
+
+fn invalid(faults: common::scene::Faults) -> SimulationFailure {
+    SimulationFailure::InvalidSample { faults: faults.to_string() }
 }
