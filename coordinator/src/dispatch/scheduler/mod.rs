@@ -142,7 +142,7 @@ impl Scheduler {
     }
 
     /// Workers that are there and the slots they have said to have (0 until their first claim).
-    pub fn workers(&self) -> impl Iterator<Item = (&WorkerId, u32)> {
+    pub fn workers(&self) -> impl Iterator<Item = (&WorkerId, u32)> + Clone {
         self.workers.iter().map(|(id, worker)| (id, worker.slots))
     }
 
