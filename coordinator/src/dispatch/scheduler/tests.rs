@@ -139,6 +139,18 @@ fn a_lease_the_worker_does_not_know_of_was_lost_on_the_way() {
 }
 
 #[test]
+fn a_claim_its_worker_no_longer_waits_for_gets_no_tasks() {
+    let a = worker("a");
+    let mut s = scheduler(&[&a], 3);
+    let (_, tasks) = reply(&ask(&mut s, START, claim(&a, 1, 1, vec![], &[]))).unwrap();
+    // Claim 2 waits for its record too long; the worker asks again without an answer.
+    ask(&mut s, START, claim(&a, 2, 1, vec![outcome(&tasks[0], &a)], &[0]));
+    let (_, tasks) = reply(&ask(&mut s, START, claim(&a, 3, 1, vec![], &[0]))).unwrap();
+    assert_eq!(numbers(&tasks), [1]);
+    assert_eq!(reply(&s.on_event(START, Event::Recorded { task: 0 })), Some((vec![0], vec![])));
+}
+
+#[test]
 fn an_outcome_nobody_asked_for_yet_stays_with_its_worker() {
     let a = worker("a");
     let mut s = scheduler(&[&a], 0);
