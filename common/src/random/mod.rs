@@ -1,5 +1,9 @@
 //! Random variables: distributions, and what in the scene each variable changes.
 
+mod truncated_normal;
+
+pub use truncated_normal::{standard_normal_cdf, standard_normal_pdf, standard_normal_quantile};
+
 use serde::{Deserialize, Serialize};
 
 /// One random variable of a scene.

@@ -1,0 +1,64 @@
+//! Which checkpoints of life matter: those where the answer is neither certainly "safe" nor certainly "failed".
+
+/// A mode's failure share below this (or above one minus this) counts as settled: it is a fifth of the error the
+/// curves are wanted to, and three standard deviations wide enough for a normal output.
+const SETTLED: f64 = 1e-3;
+
+/// Indices of the checkpoints that matter for one mode, ascending, never empty.
+///
+/// A checkpoint matters when the failure share of the initial design (`sample_share`, `(m,)`) lies strictly between 0
+/// and 1 or that of the surrogate over the population (`predicted_share`, `(m,)`, absent before the first fit) between
+/// 0.001 and 0.999; one more on either side is added as a margin. If none does, the two on either side of the jump
+/// from safe to failed do, or the last one if nothing fails. Of more than `most` (at least 2), `most` evenly spread
+/// over the range stay: the curves are counted at every checkpoint anyway, learning only needs a dense enough grid.
+///
+/// Decided anew each round, as data arrive.
+pub fn checkpoints_that_matter(
+    sample_share: &[f64],
+    predicted_share: Option<&[f64]>,
+    most: usize,
+) -> Vec<usize> {
+    let m = sample_share.len();
+    let matters = |n: &usize| {
+        let sampled = sample_share[*n] > 0.0 && sample_share[*n] < 1.0;
+        sampled || predicted_share.is_some_and(|p| p[*n] > SETTLED && p[*n] < 1.0 - SETTLED)
+    };
+    let share = predicted_share.unwrap_or(sample_share);
+    let jump = share.iter().position(|p| *p >= 0.5).unwrap_or(m - 1);
+    let first = (0..m).find(matters).unwrap_or(jump);
+    let last = (0..m).rev().find(matters).unwrap_or(jump);
+    let (first, last) = (first.saturating_sub(1), (last + 1).min(m - 1));
+    let count = last - first + 1;
+    if count <= most {
+        return (first..=last).collect();
+    }
+    (0..most).map(|i| first + i * (count - 1) / (most - 1)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_transition_and_a_margin_matter() {
+        let share = [0.0, 0.0, 0.0, 0.1, 0.6, 1.0, 1.0, 1.0];
+        assert_eq!(checkpoints_that_matter(&share, None, 24), vec![2, 3, 4, 5]);
+        let predicted = [0.0, 0.0, 0.002, 0.1, 0.6, 0.99, 0.9999, 1.0];
+        assert_eq!(checkpoints_that_matter(&share, Some(&predicted), 24), vec![1, 2, 3, 4, 5, 6]);
+    }
+
+    #[test]
+    fn a_sudden_or_absent_transition_still_has_checkpoints() {
+        assert_eq!(checkpoints_that_matter(&[0.0, 0.0, 1.0, 1.0], None, 24), vec![1, 2, 3]);
+        assert_eq!(checkpoints_that_matter(&[0.0; 5], None, 24), vec![3, 4]);
+        assert_eq!(checkpoints_that_matter(&[1.0; 5], None, 24), vec![0, 1]);
+        assert_eq!(checkpoints_that_matter(&[0.0], Some(&[0.0]), 24), vec![0]);
+    }
+
+    #[test]
+    fn a_long_transition_is_thinned_with_its_ends_kept() {
+        let chosen = checkpoints_that_matter(&[0.5; 720], None, 24);
+        assert_eq!((chosen.len(), chosen[0], chosen[23]), (24, 0, 719));
+        assert!(chosen.windows(2).all(|w| w[0] < w[1]));
+    }
+}

@@ -1,0 +1,149 @@
+//! When learning may stop, and the guards against stopping on a surrogate that is merely sure of itself.
+//!
+//! (a) `Learning`: every U_c >= 2, and no curve changed by more than 2 % (relative to the smaller of R and P_f at the
+//!     governing checkpoint) since the round before.
+//! (b) `Error`: the estimated surrogate error of every curve at every checkpoint is below 0.005, that of the system
+//!     at the governing checkpoint also below 2 % of the smaller of R and P_f, and no curve changed by more than 0.01
+//!     absolute or 5 % relative. This ends studies of many variables, where a few of 100 000 points stay uncertain
+//!     for ever though their sum is known.
+//!
+//! Guards: at least 30 evaluated points; the rule is met after a fresh fit from several starts; and twice running, with
+//! new points in between. Whether any failure is predicted at all is said in words by whoever reports the stop.
+
+/// Bounds of the stopping rules.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Targets {
+    /// Smallest coupled learning function, rule (a) [1].
+    pub min_u: f64,
+    /// Relative change between rounds, rule (a) [1].
+    pub relative_change: f64,
+    /// Absolute surrogate error of any curve, rule (b) [1].
+    pub error: f64,
+    /// Surrogate error of the system at the governing checkpoint over the smaller of R and P_f, rule (b) [1].
+    pub relative_error: f64,
+    /// Absolute change between rounds, rule (b) [1].
+    pub change: f64,
+    /// Relative change between rounds, rule (b) [1].
+    pub relative_change_by_error: f64,
+    /// Evaluated points before any stop.
+    pub least_points: usize,
+    /// Rounds a rule must hold.
+    pub hold: usize,
+    /// Coefficient of variation of P_f above which the population is enlarged [1].
+    pub cov: f64,
+}
+
+impl Default for Targets {
+    fn default() -> Self {
+        Self {
+            min_u: 2.0,
+            relative_change: 0.02,
+            error: 0.005,
+            relative_error: 0.02,
+            change: 0.01,
+            relative_change_by_error: 0.05,
+            least_points: 30,
+            hold: 2,
+            cov: 0.05,
+        }
+    }
+}
+
+/// What one round of learning showed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Figures {
+    /// Points with a result.
+    pub points: usize,
+    /// Smallest coupled learning function.
+    pub min_u: f64,
+    /// Largest absolute change of any curve since the round before, if there was one.
+    pub change: Option<f64>,
+    /// Largest estimated surrogate error of any curve.
+    pub error: f64,
+    /// That of the system at the governing checkpoint.
+    pub governing_error: f64,
+    /// The smaller of R and P_f of the system at the governing checkpoint.
+    pub governing_share: f64,
+}
+
+/// A stopping rule.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Rule {
+    /// (a): every point is classified with certainty.
+    Learning,
+    /// (b): the error of the curves is small enough.
+    Error,
+}
+
+impl Targets {
+    /// The rule these figures meet, if any.
+    pub fn met(&self, figures: &Figures) -> Option<Rule> {
+        let change = figures.change.filter(|_| figures.points >= self.least_points)?;
+        let relative = if change == 0.0 { 0.0 } else { change / figures.governing_share };
+        if figures.min_u >= self.min_u && relative < self.relative_change {
+            return Some(Rule::Learning);
+        }
+        let accurate = figures.error <= self.error
+            && figures.governing_error <= self.relative_error * figures.governing_share;
+        let settled = change <= self.change && relative <= self.relative_change_by_error;
+        (accurate && settled).then_some(Rule::Error)
+    }
+}
+
+/// Counts how often running a rule was met.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Stopping {
+    held: usize,
+}
+
+impl Stopping {
+    /// Takes notice of a round; true once the rules were met in `targets.hold` rounds running.
+    pub fn note(&mut self, met: Option<Rule>, targets: &Targets) -> bool {
+        self.held = if met.is_some() { self.held + 1 } else { 0 };
+        self.held >= targets.hold
+    }
+
+    /// Begins counting anew, e.g. after the population grew.
+    pub fn reset(&mut self) {
+        self.held = 0;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn figures() -> Figures {
+        Figures {
+            points: 40,
+            min_u: 2.5,
+            change: Some(1e-5),
+            error: 1e-5,
+            governing_error: 1e-5,
+            governing_share: 2e-3,
+        }
+    }
+
+    #[test]
+    fn each_condition_can_forbid_the_stop() {
+        let targets = Targets::default();
+        assert_eq!(targets.met(&figures()), Some(Rule::Learning));
+        assert_eq!(targets.met(&Figures { min_u: 1.0, ..figures() }), Some(Rule::Error));
+        assert_eq!(targets.met(&Figures { points: 29, ..figures() }), None);
+        assert_eq!(targets.met(&Figures { change: None, ..figures() }), None);
+        assert_eq!(targets.met(&Figures { change: Some(2e-4), ..figures() }), None);
+        let uncertain = Figures { min_u: 1.0, ..figures() };
+        assert_eq!(targets.met(&Figures { governing_error: 5e-5, ..uncertain }), None);
+        assert_eq!(targets.met(&Figures { error: 6e-3, ..uncertain }), None);
+    }
+
+    #[test]
+    fn a_rule_must_hold_twice_running() {
+        let targets = Targets::default();
+        let mut stopping = Stopping::default();
+        assert!(!stopping.note(Some(Rule::Error), &targets));
+        assert!(!stopping.note(None, &targets));
+        assert!(!stopping.note(Some(Rule::Error), &targets));
+        assert!(stopping.note(Some(Rule::Learning), &targets));
+    }
+}

@@ -1,0 +1,69 @@
+//! R(n) with its standard error, the governing checkpoint and the coefficient of variation of P_f.
+
+/// Reliability at one checkpoint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CurvePoint {
+    /// R = 1 - P_f [1].
+    pub reliability: f64,
+    /// sqrt(R (1 - R) / N + surrogate error^2) [1].
+    pub standard_error: f64,
+}
+
+/// Curve of R over the m checkpoints from failure shares `(m,)` counted over `points` samples.
+///
+/// `surrogate` gives the surrogate error at some checkpoints, ascending; between them the error of the nearest holds,
+/// outside them the surrogates leave no doubt and only sampling counts. Empty: direct simulation.
+pub fn reliability_curve(failed: &[f64], points: usize, surrogate: &[(usize, f64)]) -> Vec<CurvePoint> {
+    let at = |(n, pf): (usize, &f64)| {
+        let sampling = pf * (1.0 - pf) / points as f64;
+        let error = surrogate_error_at(n, surrogate);
+        CurvePoint { reliability: 1.0 - pf, standard_error: (sampling + error * error).sqrt() }
+    };
+    failed.iter().enumerate().map(at).collect()
+}
+
+fn surrogate_error_at(n: usize, surrogate: &[(usize, f64)]) -> f64 {
+    match (surrogate.first(), surrogate.last()) {
+        (Some((first, _)), Some((last, _))) if (*first..=*last).contains(&n) => {
+            surrogate.iter().min_by_key(|(at, _)| at.abs_diff(n)).map_or(0.0, |(_, error)| *error)
+        }
+        _ => 0.0,
+    }
+}
+
+/// The checkpoint whose failure share is nearest 1/2, the first at a tie.
+pub fn governing_checkpoint(failed: &[f64]) -> usize {
+    let distance = |n: usize| (failed[n] - 0.5).abs();
+    (0..failed.len()).reduce(|best, n| if distance(n) < distance(best) { n } else { best }).unwrap_or(0)
+}
+
+/// Coefficient of variation of a failure share counted over `points` samples: sqrt((1 - P_f) / (N P_f)).
+///
+/// Without any failure the share is known only to be of the order of 1 / N, which is put in its place: about 1.
+pub fn coefficient_of_variation(failed: f64, points: usize) -> f64 {
+    let n = points as f64;
+    let pf = failed.max(1.0 / n);
+    ((1.0 - pf) / (n * pf)).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn standard_errors_combine_sampling_and_surrogate() {
+        let curve = reliability_curve(&[0.0, 0.2, 0.5, 1.0], 100, &[(1, 0.03), (2, 0.0)]);
+        assert_eq!(curve[0], CurvePoint { reliability: 1.0, standard_error: 0.0 });
+        assert!((curve[1].standard_error - 0.05).abs() < 1e-12);
+        assert!((curve[2].standard_error - 0.05).abs() < 1e-12);
+        assert_eq!(curve[3].standard_error, 0.0);
+    }
+
+    #[test]
+    fn the_governing_checkpoint_is_the_most_undecided() {
+        assert_eq!(governing_checkpoint(&[0.0, 0.3, 0.6, 0.9]), 2);
+        assert_eq!(governing_checkpoint(&[1e-3]), 0);
+        assert!((coefficient_of_variation(0.01, 40_000) - 0.0497).abs() < 1e-4);
+        assert!(coefficient_of_variation(0.0, 1000) > 0.9);
+    }
+}

@@ -1,0 +1,240 @@
+//! From what was learned to what is reported.
+
+use super::{Learned, Settings, Stop};
+use crate::learning::Rule;
+use crate::reliability::{CurvePoint, OutputDistribution, predict_distributions, reliability_curve};
+use crate::sensitivity::{Sensitivity, sensitivities};
+use crate::summary::{
+    Convergence, EvaluationCounts, PerLimitState, ReliabilityRow, SensitivityError, SensitivityRow,
+    StudySummary, Timing,
+};
+use crate::surrogate::{Correlation, LeaveOneOut};
+use common::scene::{OutputKind, Scene};
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+
+/// Everything a study found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StudyResult {
+    /// As written to `summary.json`.
+    pub summary: StudySummary,
+    /// Distributions over the population (from simulations alone with the Monte Carlo method), per output of the
+    /// scene, in its order.
+    pub distributions: Vec<OutputHistory>,
+    /// The surrogates at the end, per limit state; empty with the Monte Carlo method.
+    pub surrogates: Vec<SurrogateReport>,
+}
+
+/// Distribution of one output at every checkpoint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OutputHistory {
+    /// Name of the output.
+    pub output: String,
+    /// Checkpoints `(m,)` [cycles].
+    pub cycles: Vec<u32>,
+    /// Distributions `(m,)`, in the output's SI unit.
+    pub at: Vec<OutputDistribution>,
+}
+
+/// One limit state's surrogate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SurrogateReport {
+    /// Name of the limit state.
+    pub limit_state: String,
+    /// Its correlation.
+    pub correlation: Correlation,
+    /// Checkpoints whose likelihood set the lengths [cycles].
+    pub cycles: Vec<u32>,
+    /// Leave-one-out figures at those.
+    pub leave_one_out: Vec<LeaveOneOut>,
+}
+
+/// Failure shares and how far they can be trusted.
+pub(super) struct Curves<'a> {
+    /// `(limit states + 1, m)`, the system last.
+    pub failed: &'a [Vec<f64>],
+    /// Samples counted.
+    pub points: usize,
+    /// Surrogate error per curve, at ascending checkpoints; empty without surrogates.
+    pub surrogate: &'a [Vec<(usize, f64)>],
+}
+
+/// The result of active learning.
+pub(super) fn from_learning(scene: &Scene, settings: &Settings, learned: &Learned) -> StudyResult {
+    let assessment = &learned.assessment;
+    let m = scene.life.checkpoints().len();
+    let surrogate: Vec<Vec<(usize, f64)>> = assessment
+        .errors
+        .by_curve
+        .iter()
+        .map(|errors| assessment.grid.iter().copied().zip(errors.iter().copied()).collect())
+        .collect();
+    let curves =
+        Curves { failed: &assessment.curves, points: learned.population.len(), surrogate: &surrogate };
+
+    // Derivatives of the modes and of the system, whose first failure is the earliest of the modes'.
+    let mut first_failures: Vec<Vec<u32>> =
+        assessment.modes.iter().map(|mode| mode.first_failure.clone()).collect();
+    let earliest = |j: usize| first_failures.iter().map(|first| first[j]).min().unwrap_or(m as u32);
+    let system = (0..learned.population.len()).map(earliest).collect();
+    first_failures.push(system);
+    let points: Vec<usize> = (0..learned.population.len()).collect();
+    let rows = sensitivities(&learned.population, &points, &first_failures, &assessment.grid, m);
+
+    let counts = EvaluationCounts {
+        total: learned.evaluations,
+        initial: settings.study.initial.min(learned.evaluations),
+        added: learned.evaluations.saturating_sub(settings.study.initial),
+        failed: learned.failed,
+    };
+    let convergence =
+        Convergence { stopped_because: stop_in_words(learned, settings), rounds: learned.rounds.clone() };
+    let distributions = output_distributions(scene, learned);
+    let mut result = assemble(scene, settings, curves, distributions, &rows, counts, convergence);
+    result.summary.population = learned.population.len();
+    let cycles = scene.life.checkpoints();
+    result.surrogates = scene
+        .limit_states
+        .iter()
+        .zip(&assessment.surrogates)
+        .map(|(limit, surrogate)| SurrogateReport {
+            limit_state: limit.name.clone(),
+            correlation: surrogate.model.correlation().clone(),
+            cycles: surrogate.fitted_on.iter().map(|n| cycles[*n]).collect(),
+            leave_one_out: surrogate.leave_one_out.clone(),
+        })
+        .collect();
+    result
+}
+
+/// Distributions of the outputs themselves (not their running maxima), with the lengths of the first limit state that
+/// watches each; an output no limit state watches uses those of the first limit state.
+fn output_distributions(scene: &Scene, learned: &Learned) -> Vec<Vec<OutputDistribution>> {
+    (0..scene.outputs.len())
+        .map(|output| {
+            let mode = scene.limit_states.iter().position(|limit| limit.output == output).unwrap_or(0);
+            let mut model = learned.assessment.surrogates[mode].model.clone();
+            model.set_values(learned.observations.values(output).as_ref());
+            predict_distributions(&model, &learned.population)
+        })
+        .collect()
+}
+
+fn stop_in_words(learned: &Learned, settings: &Settings) -> String {
+    let targets = &settings.targets;
+    let figures = &learned.assessment.figures;
+    let reason = match learned.stop {
+        Stop::Rule(Rule::Learning) => format!(
+            "every U_c >= {} and no curve changed by more than {} of the smaller of R and P_f, {} rounds running, after a fresh fit",
+            targets.min_u, targets.relative_change, targets.hold
+        ),
+        Stop::Rule(Rule::Error) => format!(
+            "the estimated surrogate error of every curve is below {} and no curve changed by more than {}, {} rounds running, after a fresh fit",
+            targets.error, targets.change, targets.hold
+        ),
+        Stop::Budget => format!(
+            "the budget of {} evaluations is spent; the estimated surrogate error is {:.2e} (target {})",
+            settings.study.max_evaluations, figures.error, targets.error
+        ),
+    };
+    let system = &learned.assessment.curves[learned.assessment.curves.len() - 1];
+    let cov = learned.rounds.last().map_or(f64::INFINITY, |round| round.cov_pf);
+    if system.iter().all(|failed| *failed == 0.0) {
+        format!("{reason}; no failure was found among {} points of the population", learned.population.len())
+    } else if cov > targets.cov {
+        format!("{reason}; the coefficient of variation of P_f is still {cov:.3} (target {})", targets.cov)
+    } else {
+        reason
+    }
+}
+
+/// Puts the parts of a result together; time and workers are the caller's.
+pub(super) fn assemble(
+    scene: &Scene,
+    settings: &Settings,
+    curves: Curves<'_>,
+    distributions: Vec<Vec<OutputDistribution>>,
+    rows: &[Sensitivity],
+    evaluations: EvaluationCounts,
+    convergence: Convergence,
+) -> StudyResult {
+    let cycles = scene.life.checkpoints();
+    let names: Vec<String> = scene.limit_states.iter().map(|limit| limit.name.clone()).collect();
+    let curve_names: Vec<&str> = names.iter().map(String::as_str).chain(["total"]).collect();
+    let none = Vec::new();
+    let points: Vec<Vec<CurvePoint>> = (0..curve_names.len())
+        .map(|c| {
+            reliability_curve(&curves.failed[c], curves.points, curves.surrogate.get(c).unwrap_or(&none))
+        })
+        .collect();
+    let row = |n: usize| {
+        let value = |of: &dyn Fn(&CurvePoint) -> f64| -> PerLimitState {
+            curve_names.iter().zip(&points).map(|(name, p)| ((*name).to_owned(), of(&p[n]))).collect()
+        };
+        let (reliability, standard_error) = (value(&|p| p.reliability), value(&|p| p.standard_error));
+        ReliabilityRow { cycles: cycles[n], reliability, standard_error }
+    };
+    let summary = StudySummary {
+        scene: scene.name.clone(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        seed: settings.study.seed,
+        method: settings.method.name().to_owned(),
+        accuracy: settings.accuracy.clone(),
+        population: curves.points,
+        evaluations,
+        limit_states: names.clone(),
+        reliability: (0..cycles.len()).map(row).collect(),
+        moments: (0..cycles.len()).map(|n| moments(scene, &distributions, cycles[n], n)).collect(),
+        sensitivity: rows.iter().map(|row| sensitivity_row(scene, &curve_names, &cycles, row)).collect(),
+        convergence,
+        timing_s: Timing::default(),
+        workers: Vec::new(),
+    };
+    let history = |(output, at): (&common::scene::Output, Vec<OutputDistribution>)| OutputHistory {
+        output: output.name.clone(),
+        cycles: cycles.clone(),
+        at,
+    };
+    StudyResult {
+        summary,
+        distributions: scene.outputs.iter().zip(distributions).map(history).collect(),
+        surrogates: Vec::new(),
+    }
+}
+
+/// Moments at one checkpoint: `{limit state}_mean_m` and `_std_m`, or `_rpm` for angular velocities.
+fn moments(
+    scene: &Scene,
+    distributions: &[Vec<OutputDistribution>],
+    cycles: u32,
+    n: usize,
+) -> BTreeMap<String, f64> {
+    let mut row = BTreeMap::from([("cycles".to_owned(), f64::from(cycles))]);
+    for limit in &scene.limit_states {
+        let (suffix, factor) = match scene.outputs[limit.output].kind {
+            OutputKind::LargestWear { .. } => ("m", 1.0),
+            OutputKind::AngularVelocityDifference { .. } => ("rpm", 30.0 / PI),
+        };
+        let at = &distributions[limit.output][n];
+        row.insert(format!("{}_mean_{suffix}", limit.name), at.mean * factor);
+        row.insert(format!("{}_std_{suffix}", limit.name), at.std * factor);
+    }
+    row
+}
+
+fn sensitivity_row(scene: &Scene, curves: &[&str], cycles: &[u32], row: &Sensitivity) -> SensitivityRow {
+    let variable = &scene.variables[row.variable];
+    let std = variable.distribution.parent_std();
+    SensitivityRow {
+        cycles: cycles[row.checkpoint],
+        limit_state: curves[row.curve].to_owned(),
+        variable: variable.name.clone(),
+        d_pf_d_mean: row.to_mean.value,
+        d_pf_d_std: row.to_std.value,
+        standard_error: SensitivityError {
+            d_pf_d_mean: row.to_mean.standard_error,
+            d_pf_d_std: row.to_std.standard_error,
+        },
+        scaled: SensitivityError { d_pf_d_mean: row.to_mean.value * std, d_pf_d_std: row.to_std.value * std },
+    }
+}

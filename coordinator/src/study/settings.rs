@@ -1,0 +1,100 @@
+//! What a study is asked to do.
+
+use super::{Plan, StudyError};
+use crate::learning::Targets;
+use common::scene::{Scene, StudySettings};
+
+/// Most points of a population: 480 MB at 30 variables.
+const LARGEST_POPULATION: usize = 2_000_000;
+
+/// How reliability is computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    /// Surrogates and active learning over a Monte Carlo population.
+    ActiveLearning,
+    /// Direct simulation of the population's first points.
+    MonteCarlo {
+        /// How many.
+        samples: usize,
+    },
+}
+
+impl Method {
+    /// The name in the summary and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::ActiveLearning => "ak",
+            Self::MonteCarlo { .. } => "monte-carlo",
+        }
+    }
+}
+
+/// Settings of one study.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Settings {
+    /// Sizes and seed; defaults are the scene's.
+    pub study: StudySettings,
+    /// Method.
+    pub method: Method,
+    /// Name of the accuracy preset, for the summary.
+    pub accuracy: String,
+    /// Stopping rules of active learning.
+    pub targets: Targets,
+}
+
+impl Settings {
+    /// The scene's own defaults with active learning.
+    pub fn of(scene: &Scene, accuracy: &str) -> Self {
+        Self {
+            study: scene.study,
+            method: Method::ActiveLearning,
+            accuracy: accuracy.to_owned(),
+            targets: Targets::default(),
+        }
+    }
+
+    /// The plan of the campaign.
+    pub fn plan(&self) -> Plan {
+        Plan {
+            population: self.study.population,
+            largest_population: LARGEST_POPULATION,
+            initial: self.study.initial,
+            batch: self.study.batch,
+            max_evaluations: self.study.max_evaluations,
+            seed: self.study.seed,
+            targets: self.targets,
+        }
+    }
+
+    /// Refuses settings that do not make a study.
+    pub(super) fn check(&self, scene: &Scene) -> Result<(), StudyError> {
+        let refuse = |key, value: usize, allowed: String| {
+            Err(StudyError::Setting { key, value: value.to_string(), allowed })
+        };
+        let s = &self.study;
+        if scene.limit_states.is_empty() || scene.variables.is_empty() {
+            let value = format!("{} and {}", scene.limit_states.len(), scene.variables.len());
+            let allowed = "a study needs at least one limit state and one random variable".to_owned();
+            return Err(StudyError::Setting { key: "limit_states and variables", value, allowed });
+        }
+        if let Method::MonteCarlo { samples } = self.method {
+            return if samples == 0 { refuse("samples", 0, "at least 1".to_owned()) } else { Ok(()) };
+        }
+        if s.initial < 3 {
+            return refuse("initial", s.initial, "at least 3".to_owned());
+        }
+        if s.population < s.initial {
+            return refuse("population", s.population, format!("at least initial = {}", s.initial));
+        }
+        if s.population > LARGEST_POPULATION {
+            return refuse("population", s.population, format!("at most {LARGEST_POPULATION}"));
+        }
+        if s.batch == 0 {
+            return refuse("batch", 0, "at least 1".to_owned());
+        }
+        if s.max_evaluations < s.initial {
+            return refuse("max_evaluations", s.max_evaluations, format!("at least initial = {}", s.initial));
+        }
+        Ok(())
+    }
+}

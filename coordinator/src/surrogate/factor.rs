@@ -1,0 +1,106 @@
+//! Cholesky factor and triangular solves, sequential: below about 1000 points a parallel factorisation costs more
+//! in waiting than it gains, and the surrogates of several limit states run beside each other.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
+use faer::linalg::matmul::triangular::{BlockStructure, matmul as triangular_matmul};
+use faer::linalg::triangular_inverse::invert_lower_triangular;
+use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
+use faer::{Accum, Mat, MatMut, MatRef, Par, Spec};
+
+/// The matrix has no Cholesky factor; the pivot at which it failed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Indefinite {
+    pub pivot: usize,
+}
+
+/// Lower Cholesky factor L of a symmetric matrix, L L' = A; above the diagonal L is zero.
+pub(crate) fn cholesky(mut a: Mat<f64>) -> Result<Mat<f64>, Indefinite> {
+    let n = a.nrows();
+    let scratch = cholesky_in_place_scratch::<f64>(n, Par::Seq, Spec::default());
+    cholesky_in_place(
+        a.as_mut(),
+        Default::default(),
+        Par::Seq,
+        MemStack::new(&mut MemBuffer::new(scratch)),
+        Spec::default(),
+    )
+    .map_err(|error| match error {
+        faer::linalg::cholesky::llt::factor::LltError::NonPositivePivot { index } => {
+            Indefinite { pivot: index }
+        }
+    })?;
+    for j in 1..n {
+        for i in 0..j {
+            a[(i, j)] = 0.0;
+        }
+    }
+    Ok(a)
+}
+
+/// Overwrites b with L^-1 b.
+pub(crate) fn solve_lower(l: MatRef<'_, f64>, b: MatMut<'_, f64>) {
+    solve_lower_triangular_in_place(l, b, Par::Seq);
+}
+
+/// Overwrites b with L'^-1 b.
+pub(crate) fn solve_lower_transposed(l: MatRef<'_, f64>, b: MatMut<'_, f64>) {
+    solve_upper_triangular_in_place(l.transpose(), b, Par::Seq);
+}
+
+/// (L L')^-1, both triangles filled `(n, n)`.
+pub(crate) fn inverse(l: MatRef<'_, f64>) -> Mat<f64> {
+    let n = l.nrows();
+    let mut l_inverse = Mat::zeros(n, n);
+    invert_lower_triangular(l_inverse.as_mut(), l, Par::Seq);
+    let mut inverse = Mat::zeros(n, n);
+    triangular_matmul(
+        inverse.as_mut(),
+        BlockStructure::TriangularLower,
+        Accum::Replace,
+        l_inverse.transpose(),
+        BlockStructure::TriangularUpper,
+        l_inverse.as_ref(),
+        BlockStructure::TriangularLower,
+        1.0,
+        Par::Seq,
+    );
+    for j in 1..n {
+        for i in 0..j {
+            inverse[(i, j)] = inverse[(j, i)];
+        }
+    }
+    inverse
+}
+
+/// ln det(L L').
+pub(crate) fn log_determinant(l: MatRef<'_, f64>) -> f64 {
+    (0..l.nrows()).map(|i| 2.0 * l[(i, i)].ln()).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn factor_inverse_and_determinant_agree() {
+        let n = 40;
+        let a = Mat::from_fn(n, n, |i, j| {
+            (-0.05 * (i as f64 - j as f64).powi(2)).exp() + if i == j { 0.1 } else { 0.0 }
+        });
+        let l = cholesky(a.clone()).unwrap();
+        let identity = &a * inverse(l.as_ref());
+        for i in 0..n {
+            for j in 0..n {
+                assert!((identity[(i, j)] - f64::from(u8::from(i == j))).abs() < 1e-11);
+            }
+        }
+        assert!((log_determinant(l.as_ref()) - a.determinant().ln()).abs() < 1e-9);
+    }
+
+    #[test]
+    fn an_indefinite_matrix_is_refused() {
+        let a = Mat::from_fn(3, 3, |i, j| if i == j { 1.0 } else { 1.5 });
+        assert_eq!(cholesky(a), Err(Indefinite { pivot: 1 }));
+    }
+}

@@ -1,0 +1,45 @@
+//! Surrogates: ordinary Kriging with a constant trend and anisotropic Gaussian correlation.
+//!
+//! All outputs of one limit state (its checkpoints) share one correlation: one factorisation serves them all, and
+//! the lengths are estimated from all of them together. Everything works in standardised inputs; matrices of
+//! points are `(d, n)` with one point a column.
+
+mod correlation;
+mod factor;
+mod fit;
+mod kriging;
+mod leave_one_out;
+mod likelihood;
+mod posterior;
+
+pub use correlation::{Correlation, correlation_matrix, cross_correlation};
+pub use fit::{Effort, Fitted, fit_correlation};
+pub use kriging::{Kriging, Prediction};
+pub use leave_one_out::LeaveOneOut;
+pub use likelihood::{Likelihood, LikelihoodValue};
+pub use posterior::Posterior;
+
+use thiserror::Error;
+
+/// Why a surrogate could not be made.
+#[derive(Debug, Error, Clone, PartialEq)]
+pub enum SurrogateError {
+    /// Too few points for a trend and a variance.
+    #[error("a surrogate needs at least 3 points, there are {points}")]
+    TooFewPoints {
+        /// Points given.
+        points: usize,
+    },
+    /// The correlation matrix stays indefinite although the nugget was raised to its bound.
+    #[error(
+        "the correlation matrix of {points} points has no Cholesky factor (pivot {pivot}) even with nugget {nugget}"
+    )]
+    NotPositiveDefinite {
+        /// Points.
+        points: usize,
+        /// Pivot at which it failed.
+        pivot: usize,
+        /// Nugget at the last attempt.
+        nugget: f64,
+    },
+}
