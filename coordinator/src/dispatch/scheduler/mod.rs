@@ -16,6 +16,8 @@
 //! - Tasks go only to workers whose liveliness token is seen: a death always has an event.
 
 mod event;
+#[cfg(test)]
+mod farm_tests;
 mod tasks;
 #[cfg(test)]
 mod tests;
