@@ -87,4 +87,10 @@ pub enum SimulationFailure {
         /// What.
         what: String,
     },
+    /// The simulation itself broke: a defect of the program, kept as the outcome of this one sample.
+    #[error("the simulation panicked: {message}")]
+    Panicked {
+        /// What the panic said.
+        message: String,
+    },
 }

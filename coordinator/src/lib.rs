@@ -4,12 +4,18 @@
 //! report; `study` is the campaign as one page.
 
 pub mod design;
+pub mod dispatch;
 pub mod evaluate;
 pub mod journal;
 pub mod learning;
+pub mod output_unit;
 pub mod progress;
 pub mod reliability;
+pub mod report;
+pub mod result_files;
 pub mod sensitivity;
+pub mod store;
 pub mod study;
 pub mod summary;
 pub mod surrogate;
+pub mod terminal;

@@ -1,3 +1,7 @@
-//! Hingewise coordinator.
+//! Hingewise coordinator: the command line.
 
-fn main() {}
+mod cli;
+
+fn main() -> std::process::ExitCode {
+    cli::main()
+}

@@ -1,1 +1,170 @@
-//! What the integration tests share.
+//! What the integration tests share: practice simulators, in-process coordinators and workers, waits with an
+//! end.
+
+use common::accuracy::Accuracy;
+use common::failure::SimulationFailure;
+use common::outputs::{Diagnostics, Evaluation};
+use coordinator::dispatch::{Campaign, Listen, ZenohEvaluator};
+use coordinator::evaluate::{EvaluateError, Evaluator, Finished, Request};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::channel;
+use std::sync::{Arc, Condvar, Mutex};
+use std::time::Duration;
+use worker::service::{self, ServiceConfig, Simulator, WorkerHandle};
+
+/// Longest wait for anything: only a defect waits so long.
+pub const PATIENCE: Duration = Duration::from_secs(30);
+
+/// Outcomes by number of the evaluation.
+pub type Outcomes = BTreeMap<u64, Result<Evaluation, SimulationFailure>>;
+
+/// A simulator made of a closure on the sample.
+pub struct Practice<F>(pub F);
+
+impl<F> Simulator for Practice<F>
+where
+    F: Fn(&[f64]) -> Result<Evaluation, SimulationFailure> + Send + Sync,
+{
+    fn simulate(
+        &self,
+        _scene: &str,
+        sample: &[f64],
+        _accuracy: &Accuracy,
+        _with_first_cycle: bool,
+    ) -> Result<Evaluation, SimulationFailure> {
+        self.0(sample)
+    }
+}
+
+/// A result that depends on the sample in every bit; every seventh sample fails.
+///
+/// # Errors
+/// For samples whose first value is 3 modulo 7.
+pub fn practice_result(sample: &[f64]) -> Result<Evaluation, SimulationFailure> {
+    let x = sample[0];
+    if x as u64 % 7 == 3 {
+        return Err(SimulationFailure::WearStep { cycle: 64_000, joint: "1".into(), error: x.sqrt() });
+    }
+    Ok(Evaluation {
+        cycles: vec![1000, 2000],
+        histories: vec![vec![x.sin(), (2.0 * x).sin()], vec![x.exp_m1().ln_1p(), x.sqrt()]],
+        joints: vec![],
+        first_cycle: None,
+        diagnostics: Diagnostics { steps: x as u64, ..Diagnostics::default() },
+    })
+}
+
+/// Requests `ids`, with samples that tell them apart.
+pub fn requests(ids: std::ops::Range<u64>) -> Vec<Request> {
+    ids.map(|id| Request { id, sample: vec![id as f64, 0.1 * id as f64], with_first_cycle: false }).collect()
+}
+
+/// Settings that any practice simulator accepts.
+pub fn campaign() -> Campaign {
+    let accuracy = Accuracy {
+        step_tolerance: 1e-4,
+        largest_step: 0.01,
+        steps_bound: 100_000,
+        wear_samples: 200,
+        cycle_jump: 1000,
+        wear_tolerance: 0.01,
+        warm_up: 0.5,
+    };
+    Campaign { id: 17, scene: "name = \"practice\"".into(), accuracy, accuracy_name: "draft".into() }
+}
+
+/// A coordinator on a free loopback port.
+pub fn coordinator() -> ZenohEvaluator {
+    coordinator_at(None, Arc::default())
+}
+
+/// A coordinator at an endpoint.
+pub fn coordinator_at(endpoint: Option<&str>, interrupted: Arc<AtomicBool>) -> ZenohEvaluator {
+    let listen = Listen { endpoint: endpoint.map(Into::into), config: None, insecure: false };
+    ZenohEvaluator::open(campaign(), &listen, interrupted).expect("a loopback port can be listened on")
+}
+
+/// An in-process worker for the coordinator at `endpoint`.
+pub fn worker_at<F>(endpoint: &str, name: &str, slots: usize, simulate: F) -> WorkerHandle
+where
+    F: Fn(&[f64]) -> Result<Evaluation, SimulationFailure> + Send + Sync + 'static,
+{
+    let config = ServiceConfig { name: name.into(), ..ServiceConfig::new(endpoint, slots) };
+    service::spawn(config, Arc::new(Practice(simulate))).expect("a session to a loopback endpoint opens")
+}
+
+/// An in-process worker for `coordinator`.
+pub fn worker<F>(coordinator: &ZenohEvaluator, name: &str, slots: usize, simulate: F) -> WorkerHandle
+where
+    F: Fn(&[f64]) -> Result<Evaluation, SimulationFailure> + Send + Sync + 'static,
+{
+    worker_at(&coordinator.endpoints()[0], name, slots, simulate)
+}
+
+/// Evaluates a batch and returns its outcomes; a doubled one is an error of the test.
+///
+/// # Errors
+/// Of the evaluator.
+pub fn evaluate(coordinator: &mut ZenohEvaluator, batch: &[Request]) -> Result<Outcomes, EvaluateError> {
+    let mut outcomes = Outcomes::new();
+    coordinator.evaluate(batch, &mut |Finished { id, outcome, .. }| {
+        assert!(outcomes.insert(id, outcome).is_none(), "evaluation {id} was recorded twice");
+        Ok(())
+    })?;
+    Ok(outcomes)
+}
+
+/// What a batch of practice simulations must give.
+pub fn expected(ids: std::ops::Range<u64>) -> Outcomes {
+    requests(ids).into_iter().map(|request| (request.id, practice_result(&request.sample))).collect()
+}
+
+/// Runs `work` in a thread of its own and ends the test if it takes longer than [`PATIENCE`].
+pub fn in_time<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> T {
+    let (done, result) = channel();
+    let thread = std::thread::spawn(move || done.send(work()));
+    match result.recv_timeout(PATIENCE) {
+        Ok(result) => result,
+        Err(_) if thread.is_finished() => panic!("the work under test panicked, see above"),
+        Err(_) => panic!("not done after {PATIENCE:?}"),
+    }
+}
+
+/// Holds simulations back until it is opened.
+#[derive(Debug, Default)]
+pub struct Barrier {
+    open: Mutex<bool>,
+    changed: Condvar,
+}
+
+impl Barrier {
+    /// Lets everything pass from now on.
+    pub fn open(&self) {
+        *self.open.lock().expect("no holder panics") = true;
+        self.changed.notify_all();
+    }
+
+    /// Waits until it is open, at most [`PATIENCE`].
+    pub fn pass(&self) {
+        let guard = self.open.lock().expect("no holder panics");
+        let (_open, timeout) =
+            self.changed.wait_timeout_while(guard, PATIENCE, |open| !*open).expect("no holder panics");
+        assert!(!timeout.timed_out(), "the barrier was not opened");
+    }
+}
+
+/// Asks `coordinator`'s batch to stop when dropped or told to.
+pub fn stop(interrupted: &AtomicBool) {
+    interrupted.store(true, Ordering::Relaxed);
+}
+
+/// A program of this workspace, built beside the test that asks. `cargo test --workspace` builds them all.
+pub fn program(name: &str) -> PathBuf {
+    let test = std::env::current_exe().expect("a test knows its own path");
+    let folder = test.ancestors().nth(2).expect("tests lie in target/<profile>/deps");
+    let program = folder.join(name);
+    assert!(program.exists(), "{} is missing: run `cargo test --workspace`", program.display());
+    program
+}

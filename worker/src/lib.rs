@@ -1,1 +1,14 @@
-//! The worker: simulates worn mechanisms.
+//! The worker: one evaluation of a mechanism's life, and the service that offers it to a coordinator.
+//!
+//! `simulate` is the evaluation as one page; below it: `mechanism` (who moves how), `contact` (forces in a
+//! joint), `integrate` (time), `wear` (the bore), `outputs` (what was asked for).
+
+pub mod contact;
+pub mod integrate;
+pub mod life;
+pub mod mechanism;
+pub mod outputs;
+pub mod service;
+pub mod simulate;
+pub mod simulator;
+pub mod wear;

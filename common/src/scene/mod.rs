@@ -1,7 +1,21 @@
 //! The mechanism as checked: bodies, joints, drives, loads, random variables and limit states, all in SI.
 //!
-//! A [`Scene`] only comes out of validation, so the simulation need not check again what it reads here.
+//! A [`Scene`] only comes out of validation ([`SceneSource`]), so the simulation need not check again what it
+//! reads here.
 
+mod builtin;
+pub mod expression;
+pub mod faults;
+mod mechanism;
+mod merge;
 pub mod model;
+pub mod quantity;
+mod read;
+mod resolve;
+mod section;
+pub mod source;
+mod variables;
 
+pub use faults::{Fault, FaultKind, Faults};
 pub use model::*;
+pub use source::SceneSource;

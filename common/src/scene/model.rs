@@ -297,3 +297,10 @@ pub struct StudySettings {
     /// Seed of every random draw.
     pub seed: u64,
 }
+
+impl Default for StudySettings {
+    /// What a scene without `[study]` gets.
+    fn default() -> Self {
+        StudySettings { population: 100_000, initial: 120, batch: 12, max_evaluations: 600, seed: 1 }
+    }
+}

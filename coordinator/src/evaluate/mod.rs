@@ -1,6 +1,8 @@
 //! How a study has samples evaluated, whoever does the work: a closure in unit tests, the worker's library in
 //! process, workers over Zenoh.
 
+pub mod local;
+
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
 use thiserror::Error;
@@ -35,6 +37,15 @@ pub enum EvaluateError {
     /// The user asked to stop; everything recorded so far is safe.
     #[error("interrupted")]
     Interrupted,
+    /// An evaluation got no outcome although it was tried again and again: an infrastructure failure, or a
+    /// sample that kills its worker.
+    #[error("evaluation {id} was given up: {reason}")]
+    GivenUp {
+        /// Number of the evaluation.
+        id: u64,
+        /// Why.
+        reason: String,
+    },
     /// The transport broke.
     #[error("transport: {0}")]
     Transport(String),

@@ -1,0 +1,13 @@
+//! The scenes that come with the program.
+
+/// Name and text of each built-in scene.
+pub(super) const SCENES: [(&str, &str); 3] = [
+    ("flapping-wing", include_str!("../../scenes/flapping-wing.toml")),
+    ("flapping-wing-tolerances", include_str!("../../scenes/flapping-wing-tolerances.toml")),
+    ("four-bar", include_str!("../../scenes/four-bar.toml")),
+];
+
+/// Text of a built-in scene.
+pub(super) fn text(name: &str) -> Option<&'static str> {
+    SCENES.iter().find(|(known, _)| *known == name).map(|(_, text)| *text)
+}

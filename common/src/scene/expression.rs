@@ -1,0 +1,377 @@
+//! Evaluates what a scene writes for a quantity: a number with its unit, or an expression over parameters and
+//! such numbers, with its dimension.
+//!
+//! Grammar: `sum = product (("+" | "-") product)*`, `product = signed (("*" | "/") signed)*`,
+//! `signed = "-"* power`, `power = primary ("^" integer)?`, `primary = number unit? | name | name "(" sum ")" |
+//! "(" sum ")"`. A unit belongs to its number and binds tightest: `1 / 2 mm` is 1/(2 mm). Units multiply by a space
+//! or `*` and divide by `/`, as in `6.55 N s/m`, `9.81 m/s^2`, `1.3e-13 1/Pa`. Since no parameter may be called
+//! like a unit, `2 mm * width` and `2 N * s` cannot be confused. Functions: sin, cos, tan, sqrt, abs; constant: pi.
+//! Sine and cosine come from `libm`, so that a scene has the same bits on every machine.
+
+use super::quantity::{Dimension, Quantity, Unit, unit};
+use thiserror::Error;
+
+/// Parentheses and signs may nest this deep, so that a hostile text cannot exhaust the stack.
+const DEPTH_LIMIT: usize = 64;
+/// Largest exponent of a power.
+const EXPONENT_LIMIT: f64 = 12.0;
+
+/// Names with a meaning of their own.
+pub const RESERVED: [&str; 6] = ["sin", "cos", "tan", "sqrt", "abs", "pi"];
+
+/// Why an expression has no value.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum ExpressionError {
+    /// Nothing there.
+    #[error("is empty, expected a number with its unit")]
+    Empty,
+    /// A character that no expression has.
+    #[error("unexpected character `{0}`")]
+    Character(char),
+    /// Something else was expected here.
+    #[error("unexpected `{found}`, expected {expected}")]
+    Unexpected {
+        /// The piece found.
+        found: String,
+        /// What could follow.
+        expected: &'static str,
+    },
+    /// It stops too early.
+    #[error("ends too early, expected {0}")]
+    Incomplete(&'static str),
+    /// A name nobody knows.
+    #[error("there is no unit, parameter or function `{name}`{}", hint(.nearest))]
+    UnknownName {
+        /// The name.
+        name: String,
+        /// The nearest parameter.
+        nearest: Option<String>,
+    },
+    /// A parameter that is itself faulty; its own fault says why.
+    #[error("the parameter `{0}` is faulty")]
+    Broken(String),
+    /// Operands of different dimension.
+    #[error("cannot {verb} {left} and {right}")]
+    Mixed {
+        /// add or subtract.
+        verb: &'static str,
+        /// Left operand.
+        left: Dimension,
+        /// Right operand.
+        right: Dimension,
+    },
+    /// A function of something it has no meaning for.
+    #[error("{function} of {found}, expected {expected}")]
+    Argument {
+        /// Which function.
+        function: &'static str,
+        /// The argument's kind.
+        found: Dimension,
+        /// What it takes.
+        expected: &'static str,
+    },
+    /// An exponent that is no small integer.
+    #[error("exponents are whole numbers from -12 to 12")]
+    Exponent,
+    /// After `/` in a unit, a further factor could stand above or below.
+    #[error("the unit is ambiguous after `/`: write `*` or `/` before `{0}`")]
+    AmbiguousUnit(String),
+    /// Too many parentheses.
+    #[error("is nested deeper than {DEPTH_LIMIT} levels")]
+    TooDeep,
+    /// Division by zero, root of a negative number, overflow.
+    #[error("has no finite value")]
+    NotFinite,
+}
+
+fn hint(nearest: &Option<String>) -> String {
+    nearest.as_ref().map(|name| format!(", did you mean `{name}`?")).unwrap_or_default()
+}
+
+/// Evaluates `text`; `lookup` gives the value of a parameter by name.
+///
+/// # Errors
+/// [`ExpressionError`]; whatever `lookup` returns as an error is passed on.
+pub fn evaluate(
+    text: &str,
+    lookup: &mut dyn FnMut(&str) -> Result<Quantity, ExpressionError>,
+) -> Result<Quantity, ExpressionError> {
+    let tokens = tokens(text)?;
+    if tokens.is_empty() {
+        return Err(ExpressionError::Empty);
+    }
+    let mut parser = Parser { tokens: &tokens, next: 0, depth: 0, lookup };
+    let quantity = parser.sum()?;
+    if let Some(token) = parser.peek() {
+        return Err(ExpressionError::Unexpected { found: token.to_string(), expected: "an operator" });
+    }
+    if quantity.value.is_finite() { Ok(quantity) } else { Err(ExpressionError::NotFinite) }
+}
+
+/// Reads a unit alone, e.g. `N s/m`.
+///
+/// # Errors
+/// [`ExpressionError`] if it is none.
+pub fn read_unit(text: &str) -> Result<Unit, ExpressionError> {
+    let one = evaluate(&format!("1 {text}"), &mut |name| {
+        Err(ExpressionError::UnknownName { name: name.to_owned(), nearest: None })
+    })?;
+    Ok(Unit { multiply: one.value, divide: 1.0, dimension: one.dimension })
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Token<'t> {
+    Number(f64, &'t str),
+    Name(&'t str),
+    Sign(char),
+}
+
+impl std::fmt::Display for Token<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Token::Number(_, text) | Token::Name(text) => f.write_str(text),
+            Token::Sign(sign) => write!(f, "{sign}"),
+        }
+    }
+}
+
+fn tokens(text: &str) -> Result<Vec<Token<'_>>, ExpressionError> {
+    let mut tokens = Vec::new();
+    let mut rest = text.trim_start();
+    while let Some(first) = rest.chars().next() {
+        let length = if first.is_ascii_digit() || first == '.' {
+            number_length(rest.as_bytes())
+        } else if first.is_alphabetic() || first == '_' {
+            rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len())
+        } else {
+            first.len_utf8()
+        };
+        let (piece, after) = rest.split_at(length);
+        tokens.push(if first.is_ascii_digit() || first == '.' {
+            let value = piece.parse().map_err(|_| ExpressionError::Character(first))?;
+            Token::Number(value, piece)
+        } else if first.is_alphabetic() || first == '_' || first == '%' {
+            Token::Name(piece)
+        } else if "+-*/^()".contains(first) {
+            Token::Sign(first)
+        } else {
+            return Err(ExpressionError::Character(first));
+        });
+        rest = after.trim_start();
+    }
+    Ok(tokens)
+}
+
+/// Length of the number at the start: digits, a point, an exponent only if digits follow it.
+fn number_length(bytes: &[u8]) -> usize {
+    let digits = |from: usize| bytes[from..].iter().take_while(|b| b.is_ascii_digit()).count();
+    let mut length = digits(0);
+    if bytes.get(length) == Some(&b'.') {
+        length += 1 + digits(length + 1);
+    }
+    if matches!(bytes.get(length), Some(b'e' | b'E')) {
+        let sign = usize::from(matches!(bytes.get(length + 1), Some(b'+' | b'-')));
+        let exponent = bytes.get(length + 1 + sign..).map_or(0, |_| digits(length + 1 + sign));
+        if exponent > 0 {
+            length += 1 + sign + exponent;
+        }
+    }
+    length
+}
+
+struct Parser<'p, 't> {
+    tokens: &'p [Token<'t>],
+    next: usize,
+    depth: usize,
+    lookup: &'p mut dyn FnMut(&str) -> Result<Quantity, ExpressionError>,
+}
+
+impl<'t> Parser<'_, 't> {
+    fn peek(&self) -> Option<Token<'t>> {
+        self.tokens.get(self.next).copied()
+    }
+
+    fn accept(&mut self, sign: char) -> bool {
+        let found = self.peek() == Some(Token::Sign(sign));
+        self.next += usize::from(found);
+        found
+    }
+
+    fn sum(&mut self) -> Result<Quantity, ExpressionError> {
+        let mut left = self.product()?;
+        loop {
+            let (verb, sign) = match self.peek() {
+                Some(Token::Sign('+')) => ("add", 1.0),
+                Some(Token::Sign('-')) => ("subtract", -1.0),
+                _ => return Ok(left),
+            };
+            self.next += 1;
+            let right = self.product()?;
+            if left.dimension != right.dimension {
+                let (left, right) = (left.dimension, right.dimension);
+                return Err(ExpressionError::Mixed { verb, left, right });
+            }
+            left.value += sign * right.value;
+        }
+    }
+
+    fn product(&mut self) -> Result<Quantity, ExpressionError> {
+        let mut left = self.signed()?;
+        loop {
+            let divide = match self.peek() {
+                Some(Token::Sign('*')) => false,
+                Some(Token::Sign('/')) => true,
+                _ => return Ok(left),
+            };
+            self.next += 1;
+            let right = self.signed()?;
+            let (value, power) =
+                if divide { (left.value / right.value, -1) } else { (left.value * right.value, 1) };
+            left = Quantity { value, dimension: left.dimension.times(right.dimension.power(power)) };
+        }
+    }
+
+    fn signed(&mut self) -> Result<Quantity, ExpressionError> {
+        let mut sign = 1.0;
+        while let Some(Token::Sign(found @ ('-' | '+'))) = self.peek() {
+            self.next += 1;
+            sign = if found == '-' { -sign } else { sign };
+        }
+        let mut quantity = self.power()?;
+        quantity.value *= sign;
+        Ok(quantity)
+    }
+
+    fn power(&mut self) -> Result<Quantity, ExpressionError> {
+        let base = self.primary()?;
+        if !self.accept('^') {
+            return Ok(base);
+        }
+        let n = self.exponent()?;
+        // Repeated multiplication: the same bits everywhere, unlike a library's pow.
+        let product = (0..n.unsigned_abs()).fold(1.0, |product, _| product * base.value);
+        let value = if n < 0 { 1.0 / product } else { product };
+        Ok(Quantity { value, dimension: base.dimension.power(n) })
+    }
+
+    fn exponent(&mut self) -> Result<i16, ExpressionError> {
+        let negative = self.accept('-');
+        match self.peek() {
+            Some(Token::Number(n, _)) if n.fract() == 0.0 && n <= EXPONENT_LIMIT => {
+                self.next += 1;
+                Ok(if negative { -(n as i16) } else { n as i16 })
+            }
+            _ => Err(ExpressionError::Exponent),
+        }
+    }
+
+    fn primary(&mut self) -> Result<Quantity, ExpressionError> {
+        const EXPECTED: &str = "a number, a parameter or a parenthesis";
+        let token = self.peek().ok_or(ExpressionError::Incomplete(EXPECTED))?;
+        self.next += 1;
+        match token {
+            Token::Number(value, _) => self.with_unit(value),
+            Token::Sign('(') => self.parenthesis(),
+            Token::Sign(sign) => {
+                Err(ExpressionError::Unexpected { found: sign.to_string(), expected: EXPECTED })
+            }
+            Token::Name("pi") => Ok(Quantity { value: std::f64::consts::PI, dimension: Dimension::NONE }),
+            Token::Name(name) if self.accept('(') => {
+                let argument = self.parenthesis()?;
+                function(name, argument)
+            }
+            Token::Name(name) if unit(name).is_some() => Err(ExpressionError::Unexpected {
+                found: name.to_owned(),
+                expected: "a number before the unit",
+            }),
+            Token::Name(name) => (self.lookup)(name),
+        }
+    }
+
+    /// What follows an opening parenthesis.
+    fn parenthesis(&mut self) -> Result<Quantity, ExpressionError> {
+        self.depth += 1;
+        if self.depth > DEPTH_LIMIT {
+            return Err(ExpressionError::TooDeep);
+        }
+        let inside = self.sum()?;
+        self.depth -= 1;
+        if self.accept(')') {
+            return Ok(inside);
+        }
+        match self.peek() {
+            Some(token) => Err(ExpressionError::Unexpected { found: token.to_string(), expected: "`)`" }),
+            None => Err(ExpressionError::Incomplete("`)`")),
+        }
+    }
+
+    fn unit_at(&self, position: usize) -> Option<Unit> {
+        match self.tokens.get(position) {
+            Some(Token::Name(name)) => unit(name),
+            _ => None,
+        }
+    }
+
+    /// The unit after a number, if there is one.
+    fn with_unit(&mut self, number: f64) -> Result<Quantity, ExpressionError> {
+        let (mut multiply, mut divide, mut dimension) = (1.0, 1.0, Dimension::NONE);
+        // `2 1/Pa`: the 1 only carries the fraction bar.
+        let bare_one = matches!(self.peek(), Some(Token::Number(1.0, _)));
+        if bare_one
+            && self.tokens.get(self.next + 1) == Some(&Token::Sign('/'))
+            && self.unit_at(self.next + 2).is_some()
+        {
+            self.next += 1;
+        }
+        let mut after_bar = false;
+        loop {
+            let (below, skip) = match self.peek() {
+                Some(Token::Sign('/')) => (true, 1),
+                Some(Token::Sign('*')) => (false, 1),
+                _ => (false, 0),
+            };
+            let Some(factor) = self.unit_at(self.next + skip) else { break };
+            if after_bar && skip == 0 {
+                let name = self.tokens[self.next].to_string();
+                return Err(ExpressionError::AmbiguousUnit(name));
+            }
+            after_bar |= below;
+            self.next += skip + 1;
+            let n = if self.accept('^') { self.exponent()? } else { 1 };
+            let n = if below { -n } else { n };
+            for _ in 0..n.unsigned_abs() {
+                let (above, under) =
+                    if n < 0 { (factor.divide, factor.multiply) } else { (factor.multiply, factor.divide) };
+                multiply *= above;
+                divide *= under;
+            }
+            dimension = dimension.times(factor.dimension.power(n));
+        }
+        Ok(Quantity { value: number * multiply / divide, dimension })
+    }
+}
+
+fn function(name: &str, x: Quantity) -> Result<Quantity, ExpressionError> {
+    let angle = |function, f: fn(f64) -> f64| {
+        if x.dimension != Dimension::NONE {
+            let expected = "an angle or a plain number";
+            return Err(ExpressionError::Argument { function, found: x.dimension, expected });
+        }
+        Ok(Quantity { value: f(x.value), dimension: Dimension::NONE })
+    };
+    match name {
+        "sin" => angle("sin", libm::sin),
+        "cos" => angle("cos", libm::cos),
+        "tan" => angle("tan", libm::tan),
+        "abs" => Ok(Quantity { value: x.value.abs(), ..x }),
+        "sqrt" => match x.dimension.square_root() {
+            Some(dimension) => Ok(Quantity { value: x.value.sqrt(), dimension }),
+            None => Err(ExpressionError::Argument {
+                function: "sqrt",
+                found: x.dimension,
+                expected: "a quantity whose dimension is a square",
+            }),
+        },
+        _ => Err(ExpressionError::UnknownName { name: name.to_owned(), nearest: None }),
+    }
+}

@@ -1,0 +1,41 @@
+//! `extends`: a scene that is another one with some tables changed.
+//!
+//! Tables merge key by key; lists of named tables merge row by row, by name, new rows at the end; everything else is
+//! replaced.
+
+use toml::{Table, Value};
+
+/// Lays `over` on top of `base`.
+pub(super) fn merge(base: &mut Table, over: Table) {
+    for (key, value) in over {
+        match (base.get_mut(&key), value) {
+            (Some(Value::Table(below)), Value::Table(above)) => merge(below, above),
+            (Some(Value::Array(below)), Value::Array(above)) if named(below) && named(&above) => {
+                merge_rows(below, above);
+            }
+            (_, value) => {
+                base.insert(key, value);
+            }
+        }
+    }
+}
+
+fn name(row: &Value) -> Option<&str> {
+    row.as_table()?.get("name")?.as_str()
+}
+
+fn named(rows: &[Value]) -> bool {
+    !rows.is_empty() && rows.iter().all(|row| name(row).is_some())
+}
+
+fn merge_rows(base: &mut Vec<Value>, over: Vec<Value>) {
+    let inherited = base.len();
+    for row in over {
+        let place = base[..inherited].iter().position(|below| name(below) == name(&row));
+        match (place.map(|i| &mut base[i]), row) {
+            (Some(Value::Table(below)), Value::Table(above)) => merge(below, above),
+            // Rows of the same file with one name stay two rows: the reader reports the duplicate.
+            (_, row) => base.push(row),
+        }
+    }
+}

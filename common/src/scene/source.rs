@@ -1,0 +1,313 @@
+//! A scene as its author wrote it: found by name or file, checked as a whole, resolved for any sample.
+
+use super::builtin;
+use super::expression::{ExpressionError, evaluate};
+use super::faults::{Fault, FaultKind, Faults, nearest, six_digits};
+use super::merge::merge;
+use super::model::Scene;
+use super::quantity::{Kind, Quantity};
+use super::read::{Context, Overrides};
+use super::resolve::resolve;
+use super::variables::variables;
+use crate::random::{Distribution, RandomVariable};
+use std::collections::BTreeMap;
+use std::path::Path;
+use toml::Table;
+
+/// Scenes may extend each other through this many files.
+const EXTENDS_LIMIT: usize = 8;
+
+/// A valid scene with everything needed to resolve it for other values of its random variables.
+#[derive(Debug, Clone)]
+pub struct SceneSource {
+    origin: String,
+    text: String,
+    document: Table,
+    nominal: Scene,
+    seen: BTreeMap<String, Quantity>,
+}
+
+impl SceneSource {
+    /// Names of the built-in scenes.
+    pub fn builtin_names() -> Vec<&'static str> {
+        builtin::SCENES.iter().map(|(name, _)| *name).collect()
+    }
+
+    /// A built-in scene.
+    ///
+    /// # Errors
+    /// The name is unknown; the fault suggests the nearest one.
+    pub fn builtin(name: &str) -> Result<Self, Faults> {
+        match builtin::text(name) {
+            Some(text) => Self::parse(text, name),
+            None => Err(single(name, "", unknown_scene(name))),
+        }
+    }
+
+    /// A built-in scene by name, or the scene in a file.
+    ///
+    /// # Errors
+    /// Every fault of the scene, or that it cannot be found or read.
+    pub fn load(name_or_path: &str) -> Result<Self, Faults> {
+        if builtin::text(name_or_path).is_some() {
+            return Self::builtin(name_or_path);
+        }
+        let path = Path::new(name_or_path);
+        let looks_like_path =
+            path.extension().is_some_and(|extension| extension == "toml") || path.components().count() > 1;
+        if !path.exists() && !looks_like_path {
+            return Err(single(name_or_path, "", unknown_scene(name_or_path)));
+        }
+        let text = read(path)?;
+        Self::from_text(text, name_or_path, path.parent())
+    }
+
+    /// A scene from its text; `origin` names it in faults. It may extend built-in scenes, not files.
+    ///
+    /// # Errors
+    /// Every fault of the scene.
+    pub fn parse(text: &str, origin: &str) -> Result<Self, Faults> {
+        Self::from_text(text.to_owned(), origin, None)
+    }
+
+    fn from_text(text: String, origin: &str, folder: Option<&Path>) -> Result<Self, Faults> {
+        let own = document(&text, origin)?;
+        let extends = own.get("scene").and_then(|scene| scene.get("extends")).is_some();
+        let document = flatten(own, origin, folder, EXTENDS_LIMIT)?;
+        // The text must stand alone where it is sent to and stored.
+        let text = if extends {
+            toml::to_string(&document)
+                .map_err(|error| single(origin, "", FaultKind::Syntax { message: error.to_string() }))?
+        } else {
+            text
+        };
+
+        // Values as written, then the variables, then the nominal scene with every variable at its mean.
+        let none = Overrides::new();
+        let base = resolve(origin, &document, &none).map_err(Faults)?;
+        let mut cx = Context::new(origin, &none);
+        if let Some(parameters) = document.get("parameters").and_then(toml::Value::as_table) {
+            cx.read_parameters(parameters);
+        }
+        let variables = variables(&mut cx, &base.variables, &base.seen);
+        if !cx.faults.is_empty() {
+            return Err(Faults(cx.faults));
+        }
+        let mut source = SceneSource {
+            origin: origin.to_owned(),
+            text,
+            document,
+            nominal: Scene { variables, ..base.scene },
+            seen: base.seen,
+        };
+        source.nominal = source.resolve_sample(&source.means())?;
+        source.check_bounds()?;
+        Ok(source)
+    }
+
+    /// The file, or the name of a built-in scene.
+    pub fn origin(&self) -> &str {
+        &self.origin
+    }
+
+    /// TOML text that gives this scene wherever it is parsed; a scene that extends another one is written out.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// FNV-1a hash of the text, 128 bit: the same on every machine and in every version.
+    pub fn digest(&self) -> u128 {
+        digest(&self.text)
+    }
+
+    /// The random variables, in the order of a sample.
+    pub fn variables(&self) -> &[RandomVariable] {
+        &self.nominal.variables
+    }
+
+    /// The means of the random variables `(d,)`, SI.
+    pub fn means(&self) -> Vec<f64> {
+        self.variables()
+            .iter()
+            .map(|variable| match variable.distribution {
+                Distribution::TruncatedNormal { mean, .. } => mean,
+            })
+            .collect()
+    }
+
+    /// The nominal scene: every random variable at its mean.
+    pub fn nominal(&self) -> &Scene {
+        &self.nominal
+    }
+
+    /// The nominal scene: every random variable at its mean.
+    ///
+    /// # Errors
+    /// None today, since a source is checked when it is made; the signature is that of its siblings.
+    pub fn resolve(&self) -> Result<Scene, Faults> {
+        Ok(self.nominal.clone())
+    }
+
+    /// The scene for one sample `(d,)` of the random variables, SI.
+    ///
+    /// # Errors
+    /// The sample has another length, or gives an invalid scene (e.g. a bushing smaller than its journal).
+    pub fn resolve_sample(&self, sample: &[f64]) -> Result<Scene, Faults> {
+        let expected = self.variables().len();
+        if sample.len() != expected {
+            let kind = FaultKind::SampleLength { found: sample.len(), expected };
+            return Err(single(&self.origin, "", kind));
+        }
+        let pairs = self.variables().iter().zip(sample);
+        let overrides =
+            pairs.flat_map(|(variable, &value)| variable.changes.iter().map(move |key| (key.clone(), value)));
+        self.resolve_overridden(&overrides.collect())
+    }
+
+    /// The nominal scene with some values changed: `(name, SI value)`, where the name is a random variable or the
+    /// path of a key, e.g. `parameters.rod_length`. A key goes before a variable that changes it too.
+    ///
+    /// # Errors
+    /// An unknown name, or values that give an invalid scene.
+    pub fn resolve_with(&self, settings: &[(String, f64)]) -> Result<Scene, Faults> {
+        let mut sample = self.means();
+        let mut keys = Vec::new();
+        for (name, value) in settings {
+            match self.variables().iter().position(|variable| variable.name == *name) {
+                Some(i) => sample[i] = *value,
+                None if self.seen.contains_key(name) => keys.push((name.clone(), *value)),
+                None => return Err(self.unknown_setting(name)),
+            }
+        }
+        let mut overrides = Overrides::new();
+        for (variable, value) in self.variables().iter().zip(sample) {
+            overrides.extend(variable.changes.iter().map(|key| (key.clone(), value)));
+        }
+        overrides.extend(keys);
+        self.resolve_overridden(&overrides)
+    }
+
+    /// Reads `name=quantity`, e.g. `rod_length=40.05mm`, with the dimension of what the name stands for.
+    ///
+    /// # Errors
+    /// An unknown name, no quantity, or one of another kind.
+    pub fn parse_setting(&self, setting: &str) -> Result<(String, f64), Faults> {
+        let fault = |kind| Faults(vec![Fault { file: "--set".to_owned(), key: setting.to_owned(), kind }]);
+        let Some((name, value)) = setting.split_once('=') else {
+            let message = "expected variable=value, e.g. rod_length=40.05mm".to_owned();
+            return Err(fault(FaultKind::Inconsistent { message }));
+        };
+        let (name, value) = (name.trim(), value.trim());
+        let variable = self.variables().iter().find(|variable| variable.name == name);
+        let key = variable.map_or(name, |variable| variable.changes[0].as_str());
+        let Some(nominal) = self.seen.get(key) else { return Err(self.unknown_setting(name)) };
+        let shown = format!("\"{value}\"");
+        let mut nothing =
+            |name: &str| Err(ExpressionError::UnknownName { name: name.to_owned(), nearest: None });
+        match evaluate(value, &mut nothing) {
+            Err(error) => Err(fault(FaultKind::Expression { value: shown, message: error.to_string() })),
+            Ok(found) if found.dimension != nominal.dimension => {
+                let expected = Kind::of(nominal.dimension);
+                Err(fault(FaultKind::WrongUnit { value: shown, found: found.dimension, expected }))
+            }
+            Ok(found) => Ok((name.to_owned(), found.value)),
+        }
+    }
+
+    fn unknown_setting(&self, name: &str) -> Faults {
+        let names: Vec<&str> = self.variables().iter().map(|variable| variable.name.as_str()).collect();
+        let all = names.iter().copied().chain(self.seen.keys().map(String::as_str));
+        let kind = FaultKind::UnknownReference {
+            what: "variable",
+            value: name.to_owned(),
+            nearest: nearest(name, all),
+            known: names.into_iter().map(str::to_owned).collect(),
+        };
+        single(&self.origin, "", kind)
+    }
+
+    fn resolve_overridden(&self, overrides: &Overrides) -> Result<Scene, Faults> {
+        let resolved = resolve(&self.origin, &self.document, overrides).map_err(Faults)?;
+        Ok(Scene { variables: self.nominal.variables.clone(), ..resolved.scene })
+    }
+
+    /// Every variable at each of its bounds, the others at their means, must leave the scene valid.
+    fn check_bounds(&self) -> Result<(), Faults> {
+        let means = self.means();
+        let mut faults = Vec::new();
+        for (i, variable) in self.variables().iter().enumerate() {
+            let Distribution::TruncatedNormal { lower, upper, .. } = variable.distribution;
+            for bound in [lower, upper] {
+                let mut sample = means.clone();
+                sample[i] = bound;
+                if let Err(Faults(found)) = self.resolve_sample(&sample) {
+                    let fault = found.first().map(|fault| format!("{}: {}", fault.key, fault.kind));
+                    let value = format!("{} (SI)", six_digits(bound));
+                    faults.push(Fault {
+                        file: self.origin.clone(),
+                        key: format!("variables.{}", variable.name),
+                        kind: FaultKind::BoundOutsidePhysics { value, fault: fault.unwrap_or_default() },
+                    });
+                }
+            }
+        }
+        if faults.is_empty() { Ok(()) } else { Err(Faults(faults)) }
+    }
+}
+
+/// FNV-1a hash of a text, 128 bit: for telling texts apart, not against forgery.
+pub fn digest(text: &str) -> u128 {
+    const BASIS: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
+    const PRIME: u128 = 0x0000_0000_0100_0000_0000_0000_0000_013b;
+    text.bytes().fold(BASIS, |hash, byte| (hash ^ u128::from(byte)).wrapping_mul(PRIME))
+}
+
+fn single(file: &str, key: &str, kind: FaultKind) -> Faults {
+    Faults(vec![Fault { file: file.to_owned(), key: key.to_owned(), kind }])
+}
+
+fn unknown_scene(name: &str) -> FaultKind {
+    let known = SceneSource::builtin_names();
+    FaultKind::UnknownScene {
+        nearest: nearest(name, known.iter().copied()),
+        known: known.into_iter().map(str::to_owned).collect(),
+    }
+}
+
+fn read(path: &Path) -> Result<String, Faults> {
+    std::fs::read_to_string(path).map_err(|error| {
+        single(&path.display().to_string(), "", FaultKind::Unreadable { message: error.to_string() })
+    })
+}
+
+fn document(text: &str, origin: &str) -> Result<Table, Faults> {
+    text.parse::<Table>().map_err(|error| {
+        single(origin, "", FaultKind::Syntax { message: error.to_string().trim_end().to_owned() })
+    })
+}
+
+/// Replaces `scene.extends` by the scene it names, with this one laid on top.
+fn flatten(mut own: Table, origin: &str, folder: Option<&Path>, left: usize) -> Result<Table, Faults> {
+    let extends =
+        own.get_mut("scene").and_then(toml::Value::as_table_mut).and_then(|scene| scene.remove("extends"));
+    let Some(extends) = extends else { return Ok(own) };
+    const KEY: &str = "scene.extends";
+    if left == 0 {
+        return Err(single(origin, KEY, FaultKind::ExtendsTooDeep { limit: EXTENDS_LIMIT }));
+    }
+    let Some(name) = extends.as_str() else {
+        let message = format!("{extends} is no name of a scene or file");
+        return Err(single(origin, KEY, FaultKind::Inconsistent { message }));
+    };
+    let (text, folder) = match (builtin::text(name), folder) {
+        (Some(text), _) => (text.to_owned(), None),
+        (None, Some(folder)) if folder.join(name).is_file() => {
+            let path = folder.join(name);
+            (read(&path)?, path.parent().map(Path::to_path_buf))
+        }
+        _ => return Err(single(origin, KEY, unknown_scene(name))),
+    };
+    let mut base = flatten(document(&text, name)?, name, folder.as_deref(), left - 1)?;
+    merge(&mut base, own);
+    Ok(base)
+}

@@ -1,0 +1,169 @@
+//! Reads the random variables of a scene: as written while the scene is read, and as distributions once the
+//! nominal values of what they change are known.
+
+use super::expression::read_unit;
+use super::faults::{FaultKind, six_digits};
+use super::quantity::{Dimension, Kind, NUMBER, Quantity};
+use super::read::{Context, Range};
+use super::section::Section;
+use crate::random::{Distribution, RandomVariable};
+use std::collections::BTreeMap;
+use toml::Value;
+
+/// Where a distribution is cut unless the scene says otherwise, in standard deviations.
+const TRUNCATION: f64 = 3.0;
+
+/// A row of `[[variables]]`, its numbers not yet read: their dimension depends on what the variable changes.
+pub(super) struct VariableRow {
+    name: String,
+    changes: Vec<String>,
+    truncation: f64,
+    unit: Option<String>,
+    mean: Option<Value>,
+    std: Value,
+    lower: Option<Value>,
+    upper: Option<Value>,
+}
+
+/// Reads `[[variables]]` as written.
+pub(super) fn variable_rows(cx: &mut Context, file: &mut Section) -> Vec<VariableRow> {
+    let mut rows = Vec::new();
+    for (name, mut row) in file.rows(cx, "variables") {
+        let changes = row.texts(cx, "changes", "a list of keys, e.g. [\"parameters.rod_length\"]");
+        if changes.as_ref().is_some_and(Vec::is_empty) {
+            cx.inconsistent(row.key("changes"), "is empty: the variable changes nothing");
+        }
+        let word = row.text_or(cx, "distribution", "truncated-normal", "truncated-normal");
+        let known =
+            word.and_then(|word| cx.word(&row.key("distribution"), word, &[("truncated-normal", ())]));
+        let truncation = row.quantity_or(cx, "truncation", NUMBER, Range::Within(0.1, 10.0), TRUNCATION);
+        let unit = row.get("unit").map(|_| row.text(cx, "unit", "a unit, e.g. \"mm\""));
+        let [mean, lower, upper] = ["mean", "lower", "upper"].map(|key| row.get(key).cloned());
+        let std = row.get("std").cloned();
+        if std.is_none() {
+            let expected = "a quantity, or a share of the mean such as \"0.2 %\"".to_owned();
+            cx.fault(row.key("std"), FaultKind::Missing { expected });
+        }
+        row.finish(cx);
+        rows.extend((|| {
+            known?;
+            let changes = changes?.into_iter().map(str::to_owned).collect();
+            let unit = unit.map(|unit| unit.map(str::to_owned)).map_or(Some(None), |unit| unit.map(Some))?;
+            let (truncation, std) = (truncation?, std?);
+            Some(VariableRow { name: name.to_owned(), changes, truncation, unit, mean, std, lower, upper })
+        })());
+    }
+    rows
+}
+
+/// Gives the variables their distributions, from the nominal values `seen` at the keys they change.
+pub(super) fn variables(
+    cx: &mut Context,
+    rows: &[VariableRow],
+    seen: &BTreeMap<String, Quantity>,
+) -> Vec<RandomVariable> {
+    let mut owners: BTreeMap<&str, &str> = BTreeMap::new();
+    for row in rows {
+        for key in &row.changes {
+            if let Some(other) = owners.insert(key, &row.name) {
+                let place = format!("variables.{}.changes", row.name);
+                cx.inconsistent(place, format!("\"{key}\" is already changed by the variable \"{other}\""));
+            }
+        }
+    }
+    rows.iter().filter_map(|row| variable(cx, row, seen)).collect()
+}
+
+fn variable(
+    cx: &mut Context,
+    row: &VariableRow,
+    seen: &BTreeMap<String, Quantity>,
+) -> Option<RandomVariable> {
+    let place = |key: &str| format!("variables.{}.{key}", row.name);
+    let nominal = nominal(cx, row, seen)?;
+    let dimension = nominal.dimension;
+    let mean = match &row.mean {
+        Some(written) => quantity(cx, &place("mean"), written, dimension)?,
+        None => nominal.value,
+    };
+    let relative = row.std.as_str().is_some_and(|text| text.trim_end().ends_with('%'));
+    let expected = if relative { Dimension::NONE } else { dimension };
+    let mut std = quantity(cx, &place("std"), &row.std, expected)?;
+    if relative {
+        std *= mean.abs();
+    }
+    if !(std > 0.0 && std.is_finite()) {
+        let (value, allowed) =
+            (row.std.to_string(), "> 0; leave the variable out to hold it fixed".to_owned());
+        cx.fault(place("std"), FaultKind::OutOfRange { value, allowed });
+        return None;
+    }
+    let bound = |cx: &mut Context, key: &str, written: &Option<Value>, default: f64| match written {
+        Some(written) => quantity(cx, &place(key), written, dimension),
+        None => Some(default),
+    };
+    let reach = row.truncation * std;
+    let lower = bound(cx, "lower", &row.lower, mean - reach);
+    let upper = bound(cx, "upper", &row.upper, mean + reach);
+    let (lower, upper) = (lower?, upper?);
+    if !(lower < mean && mean < upper) {
+        let message = format!(
+            "the bounds {} and {} (SI) do not enclose the mean {}",
+            six_digits(lower),
+            six_digits(upper),
+            six_digits(mean)
+        );
+        cx.inconsistent(format!("variables.{}", row.name), message);
+        return None;
+    }
+    let unit = match &row.unit {
+        Some(unit) => match read_unit(unit) {
+            Ok(found) if found.dimension == dimension => unit.clone(),
+            _ => {
+                let message = format!("\"{unit}\" is no unit of {dimension}");
+                cx.inconsistent(place("unit"), message);
+                return None;
+            }
+        },
+        None => dimension.si_unit(),
+    };
+    Some(RandomVariable {
+        name: row.name.clone(),
+        distribution: Distribution::TruncatedNormal { mean, std, lower, upper },
+        changes: row.changes.clone(),
+        unit,
+    })
+}
+
+/// The value that all keys of the variable share without it.
+fn nominal(cx: &mut Context, row: &VariableRow, seen: &BTreeMap<String, Quantity>) -> Option<Quantity> {
+    let place = format!("variables.{}.changes", row.name);
+    let mut first: Option<Quantity> = None;
+    for key in &row.changes {
+        cx.reference(&place, "quantity", key, seen.keys().map(String::as_str))?;
+        let found = seen[key];
+        match first {
+            None => first = Some(found),
+            Some(first) if first.dimension != found.dimension => {
+                let message = format!("\"{key}\" is {}, the others are {}", found.dimension, first.dimension);
+                cx.inconsistent(place, message);
+                return None;
+            }
+            Some(first) if first.value != found.value && row.mean.is_none() => {
+                let message = format!(
+                    "the nominal values differ ({} and {}), so mean must be given",
+                    six_digits(first.value),
+                    six_digits(found.value)
+                );
+                cx.inconsistent(place, message);
+                return None;
+            }
+            Some(_) => {}
+        }
+    }
+    first
+}
+
+fn quantity(cx: &mut Context, key: &str, written: &Value, dimension: Dimension) -> Option<f64> {
+    cx.quantity(key, written, Kind::of(dimension), Range::Any)
+}

@@ -1,0 +1,167 @@
+//! Messages to bytes and back: the only place that knows the serialisation format (bincode).
+//!
+//! ```text
+//! byte  0..4   magic "HNGW"
+//!       4..6   protocol version, little endian
+//!       6      kind of message
+//!       7      zero
+//!       8..12  length of the payload, little endian
+//!      12..    payload
+//! ```
+//!
+//! Header and length are checked before anything of the payload is read; decoding is limited, so that a hostile
+//! length inside the payload allocates nothing; trailing bytes are refused, and so are numbers that are not
+//! finite.
+
+use super::PROTOCOL_VERSION;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use thiserror::Error;
+
+/// Largest payload of a message [bytes]. An outcome with a first cycle of 2000 points takes about 200 kB.
+pub const MAX_PAYLOAD: usize = 16 << 20;
+
+/// Bytes before the payload.
+pub const HEADER: usize = 12;
+
+const MAGIC: [u8; 4] = *b"HNGW";
+
+/// The decoder counts a number at its full width before it knows its encoded one; this is its margin [bytes].
+const DECODE_LIMIT: usize = MAX_PAYLOAD + 64;
+
+/// Why bytes are not a message, or a message cannot become bytes.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum WireError {
+    /// The bytes come from something else.
+    #[error("not a message of this program")]
+    NotOurs,
+    /// The other side runs another version of the program.
+    #[error("the other side speaks protocol version {theirs}, this side version {ours}")]
+    OtherVersion {
+        /// Version in the frame.
+        theirs: u16,
+        /// [`PROTOCOL_VERSION`].
+        ours: u16,
+    },
+    /// A message, but not the one expected.
+    #[error("expected a {expected}, found a message of kind {found}")]
+    OtherKind {
+        /// Name of the expected message.
+        expected: &'static str,
+        /// Kind found.
+        found: u8,
+    },
+    /// The length in the header does not fit the bytes received.
+    #[error("the frame states a payload of {stated} bytes and has {found}")]
+    Length {
+        /// In the header.
+        stated: usize,
+        /// Received.
+        found: usize,
+    },
+    /// More than a message may hold.
+    #[error("a message of {bytes} bytes is larger than the limit of {MAX_PAYLOAD}")]
+    TooLarge {
+        /// Size of the payload.
+        bytes: usize,
+    },
+    /// The payload cannot be read.
+    #[error("malformed {message}: {reason}")]
+    Malformed {
+        /// Name of the message.
+        message: &'static str,
+        /// What the decoder says.
+        reason: String,
+    },
+    /// A number is NaN or infinite.
+    #[error("{quantity} is not finite")]
+    NotFinite {
+        /// Which.
+        quantity: String,
+    },
+    /// A worker's name that cannot stand in a key.
+    #[error("the worker's name is empty, too long or has characters other than letters, digits, - _ .")]
+    BadWorkerName,
+}
+
+/// Something that travels.
+pub trait Message: Serialize + DeserializeOwned {
+    /// Its number in the frame.
+    const KIND: u8;
+    /// Its name, for people.
+    const NAME: &'static str;
+
+    /// Checks what the types cannot say.
+    ///
+    /// # Errors
+    /// [`WireError::NotFinite`], [`WireError::BadWorkerName`].
+    fn check(&self) -> Result<(), WireError>;
+}
+
+/// The frame of a message.
+///
+/// # Errors
+/// What [`Message::check`] finds, [`WireError::TooLarge`].
+pub fn encode<M: Message>(message: &M) -> Result<Vec<u8>, WireError> {
+    message.check()?;
+    let mut frame = vec![0; HEADER];
+    frame[..4].copy_from_slice(&MAGIC);
+    frame[4..6].copy_from_slice(&PROTOCOL_VERSION.to_le_bytes());
+    frame[6] = M::KIND;
+    let written = bincode::serde::encode_into_std_write(message, &mut frame, bincode::config::standard())
+        .map_err(|e| malformed::<M>(&e))?;
+    if written > MAX_PAYLOAD {
+        return Err(WireError::TooLarge { bytes: written });
+    }
+    let length = u32::try_from(written).map_err(|_| WireError::TooLarge { bytes: written })?;
+    frame[8..12].copy_from_slice(&length.to_le_bytes());
+    Ok(frame)
+}
+
+/// The message in a frame.
+///
+/// # Errors
+/// Any [`WireError`]; the version is checked before everything but the magic.
+pub fn decode<M: Message>(frame: &[u8]) -> Result<M, WireError> {
+    let Some((header, payload)) = frame.split_first_chunk::<HEADER>() else {
+        return Err(WireError::NotOurs);
+    };
+    if header[..4] != MAGIC {
+        return Err(WireError::NotOurs);
+    }
+    let theirs = u16::from_le_bytes([header[4], header[5]]);
+    if theirs != PROTOCOL_VERSION {
+        return Err(WireError::OtherVersion { theirs, ours: PROTOCOL_VERSION });
+    }
+    if header[6] != M::KIND || header[7] != 0 {
+        return Err(WireError::OtherKind { expected: M::NAME, found: header[6] });
+    }
+    let stated = u32::from_le_bytes([header[8], header[9], header[10], header[11]]) as usize;
+    if stated != payload.len() {
+        return Err(WireError::Length { stated, found: payload.len() });
+    }
+    if stated > MAX_PAYLOAD {
+        return Err(WireError::TooLarge { bytes: stated });
+    }
+    let limited = bincode::config::standard().with_limit::<DECODE_LIMIT>();
+    let (message, consumed): (M, usize) =
+        bincode::serde::decode_from_slice(payload, limited).map_err(|e| malformed::<M>(&e))?;
+    if consumed != payload.len() {
+        return Err(WireError::Length { stated: consumed, found: payload.len() });
+    }
+    message.check()?;
+    Ok(message)
+}
+
+/// Size of a part of a message once encoded [bytes].
+///
+/// # Errors
+/// [`WireError::Malformed`] if it cannot be encoded.
+pub fn encoded_size<T: Serialize>(part: &T) -> Result<usize, WireError> {
+    bincode::serde::encode_into_std_write(part, &mut std::io::sink(), bincode::config::standard())
+        .map_err(|e| WireError::Malformed { message: "part", reason: e.to_string() })
+}
+
+fn malformed<M: Message>(reason: &dyn std::fmt::Display) -> WireError {
+    WireError::Malformed { message: M::NAME, reason: reason.to_string() }
+}

@@ -1,0 +1,81 @@
+//! Which number of a message is not finite. Workers ask before they send, the codec after it received.
+
+use super::codec::WireError;
+use crate::failure::SimulationFailure;
+use crate::outputs::Evaluation;
+
+/// A number that is NaN or infinite.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct NonFinite {
+    /// Where it stands, e.g. `histories[0][3]`.
+    pub quantity: String,
+    /// The checkpoint it belongs to, where it belongs to one [cycles].
+    pub cycle: Option<u32>,
+}
+
+/// The first number of an evaluation that is not finite.
+pub fn find_non_finite(evaluation: &Evaluation) -> Option<NonFinite> {
+    let Evaluation { cycles, histories, joints, first_cycle, diagnostics } = evaluation;
+    for (output, history) in histories.iter().enumerate() {
+        if let Some(at) = position(history) {
+            return Some(NonFinite {
+                quantity: format!("histories[{output}][{at}]"),
+                cycle: cycles.get(at).copied(),
+            });
+        }
+    }
+    let elsewhere = |quantity: String| Some(NonFinite { quantity, cycle: None });
+    for joint in joints {
+        if !joint.peak_force.is_finite() {
+            return elsewhere(format!("peak force of joint {}", joint.name));
+        }
+        if let Some(at) = position(&joint.wear_depth) {
+            return elsewhere(format!("wear depth {at} of joint {}", joint.name));
+        }
+    }
+    if let Some(cycle) = first_cycle {
+        if let Some(at) = position(&cycle.time) {
+            return elsewhere(format!("time {at} of the first cycle"));
+        }
+        for body in &cycle.bodies {
+            if let Some(at) = position(&body.angle).or_else(|| position(&body.speed)) {
+                return elsewhere(format!("motion {at} of {} in the first cycle", body.label));
+            }
+        }
+        for (joint, force) in &cycle.joint_force {
+            if let Some(at) = position(force) {
+                return elsewhere(format!("force {at} of joint {joint} in the first cycle"));
+            }
+        }
+    }
+    let flight = diagnostics.free_flight_fraction.iter().find(|(_, share)| !share.is_finite());
+    flight.and_then(|(joint, _)| elsewhere(format!("free flight fraction of joint {joint}")))
+}
+
+/// Whether every number of a failure is finite.
+pub fn failure_is_finite(failure: &SimulationFailure) -> bool {
+    use SimulationFailure as F;
+    match failure {
+        F::CannotAssemble { time, gap, .. } => time.is_finite() && gap.is_finite(),
+        F::StepTooSmall { time, step, error, .. } => {
+            time.is_finite() && step.is_finite() && error.is_finite()
+        }
+        F::TooManySteps { time, .. } | F::NotFinite { time, .. } => time.is_finite(),
+        F::WearStep { error, .. } => error.is_finite(),
+        F::OutOfRange { time, penetration, .. } => time.is_finite() && penetration.is_finite(),
+        F::InvalidSample { .. } | F::NotModelled { .. } | F::Panicked { .. } => true,
+    }
+}
+
+/// # Errors
+/// [`WireError::NotFinite`] with the name and index of the first value that is not finite.
+pub(super) fn all_finite(name: &str, values: &[f64]) -> Result<(), WireError> {
+    match position(values) {
+        Some(at) => Err(WireError::NotFinite { quantity: format!("{name}[{at}]") }),
+        None => Ok(()),
+    }
+}
+
+fn position(values: &[f64]) -> Option<usize> {
+    values.iter().position(|v| !v.is_finite())
+}

@@ -1,0 +1,268 @@
+//! Properties of the codec: round trip, no panic and no unbounded allocation on any bytes, refusals by name.
+
+use super::codec::{HEADER, encoded_size};
+use super::*;
+use crate::accuracy::Accuracy;
+use crate::failure::SimulationFailure;
+use crate::outputs::{BodyTrace, Diagnostics, Evaluation, FirstCycle, JointSummary};
+use proptest::collection::vec;
+use proptest::prelude::*;
+
+fn number() -> impl Strategy<Value = f64> {
+    any::<f64>().prop_map(|x| if x.is_finite() { x } else { -0.0 })
+}
+
+fn key() -> impl Strategy<Value = TaskKey> {
+    any::<(u64, u64)>().prop_map(|(campaign, task)| TaskKey { campaign, task })
+}
+
+fn task() -> impl Strategy<Value = Task> {
+    (key(), any::<u32>(), vec(number(), 0..20), any::<bool>())
+        .prop_map(|(key, attempt, sample, with_first_cycle)| Task { key, attempt, sample, with_first_cycle })
+}
+
+fn first_cycle() -> impl Strategy<Value = FirstCycle> {
+    (vec(number(), 0..9), vec(number(), 0..9), vec(number(), 0..9), ".{0,5}").prop_map(
+        |(time, angle, force, label)| FirstCycle {
+            time,
+            bodies: vec![BodyTrace { label: label.clone(), speed: angle.clone(), angle }],
+            joint_force: vec![(label, force)],
+        },
+    )
+}
+
+fn evaluation() -> impl Strategy<Value = Evaluation> {
+    let histories = vec(vec(number(), 0..9), 0..3);
+    (vec(any::<u32>(), 0..9), histories, number(), vec(number(), 0..9), proptest::option::of(first_cycle()))
+        .prop_map(|(cycles, histories, peak_force, wear_depth, first_cycle)| Evaluation {
+            cycles,
+            histories,
+            joints: vec![JointSummary { name: "1".into(), peak_force, wear_depth }],
+            first_cycle,
+            diagnostics: Diagnostics {
+                steps: 7,
+                free_flight_fraction: vec![("1".into(), 0.25)],
+                ..Diagnostics::default()
+            },
+        })
+}
+
+fn failure() -> impl Strategy<Value = SimulationFailure> {
+    prop_oneof![
+        ".{0,20}".prop_map(|message| SimulationFailure::Panicked { message }),
+        (any::<u32>(), number(), number()).prop_map(|(cycle, time, error)| SimulationFailure::StepTooSmall {
+            cycle,
+            time,
+            step: time,
+            error
+        }),
+    ]
+}
+
+fn outcome() -> impl Strategy<Value = Outcome> {
+    let result = prop_oneof![evaluation().prop_map(Ok), failure().prop_map(Err)];
+    (task(), "[a-z]{1,9}/[0-9]", number(), result).prop_map(|(task, worker, wall, result)| Outcome {
+        task,
+        worker,
+        wall,
+        result,
+    })
+}
+
+fn claim() -> impl Strategy<Value = Claim> {
+    let who = ("[A-Za-z0-9_.-]{1,100}", any::<u64>()).prop_map(|(name, epoch)| WorkerId { name, epoch });
+    (who, any::<(u64, u32, u32, bool)>(), vec(key(), 0..9), vec(outcome(), 0..4)).prop_map(
+        |(worker, (sequence, slots, credits, leaving), holding, finished)| Claim {
+            worker,
+            sequence,
+            slots,
+            credits,
+            holding,
+            finished,
+            leaving,
+        },
+    )
+}
+
+fn reply() -> impl Strategy<Value = Reply> {
+    let work = (".{0,99}", number(), vec(task(), 0..9)).prop_map(|(scene, x, tasks)| {
+        Next::Work(WorkOrder { scene, accuracy: accuracy(x), accuracy_name: "draft".into(), tasks })
+    });
+    let idle = any::<u32>().prop_map(|ask_again| Next::Idle { ask_again });
+    (vec(key(), 0..9), prop_oneof![work, idle, Just(Next::Leave)])
+        .prop_map(|(acknowledged, next)| Reply { acknowledged, next })
+}
+
+fn notice() -> impl Strategy<Value = Notice> {
+    let point =
+        (any::<u64>(), vec(number(), 0..9)).prop_map(|(task, sample)| CandidatePoint { task, sample });
+    prop_oneof![
+        (any::<u64>(), vec(point, 0..9)).prop_map(|(campaign, points)| Notice::Batch { campaign, points }),
+        any::<u64>().prop_map(|campaign| Notice::Ended { campaign }),
+    ]
+}
+
+fn accuracy(x: f64) -> Accuracy {
+    Accuracy {
+        step_tolerance: x,
+        largest_step: 0.01,
+        steps_bound: 100,
+        wear_samples: 200,
+        cycle_jump: 1000,
+        wear_tolerance: 0.01,
+        warm_up: 0.5,
+    }
+}
+
+fn empty_claim() -> Claim {
+    Claim {
+        worker: WorkerId { name: "w".into(), epoch: 1 },
+        sequence: 1,
+        slots: 2,
+        credits: 2,
+        holding: vec![],
+        finished: vec![],
+        leaving: false,
+    }
+}
+
+fn frame_with(payload: &[u8]) -> Vec<u8> {
+    let mut frame = encode(&empty_claim()).unwrap();
+    frame.truncate(HEADER);
+    frame[8..12].copy_from_slice(&u32::try_from(payload.len()).unwrap().to_le_bytes());
+    frame.extend_from_slice(payload);
+    frame
+}
+
+proptest! {
+    #[test]
+    fn claims_survive_the_way(message in claim()) {
+        let frame = encode(&message).unwrap();
+        prop_assert_eq!(frame.len() - HEADER, encoded_size(&message).unwrap());
+        prop_assert_eq!(decode::<Claim>(&frame).unwrap(), message);
+    }
+
+    #[test]
+    fn replies_survive_the_way(message in reply()) {
+        prop_assert_eq!(decode::<Reply>(&encode(&message).unwrap()).unwrap(), message);
+    }
+
+    #[test]
+    fn notices_survive_the_way(message in notice()) {
+        prop_assert_eq!(decode::<Notice>(&encode(&message).unwrap()).unwrap(), message);
+    }
+
+    #[test]
+    fn any_bytes_are_refused_without_a_panic(bytes in vec(any::<u8>(), 0..300)) {
+        prop_assert!(decode::<Claim>(&bytes).is_err());
+        prop_assert!(decode::<Reply>(&bytes).is_err());
+    }
+
+    /// Behind a sound header: whatever is read has the size of what was sent, within the widening of types.
+    #[test]
+    fn any_payload_is_read_or_refused_without_a_panic(payload in vec(any::<u8>(), 0..300)) {
+        if let Ok(claim) = decode::<Claim>(&frame_with(&payload)) {
+            prop_assert!(encoded_size(&claim).unwrap() <= 9 * payload.len());
+        }
+    }
+
+    #[test]
+    fn a_mutated_frame_is_refused_or_read_but_never_panics(
+        message in claim(), at in any::<prop::sample::Index>(), flip in 1..=255u8, cut in any::<prop::sample::Index>()
+    ) {
+        let mut frame = encode(&message).unwrap();
+        let shorter = cut.index(frame.len());
+        prop_assert!(decode::<Claim>(&frame[..shorter]).is_err());
+        let at = at.index(frame.len());
+        frame[at] ^= flip;
+        let read = decode::<Claim>(&frame);
+        if at < HEADER {
+            prop_assert!(read.is_err());
+        }
+    }
+
+    #[test]
+    fn another_version_is_refused_by_name(message in reply(), theirs in any::<u16>()) {
+        prop_assume!(theirs != PROTOCOL_VERSION);
+        let mut frame = encode(&message).unwrap();
+        frame[4..6].copy_from_slice(&theirs.to_le_bytes());
+        let error = decode::<Reply>(&frame).unwrap_err();
+        prop_assert_eq!(&error, &WireError::OtherVersion { theirs, ours: PROTOCOL_VERSION });
+        let named = format!("version {theirs}");
+        prop_assert!(error.to_string().contains(&named));
+    }
+}
+
+#[test]
+fn a_hostile_length_allocates_nothing() {
+    // A worker name of 2^40 bytes, then a claim whose list of outcomes states 2^40 entries.
+    let mut name = vec![253];
+    name.extend_from_slice(&(1u64 << 40).to_le_bytes());
+    let mut list = vec![1, b'w', 1, 1, 2, 2, 0, 253];
+    list.extend_from_slice(&(1u64 << 40).to_le_bytes());
+    for payload in [name, list] {
+        let read = decode::<Claim>(&frame_with(&payload));
+        assert!(matches!(read, Err(WireError::Malformed { message: "claim", .. })), "{read:?}");
+    }
+}
+
+#[test]
+fn a_message_of_another_kind_is_named() {
+    let error = decode::<Reply>(&encode(&empty_claim()).unwrap()).unwrap_err();
+    assert_eq!(error, WireError::OtherKind { expected: "reply", found: Claim::KIND });
+}
+
+#[test]
+fn trailing_bytes_are_refused() {
+    let mut payload = encode(&empty_claim()).unwrap().split_off(HEADER);
+    payload.push(0);
+    assert!(matches!(decode::<Claim>(&frame_with(&payload)), Err(WireError::Length { .. })));
+}
+
+#[test]
+fn numbers_that_are_not_finite_are_refused_both_ways() {
+    let outcome = |wall, sample: Vec<f64>, history: f64| Outcome {
+        task: Task { key: TaskKey { campaign: 1, task: 2 }, attempt: 1, sample, with_first_cycle: false },
+        worker: "w/0".into(),
+        wall,
+        result: Ok(Evaluation {
+            cycles: vec![1000, 2000],
+            histories: vec![vec![0.5, history]],
+            joints: vec![],
+            first_cycle: None,
+            diagnostics: Diagnostics::default(),
+        }),
+    };
+    let mark = 1.234_567_890_123;
+    for (place, good) in [("wall", outcome(mark, vec![2.0], 3.0)), ("sample", outcome(1.0, vec![mark], 3.0))]
+        .into_iter()
+        .chain([("histories", outcome(1.0, vec![2.0], mark))])
+    {
+        let mut frame = encode(&Claim { finished: vec![good], ..empty_claim() }).unwrap();
+        let bits = mark.to_le_bytes();
+        let at = frame.windows(8).position(|w| w == bits).unwrap();
+        frame[at..at + 8].copy_from_slice(&f64::NAN.to_le_bytes());
+        let error = decode::<Claim>(&frame).unwrap_err();
+        assert!(matches!(&error, WireError::NotFinite { quantity } if quantity.contains(place)), "{error}");
+    }
+    let bad = Claim { finished: vec![outcome(1.0, vec![2.0], f64::INFINITY)], ..empty_claim() };
+    assert_eq!(encode(&bad), Err(WireError::NotFinite { quantity: "histories[0][1]".into() }));
+}
+
+#[test]
+fn the_largest_message_passes_and_a_larger_one_does_not() {
+    let reply = |bytes: usize| Reply {
+        acknowledged: vec![],
+        next: Next::Work(WorkOrder {
+            scene: "s".repeat(bytes),
+            accuracy: accuracy(1e-6),
+            accuracy_name: String::new(),
+            tasks: vec![],
+        }),
+    };
+    let around = encoded_size(&reply(1 << 20)).unwrap() - (1 << 20);
+    let largest = reply(MAX_PAYLOAD - around);
+    assert_eq!(decode::<Reply>(&encode(&largest).unwrap()).unwrap(), largest);
+    let larger = encode(&reply(MAX_PAYLOAD - around + 1));
+    assert_eq!(larger, Err(WireError::TooLarge { bytes: MAX_PAYLOAD + 1 }));
+}

@@ -1,0 +1,316 @@
+//! Every kind of fault a scene can have: found, named, all at once, never a panic.
+
+use common::scene::SceneSource;
+use proptest::prelude::*;
+
+const FOUR_BAR: &str = include_str!("../scenes/four-bar.toml");
+
+/// The faults of the four-bar after replacing one piece of its text.
+fn faults(from: &str, to: &str) -> Vec<String> {
+    assert!(FOUR_BAR.contains(from), "the scene has no {from}");
+    match SceneSource::parse(&FOUR_BAR.replacen(from, to, 1), "my.toml") {
+        Ok(_) => panic!("{to} was accepted"),
+        Err(faults) => faults.0.iter().map(ToString::to_string).collect(),
+    }
+}
+
+#[track_caller]
+fn one_fault(from: &str, to: &str, expected: &str) {
+    let found = faults(from, to);
+    assert_eq!(found.len(), 1, "{found:#?}");
+    assert!(found[0].contains(expected), "found    {}\nexpected {expected}", found[0]);
+}
+
+#[test]
+fn units_and_expressions() {
+    one_fault(
+        "width = \"width\"",
+        "width = \"1.5 N\"",
+        "my.toml: joints.crank.width: \"1.5 N\" is a force, expected a length (mm, um, m, ...)",
+    );
+    one_fault("width = \"width\"", "width = 0.01", "joints.crank.width: 0.01 has no unit, expected a length");
+    one_fault(
+        "width = \"width\"",
+        "width = \"withd\"",
+        "parameter or function `withd`, did you mean `width`?",
+    );
+    one_fault("width = \"width\"", "width = \"width + 1 N\"", "cannot add a length and a force");
+    one_fault("width = \"width\"", "width = true", "true is true or false, expected a length");
+    one_fault("[\"ground_length\", \"0 mm\"]", "[\"ground_length\"]", "frame.points.rocker_pin");
+    one_fault("\"10 mm\"", "\"10 mm * friction(\"", "parameters.width");
+    one_fault("friction = 0.05", "friction = inf", "parameters.friction: inf: has no finite value");
+    one_fault(
+        "clearance = \"30 um\"",
+        "clearance = \"width\"\nwidht = \"2 * widht\"",
+        "widht: depends on itself",
+    );
+    one_fault(
+        "clearance = \"30 um\"",
+        "mm = 3\nclearance = \"30 um\"",
+        "\"mm\" cannot be a name: it is a unit",
+    );
+}
+
+#[test]
+fn ranges() {
+    for (from, to, expected) in [
+        ("clearance = \"30 um\"", "clearance = \"-30 um\"", "joints.crank.radial_clearance"),
+        (
+            "elastic_modulus = \"206 GPa\"",
+            "elastic_modulus = \"0 GPa\"",
+            "materials.steel.elastic_modulus: \"0 GPa\"",
+        ),
+        ("poisson_ratio = 0.3\n", "poisson_ratio = 0.6\n", "0.6 is out of range, allowed: 0 to 0.5"),
+        (
+            "mass = \"coupler_mass\"",
+            "mass = \"-1 g\"",
+            "bodies.coupler.mass: \"-1 g\" = -0.001 (SI) is out of range, allowed: > 0",
+        ),
+        ("inertia = \"coupler_mass *", "inertia = \"0 * coupler_mass *", "bodies.coupler.inertia"),
+        ("friction_speed = \"friction_speed\"", "friction_speed = \"0 m/s\"", "joints.crank.friction_speed"),
+        ("control_points = 36", "control_points = 7", "7 is out of range, allowed: 8 to 360"),
+        (
+            "control_points = 36",
+            "control_points = 36.5",
+            "36.5 is a number, expected a whole number 8 to 360",
+        ),
+        (
+            "wear_coefficient = \"wear_coefficient\"",
+            "wear_coefficient = \"-1 1/Pa\"",
+            "joints.crank.wear_coefficient",
+        ),
+        (
+            "speed = \"900 r/min\"",
+            "speed = \"0 r/min\"",
+            "bodies.crank.speed: 0 is out of range, allowed: not 0",
+        ),
+        (
+            "checkpoint_every = 1000",
+            "checkpoint_every = 3000",
+            "life.cycles: 8000 is out of range, allowed: a multiple of checkpoint_every = 3000",
+        ),
+        (
+            "population = 20000",
+            "population = 20",
+            "study.population: 20 is out of range, allowed: >= initial = 30",
+        ),
+        ("initial = 30", "initial = 0", "study.initial: 0 is out of range"),
+        ("threshold = \"8 um\"", "threshold = \"0 um\"", "limit_states.wear.threshold"),
+        ("threshold = \"8 um\"", "threshold = \"30 r/min\"", "is an angular velocity, expected a length"),
+    ] {
+        let found = faults(from, to);
+        assert!(found[0].contains(expected), "found    {}\nexpected {expected}", found[0]);
+    }
+    let smaller = faults("radial_clearance = \"clearance\"", "bushing_radius = \"3.9 mm\"");
+    assert!(smaller[0].contains("joints.crank.bushing_radius: \"3.9 mm\""), "{smaller:?}");
+    assert!(smaller[0].contains("allowed: larger than the journal, journal_radius = 4 mm"), "{smaller:?}");
+    one_fault("width = \"width\"", "width = \"width\"\nbushing_radius = \"5 mm\"", "not both");
+}
+
+#[test]
+fn references_and_names() {
+    one_fault(
+        "body = \"coupler\", point = \"crank_pin\"",
+        "body = \"copler\", point = \"crank_pin\"",
+        "there is no body \"copler\", did you mean \"coupler\"?",
+    );
+    one_fault(
+        "body = \"coupler\", point = \"crank_pin\"",
+        "body = \"coupler\", point = \"pin\"",
+        "there is no point \"pin\"",
+    );
+    one_fault(
+        "bushing_material = \"bronze\"",
+        "bushing_material = \"brass\"",
+        "there is no material \"brass\"",
+    );
+    one_fault(
+        "output = \"max_wear_depth\"",
+        "output = \"wear\"",
+        "limit_states.wear.output: there is no output \"wear\"",
+    );
+    one_fault("a = { body = \"rocker\" }", "a = { body = \"x\" }", "outputs.coupler_joint_speed.a.body");
+    one_fault(
+        "type = \"largest-wear\"",
+        "type = \"largest-wear\"\njoints = [\"crnk\"]",
+        "did you mean \"crank\"?",
+    );
+    one_fault(
+        "contact_law = \"local-hertz\"",
+        "contact_law = \"hertz\"",
+        "\"hertz\" is unknown; allowed: local-hertz, foundation",
+    );
+    one_fault("motion = \"fixed\"", "motion = \"free-flying\"", "\"free-flying\" is unknown");
+    one_fault(
+        "name = \"coupler_joint_speed\"",
+        "name = \"max_wear_depth\"",
+        "the name \"max_wear_depth\" is taken",
+    );
+    one_fault("name = \"work\"", "name = \"a.b\"", "\"a.b\" cannot be a name");
+    one_fault(
+        "body = \"coupler\", point = \"crank_pin\"",
+        "body = \"crank\", point = \"pin\"",
+        "on the same body",
+    );
+    one_fault(
+        "contact_damping = { hunt_crossley = \"2 s/m\" }",
+        "contact_damping = \"nun\"",
+        "did you mean \"none\"?",
+    );
+}
+
+#[test]
+fn keys() {
+    one_fault(
+        "\nwidth = \"width\"",
+        "\nwidth = \"width\"\nwitdh = \"1 mm\"",
+        "joints.crank.witdh: unknown key, did you mean \"width\"?",
+    );
+    one_fault("motion = \"fixed\"", "motion = \"fixed\"\nmass = \"1 kg\"", "bodies.frame.mass: unknown key");
+    one_fault("[life]", "[lief]\n[life]", "lief: unknown key, did you mean \"life\"?");
+    one_fault(
+        "friction_speed = \"friction_speed\"\n",
+        "",
+        "joints.crank.friction_speed: is missing, expected a speed (mm/s, m/s, ...)",
+    );
+    one_fault("cycles = 8000\n", "", "life.cycles: is missing");
+    one_fault(
+        "[[limit_states]]\nname = \"wear\"\noutput = \"max_wear_depth\"\nthreshold = \"8 um\"",
+        "",
+        "at least one limit state",
+    );
+    one_fault("title = ", "title ", "TOML parse error at line");
+    one_fault("[scene]", "study = 3\n[scene]", "TOML parse error");
+    one_fault("[[loads]]", "[loads]", "loads: the value is a table, expected a list of tables [[loads]]");
+}
+
+#[test]
+fn variables() {
+    for (from, to, expected) in [
+        (
+            "std = \"5 %\"",
+            "std = \"0 %\"",
+            "variables.wear_coefficient.std: \"0 %\" is out of range, allowed: > 0",
+        ),
+        ("std = \"2 um\"", "std = \"-2 um\"", "variables.clearance_crank.std"),
+        ("std = \"2 um\"", "std = \"2 N\"", "is a force, expected a length"),
+        ("std = \"2 um\"", "", "variables.clearance_crank.std: is missing"),
+        ("unit = \"um\"", "unit = \"N\"", "\"N\" is no unit of a length"),
+        ("std = \"2 um\"", "std = \"2 um\"\nmean = \"0 um\"\nlower = \"1 um\"", "do not enclose the mean"),
+        (
+            "[\"joints.crank.radial_clearance\"]",
+            "[\"joints.crank.radial_clearence\"]",
+            "there is no quantity \"joints.crank.radial_clearence\", did you mean \"joints.crank.radial_clearance\"?",
+        ),
+        (
+            "[\"joints.crank.radial_clearance\"]",
+            "[\"joints.crank.width\", \"parameters.clearance\"]",
+            "the nominal values differ",
+        ),
+        (
+            "[\"joints.crank.radial_clearance\"]",
+            "[\"joints.crank.radial_clearance\", \"joints.crank.friction\"]",
+            "is a plain number, the others are a length",
+        ),
+        ("[\"joints.crank.radial_clearance\"]", "[\"parameters.friction\"]", "is_there"),
+        ("[\"joints.crank.radial_clearance\"]", "[]", "changes nothing"),
+        ("distribution = \"truncated-normal\"", "distribution = \"normal\"", "\"normal\" is unknown"),
+        (
+            "std = \"2 um\"",
+            "std = \"11 um\"",
+            "variables.clearance_crank: at -3e-6 (SI), a bound of this variable, the scene is invalid",
+        ),
+        ("std = \"2 um\"", "std = \"2 um\"\ntruncation = 0", "truncation"),
+    ] {
+        let found = faults(from, to);
+        if expected == "is_there" {
+            assert!(
+                found.iter().any(|fault| fault.contains("already changed by the variable")),
+                "{found:#?}"
+            );
+        } else {
+            assert_eq!(found.len(), 1, "{found:#?}");
+            assert!(found[0].contains(expected), "found    {}\nexpected {expected}", found[0]);
+        }
+    }
+}
+
+#[test]
+fn all_faults_at_once() {
+    let text = FOUR_BAR
+        .replacen("elastic_modulus = \"206 GPa\"", "elastic_modulus = \"206 N\"", 1)
+        .replacen("poisson_ratio = 0.34", "poison_ratio = 0.34", 1)
+        .replacen("body = \"rocker\"\ntorque", "body = \"rokcer\"\ntorque", 1)
+        .replacen("cycles = 8000", "cycles = -1", 1);
+    let found = SceneSource::parse(&text, "my.toml").unwrap_err();
+    let keys: Vec<_> = found.0.iter().map(|fault| fault.key.as_str()).collect();
+    let expected = [
+        "materials.bronze.poisson_ratio",
+        "materials.bronze.poison_ratio",
+        "materials.steel.elastic_modulus",
+        "loads.work.body",
+        "life.cycles",
+    ];
+    assert_eq!(keys, expected);
+    assert_eq!(found.to_string().lines().count(), 1 + expected.len());
+}
+
+#[test]
+fn scenes_by_name_and_file() {
+    let found = SceneSource::load("flaping-wing").unwrap_err().to_string();
+    assert!(found.contains("did you mean \"flapping-wing\"?") && found.contains("four-bar"), "{found}");
+    let found = SceneSource::load("nowhere/scene.toml").unwrap_err().to_string();
+    assert!(found.contains("nowhere/scene.toml: cannot be read"), "{found}");
+    assert!(SceneSource::load("four-bar").is_ok());
+}
+
+#[test]
+fn a_scene_extends_another() {
+    let folder = std::env::temp_dir().join(format!("hingewise-extends-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
+    let load = |name: &str| SceneSource::load(folder.join(name).to_str().unwrap());
+    write("base.toml", FOUR_BAR);
+    write("longer.toml", "[scene]\nname = \"longer\"\nextends = \"base.toml\"\n[life]\ncycles = 12000\n");
+    write("circle.toml", "[scene]\nname = \"circle\"\nextends = \"circle.toml\"\n");
+    write("lost.toml", "[scene]\nname = \"lost\"\nextends = \"four-bra\"\n");
+    write(
+        "twice.toml",
+        "[scene]\nname = \"twice\"\nextends = \"four-bar\"\n[[loads]]\nname = \"x\"\n[[loads]]\nname = \"x\"\n",
+    );
+
+    let longer = load("longer.toml").unwrap();
+    assert_eq!((longer.nominal().name.as_str(), longer.nominal().life.cycles), ("longer", 12_000));
+    assert_eq!(longer.nominal().bodies, SceneSource::builtin("four-bar").unwrap().nominal().bodies);
+    // The text stands alone: the worker that receives it has no such file.
+    assert_eq!(SceneSource::parse(longer.text(), "sent").unwrap().nominal(), longer.nominal());
+    let fault = |name| load(name).unwrap_err().to_string();
+    assert!(fault("circle.toml").contains("is it a circle?"));
+    assert!(
+        fault("lost.toml").contains("scene.extends")
+            && fault("lost.toml").contains("did you mean \"four-bar\"")
+    );
+    assert!(fault("twice.toml").contains("the name \"x\" is taken"));
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    #[test]
+    fn no_text_panics(text in "\\PC{0,200}") {
+        let _ = SceneSource::parse(&text, "random");
+    }
+
+    /// Lines of a valid scene, shuffled and cut.
+    #[test]
+    fn no_mutilated_scene_panics(cut in 0usize..180, again in 0usize..180, chars in 0usize..4000) {
+        let mut lines: Vec<&str> = FOUR_BAR.lines().collect();
+        let (cut, again) = (cut.min(lines.len() - 1), again.min(lines.len() - 1));
+        lines.swap(cut, again);
+        lines.remove(cut);
+        let text = lines.join("\n");
+        let _ = SceneSource::parse(&text, "mutilated");
+        let _ = SceneSource::parse(text.get(..chars).unwrap_or(&text), "mutilated");
+    }
+}

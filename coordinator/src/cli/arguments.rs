@@ -1,0 +1,260 @@
+//! The command line as typed.
+
+use clap::{Args, Parser, Subcommand, ValueEnum, builder::PossibleValuesParser};
+use common::accuracy::Accuracy;
+use std::path::PathBuf;
+
+/// The scene studied unless another one is named.
+pub const DEFAULT_SCENE: &str = "flapping-wing";
+
+const EXAMPLES: &str = "\
+Examples:
+  coordinator --workers auto                       the whole study of the flapping-wing drive, here and now
+  coordinator run --scene my.toml --out study      a study of your own mechanism
+  coordinator run --workers 0 --listen tcp/127.0.0.1:7447
+                                                   wait for `worker --connect tcp/127.0.0.1:7447`
+  coordinator resume study                         go on after Ctrl-C, a crash or a power cut
+  coordinator simulate --scene flapping-wing --set rod_length=40.05mm
+  coordinator check my.toml                        every fault of a scene at once
+
+Exit codes: 0 done, 2 bad input, 1 failure, 130 interrupted (everything done so far is saved).";
+
+/// Hingewise: how reliable is a mechanism whose hinges wear?
+///
+/// Without a command it runs a study, like `coordinator run`.
+#[derive(Debug, Parser)]
+#[command(name = "coordinator", version, after_help = EXAMPLES)]
+pub struct Arguments {
+    /// How much is said.
+    #[command(flatten)]
+    pub talk: Talk,
+    /// Options of a study, when no command is given.
+    #[command(flatten)]
+    pub run: RunArguments,
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Option<Command>,
+}
+
+/// How much is said, and in which form.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct Talk {
+    /// Print results as JSON
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// Say nothing but results and errors
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    pub quiet: bool,
+    /// Say more (-v: what happens, -vv: every detail), on standard error
+    #[arg(short, long, global = true, action = clap::ArgAction::Count)]
+    pub verbose: u8,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Run a reliability study
+    #[command(after_help = "\
+Examples:
+  coordinator run --workers auto
+  coordinator run --scene flapping-wing-tolerances --workers 2 --out tolerances --seed 7
+  coordinator run --scene my.toml --method monte-carlo --samples 500
+  coordinator run --workers 0 --listen tcp/0.0.0.0:7447 --config tls.json5")]
+    Run(Box<RunArguments>),
+    /// Go on with an interrupted study; no finished evaluation is run again
+    #[command(after_help = "Example:\n  coordinator resume hingewise-flapping-wing --workers auto")]
+    Resume(ResumeArguments),
+    /// Run one evaluation here and now, and print it as JSON
+    #[command(after_help = "\
+Examples:
+  coordinator simulate --scene flapping-wing --out nominal.json
+  coordinator simulate --scene flapping-wing --set rod_length=40.05mm --set friction=0.03
+  coordinator simulate --scene my.toml --set parameters.crank_speed='500 r/min' --accuracy draft")]
+    Simulate(SimulateArguments),
+    /// Show what the failure probabilities depend on, from a finished study
+    #[command(after_help = "Example:\n  coordinator sensitivity hingewise-flapping-wing --json")]
+    Sensitivity(StudyFolder),
+    /// Write the result files and the report of a finished study again
+    #[command(after_help = "Example:\n  coordinator report hingewise-flapping-wing")]
+    Report(StudyFolder),
+    /// List the built-in scenes
+    #[command(after_help = "Examples:\n  coordinator scenes\n  coordinator scenes --json")]
+    Scenes {
+        /// Print the TOML text of this built-in scene instead, as a start for your own
+        #[arg(long, value_name = "NAME")]
+        show: Option<String>,
+    },
+    /// Check a scene: every fault at once, and whether the linkage can be assembled through its cycle
+    #[command(after_help = "Example:\n  coordinator check my.toml")]
+    Check {
+        /// Scene file, or name of a built-in scene
+        file: String,
+    },
+    /// Say what will be modelled, and why
+    #[command(after_help = "Example:\n  coordinator explain --scene flapping-wing")]
+    Explain {
+        /// Scene file, or name of a built-in scene
+        #[arg(long, default_value = DEFAULT_SCENE, value_name = "NAME-or-FILE")]
+        scene: String,
+    },
+}
+
+/// Options of a study.
+#[derive(Debug, Clone, Default, Args, PartialEq)]
+pub struct RunArguments {
+    /// Scene file, or name of a built-in scene [default: flapping-wing]
+    #[arg(long, value_name = "NAME-or-FILE")]
+    pub scene: Option<String>,
+    /// Where and how to work
+    #[command(flatten)]
+    pub farm: FarmArguments,
+    /// Numerical effort of an evaluation [default: balanced]
+    #[arg(long, value_parser = PossibleValuesParser::new(Accuracy::NAMES))]
+    pub accuracy: Option<String>,
+    /// How the reliability is found: ak learns a surrogate, monte-carlo simulates every sample [default: ak]
+    #[arg(long, value_enum)]
+    pub method: Option<MethodName>,
+    /// Samples: of the Monte Carlo population that is classified (ak) or simulated (monte-carlo)
+    #[arg(long, value_name = "N", value_parser = positive)]
+    pub samples: Option<usize>,
+    /// Evaluations of the initial design (ak)
+    #[arg(long, value_name = "N", value_parser = positive)]
+    pub initial: Option<usize>,
+    /// Budget of evaluations (ak)
+    #[arg(long, value_name = "N", value_parser = positive)]
+    pub max_evaluations: Option<usize>,
+    /// Seed of every random draw; the same seed gives the same result, whatever the workers
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
+    /// Folder for the results, made if missing [default: hingewise-SCENE, or the next free number after it]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+/// Options of an interrupted study that may change between its parts; none of them changes its result.
+#[derive(Debug, Clone, Args, PartialEq)]
+pub struct ResumeArguments {
+    /// Folder of the study
+    pub dir: PathBuf,
+    /// Where and how to work
+    #[command(flatten)]
+    pub farm: FarmArguments,
+}
+
+/// Who works, and where they meet.
+#[derive(Debug, Clone, Default, Args, PartialEq)]
+pub struct FarmArguments {
+    /// Local worker slots: a number, `auto` for one per core, 0 to wait for remote workers [default: auto]
+    #[arg(long, value_name = "auto|N", value_parser = slots)]
+    pub workers: Option<Slots>,
+    /// Address on which remote workers may join [default: tcp/127.0.0.1:0, any free port of this machine alone]
+    #[arg(long, value_name = "ENDPOINT")]
+    pub listen: Option<String>,
+    /// Zenoh configuration (JSON5), e.g. for TLS and passwords
+    #[arg(long, value_name = "ZENOH.json5")]
+    pub config: Option<PathBuf>,
+    /// Allow --listen on an address other machines can reach without authentication
+    #[arg(long)]
+    pub insecure: bool,
+}
+
+/// Local worker slots.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Slots {
+    /// One per core.
+    Auto,
+    /// So many.
+    Count(usize),
+}
+
+/// How the reliability is found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum MethodName {
+    /// Adaptive Kriging and Monte Carlo simulation.
+    Ak,
+    /// Direct Monte Carlo.
+    MonteCarlo,
+}
+
+/// One evaluation.
+#[derive(Debug, Clone, Args)]
+pub struct SimulateArguments {
+    /// Scene file, or name of a built-in scene
+    #[arg(long, default_value = DEFAULT_SCENE, value_name = "NAME-or-FILE")]
+    pub scene: String,
+    /// Set a random variable, or any quantity by its key, e.g. rod_length=40.05mm
+    #[arg(long, value_name = "variable=value")]
+    pub set: Vec<String>,
+    /// Numerical effort
+    #[arg(long, default_value = "balanced", value_parser = PossibleValuesParser::new(Accuracy::NAMES))]
+    pub accuracy: String,
+    /// Write the JSON to this file instead of standard output
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+}
+
+/// A finished study.
+#[derive(Debug, Clone, Args)]
+pub struct StudyFolder {
+    /// Folder of the study
+    pub dir: PathBuf,
+}
+
+fn positive(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(0) | Err(_) => Err("allowed: a whole number >= 1".to_owned()),
+        Ok(n) => Ok(n),
+    }
+}
+
+fn slots(text: &str) -> Result<Slots, String> {
+    const MOST: usize = 1024;
+    match (text, text.parse()) {
+        ("auto", _) => Ok(Slots::Auto),
+        (_, Ok(n)) if n <= MOST => Ok(Slots::Count(n)),
+        _ => Err(format!("allowed: auto, or a whole number from 0 to {MOST}")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    fn parse(line: &str) -> Result<Arguments, clap::Error> {
+        Arguments::try_parse_from(line.split_whitespace())
+    }
+
+    #[test]
+    fn the_grammar_is_consistent() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn the_main_job_needs_no_command() {
+        let arguments = parse("coordinator --workers auto").unwrap();
+        assert!(arguments.command.is_none());
+        assert_eq!(arguments.run.farm.workers, Some(Slots::Auto));
+        let arguments = parse("coordinator -v run --workers 0 --seed 7 --method monte-carlo").unwrap();
+        assert_eq!(arguments.talk.verbose, 1);
+        let Some(Command::Run(run)) = arguments.command else { panic!() };
+        assert_eq!((run.farm.workers, run.seed), (Some(Slots::Count(0)), Some(7)));
+        assert_eq!(run.method, Some(MethodName::MonteCarlo));
+    }
+
+    #[test]
+    fn slips_are_refused() {
+        for line in [
+            "coordinator --workers many",
+            "coordinator --workers 5000",
+            "coordinator run --accuracy exact",
+            "coordinator run --samples 0",
+            "coordinator run --seed -1",
+            "coordinator resume",
+            "coordinator simulate --quiet -v",
+            "coordinator tradeof",
+        ] {
+            assert_eq!(parse(line).unwrap_err().exit_code(), 2, "{line}");
+        }
+    }
+}

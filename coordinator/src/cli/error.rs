@@ -1,0 +1,190 @@
+//! Why a command ended early, in one message, with its exit code.
+
+use super::signals::INTERRUPTED;
+use common::failure::SimulationFailure;
+use common::scene::{Faults, Motion, Scene};
+use coordinator::dispatch::DispatchError;
+use coordinator::evaluate::EvaluateError;
+use coordinator::report::ReportError;
+use coordinator::result_files::ResultFileError;
+use coordinator::store::StoreError;
+use coordinator::study::StudyError;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+use worker::service::ServiceError;
+
+const FAILURE: u8 = 1;
+const BAD_INPUT: u8 = 2;
+
+/// What ended a command.
+#[derive(Debug, Error)]
+pub enum CommandError {
+    /// The scene or a setting is faulty.
+    #[error(transparent)]
+    Scene(#[from] Faults),
+    /// The ideal linkage cannot turn through its cycle.
+    #[error(
+        "{origin}: the linkage locks: joint {joint} cannot be closed at {angle}, a gap of {gap} mm remains; \
+         check lengths and start positions"
+    )]
+    LockedLinkage {
+        /// File or name of the scene.
+        origin: String,
+        /// Joint with the largest gap.
+        joint: String,
+        /// Where the drive stands, in words.
+        angle: String,
+        /// Remaining gap [mm].
+        gap: f64,
+    },
+    /// The scene is valid but asks for something this version does not model.
+    #[error("{origin}: not modelled yet: {what}")]
+    NotModelled {
+        /// File or name of the scene.
+        origin: String,
+        /// What.
+        what: String,
+    },
+    /// The simulation has no result.
+    #[error("{origin}: the simulation failed: {failure}")]
+    Simulation {
+        /// File or name of the scene.
+        origin: String,
+        /// Why.
+        failure: SimulationFailure,
+    },
+    /// A scene without anything random, or without a limit state.
+    #[error(
+        "{origin}: a study needs at least one random variable and one limit state; `simulate` does without"
+    )]
+    NothingToStudy {
+        /// File or name of the scene.
+        origin: String,
+    },
+    /// An option that does not fit the others.
+    #[error("{option} {value} is out of range, allowed: {allowed}")]
+    Option {
+        /// Which.
+        option: &'static str,
+        /// Its value.
+        value: usize,
+        /// What is allowed.
+        allowed: String,
+    },
+    /// The campaign file has settings of another version.
+    #[error("{file}: the settings of this study cannot be read: {reason}")]
+    ForeignSettings {
+        /// The campaign file.
+        file: String,
+        /// Why.
+        reason: String,
+    },
+    /// A study without an end.
+    #[error("{}: this study is not finished; go on with `coordinator resume {}`", dir.display(), dir.display())]
+    NotFinished {
+        /// Its folder.
+        dir: PathBuf,
+    },
+    /// The user stopped the study.
+    #[error("interrupted; everything done so far is saved, go on with `coordinator resume {}`", dir.display())]
+    Interrupted {
+        /// Its folder.
+        dir: PathBuf,
+    },
+    /// The study cannot come to an end.
+    #[error("{error}; everything done so far is saved in {}", dir.display())]
+    Study {
+        /// Its folder.
+        dir: PathBuf,
+        /// Why.
+        error: StudyError,
+    },
+    /// The campaign file cannot be made, read or written.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// The coordinator cannot listen.
+    #[error(transparent)]
+    Dispatch(#[from] DispatchError),
+    /// A local worker cannot be started.
+    #[error("local worker: {0}")]
+    Worker(#[from] ServiceError),
+    /// A result file cannot be written.
+    #[error(transparent)]
+    ResultFile(#[from] ResultFileError),
+    /// The report cannot be written.
+    #[error(transparent)]
+    Report(#[from] ReportError),
+    /// The system refuses a signal handler.
+    #[error("signals: {0}")]
+    Signals(#[source] std::io::Error),
+    /// Options of a study before a command.
+    #[error("options of a study go after `run`: coordinator run --workers ...")]
+    MisplacedOptions,
+    /// A result that JSON cannot hold.
+    #[error("the result cannot be written as JSON: {0}")]
+    Json(#[from] serde_json::Error),
+    /// Standard output is closed.
+    #[error("standard output: {0}")]
+    Output(#[source] std::io::Error),
+}
+
+impl CommandError {
+    /// Exit code of the process.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Scene(_)
+            | Self::LockedLinkage { .. }
+            | Self::NotModelled { .. }
+            | Self::NothingToStudy { .. }
+            | Self::Option { .. }
+            | Self::ForeignSettings { .. }
+            | Self::NotFinished { .. }
+            | Self::MisplacedOptions => BAD_INPUT,
+            Self::Interrupted { .. } => INTERRUPTED,
+            Self::Study { error: StudyError::Setting { .. }, .. } => BAD_INPUT,
+            Self::Store(error) if error.is_bad_input() => BAD_INPUT,
+            Self::Dispatch(error) if error.is_bad_input() => BAD_INPUT,
+            Self::Worker(ServiceError::Settings { .. }) => BAD_INPUT,
+            // Whoever closed the pipe has read all it wanted.
+            Self::Output(error) if error.kind() == std::io::ErrorKind::BrokenPipe => 0,
+            _ => FAILURE,
+        }
+    }
+
+    /// How a study ended early; `dir` is its folder.
+    pub fn of_study(error: StudyError, dir: &Path) -> Self {
+        match error {
+            StudyError::Evaluate(EvaluateError::Interrupted) => Self::Interrupted { dir: dir.to_path_buf() },
+            error => Self::Study { dir: dir.to_path_buf(), error },
+        }
+    }
+
+    /// A failure of the physics, told apart from an input that cannot work.
+    pub fn of_simulation(origin: &str, scene: &Scene, failure: SimulationFailure) -> Self {
+        let origin = origin.to_owned();
+        match failure {
+            SimulationFailure::CannotAssemble { joint, time, gap } => {
+                let (angle, gap) = (drive_at(scene, time), (gap * 1e6).round() / 1e3);
+                Self::LockedLinkage { origin, joint, angle, gap }
+            }
+            SimulationFailure::NotModelled { what } => Self::NotModelled { origin, what },
+            failure => Self::Simulation { origin, failure },
+        }
+    }
+}
+
+/// Where the driven bodies stand at a time, e.g. `crank angle 123.4 deg`.
+fn drive_at(scene: &Scene, time: f64) -> String {
+    let angles: Vec<String> = scene
+        .bodies
+        .iter()
+        .filter_map(|body| match body.motion {
+            Motion::Driven { start_angle, speed, .. } => {
+                let turned = (start_angle + speed * time).to_degrees().rem_euclid(360.0);
+                Some(format!("{} angle {turned:.1} deg", body.name))
+            }
+            _ => None,
+        })
+        .collect();
+    if angles.is_empty() { format!("t = {time} s") } else { angles.join(", ") }
+}

@@ -1,0 +1,213 @@
+//! `coordinator explain`: what will be modelled, and why.
+
+use super::error::CommandError;
+use super::output::{print, to_json};
+use common::random::Distribution;
+use common::scene::expression::read_unit;
+use common::scene::*;
+use std::fmt::Write;
+
+/// Runs the command.
+pub fn explain(name: &str, as_json: bool) -> Result<(), CommandError> {
+    let source = SceneSource::load(name)?;
+    let scene = source.nominal();
+    if as_json {
+        return print(&to_json(scene)?);
+    }
+    let islands = worker::mechanism::islands(scene)
+        .map_err(|failure| CommandError::of_simulation(source.origin(), scene, failure))?;
+    let islands: Vec<Vec<usize>> = islands.into_iter().map(|island| island.bodies).collect();
+    print(&text(scene, &islands))
+}
+
+fn text(scene: &Scene, islands: &[Vec<usize>]) -> String {
+    let mut out = String::new();
+    // Writing to a String cannot fail.
+    let _ = explain_into(&mut out, scene, islands);
+    out
+}
+
+fn explain_into(out: &mut String, scene: &Scene, islands: &[Vec<usize>]) -> std::fmt::Result {
+    writeln!(out, "{}: {}\n", scene.name, scene.title)?;
+    motion(out, scene, islands)?;
+    joints(out, scene)?;
+    loads(out, scene)?;
+    outputs(out, scene)?;
+    variables(out, scene)?;
+    let life = &scene.life;
+    writeln!(
+        out,
+        "Life: {} cycles of {:.6} s, reported every {} cycles.",
+        life.cycles, life.period, life.checkpoint_every
+    )?;
+    let study = &scene.study;
+    writeln!(
+        out,
+        "Study: {} Monte Carlo points, {} simulated first, then {} at a time, {} at most; seed {}.",
+        study.population, study.initial, study.batch, study.max_evaluations, study.seed
+    )
+}
+
+fn motion(out: &mut String, scene: &Scene, islands: &[Vec<usize>]) -> std::fmt::Result {
+    writeln!(out, "Bodies")?;
+    for body in &scene.bodies {
+        match body.motion {
+            Motion::Fixed => writeln!(out, "  {}: fixed, no unknowns", body.name)?,
+            Motion::Driven { speed, .. } => {
+                let rpm = speed * 30.0 / std::f64::consts::PI;
+                writeln!(out, "  {}: turns at {rpm:.1} r/min, prescribed, no unknowns", body.name)?;
+            }
+            Motion::Free { mass, .. } => {
+                writeln!(out, "  {}: rigid, {:.4} g, three unknowns", body.name, mass * 1e3)?;
+            }
+        }
+    }
+    let names: Vec<String> = islands
+        .iter()
+        .map(|island| {
+            island.iter().map(|&body| scene.bodies[body].name.as_str()).collect::<Vec<_>>().join(" + ")
+        })
+        .collect();
+    match names.as_slice() {
+        [one] => writeln!(out, "  One set of bodies that move together: {one}.\n"),
+        many => writeln!(
+            out,
+            "  {} sets of bodies without influence on each other, each with its own time steps: {}.\n",
+            many.len(),
+            many.join("; ")
+        ),
+    }
+}
+
+fn joints(out: &mut String, scene: &Scene) -> std::fmt::Result {
+    writeln!(out, "Joints")?;
+    for joint in &scene.joints {
+        let (journal, bushing) =
+            (&scene.bodies[joint.journal.body].name, &scene.bodies[joint.bushing.body].name);
+        match &joint.kind {
+            JointKind::IdealRevolute => {
+                writeln!(out, "  {}: {journal} on {bushing}, ideal, no wear", joint.name)?
+            }
+            JointKind::Clearance(clearance) => {
+                writeln!(
+                    out,
+                    "  {}: journal of {journal} in bushing of {bushing}, clearance {:.2} um, {}",
+                    joint.name,
+                    clearance.radial_clearance() * 1e6,
+                    wear(clearance)
+                )?;
+                writeln!(out, "     {}", contact(clearance))?;
+            }
+        }
+    }
+    writeln!(out)
+}
+
+fn wear(clearance: &Clearance) -> String {
+    if clearance.wear_coefficient == 0.0 {
+        return "does not wear".to_owned();
+    }
+    format!(
+        "the bore wears (Archard, K_H = {:e} 1/Pa, {} control points)",
+        clearance.wear_coefficient, clearance.control_points
+    )
+}
+
+fn contact(clearance: &Clearance) -> String {
+    let law = match clearance.contact_law {
+        ContactLaw::LocalHertz => {
+            "local-hertz: F = K delta^1.5 along the eccentricity; cheap, but on a worn bore it feeds vibration"
+        }
+        ContactLaw::Foundation => {
+            "foundation: elastic bedding along the bore; stays conservative as the bore wears"
+        }
+    };
+    let damping = match clearance.contact_damping {
+        ContactDamping::None => "no contact damping".to_owned(),
+        ContactDamping::HuntCrossley { factor } => format!("Hunt-Crossley damping {factor} s/m"),
+    };
+    format!("{law}; {damping}; film {} N s/m; friction {}", clearance.film_damping, clearance.friction)
+}
+
+fn loads(out: &mut String, scene: &Scene) -> std::fmt::Result {
+    writeln!(out, "Loads")?;
+    for load in &scene.loads {
+        match load {
+            Load::DirectionalSpring { name, at, stiffness, free_length, direction, .. } => writeln!(
+                out,
+                "  {name}: spring of {stiffness} N/m on {} along ({}, {}), slack at {:.3} mm",
+                scene.bodies[at.body].name,
+                direction[0],
+                direction[1],
+                free_length * 1e3
+            )?,
+            Load::ConstantForce { name, at, force } => {
+                writeln!(
+                    out,
+                    "  {name}: force ({}, {}) N on {}",
+                    force[0], force[1], scene.bodies[at.body].name
+                )?;
+            }
+            Load::ConstantTorque { name, body, torque } => {
+                writeln!(out, "  {name}: torque {torque} N m on {}", scene.bodies[*body].name)?;
+            }
+        }
+    }
+    match scene.gravity {
+        [0.0, 0.0] => writeln!(out, "  no gravity\n"),
+        [x, y] => writeln!(out, "  gravity ({x}, {y}) m/s^2\n"),
+    }
+}
+
+fn outputs(out: &mut String, scene: &Scene) -> std::fmt::Result {
+    writeln!(out, "Outputs at every checkpoint, and what counts as failure")?;
+    for (i, output) in scene.outputs.iter().enumerate() {
+        let (what, factor, unit) = match &output.kind {
+            OutputKind::LargestWear { joints } => {
+                (format!("largest wear depth of {} joints", joints.len()), 1e6, "um")
+            }
+            OutputKind::AngularVelocityDifference { a, b } => (
+                format!("largest difference of angular velocity, {} against {}", a.label, b.label),
+                30.0 / std::f64::consts::PI,
+                "r/min",
+            ),
+        };
+        writeln!(out, "  {}: {what}", output.name)?;
+        for limit in scene.limit_states.iter().filter(|limit| limit.output == i) {
+            writeln!(
+                out,
+                "     limit state {}: failed from {:.4} {unit} on",
+                limit.name,
+                limit.threshold * factor
+            )?;
+        }
+    }
+    writeln!(out)
+}
+
+fn variables(out: &mut String, scene: &Scene) -> std::fmt::Result {
+    if scene.variables.is_empty() {
+        return writeln!(out, "No random variables: a study of this scene has nothing to vary.\n");
+    }
+    writeln!(out, "Random variables: independent, truncated normal")?;
+    let width = scene.variables.iter().map(|variable| variable.name.len()).max().unwrap_or(0);
+    for variable in &scene.variables {
+        let Distribution::TruncatedNormal { mean, std, lower, upper } = variable.distribution;
+        // The unit was read when the scene was checked; "1" stands for a plain number.
+        let scale = read_unit(&variable.unit).map_or(1.0, |unit| unit.multiply / unit.divide);
+        let [mean, std, lower, upper] = [mean, std, lower, upper].map(|value| short(value / scale));
+        let unit = if variable.unit == "1" { String::new() } else { format!(" {}", variable.unit) };
+        writeln!(out, "  {:width$}  mean {mean}, std {std}, from {lower} to {upper}{unit}", variable.name)?;
+    }
+    writeln!(out)
+}
+
+/// Seven digits are enough to read.
+fn short(value: f64) -> String {
+    let rounded: f64 = format!("{value:.6e}").parse().unwrap_or(value);
+    if (1e-3..1e6).contains(&rounded.abs()) || rounded == 0.0 {
+        rounded.to_string()
+    } else {
+        format!("{rounded:e}")
+    }
+}

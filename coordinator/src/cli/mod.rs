@@ -1,0 +1,74 @@
+//! The command line: what the binary does with its arguments. Results go to standard output, all else to standard
+//! error; a command ends with one message and an exit code.
+
+mod arguments;
+mod distributions;
+mod error;
+mod explain;
+mod options;
+mod output;
+mod results;
+mod run;
+mod scenes;
+mod signals;
+mod simulate;
+
+use arguments::{Arguments, Command, RunArguments, Talk};
+use clap::Parser;
+use error::CommandError;
+use std::io::IsTerminal;
+use std::process::ExitCode;
+use tracing_subscriber::EnvFilter;
+
+/// Environment variable that overrides what is logged, in the syntax of `tracing`.
+const LOG_VARIABLE: &str = "HINGEWISE_LOG";
+
+/// Parses the arguments and does what they ask.
+pub fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    start_log(arguments.talk);
+    match command(arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            if error.exit_code() != 0 {
+                eprintln!("error: {error}");
+            }
+            ExitCode::from(error.exit_code())
+        }
+    }
+}
+
+fn command(arguments: Arguments) -> Result<(), CommandError> {
+    let json = arguments.talk.json;
+    if arguments.command.is_some() && arguments.run != RunArguments::default() {
+        return Err(CommandError::MisplacedOptions);
+    }
+    match arguments.command {
+        None => run::run(&arguments.run, arguments.talk),
+        Some(Command::Run(study)) => run::run(&study, arguments.talk),
+        Some(Command::Resume(study)) => run::resume(&study, arguments.talk),
+        Some(Command::Sensitivity(study)) => results::sensitivity(&study.dir, json),
+        Some(Command::Report(study)) => results::report(&study.dir, json),
+        Some(Command::Simulate(simulation)) => simulate::simulate(&simulation),
+        Some(Command::Scenes { show }) => scenes::scenes(show.as_deref(), json),
+        Some(Command::Check { file }) => scenes::check(&file, json),
+        Some(Command::Explain { scene }) => explain::explain(&scene, json),
+    }
+}
+
+/// Logs go to standard error.
+fn start_log(talk: Talk) {
+    // Zenoh reports the comings and goings of workers as errors; what matters of them is said here anyway.
+    let level = match (talk.quiet, talk.verbose) {
+        (true, _) => "error,zenoh=off",
+        (false, 0) => "warn,zenoh=off",
+        (false, 1) => "info,zenoh=warn",
+        (false, _) => "debug,zenoh=info",
+    };
+    let filter = EnvFilter::try_from_env(LOG_VARIABLE).unwrap_or_else(|_| EnvFilter::new(level));
+    tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_writer(std::io::stderr)
+        .with_ansi(std::io::stderr().is_terminal())
+        .init();
+}

@@ -1,0 +1,116 @@
+//! `coordinator sensitivity` and `coordinator report`: what a finished study says, without a new evaluation.
+
+use super::error::CommandError;
+use super::output::{print, to_json};
+use common::scene::SceneSource;
+use coordinator::report::{self, ReportInput, SUMMARY_DOCUMENT};
+use coordinator::result_files::{reliability_csv, summary_json, write_samples_csv, write_text};
+use coordinator::store::{CampaignFile, FILE_NAME};
+use coordinator::summary::{SensitivityRow, StudySummary};
+use serde_json::json;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+/// Variables shown per limit state.
+const SHOWN: usize = 10;
+
+/// Writes the result files and the report of a finished study again.
+pub fn report(dir: &Path, as_json: bool) -> Result<(), CommandError> {
+    let campaign = CampaignFile::open(dir)?;
+    let page = write_results(&campaign)?;
+    if as_json {
+        return print(&to_json(&json!({ "report": page }))?);
+    }
+    print(&format!("{}\n", page.display()))
+}
+
+/// Writes `summary.json`, `reliability.csv`, `samples.csv`, `report.html` and its figures; the path of the page.
+pub fn write_results(campaign: &CampaignFile) -> Result<PathBuf, CommandError> {
+    let dir = campaign.dir();
+    let origin = dir.join(FILE_NAME).display().to_string();
+    let source = SceneSource::parse(&campaign.meta().scene_source, &origin)?;
+    let scene = source.nominal();
+    let input = ReportInput::from_campaign(campaign, scene)?
+        .ok_or_else(|| CommandError::NotFinished { dir: dir.to_path_buf() })?;
+    write_text(&dir.join("summary.json"), &summary_json(&input.summary)?)?;
+    write_text(&dir.join("reliability.csv"), &reliability_csv(&input.summary))?;
+    write_samples_csv(&dir.join("samples.csv"), campaign, scene)?;
+    Ok(report::write(dir, &input)?)
+}
+
+/// Shows what the failure probabilities of a finished study depend on.
+pub fn sensitivity(dir: &Path, as_json: bool) -> Result<(), CommandError> {
+    let campaign = CampaignFile::open(dir)?;
+    let summary: StudySummary = campaign
+        .document(SUMMARY_DOCUMENT)?
+        .ok_or_else(|| CommandError::NotFinished { dir: dir.to_path_buf() })?;
+    if as_json {
+        return print(&to_json(&summary.sensitivity)?);
+    }
+    print(&table(&summary))
+}
+
+fn table(summary: &StudySummary) -> String {
+    let mut out = String::new();
+    // Writing to a String cannot fail.
+    let _ = table_into(&mut out, summary);
+    out
+}
+
+fn table_into(out: &mut String, summary: &StudySummary) -> std::fmt::Result {
+    let total = "total".to_owned();
+    for state in summary.limit_states.iter().chain([&total]) {
+        let Some(cycles) = telling_checkpoint(summary, state) else {
+            writeln!(
+                out,
+                "{state}: no sensitivity, the failure probability is 0 or 1 at every checkpoint\n"
+            )?;
+            continue;
+        };
+        writeln!(
+            out,
+            "{state}, at {cycles} cycles: change of the failure probability with one standard deviation"
+        )?;
+        writeln!(out, "  {:24} {:>20} {:>20}", "variable", "more mean", "more std")?;
+        for row in strongest(summary, state, cycles) {
+            let pair = |value: f64, error: f64| format!("{value:+.4} +- {error:.4}");
+            // The errors of the derivatives, on the scale of the scaled derivatives.
+            let std_of = |derivative: f64, scaled: f64| {
+                if derivative == 0.0 { 0.0 } else { (scaled / derivative).abs() }
+            };
+            let mean_std = std_of(row.d_pf_d_mean, row.scaled.d_pf_d_mean);
+            let std_std = std_of(row.d_pf_d_std, row.scaled.d_pf_d_std);
+            writeln!(
+                out,
+                "  {:24} {:>20} {:>20}",
+                row.variable,
+                pair(row.scaled.d_pf_d_mean, row.standard_error.d_pf_d_mean * mean_std),
+                pair(row.scaled.d_pf_d_std, row.standard_error.d_pf_d_std * std_std)
+            )?;
+        }
+        writeln!(out)?;
+    }
+    Ok(())
+}
+
+/// Of the checkpoints with derivatives, the one where the reliability is nearest one half.
+fn telling_checkpoint(summary: &StudySummary, state: &str) -> Option<u32> {
+    let has_derivatives =
+        |cycles: u32| summary.sensitivity.iter().any(|row| row.cycles == cycles && row.limit_state == state);
+    summary
+        .reliability
+        .iter()
+        .filter(|row| has_derivatives(row.cycles))
+        .filter_map(|row| Some((row.cycles, (row.reliability.get(state)? - 0.5).abs())))
+        .min_by(|a, b| a.1.total_cmp(&b.1))
+        .map(|(cycles, _)| cycles)
+}
+
+fn strongest<'s>(summary: &'s StudySummary, state: &str, cycles: u32) -> Vec<&'s SensitivityRow> {
+    let of_state = |row: &&SensitivityRow| row.cycles == cycles && row.limit_state == state;
+    let mut rows: Vec<_> = summary.sensitivity.iter().filter(of_state).collect();
+    let strength = |row: &SensitivityRow| row.scaled.d_pf_d_mean.abs().max(row.scaled.d_pf_d_std.abs());
+    rows.sort_by(|a, b| strength(b).total_cmp(&strength(a)));
+    rows.truncate(SHOWN);
+    rows
+}

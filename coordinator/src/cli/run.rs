@@ -1,0 +1,172 @@
+//! `coordinator run` and `coordinator resume`: a study from its scene to its report.
+//!
+//! scene -> checks -> folder -> listen -> local workers -> study -> result files -> report
+
+use super::arguments::{DEFAULT_SCENE, FarmArguments, ResumeArguments, RunArguments, Slots, Talk};
+use super::distributions::for_report;
+use super::error::CommandError;
+use super::options::StudyOptions;
+use super::output::{print, to_json};
+use super::results::write_results;
+use super::scenes::check_linkage;
+use super::signals::interruption;
+use common::accuracy::Accuracy;
+use common::scene::{Scene, SceneSource};
+use coordinator::dispatch::{Campaign, Listen, ZenohEvaluator};
+use coordinator::report::{DISTRIBUTIONS_DOCUMENT, SUMMARY_DOCUMENT};
+use coordinator::store::{CampaignFile, CampaignMeta, FILE_NAME};
+use coordinator::summary::StudySummary;
+use coordinator::terminal::{Terminal, final_text};
+use std::path::{Path, PathBuf};
+use worker::service::{self, ServiceConfig, WorkerHandle};
+use worker::simulator::simulator;
+
+/// Starts a study.
+pub fn run(arguments: &RunArguments, talk: Talk) -> Result<(), CommandError> {
+    let source = SceneSource::load(arguments.scene.as_deref().unwrap_or(DEFAULT_SCENE))?;
+    let scene = source.nominal();
+    if scene.variables.is_empty() || scene.limit_states.is_empty() {
+        return Err(CommandError::NothingToStudy { origin: source.origin().to_owned() });
+    }
+    check_linkage(source.origin(), scene)?;
+    let options = StudyOptions::new(arguments, scene)?;
+    let dir = arguments.out.clone().unwrap_or_else(|| free_folder(&scene.name));
+    let meta = CampaignMeta {
+        scene: scene.name.clone(),
+        scene_source: source.text().to_owned(),
+        settings: serde_json::to_value(&options)?,
+        command: std::env::args().collect::<Vec<_>>().join(" "),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+    };
+    // An address that cannot be listened on must not leave a folder behind that holds a study.
+    let evaluator = listen(&source, &options, &arguments.farm)?;
+    let campaign = CampaignFile::create(&dir, &meta, scene)?;
+    if !talk.quiet {
+        eprintln!("results go to {}", dir.display());
+    }
+    let farm = Farm::hire(evaluator, &arguments.farm)?;
+    study(campaign, &source, &options, farm, talk)
+}
+
+/// Goes on with a study.
+pub fn resume(arguments: &ResumeArguments, talk: Talk) -> Result<(), CommandError> {
+    let campaign = CampaignFile::open(&arguments.dir)?;
+    if let Some(summary) = campaign.document::<StudySummary>(SUMMARY_DOCUMENT)? {
+        if !talk.quiet {
+            eprintln!("this study is finished; writing its results again");
+        }
+        write_results(&campaign)?;
+        return tell(&summary, campaign.dir(), talk);
+    }
+    let origin = arguments.dir.join(FILE_NAME).display().to_string();
+    let source = SceneSource::parse(&campaign.meta().scene_source, &origin)?;
+    let options: StudyOptions = serde_json::from_value(campaign.meta().settings.clone())
+        .map_err(|error| CommandError::ForeignSettings { file: origin, reason: error.to_string() })?;
+    if !talk.quiet {
+        eprintln!("{} evaluations are done already", campaign.count()?);
+    }
+    let farm = Farm::hire(listen(&source, &options, &arguments.farm)?, &arguments.farm)?;
+    study(campaign, &source, &options, farm, talk)
+}
+
+/// Starts to listen for workers.
+fn listen(
+    source: &SceneSource,
+    options: &StudyOptions,
+    arguments: &FarmArguments,
+) -> Result<ZenohEvaluator, CommandError> {
+    let FarmArguments { listen, config, insecure, .. } = arguments.clone();
+    let interrupted = interruption().map_err(CommandError::Signals)?;
+    let listen = Listen { endpoint: listen, config, insecure };
+    Ok(ZenohEvaluator::open(announced(source, options)?, &listen, interrupted)?)
+}
+
+/// Who evaluates: a coordinator that listens, and its local workers, `None` if remote ones are to do it all.
+struct Farm {
+    evaluator: ZenohEvaluator,
+    local: Option<WorkerHandle>,
+}
+
+impl Farm {
+    /// Starts the local workers.
+    fn hire(evaluator: ZenohEvaluator, arguments: &FarmArguments) -> Result<Self, CommandError> {
+        let slots = match arguments.workers.unwrap_or(Slots::Auto) {
+            Slots::Auto => std::thread::available_parallelism().map_or(1, usize::from),
+            Slots::Count(slots) => slots,
+        };
+        let endpoint = evaluator.endpoints().first().filter(|_| slots > 0).cloned();
+        let spawn = |endpoint| {
+            let zenoh_config = arguments.config.clone();
+            service::spawn(ServiceConfig { zenoh_config, ..ServiceConfig::new(endpoint, slots) }, simulator())
+        };
+        let local = endpoint.map(spawn).transpose()?;
+        Ok(Farm { evaluator, local })
+    }
+
+    /// Tells the workers to leave.
+    fn close(self) {
+        self.evaluator.finish();
+        if let Some(Err(error)) = self.local.map(WorkerHandle::join) {
+            // The study has its results; how a local worker ended only matters to whoever looks for a reason.
+            tracing::warn!("local worker: {error}");
+        }
+    }
+}
+
+fn study(
+    mut campaign: CampaignFile,
+    source: &SceneSource,
+    options: &StudyOptions,
+    mut farm: Farm,
+    talk: Talk,
+) -> Result<(), CommandError> {
+    let settings = options.settings();
+    let scene = Scene { study: settings.study, ..source.nominal().clone() };
+    let dir = campaign.dir().to_path_buf();
+    if farm.local.is_none() && !talk.quiet {
+        for endpoint in farm.evaluator.endpoints() {
+            eprintln!("waiting for workers: worker --connect {endpoint}");
+        }
+    }
+    let mut terminal = Terminal::new(talk.quiet);
+    let result =
+        coordinator::study::run(&scene, &settings, &mut farm.evaluator, &mut campaign, &mut terminal);
+    terminal.finish();
+    let mut result = result.map_err(|error| CommandError::of_study(error, &dir))?;
+    let timing = &mut result.summary.timing_s;
+    timing.idle = timing.surrogate * f64::from(farm.evaluator.concurrency());
+    farm.close();
+    campaign.put_document(DISTRIBUTIONS_DOCUMENT, &for_report(&result.distributions))?;
+    // The summary comes last: with it, the study counts as finished.
+    campaign.put_document(SUMMARY_DOCUMENT, &result.summary)?;
+    write_results(&campaign)?;
+    tell(&result.summary, &dir, talk)
+}
+
+/// What workers are told. A study has the same number whenever it is resumed.
+fn announced(source: &SceneSource, options: &StudyOptions) -> Result<Campaign, CommandError> {
+    let settings = serde_json::to_string(options)?;
+    let digest = common::scene::source::digest(&format!("{settings}\n{}", source.text()));
+    Ok(Campaign {
+        // The low half of a 128-bit hash is a 64-bit hash.
+        id: digest as u64,
+        scene: source.text().to_owned(),
+        accuracy: Accuracy::by_name(&options.accuracy).unwrap_or_default(),
+        accuracy_name: options.accuracy.clone(),
+    })
+}
+
+/// `hingewise-SCENE`, or that with the next number that is free.
+fn free_folder(scene: &str) -> PathBuf {
+    let tame = |c: char| if c.is_alphanumeric() || "-_".contains(c) { c } else { '-' };
+    let name = format!("hingewise-{}", scene.chars().map(tame).collect::<String>());
+    let free = |name: &str| !Path::new(name).exists();
+    let numbered = (2_u32..).map(|n| format!("{name}-{n}"));
+    let found = std::iter::once(name.clone()).chain(numbered).find(|name| free(name));
+    PathBuf::from(found.unwrap_or(name))
+}
+
+/// The answer, for people or programs.
+fn tell(summary: &StudySummary, dir: &Path, talk: Talk) -> Result<(), CommandError> {
+    if talk.json { print(&to_json(summary)?) } else { print(&final_text(summary, dir)) }
+}

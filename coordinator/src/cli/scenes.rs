@@ -1,0 +1,59 @@
+//! `coordinator scenes` and `coordinator check`.
+
+use super::error::CommandError;
+use super::output::{print, to_json};
+use common::scene::{Scene, SceneSource};
+use serde_json::json;
+
+/// Lists the built-in scenes, or prints the text of one.
+pub fn scenes(show: Option<&str>, as_json: bool) -> Result<(), CommandError> {
+    if let Some(name) = show {
+        return print(SceneSource::builtin(name)?.text());
+    }
+    let sources: Vec<SceneSource> =
+        SceneSource::builtin_names().into_iter().map(SceneSource::builtin).collect::<Result<_, _>>()?;
+    let list = sources.iter().map(SceneSource::nominal);
+    if as_json {
+        let list: Vec<_> = list
+            .map(|scene| {
+                json!({ "name": scene.name, "title": scene.title, "variables": scene.variables.len(),
+                        "limit_states": scene.limit_states.iter().map(|l| &l.name).collect::<Vec<_>>() })
+            })
+            .collect();
+        return print(&to_json(&list)?);
+    }
+    let width = sources.iter().map(|source| source.nominal().name.len()).max().unwrap_or(0);
+    print(&list.map(|scene| format!("{:width$}  {}\n", scene.name, scene.title)).collect::<String>())
+}
+
+/// Checks a scene: its text, its bounds, and the ideal linkage through a whole cycle.
+pub fn check(file: &str, as_json: bool) -> Result<(), CommandError> {
+    let source = SceneSource::load(file)?;
+    let scene = source.nominal();
+    check_linkage(source.origin(), scene)?;
+    if as_json {
+        return print(&to_json(&json!({ "file": file, "scene": scene.name, "valid": true }))?);
+    }
+    print(&format!("{file}: valid; {}\n", counts(scene)))
+}
+
+/// The ideal linkage must close through its cycle, and hold nothing that is not modelled.
+pub fn check_linkage(origin: &str, scene: &Scene) -> Result<(), CommandError> {
+    let failed = |failure| CommandError::of_simulation(origin, scene, failure);
+    worker::mechanism::islands(scene).map_err(failed)?;
+    worker::mechanism::ideal_cycle(scene, 2).map_err(failed)?;
+    Ok(())
+}
+
+fn counts(scene: &Scene) -> String {
+    let count = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
+    [
+        if scene.bodies.len() == 1 { "1 body".to_owned() } else { format!("{} bodies", scene.bodies.len()) },
+        count(scene.joints.len(), "joint"),
+        count(scene.loads.len(), "load"),
+        count(scene.variables.len(), "random variable"),
+        count(scene.limit_states.len(), "limit state"),
+        format!("{} cycles", scene.life.cycles),
+    ]
+    .join(", ")
+}

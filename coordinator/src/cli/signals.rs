@@ -1,0 +1,41 @@
+//! Ctrl-C and SIGTERM end a study gently: what is done is saved. A second one ends the process at once, which
+//! loses nothing either, since every outcome was written when it arrived.
+
+use std::io;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use tokio::signal::unix::{SignalKind, signal};
+
+/// Exit code after an interruption.
+pub const INTERRUPTED: u8 = 130;
+
+/// A flag that becomes true with the first signal.
+///
+/// # Errors
+/// The system refuses a handler or a thread.
+pub fn interruption() -> io::Result<Arc<AtomicBool>> {
+    let interrupted = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&interrupted);
+    // Its own small runtime: the study is synchronous, and Zenoh brings its own.
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+    let (mut interrupt, mut terminate) = {
+        let _inside = runtime.enter();
+        (signal(SignalKind::interrupt())?, signal(SignalKind::terminate())?)
+    };
+    let wait = move || {
+        runtime.block_on(async move {
+            for _ in 0..2 {
+                tokio::select! {
+                    _ = interrupt.recv() => {}
+                    _ = terminate.recv() => {}
+                }
+                if !flag.swap(true, Ordering::Relaxed) {
+                    eprintln!("stopping; what is done is saved (again to stop at once)");
+                }
+            }
+            std::process::exit(i32::from(INTERRUPTED));
+        });
+    };
+    std::thread::Builder::new().name("signals".into()).spawn(wait)?;
+    Ok(interrupted)
+}

@@ -1,0 +1,161 @@
+//! `coordinator simulate`: one evaluation in this process, printed as JSON.
+
+use super::arguments::SimulateArguments;
+use super::error::CommandError;
+use super::output::{deliver, to_json};
+use super::scenes::check_linkage;
+use common::accuracy::Accuracy;
+use common::outputs::{Diagnostics, Evaluation};
+use common::scene::{Faults, Scene, SceneSource};
+use coordinator::output_unit::OutputUnit;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+/// What is printed; the names are a contract with scripts and notebooks.
+#[derive(Debug, Serialize)]
+struct Printed<'r> {
+    scene: &'r str,
+    accuracy: &'r str,
+    /// What `--set` changed, SI.
+    settings: BTreeMap<&'r str, f64>,
+    cycles: &'r [u32],
+    /// Each output under its name and unit.
+    #[serde(flatten)]
+    outputs: BTreeMap<String, Vec<f64>>,
+    first_cycle: Option<PrintedCycle<'r>>,
+    joints: Vec<PrintedJoint<'r>>,
+    diagnostics: PrintedDiagnostics<'r>,
+    wall_s: f64,
+}
+
+#[derive(Debug, Serialize)]
+#[serde(rename_all = "snake_case")]
+struct PrintedCycle<'r> {
+    time_s: &'r [f64],
+    rocker_angle_deg: BTreeMap<&'r str, Vec<f64>>,
+    rocker_speed_rpm: BTreeMap<&'r str, Vec<f64>>,
+    #[serde(rename = "joint_force_N")]
+    joint_force: BTreeMap<&'r str, &'r [f64]>,
+}
+
+#[derive(Debug, Serialize)]
+struct PrintedJoint<'r> {
+    name: &'r str,
+    #[serde(rename = "peak_force_N")]
+    peak_force: f64,
+    wear_depth_m: &'r [f64],
+}
+
+#[derive(Debug, Serialize)]
+struct PrintedDiagnostics<'r> {
+    steps: u64,
+    rejected_steps: u64,
+    newton_iterations: u64,
+    force_evaluations: u64,
+    simulated_cycles: u64,
+    wear_stages: u64,
+    rejected_wear_steps: u64,
+    free_flight_fraction: BTreeMap<&'r str, f64>,
+}
+
+/// Runs the command.
+pub fn simulate(arguments: &SimulateArguments) -> Result<(), CommandError> {
+    let source = SceneSource::load(&arguments.scene)?;
+    let settings = settings(&source, &arguments.set)?;
+    let scene = source.resolve_with(&settings)?;
+    check_linkage(source.origin(), &scene)?;
+    // The names come from the list of presets.
+    let accuracy = Accuracy::by_name(&arguments.accuracy).unwrap_or_default();
+    let start = Instant::now();
+    let evaluation = worker::simulate::simulate(&scene, &accuracy, true)
+        .map_err(|failure| CommandError::of_simulation(source.origin(), &scene, failure))?;
+    let wall = start.elapsed().as_secs_f64();
+    let text = to_json(&printed(&scene, &arguments.accuracy, &settings, &evaluation, wall))?;
+    deliver(&text, arguments.out.as_deref())
+}
+
+/// Reads every `--set`; all slips at once.
+fn settings(source: &SceneSource, all: &[String]) -> Result<Vec<(String, f64)>, CommandError> {
+    let mut faults = Vec::new();
+    let mut settings = Vec::new();
+    for setting in all {
+        match source.parse_setting(setting) {
+            Ok(setting) => settings.push(setting),
+            Err(found) => faults.extend(found.0),
+        }
+    }
+    if faults.is_empty() { Ok(settings) } else { Err(Faults(faults).into()) }
+}
+
+fn printed<'r>(
+    scene: &'r Scene,
+    accuracy: &'r str,
+    settings: &'r [(String, f64)],
+    evaluation: &'r Evaluation,
+    wall_s: f64,
+) -> Printed<'r> {
+    let outputs = scene.outputs.iter().zip(&evaluation.histories).map(|(output, history)| {
+        let unit = OutputUnit::of(&output.kind);
+        let values = history.iter().map(|&value| unit.to_file(value)).collect();
+        (format!("{}_{}", output.name, unit.suffix()), values)
+    });
+    Printed {
+        scene: &scene.name,
+        accuracy,
+        settings: settings.iter().map(|(name, value)| (name.as_str(), *value)).collect(),
+        cycles: &evaluation.cycles,
+        outputs: outputs.collect(),
+        first_cycle: evaluation.first_cycle.as_ref().map(|cycle| PrintedCycle {
+            time_s: &cycle.time,
+            rocker_angle_deg: cycle
+                .bodies
+                .iter()
+                .map(|body| (body.label.as_str(), in_degrees(&body.angle)))
+                .collect(),
+            rocker_speed_rpm: cycle
+                .bodies
+                .iter()
+                .map(|body| (body.label.as_str(), in_rpm(&body.speed)))
+                .collect(),
+            joint_force: cycle
+                .joint_force
+                .iter()
+                .map(|(name, force)| (name.as_str(), force.as_slice()))
+                .collect(),
+        }),
+        joints: evaluation
+            .joints
+            .iter()
+            .map(|joint| PrintedJoint {
+                name: &joint.name,
+                peak_force: joint.peak_force,
+                wear_depth_m: &joint.wear_depth,
+            })
+            .collect(),
+        diagnostics: printed_diagnostics(&evaluation.diagnostics),
+        wall_s,
+    }
+}
+
+fn printed_diagnostics(diagnostics: &Diagnostics) -> PrintedDiagnostics<'_> {
+    let free_flight = diagnostics.free_flight_fraction.iter();
+    PrintedDiagnostics {
+        steps: diagnostics.steps,
+        rejected_steps: diagnostics.rejected_steps,
+        newton_iterations: diagnostics.newton_iterations,
+        force_evaluations: diagnostics.force_evaluations,
+        simulated_cycles: diagnostics.simulated_cycles,
+        wear_stages: diagnostics.wear_stages,
+        rejected_wear_steps: diagnostics.rejected_wear_steps,
+        free_flight_fraction: free_flight.map(|(name, share)| (name.as_str(), *share)).collect(),
+    }
+}
+
+fn in_rpm(values: &[f64]) -> Vec<f64> {
+    values.iter().map(|&value| OutputUnit::AngularVelocity.to_file(value)).collect()
+}
+
+fn in_degrees(values: &[f64]) -> Vec<f64> {
+    values.iter().map(|value| value.to_degrees()).collect()
+}

@@ -1,0 +1,214 @@
+//! [`Evaluator`] whose evaluations are done by workers over Zenoh.
+
+use super::DispatchError;
+use super::desk::{Attendance, ConnectedWorker, Delivery, Desk, Gate, Input};
+use super::scheduler::Settings;
+use super::transport::{Listen, Transport};
+use crate::evaluate::{EvaluateError, Evaluator, Finished, Request};
+use common::accuracy::Accuracy;
+use common::wire::{self, Message, Next, Reply, WorkOrder};
+use std::collections::BTreeSet;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+/// How often a batch under way looks whether the user wants to stop.
+const LOOK_UP: Duration = Duration::from_millis(100);
+/// How long workers may take to leave at the end of a campaign.
+const FAREWELL: Duration = Duration::from_secs(2);
+/// Largest scene text [bytes]: it travels with every reply that carries tasks.
+const MAX_SCENE: usize = 4 << 20;
+
+/// What the workers of a campaign are told.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Campaign {
+    /// Number of the campaign: the same after a restart that resumes it, different for anything else (a digest
+    /// of scene, accuracy and seed does). A worker that finished an evaluation while the coordinator was away
+    /// hands it in under this number.
+    pub id: u64,
+    /// Source text of the scene, TOML.
+    pub scene: String,
+    /// Numerical settings.
+    pub accuracy: Accuracy,
+    /// Their name, for people.
+    pub accuracy_name: String,
+}
+
+/// Listens for workers from its opening until it is dropped or finished; batch after batch.
+#[derive(Debug)]
+pub struct ZenohEvaluator {
+    inputs: Sender<Input>,
+    desk: Option<JoinHandle<()>>,
+    attendance: Arc<Attendance>,
+    endpoints: Vec<String>,
+    interrupted: Arc<AtomicBool>,
+}
+
+impl ZenohEvaluator {
+    /// Starts to listen. When `interrupted` becomes true, a batch under way ends with
+    /// [`EvaluateError::Interrupted`] within a tenth of a second.
+    ///
+    /// # Errors
+    /// [`DispatchError`].
+    pub fn open(
+        campaign: Campaign,
+        listen: &Listen,
+        interrupted: Arc<AtomicBool>,
+    ) -> Result<Self, DispatchError> {
+        Self::open_with(Settings::new(campaign.id), campaign, listen, interrupted)
+    }
+
+    /// [`ZenohEvaluator::open`] with other constants of the scheduler.
+    ///
+    /// # Errors
+    /// [`DispatchError`].
+    pub fn open_with(
+        settings: Settings,
+        campaign: Campaign,
+        listen: &Listen,
+        interrupted: Arc<AtomicBool>,
+    ) -> Result<Self, DispatchError> {
+        let Campaign { scene, accuracy, accuracy_name, .. } = campaign;
+        if scene.len() > MAX_SCENE {
+            return Err(DispatchError::SceneTooLarge { bytes: scene.len(), limit: MAX_SCENE });
+        }
+        let order = WorkOrder { scene, accuracy, accuracy_name, tasks: vec![] };
+        Reply { acknowledged: vec![], next: Next::Work(order.clone()) }.check()?;
+
+        let (inputs, received) = channel();
+        let gate = Arc::new(Gate::default());
+        let (claims, liveness, entrance) = (inputs.clone(), inputs.clone(), Arc::clone(&gate));
+        // The desk lives as long as the session, so what cannot be passed on comes after its end.
+        let transport = Transport::open(
+            listen,
+            move |asker| {
+                if entrance.enter() {
+                    let _ = claims.send(Input::Claim(asker));
+                }
+            },
+            move |worker, there| {
+                let _ = liveness.send(Input::Liveness(worker, there));
+            },
+        )?;
+        let endpoints = transport.endpoints().to_vec();
+        let attendance = Arc::new(Attendance::default());
+        let desk = Desk::new(settings, order, transport, Arc::clone(&attendance), gate);
+        let desk = std::thread::Builder::new()
+            .name("coordinator-desk".into())
+            .spawn(move || desk.run(&received))
+            .map_err(|error| DispatchError::Messaging(format!("cannot start a thread: {error}")))?;
+        tracing::info!("workers can connect to {}", endpoints.join(", "));
+        Ok(Self { inputs, desk: Some(desk), attendance, endpoints, interrupted })
+    }
+
+    /// Where workers can connect, e.g. `tcp/127.0.0.1:37021`.
+    pub fn endpoints(&self) -> &[String] {
+        &self.endpoints
+    }
+
+    /// Workers that are connected now.
+    pub fn workers(&self) -> Vec<ConnectedWorker> {
+        self.attendance.workers().clone()
+    }
+
+    /// Simulations that can run at once now: the slots of all workers.
+    pub fn concurrency(&self) -> u32 {
+        self.attendance.workers().iter().map(|worker| worker.slots).sum()
+    }
+
+    /// Waits until `enough` is true of the connected workers; false if it did not become so in time.
+    pub fn wait_for_workers(
+        &self,
+        timeout: Duration,
+        enough: impl FnMut(&[ConnectedWorker]) -> bool,
+    ) -> bool {
+        self.attendance.wait_for(timeout, enough)
+    }
+
+    /// Ends the campaign: tells the workers to leave and stops listening. Dropped without it, the coordinator
+    /// just goes away, and its workers wait for its return.
+    pub fn finish(self) {
+        if self.inputs.send(Input::Finish).is_ok() && !self.wait_for_workers(FAREWELL, <[_]>::is_empty) {
+            tracing::debug!("{} workers have not left yet", self.workers().len());
+        }
+    }
+
+    fn send(&self, input: Input) -> Result<(), EvaluateError> {
+        self.inputs.send(input).map_err(|_| desk_ended())
+    }
+
+    /// Takes outcomes until the batch is done.
+    fn collect(
+        &self,
+        mut open: BTreeSet<u64>,
+        deliveries: &Receiver<Delivery>,
+        record: &mut dyn FnMut(Finished) -> Result<(), EvaluateError>,
+    ) -> Result<(), EvaluateError> {
+        let mut given_up = None;
+        while !open.is_empty() {
+            let stopping = self.interrupted.load(Ordering::Relaxed);
+            // What has arrived when the user stops is recorded still.
+            let next = if stopping {
+                deliveries.try_recv().map_err(|_| EvaluateError::Interrupted)
+            } else {
+                match deliveries.recv_timeout(LOOK_UP) {
+                    Ok(delivery) => Ok(delivery),
+                    Err(RecvTimeoutError::Timeout) => continue,
+                    Err(RecvTimeoutError::Disconnected) => Err(desk_ended()),
+                }
+            };
+            match next? {
+                Delivery::Outcome(finished) => {
+                    let id = finished.id;
+                    record(*finished)?;
+                    self.send(Input::Recorded(id))?;
+                    open.remove(&id);
+                }
+                Delivery::GivenUp { task, reason } => {
+                    open.remove(&task);
+                    given_up.get_or_insert(EvaluateError::GivenUp { id: task, reason });
+                }
+            }
+        }
+        given_up.map_or(Ok(()), Err)
+    }
+}
+
+impl Evaluator for ZenohEvaluator {
+    /// A task that ended several workers is given up; the batch goes on, and its end is the error.
+    fn evaluate(
+        &mut self,
+        batch: &[Request],
+        record: &mut dyn FnMut(Finished) -> Result<(), EvaluateError>,
+    ) -> Result<(), EvaluateError> {
+        let (sender, deliveries) = channel();
+        self.send(Input::Submit(batch.to_vec(), sender))?;
+        let open = batch.iter().map(|request| request.id).collect();
+        let done = self.collect(open, &deliveries, record);
+        if done.is_err() {
+            // Outcomes not recorded stay with their workers, unacknowledged.
+            self.send(Input::Cancel)?;
+        }
+        done
+    }
+}
+
+impl Drop for ZenohEvaluator {
+    fn drop(&mut self) {
+        let _ = self.inputs.send(Input::Close);
+        if let Some(desk) = self.desk.take()
+            && desk.join().is_err()
+        {
+            tracing::error!("the dispatch thread panicked");
+        }
+    }
+}
+
+fn desk_ended() -> EvaluateError {
+    EvaluateError::Transport("the dispatch thread has ended".into())
+}
+
+/// Most that a message may hold, so that the limit of a scene can never be the larger one.
+const _: () = assert!(MAX_SCENE < wire::MAX_PAYLOAD / 2);

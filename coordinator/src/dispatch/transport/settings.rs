@@ -1,0 +1,157 @@
+//! Where and how the coordinator listens: loopback unless told otherwise, nothing open to strangers unless told
+//! so in so many words.
+
+use super::super::DispatchError;
+use std::net::IpAddr;
+use std::path::PathBuf;
+use zenoh::Config;
+
+/// Loopback, any free port.
+const DEFAULT_ENDPOINT: &str = "tcp/127.0.0.1:0";
+
+/// What the coordinator needs, as Zenoh settings: it is the only listener, and workers do not talk among
+/// themselves (64 meshed peers took 369 MB and 15 s to close).
+const SETTINGS: [(&str, &str); 4] = [
+    ("mode", "\"peer\""),
+    ("scouting/multicast/enabled", "false"),
+    ("scouting/gossip/enabled", "false"),
+    ("scouting/delay", "0"),
+];
+
+/// Where the coordinator listens.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Listen {
+    /// Endpoint, e.g. `tcp/192.168.1.20:7447`; `None`: those of the configuration file, else loopback with a
+    /// free port.
+    pub endpoint: Option<String>,
+    /// More Zenoh settings (JSON5 file), e.g. certificates; what the coordinator needs stands above them.
+    pub config: Option<PathBuf>,
+    /// Whether an address that other machines can reach may do without authentication.
+    pub insecure: bool,
+}
+
+/// Settings of the session.
+#[derive(Debug)]
+pub(super) struct Settings {
+    pub config: Config,
+    pub endpoints: Vec<String>,
+}
+
+/// # Errors
+/// [`DispatchError::Configuration`], [`DispatchError::Endpoint`], [`DispatchError::Insecure`].
+pub(super) fn settings(listen: &Listen) -> Result<Settings, DispatchError> {
+    let mut config = match &listen.config {
+        None => Config::default(),
+        Some(file) => Config::from_file(file).map_err(|error| DispatchError::Configuration {
+            file: file.clone(),
+            reason: error.to_string(),
+        })?,
+    };
+    let endpoints = match &listen.endpoint {
+        Some(endpoint) => vec![endpoint.clone()],
+        None => endpoints_of(&config).unwrap_or_else(|| vec![DEFAULT_ENDPOINT.into()]),
+    };
+    for endpoint in &endpoints {
+        if !listen.insecure && !is_loopback(endpoint)? && !asks_who(&config, endpoint) {
+            return Err(DispatchError::Insecure { endpoint: endpoint.clone() });
+        }
+    }
+    let json = serde_json::to_string(&endpoints).map_err(|e| DispatchError::Messaging(e.to_string()))?;
+    config.insert_json5("listen/endpoints", &json).map_err(|error| DispatchError::Endpoint {
+        endpoint: endpoints.join(", "),
+        reason: error.to_string(),
+    })?;
+    for (key, value) in SETTINGS {
+        config.insert_json5(key, value).map_err(super::messaging)?;
+    }
+    Ok(Settings { config, endpoints })
+}
+
+/// Endpoints a configuration file lists for all modes; Zenoh's own default lists them by mode.
+fn endpoints_of(config: &Config) -> Option<Vec<String>> {
+    let json = config.get_json("listen/endpoints").ok()?;
+    serde_json::from_str::<Vec<String>>(&json).ok().filter(|endpoints| !endpoints.is_empty())
+}
+
+fn is_loopback(endpoint: &str) -> Result<bool, DispatchError> {
+    let wrong = |reason: &str| DispatchError::Endpoint { endpoint: endpoint.into(), reason: reason.into() };
+    let (_, address) = endpoint.split_once('/').ok_or_else(|| wrong("not an endpoint"))?;
+    let address = address.split(['?', '#']).next().unwrap_or(address);
+    let (host, _) = address.rsplit_once(':').ok_or_else(|| wrong("no port"))?;
+    let host = host.trim_start_matches('[').trim_end_matches(']');
+    Ok(host == "localhost" || host.parse::<IpAddr>().is_ok_and(|address| address.is_loopback()))
+}
+
+/// Whether a listener asks its clients who they are: a dictionary of users, or certificates on TLS.
+fn asks_who(config: &Config, endpoint: &str) -> bool {
+    let set = |key: &str| config.get_json(key).is_ok_and(|value| value != "null");
+    let users = set("transport/auth/usrpwd/dictionary_file");
+    let certificates = config.get_json("transport/link/tls/enable_mtls").is_ok_and(|value| value == "true");
+    users || (certificates && endpoint.starts_with("tls/"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Write;
+
+    fn with_config(text: &str, endpoint: Option<&str>) -> Result<Settings, DispatchError> {
+        let mut file = tempfile::Builder::new().suffix(".json5").tempfile().unwrap();
+        file.write_all(text.as_bytes()).unwrap();
+        let config = Some(file.path().to_owned());
+        settings(&Listen { endpoint: endpoint.map(Into::into), config, insecure: false })
+    }
+
+    fn listen(endpoint: &str, insecure: bool) -> Result<Settings, DispatchError> {
+        settings(&Listen { endpoint: Some(endpoint.into()), config: None, insecure })
+    }
+
+    #[test]
+    fn the_default_is_loopback_with_a_free_port() {
+        let settings = settings(&Listen::default()).unwrap();
+        assert_eq!(settings.endpoints, ["tcp/127.0.0.1:0"]);
+        assert_eq!(settings.config.get_json("listen/endpoints").unwrap(), r#"["tcp/127.0.0.1:0"]"#);
+        assert_eq!(settings.config.get_json("mode").unwrap(), r#""peer""#);
+    }
+
+    #[test]
+    fn loopback_needs_no_authentication_and_everything_else_does() {
+        for endpoint in ["tcp/127.0.0.1:0", "tcp/127.8.8.8:1", "tcp/[::1]:7447", "tcp/localhost:7447"] {
+            assert!(listen(endpoint, false).is_ok(), "{endpoint}");
+        }
+        for endpoint in ["tcp/0.0.0.0:7447", "tcp/[::]:0", "tcp/192.168.1.20:7447#iface=lo", "tcp/host:1"] {
+            let error = listen(endpoint, false).unwrap_err();
+            assert!(matches!(&error, DispatchError::Insecure { endpoint: named } if named == endpoint));
+            assert!(error.to_string().contains("--insecure"));
+            assert!(listen(endpoint, true).is_ok(), "{endpoint}");
+        }
+    }
+
+    #[test]
+    fn authentication_opens_other_addresses() {
+        let users = r#"{ transport: { auth: { usrpwd: { dictionary_file: "users.txt" } } } }"#;
+        assert!(with_config(users, Some("tcp/0.0.0.0:7447")).is_ok());
+        let mtls = r#"{ transport: { link: { tls: { enable_mtls: true } } } }"#;
+        assert!(with_config(mtls, Some("tls/0.0.0.0:7447")).is_ok());
+        assert!(matches!(with_config(mtls, Some("tcp/0.0.0.0:7447")), Err(DispatchError::Insecure { .. })));
+    }
+
+    #[test]
+    fn endpoints_of_the_file_count_unless_one_is_given() {
+        let file = r#"{ mode: "router", listen: { endpoints: ["tcp/127.0.0.1:4000"] } }"#;
+        let settings = with_config(file, None).unwrap();
+        assert_eq!(settings.endpoints, ["tcp/127.0.0.1:4000"]);
+        assert_eq!(settings.config.get_json("mode").unwrap(), r#""peer""#);
+        assert_eq!(with_config(file, Some("tcp/127.0.0.1:0")).unwrap().endpoints, ["tcp/127.0.0.1:0"]);
+        let open = r#"{ listen: { endpoints: ["tcp/0.0.0.0:4000"] } }"#;
+        assert!(matches!(with_config(open, None), Err(DispatchError::Insecure { .. })));
+    }
+
+    #[test]
+    fn nonsense_is_named() {
+        for endpoint in ["127.0.0.1:0", "tcp/nowhere"] {
+            assert!(matches!(listen(endpoint, false), Err(DispatchError::Endpoint { .. })), "{endpoint}");
+        }
+        assert!(matches!(with_config("{ nonsense", None), Err(DispatchError::Configuration { .. })));
+    }
+}

@@ -1,0 +1,146 @@
+//! Evaluations by a closure on threads of this process: for tests and for what needs no messaging.
+
+use super::{EvaluateError, Evaluator, Finished, Request};
+use common::failure::SimulationFailure;
+use common::outputs::Evaluation;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::{Duration, Instant};
+
+/// How often a batch under way looks whether the user wants to stop.
+const LOOK_UP: Duration = Duration::from_millis(100);
+
+/// Evaluates with `F` on a number of threads.
+#[derive(Debug)]
+pub struct LocalEvaluator<F> {
+    simulate: F,
+    threads: usize,
+    interrupted: Arc<AtomicBool>,
+}
+
+impl<F> LocalEvaluator<F>
+where
+    F: Fn(&Request) -> Result<Evaluation, SimulationFailure> + Sync,
+{
+    /// On `threads` threads (at least one).
+    pub fn new(threads: usize, simulate: F) -> Self {
+        Self { simulate, threads: threads.max(1), interrupted: Arc::default() }
+    }
+
+    /// Stops a batch under way when `interrupted` becomes true.
+    pub fn interrupted_by(self, interrupted: Arc<AtomicBool>) -> Self {
+        Self { interrupted, ..self }
+    }
+}
+
+impl<F> Evaluator for LocalEvaluator<F>
+where
+    F: Fn(&Request) -> Result<Evaluation, SimulationFailure> + Sync,
+{
+    fn evaluate(
+        &mut self,
+        batch: &[Request],
+        record: &mut dyn FnMut(Finished) -> Result<(), EvaluateError>,
+    ) -> Result<(), EvaluateError> {
+        let next = AtomicUsize::new(0);
+        let stop = AtomicBool::new(false);
+        let (simulate, interrupted) = (&self.simulate, &*self.interrupted);
+        let (sender, outcomes) = channel();
+        std::thread::scope(|scope| {
+            for thread in 0..self.threads.min(batch.len()) {
+                let (sender, next, stop) = (sender.clone(), &next, &stop);
+                scope.spawn(move || {
+                    let taken = || batch.get(next.fetch_add(1, Ordering::Relaxed));
+                    while !stop.load(Ordering::Relaxed)
+                        && let Some(request) = taken()
+                    {
+                        let started = Instant::now();
+                        let outcome = simulate(request);
+                        let wall = started.elapsed().as_secs_f64();
+                        let worker = format!("local/{thread}");
+                        if sender.send(Finished { id: request.id, outcome, worker, wall }).is_err() {
+                            return;
+                        }
+                    }
+                });
+            }
+            drop(sender);
+            let collected = (|| {
+                let mut done = 0;
+                while done < batch.len() {
+                    match outcomes.recv_timeout(LOOK_UP) {
+                        Ok(finished) => record(finished)?,
+                        Err(RecvTimeoutError::Timeout) if !interrupted.load(Ordering::Relaxed) => continue,
+                        Err(RecvTimeoutError::Timeout) => return Err(EvaluateError::Interrupted),
+                        // A thread that panics is reported by the scope.
+                        Err(RecvTimeoutError::Disconnected) => return Ok(()),
+                    }
+                    done += 1;
+                    if done < batch.len() && interrupted.load(Ordering::Relaxed) {
+                        return Err(EvaluateError::Interrupted);
+                    }
+                }
+                Ok(())
+            })();
+            stop.store(true, Ordering::Relaxed);
+            collected
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeMap;
+
+    fn batch(count: u64) -> Vec<Request> {
+        (0..count).map(|id| Request { id, sample: vec![id as f64], with_first_cycle: false }).collect()
+    }
+
+    fn refuse(request: &Request) -> Result<Evaluation, SimulationFailure> {
+        Err(SimulationFailure::NotModelled { what: format!("{}", request.sample[0] * 2.0) })
+    }
+
+    #[test]
+    fn every_request_is_evaluated_exactly_once_whatever_the_number_of_threads() {
+        let recorded = |threads: usize| {
+            let mut seen = BTreeMap::new();
+            LocalEvaluator::new(threads, refuse)
+                .evaluate(&batch(100), &mut |finished| {
+                    assert!(seen.insert(finished.id, finished.outcome).is_none());
+                    Ok(())
+                })
+                .unwrap();
+            seen
+        };
+        let one = recorded(1);
+        assert_eq!(one.len(), 100);
+        assert_eq!(one, recorded(4));
+    }
+
+    #[test]
+    fn it_ends_with_the_error_of_the_record() {
+        let mut calls = 0;
+        let error = LocalEvaluator::new(2, refuse).evaluate(&batch(1000), &mut |_| {
+            calls += 1;
+            if calls == 3 { Err(EvaluateError::Record("disk full".into())) } else { Ok(()) }
+        });
+        assert!(matches!(error, Err(EvaluateError::Record(reason)) if reason == "disk full"));
+        assert_eq!(calls, 3);
+    }
+
+    #[test]
+    fn it_stops_when_interrupted_with_what_was_recorded_kept() {
+        let interrupted = Arc::new(AtomicBool::new(false));
+        let mut evaluator = LocalEvaluator::new(2, refuse).interrupted_by(Arc::clone(&interrupted));
+        let mut calls = 0;
+        let error = evaluator.evaluate(&batch(1000), &mut |_| {
+            calls += 1;
+            interrupted.store(calls == 5, Ordering::Relaxed);
+            Ok(())
+        });
+        assert!(matches!(error, Err(EvaluateError::Interrupted)));
+        assert_eq!(calls, 5);
+    }
+}

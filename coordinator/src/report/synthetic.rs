@@ -1,0 +1,317 @@
+//! A made-up study for the tests of report, result files and terminal: two limit states with the lives of the
+//! published flapping-wing drive, means and spreads from closed forms instead of simulations.
+
+use super::input::{DISTRIBUTIONS_DOCUMENT, OutputDistribution, ReportInput, SUMMARY_DOCUMENT};
+use crate::evaluate::{Finished, Request};
+use crate::journal::Journal;
+use crate::store::{CampaignFile, CampaignMeta};
+use crate::summary::*;
+use common::failure::SimulationFailure;
+use common::outputs::{BodyTrace, Diagnostics, Evaluation, FirstCycle, JointSummary};
+use common::random::{Distribution, RandomVariable};
+use common::scene::model::*;
+use statrs::distribution::{Continuous, ContinuousCDF, Normal};
+use std::collections::BTreeMap;
+use std::f64::consts::{PI, TAU};
+use std::path::Path;
+
+/// Summary and distributions of the made-up study.
+pub struct Study {
+    pub summary: StudySummary,
+    pub distributions: Vec<OutputDistribution>,
+}
+
+const VARIABLES: [&str; 14] = [
+    "bushing_radius_1",
+    "rod_length",
+    "bushing_radius_2",
+    "rod_inclination",
+    "rocker_front_length",
+    "rocker_rear_length",
+    "journal_modulus_12",
+    "bushing_modulus_12",
+    "bushing_poisson_12",
+    "wear_coefficient_12",
+    "wear_coefficient_34",
+    "wear_coefficient_56",
+    "load_stiffness",
+    "friction",
+];
+
+pub fn scene() -> Scene {
+    let signed = |body, label: &str| SignedBody { body, sign: 1.0, label: label.into() };
+    let variable = |name: &&str| RandomVariable {
+        name: name.to_string(),
+        distribution: Distribution::TruncatedNormal { mean: 1.0, std: 0.01, lower: 0.97, upper: 1.03 },
+        changes: vec![],
+        unit: "1".into(),
+    };
+    let steel = Material { elastic_modulus: 2e11, poisson_ratio: 0.31 };
+    let joint = |k: usize| Joint {
+        name: k.to_string(),
+        journal: Attachment { body: 0, position: [0.0; 2] },
+        bushing: Attachment { body: 1, position: [0.0; 2] },
+        kind: JointKind::Clearance(Clearance {
+            journal_radius: 1.5e-3,
+            bushing_radius: 1.5235e-3,
+            width: 4e-3,
+            journal_material: steel,
+            bushing_material: steel,
+            contact_law: ContactLaw::LocalHertz,
+            contact_damping: ContactDamping::None,
+            film_damping: 6.55,
+            friction: 0.025,
+            friction_speed: 2.4e-3,
+            wear_coefficient: 1.288e-13,
+            control_points: 36,
+        }),
+    };
+    let kinds = [
+        ("max_wear_depth", OutputKind::LargestWear { joints: vec![0] }),
+        (
+            "angular_velocity_difference",
+            OutputKind::AngularVelocityDifference { a: signed(0, "right"), b: signed(1, "left") },
+        ),
+    ];
+    Scene {
+        name: "flapping-wing".into(),
+        title: "Flapping-wing drive with six worn hinges".into(),
+        bodies: vec![],
+        joints: (1..=6).map(joint).collect(),
+        loads: vec![],
+        gravity: [0.0; 2],
+        outputs: kinds.into_iter().map(|(name, kind)| Output { name: name.into(), kind }).collect(),
+        variables: VARIABLES.iter().map(variable).collect(),
+        limit_states: vec![
+            LimitState { name: "wear".into(), output: 0, threshold: 3e-5 },
+            LimitState { name: "asymmetry".into(), output: 1, threshold: 25.0 * PI / 30.0 },
+        ],
+        life: Life { period: 0.125, cycles: 72_000, checkpoint_every: 1000 },
+        study: StudySettings { population: 100_000, initial: 120, batch: 12, max_evaluations: 400, seed: 1 },
+    }
+}
+
+/// Mean and standard deviation of the two outputs (SI) at a life.
+fn moments(cycles: f64) -> [(f64, f64); 2] {
+    let wear = 2.88e-5 + 6.2e-10 * (cycles - 64_000.0);
+    let growth = ((cycles - 50_000.0) / 14_000.0).max(0.0).powi(3);
+    let gamma = 20.6 + 1.15 * growth + 0.8 * ((cycles - 63_000.0) / 1000.0).max(0.0);
+    [(wear.max(1e-7), 7e-7), (gamma * PI / 30.0, (0.3 + 0.8 * growth.min(1.5)) * PI / 30.0)]
+}
+
+fn reliability_row(cycles: u32, scene: &Scene) -> ReliabilityRow {
+    let mut reliability: PerLimitState = scene
+        .limit_states
+        .iter()
+        .zip(moments(cycles.into()))
+        .map(|(state, (mean, std))| {
+            (state.name.clone(), Normal::new(mean, std).unwrap().cdf(state.threshold))
+        })
+        .collect();
+    let total = reliability.values().product();
+    reliability.insert("total".into(), total);
+    let standard_error = reliability
+        .iter()
+        .map(|(name, r)| (name.clone(), (r * (1.0 - r) / 1e5).sqrt() + 0.03 * r * (1.0 - r)))
+        .collect();
+    ReliabilityRow { cycles, reliability, standard_error }
+}
+
+fn distribution(output: usize, cycles: u32, scene: &Scene) -> OutputDistribution {
+    let (mean, std) = moments(cycles.into())[output];
+    let normal = Normal::new(mean, std).unwrap();
+    let edges: Vec<f64> = (0..=40).map(|k| mean + std * (0.17 * k as f64 - 3.4)).collect();
+    let counts = edges.windows(2).map(|e| (1e5 * (normal.cdf(e[1]) - normal.cdf(e[0]))).round() as u64);
+    OutputDistribution {
+        output: scene.outputs[output].name.clone(),
+        cycles,
+        mean,
+        std,
+        counts: counts.collect(),
+        quantiles: [0.001, 0.5, 0.999].map(|p| (p, normal.inverse_cdf(p))).to_vec(),
+        edges,
+    }
+}
+
+fn sensitivity(cycles: u32, scene: &Scene) -> Vec<SensitivityRow> {
+    let mut rows = Vec::new();
+    for (s, state) in scene.limit_states.iter().enumerate() {
+        let (mean, std) = moments(cycles.into())[s];
+        let z = (state.threshold - mean) / std;
+        let density = Normal::standard().pdf(z);
+        for (k, variable) in VARIABLES.iter().enumerate() {
+            let weight = (1.7 * (k + 3 * s) as f64).sin() * 0.8f64.powi(k as i32);
+            let scaled =
+                SensitivityError { d_pf_d_mean: density * weight, d_pf_d_std: density * weight * weight * z };
+            rows.push(SensitivityRow {
+                cycles,
+                limit_state: state.name.clone(),
+                variable: variable.to_string(),
+                d_pf_d_mean: scaled.d_pf_d_mean / 0.01,
+                d_pf_d_std: scaled.d_pf_d_std / 0.01,
+                standard_error: SensitivityError { d_pf_d_mean: 0.3, d_pf_d_std: 0.4 },
+                scaled,
+            });
+        }
+    }
+    rows
+}
+
+fn rounds() -> Vec<Round> {
+    (0..9)
+        .map(|k| Round {
+            round: k,
+            evaluations: 120 + 12 * k,
+            min_u: 0.02 + 0.16 * k as f64,
+            share_uncertain: 0.3 * 0.62f64.powi(k as i32),
+            change_of_r: (k > 0).then(|| 0.12 * 0.5f64.powi(k as i32)),
+            surrogate_error: 0.03 * 0.75f64.powi(k as i32),
+            cov_pf: 0.004,
+            dominance: Some(0.7),
+            cycles: if k == 0 { 65_000 } else { 66_000 },
+            reliability_total: 0.347 + 0.08 * (-0.6f64).powi(k as i32),
+            repairs: usize::from(k == 1),
+        })
+        .collect()
+}
+
+pub fn study() -> Study {
+    let scene = scene();
+    let checkpoints = scene.life.checkpoints();
+    let moment_row = |cycles: &u32| {
+        let [wear, gamma] = moments((*cycles).into());
+        let rpm = 30.0 / PI;
+        BTreeMap::from([
+            ("cycles".to_string(), f64::from(*cycles)),
+            ("wear_mean_m".to_string(), wear.0),
+            ("wear_std_m".to_string(), wear.1),
+            ("asymmetry_mean_rpm".to_string(), gamma.0 * rpm),
+            ("asymmetry_std_rpm".to_string(), gamma.1 * rpm),
+        ])
+    };
+    let worker = |k: usize| WorkerShare {
+        name: format!("workshop-4711/{k}"),
+        evaluations: 108,
+        simulation_s: 160.0 + k as f64,
+    };
+    let summary = StudySummary {
+        scene: scene.name.clone(),
+        version: "0.1.0".into(),
+        seed: 20_260_101,
+        method: "ak".into(),
+        accuracy: "balanced".into(),
+        population: 100_000,
+        evaluations: EvaluationCounts { total: 216, initial: 120, added: 96, failed: 1 },
+        limit_states: scene.limit_states.iter().map(|state| state.name.clone()).collect(),
+        reliability: checkpoints.iter().map(|cycles| reliability_row(*cycles, &scene)).collect(),
+        moments: checkpoints.iter().map(moment_row).collect(),
+        sensitivity: [64_000, 66_000, 68_000].into_iter().flat_map(|n| sensitivity(n, &scene)).collect(),
+        convergence: Convergence {
+            stopped_because: "the estimated error of every R(n) stayed below 0.005 over two rounds".into(),
+            rounds: rounds(),
+        },
+        timing_s: Timing { total: 221.4, simulation: 322.0, surrogate: 48.2, idle: 61.0 },
+        workers: vec![worker(0), worker(1)],
+    };
+    let distributions = (0..2)
+        .flat_map(|output| checkpoints.iter().map(move |cycles| (output, *cycles)))
+        .map(|(output, cycles)| distribution(output, cycles, &scene))
+        .collect();
+    Study { summary, distributions }
+}
+
+fn first_cycle() -> FirstCycle {
+    let time: Vec<f64> = (0..=250).map(|k| 0.125 * k as f64 / 250.0).collect();
+    let body = |label: &str, phase: f64| BodyTrace {
+        label: label.into(),
+        angle: time.iter().map(|t| (29.7 * (TAU * (t / 0.125 + phase)).sin()).to_radians()).collect(),
+        speed: time
+            .iter()
+            .map(|t| 29.7f64.to_radians() * TAU / 0.125 * (TAU * (t / 0.125 + phase)).cos())
+            .collect(),
+    };
+    let force = |k: usize| {
+        let peak = if k > 4 { 9.27 } else { 5.94 };
+        let bump = |t: f64| (-((t - 0.1 + 0.0008 * (k % 2) as f64) / 0.014).powi(2)).exp();
+        (k.to_string(), time.iter().map(|t| 0.3 + (peak - 0.3) * bump(*t)).collect())
+    };
+    FirstCycle {
+        bodies: vec![body("right", 0.0), body("left", 0.005)],
+        joint_force: (1..=6).map(force).collect(),
+        time,
+    }
+}
+
+fn evaluation(id: u64, scene: &Scene) -> Evaluation {
+    let checkpoints = scene.life.checkpoints();
+    let shift = (id as f64 * 0.7).sin();
+    let history = |output: usize| {
+        let at = |cycles: &u32| {
+            let (mean, std) = moments((*cycles).into())[output];
+            mean + std * shift
+        };
+        checkpoints.iter().map(at).collect()
+    };
+    let joint = |k: usize| {
+        let depth = |p: usize| {
+            let angle = TAU * p as f64 / 36.0;
+            let bump = |centre: f64, width: f64| (-(1.0 - (angle - centre).cos()) / width).exp();
+            1e-6 * ([31.0, 30.0, 11.0, 12.0, 19.0, 18.0][k - 1] * bump(1.9, 0.12) + 8.0 * bump(5.4, 0.1))
+        };
+        JointSummary {
+            name: k.to_string(),
+            peak_force: if k > 4 { 9.27 } else { 5.94 },
+            wear_depth: (0..36).map(depth).collect(),
+        }
+    };
+    Evaluation {
+        histories: vec![history(0), history(1)],
+        cycles: checkpoints,
+        joints: (1..=6).map(joint).collect(),
+        first_cycle: (id == 0).then(first_cycle),
+        diagnostics: Diagnostics {
+            steps: 1_250_000,
+            rejected_steps: 310,
+            newton_iterations: 4_100,
+            force_evaluations: 3_760_000,
+            simulated_cycles: 81,
+            wear_stages: 240,
+            rejected_wear_steps: 2,
+            free_flight_fraction: (1..=6).map(|k| (k.to_string(), 0.01 * k as f64)).collect(),
+        },
+    }
+}
+
+/// A finished campaign of twelve evaluations, one of them failed.
+pub fn campaign(dir: &Path) -> CampaignFile {
+    let scene = scene();
+    let meta = CampaignMeta {
+        scene: scene.name.clone(),
+        scene_source: "[scene]\nname = \"flapping-wing\"\ntitle = \"six < seven & more\"\n".into(),
+        settings: serde_json::json!({"method": "ak", "seed": 20_260_101, "population": 100_000}),
+        command: "coordinator run --scene flapping-wing --workers auto --out study".into(),
+        version: "0.1.0".into(),
+    };
+    let mut campaign = CampaignFile::create(dir, &meta, &scene).unwrap();
+    for id in 0..12 {
+        let sample = (0..VARIABLES.len()).map(|k| 1.0 + 0.01 * ((id * 14 + k as u64) as f64).sin()).collect();
+        let request = Request { id, sample, with_first_cycle: id == 0 };
+        let failure = SimulationFailure::TooManySteps { cycle: 61_000, time: 0.05, bound: 200_000 };
+        let outcome = if id == 7 { Err(failure) } else { Ok(evaluation(id, &scene)) };
+        let finished = Finished { id, outcome, worker: format!("workshop-4711/{}", id % 2), wall: 1.5 };
+        campaign.record(&request, &finished).unwrap();
+    }
+    let study = study();
+    for round in &study.summary.convergence.rounds {
+        campaign.note_round(round).unwrap();
+    }
+    campaign.put_document(SUMMARY_DOCUMENT, &study.summary).unwrap();
+    campaign.put_document(DISTRIBUTIONS_DOCUMENT, &study.distributions).unwrap();
+    campaign
+}
+
+/// What the report of that campaign is made from.
+pub fn input() -> ReportInput {
+    let dir = tempfile::tempdir().unwrap();
+    ReportInput::from_campaign(&campaign(dir.path()), &scene()).unwrap().unwrap()
+}

@@ -1,0 +1,182 @@
+//! The tables of the report as HTML.
+
+use super::bars::rows_at_governing;
+use super::figures::words;
+use super::format::{count, duration, escape, fixed, three_digits};
+use super::input::ReportInput;
+use crate::summary::ReliabilityRow;
+use std::fmt::Write;
+
+/// A table whose last column is text that may break into lines. Cells are HTML.
+pub fn table_of_text(head: &[String], rows: impl Iterator<Item = Vec<String>>) -> String {
+    table(head, rows).replace("<table>", "<table class=\"text\">")
+}
+
+/// A table that scrolls sideways in itself on a narrow screen. Cells are HTML.
+pub fn table(head: &[String], rows: impl Iterator<Item = Vec<String>>) -> String {
+    let cells = |cells: &[String], tag: &str| {
+        cells.iter().fold(String::new(), |mut line, cell| {
+            let _ = write!(line, "<{tag}>{cell}</{tag}>");
+            line
+        })
+    };
+    let mut html =
+        format!("<div class=\"wide\"><table><thead><tr>{}</tr></thead><tbody>\n", cells(head, "th"));
+    for row in rows {
+        let _ = writeln!(html, "<tr>{}</tr>", cells(&row, "td"));
+    }
+    html + "</tbody></table></div>\n"
+}
+
+/// Reliability with standard errors, for these rows.
+pub fn reliability(input: &ReportInput, rows: &[ReliabilityRow]) -> String {
+    let names: Vec<&str> =
+        input.limit_states.iter().map(|state| state.name.as_str()).chain(["total"]).collect();
+    let head: Vec<String> = std::iter::once("cycles".to_string())
+        .chain(names.iter().map(|name| format!("R {}", escape(name))))
+        .collect();
+    let number = |value: Option<&f64>| value.map_or(f64::NAN, |value| *value);
+    table(
+        &head,
+        rows.iter().map(|row| {
+            std::iter::once(count(row.cycles.into()))
+                .chain(names.iter().map(|name| {
+                    format!(
+                        "{} <small>± {}</small>",
+                        fixed(number(row.reliability.get(*name)), 4),
+                        fixed(number(row.standard_error.get(*name)), 4)
+                    )
+                }))
+                .collect()
+        }),
+    )
+}
+
+/// Sensitivities of one limit state at the governing checkpoint, all variables; empty if there are none.
+pub fn sensitivity(input: &ReportInput, limit_state: &str) -> String {
+    let rows = rows_at_governing(input, limit_state);
+    if rows.is_empty() {
+        return String::new();
+    }
+    let head = [
+        "variable",
+        "mean (SI)",
+        "std (SI)",
+        "dPf/dmean",
+        "± error",
+        "dPf/dstd",
+        "± error",
+        "scaled, mean",
+        "scaled, std",
+    ]
+    .map(String::from);
+    table(
+        &head,
+        rows.iter().map(|row| {
+            let variable = input.variables.iter().find(|variable| variable.name == row.variable);
+            let mut cells = vec![escape(&words(&row.variable))];
+            cells.extend(
+                [
+                    variable.map_or(f64::NAN, |variable| variable.mean),
+                    variable.map_or(f64::NAN, |variable| variable.std),
+                    row.d_pf_d_mean,
+                    row.standard_error.d_pf_d_mean,
+                    row.d_pf_d_std,
+                    row.standard_error.d_pf_d_std,
+                ]
+                .map(three_digits),
+            );
+            cells.extend([row.scaled.d_pf_d_mean, row.scaled.d_pf_d_std].map(|value| fixed(value, 4)));
+            cells
+        }),
+    )
+}
+
+/// Rounds of learning.
+pub fn rounds(input: &ReportInput) -> String {
+    let head = [
+        "round",
+        "evaluations",
+        "min U",
+        "uncertain",
+        "change of R",
+        "surrogate error",
+        "cov of Pf",
+        "k",
+        "at cycles",
+        "R",
+        "repairs",
+    ]
+    .map(String::from);
+    table(
+        &head,
+        input.summary.convergence.rounds.iter().map(|round| {
+            vec![
+                round.round.to_string(),
+                round.evaluations.to_string(),
+                three_digits(round.min_u),
+                super::format::percent(round.share_uncertain),
+                round.change_of_r.map_or(super::format::UNKNOWN.to_string(), three_digits),
+                three_digits(round.surrogate_error),
+                super::format::percent(round.cov_pf),
+                round.dominance.map_or(super::format::UNKNOWN.to_string(), three_digits),
+                count(round.cycles.into()),
+                fixed(round.reliability_total, 4),
+                round.repairs.to_string(),
+            ]
+        }),
+    )
+}
+
+/// Work of the numerics, over all evaluations and per evaluation.
+pub fn diagnostics(input: &ReportInput) -> String {
+    let work = &input.work;
+    let per = |sum: u64| three_digits(sum as f64 / work.evaluations.max(1) as f64);
+    let rows = [
+        ("time steps", work.sum.steps),
+        ("time steps refused and repeated", work.sum.rejected_steps),
+        ("Newton iterations", work.sum.newton_iterations),
+        ("force evaluations", work.sum.force_evaluations),
+        ("cycles simulated", work.sum.simulated_cycles),
+        ("stages of the wear step", work.sum.wear_stages),
+        ("wear steps refused and repeated", work.sum.rejected_wear_steps),
+    ];
+    let mut html = table(
+        &["work".into(), "all evaluations".into(), "per evaluation".into()],
+        rows.iter().map(|(name, sum)| vec![name.to_string(), count(*sum), per(*sum)]),
+    );
+    let flight = input.nominal.as_ref().map_or(&[][..], |nominal| &nominal.diagnostics.free_flight_fraction);
+    if !flight.is_empty() {
+        html += &table(
+            &["joint".into(), "share of the first cycle in free flight".into()],
+            flight.iter().map(|(name, share)| vec![escape(name), super::format::percent(*share)]),
+        );
+    }
+    html
+}
+
+/// Where the time went and who worked.
+pub fn timing(input: &ReportInput) -> String {
+    let time = input.summary.timing_s;
+    let mut html = table(
+        &["time".into(), String::new()],
+        [
+            ("whole study", time.total),
+            ("simulations, summed over workers", time.simulation),
+            ("longest simulation", input.work.longest),
+            ("surrogates: fitting, prediction, selection", time.surrogate),
+            ("worker slots waiting for the coordinator", time.idle),
+        ]
+        .iter()
+        .map(|(name, seconds)| vec![name.to_string(), duration(*seconds)]),
+    );
+    if !input.summary.workers.is_empty() {
+        html += &table(
+            &["worker".into(), "evaluations".into(), "simulation time".into()],
+            input.summary.workers.iter().map(|worker| {
+                vec![escape(&worker.name), count(worker.evaluations as u64), duration(worker.simulation_s)]
+            }),
+        );
+    }
+    html
+}

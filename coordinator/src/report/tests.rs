@@ -1,0 +1,199 @@
+use super::*;
+use crate::summary::Convergence;
+
+/// Checks that hold for every report: no reference outside, no script, figures that are XML, no number that is
+/// none, no word of the program's own for what is missing.
+fn assert_sound(report: &Report) {
+    let html = &report.html;
+    for outside in ["http", "src=", "@import", "url(", "<script", "<link", "//www"] {
+        assert!(!html.contains(outside), "{outside}");
+    }
+    let words: Vec<&str> = html.split(|c: char| !c.is_ascii_alphanumeric()).collect();
+    for bad in ["NaN", "nan", "None", "inf", "Some", "null"] {
+        assert!(!words.contains(&bad), "{bad}");
+    }
+    for figure in &report.figures {
+        let name = &figure.name;
+        assert!(html.contains(&format!("<figure id=\"{name}\">")), "{name}");
+        let alone = page::standalone(figure);
+        let document = roxmltree::Document::parse(&alone).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let root = document.root_element();
+        assert!(
+            root.has_tag_name(("http://www.w3.org/2000/svg", "svg")) && root.has_attribute("viewBox"),
+            "{name}"
+        );
+        assert!(!alone.contains("NaN") && !alone.contains("inf\""), "{name}");
+    }
+    // HTML that closes what it opens: the body is well-formed XML too, but for the elements that have no end.
+    let body = &html[html.find("<body>").unwrap()..html.find("</html>").unwrap()];
+    let body = body.replace("<br>", "<br/>");
+    roxmltree::Document::parse(&body).unwrap();
+}
+
+fn names(report: &Report) -> Vec<&str> {
+    report.figures.iter().map(|figure| figure.name.as_str()).collect()
+}
+
+#[test]
+fn a_whole_study_has_every_figure_and_says_its_lives() {
+    let report = render(&synthetic::input()).unwrap();
+    assert_sound(&report);
+    let mut expected = vec!["reliability", "distribution-wear", "distribution-asymmetry"];
+    expected.extend(["history-wear", "history-asymmetry", "joint-forces", "angles", "angular-velocities"]);
+    expected.extend(["bore-1", "bore-2", "bore-3", "bore-4", "bore-5", "bore-6"]);
+    expected.extend(["sensitivity-wear", "sensitivity-asymmetry"]);
+    expected.extend(["learning-reliability", "learning-shares", "learning-min-u"]);
+    assert_eq!(names(&report), expected);
+    let html = report.html.replace('\u{a0}', " ");
+    for text in [
+        "Hingewise",
+        "50 % of the mechanisms reach",
+        "First to fail: wear (max wear depth reaching 30 µm)",
+        "64 000 cycles",
+        "68 000 cycles",
+        "seed 20260101",
+        "coordinator run --scene flapping-wing --workers auto --out study",
+        "six &lt; seven &amp; more",
+        "the bound of 200000 steps per cycle was reached",
+        "local-hertz",
+        "stayed below 0.005",
+    ] {
+        assert!(html.contains(text), "{text}");
+    }
+}
+
+#[test]
+fn the_sentences_carry_the_numbers_of_the_curves() {
+    let input = synthetic::input();
+    let text = words::sentences(&input).join(" ").replace('\u{a0}', " ");
+    let life::LifeAt::Cycles { life, .. } = life::life_at(&input.summary, "total", 0.5) else { panic!() };
+    let ten = format::count((life / 10.0).round() as u64 * 10).replace('\u{a0}', " ");
+    assert!(text.contains(&format!("50 % of the mechanisms reach {ten} cycles")), "{text}");
+    assert!(text.contains("216 simulations (1 without a result), 96 of them placed by learning"), "{text}");
+    assert!(text.contains("3 min 41 s in all"), "{text}");
+}
+
+#[test]
+fn the_same_input_gives_the_same_text() {
+    let input = synthetic::input();
+    assert_eq!(render(&input).unwrap(), render(&input).unwrap());
+}
+
+#[test]
+fn a_study_without_extras_is_reported_all_the_same() {
+    let mut input = synthetic::input();
+    input.nominal = None;
+    input.distributions.clear();
+    input.summary.sensitivity.clear();
+    input.summary.moments.clear();
+    input.summary.workers.clear();
+    input.summary.convergence = Convergence::default();
+    input.failures.clear();
+    input.settings = serde_json::Value::Null;
+    input.command.clear();
+    let report = render(&input).unwrap();
+    assert_sound(&report);
+    assert_eq!(names(&report), ["reliability"]);
+    assert!(report.html.contains("The nominal evaluation holds no first cycle."));
+    assert!(report.html.contains("Every evaluation has a result."));
+}
+
+#[test]
+fn one_limit_state_needs_no_total() {
+    let mut input = synthetic::input();
+    input.limit_states.truncate(1);
+    input.summary.limit_states.truncate(1);
+    for row in &mut input.summary.reliability {
+        row.reliability.remove("asymmetry");
+        row.standard_error.remove("asymmetry");
+        let wear = row.reliability["wear"];
+        row.reliability.insert("total".into(), wear);
+    }
+    let report = render(&input).unwrap();
+    assert_sound(&report);
+    assert!(report.html.contains("The mechanism fails by wear"));
+    assert!(!report.html.contains("asymmetry-"));
+}
+
+#[test]
+fn numbers_that_are_none_become_dashes() {
+    let mut input = synthetic::input();
+    for row in &mut input.summary.reliability {
+        row.standard_error.values_mut().for_each(|error| *error = f64::NAN);
+    }
+    input.summary.reliability[40].reliability.insert("wear".into(), f64::NAN);
+    for row in &mut input.summary.sensitivity {
+        row.d_pf_d_std = f64::NAN;
+        row.scaled.d_pf_d_std = f64::INFINITY;
+    }
+    for round in &mut input.summary.convergence.rounds {
+        round.min_u = f64::INFINITY;
+        round.cov_pf = f64::NAN;
+    }
+    let nominal = input.nominal.as_mut().unwrap();
+    nominal.joints[0].wear_depth.fill(f64::NAN);
+    nominal.histories[0].fill(f64::NAN);
+    nominal.first_cycle.as_mut().unwrap().bodies[0].angle.fill(f64::NAN);
+    assert_sound(&render(&input).unwrap());
+}
+
+#[test]
+fn nothing_fails_and_nothing_at_all() {
+    let mut input = synthetic::input();
+    for row in &mut input.summary.reliability {
+        row.reliability.values_mut().for_each(|r| *r = 1.0);
+    }
+    let report = render(&input).unwrap();
+    assert_sound(&report);
+    assert!(report.html.contains("No limit state is reached within the life studied."));
+    input.summary.reliability.clear();
+    assert_sound(&render(&input).unwrap());
+}
+
+/// Writes the report for the eye: with `HINGEWISE_REPORT_SAMPLE` set to a folder it stays there.
+#[test]
+fn page_and_figures_are_written_from_the_campaign_file_alone() {
+    let temporary = tempfile::tempdir().unwrap();
+    let kept = std::env::var_os("HINGEWISE_REPORT_SAMPLE").map(PathBuf::from);
+    let dir = kept.as_deref().unwrap_or(temporary.path());
+    let study = tempfile::tempdir().unwrap();
+    drop(synthetic::campaign(study.path()));
+    let campaign = CampaignFile::open(study.path()).unwrap();
+    let input = ReportInput::from_campaign(&campaign, &synthetic::scene()).unwrap().unwrap();
+    assert_eq!((input.work.evaluations, input.failures.len()), (11, 1));
+    let path = write(dir, &input).unwrap();
+    let report = render(&input).unwrap();
+    assert_eq!(std::fs::read_to_string(path).unwrap(), report.html);
+    for figure in &report.figures {
+        let text = std::fs::read_to_string(dir.join("figures").join(format!("{}.svg", figure.name))).unwrap();
+        assert_eq!(text, page::standalone(figure));
+    }
+}
+
+#[test]
+fn a_delivered_study_has_every_file_and_they_can_be_made_anew() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut campaign = synthetic::campaign(dir.path());
+    let study = synthetic::study();
+    let mut broken = study.summary.clone();
+    broken.convergence.rounds[0].min_u = f64::INFINITY;
+    assert!(deliver(&mut campaign, &synthetic::scene(), &broken, &[]).is_err());
+    let page = deliver(&mut campaign, &synthetic::scene(), &study.summary, &study.distributions).unwrap();
+    let names = ["summary.json", "reliability.csv", "samples.csv", "report.html", "figures/reliability.svg"];
+    let read = || names.map(|name| std::fs::read_to_string(dir.path().join(name)).unwrap());
+    let first = read();
+    names.iter().for_each(|name| std::fs::remove_file(dir.path().join(name)).unwrap());
+    drop(campaign);
+    let campaign = CampaignFile::open(dir.path()).unwrap();
+    assert_eq!(write_all(&campaign, &synthetic::scene()).unwrap(), Some(page));
+    assert_eq!(read(), first);
+}
+
+#[test]
+fn an_unfinished_study_has_no_report_yet() {
+    let dir = tempfile::tempdir().unwrap();
+    let meta = synthetic::campaign(&dir.path().join("finished")).meta().clone();
+    let scene = synthetic::scene();
+    let campaign = CampaignFile::create(&dir.path().join("new"), &meta, &scene).unwrap();
+    assert_eq!(ReportInput::from_campaign(&campaign, &scene).unwrap(), None);
+}

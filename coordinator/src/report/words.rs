@@ -1,0 +1,129 @@
+//! What a study says, in sentences.
+
+use super::format::{count, duration, fixed, percent};
+use super::input::ReportInput;
+use super::life::{LifeAt, governing, leaders, life_at};
+use super::plot::short;
+use crate::summary::StudySummary;
+
+/// Reliability levels whose lives are named.
+pub const LEVELS: [f64; 3] = [0.99, 0.9, 0.5];
+
+/// A life with its bounds, e.g. `63 400 cycles (63 200 to 63 500)`.
+pub fn life(life: LifeAt) -> (String, String) {
+    // To the nearest ten: the curve is known at checkpoints hundreds of cycles apart.
+    let ten = |cycles: f64| count((cycles / 10.0).round().max(0.0) as u64 * 10);
+    match life {
+        LifeAt::Beyond(last) => (format!("beyond {}", count(last.into())), "end of the life studied".into()),
+        LifeAt::Cycles { life, lower, upper } => {
+            (ten(life), format!("95 % interval {} to {}", ten(lower), ten(upper)))
+        }
+    }
+}
+
+/// The sentences at the head of the report.
+pub fn sentences(input: &ReportInput) -> Vec<String> {
+    let summary = &input.summary;
+    let mut text = Vec::new();
+    let lives: Vec<String> = LEVELS
+        .iter()
+        .map(|level| {
+            format!(
+                "{} of the mechanisms reach {}",
+                percent0(*level),
+                cycles(life_at(summary, "total", *level))
+            )
+        })
+        .collect();
+    text.push(format!("{}.", lives.join("; ")));
+    text.extend(who_fails_first(input));
+    text.push(effort(summary));
+    text
+}
+
+fn percent0(share: f64) -> String {
+    format!("{}\u{a0}%", fixed(100.0 * share, 0))
+}
+
+fn cycles(at: LifeAt) -> String {
+    match at {
+        LifeAt::Beyond(last) => format!("more than the {} cycles studied", count(last.into())),
+        known @ LifeAt::Cycles { .. } => format!("{} cycles", life(known).0),
+    }
+}
+
+/// Which limit state leads to failure, when that changes, and what has failed at the governing checkpoint.
+fn who_fails_first(input: &ReportInput) -> Vec<String> {
+    let summary = &input.summary;
+    let mut text = Vec::new();
+    let means = |name: &str| {
+        let state = input.limit_states.iter().find(|state| state.name == name)?;
+        let unit = input.unit_of(state);
+        let output = super::figures::words(&input.outputs[state.output].name);
+        Some(format!("{output} reaching {} {}", short(unit.to_shown(state.threshold)), unit.symbol()))
+    };
+    let named = |name: &str| means(name).map_or(name.to_string(), |means| format!("{name} ({means})"));
+    match leaders(summary).as_slice() {
+        [] => text.push("No limit state is reached within the life studied.".to_string()),
+        [(from, only)] if summary.limit_states.len() == 1 => {
+            text.push(format!(
+                "The mechanism fails by {}, from {} cycles on.",
+                named(only),
+                count((*from).into())
+            ));
+        }
+        [(from, first), rest @ ..] => {
+            let always = if rest.is_empty() { "; it leads over the whole life studied" } else { "" };
+            text.push(format!(
+                "First to fail: {}, from {} cycles on{always}.",
+                named(first),
+                count((*from).into())
+            ));
+            for (from, next) in rest {
+                text.push(format!(
+                    "From {} cycles on {} has caused more failures.",
+                    count((*from).into()),
+                    named(next)
+                ));
+            }
+        }
+    }
+    if let Some(row) = governing(summary).filter(|_| summary.limit_states.len() > 1) {
+        let failed = |name: &str| row.reliability.get(name).map_or(f64::NAN, |r| 1.0 - r);
+        let parts: Vec<String> =
+            summary.limit_states.iter().map(|name| format!("{} by {name}", percent(failed(name)))).collect();
+        if failed("total") > 5e-4 {
+            text.push(format!(
+                "At {} cycles {} have failed: {} (a mechanism that has failed by both counts in both).",
+                count(row.cycles.into()),
+                percent(failed("total")),
+                parts.join(", ")
+            ));
+        }
+    }
+    text
+}
+
+/// What the answer cost.
+pub fn effort(summary: &StudySummary) -> String {
+    let counts = summary.evaluations;
+    let failed = match counts.failed {
+        0 => "none without a result".to_string(),
+        1 => "1 without a result".to_string(),
+        n => format!("{} without a result", count(n as u64)),
+    };
+    let surrogate = if counts.added > 0 || !summary.convergence.rounds.is_empty() {
+        format!(
+            ", {} of them placed by learning, stand for a population of {} mechanisms",
+            count(counts.added as u64),
+            count(summary.population as u64)
+        )
+    } else {
+        String::new()
+    };
+    format!(
+        "{} simulations ({failed}){surrogate}; {} in all.",
+        count(counts.total as u64),
+        duration(summary.timing_s.total)
+    )
+}

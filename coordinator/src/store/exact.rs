@@ -1,0 +1,36 @@
+//! Samples and outcomes as bytes and back, exact to the last bit.
+
+use common::failure::SimulationFailure;
+use common::outputs::Evaluation;
+
+/// What came of an evaluation.
+pub type Outcome = Result<Evaluation, SimulationFailure>;
+
+/// Little-endian f64, one after another.
+pub fn sample_to_bytes(sample: &[f64]) -> Vec<u8> {
+    sample.iter().flat_map(|value| value.to_le_bytes()).collect()
+}
+
+/// The inverse of [`sample_to_bytes`]; `None` if the length is no multiple of eight.
+pub fn sample_from_bytes(bytes: &[u8]) -> Option<Vec<f64>> {
+    let (values, rest) = bytes.as_chunks::<8>();
+    rest.is_empty().then(|| values.iter().map(|value| f64::from_le_bytes(*value)).collect())
+}
+
+/// CBOR of an outcome.
+///
+/// # Errors
+/// The encoder's message.
+pub fn outcome_to_bytes(outcome: &Outcome) -> Result<Vec<u8>, String> {
+    let mut bytes = Vec::new();
+    ciborium::into_writer(outcome, &mut bytes).map_err(|error| error.to_string())?;
+    Ok(bytes)
+}
+
+/// The inverse of [`outcome_to_bytes`].
+///
+/// # Errors
+/// The decoder's message.
+pub fn outcome_from_bytes(bytes: &[u8]) -> Result<Outcome, String> {
+    ciborium::from_reader(bytes).map_err(|error| error.to_string())
+}

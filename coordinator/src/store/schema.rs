@@ -1,0 +1,86 @@
+//! Layout of `campaign.db`, made to be opened by people: `campaign` (scene, settings, command, version),
+//! `evaluation` (one row each), `input` and `output` (values by name, one column per variable or output, SI),
+//! `learning_round`, `document` (results as JSON).
+//!
+//! The columns `sample` and `outcome` of `evaluation` are what the program reads back: little-endian f64 and
+//! CBOR, exact to the last bit, where SQL's REAL would lose a negative zero and a NaN. The tables `input` and
+//! `output` repeat them for queries.
+
+use common::scene::model::Scene;
+use std::collections::BTreeSet;
+
+/// Marks a file as a campaign of this program: "HgwC".
+pub const APPLICATION_ID: i64 = 0x4867_7743;
+
+/// Version of this layout, in `PRAGMA user_version`.
+pub const SCHEMA_VERSION: i64 = 1;
+
+/// Statements that make the tables for this scene.
+pub fn statements(scene: &Scene) -> String {
+    let reals = |names: &[String]| names.iter().map(|name| format!(",\n  {name} REAL")).collect::<String>();
+    format!(
+        "CREATE TABLE campaign (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
+CREATE TABLE evaluation (
+  id INTEGER PRIMARY KEY,
+  failure TEXT,
+  worker TEXT NOT NULL,
+  wall_s REAL,
+  finished_at TEXT NOT NULL,
+  with_first_cycle INTEGER NOT NULL,
+  sample BLOB NOT NULL,
+  outcome BLOB NOT NULL
+);
+CREATE TABLE input (
+  evaluation INTEGER PRIMARY KEY REFERENCES evaluation (id){inputs}
+);
+CREATE TABLE output (
+  evaluation INTEGER NOT NULL REFERENCES evaluation (id),
+  cycles INTEGER NOT NULL{outputs},
+  PRIMARY KEY (evaluation, cycles)
+) WITHOUT ROWID;
+CREATE TABLE learning_round (round INTEGER PRIMARY KEY, evaluations INTEGER NOT NULL, noted_at TEXT NOT NULL, json TEXT NOT NULL);
+CREATE TABLE document (name TEXT PRIMARY KEY, written_at TEXT NOT NULL, json TEXT NOT NULL) WITHOUT ROWID;
+PRAGMA application_id = {APPLICATION_ID};
+PRAGMA user_version = {SCHEMA_VERSION};",
+        inputs = reals(&input_columns(scene)),
+        outputs = reals(&output_columns(scene)),
+    )
+}
+
+/// Quoted column names of the random variables in table `input`.
+pub fn input_columns(scene: &Scene) -> Vec<String> {
+    columns(scene.variables.iter().map(|variable| variable.name.as_str()))
+}
+
+/// Quoted column names of the outputs in table `output`.
+pub fn output_columns(scene: &Scene) -> Vec<String> {
+    columns(scene.outputs.iter().map(|output| output.name.as_str()))
+}
+
+/// Quoted names. SQL does not tell `k` from `K`: what would coincide, with each other or with the table's own
+/// columns, gets a number.
+fn columns<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {
+    let mut taken = BTreeSet::from(["evaluation".to_string(), "cycles".to_string()]);
+    names
+        .map(|name| {
+            let mut column = name.to_string();
+            let mut number = 2;
+            while !taken.insert(column.to_lowercase()) {
+                column = format!("{name}_{number}");
+                number += 1;
+            }
+            format!("\"{}\"", column.replace('"', "\"\""))
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_equal_but_for_case_get_columns_of_their_own() {
+        let names = columns(["k", "K", "evaluation", "a\"b"].into_iter());
+        assert_eq!(names, ["\"k\"", "\"K_2\"", "\"evaluation_2\"", "\"a\"\"b\""]);
+    }
+}

@@ -1,0 +1,218 @@
+//! What the real `coordinator` answers to bad input: one clear message on standard error, the right exit code,
+//! nothing on standard output.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+const FOUR_BAR: &str = include_str!("../../common/scenes/four-bar.toml");
+
+fn coordinator(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_coordinator")).args(arguments).output().unwrap()
+}
+
+/// Exit code and standard error of a command that must fail.
+#[track_caller]
+fn refused(arguments: &[&str], code: i32) -> String {
+    let output = coordinator(arguments);
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {message}");
+    assert!(output.stdout.is_empty(), "{arguments:?} printed a result");
+    message
+}
+
+/// Exactly one line that starts with `error:` and says all of `parts`.
+#[track_caller]
+fn one_message(message: &str, parts: &[&str]) {
+    assert_eq!(message.lines().count(), 1, "{message}");
+    assert!(message.starts_with("error: "), "{message}");
+    for part in parts {
+        assert!(message.contains(part), "no \"{part}\" in: {message}");
+    }
+}
+
+/// The four-bar with one piece of its text replaced, in a file of its own.
+fn scene_file(folder: &Path, from: &str, to: &str) -> PathBuf {
+    assert!(FOUR_BAR.contains(from));
+    let path = folder.join("scene.toml");
+    std::fs::write(&path, FOUR_BAR.replacen(from, to, 1)).unwrap();
+    path
+}
+
+#[test]
+fn faulty_scenes() {
+    let folder = tempfile::tempdir().unwrap();
+    for (from, to, parts) in [
+        (
+            "\nwidth = \"width\"",
+            "\nwidht = \"1 mm\"\nwidth = \"width\"",
+            &["joints.crank.widht", "unknown key, did you mean \"width\"?"][..],
+        ),
+        (
+            "width = \"width\"",
+            "width = \"1.5 N\"",
+            &["joints.crank.width", "\"1.5 N\" is a force, expected a length (mm, um, m, ...)"],
+        ),
+        (
+            "radial_clearance = \"clearance\"",
+            "radial_clearance = \"-30 um\"",
+            &["joints.crank.radial_clearance", "\"-30 um\"", "allowed: > 0"],
+        ),
+        (
+            "radial_clearance = \"clearance\"",
+            "bushing_radius = \"3.9 mm\"",
+            &["joints.crank.bushing_radius", "\"3.9 mm\"", "larger than the journal", "4 mm"],
+        ),
+        ("std = \"5 %\"", "std = \"0 %\"", &["variables.wear_coefficient.std", "\"0 %\"", "allowed: > 0"]),
+    ] {
+        let file = scene_file(folder.path(), from, to);
+        let file = file.to_str().unwrap();
+        for command in [
+            &["check", file][..],
+            &["simulate", "--scene", file],
+            &["run", "--scene", file],
+            &["explain", "--scene", file],
+        ] {
+            let message = refused(command, 2);
+            assert!(message.contains(file), "{message}");
+            let first = message.lines().next().unwrap_or_default();
+            one_message(first, parts);
+        }
+    }
+}
+
+#[test]
+fn every_fault_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = scene_file(folder.path(), "\nwidth = \"width\"", "\nwidth = \"1 N\"\nfritcion = 3");
+    let message = refused(&["check", file.to_str().unwrap()], 2);
+    assert!(message.contains("2 faults"), "{message}");
+    assert!(message.contains("joints.crank.width") && message.contains("joints.crank.fritcion"), "{message}");
+}
+
+#[test]
+fn a_locked_linkage_names_joint_and_angle() {
+    let folder = tempfile::tempdir().unwrap();
+    // Grashof's condition fails: the crank is as long as the ground link lets it be only part of the way.
+    let file = scene_file(folder.path(), "crank_length = \"20 mm\"", "crank_length = \"48 mm\"");
+    let file = file.to_str().unwrap();
+    for command in [&["check", file][..], &["simulate", "--scene", file], &["run", "--scene", file]] {
+        one_message(&refused(command, 2), &[file, "the linkage locks", "joint", "crank angle", "deg", "gap"]);
+    }
+}
+
+#[test]
+fn unknown_scenes() {
+    for command in [
+        &["simulate", "--scene", "flaping-wing"][..],
+        &["check", "flaping-wing"],
+        &["run", "--scene", "flaping-wing"],
+    ] {
+        one_message(
+            &refused(command, 2),
+            &["flaping-wing: no such scene or file", "did you mean \"flapping-wing\"?"],
+        );
+    }
+    one_message(&refused(&["check", "no/such/file.toml"], 2), &["no/such/file.toml: cannot be read"]);
+    one_message(&refused(&["scenes", "--show", "five-bar"], 2), &["did you mean \"four-bar\"?"]);
+}
+
+#[test]
+fn bad_settings() {
+    for (setting, parts) in [
+        ("load_torqe=1 N m", &["no variable \"load_torqe\"", "did you mean \"load_torque\"?"][..]),
+        ("load_torque=1 kg", &["\"1 kg\" is a mass, expected a torque (N m, N mm, ...)"]),
+        ("load_torque", &["expected variable=value"]),
+        ("friction=-0.1", &["friction", "-0.1", "allowed: >= 0"]),
+    ] {
+        let message = refused(&["simulate", "--scene", "four-bar", "--set", setting], 2);
+        for part in parts {
+            assert!(message.contains(part), "no \"{part}\" in: {message}");
+        }
+    }
+    let message = refused(&["simulate", "--scene", "four-bar", "--set", "a=1", "--set", "friction=1 N"], 2);
+    assert!(message.contains("2 faults"), "{message}");
+}
+
+#[test]
+fn bad_options() {
+    for (arguments, parts) in [
+        (&["run", "--workers", "many"][..], &["--workers", "many", "auto"][..]),
+        (&["run", "--accuracy", "exact"], &["--accuracy", "exact", "balanced"]),
+        (&["--seed", "3", "scenes"], &["after `run`"]),
+        (&["simulat"], &["simulat", "simulate"]),
+    ] {
+        let message = refused(arguments, 2);
+        for part in parts {
+            assert!(message.contains(part), "no \"{part}\" in: {message}");
+        }
+    }
+}
+
+#[test]
+fn folders_that_hold_no_finished_study() {
+    let folder = tempfile::tempdir().unwrap();
+    let dir = folder.path().to_str().unwrap();
+    for command in ["resume", "report", "sensitivity"] {
+        one_message(&refused(&[command, dir], 2), &[dir, "holds no campaign"]);
+    }
+}
+
+#[test]
+fn addresses_that_cannot_be_listened_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("study");
+    let out = out.to_str().unwrap();
+    let run = ["run", "--scene", "four-bar", "--workers", "0", "--out", out];
+    let with = |more: &[&'static str]| [&run[..], more].concat();
+    one_message(&refused(&with(&["--listen", "tcp/0.0.0.0:0"]), 2), &["tcp/0.0.0.0:0", "--insecure"]);
+    one_message(
+        &refused(&with(&["--listen", "nowhere"]), 2),
+        &["--listen nowhere", "expected e.g. tcp/127.0.0.1:7447"],
+    );
+    one_message(&refused(&with(&["--config", "no.json5"]), 2), &["no.json5"]);
+    // Nothing was begun.
+    assert!(!Path::new(out).exists());
+}
+
+/// A study that waits for workers, ended when the test ends, however it ends.
+struct Waiting(std::process::Child);
+
+impl Drop for Waiting {
+    fn drop(&mut self) {
+        // It may have ended already.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+#[test]
+fn an_output_folder_in_use() {
+    use std::io::{BufRead, BufReader};
+    let folder = tempfile::tempdir().unwrap();
+    let dir = folder.path().to_str().unwrap();
+    let run = ["run", "--scene", "four-bar", "--workers", "0", "--out", dir];
+    let child = Command::new(env!("CARGO_BIN_EXE_coordinator"))
+        .args(run)
+        .stderr(std::process::Stdio::piped())
+        .stdout(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    let mut waiting = Waiting(child);
+    let mut lines = BufReader::new(waiting.0.stderr.take().unwrap()).lines().map(Result::unwrap);
+    assert!(lines.any(|line| line.starts_with("waiting for workers: worker --connect tcp/127.0.0.1:")));
+
+    for command in [&run[..], &["resume", dir], &["report", dir]] {
+        one_message(&refused(command, 2), &[dir, "in use by another running coordinator"]);
+    }
+
+    // Ctrl-C: everything done so far is saved, and the study can go on.
+    let killed = Command::new("kill").args(["-INT", &waiting.0.id().to_string()]).status().unwrap();
+    assert!(killed.success());
+    assert!(lines.any(|line| line.starts_with("error: interrupted;") && line.contains("coordinator resume")));
+    assert_eq!(waiting.0.wait().unwrap().code(), Some(130));
+    for workers in ["0", "1"] {
+        let again = ["run", "--scene", "four-bar", "--workers", workers, "--out", dir];
+        one_message(&refused(&again, 2), &[dir, "already holds a campaign", "coordinator resume"]);
+    }
+    one_message(&refused(&["report", dir], 2), &[dir, "not finished"]);
+}

@@ -1,0 +1,143 @@
+//! What the real `coordinator` prints when all is well, against the names that scripts and notebooks rely on.
+
+use serde_json::Value;
+use std::process::{Command, Output};
+
+fn coordinator(arguments: &[&str]) -> Output {
+    let output = Command::new(env!("CARGO_BIN_EXE_coordinator")).args(arguments).output().unwrap();
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{arguments:?}: {message}");
+    output
+}
+
+fn text(arguments: &[&str]) -> String {
+    String::from_utf8(coordinator(arguments).stdout).unwrap()
+}
+
+fn json(arguments: &[&str]) -> Value {
+    serde_json::from_slice(&coordinator(arguments).stdout).unwrap()
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
+}
+
+fn keys(value: &Value) -> Vec<&str> {
+    value.as_object().unwrap().keys().map(String::as_str).collect()
+}
+
+#[test]
+fn simulate_prints_the_contract() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("out.json");
+    let simulate = ["simulate", "--scene", "four-bar", "--accuracy", "draft"];
+    let output = coordinator(&[&simulate[..], &["--out", file.to_str().unwrap()]].concat());
+    assert!(output.stdout.is_empty() && output.stderr.is_empty());
+    let found: Value = serde_json::from_str(&std::fs::read_to_string(&file).unwrap()).unwrap();
+
+    assert_eq!((found["scene"].as_str(), found["accuracy"].as_str()), (Some("four-bar"), Some("draft")));
+    let cycles: Vec<f64> = (1..=8).map(|k| 1000.0 * f64::from(k)).collect();
+    assert_eq!(numbers(&found["cycles"]), cycles);
+    let wear = numbers(&found["max_wear_depth_m"]);
+    assert_eq!(wear.len(), cycles.len());
+    assert!(wear[0] > 0.0 && wear.is_sorted(), "wear only grows: {wear:?}");
+    assert_eq!(found["coupler_joint_speed_rpm"].as_array().unwrap().len(), cycles.len());
+
+    let first = &found["first_cycle"];
+    let points = numbers(&first["time_s"]).len();
+    for (group, labels) in [
+        ("rocker_angle_deg", ["coupler", "rocker"].as_slice()),
+        ("rocker_speed_rpm", &["coupler", "rocker"]),
+        ("joint_force_N", &["coupler", "crank", "rocker"]),
+    ] {
+        assert_eq!(keys(&first[group]), labels, "{group}");
+        for label in labels {
+            assert_eq!(numbers(&first[group][label]).len(), points, "{group} {label}");
+        }
+    }
+    // Its range is the worker's business; that degrees are meant, and not radians, is this command's.
+    let angle = numbers(&first["rocker_angle_deg"]["rocker"]);
+    assert!(angle.iter().all(|angle| (60.0..180.0).contains(angle)));
+
+    let joints = found["joints"].as_array().unwrap();
+    assert_eq!(
+        joints.iter().map(|joint| joint["name"].as_str().unwrap()).collect::<Vec<_>>(),
+        ["crank", "coupler", "rocker"]
+    );
+    for joint in joints {
+        assert!(joint["peak_force_N"].as_f64().unwrap() > 1.0);
+        assert_eq!(numbers(&joint["wear_depth_m"]).len(), 36);
+    }
+    let largest = joints.iter().flat_map(|joint| numbers(&joint["wear_depth_m"])).fold(0.0, f64::max);
+    assert_eq!(Some(&largest), wear.last());
+    for counter in ["steps", "rejected_steps", "newton_iterations"] {
+        assert!(found["diagnostics"][counter].is_u64(), "{counter}");
+    }
+    assert_eq!(keys(&found["diagnostics"]["free_flight_fraction"]), ["coupler", "crank", "rocker"]);
+    assert!(found["wall_s"].as_f64().unwrap() > 0.0);
+}
+
+#[test]
+fn settings_change_the_simulation() {
+    let simulate = |setting: &str| {
+        json(&["simulate", "--scene", "four-bar", "--accuracy", "draft", "--set", setting])["joints"][0]["peak_force_N"]
+            .as_f64()
+            .unwrap()
+    };
+    // The load decides the forces; the unit is read.
+    let (usual, doubled, same) = (
+        simulate("load_torque=-0.8 N m"),
+        simulate("load_torque=-1.6N m"),
+        simulate("load_torque=-800 N mm"),
+    );
+    assert!(doubled > 1.5 * usual, "{usual} {doubled}");
+    assert!((same - usual).abs() <= 1e-9 * usual, "{usual} {same}");
+    assert_ne!(simulate("parameters.crank_length=19mm"), usual);
+}
+
+#[test]
+fn scenes_are_listed_shown_and_valid() {
+    let list = json(&["scenes", "--json"]);
+    let names: Vec<&str> =
+        list.as_array().unwrap().iter().map(|scene| scene["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["flapping-wing", "flapping-wing-tolerances", "four-bar"]);
+    let folder = tempfile::tempdir().unwrap();
+    for name in names {
+        assert!(text(&["scenes"]).contains(name));
+        // What is shown can be saved, changed and used.
+        let file = folder.path().join(format!("{name}.toml"));
+        std::fs::write(&file, text(&["scenes", "--show", name])).unwrap();
+        let file = file.to_str().unwrap();
+        assert!(text(&["check", file]).contains("valid"));
+        assert_eq!(json(&["check", file, "--json"])["valid"], Value::Bool(true));
+        assert_eq!(json(&["explain", "--scene", file, "--json"])["name"], Value::from(name));
+    }
+}
+
+#[test]
+fn explain_says_what_is_modelled() {
+    let found = text(&["explain"]);
+    for part in [
+        "crank: turns at 480.0 r/min, prescribed",
+        "2 sets of bodies without influence on each other",
+        "right_rod + right_rocker",
+        "clearance 23.50 um",
+        "local-hertz",
+        "spring of 95 N/m",
+        "limit state wear: failed from 30.0000 um on",
+        "limit state asymmetry: failed from 25.0000 r/min on",
+        "mean 40.0549, std 5e-4, from 40.0534 to 40.0564 mm",
+        "72000 cycles of 0.125000 s",
+    ] {
+        assert!(found.contains(part), "no \"{part}\" in:\n{found}");
+    }
+}
+
+#[test]
+fn every_command_helps_with_an_example() {
+    assert!(text(&["--help"]).contains("coordinator --workers auto"));
+    for command in ["run", "resume", "simulate", "sensitivity", "report", "scenes", "check", "explain"] {
+        let help = text(&[command, "--help"]);
+        assert!(help.contains("Example") && help.contains(&format!("coordinator {command}")), "{help}");
+    }
+}

@@ -1,0 +1,35 @@
+//! A worker process with a practice simulator, to be killed by tests.
+//!
+//! `practice_worker ENDPOINT NAME work|hang`: says `started ID` on standard output at the start of each
+//! simulation; with `hang` no simulation ends.
+
+use std::process::ExitCode;
+use std::sync::Arc;
+use tests::{Practice, practice_result};
+use worker::service::{self, ServiceConfig};
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [endpoint, name, manner] = &arguments[..] else {
+        eprintln!("practice_worker ENDPOINT NAME work|hang");
+        return ExitCode::from(2);
+    };
+    let hang = manner == "hang";
+    let simulate = move |sample: &[f64]| {
+        println!("started {}", sample[0]);
+        if hang {
+            loop {
+                std::thread::park();
+            }
+        }
+        practice_result(sample)
+    };
+    let config = ServiceConfig { name: name.clone(), ..ServiceConfig::new(endpoint, 1) };
+    match service::run(config, Arc::new(Practice(simulate))) {
+        Ok(_) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("{error}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! The paper's contact law: Hertz's force with the penetration measured along the eccentricity.
+//!
+//! delta = |e| + R1 - R(psi), psi the direction of e; F_N = K_n delta^1.5 max(0, 1 + D delta_dot) along e;
+//! friction F_T = mu F_N tanh(v_t / v_0) along the tangent. On a worn profile, whose normal is not along e, the
+//! law is not conservative: it can feed vibration with energy.
+
+use super::{JointForce, JointMotion, Surface};
+use crate::wear::Profile;
+
+/// The law with its constants.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LocalHertz {
+    /// Constants of the joint.
+    pub surface: Surface,
+}
+
+impl LocalHertz {
+    /// Force on the journal; with `JACOBIAN` its exact derivative.
+    ///
+    /// With u the unit vector of e, t its left normal, r = |e|:
+    /// delta_dot = w.u - R' (w.t / r - omega_j), v_t = w.t + omega_i R1 - omega_j R,
+    /// force = -F_N u - F_T t - c_f w, torques -R1 F_T on the journal, +R F_T on the bushing.
+    /// In free flight (delta <= 0) only the film acts.
+    #[inline]
+    pub fn force<const JACOBIAN: bool>(&self, profile: &Profile, motion: &JointMotion) -> JointForce {
+        let s = &self.surface;
+        let JointMotion { e, w, omega_journal, omega_bushing } = *motion;
+        let mut out = JointForce::default();
+        let r = (e[0] * e[0] + e[1] * e[1]).sqrt();
+        // The bore nowhere is smaller than it was: no contact within the unworn clearance.
+        if r <= s.clearance {
+            out.penetration = r - s.clearance;
+        } else {
+            let bore = profile.at(libm::atan2(e[1], e[0]));
+            let delta = r + s.journal_radius - bore.r;
+            out.penetration = delta;
+            if delta > 0.0 {
+                let u = [e[0] / r, e[1] / r];
+                let t = [-u[1], u[0]];
+                let wu = w[0] * u[0] + w[1] * u[1];
+                let wt = w[0] * t[0] + w[1] * t[1];
+                let turn = wt / r - omega_bushing;
+                let rate = wu - bore.d1 * turn;
+                let root = delta.sqrt();
+                let elastic = s.stiffness * delta * root;
+                let factor = 1.0 + s.damping * rate;
+                if factor > 0.0 {
+                    let normal = elastic * factor;
+                    let sliding = wt + omega_journal * s.journal_radius - omega_bushing * bore.r;
+                    let (mu, mu_v) = s.friction(sliding);
+                    let friction = mu * normal;
+                    out.normal = normal;
+                    out.sliding = sliding;
+                    out.direction = u;
+                    out.force = [-normal * u[0] - friction * t[0], -normal * u[1] - friction * t[1]];
+                    out.torque_journal = -s.journal_radius * friction;
+                    out.torque_bushing = bore.r * friction;
+                    if JACOBIAN {
+                        let slope = 1.5 * s.stiffness * root * factor;
+                        let ed = elastic * s.damping;
+                        // Columns: along u, along t (per length), w along u, w along t, omega_i, omega_j.
+                        let delta_c = [1.0, -bore.d1 / r, 0.0, 0.0, 0.0, 0.0];
+                        let rate_c = [
+                            bore.d1 * wt / (r * r),
+                            (wt - bore.d2 * turn + bore.d1 * wu / r) / r,
+                            1.0,
+                            -bore.d1 / r,
+                            0.0,
+                            bore.d1,
+                        ];
+                        let sliding_c =
+                            [0.0, (-wu - omega_bushing * bore.d1) / r, 0.0, 1.0, s.journal_radius, -bore.r];
+                        let mut polar = [[0.0; 6]; 4];
+                        for c in 0..6 {
+                            let dn = slope * delta_c[c] + ed * rate_c[c];
+                            let df = mu * dn + mu_v * normal * sliding_c[c];
+                            // The unit vectors turn with the direction of e: du = t dpsi, dt = -u dpsi.
+                            let dpsi = if c == 1 { 1.0 / r } else { 0.0 };
+                            polar[0][c] = -dn + friction * dpsi;
+                            polar[1][c] = -df - normal * dpsi;
+                            polar[2][c] = -s.journal_radius * df;
+                            polar[3][c] = bore.r * df + if c == 1 { bore.d1 / r * friction } else { 0.0 };
+                        }
+                        out.jacobian = from_polar(&polar, u, t);
+                    }
+                }
+            }
+        }
+        s.add_film::<JACOBIAN>(motion, &mut out);
+        out
+    }
+}
+
+/// Turns rows 0, 1 (force) and columns 0..4 (e, w) from (u, t) into the bushing's axes.
+#[inline]
+pub(super) fn from_polar(polar: &[[f64; 6]; 4], u: [f64; 2], t: [f64; 2]) -> [[f64; 6]; 4] {
+    let mut turned = *polar;
+    for row in &mut turned {
+        for pair in [0, 2] {
+            let (a, b) = (row[pair], row[pair + 1]);
+            row[pair] = a * u[0] + b * t[0];
+            row[pair + 1] = a * u[1] + b * t[1];
+        }
+    }
+    let mut jacobian = turned;
+    for c in 0..6 {
+        let (a, b) = (turned[0][c], turned[1][c]);
+        jacobian[0][c] = a * u[0] + b * t[0];
+        jacobian[1][c] = a * u[1] + b * t[1];
+    }
+    jacobian
+}

@@ -1,0 +1,151 @@
+//! Forces in one joint with clearance, as pure functions of that joint's motion.
+//!
+//! Everything is expressed in the bushing's frame: e = r_journal - r_bushing, w = velocity of the journal's
+//! centre minus that of the bushing's centre (both turned into the bushing's frame, not differentiated in it),
+//! omega_i of the journal's body, omega_j of the bushing's. The force returned acts on the journal at its
+//! centre; the opposite acts on the bushing at its centre; friction adds the torques.
+
+mod foundation;
+mod local_hertz;
+mod stiffness;
+
+pub use foundation::Foundation;
+pub use local_hertz::LocalHertz;
+pub use stiffness::hertz_stiffness;
+
+use crate::wear::Profile;
+use common::scene::{Clearance, ContactDamping, ContactLaw};
+
+/// Motion of one joint, in the bushing's frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JointMotion {
+    /// Eccentricity `(2,)` [m].
+    pub e: [f64; 2],
+    /// Relative velocity of the centres `(2,)` [m/s].
+    pub w: [f64; 2],
+    /// Angular velocity of the journal's body [rad/s].
+    pub omega_journal: f64,
+    /// Angular velocity of the bushing's body [rad/s].
+    pub omega_bushing: f64,
+}
+
+/// What a joint does at one instant.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct JointForce {
+    /// Force on the journal, at its centre `(2,)` [N].
+    pub force: [f64; 2],
+    /// Torque on the journal's body beside that of `force` [N m].
+    pub torque_journal: f64,
+    /// Torque on the bushing's body beside that of the opposite force [N m].
+    pub torque_bushing: f64,
+    /// Normal contact force F_N >= 0, without the film [N].
+    pub normal: f64,
+    /// Direction in which the journal presses on the bushing, zero in free flight `(2,)` [1].
+    pub direction: [f64; 2],
+    /// Penetration delta, negative in free flight [m].
+    pub penetration: f64,
+    /// Sliding speed v_t of the journal's surface over the bushing's [m/s].
+    pub sliding: f64,
+    /// Derivative of (force, torque_journal, torque_bushing) to (e, w, omega_journal, omega_bushing) `(4, 6)`;
+    /// zero unless asked for.
+    pub jacobian: [[f64; 6]; 4],
+}
+
+/// What both contact laws need to know of the joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Surface {
+    /// Journal radius R1 [m].
+    pub journal_radius: f64,
+    /// Radial clearance c of the unworn joint [m].
+    pub clearance: f64,
+    /// Hertz stiffness K_n [N/m^1.5].
+    pub stiffness: f64,
+    /// Hunt-Crossley factor D [s/m].
+    pub damping: f64,
+    /// Friction coefficient [1].
+    pub friction: f64,
+    /// Regularisation speed v_0 [m/s].
+    pub friction_speed: f64,
+    /// Film damping [N s/m].
+    pub film: f64,
+}
+
+impl Surface {
+    /// Takes what the contact needs from a checked joint.
+    pub fn of(joint: &Clearance) -> Self {
+        Surface {
+            journal_radius: joint.journal_radius,
+            clearance: joint.radial_clearance(),
+            stiffness: hertz_stiffness(joint),
+            damping: match joint.contact_damping {
+                ContactDamping::None => 0.0,
+                ContactDamping::HuntCrossley { factor } => factor,
+            },
+            friction: joint.friction,
+            friction_speed: joint.friction_speed,
+            film: joint.film_damping,
+        }
+    }
+
+    /// mu tanh(v/v_0) and its derivative to v.
+    #[inline]
+    fn friction(&self, v: f64) -> (f64, f64) {
+        let th = libm::tanh(v / self.friction_speed);
+        (self.friction * th, self.friction * (1.0 - th * th) / self.friction_speed)
+    }
+
+    /// Adds the film's force -c_f w through the centres.
+    #[inline]
+    fn add_film<const JACOBIAN: bool>(&self, motion: &JointMotion, out: &mut JointForce) {
+        for k in 0..2 {
+            out.force[k] -= self.film * motion.w[k];
+            if JACOBIAN {
+                out.jacobian[k][2 + k] -= self.film;
+            }
+        }
+    }
+}
+
+/// The contact law of one joint.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Contact {
+    /// F = K_n delta^1.5 along the eccentricity.
+    LocalHertz(LocalHertz),
+    /// Elastic foundation along the bore.
+    Foundation(Foundation),
+}
+
+impl Contact {
+    /// Builds the law a checked joint asks for.
+    pub fn of(joint: &Clearance) -> Self {
+        let surface = Surface::of(joint);
+        match joint.contact_law {
+            ContactLaw::LocalHertz => Contact::LocalHertz(LocalHertz { surface }),
+            ContactLaw::Foundation => Contact::Foundation(Foundation::new(surface, joint.control_points)),
+        }
+    }
+
+    /// What both laws share.
+    pub fn surface(&self) -> &Surface {
+        match self {
+            Contact::LocalHertz(law) => &law.surface,
+            Contact::Foundation(law) => law.surface(),
+        }
+    }
+
+    /// Takes notice of a changed profile.
+    pub fn profile_changed(&mut self, profile: &Profile) {
+        if let Contact::Foundation(law) = self {
+            law.profile_changed(profile);
+        }
+    }
+
+    /// Force at this motion; with `JACOBIAN` its derivative too.
+    #[inline]
+    pub fn force<const JACOBIAN: bool>(&self, profile: &Profile, motion: &JointMotion) -> JointForce {
+        match self {
+            Contact::LocalHertz(law) => law.force::<JACOBIAN>(profile, motion),
+            Contact::Foundation(law) => law.force::<JACOBIAN>(motion),
+        }
+    }
+}

@@ -1,0 +1,17 @@
+//! Stiffness of the Hertz contact between journal and bushing.
+
+use common::scene::{Clearance, Material};
+use std::f64::consts::PI;
+
+/// K_n = 4 / (3 pi (h_1 + h_2)) sqrt(R1 R2 / (R2 - R1)) [N/m^1.5], h_l = (1 - nu_l^2) / (pi E_l).
+///
+/// The radii are those of the unworn joint, which validation has made R2 > R1 > 0.
+///
+/// # Source
+/// Goldsmith (1960) as used by Lankarani and Nikravesh (1990); equal to (4/3) E* sqrt(R1 R2 / (R2 - R1)).
+pub fn hertz_stiffness(joint: &Clearance) -> f64 {
+    let compliance = |m: &Material| (1.0 - m.poisson_ratio * m.poisson_ratio) / (PI * m.elastic_modulus);
+    let (r1, r2) = (joint.journal_radius, joint.bushing_radius);
+    let h = compliance(&joint.journal_material) + compliance(&joint.bushing_material);
+    4.0 / (3.0 * PI * h) * (r1 * r2 / (r2 - r1)).sqrt()
+}

@@ -1,0 +1,128 @@
+//! From one joint's force, in its bushing's frame, to generalised forces of its two bodies and back.
+//!
+//! Coordinates of the pair: (x, y, angle) of the journal's body, then of the bushing's. With a the arms from the
+//! bodies' reference points to the joint's centres in global axes and S the quarter turn:
+//! e = x_i + a_i - x_j - a_j, w = de/dt; generalised force on the journal's body (F, M_i + a_i x F), on the
+//! bushing's (-F, M_j - a_j x F).
+
+use super::frame::Frame;
+use crate::contact::{Contact, JointForce, JointMotion};
+use crate::wear::Profile;
+
+/// Generalised forces of a pair of bodies, with derivatives.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PairForce {
+    /// Generalised force `(6,)` [N, N m].
+    pub f: [f64; 6],
+    /// Derivative to the coordinates `(6, 6)`; zero unless asked for.
+    pub k: [[f64; 6]; 6],
+    /// Derivative to their rates `(6, 6)`; zero unless asked for.
+    pub d: [[f64; 6]; 6],
+    /// The joint's own view.
+    pub joint: JointForce,
+    /// Eccentricity in the bushing's frame [m].
+    pub e: [f64; 2],
+}
+
+#[inline]
+fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[1] - a[1] * b[0]
+}
+
+/// Generalised forces of a joint with its journal at `arm_i` of the body in frame `fi` and its bushing at
+/// `arm_j` of that in `fj`; with `JACOBIAN` their exact derivatives.
+#[inline]
+pub fn pair_force<const JACOBIAN: bool>(
+    contact: &Contact,
+    profile: &Profile,
+    fi: &Frame,
+    arm_i: [f64; 2],
+    fj: &Frame,
+    arm_j: [f64; 2],
+) -> PairForce {
+    let (ai, aj) = (fi.turn(arm_i), fj.turn(arm_j));
+    // Quarter-turned arms: derivatives of the arms to the angles.
+    let (pi, pj) = ([-ai[1], ai[0]], [-aj[1], aj[0]]);
+    let mut e = [0.0; 2];
+    let mut w = [0.0; 2];
+    for k in 0..2 {
+        e[k] = fi.x[k] + ai[k] - fj.x[k] - aj[k];
+        w[k] = fi.v[k] + fi.omega * pi[k] - fj.v[k] - fj.omega * pj[k];
+    }
+    let motion = JointMotion {
+        e: fj.turn_back(e),
+        w: fj.turn_back(w),
+        omega_journal: fi.omega,
+        omega_bushing: fj.omega,
+    };
+    let joint = contact.force::<JACOBIAN>(profile, &motion);
+    let force = fj.turn(joint.force);
+    let mut out = PairForce {
+        f: [
+            force[0],
+            force[1],
+            joint.torque_journal + cross(ai, force),
+            -force[0],
+            -force[1],
+            joint.torque_bushing - cross(aj, force),
+        ],
+        k: [[0.0; 6]; 6],
+        d: [[0.0; 6]; 6],
+        joint,
+        e: motion.e,
+    };
+    if JACOBIAN {
+        // Derivatives of (F, M_i, M_j) in global axes to e, w (global), omega_i, omega_j.
+        let mut j = joint.jacobian;
+        let [c, s] = fj.cs;
+        for row in &mut j {
+            for first in [0, 2] {
+                let (a, b) = (row[first], row[first + 1]);
+                row[first] = a * c - b * s;
+                row[first + 1] = a * s + b * c;
+            }
+        }
+        for column in 0..6 {
+            let (a, b) = (j[0][column], j[1][column]);
+            j[0][column] = c * a - s * b;
+            j[1][column] = s * a + c * b;
+        }
+        // Explicit dependence on the bushing's angle: the law turns with it.
+        let mut turn = [0.0; 4];
+        for (row, turn) in j.iter().zip(&mut turn) {
+            *turn = row[0] * e[1] - row[1] * e[0] + row[2] * w[1] - row[3] * w[0];
+        }
+        turn[0] -= force[1];
+        turn[1] += force[0];
+        let mut kq = [[0.0; 6]; 4];
+        let mut kv = [[0.0; 6]; 4];
+        for r in 0..4 {
+            let row = j[r];
+            let along_e = |a: [f64; 2]| row[0] * a[0] + row[1] * a[1];
+            let along_w = |a: [f64; 2]| row[2] * a[0] + row[3] * a[1];
+            kq[r] = [
+                row[0],
+                row[1],
+                along_e(pi) - fi.omega * along_w(ai),
+                -row[0],
+                -row[1],
+                -along_e(pj) + fj.omega * along_w(aj) + turn[r],
+            ];
+            kv[r] = [row[2], row[3], along_w(pi) + row[4], -row[2], -row[3], -along_w(pj) + row[5]];
+        }
+        for column in 0..6 {
+            for (from, to) in [(&kq, &mut out.k), (&kv, &mut out.d)] {
+                let df = [from[0][column], from[1][column]];
+                to[0][column] = df[0];
+                to[1][column] = df[1];
+                to[2][column] = from[2][column] + cross(ai, df);
+                to[3][column] = -df[0];
+                to[4][column] = -df[1];
+                to[5][column] = from[3][column] - cross(aj, df);
+            }
+        }
+        out.k[2][2] += cross(pi, force);
+        out.k[5][5] -= cross(pj, force);
+    }
+    out
+}

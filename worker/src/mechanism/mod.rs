@@ -1,0 +1,11 @@
+//! The mechanism a scene describes, assembled: who is connected to whom, which bodies cost unknowns, where it
+//! stands with ideal joints, and the forces of each island.
+
+mod assembly;
+mod frame;
+mod island;
+mod joint;
+
+pub use assembly::{Pose, ideal_cycle, ideal_motion};
+pub use frame::{Frame, Prescribed};
+pub use island::{Island, WearingJoint, islands};

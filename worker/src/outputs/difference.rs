@@ -1,0 +1,74 @@
+//! Largest difference of two bodies' angular velocities over a cycle.
+
+use super::BodyTrack;
+
+/// max over t of |s_a omega_a(t) - s_b omega_b(t)| [rad/s], for two tracks over the same span of time.
+///
+/// The two integrate with steps of their own; between two neighbouring times of either, both are cubics, so the
+/// difference is one and its extremum is found exactly: a vibration sampled a few times a period keeps its peak.
+pub fn largest_difference(a: &BodyTrack, sign_a: f64, b: &BodyTrack, sign_b: f64) -> f64 {
+    let (mut i, mut j) = (0, 0);
+    let mut t0 = a.time[0].max(b.time[0]);
+    let mut largest: f64 = 0.0;
+    while i + 1 < a.time.len() && j + 1 < b.time.len() {
+        let t1 = a.time[i + 1].min(b.time[j + 1]);
+        if t1 > t0 {
+            let at = |t: f64| {
+                let ((x, dx), (y, dy)) = (a.omega_in(i, t), b.omega_in(j, t));
+                (sign_a * x - sign_b * y, sign_a * dx - sign_b * dy)
+            };
+            let ((y0, d0), (y1, d1)) = (at(t0), at(t1));
+            largest = largest.max(y0.abs()).max(y1.abs());
+            if d0 * d1 < 0.0 {
+                largest = largest.max(extremum(y0, d0 * (t1 - t0), y1, d1 * (t1 - t0)).abs());
+            }
+            t0 = t1;
+        }
+        if a.time[i + 1] <= t1 {
+            i += 1;
+        }
+        if b.time[j + 1] <= t1 {
+            j += 1;
+        }
+    }
+    largest
+}
+
+/// Value at the interior extremum of the cubic on [0, 1] with end values y and end slopes d of opposite sign.
+fn extremum(y0: f64, d0: f64, y1: f64, d1: f64) -> f64 {
+    let c = 3.0 * (y1 - y0) - 2.0 * d0 - d1;
+    let d = d0 + d1 - 2.0 * (y1 - y0);
+    // 3 d s^2 + 2 c s + d0 = 0, in the form that does not cancel; one root lies in (0, 1).
+    let root = (c * c - 3.0 * d * d0).max(0.0).sqrt();
+    let q = -(c + root.copysign(c));
+    let candidates = [if q != 0.0 { d0 / q } else { 0.5 }, if d != 0.0 { q / (3.0 * d) } else { 0.5 }];
+    let s = candidates.into_iter().find(|s| (0.0..=1.0).contains(s)).unwrap_or(0.5);
+    y0 + s * (d0 + s * (c + s * d))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn track(times: &[f64], f: impl Fn(f64) -> (f64, f64)) -> BodyTrack {
+        let mut track = BodyTrack::default();
+        for &t in times {
+            track.push(t, 0.0, f(t).0, f(t).1);
+        }
+        track
+    }
+
+    #[test]
+    fn finds_the_peak_between_coarse_samples() {
+        // Nine samples a period, shifted so that none lies on the peak of 1.
+        let times: Vec<f64> = (0..=90).map(|k| k as f64 / 90.0 * 10.0).collect();
+        let wave = track(&times, |t| {
+            let x = std::f64::consts::TAU * t + 0.2;
+            (x.sin(), std::f64::consts::TAU * x.cos())
+        });
+        let still = track(&[0.0, 3.3, 10.0], |_| (0.25, 0.0));
+        let peak = largest_difference(&wave, 1.0, &still, 1.0);
+        assert!((peak - 1.25).abs() < 2e-3, "{peak}");
+        assert!((largest_difference(&wave, 1.0, &still, -1.0) - 1.25).abs() < 2e-3);
+    }
+}

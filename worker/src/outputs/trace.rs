@@ -1,0 +1,115 @@
+//! Motion of a body and force of a joint over a cycle, at the integrator's own times.
+
+/// Angle of one body with its first two rates, at increasing times.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct BodyTrack {
+    /// Time `(n,)` [s].
+    pub time: Vec<f64>,
+    /// Angle `(n,)` [rad].
+    pub angle: Vec<f64>,
+    /// Angular velocity `(n,)` [rad/s].
+    pub omega: Vec<f64>,
+    /// Angular acceleration `(n,)` [rad/s^2].
+    pub alpha: Vec<f64>,
+}
+
+impl BodyTrack {
+    /// Forgets everything.
+    pub fn clear(&mut self) {
+        self.time.clear();
+        self.angle.clear();
+        self.omega.clear();
+        self.alpha.clear();
+    }
+
+    /// Adds a state.
+    pub fn push(&mut self, time: f64, angle: f64, omega: f64, alpha: f64) {
+        self.time.push(time);
+        self.angle.push(angle);
+        self.omega.push(omega);
+        self.alpha.push(alpha);
+    }
+
+    /// Angular velocity and its rate at `t` in interval `k`, by cubic Hermite interpolation.
+    #[inline]
+    pub fn omega_in(&self, k: usize, t: f64) -> (f64, f64) {
+        hermite(&self.time, &self.omega, &self.alpha, k, t)
+    }
+
+    /// Angle and angular velocity at times `at` (increasing, within the track), each by cubic Hermite
+    /// interpolation of the integrator's own values.
+    pub fn resample(&self, at: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let mut k = 0;
+        at.iter()
+            .map(|&t| {
+                while k + 2 < self.time.len() && self.time[k + 1] < t {
+                    k += 1;
+                }
+                (hermite(&self.time, &self.angle, &self.omega, k, t).0, self.omega_in(k, t).0)
+            })
+            .unzip()
+    }
+}
+
+/// Value and slope at `t` of the cubic through values and slopes at both ends of interval `k`.
+#[inline]
+fn hermite(time: &[f64], value: &[f64], slope: &[f64], k: usize, t: f64) -> (f64, f64) {
+    let h = time[k + 1] - time[k];
+    let s = (t - time[k]) / h;
+    let (y0, y1, d0, d1) = (value[k], value[k + 1], slope[k] * h, slope[k + 1] * h);
+    let c = 3.0 * (y1 - y0) - 2.0 * d0 - d1;
+    let d = d0 + d1 - 2.0 * (y1 - y0);
+    (y0 + s * (d0 + s * (c + s * d)), (d0 + s * (2.0 * c + 3.0 * s * d)) / h)
+}
+
+/// Force magnitude of one joint, at increasing times.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ForceTrack {
+    /// Time `(n,)` [s].
+    pub time: Vec<f64>,
+    /// Magnitude `(n,)` [N].
+    pub force: Vec<f64>,
+    /// Time in free flight [s].
+    pub free: f64,
+}
+
+impl ForceTrack {
+    /// Largest value [N].
+    pub fn peak(&self) -> f64 {
+        self.force.iter().fold(0.0, |a, &b| a.max(b))
+    }
+
+    /// Values at times `at` (increasing, within the track), by linear interpolation [N].
+    pub fn resample(&self, at: &[f64]) -> Vec<f64> {
+        let mut k = 0;
+        at.iter()
+            .map(|&t| {
+                while k + 2 < self.time.len() && self.time[k + 1] < t {
+                    k += 1;
+                }
+                let s = ((t - self.time[k]) / (self.time[k + 1] - self.time[k])).clamp(0.0, 1.0);
+                self.force[k] + s * (self.force[k + 1] - self.force[k])
+            })
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn resampling_is_exact_for_cubics() {
+        let (mut track, f) = (BodyTrack::default(), |t: f64| (t * t, 2.0 * t, 2.0));
+        for k in 0..5 {
+            let t = 0.1 * (k * k) as f64;
+            let (a, o, al) = f(t);
+            track.push(t, a, o, al);
+        }
+        let at = [0.0, 0.05, 0.3, 1.6];
+        let (angle, omega) = track.resample(&at);
+        for (i, &t) in at.iter().enumerate() {
+            assert!((angle[i] - f(t).0).abs() < 1e-14 && (omega[i] - f(t).1).abs() < 1e-14);
+        }
+    }
+}

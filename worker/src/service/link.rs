@@ -1,0 +1,176 @@
+//! The worker's connection: the only place of the worker that knows Zenoh.
+
+use super::claims::Inbox;
+use super::patience::Patience;
+use super::{Departure, ServiceConfig, ServiceError};
+use common::wire::{WorkerId, keys};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::time::{Duration, Instant};
+use zenoh::liveliness::LivelinessToken;
+use zenoh::pubsub::Subscriber;
+use zenoh::query::ConsolidationMode;
+use zenoh::{Config, Session, Wait};
+
+/// What the worker needs, as Zenoh settings. A hang of the worker is seen within its lease; reconnection is
+/// tried for ever and by the second, so that a restarted coordinator has its workers back at once (measured:
+/// 0.45 s against 4 s with Zenoh's own settings). The timeout bounds the first connection only: opening a client
+/// session waits for it, and without a bound it could neither give up nor be stopped.
+const SETTINGS: [(&str, &str); 9] = [
+    ("mode", "\"client\""),
+    ("listen/endpoints", "[]"),
+    ("scouting/multicast/enabled", "false"),
+    ("scouting/gossip/enabled", "false"),
+    ("scouting/delay", "0"),
+    ("transport/link/tx/lease", "2000"),
+    ("connect/timeout_ms", "1000"),
+    ("connect/exit_on_failure", "false"),
+    ("connect/retry", "{period_init_ms: 200, period_max_ms: 1000, period_increase_factor: 1.5}"),
+];
+
+/// Pause between attempts to open the session.
+const RETRY: Duration = Duration::from_millis(200);
+
+/// A dead line may never let go.
+const CLOSE_TIMEOUT: Duration = Duration::from_secs(2);
+
+/// See the module.
+pub(super) struct Link {
+    session: Session,
+    _token: LivelinessToken,
+    _notices: Subscriber<()>,
+    selector: String,
+    answer_timeout: Duration,
+    inbox: Sender<Inbox>,
+}
+
+impl Link {
+    /// Opens the session as soon as the coordinator can be reached; `Ok(Err(_))` if told to stop before.
+    ///
+    /// # Errors
+    /// [`ServiceError::Unreachable`] when it was not for too long.
+    pub fn connect(
+        settings: &Config,
+        service: &ServiceConfig,
+        worker: &WorkerId,
+        inbox: &Sender<Inbox>,
+        received: &Receiver<Inbox>,
+        patience: &mut Patience,
+    ) -> Result<Result<Self, Departure>, ServiceError> {
+        loop {
+            let started = Instant::now();
+            match zenoh::open(settings.clone()).wait() {
+                Ok(session) => return Self::declare(session, service, worker, inbox).map(Ok),
+                Err(error) => patience.failed(started, error.to_string()),
+            }
+            patience.check(Instant::now())?;
+            match received.recv_timeout(RETRY) {
+                Ok(Inbox::Stop) => return Ok(Err(Departure::Stopped { lost: 0 })),
+                Ok(Inbox::Abort) | Err(RecvTimeoutError::Disconnected) => return Ok(Err(Departure::Aborted)),
+                Ok(_) | Err(RecvTimeoutError::Timeout) => {}
+            }
+        }
+    }
+
+    fn declare(
+        session: Session,
+        service: &ServiceConfig,
+        worker: &WorkerId,
+        inbox: &Sender<Inbox>,
+    ) -> Result<Self, ServiceError> {
+        // Callbacks only feed the inbox: a callback that waits would hold up Zenoh's receiving threads.
+        let to_claims = inbox.clone();
+        let notices = session
+            .declare_subscriber(keys::NOTICE)
+            .callback(move |sample| {
+                let _ = to_claims.send(Inbox::Notice(sample.payload().to_bytes().into_owned()));
+            })
+            .wait()
+            .map_err(messaging)?;
+        let token = session.liveliness().declare_token(keys::alive(worker)).wait().map_err(messaging)?;
+        Ok(Self {
+            session,
+            _token: token,
+            _notices: notices,
+            // In plain text, so that a coordinator of any version can say who it refuses.
+            selector: format!("{}?worker={}", keys::CLAIM, worker.name),
+            answer_timeout: service.answer_timeout,
+            inbox: inbox.clone(),
+        })
+    }
+
+    /// Sends a claim; its answer and its end go to the inbox under `sequence`.
+    pub fn ask(&self, sequence: u64, frame: Vec<u8>) -> Result<(), String> {
+        let ended = Ended { sequence, inbox: self.inbox.clone() };
+        let query = self
+            .session
+            .get(&self.selector)
+            .payload(frame)
+            .timeout(self.answer_timeout)
+            .consolidation(ConsolidationMode::None)
+            .callback(move |reply| {
+                let frame = match reply.result() {
+                    Ok(sample) => Ok(sample.payload().to_bytes().into_owned()),
+                    Err(error) => Err(String::from_utf8_lossy(&error.payload().to_bytes()).into_owned()),
+                };
+                let _ = ended.inbox.send(Inbox::Answer { sequence: ended.sequence, frame });
+            });
+        query.wait().map_err(|error| error.to_string())
+    }
+
+    /// Closes the session, or leaves it after a while if the line is dead.
+    pub fn close(&self) {
+        let (done, finished) = channel();
+        let session = self.session.clone();
+        let closing = std::thread::Builder::new().name("worker-close".into()).spawn(move || {
+            let closed = session.close().wait();
+            let _ = done.send(closed.is_ok());
+        });
+        if closing.is_ok() && finished.recv_timeout(CLOSE_TIMEOUT).is_err() {
+            tracing::debug!("the session did not close in time");
+        }
+    }
+}
+
+/// Lives as long as the query: Zenoh drops the callback when no more answers can come.
+struct Ended {
+    sequence: u64,
+    inbox: Sender<Inbox>,
+}
+
+impl Drop for Ended {
+    fn drop(&mut self) {
+        let _ = self.inbox.send(Inbox::QueryEnded { sequence: self.sequence });
+    }
+}
+
+/// Zenoh settings of a worker.
+///
+/// # Errors
+/// [`ServiceError::Settings`].
+pub(super) fn settings(service: &ServiceConfig) -> Result<Config, ServiceError> {
+    let mut config = match &service.zenoh_config {
+        None => Config::default(),
+        Some(file) => Config::from_file(file).map_err(|error| ServiceError::Settings {
+            setting: format!("Zenoh configuration {}", file.display()),
+            reason: error.to_string(),
+        })?,
+    };
+    for (key, value) in SETTINGS {
+        config.insert_json5(key, value).map_err(messaging)?;
+    }
+    let wrong = |reason: String| ServiceError::Settings {
+        setting: format!("endpoint {:?}", service.connect),
+        reason: format!("{reason}; expected e.g. tcp/192.168.1.20:7447 or tls/host.example:7447"),
+    };
+    if !service.connect.contains('/') || service.connect.contains(['"', '\\']) {
+        return Err(wrong("not an endpoint".into()));
+    }
+    config
+        .insert_json5("connect/endpoints", &format!("[\"{}\"]", service.connect))
+        .map_err(|error| wrong(error.to_string()))?;
+    Ok(config)
+}
+
+fn messaging(error: zenoh::Error) -> ServiceError {
+    ServiceError::Messaging(error.to_string())
+}

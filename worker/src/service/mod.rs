@@ -1,0 +1,237 @@
+//! Offers a simulator to a coordinator: claims tasks, evaluates them on its slots, hands the outcomes in.
+//!
+//! ```text
+//! claims (thread: one claim under way at a time) --job--> slots (threads: one simulation each)
+//!        ^  |                                    <--outcome--
+//!        |  v
+//!       link (the only place of the worker that knows Zenoh)
+//! ```
+//!
+//! The worker keeps no state between orders: a reply carries the scene with its tasks. It forgets an outcome
+//! only when it was acknowledged, so a coordinator may stop, or the line may break, at any moment. Nothing here
+//! needs a tokio runtime of the caller; inside one, it must be a multi-threaded one (Zenoh's own condition).
+
+mod claims;
+mod guard;
+mod held;
+mod link;
+mod patience;
+mod slots;
+
+use common::accuracy::Accuracy;
+use common::failure::SimulationFailure;
+use common::outputs::Evaluation;
+use common::wire::{WorkerId, keys};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::{Sender, channel};
+use std::thread::JoinHandle;
+use std::time::{Duration, SystemTime};
+use thiserror::Error;
+
+/// What a worker offers.
+pub trait Simulator: Send + Sync {
+    /// Evaluates one sample of a scene.
+    ///
+    /// # Errors
+    /// [`SimulationFailure`]: an outcome like any other, handed in as such.
+    fn simulate(
+        &self,
+        scene: &str,
+        sample: &[f64],
+        accuracy: &Accuracy,
+        with_first_cycle: bool,
+    ) -> Result<Evaluation, SimulationFailure>;
+}
+
+/// How a worker serves.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ServiceConfig {
+    /// Where the coordinator is, e.g. `tcp/192.168.1.20:7447`.
+    pub connect: String,
+    /// More Zenoh settings (JSON5 file), e.g. certificates; what the service needs stands above them.
+    pub zenoh_config: Option<PathBuf>,
+    /// Simulations at once.
+    pub slots: usize,
+    /// Tasks to hold in reserve beyond the slots. Zero: the last tasks of a batch wait for nobody.
+    pub prefetch: usize,
+    /// Name, unique where people look at it; what cannot stand in a key becomes `-`.
+    pub name: String,
+    /// How long the coordinator may be out of reach before the worker gives up; `None`: for ever.
+    pub give_up_after: Option<Duration>,
+    /// How long an answer to a claim may take.
+    pub answer_timeout: Duration,
+}
+
+impl ServiceConfig {
+    /// `slots` simulations at once for the coordinator at `connect`, under the name `<host>-<process>`.
+    pub fn new(connect: impl Into<String>, slots: usize) -> Self {
+        Self {
+            connect: connect.into(),
+            zenoh_config: None,
+            slots,
+            prefetch: 0,
+            name: format!("{}-{}", host_name(), std::process::id()),
+            give_up_after: Some(Duration::from_secs(30)),
+            answer_timeout: Duration::from_secs(10),
+        }
+    }
+}
+
+/// Why a worker has ended as it should.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Departure {
+    /// The coordinator has finished.
+    CampaignEnded,
+    /// It was asked to stop, and what it had finished was handed in.
+    Stopped {
+        /// Outcomes that could not be handed in.
+        lost: usize,
+    },
+    /// It was told to drop everything at once.
+    Aborted,
+}
+
+/// Why a worker cannot serve.
+#[derive(Debug, Error)]
+pub enum ServiceError {
+    /// A setting of its own is wrong.
+    #[error("{setting}: {reason}")]
+    Settings {
+        /// Which.
+        setting: String,
+        /// What is wrong.
+        reason: String,
+    },
+    /// Nobody answers.
+    #[error(
+        "no coordinator answered at {endpoint} for {seconds:.0} s ({last_reason}): is it running, is the address \
+         right, does it accept this worker?"
+    )]
+    Unreachable {
+        /// Where it should be.
+        endpoint: String,
+        /// How long it was tried [s].
+        seconds: f64,
+        /// What the last attempt said.
+        last_reason: String,
+    },
+    /// Coordinator and worker come from different versions of the program.
+    #[error(
+        "the coordinator at {endpoint} speaks protocol version {theirs}, this worker version {ours}: use the same \
+         version of the program on both sides"
+    )]
+    OtherVersion {
+        /// Where it is.
+        endpoint: String,
+        /// Its version.
+        theirs: u16,
+        /// Ours.
+        ours: u16,
+    },
+    /// The messaging library failed.
+    #[error("messaging: {0}")]
+    Messaging(String),
+    /// The thread of the service broke: a defect of the program.
+    #[error("the service of the worker panicked")]
+    Panicked,
+}
+
+/// Asks a worker to stop; may be kept by a signal handler.
+#[derive(Debug, Clone)]
+pub struct Stopper(Sender<claims::Inbox>);
+
+impl Stopper {
+    /// Take nothing new, hand in what is finished, leave. What runs is dropped; the coordinator gives it to others.
+    pub fn stop(&self) {
+        // A service that has ended needs no stop.
+        let _ = self.0.send(claims::Inbox::Stop);
+    }
+
+    /// Drop everything at once, as if the process had died.
+    pub fn abort(&self) {
+        let _ = self.0.send(claims::Inbox::Abort);
+    }
+}
+
+/// A worker that serves in its own thread.
+#[derive(Debug)]
+pub struct WorkerHandle {
+    stopper: Stopper,
+    thread: JoinHandle<Result<Departure, ServiceError>>,
+}
+
+impl WorkerHandle {
+    /// To stop it from elsewhere.
+    pub fn stopper(&self) -> Stopper {
+        self.stopper.clone()
+    }
+
+    /// Whether it has ended.
+    pub fn has_ended(&self) -> bool {
+        self.thread.is_finished()
+    }
+
+    /// Waits for its end.
+    ///
+    /// # Errors
+    /// [`ServiceError`].
+    pub fn join(self) -> Result<Departure, ServiceError> {
+        self.thread.join().unwrap_or(Err(ServiceError::Panicked))
+    }
+}
+
+/// Starts a worker in its own threads.
+///
+/// # Errors
+/// [`ServiceError::Settings`] and [`ServiceError::Messaging`], before anything is started; all else by
+/// [`WorkerHandle::join`].
+pub fn spawn(config: ServiceConfig, simulator: Arc<dyn Simulator>) -> Result<WorkerHandle, ServiceError> {
+    if config.slots == 0 {
+        return Err(ServiceError::Settings {
+            setting: "slots".into(),
+            reason: "at least 1 is needed".into(),
+        });
+    }
+    let worker = WorkerId { name: keys::worker_name(&config.name), epoch: new_epoch() };
+    let (inbox, received) = channel();
+    let settings = link::settings(&config)?;
+    let slots = slots::Slots::start(config.slots, &worker.name, simulator, &inbox)
+        .map_err(|e| ServiceError::Messaging(format!("cannot start a thread: {e}")))?;
+    let to_claims = inbox.clone();
+    let serve = move || {
+        let mut patience = patience::Patience::new(&config.connect, config.give_up_after);
+        match link::Link::connect(&settings, &config, &worker, &to_claims, &received, &mut patience)? {
+            Ok(link) => claims::Claims::new(config, worker, link, slots, patience).run(&received),
+            Err(departure) => Ok(departure),
+        }
+    };
+    let thread = std::thread::Builder::new()
+        .name("worker-claims".into())
+        .spawn(serve)
+        .map_err(|e| ServiceError::Messaging(format!("cannot start a thread: {e}")))?;
+    Ok(WorkerHandle { stopper: Stopper(inbox), thread })
+}
+
+/// Serves until the end, in this thread's sight.
+///
+/// # Errors
+/// [`ServiceError`].
+pub fn run(config: ServiceConfig, simulator: Arc<dyn Simulator>) -> Result<Departure, ServiceError> {
+    spawn(config, simulator)?.join()
+}
+
+/// Rises with every start on this machine.
+fn new_epoch() -> u64 {
+    static STARTS: AtomicU64 = AtomicU64::new(0);
+    let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+    let nanoseconds = u64::try_from(since.as_nanos()).unwrap_or(u64::MAX / 2);
+    nanoseconds + STARTS.fetch_add(1, Ordering::Relaxed)
+}
+
+fn host_name() -> String {
+    let from_kernel = std::fs::read_to_string("/proc/sys/kernel/hostname").ok();
+    let name = from_kernel.or_else(|| std::env::var("HOSTNAME").ok()).unwrap_or_default();
+    if name.trim().is_empty() { "worker".into() } else { name.trim().to_owned() }
+}

@@ -1,0 +1,104 @@
+//! How long the coordinator has been silent, when the user hears of it, and when the worker gives up.
+
+use super::ServiceError;
+use std::time::{Duration, Instant};
+
+/// How often the user hears that nobody answers.
+const TELL_EVERY: Duration = Duration::from_secs(5);
+
+/// See the module.
+pub(super) struct Patience {
+    endpoint: String,
+    give_up_after: Option<Duration>,
+    silent_since: Option<Instant>,
+    told_at: Option<Instant>,
+    last_reason: String,
+    was_connected: bool,
+}
+
+impl Patience {
+    pub fn new(endpoint: &str, give_up_after: Option<Duration>) -> Self {
+        Self {
+            endpoint: endpoint.to_owned(),
+            give_up_after,
+            silent_since: None,
+            told_at: None,
+            last_reason: "no answer".into(),
+            was_connected: false,
+        }
+    }
+
+    /// The coordinator has answered.
+    pub fn heard(&mut self) {
+        if !self.was_connected {
+            tracing::info!("connected to the coordinator at {}", self.endpoint);
+        } else if self.told_at.is_some() {
+            tracing::info!("the coordinator at {} answers again", self.endpoint);
+        }
+        self.was_connected = true;
+        (self.silent_since, self.told_at) = (None, None);
+    }
+
+    /// An attempt begun at `since` had no answer.
+    pub fn failed(&mut self, since: Instant, reason: String) {
+        tracing::debug!("no answer from {}: {reason}", self.endpoint);
+        self.silent_since = self.silent_since.or(Some(since));
+        self.last_reason = reason;
+    }
+
+    /// Tells the user from time to time.
+    ///
+    /// # Errors
+    /// [`ServiceError::Unreachable`] when it has lasted too long.
+    pub fn check(&mut self, now: Instant) -> Result<(), ServiceError> {
+        let Some(since) = self.silent_since else { return Ok(()) };
+        let silence = now.saturating_duration_since(since);
+        if self.give_up_after.is_some_and(|patience| silence >= patience) {
+            return Err(ServiceError::Unreachable {
+                endpoint: self.endpoint.clone(),
+                seconds: silence.as_secs_f64(),
+                last_reason: self.last_reason.clone(),
+            });
+        }
+        let tell_at = self.told_at.unwrap_or(since) + TELL_EVERY;
+        if now >= tell_at {
+            self.told_at = Some(now);
+            tracing::warn!(
+                "no coordinator answers at {} (for {:.0} s: {}); trying again",
+                self.endpoint,
+                silence.as_secs_f64(),
+                self.last_reason
+            );
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn silence_counts_from_the_first_failure_and_ends_with_an_answer() {
+        let start = Instant::now();
+        let second = Duration::from_secs(1);
+        let mut patience = Patience::new("tcp/host:1", Some(10 * second));
+        patience.failed(start, "refused".into());
+        patience.failed(start + 8 * second, "refused again".into());
+        assert!(patience.check(start + 9 * second).is_ok());
+        patience.heard();
+        assert!(patience.check(start + 100 * second).is_ok());
+        patience.failed(start + 100 * second, "refused".into());
+        let error = patience.check(start + 110 * second).unwrap_err();
+        assert!(error.to_string().contains("tcp/host:1 for 10 s"), "{error}");
+        assert!(error.to_string().contains("refused"), "{error}");
+    }
+
+    #[test]
+    fn without_a_bound_it_never_gives_up() {
+        let start = Instant::now();
+        let mut patience = Patience::new("tcp/host:1", None);
+        patience.failed(start, "refused".into());
+        assert!(patience.check(start + Duration::from_secs(1_000_000)).is_ok());
+    }
+}

@@ -1,0 +1,50 @@
+//! The simulator this program offers to a coordinator: a scene's text and a sample in, one evaluation out.
+
+use crate::service::Simulator;
+use crate::simulate::simulate;
+use common::accuracy::Accuracy;
+use common::failure::SimulationFailure;
+use common::outputs::Evaluation;
+use common::scene::SceneSource;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// The simulator of the `worker` command and of local workers.
+pub fn simulator() -> Arc<dyn Simulator> {
+    Arc::new(Mechanism::default())
+}
+
+/// Simulates scenes; remembers the last one parsed, which is the next one asked for in all but name. What it
+/// remembers is a function of the task, so a task does not depend on the tasks before it.
+#[derive(Default)]
+struct Mechanism {
+    last: Mutex<Option<Arc<SceneSource>>>,
+}
+
+impl Mechanism {
+    fn source(&self, text: &str) -> Result<Arc<SceneSource>, SimulationFailure> {
+        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(source) = last.as_ref().filter(|s| s.text() == text) {
+            return Ok(source.clone());
+        }
+        let source = SceneSource::parse(text, "task").map(Arc::new).map_err(invalid)?;
+        *last = Some(source.clone());
+        Ok(source)
+    }
+}
+
+impl Simulator for Mechanism {
+    fn simulate(
+        &self,
+        scene: &str,
+        sample: &[f64],
+        accuracy: &Accuracy,
+        with_first_cycle: bool,
+    ) -> Result<Evaluation, SimulationFailure> {
+        let scene = self.source(scene)?.resolve_sample(sample).map_err(invalid)?;
+        simulate(&scene, accuracy, with_first_cycle)
+    }
+}
+
+fn invalid(faults: common::scene::Faults) -> SimulationFailure {
+    SimulationFailure::InvalidSample { faults: faults.to_string() }
+}

@@ -1,0 +1,90 @@
+//! What the wear of one joint needs to remember of a simulated cycle.
+
+use crate::contact::JointForce;
+
+/// A short stretch of the cycle, averaged with the friction-free work density F_N |v_t| as weight.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactSample {
+    /// Eccentricity in the bushing's frame `(2,)` [m].
+    pub e: [f64; 2],
+    /// Penetration delta [m].
+    pub penetration: f64,
+    /// Normal force, pointing from the journal into the bushing `(2,)` [N].
+    pub force: [f64; 2],
+    /// Integral of F_N |v_t| dt over the stretch [N m].
+    pub work: f64,
+}
+
+/// Contact history of one joint over one cycle.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactHistory {
+    samples: Vec<ContactSample>,
+    /// Duration of a stretch [s].
+    stretch: f64,
+    elapsed: f64,
+    sum: ContactSample,
+}
+
+const NOTHING: ContactSample = ContactSample { e: [0.0; 2], penetration: 0.0, force: [0.0; 2], work: 0.0 };
+
+impl ContactHistory {
+    /// An empty history that cuts a cycle of `period` [s] into about `samples` stretches.
+    pub fn new(period: f64, samples: usize) -> Self {
+        ContactHistory {
+            samples: Vec::with_capacity(2 * samples),
+            stretch: period / samples as f64,
+            elapsed: 0.0,
+            sum: NOTHING,
+        }
+    }
+
+    /// Forgets everything.
+    pub fn clear(&mut self) {
+        self.samples.clear();
+        self.elapsed = 0.0;
+        self.sum = NOTHING;
+    }
+
+    /// Adds an instant at eccentricity `e` that stands for `duration` [s].
+    pub fn push(&mut self, duration: f64, e: [f64; 2], contact: &JointForce) {
+        let JointForce { penetration, normal, direction, sliding, .. } = *contact;
+        let work = normal * sliding.abs() * duration;
+        if work > 0.0 {
+            self.sum.e[0] += work * e[0];
+            self.sum.e[1] += work * e[1];
+            self.sum.penetration += work * penetration;
+            self.sum.force[0] += work * normal * direction[0];
+            self.sum.force[1] += work * normal * direction[1];
+            self.sum.work += work;
+        }
+        self.elapsed += duration;
+        if self.elapsed >= self.stretch {
+            self.close_stretch();
+        }
+    }
+
+    /// Ends the stretch under way; to be called at the end of the cycle.
+    pub fn close_stretch(&mut self) {
+        let s = self.sum;
+        if s.work > 0.0 {
+            self.samples.push(ContactSample {
+                e: [s.e[0] / s.work, s.e[1] / s.work],
+                penetration: s.penetration / s.work,
+                force: [s.force[0] / s.work, s.force[1] / s.work],
+                work: s.work,
+            });
+        }
+        self.elapsed = 0.0;
+        self.sum = NOTHING;
+    }
+
+    /// The stretches in contact, in order of time.
+    pub fn samples(&self) -> &[ContactSample] {
+        &self.samples
+    }
+
+    /// Integral of F_N |v_t| dt over the cycle [N m].
+    pub fn work(&self) -> f64 {
+        self.samples.iter().map(|s| s.work).sum()
+    }
+}

@@ -1,0 +1,201 @@
+//! The worn bore: control points at equal angles, joined by a periodic cubic spline.
+//!
+//! The radius at angle psi (in the bushing's frame) is R(psi) = R2 + w(psi), where w interpolates the wear
+//! depths of the control points psi_i = 2 pi i / N and is twice continuously differentiable and periodic.
+
+use std::f64::consts::TAU;
+
+/// Radius of the bore and its derivatives to the angle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Radius {
+    /// R(psi) [m].
+    pub r: f64,
+    /// dR/dpsi [m/rad].
+    pub d1: f64,
+    /// d2R/dpsi2 [m/rad^2].
+    pub d2: f64,
+}
+
+/// A bore with a wear profile.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Profile {
+    /// Initial radius R2 [m].
+    initial_radius: f64,
+    /// Wear depth at the control points `(n,)` [m].
+    depth: Vec<f64>,
+    /// Cubic in the local coordinate s of [0, 1) per interval, `(n, 4)`: R = a + s (b + s (c + s d)) [m].
+    cubic: Vec<[f64; 4]>,
+    /// Intervals per radian.
+    per_radian: f64,
+}
+
+impl Profile {
+    /// A round bore of radius `initial_radius` [m] with `points` control points (at least 3).
+    pub fn round(initial_radius: f64, points: usize) -> Self {
+        let mut profile = Profile {
+            initial_radius,
+            depth: vec![0.0; points],
+            cubic: vec![[0.0; 4]; points],
+            per_radian: points as f64 / TAU,
+        };
+        profile.join();
+        profile
+    }
+
+    /// Initial radius R2 [m].
+    pub fn initial_radius(&self) -> f64 {
+        self.initial_radius
+    }
+
+    /// Number of control points.
+    pub fn points(&self) -> usize {
+        self.depth.len()
+    }
+
+    /// Wear depths at the control points `(n,)` [m].
+    pub fn depth(&self) -> &[f64] {
+        &self.depth
+    }
+
+    /// Largest wear depth of the control points [m].
+    pub fn largest_depth(&self) -> f64 {
+        self.depth.iter().fold(0.0, |a: f64, &b| a.max(b))
+    }
+
+    /// Replaces the wear depths and joins them anew.
+    pub fn set_depth(&mut self, depth: &[f64]) {
+        self.depth.copy_from_slice(depth);
+        self.join();
+    }
+
+    /// Radius and derivatives at angle `psi` in (-2 pi, 2 pi) [rad].
+    #[inline]
+    pub fn at(&self, psi: f64) -> Radius {
+        let n = self.cubic.len();
+        let mut x = psi * self.per_radian;
+        if x < 0.0 {
+            x += n as f64;
+        }
+        let floor = x as usize;
+        let s = x - floor as f64;
+        let [a, b, c, d] = self.cubic[if floor >= n { floor - n } else { floor }];
+        let k = self.per_radian;
+        Radius {
+            r: a + s * (b + s * (c + s * d)),
+            d1: (b + s * (2.0 * c + 3.0 * s * d)) * k,
+            d2: (2.0 * c + 6.0 * s * d) * k * k,
+        }
+    }
+
+    /// Fills `table` with R at `table.len()` equal angles from 0 (a multiple of the control points) [m].
+    pub fn tabulate(&self, table: &mut [f64]) {
+        let sub = table.len() / self.cubic.len();
+        for (interval, chunk) in self.cubic.iter().zip(table.chunks_exact_mut(sub)) {
+            let [a, b, c, d] = *interval;
+            for (j, value) in chunk.iter_mut().enumerate() {
+                let s = j as f64 / sub as f64;
+                *value = a + s * (b + s * (c + s * d));
+            }
+        }
+    }
+
+    /// Solves the periodic tridiagonal system of the second differences and sets the cubics.
+    ///
+    /// With M_i the second derivative times the squared spacing: M_{i-1} + 4 M_i + M_{i+1} = 6 (w_{i-1} - 2 w_i
+    /// + w_{i+1}); the corners are taken care of by a rank-one update (Sherman-Morrison).
+    fn join(&mut self) {
+        let n = self.depth.len();
+        let w = |i: usize| self.depth[i % n];
+        let second = |i: usize| 6.0 * (w(i + n - 1) - 2.0 * w(i) + w(i + 1));
+        // The matrix is A + u v' with u = (g, 0, .., 1), v = (1, 0, .., 1/g), g = -4.
+        let gamma = -4.0;
+        let diagonal = |i: usize| match i {
+            0 => 4.0 - gamma,
+            i if i == n - 1 => 4.0 - 1.0 / gamma,
+            _ => 4.0,
+        };
+        let mut upper = vec![0.0; n];
+        let mut y = vec![0.0; n];
+        let mut z = vec![0.0; n];
+        let mut pivot = diagonal(0);
+        y[0] = second(0) / pivot;
+        z[0] = gamma / pivot;
+        for i in 1..n {
+            upper[i - 1] = 1.0 / pivot;
+            pivot = diagonal(i) - upper[i - 1];
+            y[i] = (second(i) - y[i - 1]) / pivot;
+            z[i] = (if i == n - 1 { 1.0 } else { 0.0 } - z[i - 1]) / pivot;
+        }
+        for i in (0..n - 1).rev() {
+            y[i] -= upper[i] * y[i + 1];
+            z[i] -= upper[i] * z[i + 1];
+        }
+        let factor = (y[0] + y[n - 1] / gamma) / (1.0 + z[0] + z[n - 1] / gamma);
+        let m: Vec<f64> = y.iter().zip(&z).map(|(y, z)| y - factor * z).collect();
+        for i in 0..n {
+            let (m0, m1) = (m[i], m[(i + 1) % n]);
+            let (w0, w1) = (self.depth[i], self.depth[(i + 1) % n]);
+            self.cubic[i] =
+                [self.initial_radius + w0, w1 - w0 - (2.0 * m0 + m1) / 6.0, 0.5 * m0, (m1 - m0) / 6.0];
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bumpy(points: usize) -> Profile {
+        let mut profile = Profile::round(1.5e-3, points);
+        let depth: Vec<f64> =
+            (0..points).map(|i| 1e-5 * (1.0 + (TAU * i as f64 / points as f64).cos())).collect();
+        profile.set_depth(&depth);
+        profile
+    }
+
+    #[test]
+    fn interpolates_its_control_points_and_closes() {
+        let p = bumpy(36);
+        for (i, d) in p.depth().iter().enumerate() {
+            assert!((p.at(TAU * i as f64 / 36.0).r - 1.5e-3 - d).abs() < 1e-17);
+        }
+        let (a, b) = (p.at(-1e-12), p.at(1e-12));
+        assert!((a.r - b.r).abs() < 1e-15 && (a.d1 - b.d1).abs() < 1e-15 && (a.d2 - b.d2).abs() < 1e-14);
+    }
+
+    #[test]
+    fn converges_with_fourth_order_to_a_smooth_profile() {
+        let error = |n: usize| {
+            let p = bumpy(n);
+            (0..1000)
+                .map(|k| {
+                    let psi = TAU * (k as f64 + 0.5) / 1000.0;
+                    (p.at(psi).r - 1.5e-3 - 1e-5 * (1.0 + psi.cos())).abs()
+                })
+                .fold(0.0, f64::max)
+        };
+        let order = (error(18) / error(36)).log2();
+        assert!((order - 4.0).abs() < 0.2, "order {order}");
+    }
+
+    #[test]
+    fn derivatives_agree_with_differences() {
+        let p = bumpy(36);
+        for k in 0..50 {
+            let (psi, h) = (0.05 + 0.12 * k as f64, 1e-5);
+            let at = p.at(psi);
+            assert!(((p.at(psi + h).r - p.at(psi - h).r) / (2.0 * h) - at.d1).abs() < 1e-10);
+            assert!(((p.at(psi + h).d1 - p.at(psi - h).d1) / (2.0 * h) - at.d2).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn table_agrees_with_the_spline() {
+        let p = bumpy(36);
+        let mut table = vec![0.0; 288];
+        p.tabulate(&mut table);
+        for (k, value) in table.iter().enumerate() {
+            assert!((value - p.at(TAU * k as f64 / 288.0).r).abs() < 1e-17);
+        }
+    }
+}

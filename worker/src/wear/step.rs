@@ -1,0 +1,204 @@
+//! One wear step of one joint: dh/dN = rate(h) over a block of cycles, by a stabilised explicit method.
+//!
+//! Second-order Runge-Kutta-Chebyshev with as many stages as the stiffness of the unloading asks for, sub-steps
+//! by its embedded error estimate.
+//!
+//! # Source
+//! Sommeijer, Shampine, Verwer (1998), RKC: an explicit solver for parabolic PDEs.
+
+use super::WearRate;
+
+/// Counts of one or more wear steps.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct WearStepStats {
+    /// Evaluations of the wear rate.
+    pub stages: u64,
+    /// Sub-steps refused and halved.
+    pub rejected: u64,
+}
+
+/// The step could not reach its tolerance; carries the error over its bound.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WearStepFailed(pub f64);
+
+/// Scratch and state of the wear step of one joint; all vectors `(points,)`.
+#[derive(Debug, Clone)]
+pub struct WearStep {
+    /// Allowed error relative to the largest wear a sub-step adds [1].
+    tolerance: f64,
+    /// Direction of the stiffest mode found so far.
+    stiffest: Vec<f64>,
+    /// Wear rate at both ends of the sub-step, and the depth at its end.
+    f0: Vec<f64>,
+    f1: Vec<f64>,
+    end: Vec<f64>,
+}
+
+/// Most stages of one sub-step.
+const MOST_STAGES: usize = 50;
+/// Sub-steps are at least this fraction of the block.
+const SMALLEST: f64 = 1.0 / 1024.0;
+/// Displacement by which the stiffness is probed [m]: a tenth of the penetrations and more, so that kinks of the
+/// rate are averaged over.
+const PROBE: f64 = 1e-8;
+
+impl WearStep {
+    /// For `points` control points.
+    pub fn new(points: usize, tolerance: f64) -> Self {
+        let zero = vec![0.0; points];
+        WearStep {
+            tolerance,
+            stiffest: (0..points).map(|i| if i % 2 == 0 { 1.0 } else { -1.0 }).collect(),
+            f0: zero.clone(),
+            f1: zero.clone(),
+            end: zero,
+        }
+    }
+
+    /// Advances `depth` by `cycles` under the frozen history in `rate`. `mark` sees the depth at each of `marks`
+    /// (increasing, within the block, counted from its start), by cubic Hermite interpolation in a sub-step.
+    ///
+    /// # Errors
+    /// [`WearStepFailed`] if a sub-step of 1/1024 of the block still misses the tolerance.
+    pub fn advance(
+        &mut self,
+        rate: &mut WearRate,
+        depth: &mut [f64],
+        cycles: f64,
+        marks: &[f64],
+        mut mark: impl FnMut(usize, &[f64]),
+        stats: &mut WearStepStats,
+    ) -> Result<(), WearStepFailed> {
+        rate.rate(depth, &mut self.f0);
+        stats.stages += 1;
+        let radius = self.spectral_radius(rate, depth, stats);
+        let (mut done, mut step, mut marked) = (0.0, cycles, 0);
+        while done < cycles {
+            step = step.min(cycles - done);
+            let stages = ((1.0 + 1.54 * step * radius).sqrt().ceil() as usize + 1).max(2);
+            if stages > MOST_STAGES {
+                step = self.refuse(step * 0.5, cycles, f64::INFINITY, stats)?;
+                continue;
+            }
+            chebyshev(rate, depth, &self.f0, step, stages, &mut self.end);
+            rate.rate(&self.end, &mut self.f1);
+            stats.stages += stages as u64;
+            let (error, added) = self.error(depth, step);
+            let relative = if added > 0.0 { error / (self.tolerance * added) } else { 0.0 };
+            if relative > 1.0 {
+                step = self.refuse(
+                    step * (0.8 / libm::cbrt(relative)).clamp(0.1, 0.5),
+                    cycles,
+                    relative,
+                    stats,
+                )?;
+                continue;
+            }
+            // Wear only grows: what the stages undershoot (below the tolerance) is not given back.
+            self.end.iter_mut().zip(depth.iter()).for_each(|(end, start)| *end = end.max(*start));
+            let last = if step == cycles - done { cycles } else { done + step };
+            while marked < marks.len() && marks[marked] <= last {
+                mark(marked, &self.between(depth, (marks[marked] - done) / step, step));
+                marked += 1;
+            }
+            depth.copy_from_slice(&self.end);
+            std::mem::swap(&mut self.f0, &mut self.f1);
+            done = last;
+            step *= (0.8 / libm::cbrt(relative.max(1e-3))).clamp(0.5, 4.0);
+        }
+        Ok(())
+    }
+
+    /// Counts a refused sub-step; the smaller one to try, if it is not too small.
+    fn refuse(
+        &self,
+        smaller: f64,
+        cycles: f64,
+        error: f64,
+        stats: &mut WearStepStats,
+    ) -> Result<f64, WearStepFailed> {
+        stats.rejected += 1;
+        if smaller < SMALLEST * cycles { Err(WearStepFailed(error)) } else { Ok(smaller) }
+    }
+
+    /// Embedded error estimate of the sub-step just made, and the largest wear it adds [m].
+    fn error(&self, depth: &[f64], step: f64) -> (f64, f64) {
+        let ends = self.f0.iter().zip(&self.f1);
+        depth.iter().zip(&self.end).zip(ends).fold(
+            (0.0, 0.0),
+            |(error, added): (f64, f64), ((y0, y1), (f0, f1))| {
+                (error.max((0.8 * (y0 - y1) + 0.4 * step * (f0 + f1)).abs()), added.max(y1 - y0))
+            },
+        )
+    }
+
+    /// Depth at the fraction `s` of the sub-step, kept between its ends [m].
+    fn between(&self, depth: &[f64], s: f64, step: f64) -> Vec<f64> {
+        let ends = self.f0.iter().zip(&self.f1);
+        let hermite = |((y0, y1), (f0, f1)): ((&f64, &f64), (&f64, &f64))| {
+            let (d0, d1, rise) = (step * f0, step * f1, y1 - y0);
+            let y = y0 + s * (d0 + s * (3.0 * rise - 2.0 * d0 - d1 + s * (d0 + d1 - 2.0 * rise)));
+            y.clamp(*y0, y1.max(*y0))
+        };
+        depth.iter().zip(&self.end).zip(ends).map(hermite).collect()
+    }
+
+    /// Largest eigenvalue of -d rate/d depth at `depth`, where the rate is f0, with a margin of a quarter
+    /// [1/cycle]: a step of the power method from the stiffest direction of the block before, two at the start.
+    fn spectral_radius(&mut self, rate: &mut WearRate, depth: &[f64], stats: &mut WearStepStats) -> f64 {
+        let norm = |v: &[f64]| v.iter().map(|v| v * v).sum::<f64>().sqrt();
+        let mut radius = 0.0;
+        for _ in 0..2 {
+            let size = norm(&self.stiffest);
+            if size <= 0.0 {
+                return radius;
+            }
+            for ((moved, depth), v) in self.end.iter_mut().zip(depth).zip(&self.stiffest) {
+                *moved = depth + PROBE * v / size;
+            }
+            rate.rate(&self.end, &mut self.f1);
+            stats.stages += 1;
+            for ((v, f1), f0) in self.stiffest.iter_mut().zip(&self.f1).zip(&self.f0) {
+                *v = (f1 - f0) / PROBE;
+            }
+            radius = norm(&self.stiffest);
+        }
+        1.25 * radius
+    }
+}
+
+/// One step of the second-order Runge-Kutta-Chebyshev method with `s` >= 2 stages.
+fn chebyshev(rate: &mut WearRate, y0: &[f64], f0: &[f64], h: f64, s: usize, y: &mut [f64]) {
+    let n = y0.len();
+    let w0 = 1.0 + 2.0 / 13.0 / (s * s) as f64;
+    // Chebyshev polynomials T_j(w0) with first and second derivatives.
+    let mut t = vec![(1.0, 0.0, 0.0), (w0, 1.0, 0.0)];
+    for j in 2..=s {
+        let ((a, da, dda), (b, db, ddb)) = (t[j - 2], t[j - 1]);
+        t.push((2.0 * w0 * b - a, 2.0 * b + 2.0 * w0 * db - da, 4.0 * db + 2.0 * w0 * ddb - dda));
+    }
+    let w1 = t[s].1 / t[s].2;
+    let b = |j: usize| {
+        let (_, d, dd) = t[j.max(2)];
+        dd / (d * d)
+    };
+    let mut before = y0.to_vec();
+    let mut last: Vec<f64> = (0..n).map(|i| y0[i] + b(1) * w1 * h * f0[i]).collect();
+    let mut f = vec![0.0; n];
+    for j in 2..=s {
+        rate.rate(&last, &mut f);
+        let mu = 2.0 * b(j) * w0 / b(j - 1);
+        let nu = -b(j) / b(j - 2);
+        let mu_t = 2.0 * b(j) * w1 / b(j - 1);
+        let gamma_t = -(1.0 - b(j - 1) * t[j - 1].0) * mu_t;
+        for i in 0..n {
+            y[i] = (1.0 - mu - nu) * y0[i]
+                + mu * last[i]
+                + nu * before[i]
+                + mu_t * h * f[i]
+                + gamma_t * h * f0[i];
+        }
+        std::mem::swap(&mut before, &mut last);
+        last.copy_from_slice(y);
+    }
+}
