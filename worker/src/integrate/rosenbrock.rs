@@ -141,7 +141,25 @@ impl Rosenbrock {
             self.error_q[i] = eq;
             self.error_v[i] = ev;
         }
+        self.filter_error(at, gh, mass);
         true
+    }
+}
+
+impl Rosenbrock {
+    /// Replaces the error estimate e by (I - gamma h J)^-1 e: what the step damps anyway, the vibration of a
+    /// contact far faster than the step, no longer counts, slower motion counts as before (Shampine's filter).
+    fn filter_error(&mut self, at: &Linearised, gh: f64, mass: &[f64]) {
+        let n = self.n;
+        for i in 0..n {
+            let row = &at.k[i * n..(i + 1) * n];
+            let kq: f64 = row.iter().zip(&self.error_q).map(|(k, e)| k * e).sum();
+            self.error_v[i] = mass[i] * self.error_v[i] / gh + kq;
+        }
+        solve(&self.matrix, &self.pivot, n, &mut self.error_v);
+        for i in 0..n {
+            self.error_q[i] += gh * self.error_v[i];
+        }
     }
 }
 
