@@ -252,8 +252,10 @@ fn texts_travel() {
     assert_ne!(flapping_wing().digest(), SceneSource::builtin("four-bar").unwrap().digest());
 }
 
+/// A study resolves each sample once, beside a simulation of a tenth of a second or more: 10 ms would be too much,
+/// and are fifty times what it takes.
 #[test]
-fn a_thousand_samples_resolve_within_a_second() {
+fn resolving_a_sample_costs_nothing_beside_simulating_it() {
     let source = flapping_wing();
     let mut sample = source.means();
     let start = std::time::Instant::now();
@@ -261,7 +263,6 @@ fn a_thousand_samples_resolve_within_a_second() {
         sample[9] += 1e-9 * f64::from(i % 3);
         source.resolve_sample(&sample).unwrap();
     }
-    let elapsed = start.elapsed();
-    println!("1000 samples in {elapsed:?}");
-    assert!(elapsed.as_secs_f64() < 1.0, "{elapsed:?}");
+    let each = start.elapsed().as_secs_f64() / 1000.0;
+    assert!(each < 0.01, "{each} s");
 }

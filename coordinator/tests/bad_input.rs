@@ -210,6 +210,9 @@ fn an_output_folder_in_use() {
     assert!(killed.success());
     assert!(lines.any(|line| line.starts_with("error: interrupted;") && line.contains("coordinator resume")));
     assert_eq!(waiting.0.wait().unwrap().code(), Some(130));
-    one_message(&refused(&run, 2), &[dir, "already holds a campaign", "coordinator resume"]);
+    for workers in ["0", "1"] {
+        let again = ["run", "--scene", "four-bar", "--workers", workers, "--out", dir];
+        one_message(&refused(&again, 2), &[dir, "already holds a campaign", "coordinator resume"]);
+    }
     one_message(&refused(&["report", dir], 2), &[dir, "not finished"]);
 }

@@ -219,6 +219,24 @@ fn an_outcome_that_could_not_be_recorded_is_kept_by_its_worker() {
 }
 
 #[test]
+fn a_worker_that_is_there_before_its_coordinator_waits_for_it() {
+    in_time(|| {
+        let free = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+        let endpoint = format!("tcp/{}", free.local_addr().unwrap());
+        drop(free);
+        let hand = worker_at(&endpoint, "early", 1, practice_result);
+        let mut coordinator = coordinator_at(Some(&endpoint), Arc::default());
+        assert_eq!(evaluate(&mut coordinator, &requests(0..3)).unwrap(), expected(0..3));
+        coordinator.finish();
+        assert_eq!(hand.join().unwrap(), Departure::CampaignEnded);
+        // One that waits in vain can be stopped.
+        let vain = worker_at(&endpoint, "vain", 1, practice_result);
+        vain.stopper().stop();
+        assert_eq!(vain.join().unwrap(), Departure::Stopped { lost: 0 });
+    });
+}
+
+#[test]
 fn a_restarted_coordinator_gets_what_was_finished_while_it_was_away() {
     in_time(|| {
         let interrupted = Arc::new(AtomicBool::new(false));

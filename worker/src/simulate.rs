@@ -44,20 +44,11 @@ pub fn simulate(
     let mut measured = vec![run.motion_outputs()];
     let mut wear = vec![vec![]; scene.outputs.len()];
     for block in boundaries(scene.life.cycles, accuracy.cycle_jump, every).windows(2) {
-        let mut life = block[0];
-        run.freeze_contact();
-        while life < block[1] {
-            let next = ((life / every + 1) * every).min(block[1]);
-            run.wear(f64::from(next - life))?;
-            life = next;
-            run.cycle = life;
-            if life % every == 0 {
-                run.wear_outputs(&mut wear);
-            }
-        }
+        let checkpoints: Vec<u32> = (block[0] / every + 1..=block[1] / every).map(|k| k * every).collect();
+        run.wear(block[0], block[1], &checkpoints, &mut wear)?;
         run.warm_up()?;
         run.measure()?;
-        lives.push(life);
+        lives.push(block[1]);
         measured.push(run.motion_outputs());
     }
 
@@ -197,45 +188,51 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// The cycle just measured governs the wear until the next one.
-    fn freeze_contact(&mut self) {
-        for m in &mut self.islands {
-            for (rate, history) in m.rates.iter_mut().zip(&m.recorder.histories) {
-                rate.freeze(history);
-            }
-        }
-    }
-
-    /// Wears every bore by so many cycles under the frozen contact.
-    fn wear(&mut self, cycles: f64) -> Result<(), SimulationFailure> {
+    /// Wears every bore from one life to another under the contact of the cycle just measured; `wear` takes the
+    /// wear outputs at the checkpoints between.
+    fn wear(
+        &mut self,
+        from: u32,
+        to: u32,
+        checkpoints: &[u32],
+        wear: &mut [Vec<f64>],
+    ) -> Result<(), SimulationFailure> {
+        let marks: Vec<f64> = checkpoints.iter().map(|&c| f64::from(c - from)).collect();
+        // Largest depth of each joint at each checkpoint, by the scene's numbering of the joints.
+        let mut largest = vec![vec![0.0_f64; self.scene.joints.len()]; marks.len()];
         for m in &mut self.islands {
             for (k, joint) in m.island.joints.iter_mut().enumerate() {
                 if joint.wear_coefficient == 0.0 {
                     continue;
                 }
-                m.steps[k].advance(&mut m.rates[k], &mut m.depth[k], cycles, &mut self.wear_stats).map_err(
-                    |failed| SimulationFailure::WearStep {
-                        cycle: self.cycle,
+                m.rates[k].freeze(&m.recorder.histories[k]);
+                let note = |at: usize, depth: &[f64]| {
+                    largest[at][joint.scene_joint] = depth.iter().fold(0.0, |a: f64, &b| a.max(b));
+                };
+                m.steps[k]
+                    .advance(
+                        &mut m.rates[k],
+                        &mut m.depth[k],
+                        f64::from(to - from),
+                        &marks,
+                        note,
+                        &mut self.wear_stats,
+                    )
+                    .map_err(|failed| SimulationFailure::WearStep {
+                        cycle: from,
                         joint: joint.name.clone(),
                         error: failed.0,
-                    },
-                )?;
+                    })?;
                 joint.set_depth(&m.depth[k]);
             }
         }
-        Ok(())
-    }
-
-    fn wear_outputs(&self, wear: &mut [Vec<f64>]) {
         for (output, history) in self.scene.outputs.iter().zip(wear) {
             if let OutputKind::LargestWear { joints } = &output.kind {
-                let all = self.islands.iter().flat_map(|m| &m.island.joints);
-                let largest = all
-                    .filter(|j| joints.contains(&j.scene_joint))
-                    .fold(0.0_f64, |a, j| a.max(j.profile.largest_depth()));
-                history.push(largest);
+                history.extend(largest.iter().map(|at| joints.iter().fold(0.0_f64, |a, &j| a.max(at[j]))));
             }
         }
+        self.cycle = to;
+        Ok(())
     }
 
     /// Outputs that come from the motion of the cycle just measured; zero in the place of the others.

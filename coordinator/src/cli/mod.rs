@@ -58,10 +58,10 @@ fn command(arguments: Arguments) -> Result<(), CommandError> {
 
 /// Logs go to standard error.
 fn start_log(talk: Talk) {
+    // Zenoh reports the comings and goings of workers as errors; what matters of them is said here anyway.
     let level = match (talk.quiet, talk.verbose) {
-        (true, _) => "error",
-        (false, 0) => "warn,zenoh=error",
-        // Zenoh's own progress is of interest to its developers.
+        (true, _) => "error,zenoh=off",
+        (false, 0) => "warn,zenoh=off",
         (false, 1) => "info,zenoh=warn",
         (false, _) => "debug,zenoh=info",
     };

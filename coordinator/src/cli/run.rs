@@ -39,11 +39,12 @@ pub fn run(arguments: &RunArguments, talk: Talk) -> Result<(), CommandError> {
         version: env!("CARGO_PKG_VERSION").to_owned(),
     };
     // An address that cannot be listened on must not leave a folder behind that holds a study.
-    let farm = Farm::open(&source, &options, &arguments.farm)?;
+    let evaluator = listen(&source, &options, &arguments.farm)?;
     let campaign = CampaignFile::create(&dir, &meta, scene)?;
     if !talk.quiet {
         eprintln!("results go to {}", dir.display());
     }
+    let farm = Farm::hire(evaluator, &arguments.farm)?;
     study(campaign, &source, &options, farm, talk)
 }
 
@@ -64,8 +65,20 @@ pub fn resume(arguments: &ResumeArguments, talk: Talk) -> Result<(), CommandErro
     if !talk.quiet {
         eprintln!("{} evaluations are done already", campaign.count()?);
     }
-    let farm = Farm::open(&source, &options, &arguments.farm)?;
+    let farm = Farm::hire(listen(&source, &options, &arguments.farm)?, &arguments.farm)?;
     study(campaign, &source, &options, farm, talk)
+}
+
+/// Starts to listen for workers.
+fn listen(
+    source: &SceneSource,
+    options: &StudyOptions,
+    arguments: &FarmArguments,
+) -> Result<ZenohEvaluator, CommandError> {
+    let FarmArguments { listen, config, insecure, .. } = arguments.clone();
+    let interrupted = interruption().map_err(CommandError::Signals)?;
+    let listen = Listen { endpoint: listen, config, insecure };
+    Ok(ZenohEvaluator::open(announced(source, options)?, &listen, interrupted)?)
 }
 
 /// Who evaluates: a coordinator that listens, and its local workers, `None` if remote ones are to do it all.
@@ -75,23 +88,16 @@ struct Farm {
 }
 
 impl Farm {
-    fn open(
-        source: &SceneSource,
-        options: &StudyOptions,
-        arguments: &FarmArguments,
-    ) -> Result<Self, CommandError> {
-        let FarmArguments { workers, listen, config, insecure } = arguments.clone();
-        let interrupted = interruption().map_err(CommandError::Signals)?;
-        let listen = Listen { endpoint: listen, config: config.clone(), insecure };
-        let evaluator = ZenohEvaluator::open(announced(source, options)?, &listen, interrupted)?;
-        let slots = match workers.unwrap_or(Slots::Auto) {
+    /// Starts the local workers.
+    fn hire(evaluator: ZenohEvaluator, arguments: &FarmArguments) -> Result<Self, CommandError> {
+        let slots = match arguments.workers.unwrap_or(Slots::Auto) {
             Slots::Auto => std::thread::available_parallelism().map_or(1, usize::from),
             Slots::Count(slots) => slots,
         };
         let endpoint = evaluator.endpoints().first().filter(|_| slots > 0).cloned();
         let spawn = |endpoint| {
-            let config = ServiceConfig { zenoh_config: config, ..ServiceConfig::new(endpoint, slots) };
-            service::spawn(config, simulator())
+            let zenoh_config = arguments.config.clone();
+            service::spawn(ServiceConfig { zenoh_config, ..ServiceConfig::new(endpoint, slots) }, simulator())
         };
         let local = endpoint.map(spawn).transpose()?;
         Ok(Farm { evaluator, local })

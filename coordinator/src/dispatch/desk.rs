@@ -80,10 +80,12 @@ impl Attendance {
         !waited.unwrap_or_else(PoisonError::into_inner).1.timed_out()
     }
 
-    fn set(&self, workers: Vec<ConnectedWorker>) {
+    fn set<'a>(&self, workers: impl Iterator<Item = (&'a WorkerId, u32)> + Clone) {
         let mut seen = self.workers();
-        if *seen != workers {
-            *seen = workers;
+        // Asked after every message, so it must cost nothing while nothing changes.
+        let known = seen.iter().map(|worker| (worker.name.as_str(), worker.slots));
+        if !known.eq(workers.clone().map(|(id, slots)| (id.name.as_str(), slots))) {
+            *seen = workers.map(|(id, slots)| ConnectedWorker { name: id.name.clone(), slots }).collect();
             self.changed.notify_all();
         }
     }
@@ -193,9 +195,7 @@ impl Desk {
             Input::Finish => self.event(Event::Finish),
             Input::Close => {}
         }
-        let workers = self.scheduler.workers();
-        let workers = workers.map(|(id, slots)| ConnectedWorker { name: id.name.clone(), slots });
-        self.attendance.set(workers.collect());
+        self.attendance.set(self.scheduler.workers());
     }
 
     fn take_claim(&mut self, asker: Asker) {

@@ -17,8 +17,10 @@ fn main() -> ExitCode {
     let hang = manner == "hang";
     let simulate = move |sample: &[f64]| {
         println!("started {}", sample[0]);
-        while hang {
-            std::thread::park();
+        if hang {
+            loop {
+                std::thread::park();
+            }
         }
         practice_result(sample)
     };

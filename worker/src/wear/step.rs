@@ -21,28 +21,42 @@ pub struct WearStepStats {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WearStepFailed(pub f64);
 
-/// Scratch and state of the wear step of one joint.
+/// Scratch and state of the wear step of one joint; all vectors `(points,)`.
 #[derive(Debug, Clone)]
 pub struct WearStep {
-    /// Allowed error relative to the largest wear the step adds [1].
+    /// Allowed error relative to the largest wear a sub-step adds [1].
     tolerance: f64,
     /// Direction of the stiffest mode found so far.
     stiffest: Vec<f64>,
+    /// Wear rate at both ends of the sub-step, and the depth at its end.
+    f0: Vec<f64>,
+    f1: Vec<f64>,
+    end: Vec<f64>,
 }
 
 /// Most stages of one sub-step.
 const MOST_STAGES: usize = 50;
 /// Sub-steps are at least this fraction of the block.
 const SMALLEST: f64 = 1.0 / 1024.0;
+/// Displacement by which the stiffness is probed [m]: a tenth of the penetrations and more, so that kinks of the
+/// rate are averaged over.
+const PROBE: f64 = 1e-8;
 
 impl WearStep {
     /// For `points` control points.
     pub fn new(points: usize, tolerance: f64) -> Self {
-        let stiffest = (0..points).map(|i| if i % 2 == 0 { 1.0 } else { -1.0 }).collect();
-        WearStep { tolerance, stiffest }
+        let zero = vec![0.0; points];
+        WearStep {
+            tolerance,
+            stiffest: (0..points).map(|i| if i % 2 == 0 { 1.0 } else { -1.0 }).collect(),
+            f0: zero.clone(),
+            f1: zero.clone(),
+            end: zero,
+        }
     }
 
-    /// Advances `depth` by `cycles` under the frozen history in `rate`.
+    /// Advances `depth` by `cycles` under the frozen history in `rate`. `mark` sees the depth at each of `marks`
+    /// (increasing, within the block, counted from its start), by cubic Hermite interpolation in a sub-step.
     ///
     /// # Errors
     /// [`WearStepFailed`] if a sub-step of 1/1024 of the block still misses the tolerance.
@@ -51,84 +65,103 @@ impl WearStep {
         rate: &mut WearRate,
         depth: &mut [f64],
         cycles: f64,
+        marks: &[f64],
+        mut mark: impl FnMut(usize, &[f64]),
         stats: &mut WearStepStats,
     ) -> Result<(), WearStepFailed> {
-        let n = depth.len();
-        let mut f0 = vec![0.0; n];
-        rate.rate(depth, &mut f0);
+        rate.rate(depth, &mut self.f0);
         stats.stages += 1;
-        let mut end = vec![0.0; n];
-        let mut f1 = vec![0.0; n];
-        let (mut done, mut step) = (0.0, cycles);
+        let radius = self.spectral_radius(rate, depth, stats);
+        let (mut done, mut step, mut marked) = (0.0, cycles, 0);
         while done < cycles {
             step = step.min(cycles - done);
-            let radius = self.spectral_radius(rate, depth, &f0, stats);
             let stages = ((1.0 + 1.54 * step * radius).sqrt().ceil() as usize + 1).max(2);
             if stages > MOST_STAGES {
-                step *= 0.5;
-                stats.rejected += 1;
-                if step < SMALLEST * cycles {
-                    return Err(WearStepFailed(f64::INFINITY));
-                }
+                step = self.refuse(step * 0.5, cycles, f64::INFINITY, stats)?;
                 continue;
             }
-            chebyshev(rate, depth, &f0, step, stages, &mut end);
-            rate.rate(&end, &mut f1);
+            chebyshev(rate, depth, &self.f0, step, stages, &mut self.end);
+            rate.rate(&self.end, &mut self.f1);
             stats.stages += stages as u64;
-            // Wear only grows: what the stages undershoot (below the tolerance) is not given back.
-            let mut error: f64 = 0.0;
-            let mut added: f64 = 0.0;
-            for i in 0..n {
-                error = error.max((0.8 * (depth[i] - end[i]) + 0.4 * step * (f0[i] + f1[i])).abs());
-                added = added.max(end[i] - depth[i]);
-            }
+            let (error, added) = self.error(depth, step);
             let relative = if added > 0.0 { error / (self.tolerance * added) } else { 0.0 };
-            if relative > 1.0 && added * cycles / step > 1e-15 {
-                step *= (0.8 / relative.cbrt()).clamp(0.1, 0.5);
-                stats.rejected += 1;
-                if step < SMALLEST * cycles {
-                    return Err(WearStepFailed(relative));
-                }
+            if relative > 1.0 {
+                step = self.refuse(
+                    step * (0.8 / libm::cbrt(relative)).clamp(0.1, 0.5),
+                    cycles,
+                    relative,
+                    stats,
+                )?;
                 continue;
             }
-            for i in 0..n {
-                depth[i] = depth[i].max(end[i]);
+            // Wear only grows: what the stages undershoot (below the tolerance) is not given back.
+            self.end.iter_mut().zip(depth.iter()).for_each(|(end, start)| *end = end.max(*start));
+            let last = if step == cycles - done { cycles } else { done + step };
+            while marked < marks.len() && marks[marked] <= last {
+                mark(marked, &self.between(depth, (marks[marked] - done) / step, step));
+                marked += 1;
             }
-            std::mem::swap(&mut f0, &mut f1);
-            done += step;
-            step *= (0.8 / relative.max(1e-3).cbrt()).clamp(0.5, 4.0);
+            depth.copy_from_slice(&self.end);
+            std::mem::swap(&mut self.f0, &mut self.f1);
+            done = last;
+            step *= (0.8 / libm::cbrt(relative.max(1e-3))).clamp(0.5, 4.0);
         }
         Ok(())
     }
 
-    /// Largest eigenvalue of -d rate/d depth by a few power iterations, with a margin of a quarter [1/cycle].
-    fn spectral_radius(
-        &mut self,
-        rate: &mut WearRate,
-        depth: &[f64],
-        f0: &[f64],
+    /// Counts a refused sub-step; the smaller one to try, if it is not too small.
+    fn refuse(
+        &self,
+        smaller: f64,
+        cycles: f64,
+        error: f64,
         stats: &mut WearStepStats,
-    ) -> f64 {
-        let n = depth.len();
-        let mut moved = vec![0.0; n];
-        let mut f = vec![0.0; n];
-        // A tenth of a micrometre: the scale of the penetration, so that kinks of the rate are averaged over.
-        let size = 1e-8;
+    ) -> Result<f64, WearStepFailed> {
+        stats.rejected += 1;
+        if smaller < SMALLEST * cycles { Err(WearStepFailed(error)) } else { Ok(smaller) }
+    }
+
+    /// Embedded error estimate of the sub-step just made, and the largest wear it adds [m].
+    fn error(&self, depth: &[f64], step: f64) -> (f64, f64) {
+        let ends = self.f0.iter().zip(&self.f1);
+        depth.iter().zip(&self.end).zip(ends).fold(
+            (0.0, 0.0),
+            |(error, added): (f64, f64), ((y0, y1), (f0, f1))| {
+                (error.max((0.8 * (y0 - y1) + 0.4 * step * (f0 + f1)).abs()), added.max(y1 - y0))
+            },
+        )
+    }
+
+    /// Depth at the fraction `s` of the sub-step, kept between its ends [m].
+    fn between(&self, depth: &[f64], s: f64, step: f64) -> Vec<f64> {
+        let ends = self.f0.iter().zip(&self.f1);
+        let hermite = |((y0, y1), (f0, f1)): ((&f64, &f64), (&f64, &f64))| {
+            let (d0, d1, rise) = (step * f0, step * f1, y1 - y0);
+            let y = y0 + s * (d0 + s * (3.0 * rise - 2.0 * d0 - d1 + s * (d0 + d1 - 2.0 * rise)));
+            y.clamp(*y0, y1.max(*y0))
+        };
+        depth.iter().zip(&self.end).zip(ends).map(hermite).collect()
+    }
+
+    /// Largest eigenvalue of -d rate/d depth at `depth`, where the rate is f0, with a margin of a quarter
+    /// [1/cycle]: a step of the power method from the stiffest direction of the block before, two at the start.
+    fn spectral_radius(&mut self, rate: &mut WearRate, depth: &[f64], stats: &mut WearStepStats) -> f64 {
+        let norm = |v: &[f64]| v.iter().map(|v| v * v).sum::<f64>().sqrt();
         let mut radius = 0.0;
         for _ in 0..2 {
-            let norm = self.stiffest.iter().map(|v| v * v).sum::<f64>().sqrt();
-            if norm <= 0.0 {
+            let size = norm(&self.stiffest);
+            if size <= 0.0 {
                 return radius;
             }
-            for i in 0..n {
-                moved[i] = depth[i] + size * self.stiffest[i] / norm;
+            for ((moved, depth), v) in self.end.iter_mut().zip(depth).zip(&self.stiffest) {
+                *moved = depth + PROBE * v / size;
             }
-            rate.rate(&moved, &mut f);
+            rate.rate(&self.end, &mut self.f1);
             stats.stages += 1;
-            for i in 0..n {
-                self.stiffest[i] = (f[i] - f0[i]) / size;
+            for ((v, f1), f0) in self.stiffest.iter_mut().zip(&self.f1).zip(&self.f0) {
+                *v = (f1 - f0) / PROBE;
             }
-            radius = self.stiffest.iter().map(|v| v * v).sum::<f64>().sqrt();
+            radius = norm(&self.stiffest);
         }
         1.25 * radius
     }

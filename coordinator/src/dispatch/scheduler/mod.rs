@@ -16,6 +16,8 @@
 //! - Tasks go only to workers whose liveliness token is seen: a death always has an event.
 
 mod event;
+#[cfg(test)]
+mod farm_tests;
 mod tasks;
 #[cfg(test)]
 mod tests;
@@ -142,7 +144,7 @@ impl Scheduler {
     }
 
     /// Workers that are there and the slots they have said to have (0 until their first claim).
-    pub fn workers(&self) -> impl Iterator<Item = (&WorkerId, u32)> {
+    pub fn workers(&self) -> impl Iterator<Item = (&WorkerId, u32)> + Clone {
         self.workers.iter().map(|(id, worker)| (id, worker.slots))
     }
 

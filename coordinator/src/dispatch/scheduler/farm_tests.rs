@@ -1,0 +1,226 @@
+//! The scheduler in a farm where messages are lost, doubled, late and out of order, and workers die, hang and
+//! come back.
+
+use super::tests::{CAMPAIGN, START, claim, outcome, requests, worker};
+use super::*;
+use common::wire::Task;
+use proptest::prelude::*;
+
+/// A worker of the simulated farm: what it holds, and the claims under way to the coordinator.
+#[derive(Debug, Clone)]
+struct Hand {
+    id: WorkerId,
+    alive: bool,
+    sequence: u64,
+    running: Vec<Task>,
+    finished: Vec<Outcome>,
+}
+
+/// The farm around the scheduler: messages that may be lost, doubled, late and out of order.
+struct Farm {
+    scheduler: Scheduler,
+    hands: Vec<Hand>,
+    claims: Vec<(usize, Claim)>,
+    replies: Vec<(WorkerId, u64, Vec<TaskKey>, Assignment)>,
+    tokens: BTreeMap<Token, (WorkerId, u64)>,
+    unrecorded: Vec<u64>,
+    delivered: Vec<u64>,
+    given_up: Vec<u64>,
+    recorded: BTreeSet<u64>,
+    now: Duration,
+    submitted: u64,
+}
+
+impl Farm {
+    fn new(hands: usize, losses_allowed: u32) -> Self {
+        let hand = |k: usize| Hand {
+            id: worker(&format!("w{k}")),
+            alive: false,
+            sequence: 0,
+            running: vec![],
+            finished: vec![],
+        };
+        Self {
+            scheduler: Scheduler::new(Settings { losses_allowed, ..Settings::new(CAMPAIGN) }),
+            hands: (0..hands).map(hand).collect(),
+            claims: vec![],
+            replies: vec![],
+            tokens: BTreeMap::new(),
+            unrecorded: vec![],
+            delivered: vec![],
+            given_up: vec![],
+            recorded: BTreeSet::new(),
+            now: START,
+            submitted: 0,
+        }
+    }
+
+    fn event(&mut self, event: Event) {
+        for command in self.scheduler.on_event(self.now, event) {
+            match command {
+                Command::Deliver(finished) => {
+                    self.delivered.push(finished.id);
+                    self.unrecorded.push(finished.id);
+                }
+                Command::GiveUp { task, .. } => self.given_up.push(task),
+                Command::Reply { token, acknowledged, assignment } => {
+                    for key in &acknowledged {
+                        let ended = self.recorded.contains(&key.task) || self.given_up.contains(&key.task);
+                        assert!(ended, "task {} was acknowledged before it was durable", key.task);
+                    }
+                    let (id, sequence) = self.tokens.remove(&token).expect("each claim is answered once");
+                    self.replies.push((id, sequence, acknowledged, assignment));
+                }
+                Command::Announce(_) | Command::AnnounceEnd | Command::Warn(_) => {}
+            }
+        }
+    }
+
+    fn send_claim(&mut self, k: usize) {
+        let hand = &mut self.hands[k];
+        hand.sequence += 1;
+        let held = hand.running.iter().chain(hand.finished.iter().map(|o| &o.task));
+        let holding: Vec<u64> = held.map(|task| task.key.task).collect();
+        let credits = 3u32.saturating_sub(u32::try_from(hand.running.len()).unwrap());
+        let claim =
+            Claim { slots: 2, ..claim(&hand.id, hand.sequence, credits, hand.finished.clone(), &holding) };
+        self.claims.push((k, claim));
+    }
+
+    fn deliver_claim(&mut self, at: usize, keep: bool) {
+        let (_, claim) = self.claims[at].clone();
+        if !keep {
+            self.claims.swap_remove(at);
+        }
+        let token = self.tokens.keys().last().map_or(0, |last| last + 1);
+        self.tokens.insert(token, (claim.worker.clone(), claim.sequence));
+        self.event(Event::Claimed { token, claim });
+    }
+
+    fn deliver_reply(&mut self, at: usize) {
+        let (id, sequence, acknowledged, assignment) = self.replies.swap_remove(at);
+        let Some(hand) = self.hands.iter_mut().find(|hand| hand.id == id) else { return };
+        // A worker listens only to the answer of its latest claim.
+        if hand.sequence != sequence {
+            return;
+        }
+        hand.finished.retain(|outcome| !acknowledged.contains(&outcome.task.key));
+        if let Assignment::Work(tasks) = assignment {
+            for task in tasks {
+                let held = hand.finished.iter().map(|o| &o.task).chain(&hand.running);
+                if !held.into_iter().any(|other| other.same_work(&task)) {
+                    hand.running.push(task);
+                }
+            }
+        }
+    }
+
+    fn record_one(&mut self, at: usize) {
+        let task = self.unrecorded.swap_remove(at);
+        assert!(self.recorded.insert(task), "task {task} was delivered twice");
+        self.event(Event::Recorded { task });
+    }
+
+    fn step(&mut self, op: u8, choice: usize) {
+        let k = choice % self.hands.len();
+        match op {
+            0 => {
+                let more = 1 + choice as u64 % 4;
+                self.event(Event::Submit(requests(self.submitted..self.submitted + more)));
+                self.submitted += more;
+            }
+            1 | 2 => self.send_claim(k),
+            3 | 4 if !self.claims.is_empty() => self.deliver_claim(choice % self.claims.len(), false),
+            5 if !self.claims.is_empty() => self.deliver_claim(choice % self.claims.len(), true),
+            6 if !self.claims.is_empty() => drop(self.claims.swap_remove(choice % self.claims.len())),
+            7 | 8 if !self.replies.is_empty() => self.deliver_reply(choice % self.replies.len()),
+            9 if !self.replies.is_empty() => drop(self.replies.swap_remove(choice % self.replies.len())),
+            10 | 11 if !self.unrecorded.is_empty() => self.record_one(choice % self.unrecorded.len()),
+            12 | 13 if !self.hands[k].running.is_empty() => {
+                let hand = &mut self.hands[k];
+                let task = hand.running.remove(0);
+                hand.finished.push(outcome(&task, &hand.id));
+            }
+            14 => {
+                self.hands[k].alive = true;
+                self.event(Event::Appeared(self.hands[k].id.clone()));
+            }
+            // Cut off, and perhaps back later with all it had.
+            15 => {
+                self.hands[k].alive = false;
+                self.event(Event::Gone(self.hands[k].id.clone()));
+            }
+            // Dead, and started again with nothing.
+            16 => {
+                self.event(Event::Gone(self.hands[k].id.clone()));
+                let hand = &mut self.hands[k];
+                hand.id.epoch += 1;
+                (hand.alive, hand.sequence) = (true, 0);
+                hand.running.clear();
+                hand.finished.clear();
+                self.event(Event::Appeared(self.hands[k].id.clone()));
+            }
+            17 => {
+                self.now += Duration::from_secs(50 * (choice as u64 % 30));
+                self.event(Event::Tick);
+            }
+            _ => {}
+        }
+    }
+
+    /// From here on nothing more goes wrong: everybody is there and every message arrives.
+    fn run_out(&mut self) {
+        for k in 0..self.hands.len() {
+            self.event(Event::Appeared(self.hands[k].id.clone()));
+        }
+        for _ in 0..10_000 {
+            while !self.unrecorded.is_empty() {
+                self.record_one(0);
+            }
+            if self.scheduler.open() == 0 {
+                return;
+            }
+            for k in 0..self.hands.len() {
+                for task in std::mem::take(&mut self.hands[k].running) {
+                    let done = outcome(&task, &self.hands[k].id);
+                    self.hands[k].finished.push(done);
+                }
+                self.send_claim(k);
+                self.deliver_claim(self.claims.len() - 1, false);
+                while !self.unrecorded.is_empty() {
+                    self.record_one(0);
+                }
+                while !self.replies.is_empty() {
+                    self.deliver_reply(self.replies.len() - 1);
+                }
+            }
+        }
+        panic!("{} tasks never ended", self.scheduler.open());
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    /// Whatever happens, in the end each task has ended exactly once and none was lost.
+    #[test]
+    fn every_task_ends_exactly_once(
+        hands in 1usize..4,
+        losses_allowed in prop_oneof![Just(2u32), Just(1000)],
+        steps in proptest::collection::vec((0u8..18, any::<u16>()), 0..200),
+    ) {
+        let mut farm = Farm::new(hands, losses_allowed);
+        farm.step(0, 3);
+        for (op, choice) in steps {
+            farm.step(op, usize::from(choice));
+        }
+        farm.run_out();
+        let mut ended: Vec<u64> = farm.delivered.iter().chain(&farm.given_up).copied().collect();
+        ended.sort_unstable();
+        prop_assert_eq!(ended, (0..farm.submitted).collect::<Vec<_>>());
+        prop_assert_eq!(farm.recorded.len(), farm.delivered.len());
+        if losses_allowed == 1000 {
+            prop_assert!(farm.given_up.is_empty());
+        }
+    }
+}
