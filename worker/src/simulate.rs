@@ -68,6 +68,9 @@ pub fn simulate(
     run.finish(cycles, histories, peaks, free_flight, first_cycle)
 }
 
+/// A value per joint with clearance, by the joint's name, in the scene's order.
+type PerJoint<T> = Vec<(String, T)>;
+
 /// An island with its state and tools.
 struct Moving {
     island: Island,
@@ -173,9 +176,9 @@ impl<'a> Run<'a> {
         for m in &mut self.islands {
             let Moving { island, advance, recorder, q, v, .. } = m;
             let done = if record {
-                advance.run(island, from, to, q, v, recorder, &mut self.stats)
+                advance.run(island, from..to, q, v, recorder, &mut self.stats)
             } else {
-                advance.run(island, from, to, q, v, &mut (), &mut self.stats)
+                advance.run(island, from..to, q, v, &mut (), &mut self.stats)
             };
             done.map_err(|error| failure(error, self.cycle, island, self.accuracy.steps_bound))?;
         }
@@ -278,7 +281,7 @@ impl<'a> Run<'a> {
     }
 
     /// Peak force and share of free flight of the cycle just measured, per joint in the scene's order.
-    fn force_summary(&self) -> (Vec<(String, f64)>, Vec<(String, f64)>) {
+    fn force_summary(&self) -> (PerJoint<f64>, PerJoint<f64>) {
         let period = self.scene.life.period;
         let of = |value: &dyn Fn(&crate::outputs::ForceTrack) -> f64| {
             self.joints(|m, k| m.recorder.forces.as_ref().map_or(0.0, |f| value(&f[k])))
@@ -287,7 +290,7 @@ impl<'a> Run<'a> {
     }
 
     /// A value per joint with clearance, in the scene's order.
-    fn joints<T>(&self, value: impl Fn(&Moving, usize) -> T) -> Vec<(String, T)> {
+    fn joints<T>(&self, value: impl Fn(&Moving, usize) -> T) -> PerJoint<T> {
         let mut all: Vec<(usize, String, T)> = Vec::new();
         for m in &self.islands {
             for (k, joint) in m.island.joints.iter().enumerate() {
@@ -302,8 +305,8 @@ impl<'a> Run<'a> {
         self,
         cycles: Vec<u32>,
         histories: Vec<Vec<f64>>,
-        peaks: Vec<(String, f64)>,
-        free_flight: Vec<(String, f64)>,
+        peaks: PerJoint<f64>,
+        free_flight: PerJoint<f64>,
         first_cycle: Option<FirstCycle>,
     ) -> Result<Evaluation, SimulationFailure> {
         for (output, history) in self.scene.outputs.iter().zip(&histories) {

@@ -69,6 +69,8 @@ impl Rosenbrock {
 
     /// Computes the step of length `h` [s] from (`t`, `q`, `v`), where `at` is the linearisation there; false
     /// if its matrix is singular.
+    // Each loop runs over one row index of several vectors and matrices at once.
+    #[allow(clippy::needless_range_loop)]
     pub fn step<D: Dynamics>(
         &mut self,
         system: &D,
