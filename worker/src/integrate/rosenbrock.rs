@@ -153,14 +153,13 @@ impl Rosenbrock {
     /// contact far faster than the step, no longer counts, slower motion counts as before (Shampine's filter).
     fn filter_error(&mut self, at: &Linearised, gh: f64, mass: &[f64]) {
         let n = self.n;
-        for i in 0..n {
-            let row = &at.k[i * n..(i + 1) * n];
+        for ((v, row), mass) in self.error_v.iter_mut().zip(at.k.chunks_exact(n)).zip(mass) {
             let kq: f64 = row.iter().zip(&self.error_q).map(|(k, e)| k * e).sum();
-            self.error_v[i] = mass[i] * self.error_v[i] / gh + kq;
+            *v = mass * *v / gh + kq;
         }
         solve(&self.matrix, &self.pivot, n, &mut self.error_v);
-        for i in 0..n {
-            self.error_q[i] += gh * self.error_v[i];
+        for (q, v) in self.error_q.iter_mut().zip(&self.error_v) {
+            *q += gh * v;
         }
     }
 }
