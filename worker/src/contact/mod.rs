@@ -9,7 +9,7 @@ mod foundation;
 mod local_hertz;
 mod stiffness;
 
-pub use foundation::Foundation;
+pub use foundation::{Foundation, equivalent_penetration};
 pub use local_hertz::LocalHertz;
 pub use stiffness::hertz_stiffness;
 
