@@ -4,6 +4,8 @@ mod archard;
 mod history;
 mod profile;
 mod step;
+#[cfg(test)]
+mod volume_tests;
 
 pub use archard::WearRate;
 pub use history::{ContactHistory, ContactSample};
