@@ -1,0 +1,217 @@
+//! The files of `deploy/`: what can be tried here is tried, the rest is validated.
+
+use coordinator::dispatch::{Listen, ZenohEvaluator};
+use serde_yaml::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::Arc;
+use std::time::Duration;
+use tests::command_line::{objection, words};
+use tests::{Practice, campaign, evaluate, expected, in_time, practice_result, program, requests, skipped};
+use worker::service::{self, ServiceConfig, ServiceError, WorkerHandle};
+
+const UNITS: [&str; 2] = ["hingewise-coordinator.service", "hingewise-worker.service"];
+const INSTALLED: &str = "/opt/hingewise/bin/";
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_path_buf()
+}
+
+fn deployed(name: &str) -> String {
+    std::fs::read_to_string(root().join("deploy").join(name)).unwrap()
+}
+
+/// What a program that may not be installed says; `None`, and a word about it, if it is not.
+fn if_installed(what: &str, command: &mut Command) -> Option<Output> {
+    match command.output() {
+        Ok(output) => Some(output),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            skipped(what, &format!("{} is not installed", command.get_program().display()));
+            None
+        }
+        Err(error) => panic!("{command:?}: {error}"),
+    }
+}
+
+/// Values of a key in a unit, continued lines joined.
+fn values(unit: &str, key: &str) -> Vec<String> {
+    let joined = unit.replace("\\\n", " ");
+    joined.lines().filter_map(|line| line.strip_prefix(key)?.strip_prefix('=')).map(str::to_owned).collect()
+}
+
+#[track_caller]
+fn is_taken(program_name: &str, arguments: &[String]) {
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    if let Some(said) = objection(&program(program_name), &arguments) {
+        panic!("{said}");
+    }
+}
+
+#[test]
+fn units_start_what_the_programs_take() {
+    for (name, lines) in UNITS.into_iter().zip([2, 1]) {
+        let start = values(&deployed(name), "ExecStart").join(" ");
+        let commands: Vec<&str> = start.split(INSTALLED).skip(1).collect();
+        assert_eq!(commands.len(), lines, "{name}: {start}");
+        for command in commands {
+            // A command in the shell's line ends at its semicolon.
+            let command = words(command.split(';').next().unwrap());
+            is_taken(&command[0], &command[1..]);
+        }
+    }
+}
+
+#[test]
+fn units_drain_and_run_as_nobody_of_importance() {
+    for name in UNITS {
+        let unit = deployed(name);
+        let only = |key: &str| values(&unit, key).join(" ");
+        assert_eq!(only("User"), "hingewise", "{name}");
+        assert_eq!(only("KillSignal"), "SIGTERM", "{name}");
+        assert!(only("TimeoutStopSec").parse::<u32>().unwrap() >= 10, "{name}");
+        assert_eq!(only("RestartPreventExitStatus"), "2", "{name}: bad input does not mend itself");
+        assert_eq!(only("CapabilityBoundingSet"), "", "{name}");
+        for on in ["NoNewPrivileges", "ProtectHome", "PrivateTmp", "MemoryDenyWriteExecute"] {
+            assert_eq!(only(on), "yes", "{name}: {on}");
+        }
+    }
+    // An interrupted study is one that stopped as asked.
+    assert_eq!(values(&deployed(UNITS[0]), "SuccessExitStatus"), ["130"]);
+    assert!(values(&deployed(UNITS[1]), "ExecStart")[0].ends_with("--give-up-after 0"));
+}
+
+#[test]
+fn systemd_has_nothing_to_say_about_the_units() {
+    let folder = tempfile::tempdir().unwrap();
+    let installed = program("coordinator").parent().unwrap().display().to_string() + "/";
+    for name in UNITS {
+        program(name.trim_start_matches("hingewise-").trim_end_matches(".service"));
+        let file = folder.path().join(name);
+        std::fs::write(&file, deployed(name).replace(INSTALLED, &installed)).unwrap();
+        let mut verify = Command::new("systemd-analyze");
+        verify.args(["verify", "--man=no"]).arg(&file);
+        let Some(output) = if_installed("the systemd units", &mut verify) else { return };
+        let said = String::from_utf8_lossy(&output.stderr);
+        // It reads the units of this machine as well, which may have their own faults.
+        let about_ours: Vec<&str> = said.lines().filter(|line| line.contains("hingewise-")).collect();
+        assert!(about_ours.is_empty(), "{about_ours:#?}");
+    }
+}
+
+/// A string in a list of strings.
+fn texts(value: &Value) -> Vec<String> {
+    value.as_sequence().unwrap().iter().map(|text| text.as_str().unwrap().to_owned()).collect()
+}
+
+#[test]
+fn the_compose_file_connects_its_services() {
+    let compose: Value = serde_yaml::from_str(&deployed("compose.yaml")).unwrap();
+    let services = compose["services"].as_mapping().unwrap();
+    assert_eq!(services.len(), 2);
+    for (name, service) in services {
+        let command = texts(&service["command"]);
+        assert_eq!(Some(command[0].as_str()), name.as_str());
+        is_taken(&command[0], &command[1..]);
+        // What listens without authentication is on networks that nothing else can reach.
+        for network in texts(&service["networks"]) {
+            assert_eq!(compose["networks"][network.as_str()]["internal"], Value::Bool(true));
+        }
+        assert!(service.get("ports").is_none(), "nothing is published on the host");
+    }
+    let option = |service: &str, option: &str| {
+        let command = texts(&compose["services"][service]["command"]);
+        command.iter().find_map(|word| word.strip_prefix(option).map(str::to_owned)).unwrap()
+    };
+    // Workers connect to the coordinator by the name of its service, on its port.
+    let listen = option("coordinator", "--listen=tcp/0.0.0.0:");
+    assert_eq!(option("worker", "--connect="), format!("tcp/coordinator:{listen}"));
+    // The volume is mounted where the results go.
+    let mount = texts(&compose["services"]["coordinator"]["volumes"])[0].clone();
+    let (volume, path) = mount.split_once(':').unwrap();
+    assert!(compose["volumes"].get(volume).is_some());
+    assert!(option("coordinator", "--out=").starts_with(path));
+    assert!(deployed("Containerfile").contains(&format!("VOLUME {path}\n")));
+    let build = &compose["services"]["coordinator"]["build"];
+    let context = root().join("deploy").join(build["context"].as_str().unwrap());
+    assert!(context.join(build["dockerfile"].as_str().unwrap()).is_file());
+}
+
+#[test]
+fn the_image_holds_both_programs_and_runs_without_root() {
+    let text = deployed("Containerfile");
+    let stages: Vec<&str> = text.split("\nFROM ").collect();
+    assert_eq!(stages.len(), 3, "a comment, a stage that builds, a stage that runs");
+    let manifest: toml::Table = std::fs::read_to_string(root().join("Cargo.toml")).unwrap().parse().unwrap();
+    let rust = manifest["workspace"]["package"]["rust-version"].as_str().unwrap();
+    assert!(stages[1].contains(&format!("rust:{rust}-")), "another Rust than the workspace's {rust}");
+    let built: Vec<&str> =
+        stages[1].split("-p ").skip(1).map(|rest| rest.split_whitespace().next().unwrap()).collect();
+    assert_eq!(built, ["coordinator", "worker"]);
+    for name in built {
+        assert!(stages[2].contains(&format!("/source/target/release/{name} ")), "{name} is not copied");
+    }
+    let user = stages[2].lines().rfind(|line| line.starts_with("USER ")).unwrap();
+    assert!(!["USER root", "USER 0"].contains(&user));
+}
+
+/// Runs `certificates.sh` for `host`; the folder of its files.
+fn certificates(folder: &Path, host: &str) -> PathBuf {
+    let mut script = Command::new("bash");
+    script.arg(root().join("deploy/certificates.sh")).arg(folder).arg(host);
+    let output = script.output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let own = folder.join(host);
+    assert_eq!(String::from_utf8_lossy(&output.stdout).trim_end(), own.to_str().unwrap());
+    own
+}
+
+/// `zenoh-tls.json5` with the certificates in `own`.
+fn configuration(own: &Path) -> PathBuf {
+    let text = deployed("zenoh-tls.json5");
+    assert_eq!(text.matches("\"/etc/hingewise/tls/").count(), 5);
+    let file = own.join("zenoh-tls.json5");
+    std::fs::write(&file, text.replace("/etc/hingewise/tls", own.to_str().unwrap())).unwrap();
+    file
+}
+
+fn worker_with(config: &Path, endpoint: &str, give_up_after: Duration) -> WorkerHandle {
+    let config = ServiceConfig {
+        zenoh_config: Some(config.to_owned()),
+        give_up_after: Some(give_up_after),
+        ..ServiceConfig::new(endpoint, 1)
+    };
+    service::spawn(config, Arc::new(Practice(practice_result))).unwrap()
+}
+
+#[test]
+fn certificates_let_workers_in_and_keep_strangers_out() {
+    if if_installed("TLS", Command::new("openssl").arg("version")).is_none() {
+        return;
+    }
+    in_time(|| {
+        let folder = tempfile::tempdir().unwrap();
+        let host = "127.0.0.1";
+        let own = certificates(&folder.path().join("ours"), host);
+        let stranger = certificates(&folder.path().join("theirs"), host);
+        // They know our authority, as everybody may, but it does not know them.
+        std::fs::copy(own.join("ca.pem"), stranger.join("ca.pem")).unwrap();
+
+        // Not on loopback alone, and yet not refused.
+        let listen = Listen {
+            endpoint: Some("tls/0.0.0.0:0".into()),
+            config: Some(configuration(&own)),
+            insecure: false,
+        };
+        let mut coordinator = ZenohEvaluator::open(campaign(), &listen, Arc::default()).unwrap();
+        let port = coordinator.endpoints()[0].rsplit(':').next().unwrap().to_owned();
+        let endpoint = format!("tls/{host}:{port}");
+
+        let refused = worker_with(&configuration(&stranger), &endpoint, Duration::from_secs(1));
+        assert!(matches!(refused.join(), Err(ServiceError::Unreachable { .. })));
+        assert_eq!(coordinator.concurrency(), 0);
+
+        let _welcome = worker_with(&configuration(&own), &endpoint, Duration::from_secs(20));
+        assert_eq!(evaluate(&mut coordinator, &requests(0..8)).unwrap(), expected(0..8));
+        coordinator.finish();
+    });
+}
