@@ -8,6 +8,8 @@
 mod foundation;
 mod local_hertz;
 mod stiffness;
+#[cfg(test)]
+mod tests;
 
 pub use foundation::{Foundation, equivalent_penetration};
 pub use local_hertz::LocalHertz;

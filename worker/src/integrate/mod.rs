@@ -1,6 +1,8 @@
 //! Time integration of M qdd = f(q, qd, t), islands of a few stiff degrees of freedom at a time.
 
 mod advance;
+#[cfg(test)]
+mod impact_tests;
 mod linear;
 mod rosenbrock;
 

@@ -2,6 +2,8 @@
 //! stands with ideal joints, and the forces of each island.
 
 mod assembly;
+#[cfg(test)]
+mod derivative_tests;
 mod frame;
 mod island;
 mod joint;

@@ -5,6 +5,8 @@ mod conformal;
 mod history;
 mod profile;
 mod step;
+#[cfg(test)]
+mod volume_tests;
 
 pub use archard::WearRate;
 pub use conformal::Unbalanced;

@@ -1,0 +1,223 @@
+//! Archard's volume K_H F S and the wear step, under contact histories made for the purpose.
+
+use super::{ContactHistory, Profile, WearRate, WearStep, WearStepStats};
+use crate::contact::{Contact, Foundation, JointForce, LocalHertz, Surface};
+use std::f64::consts::TAU;
+
+const SURFACE: Surface = Surface {
+    journal_radius: 1.5e-3,
+    clearance: 23.5e-6,
+    stiffness: 3.264e10,
+    damping: 0.0,
+    friction: 0.0,
+    friction_speed: 2.4e-3,
+    film: 0.0,
+};
+const COEFFICIENT: f64 = 1.288e-13;
+const WIDTH: f64 = 4e-3;
+const POINTS: usize = 36;
+/// Normal force [N] and sliding distance per cycle [m], those of the flapping-wing's joints.
+const FORCE: f64 = 4.0;
+const SLIDING: f64 = 9e-3;
+
+fn round() -> Profile {
+    Profile::round(SURFACE.journal_radius + SURFACE.clearance, POINTS)
+}
+
+fn local() -> Contact {
+    Contact::LocalHertz(LocalHertz { surface: SURFACE })
+}
+
+fn foundation() -> Contact {
+    Contact::Foundation(Foundation::new(SURFACE, POINTS))
+}
+
+/// A history with the same force and sliding in each of these directions, the work of a cycle shared between them.
+fn history(directions: &[f64]) -> ContactHistory {
+    let mut history = ContactHistory::new(1.0, directions.len());
+    let penetration = (FORCE / SURFACE.stiffness).powf(2.0 / 3.0);
+    for psi in directions {
+        let u = [psi.cos(), psi.sin()];
+        let reach = SURFACE.clearance + penetration;
+        let contact = JointForce {
+            normal: FORCE,
+            direction: u,
+            penetration,
+            sliding: SLIDING,
+            ..JointForce::default()
+        };
+        history.push(1.0 / directions.len() as f64, [reach * u[0], reach * u[1]], &contact);
+        history.close_stretch();
+    }
+    history
+}
+
+fn rate(contact: &Contact, history: &ContactHistory) -> WearRate {
+    let mut rate = WearRate::new(COEFFICIENT, WIDTH, contact, &round());
+    rate.freeze(history);
+    rate
+}
+
+fn wear(rate: &mut WearRate, depth: &mut [f64], cycles: f64, tolerance: f64) {
+    WearStep::new(POINTS, tolerance)
+        .advance(rate, depth, cycles, &[], |_, _| {}, &mut WearStepStats::default())
+        .expect("the wear step reaches its tolerance");
+}
+
+/// Volume between the worn and the unworn bore, by the control points' sectors [m^3].
+fn volume(depth: &[f64]) -> f64 {
+    let r0 = SURFACE.journal_radius + SURFACE.clearance;
+    let sum: f64 = depth.iter().map(|h| 0.5 * ((r0 + h) * (r0 + h) - r0 * r0)).sum();
+    sum * TAU / depth.len() as f64 * WIDTH
+}
+
+/// Integral of the foundation's pressure over the worn bore, over the force it makes in direction zero, found
+/// on a fine grid by bisection of the eccentricity: for profiles symmetric about that direction.
+fn pressure_over_force(depth: &[f64]) -> f64 {
+    const GRID: usize = 20_000;
+    let mut profile = round();
+    profile.set_depth(depth);
+    let kappa = match foundation() {
+        Contact::Foundation(law) => law.kappa(),
+        Contact::LocalHertz(_) => unreachable!("made as a foundation"),
+    };
+    let bore: Vec<(f64, f64)> = (0..GRID)
+        .map(|k| {
+            let psi = TAU * (k as f64 / GRID as f64 - 0.5);
+            (psi.cos(), profile.at(psi).r)
+        })
+        .collect();
+    let sums = |e: f64| {
+        bore.iter().fold((0.0, 0.0), |(force, pressure), (cos, radius)| {
+            let p = kappa * (e * cos + SURFACE.journal_radius - radius).max(0.0) * TAU / GRID as f64;
+            (force + p * cos, pressure + p)
+        })
+    };
+    let (mut low, mut high) = (0.0, 2.0 * SURFACE.clearance);
+    for _ in 0..60 {
+        let e = 0.5 * (low + high);
+        if sums(e).0 < FORCE { low = e } else { high = e }
+    }
+    sums(low).1 / FORCE
+}
+
+#[test]
+fn foundation_wears_the_volume_its_pressure_asks_for() {
+    // A constant force in a fixed direction. Pressures of a wide arc add up to more than their resultant, so the
+    // volume is K_H S times the integral of the pressure; in the narrow arc of a new bore that is K_H F S.
+    let mut rate = rate(&foundation(), &history(&[0.0]));
+    let mut depth = vec![0.0; POINTS];
+    let cell = TAU / POINTS as f64 * (SURFACE.journal_radius + SURFACE.clearance) * WIDTH;
+    let archard = COEFFICIENT * FORCE * SLIDING;
+    let (mut expected, mut worn, mut widest) = (0.0, 0.0, 1.0);
+    let mut before = 1.0;
+    for block in 0..16 {
+        let ratio = pressure_over_force(&depth);
+        let mut per_cycle = vec![0.0; POINTS];
+        rate.rate(&depth, &mut per_cycle);
+        let now = per_cycle.iter().sum::<f64>() * cell / archard;
+        assert!((now / ratio - 1.0).abs() < 1e-3, "block {block}: {now} against {ratio}");
+        if block == 0 {
+            assert!((now - 1.0).abs() < 3e-3, "narrow arc: {now}");
+        } else {
+            expected += 0.5 * (before + ratio) * 2000.0 * archard;
+        }
+        (before, widest) = (ratio, f64::max(widest, ratio));
+        let old = depth.clone();
+        if block < 15 {
+            wear(&mut rate, &mut depth, 2000.0, 1e-3);
+        }
+        assert!(depth.iter().zip(&old).all(|(new, old)| new >= old), "wear decreased");
+        worn = depth.iter().sum::<f64>() * cell;
+    }
+    assert!((worn / expected - 1.0).abs() < 1e-3, "{worn} against {expected}");
+    assert!(widest > 1.01, "the arc became wide: {widest}");
+}
+
+#[test]
+fn local_law_wears_archards_volume_under_a_load_that_sweeps_round() {
+    // What is missing to equality (9e-4) is the chord by which the arc's ends are found between table angles.
+    let directions: Vec<f64> = (0..1440).map(|k| TAU * (f64::from(k) + 0.5) / 1440.0).collect();
+    let mut rate = rate(&local(), &history(&directions));
+    let mut depth = vec![0.0; POINTS];
+    for block in 1..=4 {
+        let old = depth.clone();
+        wear(&mut rate, &mut depth, 4000.0, 1e-3);
+        assert!(depth.iter().zip(&old).all(|(new, old)| new > old));
+        let archard = COEFFICIENT * FORCE * SLIDING * 4000.0 * f64::from(block);
+        let ratio = volume(&depth) / archard;
+        assert!((ratio - 1.0).abs() < 1e-3, "block {block}: {ratio}");
+    }
+    let (least, most) = depth.iter().fold((f64::MAX, 0.0_f64), |(a, b), &h| (a.min(h), b.max(h)));
+    assert!(most / least - 1.0 < 1e-3, "an even load wears evenly: {least} to {most}");
+}
+
+#[test]
+fn wear_does_not_depend_on_how_a_block_is_cut() {
+    let swinging: Vec<f64> = (0..200).map(|k| 0.8 * (TAU * f64::from(k) / 200.0).sin()).collect();
+    for contact in [local(), foundation()] {
+        let history = history(&swinging);
+        let run = |blocks: u32| {
+            let mut rate = rate(&contact, &history);
+            let mut depth = vec![0.0; POINTS];
+            // A worn-in start, where the whole length of the block counts.
+            wear(&mut rate, &mut depth, 4000.0, 1e-3);
+            for _ in 0..blocks {
+                wear(&mut rate, &mut depth, 2000.0 / f64::from(blocks), 1e-3);
+            }
+            depth
+        };
+        let (once, often) = (run(1), run(8));
+        // What a mark inside the block sees is the depth there.
+        let (mut half, mut marked) = (vec![0.0; POINTS], vec![]);
+        wear(&mut rate(&contact, &history), &mut half, 2000.0, 1e-3);
+        WearStep::new(POINTS, 1e-3)
+            .advance(
+                &mut rate(&contact, &history),
+                &mut vec![0.0; POINTS],
+                4000.0,
+                &[2000.0],
+                |_, depth| marked = depth.to_vec(),
+                &mut WearStepStats::default(),
+            )
+            .expect("the wear step reaches its tolerance");
+        let deepest = half.iter().fold(0.0_f64, |a, b| a.max(*b));
+        assert!(half.iter().zip(&marked).all(|(a, b)| (a - b).abs() < 1e-3 * deepest), "{half:?} {marked:?}");
+        let largest = once.iter().fold(0.0_f64, |a, b| a.max(*b));
+        for (a, b) in once.iter().zip(&often) {
+            assert!((a - b).abs() < 1e-3 * largest, "{a} against {b} of {largest}");
+        }
+    }
+}
+
+/// Number of control points deeper than both neighbours by more than a fiftieth of the deepest.
+fn peaks(depth: &[f64]) -> usize {
+    let n = depth.len();
+    let margin = 0.02 * depth.iter().fold(0.0_f64, |a, b| a.max(*b));
+    (0..n)
+        .filter(|&i| depth[i] > depth[(i + n - 1) % n] + margin && depth[i] > depth[(i + 1) % n] + margin)
+        .count()
+}
+
+#[test]
+fn large_blocks_of_foundation_wear_do_not_zig_zag_as_an_explicit_jump_does() {
+    let history = history(&[0.0]);
+    let mut stable = vec![0.0; POINTS];
+    let mut jumping = vec![0.0; POINTS];
+    let mut law = rate(&foundation(), &history);
+    let mut explicit = rate(&foundation(), &history);
+    let mut per_cycle = vec![0.0; POINTS];
+    let (mut most_peaks, mut furthest) = (0, 0.0_f64);
+    for _ in 0..8 {
+        wear(&mut law, &mut stable, 2000.0, 1e-3);
+        assert_eq!(peaks(&stable), 1, "{stable:?}");
+        explicit.rate(&jumping, &mut per_cycle);
+        jumping.iter_mut().zip(&per_cycle).for_each(|(h, r)| *h += 2000.0 * r);
+        most_peaks = most_peaks.max(peaks(&jumping));
+        let off = jumping.iter().zip(&stable).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
+        furthest = furthest.max(off / stable[0]);
+    }
+    println!("explicit: {most_peaks} peaks, {furthest} of the depth away");
+    assert!(most_peaks > 1, "peaks of the explicit jump: {most_peaks}");
+    assert!(furthest > 0.25, "explicit jump off by {furthest}");
+}

@@ -1,0 +1,114 @@
+//! What cannot be simulated is said by name, within a bounded number of steps.
+
+use crate::scenes::{RPM, every_joint, scene, short};
+use common::accuracy::Accuracy;
+use common::failure::SimulationFailure;
+use common::scene::{Clearance, JointKind, Load, Scene, SceneSource};
+use worker::simulate::simulate;
+use worker::simulator::simulator;
+
+fn failure(scene: &Scene, accuracy: &Accuracy) -> SimulationFailure {
+    simulate(scene, accuracy, false).expect_err("this cannot be simulated")
+}
+
+#[test]
+fn too_few_steps_are_reported_with_their_bound() {
+    let few = Accuracy { steps_bound: 40, ..Accuracy::draft() };
+    let found = failure(&scene("flapping-wing", &[]), &few);
+    assert!(matches!(found, SimulationFailure::TooManySteps { cycle: 0, bound: 40, .. }), "{found:?}");
+}
+
+#[test]
+fn an_unreachable_tolerance_is_reported_with_its_step() {
+    let exact = Accuracy { step_tolerance: 1e-30, ..Accuracy::draft() };
+    match failure(&scene("flapping-wing", &[]), &exact) {
+        SimulationFailure::StepTooSmall { cycle: 0, step, error, .. } => {
+            assert!(step > 0.0 && step < 1e-9 && error > 1.0, "step {step}, error {error}");
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn a_journal_pressed_through_its_bore_is_reported_with_its_joint() {
+    let mut scene = scene("four-bar", &[]);
+    for load in &mut scene.loads {
+        if let Load::ConstantTorque { torque, .. } = load {
+            *torque *= 1e5;
+        }
+    }
+    every_joint(&mut scene, |c| {
+        c.journal_material.elastic_modulus *= 1e-3;
+        c.bushing_material.elastic_modulus *= 1e-3;
+    });
+    match failure(&scene, &Accuracy::draft()) {
+        SimulationFailure::OutOfRange { joint, penetration, .. } => {
+            assert!(scene.joints.iter().any(|j| j.name == joint));
+            assert!(penetration > 4e-4, "penetration {penetration}");
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn ideal_joints_are_not_modelled_yet_and_say_so() {
+    let mut scene = scene("four-bar", &[]);
+    scene.joints[1].kind = JointKind::IdealRevolute;
+    match failure(&scene, &Accuracy::draft()) {
+        SimulationFailure::NotModelled { what } => assert!(what.contains("coupler"), "{what}"),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn a_linkage_that_does_not_close_is_not_simulated() {
+    let found = failure(&scene("flapping-wing", &[("parameters.rod_length", 15e-3)]), &Accuracy::draft());
+    assert!(matches!(found, SimulationFailure::CannotAssemble { .. }), "{found:?}");
+}
+
+#[test]
+fn an_invalid_sample_is_an_outcome() {
+    let source = SceneSource::builtin("flapping-wing").expect("built in");
+    let simulator = simulator();
+    let mut sample = source.means();
+    sample[0] = 1.4e-3;
+    for sample in [sample, vec![1.0]] {
+        let found = simulator.simulate(source.text(), &sample, &Accuracy::draft(), false);
+        assert!(matches!(found, Err(SimulationFailure::InvalidSample { .. })), "{found:?}");
+    }
+}
+
+#[test]
+fn extremes_end_in_a_finite_result_or_a_typed_failure() {
+    let cases: [(&str, &[(&str, f64)], fn(&mut Clearance)); 7] = [
+        ("clearance 2 um", &[], |c| c.bushing_radius = c.journal_radius + 2e-6),
+        ("friction 0.5", &[], |c| c.friction = 0.5),
+        ("modulus x 10", &[], |c| {
+            c.journal_material.elastic_modulus *= 10.0;
+            c.bushing_material.elastic_modulus *= 10.0;
+        }),
+        ("no film", &[], |c| c.film_damping = 0.0),
+        ("wear x 10", &[], |c| c.wear_coefficient *= 10.0),
+        ("60 r/min", &[("parameters.crank_speed", 60.0 * RPM)], |_| {}),
+        ("3000 r/min", &[("parameters.crank_speed", 3000.0 * RPM)], |_| {}),
+    ];
+    let accuracy = Accuracy { steps_bound: 40_000, ..Accuracy::draft() };
+    for (case, settings, change) in cases {
+        let mut scene = short("flapping-wing", settings, 3000);
+        every_joint(&mut scene, change);
+        match simulate(&scene, &accuracy, false) {
+            Ok(e) => {
+                assert!(e.histories.iter().flatten().all(|x| x.is_finite() && *x > 0.0), "{case}");
+                // Two spans of a measured cycle and a warm-up per simulated cycle and island, each within the bound.
+                let bound = accuracy.steps_bound * 2 * 3 * e.diagnostics.simulated_cycles;
+                assert!(e.diagnostics.steps <= bound, "{case}: {}", e.diagnostics.steps);
+                println!("{case}: {} steps, {} refused", e.diagnostics.steps, e.diagnostics.rejected_steps);
+            }
+            Err(failure) => {
+                println!("{case}: {failure}");
+                let panicked = matches!(failure, SimulationFailure::Panicked { .. });
+                assert!(!panicked && !failure.to_string().contains("NaN"), "{case}: {failure}");
+            }
+        }
+    }
+}

@@ -1,0 +1,9 @@
+//! Whole evaluations of the built-in scenes: published results, closed forms, invariances, failures.
+
+mod failures;
+mod foundation;
+mod four_bar;
+mod islands;
+mod kinematics;
+mod nominal;
+mod scenes;

@@ -1,0 +1,95 @@
+//! The nominal evaluation of the flapping-wing drive against the published figures (model.md, section 7), and its
+//! convergence in time step and wear step.
+
+use crate::scenes::{RPM, at, scene};
+use common::accuracy::Accuracy;
+use common::outputs::Evaluation;
+use std::sync::OnceLock;
+use worker::simulate::simulate;
+
+const WEAR: usize = 0;
+const ASYMMETRY: usize = 1;
+
+fn evaluate(accuracy: &Accuracy) -> Evaluation {
+    simulate(&scene("flapping-wing", &[]), accuracy, true).expect("the nominal scene is simulated")
+}
+
+fn nominal() -> &'static Evaluation {
+    static NOMINAL: OnceLock<Evaluation> = OnceLock::new();
+    NOMINAL.get_or_init(|| evaluate(&Accuracy::balanced()))
+}
+
+#[test]
+fn peak_forces_are_the_published_ones() {
+    assert_eq!(nominal().joints.len(), 6);
+    for joint in &nominal().joints {
+        let published = if matches!(joint.name.as_str(), "5" | "6") { 9.27 } else { 5.94 };
+        let ratio = joint.peak_force / published;
+        assert!((ratio - 1.0).abs() < 0.03, "joint {}: {} N", joint.name, joint.peak_force);
+    }
+}
+
+#[test]
+fn wear_at_64_000_cycles_is_the_published_one() {
+    let depth = at(nominal(), WEAR, 64_000);
+    assert!((depth / 28.8e-6 - 1.0).abs() < 0.05, "{depth} m");
+}
+
+#[test]
+fn outputs_are_finite_and_wear_never_decreases() {
+    let e = nominal();
+    assert_eq!(e.cycles.len(), 72);
+    assert!(e.histories.iter().flatten().all(|x| x.is_finite() && *x > 0.0));
+    assert!(e.histories[WEAR].windows(2).all(|w| w[1] >= w[0]));
+    let deepest = e.joints.iter().flat_map(|j| &j.wear_depth).fold(0.0_f64, |a, b| a.max(*b));
+    assert_eq!(deepest, at(e, WEAR, 72_000));
+}
+
+#[test]
+fn rockers_swing_as_far_as_with_the_reconstructed_clearance() {
+    let first = nominal().first_cycle.as_ref().expect("asked for");
+    assert_eq!(first.bodies.len(), 2);
+    for body in &first.bodies {
+        let (low, high) = body.angle.iter().fold((f64::MAX, f64::MIN), |(a, b), x| (a.min(*x), b.max(*x)));
+        assert!((low.to_degrees() + 30.02).abs() < 0.05, "{}: {}", body.label, low.to_degrees());
+        assert!((high.to_degrees() - 29.27).abs() < 0.05, "{}: {}", body.label, high.to_degrees());
+    }
+}
+
+#[test]
+fn the_load_keeps_every_journal_on_its_bore() {
+    let shares = &nominal().diagnostics.free_flight_fraction;
+    assert_eq!(shares.len(), 6);
+    assert!(shares.iter().all(|(_, share)| *share == 0.0), "{shares:?}");
+}
+
+#[test]
+fn the_same_scene_gives_the_same_bits() {
+    assert_eq!(*nominal(), evaluate(&Accuracy::balanced()));
+}
+
+#[test]
+fn tighter_steps_and_smaller_blocks_change_little() {
+    let balanced = Accuracy::balanced();
+    let tight = evaluate(&Accuracy {
+        step_tolerance: 0.1 * balanced.step_tolerance,
+        cycle_jump: balanced.cycle_jump / 2,
+        ..balanced
+    });
+    let (mut wear, mut early, mut all) = (0.0_f64, 0.0_f64, 0.0_f64);
+    for (k, &cycles) in tight.cycles.iter().enumerate() {
+        let off = |output: usize| (nominal().histories[output][k] / tight.histories[output][k] - 1.0).abs();
+        wear = wear.max(off(WEAR));
+        all = all.max(off(ASYMMETRY));
+        if cycles <= 60_000 {
+            early = early.max(off(ASYMMETRY));
+        }
+    }
+    let end = at(&tight, ASYMMETRY, 72_000) / RPM;
+    println!(
+        "largest change: wear {wear}, gamma to 60 000 {early}, gamma {all}; gamma at the end {end} r/min"
+    );
+    assert!(wear < 0.01, "wear {wear}");
+    assert!(early < 0.01, "gamma to 60 000: {early}");
+    assert!(all < 0.03, "gamma {all}");
+}

@@ -1,0 +1,35 @@
+//! Scenes the tests start from.
+
+use common::outputs::Evaluation;
+use common::scene::{Clearance, JointKind, Scene, SceneSource};
+
+/// Radians per second in one revolution per minute.
+pub const RPM: f64 = std::f64::consts::TAU / 60.0;
+
+/// A built-in scene with some values changed: variables or keys, SI.
+pub fn scene(name: &str, settings: &[(&str, f64)]) -> Scene {
+    let settings: Vec<(String, f64)> = settings.iter().map(|(k, v)| ((*k).to_owned(), *v)).collect();
+    SceneSource::builtin(name).expect("built in").resolve_with(&settings).expect("valid")
+}
+
+/// The same with a shorter life [cycles].
+pub fn short(name: &str, settings: &[(&str, f64)], cycles: u32) -> Scene {
+    let mut scene = scene(name, settings);
+    scene.life.cycles = cycles;
+    scene
+}
+
+/// Changes every joint with clearance.
+pub fn every_joint(scene: &mut Scene, change: impl Fn(&mut Clearance)) {
+    for joint in &mut scene.joints {
+        if let JointKind::Clearance(clearance) = &mut joint.kind {
+            change(clearance);
+        }
+    }
+}
+
+/// History of an output at one checkpoint.
+pub fn at(evaluation: &Evaluation, output: usize, cycles: u32) -> f64 {
+    let k = evaluation.cycles.iter().position(|c| *c == cycles).expect("a checkpoint");
+    evaluation.histories[output][k]
+}
