@@ -62,7 +62,8 @@ pub struct ReliabilityRow {
     /// R per limit state, and `total` for the series system; absorbing.
     #[serde(flatten)]
     pub reliability: PerLimitState,
-    /// Standard error of each (sampling and surrogate together).
+    /// Standard error of each: root of the sum of squares of sampling error, estimated surrogate error and the shift by
+    /// the simulator's numerical noise.
     pub standard_error: PerLimitState,
 }
 
@@ -110,15 +111,17 @@ pub struct Round {
     pub round: usize,
     /// Evaluations so far.
     pub evaluations: usize,
-    /// Smallest coupled learning function over the population.
+    /// Smallest coupled learning function over the population; 100 stands for 100 or more.
     pub min_u: f64,
     /// Share of the population with U_c < 2.
     pub share_uncertain: f64,
-    /// Largest relative change of any R(n) since the round before; absent in round 0.
+    /// Largest change of any R(n) since the round before, relative to the smaller of R and P_f of the system at the
+    /// governing checkpoint; absent in round 0 and after the population grew.
     pub change_of_r: Option<f64>,
     /// Largest estimated surrogate error of any R(n).
     pub surrogate_error: f64,
-    /// Largest coefficient of variation of the failure probability at the governing checkpoint.
+    /// Coefficient of variation of the system's failure probability at the governing checkpoint; about 1 while no
+    /// failure is found.
     pub cov_pf: f64,
     /// Dominance weight k, where defined.
     pub dominance: Option<f64>,

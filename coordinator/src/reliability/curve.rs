@@ -11,7 +11,7 @@ pub struct CurvePoint {
 
 /// Curve of R over the m checkpoints from failure shares `(m,)` counted over `points` samples.
 ///
-/// `surrogate` gives the surrogate error at some checkpoints, ascending; between them the error of the nearest holds,
+/// `surrogate` gives the surrogate error (with the simulator noise) at some checkpoints, ascending; between them the error of the nearest holds,
 /// outside them the surrogates leave no doubt and only sampling counts. Empty: direct simulation.
 pub fn reliability_curve(failed: &[f64], points: usize, surrogate: &[(usize, f64)]) -> Vec<CurvePoint> {
     let at = |(n, pf): (usize, &f64)| {

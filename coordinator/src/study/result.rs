@@ -55,7 +55,7 @@ pub(super) struct Curves<'a> {
     pub failed: &'a [Vec<f64>],
     /// Samples counted.
     pub points: usize,
-    /// Surrogate error per curve, at ascending checkpoints; empty without surrogates.
+    /// Surrogate error and simulator noise per curve, at ascending checkpoints; empty without surrogates.
     pub surrogate: &'a [Vec<(usize, f64)>],
 }
 
@@ -67,7 +67,11 @@ pub(super) fn from_learning(scene: &Scene, settings: &Settings, learned: &Learne
         .errors
         .by_curve
         .iter()
-        .map(|errors| assessment.grid.iter().copied().zip(errors.iter().copied()).collect())
+        .zip(&assessment.noise_shift)
+        .map(|(errors, noise)| {
+            let combined = errors.iter().zip(noise).map(|(error, noise)| error.hypot(*noise));
+            assessment.grid.iter().copied().zip(combined).collect()
+        })
         .collect();
     let curves =
         Curves { failed: &assessment.curves, points: learned.population.len(), surrogate: &surrogate };

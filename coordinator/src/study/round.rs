@@ -5,7 +5,7 @@ use super::observations::Observations;
 use crate::design::Population;
 use crate::learning::{
     Classification, CurveErrors, Figures, Pool, checkpoints_that_matter, choose_pool, classify,
-    coupled_criterion, curves, dominance, estimate_errors,
+    coupled_criterion, curves, dominance, estimate_errors, noise_shifts,
 };
 use crate::reliability::governing_checkpoint;
 use crate::surrogate::{Correlation, Effort, Kriging, LeaveOneOut, Posterior, fit_correlation};
@@ -28,6 +28,9 @@ pub struct Assessment {
     pub curves: Vec<Vec<f64>>,
     /// Surrogate errors on the grid.
     pub errors: CurveErrors,
+    /// By how much the simulator's numerical noise, as the nuggets have it, would move each failure share on the grid,
+    /// `(modes + 1, a)`: no learning removes it, so it counts in the standard errors but not for stopping.
+    pub noise_shift: Vec<Vec<f64>>,
     /// Checkpoint at which the system's R is nearest 1/2.
     pub governing: usize,
     /// Share of the population with U_c < 2.
@@ -129,6 +132,9 @@ pub(super) fn assess(
     let inflation: Vec<f64> = surrogates.iter().map(Surrogate::inflation).collect();
     let errors = estimate_errors(&modes, &coupled, &pool, &posteriors, &inflation, seed, round);
 
+    let noise: Vec<f64> = surrogates.iter().map(|s| s.model.correlation().nugget.sqrt()).collect();
+    let noise_shift = noise_shifts(&modes, &noise);
+
     // Figures of the round.
     let system = curves.len() - 1;
     let governing = governing_checkpoint(&curves[system]);
@@ -156,6 +162,7 @@ pub(super) fn assess(
         grid,
         curves,
         errors,
+        noise_shift,
         pool,
         posteriors,
     })

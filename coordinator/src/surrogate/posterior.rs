@@ -140,11 +140,11 @@ mod tests {
         });
         let (deviations, lift) = posterior.realise(normals.as_ref());
         assert!(lift < 1e-6);
-        for i in 0..6 {
-            assert!((posterior.variance(i) - predicted[i]).abs() < 1e-12);
+        for (i, predicted) in predicted.iter().enumerate() {
+            assert!((posterior.variance(i) - predicted).abs() < 1e-12);
             let sampled = deviations.row(i).iter().map(|d| d * d).sum::<f64>() / draws as f64;
             // A sampled variance has relative standard error sqrt(2 / draws) = 1 %.
-            assert!((sampled / predicted[i] - 1.0).abs() < 0.04, "{i} {sampled} {}", predicted[i]);
+            assert!((sampled / predicted - 1.0).abs() < 0.04, "{i} {sampled} {predicted}");
         }
     }
 }

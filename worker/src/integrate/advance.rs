@@ -2,6 +2,7 @@
 //! its bound.
 
 use super::{Dynamics, Linearised, Rosenbrock};
+use std::ops::Range;
 
 /// Sees every accepted state, with the linearisation there, in order of time.
 pub trait Watch {
@@ -94,20 +95,20 @@ impl Advance {
         self.step = self.largest * 1e-2;
     }
 
-    /// Carries (`q`, `v`) from `t` to `end` [s]; `watch` sees every accepted state, both ends included.
+    /// Carries (`q`, `v`) over the span of time [s]; `watch` sees every accepted state, both ends included.
     ///
     /// # Errors
     /// [`AdvanceError`]; the state is then the last accepted one.
     pub fn run<D: Dynamics, W: Watch>(
         &mut self,
         system: &D,
-        mut t: f64,
-        end: f64,
+        span: Range<f64>,
         q: &mut [f64],
         v: &mut [f64],
         watch: &mut W,
         stats: &mut AdvanceStats,
     ) -> Result<(), AdvanceError> {
+        let Range { start: mut t, end } = span;
         let (scale_q, scale_v) = system.scales();
         let mut taken = 0;
         loop {

@@ -37,8 +37,8 @@ pub fn factor(a: &mut [f64], pivot: &mut [usize], n: usize) -> bool {
 
 /// Solves with the factors of [`factor`], in place.
 pub fn solve(a: &[f64], pivot: &[usize], n: usize, x: &mut [f64]) {
-    for k in 0..n {
-        x.swap(k, pivot[k]);
+    for (k, &other) in pivot[..n].iter().enumerate() {
+        x.swap(k, other);
     }
     for i in 1..n {
         let row = &a[i * n..i * n + i];

@@ -153,16 +153,16 @@ impl Island {
         let mut loads = Vec::new();
         for load in &scene.loads {
             match load {
-                Load::DirectionalSpring { at, anchor, direction, stiffness, free_length, .. } => {
-                    if mine(at.body) || mine(anchor.body) {
-                        loads.push(IslandLoad::Spring {
-                            at: end(at),
-                            anchor: end(anchor),
-                            direction: *direction,
-                            stiffness: *stiffness,
-                            free_length: *free_length,
-                        });
-                    }
+                Load::DirectionalSpring { at, anchor, direction, stiffness, free_length, .. }
+                    if mine(at.body) || mine(anchor.body) =>
+                {
+                    loads.push(IslandLoad::Spring {
+                        at: end(at),
+                        anchor: end(anchor),
+                        direction: *direction,
+                        stiffness: *stiffness,
+                        free_length: *free_length,
+                    });
                 }
                 Load::ConstantForce { at, force, .. } if mine(at.body) => {
                     loads.push(IslandLoad::Force { at: end(at), force: *force });

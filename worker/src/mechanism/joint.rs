@@ -82,10 +82,9 @@ pub fn pair_force<const JACOBIAN: bool>(
                 row[first + 1] = a * s + b * c;
             }
         }
-        for column in 0..6 {
-            let (a, b) = (j[0][column], j[1][column]);
-            j[0][column] = c * a - s * b;
-            j[1][column] = s * a + c * b;
+        let [along_x, along_y, ..] = &mut j;
+        for (x, y) in along_x.iter_mut().zip(along_y) {
+            (*x, *y) = (c * *x - s * *y, s * *x + c * *y);
         }
         // Explicit dependence on the bushing's angle: the law turns with it.
         let mut turn = [0.0; 4];

@@ -1,0 +1,65 @@
+//! One evaluation: the whole life of one sample.
+//!
+//! assemble -> settle -> measure the first cycle -> [ wear a block -> warm up -> measure a cycle ] ... -> outputs
+//!
+//! A measured cycle serves twice: its contact history drives the wear of the block that follows, and its motion
+//! gives the outputs of the profile it ran on. The value of a checkpoint belongs to the profile worn to it.
+
+mod moving;
+mod observe;
+mod run;
+
+use crate::life::{at_checkpoints, boundaries};
+use common::accuracy::Accuracy;
+use common::failure::SimulationFailure;
+use common::outputs::Evaluation;
+use common::scene::{OutputKind, Scene};
+use run::Run;
+
+/// Simulates the whole life of a checked scene.
+///
+/// Returns every output at every checkpoint; the settled first cycle too if `with_first_cycle`.
+///
+/// # Errors
+/// [`SimulationFailure`]: what the physics or the numerics refused, with time, cycle and joint.
+pub fn simulate(
+    scene: &Scene,
+    accuracy: &Accuracy,
+    with_first_cycle: bool,
+) -> Result<Evaluation, SimulationFailure> {
+    let mut run = Run::assemble(scene, accuracy)?;
+    run.settle()?;
+    run.show_forces(true);
+    run.measure()?;
+    let first_cycle = with_first_cycle.then(|| run.first_cycle());
+    let (peaks, free_flight) = run.force_summary();
+    run.show_forces(false);
+
+    let every = scene.life.checkpoint_every;
+    let mut lives = vec![0];
+    let mut measured = vec![run.motion_outputs()];
+    let mut wear = vec![vec![]; scene.outputs.len()];
+    for block in boundaries(scene.life.cycles, accuracy.cycle_jump, every).windows(2) {
+        let checkpoints: Vec<u32> = (block[0] / every + 1..=block[1] / every).map(|k| k * every).collect();
+        run.wear(block[0], block[1], &checkpoints, &mut wear)?;
+        run.warm_up()?;
+        run.measure()?;
+        lives.push(block[1]);
+        measured.push(run.motion_outputs());
+    }
+
+    let cycles = scene.life.checkpoints();
+    let histories = scene
+        .outputs
+        .iter()
+        .enumerate()
+        .map(|(k, output)| match output.kind {
+            OutputKind::LargestWear { .. } => std::mem::take(&mut wear[k]),
+            OutputKind::AngularVelocityDifference { .. } => {
+                let values: Vec<f64> = measured.iter().map(|m| m[k]).collect();
+                at_checkpoints(&lives, &values, &cycles)
+            }
+        })
+        .collect();
+    run.finish(cycles, histories, peaks, free_flight, first_cycle)
+}
