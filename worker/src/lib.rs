@@ -3,6 +3,7 @@
 //! `simulate` is the evaluation as one page; below it: `mechanism` (who moves how), `contact` (forces in a
 //! joint), `integrate` (time), `wear` (the bore), `outputs` (what was asked for).
 
+pub mod bore;
 pub mod contact;
 pub mod integrate;
 pub mod life;

@@ -7,7 +7,7 @@
 
 use super::local_hertz::from_polar;
 use super::{JointForce, JointMotion, Surface};
-use crate::wear::Profile;
+use crate::bore::Profile;
 use std::f64::consts::{SQRT_2, TAU};
 
 /// Smallest number of intervals of the bore; at 0.25 deg the force of a penetration of 10 nm in a clearance of

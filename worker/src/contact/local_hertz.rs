@@ -5,7 +5,7 @@
 //! law is not conservative: it can feed vibration with energy.
 
 use super::{JointForce, JointMotion, Surface};
-use crate::wear::Profile;
+use crate::bore::Profile;
 
 /// The law with its constants.
 #[derive(Debug, Clone, Copy, PartialEq)]

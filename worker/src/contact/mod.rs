@@ -15,7 +15,7 @@ pub use foundation::{Foundation, equivalent_penetration};
 pub use local_hertz::LocalHertz;
 pub use stiffness::hertz_stiffness;
 
-use crate::wear::Profile;
+use crate::bore::Profile;
 use common::scene::{Clearance, ContactDamping, ContactLaw};
 
 /// Motion of one joint, in the bushing's frame.

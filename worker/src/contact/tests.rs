@@ -1,7 +1,7 @@
 //! Both contact laws on a worn bore: exact derivatives, balances of power and momentum, conservation.
 
 use super::{Contact, Foundation, JointForce, JointMotion, LocalHertz, Surface};
-use crate::wear::Profile;
+use crate::bore::Profile;
 use std::f64::consts::TAU;
 
 const SURFACE: Surface = Surface {

@@ -2,8 +2,8 @@
 //! control.
 
 use super::{Advance, AdvanceStats, Dynamics, Linearised, Watch};
+use crate::bore::Profile;
 use crate::contact::{JointForce, JointMotion, LocalHertz, Surface};
-use crate::wear::Profile;
 
 /// A journal without other forces in a fixed bore: coordinates e, masses (m, m).
 struct Impact {

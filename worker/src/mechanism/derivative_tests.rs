@@ -2,9 +2,9 @@
 
 use super::joint::pair_force;
 use super::{Frame, Island, ideal_motion, islands};
+use crate::bore::Profile;
 use crate::contact::Contact;
 use crate::integrate::{Advance, AdvanceStats, Dynamics, Linearised};
-use crate::wear::Profile;
 use common::scene::{Clearance, ContactLaw, JointKind, Scene, SceneSource};
 use std::f64::consts::TAU;
 

@@ -3,9 +3,9 @@
 
 use super::frame::{Frame, Prescribed};
 use super::joint::pair_force;
+use crate::bore::Profile;
 use crate::contact::Contact;
 use crate::integrate::{Dynamics, Linearised};
-use crate::wear::Profile;
 use common::failure::SimulationFailure;
 use common::scene::{Attachment, JointKind, Load, Motion, Scene};
 

@@ -6,8 +6,8 @@
 //! bushing's (-F, M_j - a_j x F).
 
 use super::frame::Frame;
+use crate::bore::Profile;
 use crate::contact::{Contact, JointForce, JointMotion};
-use crate::wear::Profile;
 
 /// Generalised forces of a pair of bodies, with derivatives.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -5,7 +5,8 @@
 //! that wears unloads itself. That feedback is what makes the wear step stiff.
 
 use super::conformal::{Unbalanced, foundation_share};
-use super::{ContactHistory, ContactSample, Profile};
+use super::{ContactHistory, ContactSample};
+use crate::bore::Profile;
 use crate::contact::{Contact, Foundation};
 use std::f64::consts::TAU;
 

@@ -1,9 +1,8 @@
-//! The worn bore and how it wears: profile, Archard's law over a cycle's contact history, the wear step.
+//! How a bore wears: Archard's law over a cycle's contact history, and the wear step over a block of cycles.
 
 mod archard;
 mod conformal;
 mod history;
-mod profile;
 mod step;
 #[cfg(test)]
 mod volume_tests;
@@ -11,5 +10,4 @@ mod volume_tests;
 pub use archard::WearRate;
 pub use conformal::Unbalanced;
 pub use history::{ContactHistory, ContactSample};
-pub use profile::{Profile, Radius};
 pub use step::{WearStep, WearStepStats};

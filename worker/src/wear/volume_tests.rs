@@ -1,6 +1,7 @@
 //! Archard's volume K_H F S and the wear step, under contact histories made for the purpose.
 
-use super::{ContactHistory, Profile, WearRate, WearStep, WearStepStats};
+use super::{ContactHistory, WearRate, WearStep, WearStepStats};
+use crate::bore::Profile;
 use crate::contact::{Contact, Foundation, JointForce, LocalHertz, Surface};
 use std::f64::consts::TAU;
 
