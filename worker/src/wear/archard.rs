@@ -211,8 +211,16 @@ fn foundation_share(law: &Foundation, sample: &mut ContactSample, rate: &mut [f6
 }
 
 /// Eccentricity at which the foundation carries the sample's normal force in the
-/// direction it had: two equations kappa p(e) = F n, solved by Newton's method with step halving.
+/// direction it had: two equations kappa p(e) = F n, solved by Newton's method with Levenberg's damping.
+///
+/// p is the gradient of a convex potential, so that a step (D + lambda)^-1 towards the target lowers the residual
+/// for lambda large enough. Shortening Newton's step does not do that job: on a bore just touched D is all but
+/// singular, and the step is along the bore, out of contact.
 fn equilibrium(law: &Foundation, sample: &ContactSample) -> [f64; 2] {
+    // The damping where it begins and ends; D is of the size of the arc, some 0.1 rad.
+    const LEAST_DAMPING: f64 = 1e-5;
+    const MOST_DAMPING: f64 = 1e4;
+    const MOST_TRIALS: usize = 100;
     let size = (sample.e[0] * sample.e[0] + sample.e[1] * sample.e[1]).sqrt();
     if size <= 0.0 {
         return sample.e;
@@ -223,29 +231,34 @@ fn equilibrium(law: &Foundation, sample: &ContactSample) -> [f64; 2] {
     let wanted = residual(target);
     let mut sum = law.integrate(e, |_, _, _| {});
     let mut miss = [sum.p[0] - target[0], sum.p[1] - target[1]];
-    for _ in 0..30 {
+    let mut damping = 0.0;
+    for _ in 0..MOST_TRIALS {
         if residual(miss) <= 1e-8 * wanted {
             break;
         }
-        // A journal that has lost contact moves outward along the load until it touches.
         let [[a, b], [_, d]] = sum.d;
-        let det = a * d - b * b;
-        let step = if det > 1e-12 * (a + d) * (a + d) {
+        let touching = a + d > 0.0;
+        let step = if touching {
+            let (a, d) = (a + damping, d + damping);
+            let det = a * d - b * b;
             [-(d * miss[0] - b * miss[1]) / det, -(a * miss[1] - b * miss[0]) / det]
         } else {
-            let out = law.surface().clearance * 0.02 / wanted;
+            // A journal that has lost contact moves outward along the load until it touches.
+            let out = law.surface().clearance * 0.05 / wanted;
             [out * target[0], out * target[1]]
         };
-        let mut damping = 1.0;
-        for _ in 0..12 {
-            let trial = [e[0] + damping * step[0], e[1] + damping * step[1]];
-            let trial_sum = law.integrate(trial, |_, _, _| {});
-            let trial_miss = [trial_sum.p[0] - target[0], trial_sum.p[1] - target[1]];
-            if residual(trial_miss) < residual(miss) || det <= 1e-12 * (a + d) * (a + d) {
-                (e, sum, miss) = (trial, trial_sum, trial_miss);
+        let trial = [e[0] + step[0], e[1] + step[1]];
+        let trial_sum = law.integrate(trial, |_, _, _| {});
+        let trial_miss = [trial_sum.p[0] - target[0], trial_sum.p[1] - target[1]];
+        if residual(trial_miss) < residual(miss) || !touching {
+            (e, sum, miss) = (trial, trial_sum, trial_miss);
+            damping = if damping > LEAST_DAMPING { 0.1 * damping } else { 0.0 };
+        } else {
+            damping = (10.0 * damping).max(LEAST_DAMPING);
+            // A stage of the wear step that undershoots leaves the law's range; the nearest balance has to do.
+            if damping > MOST_DAMPING {
                 break;
             }
-            damping *= 0.5;
         }
     }
     e
