@@ -2,8 +2,9 @@
 
 use coordinator::dispatch::{Listen, ZenohEvaluator};
 use serde_yaml::Value;
+use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Child, Command, Output, Stdio};
 use std::sync::Arc;
 use std::time::Duration;
 use tests::command_line::{objection, words};
@@ -213,5 +214,74 @@ fn certificates_let_workers_in_and_keep_strangers_out() {
         let _welcome = worker_with(&configuration(&own), &endpoint, Duration::from_secs(20));
         assert_eq!(evaluate(&mut coordinator, &requests(0..8)).unwrap(), expected(0..8));
         coordinator.finish();
+    });
+}
+
+/// Ends a process with the test, however it ends.
+struct Process(Child);
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        // It may have ended already.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// The coordinator as its unit starts it, and the lines it says.
+fn start_unit(
+    line: &str,
+    folder: &Path,
+    settings: &[(&str, &str)],
+) -> (Process, impl Iterator<Item = String> + use<>) {
+    let mut shell = Command::new("sh");
+    shell.args(["-eu", "-c", line]).current_dir(folder).envs(settings.iter().copied());
+    let mut child = shell.stderr(Stdio::piped()).stdout(Stdio::null()).spawn().unwrap();
+    let said = BufReader::new(child.stderr.take().unwrap()).lines().map_while(Result::ok);
+    (Process(child), said)
+}
+
+#[test]
+fn the_units_study_goes_on_after_a_restart() {
+    if if_installed("the coordinator's unit", Command::new("openssl").arg("version")).is_none() {
+        return;
+    }
+    in_time(|| {
+        let folder = tempfile::tempdir().unwrap();
+        let own = certificates(&folder.path().join("tls"), "127.0.0.1");
+        let config = configuration(&own);
+        let scene = std::fs::read_to_string(root().join("common/scenes/four-bar.toml")).unwrap();
+        let (before, _) = scene.split_once("[study]").unwrap();
+        let (_, variables) = scene.split_once("seed = 1\n").unwrap();
+        let study = "[study]\npopulation = 1000\ninitial = 8\nbatch = 4\nmax_evaluations = 8\nseed = 1\n";
+        std::fs::write(folder.path().join("small.toml"), format!("{before}{study}{variables}")).unwrap();
+
+        // The unit's own line, with the programs and certificates of this test.
+        let start = values(&deployed(UNITS[0]), "ExecStart").remove(0);
+        let (_, line) = start.split_once("-c '").unwrap();
+        let programs = program("coordinator").parent().unwrap().display().to_string() + "/";
+        let line = line.trim_end_matches('\'').replace("$$", "$").replace(INSTALLED, &programs);
+        let line = line.replace("/etc/hingewise/zenoh-tls.json5", config.to_str().unwrap());
+        let listen = "tls/127.0.0.1:0";
+        let settings = [("SCENE", "small.toml"), ("STUDY", "study"), ("LISTEN", listen)];
+
+        let (mut first, mut said) = start_unit(&line, folder.path(), &settings);
+        assert!(said.any(|line| line.starts_with("waiting for workers")), "the study does not begin");
+        let stopped = Command::new("kill").args(["-TERM", &first.0.id().to_string()]).status().unwrap();
+        assert!(stopped.success());
+        assert_eq!(first.0.wait().unwrap().code(), Some(130));
+
+        let (mut second, mut said) = start_unit(&line, folder.path(), &settings);
+        assert!(said.any(|line| line.contains("0 evaluations are done already")), "it was not resumed");
+        let waiting = "waiting for workers: worker --connect ";
+        let endpoint = said.find_map(|line| line.strip_prefix(waiting).map(str::to_owned)).unwrap();
+        let mut worker = Command::new(program("worker"));
+        worker.args(["--quiet", "--connect", &endpoint, "--config"]).arg(&config);
+        let mut worker = Process(worker.spawn().unwrap());
+        // Read to its end, so that it is not held up.
+        let said: Vec<String> = said.collect();
+        assert_eq!(second.0.wait().unwrap().code(), Some(0), "{said:#?}");
+        assert_eq!(worker.0.wait().unwrap().code(), Some(0));
+        assert!(folder.path().join("study/report.html").is_file());
     });
 }

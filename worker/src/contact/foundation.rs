@@ -20,6 +20,8 @@ pub struct Foundation {
     surface: Surface,
     /// Foundation modulus times bore radius and width, kappa [N/(m rad)].
     kappa: f64,
+    /// Lower bound of R - R1 over the bore [m].
+    smallest_gap: f64,
     /// Radius of the bore at equal angles `(intervals,)` [m].
     radius: Vec<f64>,
     /// Unit vectors at those angles `(intervals, 2)` [1].
@@ -41,6 +43,7 @@ impl Foundation {
         let n = INTERVALS.div_ceil(control_points) * control_points;
         Foundation {
             kappa: surface.stiffness * 3.0 * surface.clearance.sqrt() / (4.0 * SQRT_2),
+            smallest_gap: surface.clearance,
             radius: vec![surface.journal_radius + surface.clearance; n],
             direction: (0..n)
                 .map(|k| {
@@ -70,6 +73,7 @@ impl Foundation {
     /// Tabulates a changed profile.
     pub fn profile_changed(&mut self, profile: &Profile) {
         profile.tabulate(&mut self.radius);
+        self.smallest_gap = profile.smallest_radius() - self.surface.journal_radius;
     }
 
     /// Integrates the gap function, piecewise linear between the table's angles, over the arc in contact, and
@@ -83,11 +87,11 @@ impl Foundation {
         let n = self.radius.len();
         let spacing = TAU / n as f64;
         let r = (e[0] * e[0] + e[1] * e[1]).sqrt();
-        // The bore is nowhere smaller than it was, so contact needs e.u >= c.
-        if r <= self.surface.clearance {
+        // Contact needs e.u >= R - R1, nowhere less than the smallest gap.
+        if r <= self.smallest_gap {
             return sum;
         }
-        let half = libm::acos(self.surface.clearance / r);
+        let half = libm::acos((self.smallest_gap / r).max(-1.0));
         let centre = libm::atan2(e[1], e[0]);
         let first = ((centre - half) / spacing).floor() as i64;
         let last = ((centre + half) / spacing).ceil() as i64;

@@ -27,9 +27,9 @@ impl LocalHertz {
         let JointMotion { e, w, omega_journal, omega_bushing } = *motion;
         let mut out = JointForce::default();
         let r = (e[0] * e[0] + e[1] * e[1]).sqrt();
-        // The bore nowhere is smaller than it was: no contact within the unworn clearance.
-        if r <= s.clearance {
-            out.penetration = r - s.clearance;
+        let smallest_gap = profile.smallest_radius() - s.journal_radius;
+        if r <= smallest_gap {
+            out.penetration = r - smallest_gap;
         } else {
             let bore = profile.at(libm::atan2(e[1], e[0]));
             let delta = r + s.journal_radius - bore.r;

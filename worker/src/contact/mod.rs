@@ -11,7 +11,7 @@ mod stiffness;
 #[cfg(test)]
 mod tests;
 
-pub use foundation::Foundation;
+pub use foundation::{Foundation, equivalent_penetration};
 pub use local_hertz::LocalHertz;
 pub use stiffness::hertz_stiffness;
 

@@ -4,6 +4,7 @@
 //! The history fixes forces and sliding; the contact is found again on the present profile, because the spot
 //! that wears unloads itself. That feedback is what makes the wear step stiff.
 
+use super::conformal::{Unbalanced, foundation_share};
 use super::{ContactHistory, ContactSample, Profile};
 use crate::contact::{Contact, Foundation};
 use std::f64::consts::TAU;
@@ -65,13 +66,16 @@ impl WearRate {
     }
 
     /// Wear per cycle at every control point, for a bore worn to `depth`: `(points,)` [m].
-    pub fn rate(&mut self, depth: &[f64], rate: &mut [f64]) {
+    ///
+    /// # Errors
+    /// [`Unbalanced`] if the frozen force finds no rest on that bore.
+    pub fn rate(&mut self, depth: &[f64], rate: &mut [f64]) -> Result<(), Unbalanced> {
         rate.fill(0.0);
         self.profile.set_depth(depth);
         if let Some(law) = &mut self.foundation {
             law.profile_changed(&self.profile);
             for sample in &mut self.samples {
-                foundation_share(law, sample, rate);
+                foundation_share(law, sample, rate)?;
             }
             let cell = TAU / rate.len() as f64 * self.profile.initial_radius() * self.width;
             rate.iter_mut().for_each(|r| *r *= self.coefficient / cell);
@@ -82,6 +86,7 @@ impl WearRate {
             }
             rate.iter_mut().for_each(|r| *r *= self.coefficient / self.width);
         }
+        Ok(())
     }
 
     /// Adds one sample's share under the local law, F S / |AB|, to every control point inside the contact arc.
@@ -182,84 +187,4 @@ fn first_end(delta: f64, slope: f64, phi: f64, p: f64) -> f64 {
     // q x^2 + slope x + delta = 0, the root that stays finite as q -> 0.
     let x = if slope >= 0.0 { (slope + root) / (-2.0 * q) } else { 2.0 * delta / (root - slope) };
     if x.is_finite() && x > 0.0 { x.min(phi) } else { phi }
-}
-
-/// Adds one sample's share under the foundation law: the pressure that carries the frozen force on the present
-/// profile, shared out to the control points by their hat functions, times the work per unit force.
-/// Moves the sample's eccentricity to the equilibrium found, as the start for the next stage.
-fn foundation_share(law: &Foundation, sample: &mut ContactSample, rate: &mut [f64]) {
-    let e = equilibrium(law, sample);
-    sample.e = e;
-    let sum = law.integrate(e, |_, _, _| {});
-    let size = (sum.p[0] * sum.p[0] + sum.p[1] * sum.p[1]).sqrt();
-    if size <= 0.0 {
-        return;
-    }
-    let scale = sample.work / size;
-    let n = rate.len();
-    let sub = law.intervals() / n;
-    let mut hat = |k: usize, weight: f64| {
-        let (i, j) = (k / sub % n, k % sub);
-        let s = j as f64 / sub as f64;
-        rate[i] += scale * weight * (1.0 - s);
-        rate[(i + 1) % n] += scale * weight * s;
-    };
-    law.integrate(e, |k, a, b| {
-        hat(k, a);
-        hat(k + 1, b);
-    });
-}
-
-/// Eccentricity at which the foundation carries the sample's normal force in the
-/// direction it had: two equations kappa p(e) = F n, solved by Newton's method with Levenberg's damping.
-///
-/// p is the gradient of a convex potential, so that a step (D + lambda)^-1 towards the target lowers the residual
-/// for lambda large enough. Shortening Newton's step does not do that job: on a bore just touched D is all but
-/// singular, and the step is along the bore, out of contact.
-fn equilibrium(law: &Foundation, sample: &ContactSample) -> [f64; 2] {
-    // The damping where it begins and ends; D is of the size of the arc, some 0.1 rad.
-    const LEAST_DAMPING: f64 = 1e-5;
-    const MOST_DAMPING: f64 = 1e4;
-    const MOST_TRIALS: usize = 100;
-    let size = (sample.e[0] * sample.e[0] + sample.e[1] * sample.e[1]).sqrt();
-    if size <= 0.0 {
-        return sample.e;
-    }
-    let target = [sample.force[0] / law.kappa(), sample.force[1] / law.kappa()];
-    let mut e = sample.e;
-    let residual = |r: [f64; 2]| (r[0] * r[0] + r[1] * r[1]).sqrt();
-    let wanted = residual(target);
-    let mut sum = law.integrate(e, |_, _, _| {});
-    let mut miss = [sum.p[0] - target[0], sum.p[1] - target[1]];
-    let mut damping = 0.0;
-    for _ in 0..MOST_TRIALS {
-        if residual(miss) <= 1e-8 * wanted {
-            break;
-        }
-        let [[a, b], [_, d]] = sum.d;
-        let touching = a + d > 0.0;
-        let step = if touching {
-            let (a, d) = (a + damping, d + damping);
-            let det = a * d - b * b;
-            [-(d * miss[0] - b * miss[1]) / det, -(a * miss[1] - b * miss[0]) / det]
-        } else {
-            // A journal that has lost contact moves outward along the load until it touches.
-            let out = law.surface().clearance * 0.05 / wanted;
-            [out * target[0], out * target[1]]
-        };
-        let trial = [e[0] + step[0], e[1] + step[1]];
-        let trial_sum = law.integrate(trial, |_, _, _| {});
-        let trial_miss = [trial_sum.p[0] - target[0], trial_sum.p[1] - target[1]];
-        if residual(trial_miss) < residual(miss) || !touching {
-            (e, sum, miss) = (trial, trial_sum, trial_miss);
-            damping = if damping > LEAST_DAMPING { 0.1 * damping } else { 0.0 };
-        } else {
-            damping = (10.0 * damping).max(LEAST_DAMPING);
-            // A stage of the wear step that undershoots leaves the law's range; the nearest balance has to do.
-            if damping > MOST_DAMPING {
-                break;
-            }
-        }
-    }
-    e
 }

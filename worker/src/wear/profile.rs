@@ -27,6 +27,8 @@ pub struct Profile {
     cubic: Vec<[f64; 4]>,
     /// Intervals per radian.
     per_radian: f64,
+    /// Lower bound of R [m].
+    smallest_radius: f64,
 }
 
 impl Profile {
@@ -37,6 +39,7 @@ impl Profile {
             depth: vec![0.0; points],
             cubic: vec![[0.0; 4]; points],
             per_radian: points as f64 / TAU,
+            smallest_radius: initial_radius,
         };
         profile.join();
         profile
@@ -50,6 +53,12 @@ impl Profile {
     /// Number of control points.
     pub fn points(&self) -> usize {
         self.depth.len()
+    }
+
+    /// A lower bound of R over the whole bore [m]: beside a deep spot the spline may dip below the initial radius
+    /// a little. The smallest Bezier ordinate of the cubics.
+    pub fn smallest_radius(&self) -> f64 {
+        self.smallest_radius
     }
 
     /// Wear depths at the control points `(n,)` [m].
@@ -138,6 +147,9 @@ impl Profile {
             self.cubic[i] =
                 [self.initial_radius + w0, w1 - w0 - (2.0 * m0 + m1) / 6.0, 0.5 * m0, (m1 - m0) / 6.0];
         }
+        let smallest =
+            |[a, b, c, d]: &[f64; 4]| a.min(a + b / 3.0).min(a + (2.0 * b + c) / 3.0).min(a + b + c + d);
+        self.smallest_radius = self.cubic.iter().map(smallest).fold(f64::INFINITY, f64::min);
     }
 }
 
@@ -176,6 +188,18 @@ mod tests {
         };
         let order = (error(18) / error(36)).log2();
         assert!((order - 4.0).abs() < 0.2, "order {order}");
+    }
+
+    #[test]
+    fn the_smallest_radius_is_a_close_lower_bound() {
+        let mut profile = Profile::round(1.5e-3, 36);
+        let mut depth = vec![0.0; 36];
+        depth[7..10].copy_from_slice(&[1e-5, 2e-5, 1e-5]);
+        profile.set_depth(&depth);
+        let smallest = (0..7200).map(|k| profile.at(TAU * k as f64 / 7200.0).r).fold(f64::INFINITY, f64::min);
+        assert!(smallest < 1.5e-3 - 1e-7, "the spline dips beside the spot");
+        let bound = profile.smallest_radius();
+        assert!(bound <= smallest && smallest - bound < 2e-6, "{bound} against {smallest}");
     }
 
     #[test]

@@ -7,6 +7,7 @@
 //! Sommeijer, Shampine, Verwer (1998), RKC: an explicit solver for parabolic PDEs.
 
 use super::WearRate;
+use super::conformal::{BALANCED, Unbalanced};
 
 /// Counts of one or more wear steps.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -20,6 +21,12 @@ pub struct WearStepStats {
 /// The step could not reach its tolerance; carries the error over its bound.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WearStepFailed(pub f64);
+
+impl From<Unbalanced> for WearStepFailed {
+    fn from(Unbalanced(residual): Unbalanced) -> Self {
+        WearStepFailed(residual / BALANCED)
+    }
+}
 
 /// Scratch and state of the wear step of one joint; all vectors `(points,)`.
 #[derive(Debug, Clone)]
@@ -69,9 +76,9 @@ impl WearStep {
         mut mark: impl FnMut(usize, &[f64]),
         stats: &mut WearStepStats,
     ) -> Result<(), WearStepFailed> {
-        rate.rate(depth, &mut self.f0);
+        rate.rate(depth, &mut self.f0)?;
         stats.stages += 1;
-        let radius = self.spectral_radius(rate, depth, stats);
+        let radius = self.spectral_radius(rate, depth, stats)?;
         let (mut done, mut step, mut marked) = (0.0, cycles, 0);
         while done < cycles {
             step = step.min(cycles - done);
@@ -80,9 +87,12 @@ impl WearStep {
                 step = self.refuse(step * 0.5, cycles, f64::INFINITY, stats)?;
                 continue;
             }
-            chebyshev(rate, depth, &self.f0, step, stages, &mut self.end);
-            rate.rate(&self.end, &mut self.f1);
             stats.stages += stages as u64;
+            let made = chebyshev(rate, depth, &self.f0, step, stages, &mut self.end);
+            if let Err(Unbalanced(residual)) = made.and_then(|()| rate.rate(&self.end, &mut self.f1)) {
+                step = self.refuse(step * 0.5, cycles, residual / BALANCED, stats)?;
+                continue;
+            }
             let (error, added) = self.error(depth, step);
             let relative = if added > 0.0 { error / (self.tolerance * added) } else { 0.0 };
             if relative > 1.0 {
@@ -145,30 +155,42 @@ impl WearStep {
 
     /// Largest eigenvalue of -d rate/d depth at `depth`, where the rate is f0, with a margin of a quarter
     /// [1/cycle]: a step of the power method from the stiffest direction of the block before, two at the start.
-    fn spectral_radius(&mut self, rate: &mut WearRate, depth: &[f64], stats: &mut WearStepStats) -> f64 {
+    fn spectral_radius(
+        &mut self,
+        rate: &mut WearRate,
+        depth: &[f64],
+        stats: &mut WearStepStats,
+    ) -> Result<f64, WearStepFailed> {
         let norm = |v: &[f64]| v.iter().map(|v| v * v).sum::<f64>().sqrt();
         let mut radius = 0.0;
         for _ in 0..2 {
             let size = norm(&self.stiffest);
             if size <= 0.0 {
-                return radius;
+                return Ok(radius);
             }
             for ((moved, depth), v) in self.end.iter_mut().zip(depth).zip(&self.stiffest) {
                 *moved = depth + PROBE * v / size;
             }
-            rate.rate(&self.end, &mut self.f1);
+            rate.rate(&self.end, &mut self.f1)?;
             stats.stages += 1;
             for ((v, f1), f0) in self.stiffest.iter_mut().zip(&self.f1).zip(&self.f0) {
                 *v = (f1 - f0) / PROBE;
             }
             radius = norm(&self.stiffest);
         }
-        1.25 * radius
+        Ok(1.25 * radius)
     }
 }
 
 /// One step of the second-order Runge-Kutta-Chebyshev method with `s` >= 2 stages.
-fn chebyshev(rate: &mut WearRate, y0: &[f64], f0: &[f64], h: f64, s: usize, y: &mut [f64]) {
+fn chebyshev(
+    rate: &mut WearRate,
+    y0: &[f64],
+    f0: &[f64],
+    h: f64,
+    s: usize,
+    y: &mut [f64],
+) -> Result<(), Unbalanced> {
     let n = y0.len();
     let w0 = 1.0 + 2.0 / 13.0 / (s * s) as f64;
     // Chebyshev polynomials T_j(w0) with first and second derivatives.
@@ -186,7 +208,7 @@ fn chebyshev(rate: &mut WearRate, y0: &[f64], f0: &[f64], h: f64, s: usize, y: &
     let mut last: Vec<f64> = (0..n).map(|i| y0[i] + b(1) * w1 * h * f0[i]).collect();
     let mut f = vec![0.0; n];
     for j in 2..=s {
-        rate.rate(&last, &mut f);
+        rate.rate(&last, &mut f)?;
         let mu = 2.0 * b(j) * w0 / b(j - 1);
         let nu = -b(j) / b(j - 2);
         let mu_t = 2.0 * b(j) * w1 / b(j - 1);
@@ -201,4 +223,5 @@ fn chebyshev(rate: &mut WearRate, y0: &[f64], f0: &[f64], h: f64, s: usize, y: &
         std::mem::swap(&mut before, &mut last);
         last.copy_from_slice(y);
     }
+    Ok(())
 }

@@ -6,8 +6,7 @@ use common::scene::ContactLaw;
 use worker::simulate::simulate;
 
 #[test]
-fn issue_foundation_stopped_at_the_wear_step_of_the_first_block() {
-    // It wears more than the local law and keeps the asymmetry where it began.
+fn foundation_wears_more_and_keeps_the_asymmetry_where_it_began() {
     let mut scene = scene("flapping-wing", &[]);
     every_joint(&mut scene, |c| c.contact_law = ContactLaw::Foundation);
     let e = simulate(&scene, &Accuracy::draft(), false).expect("simulated");

@@ -1,0 +1,100 @@
+//! Wear under the foundation law: where the frozen force rests on the bore as it is now, and how its pressure is
+//! shared out.
+
+use super::ContactSample;
+use crate::contact::{Foundation, equivalent_penetration};
+
+/// Relative residual below which the contact of a sample counts as found again.
+pub const BALANCED: f64 = 1e-8;
+
+/// The contact of a sample could not be found again on the present profile; carries the relative residual.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Unbalanced(pub f64);
+
+/// Adds one sample's share under the foundation law: the pressure that carries the frozen force on the present
+/// profile, shared out to the control points by their hat functions, times the work per unit force.
+/// Moves the sample's eccentricity to the equilibrium found, as the start for the next stage.
+///
+/// # Errors
+/// [`Unbalanced`] if no equilibrium was found.
+pub fn foundation_share(
+    law: &Foundation,
+    sample: &mut ContactSample,
+    rate: &mut [f64],
+) -> Result<(), Unbalanced> {
+    let e = equilibrium(law, sample).map_err(Unbalanced)?;
+    sample.e = e;
+    let sum = law.integrate(e, |_, _, _| {});
+    let size = (sum.p[0] * sum.p[0] + sum.p[1] * sum.p[1]).sqrt();
+    if size <= 0.0 {
+        return Ok(());
+    }
+    let scale = sample.work / size;
+    let n = rate.len();
+    let sub = law.intervals() / n;
+    let mut hat = |k: usize, weight: f64| {
+        let (i, j) = (k / sub % n, k % sub);
+        let s = j as f64 / sub as f64;
+        rate[i] += scale * weight * (1.0 - s);
+        rate[(i + 1) % n] += scale * weight * s;
+    };
+    law.integrate(e, |k, a, b| {
+        hat(k, a);
+        hat(k + 1, b);
+    });
+    Ok(())
+}
+
+/// Contact below this share of the force sought counts as too weak to linearise.
+const WEAK: f64 = 0.2;
+const MOST_ITERATIONS: usize = 60;
+
+/// Eccentricity at which the foundation carries the sample's normal force in the direction it had: two equations
+/// kappa p(e) = F n, by Newton's method with step halving. From no contact, or next to none, the journal first
+/// moves outward along the load, by the penetration of that force on an unworn bore at a time.
+///
+/// # Errors
+/// The relative residual, if it stays above [`BALANCED`].
+fn equilibrium(law: &Foundation, sample: &ContactSample) -> Result<[f64; 2], f64> {
+    let size = |r: [f64; 2]| (r[0] * r[0] + r[1] * r[1]).sqrt();
+    let target = [sample.force[0] / law.kappa(), sample.force[1] / law.kappa()];
+    let wanted = size(target);
+    if wanted <= 0.0 {
+        return Ok(sample.e);
+    }
+    let outward = equivalent_penetration(size(sample.force), law.surface().stiffness) / wanted;
+    let at = |e: [f64; 2]| {
+        let sum = law.integrate(e, |_, _, _| {});
+        let miss = [sum.p[0] - target[0], sum.p[1] - target[1]];
+        (e, sum, miss)
+    };
+    let mut now = at(sample.e);
+    for _ in 0..MOST_ITERATIONS {
+        let (e, sum, miss) = now;
+        if size(miss) <= BALANCED * wanted {
+            return Ok(e);
+        }
+        let [[a, b], [_, d]] = sum.d;
+        let det = a * d - b * b;
+        if size(sum.p) < WEAK * wanted || det <= 0.0 {
+            now = at([e[0] + outward * target[0], e[1] + outward * target[1]]);
+            continue;
+        }
+        let step = [-(d * miss[0] - b * miss[1]) / det, -(a * miss[1] - b * miss[0]) / det];
+        let mut damping = 1.0;
+        let closer = |damping: f64| {
+            let trial = at([e[0] + damping * step[0], e[1] + damping * step[1]]);
+            (size(trial.2) < size(miss)).then_some(trial)
+        };
+        now = loop {
+            if let Some(trial) = closer(damping) {
+                break trial;
+            }
+            damping *= 0.5;
+            if damping < 1e-6 {
+                return Err(size(miss) / wanted);
+            }
+        };
+    }
+    Err(size(now.2) / wanted)
+}
