@@ -115,7 +115,7 @@ fn foundation_wears_the_volume_its_pressure_asks_for() {
     for block in 0..16 {
         let ratio = pressure_over_force(&depth);
         let mut per_cycle = vec![0.0; POINTS];
-        rate.rate(&depth, &mut per_cycle);
+        rate.rate(&depth, &mut per_cycle).expect("the force finds its rest");
         let now = per_cycle.iter().sum::<f64>() * cell / archard;
         assert!((now / ratio - 1.0).abs() < 1e-3, "block {block}: {now} against {ratio}");
         if block == 0 {
@@ -212,7 +212,7 @@ fn large_blocks_of_foundation_wear_do_not_zig_zag_as_an_explicit_jump_does() {
     for _ in 0..8 {
         wear(&mut law, &mut stable, 2000.0, 1e-3);
         assert_eq!(peaks(&stable), 1, "{stable:?}");
-        explicit.rate(&jumping, &mut per_cycle);
+        explicit.rate(&jumping, &mut per_cycle).expect("the force finds its rest");
         jumping.iter_mut().zip(&per_cycle).for_each(|(h, r)| *h += 2000.0 * r);
         most_peaks = most_peaks.max(peaks(&jumping));
         let off = jumping.iter().zip(&stable).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));

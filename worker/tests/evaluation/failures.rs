@@ -78,10 +78,12 @@ fn an_invalid_sample_is_an_outcome() {
     }
 }
 
+/// Name, settings of the scene, change of every joint.
+type Extreme = (&'static str, &'static [(&'static str, f64)], fn(&mut Clearance));
+
 #[test]
 fn extremes_end_in_a_finite_result_or_a_typed_failure() {
-    type Case = (&'static str, &'static [(&'static str, f64)], fn(&mut Clearance));
-    let cases: [Case; 7] = [
+    let cases: [Extreme; 7] = [
         ("clearance 2 um", &[], |c| c.bushing_radius = c.journal_radius + 2e-6),
         ("friction 0.5", &[], |c| c.friction = 0.5),
         ("modulus x 10", &[], |c| {

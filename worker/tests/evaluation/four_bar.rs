@@ -15,7 +15,7 @@ fn evaluate(scene: &Scene, accuracy: &Accuracy) -> Evaluation {
 
 /// Tight enough that what is left of the step control's own axes can be told from a defect.
 fn tight() -> Accuracy {
-    Accuracy { step_tolerance: 1e-5, ..Accuracy::balanced() }
+    Accuracy { step_tolerance: 1e-5, wear_tolerance: 1e-3, ..Accuracy::balanced() }
 }
 
 /// The scene with every position, direction and angle of the global frame changed: vectors by `vector`, angles
@@ -132,7 +132,7 @@ fn any_turn_changes_no_more_than_the_step_control() {
     let turned = evaluate(&turned(loaded(), FRAC_PI_6), &tight());
     let off = wear_difference(&base, &turned, |i| i);
     println!("wear after a turn of 30 deg: {off}");
-    assert!(off < 1e-3, "{off}");
+    assert!(off < 2e-4, "{off}");
 }
 
 #[test]
