@@ -110,7 +110,7 @@ fn ideal_angle(scene: &Scene, side: &str, sign: f64, crank: f64) -> f64 {
     low
 }
 
-/// model.md section 1: with ideal joints the rockers range from -29.742 to +29.570 deg, differ by 0.927 deg at most
+/// With ideal joints the rockers range from -29.742 to +29.570 deg, differ by 0.927 deg at most
 /// and by 20.33 r/min at most.
 #[test]
 fn ideal_kinematics_of_the_flapping_wing() {

@@ -1,5 +1,5 @@
-//! The files of a finished study beside its campaign file: `summary.json`, `reliability.csv`, `samples.csv`
-//! (`contract.md`). Each is written whole under another name and renamed, so that nobody reads half a file.
+//! The files of a finished study beside its campaign file: `summary.json`, `reliability.csv`, `samples.csv`. Each is
+//! written whole under another name and renamed, so that nobody reads half a file.
 
 use crate::output_unit::OutputUnit;
 use crate::store::{CampaignFile, StoreError};

@@ -1,4 +1,4 @@
-//! The result of a study, as written to `summary.json` (`contract.md`) and shown by the report.
+//! The result of a study, as written to `summary.json` and shown by the report.
 //!
 //! Fields named `..._m` and `..._rpm` follow the contract; general outputs stand under their own name.
 

@@ -41,7 +41,7 @@ pub fn check(file: &str, as_json: bool) -> Result<(), CommandError> {
 pub fn check_linkage(origin: &str, scene: &Scene) -> Result<(), CommandError> {
     let failed = |failure| CommandError::of_simulation(origin, scene, failure);
     worker::mechanism::islands(scene).map_err(failed)?;
-    worker::mechanism::ideal_cycle(scene, 2).map_err(failed)?;
+    worker::mechanism::ideal_cycle(scene, 2, &mut 0).map_err(failed)?;
     Ok(())
 }
 

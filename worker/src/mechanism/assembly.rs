@@ -163,23 +163,17 @@ fn least_norm(a: DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
     svd.solve(b, cut).unwrap_or_else(|_| DVector::zeros(columns))
 }
 
-/// Position and velocity with ideal joints at time zero, from the approximate start of the scene.
-///
-/// # Errors
-/// [`SimulationFailure::CannotAssemble`] with the joint that stays open.
-pub fn ideal_motion(scene: &Scene, iterations: &mut u64) -> Result<Pose, SimulationFailure> {
-    let closure = Closure::new(scene);
-    let mut q = closure.start();
-    closure.close(0.0, &mut q, iterations)?;
-    Ok(closure.pose(0.0, &q))
-}
-
 /// The mechanism with ideal joints at `samples` equal times of one cycle, ends included: its motion in the
-/// limit of vanishing clearance, followed by continuation.
+/// limit of vanishing clearance, followed by continuation from the approximate start of the scene. Adds the
+/// Newton iterations to `iterations`.
 ///
 /// # Errors
 /// [`SimulationFailure::CannotAssemble`] with joint and time where the linkage locks.
-pub fn ideal_cycle(scene: &Scene, samples: usize) -> Result<Vec<Pose>, SimulationFailure> {
+pub fn ideal_cycle(
+    scene: &Scene,
+    samples: usize,
+    iterations: &mut u64,
+) -> Result<Vec<Pose>, SimulationFailure> {
     let closure = Closure::new(scene);
     let mut q = closure.start();
     let intervals = samples.max(2) - 1;
@@ -187,7 +181,7 @@ pub fn ideal_cycle(scene: &Scene, samples: usize) -> Result<Vec<Pose>, Simulatio
     let mut poses = Vec::with_capacity(samples);
     for k in 0..=intervals * refine {
         let t = scene.life.period * k as f64 / (intervals * refine) as f64;
-        closure.close(t, &mut q, &mut 0)?;
+        closure.close(t, &mut q, iterations)?;
         if k % refine == 0 {
             poses.push(closure.pose(t, &q));
         }

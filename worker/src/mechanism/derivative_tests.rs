@@ -1,7 +1,7 @@
 //! Derivatives of the generalised forces, of one pair of bodies and of whole islands, against central differences.
 
 use super::joint::pair_force;
-use super::{Frame, Island, ideal_motion, islands};
+use super::{Frame, Island, ideal_cycle, islands};
 use crate::bore::Profile;
 use crate::contact::Contact;
 use crate::integrate::{Advance, AdvanceStats, Dynamics, Linearised};
@@ -116,7 +116,7 @@ fn states(scene: &Scene, island: &mut Island) -> Vec<(f64, Vec<f64>, Vec<f64>)> 
     for joint in &mut island.joints {
         joint.set_depth(&worn_depth());
     }
-    let pose = ideal_motion(scene, &mut 0).expect("the linkage closes");
+    let pose = ideal_cycle(scene, 2, &mut 0).expect("the linkage closes").swap_remove(0);
     let pick = |from: &[Option<[f64; 3]>]| -> Vec<f64> {
         island.bodies.iter().flat_map(|&b| from[b].expect("free")).collect()
     };

@@ -8,6 +8,6 @@ mod frame;
 mod island;
 mod joint;
 
-pub use assembly::{Pose, ideal_cycle, ideal_motion};
+pub use assembly::{Pose, ideal_cycle};
 pub use frame::{Frame, Prescribed};
 pub use island::{Island, WearingJoint, islands};

@@ -2,7 +2,7 @@
 
 use super::moving::{Moving, failure};
 use crate::integrate::AdvanceStats;
-use crate::mechanism::{ideal_motion, islands};
+use crate::mechanism::{ideal_cycle, islands};
 use crate::wear::WearStepStats;
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
@@ -25,7 +25,8 @@ impl<'a> Run<'a> {
     /// Islands, contact laws, round bores; bodies where the ideal mechanism has them.
     pub fn assemble(scene: &'a Scene, accuracy: &'a Accuracy) -> Result<Self, SimulationFailure> {
         let mut newton = 0;
-        let pose = ideal_motion(scene, &mut newton)?;
+        // A linkage that locks on its way is named as such, before a contact is blamed for it.
+        let pose = ideal_cycle(scene, 2, &mut newton)?.swap_remove(0);
         let tracked: Vec<usize> = scene
             .outputs
             .iter()

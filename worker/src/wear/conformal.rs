@@ -5,7 +5,7 @@ use super::ContactSample;
 use crate::contact::{Foundation, equivalent_penetration};
 
 /// Relative residual below which the contact of a sample counts as found again.
-pub const BALANCED: f64 = 1e-8;
+pub const BALANCED: f64 = 1e-6;
 
 /// The contact of a sample could not be found again on the present profile; carries the relative residual.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -13,7 +13,7 @@ pub struct Unbalanced(pub f64);
 
 /// Adds one sample's share under the foundation law: the pressure that carries the frozen force on the present
 /// profile, shared out to the control points by their hat functions, times the work per unit force.
-/// Moves the sample's eccentricity to the equilibrium found, as the start for the next stage.
+/// Moves the sample's eccentricity and penetration to the equilibrium found, as the start for the next stage.
 ///
 /// # Errors
 /// [`Unbalanced`] if no equilibrium was found.
@@ -22,14 +22,13 @@ pub fn foundation_share(
     sample: &mut ContactSample,
     rate: &mut [f64],
 ) -> Result<(), Unbalanced> {
-    let e = equilibrium(law, sample).map_err(Unbalanced)?;
-    sample.e = e;
-    let sum = law.integrate(e, |_, _, _| {});
-    let size = (sum.p[0] * sum.p[0] + sum.p[1] * sum.p[1]).sqrt();
-    if size <= 0.0 {
+    let wanted = libm::hypot(sample.force[0], sample.force[1]) / law.kappa();
+    if wanted <= 0.0 || sample.e == [0.0; 2] {
         return Ok(());
     }
-    let scale = sample.work / size;
+    sample.e = equilibrium(law, sample).map_err(Unbalanced)?;
+    sample.penetration = law.gap_along(sample.e);
+    let scale = sample.work / wanted;
     let n = rate.len();
     let sub = law.intervals() / n;
     let mut hat = |k: usize, weight: f64| {
@@ -38,7 +37,7 @@ pub fn foundation_share(
         rate[i] += scale * weight * (1.0 - s);
         rate[(i + 1) % n] += scale * weight * s;
     };
-    law.integrate(e, |k, a, b| {
+    law.integrate(sample.e, |k, a, b| {
         hat(k, a);
         hat(k + 1, b);
     });
@@ -59,16 +58,16 @@ fn equilibrium(law: &Foundation, sample: &ContactSample) -> Result<[f64; 2], f64
     let size = |r: [f64; 2]| (r[0] * r[0] + r[1] * r[1]).sqrt();
     let target = [sample.force[0] / law.kappa(), sample.force[1] / law.kappa()];
     let wanted = size(target);
-    if wanted <= 0.0 {
-        return Ok(sample.e);
-    }
     let outward = equivalent_penetration(size(sample.force), law.surface().stiffness) / wanted;
     let at = |e: [f64; 2]| {
         let sum = law.integrate(e, |_, _, _| {});
         let miss = [sum.p[0] - target[0], sum.p[1] - target[1]];
         (e, sum, miss)
     };
-    let mut now = at(sample.e);
+    // Start as deep below the present bore as the journal last was.
+    let length = size(sample.e);
+    let follow = 1.0 + (sample.penetration - law.gap_along(sample.e)) / length;
+    let mut now = at([follow * sample.e[0], follow * sample.e[1]]);
     for _ in 0..MOST_ITERATIONS {
         let (e, sum, miss) = now;
         if size(miss) <= BALANCED * wanted {

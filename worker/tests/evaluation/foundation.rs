@@ -1,4 +1,4 @@
-//! The flapping-wing drive with the conservative contact law (model.md, section 7).
+//! The flapping-wing drive with the conservative contact law.
 
 use crate::scenes::{RPM, at, every_joint, scene};
 use common::accuracy::Accuracy;

@@ -1,9 +1,11 @@
-//! The linkage in the limit of vanishing clearance (model.md, section 1), and linkages that cannot go round.
+//! The linkage in the limit of vanishing clearance, and linkages that cannot go round.
 
 use crate::scenes::{RPM, scene};
+use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::scene::{OutputKind, Scene};
-use worker::mechanism::{ideal_cycle, ideal_motion};
+use worker::mechanism::ideal_cycle;
+use worker::simulate::simulate;
 
 struct Rockers {
     lowest: f64,
@@ -23,7 +25,7 @@ fn rockers(scene: &Scene) -> Rockers {
         })
         .expect("the scene compares two bodies");
     let mut r = Rockers { lowest: f64::MAX, highest: f64::MIN, angle_difference: 0.0, speed_difference: 0.0 };
-    for pose in ideal_cycle(scene, 2001).expect("the linkage goes round") {
+    for pose in ideal_cycle(scene, 2001, &mut 0).expect("the linkage goes round") {
         let [(x, vx), (y, vy)] = [a, b].map(|s| {
             let (q, v) = (pose.q[s.body].expect("free"), pose.v[s.body].expect("free"));
             ((s.sign * q[2]).to_degrees(), s.sign * v[2] / RPM)
@@ -58,7 +60,7 @@ fn a_longer_rod_lowers_the_asymmetry() {
 fn a_linkage_that_cannot_be_assembled_is_named() {
     for rod in [15e-3, 80e-3] {
         let scene = scene("flapping-wing", &[("parameters.rod_length", rod)]);
-        match ideal_motion(&scene, &mut 0) {
+        match ideal_cycle(&scene, 2, &mut 0) {
             Err(SimulationFailure::CannotAssemble { joint, time, gap }) => {
                 assert!(scene.joints.iter().any(|j| j.name == joint), "joint {joint}");
                 assert_eq!(time, 0.0);
@@ -73,8 +75,7 @@ fn a_linkage_that_cannot_be_assembled_is_named() {
 fn a_linkage_that_locks_on_its_way_is_named_with_its_time() {
     // A four-bar against Grashof: the crank starts, then the coupler cannot follow.
     let scene = scene("four-bar", &[("parameters.crank_length", 45e-3)]);
-    ideal_motion(&scene, &mut 0).expect("it closes at the start");
-    match ideal_cycle(&scene, 2) {
+    match simulate(&scene, &Accuracy::draft(), false) {
         Err(SimulationFailure::CannotAssemble { time, gap, .. }) => {
             assert!(time > 0.0 && time < scene.life.period, "time {time}");
             assert!(gap > 0.0);

@@ -1,4 +1,4 @@
-//! The nominal evaluation of the flapping-wing drive against the published figures (model.md, section 7), and its
+//! The nominal evaluation of the flapping-wing drive against the published figures, and its
 //! convergence in time step and wear step.
 
 use crate::scenes::{RPM, at, scene};
