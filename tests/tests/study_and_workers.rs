@@ -1,0 +1,95 @@
+//! A whole study with the real programs: two workers, one of which is killed on its way and replaced, give the
+//! same answer as one local worker.
+
+use serde_json::Value;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+use tests::program;
+
+/// Longest the study may take.
+const PATIENCE: Duration = Duration::from_secs(240);
+
+/// A process that does not outlive the test.
+struct Process(Child);
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        // It may have ended already.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+fn study(workers: &str, dir: &str) -> Command {
+    let mut command = Command::new(program("coordinator"));
+    let study =
+        "run --scene four-bar --accuracy draft --samples 4000 --initial 16 --max-evaluations 40 --seed 3";
+    command.args(study.split(' ')).args(["--workers", workers, "--out", dir]);
+    command.stdout(Stdio::null()).stderr(Stdio::piped());
+    command
+}
+
+fn worker(endpoint: &str) -> Process {
+    let mut command = Command::new(program("worker"));
+    command.args(["--connect", endpoint, "--slots", "1", "--quiet"]);
+    Process(command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap())
+}
+
+fn summary(dir: &str) -> Value {
+    let text = std::fs::read_to_string(Path::new(dir).join("summary.json")).unwrap();
+    serde_json::from_str(&text).unwrap()
+}
+
+/// The summary without what may differ: times, and who worked.
+fn answer(dir: &str) -> Value {
+    let mut summary = summary(dir);
+    let all = summary.as_object_mut().unwrap();
+    assert!(all.remove("timing_s").is_some() && all.remove("workers").is_some());
+    summary
+}
+
+fn recorded(dir: &str) -> i64 {
+    let flags = rusqlite::OpenFlags::SQLITE_OPEN_READ_ONLY;
+    rusqlite::Connection::open_with_flags(Path::new(dir).join("campaign.db"), flags)
+        .and_then(|file| file.query_row("select count(*) from evaluation", [], |row| row.get(0)))
+        .unwrap_or(0)
+}
+
+#[test]
+fn a_killed_worker_does_not_change_the_answer() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (alone, farmed) = (at("alone"), at("farmed"));
+    assert!(study("1", &alone).stderr(Stdio::null()).status().unwrap().success());
+
+    let mut coordinator = Process(study("0", &farmed).spawn().unwrap());
+    let start = Instant::now();
+    let stderr = BufReader::new(coordinator.0.stderr.take().unwrap());
+    let mut lines = stderr.lines().map(Result::unwrap);
+    let endpoint = lines
+        .find_map(|line| line.split("--connect ").nth(1).map(|rest| rest.trim().to_owned()))
+        .expect("the coordinator says where it listens");
+    // Whoever writes to a full pipe stands still.
+    let drained = std::thread::spawn(move || lines.for_each(drop));
+
+    let mut doomed = worker(&endpoint);
+    let mut others = vec![worker(&endpoint)];
+    while recorded(&farmed) < 6 {
+        assert!(start.elapsed() < PATIENCE, "no result arrives");
+        std::thread::yield_now();
+    }
+    doomed.0.kill().unwrap();
+    others.push(worker(&endpoint));
+    while coordinator.0.try_wait().unwrap().is_none() {
+        assert!(start.elapsed() < PATIENCE, "the study does not end");
+        std::thread::yield_now();
+    }
+    assert!(coordinator.0.wait().unwrap().success());
+    drained.join().unwrap();
+
+    assert_eq!(answer(&alone), answer(&farmed));
+    let workers = summary(&farmed)["workers"].as_array().unwrap().len();
+    assert!(workers >= 2, "{workers} workers had a share");
+}
