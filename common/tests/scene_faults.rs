@@ -41,7 +41,7 @@ fn units_and_expressions() {
     one_fault("friction = 0.05", "friction = inf", "parameters.friction: inf: has no finite value");
     one_fault(
         "clearance = \"30 um\"",
-        "clearance = \"width\"\nwidht = \"2 * widht\"",
+        "clearance = \"width / 400\"\nwidht = \"2 * widht\"",
         "widht: depends on itself",
     );
     one_fault(
@@ -103,7 +103,10 @@ fn ranges() {
     }
     let smaller = faults("radial_clearance = \"clearance\"", "bushing_radius = \"3.9 mm\"");
     assert!(smaller[0].contains("joints.crank.bushing_radius: \"3.9 mm\""), "{smaller:?}");
-    assert!(smaller[0].contains("allowed: larger than the journal, journal_radius = 4 mm"), "{smaller:?}");
+    assert!(
+        smaller[0].contains("allowed: larger than the journal and below twice that, journal_radius = 4 mm"),
+        "{smaller:?}"
+    );
     one_fault("width = \"width\"", "width = \"width\"\nbushing_radius = \"5 mm\"", "not both");
 }
 
@@ -313,4 +316,24 @@ proptest! {
         let _ = SceneSource::parse(&text, "mutilated");
         let _ = SceneSource::parse(text.get(..chars).unwrap_or(&text), "mutilated");
     }
+}
+
+#[test]
+fn a_faulty_field_does_not_hide_a_faulty_variable() {
+    let text = SceneSource::builtin("four-bar").unwrap().text().to_owned();
+    let std =
+        text.lines().find(|line| line.starts_with("std = ")).expect("the four-bar has random variables");
+    let text =
+        text.replacen("poisson_ratio = 0.3", "poisson_ratio = 0.9", 1).replacen(std, "std = \"0 %\"", 1);
+    let found = SceneSource::parse(&text, "my.toml").unwrap_err().to_string();
+    assert!(found.contains("poisson_ratio") && found.contains(".std"), "{found}");
+}
+
+#[test]
+fn a_clearance_as_large_as_its_journal_is_refused() {
+    let found = faults("clearance = \"30 um\"", "clearance = \"30 mm\"").join("\n");
+    assert!(
+        found.contains("joints.crank.radial_clearance") && found.contains("smaller than journal_radius"),
+        "{found}"
+    );
 }

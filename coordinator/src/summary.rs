@@ -30,7 +30,7 @@ pub struct StudySummary {
     /// One row per checkpoint.
     pub reliability: Vec<ReliabilityRow>,
     /// One row per checkpoint: `cycles` and, per output, mean and standard deviation over the population.
-    pub moments: Vec<BTreeMap<String, f64>>,
+    pub moments: Vec<MomentsRow>,
     /// Derivatives of the failure probabilities.
     pub sensitivity: Vec<SensitivityRow>,
     /// How learning went and why it stopped.
@@ -39,6 +39,16 @@ pub struct StudySummary {
     pub timing_s: Timing,
     /// Who worked.
     pub workers: Vec<WorkerShare>,
+}
+
+/// Moments at one checkpoint.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct MomentsRow {
+    /// Life [cycles].
+    pub cycles: u32,
+    /// Mean and standard deviation of each limit state's output over the population, e.g. `wear_mean_m`.
+    #[serde(flatten)]
+    pub moments: BTreeMap<String, f64>,
 }
 
 /// Counts of evaluations.
@@ -100,6 +110,8 @@ pub struct SensitivityError {
 pub struct Convergence {
     /// The rule that ended it, in words.
     pub stopped_because: String,
+    /// Whether that rule is a met target; false when the budget was spent first, or too few failures were found.
+    pub targets_met: bool,
     /// One row per round of learning.
     pub rounds: Vec<Round>,
 }

@@ -122,7 +122,7 @@ fn bad_settings() {
         ("load_torqe=1 N m", &["no variable \"load_torqe\"", "did you mean \"load_torque\"?"][..]),
         ("load_torque=1 kg", &["\"1 kg\" is a mass, expected a torque (N m, N mm, ...)"]),
         ("load_torque", &["expected variable=value"]),
-        ("friction=-0.1", &["friction", "-0.1", "allowed: >= 0"]),
+        ("friction=-0.1", &["friction", "-0.1", "allowed: 0 to 2"]),
     ] {
         let message = refused(&["simulate", "--scene", "four-bar", "--set", setting], 2);
         for part in parts {

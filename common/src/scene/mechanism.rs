@@ -158,7 +158,7 @@ fn clearance(
     let contact_law = law.and_then(|law| cx.word(&row.key("contact_law"), law, &laws));
     let contact_damping = contact_damping(cx, row);
     let film_damping = row.quantity_or(cx, "film_damping", DAMPING, Range::NonNegative, 0.0);
-    let friction = row.quantity(cx, "friction", NUMBER, Range::NonNegative);
+    let friction = row.quantity(cx, "friction", NUMBER, Range::Within(0.0, 2.0));
     let friction_speed = row.quantity(cx, "friction_speed", SPEED, Range::Positive);
     let wear_coefficient = row.quantity(cx, "wear_coefficient", INVERSE_PRESSURE, Range::NonNegative);
     let control_points = row.integer(cx, "control_points", CONTROL_POINTS, Some(CONTROL_POINTS_DEFAULT));
@@ -185,18 +185,28 @@ fn bushing_radius(cx: &mut Context, row: &mut Section, journal_radius: Option<f6
             cx.inconsistent(&row.path, "give either bushing_radius or radial_clearance, not both");
             return None;
         }
-        let clearance = cx.quantity(&row.key("radial_clearance"), written, LENGTH, Range::Positive);
-        return Some(journal_radius? + clearance?);
+        let clearance = cx.quantity(&row.key("radial_clearance"), written, LENGTH, Range::Positive)?;
+        let journal_radius = journal_radius?;
+        if clearance < journal_radius {
+            return Some(journal_radius + clearance);
+        }
+        let key = row.key("radial_clearance");
+        let value = cx.shown(&key, written, clearance);
+        let allowed = format!("smaller than journal_radius = {} mm", six_digits(journal_radius * 1e3));
+        cx.fault(key, FaultKind::OutOfRange { value, allowed });
+        return None;
     }
     let radius = row.quantity(cx, "bushing_radius", LENGTH, Range::Positive)?;
     let journal_radius = journal_radius?;
-    if radius > journal_radius {
+    if radius > journal_radius && radius < 2.0 * journal_radius {
         return Some(radius);
     }
     let key = row.key("bushing_radius");
     let value = row.get("bushing_radius").map(|written| cx.shown(&key, written, radius)).unwrap_or_default();
-    let allowed =
-        format!("larger than the journal, journal_radius = {} mm", six_digits(journal_radius * 1e3));
+    let allowed = format!(
+        "larger than the journal and below twice that, journal_radius = {} mm",
+        six_digits(journal_radius * 1e3)
+    );
     cx.fault(key, FaultKind::OutOfRange { value, allowed });
     None
 }

@@ -6,7 +6,7 @@ use super::model::*;
 use super::quantity::*;
 use super::read::{Context, Overrides, Range};
 use super::section::Section;
-use super::variables::{VariableRow, variable_rows};
+use super::variables::{VariableRow, variable_rows, variables};
 use std::collections::BTreeMap;
 use toml::Table;
 
@@ -81,8 +81,21 @@ pub(super) fn resolve(origin: &str, document: &Table, overrides: &Overrides) -> 
     })();
     match scene {
         Some(scene) if faults.is_empty() => Ok(Resolved { scene, variables, seen }),
-        _ => Err(faults),
+        _ => Err(with_variables(cx, faults, variables, &seen)),
     }
+}
+
+/// Adds the faults of those variables whose nominal values could be read all the same.
+fn with_variables(
+    cx: &mut Context,
+    mut faults: Vec<Fault>,
+    mut rows: Vec<VariableRow>,
+    seen: &BTreeMap<String, Quantity>,
+) -> Vec<Fault> {
+    rows.retain(|row| row.changes.iter().all(|key| seen.contains_key(key)));
+    variables(cx, &rows, seen);
+    faults.append(&mut cx.faults);
+    faults
 }
 
 fn head(cx: &mut Context, file: &mut Section) -> Option<(String, String)> {

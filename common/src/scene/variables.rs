@@ -16,7 +16,7 @@ const TRUNCATION: f64 = 3.0;
 /// A row of `[[variables]]`, its numbers not yet read: their dimension depends on what the variable changes.
 pub(super) struct VariableRow {
     name: String,
-    changes: Vec<String>,
+    pub(super) changes: Vec<String>,
     truncation: f64,
     unit: Option<String>,
     mean: Option<Value>,

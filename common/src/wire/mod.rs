@@ -15,12 +15,14 @@ pub mod codec;
 pub mod keys;
 pub mod message;
 mod numbers;
+mod reason;
 #[cfg(test)]
 mod tests;
 
 pub use codec::{MAX_PAYLOAD, Message, WireError, decode, encode};
 pub use message::{CandidatePoint, Claim, Next, Notice, Outcome, Reply, Task, TaskKey, WorkOrder, WorkerId};
 pub use numbers::{NonFinite, failure_is_finite, find_non_finite};
+pub use reason::reason;
 
 /// Version of the messages. It changes with every change of their layout or meaning; there is no negotiation.
 pub const PROTOCOL_VERSION: u16 = 1;

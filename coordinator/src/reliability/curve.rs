@@ -5,7 +5,8 @@
 pub struct CurvePoint {
     /// R = 1 - P_f [1].
     pub reliability: f64,
-    /// sqrt(R (1 - R) / N + surrogate error^2) [1].
+    /// sqrt(p (1 - p) / N + surrogate error^2) [1], where p = (N P_f + 1) / (N + 2) is the expected failure
+    /// probability after so many failures among N samples: none at all does not prove that there are none.
     pub standard_error: f64,
 }
 
@@ -15,7 +16,9 @@ pub struct CurvePoint {
 /// outside them the surrogates leave no doubt and only sampling counts. Empty: direct simulation.
 pub fn reliability_curve(failed: &[f64], points: usize, surrogate: &[(usize, f64)]) -> Vec<CurvePoint> {
     let at = |(n, pf): (usize, &f64)| {
-        let sampling = pf * (1.0 - pf) / points as f64;
+        let count = points as f64;
+        let expected = (count * pf + 1.0) / (count + 2.0);
+        let sampling = expected * (1.0 - expected) / count;
         let error = surrogate_error_at(n, surrogate);
         CurvePoint { reliability: 1.0 - pf, standard_error: (sampling + error * error).sqrt() }
     };
@@ -52,11 +55,14 @@ mod tests {
 
     #[test]
     fn standard_errors_combine_sampling_and_surrogate() {
-        let curve = reliability_curve(&[0.0, 0.2, 0.5, 1.0], 100, &[(1, 0.03), (2, 0.0)]);
-        assert_eq!(curve[0], CurvePoint { reliability: 1.0, standard_error: 0.0 });
-        assert!((curve[1].standard_error - 0.05).abs() < 1e-12);
-        assert!((curve[2].standard_error - 0.05).abs() < 1e-12);
-        assert_eq!(curve[3].standard_error, 0.0);
+        let curve = reliability_curve(&[0.0, 0.2, 0.5, 1.0], 98, &[(1, 0.03), (2, 0.0)]);
+        let share = |p: f64| p * (1.0 - p) / 98.0;
+        assert!((curve[1].standard_error - (share(20.6 / 100.0) + 0.03 * 0.03).sqrt()).abs() < 1e-12);
+        assert!((curve[2].standard_error - share(0.5).sqrt()).abs() < 1e-12);
+        // Neither no failure nor nothing but failures is certainty.
+        assert_eq!(curve[0].reliability, 1.0);
+        assert!((curve[0].standard_error - share(0.01).sqrt()).abs() < 1e-12);
+        assert!((curve[3].standard_error - curve[0].standard_error).abs() < 1e-12);
     }
 
     #[test]

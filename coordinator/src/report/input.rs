@@ -158,6 +158,7 @@ impl ReportInput {
     fn new(scene: &Scene, summary: StudySummary, distributions: Vec<OutputDistribution>) -> Self {
         Self {
             title: scene.title.clone(),
+            notes: [unfinished(&summary), notes(scene)].concat(),
             summary,
             limit_states: scene
                 .limit_states
@@ -185,7 +186,6 @@ impl ReportInput {
             distributions,
             failures: vec![],
             work: WorkTotals::default(),
-            notes: notes(scene),
             scene_source: String::new(),
             settings: serde_json::Value::Null,
             command: String::new(),
@@ -212,6 +212,15 @@ impl WorkTotals {
         sum.wear_stages += diagnostics.wear_stages;
         sum.rejected_wear_steps += diagnostics.rejected_wear_steps;
     }
+}
+
+/// Says so if learning ended before its targets were met.
+fn unfinished(summary: &StudySummary) -> Vec<String> {
+    let why = &summary.convergence.stopped_because;
+    let note = format!(
+        "This study ended before its targets were met, so its errors may be larger than stated: {why}."
+    );
+    if summary.convergence.targets_met { vec![] } else { vec![note] }
 }
 
 /// Properties of the model that colour its answer.

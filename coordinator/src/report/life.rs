@@ -1,12 +1,15 @@
 //! Lives read from reliability curves: when R falls to a level, and which limit state leads there.
 
 use crate::summary::{ReliabilityRow, StudySummary};
+use statrs::distribution::{ContinuousCDF, Normal};
 
 /// The life at which a reliability curve falls to a level.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LifeAt {
-    /// Reached, by linear interpolation between checkpoints; the bounds are where the curve less and plus 1.96
-    /// standard errors reaches the level (the upper one is the end of life if it does not).
+    /// Reached, by interpolation between checkpoints: linear in the probit of R, because lives scatter about
+    /// normally. The bounds are where the curve less and plus 1.96 standard errors reaches the level (the upper
+    /// one is the end of life if it does not), widened by a quarter of the distance to linear interpolation of R
+    /// itself: what the curve does between two checkpoints is not known better.
     Cycles {
         /// Life [cycles].
         life: f64,
@@ -24,22 +27,35 @@ pub fn life_at(summary: &StudySummary, key: &str, level: f64) -> LifeAt {
     let last = summary.reliability.last().map_or(0, |row| row.cycles);
     match crossing(summary, key, level, 0.0) {
         None => LifeAt::Beyond(last),
-        Some(life) => LifeAt::Cycles {
-            life,
-            lower: crossing(summary, key, level, -1.96).unwrap_or(life),
-            upper: crossing(summary, key, level, 1.96).unwrap_or(f64::from(last)),
-        },
+        Some((life, doubt)) => {
+            let bound = |errors: f64| crossing(summary, key, level, errors).map(|(life, _)| life);
+            LifeAt::Cycles {
+                life,
+                lower: (bound(-1.96).unwrap_or(life) - doubt).max(0.0),
+                upper: bound(1.96).map_or(f64::from(last), |upper| upper + doubt),
+            }
+        }
     }
 }
 
-fn crossing(summary: &StudySummary, key: &str, level: f64, errors: f64) -> Option<f64> {
+/// Where the curve, moved by so many standard errors, falls to `level`, and the doubt of that [cycles].
+fn crossing(summary: &StudySummary, key: &str, level: f64, errors: f64) -> Option<(f64, f64)> {
+    // A share of the population below half a point cannot be told from none.
+    let least = 0.5 / summary.population.max(1) as f64;
+    let probit = |r: f64| Normal::standard().inverse_cdf(r.clamp(least, 1.0 - least));
     let mut before = (0.0, 1.0);
     for row in &summary.reliability {
         let error = row.standard_error.get(key).copied().filter(|error| error.is_finite()).unwrap_or(0.0);
         let now = (f64::from(row.cycles), row.reliability.get(key)? + errors * error);
         if now.1 <= level {
-            let share = if before.1 > level { (before.1 - level) / (before.1 - now.1) } else { 0.0 };
-            return Some(before.0 + share * (now.0 - before.0));
+            if before.1 <= level {
+                return Some((before.0, 0.0));
+            }
+            let span = now.0 - before.0;
+            let linear = span * (before.1 - level) / (before.1 - now.1);
+            let (start, end) = (probit(before.1), probit(now.1));
+            let along = if start > end { span * (start - probit(level)) / (start - end) } else { linear };
+            return Some((before.0 + along, 0.25 * (along - linear).abs()));
         }
         before = now;
     }
@@ -63,8 +79,11 @@ pub fn rows_that_matter(summary: &StudySummary, margin: usize) -> &[ReliabilityR
     &rows[first.saturating_sub(1 + margin)..(last + 1 + margin).min(rows.len())]
 }
 
+/// A limit state leads once it has failed this share of the mechanisms more than any other.
+const LEAD: f64 = 1e-3;
+
 /// The limit state with the most failures at each row, where any has failed: (cycles from, name), one entry
-/// per change of the leader.
+/// per change of the leader; the cycles are those of the first checkpoint where it leads.
 pub fn leaders(summary: &StudySummary) -> Vec<(u32, &str)> {
     let mut leaders: Vec<(u32, &str)> = Vec::new();
     for row in &summary.reliability {
@@ -74,7 +93,7 @@ pub fn leaders(summary: &StudySummary) -> Vec<(u32, &str)> {
         order.sort_by(|a, b| failed(b).total_cmp(&failed(a)));
         let Some(first) = order.first() else { continue };
         let second = order.get(1).map_or(0.0, |name| failed(name));
-        let leads = failed(first) > 1e-3 && failed(first) - second > 1e-2;
+        let leads = failed(first) - second > LEAD;
         if leads && leaders.last().is_none_or(|(_, leader)| leader != first) {
             leaders.push((row.cycles, first));
         }
@@ -105,13 +124,30 @@ mod tests {
     fn the_life_at_a_level_is_interpolated() {
         let summary = summary(&[("wear", &[1.0, 0.8, 0.4]), ("total", &[1.0, 0.8, 0.4])]);
         let LifeAt::Cycles { life, lower, upper } = life_at(&summary, "total", 0.6) else { panic!() };
-        assert!(
-            (life - 2500.0).abs() < 1e-6 && (lower - 2250.0).abs() < 1e-6 && (upper - 2750.0).abs() < 1e-6
-        );
+        assert!(lower < life && life < upper && upper - lower > 400.0, "{lower} {life} {upper}");
+        // Probits of 0.8, 0.6, 0.4: 0.84162, 0.25335, -0.25335.
+        assert!((life - (2000.0 + 1000.0 * 0.588_27 / 1.094_97)).abs() < 0.1, "{life}");
         assert_eq!(life_at(&summary, "total", 0.3), LifeAt::Beyond(3000));
         let LifeAt::Cycles { life, .. } = life_at(&summary, "wear", 0.9) else { panic!() };
-        assert!((life - 1500.0).abs() < 1e-6);
+        // From all alive to 0.8 the straight line would say 1500.
+        assert!(life > 1600.0 && life < 2000.0, "{life}");
         assert_eq!(governing(&summary).unwrap().cycles, 3000);
+    }
+
+    #[test]
+    fn a_normal_life_is_met_between_coarse_checkpoints() {
+        // Lives are normal with mean 2600 and standard deviation 300; checkpoints every 1000 cycles.
+        let normal = Normal::new(2600.0, 300.0).unwrap();
+        let curve: Vec<f64> = (1..=4).map(|k| 1.0 - normal.cdf(1000.0 * k as f64)).collect();
+        let summary = summary(&[("wear", &curve), ("total", &curve)]);
+        for level in [0.95, 0.9, 0.5, 0.2] {
+            let LifeAt::Cycles { life, lower, upper } = life_at(&summary, "total", level) else { panic!() };
+            let truth = normal.inverse_cdf(1.0 - level);
+            assert!(
+                (life - truth).abs() < 1e-6 * truth && lower < truth && truth < upper,
+                "{level}: {life} {truth}"
+            );
+        }
     }
 
     #[test]

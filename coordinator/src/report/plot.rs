@@ -103,7 +103,7 @@ impl Plot<'_> {
         let (y0, y1) = widened(self.y);
         let mut chart = ChartBuilder::on(root)
             .margin_top(px(10.0 + 20.0 * legend.rows as f64))
-            .margin_right(px(14.0))
+            .margin_right(px(34.0))
             .margin_bottom(px(4.0))
             .margin_left(px(4.0))
             .x_label_area_size(px(44.0))

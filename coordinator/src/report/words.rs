@@ -11,12 +11,11 @@ pub const LEVELS: [f64; 3] = [0.99, 0.9, 0.5];
 
 /// A life with its bounds, e.g. `63 400 cycles (63 200 to 63 500)`.
 pub fn life(life: LifeAt) -> (String, String) {
-    // To the nearest ten: the curve is known at checkpoints hundreds of cycles apart.
-    let ten = |cycles: f64| count((cycles / 10.0).round().max(0.0) as u64 * 10);
+    let whole = |cycles: f64| count(cycles.round().max(0.0) as u64);
     match life {
         LifeAt::Beyond(last) => (format!("beyond {}", count(last.into())), "end of the life studied".into()),
         LifeAt::Cycles { life, lower, upper } => {
-            (ten(life), format!("95 % interval {} to {}", ten(lower), ten(upper)))
+            (whole(life), format!("95 % interval {} to {}", whole(lower), whole(upper)))
         }
     }
 }
@@ -67,7 +66,7 @@ fn who_fails_first(input: &ReportInput) -> Vec<String> {
         [] => text.push("No limit state is reached within the life studied.".to_string()),
         [(from, only)] if summary.limit_states.len() == 1 => {
             text.push(format!(
-                "The mechanism fails by {}, from {} cycles on.",
+                "The mechanism fails by {}, noticeably (more than 0.1 %) from {} cycles on.",
                 named(only),
                 count((*from).into())
             ));
@@ -75,7 +74,7 @@ fn who_fails_first(input: &ReportInput) -> Vec<String> {
         [(from, first), rest @ ..] => {
             let always = if rest.is_empty() { "; it leads over the whole life studied" } else { "" };
             text.push(format!(
-                "First to fail: {}, from {} cycles on{always}.",
+                "First to fail: {}, noticeably (more than 0.1 % of the mechanisms ahead) from {} cycles on{always}.",
                 named(first),
                 count((*from).into())
             ));

@@ -75,8 +75,11 @@ pub(super) fn run(
         .collect();
     let curves = Curves { failed: &failed, points: points.len(), surrogate: &[] };
     let counts = EvaluationCounts { total: samples + 1, initial: 1, added: samples, failed: failures.len() };
-    let convergence =
-        Convergence { stopped_because: format!("all {samples} samples were simulated"), rounds };
+    let convergence = Convergence {
+        stopped_because: format!("all {samples} samples were simulated"),
+        targets_met: true,
+        rounds,
+    };
     Ok(result::assemble(scene, settings, curves, distributions, &rows, counts, convergence))
 }
 

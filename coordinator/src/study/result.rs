@@ -5,8 +5,8 @@ use crate::learning::Rule;
 use crate::reliability::{CurvePoint, OutputDistribution, predict_distributions, reliability_curve};
 use crate::sensitivity::{Sensitivity, sensitivities};
 use crate::summary::{
-    Convergence, EvaluationCounts, PerLimitState, ReliabilityRow, SensitivityError, SensitivityRow,
-    StudySummary, Timing,
+    Convergence, EvaluationCounts, MomentsRow, PerLimitState, ReliabilityRow, SensitivityError,
+    SensitivityRow, StudySummary, Timing,
 };
 use crate::surrogate::{Correlation, LeaveOneOut};
 use common::scene::{OutputKind, Scene};
@@ -91,8 +91,11 @@ pub(super) fn from_learning(scene: &Scene, settings: &Settings, learned: &Learne
         added: learned.evaluations.saturating_sub(settings.study.initial),
         failed: learned.failed,
     };
-    let convergence =
-        Convergence { stopped_because: stop_in_words(learned, settings), rounds: learned.rounds.clone() };
+    let convergence = Convergence {
+        stopped_because: stop_in_words(learned, settings),
+        targets_met: targets_met(learned, settings),
+        rounds: learned.rounds.clone(),
+    };
     let distributions = output_distributions(scene, learned);
     let mut result = assemble(scene, settings, curves, distributions, &rows, counts, convergence);
     result.summary.population = learned.population.len();
@@ -122,6 +125,12 @@ fn output_distributions(scene: &Scene, learned: &Learned) -> Vec<Vec<OutputDistr
             predict_distributions(&model, &learned.population)
         })
         .collect()
+}
+
+/// Whether learning ended by a rule and with failures enough for the coefficient of variation asked for.
+fn targets_met(learned: &Learned, settings: &Settings) -> bool {
+    let enough = learned.rounds.last().is_some_and(|round| round.cov_pf <= settings.targets.cov);
+    enough && matches!(learned.stop, Stop::Rule(_))
 }
 
 fn stop_in_words(learned: &Learned, settings: &Settings) -> String {
@@ -207,13 +216,8 @@ pub(super) fn assemble(
 }
 
 /// Moments at one checkpoint: `{limit state}_mean_m` and `_std_m`, or `_rpm` for angular velocities.
-fn moments(
-    scene: &Scene,
-    distributions: &[Vec<OutputDistribution>],
-    cycles: u32,
-    n: usize,
-) -> BTreeMap<String, f64> {
-    let mut row = BTreeMap::from([("cycles".to_owned(), f64::from(cycles))]);
+fn moments(scene: &Scene, distributions: &[Vec<OutputDistribution>], cycles: u32, n: usize) -> MomentsRow {
+    let mut row = BTreeMap::new();
     for limit in &scene.limit_states {
         let (suffix, factor) = match scene.outputs[limit.output].kind {
             OutputKind::LargestWear { .. } => ("m", 1.0),
@@ -223,7 +227,7 @@ fn moments(
         row.insert(format!("{}_mean_{suffix}", limit.name), at.mean * factor);
         row.insert(format!("{}_std_{suffix}", limit.name), at.std * factor);
     }
-    row
+    MomentsRow { cycles, moments: row }
 }
 
 fn sensitivity_row(scene: &Scene, curves: &[&str], cycles: &[u32], row: &Sensitivity) -> SensitivityRow {

@@ -3,7 +3,7 @@
 use super::claims::Inbox;
 use super::patience::Patience;
 use super::{Departure, ServiceConfig, ServiceError};
-use common::wire::{WorkerId, keys};
+use common::wire::{WorkerId, keys, reason};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::{Duration, Instant};
 use zenoh::liveliness::LivelinessToken;
@@ -60,7 +60,7 @@ impl Link {
             let started = Instant::now();
             match zenoh::open(settings.clone()).wait() {
                 Ok(session) => return Self::declare(session, service, worker, inbox).map(Ok),
-                Err(error) => patience.failed(started, error.to_string()),
+                Err(error) => patience.failed(started, reason(error)),
             }
             patience.check(Instant::now())?;
             match received.recv_timeout(RETRY) {
@@ -114,7 +114,7 @@ impl Link {
                 };
                 let _ = ended.inbox.send(Inbox::Answer { sequence: ended.sequence, frame });
             });
-        query.wait().map_err(|error| error.to_string())
+        query.wait().map_err(reason)
     }
 
     /// Closes the session, or leaves it after a while if the line is dead.
@@ -152,7 +152,7 @@ pub(super) fn settings(service: &ServiceConfig) -> Result<Config, ServiceError> 
         None => Config::default(),
         Some(file) => Config::from_file(file).map_err(|error| ServiceError::Settings {
             setting: format!("Zenoh configuration {}", file.display()),
-            reason: error.to_string(),
+            reason: reason(error),
         })?,
     };
     for (key, value) in SETTINGS {
@@ -167,10 +167,10 @@ pub(super) fn settings(service: &ServiceConfig) -> Result<Config, ServiceError> 
     }
     config
         .insert_json5("connect/endpoints", &format!("[\"{}\"]", service.connect))
-        .map_err(|error| wrong(error.to_string()))?;
+        .map_err(|error| wrong(reason(error)))?;
     Ok(config)
 }
 
 fn messaging(error: zenoh::Error) -> ServiceError {
-    ServiceError::Messaging(error.to_string())
+    ServiceError::Messaging(reason(error))
 }

@@ -8,7 +8,7 @@ mod settings;
 pub use settings::Listen;
 
 use super::DispatchError;
-use common::wire::{WorkerId, keys};
+use common::wire::{WorkerId, keys, reason};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::Duration;
 use zenoh::liveliness::LivelinessToken;
@@ -63,7 +63,7 @@ impl Transport {
         let settings = settings::settings(listen)?;
         let session = zenoh::open(settings.config).wait().map_err(|error| DispatchError::Endpoint {
             endpoint: settings.endpoints.join(", "),
-            reason: error.to_string(),
+            reason: reason(error),
         })?;
         let liveness = session
             .liveliness()
@@ -150,5 +150,5 @@ fn send(session: &Session, parcels: &Receiver<Parcel>) {
 }
 
 fn messaging(error: zenoh::Error) -> DispatchError {
-    DispatchError::Messaging(error.to_string())
+    DispatchError::Messaging(reason(error))
 }

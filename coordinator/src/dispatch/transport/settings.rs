@@ -2,6 +2,7 @@
 //! so in so many words.
 
 use super::super::DispatchError;
+use common::wire::reason;
 use std::net::IpAddr;
 use std::path::PathBuf;
 use zenoh::Config;
@@ -42,10 +43,8 @@ pub(super) struct Settings {
 pub(super) fn settings(listen: &Listen) -> Result<Settings, DispatchError> {
     let mut config = match &listen.config {
         None => Config::default(),
-        Some(file) => Config::from_file(file).map_err(|error| DispatchError::Configuration {
-            file: file.clone(),
-            reason: error.to_string(),
-        })?,
+        Some(file) => Config::from_file(file)
+            .map_err(|error| DispatchError::Configuration { file: file.clone(), reason: reason(error) })?,
     };
     let endpoints = match &listen.endpoint {
         Some(endpoint) => vec![endpoint.clone()],
@@ -57,10 +56,9 @@ pub(super) fn settings(listen: &Listen) -> Result<Settings, DispatchError> {
         }
     }
     let json = serde_json::to_string(&endpoints).map_err(|e| DispatchError::Messaging(e.to_string()))?;
-    config.insert_json5("listen/endpoints", &json).map_err(|error| DispatchError::Endpoint {
-        endpoint: endpoints.join(", "),
-        reason: error.to_string(),
-    })?;
+    config
+        .insert_json5("listen/endpoints", &json)
+        .map_err(|error| DispatchError::Endpoint { endpoint: endpoints.join(", "), reason: reason(error) })?;
     for (key, value) in SETTINGS {
         config.insert_json5(key, value).map_err(super::messaging)?;
     }

@@ -166,9 +166,9 @@ pub fn histories(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
             .moments
             .iter()
             .filter_map(|row| {
-                let mean = unit.file_to_shown(*row.get(&key("mean"))?);
-                let spread = 2.0 * unit.file_to_shown(*row.get(&key("std"))?);
-                Some((row.get("cycles")? / axis.divisor, mean - spread, mean + spread))
+                let mean = unit.file_to_shown(*row.moments.get(&key("mean"))?);
+                let spread = 2.0 * unit.file_to_shown(*row.moments.get(&key("std"))?);
+                Some((axis.at(row.cycles), mean - spread, mean + spread))
             })
             .filter(|(_, low, high)| low.is_finite() && high.is_finite())
             .collect();
