@@ -158,7 +158,7 @@ impl ReportInput {
     fn new(scene: &Scene, summary: StudySummary, distributions: Vec<OutputDistribution>) -> Self {
         Self {
             title: scene.title.clone(),
-            notes: [unfinished(&summary), notes(scene)].concat(),
+            notes: [unfinished(&summary), rough(&summary), notes(scene)].concat(),
             summary,
             limit_states: scene
                 .limit_states
@@ -223,6 +223,18 @@ fn unfinished(summary: &StudySummary) -> Vec<String> {
     if summary.convergence.targets_met { vec![] } else { vec![note] }
 }
 
+/// Says so if the evaluations were only meant for a first look.
+fn rough(summary: &StudySummary) -> Vec<String> {
+    if summary.accuracy != "draft" {
+        return vec![];
+    }
+    vec![
+        "The accuracy draft is for a first look: its time and wear steps move the curves by more than the standard \
+         errors say. Decide with balanced or reference."
+            .to_string(),
+    ]
+}
+
 /// Properties of the model that colour its answer.
 fn notes(scene: &Scene) -> Vec<String> {
     let local_hertz = scene.joints.iter().any(|joint| match &joint.kind {
@@ -254,6 +266,16 @@ mod tests {
     fn equal_bins_end_where_they_should() {
         assert_eq!(equal_edges(1.0, 2.0, 4), [1.0, 1.25, 1.5, 1.75, 2.0]);
         assert_eq!(equal_edges(0.1, 0.3, 7)[7], 0.3);
+    }
+
+    #[test]
+    fn a_rough_or_unfinished_study_says_so() {
+        let mut summary = synthetic::study().summary;
+        assert!(rough(&summary).is_empty() && unfinished(&summary).is_empty());
+        summary.accuracy = "draft".into();
+        summary.convergence.targets_met = false;
+        assert!(rough(&summary)[0].contains("first look"));
+        assert!(unfinished(&summary)[0].contains(&summary.convergence.stopped_because));
     }
 
     #[test]
