@@ -12,6 +12,13 @@ fn foundation_wears_more_and_keeps_the_asymmetry_where_it_began() {
     let e = simulate(&scene, &Accuracy::draft(), false).expect("simulated");
     let depth = at(&e, 0, 64_000);
     assert!(depth > 1.05 * 28.8e-6 && depth < 1.2 * 28.8e-6, "{depth}");
+    every_joint(&mut scene, |c| c.contact_law = ContactLaw::LocalHertz);
+    let local = simulate(&scene, &Accuracy::draft(), false).expect("simulated");
+    for cycles in [60_000, 64_000, 72_000] {
+        let ratio = at(&e, 0, cycles) / at(&local, 0, cycles);
+        println!("wear of foundation over local-hertz at {cycles}: {ratio:.4}");
+        assert!((1.055..1.085).contains(&ratio), "{ratio} at {cycles}");
+    }
     for (cycles, gamma) in e.cycles.iter().zip(&e.histories[1]) {
         assert!((gamma / RPM - 20.6).abs() < 0.6, "{} r/min at {cycles}", gamma / RPM);
     }
