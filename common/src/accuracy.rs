@@ -19,6 +19,19 @@ pub struct Accuracy {
     pub wear_tolerance: f64,
     /// Warm-up before a measured cycle, as a fraction of the cycle [1].
     pub warm_up: f64,
+    /// Which model of the motion drives the wear.
+    pub tier: Tier,
+}
+
+/// Model of the motion between two wear steps.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Tier {
+    /// Quasi-static where the limit states need wear alone and a comparison with the dynamics, at the start and
+    /// at the end of life, stays below the wear tolerance; else dynamic.
+    #[default]
+    Automatic,
+    /// Always the dynamics.
+    Dynamic,
 }
 
 impl Accuracy {
@@ -47,6 +60,7 @@ impl Accuracy {
             cycle_jump: 2000,
             wear_tolerance: 2e-2,
             warm_up: 0.05,
+            tier: Tier::Automatic,
         }
     }
 
@@ -60,6 +74,7 @@ impl Accuracy {
             cycle_jump: 500,
             wear_tolerance: 5e-3,
             warm_up: 1.0,
+            tier: Tier::Dynamic,
         }
     }
 

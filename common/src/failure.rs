@@ -13,7 +13,7 @@ pub enum SimulationFailure {
         /// All faults, one per line.
         faults: String,
     },
-    /// The mechanism cannot be assembled with ideal joints at some crank position.
+    /// The mechanism cannot be assembled with ideal joints where the cycle starts.
     #[error("joint {joint} cannot be closed at time {time} s: gap {gap} m")]
     CannotAssemble {
         /// Joint with the largest gap.
@@ -22,6 +22,46 @@ pub enum SimulationFailure {
         time: f64,
         /// Remaining gap [m].
         gap: f64,
+    },
+    /// The mechanism moves, but not through the whole cycle: its joints' directions become dependent.
+    #[error("the mechanism reaches a dead point at time {time} s, where {body} stands at {} deg: joint {joint} can follow no further", angle.to_degrees())]
+    DeadPoint {
+        /// Joint that opens first beyond it.
+        joint: String,
+        /// Time within the cycle [s].
+        time: f64,
+        /// The driven body.
+        body: String,
+        /// Its angle [rad].
+        angle: f64,
+    },
+    /// Ideal joints forbid the same motion twice.
+    #[error(
+        "the mechanism is over-constrained: joint {joint} forbids a motion that the joints before it forbid already"
+    )]
+    OverConstrained {
+        /// The first joint, in the order of the file, that depends on those before it.
+        joint: String,
+    },
+    /// The ideal joints' directions became dependent during the motion.
+    #[error("at cycle {cycle}, t = {time} s, the ideal joints became dependent (a dead point of the motion)")]
+    Singular {
+        /// Cycles done.
+        cycle: u32,
+        /// Time within the cycle [s].
+        time: f64,
+    },
+    /// The bushing is worn through.
+    #[error("at cycle {cycle} joint {joint} is worn through: depth {depth} m, wall {wall} m")]
+    WornThrough {
+        /// Cycles done.
+        cycle: u32,
+        /// Joint.
+        joint: String,
+        /// Wear depth [m].
+        depth: f64,
+        /// Thickness of the wall [m].
+        wall: f64,
     },
     /// The step size fell below its lower bound.
     #[error("at cycle {cycle}, t = {time} s, the time step fell to {step} s (error {error} times its bound)")]

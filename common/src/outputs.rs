@@ -9,7 +9,9 @@ pub struct Evaluation {
     pub cycles: Vec<u32>,
     /// One history per output of the scene `(outputs, m)`, in the output's SI unit.
     pub histories: Vec<Vec<f64>>,
-    /// Per joint with clearance: state at the end of life and force peak of the first cycle.
+    /// Estimate of the numerical error of every value in `histories`, of the same shape and unit.
+    pub errors: Vec<Vec<f64>>,
+    /// Per joint: state at the end of life and force peak of the first cycle.
     pub joints: Vec<JointSummary>,
     /// The settled first cycle of the unworn mechanism, when asked for.
     pub first_cycle: Option<FirstCycle>,
@@ -17,14 +19,14 @@ pub struct Evaluation {
     pub diagnostics: Diagnostics,
 }
 
-/// One joint with clearance.
+/// One joint.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct JointSummary {
     /// Name of the joint.
     pub name: String,
     /// Largest contact force magnitude of the settled first cycle [N].
     pub peak_force: f64,
-    /// Wear depth at each control point at the end of life `(control_points,)` [m].
+    /// Wear depth at each control point at the end of life `(control_points,)`; none of an ideal joint [m].
     pub wear_depth: Vec<f64>,
 }
 
@@ -35,7 +37,9 @@ pub struct FirstCycle {
     pub time: Vec<f64>,
     /// Bodies reported, by label, e.g. `right`, `left`.
     pub bodies: Vec<BodyTrace>,
-    /// Contact force magnitude per joint with clearance, `(n,)` each [N].
+    /// Motion of every free and driven body, by name.
+    pub motion: Vec<BodyMotion>,
+    /// Force magnitude per joint, `(n,)` each [N].
     pub joint_force: Vec<(String, Vec<f64>)>,
 }
 
@@ -48,6 +52,42 @@ pub struct BodyTrace {
     pub angle: Vec<f64>,
     /// Signed angular velocity `(n,)` [rad/s].
     pub speed: Vec<f64>,
+}
+
+/// Motion of one body in the plane over a cycle.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BodyMotion {
+    /// Name of the body.
+    pub body: String,
+    /// Position of its reference point `(n, 2)` [m].
+    pub position: Vec<[f64; 2]>,
+    /// Angle `(n,)` [rad].
+    pub angle: Vec<f64>,
+    /// Angular velocity `(n,)` [rad/s].
+    pub speed: Vec<f64>,
+}
+
+/// Energy over the settled first cycle: what came in, where it went. In exact arithmetic
+/// input + unphysical = stored + dissipated.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct EnergyBalance {
+    /// Work of the drives and of loads that have no potential [J].
+    pub input: f64,
+    /// Gain of kinetic energy and of that in springs, gravity and contacts [J].
+    pub stored: f64,
+    /// Work lost in friction, contact damping, films and dampers [J].
+    pub dissipated: f64,
+    /// Work of elastic contact forces that no potential accounts for: `local-hertz` on a worn bore [J].
+    pub unphysical: f64,
+    /// Sum of the sizes of all power that flowed, against which the residual is to be seen [J].
+    pub turnover: f64,
+}
+
+impl EnergyBalance {
+    /// input + unphysical - stored - dissipated: the numerical error of the cycle [J].
+    pub fn residual(&self) -> f64 {
+        self.input + self.unphysical - self.stored - self.dissipated
+    }
 }
 
 /// Work and repairs of one evaluation.
@@ -69,4 +109,12 @@ pub struct Diagnostics {
     pub rejected_wear_steps: u64,
     /// Share of the first cycle in free flight, per joint with clearance.
     pub free_flight_fraction: Vec<(String, f64)>,
+    /// Largest distance by which an ideal joint drifted open in one step before it was closed again [m].
+    pub constraint_drift: f64,
+    /// Control points at which a wear step undershot, within its tolerance, and was held at its start.
+    pub held_wear_points: u64,
+    /// Whether the quasi-static tier drove the wear.
+    pub quasi_static: bool,
+    /// Energy of the first cycle, when that cycle was asked for.
+    pub energy: Option<EnergyBalance>,
 }

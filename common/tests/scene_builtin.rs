@@ -18,7 +18,7 @@ fn point(body: &Body, name: &str) -> [f64; 2] {
 fn clearance(joint: &Joint) -> &Clearance {
     match &joint.kind {
         JointKind::Clearance(clearance) => clearance,
-        JointKind::IdealRevolute => panic!("joint {} is ideal", joint.name),
+        _ => panic!("joint {} is ideal", joint.name),
     }
 }
 
@@ -68,7 +68,10 @@ fn the_flapping_wing_has_the_numbers_of_the_model() {
 fn at_start(scene: &Scene, place: Attachment) -> [f64; 2] {
     let (origin, angle): ([f64; 2], f64) = match scene.bodies[place.body].motion {
         Motion::Fixed => ([0.0; 2], 0.0),
-        Motion::Driven { position, start_angle, .. } => (position, start_angle),
+        Motion::Driven { position, drive: Drive::ConstantSpeed { start_angle, .. }, .. } => {
+            (position, start_angle)
+        }
+        Motion::Driven { .. } => panic!("{} turns at constant speed", scene.bodies[place.body].name),
         Motion::Free { start_position, start_angle, .. } => (start_position, start_angle),
     };
     let (sin, cos) = angle.sin_cos();

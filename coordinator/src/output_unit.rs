@@ -1,7 +1,7 @@
 //! In which unit a person meets the outputs of a scene: the suffix of a key in JSON and CSV files, and the unit
 //! written on an axis. Inside the program every output stays in SI.
 
-use common::scene::model::OutputKind;
+use common::scene::OutputKind;
 use serde::{Deserialize, Serialize};
 
 /// Physical dimension of an output, with the two units it is shown in.
@@ -12,6 +12,12 @@ pub enum OutputUnit {
     Length,
     /// An angular velocity, rad/s inside: `rpm` in files, r/min on paper.
     AngularVelocity,
+    /// An angle, rad inside: `deg` in files and on paper.
+    Angle,
+    /// A force: `N`.
+    Force,
+    /// A torque: `N m` on paper, `Nm` in files.
+    Torque,
 }
 
 /// rad/s per r/min.
@@ -21,8 +27,11 @@ impl OutputUnit {
     /// The unit of this kind of output.
     pub fn of(kind: &OutputKind) -> Self {
         match kind {
-            OutputKind::LargestWear { .. } => Self::Length,
+            OutputKind::LargestWear { .. } | OutputKind::PositionError { .. } => Self::Length,
             OutputKind::AngularVelocityDifference { .. } => Self::AngularVelocity,
+            OutputKind::AngleDifference { .. } => Self::Angle,
+            OutputKind::PeakJointForce { .. } => Self::Force,
+            OutputKind::DrivingTorque { .. } => Self::Torque,
         }
     }
 
@@ -31,14 +40,18 @@ impl OutputUnit {
         match self {
             Self::Length => "m",
             Self::AngularVelocity => "rpm",
+            Self::Angle => "deg",
+            Self::Force => "N",
+            Self::Torque => "Nm",
         }
     }
 
     /// An SI value in the unit of [`Self::suffix`].
     pub fn to_file(self, si: f64) -> f64 {
         match self {
-            Self::Length => si,
+            Self::Length | Self::Force | Self::Torque => si,
             Self::AngularVelocity => si / RAD_PER_S_PER_RPM,
+            Self::Angle => si.to_degrees(),
         }
     }
 
@@ -47,6 +60,9 @@ impl OutputUnit {
         match self {
             Self::Length => "µm",
             Self::AngularVelocity => "r/min",
+            Self::Angle => "deg",
+            Self::Force => "N",
+            Self::Torque => "N m",
         }
     }
 
@@ -54,7 +70,7 @@ impl OutputUnit {
     pub fn to_shown(self, si: f64) -> f64 {
         match self {
             Self::Length => si * 1e6,
-            Self::AngularVelocity => si / RAD_PER_S_PER_RPM,
+            other => other.to_file(si),
         }
     }
 
@@ -62,7 +78,7 @@ impl OutputUnit {
     pub fn file_to_shown(self, value: f64) -> f64 {
         match self {
             Self::Length => value * 1e6,
-            Self::AngularVelocity => value,
+            _ => value,
         }
     }
 }

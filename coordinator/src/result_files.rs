@@ -4,7 +4,7 @@
 use crate::output_unit::OutputUnit;
 use crate::store::{CampaignFile, StoreError};
 use crate::summary::StudySummary;
-use common::scene::model::Scene;
+use common::scene::Scene;
 use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};

@@ -3,7 +3,7 @@
 
 pub mod command_line;
 
-use common::accuracy::Accuracy;
+use common::accuracy::{Accuracy, Tier};
 use common::failure::SimulationFailure;
 use common::outputs::{Diagnostics, Evaluation};
 use coordinator::dispatch::{Campaign, Listen, ZenohEvaluator};
@@ -53,6 +53,7 @@ pub fn practice_result(sample: &[f64]) -> Result<Evaluation, SimulationFailure> 
     Ok(Evaluation {
         cycles: vec![1000, 2000],
         histories: vec![vec![x.sin(), (2.0 * x).sin()], vec![x.exp_m1().ln_1p(), x.sqrt()]],
+        errors: vec![vec![0.0; 2]; 2],
         joints: vec![],
         first_cycle: None,
         diagnostics: Diagnostics { steps: x as u64, ..Diagnostics::default() },
@@ -74,6 +75,7 @@ pub fn campaign() -> Campaign {
         cycle_jump: 1000,
         wear_tolerance: 0.01,
         warm_up: 0.5,
+        tier: Tier::Dynamic,
     };
     Campaign { id: 17, scene: "name = \"practice\"".into(), accuracy, accuracy_name: "draft".into() }
 }

@@ -1,6 +1,9 @@
 //! Reads bodies, materials, joints and loads.
 
+use super::drive::*;
 use super::faults::{FaultKind, six_digits};
+use super::joint::*;
+use super::load::*;
 use super::model::*;
 use super::quantity::*;
 use super::read::{Context, Range};
@@ -46,7 +49,8 @@ fn motion(cx: &mut Context, row: &mut Section) -> Option<Motion> {
                 let (value, allowed) = ("0".to_owned(), "not 0".to_owned());
                 cx.fault(row.key("speed"), FaultKind::OutOfRange { value, allowed });
             }
-            Some(Motion::Driven { position: position?, start_angle: start_angle?, speed: speed? })
+            let drive = Drive::ConstantSpeed { start_angle: start_angle?, speed: speed? };
+            Some(Motion::Driven { position: position?, drive, inertia: None })
         }
         Word::Free => {
             let mass = row.quantity(cx, "mass", MASS, Range::Positive);
@@ -60,6 +64,8 @@ fn motion(cx: &mut Context, row: &mut Section) -> Option<Motion> {
                 centre_of_mass: centre_of_mass?,
                 start_position: start_position?,
                 start_angle: start_angle?,
+                start_velocity: [0.0; 2],
+                start_speed: 0.0,
             })
         }
     }
@@ -139,7 +145,7 @@ fn joint_kind(
 ) -> Option<JointKind> {
     match row.word(cx, "type", &[("clearance", true), ("ideal", false)])? {
         true => clearance(cx, row, materials).map(JointKind::Clearance),
-        false => Some(JointKind::IdealRevolute),
+        false => Some(JointKind::Revolute),
     }
 }
 
@@ -175,6 +181,7 @@ fn clearance(
         friction_speed: friction_speed?,
         wear_coefficient: wear_coefficient?,
         control_points: control_points? as usize,
+        wall: None,
     })
 }
 

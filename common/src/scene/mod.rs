@@ -4,11 +4,15 @@
 //! reads here.
 
 mod builtin;
+mod drive;
 pub mod expression;
 pub mod faults;
+mod joint;
+mod load;
 mod mechanism;
 mod merge;
 pub mod model;
+mod output;
 pub mod quantity;
 mod read;
 mod resolve;
@@ -16,6 +20,10 @@ mod section;
 pub mod source;
 mod variables;
 
+pub use drive::*;
 pub use faults::{Fault, FaultKind, Faults};
+pub use joint::*;
+pub use load::*;
 pub use model::*;
+pub use output::*;
 pub use source::SceneSource;

@@ -1,8 +1,11 @@
 //! Turns the tables of a scene file into a [`Scene`]: one pass, every fault, overrides applied.
 
+use super::drive::*;
 use super::faults::{Fault, FaultKind};
+use super::joint::*;
 use super::mechanism;
 use super::model::*;
+use super::output::*;
 use super::quantity::*;
 use super::read::{Context, Overrides, Range};
 use super::section::Section;
@@ -227,7 +230,7 @@ fn life(cx: &mut Context, file: &mut Section, bodies: &[Body]) -> Option<Life> {
         return None;
     }
     // Both fit: COUNT_LIMIT is below u32::MAX.
-    Some(Life { period: period?, cycles: cycles as u32, checkpoint_every: every as u32 })
+    Some(Life { period: period?, cycles: cycles as u32, checkpoint_every: every as u32, settle_cycles: 1 })
 }
 
 /// One turn of the only driven body.
@@ -235,7 +238,7 @@ fn period_of_drive(cx: &mut Context, key: &str, bodies: &[Body]) -> Option<f64> 
     let speeds: Vec<f64> = bodies
         .iter()
         .filter_map(|body| match body.motion {
-            Motion::Driven { speed, .. } => Some(speed),
+            Motion::Driven { drive: Drive::ConstantSpeed { speed, .. }, .. } => Some(speed),
             _ => None,
         })
         .collect();

@@ -15,13 +15,13 @@ pub struct NonFinite {
 
 /// The first number of an evaluation that is not finite.
 pub fn find_non_finite(evaluation: &Evaluation) -> Option<NonFinite> {
-    let Evaluation { cycles, histories, joints, first_cycle, diagnostics } = evaluation;
-    for (output, history) in histories.iter().enumerate() {
-        if let Some(at) = position(history) {
-            return Some(NonFinite {
-                quantity: format!("histories[{output}][{at}]"),
-                cycle: cycles.get(at).copied(),
-            });
+    let Evaluation { cycles, histories, errors, joints, first_cycle, diagnostics } = evaluation;
+    for (name, rows) in [("histories", histories), ("errors", errors)] {
+        for (output, row) in rows.iter().enumerate() {
+            if let Some(at) = position(row) {
+                let quantity = format!("{name}[{output}][{at}]");
+                return Some(NonFinite { quantity, cycle: cycles.get(at).copied() });
+            }
         }
     }
     let elsewhere = |quantity: String| Some(NonFinite { quantity, cycle: None });
@@ -42,11 +42,26 @@ pub fn find_non_finite(evaluation: &Evaluation) -> Option<NonFinite> {
                 return elsewhere(format!("motion {at} of {} in the first cycle", body.label));
             }
         }
+        for motion in &cycle.motion {
+            let place = motion.position.iter().position(|x| !(x[0].is_finite() && x[1].is_finite()));
+            let place = place.or_else(|| position(&motion.angle)).or_else(|| position(&motion.speed));
+            if let Some(at) = place {
+                return elsewhere(format!("motion {at} of {} in the first cycle", motion.body));
+            }
+        }
         for (joint, force) in &cycle.joint_force {
             if let Some(at) = position(force) {
                 return elsewhere(format!("force {at} of joint {joint} in the first cycle"));
             }
         }
+    }
+    if !diagnostics.constraint_drift.is_finite() {
+        return elsewhere("constraint drift".to_owned());
+    }
+    if let Some(energy) = diagnostics.energy
+        && ![energy.turnover, energy.residual()].iter().all(|value| value.is_finite())
+    {
+        return elsewhere("energy of the first cycle".to_owned());
     }
     let flight = diagnostics.free_flight_fraction.iter().find(|(_, share)| !share.is_finite());
     flight.and_then(|(joint, _)| elsewhere(format!("free flight fraction of joint {joint}")))
@@ -57,13 +72,19 @@ pub fn failure_is_finite(failure: &SimulationFailure) -> bool {
     use SimulationFailure as F;
     match failure {
         F::CannotAssemble { time, gap, .. } => time.is_finite() && gap.is_finite(),
+        F::DeadPoint { time, angle, .. } => time.is_finite() && angle.is_finite(),
+        F::WornThrough { depth, wall, .. } => depth.is_finite() && wall.is_finite(),
         F::StepTooSmall { time, step, error, .. } => {
             time.is_finite() && step.is_finite() && error.is_finite()
         }
-        F::TooManySteps { time, .. } | F::NotFinite { time, .. } => time.is_finite(),
+        F::TooManySteps { time, .. } | F::NotFinite { time, .. } | F::Singular { time, .. } => {
+            time.is_finite()
+        }
         F::WearStep { error, .. } => error.is_finite(),
         F::OutOfRange { time, penetration, .. } => time.is_finite() && penetration.is_finite(),
-        F::InvalidSample { .. } | F::NotModelled { .. } | F::Panicked { .. } => true,
+        F::InvalidSample { .. } | F::OverConstrained { .. } | F::NotModelled { .. } | F::Panicked { .. } => {
+            true
+        }
     }
 }
 

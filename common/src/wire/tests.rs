@@ -2,9 +2,9 @@
 
 use super::codec::{HEADER, encoded_size};
 use super::*;
-use crate::accuracy::Accuracy;
+use crate::accuracy::{Accuracy, Tier};
 use crate::failure::SimulationFailure;
-use crate::outputs::{BodyTrace, Diagnostics, Evaluation, FirstCycle, JointSummary};
+use crate::outputs::{BodyMotion, BodyTrace, Diagnostics, Evaluation, FirstCycle, JointSummary};
 use proptest::collection::vec;
 use proptest::prelude::*;
 
@@ -25,6 +25,12 @@ fn first_cycle() -> impl Strategy<Value = FirstCycle> {
     (vec(number(), 0..9), vec(number(), 0..9), vec(number(), 0..9), ".{0,5}").prop_map(
         |(time, angle, force, label)| FirstCycle {
             time,
+            motion: vec![BodyMotion {
+                body: label.clone(),
+                position: angle.iter().map(|&x| [x, -x]).collect(),
+                angle: angle.clone(),
+                speed: force.clone(),
+            }],
             bodies: vec![BodyTrace { label: label.clone(), speed: angle.clone(), angle }],
             joint_force: vec![(label, force)],
         },
@@ -36,6 +42,7 @@ fn evaluation() -> impl Strategy<Value = Evaluation> {
     (vec(any::<u32>(), 0..9), histories, number(), vec(number(), 0..9), proptest::option::of(first_cycle()))
         .prop_map(|(cycles, histories, peak_force, wear_depth, first_cycle)| Evaluation {
             cycles,
+            errors: histories.clone(),
             histories,
             joints: vec![JointSummary { name: "1".into(), peak_force, wear_depth }],
             first_cycle,
@@ -111,6 +118,7 @@ fn accuracy(x: f64) -> Accuracy {
         cycle_jump: 1000,
         wear_tolerance: 0.01,
         warm_up: 0.5,
+        tier: Tier::Dynamic,
     }
 }
 
@@ -228,6 +236,7 @@ fn numbers_that_are_not_finite_are_refused_both_ways() {
         result: Ok(Evaluation {
             cycles: vec![1000, 2000],
             histories: vec![vec![0.5, history]],
+            errors: vec![vec![0.0; 2]],
             joints: vec![],
             first_cycle: None,
             diagnostics: Diagnostics::default(),

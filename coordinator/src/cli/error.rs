@@ -11,6 +11,7 @@ use coordinator::store::StoreError;
 use coordinator::study::StudyError;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
+use worker::mechanism::Prescribed;
 use worker::service::ServiceError;
 
 const FAILURE: u8 = 1;
@@ -178,12 +179,10 @@ fn drive_at(scene: &Scene, time: f64) -> String {
     let angles: Vec<String> = scene
         .bodies
         .iter()
-        .filter_map(|body| match body.motion {
-            Motion::Driven { start_angle, speed, .. } => {
-                let turned = (start_angle + speed * time).to_degrees().rem_euclid(360.0);
-                Some(format!("{} angle {turned:.1} deg", body.name))
-            }
-            _ => None,
+        .filter_map(|body| {
+            let motion = Prescribed::of(body).filter(|_| body.motion != Motion::Fixed)?;
+            let turned = motion.angle(time).to_degrees().rem_euclid(360.0);
+            Some(format!("{} angle {turned:.1} deg", body.name))
         })
         .collect();
     if angles.is_empty() { format!("t = {time} s") } else { angles.join(", ") }

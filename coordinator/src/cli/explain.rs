@@ -53,9 +53,15 @@ fn motion(out: &mut String, scene: &Scene, islands: &[Vec<usize>]) -> std::fmt::
     for body in &scene.bodies {
         match body.motion {
             Motion::Fixed => writeln!(out, "  {}: fixed, no unknowns", body.name)?,
-            Motion::Driven { speed, .. } => {
-                let rpm = speed * 30.0 / std::f64::consts::PI;
-                writeln!(out, "  {}: turns at {rpm:.1} r/min, prescribed, no unknowns", body.name)?;
+            Motion::Driven { ref drive, .. } => {
+                let how = match drive {
+                    Drive::ConstantSpeed { speed, .. } => {
+                        format!("turns at {:.1} r/min", speed * 30.0 / std::f64::consts::PI)
+                    }
+                    Drive::Angle(_) => "angle by a table over time".to_owned(),
+                    Drive::Speed { .. } => "speed by a table over time".to_owned(),
+                };
+                writeln!(out, "  {}: {how}, prescribed, no unknowns", body.name)?;
             }
             Motion::Free { mass, .. } => {
                 writeln!(out, "  {}: rigid, {:.4} g, three unknowns", body.name, mass * 1e3)?;
@@ -85,7 +91,7 @@ fn joints(out: &mut String, scene: &Scene) -> std::fmt::Result {
         let (journal, bushing) =
             (&scene.bodies[joint.journal.body].name, &scene.bodies[joint.bushing.body].name);
         match &joint.kind {
-            JointKind::IdealRevolute => {
+            JointKind::Revolute | JointKind::Prismatic { .. } | JointKind::Fixed { .. } => {
                 writeln!(out, "  {}: {journal} on {bushing}, ideal, no wear", joint.name)?
             }
             JointKind::Clearance(clearance) => {
@@ -125,6 +131,9 @@ fn contact(clearance: &Clearance) -> String {
     let damping = match clearance.contact_damping {
         ContactDamping::None => "no contact damping".to_owned(),
         ContactDamping::HuntCrossley { factor } => format!("Hunt-Crossley damping {factor} s/m"),
+        ContactDamping::Restitution { law, coefficient, .. } => {
+            format!("damping for a restitution of {coefficient} ({law:?})")
+        }
     };
     format!("{law}; {damping}; film {} N s/m; friction {}", clearance.film_damping, clearance.friction)
 }
@@ -151,6 +160,7 @@ fn loads(out: &mut String, scene: &Scene) -> std::fmt::Result {
             Load::ConstantTorque { name, body, torque } => {
                 writeln!(out, "  {name}: torque {torque} N m on {}", scene.bodies[*body].name)?;
             }
+            _ => {}
         }
     }
     match scene.gravity {
@@ -171,6 +181,7 @@ fn outputs(out: &mut String, scene: &Scene) -> std::fmt::Result {
                 30.0 / std::f64::consts::PI,
                 "r/min",
             ),
+            _ => (String::new(), 1.0, ""),
         };
         writeln!(out, "  {}: {what}", output.name)?;
         for limit in scene.limit_states.iter().filter(|limit| limit.output == i) {

@@ -7,7 +7,7 @@ use crate::store::{CampaignFile, StoreError};
 use crate::summary::StudySummary;
 use common::outputs::{Diagnostics, Evaluation};
 use common::random::Distribution;
-use common::scene::model::{ContactLaw, JointKind, Scene};
+use common::scene::{ContactLaw, JointKind, Scene};
 use serde::{Deserialize, Serialize};
 
 /// Name of the document that holds the [`StudySummary`].
@@ -239,7 +239,7 @@ fn rough(summary: &StudySummary) -> Vec<String> {
 fn notes(scene: &Scene) -> Vec<String> {
     let local_hertz = scene.joints.iter().any(|joint| match &joint.kind {
         JointKind::Clearance(clearance) => clearance.contact_law == ContactLaw::LocalHertz,
-        JointKind::IdealRevolute => false,
+        _ => false,
     });
     let watches_speed = scene.limit_states.iter().any(|state| {
         scene.outputs.get(state.output).map(|output| OutputUnit::of(&output.kind))

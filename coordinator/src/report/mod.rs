@@ -27,7 +27,7 @@ pub use plot::PlotError;
 use crate::result_files::{ResultFileError, reliability_csv, summary_json, write_samples_csv, write_text};
 use crate::store::{CampaignFile, StoreError};
 use crate::summary::StudySummary;
-use common::scene::model::Scene;
+use common::scene::Scene;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 

@@ -9,7 +9,7 @@ use crate::summary::*;
 use common::failure::SimulationFailure;
 use common::outputs::{BodyTrace, Diagnostics, Evaluation, FirstCycle, JointSummary};
 use common::random::{Distribution, RandomVariable};
-use common::scene::model::*;
+use common::scene::*;
 use statrs::distribution::{Continuous, ContinuousCDF, Normal};
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
@@ -64,6 +64,7 @@ pub fn scene() -> Scene {
             friction_speed: 2.4e-3,
             wear_coefficient: 1.288e-13,
             control_points: 36,
+            wall: None,
         }),
     };
     let kinds = [
@@ -86,7 +87,7 @@ pub fn scene() -> Scene {
             LimitState { name: "wear".into(), output: 0, threshold: 3e-5 },
             LimitState { name: "asymmetry".into(), output: 1, threshold: 25.0 * PI / 30.0 },
         ],
-        life: Life { period: 0.125, cycles: 72_000, checkpoint_every: 1000 },
+        life: Life { period: 0.125, cycles: 72_000, checkpoint_every: 1000, settle_cycles: 1 },
         study: StudySettings { population: 100_000, initial: 120, batch: 12, max_evaluations: 400, seed: 1 },
     }
 }
@@ -238,6 +239,7 @@ fn first_cycle() -> FirstCycle {
     };
     FirstCycle {
         bodies: vec![body("right", 0.0), body("left", 0.005)],
+        motion: vec![],
         joint_force: (1..=6).map(force).collect(),
         time,
     }
@@ -267,6 +269,7 @@ fn evaluation(id: u64, scene: &Scene) -> Evaluation {
     };
     Evaluation {
         histories: vec![history(0), history(1)],
+        errors: vec![vec![0.0; checkpoints.len()]; 2],
         cycles: checkpoints,
         joints: (1..=6).map(joint).collect(),
         first_cycle: (id == 0).then(first_cycle),
@@ -279,6 +282,7 @@ fn evaluation(id: u64, scene: &Scene) -> Evaluation {
             wear_stages: 240,
             rejected_wear_steps: 2,
             free_flight_fraction: (1..=6).map(|k| (k.to_string(), 0.01 * k as f64)).collect(),
+            ..Diagnostics::default()
         },
     }
 }

@@ -18,7 +18,7 @@ pub use error::StoreError;
 pub use exact::Outcome;
 pub use read::StoredEvaluation;
 
-use common::scene::model::Scene;
+use common::scene::Scene;
 use rusqlite::{Connection, OpenFlags};
 use serde::{Deserialize, Serialize};
 use std::fs::{File, TryLockError};

@@ -6,7 +6,7 @@
 //! CBOR, exact to the last bit, where SQL's REAL would lose a negative zero and a NaN. The tables `input` and
 //! `output` repeat them for queries.
 
-use common::scene::model::Scene;
+use common::scene::Scene;
 use std::collections::BTreeSet;
 
 /// Marks a file as a campaign of this program: "HgwC".

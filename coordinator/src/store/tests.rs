@@ -5,7 +5,7 @@ use crate::summary::Round;
 use common::failure::SimulationFailure;
 use common::outputs::{BodyTrace, Diagnostics, Evaluation, FirstCycle, JointSummary};
 use common::random::{Distribution, RandomVariable};
-use common::scene::model::{Life, LimitState, Output, OutputKind, StudySettings};
+use common::scene::{Life, LimitState, Output, OutputKind, StudySettings};
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
 
@@ -29,7 +29,7 @@ fn scene() -> Scene {
         }],
         variables: vec![variable("k"), variable("K")],
         limit_states: vec![LimitState { name: "wear".into(), output: 0, threshold: 3e-5 }],
-        life: Life { period: 0.125, cycles: 2000, checkpoint_every: 1000 },
+        life: Life { period: 0.125, cycles: 2000, checkpoint_every: 1000, settle_cycles: 1 },
         study: StudySettings { population: 100, initial: 10, batch: 4, max_evaluations: 20, seed: 1 },
     }
 }
@@ -59,11 +59,13 @@ fn finished(id: u64) -> Finished {
     let first_cycle = (id == 0).then(|| FirstCycle {
         time: vec![0.0, 1.0 / 3.0],
         bodies: vec![BodyTrace { label: "right".into(), angle: x.clone(), speed: vec![-0.0, 0.7] }],
+        motion: vec![],
         joint_force: vec![("1".into(), vec![0.1, 0.2])],
     });
     let evaluation = Evaluation {
         cycles: vec![1000, 2000],
         histories: vec![x.clone()],
+        errors: vec![x.clone()],
         joints: vec![JointSummary { name: "1".into(), peak_force: 0.1 + 0.2, wear_depth: x }],
         first_cycle,
         diagnostics: Diagnostics {

@@ -39,7 +39,7 @@ fn scene() -> Scene {
         ],
         variables: (0..D).map(variable).collect(),
         limit_states: vec![limit("wear", 0, 30e-6), limit("asymmetry", 1, 2.618)],
-        life: Life { period: 0.125, cycles: 72_000, checkpoint_every: 1000 },
+        life: Life { period: 0.125, cycles: 72_000, checkpoint_every: 1000, settle_cycles: 1 },
         study: StudySettings { population: 100_000, initial: 120, batch: 16, max_evaluations: 300, seed: 1 },
     }
 }
@@ -132,6 +132,7 @@ impl Evaluator for MadeUp {
                 Ok(Evaluation {
                     cycles: (1..=72).map(|i| 1000 * i).collect(),
                     histories: histories(&request.sample, self.noise),
+                    errors: vec![vec![0.0; 72]; 2],
                     joints: vec![],
                     first_cycle: None,
                     diagnostics: Diagnostics::default(),

@@ -2,6 +2,7 @@
 
 use super::{Learned, Settings, Stop};
 use crate::learning::Rule;
+use crate::output_unit::OutputUnit;
 use crate::reliability::{CurvePoint, OutputDistribution, predict_distributions, reliability_curve};
 use crate::sensitivity::{Sensitivity, sensitivities};
 use crate::summary::{
@@ -9,9 +10,8 @@ use crate::summary::{
     SensitivityRow, StudySummary, Timing,
 };
 use crate::surrogate::{Correlation, LeaveOneOut};
-use common::scene::{OutputKind, Scene};
+use common::scene::Scene;
 use std::collections::BTreeMap;
-use std::f64::consts::PI;
 
 /// Everything a study found.
 #[derive(Debug, Clone, PartialEq)]
@@ -219,13 +219,11 @@ pub(super) fn assemble(
 fn moments(scene: &Scene, distributions: &[Vec<OutputDistribution>], cycles: u32, n: usize) -> MomentsRow {
     let mut row = BTreeMap::new();
     for limit in &scene.limit_states {
-        let (suffix, factor) = match scene.outputs[limit.output].kind {
-            OutputKind::LargestWear { .. } => ("m", 1.0),
-            OutputKind::AngularVelocityDifference { .. } => ("rpm", 30.0 / PI),
-        };
+        let unit = OutputUnit::of(&scene.outputs[limit.output].kind);
+        let suffix = unit.suffix();
         let at = &distributions[limit.output][n];
-        row.insert(format!("{}_mean_{suffix}", limit.name), at.mean * factor);
-        row.insert(format!("{}_std_{suffix}", limit.name), at.std * factor);
+        row.insert(format!("{}_mean_{suffix}", limit.name), unit.to_file(at.mean));
+        row.insert(format!("{}_std_{suffix}", limit.name), unit.to_file(at.std));
     }
     MomentsRow { cycles, moments: row }
 }

@@ -82,6 +82,7 @@ impl Surface {
             damping: match joint.contact_damping {
                 ContactDamping::None => 0.0,
                 ContactDamping::HuntCrossley { factor } => factor,
+                ContactDamping::Restitution { .. } => 0.0,
             },
             friction: joint.friction,
             friction_speed: joint.friction_speed,

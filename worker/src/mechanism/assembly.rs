@@ -5,7 +5,8 @@
 //! that mechanisms with more freedom than closures keep what their start gives them. Velocities solve
 //! (dphi/dq) qd = -dphi/dt.
 
-use super::frame::{Frame, Prescribed};
+use super::frame::Frame;
+use super::prescribed::Prescribed;
 use common::failure::SimulationFailure;
 use common::scene::{Motion, Scene};
 use nalgebra::{DMatrix, DVector};
@@ -82,7 +83,7 @@ impl<'a> Closure<'a> {
     }
 
     fn frame(&self, body: usize, t: f64, q: &DVector<f64>) -> Frame {
-        match (self.first[body], self.prescribed[body]) {
+        match (self.first[body], &self.prescribed[body]) {
             (Some(k), _) => Frame::free(&[q[k], q[k + 1], q[k + 2]], &[0.0; 3]),
             (None, Some(p)) => p.at(t),
             (None, None) => Frame::default(),

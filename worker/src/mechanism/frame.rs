@@ -1,7 +1,5 @@
 //! Where a body stands and how it moves at one instant.
 
-use common::scene::{Body, Motion};
-
 /// Position and motion of a body's reference point (the centre of mass of a free body).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Frame {
@@ -41,47 +39,5 @@ impl Frame {
     pub fn point(&self, s: [f64; 2]) -> [f64; 2] {
         let a = self.turn(s);
         [self.x[0] + a[0], self.x[1] + a[1]]
-    }
-}
-
-/// A body whose motion is given: part of the frame, or turning about its reference point at constant speed.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Prescribed {
-    position: [f64; 2],
-    start_angle: f64,
-    speed: f64,
-}
-
-impl Prescribed {
-    /// The prescribed motion of `body`, if it has one.
-    pub fn of(body: &Body) -> Option<Self> {
-        match body.motion {
-            Motion::Fixed => Some(Prescribed { position: [0.0; 2], start_angle: 0.0, speed: 0.0 }),
-            Motion::Driven { position, start_angle, speed } => {
-                Some(Prescribed { position, start_angle, speed })
-            }
-            Motion::Free { .. } => None,
-        }
-    }
-
-    /// Angle at time `t` [rad].
-    pub fn angle(&self, t: f64) -> f64 {
-        self.start_angle + self.speed * t
-    }
-
-    /// Angular velocity [rad/s].
-    pub fn speed(&self) -> f64 {
-        self.speed
-    }
-
-    /// Its frame at time `t` [s].
-    #[inline]
-    pub fn at(&self, t: f64) -> Frame {
-        let (sin, cos) = if self.speed == 0.0 && self.start_angle == 0.0 {
-            (0.0, 1.0)
-        } else {
-            libm::sincos(self.angle(t))
-        };
-        Frame { x: self.position, cs: [cos, sin], v: [0.0; 2], omega: self.speed }
     }
 }

@@ -1,8 +1,9 @@
 //! A set of free bodies that influence one another, with the joints and loads that act on them. Islands have
 //! no forces in common and are integrated each with its own steps.
 
-use super::frame::{Frame, Prescribed};
+use super::frame::Frame;
 use super::joint::pair_force;
+use super::prescribed::Prescribed;
 use crate::bore::Profile;
 use crate::contact::Contact;
 use crate::integrate::{Dynamics, Linearised};
@@ -280,9 +281,10 @@ impl Island {
                                 at.d[row * n + 3 * to + c] += d[3 * side + r][3 * other + c];
                             }
                         } else {
-                            // A prescribed body only turns, at constant speed.
-                            let speed = self.prescribed[to - self.bodies.len()].speed();
-                            at.ft[row] += k[3 * side + r][3 * other + 2] * speed;
+                            // A prescribed body only turns.
+                            let [_, omega, alpha, _] = self.prescribed[to - self.bodies.len()].jet(t);
+                            at.ft[row] += k[3 * side + r][3 * other + 2] * omega
+                                + d[3 * side + r][3 * other + 2] * alpha;
                         }
                     }
                 }

@@ -7,7 +7,10 @@ mod derivative_tests;
 mod frame;
 mod island;
 mod joint;
+mod prescribed;
+mod table;
 
 pub use assembly::{Pose, ideal_cycle};
-pub use frame::{Frame, Prescribed};
+pub use frame::Frame;
 pub use island::{Island, WearingJoint, islands};
+pub use prescribed::Prescribed;

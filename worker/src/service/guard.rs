@@ -91,6 +91,7 @@ mod tests {
             cycle_jump: 1,
             wear_tolerance: 0.1,
             warm_up: 0.5,
+            tier: common::accuracy::Tier::Dynamic,
         };
         let order = WorkOrder { scene: String::new(), accuracy, accuracy_name: String::new(), tasks: vec![] };
         let key = TaskKey { campaign: 1, task: 2 };
@@ -104,7 +105,14 @@ mod tests {
     fn evaluation(history: Vec<f64>) -> Evaluation {
         let cycles = (1..=history.len()).map(|k| 1000 * u32::try_from(k).unwrap()).collect();
         let diagnostics = Diagnostics::default();
-        Evaluation { cycles, histories: vec![history], joints: vec![], first_cycle: None, diagnostics }
+        Evaluation {
+            cycles,
+            errors: vec![vec![0.0; history.len()]],
+            histories: vec![history],
+            joints: vec![],
+            first_cycle: None,
+            diagnostics,
+        }
     }
 
     #[test]

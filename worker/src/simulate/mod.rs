@@ -55,7 +55,7 @@ pub fn simulate(
         .enumerate()
         .map(|(k, output)| match output.kind {
             OutputKind::LargestWear { .. } => std::mem::take(&mut wear[k]),
-            OutputKind::AngularVelocityDifference { .. } => {
+            _ => {
                 let values: Vec<f64> = measured.iter().map(|m| m[k]).collect();
                 at_checkpoints(&lives, &values, &cycles)
             }

@@ -23,6 +23,7 @@ impl Run<'_> {
             OutputKind::AngularVelocityDifference { a, b } => {
                 largest_difference(&self.track(a), a.sign, &self.track(b), b.sign)
             }
+            _ => 0.0,
         };
         self.scene.outputs.iter().map(|o| value(&o.kind)).collect()
     }
@@ -34,8 +35,10 @@ impl Run<'_> {
         }
         let mut track = BodyTrack::default();
         if let Some(motion) = Prescribed::of(&self.scene.bodies[body.body]) {
-            for t in [0.0, self.scene.life.period] {
-                track.push(t, motion.angle(t), motion.speed(), 0.0);
+            for k in 0..=SHOWN {
+                let t = self.scene.life.period * k as f64 / SHOWN as f64;
+                let [angle, omega, alpha, _] = motion.jet(t);
+                track.push(t, angle, omega, alpha);
             }
         }
         Cow::Owned(track)
@@ -63,7 +66,7 @@ impl Run<'_> {
         }
         let joint_force =
             self.joints(|m, k| m.recorder.forces.as_ref().map(|f| f[k].resample(&time)).unwrap_or_default());
-        FirstCycle { time, bodies, joint_force }
+        FirstCycle { time, bodies, motion: vec![], joint_force }
     }
 
     /// Peak force and share of free flight of the cycle just measured, per joint in the scene's order.
@@ -112,6 +115,7 @@ impl Run<'_> {
             .collect();
         Ok(Evaluation {
             cycles,
+            errors: histories.iter().map(|h: &Vec<f64>| vec![0.0; h.len()]).collect(),
             histories,
             joints,
             first_cycle,
@@ -124,6 +128,7 @@ impl Run<'_> {
                 wear_stages: self.wear_stats.stages,
                 rejected_wear_steps: self.wear_stats.rejected,
                 free_flight_fraction: free_flight,
+                ..Diagnostics::default()
             },
         })
     }

@@ -32,7 +32,7 @@ impl<'a> Run<'a> {
             .iter()
             .filter_map(|o| match &o.kind {
                 OutputKind::AngularVelocityDifference { a, b } => Some([a.body, b.body]),
-                OutputKind::LargestWear { .. } => None,
+                _ => None,
             })
             .flatten()
             .collect();

@@ -53,7 +53,7 @@ fn a_journal_pressed_through_its_bore_is_reported_with_its_joint() {
 #[test]
 fn ideal_joints_are_not_modelled_yet_and_say_so() {
     let mut scene = scene("four-bar", &[]);
-    scene.joints[1].kind = JointKind::IdealRevolute;
+    scene.joints[1].kind = JointKind::Revolute;
     match failure(&scene, &Accuracy::draft()) {
         SimulationFailure::NotModelled { what } => assert!(what.contains("coupler"), "{what}"),
         other => panic!("{other:?}"),

@@ -3,7 +3,7 @@
 use crate::scenes::{scene, short};
 use common::accuracy::Accuracy;
 use common::outputs::Evaluation;
-use common::scene::{Attachment, Load, Motion, Scene};
+use common::scene::{Attachment, Drive, Load, Motion, Scene};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_6};
 use worker::simulate::simulate;
 
@@ -34,9 +34,10 @@ fn transformed(
     for body in &mut scene.bodies {
         match &mut body.motion {
             Motion::Fixed => {}
-            Motion::Driven { position, start_angle, speed } => {
+            Motion::Driven { position, drive: Drive::ConstantSpeed { start_angle, speed }, .. } => {
                 (*position, *start_angle, *speed) = (vector(*position), angle(*start_angle), sense * *speed);
             }
+            Motion::Driven { .. } => unreachable!("the crank turns at constant speed"),
             Motion::Free { centre_of_mass, start_position, start_angle, .. } => {
                 *centre_of_mass = inner(*centre_of_mass);
                 (*start_position, *start_angle) = (vector(*start_position), angle(*start_angle));
@@ -59,6 +60,7 @@ fn transformed(
                 *force = vector(*force);
             }
             Load::ConstantTorque { torque, .. } => *torque *= sense,
+            other => unreachable!("{other:?} is not in the scene"),
         }
     }
     scene.gravity = vector(scene.gravity);

@@ -21,7 +21,7 @@ fn rockers(scene: &Scene) -> Rockers {
         .iter()
         .find_map(|o| match &o.kind {
             OutputKind::AngularVelocityDifference { a, b } => Some((a, b)),
-            OutputKind::LargestWear { .. } => None,
+            _ => None,
         })
         .expect("the scene compares two bodies");
     let mut r = Rockers { lowest: f64::MAX, highest: f64::MIN, angle_difference: 0.0, speed_difference: 0.0 };

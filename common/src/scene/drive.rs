@@ -1,0 +1,55 @@
+//! Prescribed motion, and tables of what varies over time or over a body's angle.
+
+use serde::{Deserialize, Serialize};
+
+/// Angle of a driven body as a function of time.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Drive {
+    /// angle = start_angle + speed t.
+    ConstantSpeed {
+        /// Angle at time zero [rad].
+        start_angle: f64,
+        /// Angular velocity, counter-clockwise positive [rad/s].
+        speed: f64,
+    },
+    /// The angle by a table over time: a twice continuously differentiable cubic spline. A repeated table goes on
+    /// from where it ended: its last angle may differ from its first, by whole turns for a crank.
+    Angle(Table),
+    /// The angular velocity by a table over time [rad/s]; the angle is its integral.
+    Speed {
+        /// Angle at time zero [rad].
+        start_angle: f64,
+        /// Angular velocity over time.
+        table: Table,
+    },
+}
+
+/// A function given at increasing arguments; between them a cubic.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Table {
+    /// Arguments, increasing, at least two `(n,)` [s or rad].
+    pub at: Vec<f64>,
+    /// Values `(n,)`.
+    pub value: Vec<f64>,
+    /// Whether the table repeats itself over and over; else its end values hold outside it.
+    pub repeat: bool,
+}
+
+/// What a load's table runs over.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub enum Over {
+    /// Time from the start of the cycle [s].
+    Time,
+    /// Angle of this body, index into [`super::Scene::bodies`] [rad].
+    Angle(usize),
+}
+
+/// A quantity that varies by a table; monotone between its points and continuously differentiable, so that a
+/// step in the table does not overshoot.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Curve {
+    /// Its argument.
+    pub over: Over,
+    /// Its values.
+    pub table: Table,
+}

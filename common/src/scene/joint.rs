@@ -1,0 +1,128 @@
+//! Joints between bodies: ideal ones and those with clearance.
+
+use super::model::Attachment;
+use serde::{Deserialize, Serialize};
+
+/// A joint between two bodies.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Joint {
+    /// Unique name.
+    pub name: String,
+    /// Journal side (for an ideal joint: first body).
+    pub journal: Attachment,
+    /// Bushing side (for an ideal joint: second body). The wear profile lives in this body's frame.
+    pub bushing: Attachment,
+    /// What the joint is.
+    pub kind: JointKind,
+}
+
+/// Kinds of joint. Ideal ones are constraints; their second body is the one in whose frame directions are given.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum JointKind {
+    /// Revolute joint without clearance: the two points coincide.
+    Revolute,
+    /// Translational joint: the first body's point slides along a line through the second body's point, and the
+    /// two bodies do not turn against each other.
+    Prismatic {
+        /// Direction of the line in the second body's frame [rad].
+        axis: f64,
+        /// Angle of the first body minus that of the second [rad].
+        angle: f64,
+    },
+    /// The two points coincide and the bodies do not turn against each other.
+    Fixed {
+        /// Angle of the first body minus that of the second [rad].
+        angle: f64,
+    },
+    /// Journal in a larger bushing.
+    Clearance(Clearance),
+}
+
+/// A revolute joint with clearance.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Clearance {
+    /// Radius of the journal, R1 [m].
+    pub journal_radius: f64,
+    /// Initial radius of the bushing, R2 > R1 [m].
+    pub bushing_radius: f64,
+    /// Width of the bushing, L [m].
+    pub width: f64,
+    /// Material of the journal.
+    pub journal_material: Material,
+    /// Material of the bushing.
+    pub bushing_material: Material,
+    /// Law of the normal force.
+    pub contact_law: ContactLaw,
+    /// Dissipation in contact.
+    pub contact_damping: ContactDamping,
+    /// Viscous film between journal and bushing, on the relative velocity of the centres [N s/m].
+    pub film_damping: f64,
+    /// Coulomb friction coefficient, mu [1].
+    pub friction: f64,
+    /// Speed at which tanh regularises the friction, v_0 [m/s].
+    pub friction_speed: f64,
+    /// Archard wear coefficient K_H [1/Pa]; zero: the joint does not wear.
+    pub wear_coefficient: f64,
+    /// Number of control points of the wear profile.
+    pub control_points: usize,
+    /// Thickness of the bushing's wall, if it may be worn through [m].
+    pub wall: Option<f64>,
+}
+
+impl Clearance {
+    /// Radial clearance c = R2 - R1 [m].
+    pub fn radial_clearance(&self) -> f64 {
+        self.bushing_radius - self.journal_radius
+    }
+}
+
+/// An isotropic elastic material.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Material {
+    /// Young's modulus [Pa].
+    pub elastic_modulus: f64,
+    /// Poisson's ratio [1].
+    pub poisson_ratio: f64,
+}
+
+/// Law of the normal contact force.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ContactLaw {
+    /// F = K_n delta^1.5 with the penetration measured in the direction of the eccentricity.
+    LocalHertz,
+    /// Linear elastic (Winkler) foundation along the bore.
+    Foundation,
+}
+
+/// Dissipation of the contact.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub enum ContactDamping {
+    /// None.
+    None,
+    /// F_N = F_el (1 + D delta_dot), never below zero, D given.
+    HuntCrossley {
+        /// Damping factor D [s/m].
+        factor: f64,
+    },
+    /// The same with D from a coefficient of restitution and the speed of approach v_0 at which the contact
+    /// began: D = factor(restitution) / max(v_0, least_speed).
+    Restitution {
+        /// How D follows from the restitution.
+        law: RestitutionLaw,
+        /// Coefficient of restitution in (0, 1] [1].
+        coefficient: f64,
+        /// Smallest speed of approach that counts as an impact [m/s].
+        least_speed: f64,
+    },
+}
+
+/// Damping factor of an impact from the coefficient of restitution e: D v_0 =
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum RestitutionLaw {
+    /// 3 (1 - e^2) / 4 (Lankarani and Nikravesh 1990).
+    LankaraniNikravesh,
+    /// 3 (1 - e) / 2 (Hunt and Crossley 1975).
+    HuntCrossley,
+    /// 8 (1 - e) / (5 e) (Flores et al. 2011).
+    Flores,
+}

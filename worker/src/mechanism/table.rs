@@ -1,0 +1,194 @@
+//! Functions given by tables: cubics between the points, with the derivatives that drives and loads need.
+
+use common::scene::Table;
+use nalgebra::{DMatrix, DVector};
+
+/// Value and first three derivatives at one argument.
+pub type Jet = [f64; 4];
+
+/// A piecewise cubic.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PiecewiseCubic {
+    /// Arguments `(n,)`.
+    at: Vec<f64>,
+    /// Values and slopes at them `(n, 2)`.
+    node: Vec<[f64; 2]>,
+    /// Integral from the first argument to each `(n,)`.
+    integral: Vec<f64>,
+    repeat: bool,
+}
+
+impl PiecewiseCubic {
+    /// The monotone cubic of Fritsch and Carlson: continuously differentiable, no overshoot between points.
+    ///
+    /// # Source
+    /// Fritsch, Carlson (1980), with the three-point weights of Fritsch, Butland (1984).
+    pub fn monotone(table: &Table) -> Self {
+        let (x, y) = (&table.at, &table.value);
+        let n = x.len();
+        let secant = |k: usize| (y[k + 1] - y[k]) / (x[k + 1] - x[k]);
+        let mean = |h0: f64, s0: f64, h1: f64, s1: f64| {
+            if s0 * s1 <= 0.0 {
+                return 0.0;
+            }
+            let (w0, w1) = (2.0 * h1 + h0, h1 + 2.0 * h0);
+            (w0 + w1) / (w0 / s0 + w1 / s1)
+        };
+        let inner = |k: usize| mean(x[k] - x[k - 1], secant(k - 1), x[k + 1] - x[k], secant(k));
+        let mut slope: Vec<f64> = (0..n).map(|k| if k == 0 || k + 1 == n { 0.0 } else { inner(k) }).collect();
+        if table.repeat {
+            let end = mean(x[n - 1] - x[n - 2], secant(n - 2), x[1] - x[0], secant(0));
+            (slope[0], slope[n - 1]) = (end, end);
+        }
+        Self::joined(table, slope)
+    }
+
+    /// The twice continuously differentiable cubic spline; at rest at both ends unless the table repeats itself.
+    pub fn spline(table: &Table) -> Self {
+        let (x, y) = (&table.at, &table.value);
+        let n = x.len();
+        let step = |k: usize| x[k + 1] - x[k];
+        let secant = |k: usize| (y[k + 1] - y[k]) / step(k);
+        let mut matrix = DMatrix::zeros(n, n);
+        let mut right = DVector::zeros(n);
+        // Continuity of the second derivative where intervals a (before) and b (after) meet.
+        for k in 0..n {
+            let ends = k == 0 || k + 1 == n;
+            if ends && !table.repeat {
+                matrix[(k, k)] = 1.0;
+                continue;
+            }
+            if k + 1 == n {
+                // The last point is the first one again.
+                (matrix[(k, k)], matrix[(k, 0)]) = (1.0, -1.0);
+                continue;
+            }
+            let (a, before) = if k == 0 { (n - 2, n - 2) } else { (k - 1, k - 1) };
+            let (ha, hb) = (step(a), step(k));
+            matrix[(k, before)] += 1.0 / ha;
+            matrix[(k, k)] += 2.0 / ha + 2.0 / hb;
+            matrix[(k, k + 1)] += 1.0 / hb;
+            right[k] = 3.0 * (secant(a) / ha + secant(k) / hb);
+        }
+        // The matrix is strictly diagonally dominant but for two rows that set a value: it has an inverse.
+        let slope = matrix.lu().solve(&right).unwrap_or(right);
+        Self::joined(table, slope.iter().copied().collect())
+    }
+
+    fn joined(table: &Table, slope: Vec<f64>) -> Self {
+        let node: Vec<[f64; 2]> = table.value.iter().zip(slope).map(|(&y, d)| [y, d]).collect();
+        let mut integral = vec![0.0];
+        for k in 0..node.len() - 1 {
+            let h = table.at[k + 1] - table.at[k];
+            let ([y0, d0], [y1, d1]) = (node[k], node[k + 1]);
+            integral.push(integral[k] + h * (0.5 * (y0 + y1) + h * (d0 - d1) / 12.0));
+        }
+        PiecewiseCubic { at: table.at.clone(), node, integral, repeat: table.repeat }
+    }
+
+    /// The interval an argument falls into, the argument moved into it, and how many repetitions lie between;
+    /// none outside a table that does not repeat itself, where an end value holds.
+    fn place(&self, x: f64) -> Result<(usize, f64, f64), usize> {
+        let (first, last) = (self.at[0], self.at[self.at.len() - 1]);
+        let mut turns = 0.0;
+        let mut x = x;
+        if self.repeat {
+            turns = ((x - first) / (last - first)).floor();
+            x = (x - turns * (last - first)).clamp(first, last);
+        } else if x < first {
+            return Err(0);
+        } else if x > last {
+            return Err(self.at.len() - 1);
+        }
+        let k = self.at.partition_point(|&a| a <= x).clamp(1, self.at.len() - 1) - 1;
+        Ok((k, x, turns))
+    }
+
+    /// Value and derivatives at `x`. A repeated table goes on from where it ended.
+    pub fn jet(&self, x: f64) -> Jet {
+        let (k, x, turns) = match self.place(x) {
+            Ok(place) => place,
+            Err(end) => return [self.node[end][0], 0.0, 0.0, 0.0],
+        };
+        let ([y0, d0], [y1, d1]) = (self.node[k], self.node[k + 1]);
+        let h = self.at[k + 1] - self.at[k];
+        let s = x - self.at[k];
+        let c = (3.0 * (y1 - y0) / h - 2.0 * d0 - d1) / h;
+        let d = (d0 + d1 - 2.0 * (y1 - y0) / h) / (h * h);
+        let advance = self.node[self.node.len() - 1][0] - self.node[0][0];
+        [
+            y0 + turns * advance + s * (d0 + s * (c + s * d)),
+            d0 + s * (2.0 * c + 3.0 * s * d),
+            2.0 * c + 6.0 * s * d,
+            6.0 * d,
+        ]
+    }
+
+    /// Integral from the first argument to `x`.
+    pub fn integral(&self, x: f64) -> f64 {
+        let whole = self.integral[self.integral.len() - 1];
+        match self.place(x) {
+            Ok((k, x, turns)) => {
+                let ([y0, d0], [y1, d1]) = (self.node[k], self.node[k + 1]);
+                let h = self.at[k + 1] - self.at[k];
+                let s = x - self.at[k];
+                let c = (3.0 * (y1 - y0) / h - 2.0 * d0 - d1) / h;
+                let d = (d0 + d1 - 2.0 * (y1 - y0) / h) / (h * h);
+                turns * whole + self.integral[k] + s * (y0 + s * (d0 / 2.0 + s * (c / 3.0 + s * d / 4.0)))
+            }
+            Err(end) => self.integral[end] + (x - self.at[end]) * self.node[end][0],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    fn wave(points: usize, trend: f64) -> Table {
+        let at: Vec<f64> = (0..=points).map(|k| k as f64 / points as f64).collect();
+        let value = at.iter().map(|x| (TAU * x).sin() + trend * x).collect();
+        Table { at, value, repeat: true }
+    }
+
+    #[test]
+    fn a_spline_converges_with_fourth_order_and_goes_on_from_where_it_ended() {
+        let error = |n: usize| {
+            let spline = PiecewiseCubic::spline(&wave(n, 2.0));
+            (0..500)
+                .map(|k| {
+                    let x = -1.0 + 3.0 * (f64::from(k) + 0.37) / 500.0;
+                    (spline.jet(x)[0] - (TAU * x).sin() - 2.0 * x).abs()
+                })
+                .fold(0.0, f64::max)
+        };
+        let order = (error(16) / error(32)).log2();
+        assert!((order - 4.0).abs() < 0.3, "order {order}");
+    }
+
+    #[test]
+    fn derivatives_and_integral_agree_with_differences() {
+        for cubic in [PiecewiseCubic::spline(&wave(12, 0.0)), PiecewiseCubic::monotone(&wave(12, 0.0))] {
+            for k in 0..40 {
+                let (x, h) = (-0.5 + 0.0513 * f64::from(k), 1e-5);
+                let (low, at, high) = (cubic.jet(x - h), cubic.jet(x), cubic.jet(x + h));
+                assert!(((high[0] - low[0]) / (2.0 * h) - at[1]).abs() < 1e-7, "slope at {x}");
+                assert!(((high[1] - low[1]) / (2.0 * h) - at[2]).abs() < 1e-5, "curvature at {x}");
+                let rate = (cubic.integral(x + h) - cubic.integral(x - h)) / (2.0 * h);
+                assert!((rate - at[0]).abs() < 1e-7, "integral at {x}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_monotone_table_does_not_overshoot_and_holds_its_ends() {
+        let step = Table { at: vec![0.0, 0.5, 0.6, 1.0], value: vec![1.0, 1.0, 3.0, 3.0], repeat: false };
+        let cubic = PiecewiseCubic::monotone(&step);
+        for k in 0..200 {
+            let y = cubic.jet(-0.5 + 0.01 * f64::from(k))[0];
+            assert!((1.0..=3.0).contains(&y), "{y}");
+        }
+        assert_eq!((cubic.jet(-3.0)[0], cubic.jet(7.0)), (1.0, [3.0, 0.0, 0.0, 0.0]));
+    }
+}
