@@ -5,18 +5,18 @@ use super::{Dynamics, Linearised, Rosenbrock};
 use std::ops::Range;
 
 /// Sees every accepted state, with the linearisation there, in order of time.
-pub trait Watch {
+pub trait Watch<D> {
     /// Takes notice of the state at time `t` [s].
-    fn state(&mut self, t: f64, q: &[f64], v: &[f64], at: &Linearised);
+    fn state(&mut self, system: &D, t: f64, q: &[f64], v: &[f64], at: &Linearised);
 }
 
 /// Watches nothing.
-impl Watch for () {
-    fn state(&mut self, _t: f64, _q: &[f64], _v: &[f64], _at: &Linearised) {}
+impl<D> Watch<D> for () {
+    fn state(&mut self, _system: &D, _t: f64, _q: &[f64], _v: &[f64], _at: &Linearised) {}
 }
 
 /// Counts.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct AdvanceStats {
     /// Accepted steps.
     pub steps: u64,
@@ -24,6 +24,8 @@ pub struct AdvanceStats {
     pub rejected: u64,
     /// Evaluations of the force.
     pub forces: u64,
+    /// Largest distance by which an ideal joint drifted open in one step, before it was closed again [m].
+    pub drift: f64,
 }
 
 /// Why the island could not be carried on.
@@ -52,6 +54,11 @@ pub enum AdvanceError {
         /// Penetration [m].
         penetration: f64,
     },
+    /// The ideal joints' directions became dependent.
+    Singular {
+        /// Time [s].
+        time: f64,
+    },
     /// The state is not finite.
     NotFinite {
         /// Time [s].
@@ -74,14 +81,20 @@ pub struct Advance {
     bound: u64,
     /// Step to try next [s].
     step: f64,
+    /// State before ideal joints were closed `(n,)` each.
+    open_q: Vec<f64>,
+    open_v: Vec<f64>,
 }
 
 impl Advance {
-    /// For `n` degrees of freedom and `joints` joints; steps between `smallest` and `largest` [s].
-    pub fn new(n: usize, joints: usize, tolerance: f64, largest: f64, smallest: f64, bound: u64) -> Self {
+    /// With room in `at` for the system's linearisation; steps between `smallest` and `largest` [s].
+    pub fn new(at: Linearised, tolerance: f64, largest: f64, smallest: f64, bound: u64) -> Self {
+        let n = at.f.len();
         Advance {
             scheme: Rosenbrock::new(n),
-            at: Linearised::new(n, joints),
+            open_q: vec![0.0; n],
+            open_v: vec![0.0; n],
+            at,
             tolerance,
             largest,
             smallest,
@@ -99,9 +112,9 @@ impl Advance {
     ///
     /// # Errors
     /// [`AdvanceError`]; the state is then the last accepted one.
-    pub fn run<D: Dynamics, W: Watch>(
+    pub fn run<D: Dynamics, W: Watch<D>>(
         &mut self,
-        system: &D,
+        system: &mut D,
         span: Range<f64>,
         q: &mut [f64],
         v: &mut [f64],
@@ -109,18 +122,21 @@ impl Advance {
         stats: &mut AdvanceStats,
     ) -> Result<(), AdvanceError> {
         let Range { start: mut t, end } = span;
-        let (scale_q, scale_v) = system.scales();
         let mut taken = 0;
         loop {
             system.linearise(t, q, v, &mut self.at);
             stats.forces += 1;
+            if self.at.singular {
+                return Err(AdvanceError::Singular { time: t });
+            }
             if !self.at.f.iter().all(|f| f.is_finite()) {
                 return Err(AdvanceError::NotFinite { time: t });
             }
             if let Err((joint, penetration)) = system.in_range(&self.at) {
                 return Err(AdvanceError::OutOfRange { time: t, joint, penetration });
             }
-            watch.state(t, q, v, &self.at);
+            system.accept(&self.at);
+            watch.state(system, t, q, v, &self.at);
             let left = end - t;
             if left <= 0.0 {
                 return Ok(());
@@ -139,7 +155,10 @@ impl Advance {
                 };
                 let solved = self.scheme.step(system, &self.at, t, h, q, v);
                 stats.forces += 2;
-                let error = if solved { self.error(scale_q, scale_v) } else { f64::INFINITY };
+                let mut error = if solved { self.error(system.scales()) } else { f64::INFINITY };
+                if error <= 1.0 && system.is_constrained() {
+                    error = error.max(self.close(system, t + h, stats));
+                }
                 if error <= 1.0 {
                     q.copy_from_slice(&self.scheme.new_q);
                     v.copy_from_slice(&self.scheme.new_v);
@@ -163,8 +182,30 @@ impl Advance {
         }
     }
 
+    /// Closes the ideal joints at the end of the step just tried: how far that moves the state, on the scales of
+    /// the local error and over the tolerance.
+    fn close<D: Dynamics>(&mut self, system: &mut D, t: f64, stats: &mut AdvanceStats) -> f64 {
+        let s = &mut self.scheme;
+        self.open_q.copy_from_slice(&s.new_q);
+        self.open_v.copy_from_slice(&s.new_v);
+        let Some(drift) = system.close(t, &mut s.new_q, &mut s.new_v) else { return f64::INFINITY };
+        let moved = |new: &[f64], open: &[f64], scale: &[f64]| {
+            let each =
+                new.iter().zip(open).zip(scale).map(|((new, open), scale)| ((new - open) / scale).abs());
+            each.fold(0.0, f64::max)
+        };
+        let (scale_q, scale_v) = system.scales();
+        let moved = moved(&s.new_q, &self.open_q, scale_q).max(moved(&s.new_v, &self.open_v, scale_v))
+            / self.tolerance;
+        if moved <= 1.0 {
+            stats.drift = stats.drift.max(drift);
+        }
+        // A comparison with NaN is false: count it as infinite.
+        if moved <= f64::MAX { moved } else { f64::INFINITY }
+    }
+
     /// Largest scaled error of the step just tried, over the tolerance; infinite if anything is not finite.
-    fn error(&self, scale_q: &[f64], scale_v: &[f64]) -> f64 {
+    fn error(&self, (scale_q, scale_v): (&[f64], &[f64])) -> f64 {
         let s = &self.scheme;
         let mut worst: f64 = 0.0;
         for i in 0..scale_q.len() {

@@ -44,10 +44,10 @@ impl Dynamics for Impact {
     fn mass(&self) -> &[f64] {
         &self.mass
     }
-    fn force(&self, _t: f64, q: &[f64], v: &[f64], f: &mut [f64]) {
+    fn force(&mut self, _t: f64, q: &[f64], v: &[f64], f: &mut [f64]) {
         f.copy_from_slice(&self.contact::<false>(q, v).force);
     }
-    fn linearise(&self, _t: f64, q: &[f64], v: &[f64], at: &mut Linearised) {
+    fn linearise(&mut self, _t: f64, q: &[f64], v: &[f64], at: &mut Linearised) {
         let contact = self.contact::<true>(q, v);
         at.f.copy_from_slice(&contact.force);
         for r in 0..2 {
@@ -73,8 +73,8 @@ struct Seen {
     last: (f64, f64, f64),
 }
 
-impl Watch for Seen {
-    fn state(&mut self, t: f64, q: &[f64], v: &[f64], at: &Linearised) {
+impl Watch<Impact> for Seen {
+    fn state(&mut self, _system: &Impact, t: f64, q: &[f64], v: &[f64], at: &Linearised) {
         let penetration = at.joints[0].penetration;
         let (t0, p0, v0) = self.last;
         if v0 > 0.0 && v[0] <= 0.0 {
@@ -92,13 +92,13 @@ impl Watch for Seen {
 
 /// Largest penetration, contact time and outgoing speed of an impact that begins at first contact.
 fn impact(stiffness: f64, damping: f64, mass: f64, speed: f64) -> (f64, f64, f64) {
-    let system = Impact::new(stiffness, damping, mass, speed);
+    let mut system = Impact::new(stiffness, damping, mass, speed);
     let long = 10.0 * deepest(stiffness, mass, speed) / speed;
-    let mut advance = Advance::new(2, 1, 1e-7, long / 100.0, long * 1e-12, 100_000);
+    let mut advance = Advance::new(Linearised::new(2, 1), 1e-7, long / 100.0, long * 1e-12, 100_000);
     let (mut q, mut v) = ([system.law.surface.clearance, 0.0], [speed, 0.0]);
     let mut seen = Seen::default();
     advance
-        .run(&system, 0.0..long, &mut q, &mut v, &mut seen, &mut AdvanceStats::default())
+        .run(&mut system, 0.0..long, &mut q, &mut v, &mut seen, &mut AdvanceStats::default())
         .expect("the impact is integrated");
     // Free flight at constant speed leads back to the instant of separation.
     let (t, penetration, out) = seen.last;

@@ -3,7 +3,7 @@
 mod advance;
 #[cfg(test)]
 mod impact_tests;
-mod linear;
+pub(crate) mod linear;
 mod rosenbrock;
 
 pub use advance::{Advance, AdvanceError, AdvanceStats, Watch};
@@ -15,10 +15,24 @@ use crate::contact::JointForce;
 pub trait Dynamics {
     /// Diagonal of M `(n,)` [kg, kg m^2].
     fn mass(&self) -> &[f64];
-    /// f `(n,)` at time `t` [s].
-    fn force(&self, t: f64, q: &[f64], v: &[f64], f: &mut [f64]);
+    /// f `(n,)` at time `t` [s]; not a number where it does not exist.
+    fn force(&mut self, t: f64, q: &[f64], v: &[f64], f: &mut [f64]);
     /// f with its derivatives.
-    fn linearise(&self, t: f64, q: &[f64], v: &[f64], at: &mut Linearised);
+    fn linearise(&mut self, t: f64, q: &[f64], v: &[f64], at: &mut Linearised);
+    /// Takes notice that the state last linearised has been accepted.
+    fn accept(&mut self, at: &Linearised) {
+        let _ = at;
+    }
+    /// Whether [`Dynamics::close`] has anything to do.
+    fn is_constrained(&self) -> bool {
+        false
+    }
+    /// Moves positions and velocities back onto the constraints of ideal joints; returns how far the joints had
+    /// drifted open [m], or nothing if they could not be closed.
+    fn close(&mut self, t: f64, q: &mut [f64], v: &mut [f64]) -> Option<f64> {
+        let _ = (t, q, v);
+        Some(0.0)
+    }
     /// Scales of q and qd against which errors are measured `(n,)` each.
     fn scales(&self) -> (&[f64], &[f64]);
     /// Whether the state lies in the range of the model; else which joint left it and its penetration.
@@ -43,6 +57,12 @@ pub struct Linearised {
     pub joints: Vec<JointForce>,
     /// Eccentricity of each joint in its bushing's frame [m].
     pub e: Vec<[f64; 2]>,
+    /// Multipliers of the ideal joints' constraints `(m,)` [N, N m].
+    pub lambda: Vec<f64>,
+    /// Generalised force (x, y, angle) of joints and loads on each prescribed body [N, N m].
+    pub prescribed: Vec<[f64; 3]>,
+    /// Whether the ideal joints' directions are dependent here, so that f does not exist.
+    pub singular: bool,
 }
 
 impl Linearised {
@@ -55,6 +75,7 @@ impl Linearised {
             ft: vec![0.0; n],
             joints: vec![JointForce::default(); joints],
             e: vec![[0.0; 2]; joints],
+            ..Linearised::default()
         }
     }
 }

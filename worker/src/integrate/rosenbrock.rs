@@ -73,7 +73,7 @@ impl Rosenbrock {
     #[allow(clippy::needless_range_loop)]
     pub fn step<D: Dynamics>(
         &mut self,
-        system: &D,
+        system: &mut D,
         at: &Linearised,
         t: f64,
         h: f64,
@@ -82,12 +82,11 @@ impl Rosenbrock {
     ) -> bool {
         let n = self.n;
         let gh = GAMMA * h;
-        let mass = system.mass();
         for i in 0..n {
             for j in 0..n {
                 self.matrix[i * n + j] = -at.d[i * n + j] - gh * at.k[i * n + j];
             }
-            self.matrix[i * n + i] += mass[i] / gh;
+            self.matrix[i * n + i] += system.mass()[i] / gh;
         }
         if !factor(&mut self.matrix, &mut self.pivot, n) {
             return false;
@@ -106,6 +105,7 @@ impl Rosenbrock {
                 system.force(t + NODE[stage] * h, &self.q, &self.v, &mut self.f);
             }
             // Right-hand sides: r_q = v_stage + sum c u_q / h, M r_v = f_stage + d h f_t + M sum c u_v / h.
+            let mass = system.mass();
             let (before, rest) = self.uv.split_at_mut(stage);
             let rhs = &mut rest[0];
             for i in 0..n {
@@ -143,7 +143,7 @@ impl Rosenbrock {
             self.error_q[i] = eq;
             self.error_v[i] = ev;
         }
-        self.filter_error(at, gh, mass);
+        self.filter_error(at, gh, system.mass());
         true
     }
 }
@@ -175,11 +175,11 @@ mod tests {
         fn mass(&self) -> &[f64] {
             &[1.0, 2.0]
         }
-        fn force(&self, t: f64, q: &[f64], v: &[f64], f: &mut [f64]) {
+        fn force(&mut self, t: f64, q: &[f64], v: &[f64], f: &mut [f64]) {
             f[0] = -q[0] - q[0].powi(3) - 0.1 * v[0] + (3.0 * t).cos() * q[1].sin();
             f[1] = -q[1] - 0.3 * v[1] * v[0] + 0.5 * q[0];
         }
-        fn linearise(&self, t: f64, q: &[f64], v: &[f64], at: &mut Linearised) {
+        fn linearise(&mut self, t: f64, q: &[f64], v: &[f64], at: &mut Linearised) {
             self.force(t, q, v, &mut at.f);
             at.k = vec![-1.0 - 3.0 * q[0] * q[0], (3.0 * t).cos() * q[1].cos(), 0.5, -1.0];
             at.d = vec![-0.1, 0.0, -0.3 * v[1], -0.3 * v[0]];
@@ -198,7 +198,7 @@ mod tests {
         for k in 0..steps {
             let t = k as f64 * h;
             Duffing.linearise(t, &q, &v, &mut at);
-            assert!(scheme.step(&Duffing, &at, t, h, &q, &v));
+            assert!(scheme.step(&mut Duffing, &at, t, h, &q, &v));
             q.copy_from_slice(&scheme.new_q);
             v.copy_from_slice(&scheme.new_v);
         }
@@ -220,7 +220,7 @@ mod tests {
             let mut at = Linearised::new(2, 0);
             let (q, v) = ([1.0, 0.5], [0.0, -0.2]);
             Duffing.linearise(0.3, &q, &v, &mut at);
-            scheme.step(&Duffing, &at, 0.3, h, &q, &v);
+            scheme.step(&mut Duffing, &at, 0.3, h, &q, &v);
             scheme.error_q.iter().chain(&scheme.error_v).fold(0.0, |a: f64, b| a.max(b.abs()))
         };
         let order = (estimate(0.04) / estimate(0.02)).log2();

@@ -1,15 +1,13 @@
 //! Position and velocity analysis with every joint closed, as if it had no clearance: where the mechanism
 //! starts, whether it can go round, and its motion in the limit of vanishing clearance.
 //!
-//! Closure phi(q, t) = r_journal - r_bushing = 0 for every joint; Newton's method with the least-norm step, so
-//! that mechanisms with more freedom than closures keep what their start gives them. Velocities solve
-//! (dphi/dq) qd = -dphi/dt.
+//! Closure phi(q, t) = 0 of every joint; Newton's method with the least-norm step, so that mechanisms with more
+//! freedom than closures keep what their start gives them. Velocities solve (dphi/dq) qd = -dphi/dt.
 
-use super::frame::Frame;
-use super::prescribed::Prescribed;
+use super::closure::Closure;
 use common::failure::SimulationFailure;
 use common::scene::{Motion, Scene};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
 /// Positions and velocities of all bodies at one time: coordinates of the centre of mass and angle for free
 /// bodies; nothing for the others.
@@ -23,153 +21,23 @@ pub struct Pose {
     pub v: Vec<Option<[f64; 3]>>,
 }
 
-/// Gap below which a joint counts as closed, relative to the mechanism's size.
-const CLOSED: f64 = 1e-12;
-const MOST_ITERATIONS: usize = 50;
 /// Angles of a cycle at which closure is checked.
 const CHECKED: usize = 180;
-
-struct Closure<'a> {
-    scene: &'a Scene,
-    prescribed: Vec<Option<Prescribed>>,
-    /// First coordinate of each free body.
-    first: Vec<Option<usize>>,
-    centre: Vec<[f64; 2]>,
-    n: usize,
-    size: f64,
-}
-
-impl<'a> Closure<'a> {
-    fn new(scene: &'a Scene) -> Self {
-        let mut n = 0;
-        let mut first = Vec::new();
-        let mut centre = Vec::new();
-        for body in &scene.bodies {
-            if let Motion::Free { centre_of_mass, .. } = body.motion {
-                first.push(Some(n));
-                centre.push(centre_of_mass);
-                n += 3;
-            } else {
-                first.push(None);
-                centre.push([0.0; 2]);
-            }
-        }
-        let points = scene.joints.iter().flat_map(|j| [j.journal.position, j.bushing.position]);
-        let size = points.flatten().fold(1e-6_f64, |a, b| a.max(b.abs()));
-        Closure {
-            scene,
-            prescribed: scene.bodies.iter().map(Prescribed::of).collect(),
-            first,
-            centre,
-            n,
-            size,
-        }
-    }
-
-    fn start(&self) -> DVector<f64> {
-        let mut q = DVector::zeros(self.n);
-        for (body, first) in self.scene.bodies.iter().zip(&self.first) {
-            if let (Motion::Free { centre_of_mass, start_position, start_angle, .. }, Some(k)) =
-                (&body.motion, *first)
-            {
-                let frame = Frame::free(&[start_position[0], start_position[1], *start_angle], &[0.0; 3]);
-                let x = frame.point(*centre_of_mass);
-                q[k] = x[0];
-                q[k + 1] = x[1];
-                q[k + 2] = *start_angle;
-            }
-        }
-        q
-    }
-
-    fn frame(&self, body: usize, t: f64, q: &DVector<f64>) -> Frame {
-        match (self.first[body], &self.prescribed[body]) {
-            (Some(k), _) => Frame::free(&[q[k], q[k + 1], q[k + 2]], &[0.0; 3]),
-            (None, Some(p)) => p.at(t),
-            (None, None) => Frame::default(),
-        }
-    }
-
-    /// Gaps, their derivative to q and to t.
-    fn evaluate(&self, t: f64, q: &DVector<f64>) -> (DVector<f64>, DMatrix<f64>, DVector<f64>) {
-        let m = 2 * self.scene.joints.len();
-        let mut phi = DVector::zeros(m);
-        let mut jacobian = DMatrix::zeros(m, self.n);
-        let mut rate = DVector::zeros(m);
-        for (row, joint) in self.scene.joints.iter().enumerate() {
-            for (sign, side) in [(1.0, &joint.journal), (-1.0, &joint.bushing)] {
-                let frame = self.frame(side.body, t, q);
-                let c = self.centre[side.body];
-                let arm = frame.turn([side.position[0] - c[0], side.position[1] - c[1]]);
-                let turned = [-arm[1], arm[0]];
-                for k in 0..2 {
-                    phi[2 * row + k] += sign * (frame.x[k] + arm[k]);
-                    if let Some(first) = self.first[side.body] {
-                        jacobian[(2 * row + k, first + k)] += sign;
-                        jacobian[(2 * row + k, first + 2)] += sign * turned[k];
-                    } else {
-                        rate[2 * row + k] += sign * frame.omega * turned[k];
-                    }
-                }
-            }
-        }
-        (phi, jacobian, rate)
-    }
-
-    fn close(&self, t: f64, q: &mut DVector<f64>, iterations: &mut u64) -> Result<(), SimulationFailure> {
-        let mut worst = (f64::INFINITY, 0);
-        for _ in 0..MOST_ITERATIONS {
-            let (phi, jacobian, _) = self.evaluate(t, q);
-            worst = (0..self.scene.joints.len())
-                .map(|j| (libm::hypot(phi[2 * j], phi[2 * j + 1]), j))
-                .fold((0.0, 0), |a, b| if b.0 > a.0 { b } else { a });
-            if worst.0 <= CLOSED * self.size {
-                return Ok(());
-            }
-            *iterations += 1;
-            let step = least_norm(jacobian, &phi);
-            // No body moves by more than half the mechanism in one iteration.
-            let longest = step
-                .iter()
-                .enumerate()
-                .fold(0.0_f64, |a, (k, s)| a.max(if k % 3 == 2 { s.abs() * self.size } else { s.abs() }));
-            *q -= step * (0.5 * self.size / longest).min(1.0);
-        }
-        Err(SimulationFailure::CannotAssemble {
-            joint: self.scene.joints[worst.1].name.clone(),
-            time: t,
-            gap: worst.0,
-        })
-    }
-
-    fn velocity(&self, t: f64, q: &DVector<f64>) -> DVector<f64> {
-        let (_, jacobian, rate) = self.evaluate(t, q);
-        -least_norm(jacobian, &rate)
-    }
-
-    fn pose(&self, t: f64, q: &DVector<f64>) -> Pose {
-        let v = self.velocity(t, q);
-        let split = |x: &DVector<f64>| {
-            self.first.iter().map(|first| first.map(|k| [x[k], x[k + 1], x[k + 2]])).collect()
-        };
-        Pose { time: t, q: split(q), v: split(&v) }
-    }
-}
-
-/// Least-norm, least-squares solution of `a x = b`.
-fn least_norm(a: DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
-    let columns = a.ncols();
-    let svd = a.svd(true, true);
-    let cut = 1e-10 * svd.singular_values.max();
-    svd.solve(b, cut).unwrap_or_else(|_| DVector::zeros(columns))
-}
+/// A stretch of the motion is halved until the bodies move by no more than this share of the mechanism at once...
+const LONGEST: f64 = 0.2;
+/// ... and Newton's method corrects no more than this share of what velocities predict, or of the mechanism.
+const CORRECTION: (f64, f64) = (0.3, 0.01);
+/// Shortest stretch, as a share of the cycle: where even that is too long, the motion ends.
+const SHORTEST: f64 = 1e-8;
 
 /// The mechanism with ideal joints at `samples` equal times of one cycle, ends included: its motion in the
 /// limit of vanishing clearance, followed by continuation from the approximate start of the scene. Adds the
-/// Newton iterations to `iterations`.
+/// Newton iterations to `iterations`. Where drives and joints leave the motion open there is only the start.
 ///
 /// # Errors
-/// [`SimulationFailure::CannotAssemble`] with joint and time where the linkage locks.
+/// [`SimulationFailure::CannotAssemble`] where it cannot be closed at the start, [`SimulationFailure::OverConstrained`]
+/// if ideal joints forbid a motion twice, [`SimulationFailure::DeadPoint`] with joint and angle where the
+/// linkage locks or its motion becomes ambiguous on its way.
 pub fn ideal_cycle(
     scene: &Scene,
     samples: usize,
@@ -177,15 +45,92 @@ pub fn ideal_cycle(
 ) -> Result<Vec<Pose>, SimulationFailure> {
     let closure = Closure::new(scene);
     let mut q = closure.start();
+    closure.close(0.0, &mut q, iterations).map_err(|open| SimulationFailure::CannotAssemble {
+        joint: scene.joints[open.joint].name.clone(),
+        time: 0.0,
+        gap: open.gap,
+    })?;
+    if let Some(joint) = closure.first_dependent_joint(&q) {
+        return Err(SimulationFailure::OverConstrained { joint: scene.joints[joint].name.clone() });
+    }
     let intervals = samples.max(2) - 1;
     let refine = CHECKED.div_ceil(intervals);
-    let mut poses = Vec::with_capacity(samples);
-    for k in 0..=intervals * refine {
-        let t = scene.life.period * k as f64 / (intervals * refine) as f64;
-        closure.close(t, &mut q, iterations)?;
+    let at = |k: usize| scene.life.period * k as f64 / (intervals * refine) as f64;
+    let mut poses = vec![pose(&closure, 0.0, &q)];
+    if !closure.is_determined(&q) {
+        return Ok(poses);
+    }
+    let orientation = closure.orientation(0.0, &q);
+    for k in 1..=intervals * refine {
+        follow(&closure, orientation, at(k - 1), at(k), &mut q, iterations)
+            .map_err(|stop| dead_point(scene, &stop))?;
         if k % refine == 0 {
-            poses.push(closure.pose(t, &q));
+            poses.push(pose(&closure, at(k), &q));
         }
     }
     Ok(poses)
+}
+
+fn pose(closure: &Closure, t: f64, q: &DVector<f64>) -> Pose {
+    Pose { time: t, q: closure.split(q), v: closure.split(&closure.velocity(t, q)) }
+}
+
+/// Where the motion ends, and which joint could not follow.
+struct Stop {
+    time: f64,
+    joint: usize,
+}
+
+/// Follows the motion from one time to another, in stretches as short as the motion asks for.
+fn follow(
+    closure: &Closure,
+    orientation: Option<bool>,
+    from: f64,
+    to: f64,
+    q: &mut DVector<f64>,
+    iterations: &mut u64,
+) -> Result<(), Stop> {
+    let (mut t, mut stretch) = (from, to - from);
+    while t < to {
+        let ahead = if to - t <= stretch * 1.5 { to - t } else { stretch };
+        let predicted = closure.velocity(t, q) * ahead;
+        let far = closure.largest(&predicted);
+        let mut trial = &*q + &predicted;
+        let mut culprit = None;
+        let mut fits = far <= LONGEST * closure.size();
+        if fits {
+            match closure.close(t + ahead, &mut trial, iterations) {
+                Ok(()) => {
+                    let correction = closure.largest(&(&trial - &*q - &predicted));
+                    fits = correction <= (CORRECTION.0 * far).max(CORRECTION.1 * closure.size())
+                        && closure.orientation(t + ahead, &trial) == orientation;
+                }
+                Err(open) => (fits, culprit) = (false, Some(open.joint)),
+            }
+        }
+        if fits {
+            q.copy_from(&trial);
+            t = if ahead == to - t { to } else { t + ahead };
+            stretch = (2.0 * ahead).min(to - from);
+        } else {
+            stretch = 0.5 * ahead;
+            if stretch < SHORTEST * closure.period() {
+                let joint = culprit.unwrap_or_else(|| closure.weakest_joint(t, q));
+                return Err(Stop { time: t, joint });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The failure, told by the angle of the first driven body.
+fn dead_point(scene: &Scene, stop: &Stop) -> SimulationFailure {
+    let driven = scene.bodies.iter().find(|b| matches!(b.motion, Motion::Driven { .. }));
+    let angle = driven.and_then(super::Prescribed::of).map_or(0.0, |motion| motion.angle(stop.time));
+    SimulationFailure::DeadPoint {
+        joint: scene.joints[stop.joint].name.clone(),
+        time: stop.time,
+        body: driven.map_or_else(String::new, |b| b.name.clone()),
+        angle,
+    }
 }

@@ -5,6 +5,8 @@
 pub struct Frame {
     /// Position `(2,)` [m].
     pub x: [f64; 2],
+    /// Angle [rad].
+    pub angle: f64,
     /// Cosine and sine of the angle [1].
     pub cs: [f64; 2],
     /// Velocity `(2,)` [m/s].
@@ -18,7 +20,7 @@ impl Frame {
     #[inline]
     pub fn free(q: &[f64], v: &[f64]) -> Self {
         let (sin, cos) = libm::sincos(q[2]);
-        Frame { x: [q[0], q[1]], cs: [cos, sin], v: [v[0], v[1]], omega: v[2] }
+        Frame { x: [q[0], q[1]], angle: q[2], cs: [cos, sin], v: [v[0], v[1]], omega: v[2] }
     }
 
     /// A vector of the body's frame in global axes.
@@ -40,4 +42,19 @@ impl Frame {
         let a = self.turn(s);
         [self.x[0] + a[0], self.x[1] + a[1]]
     }
+
+    /// Velocity of a point of the body given in its frame [m/s].
+    pub fn velocity(&self, s: [f64; 2]) -> [f64; 2] {
+        let a = self.turn(s);
+        [self.v[0] - self.omega * a[1], self.v[1] + self.omega * a[0]]
+    }
+}
+
+/// One end of a joint or load: which frame, and where in it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct End {
+    /// Index of the frame.
+    pub frame: usize,
+    /// From the frame's reference point, in the body's axes [m].
+    pub arm: [f64; 2],
 }

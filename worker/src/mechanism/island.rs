@@ -1,22 +1,17 @@
 //! A set of free bodies that influence one another, with the joints and loads that act on them. Islands have
 //! no forces in common and are integrated each with its own steps.
 
-use super::frame::Frame;
+use super::constraint::Constraint;
+use super::elimination::{Elimination, Placed};
+use super::frame::{End, Frame};
 use super::joint::pair_force;
+use super::load::{IslandLoad, NOBODY};
 use super::prescribed::Prescribed;
+use super::table::Jet;
 use crate::bore::Profile;
 use crate::contact::Contact;
 use crate::integrate::{Dynamics, Linearised};
-use common::failure::SimulationFailure;
-use common::scene::{Attachment, JointKind, Load, Motion, Scene};
-
-/// One end of a joint or load: which frame of the island, and where in it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct End {
-    frame: usize,
-    /// From the frame's reference point, in the body's axes [m].
-    arm: [f64; 2],
-}
+use common::scene::Scene;
 
 /// A joint with clearance and its bore.
 #[derive(Debug, Clone)]
@@ -33,8 +28,10 @@ pub struct WearingJoint {
     pub wear_coefficient: f64,
     /// Width [m].
     pub width: f64,
-    journal: End,
-    bushing: End,
+    /// Thickness of the bushing's wall, if it may be worn through [m].
+    pub wall: Option<f64>,
+    /// Places of journal and bushing.
+    pub ends: [End; 2],
 }
 
 impl WearingJoint {
@@ -45,156 +42,70 @@ impl WearingJoint {
     }
 }
 
-#[derive(Debug, Clone)]
-enum IslandLoad {
-    Spring { at: End, anchor: End, direction: [f64; 2], stiffness: f64, free_length: f64 },
-    Force { at: End, force: [f64; 2] },
-    Torque { frame: usize, torque: f64 },
-}
-
-/// The other end of a load that acts on one body only.
-const NOBODY: usize = usize::MAX;
-
 /// The island.
 #[derive(Debug, Clone)]
 pub struct Island {
     /// Scene bodies with unknowns; body k owns coordinates 3k..3k+3 (centre of mass, angle).
     pub bodies: Vec<usize>,
+    /// Scene bodies with prescribed motion that joints or loads connect to it.
+    pub touched: Vec<usize>,
     /// Joints with clearance.
     pub joints: Vec<WearingJoint>,
+    /// Ideal joints.
+    ideal: Elimination,
     prescribed: Vec<Prescribed>,
     loads: Vec<IslandLoad>,
     mass: Vec<f64>,
     weight: Vec<f64>,
     scale_q: Vec<f64>,
     scale_v: Vec<f64>,
+    /// Size of the mechanism [m].
+    size: f64,
+    /// Frames of the free bodies, then of the prescribed ones, at the instant last looked at.
+    frames: Vec<Frame>,
+    /// Angles of the prescribed ones with their derivatives, then.
+    jets: Vec<Jet>,
 }
 
-/// Splits a checked scene into its islands, in the order of their first bodies.
-///
-/// # Errors
-/// [`SimulationFailure::NotModelled`] for ideal joints, and joints between two prescribed bodies.
-pub fn islands(scene: &Scene) -> Result<Vec<Island>, SimulationFailure> {
-    let free: Vec<bool> = scene.bodies.iter().map(|b| matches!(b.motion, Motion::Free { .. })).collect();
-    // Connected components over free bodies.
-    let mut root: Vec<usize> = (0..scene.bodies.len()).collect();
-    fn find(root: &mut [usize], mut k: usize) -> usize {
-        while root[k] != k {
-            root[k] = root[root[k]];
-            k = root[k];
-        }
-        k
-    }
-    let pairs = scene.joints.iter().map(|j| (j.journal.body, j.bushing.body)).chain(
-        scene.loads.iter().filter_map(|l| match l {
-            Load::DirectionalSpring { at, anchor, .. } => Some((at.body, anchor.body)),
-            _ => None,
-        }),
-    );
-    for (a, b) in pairs.filter(|&(a, b)| free[a] && free[b]) {
-        let (a, b) = (find(&mut root, a), find(&mut root, b));
-        root[a.max(b)] = a.min(b);
-    }
-    for joint in &scene.joints {
-        if !free[joint.journal.body] && !free[joint.bushing.body] {
-            return Err(SimulationFailure::NotModelled {
-                what: format!("joint {} connects two bodies whose motion is given", joint.name),
-            });
-        }
-    }
-    let mut islands = Vec::new();
-    for first in 0..scene.bodies.len() {
-        if free[first] && find(&mut root, first) == first {
-            let members: Vec<usize> =
-                (first..scene.bodies.len()).filter(|&b| free[b] && find(&mut root, b) == first).collect();
-            islands.push(Island::new(scene, members)?);
-        }
-    }
-    Ok(islands)
+/// Energy of an island at one instant, contacts aside.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct LoadPower {
+    /// Kinetic energy and that of gravity and springs [J].
+    pub stored: f64,
+    /// Power lost in dampers [W].
+    pub lost: f64,
+    /// Power of loads without potential [W].
+    pub driving: f64,
 }
 
 impl Island {
-    fn new(scene: &Scene, bodies: Vec<usize>) -> Result<Self, SimulationFailure> {
-        let mut frames = bodies.clone();
-        let mut prescribed = Vec::new();
-        let mut end = |a: &Attachment| -> End {
-            let frame = frames.iter().position(|&b| b == a.body).unwrap_or_else(|| {
-                frames.push(a.body);
-                prescribed.extend(Prescribed::of(&scene.bodies[a.body]));
-                frames.len() - 1
-            });
-            let origin = match scene.bodies[a.body].motion {
-                Motion::Free { centre_of_mass, .. } => centre_of_mass,
-                _ => [0.0; 2],
-            };
-            End { frame, arm: [a.position[0] - origin[0], a.position[1] - origin[1]] }
-        };
-        let mine = |body: usize| bodies.contains(&body);
-        let mut joints = Vec::new();
-        for (index, joint) in scene.joints.iter().enumerate() {
-            if !mine(joint.journal.body) && !mine(joint.bushing.body) {
-                continue;
-            }
-            let JointKind::Clearance(clearance) = &joint.kind else {
-                return Err(SimulationFailure::NotModelled {
-                    what: format!("joint {}: the dynamics of ideal joints", joint.name),
-                });
-            };
-            joints.push(WearingJoint {
-                scene_joint: index,
-                name: joint.name.clone(),
-                contact: Contact::of(clearance),
-                profile: Profile::round(clearance.bushing_radius, clearance.control_points),
-                wear_coefficient: clearance.wear_coefficient,
-                width: clearance.width,
-                journal: end(&joint.journal),
-                bushing: end(&joint.bushing),
-            });
-        }
-        let mut loads = Vec::new();
-        for load in &scene.loads {
-            match load {
-                Load::DirectionalSpring { at, anchor, direction, stiffness, free_length, .. }
-                    if mine(at.body) || mine(anchor.body) =>
-                {
-                    loads.push(IslandLoad::Spring {
-                        at: end(at),
-                        anchor: end(anchor),
-                        direction: *direction,
-                        stiffness: *stiffness,
-                        free_length: *free_length,
-                    });
-                }
-                Load::ConstantForce { at, force, .. } if mine(at.body) => {
-                    loads.push(IslandLoad::Force { at: end(at), force: *force });
-                }
-                Load::ConstantTorque { body, torque, .. } if mine(*body) => {
-                    let frame = bodies.iter().position(|b| b == body).unwrap_or(0);
-                    loads.push(IslandLoad::Torque { frame, torque: *torque });
-                }
-                _ => {}
-            }
-        }
-        let mut mass = Vec::new();
-        let mut weight = Vec::new();
-        for &b in &bodies {
-            if let Motion::Free { mass: m, inertia, .. } = scene.bodies[b].motion {
-                mass.extend([m, m, inertia]);
-                weight.extend([m * scene.gravity[0], m * scene.gravity[1], 0.0]);
-            }
-        }
-        let mut island = Island {
+    // Called by the topology alone, which has each of these at hand.
+    #[allow(clippy::too_many_arguments)]
+    pub(super) fn new(
+        bodies: Vec<usize>,
+        touched: Vec<usize>,
+        joints: Vec<WearingJoint>,
+        ideal: Elimination,
+        prescribed: Vec<Prescribed>,
+        loads: Vec<IslandLoad>,
+        mass: Vec<f64>,
+        weight: Vec<f64>,
+    ) -> Self {
+        Island {
+            frames: vec![Frame::default(); bodies.len() + touched.len()],
+            jets: vec![Jet::default(); touched.len()],
             scale_q: vec![1.0; mass.len()],
             scale_v: vec![1.0; mass.len()],
+            size: 0.0,
             bodies,
+            touched,
             joints,
+            ideal,
             prescribed,
             loads,
             mass,
             weight,
-        };
-        island.set_scales(scene);
-        Ok(island)
+        }
     }
 
     /// Number of coordinates.
@@ -202,12 +113,50 @@ impl Island {
         self.mass.len()
     }
 
-    /// Scales of the local error: a length of 1 % of the smallest clearance (the order of the penetrations) and
-    /// the speed it gives at the contact's natural frequency; an angle is that length at the longest arm.
-    fn set_scales(&mut self, scene: &Scene) {
+    /// Ideal joints.
+    pub fn constraints(&self) -> &[Constraint] {
+        &self.ideal.constraints
+    }
+
+    /// Number of scalar constraints of the ideal joints.
+    pub fn constraint_rows(&self) -> usize {
+        self.ideal.rows()
+    }
+
+    /// Force in each ideal joint at an instant, in the order of [`Self::constraints`] [N].
+    pub fn ideal_forces<'a>(&'a self, at: &'a Linearised) -> impl Iterator<Item = f64> + 'a {
+        let mut first = 0;
+        self.ideal.constraints.iter().map(move |c| {
+            let lambda = &at.lambda[first..first + c.rows()];
+            first += c.rows();
+            c.force(lambda)
+        })
+    }
+
+    /// Room for what [`Dynamics::linearise`] fills.
+    pub fn linearised(&self) -> Linearised {
+        Linearised {
+            lambda: vec![0.0; self.ideal.rows()],
+            prescribed: vec![[0.0; 3]; self.prescribed.len()],
+            ..Linearised::new(self.coordinates(), self.joints.len())
+        }
+    }
+
+    /// Scales of the local error. With clearance: a length of 1 % of the smallest clearance (the order of the
+    /// penetrations) and the speed it gives at the contact's natural frequency. Without: a ten-thousandth of the
+    /// island's size, and the speed that covers it in a radian of the cycle. An angle is the length at the longest arm.
+    pub(super) fn scaled(mut self, scene: &Scene) -> Self {
         const SHARE_OF_CLEARANCE: f64 = 0.01;
-        let period = scene.life.period;
-        let (mut length, mut frequency) = (1e-3_f64, 1.0 / period);
+        const SHARE_OF_SIZE: f64 = 1e-4;
+        let ends = self.joints.iter().map(|j| j.ends).chain(self.ideal.constraints.iter().map(|c| c.ends));
+        let mut arm = vec![1e-6_f64; self.bodies.len()];
+        for end in ends.flatten().filter(|e| e.frame < self.bodies.len()) {
+            let a = (end.arm[0] * end.arm[0] + end.arm[1] * end.arm[1]).sqrt();
+            arm[end.frame] = arm[end.frame].max(a);
+        }
+        self.size = arm.iter().copied().fold(0.0, f64::max);
+        let (mut length, mut frequency) =
+            (SHARE_OF_SIZE * self.size, std::f64::consts::TAU / scene.life.period);
         if let Some(smallest) =
             self.joints.iter().map(|j| j.contact.surface().clearance).min_by(f64::total_cmp)
         {
@@ -216,137 +165,167 @@ impl Island {
             let stiffest = self.joints.iter().map(|j| j.contact.surface().stiffness).fold(0.0, f64::max);
             frequency = (1.5 * stiffest * length.sqrt() / lightest).sqrt();
         }
-        let ends = self.joints.iter().flat_map(|j| [j.journal, j.bushing]);
-        let mut arm = vec![1e-6_f64; self.bodies.len()];
-        for end in ends.filter(|e| e.frame < self.bodies.len()) {
-            let a = (end.arm[0] * end.arm[0] + end.arm[1] * end.arm[1]).sqrt();
-            arm[end.frame] = arm[end.frame].max(a);
-        }
         for (slot, arm) in arm.iter().enumerate() {
             for (k, divisor) in [1.0, 1.0, *arm].into_iter().enumerate() {
                 self.scale_q[3 * slot + k] = length / divisor;
                 self.scale_v[3 * slot + k] = length * frequency / divisor;
             }
         }
+        self
     }
 
-    #[inline]
-    fn frame(&self, index: usize, t: f64, q: &[f64], v: &[f64]) -> Frame {
-        let k = 3 * index;
-        if index < self.bodies.len() {
-            Frame::free(&q[k..k + 3], &v[k..k + 3])
-        } else {
-            self.prescribed[index - self.bodies.len()].at(t)
+    /// Where every frame is.
+    fn place(&mut self, t: f64, q: &[f64], v: &[f64]) {
+        let free = self.bodies.len();
+        for (k, frame) in self.frames[..free].iter_mut().enumerate() {
+            *frame = Frame::free(&q[3 * k..3 * k + 3], &v[3 * k..3 * k + 3]);
+        }
+        for ((prescribed, frame), jet) in
+            self.prescribed.iter().zip(&mut self.frames[free..]).zip(&mut self.jets)
+        {
+            *jet = prescribed.jet(t);
+            *frame = prescribed.at_angle(jet);
         }
     }
 
+    /// Forces of joints with clearance and of loads, and with `JACOBIAN` their derivatives.
     #[inline]
-    fn assemble<const JACOBIAN: bool>(
-        &self,
-        t: f64,
-        q: &[f64],
-        v: &[f64],
-        f: &mut [f64],
-        at: &mut Linearised,
-    ) {
-        let n = self.mass.len();
+    fn applied<const JACOBIAN: bool>(&self, t: f64, f: &mut [f64], at: &mut Linearised) {
         f.copy_from_slice(&self.weight);
         if JACOBIAN {
             at.k.fill(0.0);
             at.d.fill(0.0);
             at.ft.fill(0.0);
+            at.prescribed.fill([0.0; 3]);
         }
-        let mut add = |ends: [usize; 2],
-                       force: &[f64; 6],
-                       k: &[[f64; 6]; 6],
-                       d: &[[f64; 6]; 6],
-                       at: &mut Linearised| {
-            for (side, &frame) in ends.iter().enumerate() {
-                if frame >= self.bodies.len() {
-                    continue;
-                }
-                for r in 0..3 {
-                    let row = 3 * frame + r;
-                    f[row] += force[3 * side + r];
-                    if !JACOBIAN {
-                        continue;
-                    }
-                    for (other, &to) in ends.iter().enumerate() {
-                        if to == NOBODY {
-                            continue;
-                        }
-                        if to < self.bodies.len() {
-                            for c in 0..3 {
-                                at.k[row * n + 3 * to + c] += k[3 * side + r][3 * other + c];
-                                at.d[row * n + 3 * to + c] += d[3 * side + r][3 * other + c];
-                            }
-                        } else {
-                            // A prescribed body only turns.
-                            let [_, omega, alpha, _] = self.prescribed[to - self.bodies.len()].jet(t);
-                            at.ft[row] += k[3 * side + r][3 * other + 2] * omega
-                                + d[3 * side + r][3 * other + 2] * alpha;
-                        }
-                    }
-                }
-            }
-        };
         for (index, joint) in self.joints.iter().enumerate() {
-            let (i, j) = (joint.journal, joint.bushing);
+            let [i, j] = joint.ends;
             let pair = pair_force::<JACOBIAN>(
                 &joint.contact,
                 &joint.profile,
-                &self.frame(i.frame, t, q, v),
+                &self.frames[i.frame],
                 i.arm,
-                &self.frame(j.frame, t, q, v),
+                &self.frames[j.frame],
                 j.arm,
             );
-            add([i.frame, j.frame], &pair.f, &pair.k, &pair.d, at);
+            self.add::<JACOBIAN>([i.frame, j.frame], &pair.f, &pair.k, &pair.d, f, at);
             if JACOBIAN {
                 at.joints[index] = pair.joint;
                 at.e[index] = pair.e;
             }
         }
         for load in &self.loads {
-            let (ends, force, k) = self.load_force(load, t, q, v);
-            add(ends, &force, &k, &[[0.0; 6]; 6], at);
+            let load = load.force(t, &self.frames);
+            self.add::<JACOBIAN>(load.frames, &load.f, &load.k, &load.d, f, at);
+            if JACOBIAN {
+                self.add_sources(load.frames, &load.ft, load.third, at);
+            }
         }
     }
 
-    /// Generalised force of a load on its two frames, and its derivative to their coordinates.
+    /// Adds the generalised force of a pair of frames to its free bodies; with `JACOBIAN` also the derivatives, and
+    /// the force on prescribed bodies.
     #[inline]
-    fn load_force(
+    fn add<const JACOBIAN: bool>(
         &self,
-        load: &IslandLoad,
-        t: f64,
-        q: &[f64],
-        v: &[f64],
-    ) -> ([usize; 2], [f64; 6], [[f64; 6]; 6]) {
-        let mut k = [[0.0; 6]; 6];
-        match *load {
-            IslandLoad::Spring { at, anchor, direction: d, stiffness, free_length } => {
-                let (fa, fb) = (self.frame(at.frame, t, q, v), self.frame(anchor.frame, t, q, v));
-                let (a, b) = (fa.turn(at.arm), fb.turn(anchor.arm));
-                let y = d[0] * (fa.x[0] + a[0] - fb.x[0] - b[0]) + d[1] * (fa.x[1] + a[1] - fb.x[1] - b[1]);
-                // Gradient of y to the six coordinates: the force is -stiffness (y - y0) times it.
-                let g = [d[0], d[1], a[0] * d[1] - a[1] * d[0], -d[0], -d[1], -(b[0] * d[1] - b[1] * d[0])];
-                let pull = -stiffness * (y - free_length);
-                for r in 0..6 {
-                    for c in 0..6 {
-                        k[r][c] = -stiffness * g[r] * g[c];
+        frames: [usize; 2],
+        force: &[f64; 6],
+        k: &[[f64; 6]; 6],
+        d: &[[f64; 6]; 6],
+        f: &mut [f64],
+        at: &mut Linearised,
+    ) {
+        let (n, free) = (self.mass.len(), self.bodies.len());
+        for (side, &frame) in frames.iter().enumerate() {
+            if frame >= free {
+                if JACOBIAN && frame != NOBODY {
+                    let on = &mut at.prescribed[frame - free];
+                    on.iter_mut().zip(&force[3 * side..]).for_each(|(on, force)| *on += force);
+                }
+                continue;
+            }
+            for r in 0..3 {
+                let row = 3 * frame + r;
+                f[row] += force[3 * side + r];
+                if !JACOBIAN {
+                    continue;
+                }
+                for (other, &to) in frames.iter().enumerate() {
+                    if to == NOBODY {
+                        continue;
+                    }
+                    let from = 3 * side + r;
+                    if to < free {
+                        for c in 0..3 {
+                            at.k[row * n + 3 * to + c] += k[from][3 * other + c];
+                            at.d[row * n + 3 * to + c] += d[from][3 * other + c];
+                        }
+                    } else {
+                        // A prescribed body only turns.
+                        let [_, omega, alpha, _] = self.jets[to - free];
+                        at.ft[row] += k[from][3 * other + 2] * omega + d[from][3 * other + 2] * alpha;
                     }
                 }
-                k[2][2] -= pull * (a[0] * d[0] + a[1] * d[1]);
-                k[5][5] += pull * (b[0] * d[0] + b[1] * d[1]);
-                ([at.frame, anchor.frame], g.map(|g| pull * g), k)
             }
-            IslandLoad::Force { at, force } => {
-                let a = self.frame(at.frame, t, q, v).turn(at.arm);
-                k[2][2] = -(a[0] * force[0] + a[1] * force[1]);
-                let torque = a[0] * force[1] - a[1] * force[0];
-                ([at.frame, NOBODY], [force[0], force[1], torque, 0.0, 0.0, 0.0], k)
-            }
-            IslandLoad::Torque { frame, torque } => ([frame, NOBODY], [0.0, 0.0, torque, 0.0, 0.0, 0.0], k),
         }
+    }
+
+    /// Adds a load's dependence on time and on the angle of another frame.
+    fn add_sources(
+        &self,
+        frames: [usize; 2],
+        ft: &[f64; 6],
+        third: Option<(usize, [f64; 6])>,
+        at: &mut Linearised,
+    ) {
+        let (n, free) = (self.mass.len(), self.bodies.len());
+        for (side, &frame) in frames.iter().enumerate().filter(|&(_, &frame)| frame < free) {
+            for r in 0..3 {
+                let row = 3 * frame + r;
+                at.ft[row] += ft[3 * side + r];
+                match third {
+                    Some((other, slope)) if other < free => {
+                        at.k[row * n + 3 * other + 2] += slope[3 * side + r];
+                    }
+                    Some((other, slope)) => at.ft[row] += slope[3 * side + r] * self.jets[other - free][1],
+                    None => {}
+                }
+            }
+        }
+    }
+
+    /// Energies and powers of masses and loads, at the instant last linearised.
+    pub fn load_power(&self, t: f64, v: &[f64]) -> LoadPower {
+        let mut power = LoadPower::default();
+        power.stored = v.iter().zip(&self.mass).map(|(v, mass)| 0.5 * mass * v * v).sum();
+        for (slot, weight) in self.weight.chunks_exact(3).enumerate() {
+            let x = self.frames[slot].x;
+            power.stored -= weight[0] * x[0] + weight[1] * x[1];
+        }
+        for source in &self.loads {
+            let load = source.force(t, &self.frames);
+            power.stored += load.stored;
+            power.lost += load.lost;
+            if source.drives() {
+                for (side, &frame) in load.frames.iter().enumerate().filter(|&(_, &frame)| frame != NOBODY) {
+                    let Frame { v, omega, .. } = self.frames[frame];
+                    let f = &load.f[3 * side..];
+                    power.driving += f[0] * v[0] + f[1] * v[1] + f[2] * omega;
+                }
+            }
+        }
+        power
+    }
+
+    /// Motion of a joint with clearance, at the instant last linearised.
+    pub fn joint_motion(&self, joint: usize) -> crate::contact::JointMotion {
+        let [i, j] = self.joints[joint].ends;
+        super::joint::joint_motion(&self.frames[i.frame], i.arm, &self.frames[j.frame], j.arm)
+    }
+
+    /// Angular velocities of the prescribed bodies, at the instant last linearised [rad/s].
+    pub fn prescribed_speeds(&self) -> impl Iterator<Item = f64> + '_ {
+        self.jets.iter().map(|jet| jet[1])
     }
 }
 
@@ -355,14 +334,51 @@ impl Dynamics for Island {
         &self.mass
     }
 
-    fn force(&self, t: f64, q: &[f64], v: &[f64], f: &mut [f64]) {
-        self.assemble::<false>(t, q, v, f, &mut Linearised::default());
+    fn force(&mut self, t: f64, q: &[f64], v: &[f64], f: &mut [f64]) {
+        self.place(t, q, v);
+        self.applied::<false>(t, f, &mut Linearised::default());
+        if self.ideal.rows() > 0 {
+            let at = Placed { frames: &self.frames, jets: &self.jets, mass: &self.mass };
+            if !self.ideal.add_reactions(at, f) {
+                f.fill(f64::NAN);
+            }
+        }
     }
 
-    fn linearise(&self, t: f64, q: &[f64], v: &[f64], at: &mut Linearised) {
+    fn linearise(&mut self, t: f64, q: &[f64], v: &[f64], at: &mut Linearised) {
+        self.place(t, q, v);
         let mut f = std::mem::take(&mut at.f);
-        self.assemble::<true>(t, q, v, &mut f, at);
+        self.applied::<true>(t, &mut f, at);
         at.f = f;
+        if self.ideal.rows() > 0 {
+            let placed = Placed { frames: &self.frames, jets: &self.jets, mass: &self.mass };
+            at.singular = !self.ideal.add_reactions(placed, &mut at.f);
+            if !at.singular {
+                self.ideal.reduce_derivatives(placed, at);
+            }
+        }
+    }
+
+    fn is_constrained(&self) -> bool {
+        self.ideal.rows() > 0
+    }
+
+    fn close(&mut self, t: f64, q: &mut [f64], v: &mut [f64]) -> Option<f64> {
+        const MOST_ITERATIONS: usize = 8;
+        // Newton's last step leaves rounding of the coordinates themselves.
+        let enough = 1e-14 * self.size;
+        let mut drift = None;
+        for _ in 0..MOST_ITERATIONS {
+            self.place(t, q, v);
+            let at = Placed { frames: &self.frames, jets: &self.jets, mass: &self.mass };
+            let gap = self.ideal.close_positions(at, self.size, q)?;
+            let first = *drift.get_or_insert(gap);
+            if gap <= enough.max(1e-6 * first) {
+                self.ideal.close_velocities(at, v);
+                return drift;
+            }
+        }
+        None
     }
 
     fn scales(&self) -> (&[f64], &[f64]) {

@@ -29,6 +29,19 @@ fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[1] - a[1] * b[0]
 }
 
+/// Motion of a joint with its journal at `arm_i` of the body in frame `fi` and its bushing at `arm_j` of that in
+/// `fj`.
+#[inline]
+pub fn joint_motion(fi: &Frame, arm_i: [f64; 2], fj: &Frame, arm_j: [f64; 2]) -> JointMotion {
+    let (xi, xj, vi, vj) = (fi.point(arm_i), fj.point(arm_j), fi.velocity(arm_i), fj.velocity(arm_j));
+    JointMotion {
+        e: fj.turn_back([xi[0] - xj[0], xi[1] - xj[1]]),
+        w: fj.turn_back([vi[0] - vj[0], vi[1] - vj[1]]),
+        omega_journal: fi.omega,
+        omega_bushing: fj.omega,
+    }
+}
+
 /// Generalised forces of a joint with its journal at `arm_i` of the body in frame `fi` and its bushing at
 /// `arm_j` of that in `fj`; with `JACOBIAN` their exact derivatives.
 #[inline]

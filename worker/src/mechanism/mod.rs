@@ -2,15 +2,22 @@
 //! stands with ideal joints, and the forces of each island.
 
 mod assembly;
+mod closure;
+mod constraint;
 #[cfg(test)]
 mod derivative_tests;
+mod elimination;
 mod frame;
 mod island;
 mod joint;
+mod load;
 mod prescribed;
 mod table;
+mod topology;
 
 pub use assembly::{Pose, ideal_cycle};
-pub use frame::Frame;
-pub use island::{Island, WearingJoint, islands};
+pub use constraint::Constraint;
+pub use frame::{End, Frame};
+pub use island::{Island, LoadPower, WearingJoint};
 pub use prescribed::Prescribed;
+pub use topology::islands;

@@ -59,10 +59,15 @@ impl Prescribed {
     }
 
     /// Its frame at time `t` [s].
-    #[inline]
     pub fn at(&self, t: f64) -> Frame {
-        let [angle, omega, ..] = self.jet(t);
+        self.at_angle(&self.jet(t))
+    }
+
+    /// Its frame at an angle with its derivatives.
+    #[inline]
+    pub fn at_angle(&self, jet: &Jet) -> Frame {
+        let [angle, omega, ..] = *jet;
         let (sin, cos) = if angle == 0.0 { (0.0, 1.0) } else { libm::sincos(angle) };
-        Frame { x: self.position, cs: [cos, sin], v: [0.0; 2], omega }
+        Frame { x: self.position, angle, cs: [cos, sin], v: [0.0; 2], omega }
     }
 }

@@ -58,8 +58,8 @@ impl Recorder {
     }
 }
 
-impl Watch for Recorder {
-    fn state(&mut self, t: f64, q: &[f64], v: &[f64], at: &Linearised) {
+impl Watch<Island> for Recorder {
+    fn state(&mut self, _island: &Island, t: f64, q: &[f64], v: &[f64], at: &Linearised) {
         // The second half of a cycle begins where the first ended: that instant is seen twice.
         if self.last.as_ref().is_some_and(|(time, ..)| *time == t) {
             return;

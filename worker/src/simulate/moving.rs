@@ -32,11 +32,9 @@ impl Moving {
         };
         let (q, v) = (pick(&pose.q), pick(&pose.v));
         let slots = (0..island.bodies.len()).filter(|&s| tracked.contains(&island.bodies[s])).collect();
-        let (n, joints) = (island.coordinates(), island.joints.len());
         Moving {
             advance: Advance::new(
-                n,
-                joints,
+                island.linearised(),
                 accuracy.step_tolerance,
                 accuracy.largest_step * period,
                 SMALLEST_STEP * period,
@@ -80,6 +78,7 @@ pub fn failure(error: AdvanceError, cycle: u32, island: &Island, bound: u64) -> 
             joint: island.joints[joint].name.clone(),
             penetration,
         },
+        AdvanceError::Singular { time } => SimulationFailure::Singular { cycle, time },
         AdvanceError::NotFinite { time } => {
             SimulationFailure::NotFinite { cycle, time, quantity: "the force".into() }
         }

@@ -1,0 +1,289 @@
+//! The closure equations of a scene with every joint ideal, and their solution at one time.
+//!
+//! Unknowns are (x, y, angle) of every free body. For solving, angles and rows that are angles count as the
+//! lengths they make at the mechanism's size, so that norms and singular values mean something.
+
+use super::constraint::{Constraint, first_rows};
+use super::frame::{End, Frame};
+use super::prescribed::Prescribed;
+use common::scene::{Attachment, JointKind, Motion, Scene};
+use nalgebra::{DMatrix, DVector};
+
+/// Gap below which a joint counts as closed, relative to the mechanism's size.
+const CLOSED: f64 = 1e-12;
+const MOST_ITERATIONS: usize = 50;
+/// Rows that keep less than this share of their length beside the rows before them depend on those.
+const DEPENDENT: f64 = 1e-9;
+
+/// A joint that could not be closed.
+pub struct Open {
+    /// Joint with the largest gap.
+    pub joint: usize,
+    /// Gap [m].
+    pub gap: f64,
+}
+
+/// The equations.
+pub struct Closure<'a> {
+    scene: &'a Scene,
+    prescribed: Vec<Option<Prescribed>>,
+    /// First coordinate of each free body.
+    first: Vec<Option<usize>>,
+    constraints: Vec<Constraint>,
+    /// First row of each joint.
+    row: Vec<usize>,
+    n: usize,
+    m: usize,
+    size: f64,
+}
+
+/// Gaps, their derivative to q and to t, all as lengths.
+struct Gaps {
+    phi: DVector<f64>,
+    jacobian: DMatrix<f64>,
+    rate: DVector<f64>,
+}
+
+impl<'a> Closure<'a> {
+    /// Of a checked scene.
+    pub fn new(scene: &'a Scene) -> Self {
+        let mut n = 0;
+        let mut first = Vec::with_capacity(scene.bodies.len());
+        for body in &scene.bodies {
+            let free = matches!(body.motion, Motion::Free { .. });
+            first.push(free.then_some(n));
+            n += if free { 3 } else { 0 };
+        }
+        let end = |a: &Attachment| {
+            let origin = match scene.bodies[a.body].motion {
+                Motion::Free { centre_of_mass, .. } => centre_of_mass,
+                _ => [0.0; 2],
+            };
+            End { frame: a.body, arm: [a.position[0] - origin[0], a.position[1] - origin[1]] }
+        };
+        let constraints: Vec<Constraint> = scene
+            .joints
+            .iter()
+            .enumerate()
+            .map(|(k, j)| Constraint::new(k, [end(&j.journal), end(&j.bushing)], &j.kind))
+            .collect();
+        let (row, m) = first_rows(&constraints);
+        let points = scene.joints.iter().flat_map(|j| [j.journal.position, j.bushing.position]);
+        let size = points.flatten().fold(1e-6_f64, |a, b| a.max(b.abs()));
+        let prescribed = scene.bodies.iter().map(Prescribed::of).collect();
+        Closure { scene, prescribed, first, constraints, row, n, m, size }
+    }
+
+    /// Size of the mechanism: its longest arm [m].
+    pub fn size(&self) -> f64 {
+        self.size
+    }
+
+    /// Duration of a cycle [s].
+    pub fn period(&self) -> f64 {
+        self.scene.life.period
+    }
+
+    /// Coordinates of the scene's approximate start.
+    pub fn start(&self) -> DVector<f64> {
+        let mut q = DVector::zeros(self.n);
+        for (body, first) in self.scene.bodies.iter().zip(&self.first) {
+            if let (Motion::Free { centre_of_mass, start_position, start_angle, .. }, Some(k)) =
+                (&body.motion, *first)
+            {
+                let frame = Frame::free(&[start_position[0], start_position[1], *start_angle], &[0.0; 3]);
+                let x = frame.point(*centre_of_mass);
+                (q[k], q[k + 1], q[k + 2]) = (x[0], x[1], *start_angle);
+            }
+        }
+        q
+    }
+
+    /// Velocities of the scene's start, before the joints take from them what they forbid.
+    fn start_velocity(&self) -> DVector<f64> {
+        let mut v = DVector::zeros(self.n);
+        for (body, first) in self.scene.bodies.iter().zip(&self.first) {
+            if let (Motion::Free { centre_of_mass, start_angle, start_velocity, start_speed, .. }, Some(k)) =
+                (&body.motion, *first)
+            {
+                let frame = Frame::free(
+                    &[0.0, 0.0, *start_angle],
+                    &[start_velocity[0], start_velocity[1], *start_speed],
+                );
+                let x = frame.velocity(*centre_of_mass);
+                (v[k], v[k + 1], v[k + 2]) = (x[0], x[1], *start_speed);
+            }
+        }
+        v
+    }
+
+    fn frame(&self, body: usize, t: f64, q: &DVector<f64>) -> Frame {
+        match (self.first[body], &self.prescribed[body]) {
+            (Some(k), _) => Frame::free(&[q[k], q[k + 1], q[k + 2]], &[0.0; 3]),
+            (None, Some(p)) => p.at(t),
+            (None, None) => Frame::default(),
+        }
+    }
+
+    fn gaps(&self, t: f64, q: &DVector<f64>) -> Gaps {
+        let mut gaps = Gaps {
+            phi: DVector::zeros(self.m),
+            jacobian: DMatrix::zeros(self.m, self.n),
+            rate: DVector::zeros(self.m),
+        };
+        for (c, &row) in self.constraints.iter().zip(&self.row) {
+            let frames = c.ends.map(|end| self.frame(end.frame, t, q));
+            let (phi, g) = c.position(&frames[0], &frames[1]);
+            for r in 0..c.rows() {
+                let unit = if c.is_angle(r) { self.size } else { 1.0 };
+                gaps.phi[row + r] = unit * phi[r];
+                for (side, end) in c.ends.iter().enumerate() {
+                    if let Some(first) = self.first[end.frame] {
+                        for k in 0..3 {
+                            let unit = if k == 2 { unit / self.size } else { unit };
+                            gaps.jacobian[(row + r, first + k)] = unit * g[r][3 * side + k];
+                        }
+                    } else {
+                        gaps.rate[row + r] += unit * g[r][3 * side + 2] * frames[side].omega;
+                    }
+                }
+            }
+        }
+        gaps
+    }
+
+    /// From lengths to coordinates: angles are lengths at the mechanism's size.
+    fn to_coordinates(&self, mut x: DVector<f64>) -> DVector<f64> {
+        for angle in x.iter_mut().skip(2).step_by(3) {
+            *angle /= self.size;
+        }
+        x
+    }
+
+    /// Largest of a change of coordinates, as a length [m].
+    pub fn largest(&self, x: &DVector<f64>) -> f64 {
+        let length = |k: usize| if k % 3 == 2 { x[k].abs() * self.size } else { x[k].abs() };
+        (0..x.len()).map(length).fold(0.0, f64::max)
+    }
+
+    /// Closes every joint at time `t` by Newton's method from `q`.
+    ///
+    /// # Errors
+    /// [`Open`] with the joint that stayed widest open.
+    pub fn close(&self, t: f64, q: &mut DVector<f64>, iterations: &mut u64) -> Result<(), Open> {
+        let mut worst = Open { joint: 0, gap: f64::INFINITY };
+        for _ in 0..MOST_ITERATIONS {
+            let Gaps { phi, jacobian, .. } = self.gaps(t, q);
+            worst = Open { joint: 0, gap: 0.0 };
+            for (joint, (c, &row)) in self.constraints.iter().zip(&self.row).enumerate() {
+                let gap = phi.rows(row, c.rows()).norm();
+                // A comparison with NaN is false: count it as the widest gap.
+                if gap > worst.gap || gap.is_nan() {
+                    worst = Open { joint, gap };
+                }
+            }
+            if worst.gap <= CLOSED * self.size {
+                return Ok(());
+            }
+            *iterations += 1;
+            let step = self.to_coordinates(least_norm(&jacobian, &phi));
+            // No body moves by more than half the mechanism in one iteration.
+            let longest = self.largest(&step);
+            *q -= step * (0.5 * self.size / longest).min(1.0);
+        }
+        Err(worst)
+    }
+
+    /// Velocities at a closed position: the start's, as far as drives and joints leave them free. Away from the
+    /// start only a motion that the drives determine can be followed.
+    pub fn velocity(&self, t: f64, q: &DVector<f64>) -> DVector<f64> {
+        let Gaps { jacobian, rate, .. } = self.gaps(t, q);
+        let mut free = if t == 0.0 { self.start_velocity() } else { DVector::zeros(self.n) };
+        let mut lengths = free.clone();
+        lengths.iter_mut().skip(2).step_by(3).for_each(|angle| *angle *= self.size);
+        free -= self.to_coordinates(least_norm(&jacobian, &(&jacobian * lengths + rate)));
+        free
+    }
+
+    /// On which side of a dead point a mechanism without freedom is: the sign of det(dphi/dq).
+    pub fn orientation(&self, t: f64, q: &DVector<f64>) -> Option<bool> {
+        if self.m != self.n || self.n == 0 {
+            return None;
+        }
+        let jacobian = self.gaps(t, q).jacobian;
+        if self.first_dependent_row(&jacobian, |_| true).is_some() {
+            return None;
+        }
+        Some(jacobian.determinant() > 0.0)
+    }
+
+    /// Whether drives and joints leave no freedom at a closed position.
+    pub fn is_determined(&self, q: &DVector<f64>) -> bool {
+        let Gaps { jacobian, .. } = self.gaps(0.0, q);
+        self.n > 0 && self.m >= self.n && jacobian.rank(DEPENDENT) == self.n
+    }
+
+    /// The first ideal joint whose rows depend on those of the ideal joints before it.
+    pub fn first_dependent_joint(&self, q: &DVector<f64>) -> Option<usize> {
+        let jacobian = self.gaps(0.0, q).jacobian;
+        let ideal = |joint: usize| !matches!(self.scene.joints[joint].kind, JointKind::Clearance(_));
+        self.first_dependent_row(&jacobian, ideal)
+    }
+
+    /// Joint of the first row, among those of the joints wanted, that depends on the rows before it.
+    fn first_dependent_row(&self, jacobian: &DMatrix<f64>, wanted: impl Fn(usize) -> bool) -> Option<usize> {
+        let mut basis: Vec<DVector<f64>> = Vec::new();
+        for (joint, (c, &row)) in self.constraints.iter().zip(&self.row).enumerate() {
+            for r in (row..row + c.rows()).filter(|_| wanted(joint)) {
+                let mut own = jacobian.row(r).transpose();
+                let length = own.norm();
+                // Twice is enough: what the first pass leaves of rounding, the second takes away.
+                for _ in 0..2 {
+                    for b in &basis {
+                        let share = b.dot(&own);
+                        own -= b * share;
+                    }
+                }
+                if own.norm() <= DEPENDENT * length {
+                    return Some(joint);
+                }
+                basis.push(own.normalize());
+            }
+        }
+        None
+    }
+
+    /// Joint with the largest share in the combination of rows that is nearest to zero.
+    pub fn weakest_joint(&self, t: f64, q: &DVector<f64>) -> usize {
+        let svd = self.gaps(t, q).jacobian.svd(true, false);
+        let Some(u) = svd.u else { return 0 };
+        let weakest = svd.singular_values.imin();
+        let share =
+            |joint: usize| u.column(weakest).rows(self.row[joint], self.constraints[joint].rows()).norm();
+        (0..self.constraints.len()).max_by(|&a, &b| share(a).total_cmp(&share(b))).unwrap_or(0)
+    }
+
+    /// Coordinates by body of the scene.
+    pub fn split(&self, x: &DVector<f64>) -> Vec<Option<[f64; 3]>> {
+        self.first.iter().map(|first| first.map(|k| [x[k], x[k + 1], x[k + 2]])).collect()
+    }
+}
+
+/// Least-norm, least-squares solution of `a x = b`: by the normal equations of the rows where these are
+/// independent, else by singular values.
+fn least_norm(a: &DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
+    if a.is_empty() {
+        return DVector::zeros(a.ncols());
+    }
+    if a.nrows() <= a.ncols()
+        && let Some(factor) = (a * a.transpose()).cholesky()
+    {
+        let diagonal = factor.l_dirty().diagonal();
+        if diagonal.min() > 1e-4 * diagonal.max() {
+            return a.transpose() * factor.solve(b);
+        }
+    }
+    let svd = a.clone().svd(true, true);
+    let cut = 1e-10 * svd.singular_values.max();
+    svd.solve(b, cut).unwrap_or_else(|_| DVector::zeros(a.ncols()))
+}

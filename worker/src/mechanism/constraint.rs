@@ -1,0 +1,367 @@
+//! Ideal joints as constraints phi(q, t) = 0 between two bodies.
+//!
+//! Coordinates of the pair: (x, y, angle) of the first body's reference point, then of the second's. With arms a, b
+//! from the reference points to the joint's two places in global axes, S the quarter turn, n the unit normal of a
+//! prismatic joint's line (fixed in the second body) and d = x_1 + a - x_2 - b:
+//!
+//! - revolute: d = 0;
+//! - prismatic: n.d = 0 and theta_1 - theta_2 = angle;
+//! - fixed: d = 0 and theta_1 - theta_2 = angle.
+//!
+//! The acceleration form is phi'' = G a + h(q, v) with G = dphi/dq. Integration needs the exact derivatives of
+//! G a + h at constant a, and of G' lambda at constant lambda.
+
+use super::frame::{End, Frame};
+use common::scene::JointKind;
+use std::f64::consts::TAU;
+
+/// Most scalar constraints of one joint.
+pub const MOST_ROWS: usize = 3;
+
+/// Values of the rows of one joint.
+pub type RowValues = [f64; MOST_ROWS];
+/// Derivatives of the rows to the six coordinates of the pair.
+pub type RowDerivatives = [[f64; 6]; MOST_ROWS];
+
+/// An ideal joint between two frames.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Constraint {
+    /// Index into the scene's joints.
+    pub scene_joint: usize,
+    /// Its places on the two bodies.
+    pub ends: [End; 2],
+    kind: Kind,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Kind {
+    Revolute,
+    /// Normal of the line in the second body's frame, and theta_1 - theta_2.
+    Prismatic([f64; 2], f64),
+    Fixed(f64),
+}
+
+/// First row of each constraint, and the number of rows of all.
+pub fn first_rows(constraints: &[Constraint]) -> (Vec<usize>, usize) {
+    let mut rows = 0;
+    let mut first = Vec::with_capacity(constraints.len());
+    for c in constraints {
+        first.push(rows);
+        rows += c.rows();
+    }
+    (first, rows)
+}
+
+#[inline]
+fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+/// S a: a quarter turn to the left.
+#[inline]
+fn left(a: [f64; 2]) -> [f64; 2] {
+    [-a[1], a[0]]
+}
+
+/// What every row is made from: arms, normal, distance and its rate.
+struct Geometry {
+    a: [f64; 2],
+    b: [f64; 2],
+    d: [f64; 2],
+    /// dd/dt.
+    rate: [f64; 2],
+}
+
+impl Geometry {
+    fn of(ends: &[End; 2], first: &Frame, second: &Frame) -> Self {
+        let (a, b) = (first.turn(ends[0].arm), second.turn(ends[1].arm));
+        let (sa, sb) = (left(a), left(b));
+        let d = [0, 1].map(|k| first.x[k] + a[k] - second.x[k] - b[k]);
+        let rate = [0, 1].map(|k| first.v[k] + first.omega * sa[k] - second.v[k] - second.omega * sb[k]);
+        Geometry { a, b, d, rate }
+    }
+}
+
+impl Constraint {
+    /// The constraint that closes a joint of this kind; a joint with clearance closes as a revolute one.
+    pub fn new(scene_joint: usize, ends: [End; 2], kind: &JointKind) -> Self {
+        let kind = match kind {
+            JointKind::Revolute | JointKind::Clearance(_) => Kind::Revolute,
+            JointKind::Prismatic { axis, angle } => {
+                let (sin, cos) = libm::sincos(*axis);
+                Kind::Prismatic([-sin, cos], *angle)
+            }
+            JointKind::Fixed { angle } => Kind::Fixed(*angle),
+        };
+        Constraint { scene_joint, ends, kind }
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        match self.kind {
+            Kind::Revolute | Kind::Prismatic(..) => 2,
+            Kind::Fixed(_) => 3,
+        }
+    }
+
+    /// Whether row `k` is an angle [rad]; else it is a length [m].
+    pub fn is_angle(&self, k: usize) -> bool {
+        match self.kind {
+            Kind::Revolute => false,
+            Kind::Prismatic(..) => k == 1,
+            Kind::Fixed(_) => k == 2,
+        }
+    }
+
+    /// Size of the force the joint transmits, for multipliers `lambda` of its rows [N]. A prismatic joint's moment
+    /// is not part of it.
+    pub fn force(&self, lambda: &[f64]) -> f64 {
+        match self.kind {
+            Kind::Prismatic(..) => lambda[0].abs(),
+            Kind::Revolute | Kind::Fixed(_) => libm::hypot(lambda[0], lambda[1]),
+        }
+    }
+
+    /// phi and G.
+    pub fn position(&self, first: &Frame, second: &Frame) -> (RowValues, RowDerivatives) {
+        let g = Geometry::of(&self.ends, first, second);
+        let mut phi = [0.0; MOST_ROWS];
+        let mut rows = [[0.0; 6]; MOST_ROWS];
+        match self.kind {
+            Kind::Revolute | Kind::Fixed(_) => {
+                let (sa, sb) = (left(g.a), left(g.b));
+                for k in 0..2 {
+                    phi[k] = g.d[k];
+                    rows[k][k] = 1.0;
+                    rows[k][2] = sa[k];
+                    rows[k][3 + k] = -1.0;
+                    rows[k][5] = -sb[k];
+                }
+                if let Kind::Fixed(angle) = self.kind {
+                    (phi[2], rows[2]) = turned(first, second, angle);
+                }
+            }
+            Kind::Prismatic(normal, angle) => {
+                let n = second.turn(normal);
+                phi[0] = dot(n, g.d);
+                let turn = dot(left(n), g.d) - dot(n, left(g.b));
+                rows[0] = [n[0], n[1], dot(n, left(g.a)), -n[0], -n[1], turn];
+                (phi[1], rows[1]) = turned(first, second, angle);
+            }
+        }
+        (phi, rows)
+    }
+
+    /// h of phi'' = G a + h.
+    pub fn centripetal(&self, first: &Frame, second: &Frame) -> RowValues {
+        let g = Geometry::of(&self.ends, first, second);
+        let (wa, wb) = (first.omega * first.omega, second.omega * second.omega);
+        let d2 = [0, 1].map(|k| wb * g.b[k] - wa * g.a[k]);
+        match self.kind {
+            Kind::Revolute | Kind::Fixed(_) => [d2[0], d2[1], 0.0],
+            Kind::Prismatic(normal, _) => {
+                let n = second.turn(normal);
+                [dot(n, d2) - wb * dot(n, g.d) + 2.0 * second.omega * dot(left(n), g.rate), 0.0, 0.0]
+            }
+        }
+    }
+
+    /// Derivatives of G a + h to the coordinates and to their rates, at constant accelerations `a` of the pair.
+    pub fn acceleration_derivatives(
+        &self,
+        first: &Frame,
+        second: &Frame,
+        acceleration: &[f64; 6],
+    ) -> (RowDerivatives, RowDerivatives) {
+        let g = Geometry::of(&self.ends, first, second);
+        let (sa, sb) = (left(g.a), left(g.b));
+        let (wi, wj) = (first.omega, second.omega);
+        let (ai, aj) = (acceleration[2], acceleration[5]);
+        let mut to_q = [[0.0; 6]; MOST_ROWS];
+        let mut to_v = [[0.0; 6]; MOST_ROWS];
+        // Derivatives of d'' to the two angles and the two angular velocities.
+        let first_turn = [0, 1].map(|k| -ai * g.a[k] - wi * wi * sa[k]);
+        let second_turn = [0, 1].map(|k| aj * g.b[k] + wj * wj * sb[k]);
+        match self.kind {
+            Kind::Revolute | Kind::Fixed(_) => {
+                for k in 0..2 {
+                    to_q[k][2] = first_turn[k];
+                    to_q[k][5] = second_turn[k];
+                    to_v[k][2] = -2.0 * wi * g.a[k];
+                    to_v[k][5] = 2.0 * wj * g.b[k];
+                }
+            }
+            Kind::Prismatic(normal, _) => {
+                let n = second.turn(normal);
+                let sn = left(n);
+                let d2 = [0, 1].map(|k| {
+                    acceleration[k] + ai * sa[k] - wi * wi * g.a[k] - acceleration[3 + k] - aj * sb[k]
+                        + wj * wj * g.b[k]
+                });
+                for k in 0..2 {
+                    let along = aj * sn[k] - wj * wj * n[k];
+                    (to_q[0][k], to_q[0][3 + k]) = (along, -along);
+                    (to_v[0][k], to_v[0][3 + k]) = (2.0 * wj * sn[k], -2.0 * wj * sn[k]);
+                }
+                to_q[0][2] = aj * dot(sn, sa) - wj * wj * dot(n, sa) - 2.0 * wj * wi * dot(sn, g.a)
+                    + dot(n, first_turn);
+                to_q[0][5] = aj * (-dot(n, g.d) - dot(sn, sb)) - wj * wj * (dot(sn, g.d) - dot(n, sb))
+                    + 2.0 * wj * (-dot(n, g.rate) + wj * dot(sn, g.b))
+                    + dot(sn, d2)
+                    + dot(n, second_turn);
+                to_v[0][2] = 2.0 * wj * dot(sn, sa) - 2.0 * wi * dot(n, g.a);
+                to_v[0][5] = -2.0 * wj * dot(n, g.d) + 2.0 * dot(sn, g.rate);
+            }
+        }
+        (to_q, to_v)
+    }
+
+    /// Derivative of G' lambda to the coordinates, at constant `lambda` `(6, 6)`.
+    pub fn reaction_derivative(&self, first: &Frame, second: &Frame, lambda: &[f64]) -> [[f64; 6]; 6] {
+        let g = Geometry::of(&self.ends, first, second);
+        let mut to_q = [[0.0; 6]; 6];
+        match self.kind {
+            Kind::Revolute | Kind::Fixed(_) => {
+                let l = [lambda[0], lambda[1]];
+                to_q[2][2] = -dot(g.a, l);
+                to_q[5][5] = dot(g.b, l);
+            }
+            Kind::Prismatic(normal, _) => {
+                let (n, l) = (second.turn(normal), lambda[0]);
+                let sn = left(n);
+                for k in 0..2 {
+                    (to_q[k][5], to_q[5][k]) = (l * sn[k], l * sn[k]);
+                    (to_q[3 + k][5], to_q[5][3 + k]) = (-l * sn[k], -l * sn[k]);
+                }
+                to_q[2][2] = -l * dot(n, g.a);
+                (to_q[2][5], to_q[5][2]) = (l * dot(n, g.a), l * dot(n, g.a));
+                to_q[5][5] = -l * (dot(n, g.d) + dot(n, g.b));
+            }
+        }
+        to_q
+    }
+}
+
+/// The row theta_1 - theta_2 = angle, whole turns aside.
+fn turned(first: &Frame, second: &Frame, angle: f64) -> (f64, [f64; 6]) {
+    let off = first.angle - second.angle - angle;
+    (off - TAU * (off / TAU).round(), [0.0, 0.0, 1.0, 0.0, 0.0, -1.0])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const Q: [f64; 6] = [0.11, -0.02, 0.7, 0.03, 0.05, -0.4];
+    const V: [f64; 6] = [1.3, -0.6, 9.0, 0.4, 2.1, -7.0];
+    const A: [f64; 6] = [30.0, -70.0, 400.0, 10.0, 55.0, -250.0];
+    const LAMBDA: [f64; 3] = [3.0, -2.0, 0.7];
+
+    fn kinds() -> Vec<Constraint> {
+        let ends = [End { frame: 0, arm: [0.02, -0.013] }, End { frame: 1, arm: [-0.03, 0.008] }];
+        let of = |kind: JointKind| Constraint::new(0, ends, &kind);
+        vec![
+            of(JointKind::Revolute),
+            of(JointKind::Prismatic { axis: 0.3, angle: 0.9 }),
+            of(JointKind::Fixed { angle: -0.2 }),
+        ]
+    }
+
+    fn frames(q: &[f64; 6], v: &[f64; 6]) -> (Frame, Frame) {
+        (Frame::free(&q[..3], &v[..3]), Frame::free(&q[3..], &v[3..]))
+    }
+
+    fn moved(x: &[f64; 6], k: usize, by: f64) -> [f64; 6] {
+        let mut x = *x;
+        x[k] += by;
+        x
+    }
+
+    /// Central difference of a vector function along coordinate `k` of `x`.
+    fn difference<const N: usize>(
+        x: &[f64; 6],
+        k: usize,
+        h: f64,
+        f: impl Fn(&[f64; 6]) -> [f64; N],
+    ) -> [f64; N] {
+        let (low, high) = (f(&moved(x, k, -h)), f(&moved(x, k, h)));
+        std::array::from_fn(|r| (high[r] - low[r]) / (2.0 * h))
+    }
+
+    fn close(exact: f64, found: f64, scale: f64) {
+        assert!((exact - found).abs() < 1e-6 * scale.max(1.0), "{exact} against {found}");
+    }
+
+    #[test]
+    fn jacobian_agrees_with_differences() {
+        for c in kinds() {
+            let (i, j) = frames(&Q, &V);
+            let (_, g) = c.position(&i, &j);
+            for k in 0..6 {
+                let found = difference(&Q, k, 1e-6, |q| {
+                    let (i, j) = frames(q, &V);
+                    c.position(&i, &j).0
+                });
+                for r in 0..c.rows() {
+                    close(g[r][k], found[r], 1.0);
+                }
+            }
+        }
+    }
+
+    /// G a + h is the second derivative of phi along the motion q + t v + t^2 a / 2.
+    #[test]
+    fn acceleration_form_is_the_second_derivative() {
+        for c in kinds() {
+            let (i, j) = frames(&Q, &V);
+            let (_, g) = c.position(&i, &j);
+            let h = c.centripetal(&i, &j);
+            let phi = |t: f64| {
+                let q: [f64; 6] = std::array::from_fn(|k| Q[k] + t * V[k] + 0.5 * t * t * A[k]);
+                let (i, j) = frames(&q, &V);
+                c.position(&i, &j).0
+            };
+            let step = 2e-5;
+            let (low, mid, high) = (phi(-step), phi(0.0), phi(step));
+            for r in 0..c.rows() {
+                let exact = h[r] + (0..6).map(|k| g[r][k] * A[k]).sum::<f64>();
+                let found = (high[r] - 2.0 * mid[r] + low[r]) / (step * step);
+                assert!((exact - found).abs() < 1e-4 * exact.abs().max(10.0), "{exact} against {found}");
+            }
+        }
+    }
+
+    #[test]
+    fn derivatives_of_the_acceleration_form_and_of_the_reaction_agree_with_differences() {
+        for c in kinds() {
+            let (i, j) = frames(&Q, &V);
+            let (to_q, to_v) = c.acceleration_derivatives(&i, &j, &A);
+            let reaction = c.reaction_derivative(&i, &j, &LAMBDA);
+            let acceleration = |q: &[f64; 6], v: &[f64; 6]| {
+                let (i, j) = frames(q, v);
+                let (_, g) = c.position(&i, &j);
+                let h = c.centripetal(&i, &j);
+                let row = |r: usize| h[r] + (0..6).map(|k| g[r][k] * A[k]).sum::<f64>();
+                [row(0), row(1), row(2)]
+            };
+            let force = |q: &[f64; 6]| {
+                let (i, j) = frames(q, &V);
+                let (_, g) = c.position(&i, &j);
+                let column = |k: usize| (0..c.rows()).map(|r| g[r][k] * LAMBDA[r]).sum::<f64>();
+                std::array::from_fn::<f64, 6, _>(column)
+            };
+            for k in 0..6 {
+                let along_q = difference(&Q, k, 1e-6, |q| acceleration(q, &V));
+                let along_v = difference(&V, k, 1e-6, |v| acceleration(&Q, v));
+                for r in 0..c.rows() {
+                    close(to_q[r][k], along_q[r], 1e3);
+                    close(to_v[r][k], along_v[r], 10.0);
+                }
+                let along = difference(&Q, k, 1e-6, force);
+                for r in 0..6 {
+                    close(reaction[r][k], along[r], 1.0);
+                }
+            }
+        }
+    }
+}
