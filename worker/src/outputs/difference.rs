@@ -1,12 +1,25 @@
-//! Largest difference of two bodies' angular velocities over a cycle.
+//! Largest difference of two bodies' angles or angular velocities over a cycle.
 
 use super::BodyTrack;
 
-/// max over t of |s_a omega_a(t) - s_b omega_b(t)| [rad/s], for two tracks over the same span of time.
+/// What is compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Compared {
+    /// Angles [rad].
+    Angle,
+    /// Angular velocities [rad/s].
+    Speed,
+}
+
+/// max over t of |s_a x_a(t) - s_b x_b(t)|, for the angles or speeds x of two tracks over the same span of time.
 ///
 /// The two integrate with steps of their own; between two neighbouring times of either, both are cubics, so the
 /// difference is one and its extremum is found exactly: a vibration sampled a few times a period keeps its peak.
-pub fn largest_difference(a: &BodyTrack, sign_a: f64, b: &BodyTrack, sign_b: f64) -> f64 {
+pub fn largest_difference(compared: Compared, a: &BodyTrack, sign_a: f64, b: &BodyTrack, sign_b: f64) -> f64 {
+    let value = |track: &BodyTrack, k: usize, t: f64| match compared {
+        Compared::Angle => track.angle_in(k, t),
+        Compared::Speed => track.omega_in(k, t),
+    };
     let (mut i, mut j) = (0, 0);
     let mut t0 = a.time[0].max(b.time[0]);
     let mut largest: f64 = 0.0;
@@ -14,7 +27,7 @@ pub fn largest_difference(a: &BodyTrack, sign_a: f64, b: &BodyTrack, sign_b: f64
         let t1 = a.time[i + 1].min(b.time[j + 1]);
         if t1 > t0 {
             let at = |t: f64| {
-                let ((x, dx), (y, dy)) = (a.omega_in(i, t), b.omega_in(j, t));
+                let ((x, dx), (y, dy)) = (value(a, i, t), value(b, j, t));
                 (sign_a * x - sign_b * y, sign_a * dx - sign_b * dy)
             };
             let ((y0, d0), (y1, d1)) = (at(t0), at(t1));
@@ -67,8 +80,8 @@ mod tests {
             (x.sin(), std::f64::consts::TAU * x.cos())
         });
         let still = track(&[0.0, 3.3, 10.0], |_| (0.25, 0.0));
-        let peak = largest_difference(&wave, 1.0, &still, 1.0);
+        let peak = largest_difference(Compared::Speed, &wave, 1.0, &still, 1.0);
         assert!((peak - 1.25).abs() < 2e-3, "{peak}");
-        assert!((largest_difference(&wave, 1.0, &still, -1.0) - 1.25).abs() < 2e-3);
+        assert!((largest_difference(Compared::Speed, &wave, 1.0, &still, -1.0) - 1.25).abs() < 2e-3);
     }
 }

@@ -30,6 +30,12 @@ impl BodyTrack {
         self.alpha.push(alpha);
     }
 
+    /// Angle and its rate at `t` in interval `k`, by cubic Hermite interpolation.
+    #[inline]
+    pub fn angle_in(&self, k: usize, t: f64) -> (f64, f64) {
+        hermite(&self.time, &self.angle, &self.omega, k, t)
+    }
+
     /// Angular velocity and its rate at `t` in interval `k`, by cubic Hermite interpolation.
     #[inline]
     pub fn omega_in(&self, k: usize, t: f64) -> (f64, f64) {
@@ -45,7 +51,7 @@ impl BodyTrack {
                 while k + 2 < self.time.len() && self.time[k + 1] < t {
                     k += 1;
                 }
-                (hermite(&self.time, &self.angle, &self.omega, k, t).0, self.omega_in(k, t).0)
+                (self.angle_in(k, t).0, self.omega_in(k, t).0)
             })
             .unzip()
     }
@@ -53,7 +59,7 @@ impl BodyTrack {
 
 /// Value and slope at `t` of the cubic through values and slopes at both ends of interval `k`.
 #[inline]
-fn hermite(time: &[f64], value: &[f64], slope: &[f64], k: usize, t: f64) -> (f64, f64) {
+pub(super) fn hermite(time: &[f64], value: &[f64], slope: &[f64], k: usize, t: f64) -> (f64, f64) {
     let h = time[k + 1] - time[k];
     let s = (t - time[k]) / h;
     let (y0, y1, d0, d1) = (value[k], value[k + 1], slope[k] * h, slope[k + 1] * h);
