@@ -101,7 +101,7 @@ impl Advance {
     /// [`AdvanceError`]; the state is then the last accepted one.
     pub fn run<D: Dynamics, W: Watch>(
         &mut self,
-        system: &D,
+        system: &mut D,
         span: Range<f64>,
         q: &mut [f64],
         v: &mut [f64],
@@ -109,7 +109,6 @@ impl Advance {
         stats: &mut AdvanceStats,
     ) -> Result<(), AdvanceError> {
         let Range { start: mut t, end } = span;
-        let (scale_q, scale_v) = system.scales();
         let mut taken = 0;
         loop {
             system.linearise(t, q, v, &mut self.at);
@@ -121,6 +120,9 @@ impl Advance {
                 return Err(AdvanceError::OutOfRange { time: t, joint, penetration });
             }
             watch.state(t, q, v, &self.at);
+            system.accepted(t, q, v, &self.at);
+            let system = &*system;
+            let (scale_q, scale_v) = system.scales();
             let left = end - t;
             if left <= 0.0 {
                 return Ok(());

@@ -21,6 +21,7 @@ impl Impact {
             clearance: 0.1,
             stiffness,
             damping,
+            restitution: None,
             friction: 0.0,
             friction_speed: 1e-3,
             film: 0.0,
@@ -92,13 +93,13 @@ impl Watch for Seen {
 
 /// Largest penetration, contact time and outgoing speed of an impact that begins at first contact.
 fn impact(stiffness: f64, damping: f64, mass: f64, speed: f64) -> (f64, f64, f64) {
-    let system = Impact::new(stiffness, damping, mass, speed);
+    let mut system = Impact::new(stiffness, damping, mass, speed);
     let long = 10.0 * deepest(stiffness, mass, speed) / speed;
     let mut advance = Advance::new(2, 1, 1e-7, long / 100.0, long * 1e-12, 100_000);
     let (mut q, mut v) = ([system.law.surface.clearance, 0.0], [speed, 0.0]);
     let mut seen = Seen::default();
     advance
-        .run(&system, 0.0..long, &mut q, &mut v, &mut seen, &mut AdvanceStats::default())
+        .run(&mut system, 0.0..long, &mut q, &mut v, &mut seen, &mut AdvanceStats::default())
         .expect("the impact is integrated");
     // Free flight at constant speed leads back to the instant of separation.
     let (t, penetration, out) = seen.last;

@@ -21,6 +21,11 @@ pub trait Dynamics {
     fn linearise(&self, t: f64, q: &[f64], v: &[f64], at: &mut Linearised);
     /// Scales of q and qd against which errors are measured `(n,)` each.
     fn scales(&self) -> (&[f64], &[f64]);
+    /// Takes notice of a state that was accepted, with the linearisation there: laws that remember how a contact
+    /// began learn of it here.
+    fn accepted(&mut self, t: f64, q: &[f64], v: &[f64], at: &Linearised) {
+        let _ = (t, q, v, at);
+    }
     /// Whether the state lies in the range of the model; else which joint left it and its penetration.
     fn in_range(&self, at: &Linearised) -> Result<(), (usize, f64)> {
         let _ = at;

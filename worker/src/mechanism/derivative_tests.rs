@@ -130,7 +130,7 @@ fn states(scene: &Scene, island: &mut Island) -> Vec<(f64, Vec<f64>, Vec<f64>)> 
         .map(|share| {
             let end = share * period;
             let mut stats = AdvanceStats::default();
-            advance.run(&*island, t..end, &mut q, &mut v, &mut (), &mut stats).expect("integrated");
+            advance.run(island, t..end, &mut q, &mut v, &mut (), &mut stats).expect("integrated");
             t = end;
             (t, q.clone(), v.clone())
         })

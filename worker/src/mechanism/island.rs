@@ -2,7 +2,7 @@
 //! no forces in common and are integrated each with its own steps.
 
 use super::frame::Frame;
-use super::joint::pair_force;
+use super::joint::{joint_motion, pair_force};
 use super::prescribed::Prescribed;
 use crate::bore::Profile;
 use crate::contact::Contact;
@@ -367,6 +367,19 @@ impl Dynamics for Island {
 
     fn scales(&self) -> (&[f64], &[f64]) {
         (&self.scale_q, &self.scale_v)
+    }
+
+    fn accepted(&mut self, t: f64, q: &[f64], v: &[f64], at: &Linearised) {
+        for index in 0..self.joints.len() {
+            let joint = &self.joints[index];
+            if joint.contact.surface().restitution.is_some() {
+                let (i, j) = (joint.journal, joint.bushing);
+                let (fi, fj) = (self.frame(i.frame, t, q, v), self.frame(j.frame, t, q, v));
+                let motion = joint_motion(&fi, i.arm, &fj, j.arm);
+                let WearingJoint { contact, profile, .. } = &mut self.joints[index];
+                contact.accepted(profile, &motion, &at.joints[index]);
+            }
+        }
     }
 
     fn in_range(&self, at: &Linearised) -> Result<(), (usize, f64)> {
