@@ -20,7 +20,8 @@ const BLOCK: usize = 8;
 /// The law with its constants and the tabulated bore.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Foundation {
-    surface: Surface,
+    /// Constants of the joint.
+    pub(super) surface: Surface,
     /// Foundation modulus times bore radius and width, kappa [N/(m rad)].
     kappa: f64,
     /// Smallest tabulated radius of each block `(intervals / BLOCK,)` [m].
@@ -100,6 +101,24 @@ impl Foundation {
         let (a, b) = (self.radius[k % n], self.radius[(k + 1) % n]);
         let radius = a + (x - k as f64) * (b - a);
         libm::hypot(e[0], e[1]) + self.surface.journal_radius - radius
+    }
+
+    /// Rate of the gap function where it is largest, in the direction in which the journal is nearest to the bore:
+    /// in free flight, the speed at which it approaches [m/s].
+    pub fn approach(&self, motion: &JointMotion) -> f64 {
+        let JointMotion { e, w, omega_bushing, .. } = *motion;
+        let n = self.radius.len();
+        let gap = |k: usize| {
+            let u = self.direction[k % n];
+            e[0] * u[0] + e[1] * u[1] - self.radius[k % n]
+        };
+        let nearest = (0..n).fold(0, |best, k| if gap(k) > gap(best) { k } else { best });
+        // The peak of the parabola through three neighbours.
+        let (before, at, after) = (gap(nearest + n - 1), gap(nearest), gap(nearest + 1));
+        let bend = before - 2.0 * at + after;
+        let offset = if bend < 0.0 { 0.5 * (before - after) / bend } else { 0.0 };
+        let (s, c) = libm::sincos(TAU * (nearest as f64 + offset) / n as f64);
+        c * (w[0] + omega_bushing * e[1]) + s * (w[1] - omega_bushing * e[0])
     }
 
     /// Integrates the gap function, piecewise linear between the table's angles, over the arc in contact, and
@@ -192,12 +211,17 @@ impl Foundation {
     pub fn force<const JACOBIAN: bool>(&self, motion: &JointMotion) -> JointForce {
         let s = &self.surface;
         let JointMotion { e, w, omega_journal, omega_bushing } = *motion;
-        let mut out = JointForce { penetration: -1.0, ..JointForce::default() };
+        let mut out = JointForce::default();
         let sum = self.integrate(e, |_, _, _| {});
         let size = (sum.p[0] * sum.p[0] + sum.p[1] * sum.p[1]).sqrt();
         let radius = (e[0] * e[0] + e[1] * e[1]).sqrt();
-        out.penetration = radius - s.clearance;
-        if size > 0.0 {
+        if size <= 0.0 {
+            out.penetration = if radius <= self.smallest_gap {
+                radius - self.smallest_gap
+            } else {
+                self.gap_along(e).min(0.0)
+            };
+        } else {
             let n = [sum.p[0] / size, sum.p[1] / size];
             let t = [-n[1], n[0]];
             let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
@@ -275,6 +299,7 @@ mod tests {
                 clearance: 23.5e-6,
                 stiffness: 3.264e10,
                 damping: 0.0,
+                restitution: None,
                 friction: 0.0,
                 friction_speed: 1e-3,
                 film: 0.0,

@@ -89,6 +89,16 @@ impl LocalHertz {
         s.add_film::<JACOBIAN>(motion, &mut out);
         out
     }
+
+    /// Rate of the penetration, delta_dot, also where it is negative; e must not be zero [m/s].
+    pub fn approach(&self, profile: &Profile, motion: &JointMotion) -> f64 {
+        let JointMotion { e, w, omega_bushing, .. } = *motion;
+        let r = libm::hypot(e[0], e[1]);
+        let u = [e[0] / r, e[1] / r];
+        let along = w[1] * u[0] - w[0] * u[1];
+        let slope = profile.at(libm::atan2(e[1], e[0])).d1;
+        w[0] * u[0] + w[1] * u[1] - slope * (along / r - omega_bushing)
+    }
 }
 
 /// Turns rows 0, 1 (force) and columns 0..4 (e, w) from (u, t) into the bushing's axes.

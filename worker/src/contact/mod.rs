@@ -5,18 +5,20 @@
 //! omega_i of the journal's body, omega_j of the bushing's. The force returned acts on the journal at its
 //! centre; the opposite acts on the bushing at its centre; friction adds the torques.
 
+mod damping;
 mod foundation;
 mod local_hertz;
 mod stiffness;
 #[cfg(test)]
 mod tests;
 
+pub use damping::Restitution;
 pub use foundation::{Foundation, equivalent_penetration};
 pub use local_hertz::LocalHertz;
 pub use stiffness::hertz_stiffness;
 
 use crate::bore::Profile;
-use common::scene::{Clearance, ContactDamping, ContactLaw};
+use common::scene::{Clearance, ContactLaw};
 
 /// Motion of one joint, in the bushing's frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,8 +64,10 @@ pub struct Surface {
     pub clearance: f64,
     /// Hertz stiffness K_n [N/m^1.5].
     pub stiffness: f64,
-    /// Hunt-Crossley factor D [s/m].
+    /// Damping factor D in effect [s/m].
     pub damping: f64,
+    /// How D follows from the speed of approach; none: it is constant.
+    pub restitution: Option<Restitution>,
     /// Friction coefficient [1].
     pub friction: f64,
     /// Regularisation speed v_0 [m/s].
@@ -75,15 +79,13 @@ pub struct Surface {
 impl Surface {
     /// Takes what the contact needs from a checked joint.
     pub fn of(joint: &Clearance) -> Self {
+        let (damping, restitution) = damping::initial(&joint.contact_damping);
         Surface {
             journal_radius: joint.journal_radius,
             clearance: joint.radial_clearance(),
             stiffness: hertz_stiffness(joint),
-            damping: match joint.contact_damping {
-                ContactDamping::None => 0.0,
-                ContactDamping::HuntCrossley { factor } => factor,
-                ContactDamping::Restitution { .. } => 0.0,
-            },
+            damping,
+            restitution,
             friction: joint.friction,
             friction_speed: joint.friction_speed,
             film: joint.film_damping,
@@ -141,6 +143,30 @@ impl Contact {
         if let Contact::Foundation(law) = self {
             law.profile_changed(profile);
         }
+    }
+
+    /// Takes notice of an accepted step that led to this motion and force: in free flight, the damping of the
+    /// contact to come is that of the present speed of approach; a contact keeps what it began with. A law with
+    /// constant D has nothing to take notice of.
+    pub fn accepted(&mut self, profile: &Profile, motion: &JointMotion, now: &JointForce) {
+        let Some(restitution) = self.surface().restitution else { return };
+        if now.penetration > 0.0 {
+            return;
+        }
+        let approach = if motion.e == [0.0; 2] {
+            // From the middle of the bore every way leads to the wall.
+            libm::hypot(motion.w[0], motion.w[1])
+        } else {
+            match self {
+                Contact::LocalHertz(law) => law.approach(profile, motion),
+                Contact::Foundation(law) => law.approach(motion),
+            }
+        };
+        let surface = match self {
+            Contact::LocalHertz(law) => &mut law.surface,
+            Contact::Foundation(law) => &mut law.surface,
+        };
+        surface.damping = restitution.damping(approach);
     }
 
     /// Force at this motion; with `JACOBIAN` its derivative too.

@@ -9,6 +9,7 @@ const SURFACE: Surface = Surface {
     clearance: 23.5e-6,
     stiffness: 3.264e10,
     damping: 7.5,
+    restitution: None,
     friction: 0.025,
     friction_speed: 2.4e-3,
     film: 7.0,

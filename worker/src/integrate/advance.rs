@@ -135,8 +135,8 @@ impl Advance {
             if let Err((joint, penetration)) = system.in_range(&self.at) {
                 return Err(AdvanceError::OutOfRange { time: t, joint, penetration });
             }
-            system.accept(&self.at);
             watch.state(system, t, q, v, &self.at);
+            system.accepted(q, v, &self.at);
             let left = end - t;
             if left <= 0.0 {
                 return Ok(());

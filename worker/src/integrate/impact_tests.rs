@@ -1,13 +1,14 @@
-//! Central impact of a journal on an unworn bore against closed forms, with the real contact kernel and step
-//! control.
+//! Central impact of a journal on an unworn bore against closed forms, with the real contact kernels and step
+//! control; and of a mass on a wall with other exponents of the force.
 
 use super::{Advance, AdvanceStats, Dynamics, Linearised, Watch};
 use crate::bore::Profile;
-use crate::contact::{JointForce, JointMotion, LocalHertz, Surface};
+use crate::contact::{Contact, Foundation, JointForce, JointMotion, LocalHertz, Restitution, Surface};
+use common::scene::RestitutionLaw;
 
 /// A journal without other forces in a fixed bore: coordinates e, masses (m, m).
 struct Impact {
-    law: LocalHertz,
+    law: Contact,
     bore: Profile,
     mass: [f64; 2],
     scale_q: [f64; 2],
@@ -15,19 +16,11 @@ struct Impact {
 }
 
 impl Impact {
-    fn new(stiffness: f64, damping: f64, mass: f64, speed: f64) -> Self {
-        let surface = Surface {
-            journal_radius: 0.5,
-            clearance: 0.1,
-            stiffness,
-            damping,
-            friction: 0.0,
-            friction_speed: 1e-3,
-            film: 0.0,
-        };
+    fn new(law: Contact, mass: f64, speed: f64) -> Self {
+        let Surface { journal_radius, clearance, stiffness, .. } = *law.surface();
         Impact {
-            law: LocalHertz { surface },
-            bore: Profile::round(surface.journal_radius + surface.clearance, 36),
+            law,
+            bore: Profile::round(journal_radius + clearance, 36),
             mass: [mass; 2],
             scale_q: [deepest(stiffness, mass, speed); 2],
             scale_v: [speed; 2],
@@ -35,9 +28,29 @@ impl Impact {
     }
 
     fn contact<const JACOBIAN: bool>(&self, q: &[f64], v: &[f64]) -> JointForce {
-        let motion = JointMotion { e: [q[0], q[1]], w: [v[0], v[1]], omega_journal: 0.0, omega_bushing: 0.0 };
-        self.law.force::<JACOBIAN>(&self.bore, &motion)
+        self.law.force::<JACOBIAN>(&self.bore, &motion(q, v))
     }
+}
+
+fn motion(q: &[f64], v: &[f64]) -> JointMotion {
+    JointMotion { e: [q[0], q[1]], w: [v[0], v[1]], omega_journal: 0.0, omega_bushing: 0.0 }
+}
+
+fn surface(stiffness: f64, damping: f64) -> Surface {
+    Surface {
+        journal_radius: 0.5,
+        clearance: 0.1,
+        stiffness,
+        damping,
+        restitution: None,
+        friction: 0.0,
+        friction_speed: 1e-3,
+        film: 0.0,
+    }
+}
+
+fn local(surface: Surface) -> Contact {
+    Contact::LocalHertz(LocalHertz { surface })
 }
 
 impl Dynamics for Impact {
@@ -58,6 +71,9 @@ impl Dynamics for Impact {
     }
     fn scales(&self) -> (&[f64], &[f64]) {
         (&self.scale_q, &self.scale_v)
+    }
+    fn accepted(&mut self, q: &[f64], v: &[f64], at: &Linearised) {
+        self.law.accepted(&self.bore, &motion(q, v), &at.joints[0]);
     }
 }
 
@@ -86,16 +102,17 @@ impl Watch<Impact> for Seen {
             self.deepest = p0 + s * (slope0 + s * (c + s * d));
         }
         self.last = (t, penetration, v[0]);
-        assert!(q[1] == 0.0, "a central impact stays central");
+        assert!(q[1].abs() < 1e-12, "a central impact stays central");
     }
 }
 
 /// Largest penetration, contact time and outgoing speed of an impact that begins at first contact.
-fn impact(stiffness: f64, damping: f64, mass: f64, speed: f64) -> (f64, f64, f64) {
-    let mut system = Impact::new(stiffness, damping, mass, speed);
+fn impact(law: Contact, mass: f64, speed: f64) -> (f64, f64, f64) {
+    let Surface { stiffness, clearance, .. } = *law.surface();
+    let mut system = Impact::new(law, mass, speed);
     let long = 10.0 * deepest(stiffness, mass, speed) / speed;
     let mut advance = Advance::new(Linearised::new(2, 1), 1e-7, long / 100.0, long * 1e-12, 100_000);
-    let (mut q, mut v) = ([system.law.surface.clearance, 0.0], [speed, 0.0]);
+    let (mut q, mut v) = ([clearance, 0.0], [speed, 0.0]);
     let mut seen = Seen::default();
     advance
         .run(&mut system, 0.0..long, &mut q, &mut v, &mut seen, &mut AdvanceStats::default())
@@ -109,7 +126,7 @@ fn impact(stiffness: f64, damping: f64, mass: f64, speed: f64) -> (f64, f64, f64
 #[test]
 fn hertz_impact_lasts_and_reaches_as_long_and_deep_as_in_closed_form() {
     for (stiffness, mass, speed) in [(3.264e10, 2e-3, 0.05), (1e9, 0.1, 1.0), (1e7, 4.0, 0.3)] {
-        let (depth, time, out) = impact(stiffness, 0.0, mass, speed);
+        let (depth, time, out) = impact(local(surface(stiffness, 0.0)), mass, speed);
         let expected = deepest(stiffness, mass, speed);
         assert!((depth / expected - 1.0).abs() < 1e-4, "depth {depth} against {expected}");
         let lasting = 2.943275 * expected / speed;
@@ -119,7 +136,7 @@ fn hertz_impact_lasts_and_reaches_as_long_and_deep_as_in_closed_form() {
 }
 
 /// Root e in (0, 1) of D v (1 + e) = ln[(1 + D v) / (1 - e D v)], by bisection.
-fn restitution(damping: f64, speed: f64) -> f64 {
+fn closed_form(damping: f64, speed: f64) -> f64 {
     let a = damping * speed;
     let (mut low, mut high) = (0.0, 1.0_f64.min(1.0 / a));
     for _ in 0..200 {
@@ -135,24 +152,102 @@ fn hunt_crossley_restitution_is_that_of_the_closed_form() {
     let cases =
         [(3.264e10, 2e-3, 7.5, 0.05), (3.264e10, 2e-3, 7.5, 0.5), (1e9, 0.1, 2.0, 1.0), (1e8, 5.0, 0.4, 0.2)];
     for (stiffness, mass, damping, speed) in cases {
-        let (_, _, out) = impact(stiffness, damping, mass, speed);
-        let (found, expected) = (out / speed, restitution(damping, speed));
+        let (_, _, out) = impact(local(surface(stiffness, damping)), mass, speed);
+        let (found, expected) = (out / speed, closed_form(damping, speed));
         assert!((found - expected).abs() < 1e-4, "D v = {}: {found} against {expected}", damping * speed);
     }
 }
 
+/// D v0 of the three laws for these coefficients, and the restitution each is published to give in effect:
+/// Lankarani-Nikravesh, Hunt-Crossley, Flores.
+const REALISED: [(f64, [f64; 3]); 3] =
+    [(0.5, [0.7252, 0.6630, 0.4704]), (0.7, [0.7960, 0.7680, 0.6832]), (0.9, [0.9132, 0.9090, 0.8939])];
+const LAWS: [RestitutionLaw; 3] =
+    [RestitutionLaw::LankaraniNikravesh, RestitutionLaw::HuntCrossley, RestitutionLaw::Flores];
+
 #[test]
-fn published_damping_factors_give_the_restitution_computed_for_them() {
-    // D v0 for a wanted e: Lankarani-Nikravesh 3 (1 - e^2) / 4, Hunt-Crossley 3 (1 - e) / 2, Flores 8 (1 - e) / (5 e).
-    for (wanted, nikravesh, crossley, flores) in
-        [(0.5, 0.7252, 0.6630, 0.4704), (0.7, 0.7960, 0.7680, 0.6832), (0.9, 0.9132, 0.9090, 0.8939)]
-    {
-        let e: f64 = wanted;
-        let choices =
-            [(0.75 * (1.0 - e * e), nikravesh), (1.5 * (1.0 - e), crossley), (1.6 * (1.0 - e) / e, flores)];
-        for (damping, expected) in choices {
-            let (_, _, out) = impact(1e9, damping, 0.1, 1.0);
-            assert!((out - expected).abs() < 1e-4, "wanted {wanted}: {out} against {expected}");
+fn restitution_laws_realise_what_their_factors_give_and_not_what_was_wanted() {
+    // The joint itself finds the speed of its impact; what it was before (1e3 m/s) must not matter. The published
+    // digits have four places, and two of the speeds are below and above the least that counts.
+    for (wanted, realised) in REALISED {
+        for (law, published) in LAWS.into_iter().zip(realised) {
+            let restitution = Restitution::new(law, wanted, 0.01);
+            for (stiffness, mass, speed) in [(1e9, 0.1, 1.0), (1e7, 3.0, 0.02)] {
+                let surface = Surface {
+                    restitution: Some(restitution),
+                    ..surface(stiffness, restitution.damping(1e3))
+                };
+                for law in [local(surface), Contact::Foundation(Foundation::new(surface, 36))] {
+                    let (_, _, out) = impact(law, mass, speed);
+                    let (found, formula) = (out / speed, closed_form(restitution.factor / speed, speed));
+                    assert!((found - formula).abs() < 1e-4, "wanted {wanted}: {found} against {formula}");
+                    assert!((found - published).abs() < 1e-4, "wanted {wanted}: {found} against {published}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn an_impact_slower_than_the_least_is_damped_as_the_least() {
+    let restitution = Restitution::new(RestitutionLaw::HuntCrossley, 0.5, 0.1);
+    let surface = Surface { restitution: Some(restitution), ..surface(1e9, 0.0) };
+    let (_, _, out) = impact(local(surface), 0.1, 0.02);
+    let expected = closed_form(restitution.factor / 0.1, 0.02);
+    assert!((out / 0.02 - expected).abs() < 1e-4, "{} against {expected}", out / 0.02);
+    assert!(expected > 0.9, "D v is a fifth of what it is in a real impact: {expected}");
+}
+
+/// A mass on a wall at q = 0 with F = K q^n (1 + D qd) in contact.
+struct Wall {
+    stiffness: f64,
+    exponent: f64,
+    damping: f64,
+    mass: [f64; 1],
+    scale_q: [f64; 1],
+    scale_v: [f64; 1],
+}
+
+impl Dynamics for Wall {
+    fn mass(&self) -> &[f64] {
+        &self.mass
+    }
+    fn force(&mut self, _t: f64, q: &[f64], v: &[f64], f: &mut [f64]) {
+        f[0] = -self.stiffness * q[0].max(0.0).powf(self.exponent) * (1.0 + self.damping * v[0]).max(0.0);
+    }
+    fn linearise(&mut self, t: f64, q: &[f64], v: &[f64], at: &mut Linearised) {
+        self.force(t, q, v, &mut at.f);
+        let factor = 1.0 + self.damping * v[0];
+        let touching = q[0] > 0.0 && factor > 0.0;
+        let elastic = self.stiffness * q[0].max(0.0).powf(self.exponent);
+        at.k[0] = if touching { -self.exponent * elastic / q[0] * factor } else { 0.0 };
+        at.d[0] = if touching { -elastic * self.damping } else { 0.0 };
+    }
+    fn scales(&self) -> (&[f64], &[f64]) {
+        (&self.scale_q, &self.scale_v)
+    }
+}
+
+#[test]
+fn restitution_does_not_depend_on_stiffness_exponent_or_mass() {
+    for exponent in [1.0, 1.5, 2.0] {
+        for (stiffness, mass, damping, speed) in
+            [(1e3, 0.5, 0.3, 1.0), (1e8, 2.0, 4.0, 0.2), (1e5, 1e-3, 1.3, 2.0)]
+        {
+            // Of an undamped impact: K x^(n+1) / (n+1) = m v^2 / 2.
+            let p: f64 = exponent + 1.0;
+            let deepest = (0.5 * p * mass * speed * speed / stiffness).powf(1.0 / p);
+            let mut wall =
+                Wall { stiffness, exponent, damping, mass: [mass], scale_q: [deepest], scale_v: [speed] };
+            let long = 10.0 * deepest / speed;
+            let mut advance = Advance::new(Linearised::new(1, 0), 1e-7, long / 100.0, long * 1e-12, 100_000);
+            let (mut q, mut v) = ([0.0], [speed]);
+            advance
+                .run(&mut wall, 0.0..long, &mut q, &mut v, &mut (), &mut AdvanceStats::default())
+                .expect("the impact is integrated");
+            assert!(q[0] < 0.0, "the mass has left");
+            let (found, expected) = (-v[0] / speed, closed_form(damping, speed));
+            assert!((found - expected).abs() < 1e-4, "n = {exponent}: {found} against {expected}");
         }
     }
 }

@@ -19,10 +19,6 @@ pub trait Dynamics {
     fn force(&mut self, t: f64, q: &[f64], v: &[f64], f: &mut [f64]);
     /// f with its derivatives.
     fn linearise(&mut self, t: f64, q: &[f64], v: &[f64], at: &mut Linearised);
-    /// Takes notice that the state last linearised has been accepted.
-    fn accept(&mut self, at: &Linearised) {
-        let _ = at;
-    }
     /// Whether [`Dynamics::close`] has anything to do.
     fn is_constrained(&self) -> bool {
         false
@@ -35,6 +31,11 @@ pub trait Dynamics {
     }
     /// Scales of q and qd against which errors are measured `(n,)` each.
     fn scales(&self) -> (&[f64], &[f64]);
+    /// Takes notice that the state last linearised was accepted: laws that remember how a contact began learn of it
+    /// here.
+    fn accepted(&mut self, q: &[f64], v: &[f64], at: &Linearised) {
+        let _ = (q, v, at);
+    }
     /// Whether the state lies in the range of the model; else which joint left it and its penetration.
     fn in_range(&self, at: &Linearised) -> Result<(), (usize, f64)> {
         let _ = at;

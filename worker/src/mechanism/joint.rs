@@ -29,17 +29,26 @@ fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[1] - a[1] * b[0]
 }
 
+/// e and its rate in global axes, from the arms turned there.
+#[inline]
+fn separation(fi: &Frame, ai: [f64; 2], fj: &Frame, aj: [f64; 2]) -> ([f64; 2], [f64; 2]) {
+    // Quarter-turned arms: derivatives of the arms to the angles.
+    let (pi, pj) = ([-ai[1], ai[0]], [-aj[1], aj[0]]);
+    let mut e = [0.0; 2];
+    let mut w = [0.0; 2];
+    for k in 0..2 {
+        e[k] = fi.x[k] + ai[k] - fj.x[k] - aj[k];
+        w[k] = fi.v[k] + fi.omega * pi[k] - fj.v[k] - fj.omega * pj[k];
+    }
+    (e, w)
+}
+
 /// Motion of a joint with its journal at `arm_i` of the body in frame `fi` and its bushing at `arm_j` of that in
-/// `fj`.
+/// `fj`, in the bushing's frame.
 #[inline]
 pub fn joint_motion(fi: &Frame, arm_i: [f64; 2], fj: &Frame, arm_j: [f64; 2]) -> JointMotion {
-    let (xi, xj, vi, vj) = (fi.point(arm_i), fj.point(arm_j), fi.velocity(arm_i), fj.velocity(arm_j));
-    JointMotion {
-        e: fj.turn_back([xi[0] - xj[0], xi[1] - xj[1]]),
-        w: fj.turn_back([vi[0] - vj[0], vi[1] - vj[1]]),
-        omega_journal: fi.omega,
-        omega_bushing: fj.omega,
-    }
+    let (e, w) = separation(fi, fi.turn(arm_i), fj, fj.turn(arm_j));
+    JointMotion { e: fj.turn_back(e), w: fj.turn_back(w), omega_journal: fi.omega, omega_bushing: fj.omega }
 }
 
 /// Generalised forces of a joint with its journal at `arm_i` of the body in frame `fi` and its bushing at
@@ -54,14 +63,8 @@ pub fn pair_force<const JACOBIAN: bool>(
     arm_j: [f64; 2],
 ) -> PairForce {
     let (ai, aj) = (fi.turn(arm_i), fj.turn(arm_j));
-    // Quarter-turned arms: derivatives of the arms to the angles.
     let (pi, pj) = ([-ai[1], ai[0]], [-aj[1], aj[0]]);
-    let mut e = [0.0; 2];
-    let mut w = [0.0; 2];
-    for k in 0..2 {
-        e[k] = fi.x[k] + ai[k] - fj.x[k] - aj[k];
-        w[k] = fi.v[k] + fi.omega * pi[k] - fj.v[k] - fj.omega * pj[k];
-    }
+    let (e, w) = separation(fi, ai, fj, aj);
     let motion = JointMotion {
         e: fj.turn_back(e),
         w: fj.turn_back(w),

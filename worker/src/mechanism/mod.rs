@@ -7,6 +7,7 @@ mod constraint;
 #[cfg(test)]
 mod derivative_tests;
 mod elimination;
+mod forces;
 mod frame;
 mod island;
 mod joint;
@@ -17,7 +18,8 @@ mod topology;
 
 pub use assembly::{Pose, ideal_cycle};
 pub use constraint::Constraint;
+pub use forces::LoadPower;
 pub use frame::{End, Frame};
-pub use island::{Island, LoadPower, WearingJoint};
+pub use island::{Island, WearingJoint};
 pub use prescribed::Prescribed;
 pub use topology::islands;

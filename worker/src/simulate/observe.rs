@@ -3,7 +3,7 @@
 use super::moving::Moving;
 use super::run::Run;
 use crate::mechanism::Prescribed;
-use crate::outputs::{BodyTrack, ForceTrack, largest_difference};
+use crate::outputs::{BodyTrack, Compared, ForceTrack, largest_difference};
 use common::failure::SimulationFailure;
 use common::outputs::{BodyTrace, Diagnostics, Evaluation, FirstCycle, JointSummary};
 use common::scene::{OutputKind, SignedBody};
@@ -21,7 +21,7 @@ impl Run<'_> {
         let value = |kind: &OutputKind| match kind {
             OutputKind::LargestWear { .. } => 0.0,
             OutputKind::AngularVelocityDifference { a, b } => {
-                largest_difference(&self.track(a), a.sign, &self.track(b), b.sign)
+                largest_difference(Compared::Speed, &self.track(a), a.sign, &self.track(b), b.sign)
             }
             _ => 0.0,
         };

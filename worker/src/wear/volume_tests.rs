@@ -10,6 +10,7 @@ const SURFACE: Surface = Surface {
     clearance: 23.5e-6,
     stiffness: 3.264e10,
     damping: 0.0,
+    restitution: None,
     friction: 0.0,
     friction_speed: 2.4e-3,
     film: 0.0,

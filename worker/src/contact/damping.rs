@@ -1,0 +1,168 @@
+//! Damping from a coefficient of restitution: which factor D makes an impact lose what its coefficient says.
+//!
+//! F_N = F_el (1 + D delta_dot) with D = (D v0) / v0, where D v0 is a function of the coefficient e alone and v0
+//! the speed of approach at which the present contact began. What an impact with that D gives back is not e
+//! itself but the root x of D v0 (1 + x) = ln[(1 + D v0) / (1 - x D v0)], whatever stiffness, exponent and mass.
+
+use common::scene::{ContactDamping, RestitutionLaw};
+
+/// How D follows from the speed of approach.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Restitution {
+    /// D v0 [1].
+    pub factor: f64,
+    /// Smallest speed that counts as an impact [m/s].
+    pub least_speed: f64,
+}
+
+impl Restitution {
+    /// D v0 = 3 (1 - e^2) / 4, 3 (1 - e) / 2 or 8 (1 - e) / (5 e); zero for e = 1.
+    ///
+    /// # Source
+    /// Lankarani and Nikravesh (1990); Hunt and Crossley (1975); Flores, Machado, Silva, Martins (2011).
+    pub fn new(law: RestitutionLaw, coefficient: f64, least_speed: f64) -> Self {
+        let e = coefficient;
+        let factor = match law {
+            RestitutionLaw::LankaraniNikravesh => 0.75 * (1.0 - e * e),
+            RestitutionLaw::HuntCrossley => 1.5 * (1.0 - e),
+            RestitutionLaw::Flores => 1.6 * (1.0 - e) / e,
+        };
+        Restitution { factor, least_speed }
+    }
+
+    /// D of a contact that began at this speed of approach [s/m]; a slower one, or none, counts as the least.
+    pub fn damping(&self, approach: f64) -> f64 {
+        self.factor / approach.max(self.least_speed)
+    }
+}
+
+/// D of a joint that has not met an impact yet [s/m], and how it changes with impacts, if it does.
+pub fn initial(damping: &ContactDamping) -> (f64, Option<Restitution>) {
+    match *damping {
+        ContactDamping::None => (0.0, None),
+        ContactDamping::HuntCrossley { factor } => (factor, None),
+        ContactDamping::Restitution { law, coefficient, least_speed } => {
+            let restitution = Restitution::new(law, coefficient, least_speed);
+            (restitution.damping(0.0), Some(restitution))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bore::Profile;
+    use crate::contact::{Contact, Foundation, JointMotion, LocalHertz, Surface};
+    use std::f64::consts::TAU;
+
+    const SURFACE: Surface = Surface {
+        journal_radius: 1.5e-3,
+        clearance: 23.5e-6,
+        stiffness: 3.264e10,
+        damping: 0.0,
+        restitution: Some(Restitution { factor: 0.75, least_speed: 1e-4 }),
+        friction: 0.025,
+        friction_speed: 2.4e-3,
+        film: 0.0,
+    };
+
+    fn worn() -> Profile {
+        let mut profile = Profile::round(SURFACE.journal_radius + SURFACE.clearance, 36);
+        let depth: Vec<f64> =
+            (0..36).map(|i| 8e-6 * (1.0 + (TAU * f64::from(i) / 36.0 - 1.0).cos())).collect();
+        profile.set_depth(&depth);
+        profile
+    }
+
+    fn laws(surface: Surface) -> [Contact; 2] {
+        let mut laws =
+            [Contact::LocalHertz(LocalHertz { surface }), Contact::Foundation(Foundation::new(surface, 36))];
+        laws.iter_mut().for_each(|law| law.profile_changed(&worn()));
+        laws
+    }
+
+    /// The journal at angle `psi`, `penetration` deep along the eccentricity.
+    fn at(psi: f64, penetration: f64) -> JointMotion {
+        let reach = worn().at(psi).r - SURFACE.journal_radius + penetration;
+        JointMotion {
+            e: [reach * psi.cos(), reach * psi.sin()],
+            w: [0.03 * psi.cos() + 0.01 * psi.sin(), 0.03 * psi.sin() - 0.01 * psi.cos()],
+            omega_journal: 3.0,
+            omega_bushing: -40.0,
+        }
+    }
+
+    /// Distance the local law and the foundation see: along the eccentricity, and to the nearest point.
+    fn penetrations(e: [f64; 2]) -> [f64; 2] {
+        let profile = worn();
+        let centre = libm::atan2(e[1], e[0]);
+        let gap = |psi: f64| {
+            e[0] * psi.cos() + e[1] * psi.sin() + SURFACE.journal_radius - profile.at(psi.rem_euclid(TAU)).r
+        };
+        let largest =
+            (-20_000..=20_000).map(|k| gap(centre + 1e-4 * f64::from(k))).fold(f64::NEG_INFINITY, f64::max);
+        [gap(centre), largest]
+    }
+
+    #[test]
+    fn in_free_flight_a_joint_takes_the_present_speed_of_approach() {
+        for psi in [0.2, 1.3, 2.9, 5.0] {
+            let motion = at(psi, -2e-6);
+            // Where the journal is a microsecond later and before, seen in the bushing's frame.
+            let moved = |t: f64| {
+                let JointMotion { e, w, omega_bushing, .. } = motion;
+                [e[0] + t * (w[0] + omega_bushing * e[1]), e[1] + t * (w[1] - omega_bushing * e[0])]
+            };
+            let (after, before) = (penetrations(moved(1e-6)), penetrations(moved(-1e-6)));
+            for (k, mut law) in laws(SURFACE).into_iter().enumerate() {
+                let now = law.force::<false>(&worn(), &motion);
+                assert!(now.penetration < 0.0 && now.normal == 0.0);
+                law.accepted(&worn(), &motion, &now);
+                let approach = (after[k] - before[k]) / 2e-6;
+                assert!(approach > 0.02, "{approach}");
+                // The grid of directions, 1e-4 rad apart, moves the largest gap by 1e-13 m at most.
+                let (found, expected) = (law.surface().damping, 0.75 / approach);
+                assert!((found / expected - 1.0).abs() < 1e-4, "{k} at {psi}: {found} against {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_contact_keeps_the_damping_it_began_with_and_the_next_begins_anew() {
+        for mut law in laws(SURFACE) {
+            let profile = worn();
+            let mut accept = |motion: &JointMotion| {
+                let now = law.force::<false>(&profile, motion);
+                law.accepted(&profile, motion, &now);
+                law.surface().damping
+            };
+            let flying = accept(&at(0.8, -1e-7));
+            assert!(flying > 0.0);
+            let inside = JointMotion { w: [-0.7, 0.2], ..at(0.8, 3e-7) };
+            assert_eq!(accept(&inside), flying);
+            // Moving away counts as the least speed; from the middle any way is an approach.
+            assert_eq!(accept(&JointMotion { w: [-0.5, -0.5], ..at(0.8, -1e-7) }), 0.75 / 1e-4);
+            let middle = JointMotion { e: [0.0; 2], w: [0.3, -0.4], ..at(0.8, 0.0) };
+            assert_eq!(accept(&middle), 0.75 / 0.5);
+        }
+        let constant = Surface { damping: 7.5, restitution: None, ..SURFACE };
+        for mut law in laws(constant) {
+            let before = law.clone();
+            let motion = at(0.8, -1e-7);
+            let now = law.force::<false>(&worn(), &motion);
+            law.accepted(&worn(), &motion, &now);
+            assert_eq!(law, before);
+        }
+    }
+
+    #[test]
+    fn a_perfect_restitution_does_not_damp() {
+        for law in [RestitutionLaw::LankaraniNikravesh, RestitutionLaw::HuntCrossley, RestitutionLaw::Flores]
+        {
+            let scene = ContactDamping::Restitution { law, coefficient: 1.0, least_speed: 1e-3 };
+            let (damping, restitution) = initial(&scene);
+            assert_eq!(damping, 0.0);
+            assert_eq!(restitution.expect("a restitution was given").damping(0.2), 0.0);
+        }
+    }
+}

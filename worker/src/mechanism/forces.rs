@@ -1,0 +1,150 @@
+//! Forces of an island's joints with clearance and of its loads, gathered into its generalised forces, with their
+//! derivatives; and the power of what acts on it.
+
+use super::frame::Frame;
+use super::island::Island;
+use super::joint::pair_force;
+use super::load::NOBODY;
+use crate::integrate::Linearised;
+
+/// Energy of an island at one instant, contacts aside.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct LoadPower {
+    /// Kinetic energy and that of gravity and springs [J].
+    pub stored: f64,
+    /// Power lost in dampers [W].
+    pub lost: f64,
+    /// Power of loads without potential [W].
+    pub driving: f64,
+}
+
+impl Island {
+    /// Forces of joints with clearance and of loads, and with `JACOBIAN` their derivatives.
+    #[inline]
+    pub(super) fn applied<const JACOBIAN: bool>(&self, t: f64, f: &mut [f64], at: &mut Linearised) {
+        f.copy_from_slice(&self.weight);
+        if JACOBIAN {
+            at.k.fill(0.0);
+            at.d.fill(0.0);
+            at.ft.fill(0.0);
+            at.prescribed.fill([0.0; 3]);
+        }
+        for (index, joint) in self.joints.iter().enumerate() {
+            let [i, j] = joint.ends;
+            let pair = pair_force::<JACOBIAN>(
+                &joint.contact,
+                &joint.profile,
+                &self.frames[i.frame],
+                i.arm,
+                &self.frames[j.frame],
+                j.arm,
+            );
+            self.add::<JACOBIAN>([i.frame, j.frame], &pair.f, &pair.k, &pair.d, f, at);
+            if JACOBIAN {
+                at.joints[index] = pair.joint;
+                at.e[index] = pair.e;
+            }
+        }
+        for load in &self.loads {
+            let load = load.force(t, &self.frames);
+            self.add::<JACOBIAN>(load.frames, &load.f, &load.k, &load.d, f, at);
+            if JACOBIAN {
+                self.add_sources(load.frames, &load.ft, load.third, at);
+            }
+        }
+    }
+
+    /// Adds the generalised force of a pair of frames to its free bodies; with `JACOBIAN` also the derivatives, and
+    /// the force on prescribed bodies.
+    #[inline]
+    fn add<const JACOBIAN: bool>(
+        &self,
+        frames: [usize; 2],
+        force: &[f64; 6],
+        k: &[[f64; 6]; 6],
+        d: &[[f64; 6]; 6],
+        f: &mut [f64],
+        at: &mut Linearised,
+    ) {
+        let (n, free) = (self.mass.len(), self.bodies.len());
+        for (side, &frame) in frames.iter().enumerate() {
+            if frame >= free {
+                if JACOBIAN && frame != NOBODY {
+                    let on = &mut at.prescribed[frame - free];
+                    on.iter_mut().zip(&force[3 * side..]).for_each(|(on, force)| *on += force);
+                }
+                continue;
+            }
+            for r in 0..3 {
+                let row = 3 * frame + r;
+                f[row] += force[3 * side + r];
+                if !JACOBIAN {
+                    continue;
+                }
+                for (other, &to) in frames.iter().enumerate() {
+                    if to == NOBODY {
+                        continue;
+                    }
+                    let from = 3 * side + r;
+                    if to < free {
+                        for c in 0..3 {
+                            at.k[row * n + 3 * to + c] += k[from][3 * other + c];
+                            at.d[row * n + 3 * to + c] += d[from][3 * other + c];
+                        }
+                    } else {
+                        // A prescribed body only turns.
+                        let [_, omega, alpha, _] = self.jets[to - free];
+                        at.ft[row] += k[from][3 * other + 2] * omega + d[from][3 * other + 2] * alpha;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Adds a load's dependence on time and on the angle of another frame.
+    fn add_sources(
+        &self,
+        frames: [usize; 2],
+        ft: &[f64; 6],
+        third: Option<(usize, [f64; 6])>,
+        at: &mut Linearised,
+    ) {
+        let (n, free) = (self.mass.len(), self.bodies.len());
+        for (side, &frame) in frames.iter().enumerate().filter(|&(_, &frame)| frame < free) {
+            for r in 0..3 {
+                let row = 3 * frame + r;
+                at.ft[row] += ft[3 * side + r];
+                match third {
+                    Some((other, slope)) if other < free => {
+                        at.k[row * n + 3 * other + 2] += slope[3 * side + r];
+                    }
+                    Some((other, slope)) => at.ft[row] += slope[3 * side + r] * self.jets[other - free][1],
+                    None => {}
+                }
+            }
+        }
+    }
+
+    /// Energies and powers of masses and loads, at the instant last linearised.
+    pub fn load_power(&self, t: f64, v: &[f64]) -> LoadPower {
+        let mut power = LoadPower::default();
+        power.stored = v.iter().zip(&self.mass).map(|(v, mass)| 0.5 * mass * v * v).sum();
+        for (slot, weight) in self.weight.chunks_exact(3).enumerate() {
+            let x = self.frames[slot].x;
+            power.stored -= weight[0] * x[0] + weight[1] * x[1];
+        }
+        for source in &self.loads {
+            let load = source.force(t, &self.frames);
+            power.stored += load.stored;
+            power.lost += load.lost;
+            if source.drives() {
+                for (side, &frame) in load.frames.iter().enumerate().filter(|&(_, &frame)| frame != NOBODY) {
+                    let Frame { v, omega, .. } = self.frames[frame];
+                    let f = &load.f[3 * side..];
+                    power.driving += f[0] * v[0] + f[1] * v[1] + f[2] * omega;
+                }
+            }
+        }
+        power
+    }
+}
