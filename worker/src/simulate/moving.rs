@@ -69,17 +69,17 @@ impl Moving {
 
 /// Names the joint and the life of what stopped an island.
 pub fn failure(error: AdvanceError, cycle: u32, island: &Island, bound: u64) -> SimulationFailure {
+    let name = |joint: usize| island.joints[joint].name.clone();
     match error {
-        AdvanceError::StepTooSmall { time, step, error } => {
-            SimulationFailure::StepTooSmall { cycle, time, step, error }
+        AdvanceError::StepTooSmall { time, step, error, joint } => {
+            SimulationFailure::StepTooSmall { cycle, time, joint: joint.map(name), step, error }
         }
-        AdvanceError::TooManySteps { time } => SimulationFailure::TooManySteps { cycle, time, bound },
-        AdvanceError::OutOfRange { time, joint, penetration } => SimulationFailure::OutOfRange {
-            cycle,
-            time,
-            joint: island.joints[joint].name.clone(),
-            penetration,
-        },
+        AdvanceError::TooManySteps { time, joint } => {
+            SimulationFailure::TooManySteps { cycle, time, joint: joint.map(name), bound }
+        }
+        AdvanceError::OutOfRange { time, joint, penetration } => {
+            SimulationFailure::OutOfRange { cycle, time, joint: name(joint), penetration }
+        }
         AdvanceError::NotFinite { time } => {
             SimulationFailure::NotFinite { cycle, time, quantity: "the force".into() }
         }

@@ -6,7 +6,7 @@ use crate::mechanism::{ideal_cycle, islands};
 use crate::wear::WearStepStats;
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
-use common::scene::{OutputKind, Scene};
+use common::scene::{JointKind, OutputKind, Scene};
 
 /// One evaluation under way.
 pub struct Run<'a> {
@@ -153,6 +153,10 @@ impl<'a> Run<'a> {
                         joint: joint.name.clone(),
                         error: failed.0,
                     })?;
+                if let Some((depth, wall)) = worn_through(self.scene, joint.scene_joint, &m.depth[k]) {
+                    let joint = joint.name.clone();
+                    return Err(SimulationFailure::WornThrough { cycle: to, joint, depth, wall });
+                }
                 joint.set_depth(&m.depth[k]);
             }
         }
@@ -164,4 +168,11 @@ impl<'a> Run<'a> {
         self.cycle = to;
         Ok(())
     }
+}
+
+/// Largest depth and thickness of the wall, where the former has reached the latter [m].
+fn worn_through(scene: &Scene, joint: usize, depth: &[f64]) -> Option<(f64, f64)> {
+    let JointKind::Clearance(clearance) = &scene.joints[joint].kind else { return None };
+    let largest = depth.iter().fold(0.0_f64, |a, &b| a.max(b));
+    clearance.wall.filter(|&wall| largest >= wall).map(|wall| (largest, wall))
 }

@@ -128,7 +128,7 @@ impl WearStep {
         stats: &mut WearStepStats,
     ) -> Result<f64, WearStepFailed> {
         stats.rejected += 1;
-        if smaller < SMALLEST * cycles { Err(WearStepFailed(error)) } else { Ok(smaller) }
+        if smaller < SMALLEST * cycles { Err(WearStepFailed(error.min(f64::MAX))) } else { Ok(smaller) }
     }
 
     /// Embedded error estimate of the sub-step just made, and the largest wear it adds [m].
