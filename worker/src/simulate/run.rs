@@ -11,7 +11,7 @@ use common::scene::{JointKind, OutputKind, Scene};
 /// One evaluation under way.
 pub struct Run<'a> {
     pub scene: &'a Scene,
-    accuracy: &'a Accuracy,
+    pub accuracy: &'a Accuracy,
     pub islands: Vec<Moving>,
     /// Cycles done.
     cycle: u32,
@@ -95,6 +95,44 @@ impl<'a> Run<'a> {
         }
         self.simulated += 1;
         Ok(())
+    }
+
+    /// The cycle after the one just measured, on the same profile.
+    pub fn further_cycle(&mut self) -> Result<(), SimulationFailure> {
+        let period = self.scene.life.period;
+        self.islands.iter_mut().for_each(|m| m.recorder.clear());
+        self.span(0.0, period, true)?;
+        self.islands.iter_mut().for_each(|m| m.recorder.finish());
+        self.simulated += 1;
+        Ok(())
+    }
+
+    /// Closes the account of the last block's wear step with the contact of the cycle just measured.
+    pub fn close_wear(&mut self) -> Result<(), SimulationFailure> {
+        for Moving { island, recorder, rates, steps, depth, .. } in &mut self.islands {
+            for (k, joint) in island.joints.iter().enumerate().filter(|(_, j)| j.wear_coefficient > 0.0) {
+                rates[k].freeze(&recorder.histories[k]);
+                steps[k].renew(&mut rates[k], &depth[k], &mut self.wear_stats).map_err(|failed| {
+                    SimulationFailure::WearStep {
+                        cycle: self.cycle,
+                        joint: joint.name.clone(),
+                        error: failed.0,
+                    }
+                })?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Depth at every control point of every joint of the scene; none of an ideal joint [m].
+    pub fn depths(&self) -> Vec<Vec<f64>> {
+        let mut all = vec![Vec::new(); self.scene.joints.len()];
+        for m in &self.islands {
+            for (joint, depth) in m.island.joints.iter().zip(&m.depth) {
+                all[joint.scene_joint].clone_from(depth);
+            }
+        }
+        all
     }
 
     /// Carries every island from one time of the cycle to another.
