@@ -64,24 +64,33 @@ pub enum SimulationFailure {
         wall: f64,
     },
     /// The step size fell below its lower bound.
-    #[error("at cycle {cycle}, t = {time} s, the time step fell to {step} s (error {error} times its bound)")]
+    #[error(
+        "at cycle {cycle}, t = {time} s{}, the time step fell to {step} s (error {error} times its bound)",
+        at(joint)
+    )]
     StepTooSmall {
         /// Cycles done when it happened.
         cycle: u32,
         /// Time within the cycle [s].
         time: f64,
+        /// Joint with the largest force on the body whose error was the largest; none if it has no joint with
+        /// clearance.
+        joint: Option<String>,
         /// The step that would have been needed [s].
         step: f64,
         /// Error estimate over tolerance at that step.
         error: f64,
     },
     /// More steps than the bound of the accuracy setting.
-    #[error("at cycle {cycle}, t = {time} s, the bound of {bound} steps per cycle was reached")]
+    #[error("at cycle {cycle}, t = {time} s{}, the bound of {bound} steps per cycle was reached", at(joint))]
     TooManySteps {
         /// Cycles done.
         cycle: u32,
         /// Time within the cycle [s].
         time: f64,
+        /// Joint with the largest force on the body whose error limited the last step; none if it has no joint
+        /// with clearance.
+        joint: Option<String>,
         /// Bound on steps.
         bound: u64,
     },
@@ -133,4 +142,9 @@ pub enum SimulationFailure {
         /// What the panic said.
         message: String,
     },
+}
+
+/// `, joint NAME`, if there is one to be named.
+fn at(joint: &Option<String>) -> String {
+    joint.as_ref().map(|name| format!(", joint {name}")).unwrap_or_default()
 }

@@ -60,6 +60,7 @@ fn failure() -> impl Strategy<Value = SimulationFailure> {
         (any::<u32>(), number(), number()).prop_map(|(cycle, time, error)| SimulationFailure::StepTooSmall {
             cycle,
             time,
+            joint: (cycle % 2 == 0).then(|| "1".into()),
             step: time,
             error
         }),

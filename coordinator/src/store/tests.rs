@@ -74,7 +74,8 @@ fn finished(id: u64) -> Finished {
             ..Diagnostics::default()
         },
     };
-    let failure = SimulationFailure::StepTooSmall { cycle: 7, time: 0.1, step: 1e-12, error: f64::NAN };
+    let failure =
+        SimulationFailure::StepTooSmall { cycle: 7, time: 0.1, joint: None, step: 1e-12, error: f64::NAN };
     let outcome = if id % 5 == 3 { Err(failure) } else { Ok(evaluation) };
     Finished { id, outcome, worker: format!("host/{id}"), wall: 0.1 + id as f64 / 3.0 }
 }

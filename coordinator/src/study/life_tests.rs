@@ -125,7 +125,7 @@ impl Evaluator for MadeUp {
             }
             self.calls += 1;
             assert_eq!(request.with_first_cycle, request.id == 0);
-            let failure = SimulationFailure::TooManySteps { cycle: 1, time: 0.0, bound: 9 };
+            let failure = SimulationFailure::TooManySteps { cycle: 1, time: 0.0, joint: None, bound: 9 };
             let outcome = if self.fail_every.is_some_and(|every| request.id % every == every - 1) {
                 Err(failure)
             } else {

@@ -37,13 +37,17 @@ pub enum AdvanceError {
         time: f64,
         /// Step [s].
         step: f64,
-        /// Error over its bound.
+        /// Error over its bound, finite.
         error: f64,
+        /// Joint of the island.
+        joint: Option<usize>,
     },
     /// Too many steps.
     TooManySteps {
         /// Time [s].
         time: f64,
+        /// Joint of the island.
+        joint: Option<usize>,
     },
     /// A joint left the range of its contact law.
     OutOfRange {
@@ -142,7 +146,7 @@ impl Advance {
                 return Ok(());
             }
             if taken >= self.bound {
-                return Err(AdvanceError::TooManySteps { time: t });
+                return Err(AdvanceError::TooManySteps { time: t, joint: self.blamed(system) });
             }
             loop {
                 // The last two steps share what is left, so that no sliver remains.
@@ -176,7 +180,9 @@ impl Advance {
                     if error.is_finite() { (0.9 * libm::pow(error, -0.25)).clamp(0.1, 0.5) } else { 0.1 };
                 self.step = h * shrink;
                 if self.step < self.smallest {
-                    return Err(AdvanceError::StepTooSmall { time: t, step: self.step, error });
+                    let error = error.min(f64::MAX);
+                    let joint = self.blamed(system);
+                    return Err(AdvanceError::StepTooSmall { time: t, step: self.step, error, joint });
                 }
             }
         }
@@ -202,6 +208,18 @@ impl Advance {
         }
         // A comparison with NaN is false: count it as infinite.
         if moved <= f64::MAX { moved } else { f64::INFINITY }
+    }
+
+    /// The joint to be named for the step tried last: that of the coordinate with the largest error.
+    fn blamed<D: Dynamics>(&self, system: &D) -> Option<usize> {
+        let (scale_q, scale_v) = system.scales();
+        let size = |i: usize| {
+            let e =
+                (self.scheme.error_q[i] / scale_q[i]).abs().max((self.scheme.error_v[i] / scale_v[i]).abs());
+            if e.is_finite() { e } else { f64::INFINITY }
+        };
+        let worst = (0..scale_q.len()).max_by(|&a, &b| size(a).total_cmp(&size(b)))?;
+        system.blamed(worst, &self.at)
     }
 
     /// Largest scaled error of the step just tried, over the tolerance; infinite if anything is not finite.

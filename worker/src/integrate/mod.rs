@@ -41,6 +41,11 @@ pub trait Dynamics {
         let _ = at;
         Ok(())
     }
+    /// The joint to be named when the error of this coordinate stops the integration.
+    fn blamed(&self, coordinate: usize, at: &Linearised) -> Option<usize> {
+        let _ = (coordinate, at);
+        None
+    }
 }
 
 /// f and its derivatives at one instant.

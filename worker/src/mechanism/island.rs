@@ -255,6 +255,13 @@ impl Dynamics for Island {
         }
     }
 
+    fn blamed(&self, coordinate: usize, at: &Linearised) -> Option<usize> {
+        let on = |end: End| end.frame == coordinate / 3;
+        (0..self.joints.len())
+            .filter(|&k| self.joints[k].ends.into_iter().any(on))
+            .max_by(|&a, &b| at.joints[a].normal.total_cmp(&at.joints[b].normal))
+    }
+
     fn in_range(&self, at: &Linearised) -> Result<(), (usize, f64)> {
         for (k, (joint, force)) in self.joints.iter().zip(&at.joints).enumerate() {
             // Beyond a tenth of its radius a journal is not in contact with a bore any more, in any sense of Hertz.

@@ -3,10 +3,13 @@
 //! assemble -> settle -> measure the first cycle -> [ wear a block -> warm up -> measure a cycle ] ... -> outputs
 //!
 //! A measured cycle serves twice: its contact history drives the wear of the block that follows, and its motion
-//! gives the outputs of the profile it ran on. The value of a checkpoint belongs to the profile worn to it.
+//! gives the outputs of the profile it ran on. The value of a checkpoint belongs to the profile worn to it. At a few
+//! lives the measured cycle is put to the test, from which the evaluation estimates its own error.
 
+mod error;
 mod moving;
 mod observe;
+mod probe;
 mod run;
 
 use crate::life::{at_checkpoints, boundaries};
@@ -14,6 +17,8 @@ use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
 use common::scene::{OutputKind, Scene};
+use error::Doubt;
+use probe::probed;
 use run::Run;
 
 /// Simulates the whole life of a checked scene.
@@ -36,20 +41,28 @@ pub fn simulate(
     run.show_forces(false);
 
     let every = scene.life.checkpoint_every;
-    let mut lives = vec![0];
+    let lives = boundaries(scene.life.cycles, accuracy.cycle_jump, every);
+    let probed = probed(&lives, every);
+    let mut doubt = Doubt::default();
     let mut measured = vec![run.motion_outputs()];
     let mut wear = vec![vec![]; scene.outputs.len()];
-    for block in boundaries(scene.life.cycles, accuracy.cycle_jump, every).windows(2) {
+    for block in lives.windows(2) {
         let checkpoints: Vec<u32> = (block[0] / every + 1..=block[1] / every).map(|k| k * every).collect();
+        let depths = run.depths();
         run.wear(block[0], block[1], &checkpoints, &mut wear)?;
+        doubt.worn(&run, block[0], depths);
         run.warm_up()?;
         run.measure()?;
-        lives.push(block[1]);
         measured.push(run.motion_outputs());
+        if probed.contains(&block[1]) {
+            doubt.probed(run.probe(block[1])?);
+        }
     }
+    run.close_wear()?;
+    doubt.worn(&run, scene.life.cycles, run.depths());
 
     let cycles = scene.life.checkpoints();
-    let histories = scene
+    let histories: Vec<Vec<f64>> = scene
         .outputs
         .iter()
         .enumerate()
@@ -61,5 +74,6 @@ pub fn simulate(
             }
         })
         .collect();
-    run.finish(cycles, histories, peaks, free_flight, first_cycle)
+    let errors = doubt.errors(scene, &histories, &lives, &measured);
+    run.finish(cycles, histories, errors, peaks, free_flight, first_cycle)
 }

@@ -24,6 +24,12 @@ pub struct Moving {
     pub depth: Vec<Vec<f64>>,
 }
 
+/// What carries an island through a cycle and records it.
+pub struct Tools {
+    advance: Advance,
+    recorder: Recorder,
+}
+
 impl Moving {
     /// Starts the island from the ideal mechanism's pose; bodies of the scene in `tracked` are recorded.
     pub fn new(island: Island, pose: &Pose, tracked: &[usize], period: f64, accuracy: &Accuracy) -> Self {
@@ -33,13 +39,7 @@ impl Moving {
         let (q, v) = (pick(&pose.q), pick(&pose.v));
         let slots = (0..island.bodies.len()).filter(|&s| tracked.contains(&island.bodies[s])).collect();
         Moving {
-            advance: Advance::new(
-                island.linearised(),
-                accuracy.step_tolerance,
-                accuracy.largest_step * period,
-                SMALLEST_STEP * period,
-                accuracy.steps_bound,
-            ),
+            advance: advance(&island, period, accuracy),
             recorder: Recorder::new(&island, slots, period, accuracy.wear_samples),
             saved: (q.clone(), v.clone()),
             q,
@@ -59,25 +59,48 @@ impl Moving {
         }
     }
 
+    /// Tools for another accuracy of the time steps, with nothing recorded yet.
+    pub fn tools(&self, period: f64, accuracy: &Accuracy) -> Tools {
+        let mut recorder = self.recorder.clone();
+        recorder.clear();
+        Tools { advance: advance(&self.island, period, accuracy), recorder }
+    }
+
+    /// Changes tools.
+    pub fn exchange(&mut self, tools: &mut Tools) {
+        std::mem::swap(&mut self.advance, &mut tools.advance);
+        std::mem::swap(&mut self.recorder, &mut tools.recorder);
+    }
+
     /// The recorded track of a body of the scene, if it is in this island.
     pub fn track(&self, body: usize) -> Option<&BodyTrack> {
         self.recorder.track_of(&self.island, body)
     }
 }
 
+fn advance(island: &Island, period: f64, accuracy: &Accuracy) -> Advance {
+    Advance::new(
+        island.linearised(),
+        accuracy.step_tolerance,
+        accuracy.largest_step * period,
+        SMALLEST_STEP * period,
+        accuracy.steps_bound,
+    )
+}
+
 /// Names the joint and the life of what stopped an island.
 pub fn failure(error: AdvanceError, cycle: u32, island: &Island, bound: u64) -> SimulationFailure {
+    let name = |joint: usize| island.joints[joint].name.clone();
     match error {
-        AdvanceError::StepTooSmall { time, step, error } => {
-            SimulationFailure::StepTooSmall { cycle, time, step, error }
+        AdvanceError::StepTooSmall { time, step, error, joint } => {
+            SimulationFailure::StepTooSmall { cycle, time, joint: joint.map(name), step, error }
         }
-        AdvanceError::TooManySteps { time } => SimulationFailure::TooManySteps { cycle, time, bound },
-        AdvanceError::OutOfRange { time, joint, penetration } => SimulationFailure::OutOfRange {
-            cycle,
-            time,
-            joint: island.joints[joint].name.clone(),
-            penetration,
-        },
+        AdvanceError::TooManySteps { time, joint } => {
+            SimulationFailure::TooManySteps { cycle, time, joint: joint.map(name), bound }
+        }
+        AdvanceError::OutOfRange { time, joint, penetration } => {
+            SimulationFailure::OutOfRange { cycle, time, joint: name(joint), penetration }
+        }
         AdvanceError::Singular { time } => SimulationFailure::Singular { cycle, time },
         AdvanceError::NotFinite { time } => {
             SimulationFailure::NotFinite { cycle, time, quantity: "the force".into() }

@@ -94,6 +94,7 @@ impl Run<'_> {
         self,
         cycles: Vec<u32>,
         histories: Vec<Vec<f64>>,
+        errors: Vec<Vec<f64>>,
         peaks: PerJoint<f64>,
         free_flight: PerJoint<f64>,
         first_cycle: Option<FirstCycle>,
@@ -115,8 +116,8 @@ impl Run<'_> {
             .collect();
         Ok(Evaluation {
             cycles,
-            errors: histories.iter().map(|h: &Vec<f64>| vec![0.0; h.len()]).collect(),
             histories,
+            errors,
             joints,
             first_cycle,
             diagnostics: Diagnostics {

@@ -6,12 +6,12 @@ use crate::mechanism::{ideal_cycle, islands};
 use crate::wear::WearStepStats;
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
-use common::scene::{OutputKind, Scene};
+use common::scene::{JointKind, OutputKind, Scene};
 
 /// One evaluation under way.
 pub struct Run<'a> {
     pub scene: &'a Scene,
-    accuracy: &'a Accuracy,
+    pub accuracy: &'a Accuracy,
     pub islands: Vec<Moving>,
     /// Cycles done.
     cycle: u32,
@@ -97,6 +97,44 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
+    /// The cycle after the one just measured, on the same profile.
+    pub fn further_cycle(&mut self) -> Result<(), SimulationFailure> {
+        let period = self.scene.life.period;
+        self.islands.iter_mut().for_each(|m| m.recorder.clear());
+        self.span(0.0, period, true)?;
+        self.islands.iter_mut().for_each(|m| m.recorder.finish());
+        self.simulated += 1;
+        Ok(())
+    }
+
+    /// Closes the account of the last block's wear step with the contact of the cycle just measured.
+    pub fn close_wear(&mut self) -> Result<(), SimulationFailure> {
+        for Moving { island, recorder, rates, steps, depth, .. } in &mut self.islands {
+            for (k, joint) in island.joints.iter().enumerate().filter(|(_, j)| j.wear_coefficient > 0.0) {
+                rates[k].freeze(&recorder.histories[k]);
+                steps[k].renew(&mut rates[k], &depth[k], &mut self.wear_stats).map_err(|failed| {
+                    SimulationFailure::WearStep {
+                        cycle: self.cycle,
+                        joint: joint.name.clone(),
+                        error: failed.0,
+                    }
+                })?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Depth at every control point of every joint of the scene; none of an ideal joint [m].
+    pub fn depths(&self) -> Vec<Vec<f64>> {
+        let mut all = vec![Vec::new(); self.scene.joints.len()];
+        for m in &self.islands {
+            for (joint, depth) in m.island.joints.iter().zip(&m.depth) {
+                all[joint.scene_joint].clone_from(depth);
+            }
+        }
+        all
+    }
+
     /// Carries every island from one time of the cycle to another.
     fn span(&mut self, from: f64, to: f64, record: bool) -> Result<(), SimulationFailure> {
         for m in &mut self.islands {
@@ -153,6 +191,10 @@ impl<'a> Run<'a> {
                         joint: joint.name.clone(),
                         error: failed.0,
                     })?;
+                if let Some((depth, wall)) = worn_through(self.scene, joint.scene_joint, &m.depth[k]) {
+                    let joint = joint.name.clone();
+                    return Err(SimulationFailure::WornThrough { cycle: to, joint, depth, wall });
+                }
                 joint.set_depth(&m.depth[k]);
             }
         }
@@ -164,4 +206,11 @@ impl<'a> Run<'a> {
         self.cycle = to;
         Ok(())
     }
+}
+
+/// Largest depth and thickness of the wall, where the former has reached the latter [m].
+fn worn_through(scene: &Scene, joint: usize, depth: &[f64]) -> Option<(f64, f64)> {
+    let JointKind::Clearance(clearance) = &scene.joints[joint].kind else { return None };
+    let largest = depth.iter().fold(0.0_f64, |a, &b| a.max(b));
+    clearance.wall.filter(|&wall| largest >= wall).map(|wall| (largest, wall))
 }

@@ -10,4 +10,4 @@ mod volume_tests;
 pub use archard::WearRate;
 pub use conformal::Unbalanced;
 pub use history::{ContactHistory, ContactSample};
-pub use step::{WearStep, WearStepStats};
+pub use step::{WearStep, WearStepFailed, WearStepStats};

@@ -9,6 +9,11 @@
 use super::WearRate;
 use super::conformal::{BALANCED, Unbalanced};
 
+/// Embedded error estimate of a sub-step from y0, f0 to y1, f1: what is missing to y1.
+fn embedded(y0: f64, y1: f64, f0: f64, f1: f64, step: f64) -> f64 {
+    0.8 * (y0 - y1) + 0.4 * step * (f0 + f1)
+}
+
 /// Counts of one or more wear steps.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct WearStepStats {
@@ -39,6 +44,12 @@ pub struct WearStep {
     f0: Vec<f64>,
     f1: Vec<f64>,
     end: Vec<f64>,
+    /// Length of the block before, whose history the rate in f0 still has; zero before the first [cycle].
+    block: f64,
+    /// Embedded errors of the sub-steps of the block under way, signed [m].
+    under_way: Vec<f64>,
+    /// Estimated error of the blocks behind, signed [m].
+    behind: Vec<f64>,
 }
 
 /// Most stages of one sub-step.
@@ -58,8 +69,40 @@ impl WearStep {
             stiffest: (0..points).map(|i| if i % 2 == 0 { 1.0 } else { -1.0 }).collect(),
             f0: zero.clone(),
             f1: zero.clone(),
-            end: zero,
+            end: zero.clone(),
+            block: 0.0,
+            under_way: zero.clone(),
+            behind: zero,
         }
+    }
+
+    /// Finds the rate of the history now in `rate` at `depth`, which ends the block before. Half of what that rate
+    /// differs from the one the block ended with, times the block, is the error of having frozen the history
+    /// (trapezoidal against rectangular rule).
+    ///
+    /// # Errors
+    /// [`WearStepFailed`] if the frozen force finds no rest on that bore.
+    pub fn renew(
+        &mut self,
+        rate: &mut WearRate,
+        depth: &[f64],
+        stats: &mut WearStepStats,
+    ) -> Result<(), WearStepFailed> {
+        rate.rate(depth, &mut self.f1)?;
+        stats.stages += 1;
+        for (i, behind) in self.behind.iter_mut().enumerate() {
+            *behind += self.under_way[i] + 0.5 * self.block * (self.f1[i] - self.f0[i]);
+        }
+        self.under_way.fill(0.0);
+        std::mem::swap(&mut self.f0, &mut self.f1);
+        self.block = 0.0;
+        Ok(())
+    }
+
+    /// Estimated error of the depth at every control point, from the sub-steps and from the frozen histories of
+    /// all blocks but the last, signed `(points,)` [m].
+    pub fn error_behind(&self) -> &[f64] {
+        &self.behind
     }
 
     /// Advances `depth` by `cycles` under the frozen history in `rate`. `mark` sees the depth at each of `marks`
@@ -76,8 +119,8 @@ impl WearStep {
         mut mark: impl FnMut(usize, &[f64]),
         stats: &mut WearStepStats,
     ) -> Result<(), WearStepFailed> {
-        rate.rate(depth, &mut self.f0)?;
-        stats.stages += 1;
+        self.renew(rate, depth, stats)?;
+        self.block = cycles;
         let radius = self.spectral_radius(rate, depth, stats)?;
         let (mut done, mut step, mut marked) = (0.0, cycles, 0);
         while done < cycles {
@@ -104,6 +147,9 @@ impl WearStep {
                 )?;
                 continue;
             }
+            for (i, sum) in self.under_way.iter_mut().enumerate() {
+                *sum += embedded(depth[i], self.end[i], self.f0[i], self.f1[i], step);
+            }
             // Wear only grows: what the stages undershoot (below the tolerance) is not given back.
             self.end.iter_mut().zip(depth.iter()).for_each(|(end, start)| *end = end.max(*start));
             let last = if step == cycles - done { cycles } else { done + step };
@@ -128,7 +174,7 @@ impl WearStep {
         stats: &mut WearStepStats,
     ) -> Result<f64, WearStepFailed> {
         stats.rejected += 1;
-        if smaller < SMALLEST * cycles { Err(WearStepFailed(error)) } else { Ok(smaller) }
+        if smaller < SMALLEST * cycles { Err(WearStepFailed(error.min(f64::MAX))) } else { Ok(smaller) }
     }
 
     /// Embedded error estimate of the sub-step just made, and the largest wear it adds [m].
@@ -137,7 +183,7 @@ impl WearStep {
         depth.iter().zip(&self.end).zip(ends).fold(
             (0.0, 0.0),
             |(error, added): (f64, f64), ((y0, y1), (f0, f1))| {
-                (error.max((0.8 * (y0 - y1) + 0.4 * step * (f0 + f1)).abs()), added.max(y1 - y0))
+                (error.max(embedded(*y0, *y1, *f0, *f1, step).abs()), added.max(y1 - y0))
             },
         )
     }

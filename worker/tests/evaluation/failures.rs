@@ -15,14 +15,17 @@ fn failure(scene: &Scene, accuracy: &Accuracy) -> SimulationFailure {
 fn too_few_steps_are_reported_with_their_bound() {
     let few = Accuracy { steps_bound: 40, ..Accuracy::draft() };
     let found = failure(&scene("flapping-wing", &[]), &few);
-    assert!(matches!(found, SimulationFailure::TooManySteps { cycle: 0, bound: 40, .. }), "{found:?}");
+    assert!(
+        matches!(found, SimulationFailure::TooManySteps { cycle: 0, bound: 40, joint: Some(_), .. }),
+        "{found:?}"
+    );
 }
 
 #[test]
 fn an_unreachable_tolerance_is_reported_with_its_step() {
     let exact = Accuracy { step_tolerance: 1e-30, ..Accuracy::draft() };
     match failure(&scene("flapping-wing", &[]), &exact) {
-        SimulationFailure::StepTooSmall { cycle: 0, step, error, .. } => {
+        SimulationFailure::StepTooSmall { cycle: 0, step, error, joint: Some(_), .. } => {
             assert!(step > 0.0 && step < 1e-9 && error > 1.0, "step {step}, error {error}");
         }
         other => panic!("{other:?}"),

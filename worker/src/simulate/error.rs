@@ -1,0 +1,129 @@
+//! The evaluation's own estimate of its numerical error, for every output at every checkpoint.
+//!
+//! Four shares: the time steps and what had not settled (from [`Probe`]s), the wear step and the contact frozen over a
+//! block (as the wear steps keep account of them), what a wrong wear does to the motion, and the interpolation
+//! between simulated cycles.
+
+use super::probe::Probe;
+use super::run::Run;
+use common::scene::{OutputKind, Scene};
+
+/// Change of the motion outputs in a probe over their error: a probe compares two cycles that both start from
+/// a state computed with the coarser steps. Measured against `reference`, see the tests of the estimate.
+const MOTION_SAFETY: f64 = 2.0;
+/// Relative error of any value that took part in the integration: rounding of some million steps.
+const ROUNDING: f64 = 1e-10;
+
+/// Depth of one joint and the estimated error of its wear steps `(points,)` each [m].
+struct Worn {
+    depth: Vec<f64>,
+    error: Vec<f64>,
+}
+
+/// Account of an evaluation's numerical error.
+#[derive(Default)]
+pub struct Doubt {
+    probes: Vec<Probe>,
+    /// Lives at the ends of the blocks.
+    lives: Vec<u32>,
+    /// Per life, per joint of the scene; joints that do not wear are empty.
+    worn: Vec<Vec<Worn>>,
+}
+
+impl Doubt {
+    /// Takes notice of a probe.
+    pub fn probed(&mut self, probe: Probe) {
+        self.probes.push(probe);
+    }
+
+    /// Takes notice of the wear at `life`, the end of a block whose error is known by now.
+    pub fn worn(&mut self, run: &Run, life: u32, depth: Vec<Vec<f64>>) {
+        let mut error = vec![Vec::new(); depth.len()];
+        for m in &run.islands {
+            for (joint, step) in m.island.joints.iter().zip(&m.steps) {
+                error[joint.scene_joint] = step.error_behind().to_vec();
+            }
+        }
+        self.lives.push(life);
+        self.worn.push(depth.into_iter().zip(error).map(|(depth, error)| Worn { depth, error }).collect());
+    }
+
+    /// Error of every output at every checkpoint `(outputs, m)`, given the histories there and the motion
+    /// outputs `measured` at the simulated lives `lives`.
+    pub fn errors(
+        &self,
+        scene: &Scene,
+        histories: &[Vec<f64>],
+        lives: &[u32],
+        measured: &[Vec<f64>],
+    ) -> Vec<Vec<f64>> {
+        let checkpoints = scene.life.checkpoints();
+        let all: Vec<usize> = (0..scene.joints.len()).collect();
+        let wear = |joints: &[usize]| -> Vec<(f64, f64)> {
+            let at = |&life: &u32| self.wear_error(joints, life);
+            checkpoints.iter().map(at).collect()
+        };
+        // How far a wrong wear displaces the life: the largest relative error of any joint's depth.
+        let behind: Vec<f64> = wear(&all)
+            .iter()
+            .zip(&checkpoints)
+            .map(|((error, depth), &life)| if *depth > 0.0 { error / depth * f64::from(life) } else { 0.0 })
+            .collect();
+        let of = |(k, kind): (usize, &OutputKind)| -> Vec<f64> {
+            let error: Vec<f64> = match kind {
+                OutputKind::LargestWear { joints } => wear(joints).iter().map(|(error, _)| *error).collect(),
+                _ => {
+                    let values: Vec<f64> = measured.iter().map(|m| m[k]).collect();
+                    let shares = checkpoints.iter().zip(&histories[k]).zip(&behind);
+                    shares
+                        .map(|((&life, value), behind)| {
+                            let (secant, slope) = neighbours(lives, &values, life);
+                            MOTION_SAFETY * self.near(life, |p| p.motion[k])
+                                + (value - secant).abs()
+                                + slope * behind
+                        })
+                        .collect()
+                }
+            };
+            error.iter().zip(&histories[k]).map(|(e, value)| e.max(ROUNDING * value.abs())).collect()
+        };
+        scene.outputs.iter().map(|output| &output.kind).enumerate().map(of).collect()
+    }
+
+    /// Error of the largest depth of these joints at `life`, and that depth [m].
+    ///
+    /// The error of the wear steps is how much deeper the deepest point would be if every point were off by its
+    /// own estimate; that of the time steps is the probes' relative one of the depth. The two have nothing to do
+    /// with each other: their squares add.
+    fn wear_error(&self, joints: &[usize], life: u32) -> (f64, f64) {
+        let at = self.lives.partition_point(|&end| end < life).min(self.lives.len().saturating_sub(1));
+        let Some(worn) = self.worn.get(at) else { return (0.0, 0.0) };
+        let largest = |of: &dyn Fn(&Worn, usize) -> f64| {
+            let points = joints.iter().flat_map(|&j| (0..worn[j].depth.len()).map(move |i| (j, i)));
+            points.fold(0.0_f64, |a, (j, i)| a.max(of(&worn[j], i)))
+        };
+        let depth = largest(&|w, i| w.depth[i]);
+        let steps = largest(&|w, i| w.depth[i] + w.error[i].abs()) - depth;
+        let time = joints.iter().fold(0.0_f64, |a, &j| {
+            let deepest = worn[j].depth.iter().fold(0.0_f64, |a, &b| a.max(b));
+            a.max(deepest * self.near(life, |p| p.wear[j]))
+        });
+        (libm::hypot(steps, time), depth)
+    }
+
+    /// The larger value of the two probes around `life`.
+    fn near(&self, life: u32, value: impl Fn(&Probe) -> f64) -> f64 {
+        let next = self.probes.partition_point(|p| p.life < life);
+        let around = &self.probes[next.saturating_sub(1)..(next + 1).min(self.probes.len())];
+        around.iter().map(value).fold(0.0, f64::max)
+    }
+}
+
+/// Straight line between the simulated lives around `life`, and the steepest slope there or beside.
+fn neighbours(lives: &[u32], values: &[f64], life: u32) -> (f64, f64) {
+    let slope = |k: usize| (values[k + 1] - values[k]) / f64::from(lives[k + 1] - lives[k]);
+    let last = lives.len() - 2;
+    let k = lives.partition_point(|&l| l < life).clamp(1, last + 1) - 1;
+    let steepest = (k.saturating_sub(1)..=(k + 1).min(last)).fold(0.0_f64, |a, k| a.max(slope(k).abs()));
+    (values[k] + slope(k) * f64::from(life - lives[k]), steepest)
+}
