@@ -53,10 +53,14 @@ fn the_squeezing_mechanism_closes_its_ten_hinges() {
         let (gap, _) = open(&scene, joint);
         assert!(gap < 1e-9, "joint {}: gap {gap} m", joint.name);
     }
-    // The spring is stretched from the start: D stands 83.8 mm from C.
+    // Points C and D as the literature gives them, from gamma at the start: the spring is pressed to 52.67 mm.
     let Some(Load::Spring { a, b, free_length, .. }) = scene.loads.get(1) else { panic!() };
     let ((a, _), (b, _)) = (at_start(&scene, *a), at_start(&scene, *b));
-    assert!((a[0] - b[0]).hypot(a[1] - b[1]) > *free_length);
+    let (sin, cos) = 0.455279819163070380_f64.sin_cos();
+    let d = [-0.03635 + 0.02 * cos + 0.018 * sin, 0.03273 + 0.02 * sin - 0.018 * cos];
+    assert!((a[0] - d[0]).hypot(a[1] - d[1]) < 1e-15 && b == [0.014, 0.072], "{a:?}, {b:?}");
+    let length = (d[0] - b[0]).hypot(d[1] - b[1]);
+    assert!((length - 0.0526725).abs() < 1e-7 && (free_length - 0.07785).abs() < 1e-16, "{length}");
 }
 
 /// The mass hangs 1 m from its hinge and is let go on its left.

@@ -68,8 +68,9 @@ fn joint(
         }
         Word::Fixed => angle("angle").map(|angle| JointKind::Fixed { angle }),
         Word::Clearance => {
-            unworn = (row.boolean_or(cx, "wear", true) == Some(false)).then_some("has wear = false");
-            clearance(cx, row, materials, unworn.is_none()).map(JointKind::Clearance)
+            let wears = row.boolean_or(cx, "wear", true);
+            unworn = (wears == Some(false)).then_some("has wear = false");
+            clearance(cx, row, materials, wears == Some(true)).map(JointKind::Clearance)
         }
     };
     let (journal, bushing) = (place(cx, row, first, bodies), place(cx, row, second, bodies));

@@ -215,5 +215,7 @@ impl<'s> Context<'s> {
 /// Whether a text is one number, with or without a unit, so that nothing had to be computed.
 fn is_number_with_unit(text: &str) -> bool {
     let unit = text.trim_start_matches(|c: char| c.is_ascii_digit() || "+-.eE ".contains(c)).trim_end();
-    unit.is_empty() || read_unit(unit).is_ok()
+    // The only digits of a unit are its exponents.
+    let exponents = |pair: &[u8]| !pair[1].is_ascii_digit() || matches!(pair[0], b'^' | b'-');
+    unit.is_empty() || (unit.as_bytes().windows(2).all(exponents) && read_unit(unit).is_ok())
 }
