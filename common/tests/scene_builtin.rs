@@ -64,33 +64,6 @@ fn the_flapping_wing_has_the_numbers_of_the_model() {
     near(thresholds[1].1, 25.0 * std::f64::consts::PI / 30.0, 1e-14);
 }
 
-/// Where a local point of a body stands at time zero, as the scene estimates it.
-fn at_start(scene: &Scene, place: Attachment) -> [f64; 2] {
-    let (origin, angle): ([f64; 2], f64) = match scene.bodies[place.body].motion {
-        Motion::Fixed => ([0.0; 2], 0.0),
-        Motion::Driven { position, drive: Drive::ConstantSpeed { start_angle, .. }, .. } => {
-            (position, start_angle)
-        }
-        Motion::Driven { .. } => panic!("{} turns at constant speed", scene.bodies[place.body].name),
-        Motion::Free { start_position, start_angle, .. } => (start_position, start_angle),
-    };
-    let (sin, cos) = angle.sin_cos();
-    let [x, y] = place.position;
-    [origin[0] + cos * x - sin * y, origin[1] + sin * x + cos * y]
-}
-
-#[test]
-fn start_positions_nearly_close_every_joint() {
-    for name in SceneSource::builtin_names() {
-        let scene = SceneSource::builtin(name).unwrap().resolve().unwrap();
-        for joint in &scene.joints {
-            let (journal, bushing) = (at_start(&scene, joint.journal), at_start(&scene, joint.bushing));
-            let gap = (journal[0] - bushing[0]).hypot(journal[1] - bushing[1]);
-            assert!(gap < 2e-6, "{name}, joint {}: gap {gap} m", joint.name);
-        }
-    }
-}
-
 /// Rocker angle of the ideal linkage at one crank angle, in the reported sense, by bisection of the closure.
 fn ideal_angle(scene: &Scene, side: &str, sign: f64, crank: f64) -> f64 {
     let rocker = body(scene, &format!("{side}_rocker"));

@@ -1,10 +1,13 @@
 //! The scenes that come with the program.
 
 /// Name and text of each built-in scene.
-pub(super) const SCENES: [(&str, &str); 3] = [
+pub(super) const SCENES: [(&str, &str); 6] = [
     ("flapping-wing", include_str!("../../scenes/flapping-wing.toml")),
     ("flapping-wing-tolerances", include_str!("../../scenes/flapping-wing-tolerances.toml")),
     ("four-bar", include_str!("../../scenes/four-bar.toml")),
+    ("slider-crank", include_str!("../../scenes/slider-crank.toml")),
+    ("pendulum", include_str!("../../scenes/pendulum.toml")),
+    ("andrews-squeezer", include_str!("../../scenes/andrews-squeezer.toml")),
 ];
 
 /// Text of a built-in scene.

@@ -1,5 +1,6 @@
 //! What can be wrong with a scene, said so that its author can mend it: file, key, value, what is allowed.
 
+use super::expression::read_unit;
 use super::quantity::{Dimension, Kind};
 use thiserror::Error;
 
@@ -218,4 +219,20 @@ pub(super) fn six_digits(value: f64) -> String {
     let rounded = format!("{value:.5e}").parse().unwrap_or(value);
     let plain = rounded == 0.0 || (1e-3..1e6).contains(&f64::abs(rounded));
     if plain { format!("{rounded}") } else { format!("{rounded:e}") }
+}
+
+/// A value in SI as a person reads it, in the unit given.
+pub(super) fn in_unit(value: f64, symbol: &str) -> String {
+    match read_unit(symbol) {
+        Ok(unit) => format!("{} {symbol}", six_digits(value * unit.divide / unit.multiply)),
+        Err(_) => six_digits(value),
+    }
+}
+
+/// A value in SI as a person reads it, in the first of the units that its kind suggests.
+pub(super) fn in_first_unit(value: f64, kind: Kind) -> String {
+    match kind.units.split(',').next() {
+        Some(symbol) if !symbol.is_empty() => in_unit(value, symbol),
+        _ => format!("{} {}", six_digits(value), kind.dimension.base_units()).trim_end().to_owned(),
+    }
 }

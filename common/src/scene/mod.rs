@@ -3,21 +3,28 @@
 //! A [`Scene`] only comes out of validation ([`SceneSource`]), so the simulation need not check again what it
 //! reads here.
 
+mod bodies;
 mod builtin;
+mod clearance;
 mod drive;
 pub mod expression;
 pub mod faults;
 mod joint;
+mod joints;
+mod life;
 mod load;
-mod mechanism;
+mod loads;
 mod merge;
 pub mod model;
 mod output;
+mod outputs;
+mod parameters;
 pub mod quantity;
 mod read;
 mod resolve;
 mod section;
 pub mod source;
+mod tables;
 mod variables;
 
 pub use drive::*;

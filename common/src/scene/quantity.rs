@@ -142,6 +142,8 @@ kinds! {
     TORQUE "a torque" (1 2 -2) "N m, N mm" "N m";
     STIFFNESS "a stiffness" (1 0 -2) "N/m, N/mm" "N/m";
     DAMPING "a damping" (1 0 -1) "N s/m" "N s/m";
+    TORSIONAL_STIFFNESS "a torsional stiffness" (1 2 -2) "N m/rad, N m/deg" "N m/rad";
+    TORSIONAL_DAMPING "a torsional damping" (1 2 -1) "N m s/rad" "N m s/rad";
     PRESSURE "a pressure" (1 -1 -2) "GPa, MPa, Pa" "Pa";
     INVERSE_PRESSURE "an inverse pressure" (-1 1 2) "1/Pa, mm^2/N" "1/Pa";
     INVERSE_SPEED "an inverse speed" (0 -1 1) "s/m" "s/m";

@@ -2,17 +2,15 @@
 //! field is noted and reading goes on, so that one pass finds every fault. What a random variable or a user
 //! overrides is looked up here, by the path of the key.
 
-use super::expression::{ExpressionError, RESERVED, evaluate};
-use super::faults::{Fault, FaultKind, nearest, six_digits};
-use super::quantity::{Dimension, Kind, NUMBER, Quantity, unit};
+use super::expression::{ExpressionError, evaluate, read_unit};
+use super::faults::{Fault, FaultKind, in_first_unit, nearest};
+use super::parameters::Parameters;
+use super::quantity::{Dimension, Kind, NUMBER, Quantity};
 use std::collections::{BTreeMap, BTreeSet};
-use toml::{Table, Value};
+use toml::Value;
 
 /// Values in SI by the path of their key.
 pub(super) type Overrides = BTreeMap<String, f64>;
-
-/// Parameters may refer to each other through this many steps.
-const PARAMETER_DEPTH: usize = 64;
 
 /// Allowed range of a number in SI.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,6 +23,10 @@ pub(super) enum Range {
     NonNegative,
     /// From .. to, both allowed.
     Within(f64, f64),
+    /// From .. to, only the second allowed.
+    Above(f64, f64),
+    /// Any but zero.
+    NotZero,
 }
 
 impl Range {
@@ -35,6 +37,8 @@ impl Range {
                 Range::Positive => value > 0.0,
                 Range::NonNegative => value >= 0.0,
                 Range::Within(from, to) => (from..=to).contains(&value),
+                Range::Above(from, to) => from < value && value <= to,
+                Range::NotZero => value != 0.0,
             }
     }
 
@@ -44,6 +48,8 @@ impl Range {
             Range::Positive => "> 0".to_owned(),
             Range::NonNegative => ">= 0".to_owned(),
             Range::Within(from, to) => format!("{from} to {to}"),
+            Range::Above(from, to) => format!("> {from} and <= {to}"),
+            Range::NotZero => "not 0".to_owned(),
         }
     }
 }
@@ -53,9 +59,8 @@ pub(super) struct Context<'s> {
     origin: &'s str,
     overrides: &'s Overrides,
     used: BTreeSet<String>,
-    definitions: Option<&'s Table>,
-    parameters: BTreeMap<String, Option<Quantity>>,
-    open: Vec<String>,
+    /// The scene's parameters.
+    pub(super) parameters: Parameters<'s>,
     /// Every quantity read, by the path of its key.
     pub(super) seen: BTreeMap<String, Quantity>,
     /// Every fault found.
@@ -68,9 +73,7 @@ impl<'s> Context<'s> {
             origin,
             overrides,
             used: BTreeSet::new(),
-            definitions: None,
-            parameters: BTreeMap::new(),
-            open: Vec::new(),
+            parameters: Parameters::default(),
             seen: BTreeMap::new(),
             faults: Vec::new(),
         }
@@ -84,59 +87,8 @@ impl<'s> Context<'s> {
         self.fault(key, FaultKind::Inconsistent { message: message.into() });
     }
 
-    /// Evaluates every parameter, and notes names that cannot be one.
-    pub(super) fn read_parameters(&mut self, table: &'s Table) {
-        self.definitions = Some(table);
-        for name in table.keys() {
-            let plain = name.chars().all(|c| c.is_alphanumeric() || c == '_')
-                && name.chars().next().is_some_and(|c| !c.is_ascii_digit());
-            let reason = if unit(name).is_some() {
-                Some("it is a unit")
-            } else if RESERVED.contains(&name.as_str()) {
-                Some("it is a function or constant of expressions")
-            } else if !plain {
-                Some("names of parameters have letters, digits and `_`, and start with a letter")
-            } else {
-                None
-            };
-            match reason {
-                Some(reason) => {
-                    let (value, reason) = (name.clone(), reason.to_owned());
-                    self.fault(format!("parameters.{name}"), FaultKind::BadName { value, reason });
-                }
-                None => {
-                    let _ = self.parameter(name);
-                }
-            }
-        }
-    }
-
-    fn parameter(&mut self, name: &str) -> Result<Quantity, ExpressionError> {
-        let broken = || ExpressionError::Broken(name.to_owned());
-        if let Some(known) = self.parameters.get(name) {
-            return known.ok_or_else(broken);
-        }
-        let definition = self.definitions.and_then(|table| table.get(name));
-        let Some(definition) = definition else {
-            let names = self.definitions.into_iter().flat_map(Table::keys).map(String::as_str);
-            let nearest = nearest(name, names);
-            return Err(ExpressionError::UnknownName { name: name.to_owned(), nearest });
-        };
-        let key = format!("parameters.{name}");
-        if self.open.iter().any(|open| open == name) || self.open.len() >= PARAMETER_DEPTH {
-            let chain = self.open.join(" -> ");
-            self.inconsistent(key, format!("depends on itself, or through too many others: {chain}"));
-            return Err(broken());
-        }
-        self.open.push(name.to_owned());
-        let value = self.value(&key, definition, None);
-        self.open.pop();
-        self.parameters.insert(name.to_owned(), value);
-        value.ok_or_else(broken)
-    }
-
     /// The quantity at a key, of the kind expected (or of any kind), overridden if somebody overrides it.
-    fn value(&mut self, key: &str, value: &Value, expected: Option<Kind>) -> Option<Quantity> {
+    pub(super) fn value(&mut self, key: &str, value: &Value, expected: Option<Kind>) -> Option<Quantity> {
         let mut quantity = self.written(key, value, expected)?;
         if let Some(&overridden) = self.overrides.get(key) {
             self.used.insert(key.to_owned());
@@ -199,21 +151,26 @@ impl<'s> Context<'s> {
         if range.contains(quantity.value) {
             return Some(quantity.value);
         }
-        let value = self.shown(key, value, quantity.value);
+        let value = self.shown(key, value, quantity.value, kind);
         self.fault(key, FaultKind::OutOfRange { value, allowed: range.words() });
         None
     }
 
-    /// A value as its author wrote it, or as an override set it.
-    pub(super) fn shown(&self, key: &str, written: &Value, value: f64) -> String {
+    /// A value as its author wrote it, with what comes of it unless that is plain to see; or as an override set it.
+    pub(super) fn shown(&self, key: &str, written: &Value, value: f64, kind: Kind) -> String {
+        let result = in_first_unit(value, kind);
         if self.overrides.contains_key(key) {
-            format!("{} (SI, set from outside)", six_digits(value))
-        } else if written.as_str().is_some_and(|text| text.contains(|c: char| c.is_alphabetic() || c == '_'))
-        {
-            format!("{written} = {} (SI)", six_digits(value))
-        } else {
-            written.to_string()
+            return format!("{result} (set from outside)");
         }
+        match written.as_str() {
+            Some(text) if !is_number_with_unit(text) => format!("{written} = {result}"),
+            _ => written.to_string(),
+        }
+    }
+
+    /// Whether nothing is overridden: the scene is read as its author wrote it.
+    pub(super) fn as_written(&self) -> bool {
+        self.overrides.is_empty()
     }
 
     /// Index of `name` among `known`, or a fault with the nearest one.
@@ -253,4 +210,12 @@ impl<'s> Context<'s> {
             self.reference(&key, "quantity", &key, known.iter().map(String::as_str));
         }
     }
+}
+
+/// Whether a text is one number, with or without a unit, so that nothing had to be computed.
+fn is_number_with_unit(text: &str) -> bool {
+    let unit = text.trim_start_matches(|c: char| c.is_ascii_digit() || "+-.eE ".contains(c)).trim_end();
+    // The only digits of a unit are its exponents.
+    let exponents = |pair: &[u8]| !pair[1].is_ascii_digit() || matches!(pair[0], b'^' | b'-');
+    unit.is_empty() || (unit.as_bytes().windows(2).all(exponents) && read_unit(unit).is_ok())
 }

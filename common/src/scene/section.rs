@@ -93,6 +93,29 @@ impl<'s> Section<'s> {
         }
     }
 
+    /// A list of quantities `(n,)`; the keys of its entries end in `.1`, `.2`, ...
+    pub(super) fn quantities(&mut self, cx: &mut Context, key: &'static str, kind: Kind) -> Option<Vec<f64>> {
+        let expected = || format!("a list, each {}", kind.in_words());
+        let value = self.require(cx, key, expected)?;
+        let path = self.key(key);
+        let Some(list) = value.as_array() else {
+            cx.wrong_type(&path, value, expected());
+            return None;
+        };
+        let read = |(i, value)| cx.quantity(&format!("{path}.{}", i + 1), value, kind, Range::Any);
+        let found: Vec<_> = list.iter().enumerate().map(read).collect();
+        found.into_iter().collect()
+    }
+
+    /// `true` or `false`, with a default.
+    pub(super) fn boolean_or(&mut self, cx: &mut Context, key: &'static str, default: bool) -> Option<bool> {
+        let Some(value) = self.get(key) else { return Some(default) };
+        if value.as_bool().is_none() {
+            cx.wrong_type(&self.key(key), value, "true or false".to_owned());
+        }
+        value.as_bool()
+    }
+
     /// A text that must be there.
     pub(super) fn text(&mut self, cx: &mut Context, key: &'static str, expected: &str) -> Option<&'s str> {
         let value = self.require(cx, key, || expected.to_owned())?;

@@ -2,7 +2,7 @@
 
 use super::builtin;
 use super::expression::{ExpressionError, evaluate};
-use super::faults::{Fault, FaultKind, Faults, nearest, six_digits};
+use super::faults::{Fault, FaultKind, Faults, in_unit, nearest};
 use super::merge::merge;
 use super::model::Scene;
 use super::quantity::{Kind, Quantity};
@@ -25,6 +25,7 @@ pub struct SceneSource {
     document: Table,
     nominal: Scene,
     seen: BTreeMap<String, Quantity>,
+    unused_parameters: Vec<String>,
 }
 
 impl SceneSource {
@@ -86,19 +87,26 @@ impl SceneSource {
         let none = Overrides::new();
         let base = resolve(origin, &document, &none).map_err(Faults)?;
         let mut cx = Context::new(origin, &none);
-        if let Some(parameters) = document.get("parameters").and_then(toml::Value::as_table) {
+        let parameters = document.get("parameters").and_then(toml::Value::as_table);
+        if let Some(parameters) = parameters {
             cx.read_parameters(parameters);
         }
         let variables = variables(&mut cx, &base.variables, &base.seen);
         if !cx.faults.is_empty() {
             return Err(Faults(cx.faults));
         }
+        let used = cx.parameters.used();
+        let mut unused_parameters: Vec<String> =
+            parameters.into_iter().flat_map(Table::keys).cloned().collect();
+        unused_parameters.retain(|name| !base.used.contains(name) && !used.contains(name));
+        unused_parameters.sort();
         let mut source = SceneSource {
             origin: origin.to_owned(),
             text,
             document,
             nominal: Scene { variables, ..base.scene },
             seen: base.seen,
+            unused_parameters,
         };
         source.nominal = source.resolve_sample(&source.means())?;
         source.check_bounds()?;
@@ -133,6 +141,12 @@ impl SceneSource {
                 Distribution::TruncatedNormal { mean, .. } => mean,
             })
             .collect()
+    }
+
+    /// Parameters that nothing in the scene depends on, sorted: a slip of the hand more often than not. What a
+    /// random variable changes counts only if something reads it.
+    pub fn unused_parameters(&self) -> Vec<String> {
+        self.unused_parameters.clone()
     }
 
     /// The nominal scene: every random variable at its mean.
@@ -242,7 +256,7 @@ impl SceneSource {
                 sample[i] = bound;
                 if let Err(Faults(found)) = self.resolve_sample(&sample) {
                     let fault = found.first().map(|fault| format!("{}: {}", fault.key, fault.kind));
-                    let value = format!("{} (SI)", six_digits(bound));
+                    let value = in_unit(bound, &variable.unit);
                     faults.push(Fault {
                         file: self.origin.clone(),
                         key: format!("variables.{}", variable.name),

@@ -2,7 +2,7 @@
 //! nominal values of what they change are known.
 
 use super::expression::read_unit;
-use super::faults::{FaultKind, six_digits};
+use super::faults::{FaultKind, in_first_unit};
 use super::quantity::{Dimension, Kind, NUMBER, Quantity};
 use super::read::{Context, Range};
 use super::section::Section;
@@ -107,11 +107,12 @@ fn variable(
     let upper = bound(cx, "upper", &row.upper, mean + reach);
     let (lower, upper) = (lower?, upper?);
     if !(lower < mean && mean < upper) {
+        let shown = |value| in_first_unit(value, Kind::of(dimension));
         let message = format!(
-            "the bounds {} and {} (SI) do not enclose the mean {}",
-            six_digits(lower),
-            six_digits(upper),
-            six_digits(mean)
+            "the bounds {} and {} do not enclose the mean {}",
+            shown(lower),
+            shown(upper),
+            shown(mean)
         );
         cx.inconsistent(format!("variables.{}", row.name), message);
         return None;
@@ -152,8 +153,8 @@ fn nominal(cx: &mut Context, row: &VariableRow, seen: &BTreeMap<String, Quantity
             Some(first) if first.value != found.value && row.mean.is_none() => {
                 let message = format!(
                     "the nominal values differ ({} and {}), so mean must be given",
-                    six_digits(first.value),
-                    six_digits(found.value)
+                    in_first_unit(first.value, Kind::of(first.dimension)),
+                    in_first_unit(found.value, Kind::of(found.dimension))
                 );
                 cx.inconsistent(place, message);
                 return None;

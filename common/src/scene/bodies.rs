@@ -1,0 +1,170 @@
+//! Reads bodies: their motion, the drives of those that are driven, their points; and places on them.
+
+use super::drive::Drive;
+use super::faults::FaultKind;
+use super::model::{Attachment, Body, DrivenInertia, Motion, Point};
+use super::quantity::*;
+use super::read::{Context, Range};
+use super::section::{Section, pair};
+use super::tables::{Repetition, over_time};
+
+/// How a body moves, in one word.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum MotionWord {
+    /// Part of the frame.
+    Fixed,
+    /// Turns as prescribed.
+    Driven,
+    /// Moves as it must.
+    Free,
+}
+
+/// A body as far as it could be read. A faulty one keeps its place and points, so that references find them.
+pub(super) struct BodyRow {
+    pub(super) name: String,
+    /// How it moves, unless that is not said.
+    pub(super) word: Option<MotionWord>,
+    /// Its motion, unless faulty.
+    pub(super) motion: Option<Motion>,
+    points: Vec<Point>,
+}
+
+impl BodyRow {
+    /// The body, unless faulty.
+    pub(super) fn checked(self) -> Option<Body> {
+        Some(Body { name: self.name, motion: self.motion?, points: self.points })
+    }
+}
+
+/// Reads `[[bodies]]`.
+pub(super) fn bodies(cx: &mut Context, file: &mut Section) -> Vec<BodyRow> {
+    let words = [("fixed", MotionWord::Fixed), ("driven", MotionWord::Driven), ("free", MotionWord::Free)];
+    let mut bodies = Vec::new();
+    for (name, mut row) in file.rows(cx, "bodies") {
+        let word = row.word(cx, "motion", &words);
+        let motion = word.and_then(|word| match word {
+            MotionWord::Fixed => Some(Motion::Fixed),
+            MotionWord::Driven => driven(cx, &mut row),
+            MotionWord::Free => free(cx, &mut row),
+        });
+        let points = points(cx, &mut row);
+        row.finish(cx);
+        bodies.push(BodyRow { name: name.to_owned(), word, motion, points });
+    }
+    if bodies.is_empty() {
+        cx.fault("bodies", FaultKind::Missing { expected: "at least one body, [[bodies]]".to_owned() });
+    }
+    bodies
+}
+
+fn driven(cx: &mut Context, row: &mut Section) -> Option<Motion> {
+    let position = row.pair(cx, "position", LENGTH);
+    let drive = drive(cx, row);
+    let inertia = driven_inertia(cx, row);
+    Some(Motion::Driven { position: position?, drive: drive?, inertia: inertia? })
+}
+
+/// A body is driven at a speed, constant or by a table, or at an angle by a table.
+fn drive(cx: &mut Context, row: &mut Section) -> Option<Drive> {
+    let (speed, angle) = (row.get("speed"), row.get("angle"));
+    let start = row.get("start_angle");
+    match (speed, angle) {
+        (Some(speed), None) => {
+            let start_angle = row.quantity_or(cx, "start_angle", ANGLE, Range::Any, 0.0);
+            if speed.is_table() {
+                let table = over_time(cx, row, "speed", ANGULAR_VELOCITY, Repetition::Closed);
+                return Some(Drive::Speed { start_angle: start_angle?, table: table? });
+            }
+            let speed = row.quantity(cx, "speed", ANGULAR_VELOCITY, Range::NotZero);
+            Some(Drive::ConstantSpeed { start_angle: start_angle?, speed: speed? })
+        }
+        (None, Some(_)) => {
+            let table = over_time(cx, row, "angle", ANGLE, Repetition::GoesOn);
+            if start.is_some() {
+                let message = "goes with speed; a table of the angle says itself where it starts";
+                cx.inconsistent(row.key("start_angle"), message);
+            }
+            table.map(Drive::Angle)
+        }
+        (Some(_), Some(_)) => {
+            cx.inconsistent(&row.path, "give either speed or angle, not both");
+            None
+        }
+        (None, None) => {
+            let expected = format!("{}, or a table of it, or angle, a table", ANGULAR_VELOCITY.in_words());
+            cx.fault(row.key("speed"), FaultKind::Missing { expected });
+            None
+        }
+    }
+}
+
+/// Mass and moment of inertia of a driven body: both or neither.
+fn driven_inertia(cx: &mut Context, row: &mut Section) -> Option<Option<DrivenInertia>> {
+    let given = ["mass", "inertia", "centre_of_mass"].map(|key| row.get(key).is_some());
+    if given == [false; 3] {
+        return Some(None);
+    }
+    let mass = row.quantity(cx, "mass", MASS, Range::Positive);
+    let inertia = row.quantity(cx, "inertia", INERTIA, Range::Positive);
+    let centre_of_mass = row.pair_or(cx, "centre_of_mass", LENGTH, [0.0; 2]);
+    Some(Some(DrivenInertia { mass: mass?, inertia: inertia?, centre_of_mass: centre_of_mass? }))
+}
+
+fn free(cx: &mut Context, row: &mut Section) -> Option<Motion> {
+    let mass = row.quantity(cx, "mass", MASS, Range::Positive);
+    let inertia = row.quantity(cx, "inertia", INERTIA, Range::Positive);
+    let centre_of_mass = row.pair(cx, "centre_of_mass", LENGTH);
+    let start_position = row.pair(cx, "start_position", LENGTH);
+    let start_angle = row.quantity(cx, "start_angle", ANGLE, Range::Any);
+    let start_velocity = row.pair_or(cx, "start_velocity", SPEED, [0.0; 2]);
+    let start_speed = row.quantity_or(cx, "start_speed", ANGULAR_VELOCITY, Range::Any, 0.0);
+    Some(Motion::Free {
+        mass: mass?,
+        inertia: inertia?,
+        centre_of_mass: centre_of_mass?,
+        start_position: start_position?,
+        start_angle: start_angle?,
+        start_velocity: start_velocity?,
+        start_speed: start_speed?,
+    })
+}
+
+fn points(cx: &mut Context, row: &mut Section) -> Vec<Point> {
+    let Some(section) = row.section_if_any(cx, "points") else { return Vec::new() };
+    let mut points = Vec::new();
+    for (name, value) in section.entries() {
+        // A faulty point keeps its name, so that references to it are not faults as well.
+        let position = pair(cx, &section.key(name), value, LENGTH).unwrap_or_default();
+        points.push(Point { name: name.clone(), position });
+    }
+    points
+}
+
+/// Reads the name of a body; its index.
+pub(super) fn body(
+    cx: &mut Context,
+    row: &mut Section,
+    key: &'static str,
+    bodies: &[BodyRow],
+) -> Option<usize> {
+    let name = row.text(cx, key, "the name of a body")?;
+    cx.reference(&row.key(key), "body", name, bodies.iter().map(|body| body.name.as_str()))
+}
+
+/// Reads a place `{ body = "...", point = "..." }`.
+pub(super) fn place(
+    cx: &mut Context,
+    row: &mut Section,
+    key: &'static str,
+    bodies: &[BodyRow],
+) -> Option<Attachment> {
+    let mut place = row.section(cx, key, "a place { body, point }")?;
+    let body = body(cx, &mut place, "body", bodies);
+    let point = place.text(cx, "point", "the name of a point of that body");
+    let point_key = place.key("point");
+    place.finish(cx);
+    let body = body?;
+    let points = &bodies[body].points;
+    let point = cx.reference(&point_key, "point", point?, points.iter().map(|point| point.name.as_str()))?;
+    Some(Attachment { body, position: points[point].position })
+}

@@ -1,0 +1,98 @@
+//! Faults of joints and of what dissipates in them.
+
+use crate::{faults, one_fault};
+
+#[test]
+fn joints() {
+    one_fault(
+        "hinge",
+        "type = \"revolute\"",
+        "type = \"ideal\"",
+        "joints.hinge.type: \"ideal\" is unknown; allowed: revolute, prismatic, fixed, clearance",
+    );
+    one_fault(
+        "hinge",
+        "b = { body = \"crank\", point = \"pin\" }",
+        "b = { body = \"rod\", point = \"far\" }",
+        "joints.hinge: a and b are on the same body",
+    );
+    one_fault(
+        "worn",
+        "bushing = { body = \"slider\", point = \"pin\" }",
+        "bushing = { body = \"rod\", point = \"near\" }",
+        "joints.worn: journal and bushing are on the same body",
+    );
+    let found = faults("name = \"hinge\"", "a = {", "journal = {");
+    assert_eq!(found.len(), 2, "{found:#?}");
+    assert!(found[0].contains("joints.hinge.a: is missing, expected a place { body, point }"), "{found:?}");
+    assert!(
+        found[1].contains("joints.hinge.journal: unknown key; allowed here: name, type, a, b"),
+        "{found:?}"
+    );
+    one_fault("guide", "axis = \"15 deg\"", "axis = \"15 mm\"", "joints.guide.axis: \"15 mm\" is a length");
+    one_fault("weld", "angle = \"90 deg\"", "axis = \"9 deg\"", "joints.weld.axis: unknown key");
+    one_fault("weld", "name = \"weld\"", "name = \"guide\"", "the name \"guide\" is taken");
+    one_fault(
+        "unworn",
+        "wear = false",
+        "wear = \"no\"",
+        "joints.unworn.wear: \"no\" is a text, expected true or",
+    );
+    one_fault("worn", "wear_coefficient = \"1e-13 1/Pa\"\n", "", "joints.worn.wear_coefficient: is missing");
+    one_fault(
+        "held",
+        "\"1e-13 1/Pa\"",
+        "\"-1e-13 1/Pa\"",
+        "joints.held.wear_coefficient: \"-1e-13 1/Pa\" is out",
+    );
+    one_fault(
+        "worn",
+        "wall = \"1 mm\"",
+        "wall = \"0 mm\"",
+        "joints.worn.wall: \"0 mm\" is out of range, allowed: > 0",
+    );
+}
+
+#[test]
+fn damping() {
+    let law = "law = \"lankarani-nikravesh\"";
+    one_fault(
+        "unworn",
+        law,
+        "law = \"lankarani-nikraves\"",
+        "contact_damping.law: \"lankarani-nikraves\" is unknown, did you mean \"lankarani-nikravesh\"?; allowed: lank",
+    );
+    for value in ["0", "1.01", "-0.5"] {
+        one_fault(
+            "unworn",
+            "restitution = 0.9",
+            &format!("restitution = {value}"),
+            &format!("damping.restitution: {value} is out of range, allowed: > 0 and <= 1"),
+        );
+    }
+    one_fault("unworn", "restitution = 0.9, ", "", "contact_damping.restitution: is missing");
+    one_fault(
+        "unworn",
+        "\"2 mm/s\"",
+        "\"0 mm/s\"",
+        "contact_damping.least_speed: \"0 mm/s\" is out of range",
+    );
+    one_fault(
+        "unworn",
+        law,
+        &format!("{law}, hunt_crossley = \"1 s/m\""),
+        "joints.unworn.contact_damping: give either hunt_crossley or law, not both",
+    );
+    one_fault(
+        "worn",
+        "{ hunt_crossley = \"7.5 s/m\" }",
+        "{ }",
+        "contact_damping.hunt_crossley: is missing, expected an inverse speed (s/m, ...), or law with restitution",
+    );
+    one_fault(
+        "worn",
+        "{ hunt_crossley = \"7.5 s/m\" }",
+        "7.5",
+        "contact_damping: 7.5 is a number, expected \"none\"",
+    );
+}

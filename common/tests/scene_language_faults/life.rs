@@ -1,0 +1,67 @@
+//! Faults of the cycle.
+
+use crate::{EVERYTHING, faults, one_fault};
+use common::scene::SceneSource;
+
+#[test]
+fn life() {
+    let life = "[life]";
+    let fault = |from: &str, to: &str, expected: &str| {
+        let found = faults(life, from, to);
+        assert_eq!(found.len(), 1, "{found:#?}");
+        assert!(found[0].contains(expected), "found    {}\nexpected {expected}", found[0]);
+    };
+    fault(
+        "period = \"0.1 s\"\n",
+        "",
+        "life.period: is missing, expected a time: the scene has 4 driven bodies, not one",
+    );
+    fault(
+        "settle_cycles = 3",
+        "settle_cycles = -1",
+        "life.settle_cycles: -1 is out of range, allowed: 0 to 1000",
+    );
+    fault("settle_cycles = 3", "settle_cycles = 1001", "life.settle_cycles: 1001 is out of range");
+    // 0.15 s holds three tables of the wheel, and half of a turn of the crank and of the cam.
+    let found = faults(life, "\"0.1 s\"", "\"0.15 s\"");
+    assert_eq!(found.len(), 2, "{found:#?}");
+    for (fault, body) in found.iter().zip(["crank", "cam"]) {
+        let expected = format!(
+            "life.period: a cycle of 0.15 s is no multiple of 0.1 s, after which bodies.{body} repeats"
+        );
+        assert!(fault.contains(&expected), "{fault}");
+    }
+    one_fault(
+        "push",
+        "\"50 ms\"",
+        "\"30 ms\"",
+        "life.period: a cycle of 0.1 s is no multiple of 0.03 s, after which loads.push.size repeats itself",
+    );
+    one_fault(
+        "cam",
+        "\"365 deg\"",
+        "\"355 deg\"",
+        "bodies.cam.angle.value: advances by 350 deg over a cycle, which is no whole number of turns",
+    );
+    // A motion seen once, from its start, may be cut anywhere.
+    let once = EVERYTHING
+        .replacen(
+            "\"0.1 s\"\ncycles = 2000\ncheckpoint_every = 1000",
+            "\"0.15 s\"\ncycles = 1\ncheckpoint_every = 1",
+            1,
+        )
+        .replacen("settle_cycles = 3", "settle_cycles = 0", 1);
+    assert_eq!(SceneSource::parse(&once, "once").unwrap().nominal().life.period, 0.15);
+}
+
+#[test]
+fn without_a_repeating_drive_the_period_must_be_given() {
+    let four_bar = SceneSource::builtin("four-bar").unwrap().text().to_owned();
+    let angle = "angle = { over = \"time\", at = [\"0 s\", \"1 s\"], value = [\"0 deg\", \"9 deg\"], repeat = false }";
+    let text = four_bar.replacen("start_angle = \"0 deg\"\nspeed = \"900 r/min\"", angle, 1);
+    let found = SceneSource::parse(&text, "my.toml").unwrap_err().to_string();
+    assert!(
+        found.contains("life.period: is missing, expected a time: the table of \"crank\" does not repeat"),
+        "{found}"
+    );
+}

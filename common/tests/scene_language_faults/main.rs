@@ -1,0 +1,87 @@
+//! Faults of joints, drives, tables, loads, outputs and life: each named by file, key, value and what is allowed.
+
+mod drives;
+mod joints;
+mod life;
+mod loads;
+mod outputs;
+
+use common::scene::SceneSource;
+
+const EVERYTHING: &str = include_str!("../scenes/everything.toml");
+
+/// The faults after replacing one piece of the scene's text, where it stands first after `place`.
+fn faults(place: &str, from: &str, to: &str) -> Vec<String> {
+    let start = EVERYTHING.find(place).unwrap_or_else(|| panic!("the scene has no {place}"));
+    let (before, after) = EVERYTHING.split_at(start);
+    assert!(after.contains(from), "the scene has no {from} after {place}");
+    let text = format!("{before}{}", after.replacen(from, to, 1));
+    match SceneSource::parse(&text, "my.toml") {
+        Ok(_) => panic!("{to} was accepted"),
+        Err(faults) => faults.0.iter().map(ToString::to_string).collect(),
+    }
+}
+
+/// One fault, which is this one, after a replacement in the row of this name.
+#[track_caller]
+fn one_fault(place: &str, from: &str, to: &str, expected: &str) {
+    let found = faults(&format!("name = \"{place}\""), from, to);
+    assert_eq!(found.len(), 1, "{found:#?}");
+    assert!(found[0].contains(expected), "found    {}\nexpected {expected}", found[0]);
+    assert!(found[0].starts_with("my.toml: "), "{}", found[0]);
+}
+
+#[test]
+fn computed_values_are_shown_in_readable_units() {
+    one_fault(
+        "unworn",
+        "\"30 um\"",
+        "\"-arm * 0.067\"",
+        "\"-arm * 0.067\" = -1.34 mm is out of range, allowed: > 0",
+    );
+    one_fault(
+        "unworn",
+        "\"30 um\"",
+        "\"arm\"",
+        "\"arm\" = 20 mm is out of range, allowed: smaller than journal_radius = 4 mm",
+    );
+    one_fault(
+        "weight",
+        "[\"0 N\", \"-3 N\"]",
+        "[\"0 N\", \"arm\"]",
+        "loads.weight.force.y: \"arm\" is a length",
+    );
+    let source = SceneSource::parse(EVERYTHING, "my.toml").unwrap();
+    let wall = source.parse_setting("joints.worn.wall = -0.2 cm").unwrap();
+    let found = source.resolve_with(&[wall]).unwrap_err().to_string();
+    assert!(
+        found.contains("joints.worn.wall: -2 mm (set from outside) is out of range, allowed: > 0"),
+        "{found}"
+    );
+}
+
+#[test]
+fn faults_of_all_parts_at_once() {
+    let text = EVERYTHING
+        .replacen("\"20 ms\"", "\"20 N\"", 1)
+        .replacen("axis = \"15 deg\"", "axis = \"15 N\"", 1)
+        .replacen("restitution = 0.9", "restitution = 2", 1)
+        .replacen("no_load_speed = \"-3000 r/min\"", "no_load_speed = \"0 r/min\"", 1)
+        .replacen(
+            "type = \"driving-torque\"\nbody = \"crank\"",
+            "type = \"driving-torque\"\nbody = \"rod\"",
+            1,
+        )
+        .replacen("settle_cycles = 3", "settle_cycles = -3", 1);
+    let found = SceneSource::parse(&text, "my.toml").unwrap_err();
+    let keys: Vec<_> = found.0.iter().map(|fault| fault.key.as_str()).collect();
+    let expected = [
+        "bodies.wheel.speed.at.2",
+        "joints.guide.axis",
+        "joints.unworn.contact_damping.restitution",
+        "loads.motor.no_load_speed",
+        "outputs.torque.body",
+        "life.settle_cycles",
+    ];
+    assert_eq!(keys, expected);
+}
