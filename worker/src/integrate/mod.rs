@@ -3,7 +3,7 @@
 mod advance;
 #[cfg(test)]
 mod impact_tests;
-pub(crate) mod linear;
+mod linear;
 mod rosenbrock;
 
 pub use advance::{Advance, AdvanceError, AdvanceStats, Watch};

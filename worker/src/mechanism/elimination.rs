@@ -1,17 +1,18 @@
 //! Ideal joints of an island, eliminated: the equations of motion keep the form M qdd = f, with the joints'
 //! reactions part of f.
 //!
-//! M a + G' lambda = f and G a + h = 0 (prescribed bodies' accelerations included in h) give, with W = M^-1 and
-//! the m x m matrix S = G W G', S lambda = G W f + h and the force f - G' lambda. Its exact derivatives follow
-//! from the same matrix: for a column x of coordinates, rates or time, r = df/dx - d(G' lambda)/dx and
-//! c = d(G a + h)/dx give r - G' S^-1 (G W r + c). Positions and velocities that the integration lets drift off the
-//! constraints are moved back along W G'.
+//! M a + G' lambda = f and G a + h = 0 (prescribed bodies' accelerations included in h). With the rows of G M^-1/2
+//! orthonormalised, M^-1/2 G' = Q R, and z = R^-T h, the force with reactions is
+//! f - G' lambda = M^1/2 [(1 - Q Q') M^-1/2 f - Q z]: the part of f that the joints leave, and what keeps them closed.
+//! Nothing is squared, so that bodies next to without inertia are no harm. Its exact derivatives follow from the same
+//! Q and R: for a column x of coordinates, rates or time, f is replaced by df/dx - d(G' lambda)/dx and h by
+//! d(G a + h)/dx. Positions and velocities that the integration lets drift off the constraints are moved back along
+//! M^-1/2 Q.
 
 use super::constraint::{Constraint, first_rows};
 use super::frame::Frame;
 use super::table::Jet;
 use crate::integrate::Linearised;
-use crate::integrate::linear::{cholesky, cholesky_solve};
 
 /// The ideal joints of an island with `n` coordinates and `m` rows of constraints.
 #[derive(Debug, Clone)]
@@ -26,15 +27,20 @@ pub struct Elimination {
     m: usize,
     /// Values of the constraints, or another column `(m,)`.
     phi: Vec<f64>,
-    /// Their derivative G `(m, n)`.
-    g: Vec<f64>,
-    /// Factor of S `(m, m)`.
-    s: Vec<f64>,
+    /// Q', orthonormal rows `(m, n)`.
+    basis: Vec<f64>,
+    /// R', lower triangular `(m, m)`.
+    r: Vec<f64>,
     /// h, later the multipliers lambda `(m,)`.
     lambda: Vec<f64>,
-    /// c and S^-1 (G W r + c) `(m, n)`.
+    /// Derivatives of G a + h `(m, n)`.
     c: Vec<f64>,
+    /// Square roots of the masses `(n,)`.
+    root: Vec<f64>,
 }
+
+/// A row that keeps less than this share of its length beside the rows before it depends on them.
+const DEPENDENT: f64 = 1e-10;
 
 /// Where the bodies of an island are, prescribed ones after the free ones.
 #[derive(Clone, Copy)]
@@ -55,8 +61,9 @@ impl Placed<'_> {
 }
 
 impl Elimination {
-    /// For an island with `n` coordinates.
-    pub fn new(constraints: Vec<Constraint>, n: usize) -> Self {
+    /// For an island with the diagonal mass matrix `mass` `(n,)`.
+    pub fn new(constraints: Vec<Constraint>, mass: &[f64]) -> Self {
+        let n = mass.len();
         let (first, m) = first_rows(&constraints);
         Elimination {
             constraints,
@@ -64,10 +71,11 @@ impl Elimination {
             n,
             m,
             phi: vec![0.0; m],
-            g: vec![0.0; m * n],
-            s: vec![0.0; m * m],
+            basis: vec![0.0; m * n],
+            r: vec![0.0; m * m],
             lambda: vec![0.0; m],
             c: vec![0.0; m * n],
+            root: mass.iter().map(|mass| mass.sqrt()).collect(),
         }
     }
 
@@ -81,32 +89,50 @@ impl Elimination {
         (self.first[k], self.constraints[k])
     }
 
-    /// Fills phi, G and the factor of S; false if the joints' directions are dependent here.
+    /// Fills phi, Q and R; false if the joints' directions are dependent here.
     fn factor(&mut self, at: Placed) -> bool {
         let n = self.n;
-        self.g.fill(0.0);
+        self.basis.fill(0.0);
         for joint in 0..self.constraints.len() {
             let (first, c) = self.joint(joint);
             let (phi, rows) = c.position(&at.frames[c.ends[0].frame], &at.frames[c.ends[1].frame]);
             for r in 0..c.rows() {
                 self.phi[first + r] = phi[r];
-                for (side, end) in c.ends.iter().enumerate() {
-                    if at.jet(end.frame).is_none() {
-                        for k in 0..3 {
-                            self.g[(first + r) * n + 3 * end.frame + k] = rows[r][3 * side + k];
-                        }
+                for (side, end) in c.ends.iter().enumerate().filter(|(_, end)| at.jet(end.frame).is_none()) {
+                    for k in 3 * end.frame..3 * end.frame + 3 {
+                        self.basis[(first + r) * n + k] =
+                            rows[r][3 * side + k - 3 * end.frame] / self.root[k];
                     }
                 }
             }
         }
+        self.orthonormalise()
+    }
+
+    /// Turns the rows of `basis` into Q' and R' by Gram and Schmidt's method, twice; false if they are dependent.
+    fn orthonormalise(&mut self) -> bool {
+        let n = self.n;
+        self.r.fill(0.0);
         for i in 0..self.m {
-            for j in 0..=i {
-                let (a, b) = (&self.g[i * n..(i + 1) * n], &self.g[j * n..(j + 1) * n]);
-                self.s[i * self.m + j] =
-                    a.iter().zip(b).zip(at.mass).map(|((a, b), mass)| a * b / mass).sum();
+            let (done, rest) = self.basis.split_at_mut(i * n);
+            let row = &mut rest[..n];
+            let length = row.iter().map(|x| x * x).sum::<f64>().sqrt();
+            for _ in 0..2 {
+                for (j, other) in done.chunks_exact(n).enumerate() {
+                    let share: f64 = row.iter().zip(other).map(|(x, y)| x * y).sum();
+                    self.r[i * self.m + j] += share;
+                    row.iter_mut().zip(other).for_each(|(x, y)| *x -= share * y);
+                }
             }
+            let left = row.iter().map(|x| x * x).sum::<f64>().sqrt();
+            // A comparison with NaN is false: counts as dependent.
+            if !(left > DEPENDENT * length) {
+                return false;
+            }
+            self.r[i * self.m + i] = left;
+            row.iter_mut().for_each(|x| *x /= left);
         }
-        cholesky(&mut self.s, self.m)
+        true
     }
 
     /// Adds the reactions to the applied force `f`; false if the joints' directions are dependent here.
@@ -130,14 +156,18 @@ impl Elimination {
                 }
             }
         }
-        let rows = self.g.chunks_exact(self.n);
-        for (lambda, g) in self.lambda.iter_mut().zip(rows) {
-            *lambda += g.iter().zip(f.iter()).zip(at.mass).map(|((g, f), mass)| g * f / mass).sum::<f64>();
+        // z = R^-T h in the place of h, then lambda = R^-1 (Q' M^-1/2 f + z) and the force left.
+        forward(&self.r, self.m, &mut self.lambda, 1);
+        let weighted = |row: &[f64], f: &[f64], root: &[f64]| -> f64 {
+            row.iter().zip(f).zip(root).map(|((q, f), root)| q * f / root).sum()
+        };
+        for (lambda, row) in self.lambda.iter_mut().zip(self.basis.chunks_exact(self.n)) {
+            *lambda += weighted(row, f, &self.root);
         }
-        cholesky_solve(&self.s, self.m, &mut self.lambda, 1);
-        for (lambda, g) in self.lambda.iter().zip(self.g.chunks_exact(self.n)) {
-            f.iter_mut().zip(g).for_each(|(f, g)| *f -= g * lambda);
+        for (share, row) in self.lambda.iter().zip(self.basis.chunks_exact(self.n)) {
+            f.iter_mut().zip(row).zip(&self.root).for_each(|((f, q), root)| *f -= share * q * root);
         }
+        backward(&self.r, self.m, &mut self.lambda);
         true
     }
 
@@ -150,10 +180,10 @@ impl Elimination {
         for rates in [false, true] {
             self.constraint_derivatives(at, &to.f, rates);
             let matrix = if rates { &mut to.d } else { &mut to.k };
-            reduce(&self.g, &self.s, at.mass, &mut self.c, matrix, [self.m, n, n]);
+            reduce(&self.basis, &self.r, &self.root, &mut self.c, matrix, n);
         }
         self.time_derivative(at, &to.f);
-        reduce(&self.g, &self.s, at.mass, &mut self.phi, &mut to.ft, [self.m, n, 1]);
+        reduce(&self.basis, &self.r, &self.root, &mut self.phi, &mut to.ft, 1);
     }
 
     /// Subtracts d(G' lambda)/dx, and the reactions on prescribed bodies.
@@ -249,7 +279,7 @@ impl Elimination {
         }
     }
 
-    /// One Newton step of the positions back onto the constraints, dq = -W G' S^-1 phi; returns the largest gap
+    /// One Newton step of the positions back onto the constraints, dq = -M^-1/2 Q R^-T phi; returns the largest gap
     /// before it (angles at arm `size`) [m], or nothing if the joints' directions are dependent here.
     pub fn close_positions(&mut self, at: Placed, size: f64, q: &mut [f64]) -> Option<f64> {
         if !self.factor(at) {
@@ -263,19 +293,19 @@ impl Elimination {
             }
         }
         self.lambda.copy_from_slice(&self.phi);
-        self.move_along(at.mass, q);
+        forward(&self.r, self.m, &mut self.lambda, 1);
+        self.move_along(q);
         Some(gap)
     }
 
     /// After [`Self::close_positions`] where nothing was left to close: takes from the velocities what the joints
-    /// forbid, dv = -W G' S^-1 (G v + dphi/dt).
+    /// forbid, dv = -M^-1/2 Q (Q' M^1/2 v + R^-T dphi/dt).
     pub fn close_velocities(&mut self, at: Placed, v: &mut [f64]) {
         for joint in 0..self.constraints.len() {
             let (first, c) = self.joint(joint);
             let (_, rows) = c.position(&at.frames[c.ends[0].frame], &at.frames[c.ends[1].frame]);
             for r in 0..c.rows() {
-                let g = &self.g[(first + r) * self.n..(first + r + 1) * self.n];
-                self.lambda[first + r] = g.iter().zip(v.iter()).map(|(g, v)| g * v).sum();
+                self.lambda[first + r] = 0.0;
                 for (side, end) in c.ends.iter().enumerate() {
                     if let Some([_, omega, ..]) = at.jet(end.frame) {
                         self.lambda[first + r] += rows[r][3 * side + 2] * omega;
@@ -283,35 +313,55 @@ impl Elimination {
                 }
             }
         }
-        self.move_along(at.mass, v);
+        forward(&self.r, self.m, &mut self.lambda, 1);
+        for (lambda, row) in self.lambda.iter_mut().zip(self.basis.chunks_exact(self.n)) {
+            *lambda +=
+                row.iter().zip(v.iter()).zip(&self.root).map(|((q, v), root)| q * v * root).sum::<f64>();
+        }
+        self.move_along(v);
     }
 
-    /// x -= W G' S^-1 lambda.
-    fn move_along(&mut self, mass: &[f64], x: &mut [f64]) {
-        cholesky_solve(&self.s, self.m, &mut self.lambda, 1);
-        for (lambda, g) in self.lambda.iter().zip(self.g.chunks_exact(self.n)) {
-            x.iter_mut().zip(g).zip(mass).for_each(|((x, g), mass)| *x -= g * lambda / mass);
+    /// x -= M^-1/2 Q lambda.
+    fn move_along(&self, x: &mut [f64]) {
+        for (lambda, row) in self.lambda.iter().zip(self.basis.chunks_exact(self.n)) {
+            x.iter_mut().zip(row).zip(&self.root).for_each(|((x, q), root)| *x -= lambda * q / root);
         }
     }
 }
 
-/// x - G' S^-1 (G W x + c) for the columns of `x` `(n, columns)` and `c` `(m, columns)`, in place.
-fn reduce(g: &[f64], s: &[f64], mass: &[f64], c: &mut [f64], x: &mut [f64], [m, n, columns]: [usize; 3]) {
-    for (row, c) in c.chunks_exact_mut(columns).enumerate() {
-        for k in 0..n {
-            let share = g[row * n + k] / mass[k];
-            if share != 0.0 {
-                c.iter_mut().zip(&x[k * columns..]).for_each(|(c, x)| *c += share * x);
-            }
+/// R^-T x in the place of `x` `(m, columns)`.
+fn forward(r: &[f64], m: usize, x: &mut [f64], columns: usize) {
+    for i in 0..m {
+        let (done, row) = x.split_at_mut(i * columns);
+        for (known, factor) in done.chunks_exact(columns).zip(&r[i * m..]) {
+            row.iter_mut().zip(known).for_each(|(x, y)| *x -= factor * y);
+        }
+        row[..columns].iter_mut().for_each(|x| *x /= r[i * m + i]);
+    }
+}
+
+/// R^-1 x in the place of `x` `(m,)`.
+fn backward(r: &[f64], m: usize, x: &mut [f64]) {
+    for i in (0..m).rev() {
+        for k in i + 1..m {
+            x[i] -= r[k * m + i] * x[k];
+        }
+        x[i] /= r[i * m + i];
+    }
+}
+
+/// M^1/2 [(1 - Q Q') M^-1/2 x - Q R^-T c] in the place of `x` `(n, columns)`, with `c` `(m, columns)`.
+fn reduce(basis: &[f64], r: &[f64], root: &[f64], c: &mut [f64], x: &mut [f64], columns: usize) {
+    let (n, m) = (root.len(), c.len() / columns);
+    forward(r, m, c, columns);
+    for (c, row) in c.chunks_exact_mut(columns).zip(basis.chunks_exact(n)) {
+        for ((q, root), x) in row.iter().zip(root).zip(x.chunks_exact(columns)) {
+            c.iter_mut().zip(x).for_each(|(c, x)| *c += q / root * x);
         }
     }
-    cholesky_solve(s, m, c, columns);
-    for (row, c) in c.chunks_exact(columns).enumerate() {
-        for k in 0..n {
-            let share = g[row * n + k];
-            if share != 0.0 {
-                x[k * columns..(k + 1) * columns].iter_mut().zip(c).for_each(|(x, c)| *x -= share * c);
-            }
+    for (c, row) in c.chunks_exact(columns).zip(basis.chunks_exact(n)) {
+        for ((q, root), x) in row.iter().zip(root).zip(x.chunks_exact_mut(columns)) {
+            x.iter_mut().zip(c).for_each(|(x, c)| *x -= q * root * c);
         }
     }
 }

@@ -52,14 +52,14 @@ pub fn islands(scene: &Scene) -> Result<Vec<Island>, SimulationFailure> {
 }
 
 /// An island being put together: frames are its free bodies, then the prescribed ones it touches.
-struct Place<'a> {
+pub(super) struct Place<'a> {
     scene: &'a Scene,
     bodies: Vec<usize>,
     frames: Vec<usize>,
 }
 
 impl<'a> Place<'a> {
-    fn new(scene: &'a Scene, bodies: Vec<usize>) -> Self {
+    pub(super) fn new(scene: &'a Scene, bodies: Vec<usize>) -> Self {
         Place { scene, frames: bodies.clone(), bodies }
     }
 
@@ -67,7 +67,7 @@ impl<'a> Place<'a> {
         self.bodies.contains(&body)
     }
 
-    fn frame(&mut self, body: usize) -> usize {
+    pub(super) fn frame(&mut self, body: usize) -> usize {
         self.frames.iter().position(|&b| b == body).unwrap_or_else(|| {
             self.frames.push(body);
             self.frames.len() - 1
@@ -105,7 +105,9 @@ impl<'a> Place<'a> {
                 ideal => constraints.push(Constraint::new(index, ends, ideal)),
             }
         }
-        let loads = scene.loads.iter().filter_map(|load| self.load(load)).collect();
+        let mine = |load: &&Load| coupled_bodies(load).iter().any(|b| self.bodies.contains(b));
+        let acting: Vec<&Load> = scene.loads.iter().filter(mine).collect();
+        let loads = acting.into_iter().map(|load| self.load(load)).collect();
         let mut mass = Vec::new();
         let mut weight = Vec::new();
         for &b in &self.bodies {
@@ -114,19 +116,21 @@ impl<'a> Place<'a> {
                 weight.extend([m * scene.gravity[0], m * scene.gravity[1], 0.0]);
             }
         }
-        let touched = self.frames[self.bodies.len()..].to_vec();
+        let touched = self.touched().to_vec();
         let prescribed = touched.iter().filter_map(|&b| Prescribed::of(&scene.bodies[b])).collect();
-        let ideal = Elimination::new(constraints, mass.len());
+        let ideal = Elimination::new(constraints, &mass);
         let island = Island::new(self.bodies, touched, joints, ideal, prescribed, loads, mass, weight);
         island.scaled(scene)
     }
 
-    /// The load, if it acts on a body of this island.
-    fn load(&mut self, load: &Load) -> Option<IslandLoad> {
-        if !coupled_bodies(load).iter().any(|&b| self.has(b)) {
-            return None;
-        }
-        Some(match load {
+    /// Prescribed bodies whose frames have been asked for.
+    pub(super) fn touched(&self) -> &[usize] {
+        &self.frames[self.bodies.len()..]
+    }
+
+    /// The load, with its places among the frames.
+    pub(super) fn load(&mut self, load: &Load) -> IslandLoad {
+        match load {
             Load::DirectionalSpring { at, anchor, direction, stiffness, free_length, .. } => {
                 IslandLoad::DirectionalSpring {
                     ends: [self.end(at), self.end(anchor)],
@@ -169,6 +173,6 @@ impl<'a> Place<'a> {
                 stall_torque: *stall_torque,
                 no_load_speed: *no_load_speed,
             },
-        })
+        }
     }
 }

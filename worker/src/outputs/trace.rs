@@ -42,6 +42,11 @@ impl BodyTrack {
         hermite(&self.time, &self.omega, &self.alpha, k, t)
     }
 
+    /// Angular velocity at times `at` (increasing, within the track), by linear interpolation [rad/s].
+    pub fn speed_at(&self, at: &[f64]) -> Vec<f64> {
+        linear(&self.time, &self.omega, at)
+    }
+
     /// Angle and angular velocity at times `at` (increasing, within the track), each by cubic Hermite
     /// interpolation of the integrator's own values.
     pub fn resample(&self, at: &[f64]) -> (Vec<f64>, Vec<f64>) {
@@ -77,9 +82,21 @@ pub struct ForceTrack {
     pub force: Vec<f64>,
     /// Time in free flight [s].
     pub free: f64,
+    /// Whether the last instant was one of free flight.
+    is_free: bool,
 }
 
 impl ForceTrack {
+    /// Adds an instant, at the end of a step of twice `half` [s]; in free flight unless it `touches`.
+    pub fn push(&mut self, time: f64, force: f64, touches: bool, half: f64) {
+        // Trapezoidal rule: each end of a step stands for half of it.
+        for free in [std::mem::replace(&mut self.is_free, !touches), !touches] {
+            self.free += if free { half } else { 0.0 };
+        }
+        self.time.push(time);
+        self.force.push(force);
+    }
+
     /// Largest value [N].
     pub fn peak(&self) -> f64 {
         self.force.iter().fold(0.0, |a, &b| a.max(b))
@@ -87,17 +104,22 @@ impl ForceTrack {
 
     /// Values at times `at` (increasing, within the track), by linear interpolation [N].
     pub fn resample(&self, at: &[f64]) -> Vec<f64> {
-        let mut k = 0;
-        at.iter()
-            .map(|&t| {
-                while k + 2 < self.time.len() && self.time[k + 1] < t {
-                    k += 1;
-                }
-                let s = ((t - self.time[k]) / (self.time[k + 1] - self.time[k])).clamp(0.0, 1.0);
-                self.force[k] + s * (self.force[k + 1] - self.force[k])
-            })
-            .collect()
+        linear(&self.time, &self.force, at)
     }
+}
+
+/// Values at times `at` (increasing, within the track), by linear interpolation.
+fn linear(time: &[f64], value: &[f64], at: &[f64]) -> Vec<f64> {
+    let mut k = 0;
+    at.iter()
+        .map(|&t| {
+            while k + 2 < time.len() && time[k + 1] < t {
+                k += 1;
+            }
+            let s = ((t - time[k]) / (time[k + 1] - time[k])).clamp(0.0, 1.0);
+            value[k] + s * (value[k + 1] - value[k])
+        })
+        .collect()
 }
 
 #[cfg(test)]

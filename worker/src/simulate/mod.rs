@@ -7,10 +7,12 @@
 //! lives the measured cycle is put to the test, from which the evaluation estimates its own error.
 
 mod error;
+mod finish;
 mod moving;
 mod observe;
 mod probe;
 mod run;
+mod unchanging;
 
 use crate::life::{at_checkpoints, boundaries};
 use common::accuracy::Accuracy;
@@ -34,11 +36,13 @@ pub fn simulate(
 ) -> Result<Evaluation, SimulationFailure> {
     let mut run = Run::assemble(scene, accuracy)?;
     run.settle()?;
-    run.show_forces(true);
+    run.show(true);
     run.measure()?;
-    let first_cycle = with_first_cycle.then(|| run.first_cycle());
-    let (peaks, free_flight) = run.force_summary();
-    run.show_forces(false);
+    let first = run.first_seen(with_first_cycle);
+    run.show(false);
+    if !run.wears() {
+        return run.unchanging(first);
+    }
 
     let every = scene.life.checkpoint_every;
     let lives = boundaries(scene.life.cycles, accuracy.cycle_jump, every);
@@ -75,5 +79,5 @@ pub fn simulate(
         })
         .collect();
     let errors = doubt.errors(scene, &histories, &lives, &measured);
-    run.finish(cycles, histories, errors, peaks, free_flight, first_cycle)
+    run.finish(cycles, histories, errors, first)
 }

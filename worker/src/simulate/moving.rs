@@ -2,10 +2,11 @@
 
 use crate::integrate::{Advance, AdvanceError};
 use crate::mechanism::{Island, Pose};
-use crate::outputs::{BodyTrack, Recorder};
+use crate::outputs::{Recorder, Wanted};
 use crate::wear::{WearRate, WearStep};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
+use common::scene::Scene;
 
 /// Smallest time step, as a fraction of the cycle: far below the duration of any contact.
 const SMALLEST_STEP: f64 = 1e-9;
@@ -19,6 +20,8 @@ pub struct Moving {
     pub v: Vec<f64>,
     /// State from which the next warm-up starts.
     pub saved: (Vec<f64>, Vec<f64>),
+    /// State at which the cycle last measured began.
+    pub begun: (Vec<f64>, Vec<f64>),
     pub rates: Vec<WearRate>,
     pub steps: Vec<WearStep>,
     pub depth: Vec<Vec<f64>>,
@@ -31,17 +34,17 @@ pub struct Tools {
 }
 
 impl Moving {
-    /// Starts the island from the ideal mechanism's pose; bodies of the scene in `tracked` are recorded.
-    pub fn new(island: Island, pose: &Pose, tracked: &[usize], period: f64, accuracy: &Accuracy) -> Self {
+    /// Starts the island from the ideal mechanism's pose; what is `wanted` is recorded.
+    pub fn new(island: Island, pose: &Pose, scene: &Scene, wanted: &Wanted, accuracy: &Accuracy) -> Self {
         let pick = |from: &[Option<[f64; 3]>]| -> Vec<f64> {
             island.bodies.iter().flat_map(|&b| from[b].unwrap_or_default()).collect()
         };
         let (q, v) = (pick(&pose.q), pick(&pose.v));
-        let slots = (0..island.bodies.len()).filter(|&s| tracked.contains(&island.bodies[s])).collect();
         Moving {
-            advance: advance(&island, period, accuracy),
-            recorder: Recorder::new(&island, slots, period, accuracy.wear_samples),
+            advance: advance(&island, scene.life.period, accuracy),
+            recorder: Recorder::new(&island, scene, wanted, accuracy.wear_samples),
             saved: (q.clone(), v.clone()),
+            begun: (q.clone(), v.clone()),
             q,
             v,
             rates: island
@@ -70,11 +73,6 @@ impl Moving {
     pub fn exchange(&mut self, tools: &mut Tools) {
         std::mem::swap(&mut self.advance, &mut tools.advance);
         std::mem::swap(&mut self.recorder, &mut tools.recorder);
-    }
-
-    /// The recorded track of a body of the scene, if it is in this island.
-    pub fn track(&self, body: usize) -> Option<&BodyTrack> {
-        self.recorder.track_of(&self.island, body)
     }
 }
 

@@ -2,11 +2,12 @@
 
 use super::moving::{Moving, failure};
 use crate::integrate::AdvanceStats;
-use crate::mechanism::{ideal_cycle, islands};
+use crate::mechanism::{Frame, Pose, ideal_cycle, islands};
+use crate::outputs::{PointTrack, Shown, Wanted};
 use crate::wear::WearStepStats;
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
-use common::scene::{JointKind, OutputKind, Scene};
+use common::scene::{Attachment, JointKind, Motion, OutputKind, Scene};
 
 /// One evaluation under way.
 pub struct Run<'a> {
@@ -19,26 +20,29 @@ pub struct Run<'a> {
     pub wear_stats: WearStepStats,
     pub newton: u64,
     pub simulated: u64,
+    /// Paths on the ideal mechanism of the points asked for.
+    pub ideal_paths: Vec<(Attachment, PointTrack)>,
 }
+
+/// Points of a path on the ideal mechanism per cycle: a cubic between two of them is off by some 1e-11 of its size.
+const PATH: usize = 721;
 
 impl<'a> Run<'a> {
     /// Islands, contact laws, round bores; bodies where the ideal mechanism has them.
     pub fn assemble(scene: &'a Scene, accuracy: &'a Accuracy) -> Result<Self, SimulationFailure> {
         let mut newton = 0;
+        let wanted = Wanted::by(scene);
         // A linkage that locks on its way is named as such, before a contact is blamed for it.
-        let pose = ideal_cycle(scene, 2, &mut newton)?.swap_remove(0);
-        let tracked: Vec<usize> = scene
-            .outputs
-            .iter()
-            .filter_map(|o| match &o.kind {
-                OutputKind::AngularVelocityDifference { a, b } => Some([a.body, b.body]),
-                _ => None,
-            })
-            .flatten()
-            .collect();
+        let samples = if wanted.points.is_empty() { 2 } else { PATH };
+        let poses = ideal_cycle(scene, samples, &mut newton)?;
+        if poses.len() < samples && !wanted.points.is_empty() {
+            return Err(SimulationFailure::NotModelled {
+                what: "a position error where the drives leave the ideal motion open".into(),
+            });
+        }
         let islands = islands(scene)?
             .into_iter()
-            .map(|island| Moving::new(island, &pose, &tracked, scene.life.period, accuracy))
+            .map(|island| Moving::new(island, &poses[0], scene, &wanted, accuracy))
             .collect();
         Ok(Run {
             scene,
@@ -49,15 +53,24 @@ impl<'a> Run<'a> {
             wear_stats: WearStepStats::default(),
             newton,
             simulated: 0,
+            ideal_paths: wanted.points.iter().map(|at| (*at, ideal_path(scene, &poses, at))).collect(),
         })
     }
 
-    /// One whole cycle from the ideal mechanism's state: the journals find their bores.
+    /// Whole cycles from the ideal mechanism's state, as many as the scene asks for: the journals find their bores.
     pub fn settle(&mut self) -> Result<(), SimulationFailure> {
         let period = self.scene.life.period;
-        self.span(-period, 0.0, false)?;
-        self.simulated += 1;
+        for cycle in (1..=self.scene.life.settle_cycles).rev() {
+            let start = -f64::from(cycle) * period;
+            self.span(start, start + period, false)?;
+            self.simulated += 1;
+        }
         Ok(())
+    }
+
+    /// Whether any joint wears, so that life changes anything.
+    pub fn wears(&self) -> bool {
+        self.islands.iter().any(|m| m.island.joints.iter().any(|j| j.wear_coefficient > 0.0))
     }
 
     /// From the state kept of the cycle before, on the profile as it is now, to the start of a cycle.
@@ -71,12 +84,23 @@ impl<'a> Run<'a> {
         self.span(-self.accuracy.warm_up * period, 0.0, false)
     }
 
+    /// Back to where the cycle just measured began, with time steps of another accuracy.
+    pub fn begin_again(&mut self, accuracy: &Accuracy) {
+        for m in &mut self.islands {
+            m.q.copy_from_slice(&m.begun.0);
+            m.v.copy_from_slice(&m.begun.1);
+            m.exchange(&mut m.tools(self.scene.life.period, accuracy));
+        }
+    }
+
     /// One recorded cycle; keeps the state from which the next warm-up starts.
     pub fn measure(&mut self) -> Result<(), SimulationFailure> {
         let period = self.scene.life.period;
         let kept = (1.0 - self.accuracy.warm_up).max(0.0) * period;
         for m in &mut self.islands {
             m.recorder.clear();
+            m.begun.0.copy_from_slice(&m.q);
+            m.begun.1.copy_from_slice(&m.v);
         }
         if kept > 0.0 {
             self.span(0.0, kept, true)?;
@@ -149,10 +173,10 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    /// Whether the joints' forces are recorded, for people to see.
-    pub fn show_forces(&mut self, show: bool) {
+    /// Whether everything is recorded, for people to see.
+    pub fn show(&mut self, show: bool) {
         for m in &mut self.islands {
-            m.recorder.forces = show.then(|| vec![Default::default(); m.island.joints.len()]);
+            m.recorder.shown = show.then(|| Shown::new(&m.island));
         }
     }
 
@@ -206,6 +230,23 @@ impl<'a> Run<'a> {
         self.cycle = to;
         Ok(())
     }
+}
+
+/// Path of a point over the cycle of the ideal mechanism.
+fn ideal_path(scene: &Scene, poses: &[Pose], at: &Attachment) -> PointTrack {
+    let mut path = PointTrack::default();
+    let centre = match scene.bodies[at.body].motion {
+        Motion::Free { centre_of_mass, .. } => centre_of_mass,
+        _ => [0.0; 2],
+    };
+    let arm = [at.position[0] - centre[0], at.position[1] - centre[1]];
+    for pose in poses {
+        if let (Some(q), Some(v)) = (pose.q[at.body], pose.v[at.body]) {
+            let frame = Frame::free(&q, &v);
+            path.push(pose.time, frame.point(arm), frame.velocity(arm));
+        }
+    }
+    path
 }
 
 /// Largest depth and thickness of the wall, where the former has reached the latter [m].
