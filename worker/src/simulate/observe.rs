@@ -91,7 +91,7 @@ impl Run<'_> {
     }
 
     pub fn finish(
-        self,
+        &self,
         cycles: Vec<u32>,
         histories: Vec<Vec<f64>>,
         errors: Vec<Vec<f64>>,
