@@ -41,7 +41,10 @@ const CASES: [(&str, Change); 24] = [
     ("masses x 100", |s, _| masses(s, 100.0)),
     ("wear coefficient x 0.1", |s, _| wear(s, 0.1)),
     ("wear coefficient x 10", |s, _| wear(s, 10.0)),
-    ("jump of 100 cycles", |_, a| a.cycle_jump = 100),
+    ("jump of 100 cycles", |s, a| {
+        s.life.cycles = s.life.checkpoint_every;
+        a.cycle_jump = 100;
+    }),
     ("jump of 8000 cycles", |s, a| jump(s, a, 8000)),
     ("wear x 10, wall of 30 um", |s, _| {
         wear(s, 10.0);
