@@ -55,7 +55,9 @@ impl Accuracy {
         Accuracy {
             step_tolerance: 2e-3,
             largest_step: 1.0 / 500.0,
-            steps_bound: 200_000,
+            // Ten times what a cycle of the flapping-wing drive takes; the hardest extremes that still come to a
+            // meaningful end take half of it (`coordinator extremes`).
+            steps_bound: 60_000,
             wear_samples: 600,
             cycle_jump: 2000,
             wear_tolerance: 2e-2,
@@ -69,7 +71,8 @@ impl Accuracy {
         Accuracy {
             step_tolerance: 1e-4,
             largest_step: 1.0 / 1000.0,
-            steps_bound: 2_000_000,
+            // Likewise.
+            steps_bound: 400_000,
             wear_samples: 4000,
             cycle_jump: 500,
             wear_tolerance: 5e-3,

@@ -5,6 +5,7 @@
 
 pub mod bore;
 pub mod contact;
+pub mod extremes;
 pub mod integrate;
 pub mod life;
 pub mod mechanism;

@@ -71,6 +71,16 @@ Examples:
   coordinator simulate --scene flapping-wing --set rod_length=40.05mm --set friction=0.03
   coordinator simulate --scene my.toml --set parameters.crank_speed='500 r/min' --accuracy draft")]
     Simulate(SimulateArguments),
+    /// Put a scene's quantities at their extremes, and hold every case against a run at half the time step
+    #[command(after_help = "\
+Each case either agrees with half the step within the error it states of itself, or is refused with a reason;
+anything else is a disagreement, and the exit code is 1.
+
+Examples:
+  coordinator extremes --scene four-bar
+  coordinator extremes --scene flapping-wing --accuracy draft --out extremes.txt
+  coordinator extremes --scene my.toml --json")]
+    Extremes(ExtremesArguments),
     /// Show what the failure probabilities depend on, from a finished study
     #[command(after_help = "Example:\n  coordinator sensitivity hingewise-flapping-wing --json")]
     Sensitivity(StudyFolder),
@@ -189,6 +199,20 @@ pub struct SimulateArguments {
     #[arg(long, default_value = "balanced", value_parser = PossibleValuesParser::new(Accuracy::NAMES))]
     pub accuracy: String,
     /// Write the JSON to this file instead of standard output
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+}
+
+/// A table of extremes.
+#[derive(Debug, Clone, Args)]
+pub struct ExtremesArguments {
+    /// Scene file, or name of a built-in scene
+    #[arg(long, default_value = DEFAULT_SCENE, value_name = "NAME-or-FILE")]
+    pub scene: String,
+    /// Numerical effort
+    #[arg(long, default_value = "balanced", value_parser = PossibleValuesParser::new(Accuracy::NAMES))]
+    pub accuracy: String,
+    /// Write the table to this file instead of standard output
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
 }

@@ -54,6 +54,18 @@ pub enum CommandError {
         /// Why.
         failure: SimulationFailure,
     },
+    /// A table of extremes with a number that nobody should have been given.
+    #[error(
+        "{origin}: {unsound} of {cases} extremes differ from half the step by more than their stated error"
+    )]
+    Disagreement {
+        /// File or name of the scene.
+        origin: String,
+        /// Cases that are not sound.
+        unsound: usize,
+        /// All cases.
+        cases: usize,
+    },
     /// A scene without anything random, or without a limit state.
     #[error(
         "{origin}: a study needs at least one random variable and one limit state; `simulate` does without"

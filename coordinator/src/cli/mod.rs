@@ -5,6 +5,7 @@ mod arguments;
 mod distributions;
 mod error;
 mod explain;
+mod extremes;
 mod options;
 mod output;
 mod results;
@@ -49,6 +50,7 @@ fn command(arguments: Arguments) -> Result<(), CommandError> {
         Some(Command::Resume(study)) => run::resume(&study, arguments.talk),
         Some(Command::Sensitivity(study)) => results::sensitivity(&study.dir, json),
         Some(Command::Report(study)) => results::report(&study.dir, json),
+        Some(Command::Extremes(table)) => extremes::extremes(&table, arguments.talk),
         Some(Command::Simulate(simulation)) => simulate::simulate(&simulation),
         Some(Command::Scenes { show }) => scenes::scenes(show.as_deref(), json),
         Some(Command::Check { file }) => scenes::check(&file, json),

@@ -46,6 +46,8 @@ pub enum AdvanceError {
     TooManySteps {
         /// Time [s].
         time: f64,
+        /// Bound on steps.
+        bound: u64,
         /// Joint of the island.
         joint: Option<usize>,
     },
@@ -146,7 +148,8 @@ impl Advance {
                 return Ok(());
             }
             if taken >= self.bound {
-                return Err(AdvanceError::TooManySteps { time: t, joint: self.blamed(system) });
+                let (bound, joint) = (self.bound, self.blamed(system));
+                return Err(AdvanceError::TooManySteps { time: t, bound, joint });
             }
             loop {
                 // The last two steps share what is left, so that no sliver remains.

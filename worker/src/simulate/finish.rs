@@ -11,7 +11,7 @@ impl Run<'_> {
     /// # Errors
     /// [`SimulationFailure::NotFinite`] if a value is not.
     pub fn finish(
-        self,
+        &self,
         cycles: Vec<u32>,
         histories: Vec<Vec<f64>>,
         errors: Vec<Vec<f64>>,

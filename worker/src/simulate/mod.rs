@@ -34,7 +34,28 @@ pub fn simulate(
     accuracy: &Accuracy,
     with_first_cycle: bool,
 ) -> Result<Evaluation, SimulationFailure> {
+    simulate_counting(scene, accuracy, with_first_cycle, &mut 0)
+}
+
+/// The same; adds the time steps tried, accepted and refused, to `steps`, those before a failure too.
+///
+/// # Errors
+/// As [`simulate`].
+pub fn simulate_counting(
+    scene: &Scene,
+    accuracy: &Accuracy,
+    with_first_cycle: bool,
+    steps: &mut u64,
+) -> Result<Evaluation, SimulationFailure> {
     let mut run = Run::assemble(scene, accuracy)?;
+    let evaluation = live(&mut run, with_first_cycle);
+    *steps += run.stats.steps + run.stats.rejected;
+    evaluation
+}
+
+/// The life, stage by stage.
+fn live(run: &mut Run, with_first_cycle: bool) -> Result<Evaluation, SimulationFailure> {
+    let (scene, accuracy) = (run.scene, run.accuracy);
     run.settle()?;
     run.show(true);
     run.measure()?;
@@ -54,7 +75,7 @@ pub fn simulate(
         let checkpoints: Vec<u32> = (block[0] / every + 1..=block[1] / every).map(|k| k * every).collect();
         let depths = run.depths();
         run.wear(block[0], block[1], &checkpoints, &mut wear)?;
-        doubt.worn(&run, block[0], depths);
+        doubt.worn(run, block[0], depths);
         run.warm_up()?;
         run.measure()?;
         measured.push(run.motion_outputs());
@@ -63,7 +84,7 @@ pub fn simulate(
         }
     }
     run.close_wear()?;
-    doubt.worn(&run, scene.life.cycles, run.depths());
+    doubt.worn(run, scene.life.cycles, run.depths());
 
     let cycles = scene.life.checkpoints();
     let histories: Vec<Vec<f64>> = scene
@@ -78,6 +99,6 @@ pub fn simulate(
             }
         })
         .collect();
-    let errors = doubt.errors(scene, &histories, &lives, &measured);
+    let errors = doubt.errors(scene, &histories, &lives, &measured, accuracy.largest_step);
     run.finish(cycles, histories, errors, first)
 }

@@ -1,6 +1,6 @@
 //! One island under way: its state and the tools that carry it.
 
-use crate::integrate::{Advance, AdvanceError};
+use crate::integrate::{Advance, AdvanceError, Dynamics};
 use crate::mechanism::{Island, Pose};
 use crate::outputs::{Recorder, Wanted};
 use crate::wear::{WearRate, WearStep};
@@ -8,8 +8,11 @@ use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::scene::Scene;
 
-/// Smallest time step, as a fraction of the cycle: far below the duration of any contact.
+/// Smallest time step, as a fraction of the cycle.
 const SMALLEST_STEP: f64 = 1e-9;
+/// Smallest time step over the time in which the fastest contact vibration turns by one radian, where that is less:
+/// a slow mechanism with light bodies needs some 0.06 of it where its journals find their bores.
+const SMALLEST_PHASE: f64 = 1e-3;
 
 /// An island with its state and tools.
 pub struct Moving {
@@ -77,23 +80,25 @@ impl Moving {
 }
 
 fn advance(island: &Island, period: f64, accuracy: &Accuracy) -> Advance {
+    let (q, v) = island.scales();
+    let fastest = q.iter().zip(v).fold(0.0_f64, |a, (q, v)| a.max(v / q));
     Advance::new(
         island.linearised(),
         accuracy.step_tolerance,
         accuracy.largest_step * period,
-        SMALLEST_STEP * period,
+        (SMALLEST_STEP * period).min(SMALLEST_PHASE / fastest),
         accuracy.steps_bound,
     )
 }
 
 /// Names the joint and the life of what stopped an island.
-pub fn failure(error: AdvanceError, cycle: u32, island: &Island, bound: u64) -> SimulationFailure {
+pub fn failure(error: AdvanceError, cycle: u32, island: &Island) -> SimulationFailure {
     let name = |joint: usize| island.joints[joint].name.clone();
     match error {
         AdvanceError::StepTooSmall { time, step, error, joint } => {
             SimulationFailure::StepTooSmall { cycle, time, joint: joint.map(name), step, error }
         }
-        AdvanceError::TooManySteps { time, joint } => {
+        AdvanceError::TooManySteps { time, bound, joint } => {
             SimulationFailure::TooManySteps { cycle, time, joint: joint.map(name), bound }
         }
         AdvanceError::OutOfRange { time, joint, penetration } => {

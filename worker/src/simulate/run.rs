@@ -168,7 +168,7 @@ impl<'a> Run<'a> {
             } else {
                 advance.run(island, from..to, q, v, &mut (), &mut self.stats)
             };
-            done.map_err(|error| failure(error, self.cycle, island, self.accuracy.steps_bound))?;
+            done.map_err(|error| failure(error, self.cycle, island))?;
         }
         Ok(())
     }

@@ -18,7 +18,7 @@ impl Run<'_> {
     ///
     /// # Errors
     /// As of any cycle.
-    pub fn unchanging(mut self, first: FirstSeen) -> Result<Evaluation, SimulationFailure> {
+    pub fn unchanging(&mut self, first: FirstSeen) -> Result<Evaluation, SimulationFailure> {
         let values = self.motion_outputs();
         let finer = self.accuracy.refined(FINER);
         self.begin_again(&finer);

@@ -1,0 +1,227 @@
+//! The cases: a scene with one quantity at an extreme, or several at once.
+
+use common::accuracy::Accuracy;
+use common::scene::{
+    Clearance, ContactDamping, ContactLaw, Curve, Drive, JointKind, Load, Motion, Over, Scene,
+};
+
+/// Life of a case in checkpoints of its scene: long enough that the wear is a good part of the clearance, short
+/// enough that a table of all cases takes a minute or two.
+const CHECKPOINTS: u32 = 4;
+
+/// One case.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Case {
+    /// What is extreme.
+    pub name: &'static str,
+    /// Contact law of every joint with clearance.
+    pub law: ContactLaw,
+    /// The scene as changed, with a short life.
+    pub scene: Scene,
+    /// Accuracy, with another jump where that is what is extreme.
+    pub accuracy: Accuracy,
+}
+
+/// Changes a scene or an accuracy.
+type Change = fn(&mut Scene, &mut Accuracy);
+
+/// What is extreme, one quantity at a time, then several.
+const CASES: [(&str, Change); 24] = [
+    ("nominal", |_, _| {}),
+    ("clearance 1 um", |s, _| clearance(s, 1e-6)),
+    ("clearance 5 um", |s, _| clearance(s, 5e-6)),
+    ("clearance 0.5 mm", |s, _| clearance(s, 0.5e-3)),
+    ("modulus x 0.01", |s, _| modulus(s, 0.01)),
+    ("modulus x 10", |s, _| modulus(s, 10.0)),
+    ("6 r/min", |s, _| speed(s, 6.0)),
+    ("6000 r/min", |s, _| speed(s, 6000.0)),
+    ("friction 0", |s, _| friction(s, 0.0)),
+    ("friction 0.5", |s, _| friction(s, 0.5)),
+    ("masses x 0.01", |s, _| masses(s, 0.01)),
+    ("masses x 100", |s, _| masses(s, 100.0)),
+    ("wear coefficient x 0.1", |s, _| wear(s, 0.1)),
+    ("wear coefficient x 10", |s, _| wear(s, 10.0)),
+    ("jump of 100 cycles", |s, a| {
+        s.life.cycles = s.life.checkpoint_every;
+        a.cycle_jump = 100;
+    }),
+    ("jump of 8000 cycles", |s, a| jump(s, a, 8000)),
+    ("wear x 10, wall of 30 um", |s, _| {
+        wear(s, 10.0);
+        each(s, |c| c.wall = Some(30e-6));
+    }),
+    ("wear x 10, wall of 10 um", |s, _| {
+        wear(s, 10.0);
+        each(s, |c| c.wall = Some(10e-6));
+    }),
+    ("no damping, no friction", |s, _| {
+        friction(s, 0.0);
+        each(s, |c| {
+            c.film_damping = 0.0;
+            c.contact_damping = ContactDamping::None;
+        });
+    }),
+    ("clearance 1 um, modulus x 10, friction 0.5", |s, _| {
+        clearance(s, 1e-6);
+        modulus(s, 10.0);
+        friction(s, 0.5);
+    }),
+    ("clearance 0.5 mm, modulus x 0.01, 6000 r/min", |s, _| {
+        clearance(s, 0.5e-3);
+        modulus(s, 0.01);
+        speed(s, 6000.0);
+    }),
+    ("masses x 100, 6000 r/min", |s, _| {
+        masses(s, 100.0);
+        speed(s, 6000.0);
+    }),
+    ("masses x 0.01, modulus x 10, 6 r/min", |s, _| {
+        masses(s, 0.01);
+        modulus(s, 10.0);
+        speed(s, 6.0);
+    }),
+    ("friction 0.5, wear x 10, jump of 8000 cycles", |s, a| {
+        friction(s, 0.5);
+        wear(s, 10.0);
+        jump(s, a, 8000);
+    }),
+];
+
+/// Every case of a scene, under both contact laws.
+pub fn cases(scene: &Scene, accuracy: &Accuracy) -> Vec<Case> {
+    let laws = [ContactLaw::LocalHertz, ContactLaw::Foundation];
+    let of = |law: ContactLaw| {
+        CASES.iter().map(move |&(name, change)| {
+            let mut case = Case { name, law, scene: scene.clone(), accuracy: *accuracy };
+            case.scene.life.cycles = scene.life.cycles.min(CHECKPOINTS * scene.life.checkpoint_every);
+            each(&mut case.scene, |c| c.contact_law = law);
+            change(&mut case.scene, &mut case.accuracy);
+            case
+        })
+    };
+    laws.into_iter().flat_map(of).collect()
+}
+
+/// Changes every joint with clearance.
+fn each(scene: &mut Scene, change: impl Fn(&mut Clearance)) {
+    for joint in &mut scene.joints {
+        if let JointKind::Clearance(clearance) = &mut joint.kind {
+            change(clearance);
+        }
+    }
+}
+
+/// Sets the radial clearance [m].
+fn clearance(scene: &mut Scene, radial: f64) {
+    each(scene, |c| c.bushing_radius = c.journal_radius + radial);
+}
+
+/// Scales the moduli of both materials.
+fn modulus(scene: &mut Scene, factor: f64) {
+    each(scene, |c| {
+        c.journal_material.elastic_modulus *= factor;
+        c.bushing_material.elastic_modulus *= factor;
+    });
+}
+
+/// Sets the friction coefficient.
+fn friction(scene: &mut Scene, coefficient: f64) {
+    each(scene, |c| c.friction = coefficient);
+}
+
+/// Scales the wear coefficient.
+fn wear(scene: &mut Scene, factor: f64) {
+    each(scene, |c| c.wear_coefficient *= factor);
+}
+
+/// Lets one block of the wear jump over so many cycles, in a life of at least that.
+fn jump(scene: &mut Scene, accuracy: &mut Accuracy, cycles: u32) {
+    let every = scene.life.checkpoint_every;
+    scene.life.cycles = scene.life.cycles.max(cycles / every * every);
+    accuracy.cycle_jump = cycles;
+}
+
+/// Scales masses and inertias of all bodies that have any.
+fn masses(scene: &mut Scene, factor: f64) {
+    for body in &mut scene.bodies {
+        match &mut body.motion {
+            Motion::Free { mass, inertia, .. } => {
+                *mass *= factor;
+                *inertia *= factor;
+            }
+            Motion::Driven { inertia: Some(driven), .. } => {
+                driven.mass *= factor;
+                driven.inertia *= factor;
+            }
+            _ => {}
+        }
+    }
+}
+
+/// Runs the whole scene faster or slower so that a cycle takes the time of one turn at `rpm` [r/min].
+fn speed(scene: &mut Scene, rpm: f64) {
+    let factor = scene.life.period * rpm / 60.0;
+    scene.life.period /= factor;
+    for body in &mut scene.bodies {
+        match &mut body.motion {
+            Motion::Driven { drive: Drive::ConstantSpeed { speed, .. }, .. } => *speed *= factor,
+            Motion::Driven { drive: Drive::Angle(table), .. } => {
+                table.at.iter_mut().for_each(|t| *t /= factor)
+            }
+            Motion::Driven { drive: Drive::Speed { table, .. }, .. } => {
+                table.at.iter_mut().for_each(|t| *t /= factor);
+                table.value.iter_mut().for_each(|v| *v *= factor);
+            }
+            Motion::Free { start_velocity, start_speed, .. } => {
+                start_velocity.iter_mut().for_each(|v| *v *= factor);
+                *start_speed *= factor;
+            }
+            Motion::Fixed => {}
+        }
+    }
+    for load in &mut scene.loads {
+        if let Load::VariableForce { size: curve, .. } | Load::VariableTorque { torque: curve, .. } = load {
+            let Curve { over, table } = curve;
+            if *over == Over::Time {
+                table.at.iter_mut().for_each(|t| *t /= factor);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use common::scene::SceneSource;
+    use std::f64::consts::TAU;
+
+    #[test]
+    fn a_faster_scene_turns_as_often_in_its_cycle() {
+        let mut scene = SceneSource::builtin("four-bar").expect("built in").nominal().clone();
+        let turn = |scene: &Scene| {
+            let speeds = scene.bodies.iter().filter_map(|b| match &b.motion {
+                Motion::Driven { drive: Drive::ConstantSpeed { speed, .. }, .. } => Some(*speed),
+                _ => None,
+            });
+            speeds.map(|speed| speed * scene.life.period / TAU).collect::<Vec<_>>()
+        };
+        let before = turn(&scene);
+        speed(&mut scene, 6000.0);
+        assert!((scene.life.period - 0.01).abs() < 1e-12);
+        for (a, b) in before.iter().zip(turn(&scene)) {
+            assert!((a - b).abs() < 1e-12, "{a} {b}");
+        }
+        assert!(!before.is_empty());
+    }
+
+    #[test]
+    fn every_case_but_the_nominal_one_changes_something() {
+        let scene = SceneSource::builtin("flapping-wing").expect("built in").nominal().clone();
+        let all = cases(&scene, &Accuracy::balanced());
+        assert_eq!(all.len(), 2 * CASES.len());
+        for law in all.chunks(CASES.len()) {
+            let same = |c: &&Case| c.scene == law[0].scene && c.accuracy == law[0].accuracy;
+            assert_eq!(law.iter().filter(same).count(), 1);
+        }
+    }
+}
