@@ -56,7 +56,7 @@ fn the_squeezing_mechanism_closes_its_ten_hinges() {
     // Points C and D as the literature gives them, from gamma at the start: the spring is pressed to 52.67 mm.
     let Some(Load::Spring { a, b, free_length, .. }) = scene.loads.get(1) else { panic!() };
     let ((a, _), (b, _)) = (at_start(&scene, *a), at_start(&scene, *b));
-    let (sin, cos) = 0.455279819163070380_f64.sin_cos();
+    let (sin, cos) = 0.455_279_819_163_070_37_f64.sin_cos();
     let d = [-0.03635 + 0.02 * cos + 0.018 * sin, 0.03273 + 0.02 * sin - 0.018 * cos];
     assert!((a[0] - d[0]).hypot(a[1] - d[1]) < 1e-15 && b == [0.014, 0.072], "{a:?}, {b:?}");
     let length = (d[0] - b[0]).hypot(d[1] - b[1]);

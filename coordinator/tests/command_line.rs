@@ -100,7 +100,15 @@ fn scenes_are_listed_shown_and_valid() {
     let list = json(&["scenes", "--json"]);
     let names: Vec<&str> =
         list.as_array().unwrap().iter().map(|scene| scene["name"].as_str().unwrap()).collect();
-    assert_eq!(names, ["flapping-wing", "flapping-wing-tolerances", "four-bar"]);
+    let expected = [
+        "flapping-wing",
+        "flapping-wing-tolerances",
+        "four-bar",
+        "slider-crank",
+        "pendulum",
+        "andrews-squeezer",
+    ];
+    assert_eq!(names, expected);
     let folder = tempfile::tempdir().unwrap();
     for name in names {
         assert!(text(&["scenes"]).contains(name));
@@ -112,6 +120,19 @@ fn scenes_are_listed_shown_and_valid() {
         assert_eq!(json(&["check", file, "--json"])["valid"], Value::Bool(true));
         assert_eq!(json(&["explain", "--scene", file, "--json"])["name"], Value::from(name));
     }
+}
+
+#[test]
+fn check_lists_parameters_that_nothing_reads() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("four-bar.toml");
+    let scene = text(&["scenes", "--show", "four-bar"]);
+    std::fs::write(&file, scene.replacen("[parameters]", "[parameters]\nspare = \"3 mm\"", 1)).unwrap();
+    let file = file.to_str().unwrap();
+    let found = text(&["check", file]);
+    assert!(found.contains(&format!("{file}: parameters.spare: nothing reads it\n")), "{found}");
+    assert_eq!(json(&["check", file, "--json"])["unused_parameters"], serde_json::json!(["spare"]));
+    assert_eq!(json(&["check", "four-bar", "--json"])["unused_parameters"], serde_json::json!([]));
 }
 
 #[test]

@@ -5,6 +5,7 @@ use super::output::{print, to_json};
 use common::random::Distribution;
 use common::scene::expression::read_unit;
 use common::scene::*;
+use coordinator::output_unit::OutputUnit;
 use std::fmt::Write;
 
 /// Runs the command.
@@ -91,8 +92,14 @@ fn joints(out: &mut String, scene: &Scene) -> std::fmt::Result {
         let (journal, bushing) =
             (&scene.bodies[joint.journal.body].name, &scene.bodies[joint.bushing.body].name);
         match &joint.kind {
-            JointKind::Revolute | JointKind::Prismatic { .. } | JointKind::Fixed { .. } => {
-                writeln!(out, "  {}: {journal} on {bushing}, ideal, no wear", joint.name)?
+            JointKind::Revolute => {
+                writeln!(out, "  {}: {journal} turns on {bushing}, ideal, no wear", joint.name)?
+            }
+            JointKind::Prismatic { .. } => {
+                writeln!(out, "  {}: {journal} slides on {bushing}, ideal, no wear", joint.name)?;
+            }
+            JointKind::Fixed { .. } => {
+                writeln!(out, "  {}: {journal} is fixed to {bushing}, no wear", joint.name)?;
             }
             JointKind::Clearance(clearance) => {
                 writeln!(
@@ -132,7 +139,12 @@ fn contact(clearance: &Clearance) -> String {
         ContactDamping::None => "no contact damping".to_owned(),
         ContactDamping::HuntCrossley { factor } => format!("Hunt-Crossley damping {factor} s/m"),
         ContactDamping::Restitution { law, coefficient, .. } => {
-            format!("damping for a restitution of {coefficient} ({law:?})")
+            let law = match law {
+                RestitutionLaw::LankaraniNikravesh => "Lankarani-Nikravesh",
+                RestitutionLaw::HuntCrossley => "Hunt-Crossley",
+                RestitutionLaw::Flores => "Flores",
+            };
+            format!("damping for a restitution of {coefficient} ({law})")
         }
     };
     format!("{law}; {damping}; film {} N s/m; friction {}", clearance.film_damping, clearance.friction)
@@ -140,12 +152,13 @@ fn contact(clearance: &Clearance) -> String {
 
 fn loads(out: &mut String, scene: &Scene) -> std::fmt::Result {
     writeln!(out, "Loads")?;
+    let named = |body: usize| &scene.bodies[body].name;
     for load in &scene.loads {
         match load {
             Load::DirectionalSpring { name, at, stiffness, free_length, direction, .. } => writeln!(
                 out,
                 "  {name}: spring of {stiffness} N/m on {} along ({}, {}), slack at {:.3} mm",
-                scene.bodies[at.body].name,
+                named(at.body),
                 direction[0],
                 direction[1],
                 free_length * 1e3
@@ -160,7 +173,35 @@ fn loads(out: &mut String, scene: &Scene) -> std::fmt::Result {
             Load::ConstantTorque { name, body, torque } => {
                 writeln!(out, "  {name}: torque {torque} N m on {}", scene.bodies[*body].name)?;
             }
-            _ => {}
+            Load::Spring { name, a, b, stiffness, damping, free_length } => writeln!(
+                out,
+                "  {name}: spring of {stiffness} N/m, {damping} N s/m between {} and {}, slack at {:.3} mm",
+                named(a.body),
+                named(b.body),
+                free_length * 1e3
+            )?,
+            Load::TorsionSpring { name, a, b, stiffness, damping, free_angle } => writeln!(
+                out,
+                "  {name}: torsion spring of {stiffness} N m/rad, {damping} N m s/rad between {} and {}, slack at {:.3} deg",
+                named(*a),
+                named(*b),
+                free_angle.to_degrees()
+            )?,
+            Load::VariableForce { name, at, direction: [x, y], size } => writeln!(
+                out,
+                "  {name}: force on {} along ({x}, {y}), {}",
+                named(at.body),
+                curve(scene, size, "N")
+            )?,
+            Load::VariableTorque { name, body, torque } => {
+                writeln!(out, "  {name}: torque on {}, {}", named(*body), curve(scene, torque, "N m"))?;
+            }
+            Load::Motor { name, body, stall_torque, no_load_speed } => writeln!(
+                out,
+                "  {name}: motor on {}, {stall_torque} N m at rest, none at {:.1} r/min",
+                named(*body),
+                no_load_speed * 30.0 / std::f64::consts::PI
+            )?,
         }
     }
     match scene.gravity {
@@ -169,27 +210,53 @@ fn loads(out: &mut String, scene: &Scene) -> std::fmt::Result {
     }
 }
 
+/// What a load's table runs over, and between which values.
+fn curve(scene: &Scene, curve: &Curve, unit: &str) -> String {
+    let over = match curve.over {
+        Over::Time => "time".to_owned(),
+        Over::Angle(body) => format!("the angle of {}", scene.bodies[body].name),
+    };
+    let values = &curve.table.value;
+    let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let repeat = if curve.table.repeat { "again and again" } else { "once" };
+    format!("{least} to {most} {unit} by a table over {over}, {repeat}")
+}
+
 fn outputs(out: &mut String, scene: &Scene) -> std::fmt::Result {
     writeln!(out, "Outputs at every checkpoint, and what counts as failure")?;
     for (i, output) in scene.outputs.iter().enumerate() {
-        let (what, factor, unit) = match &output.kind {
-            OutputKind::LargestWear { joints } => {
-                (format!("largest wear depth of {} joints", joints.len()), 1e6, "um")
-            }
-            OutputKind::AngularVelocityDifference { a, b } => (
-                format!("largest difference of angular velocity, {} against {}", a.label, b.label),
-                30.0 / std::f64::consts::PI,
-                "r/min",
-            ),
-            _ => (String::new(), 1.0, ""),
+        let of_joints = |joints: &[usize]| match joints {
+            [one] => format!("joint {}", scene.joints[*one].name),
+            many => format!("{} joints", many.len()),
         };
+        let what = match &output.kind {
+            OutputKind::LargestWear { joints } => format!("largest wear depth of {}", of_joints(joints)),
+            OutputKind::AngularVelocityDifference { a, b } => {
+                format!("largest difference of angular velocity, {} against {}", a.label, b.label)
+            }
+            OutputKind::AngleDifference { a, b } => {
+                format!("largest difference of angle, {} against {}", a.label, b.label)
+            }
+            OutputKind::PeakJointForce { joints } => format!("largest force in {}", of_joints(joints)),
+            OutputKind::PositionError { at } => format!(
+                "largest distance of a point of {} from where ideal joints have it",
+                scene.bodies[at.body].name
+            ),
+            OutputKind::DrivingTorque { body } => {
+                format!("largest torque that drives {}", scene.bodies[*body].name)
+            }
+        };
+        let unit = OutputUnit::of(&output.kind);
+        // As scenes write it.
+        let symbol = unit.symbol().replace('\u{b5}', "u");
         writeln!(out, "  {}: {what}", output.name)?;
         for limit in scene.limit_states.iter().filter(|limit| limit.output == i) {
             writeln!(
                 out,
-                "     limit state {}: failed from {:.4} {unit} on",
+                "     limit state {}: failed from {:.4} {symbol} on",
                 limit.name,
-                limit.threshold * factor
+                unit.to_shown(limit.threshold)
             )?;
         }
     }
@@ -220,5 +287,41 @@ fn short(value: f64) -> String {
         rounded.to_string()
     } else {
         format!("{rounded:e}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A scene with every word of the language: each joint, load and output is said in a line of its own.
+    #[test]
+    fn every_part_of_a_scene_is_explained() {
+        let source = include_str!("../../../common/tests/scenes/everything.toml");
+        let source = SceneSource::parse(source, "everything").unwrap();
+        let found = text(source.nominal(), &[vec![5, 6]]);
+        for line in [
+            "wheel: speed by a table over time, prescribed, no unknowns",
+            "hinge: rod turns on crank, ideal, no wear",
+            "guide: slider slides on frame, ideal, no wear",
+            "weld: rod is fixed to slider, no wear",
+            "unworn: journal of rod in bushing of slider, clearance 30.00 um, does not wear",
+            "damping for a restitution of 0.9 (Lankarani-Nikravesh)",
+            "spring: spring of 2000 N/m, 4 N s/m between rod and frame, slack at 30.000 mm",
+            "torsion: torsion spring of 0.5 N m/rad, 0.01 N m s/rad between rod and frame, slack at 20.000 deg",
+            "push: force on slider along (0.6, 0.8), 1 to 5.5 N by a table over time, again and again",
+            "twist: torque on slider, 0 to 2 N m by a table over the angle of rod, once",
+            "motor: motor on rod, -0.3 N m at rest, none at -3000.0 r/min",
+            "wear: largest wear depth of joint worn",
+            "all_wear: largest wear depth of 3 joints",
+            "angle: largest difference of angle, rod against slider",
+            "hinge_force: largest force in 2 joints",
+            "error: largest distance of a point of slider from where ideal joints have it",
+            "torque: largest torque that drives crank",
+            "limit state too_askew: failed from 3.0000 deg on",
+            "limit state too_far: failed from 500.0000 um on",
+        ] {
+            assert!(found.contains(line), "no \"{line}\" in:\n{found}");
+        }
     }
 }

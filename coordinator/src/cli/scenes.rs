@@ -26,15 +26,20 @@ pub fn scenes(show: Option<&str>, as_json: bool) -> Result<(), CommandError> {
     print(&list.map(|scene| format!("{:width$}  {}\n", scene.name, scene.title)).collect::<String>())
 }
 
-/// Checks a scene: its text, its bounds, and the ideal linkage through a whole cycle.
+/// Checks a scene: its text, its bounds, and the ideal linkage through a whole cycle. Parameters that nothing reads are
+/// listed; they are no fault.
 pub fn check(file: &str, as_json: bool) -> Result<(), CommandError> {
     let source = SceneSource::load(file)?;
     let scene = source.nominal();
     check_linkage(source.origin(), scene)?;
+    let unused = source.unused_parameters();
     if as_json {
-        return print(&to_json(&json!({ "file": file, "scene": scene.name, "valid": true }))?);
+        return print(&to_json(&json!({ "file": file, "scene": scene.name, "valid": true,
+                                       "unused_parameters": unused }))?);
     }
-    print(&format!("{file}: valid; {}\n", counts(scene)))
+    let unused: String =
+        unused.iter().map(|name| format!("{file}: parameters.{name}: nothing reads it\n")).collect();
+    print(&format!("{file}: valid; {}\n{unused}", counts(scene)))
 }
 
 /// The ideal linkage must close through its cycle, and hold nothing that is not modelled.
