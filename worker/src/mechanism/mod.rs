@@ -12,6 +12,8 @@ mod frame;
 mod island;
 mod joint;
 mod load;
+#[cfg(test)]
+mod order_tests;
 mod outer;
 mod prescribed;
 mod table;

@@ -32,6 +32,7 @@ impl<'a> Run<'a> {
     pub fn assemble(scene: &'a Scene, accuracy: &'a Accuracy) -> Result<Self, SimulationFailure> {
         let mut newton = 0;
         let wanted = Wanted::by(scene);
+        let islands = islands(scene)?;
         // A linkage that locks on its way is named as such, before a contact is blamed for it.
         let samples = if wanted.points.is_empty() { 2 } else { PATH };
         let poses = ideal_cycle(scene, samples, &mut newton)?;
@@ -40,7 +41,7 @@ impl<'a> Run<'a> {
                 what: "a position error where the drives leave the ideal motion open".into(),
             });
         }
-        let islands = islands(scene)?
+        let islands = islands
             .into_iter()
             .map(|island| Moving::new(island, &poses[0], scene, &wanted, accuracy))
             .collect();

@@ -6,5 +6,6 @@ mod four_bar;
 mod islands;
 mod kinematics;
 mod nominal;
+mod published;
 mod restitution;
 mod scenes;
