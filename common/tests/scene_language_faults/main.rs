@@ -7,6 +7,7 @@ mod loads;
 mod outputs;
 
 use common::scene::SceneSource;
+use proptest::prelude::*;
 
 const EVERYTHING: &str = include_str!("../scenes/everything.toml");
 
@@ -84,4 +85,31 @@ fn faults_of_all_parts_at_once() {
         "life.settle_cycles",
     ];
     assert_eq!(keys, expected);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(100))]
+
+    /// Lines moved into other rows, lost, and cut short.
+    #[test]
+    fn no_mutilated_scene_panics(lost in 0usize..360, one in 0usize..360, other in 0usize..360, end in 0usize..7600) {
+        let mut lines: Vec<&str> = EVERYTHING.lines().collect();
+        let last = lines.len() - 1;
+        lines.swap(one.min(last), other.min(last));
+        lines.remove(lost.min(last));
+        let text = lines.join("\n");
+        let _ = SceneSource::parse(&text, "mutilated");
+        let _ = SceneSource::parse(text.get(..end).unwrap_or(&text), "mutilated");
+    }
+
+    /// Entries of lists replaced, lost, and doubled: arguments out of order, lists of another length, other kinds.
+    #[test]
+    fn no_mutilated_table_panics(line in 0usize..20, from in 0usize..8, entry in "\"-?[0-9]{1,3} (s|deg|N|r/min)\"|") {
+        let tables: Vec<&str> = EVERYTHING.lines().filter(|line| line.contains("over = ")).collect();
+        let table = tables[line % tables.len()];
+        let mut pieces: Vec<&str> = table.split(", ").collect();
+        let at = from % pieces.len();
+        pieces[at] = &entry;
+        let _ = SceneSource::parse(&EVERYTHING.replacen(table, &pieces.join(", "), 1), "mutilated");
+    }
 }
