@@ -7,6 +7,7 @@
 //! conservative as the bore wears.
 
 use super::arc::Arc;
+use super::energy::Elastic;
 use super::local_hertz::from_polar;
 use super::modulus::Modulus;
 use super::{JointForce, JointMotion, Surface};
@@ -81,6 +82,18 @@ impl Foundation {
         let JointMotion { e, w, omega_bushing, .. } = *motion;
         let n = self.arc.nearest(e);
         n[0] * (w[0] + omega_bushing * e[1]) + n[1] * (w[1] - omega_bushing * e[0])
+    }
+
+    /// Energy, force and rate of the elastic part of the contact.
+    pub(super) fn elastic(&self, motion: &JointMotion) -> Elastic {
+        let JointMotion { e, w, omega_bushing, .. } = *motion;
+        let Pressing { energy, force: [fx, fy], .. } = self.press(e, |_, _, _| {});
+        let force = libm::hypot(fx, fy);
+        if force <= 0.0 {
+            return Elastic::default();
+        }
+        let power = fx * (w[0] + omega_bushing * e[1]) + fy * (w[1] - omega_bushing * e[0]);
+        Elastic { stored: energy, force, rate: power / force }
     }
 
     /// Elastic potential, force and stiffness at this eccentricity; `weigh` sees each interval of the arc with the

@@ -7,6 +7,7 @@
 
 mod arc;
 mod damping;
+mod energy;
 mod foundation;
 mod local_hertz;
 mod modulus;
@@ -16,6 +17,7 @@ mod tests;
 
 pub use arc::Arc;
 pub use damping::Restitution;
+pub use energy::ContactEnergy;
 pub use foundation::{Foundation, Pressing, equivalent_penetration};
 pub use local_hertz::LocalHertz;
 pub use stiffness::hertz_stiffness;
