@@ -4,6 +4,7 @@
 //! friction F_T = mu F_N tanh(v_t / v_0) along the tangent. On a worn profile, whose normal is not along e, the
 //! law is not conservative: it can feed vibration with energy.
 
+use super::energy::Elastic;
 use super::{JointForce, JointMotion, Surface};
 use crate::bore::Profile;
 
@@ -88,6 +89,18 @@ impl LocalHertz {
         }
         s.add_film::<JACOBIAN>(motion, &mut out);
         out
+    }
+
+    /// Energy, force and rate of the elastic part of the contact.
+    pub(super) fn elastic(&self, profile: &Profile, motion: &JointMotion) -> Elastic {
+        let e = motion.e;
+        let delta =
+            libm::hypot(e[0], e[1]) + self.surface.journal_radius - profile.at(libm::atan2(e[1], e[0])).r;
+        if delta <= 0.0 {
+            return Elastic::default();
+        }
+        let force = self.surface.stiffness * delta * delta.sqrt();
+        Elastic { stored: 0.4 * force * delta, force, rate: self.approach(profile, motion) }
     }
 
     /// Rate of the penetration, delta_dot, also where it is negative; e must not be zero [m/s].

@@ -5,15 +5,20 @@
 //! omega_i of the journal's body, omega_j of the bushing's. The force returned acts on the journal at its
 //! centre; the opposite acts on the bushing at its centre; friction adds the torques.
 
+mod arc;
 mod damping;
+mod energy;
 mod foundation;
 mod local_hertz;
+mod modulus;
 mod stiffness;
 #[cfg(test)]
 mod tests;
 
+pub use arc::Arc;
 pub use damping::Restitution;
-pub use foundation::{Foundation, equivalent_penetration};
+pub use energy::ContactEnergy;
+pub use foundation::{Foundation, Pressing, equivalent_penetration};
 pub use local_hertz::LocalHertz;
 pub use stiffness::hertz_stiffness;
 

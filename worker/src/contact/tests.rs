@@ -4,7 +4,7 @@ use super::{Contact, Foundation, JointForce, JointMotion, LocalHertz, Surface};
 use crate::bore::Profile;
 use std::f64::consts::TAU;
 
-const SURFACE: Surface = Surface {
+pub(super) const SURFACE: Surface = Surface {
     journal_radius: 1.5e-3,
     clearance: 23.5e-6,
     stiffness: 3.264e10,
@@ -15,7 +15,7 @@ const SURFACE: Surface = Surface {
     film: 7.0,
 };
 
-fn worn() -> Profile {
+pub(super) fn worn() -> Profile {
     let mut profile = Profile::round(SURFACE.journal_radius + SURFACE.clearance, 36);
     let depth: Vec<f64> = (0..36)
         .map(|i| {
@@ -27,14 +27,14 @@ fn worn() -> Profile {
     profile
 }
 
-fn laws(surface: Surface, profile: &Profile) -> [Contact; 2] {
+pub(super) fn laws(surface: Surface, profile: &Profile) -> [Contact; 2] {
     let mut foundation = Foundation::new(surface, profile.points());
     foundation.profile_changed(profile);
     [Contact::LocalHertz(LocalHertz { surface }), Contact::Foundation(foundation)]
 }
 
 /// Motions in contact all round the bore, sliding slowly enough that the friction's regularisation matters.
-fn motions(profile: &Profile) -> Vec<JointMotion> {
+pub(super) fn motions(profile: &Profile) -> Vec<JointMotion> {
     (0..24)
         .map(|k| {
             let x = f64::from(k);

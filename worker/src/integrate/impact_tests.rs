@@ -106,13 +106,14 @@ impl Watch<Impact> for Seen {
     }
 }
 
-/// Largest penetration, contact time and outgoing speed of an impact that begins at first contact.
+/// Largest penetration, contact time and outgoing speed of an impact that begins shortly before first contact.
 fn impact(law: Contact, mass: f64, speed: f64) -> (f64, f64, f64) {
     let Surface { stiffness, clearance, .. } = *law.surface();
     let mut system = Impact::new(law, mass, speed);
     let long = 10.0 * deepest(stiffness, mass, speed) / speed;
     let mut advance = Advance::new(Linearised::new(2, 1), 1e-7, long / 100.0, long * 1e-12, 100_000);
-    let (mut q, mut v) = ([clearance, 0.0], [speed, 0.0]);
+    let before = 0.01 * deepest(stiffness, mass, speed);
+    let (mut q, mut v) = ([clearance - before, 0.0], [speed, 0.0]);
     let mut seen = Seen::default();
     advance
         .run(&mut system, 0.0..long, &mut q, &mut v, &mut seen, &mut AdvanceStats::default())
@@ -120,7 +121,7 @@ fn impact(law: Contact, mass: f64, speed: f64) -> (f64, f64, f64) {
     // Free flight at constant speed leads back to the instant of separation.
     let (t, penetration, out) = seen.last;
     assert!(penetration < 0.0 && out < 0.0, "the journal has left");
-    (seen.deepest, t - penetration / out, -out)
+    (seen.deepest, t - penetration / out - before / speed, -out)
 }
 
 #[test]

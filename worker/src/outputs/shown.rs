@@ -96,7 +96,6 @@ fn instant(island: &Island, t: f64, v: &[f64], at: &Linearised) -> Instant {
         at.prescribed.iter().zip(island.prescribed_speeds()).map(|(f, omega)| -f[2] * omega).sum();
     let mut now =
         Instant { stored: loads.stored, input: drives + loads.driving, lost: loads.lost, unphysical: 0.0 };
-    #[cfg(any())]
     for (k, force) in at.joints.iter().enumerate() {
         let joint = &island.joints[k];
         let energy = joint.contact.energy(&joint.profile, &island.joint_motion(k), force);

@@ -18,10 +18,10 @@ const SUBDIVISION: usize = 8;
 /// between two samples, so that the wear rate is a smooth function of the profile.
 const ENTRY: f64 = 0.5 * TAU / 360.0;
 
-/// Intervals of the bore at which the foundation is found again: 0.625 deg at 36 control points. The pressure is
-/// scaled to the force it carries, so its quadrature need not be that of the force; with half as many intervals
-/// the volume test (`foundation_wears_the_volume_its_pressure_asks_for`) misses its 0.1 %.
-const CONFORMAL_INTERVALS: usize = 576;
+/// Intervals of the bore at which the foundation is found again: 1.25 deg at 36 control points. The pressure is
+/// scaled to the force it carries, so its quadrature need not be that of the force: the volume test
+/// (`foundation_wears_the_volume_its_pressure_asks_for`) finds it within 1e-4, and within 1.4e-5 with twice as many.
+const CONFORMAL_INTERVALS: usize = 288;
 
 /// Wear rate of one joint under a frozen contact history.
 #[derive(Debug, Clone)]
@@ -73,7 +73,7 @@ impl WearRate {
         self.samples.extend_from_slice(history.samples());
         if let Some(law) = &mut self.foundation {
             law.profile_changed(&self.profile);
-            self.samples.iter_mut().for_each(|s| s.penetration = law.gap_along(s.e));
+            self.samples.iter_mut().for_each(|s| s.penetration = law.arc().gap_along(s.e));
         }
     }
 

@@ -22,22 +22,23 @@ pub fn foundation_share(
     sample: &mut ContactSample,
     rate: &mut [f64],
 ) -> Result<(), Unbalanced> {
-    let wanted = libm::hypot(sample.force[0], sample.force[1]) / law.kappa();
+    let wanted = libm::hypot(sample.force[0], sample.force[1]);
     if wanted <= 0.0 || sample.e == [0.0; 2] {
         return Ok(());
     }
-    sample.e = equilibrium(law, sample).map_err(Unbalanced)?;
-    sample.penetration = law.gap_along(sample.e);
-    let scale = sample.work / wanted;
+    let (e, modulus) = equilibrium(law, sample).map_err(Unbalanced)?;
+    sample.e = e;
+    sample.penetration = law.arc().gap_along(e);
+    let scale = sample.work * modulus / wanted;
     let n = rate.len();
-    let sub = law.intervals() / n;
+    let sub = law.arc().intervals() / n;
     let mut hat = |k: usize, weight: f64| {
         let (i, j) = (k / sub % n, k % sub);
         let s = j as f64 / sub as f64;
         rate[i] += scale * weight * (1.0 - s);
         rate[(i + 1) % n] += scale * weight * s;
     };
-    law.integrate(sample.e, |k, a, b| {
+    law.arc().integrate(e, |k, a, b| {
         hat(k, a);
         hat(k + 1, b);
     });
@@ -48,34 +49,34 @@ pub fn foundation_share(
 const WEAK: f64 = 0.2;
 const MOST_ITERATIONS: usize = 60;
 
-/// Eccentricity at which the foundation carries the sample's normal force in the direction it had: two equations
-/// kappa p(e) = F n, by Newton's method with step halving. From no contact, or next to none, the journal first
+/// Eccentricity at which the foundation carries the sample's normal force in the direction it had, and its modulus
+/// there: two equations dU/de = F n, by Newton's method with step halving. From no contact, or next to none, the journal first
 /// moves outward along the load, by the penetration of that force on an unworn bore at a time.
 ///
 /// # Errors
 /// The relative residual, if it stays above [`BALANCED`].
-fn equilibrium(law: &Foundation, sample: &ContactSample) -> Result<[f64; 2], f64> {
+fn equilibrium(law: &Foundation, sample: &ContactSample) -> Result<([f64; 2], f64), f64> {
     let size = |r: [f64; 2]| (r[0] * r[0] + r[1] * r[1]).sqrt();
-    let target = [sample.force[0] / law.kappa(), sample.force[1] / law.kappa()];
+    let target = sample.force;
     let wanted = size(target);
-    let outward = equivalent_penetration(size(sample.force), law.surface().stiffness) / wanted;
+    let outward = equivalent_penetration(wanted, law.surface().stiffness) / wanted;
     let at = |e: [f64; 2]| {
-        let sum = law.integrate(e, |_, _, _| {});
-        let miss = [sum.p[0] - target[0], sum.p[1] - target[1]];
-        (e, sum, miss)
+        let pressing = law.press(e, |_, _, _| {});
+        let miss = [pressing.force[0] - target[0], pressing.force[1] - target[1]];
+        (e, pressing, miss)
     };
     // Start as deep below the present bore as the journal last was.
     let length = size(sample.e);
-    let follow = 1.0 + (sample.penetration - law.gap_along(sample.e)) / length;
+    let follow = 1.0 + (sample.penetration - law.arc().gap_along(sample.e)) / length;
     let mut now = at([follow * sample.e[0], follow * sample.e[1]]);
     for _ in 0..MOST_ITERATIONS {
-        let (e, sum, miss) = now;
+        let (e, pressing, miss) = now;
         if size(miss) <= BALANCED * wanted {
-            return Ok(e);
+            return Ok((e, pressing.modulus));
         }
-        let [[a, b], [_, d]] = sum.d;
+        let [[a, b], [_, d]] = pressing.stiffness;
         let det = a * d - b * b;
-        if size(sum.p) < WEAK * wanted || det <= 0.0 {
+        if size(pressing.force) < WEAK * wanted || det <= 0.0 {
             now = at([e[0] + outward * target[0], e[1] + outward * target[1]]);
             continue;
         }

@@ -79,10 +79,8 @@ fn pressure_over_force(depth: &[f64]) -> f64 {
     const GRID: usize = 20_000;
     let mut profile = round();
     profile.set_depth(depth);
-    let kappa = match foundation() {
-        Contact::Foundation(law) => law.kappa(),
-        Contact::LocalHertz(_) => unreachable!("made as a foundation"),
-    };
+    let mut law = Foundation::new(SURFACE, POINTS);
+    law.profile_changed(&profile);
     let bore: Vec<(f64, f64)> = (0..GRID)
         .map(|k| {
             let psi = TAU * (k as f64 / GRID as f64 - 0.5);
@@ -90,8 +88,9 @@ fn pressure_over_force(depth: &[f64]) -> f64 {
         })
         .collect();
     let sums = |e: f64| {
+        let modulus = law.press([e, 0.0], |_, _, _| {}).modulus;
         bore.iter().fold((0.0, 0.0), |(force, pressure), (cos, radius)| {
-            let p = kappa * (e * cos + SURFACE.journal_radius - radius).max(0.0) * TAU / GRID as f64;
+            let p = modulus * (e * cos + SURFACE.journal_radius - radius).max(0.0) * TAU / GRID as f64;
             (force + p * cos, pressure + p)
         })
     };
@@ -118,7 +117,7 @@ fn foundation_wears_the_volume_its_pressure_asks_for() {
         let mut per_cycle = vec![0.0; POINTS];
         rate.rate(&depth, &mut per_cycle).expect("the force finds its rest");
         let now = per_cycle.iter().sum::<f64>() * cell / archard;
-        assert!((now / ratio - 1.0).abs() < 1e-3, "block {block}: {now} against {ratio}");
+        assert!((now / ratio - 1.0).abs() < 2e-4, "block {block}: {now} against {ratio}");
         if block == 0 {
             assert!((now - 1.0).abs() < 3e-3, "narrow arc: {now}");
         } else {
