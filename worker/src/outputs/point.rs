@@ -1,6 +1,6 @@
 //! Path of a point of a body, and how far it strays from that of the ideal mechanism.
 
-use super::trace::hermite;
+use super::trace::cubic;
 
 /// Position and velocity of a point, at increasing times.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -35,7 +35,10 @@ impl PointTrack {
 
     /// Position at `t` in interval `k`, by cubic Hermite interpolation [m].
     fn at(&self, k: usize, t: f64) -> [f64; 2] {
-        [0, 1].map(|axis| hermite(&self.time, &self.position[axis], &self.velocity[axis], k, t).0)
+        [0, 1].map(|axis| {
+            let velocity = &self.velocity[axis];
+            cubic(&self.time, &self.position[axis], [velocity[k], velocity[k + 1]], k, t).0
+        })
     }
 
     /// Largest distance from `other`, whose track covers the same span of time [m].

@@ -1,7 +1,7 @@
 //! What people want to see of a cycle: forces of all joints, motion of all bodies, energy.
 
 use super::energy::{Instant, Ledger};
-use super::trace::hermite;
+use super::trace::cubic;
 use super::{BodyTrack, ForceTrack};
 use crate::integrate::Linearised;
 use crate::mechanism::Island;
@@ -58,7 +58,7 @@ impl Shown {
                     while j + 2 < self.time.len() && self.time[j + 1] < t {
                         j += 1;
                     }
-                    hermite(&self.time, &value, &rate, j, t).0
+                    cubic(&self.time, &value, [rate[j], rate[j + 1]], j, t).0
                 })
                 .collect()
         };

@@ -74,17 +74,17 @@ impl Doubt {
     ) -> Vec<Vec<f64>> {
         let peak = libm::pow(TAU * HARMONICS * largest_step, 4.0) / 384.0;
         let checkpoints = scene.life.checkpoints();
-        let all: Vec<usize> = (0..scene.joints.len()).collect();
         let wear = |joints: &[usize]| -> Vec<(f64, f64)> {
             let at = |&life: &u32| self.wear_error(joints, life);
             checkpoints.iter().map(at).collect()
         };
         // How far a wrong wear displaces the life: the largest relative error of any joint's depth.
-        let behind: Vec<f64> = wear(&all)
-            .iter()
-            .zip(&checkpoints)
-            .map(|((error, depth), &life)| if *depth > 0.0 { error / depth * f64::from(life) } else { 0.0 })
-            .collect();
+        let relative = |life: &u32, joint: usize| match self.wear_error(&[joint], *life) {
+            (error, depth) if depth > 0.0 => error / depth,
+            _ => 0.0,
+        };
+        let largest = |life: &u32| (0..scene.joints.len()).map(|j| relative(life, j)).fold(0.0, f64::max);
+        let behind: Vec<f64> = checkpoints.iter().map(|life| largest(life) * f64::from(*life)).collect();
         let of = |(k, kind): (usize, &OutputKind)| -> Vec<f64> {
             let error: Vec<f64> = match kind {
                 OutputKind::LargestWear { joints } => wear(joints).iter().map(|(error, _)| *error).collect(),
