@@ -3,7 +3,7 @@
 //!
 //! Closure phi(q, t) = r_journal - r_bushing = 0 for every joint; Newton's method with the least-norm step, so
 //! that mechanisms with more freedom than closures keep what their start gives them. Velocities solve
-//! (dphi/dq) qd = -dphi/dt.
+//! (dphi/dq) qd = -dphi/dt, accelerations the same once more differentiated.
 
 use super::frame::Frame;
 use super::prescribed::Prescribed;
@@ -26,6 +26,9 @@ pub struct Pose {
 /// Gap below which a joint counts as closed, relative to the mechanism's size.
 const CLOSED: f64 = 1e-12;
 const MOST_ITERATIONS: usize = 50;
+/// Smallest over largest singular value of the closures' derivative below which the ideal motion does not count
+/// as determined: accelerations near a dead point are thousands of times those elsewhere.
+const DETERMINED: f64 = 1e-4;
 /// Angles of a cycle at which closure is checked.
 const CHECKED: usize = 180;
 
@@ -147,6 +150,44 @@ impl<'a> Closure<'a> {
         -least_norm(jacobian, &rate)
     }
 
+    /// Accelerations at (q, v): (dphi/dq) qdd = -(what the gaps' second rates are at qdd = 0); none if the
+    /// closures leave a freedom, or nearly so.
+    fn acceleration(&self, t: f64, q: &DVector<f64>, v: &DVector<f64>) -> Option<DVector<f64>> {
+        let (_, mut jacobian, _) = self.evaluate(t, q);
+        let mut second = DVector::zeros(jacobian.nrows());
+        for (row, joint) in self.scene.joints.iter().enumerate() {
+            for (sign, side) in [(1.0, &joint.journal), (-1.0, &joint.bushing)] {
+                let frame = self.frame(side.body, t, q);
+                let c = self.centre[side.body];
+                let arm = frame.turn([side.position[0] - c[0], side.position[1] - c[1]]);
+                // Of an arm that turns: towards the axis, and across from a given angular acceleration.
+                let (omega, alpha) = match (self.first[side.body], &self.prescribed[side.body]) {
+                    (Some(k), _) => (v[k + 2], 0.0),
+                    (None, Some(p)) => {
+                        let [_, omega, alpha, _] = p.jet(t);
+                        (omega, alpha)
+                    }
+                    (None, None) => (0.0, 0.0),
+                };
+                second[2 * row] += sign * (-omega * omega * arm[0] - alpha * arm[1]);
+                second[2 * row + 1] += sign * (-omega * omega * arm[1] + alpha * arm[0]);
+            }
+        }
+        // Angles count by the mechanism's size, so that one bound fits all columns.
+        for mut column in jacobian.column_iter_mut().skip(2).step_by(3) {
+            column /= self.size;
+        }
+        let columns = jacobian.ncols();
+        let svd = jacobian.svd(true, true);
+        let values = &svd.singular_values;
+        if columns == 0 || values.len() < columns || values.min() < DETERMINED * values.max() {
+            return None;
+        }
+        let mut a = -svd.solve(&second, 0.0).ok()?;
+        a.iter_mut().skip(2).step_by(3).for_each(|a| *a /= self.size);
+        Some(a)
+    }
+
     fn pose(&self, t: f64, q: &DVector<f64>) -> Pose {
         let v = self.velocity(t, q);
         let split = |x: &DVector<f64>| {
@@ -188,4 +229,82 @@ pub fn ideal_cycle(
         }
     }
     Ok(poses)
+}
+
+/// Accelerations of the ideal mechanism in these poses, per body of the scene as in [`Pose`] [m/s^2, rad/s^2];
+/// none if the joints and drives leave the motion a freedom in one of them.
+pub fn ideal_accelerations(scene: &Scene, poses: &[Pose]) -> Option<Vec<Vec<Option<[f64; 3]>>>> {
+    let closure = Closure::new(scene);
+    let flat =
+        |x: &[Option<[f64; 3]>]| DVector::from_iterator(closure.n, x.iter().flatten().flatten().copied());
+    poses
+        .iter()
+        .map(|pose| {
+            let a = closure.acceleration(pose.time, &flat(&pose.q), &flat(&pose.v))?;
+            Some(closure.first.iter().map(|first| first.map(|k| [a[k], a[k + 1], a[k + 2]])).collect())
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use common::scene::{Drive, SceneSource, Table};
+
+    /// Largest difference between the accelerations and the central differences of the velocities, relative to
+    /// the largest acceleration of the same kind, over a cycle.
+    fn worst(scene: &Scene) -> f64 {
+        const SAMPLES: usize = 4001;
+        let poses = ideal_cycle(scene, SAMPLES, &mut 0).expect("the linkage closes");
+        let a = ideal_accelerations(scene, &poses).expect("the motion is determined");
+        let h = scene.life.period / (SAMPLES - 1) as f64;
+        let (mut off, mut largest) = ([0.0_f64; 2], [0.0_f64; 2]);
+        for k in 1..SAMPLES - 1 {
+            for (body, a) in a[k].iter().enumerate() {
+                let (Some(a), Some(low), Some(high)) = (a, poses[k - 1].v[body], poses[k + 1].v[body]) else {
+                    continue;
+                };
+                for c in 0..3 {
+                    let difference = (high[c] - low[c]) / (2.0 * h);
+                    off[c / 2] = off[c / 2].max((a[c] - difference).abs());
+                    largest[c / 2] = largest[c / 2].max(a[c].abs());
+                }
+            }
+        }
+        (off[0] / largest[0]).max(off[1] / largest[1])
+    }
+
+    #[test]
+    fn accelerations_are_the_rates_of_the_velocities() {
+        // Central differences at 4000 points a cycle miss (2 pi k / 4000)^2 / 6 of the k-th harmonic: 1e-5 of
+        // the fifth.
+        for name in ["four-bar", "flapping-wing"] {
+            let mut scene = SceneSource::builtin(name).expect("built in").nominal().clone();
+            let off = worst(&scene);
+            assert!(off < 2e-5, "{name}: {off}");
+            // An uneven drive: a full turn with a second harmonic in it, spline of 64 intervals.
+            let tau = std::f64::consts::TAU;
+            let at: Vec<f64> = (0..=64).map(|k| scene.life.period * f64::from(k) / 64.0).collect();
+            let value = (0..=64)
+                .map(|k| f64::from(k) / 64.0)
+                .map(|s| tau * s + 0.1 * (2.0 * tau * s).sin())
+                .collect();
+            for body in &mut scene.bodies {
+                if let Motion::Driven { drive, .. } = &mut body.motion {
+                    *drive = Drive::Angle(Table { at: at.clone(), value, repeat: true });
+                    break;
+                }
+            }
+            let off = worst(&scene);
+            assert!(off < 2e-4, "{name}, uneven: {off}");
+        }
+    }
+
+    #[test]
+    fn a_freedom_is_no_motion_to_follow() {
+        let mut scene = SceneSource::builtin("four-bar").expect("built in").nominal().clone();
+        let poses = ideal_cycle(&scene, 3, &mut 0).expect("the linkage closes");
+        scene.joints.pop();
+        assert_eq!(ideal_accelerations(&scene, &poses), None);
+    }
 }

@@ -10,7 +10,7 @@ mod joint;
 mod prescribed;
 mod table;
 
-pub use assembly::{Pose, ideal_cycle};
+pub use assembly::{Pose, ideal_accelerations, ideal_cycle};
 pub use frame::Frame;
 pub use island::{Island, WearingJoint, islands};
 pub use prescribed::Prescribed;

@@ -4,16 +4,21 @@
 //!
 //! A measured cycle serves twice: its contact history drives the wear of the block that follows, and its motion
 //! gives the outputs of the profile it ran on. The value of a checkpoint belongs to the profile worn to it.
+//!
+//! Where wear is all that is asked for, the cycles between the first and the last may be quasi-static ones.
 
+mod guided;
+mod life;
 mod moving;
 mod observe;
 mod run;
 
-use crate::life::{at_checkpoints, boundaries};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
-use common::scene::{OutputKind, Scene};
+use common::scene::Scene;
+use guided::wear_alone;
+use life::live;
 use run::Run;
 
 /// Simulates the whole life of a checked scene.
@@ -35,31 +40,10 @@ pub fn simulate(
     let (peaks, free_flight) = run.force_summary();
     run.show_forces(false);
 
-    let every = scene.life.checkpoint_every;
-    let mut lives = vec![0];
-    let mut measured = vec![run.motion_outputs()];
-    let mut wear = vec![vec![]; scene.outputs.len()];
-    for block in boundaries(scene.life.cycles, accuracy.cycle_jump, every).windows(2) {
-        let checkpoints: Vec<u32> = (block[0] / every + 1..=block[1] / every).map(|k| k * every).collect();
-        run.wear(block[0], block[1], &checkpoints, &mut wear)?;
-        run.warm_up()?;
-        run.measure()?;
-        lives.push(block[1]);
-        measured.push(run.motion_outputs());
-    }
-
+    let histories = match wear_alone(&mut run) {
+        Some(histories) => histories,
+        None => live(&mut run, Run::next_cycle)?,
+    };
     let cycles = scene.life.checkpoints();
-    let histories = scene
-        .outputs
-        .iter()
-        .enumerate()
-        .map(|(k, output)| match output.kind {
-            OutputKind::LargestWear { .. } => std::mem::take(&mut wear[k]),
-            _ => {
-                let values: Vec<f64> = measured.iter().map(|m| m[k]).collect();
-                at_checkpoints(&lives, &values, &cycles)
-            }
-        })
-        .collect();
     run.finish(cycles, histories, peaks, free_flight, first_cycle)
 }

@@ -8,9 +8,10 @@ use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 
 /// Smallest time step, as a fraction of the cycle: far below the duration of any contact.
-const SMALLEST_STEP: f64 = 1e-9;
+pub const SMALLEST_STEP: f64 = 1e-9;
 
 /// An island with its state and tools.
+#[derive(Clone)]
 pub struct Moving {
     pub island: Island,
     pub advance: Advance,

@@ -115,7 +115,11 @@ impl Run<'_> {
             .collect();
         Ok(Evaluation {
             cycles,
-            errors: histories.iter().map(|h: &Vec<f64>| vec![0.0; h.len()]).collect(),
+            errors: histories
+                .iter()
+                .zip(&self.tier_difference)
+                .map(|(h, share)| h.iter().map(|x| share * x.abs()).collect())
+                .collect(),
             histories,
             joints,
             first_cycle,
@@ -128,6 +132,7 @@ impl Run<'_> {
                 wear_stages: self.wear_stats.stages,
                 rejected_wear_steps: self.wear_stats.rejected,
                 free_flight_fraction: free_flight,
+                quasi_static: !self.guided.is_empty(),
                 ..Diagnostics::default()
             },
         })

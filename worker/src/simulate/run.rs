@@ -1,5 +1,6 @@
 //! The stages of an evaluation: settle, measure a cycle, wear a block, warm up.
 
+use super::guided::Guided;
 use super::moving::{Moving, failure};
 use crate::integrate::AdvanceStats;
 use crate::mechanism::{ideal_cycle, islands};
@@ -9,16 +10,21 @@ use common::failure::SimulationFailure;
 use common::scene::{OutputKind, Scene};
 
 /// One evaluation under way.
+#[derive(Clone)]
 pub struct Run<'a> {
     pub scene: &'a Scene,
-    accuracy: &'a Accuracy,
+    pub accuracy: &'a Accuracy,
     pub islands: Vec<Moving>,
+    /// One per island while the quasi-static tier drives the wear.
+    pub guided: Vec<Guided>,
     /// Cycles done.
     cycle: u32,
     pub stats: AdvanceStats,
     pub wear_stats: WearStepStats,
     pub newton: u64,
     pub simulated: u64,
+    /// Largest difference of the wear rates between the tiers, relative, for each output; zero unless compared.
+    pub tier_difference: Vec<f64>,
 }
 
 impl<'a> Run<'a> {
@@ -44,11 +50,13 @@ impl<'a> Run<'a> {
             scene,
             accuracy,
             islands,
+            guided: vec![],
             cycle: 0,
             stats: AdvanceStats::default(),
             wear_stats: WearStepStats::default(),
             newton,
             simulated: 0,
+            tier_difference: vec![0.0; scene.outputs.len()],
         })
     }
 
@@ -61,7 +69,7 @@ impl<'a> Run<'a> {
     }
 
     /// From the state kept of the cycle before, on the profile as it is now, to the start of a cycle.
-    pub fn warm_up(&mut self) -> Result<(), SimulationFailure> {
+    fn warm_up(&mut self) -> Result<(), SimulationFailure> {
         for m in &mut self.islands {
             m.q.copy_from_slice(&m.saved.0);
             m.v.copy_from_slice(&m.saved.1);
@@ -97,6 +105,12 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
+    /// Warm-up and measured cycle on the profile as it is now.
+    pub fn next_cycle(&mut self) -> Result<(), SimulationFailure> {
+        self.warm_up()?;
+        self.measure()
+    }
+
     /// Carries every island from one time of the cycle to another.
     fn span(&mut self, from: f64, to: f64, record: bool) -> Result<(), SimulationFailure> {
         for m in &mut self.islands {
@@ -130,12 +144,13 @@ impl<'a> Run<'a> {
         let marks: Vec<f64> = checkpoints.iter().map(|&c| f64::from(c - from)).collect();
         // Largest depth of each joint at each checkpoint, by the scene's numbering of the joints.
         let mut largest = vec![vec![0.0_f64; self.scene.joints.len()]; marks.len()];
-        for m in &mut self.islands {
+        for (index, m) in self.islands.iter_mut().enumerate() {
+            let histories = self.guided.get(index).map_or(&m.recorder, |g| &g.recorder).histories.as_slice();
             for (k, joint) in m.island.joints.iter_mut().enumerate() {
                 if joint.wear_coefficient == 0.0 {
                     continue;
                 }
-                m.rates[k].freeze(&m.recorder.histories[k]);
+                m.rates[k].freeze(&histories[k]);
                 let note = |at: usize, depth: &[f64]| {
                     largest[at][joint.scene_joint] = depth.iter().fold(0.0, |a: f64, &b| a.max(b));
                 };
