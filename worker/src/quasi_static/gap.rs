@@ -12,8 +12,8 @@ use crate::integrate::{Dynamics, Linearised, factor, solve};
 
 /// Largest change of a coordinate in one Newton iteration, in its scale (1 % of the smallest clearance).
 const LONGEST_UPDATE: f64 = 10.0;
-/// A Newton update below this share of the scale is not worth making: 1e-4 of 1 % of the clearance is some
-/// 1e-4 of a penetration, hence of the force.
+/// A Newton update below this share of the scale is the last, and made without looking at the forces again:
+/// 1e-4 of 1 % of the clearance is some 1e-4 of a penetration, hence of the force.
 const CONVERGED: f64 = 1e-4;
 /// Iterations after which a step counts as refused; a good prediction needs one or two.
 const MOST_ITERATIONS: usize = 12;
@@ -38,11 +38,11 @@ pub struct Gap {
     matrix: Vec<f64>,
     pivot: Vec<usize>,
     update: Vec<f64>,
-    /// State at the end of the step just tried.
+    /// State at the end of the step just tried, but for the last Newton update.
     pub q: Vec<f64>,
-    /// Its rate.
+    /// Rate of that state.
     pub v: Vec<f64>,
-    /// The linearisation there.
+    /// Linearisation there.
     pub at: Linearised,
     /// Newton iterations so far, each an evaluation of force and derivatives.
     pub iterations: u64,
@@ -96,15 +96,15 @@ impl Gap {
                 self.matrix[i * n + i] -= mass[i] * inertia;
             }
             let Some(size) = self.newton_update(scale) else { return false };
+            self.move_by(size);
+            let settled = size <= CONVERGED;
             // At rest when the pseudo-step is so long that it is Newton's.
-            if size <= CONVERGED && inertia <= f64::MIN_POSITIVE {
+            if settled && inertia == 0.0 {
                 self.past[0].copy_from_slice(&self.trial);
                 self.time[0] = t;
                 self.known = 1;
                 return true;
             }
-            let settled = size <= CONVERGED;
-            self.move_by(size);
             inverse_square = Some(if settled { 0.0 } else { inertia / LENGTHENING });
         }
         false
@@ -120,10 +120,10 @@ impl Gap {
         for _ in 0..MOST_ITERATIONS {
             self.evaluate(system, t, alpha, beta);
             let Some(size) = self.newton_update(system.scales().0) else { return false };
+            self.move_by(size);
             if size <= CONVERGED {
                 return true;
             }
-            self.move_by(size);
         }
         false
     }

@@ -7,6 +7,8 @@
 //! does is found by comparing wear rates with those of the dynamics.
 
 mod compare;
+#[cfg(test)]
+mod convergence_tests;
 mod follow;
 mod gap;
 mod ideal_motion;

@@ -6,4 +6,5 @@ mod four_bar;
 mod islands;
 mod kinematics;
 mod nominal;
+mod quasi_static;
 mod scenes;
