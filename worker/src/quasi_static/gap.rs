@@ -92,8 +92,8 @@ impl Gap {
             let inertia = *inverse_square.get_or_insert_with(|| {
                 (0..n).map(|i| (self.update[i] / mass[i] / scale[i]).abs()).fold(0.0, f64::max)
             });
-            for i in 0..n {
-                self.matrix[i * n + i] -= mass[i] * inertia;
+            for (diagonal, mass) in self.matrix.iter_mut().step_by(n + 1).zip(mass) {
+                *diagonal -= mass * inertia;
             }
             let Some(size) = self.newton_update(scale) else { return false };
             self.move_by(size);
@@ -187,8 +187,10 @@ impl Gap {
         system.linearise(t, &self.q, &self.v, &mut self.at);
         self.iterations += 1;
         let mass = system.mass();
-        for i in 0..n {
-            self.update[i] = mass[i] * self.ideal_a[i] - self.at.f[i];
+        for (miss, (mass, (a, f))) in
+            self.update.iter_mut().zip(mass.iter().zip(self.ideal_a.iter().zip(&self.at.f)))
+        {
+            *miss = mass * a - f;
         }
         for (m, (k, d)) in self.matrix.iter_mut().zip(self.at.k.iter().zip(&self.at.d)) {
             *m = k + alpha * d;
