@@ -19,6 +19,7 @@ const WORKER: [&str; 12] = [
     "integrate",
     "wear",
     "mechanism",
+    "quasi_static",
     "outputs",
     "simulate",
     "extremes",

@@ -1,7 +1,8 @@
 //! The worker: one evaluation of a mechanism's life, and the service that offers it to a coordinator.
 //!
 //! `simulate` is the evaluation as one page; below it: `mechanism` (who moves how), `contact` (forces in a
-//! joint), `integrate` (time), `wear` (the bore), `outputs` (what was asked for).
+//! joint), `integrate` (time), `quasi_static` (the same without vibrations), `wear` (the bore), `outputs` (what was
+//! asked for).
 
 pub mod bore;
 pub mod contact;
@@ -10,6 +11,7 @@ pub mod integrate;
 pub mod life;
 pub mod mechanism;
 pub mod outputs;
+pub mod quasi_static;
 pub mod service;
 pub mod simulate;
 pub mod simulator;

@@ -7,6 +7,7 @@ mod linear;
 mod rosenbrock;
 
 pub use advance::{Advance, AdvanceError, AdvanceStats, Watch};
+pub use linear::{factor, solve};
 pub use rosenbrock::Rosenbrock;
 
 use crate::contact::JointForce;

@@ -2,7 +2,8 @@
 //! starts, whether it can go round, and its motion in the limit of vanishing clearance.
 //!
 //! Closure phi(q, t) = 0 of every joint; Newton's method with the least-norm step, so that mechanisms with more
-//! freedom than closures keep what their start gives them. Velocities solve (dphi/dq) qd = -dphi/dt.
+//! freedom than closures keep what their start gives them. Velocities solve (dphi/dq) qd = -dphi/dt, accelerations
+//! the same once more differentiated.
 
 use super::closure::Closure;
 use common::failure::SimulationFailure;
@@ -121,6 +122,15 @@ fn follow(
         }
     }
     Ok(())
+}
+
+/// Accelerations of the ideal mechanism in these poses, per body of the scene as in [`Pose`] [m/s^2, rad/s^2];
+/// none if the joints and drives leave the motion a freedom in one of them.
+pub fn ideal_accelerations(scene: &Scene, poses: &[Pose]) -> Option<Vec<Vec<Option<[f64; 3]>>>> {
+    let closure = Closure::new(scene);
+    let flat = |x: &[Option<[f64; 3]>]| DVector::from_vec(x.iter().flatten().flatten().copied().collect());
+    let of = |pose: &Pose| closure.acceleration(pose.time, &flat(&pose.q), &flat(&pose.v));
+    poses.iter().map(|pose| of(pose).map(|a| closure.split(&a))).collect()
 }
 
 /// The failure, told by the angle of the first driven body.

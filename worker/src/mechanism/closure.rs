@@ -14,6 +14,9 @@ const CLOSED: f64 = 1e-12;
 const MOST_ITERATIONS: usize = 50;
 /// Rows that keep less than this share of their length beside the rows before them depend on those.
 const DEPENDENT: f64 = 1e-9;
+/// Smallest over largest pivot of the closures' derivative below which the ideal motion does not count as
+/// determined: accelerations near a dead point are thousands of times those elsewhere.
+const DETERMINED: f64 = 1e-4;
 
 /// A joint that could not be closed.
 pub struct Open {
@@ -205,6 +208,40 @@ impl<'a> Closure<'a> {
         free
     }
 
+    /// Accelerations at (q, v): (dphi/dq) qdd = -(what the gaps' second rates are at qdd = 0); none if the closures
+    /// leave a freedom, or nearly so.
+    pub fn acceleration(&self, t: f64, q: &DVector<f64>, v: &DVector<f64>) -> Option<DVector<f64>> {
+        let jacobian = self.gaps(t, q).jacobian;
+        let mut second = DVector::zeros(self.m);
+        for (c, &row) in self.constraints.iter().zip(&self.row) {
+            let frames = c.ends.map(|end| match self.first[end.frame] {
+                Some(k) => Frame::free(&[q[k], q[k + 1], q[k + 2]], &[v[k], v[k + 1], v[k + 2]]),
+                None => self.frame(end.frame, t, q),
+            });
+            let h = c.centripetal(&frames[0], &frames[1]);
+            let (_, g) = c.position(&frames[0], &frames[1]);
+            for r in 0..c.rows() {
+                let given = c.ends.iter().enumerate().map(|(side, end)| {
+                    let alpha = self.prescribed[end.frame].as_ref().map_or(0.0, |p| p.jet(t)[2]);
+                    g[r][3 * side + 2] * alpha
+                });
+                let unit = if c.is_angle(r) { self.size } else { 1.0 };
+                second[row + r] = unit * (h[r] + given.sum::<f64>());
+            }
+        }
+        if self.n == 0 || self.m < self.n {
+            return None;
+        }
+        let qr = jacobian.qr();
+        let r = qr.r();
+        let pivots = r.diagonal().abs();
+        if pivots.min() < DETERMINED * pivots.max() {
+            return None;
+        }
+        let a = -r.solve_upper_triangular(&(qr.q().transpose() * second))?;
+        Some(self.to_coordinates(a))
+    }
+
     /// On which side of a dead point a mechanism without freedom is: the sign of det(dphi/dq).
     pub fn orientation(&self, t: f64, q: &DVector<f64>) -> Option<bool> {
         if self.m != self.n || self.n == 0 {
@@ -285,5 +322,9 @@ fn least_norm(a: &DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
     }
     let svd = a.clone().svd(true, true);
     let cut = 1e-10 * svd.singular_values.max();
-    svd.solve(b, cut).unwrap_or_else(|_| DVector::zeros(a.ncols()))
+    let solve = |b: &DVector<f64>| svd.solve(b, cut).unwrap_or_else(|_| DVector::zeros(a.ncols()));
+    // Refined once: the decomposition alone was seen to leave 1e-6 of the solution in the residual.
+    let x = solve(b);
+    let missing = b - a * &x;
+    x + solve(&missing)
 }

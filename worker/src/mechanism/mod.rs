@@ -1,6 +1,8 @@
 //! The mechanism a scene describes, assembled: who is connected to whom, which bodies cost unknowns, where it
 //! stands with ideal joints, and the forces of each island.
 
+#[cfg(test)]
+mod acceleration_tests;
 mod assembly;
 mod closure;
 mod constraint;
@@ -19,7 +21,7 @@ mod prescribed;
 mod table;
 mod topology;
 
-pub use assembly::{Pose, ideal_cycle};
+pub use assembly::{Pose, ideal_accelerations, ideal_cycle};
 pub use constraint::Constraint;
 pub use forces::LoadPower;
 pub use frame::{End, Frame};

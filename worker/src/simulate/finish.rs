@@ -49,7 +49,7 @@ impl Run<'_> {
                 free_flight_fraction: first.free_flight,
                 constraint_drift: self.stats.drift,
                 held_wear_points: 0,
-                quasi_static: false,
+                quasi_static: !self.guided.is_empty(),
                 energy: first.energy,
             },
         })

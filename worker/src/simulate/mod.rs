@@ -5,22 +5,26 @@
 //! A measured cycle serves twice: its contact history drives the wear of the block that follows, and its motion
 //! gives the outputs of the profile it ran on. The value of a checkpoint belongs to the profile worn to it. At a few
 //! lives the measured cycle is put to the test, from which the evaluation estimates its own error.
+//!
+//! Where wear is all that is asked for, the cycles between the first and the last may be quasi-static ones; where
+//! nothing wears, one cycle is all there is.
 
 mod error;
 mod finish;
+mod guided;
+mod life;
 mod moving;
 mod observe;
 mod probe;
 mod run;
 mod unchanging;
 
-use crate::life::{at_checkpoints, boundaries};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
-use common::scene::{OutputKind, Scene};
-use error::Doubt;
-use probe::probed;
+use common::scene::Scene;
+use guided::wear_alone;
+use life::live;
 use run::Run;
 
 /// Simulates the whole life of a checked scene.
@@ -48,14 +52,13 @@ pub fn simulate_counting(
     steps: &mut u64,
 ) -> Result<Evaluation, SimulationFailure> {
     let mut run = Run::assemble(scene, accuracy)?;
-    let evaluation = live(&mut run, with_first_cycle);
+    let evaluation = evaluate(&mut run, with_first_cycle);
     *steps += run.stats.steps + run.stats.rejected;
     evaluation
 }
 
-/// The life, stage by stage.
-fn live(run: &mut Run, with_first_cycle: bool) -> Result<Evaluation, SimulationFailure> {
-    let (scene, accuracy) = (run.scene, run.accuracy);
+/// Stage by stage.
+fn evaluate(run: &mut Run, with_first_cycle: bool) -> Result<Evaluation, SimulationFailure> {
     run.settle()?;
     run.show(true);
     run.measure()?;
@@ -65,40 +68,9 @@ fn live(run: &mut Run, with_first_cycle: bool) -> Result<Evaluation, SimulationF
         return run.unchanging(first);
     }
 
-    let every = scene.life.checkpoint_every;
-    let lives = boundaries(scene.life.cycles, accuracy.cycle_jump, every);
-    let probed = probed(&lives, every);
-    let mut doubt = Doubt::default();
-    let mut measured = vec![run.motion_outputs()];
-    let mut wear = vec![vec![]; scene.outputs.len()];
-    for block in lives.windows(2) {
-        let checkpoints: Vec<u32> = (block[0] / every + 1..=block[1] / every).map(|k| k * every).collect();
-        let depths = run.depths();
-        run.wear(block[0], block[1], &checkpoints, &mut wear)?;
-        doubt.worn(run, block[0], depths);
-        run.warm_up()?;
-        run.measure()?;
-        measured.push(run.motion_outputs());
-        if probed.contains(&block[1]) {
-            doubt.probed(run.probe(block[1])?);
-        }
-    }
-    run.close_wear()?;
-    doubt.worn(run, scene.life.cycles, run.depths());
-
-    let cycles = scene.life.checkpoints();
-    let histories: Vec<Vec<f64>> = scene
-        .outputs
-        .iter()
-        .enumerate()
-        .map(|(k, output)| match output.kind {
-            OutputKind::LargestWear { .. } => std::mem::take(&mut wear[k]),
-            _ => {
-                let values: Vec<f64> = measured.iter().map(|m| m[k]).collect();
-                at_checkpoints(&lives, &values, &cycles)
-            }
-        })
-        .collect();
-    let errors = doubt.errors(scene, &histories, &lives, &measured, accuracy.largest_step);
-    run.finish(cycles, histories, errors, first)
+    let lived = match wear_alone(run) {
+        Some(lived) => lived,
+        None => live(run, Run::next_cycle, true)?,
+    };
+    run.finish(run.scene.life.checkpoints(), lived.histories, lived.errors, first)
 }

@@ -9,12 +9,13 @@ use common::failure::SimulationFailure;
 use common::scene::Scene;
 
 /// Smallest time step, as a fraction of the cycle.
-const SMALLEST_STEP: f64 = 1e-9;
+pub const SMALLEST_STEP: f64 = 1e-9;
 /// Smallest time step over the time in which the fastest contact vibration turns by one radian, where that is less:
 /// a slow mechanism with light bodies needs some 0.06 of it where its journals find their bores.
 const SMALLEST_PHASE: f64 = 1e-3;
 
 /// An island with its state and tools.
+#[derive(Clone)]
 pub struct Moving {
     pub island: Island,
     pub advance: Advance,

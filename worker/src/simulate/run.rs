@@ -1,5 +1,6 @@
 //! The stages of an evaluation: settle, measure a cycle, wear a block, warm up.
 
+use super::guided::Guided;
 use super::moving::{Moving, failure};
 use crate::integrate::AdvanceStats;
 use crate::mechanism::{Frame, Pose, ideal_cycle, islands};
@@ -10,6 +11,7 @@ use common::failure::SimulationFailure;
 use common::scene::{Attachment, JointKind, Motion, OutputKind, Scene};
 
 /// One evaluation under way.
+#[derive(Clone)]
 pub struct Run<'a> {
     pub scene: &'a Scene,
     pub accuracy: &'a Accuracy,
@@ -22,6 +24,10 @@ pub struct Run<'a> {
     pub simulated: u64,
     /// Paths on the ideal mechanism of the points asked for.
     pub ideal_paths: Vec<(Attachment, PointTrack)>,
+    /// Islands on their ideal motion, where the quasi-static tier drives the wear.
+    pub guided: Vec<Guided>,
+    /// Largest difference of the wear rates between the tiers, relative, for each output; zero unless compared.
+    pub tier_difference: Vec<f64>,
 }
 
 /// Points of a path on the ideal mechanism per cycle: a cubic between two of them is off by some 1e-11 of its size.
@@ -55,6 +61,8 @@ impl<'a> Run<'a> {
             newton,
             simulated: 0,
             ideal_paths: wanted.points.iter().map(|at| (*at, ideal_path(scene, &poses, at))).collect(),
+            guided: vec![],
+            tier_difference: vec![0.0; scene.outputs.len()],
         })
     }
 
@@ -75,7 +83,7 @@ impl<'a> Run<'a> {
     }
 
     /// From the state kept of the cycle before, on the profile as it is now, to the start of a cycle.
-    pub fn warm_up(&mut self) -> Result<(), SimulationFailure> {
+    fn warm_up(&mut self) -> Result<(), SimulationFailure> {
         for m in &mut self.islands {
             m.q.copy_from_slice(&m.saved.0);
             m.v.copy_from_slice(&m.saved.1);
@@ -120,6 +128,12 @@ impl<'a> Run<'a> {
         }
         self.simulated += 1;
         Ok(())
+    }
+
+    /// Warm-up and measured cycle on the profile as it is now.
+    pub fn next_cycle(&mut self) -> Result<(), SimulationFailure> {
+        self.warm_up()?;
+        self.measure()
     }
 
     /// The cycle after the one just measured, on the same profile.

@@ -7,5 +7,6 @@ mod islands;
 mod kinematics;
 mod nominal;
 mod published;
+mod quasi_static;
 mod restitution;
 mod scenes;

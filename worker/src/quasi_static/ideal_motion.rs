@@ -1,0 +1,159 @@
+//! The motion with ideal joints over one cycle, tabulated once per evaluation: what the gaps are measured from.
+
+use super::Unsuitable;
+use crate::mechanism::{Island, Pose, ideal_accelerations};
+use common::scene::{JointKind, Scene};
+
+/// Differences at the ends of the cycle below this share of the largest value count as rounding.
+const REPEATS: f64 = 1e-6;
+
+/// Position, velocity and acceleration of an island's ideal motion: quintic between equal times, so that the
+/// velocity is exactly the rate of the position. Only the acceleration enters the equations of the gaps as such,
+/// with an error of fourth order (1e-5 of it at 180 intervals).
+#[derive(Debug, Clone, PartialEq)]
+pub struct IdealMotion {
+    period: f64,
+    /// Degrees of freedom.
+    n: usize,
+    /// (q, v, a) at equal times from 0 to the period `(intervals + 1, 3, n)`.
+    node: Vec<f64>,
+}
+
+impl IdealMotion {
+    /// From (q, v, a) at equal times of a cycle of `period` [s], both ends included `(intervals + 1, 3, n)`.
+    pub fn new(period: f64, n: usize, node: Vec<f64>) -> Self {
+        IdealMotion { period, n, node }
+    }
+
+    /// Degrees of freedom.
+    pub fn coordinates(&self) -> usize {
+        self.n
+    }
+
+    /// Position, velocity and acceleration at time `t` [s], `(n,)` each. Outside the cycle the motion repeats
+    /// itself; angles that turn fully come back to where they were.
+    #[inline]
+    pub fn at(&self, t: f64, q: &mut [f64], v: &mut [f64], a: &mut [f64]) {
+        let n = self.n;
+        let intervals = self.node.len() / (3 * n) - 1;
+        let h = self.period / intervals as f64;
+        let within = if (0.0..=self.period).contains(&t) { t } else { t.rem_euclid(self.period) };
+        let k = ((within / h) as usize).min(intervals - 1);
+        let s = within / h - k as f64;
+        let (start, end) = self.node[3 * n * k..3 * n * (k + 2)].split_at(3 * n);
+        for i in 0..n {
+            let (q0, v0, a0) = (start[i], h * start[n + i], h * h * start[2 * n + i]);
+            // What the parabola of the start misses at the end.
+            let d = end[i] - q0 - v0 - 0.5 * a0;
+            let dv = h * end[n + i] - v0 - a0;
+            let da = h * h * end[2 * n + i] - a0;
+            let c3 = 10.0 * d - 4.0 * dv + 0.5 * da;
+            let c4 = -15.0 * d + 7.0 * dv - da;
+            let c5 = 6.0 * d - 3.0 * dv + 0.5 * da;
+            q[i] = q0 + s * (v0 + s * (0.5 * a0 + s * (c3 + s * (c4 + s * c5))));
+            v[i] = (v0 + s * (a0 + s * (3.0 * c3 + s * (4.0 * c4 + s * 5.0 * c5)))) / h;
+            a[i] = (a0 + s * (6.0 * c3 + s * (12.0 * c4 + s * 20.0 * c5))) / (h * h);
+        }
+    }
+
+    /// Largest difference between the ends of the cycle, relative to the largest value of its kind; whole turns
+    /// of an angle do not count.
+    fn gap_at_the_ends(&self) -> f64 {
+        let n = self.n;
+        let last = self.node.len() - 3 * n;
+        let mut worst: f64 = 0.0;
+        for kind in 0..3 {
+            for i in 0..n {
+                let of = |start: usize| self.node[start + kind * n + i];
+                let largest =
+                    (0..=last).step_by(3 * n).map(|s| of(s).abs()).fold(f64::MIN_POSITIVE, f64::max);
+                let mut off = of(last) - of(0);
+                if kind == 0 && i % 3 == 2 {
+                    off -= std::f64::consts::TAU * (off / std::f64::consts::TAU).round();
+                }
+                worst = worst.max(off.abs() / largest);
+            }
+        }
+        worst
+    }
+}
+
+/// The ideal motion of every island, from the poses of one cycle at equal times.
+///
+/// # Errors
+/// [`Unsuitable`] where the scene has ideal joints, or its motion is not determined or does not repeat itself.
+pub fn ideal_motions(
+    scene: &Scene,
+    islands: &[&Island],
+    poses: &[Pose],
+) -> Result<Vec<IdealMotion>, Unsuitable> {
+    if let Some(joint) = scene.joints.iter().find(|j| !matches!(j.kind, JointKind::Clearance(_))) {
+        return Err(Unsuitable::IdealJoint { joint: joint.name.clone() });
+    }
+    let accelerations = ideal_accelerations(scene, poses).ok_or(Unsuitable::Undetermined)?;
+    islands
+        .iter()
+        .map(|island| {
+            let pick = |from: &[Option<[f64; 3]>]| -> Vec<f64> {
+                island.bodies.iter().flat_map(|&b| from[b].unwrap_or_default()).collect()
+            };
+            let node = poses.iter().zip(&accelerations).flat_map(|(p, a)| [pick(&p.q), pick(&p.v), pick(a)]);
+            let motion = IdealMotion::new(scene.life.period, island.coordinates(), node.flatten().collect());
+            let share = motion.gap_at_the_ends();
+            if share > REPEATS { Err(Unsuitable::NotPeriodic { share }) } else { Ok(motion) }
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    /// sin(omega t) + 2 turns per cycle in three coordinates of one body.
+    fn wave(intervals: usize) -> IdealMotion {
+        let w = TAU / 0.25;
+        let node = (0..=intervals).flat_map(|k| {
+            let t = 0.25 * k as f64 / intervals as f64;
+            let (s, c) = (w * t).sin_cos();
+            [s, 2.0 * c, w * t, w * c, -2.0 * w * s, w, -w * w * s, -2.0 * w * w * c, 0.0]
+        });
+        IdealMotion::new(0.25, 3, node.collect())
+    }
+
+    #[test]
+    fn acceleration_converges_with_fourth_order() {
+        let error = |intervals: usize| {
+            let (motion, w) = (wave(intervals), TAU / 0.25);
+            let (mut q, mut v, mut a) = ([0.0; 3], [0.0; 3], [0.0; 3]);
+            (0..200)
+                .map(|k| {
+                    let t = -0.1 + 0.35 * (f64::from(k) + 0.3) / 200.0;
+                    motion.at(t, &mut q, &mut v, &mut a);
+                    (a[0] / (w * w) + (w * t).sin()).abs()
+                })
+                .fold(0.0, f64::max)
+        };
+        let order = (error(24) / error(48)).log2();
+        assert!((order - 4.0).abs() < 0.2, "order {order}");
+        assert!(error(180) < 1e-6);
+    }
+
+    #[test]
+    fn velocity_is_the_rate_of_the_position_across_intervals_and_cycles() {
+        let motion = wave(12);
+        let at = |t: f64| {
+            let (mut q, mut v, mut a) = ([0.0; 3], [0.0; 3], [0.0; 3]);
+            motion.at(t, &mut q, &mut v, &mut a);
+            (q, v)
+        };
+        for k in 0..40 {
+            let (t, h) = (-0.2 + 0.0107 * f64::from(k), 1e-7);
+            let ((low, _), (_, v), (high, _)) = (at(t - h), at(t), at(t + h));
+            for i in 0..2 {
+                assert!(((high[i] - low[i]) / (2.0 * h) - v[i]).abs() < 1e-5 * 50.0, "{t}");
+            }
+        }
+        assert!(motion.gap_at_the_ends() < 1e-12, "a whole turn is no gap");
+    }
+}

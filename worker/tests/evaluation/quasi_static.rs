@@ -1,0 +1,130 @@
+//! Wear driven by the gaps alone against wear driven by the dynamics, and when the dynamics is taken after all.
+
+use crate::scenes::{every_joint, scene, short};
+use common::accuracy::{Accuracy, Tier};
+use common::outputs::Evaluation;
+use common::scene::{OutputKind, Scene};
+use worker::simulate::simulate;
+
+/// The scene with its wear outputs alone, and the limit states on them.
+fn wear_alone(mut scene: Scene) -> Scene {
+    let kept: Vec<usize> = (0..scene.outputs.len())
+        .filter(|&k| matches!(scene.outputs[k].kind, OutputKind::LargestWear { .. }))
+        .collect();
+    scene.limit_states.retain_mut(|limit| match kept.iter().position(|&k| k == limit.output) {
+        Some(output) => {
+            limit.output = output;
+            true
+        }
+        None => false,
+    });
+    scene.outputs = kept.iter().map(|&k| scene.outputs[k].clone()).collect();
+    scene
+}
+
+fn evaluate(scene: &Scene, accuracy: &Accuracy) -> Evaluation {
+    simulate(scene, accuracy, false).expect("simulated")
+}
+
+/// The dynamics five to ten times finer than balanced in step, history and block.
+fn fine() -> Accuracy {
+    Accuracy {
+        step_tolerance: 4e-4,
+        largest_step: 1.0 / 1000.0,
+        wear_samples: 2000,
+        cycle_jump: 1000,
+        wear_tolerance: 5e-3,
+        tier: Tier::Dynamic,
+        ..Accuracy::balanced()
+    }
+}
+
+fn dynamic() -> Accuracy {
+    Accuracy { tier: Tier::Dynamic, ..Accuracy::balanced() }
+}
+
+/// Largest relative difference of the first output over the checkpoints, and over its reported error.
+fn difference(found: &Evaluation, exact: &Evaluation) -> (f64, f64) {
+    let values = found.histories[0].iter().zip(&exact.histories[0]).zip(&found.errors[0]);
+    values.fold((0.0, 0.0), |(relative, reported), ((a, b), error)| {
+        let off = (a - b).abs();
+        (f64::max(relative, off / b), f64::max(reported, off / error))
+    })
+}
+
+#[test]
+fn gaps_alone_wear_as_the_dynamics_does() {
+    // Of ten dynamic cycles of the four-bar's balanced life three remain, of the flapping wing's forty-two too:
+    // the two first ones and the last.
+    for (name, saved) in [("four-bar", 2), ("flapping-wing", 5)] {
+        let scene = wear_alone(scene(name, &[]));
+        let found = evaluate(&scene, &Accuracy::balanced());
+        assert!(found.diagnostics.quasi_static, "{name}");
+        let (off, over_reported) = difference(&found, &evaluate(&scene, &fine()));
+        println!("{name}: off by {off}, {over_reported} of the error reported");
+        // The goal is 1 % at the end of life; 0.1 % is what is found over all checkpoints.
+        assert!(off < 3e-3, "{name}: {off}");
+        assert!(over_reported < 1.0, "{name}: {over_reported} of the error reported");
+        let forces = evaluate(&scene, &dynamic()).diagnostics.force_evaluations;
+        let work = found.diagnostics.force_evaluations;
+        println!("{name}: {work} force evaluations against {forces}");
+        assert!(saved * work < forces, "{name}: {work} force evaluations against {forces}");
+    }
+}
+
+#[test]
+fn a_joint_without_film_is_held_by_its_contact() {
+    let mut scene = wear_alone(short("four-bar", &[], 4000));
+    every_joint(&mut scene, |c| c.film_damping = 0.0);
+    let found = evaluate(&scene, &Accuracy::balanced());
+    assert!(found.diagnostics.quasi_static);
+    let (off, _) = difference(&found, &evaluate(&scene, &dynamic()));
+    println!("without film: off by {off}");
+    assert!(off < 1e-2, "{off}");
+}
+
+#[test]
+fn the_same_scene_gives_the_same_bits() {
+    let scene = wear_alone(short("four-bar", &[], 2000));
+    let found = evaluate(&scene, &Accuracy::balanced());
+    assert!(found.diagnostics.quasi_static);
+    assert_eq!(found, evaluate(&scene, &Accuracy::balanced()));
+}
+
+#[test]
+fn an_output_of_the_motion_asks_for_the_dynamics() {
+    let scene = short("four-bar", &[], 2000);
+    let found = evaluate(&scene, &Accuracy::balanced());
+    assert!(!found.diagnostics.quasi_static);
+    assert_eq!(found, evaluate(&scene, &dynamic()));
+}
+
+/// The four-bar without its load: the journals fly from side to side, for a tenth of the cycle out of contact.
+fn rattling(film: bool) -> Scene {
+    let mut scene = wear_alone(scene("four-bar", &[]));
+    scene.loads.clear();
+    if !film {
+        every_joint(&mut scene, |c| c.film_damping = 0.0);
+    }
+    scene
+}
+
+#[test]
+fn a_mechanism_that_rattles_is_left_to_the_dynamics() {
+    // Without film it is refused on the unworn bores, with film on the worn ones: the largest rates differ by 33 %
+    // and 3 %, where 2 % are allowed.
+    for (film, attempted) in [(false, 1), (true, 10)] {
+        let scene = rattling(film);
+        let found = evaluate(&scene, &Accuracy::balanced());
+        let exact = evaluate(&scene, &dynamic());
+        let free = &exact.diagnostics.free_flight_fraction;
+        assert!(free.iter().any(|(_, share)| *share > 0.05), "{free:?}");
+        assert!(!found.diagnostics.quasi_static);
+        assert_eq!(found.histories, exact.histories);
+        assert_eq!((&found.errors, &found.joints), (&exact.errors, &exact.joints));
+        // What the attempt took is counted.
+        let (with, without) = (&found.diagnostics, &exact.diagnostics);
+        assert_eq!(with.simulated_cycles, without.simulated_cycles + attempted);
+        assert!(with.newton_iterations > without.newton_iterations && with.steps > without.steps);
+    }
+}
