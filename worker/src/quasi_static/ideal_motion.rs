@@ -3,8 +3,9 @@
 use super::Unsuitable;
 use crate::mechanism::{Island, Pose, ideal_accelerations};
 use common::scene::{JointKind, Scene};
+use std::f64::consts::TAU;
 
-/// Differences at the ends of the cycle below this share of the largest value count as rounding.
+/// Differences at the ends of the cycle below this share count as rounding.
 const REPEATS: f64 = 1e-6;
 
 /// Position, velocity and acceleration of an island's ideal motion: quintic between equal times, so that the
@@ -56,23 +57,29 @@ impl IdealMotion {
         }
     }
 
-    /// Largest difference between the ends of the cycle, relative to the largest value of its kind; whole turns
-    /// of an angle do not count.
+    /// Largest difference between the ends of the cycle, relative to the largest position, or angle and radian,
+    /// times the cycle's angular frequency for every derivative; whole turns of an angle do not count.
     fn gap_at_the_ends(&self) -> f64 {
         let n = self.n;
         let last = self.node.len() - 3 * n;
+        let mut largest = [0.0_f64, 1.0];
+        for (index, x) in self.node.iter().enumerate().filter(|(index, _)| index % (3 * n) < n) {
+            let unit = usize::from(index % n % 3 == 2);
+            largest[unit] = largest[unit].max(x.abs());
+        }
         let mut worst: f64 = 0.0;
+        let mut per_time = 1.0;
         for kind in 0..3 {
             for i in 0..n {
-                let of = |start: usize| self.node[start + kind * n + i];
-                let largest =
-                    (0..=last).step_by(3 * n).map(|s| of(s).abs()).fold(f64::MIN_POSITIVE, f64::max);
-                let mut off = of(last) - of(0);
+                let mut off = self.node[last + kind * n + i] - self.node[kind * n + i];
                 if kind == 0 && i % 3 == 2 {
-                    off -= std::f64::consts::TAU * (off / std::f64::consts::TAU).round();
+                    off -= TAU * (off / TAU).round();
                 }
-                worst = worst.max(off.abs() / largest);
+                if off != 0.0 {
+                    worst = worst.max(off.abs() / (largest[usize::from(i % 3 == 2)] * per_time));
+                }
             }
+            per_time *= TAU / self.period;
         }
         worst
     }
@@ -108,7 +115,8 @@ pub fn ideal_motions(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::f64::consts::TAU;
+    use crate::mechanism::{ideal_cycle, islands};
+    use common::scene::SceneSource;
 
     /// sin(omega t) + 2 turns per cycle in three coordinates of one body.
     fn wave(intervals: usize) -> IdealMotion {
@@ -155,5 +163,38 @@ mod tests {
             }
         }
         assert!(motion.gap_at_the_ends() < 1e-12, "a whole turn is no gap");
+    }
+
+    #[test]
+    fn a_motion_repeats_itself_unless_it_ends_elsewhere() {
+        // A body that stands still but for rounding, and one that ends with another speed.
+        let mut still = vec![0.02, -0.01, 0.0, 1e-17, 0.0, 0.0, 0.0, 1e-14, 1e-15];
+        still.extend([0.02, -0.01, 0.0, 0.0, 1e-17, 1e-17, 1e-14, 0.0, 0.0]);
+        let mut faster = still.clone();
+        faster[9 + 4] = 1e-5;
+        assert!(IdealMotion::new(0.25, 3, still).gap_at_the_ends() < 1e-12);
+        let found = IdealMotion::new(0.25, 3, faster).gap_at_the_ends();
+        assert!((found - 1e-5 / (0.02 * TAU / 0.25)).abs() < 1e-9, "{found}");
+        assert!(found > REPEATS);
+    }
+
+    #[test]
+    fn scenes_that_cannot_be_followed_are_named() {
+        let four_bar = SceneSource::builtin("four-bar").expect("built in").nominal().clone();
+        let motions = |scene: &Scene, poses_of: &Scene| {
+            let poses = ideal_cycle(poses_of, 37, &mut 0).expect("the linkage closes");
+            let all = islands(&four_bar).expect("clearance joints only");
+            ideal_motions(scene, &all.iter().collect::<Vec<_>>(), &poses)
+        };
+        assert!(motions(&four_bar, &four_bar).is_ok_and(|m| m.len() == 1 && m[0].coordinates() == 6));
+        let mut ideal = four_bar.clone();
+        ideal.joints[1].kind = JointKind::Revolute;
+        assert_eq!(motions(&ideal, &four_bar), Err(Unsuitable::IdealJoint { joint: "coupler".into() }));
+        let mut open = four_bar.clone();
+        open.joints.pop();
+        assert_eq!(motions(&open, &four_bar), Err(Unsuitable::Undetermined));
+        let mut cut = four_bar.clone();
+        cut.life.period *= 0.9;
+        assert!(matches!(motions(&cut, &cut), Err(Unsuitable::NotPeriodic { share }) if share > 0.1));
     }
 }
