@@ -14,8 +14,10 @@ use super::conformal::{BALANCED, Unbalanced};
 pub struct WearStepStats {
     /// Evaluations of the wear rate.
     pub stages: u64,
-    /// Sub-steps refused and halved.
+    /// Sub-steps refused and shortened.
     pub rejected: u64,
+    /// Control points held where a sub-step would have given material back, each counted in every such sub-step.
+    pub held: u64,
 }
 
 /// The step could not reach its tolerance; carries the error over its bound.
@@ -105,7 +107,12 @@ impl WearStep {
                 continue;
             }
             // Wear only grows: what the stages undershoot (below the tolerance) is not given back.
-            self.end.iter_mut().zip(depth.iter()).for_each(|(end, start)| *end = end.max(*start));
+            for (end, start) in self.end.iter_mut().zip(depth.iter()) {
+                if *end < *start {
+                    *end = *start;
+                    stats.held += 1;
+                }
+            }
             let last = if step == cycles - done { cycles } else { done + step };
             while marked < marks.len() && marks[marked] <= last {
                 mark(marked, &self.between(depth, (marks[marked] - done) / step, step));
@@ -204,24 +211,26 @@ fn chebyshev(
         let (_, d, dd) = t[j.max(2)];
         dd / (d * d)
     };
-    let mut before = y0.to_vec();
-    let mut last: Vec<f64> = (0..n).map(|i| y0[i] + b(1) * w1 * h * f0[i]).collect();
+    // In increments to y0, so that what does not wear stays as it is to the last bit.
+    let mut before = vec![0.0; n];
+    let mut last: Vec<f64> = f0.iter().map(|f| b(1) * w1 * h * f).collect();
     let mut f = vec![0.0; n];
     for j in 2..=s {
-        rate.rate(&last, &mut f)?;
+        for i in 0..n {
+            y[i] = y0[i] + last[i];
+        }
+        rate.rate(y, &mut f)?;
         let mu = 2.0 * b(j) * w0 / b(j - 1);
         let nu = -b(j) / b(j - 2);
         let mu_t = 2.0 * b(j) * w1 / b(j - 1);
         let gamma_t = -(1.0 - b(j - 1) * t[j - 1].0) * mu_t;
         for i in 0..n {
-            y[i] = (1.0 - mu - nu) * y0[i]
-                + mu * last[i]
-                + nu * before[i]
-                + mu_t * h * f[i]
-                + gamma_t * h * f0[i];
+            before[i] = mu * last[i] + nu * before[i] + h * (mu_t * f[i] + gamma_t * f0[i]);
         }
         std::mem::swap(&mut before, &mut last);
-        last.copy_from_slice(y);
+    }
+    for i in 0..n {
+        y[i] = y0[i] + last[i];
     }
     Ok(())
 }
