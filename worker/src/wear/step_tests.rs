@@ -3,7 +3,7 @@
 
 use super::{ContactHistory, WearRate, WearStep, WearStepStats};
 use crate::bore::Profile;
-use crate::contact::{Contact, Foundation, JointForce, Surface};
+use crate::contact::{Contact, Foundation, JointForce, LocalHertz, Surface};
 use std::f64::consts::TAU;
 
 const SURFACE: Surface = Surface {
@@ -166,4 +166,19 @@ fn what_a_step_would_give_back_is_held_and_counted() {
     let still = (0..POINTS).filter(|&i| worn.depth[i] == rough[i] && wearing[i] > 0.0).count();
     assert!(worn.stats.held > 0 && worn.stats.held == still as u64, "{} {still}", worn.stats.held);
     assert!(wearing.contains(&0.0), "points that don't wear at all are not counted");
+}
+
+#[test]
+fn the_local_law_takes_tight_tolerances_and_keeps_them() {
+    // The ends of its contact arc jump, and the wear rate with them: the errors made there are part of the sum that
+    // the tolerance bounds.
+    let contact = Contact::LocalHertz(LocalHertz { surface: SURFACE });
+    let zero = [0.0; POINTS];
+    let fine = wear(&contact, &zero, 4, 2000.0, 2e-5).depth;
+    for tolerance in [1e-2, 1e-3, 2e-4, 1e-4] {
+        let worn = wear(&contact, &zero, 4, 2000.0, tolerance);
+        let off = distance(&worn.depth, &fine) / largest(&fine);
+        println!("local-hertz at {tolerance}: off {off:.1e}, {:?}", worn.stats);
+        assert!(off < tolerance, "{tolerance}: {off}");
+    }
 }
