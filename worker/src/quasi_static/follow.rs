@@ -137,6 +137,7 @@ impl Follow {
             }
             stats.steps += 1;
             taken += 1;
+            system.accepted(&self.gap.q, &self.gap.v, &self.gap.at);
             watch.state(system, self.time, &self.gap.q, &self.gap.v, &self.gap.at);
             let growth = (0.9 / libm::cbrt(error.max(1e-6))).clamp(0.3, LARGEST_GROWTH);
             if h >= self.step || growth < 1.0 {

@@ -48,7 +48,7 @@ impl Run<'_> {
                 rejected_wear_steps: self.wear_stats.rejected,
                 free_flight_fraction: first.free_flight,
                 constraint_drift: self.stats.drift,
-                held_wear_points: 0,
+                held_wear_points: self.wear_stats.held,
                 quasi_static: !self.guided.is_empty(),
                 energy: first.energy,
             },

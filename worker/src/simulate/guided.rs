@@ -86,6 +86,9 @@ impl Run<'_> {
         }
         let period = self.scene.life.period;
         let poses = ideal_cycle(self.scene, IDEAL_INTERVALS + 1, &mut self.newton)?;
+        if poses.len() < 2 {
+            return Err(Unsuitable::Undetermined);
+        }
         let islands: Vec<_> = self.islands.iter().map(|m| &m.island).collect();
         let bounds = StepBounds {
             largest: LARGEST_STEP * period,

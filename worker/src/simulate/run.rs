@@ -148,9 +148,11 @@ impl<'a> Run<'a> {
 
     /// Closes the account of the last block's wear step with the contact of the cycle just measured.
     pub fn close_wear(&mut self) -> Result<(), SimulationFailure> {
-        for Moving { island, recorder, rates, steps, depth, .. } in &mut self.islands {
+        for (index, m) in self.islands.iter_mut().enumerate() {
+            let Moving { island, recorder, rates, steps, depth, .. } = m;
+            let histories = self.guided.get(index).map_or(&*recorder, |g| &g.recorder).histories.as_slice();
             for (k, joint) in island.joints.iter().enumerate().filter(|(_, j)| j.wear_coefficient > 0.0) {
-                rates[k].freeze(&recorder.histories[k]);
+                rates[k].freeze(&histories[k]);
                 steps[k].renew(&mut rates[k], &depth[k], &mut self.wear_stats).map_err(|failed| {
                     SimulationFailure::WearStep {
                         cycle: self.cycle,
@@ -207,12 +209,13 @@ impl<'a> Run<'a> {
         let marks: Vec<f64> = checkpoints.iter().map(|&c| f64::from(c - from)).collect();
         // Largest depth of each joint at each checkpoint, by the scene's numbering of the joints.
         let mut largest = vec![vec![0.0_f64; self.scene.joints.len()]; marks.len()];
-        for m in &mut self.islands {
+        for (index, m) in self.islands.iter_mut().enumerate() {
+            let histories = self.guided.get(index).map_or(&m.recorder, |g| &g.recorder).histories.as_slice();
             for (k, joint) in m.island.joints.iter_mut().enumerate() {
                 if joint.wear_coefficient == 0.0 {
                     continue;
                 }
-                m.rates[k].freeze(&m.recorder.histories[k]);
+                m.rates[k].freeze(&histories[k]);
                 let note = |at: usize, depth: &[f64]| {
                     largest[at][joint.scene_joint] = depth.iter().fold(0.0, |a: f64, &b| a.max(b));
                 };

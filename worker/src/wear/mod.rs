@@ -5,6 +5,8 @@ mod conformal;
 mod history;
 mod step;
 #[cfg(test)]
+mod step_tests;
+#[cfg(test)]
 mod volume_tests;
 
 pub use archard::WearRate;
