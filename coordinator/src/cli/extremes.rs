@@ -127,3 +127,33 @@ fn table(rows: &[PrintedRow]) -> String {
     }
     out
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use common::failure::SimulationFailure;
+    use worker::extremes::Compared;
+
+    fn row(outcome: Outcome, compared: Vec<Compared>) -> Row {
+        let law = ContactLaw::Foundation;
+        Row { case: "6 r/min", law, outcome, compared, depth: None, steps: 12, steps_of_half: 34 }
+    }
+
+    #[test]
+    fn a_row_is_shown_in_the_units_of_people_and_a_refusal_with_its_reason() {
+        let scene = SceneSource::builtin("four-bar").expect("built in").nominal().clone();
+        let compared =
+            vec![Compared { output: 0, cycles: 1000, value: 2.5e-6, error: 1e-8, difference: 2e-9 }];
+        let failure = SimulationFailure::WearStep { cycle: 7, joint: "crank".into(), error: 3.0 };
+        let rows = [row(Outcome::Agrees, compared), row(Outcome::Refused(failure.clone()), vec![])];
+        let rows: Vec<PrintedRow> = rows.iter().map(|row| printed(&scene, row)).collect();
+        let text = table(&rows);
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines.len(), 4);
+        let line = "| 6 r/min | foundation | agrees | max_wear_depth | 1000 | 2.5000 µm | 1.0e-2 | 2.0e-3 | 12 | 34 |";
+        assert_eq!(lines[2], line);
+        assert!(lines[3].contains("| refused |") && lines[3].contains(&failure.to_string()));
+        let columns = |line: &str| line.matches('|').count();
+        assert!(lines.iter().all(|line| columns(line) == columns(lines[0])), "{text}");
+    }
+}

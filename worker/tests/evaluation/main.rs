@@ -1,5 +1,6 @@
 //! Whole evaluations of the built-in scenes: published results, closed forms, invariances, failures.
 
+mod errors;
 mod failures;
 mod foundation;
 mod four_bar;

@@ -85,6 +85,17 @@ fn tighter_steps_and_smaller_blocks_change_little() {
             early = early.max(off(ASYMMETRY));
         }
     }
+    // What the evaluation says of its own error covers the change, nearly always; twice that covers it always.
+    let within = |times: f64| -> usize {
+        let values = (0..2).flat_map(|output| (0..tight.cycles.len()).map(move |k| (output, k)));
+        let covered = |&(output, k): &(usize, usize)| {
+            let change = (nominal().histories[output][k] - tight.histories[output][k]).abs();
+            change <= times * nominal().errors[output][k]
+        };
+        values.filter(covered).count()
+    };
+    println!("{} and {} of 144 changes within once and twice the stated error", within(1.0), within(2.0));
+    assert!(within(1.0) >= 137 && within(2.0) == 144, "{} {}", within(1.0), within(2.0));
     let end = at(&tight, ASYMMETRY, 72_000) / RPM;
     println!(
         "largest change: wear {wear}, gamma to 60 000 {early}, gamma {all}; gamma at the end {end} r/min"
