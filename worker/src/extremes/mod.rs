@@ -8,4 +8,4 @@ mod cases;
 mod outcome;
 
 pub use cases::{Case, cases};
-pub use outcome::{Outcome, Row, run, run_all};
+pub use outcome::{Compared, Outcome, Row, run, run_all};
