@@ -1,6 +1,7 @@
 //! `coordinator explain`: what will be modelled, and why.
 
 use super::error::CommandError;
+use super::model::Model;
 use super::output::{print, to_json};
 use common::random::Distribution;
 use common::scene::expression::read_unit;
@@ -12,28 +13,31 @@ use std::fmt::Write;
 pub fn explain(name: &str, as_json: bool) -> Result<(), CommandError> {
     let source = SceneSource::load(name)?;
     let scene = source.nominal();
-    if as_json {
-        return print(&to_json(scene)?);
-    }
-    let islands = worker::mechanism::islands(scene)
+    worker::mechanism::islands(scene)
         .map_err(|failure| CommandError::of_simulation(source.origin(), scene, failure))?;
-    let islands: Vec<Vec<usize>> = islands.into_iter().map(|island| island.bodies).collect();
-    print(&text(scene, &islands))
+    let model = Model::of(scene);
+    if as_json {
+        let mut value = serde_json::to_value(scene)?;
+        value["model"] = model.to_json();
+        return print(&to_json(&value)?);
+    }
+    print(&text(scene, &model))
 }
 
-fn text(scene: &Scene, islands: &[Vec<usize>]) -> String {
+fn text(scene: &Scene, model: &Model) -> String {
     let mut out = String::new();
     // Writing to a String cannot fail.
-    let _ = explain_into(&mut out, scene, islands);
+    let _ = explain_into(&mut out, scene, model);
     out
 }
 
-fn explain_into(out: &mut String, scene: &Scene, islands: &[Vec<usize>]) -> std::fmt::Result {
+fn explain_into(out: &mut String, scene: &Scene, model: &Model) -> std::fmt::Result {
     writeln!(out, "{}: {}\n", scene.name, scene.title)?;
-    motion(out, scene, islands)?;
+    motion(out, scene)?;
     joints(out, scene)?;
     loads(out, scene)?;
     outputs(out, scene)?;
+    model.write(out, scene)?;
     variables(out, scene)?;
     let life = &scene.life;
     writeln!(
@@ -49,7 +53,7 @@ fn explain_into(out: &mut String, scene: &Scene, islands: &[Vec<usize>]) -> std:
     )
 }
 
-fn motion(out: &mut String, scene: &Scene, islands: &[Vec<usize>]) -> std::fmt::Result {
+fn motion(out: &mut String, scene: &Scene) -> std::fmt::Result {
     writeln!(out, "Bodies")?;
     for body in &scene.bodies {
         match body.motion {
@@ -69,21 +73,7 @@ fn motion(out: &mut String, scene: &Scene, islands: &[Vec<usize>]) -> std::fmt::
             }
         }
     }
-    let names: Vec<String> = islands
-        .iter()
-        .map(|island| {
-            island.iter().map(|&body| scene.bodies[body].name.as_str()).collect::<Vec<_>>().join(" + ")
-        })
-        .collect();
-    match names.as_slice() {
-        [one] => writeln!(out, "  One set of bodies that move together: {one}.\n"),
-        many => writeln!(
-            out,
-            "  {} sets of bodies without influence on each other, each with its own time steps: {}.\n",
-            many.len(),
-            many.join("; ")
-        ),
-    }
+    writeln!(out)
 }
 
 fn joints(out: &mut String, scene: &Scene) -> std::fmt::Result {
@@ -299,7 +289,7 @@ mod tests {
     fn every_part_of_a_scene_is_explained() {
         let source = include_str!("../../../common/tests/scenes/everything.toml");
         let source = SceneSource::parse(source, "everything").unwrap();
-        let found = text(source.nominal(), &[vec![5, 6]]);
+        let found = text(source.nominal(), &Model::of(source.nominal()));
         for line in [
             "wheel: speed by a table over time, prescribed, no unknowns",
             "hinge: rod turns on crank, ideal, no wear",

@@ -5,7 +5,7 @@ use super::error::CommandError;
 use super::output::{deliver, to_json};
 use super::scenes::check_linkage;
 use common::accuracy::Accuracy;
-use common::outputs::{Diagnostics, Evaluation};
+use common::outputs::{BodyMotion, Diagnostics, Evaluation};
 use common::scene::{Faults, Scene, SceneSource};
 use coordinator::output_unit::OutputUnit;
 use serde::Serialize;
@@ -23,6 +23,8 @@ struct Printed<'r> {
     /// Each output under its name and unit.
     #[serde(flatten)]
     outputs: BTreeMap<String, Vec<f64>>,
+    /// Estimated numerical error of each, under the same names.
+    numerical_error: BTreeMap<String, Vec<f64>>,
     first_cycle: Option<PrintedCycle<'r>>,
     joints: Vec<PrintedJoint<'r>>,
     diagnostics: PrintedDiagnostics<'r>,
@@ -35,8 +37,33 @@ struct PrintedCycle<'r> {
     time_s: &'r [f64],
     rocker_angle_deg: BTreeMap<&'r str, Vec<f64>>,
     rocker_speed_rpm: BTreeMap<&'r str, Vec<f64>>,
+    /// Every body that moves, by its reference point.
+    bodies: BTreeMap<&'r str, PrintedMotion>,
     #[serde(rename = "joint_force_N")]
     joint_force: BTreeMap<&'r str, &'r [f64]>,
+}
+
+#[derive(Debug, Serialize)]
+struct PrintedMotion {
+    x_m: Vec<f64>,
+    y_m: Vec<f64>,
+    angle_deg: Vec<f64>,
+    speed_rpm: Vec<f64>,
+}
+
+/// Energy of the first cycle.
+#[derive(Debug, Serialize)]
+struct PrintedEnergy {
+    #[serde(rename = "input_J")]
+    input: f64,
+    #[serde(rename = "stored_J")]
+    stored: f64,
+    #[serde(rename = "dissipated_J")]
+    dissipated: f64,
+    #[serde(rename = "unphysical_J")]
+    unphysical: f64,
+    #[serde(rename = "residual_J")]
+    residual: f64,
 }
 
 #[derive(Debug, Serialize)]
@@ -57,6 +84,10 @@ struct PrintedDiagnostics<'r> {
     wear_stages: u64,
     rejected_wear_steps: u64,
     free_flight_fraction: BTreeMap<&'r str, f64>,
+    constraint_drift_m: f64,
+    held_wear_points: u64,
+    quasi_static: bool,
+    energy: Option<PrintedEnergy>,
 }
 
 /// Runs the command.
@@ -95,17 +126,21 @@ fn printed<'r>(
     evaluation: &'r Evaluation,
     wall_s: f64,
 ) -> Printed<'r> {
-    let outputs = scene.outputs.iter().zip(&evaluation.histories).map(|(output, history)| {
-        let unit = OutputUnit::of(&output.kind);
-        let values = history.iter().map(|&value| unit.to_file(value)).collect();
-        (format!("{}_{}", output.name, unit.suffix()), values)
-    });
+    let by_name = |rows: &[Vec<f64>]| -> BTreeMap<String, Vec<f64>> {
+        let named = scene.outputs.iter().zip(rows).map(|(output, row)| {
+            let unit = OutputUnit::of(&output.kind);
+            let values = row.iter().map(|&value| unit.to_file(value)).collect();
+            (format!("{}_{}", output.name, unit.suffix()), values)
+        });
+        named.collect()
+    };
     Printed {
         scene: &scene.name,
         accuracy,
         settings: settings.iter().map(|(name, value)| (name.as_str(), *value)).collect(),
         cycles: &evaluation.cycles,
-        outputs: outputs.collect(),
+        outputs: by_name(&evaluation.histories),
+        numerical_error: by_name(&evaluation.errors),
         first_cycle: evaluation.first_cycle.as_ref().map(|cycle| PrintedCycle {
             time_s: &cycle.time,
             rocker_angle_deg: cycle
@@ -118,6 +153,7 @@ fn printed<'r>(
                 .iter()
                 .map(|body| (body.label.as_str(), in_rpm(&body.speed)))
                 .collect(),
+            bodies: cycle.motion.iter().map(|m| (m.body.as_str(), printed_motion(m))).collect(),
             joint_force: cycle
                 .joint_force
                 .iter()
@@ -138,6 +174,15 @@ fn printed<'r>(
     }
 }
 
+fn printed_motion(motion: &BodyMotion) -> PrintedMotion {
+    PrintedMotion {
+        x_m: motion.position.iter().map(|x| x[0]).collect(),
+        y_m: motion.position.iter().map(|x| x[1]).collect(),
+        angle_deg: in_degrees(&motion.angle),
+        speed_rpm: in_rpm(&motion.speed),
+    }
+}
+
 fn printed_diagnostics(diagnostics: &Diagnostics) -> PrintedDiagnostics<'_> {
     let free_flight = diagnostics.free_flight_fraction.iter();
     PrintedDiagnostics {
@@ -149,6 +194,16 @@ fn printed_diagnostics(diagnostics: &Diagnostics) -> PrintedDiagnostics<'_> {
         wear_stages: diagnostics.wear_stages,
         rejected_wear_steps: diagnostics.rejected_wear_steps,
         free_flight_fraction: free_flight.map(|(name, share)| (name.as_str(), *share)).collect(),
+        constraint_drift_m: diagnostics.constraint_drift,
+        held_wear_points: diagnostics.held_wear_points,
+        quasi_static: diagnostics.quasi_static,
+        energy: diagnostics.energy.map(|energy| PrintedEnergy {
+            input: energy.input,
+            stored: energy.stored,
+            dissipated: energy.dissipated,
+            unphysical: energy.unphysical,
+            residual: energy.residual(),
+        }),
     }
 }
 

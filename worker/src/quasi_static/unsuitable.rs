@@ -6,6 +6,9 @@ use thiserror::Error;
 /// Why the dynamics has to drive the wear.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum Unsuitable {
+    /// The accuracy leaves no choice.
+    #[error("the accuracy asks for the dynamics")]
+    Unwanted,
     /// The scene asks for more than wear.
     #[error("output {output} needs the dynamics")]
     Output {

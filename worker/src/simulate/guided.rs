@@ -32,9 +32,6 @@ pub struct Guided {
 /// The whole life under the quasi-static tier, if the accuracy leaves the choice, the scene asks for nothing but
 /// wear and both comparisons agree; else none, with `run` as it was but for its counts.
 pub fn wear_alone(run: &mut Run) -> Option<Lived> {
-    if run.accuracy.tier == Tier::Dynamic {
-        return None;
-    }
     let mut trial = run.clone();
     match trial.live_quasi_statically() {
         Ok(lived) => {
@@ -55,9 +52,7 @@ impl Run<'_> {
     /// # Errors
     /// [`Unsuitable`] if the dynamics has to drive the wear instead.
     fn live_quasi_statically(&mut self) -> Result<Lived, Unsuitable> {
-        self.guide()?;
-        self.follow()?;
-        self.agree()?;
+        self.try_gaps()?;
         let mut lived = live(self, Run::follow, false)?;
         // The dynamics once more, on the worn bores, from where the gaps have carried the mechanism.
         self.next_cycle()?;
@@ -68,6 +63,26 @@ impl Run<'_> {
             errors.iter_mut().zip(values).for_each(|(error, value)| *error += share * value.abs());
         }
         Ok(lived)
+    }
+
+    /// Puts the tier in charge and compares it with the settled first cycle just measured, on the unworn bores.
+    fn try_gaps(&mut self) -> Result<(), Unsuitable> {
+        if self.accuracy.tier == Tier::Dynamic {
+            return Err(Unsuitable::Unwanted);
+        }
+        self.guide()?;
+        self.follow()?;
+        self.agree()
+    }
+
+    /// Whether the tier may drive the wear, by that comparison: the largest relative difference of the wear rates.
+    ///
+    /// # Errors
+    /// [`Unsuitable`] if the dynamics has to.
+    pub fn usable_tier(&self) -> Result<f64, Unsuitable> {
+        let mut trial = self.clone();
+        trial.try_gaps()?;
+        Ok(trial.tier_difference.iter().copied().fold(0.0, f64::max))
     }
 
     /// Takes over the counts of an attempt that began as a copy of this run.

@@ -11,6 +11,7 @@
 
 mod error;
 mod finish;
+mod first_look;
 mod guided;
 mod life;
 mod moving;
@@ -26,6 +27,8 @@ use common::scene::Scene;
 use guided::wear_alone;
 use life::live;
 use run::Run;
+
+pub use first_look::{FirstLook, IslandModel, first_look};
 
 /// Simulates the whole life of a checked scene.
 ///

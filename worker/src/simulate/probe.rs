@@ -8,7 +8,7 @@ use common::failure::SimulationFailure;
 /// Time steps of the further cycle are finer by this factor: their error is a ninth of that of the measured
 /// cycle. At 1.5 the four-bar at 6 r/min still passes over vibrations that the measured cycle passed over too, and
 /// the difference shows a third of the error.
-const FINER: f64 = 1.75;
+pub const FINER: f64 = 1.75;
 /// A relative change above this is taken for motion that does not repeat itself. Settled motion of the built-in
 /// scenes changes by less than 1 % (see the tests of the estimate).
 const RESTLESS: f64 = 0.02;
@@ -24,6 +24,8 @@ pub struct Probe {
     pub motion: Vec<f64>,
     /// Largest relative change of every joint's wear, by the scene's numbering [1].
     pub wear: Vec<f64>,
+    /// Whether the motion does not repeat itself.
+    pub restless: bool,
 }
 
 impl Run<'_> {
@@ -54,7 +56,8 @@ impl Run<'_> {
         measured: &[f64],
         worn: &[Vec<f64>],
     ) -> Result<Probe, SimulationFailure> {
-        let mut probe = Probe { life, motion: vec![0.0; measured.len()], wear: vec![0.0; worn.len()] };
+        let mut probe =
+            Probe { life, motion: vec![0.0; measured.len()], wear: vec![0.0; worn.len()], restless: false };
         for _ in 0..MOST_CYCLES {
             self.further_cycle()?;
             let mut restless = false;
@@ -68,6 +71,7 @@ impl Run<'_> {
                 *largest = largest.max(change);
                 restless |= change > RESTLESS;
             }
+            probe.restless |= restless;
             if !restless {
                 break;
             }

@@ -1,0 +1,141 @@
+//! The model that an evaluation of a scene uses, and what it is expected to cost: part of `coordinator explain`.
+
+use common::accuracy::Accuracy;
+use common::scene::{Motion, Scene};
+use serde_json::{Value, json};
+use std::fmt::Write;
+use std::time::Instant;
+use worker::simulate::{FirstLook, IslandModel, first_look};
+
+/// A first look at a scene, or why there is none; with the time it took.
+pub struct Model {
+    look: Result<FirstLook, String>,
+    accuracy: &'static str,
+    /// Dynamic cycles simulated for the look, and the time that took [s].
+    looked: (f64, f64),
+}
+
+impl Model {
+    /// Simulates the settled first cycle at the accuracy that studies use.
+    pub fn of(scene: &Scene) -> Self {
+        let start = Instant::now();
+        let look = first_look(scene, &Accuracy::balanced()).map_err(|failure| failure.to_string());
+        let cycles = f64::from(scene.life.settle_cycles) + 1.0;
+        Model { look, accuracy: "balanced", looked: (cycles, start.elapsed().as_secs_f64()) }
+    }
+
+    /// Seconds that one evaluation is expected to take. The look at the quasi-static tier, a cycle of it, counts as
+    /// dynamic: the estimate is on the safe side.
+    fn seconds(&self, look: &FirstLook) -> f64 {
+        let per_cycle = self.looked.1 / self.looked.0;
+        // Measured on the built-in scenes: a quasi-static cycle takes a tenth of a dynamic one.
+        per_cycle * (look.dynamic_cycles + 0.1 * look.quasi_static_cycles)
+    }
+
+    /// For programs.
+    pub fn to_json(&self) -> Value {
+        let look = match &self.look {
+            Ok(look) => look,
+            Err(failure) => return json!({ "failure": failure }),
+        };
+        let island = |i: &IslandModel| {
+            json!({ "bodies": i.bodies, "unknowns": i.unknowns, "constraints": i.constraints,
+                    "contacts": i.contacts, "ideal_joints": i.ideal_joints })
+        };
+        json!({
+            "islands": look.islands.iter().map(island).collect::<Vec<_>>(),
+            "wears": look.wears,
+            "tier": if look.tier.is_ok() { "quasi-static" } else { "dynamic" },
+            "why": why(look),
+            "accuracy": self.accuracy,
+            "steps_per_cycle": look.steps_per_cycle,
+            "dynamic_cycles": look.dynamic_cycles,
+            "quasi_static_cycles": look.quasi_static_cycles,
+            "expected_s": self.seconds(look),
+        })
+    }
+
+    /// For people.
+    pub fn write(&self, out: &mut String, scene: &Scene) -> std::fmt::Result {
+        writeln!(out, "Model")?;
+        let look = match &self.look {
+            Ok(look) => look,
+            Err(failure) => return writeln!(out, "  The first cycle cannot be simulated: {failure}.\n"),
+        };
+        let given = scene.bodies.iter().filter(|b| !matches!(b.motion, Motion::Free { .. })).count();
+        writeln!(out, "  {given} bodies whose motion is given cost nothing.")?;
+        for (k, i) in look.islands.iter().enumerate() {
+            writeln!(
+                out,
+                "  island {}, with time steps of its own: {}; {} unknowns, {} constraints of {} ideal joints, {} contacts",
+                k + 1,
+                i.bodies.join(" + "),
+                i.unknowns,
+                i.constraints,
+                i.ideal_joints.len(),
+                i.contacts.len()
+            )?;
+        }
+        writeln!(out, "  {}.", why(look))?;
+        writeln!(
+            out,
+            "  Expected at `{}`: {} time steps a cycle, {:.1} dynamic and {:.1} quasi-static cycles, about {:.2} s here.\n",
+            self.accuracy,
+            look.steps_per_cycle,
+            look.dynamic_cycles,
+            look.quasi_static_cycles,
+            self.seconds(look)
+        )
+    }
+}
+
+/// The tier chosen, and why.
+fn why(look: &FirstLook) -> String {
+    match &look.tier {
+        _ if !look.wears => "Nothing wears: one cycle stands for the whole life".to_owned(),
+        Ok(share) => format!(
+            "Wear alone is asked for, and quasi-static wear rates are within {:.2} % of the dynamics: the cycles between the \
+             first and the last follow the gaps on the ideal motion",
+            share * 100.0
+        ),
+        Err(reason) => format!("Every cycle is simulated dynamically: {reason}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use common::scene::SceneSource;
+
+    fn text(scene: &Scene) -> String {
+        let mut out = String::new();
+        Model::of(scene).write(&mut out, scene).expect("a text takes everything");
+        out
+    }
+
+    #[test]
+    fn islands_tier_and_reason_are_named() {
+        let source = SceneSource::builtin("four-bar").expect("built in");
+        let mut scene = source.nominal().clone();
+        let all = text(&scene);
+        assert!(
+            all.contains("coupler + rocker; 6 unknowns, 0 constraints of 0 ideal joints, 3 contacts"),
+            "{all}"
+        );
+        assert!(all.contains("output coupler_joint_speed needs the dynamics"), "{all}");
+        scene.outputs.truncate(1);
+        let wear = text(&scene);
+        assert!(wear.contains("quasi-static wear rates are within"), "{wear}");
+        let json = Model::of(&scene).to_json();
+        assert_eq!((&json["tier"], &json["islands"][0]["unknowns"]), (&json!("quasi-static"), &json!(6)));
+        assert!(json["expected_s"].as_f64().expect("a number") > 0.0);
+    }
+
+    #[test]
+    fn a_scene_that_does_not_wear_is_one_cycle() {
+        let source = SceneSource::builtin("pendulum").expect("built in");
+        let found = text(source.nominal());
+        assert!(found.contains("3 unknowns, 2 constraints of 1 ideal joints, 0 contacts"), "{found}");
+        assert!(found.contains("Nothing wears"), "{found}");
+    }
+}
