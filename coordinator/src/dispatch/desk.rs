@@ -237,7 +237,7 @@ impl Desk {
 
     fn obey(&mut self, command: Command) {
         match command {
-            Command::Deliver(finished) => self.deliver(Delivery::Outcome(Box::new(finished))),
+            Command::Deliver(finished) => self.deliver(Delivery::Outcome(finished)),
             Command::GiveUp { task, reason } => self.deliver(Delivery::GivenUp { task, reason }),
             Command::Reply { token, acknowledged, assignment } => {
                 let Some(asker) = self.waiting.remove(&token) else { return };

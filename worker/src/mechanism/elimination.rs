@@ -125,8 +125,7 @@ impl Elimination {
                 }
             }
             let left = row.iter().map(|x| x * x).sum::<f64>().sqrt();
-            // A comparison with NaN is false: counts as dependent.
-            if !(left > DEPENDENT * length) {
+            if left.is_nan() || left <= DEPENDENT * length {
                 return false;
             }
             self.r[i * self.m + i] = left;
@@ -150,8 +149,8 @@ impl Elimination {
                     && *alpha != 0.0
                 {
                     let (_, rows) = c.position(a, b);
-                    for r in 0..c.rows() {
-                        self.lambda[first + r] += rows[r][3 * side + 2] * alpha;
+                    for (lambda, row) in self.lambda[first..].iter_mut().zip(&rows[..c.rows()]) {
+                        *lambda += row[3 * side + 2] * alpha;
                     }
                 }
             }
@@ -247,10 +246,9 @@ impl Elimination {
             let rows = if rates { &to_v } else { &to_q };
             for (side, end) in c.ends.iter().enumerate() {
                 if at.jet(end.frame).is_none() {
-                    for r in 0..c.rows() {
-                        for k in 0..3 {
-                            self.c[(first + r) * self.n + 3 * end.frame + k] = rows[r][3 * side + k];
-                        }
+                    for (r, row) in rows[..c.rows()].iter().enumerate() {
+                        let to = (first + r) * self.n + 3 * end.frame;
+                        self.c[to..to + 3].copy_from_slice(&row[3 * side..3 * side + 3]);
                     }
                 }
             }
@@ -304,13 +302,11 @@ impl Elimination {
         for joint in 0..self.constraints.len() {
             let (first, c) = self.joint(joint);
             let (_, rows) = c.position(&at.frames[c.ends[0].frame], &at.frames[c.ends[1].frame]);
-            for r in 0..c.rows() {
-                self.lambda[first + r] = 0.0;
-                for (side, end) in c.ends.iter().enumerate() {
-                    if let Some([_, omega, ..]) = at.jet(end.frame) {
-                        self.lambda[first + r] += rows[r][3 * side + 2] * omega;
-                    }
-                }
+            for (lambda, row) in self.lambda[first..].iter_mut().zip(&rows[..c.rows()]) {
+                let given = c.ends.iter().enumerate().filter_map(|(side, end)| {
+                    at.jet(end.frame).map(|[_, omega, ..]| row[3 * side + 2] * omega)
+                });
+                *lambda = given.sum();
             }
         }
         forward(&self.r, self.m, &mut self.lambda, 1);

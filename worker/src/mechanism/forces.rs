@@ -127,8 +127,8 @@ impl Island {
 
     /// Energies and powers of masses and loads, at the instant last linearised.
     pub fn load_power(&self, t: f64, v: &[f64]) -> LoadPower {
-        let mut power = LoadPower::default();
-        power.stored = v.iter().zip(&self.mass).map(|(v, mass)| 0.5 * mass * v * v).sum();
+        let kinetic = v.iter().zip(&self.mass).map(|(v, mass)| 0.5 * mass * v * v).sum();
+        let mut power = LoadPower { stored: kinetic, ..LoadPower::default() };
         for (slot, weight) in self.weight.chunks_exact(3).enumerate() {
             let x = self.frames[slot].x;
             power.stored -= weight[0] * x[0] + weight[1] * x[1];

@@ -239,9 +239,7 @@ fn spring(ends: &[End; 2], frames: &[Frame], stiffness: f64, damping: f64, free_
         if c == 5 {
             dg[5] -= cross(sb, u);
         }
-        for r in 0..6 {
-            load.k[r][c] -= pull * dg[r];
-        }
+        load.k.iter_mut().zip(dg).for_each(|(row, dg)| row[c] -= pull * dg);
     }
     load
 }

@@ -9,9 +9,9 @@ use common::failure::SimulationFailure;
 /// cycle. At 1.5 the four-bar at 6 r/min still passes over vibrations that the measured cycle passed over too, and
 /// the difference shows a third of the error.
 pub const FINER: f64 = 1.75;
-/// A relative change above this is taken for motion that does not repeat itself. Settled motion of the built-in
-/// scenes changes by less than 1 % (see the tests of the estimate).
-const RESTLESS: f64 = 0.02;
+/// A relative change above this is taken for motion that does not repeat itself: that of the flapping wing changes by
+/// 0.01 % from cycle to cycle, with a friction of 0.5 by 1 %.
+const RESTLESS: f64 = 0.005;
 /// Cycles looked at of a motion that does not repeat itself.
 const MOST_CYCLES: usize = 4;
 
@@ -118,7 +118,7 @@ pub fn probed(lives: &[u32], checkpoint_every: u32) -> Vec<u32> {
     let end = lives.last().copied().unwrap_or(0);
     let mut all: Vec<u32> = [checkpoint_every, end / 3, end / 3 * 2, end]
         .iter()
-        .filter_map(|wanted| lives.iter().copied().find(|life| life >= wanted && *life > 0))
+        .filter_map(|wanted| lives.iter().copied().find(|life| *life > 0 && life >= wanted))
         .collect();
     all.sort_unstable();
     all.dedup();
@@ -140,7 +140,7 @@ mod tests {
 
     #[test]
     fn change_is_that_of_the_volume_or_of_the_peak() {
-        assert_eq!(relative_change(&[2.0, 2.0], &[1.0, 4.0]), 0.5);
+        assert!((relative_change(&[2.0, 2.0], &[1.0, 3.0]) - 1.0 / 3.0).abs() < 1e-15);
         assert_eq!(relative_change(&[2.0, 6.0], &[1.0, 3.0]), 1.0);
         assert_eq!(relative_change(&[0.0], &[0.0]), 0.0);
         assert_eq!(relative_change(&[1.0], &[0.0]), 1.0);

@@ -40,7 +40,7 @@ pub enum Event {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Command {
     /// Hand the outcome to the study; [`Event::Recorded`] answers it.
-    Deliver(Finished),
+    Deliver(Box<Finished>),
     /// Answer a claim.
     Reply {
         /// Which claim.

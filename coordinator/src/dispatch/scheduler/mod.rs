@@ -230,7 +230,12 @@ impl Scheduler {
                 for other in self.workers.values_mut() {
                     other.leases.remove(&key.task);
                 }
-                commands.push(Command::Deliver(Finished { id: key.task, outcome: result, worker, wall }));
+                commands.push(Command::Deliver(Box::new(Finished {
+                    id: key.task,
+                    outcome: result,
+                    worker,
+                    wall,
+                })));
             }
         }
     }
