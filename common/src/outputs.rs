@@ -67,7 +67,7 @@ pub struct BodyMotion {
     pub speed: Vec<f64>,
 }
 
-/// Energy over the settled first cycle: what came in, where it went. In exact arithmetic
+/// Energy over one cycle: what came in, where it went. In exact arithmetic
 /// input + unphysical = stored + dissipated.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct EnergyBalance {
@@ -117,4 +117,6 @@ pub struct Diagnostics {
     pub quasi_static: bool,
     /// Energy of the first cycle, when that cycle was asked for.
     pub energy: Option<EnergyBalance>,
+    /// Energy of the last cycle, on the bores as worn by then, likewise.
+    pub worn_energy: Option<EnergyBalance>,
 }

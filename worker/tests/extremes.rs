@@ -75,7 +75,7 @@ fn check(rows: &[Row], agreeing: usize) {
 
 #[test]
 fn local_hertz_is_sound_at_its_extremes() {
-    check(&rows(ContactLaw::LocalHertz, &Accuracy::balanced()), 20);
+    check(&rows(ContactLaw::LocalHertz, &Accuracy::balanced()), 21);
 }
 
 #[test]

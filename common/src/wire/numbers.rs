@@ -58,10 +58,10 @@ pub fn find_non_finite(evaluation: &Evaluation) -> Option<NonFinite> {
     if !diagnostics.constraint_drift.is_finite() {
         return elsewhere("constraint drift".to_owned());
     }
-    if let Some(energy) = diagnostics.energy
-        && ![energy.turnover, energy.residual()].iter().all(|value| value.is_finite())
-    {
-        return elsewhere("energy of the first cycle".to_owned());
+    for (name, energy) in [("first", diagnostics.energy), ("last", diagnostics.worn_energy)] {
+        if energy.is_some_and(|e| !(e.turnover.is_finite() && e.residual().is_finite())) {
+            return elsewhere(format!("energy of the {name} cycle"));
+        }
     }
     let flight = diagnostics.free_flight_fraction.iter().find(|(_, share)| !share.is_finite());
     flight.and_then(|(joint, _)| elsewhere(format!("free flight fraction of joint {joint}")))

@@ -5,7 +5,7 @@ use super::error::CommandError;
 use super::output::{deliver, to_json};
 use super::scenes::check_linkage;
 use common::accuracy::Accuracy;
-use common::outputs::{BodyMotion, Diagnostics, Evaluation};
+use common::outputs::{BodyMotion, Diagnostics, EnergyBalance, Evaluation};
 use common::scene::{Faults, Scene, SceneSource};
 use coordinator::output_unit::OutputUnit;
 use serde::Serialize;
@@ -51,7 +51,7 @@ struct PrintedMotion {
     speed_rpm: Vec<f64>,
 }
 
-/// Energy of the first cycle.
+/// Energy of a cycle.
 #[derive(Debug, Serialize)]
 struct PrintedEnergy {
     #[serde(rename = "input_J")]
@@ -88,6 +88,7 @@ struct PrintedDiagnostics<'r> {
     held_wear_points: u64,
     quasi_static: bool,
     energy: Option<PrintedEnergy>,
+    worn_energy: Option<PrintedEnergy>,
 }
 
 /// Runs the command.
@@ -197,13 +198,18 @@ fn printed_diagnostics(diagnostics: &Diagnostics) -> PrintedDiagnostics<'_> {
         constraint_drift_m: diagnostics.constraint_drift,
         held_wear_points: diagnostics.held_wear_points,
         quasi_static: diagnostics.quasi_static,
-        energy: diagnostics.energy.map(|energy| PrintedEnergy {
-            input: energy.input,
-            stored: energy.stored,
-            dissipated: energy.dissipated,
-            unphysical: energy.unphysical,
-            residual: energy.residual(),
-        }),
+        energy: diagnostics.energy.map(printed_energy),
+        worn_energy: diagnostics.worn_energy.map(printed_energy),
+    }
+}
+
+fn printed_energy(energy: EnergyBalance) -> PrintedEnergy {
+    PrintedEnergy {
+        input: energy.input,
+        stored: energy.stored,
+        dissipated: energy.dissipated,
+        unphysical: energy.unphysical,
+        residual: energy.residual(),
     }
 }
 

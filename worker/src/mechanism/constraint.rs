@@ -302,8 +302,8 @@ mod tests {
                     let (i, j) = frames(q, &V);
                     c.position(&i, &j).0
                 });
-                for r in 0..c.rows() {
-                    close(g[r][k], found[r], 1.0);
+                for (row, found) in g.iter().zip(&found[..c.rows()]) {
+                    close(row[k], *found, 1.0);
                 }
             }
         }

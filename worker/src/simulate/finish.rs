@@ -51,6 +51,7 @@ impl Run<'_> {
                 held_wear_points: self.wear_stats.held,
                 quasi_static: !self.guided.is_empty(),
                 energy: first.energy,
+                worn_energy: self.worn_energy,
             },
         })
     }

@@ -55,7 +55,7 @@ impl Run<'_> {
         self.try_gaps()?;
         let mut lived = live(self, Run::follow, false)?;
         // The dynamics once more, on the worn bores, from where the gaps have carried the mechanism.
-        self.next_cycle()?;
+        self.last_cycle()?;
         self.agree()?;
         for ((errors, values), share) in
             lived.errors.iter_mut().zip(&lived.histories).zip(&self.tier_difference)

@@ -16,20 +16,20 @@ pub struct Lived {
     pub errors: Vec<Vec<f64>>,
 }
 
-/// Wears the bores to the end of life, with a measured cycle by `next_cycle` after each block; `probe` puts some of
-/// them to the test.
+/// Wears the bores to the end of life, with a measured cycle by `next_cycle` after each block; where these are
+/// `dynamic`, some are put to the test.
 ///
 /// # Errors
 /// What the wear or `next_cycle` refused.
 pub fn live<'a, E: From<SimulationFailure>>(
     run: &mut Run<'a>,
     next_cycle: impl Fn(&mut Run<'a>) -> Result<(), E>,
-    probe: bool,
+    dynamic: bool,
 ) -> Result<Lived, E> {
     let (scene, accuracy) = (run.scene, run.accuracy);
     let every = scene.life.checkpoint_every;
     let lives = boundaries(scene.life.cycles, accuracy.cycle_jump, every);
-    let probed = if probe { probed(&lives, every) } else { vec![] };
+    let probed = if dynamic { probed(&lives, every) } else { vec![] };
     let mut doubt = Doubt::default();
     let mut measured = vec![run.motion_outputs()];
     let mut wear = vec![vec![]; scene.outputs.len()];
@@ -38,7 +38,11 @@ pub fn live<'a, E: From<SimulationFailure>>(
         let depths = run.depths();
         run.wear(block[0], block[1], &checkpoints, &mut wear)?;
         doubt.worn(run, block[0], depths);
-        next_cycle(run)?;
+        if dynamic && block[1] == scene.life.cycles {
+            run.last_cycle()?;
+        } else {
+            next_cycle(run)?;
+        }
         measured.push(run.motion_outputs());
         if probed.contains(&block[1]) {
             doubt.probed(run.probe(block[1])?);

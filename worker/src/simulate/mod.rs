@@ -62,6 +62,7 @@ pub fn simulate_counting(
 
 /// Stage by stage.
 fn evaluate(run: &mut Run, with_first_cycle: bool) -> Result<Evaluation, SimulationFailure> {
+    run.watched = with_first_cycle;
     run.settle()?;
     run.show(true);
     run.measure()?;

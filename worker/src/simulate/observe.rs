@@ -97,6 +97,11 @@ impl Run<'_> {
         (0..=SHOWN).map(|k| self.scene.life.period * k as f64 / SHOWN as f64).collect()
     }
 
+    /// Energy of the cycle just measured, which was recorded to be shown.
+    pub fn energy(&self) -> EnergyBalance {
+        together(self.islands.iter().filter_map(|m| m.recorder.shown.as_ref()).map(Shown::balance))
+    }
+
     /// What the cycle just measured shows, which was recorded to be shown.
     pub fn first_seen(&self, with_cycle: bool) -> FirstSeen {
         let period = self.scene.life.period;
@@ -107,12 +112,11 @@ impl Run<'_> {
         };
         let mut free_flight = of(&|f| f.free / period);
         free_flight.retain(|(name, _)| clearance(name));
-        let balances = self.islands.iter().filter_map(|m| m.recorder.shown.as_ref()).map(Shown::balance);
         FirstSeen {
             cycle: with_cycle.then(|| self.first_cycle()),
             peaks: of(&|f| f.peak()),
             free_flight,
-            energy: with_cycle.then(|| together(balances)),
+            energy: with_cycle.then(|| self.energy()),
         }
     }
 

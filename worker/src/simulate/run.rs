@@ -8,6 +8,7 @@ use crate::outputs::{PointTrack, Shown, Wanted};
 use crate::wear::WearStepStats;
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
+use common::outputs::EnergyBalance;
 use common::scene::{Attachment, JointKind, Motion, OutputKind, Scene};
 
 /// One evaluation under way.
@@ -28,6 +29,10 @@ pub struct Run<'a> {
     pub guided: Vec<Guided>,
     /// Largest difference of the wear rates between the tiers, relative, for each output; zero unless compared.
     pub tier_difference: Vec<f64>,
+    /// Whether people want to see the first and the last cycle.
+    pub watched: bool,
+    /// Energy of the last cycle, if they do.
+    pub worn_energy: Option<EnergyBalance>,
 }
 
 /// Points of a path on the ideal mechanism per cycle: a cubic between two of them is off by some 1e-11 of its size.
@@ -63,6 +68,8 @@ impl<'a> Run<'a> {
             ideal_paths: wanted.points.iter().map(|at| (*at, ideal_path(scene, &poses, at))).collect(),
             guided: vec![],
             tier_difference: vec![0.0; scene.outputs.len()],
+            watched: false,
+            worn_energy: None,
         })
     }
 
@@ -134,6 +141,17 @@ impl<'a> Run<'a> {
     pub fn next_cycle(&mut self) -> Result<(), SimulationFailure> {
         self.warm_up()?;
         self.measure()
+    }
+
+    /// The last measured cycle, dynamic, on the bores as worn by then; with its energy if people want to see it.
+    pub fn last_cycle(&mut self) -> Result<(), SimulationFailure> {
+        self.show(self.watched);
+        self.next_cycle()?;
+        if self.watched {
+            self.worn_energy = Some(self.energy());
+        }
+        self.show(false);
+        Ok(())
     }
 
     /// The cycle after the one just measured, on the same profile.

@@ -1,11 +1,13 @@
 //! Whole evaluations of the built-in scenes: published results, closed forms, invariances, failures.
 
+mod energy;
 mod errors;
 mod failures;
 mod foundation;
 mod four_bar;
 mod islands;
 mod kinematics;
+mod loads;
 mod nominal;
 mod published;
 mod quasi_static;
