@@ -19,3 +19,4 @@ pub mod study;
 pub mod summary;
 pub mod surrogate;
 pub mod terminal;
+pub mod tradeoff;

@@ -96,7 +96,10 @@ fn a_locked_linkage_names_joint_and_angle() {
     let file = scene_file(folder.path(), "crank_length = \"20 mm\"", "crank_length = \"48 mm\"");
     let file = file.to_str().unwrap();
     for command in [&["check", file][..], &["simulate", "--scene", file], &["run", "--scene", file]] {
-        one_message(&refused(command, 2), &[file, "the linkage locks", "joint", "crank angle", "deg", "gap"]);
+        one_message(
+            &refused(command, 2),
+            &[file, "the linkage locks", "joint", "crank angle", "deg", "dead point"],
+        );
     }
 }
 

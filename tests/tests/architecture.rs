@@ -12,7 +12,7 @@ use tests::skipped;
 
 /// A later layer of the worker may use an earlier one, never the reverse. A layer is a module, or a name that a
 /// module exports with the file that defines it, where that stands lower than the rest of its module.
-const WORKER: [&str; 12] = [
+const WORKER: [&str; 13] = [
     "life",
     "bore",
     "contact",
@@ -30,7 +30,7 @@ const WORKER: [&str; 12] = [
 
 /// The same of the coordinator: first what all of it speaks of, then the stations of a study, then what puts
 /// them together. `cli` belongs to the binary.
-const COORDINATOR: [&str; 18] = [
+const COORDINATOR: [&str; 19] = [
     "output_unit",
     "summary",
     "design",
@@ -45,6 +45,7 @@ const COORDINATOR: [&str; 18] = [
     "store",
     "result_files",
     "report",
+    "tradeoff",
     "study",
     "terminal",
     "cli",

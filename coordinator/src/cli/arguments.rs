@@ -81,6 +81,14 @@ Examples:
   coordinator extremes --scene flapping-wing --accuracy draft --out extremes.txt
   coordinator extremes --scene my.toml --json")]
     Extremes(ExtremesArguments),
+    /// Measure time against error of the accuracy settings of a scene
+    #[command(after_help = "\
+Runs the presets and settings around them at the nominal point and at random points of the variables, against `reference`;
+writes tradeoff.md, tradeoff.csv and a figure an output to the folder, and prints the table.
+
+Example:
+  coordinator tradeoff --scene four-bar --out four-bar-tradeoff")]
+    Tradeoff(TradeoffArguments),
     /// Show what the failure probabilities depend on, from a finished study
     #[command(after_help = "Example:\n  coordinator sensitivity hingewise-flapping-wing --json")]
     Sensitivity(StudyFolder),
@@ -215,6 +223,20 @@ pub struct ExtremesArguments {
     /// Write the table to this file instead of standard output
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
+}
+
+/// A measurement of accuracy settings.
+#[derive(Debug, Clone, Args)]
+pub struct TradeoffArguments {
+    /// Scene file, or name of a built-in scene
+    #[arg(long, default_value = DEFAULT_SCENE, value_name = "NAME-or-FILE")]
+    pub scene: String,
+    /// Points of the variables, the nominal one among them
+    #[arg(long, default_value = "3", value_name = "N", value_parser = positive)]
+    pub points: usize,
+    /// Folder for the results, made if missing
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
 }
 
 /// A finished study.

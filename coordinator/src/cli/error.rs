@@ -38,6 +38,40 @@ pub enum CommandError {
         /// Remaining gap [mm].
         gap: f64,
     },
+    /// The ideal linkage starts but does not come round.
+    #[error(
+        "{origin}: the linkage locks on its way: at {angle} joint {joint} can follow no further, a dead point; check lengths"
+    )]
+    DeadPoint {
+        /// File or name of the scene.
+        origin: String,
+        /// Joint that opens first.
+        joint: String,
+        /// Where the drive stands, in words.
+        angle: String,
+    },
+    /// Ideal joints forbid a motion twice.
+    #[error(
+        "{origin}: over-constrained: joint {joint} forbids a motion that the ideal joints before it forbid already; leave \
+         it out, or give it clearance"
+    )]
+    OverConstrained {
+        /// File or name of the scene.
+        origin: String,
+        /// Joint.
+        joint: String,
+    },
+    /// A folder that cannot be made.
+    #[error("{}: {error}", path.display())]
+    Folder {
+        /// Folder.
+        path: PathBuf,
+        /// Why.
+        error: std::io::Error,
+    },
+    /// A measurement did not come to its end.
+    #[error(transparent)]
+    Evaluate(EvaluateError),
     /// The scene is valid but asks for something this version does not model.
     #[error("{origin}: not modelled yet: {what}")]
     NotModelled {
@@ -147,13 +181,16 @@ impl CommandError {
         match self {
             Self::Scene(_)
             | Self::LockedLinkage { .. }
+            | Self::DeadPoint { .. }
+            | Self::OverConstrained { .. }
+            | Self::Folder { .. }
             | Self::NotModelled { .. }
             | Self::NothingToStudy { .. }
             | Self::Option { .. }
             | Self::ForeignSettings { .. }
             | Self::NotFinished { .. }
             | Self::MisplacedOptions => BAD_INPUT,
-            Self::Interrupted { .. } => INTERRUPTED,
+            Self::Interrupted { .. } | Self::Evaluate(EvaluateError::Interrupted) => INTERRUPTED,
             Self::Study { error: StudyError::Setting { .. }, .. } => BAD_INPUT,
             Self::Store(error) if error.is_bad_input() => BAD_INPUT,
             Self::Dispatch(error) if error.is_bad_input() => BAD_INPUT,
@@ -180,6 +217,10 @@ impl CommandError {
                 let (angle, gap) = (drive_at(scene, time), (gap * 1e6).round() / 1e3);
                 Self::LockedLinkage { origin, joint, angle, gap }
             }
+            SimulationFailure::DeadPoint { joint, time, .. } => {
+                Self::DeadPoint { origin, joint, angle: drive_at(scene, time) }
+            }
+            SimulationFailure::OverConstrained { joint } => Self::OverConstrained { origin, joint },
             SimulationFailure::NotModelled { what } => Self::NotModelled { origin, what },
             failure => Self::Simulation { origin, failure },
         }

@@ -14,6 +14,7 @@ mod run;
 mod scenes;
 mod signals;
 mod simulate;
+mod tradeoff;
 
 use arguments::{Arguments, Command, RunArguments, Talk};
 use clap::Parser;
@@ -52,6 +53,7 @@ fn command(arguments: Arguments) -> Result<(), CommandError> {
         Some(Command::Sensitivity(study)) => results::sensitivity(&study.dir, json),
         Some(Command::Report(study)) => results::report(&study.dir, json),
         Some(Command::Extremes(table)) => extremes::extremes(&table, arguments.talk),
+        Some(Command::Tradeoff(measurement)) => tradeoff::tradeoff(&measurement, arguments.talk),
         Some(Command::Simulate(simulation)) => simulate::simulate(&simulation),
         Some(Command::Scenes { show }) => scenes::scenes(show.as_deref(), json),
         Some(Command::Check { file }) => scenes::check(&file, json),
