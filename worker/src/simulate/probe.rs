@@ -12,8 +12,11 @@ pub const FINER: f64 = 1.75;
 /// A relative change above this is taken for motion that does not repeat itself: that of the flapping wing changes by
 /// 0.01 % from cycle to cycle, with a friction of 0.5 by 1 %.
 const RESTLESS: f64 = 0.005;
+/// The same of the wear, whose rates, point by point, are rough: 300 samples of the contact a cycle change them by
+/// more than half a per cent.
+const RESTLESS_WEAR: f64 = 0.02;
 /// Cycles looked at of a motion that does not repeat itself.
-const MOST_CYCLES: usize = 4;
+const MOST_CYCLES: usize = 3;
 
 /// Changes from the measured cycle.
 #[derive(Debug, Clone, PartialEq)]
@@ -69,7 +72,7 @@ impl Run<'_> {
             for ((largest, now), was) in probe.wear.iter_mut().zip(self.wear_rates(life)?).zip(worn) {
                 let change = relative_change(&now, was);
                 *largest = largest.max(change);
-                restless |= change > RESTLESS;
+                restless |= change > RESTLESS_WEAR;
             }
             probe.restless |= restless;
             if !restless {
