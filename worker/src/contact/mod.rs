@@ -97,6 +97,11 @@ impl Surface {
         }
     }
 
+    /// Penetration up to which a journal is in contact with its bore in any sense of Hertz: a tenth of its radius [m].
+    pub fn deepest(&self) -> f64 {
+        0.1 * self.journal_radius
+    }
+
     /// mu tanh(v/v_0) and its derivative to v.
     #[inline]
     fn friction(&self, v: f64) -> (f64, f64) {

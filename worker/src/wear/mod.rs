@@ -3,6 +3,7 @@
 mod archard;
 mod conformal;
 mod history;
+mod rest;
 mod step;
 #[cfg(test)]
 mod step_tests;
