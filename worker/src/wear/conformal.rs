@@ -22,12 +22,13 @@ pub fn foundation_share(
     rate: &mut [f64],
 ) -> Result<(), Unbalanced> {
     let wanted = libm::hypot(sample.force[0], sample.force[1]);
-    if wanted <= 0.0 || sample.e == [0.0; 2] {
+    if wanted <= 0.0 {
         return Ok(());
     }
     // The search starts as deep below the present bore as the journal last was.
     let reach = libm::hypot(sample.e[0], sample.e[1]);
-    let follow = 1.0 + (sample.penetration - law.arc().gap_along(sample.e)) / reach;
+    let follow =
+        if reach > 0.0 { 1.0 + (sample.penetration - law.arc().gap_along(sample.e)) / reach } else { 1.0 };
     let Rest { e, modulus, .. } = rest(law, sample.force, [follow * sample.e[0], follow * sample.e[1]])?;
     sample.e = e;
     sample.penetration = law.arc().gap_along(e);

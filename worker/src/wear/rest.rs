@@ -12,11 +12,11 @@ use super::Unbalanced;
 use crate::contact::{Foundation, Pressing, equivalent_penetration};
 
 /// Relative residual below which a force counts as carried.
-const BALANCED: f64 = 1e-6;
+pub const BALANCED: f64 = 1e-6;
 /// Contact below this share of the force sought counts as too weak to linearise.
 const WEAK: f64 = 0.2;
 /// Evaluations of the contact from nearby, and at each load on the way down from a heavy one.
-const NEARBY: u32 = 12;
+pub const NEARBY: u32 = 12;
 const EACH: u32 = 60;
 /// By how much the load is let off at a time: the penetration of a round bore falls to a quarter, and Newton's
 /// method follows without a step cut back.

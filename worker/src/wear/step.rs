@@ -121,7 +121,7 @@ impl WearStep {
     /// (increasing, within the block, counted from its start), by cubic Hermite interpolation in a sub-step.
     ///
     /// # Errors
-    /// [`WearStepFailed`] if a sub-step of 1/1024 of the block still misses the tolerance.
+    /// [`WearStepFailed`] if a sub-step of the smallest length still misses the tolerance.
     pub fn advance(
         &mut self,
         rate: &mut WearRate,
