@@ -29,10 +29,10 @@ pub fn foundation_share(
     let reach = libm::hypot(sample.e[0], sample.e[1]);
     let follow =
         if reach > 0.0 { 1.0 + (sample.penetration - law.arc().gap_along(sample.e)) / reach } else { 1.0 };
-    let Rest { e, modulus, .. } = rest(law, sample.force, [follow * sample.e[0], follow * sample.e[1]])?;
+    let Rest { e, pressing, .. } = rest(law, sample.force, [follow * sample.e[0], follow * sample.e[1]])?;
     sample.e = e;
     sample.penetration = law.arc().gap_along(e);
-    let scale = sample.work * modulus / wanted;
+    let scale = sample.work * pressing.modulus / libm::hypot(pressing.force[0], pressing.force[1]);
     let n = rate.len();
     let sub = law.arc().intervals() / n;
     let mut hat = |k: usize, weight: f64| {

@@ -13,6 +13,11 @@ use crate::contact::{Foundation, Pressing, equivalent_penetration};
 
 /// Relative residual below which a force counts as carried.
 pub const BALANCED: f64 = 1e-6;
+/// Rounding of a gap, over the journal's radius. What it does to the force is more than BALANCED of forces that
+/// press less than some 1e-12 m deep: means of a stretch in which the journal struck both sides of its bore.
+pub const RESOLVED: f64 = 4.0 * f64::EPSILON;
+/// Least depth of a contact that is looked for, in such roundings; a lighter force rests where that one does.
+const LEAST: f64 = 16.0;
 /// Contact below this share of the force sought counts as too weak to linearise.
 const WEAK: f64 = 0.2;
 /// Evaluations of the contact from nearby, and at each load on the way down from a heavy one.
@@ -25,12 +30,12 @@ const LET_OFF: f64 = 0.125;
 const ROUNDING: f64 = 1e-15;
 
 /// A force at rest.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy)]
 pub struct Rest {
     /// Eccentricity `(2,)` [m].
     pub e: [f64; 2],
-    /// Modulus of the foundation there [N/(m rad)].
-    pub modulus: f64,
+    /// How the journal presses on the bore there.
+    pub pressing: Pressing,
     /// Evaluations of the contact that the search took.
     pub evaluations: u32,
 }
@@ -42,20 +47,25 @@ pub struct Rest {
 /// [`Unbalanced`] if the force is beyond the law's range, or the bore is not one of finite numbers.
 pub fn rest(law: &Foundation, force: [f64; 2], start: [f64; 2]) -> Result<Rest, Unbalanced> {
     let surface = law.surface();
-    let size = length(force);
-    let depth = equivalent_penetration(size, surface.stiffness);
+    let wanted = libm::hypot(force[0], force[1]);
+    let direction = [force[0] / wanted, force[1] / wanted];
+    let depth = equivalent_penetration(wanted, surface.stiffness);
     if depth > surface.deepest() {
         return Err(Unbalanced(depth / surface.deepest()));
     }
+    let least = LEAST * RESOLVED * surface.journal_radius;
+    let size = wanted.max(surface.stiffness * least * least.sqrt());
+    let force = [size * direction[0], size * direction[1]];
     let mut spent = 0;
     if let Ok(rest) = descend(law, force, start, NEARBY, &mut spent) {
         return Ok(rest);
     }
-    // As deep as the clearance is wide, the arc of a round bore spans a third of it.
+    // As deep as the journal has play in that direction, the arc of a round bore spans a third of it.
     let c = surface.clearance;
-    let mut load = f64::max(1.0, surface.stiffness * c * c.sqrt() / size);
-    let reach = (c + equivalent_penetration(load * size, surface.stiffness)) / size;
-    let mut e = [reach * force[0], reach * force[1]];
+    let play = c - law.arc().gap_along([c * direction[0], c * direction[1]]);
+    let mut load = f64::max(1.0, surface.stiffness * play * play.sqrt() / size);
+    let reach = play + equivalent_penetration(load * size, surface.stiffness);
+    let mut e = [reach * direction[0], reach * direction[1]];
     loop {
         let rest = descend(law, [load * force[0], load * force[1]], e, EACH, &mut spent)?;
         if load <= 1.0 {
@@ -97,6 +107,7 @@ fn descend(
 ) -> Result<Rest, Unbalanced> {
     let wanted = length(force);
     let outward = equivalent_penetration(wanted, law.surface().stiffness) / wanted;
+    let resolved = RESOLVED * law.surface().journal_radius;
     let at = |e: [f64; 2]| {
         let pressing = law.press(e, |_, _, _| {});
         let miss = [pressing.force[0] - force[0], pressing.force[1] - force[1]];
@@ -107,10 +118,10 @@ fn descend(
     *spent += 1;
     loop {
         let Point { e, pressing, miss, height } = now;
-        if length(miss) <= BALANCED * wanted {
-            return Ok(Rest { e, modulus: pressing.modulus, evaluations: *spent });
-        }
         let [[a, b], [_, d]] = pressing.stiffness;
+        if length(miss) <= f64::max(BALANCED * wanted, resolved * (a + d)) {
+            return Ok(Rest { e, pressing, evaluations: *spent });
+        }
         let det = a * d - b * b;
         let step = if length(pressing.force) < WEAK * wanted || det <= 0.0 {
             [outward * force[0], outward * force[1]]
