@@ -97,6 +97,11 @@ impl Surface {
         }
     }
 
+    /// Penetration up to which a journal is in contact with its bore in any sense of Hertz: a tenth of its radius [m].
+    pub fn deepest(&self) -> f64 {
+        0.1 * self.journal_radius
+    }
+
     /// mu tanh(v/v_0) and its derivative to v.
     #[inline]
     fn friction(&self, v: f64) -> (f64, f64) {
@@ -167,11 +172,16 @@ impl Contact {
                 Contact::Foundation(law) => law.approach(motion),
             }
         };
+        self.resume(restitution.damping(approach));
+    }
+
+    /// Goes on as a contact with this damping [s/m]: what the joint remembers of how its contact began.
+    pub fn resume(&mut self, damping: f64) {
         let surface = match self {
             Contact::LocalHertz(law) => &mut law.surface,
             Contact::Foundation(law) => &mut law.surface,
         };
-        surface.damping = restitution.damping(approach);
+        surface.damping = damping;
     }
 
     /// Force at this motion; with `JACOBIAN` its derivative too.

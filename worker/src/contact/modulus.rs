@@ -148,4 +148,15 @@ mod tests {
         }
         assert_eq!(modulus.at(0.0), Loaded::default());
     }
+
+    #[test]
+    fn the_energy_is_convex_in_v_from_the_lightest_contact_to_any_depth() {
+        // z from 1e-4 to 1e4: penetrations of 1e-6.4 to 1e6.4 clearances, nearly.
+        let modulus = Modulus::new(1.0, 1.0);
+        for k in 0..=800 {
+            let z = 1e-4 * 10f64.powf(0.01 * f64::from(k));
+            let at = modulus.at(z.powi(4) / modulus.unit);
+            assert!(at.growth > 0.0, "z {z}: {at:?}");
+        }
+    }
 }

@@ -264,8 +264,7 @@ impl Dynamics for Island {
 
     fn in_range(&self, at: &Linearised) -> Result<(), (usize, f64)> {
         for (k, (joint, force)) in self.joints.iter().zip(&at.joints).enumerate() {
-            // Beyond a tenth of its radius a journal is not in contact with a bore any more, in any sense of Hertz.
-            if force.penetration > 0.1 * joint.contact.surface().journal_radius {
+            if force.penetration > joint.contact.surface().deepest() {
                 return Err((k, force.penetration));
             }
         }

@@ -138,8 +138,7 @@ impl Run<'_> {
                 g.follow.run(&mut m.island, kept, &mut g.recorder, &mut stats)?;
                 g.saved.copy_from_slice(g.follow.gaps());
                 let (q, v) = g.follow.state();
-                m.saved.0.copy_from_slice(q);
-                m.saved.1.copy_from_slice(v);
+                m.saved.keep(&m.island, q, v);
                 g.follow.run(&mut m.island, period, &mut g.recorder, &mut stats)?;
                 g.recorder.finish();
                 Ok(())

@@ -22,13 +22,49 @@ pub struct Moving {
     pub recorder: Recorder,
     pub q: Vec<f64>,
     pub v: Vec<f64>,
-    /// State from which the next warm-up starts.
-    pub saved: (Vec<f64>, Vec<f64>),
-    /// State at which the cycle last measured began.
-    pub begun: (Vec<f64>, Vec<f64>),
+    /// From where the next warm-up starts.
+    pub saved: Kept,
+    /// Where the cycle last measured began.
+    pub begun: Kept,
     pub rates: Vec<WearRate>,
     pub steps: Vec<WearStep>,
     pub depth: Vec<Vec<f64>>,
+}
+
+/// An instant to come back to: the state, and the damping that each joint's contact began with.
+#[derive(Clone)]
+pub struct Kept {
+    q: Vec<f64>,
+    v: Vec<f64>,
+    /// `(joints,)` [s/m].
+    damping: Vec<f64>,
+}
+
+impl Kept {
+    /// The island's joints as they are, at this state.
+    pub fn new(island: &Island, q: &[f64], v: &[f64]) -> Self {
+        let mut kept = Kept { q: q.to_vec(), v: v.to_vec(), damping: vec![0.0; island.joints.len()] };
+        kept.keep(island, q, v);
+        kept
+    }
+
+    /// The same, of another instant.
+    pub fn keep(&mut self, island: &Island, q: &[f64], v: &[f64]) {
+        self.q.copy_from_slice(q);
+        self.v.copy_from_slice(v);
+        for (damping, joint) in self.damping.iter_mut().zip(&island.joints) {
+            *damping = joint.contact.surface().damping;
+        }
+    }
+
+    /// Brings the state and the joints back.
+    pub fn restore(&self, island: &mut Island, q: &mut [f64], v: &mut [f64]) {
+        q.copy_from_slice(&self.q);
+        v.copy_from_slice(&self.v);
+        for (damping, joint) in self.damping.iter().zip(&mut island.joints) {
+            joint.contact.resume(*damping);
+        }
+    }
 }
 
 /// What carries an island through a cycle and records it.
@@ -47,8 +83,8 @@ impl Moving {
         Moving {
             advance: advance(&island, scene.life.period, accuracy),
             recorder: Recorder::new(&island, scene, wanted, accuracy.wear_samples),
-            saved: (q.clone(), v.clone()),
-            begun: (q.clone(), v.clone()),
+            saved: Kept::new(&island, &q, &v),
+            begun: Kept::new(&island, &q, &v),
             q,
             v,
             rates: island
@@ -109,5 +145,49 @@ pub fn failure(error: AdvanceError, cycle: u32, island: &Island) -> SimulationFa
         AdvanceError::NotFinite { time } => {
             SimulationFailure::NotFinite { cycle, time, quantity: "the force".into() }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::simulate::run::Run;
+    use common::accuracy::Accuracy;
+    use common::scene::{ContactDamping, JointKind, RestitutionLaw, SceneSource};
+
+    #[test]
+    fn issue_a_cycle_begun_again_started_with_the_damping_of_another_instant() {
+        let mut scene = SceneSource::builtin("slider-crank").expect("built in").nominal().clone();
+        for joint in &mut scene.joints {
+            if let JointKind::Clearance(clearance) = &mut joint.kind {
+                clearance.contact_damping = ContactDamping::Restitution {
+                    law: RestitutionLaw::Flores,
+                    coefficient: 0.95,
+                    least_speed: 1e-4,
+                };
+            }
+        }
+        let accuracy = Accuracy::draft();
+        let mut run = Run::assemble(&scene, &accuracy).expect("assembled");
+        let damping = |run: &Run| -> Vec<f64> {
+            let joints = run.islands.iter().flat_map(|m| &m.island.joints);
+            joints.map(|j| j.contact.surface().damping).collect()
+        };
+        let state = |run: &Run| -> Vec<f64> {
+            run.islands.iter().flat_map(|m| m.q.iter().chain(&m.v)).copied().collect()
+        };
+        run.settle().expect("settled");
+        let began = damping(&run);
+        run.measure().expect("measured");
+        assert_ne!(damping(&run), began, "no contact began anew within the cycle");
+        // The time steps of a cycle begun again start small, those of the first went on from the settling.
+        let mut again = || {
+            run.begin_again(&accuracy);
+            let resumed = damping(&run);
+            run.measure().expect("measured");
+            (resumed, state(&run), run.motion_outputs())
+        };
+        let (first, second) = (again(), again());
+        assert_eq!(first.0, began);
+        assert_eq!(first, second);
     }
 }

@@ -92,8 +92,7 @@ impl<'a> Run<'a> {
     /// From the state kept of the cycle before, on the profile as it is now, to the start of a cycle.
     fn warm_up(&mut self) -> Result<(), SimulationFailure> {
         for m in &mut self.islands {
-            m.q.copy_from_slice(&m.saved.0);
-            m.v.copy_from_slice(&m.saved.1);
+            m.saved.restore(&mut m.island, &mut m.q, &mut m.v);
             m.advance.after_jump();
         }
         let period = self.scene.life.period;
@@ -103,8 +102,7 @@ impl<'a> Run<'a> {
     /// Back to where the cycle just measured began, with time steps of another accuracy.
     pub fn begin_again(&mut self, accuracy: &Accuracy) {
         for m in &mut self.islands {
-            m.q.copy_from_slice(&m.begun.0);
-            m.v.copy_from_slice(&m.begun.1);
+            m.begun.restore(&mut m.island, &mut m.q, &mut m.v);
             m.exchange(&mut m.tools(self.scene.life.period, accuracy));
         }
     }
@@ -115,22 +113,19 @@ impl<'a> Run<'a> {
         let kept = (1.0 - self.accuracy.warm_up).max(0.0) * period;
         for m in &mut self.islands {
             m.recorder.clear();
-            m.begun.0.copy_from_slice(&m.q);
-            m.begun.1.copy_from_slice(&m.v);
+            m.begun.keep(&m.island, &m.q, &m.v);
         }
         if kept > 0.0 {
             self.span(0.0, kept, true)?;
         }
         for m in &mut self.islands {
-            m.saved.0.copy_from_slice(&m.q);
-            m.saved.1.copy_from_slice(&m.v);
+            m.saved.keep(&m.island, &m.q, &m.v);
         }
         self.span(kept, period, true)?;
         for m in &mut self.islands {
             m.recorder.finish();
             if kept == 0.0 {
-                m.saved.0.copy_from_slice(&m.q);
-                m.saved.1.copy_from_slice(&m.v);
+                m.saved.keep(&m.island, &m.q, &m.v);
             }
         }
         self.simulated += 1;

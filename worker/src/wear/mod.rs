@@ -3,6 +3,9 @@
 mod archard;
 mod conformal;
 mod history;
+mod rest;
+#[cfg(test)]
+mod rest_tests;
 mod step;
 #[cfg(test)]
 mod step_tests;

@@ -12,7 +12,7 @@
 //! Sommeijer, Shampine, Verwer (1998), RKC: an explicit solver for parabolic PDEs.
 
 use super::WearRate;
-use super::conformal::{BALANCED, Unbalanced};
+use super::conformal::Unbalanced;
 
 /// Embedded error estimate of a sub-step from y0, f0 to y1, f1: what is missing to y1.
 fn embedded(y0: f64, y1: f64, f0: f64, f1: f64, step: f64) -> f64 {
@@ -35,8 +35,8 @@ pub struct WearStepStats {
 pub struct WearStepFailed(pub f64);
 
 impl From<Unbalanced> for WearStepFailed {
-    fn from(Unbalanced(residual): Unbalanced) -> Self {
-        WearStepFailed(residual / BALANCED)
+    fn from(Unbalanced(excess): Unbalanced) -> Self {
+        WearStepFailed(excess.min(f64::MAX))
     }
 }
 
@@ -121,7 +121,7 @@ impl WearStep {
     /// (increasing, within the block, counted from its start), by cubic Hermite interpolation in a sub-step.
     ///
     /// # Errors
-    /// [`WearStepFailed`] if a sub-step of 1/1024 of the block still misses the tolerance.
+    /// [`WearStepFailed`] if a sub-step of the smallest length still misses the tolerance.
     pub fn advance(
         &mut self,
         rate: &mut WearRate,
@@ -147,8 +147,8 @@ impl WearStep {
             }
             stats.stages += stages as u64;
             let made = chebyshev(rate, depth, &self.f0, step, stages, &mut self.end);
-            if let Err(Unbalanced(residual)) = made.and_then(|()| rate.rate(&self.end, &mut self.f1)) {
-                step = self.refuse(step * 0.5, cycles, residual / BALANCED, stats)?;
+            if let Err(Unbalanced(excess)) = made.and_then(|()| rate.rate(&self.end, &mut self.f1)) {
+                step = self.refuse(step * 0.5, cycles, excess, stats)?;
                 continue;
             }
             let (error, added) = self.error(depth, step);

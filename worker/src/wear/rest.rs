@@ -1,0 +1,148 @@
+//! Where a force comes to rest on a bore: the eccentricity at which the foundation carries it.
+//!
+//! The foundation's potential U is convex in e: V, half the integral of the squared gap, is a sum of squares of positive
+//! parts of functions linear in e, and U grows with V ever faster (the modulus dU/dV grows). So U(e) - F.e has one
+//! minimum, and there dU/de = F. Newton's method finds it from nearby; along its direction the slope of that function
+//! only ever grows, so that a step too long shows by the slope's sign and can be cut back to a lower value.
+//!
+//! Far off, the arc of a light contact is too narrow to tell where the next one will be, and Newton's method creeps.
+//! Then the rest is followed from a load heavy enough for a wide arc down to the one wanted.
+
+use super::Unbalanced;
+use crate::contact::{Foundation, Pressing, equivalent_penetration};
+
+/// Relative residual below which a force counts as carried.
+pub const BALANCED: f64 = 1e-6;
+/// Rounding of a gap, over the journal's radius. What it does to the force is more than BALANCED of forces that
+/// press less than some 1e-12 m deep: means of a stretch in which the journal struck both sides of its bore.
+pub const RESOLVED: f64 = 4.0 * f64::EPSILON;
+/// Least depth of a contact that is looked for, in such roundings; a lighter force rests where that one does.
+const LEAST: f64 = 16.0;
+/// Contact below this share of the force sought counts as too weak to linearise.
+const WEAK: f64 = 0.2;
+/// Evaluations of the contact from nearby, and at each load on the way down from a heavy one.
+pub const NEARBY: u32 = 12;
+const EACH: u32 = 60;
+/// By how much the load is let off at a time: the penetration of a round bore falls to a quarter, and Newton's
+/// method follows without a step cut back.
+const LET_OFF: f64 = 0.125;
+/// Energy differences below this share of the energies are rounding.
+const ROUNDING: f64 = 1e-15;
+
+/// A force at rest.
+#[derive(Debug, Clone, Copy)]
+pub struct Rest {
+    /// Eccentricity `(2,)` [m].
+    pub e: [f64; 2],
+    /// How the journal presses on the bore there.
+    pub pressing: Pressing,
+    /// Evaluations of the contact that the search took.
+    pub evaluations: u32,
+}
+
+/// Eccentricity at which the elastic force of `law` is `force` `(2,)`, not zero [N]; `start` is where it may be near
+/// `(2,)` [m].
+///
+/// # Errors
+/// [`Unbalanced`] if the force is beyond the law's range, or the bore is not one of finite numbers.
+pub fn rest(law: &Foundation, force: [f64; 2], start: [f64; 2]) -> Result<Rest, Unbalanced> {
+    let surface = law.surface();
+    let wanted = libm::hypot(force[0], force[1]);
+    let direction = [force[0] / wanted, force[1] / wanted];
+    let depth = equivalent_penetration(wanted, surface.stiffness);
+    if depth > surface.deepest() {
+        return Err(Unbalanced(depth / surface.deepest()));
+    }
+    let least = LEAST * RESOLVED * surface.journal_radius;
+    let size = wanted.max(surface.stiffness * least * least.sqrt());
+    let force = [size * direction[0], size * direction[1]];
+    let mut spent = 0;
+    if let Ok(rest) = descend(law, force, start, NEARBY, &mut spent) {
+        return Ok(rest);
+    }
+    // As deep as the journal has play in that direction, the arc of a round bore spans a third of it.
+    let c = surface.clearance;
+    let play = c - law.arc().gap_along([c * direction[0], c * direction[1]]);
+    let mut load = f64::max(1.0, surface.stiffness * play * play.sqrt() / size);
+    let reach = play + equivalent_penetration(load * size, surface.stiffness);
+    let mut e = [reach * direction[0], reach * direction[1]];
+    loop {
+        let rest = descend(law, [load * force[0], load * force[1]], e, EACH, &mut spent)?;
+        if load <= 1.0 {
+            return Ok(rest);
+        }
+        e = rest.e;
+        load = (LET_OFF * load).max(1.0);
+    }
+}
+
+fn length(v: [f64; 2]) -> f64 {
+    (v[0] * v[0] + v[1] * v[1]).sqrt()
+}
+
+fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+/// One point of the search.
+#[derive(Clone, Copy)]
+struct Point {
+    e: [f64; 2],
+    pressing: Pressing,
+    /// Gradient of U - F.e [N].
+    miss: [f64; 2],
+    /// U - F.e [J].
+    height: f64,
+}
+
+/// The minimum of U - F.e from `start`, by Newton's method cut back along its direction, with so many evaluations of
+/// the contact. From no contact, or next to none, the journal moves outward along the load, by the penetration of
+/// that force on an unworn bore at a time.
+fn descend(
+    law: &Foundation,
+    force: [f64; 2],
+    start: [f64; 2],
+    most: u32,
+    spent: &mut u32,
+) -> Result<Rest, Unbalanced> {
+    let wanted = length(force);
+    let outward = equivalent_penetration(wanted, law.surface().stiffness) / wanted;
+    let resolved = RESOLVED * law.surface().journal_radius;
+    let at = |e: [f64; 2]| {
+        let pressing = law.press(e, |_, _, _| {});
+        let miss = [pressing.force[0] - force[0], pressing.force[1] - force[1]];
+        Point { e, pressing, miss, height: pressing.energy - dot(force, e) }
+    };
+    let last = *spent + most;
+    let mut now = at(start);
+    *spent += 1;
+    loop {
+        let Point { e, pressing, miss, height } = now;
+        let [[a, b], [_, d]] = pressing.stiffness;
+        if length(miss) <= f64::max(BALANCED * wanted, resolved * (a + d)) {
+            return Ok(Rest { e, pressing, evaluations: *spent });
+        }
+        let det = a * d - b * b;
+        let step = if length(pressing.force) < WEAK * wanted || det <= 0.0 {
+            [outward * force[0], outward * force[1]]
+        } else {
+            [-(d * miss[0] - b * miss[1]) / det, -(a * miss[1] - b * miss[0]) / det]
+        };
+        let slope = dot(miss, step);
+        let noise = ROUNDING * (pressing.energy + dot(force, e).abs());
+        let mut share = 1.0;
+        now = loop {
+            if *spent >= last {
+                return Err(Unbalanced(length(miss) / wanted / BALANCED));
+            }
+            *spent += 1;
+            let trial = at([e[0] + share * step[0], e[1] + share * step[1]]);
+            let beyond = dot(trial.miss, step);
+            if beyond <= 0.0 || trial.height <= height + noise {
+                break trial;
+            }
+            // Where the slope, taken as linear, changes its sign.
+            share *= (slope / (slope - beyond)).clamp(0.1, 0.7);
+        };
+    }
+}
