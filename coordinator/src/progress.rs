@@ -5,7 +5,8 @@ use crate::summary::Round;
 /// Something happened in a study.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Progress {
-    /// A batch goes out; `planned` evaluations are known of so far, `budget` is the bound.
+    /// A batch goes out; `planned` evaluations are known of so far, `budget` is the bound. What the campaign file
+    /// holds of it was told before.
     BatchStarted {
         /// Size of the batch.
         size: usize,

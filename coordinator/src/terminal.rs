@@ -39,6 +39,8 @@ impl Narrator {
                 self.last_line = Some(now);
                 Some(round_line(round))
             }
+            // What is recalled takes no time; the line of its batch, which follows, counts it.
+            Progress::Evaluated { recalled: true, .. } => None,
             Progress::BatchStarted { .. } | Progress::Evaluated { .. } => {
                 let due = self.last_line.is_none_or(|last| now >= last + LINE_EVERY);
                 due.then(|| {
@@ -306,10 +308,12 @@ mod tests {
     #[test]
     fn what_came_from_the_campaign_file_does_not_count_for_the_rate() {
         let mut narrator = Narrator::default();
-        narrator.line(at(0), &batch(120, 120, "initial design"));
         for done in 1..=100 {
-            narrator.line(at(0), &evaluated(done, true));
+            assert_eq!(narrator.line(at(0), &evaluated(done, true)), None);
         }
+        // The first line of a resumed study does not begin at 0.
+        let first = narrator.line(at(0), &batch(20, 120, "initial design")).unwrap();
+        assert_eq!(first, "100/120 evaluations (initial design), 100 from the campaign file, 1 failed");
         assert!(!narrator.state(at(1)).contains("/s"));
         narrator.line(at(10), &evaluated(101, false));
         let state = narrator.state(at(10));

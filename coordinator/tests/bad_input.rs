@@ -98,9 +98,96 @@ fn a_locked_linkage_names_joint_and_angle() {
     for command in [&["check", file][..], &["simulate", "--scene", file], &["run", "--scene", file]] {
         one_message(
             &refused(command, 2),
-            &[file, "the linkage locks", "joint", "crank angle", "deg", "dead point"],
+            &[file, "the linkage locks: joint coupler can follow no further than to crank angle 136.8 deg"],
         );
     }
+}
+
+#[test]
+fn a_linkage_that_cannot_be_assembled_or_is_tied_twice_names_its_joint() {
+    let folder = tempfile::tempdir().unwrap();
+    // Coupler and rocker together are shorter than the way from the crank to the frame.
+    let file = scene_file(folder.path(), "ground_length = \"70 mm\"", "ground_length = \"170 mm\"");
+    let open = refused(&["check", file.to_str().unwrap()], 2);
+    one_message(&open, &["the linkage cannot be assembled: joint", "stays open by", "mm"]);
+    // The same hinge twice, both ideal.
+    let twin = "\n[[joints]]\nname = \"NAME\"\ntype = \"revolute\"\na = { body = \"rocker\", point = \"frame_pin\" }\n\
+                b = { body = \"frame\", point = \"rocker_pin\" }\n";
+    let twins = ["first", "second"].map(|name| twin.replace("NAME", name)).concat();
+    let file = scene_file(folder.path(), "\n[[loads]]", &format!("{twins}\n[[loads]]"));
+    let tied = refused(&["check", file.to_str().unwrap()], 2);
+    one_message(&tied, &["over-constrained: joint second", "give one of the joints a clearance"]);
+}
+
+/// What a user of ideal joints and their outputs mistypes, in the slider-crank.
+#[test]
+fn faulty_ideal_joints_and_outputs() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.toml");
+    let slider_crank = include_str!("../../common/scenes/slider-crank.toml");
+    for (from, to, parts) in [
+        (
+            "axis = \"0 deg\"",
+            "axis = \"0 deg\"\njournal_radius = \"2 mm\"",
+            &["joints.guide.journal_radius: unknown key; allowed here: name, type, axis, angle, a, b"][..],
+        ),
+        (
+            "joints = [\"piston_pin\"]",
+            "joints = [\"pistn_pin\"]",
+            &["outputs.pin_force.joints", "did you mean \"piston_pin\"?"],
+        ),
+        (
+            "speed = \"5000 r/min\"",
+            "speed = { over = \"time\", at = [\"0 s\", \"8 ms\", \"4 ms\"], value = [\"9 r/min\", \"8 r/min\", \"9 r/min\"] }",
+            &["bodies.crank.speed.at.3", "0.004 s", "allowed: > 0.008 s"],
+        ),
+        ("name = \"wear\"", "name = \"total\"", &["limit_states.total.name", "\"total\" cannot be a name"]),
+        (
+            "type = \"largest-wear\"",
+            "type = \"largest-wear\"\njoints = [\"guide\"]",
+            &[
+                "outputs.max_wear_depth.joints: joint \"guide\" is ideal and does not wear; there are: piston_pin",
+            ],
+        ),
+        (
+            "type = \"driving-torque\"\nbody = \"crank\"",
+            "type = \"driving-torque\"\nbody = \"rod\"",
+            &["outputs.crank_torque.body: body \"rod\" is not driven; there are: crank"],
+        ),
+        (
+            "at = { body = \"slider\", point = \"pin\" }",
+            "at = { body = \"crank\", point = \"pin\" }",
+            &["outputs.slider_error.at: body \"crank\" is not free; there are: rod, slider"],
+        ),
+    ] {
+        assert!(slider_crank.contains(from), "{from}");
+        std::fs::write(&path, slider_crank.replacen(from, to, 1)).unwrap();
+        one_message(&refused(&["check", path.to_str().unwrap()], 2), parts);
+    }
+}
+
+#[test]
+fn a_study_of_nothing_random() {
+    one_message(
+        &refused(&["run", "--scene", "pendulum"], 2),
+        &["pendulum: a study needs at least one random variable and one limit state", "`simulate`"],
+    );
+}
+
+#[test]
+fn issue_a_missing_folder_was_found_out_after_the_computation() {
+    let folder = tempfile::tempdir().unwrap();
+    // A linkage that locks: the folder is looked at before the mechanism.
+    let file = scene_file(folder.path(), "crank_length = \"20 mm\"", "crank_length = \"48 mm\"");
+    let scene = file.to_str().unwrap();
+    let missing = folder.path().join("no/such/folder");
+    let out = missing.join("one.json");
+    for command in ["simulate", "extremes"] {
+        let message = refused(&[command, "--scene", scene, "--out", out.to_str().unwrap()], 2);
+        one_message(&message, &["--out", &format!("there is no folder {}", missing.display())]);
+    }
+    let message = refused(&["simulate", "--scene", scene, "--out", folder.path().to_str().unwrap()], 2);
+    one_message(&message, &["--out", "is a folder, expected a file"]);
 }
 
 #[test]

@@ -140,8 +140,10 @@ fn explain_says_what_is_modelled() {
     let found = text(&["explain"]);
     for part in [
         "crank: turns at 480.0 r/min, prescribed",
-        "2 sets of bodies without influence on each other",
-        "right_rod + right_rocker",
+        "2 bodies whose motion is given cost nothing",
+        "island 1, with time steps of its own: right_rod + right_rocker; 6 unknowns",
+        "island 2, with time steps of its own: left_rod + left_rocker; 6 unknowns",
+        "Every cycle is simulated dynamically: output angular_velocity_difference needs the dynamics",
         "clearance 23.50 um",
         "local-hertz",
         "spring of 95 N/m",

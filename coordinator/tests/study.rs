@@ -80,8 +80,15 @@ fn a_study_gives_the_same_answer_whatever_happens_to_it() {
 
     // Ctrl-C, then resumed by other workers.
     assert_eq!(interrupted(&run(stopped, "1"), stopped, 5, "-INT"), Some(130));
-    done(&["resume", stopped, "--workers", "2"]);
+    let resumed = coordinator(&["resume", stopped, "--workers", "2"]).output().unwrap();
+    assert!(resumed.status.success());
     assert_eq!(answer(stopped), expected);
+    // Its progress begins with what was done.
+    let said = String::from_utf8(resumed.stderr).unwrap();
+    let mut lines = said.lines();
+    let before = lines.next().unwrap().strip_suffix(" evaluations are done already").unwrap();
+    let first = lines.next().unwrap();
+    assert!(first.starts_with(&format!("{before}/16 evaluations (initial design), {before} from")), "{said}");
 
     // kill -9, likewise.
     assert_eq!(interrupted(&run(killed, "2"), killed, 18, "-KILL"), None);

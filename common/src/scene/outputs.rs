@@ -85,25 +85,40 @@ fn output(
         }
         Word::PositionError => {
             let at = place(cx, row, "at", bodies)?;
-            moves(cx, row.key("at"), &bodies[at.body], MotionWord::Free, "free")?;
+            moves(cx, row.key("at"), bodies, at.body, MotionWord::Free, "free")?;
             Some(OutputKind::PositionError { at })
         }
         Word::DrivingTorque => {
             let body = body(cx, row, "body", bodies)?;
-            moves(cx, row.key("body"), &bodies[body], MotionWord::Driven, "driven")?;
+            moves(cx, row.key("body"), bodies, body, MotionWord::Driven, "driven")?;
             Some(OutputKind::DrivingTorque { body })
         }
     }
 }
 
 /// The body must move in the way that the output is about.
-fn moves(cx: &mut Context, key: String, body: &BodyRow, word: MotionWord, in_words: &str) -> Option<()> {
+fn moves(
+    cx: &mut Context,
+    key: String,
+    bodies: &[BodyRow],
+    body: usize,
+    word: MotionWord,
+    in_words: &str,
+) -> Option<()> {
     // How a faulty body moves may not be known; that is its own fault.
-    if body.word? == word {
+    if bodies[body].word? == word {
         return Some(());
     }
-    cx.inconsistent(key, format!("body \"{}\" is not {in_words}", body.name));
+    let fitting = bodies.iter().filter(|other| other.word == Some(word)).map(|other| other.name.as_str());
+    let there_are = listed(fitting);
+    cx.inconsistent(key, format!("body \"{}\" is not {in_words}{there_are}", bodies[body].name));
     None
+}
+
+/// What a reader may choose from instead; nothing if there is nothing.
+fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    let names: Vec<&str> = names.collect();
+    if names.is_empty() { String::new() } else { format!("; there are: {}", names.join(", ")) }
 }
 
 fn chosen_joints(cx: &mut Context, row: &mut Section, joints: &[JointRow]) -> Option<Vec<usize>> {
@@ -126,7 +141,9 @@ fn largest_wear(cx: &mut Context, row: &mut Section, joints: &[JointRow]) -> Opt
     let faults = cx.faults.len();
     for joint in chosen.iter().map(|&i| &joints[i]) {
         if let Some(reason) = joint.unworn {
-            cx.inconsistent(&key, format!("joint \"{}\" {reason} and does not wear", joint.name));
+            let wearing = joints.iter().filter(|other| other.unworn.is_none());
+            let there_are = listed(wearing.map(|other| other.name.as_str()));
+            cx.inconsistent(&key, format!("joint \"{}\" {reason} and does not wear{there_are}", joint.name));
         }
     }
     // Somebody may set a wear coefficient to 0 from outside to see the mechanism as it is when new.

@@ -23,43 +23,39 @@ pub enum CommandError {
     /// The scene or a setting is faulty.
     #[error(transparent)]
     Scene(#[from] Faults),
-    /// The ideal linkage cannot turn through its cycle.
+    /// The ideal linkage cannot be put together where the cycle starts.
     #[error(
-        "{origin}: the linkage locks: joint {joint} cannot be closed at {angle}, a gap of {gap} mm remains; \
+        "{origin}: the linkage cannot be assembled: joint {joint} stays open by {gap} mm where the cycle starts; \
          check lengths and start positions"
     )]
-    LockedLinkage {
+    OpenLinkage {
         /// File or name of the scene.
         origin: String,
         /// Joint with the largest gap.
         joint: String,
-        /// Where the drive stands, in words.
-        angle: String,
         /// Remaining gap [mm].
         gap: f64,
     },
-    /// The ideal linkage starts but does not come round.
+    /// The ideal linkage cannot turn through its cycle.
     #[error(
-        "{origin}: the linkage locks on its way: at {angle} joint {joint} can follow no further, a dead point; check lengths"
+        "{origin}: the linkage locks: joint {joint} can follow no further than to {angle}; check lengths and start \
+         positions"
     )]
-    DeadPoint {
+    LockedLinkage {
         /// File or name of the scene.
         origin: String,
-        /// Joint that opens first.
+        /// Joint that opens first beyond it.
         joint: String,
         /// Where the drive stands, in words.
         angle: String,
     },
     /// Ideal joints forbid a motion twice.
-    #[error(
-        "{origin}: over-constrained: joint {joint} forbids a motion that the ideal joints before it forbid already; leave \
-         it out, or give it clearance"
-    )]
+    #[error("{origin}: {failure}; give one of the joints a clearance or take it away")]
     OverConstrained {
         /// File or name of the scene.
         origin: String,
-        /// Joint.
-        joint: String,
+        /// Which joint.
+        failure: SimulationFailure,
     },
     /// A folder that cannot be made.
     #[error("{}: {error}", path.display())]
@@ -117,6 +113,14 @@ pub enum CommandError {
         value: usize,
         /// What is allowed.
         allowed: String,
+    },
+    /// A file that cannot be written where it is to go.
+    #[error("--out {}: {fault}", file.display())]
+    Destination {
+        /// The file.
+        file: PathBuf,
+        /// What is wrong with its place.
+        fault: String,
     },
     /// The campaign file has settings of another version.
     #[error("{file}: the settings of this study cannot be read: {reason}")]
@@ -180,13 +184,14 @@ impl CommandError {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Scene(_)
+            | Self::OpenLinkage { .. }
             | Self::LockedLinkage { .. }
-            | Self::DeadPoint { .. }
             | Self::OverConstrained { .. }
             | Self::Folder { .. }
             | Self::NotModelled { .. }
             | Self::NothingToStudy { .. }
             | Self::Option { .. }
+            | Self::Destination { .. }
             | Self::ForeignSettings { .. }
             | Self::NotFinished { .. }
             | Self::MisplacedOptions => BAD_INPUT,
@@ -213,14 +218,13 @@ impl CommandError {
     pub fn of_simulation(origin: &str, scene: &Scene, failure: SimulationFailure) -> Self {
         let origin = origin.to_owned();
         match failure {
-            SimulationFailure::CannotAssemble { joint, time, gap } => {
-                let (angle, gap) = (drive_at(scene, time), (gap * 1e6).round() / 1e3);
-                Self::LockedLinkage { origin, joint, angle, gap }
+            SimulationFailure::CannotAssemble { joint, gap, .. } => {
+                Self::OpenLinkage { origin, joint, gap: (gap * 1e6).round() / 1e3 }
             }
             SimulationFailure::DeadPoint { joint, time, .. } => {
-                Self::DeadPoint { origin, joint, angle: drive_at(scene, time) }
+                Self::LockedLinkage { origin, joint, angle: drive_at(scene, time) }
             }
-            SimulationFailure::OverConstrained { joint } => Self::OverConstrained { origin, joint },
+            failure @ SimulationFailure::OverConstrained { .. } => Self::OverConstrained { origin, failure },
             SimulationFailure::NotModelled { what } => Self::NotModelled { origin, what },
             failure => Self::Simulation { origin, failure },
         }

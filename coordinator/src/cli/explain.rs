@@ -3,6 +3,7 @@
 use super::error::CommandError;
 use super::model::Model;
 use super::output::{print, to_json};
+use super::scenes::count;
 use common::random::Distribution;
 use common::scene::expression::read_unit;
 use common::scene::*;
@@ -40,11 +41,12 @@ fn explain_into(out: &mut String, scene: &Scene, model: &Model) -> std::fmt::Res
     model.write(out, scene)?;
     variables(out, scene)?;
     let life = &scene.life;
-    writeln!(
-        out,
-        "Life: {} cycles of {:.6} s, reported every {} cycles.",
-        life.cycles, life.period, life.checkpoint_every
-    )?;
+    let cycles = |n: u32| count(n as usize, "cycle");
+    let every = if life.checkpoint_every == 1 { "cycle".to_owned() } else { cycles(life.checkpoint_every) };
+    writeln!(out, "Life: {} of {:.6} s, reported every {every}.", cycles(life.cycles), life.period)?;
+    if scene.variables.is_empty() {
+        return Ok(());
+    }
     let study = &scene.study;
     writeln!(
         out,

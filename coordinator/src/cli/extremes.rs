@@ -2,7 +2,7 @@
 
 use super::arguments::{ExtremesArguments, Talk};
 use super::error::CommandError;
-use super::output::{deliver, to_json};
+use super::output::{check_destination, deliver, to_json};
 use super::scenes::check_linkage;
 use common::accuracy::Accuracy;
 use common::scene::{ContactLaw, Scene, SceneSource};
@@ -36,6 +36,7 @@ struct PrintedOutput<'r> {
 
 /// Runs the command.
 pub fn extremes(arguments: &ExtremesArguments, talk: Talk) -> Result<(), CommandError> {
+    check_destination(arguments.out.as_deref())?;
     let source = SceneSource::load(&arguments.scene)?;
     let scene = source.nominal();
     check_linkage(source.origin(), scene)?;

@@ -1,5 +1,6 @@
 //! The model that an evaluation of a scene uses, and what it is expected to cost: part of `coordinator explain`.
 
+use super::scenes::count;
 use common::accuracy::Accuracy;
 use common::scene::{Motion, Scene};
 use serde_json::{Value, json};
@@ -63,17 +64,22 @@ impl Model {
             Err(failure) => return writeln!(out, "  The first cycle cannot be simulated: {failure}.\n"),
         };
         let given = scene.bodies.iter().filter(|b| !matches!(b.motion, Motion::Free { .. })).count();
-        writeln!(out, "  {given} bodies whose motion is given cost nothing.")?;
+        let given = if given == 1 {
+            "1 body whose motion is given costs".to_owned()
+        } else {
+            format!("{given} bodies whose motion is given cost")
+        };
+        writeln!(out, "  {given} nothing.")?;
         for (k, i) in look.islands.iter().enumerate() {
             writeln!(
                 out,
-                "  island {}, with time steps of its own: {}; {} unknowns, {} constraints of {} ideal joints, {} contacts",
+                "  island {}, with time steps of its own: {}; {} unknowns, {} of {}, {}",
                 k + 1,
                 i.bodies.join(" + "),
                 i.unknowns,
-                i.constraints,
-                i.ideal_joints.len(),
-                i.contacts.len()
+                count(i.constraints, "constraint"),
+                count(i.ideal_joints.len(), "ideal joint"),
+                count(i.contacts.len(), "contact")
             )?;
         }
         writeln!(out, "  {}.", why(look))?;
@@ -135,7 +141,7 @@ mod tests {
     fn a_scene_that_does_not_wear_is_one_cycle() {
         let source = SceneSource::builtin("pendulum").expect("built in");
         let found = text(source.nominal());
-        assert!(found.contains("3 unknowns, 2 constraints of 1 ideal joints, 0 contacts"), "{found}");
+        assert!(found.contains("3 unknowns, 2 constraints of 1 ideal joint, 0 contacts"), "{found}");
         assert!(found.contains("Nothing wears"), "{found}");
     }
 }

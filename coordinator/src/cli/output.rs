@@ -19,6 +19,23 @@ pub fn print(text: &str) -> Result<(), CommandError> {
     out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(CommandError::Output)
 }
 
+/// Where a result is to go must be there before it is computed.
+///
+/// # Errors
+/// [`CommandError::Destination`].
+pub fn check_destination(file: Option<&Path>) -> Result<(), CommandError> {
+    let Some(file) = file else { return Ok(()) };
+    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let fault = if file.is_dir() {
+        "is a folder, expected a file".to_owned()
+    } else if !folder.is_dir() {
+        format!("there is no folder {}", folder.display())
+    } else {
+        return Ok(());
+    };
+    Err(CommandError::Destination { file: file.to_path_buf(), fault })
+}
+
 /// Writes a text to a file, or prints it.
 pub fn deliver(text: &str, file: Option<&Path>) -> Result<(), CommandError> {
     match file {

@@ -50,15 +50,19 @@ pub fn check_linkage(origin: &str, scene: &Scene) -> Result<(), CommandError> {
     Ok(())
 }
 
+/// A number of things, e.g. `1 joint`, `0 loads`.
+pub fn count(n: usize, what: &str) -> String {
+    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
+}
+
 fn counts(scene: &Scene) -> String {
-    let count = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
     [
         if scene.bodies.len() == 1 { "1 body".to_owned() } else { format!("{} bodies", scene.bodies.len()) },
         count(scene.joints.len(), "joint"),
         count(scene.loads.len(), "load"),
         count(scene.variables.len(), "random variable"),
         count(scene.limit_states.len(), "limit state"),
-        format!("{} cycles", scene.life.cycles),
+        count(scene.life.cycles as usize, "cycle"),
     ]
     .join(", ")
 }

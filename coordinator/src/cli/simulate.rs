@@ -2,7 +2,7 @@
 
 use super::arguments::SimulateArguments;
 use super::error::CommandError;
-use super::output::{deliver, to_json};
+use super::output::{check_destination, deliver, to_json};
 use super::scenes::check_linkage;
 use common::accuracy::Accuracy;
 use common::outputs::{BodyMotion, Diagnostics, EnergyBalance, Evaluation};
@@ -93,6 +93,7 @@ struct PrintedDiagnostics<'r> {
 
 /// Runs the command.
 pub fn simulate(arguments: &SimulateArguments) -> Result<(), CommandError> {
+    check_destination(arguments.out.as_deref())?;
     let source = SceneSource::load(&arguments.scene)?;
     let settings = settings(&source, &arguments.set)?;
     let scene = source.resolve_with(&settings)?;

@@ -216,6 +216,7 @@ fn numerics(input: &ReportInput) -> String {
     let repairs: usize = input.summary.convergence.rounds.iter().map(|round| round.repairs).sum();
     let mut html = String::from("<h2>Numerics</h2>\n<div class=\"pair\"><div>");
     html += &tables::diagnostics(input);
+    html += &tables::stated_errors(input);
     html += "</div><div>";
     html += &tables::timing(input);
     html += "</div></div>\n";

@@ -269,7 +269,7 @@ fn evaluation(id: u64, scene: &Scene) -> Evaluation {
     };
     Evaluation {
         histories: vec![history(0), history(1)],
-        errors: vec![vec![0.0; checkpoints.len()]; 2],
+        errors: vec![vec![2.5e-7; checkpoints.len()], vec![0.1 * PI / 30.0; checkpoints.len()]],
         cycles: checkpoints,
         joints: (1..=6).map(joint).collect(),
         first_cycle: (id == 0).then(first_cycle),

@@ -155,6 +155,22 @@ pub fn diagnostics(input: &ReportInput) -> String {
     html
 }
 
+/// Every output of the nominal mechanism at its last checkpoint, those without a limit state too, with the numerical
+/// error that its evaluation states; empty without a nominal evaluation.
+pub fn stated_errors(input: &ReportInput) -> String {
+    let Some(nominal) = &input.nominal else { return String::new() };
+    let Some(cycles) = nominal.cycles.last() else { return String::new() };
+    let rows = input.outputs.iter().zip(nominal.histories.iter().zip(&nominal.errors)).map(|(output, of)| {
+        let last = |row: &[f64]| {
+            let value = row.last().map_or(f64::NAN, |si| output.unit.to_shown(*si));
+            format!("{} {}", three_digits(value), output.unit.symbol())
+        };
+        vec![escape(&words(&output.name)), last(of.0), last(of.1)]
+    });
+    let at = format!("nominal at {} cycles", count((*cycles).into()));
+    table(&[at, "value".into(), "numerical error".into()], rows)
+}
+
 /// Where the time went and who worked.
 pub fn timing(input: &ReportInput) -> String {
     let time = input.summary.timing_s;

@@ -57,6 +57,9 @@ fn a_whole_study_has_every_figure_and_says_its_lives() {
         "the bound of 200000 steps per cycle was reached",
         "local-hertz",
         "stayed below 0.005",
+        "nominal at 72 000 cycles",
+        "<td>0.250 µm</td>",
+        "<td>0.100 r/min</td>",
     ] {
         assert!(html.contains(text), "{text}");
     }

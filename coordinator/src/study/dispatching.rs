@@ -59,12 +59,6 @@ impl<'a> Dispatcher<'a> {
             .map(|(id, sample)| Request { id, sample, with_first_cycle: id == 0 })
             .collect();
         self.next_id += requests.len() as u64;
-        self.observer.notice(&Progress::BatchStarted {
-            size: requests.len(),
-            planned: self.done + requests.len(),
-            budget,
-            purpose: purpose.to_owned(),
-        });
 
         // What the campaign file knows.
         let mut finished: Vec<Option<Finished>> = vec![None; requests.len()];
@@ -79,6 +73,13 @@ impl<'a> Dispatcher<'a> {
                 None => missing.push(request.clone()),
             }
         }
+
+        self.observer.notice(&Progress::BatchStarted {
+            size: requests.len(),
+            planned: self.done + missing.len(),
+            budget,
+            purpose: purpose.to_owned(),
+        });
 
         // The rest.
         if !missing.is_empty() {

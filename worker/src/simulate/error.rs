@@ -22,7 +22,8 @@ const WEAR_SAFETY: f64 = 2.0;
 const RESTLESS: f64 = 2.5;
 /// A peak of the motion between two steps is found on a cubic, which misses a harmonic k of the cycle by at most
 /// (2 pi k h)^4 / 384, h the largest step as a fraction of the cycle (de Boor 1978): so many harmonics count. How
-/// much of it is seen depends on where the steps happen to fall, so a probe can miss it.
+/// much of it is seen depends on where the steps happen to fall, so a probe can miss it. Forces and torques are looked
+/// at between no two steps: their peaks are missed by at most (2 pi k h)^2 / 8.
 const HARMONICS: f64 = 15.0;
 /// Relative error of any value that took part in the integration: rounding of some million steps.
 const ROUNDING: f64 = 1e-10;
@@ -77,7 +78,11 @@ impl Doubt {
         measured: &[Vec<f64>],
         largest_step: f64,
     ) -> Vec<Vec<f64>> {
-        let peak = libm::pow(TAU * HARMONICS * largest_step, 4.0) / 384.0;
+        let phase = TAU * HARMONICS * largest_step;
+        let peak = |kind: &OutputKind| match kind {
+            OutputKind::PeakJointForce { .. } | OutputKind::DrivingTorque { .. } => phase * phase / 8.0,
+            _ => phase * phase * phase * phase / 384.0,
+        };
         let checkpoints = scene.life.checkpoints();
         let wear = |joints: &[usize]| -> Vec<(f64, f64)> {
             let at = |&life: &u32| self.wear_error(joints, life);
@@ -100,7 +105,7 @@ impl Doubt {
                         .map(|((&life, value), behind)| {
                             let (secant, slope) = neighbours(lives, &values, life);
                             MOTION_SAFETY * self.near(life, |p| p.motion[k])
-                                + peak * value.abs()
+                                + peak(kind) * value.abs()
                                 + (value - secant).abs()
                                 + slope * behind
                         })

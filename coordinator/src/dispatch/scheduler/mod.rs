@@ -43,8 +43,10 @@ pub struct Settings {
     pub deadline_factor: f64,
     /// Deadline at least.
     pub shortest_deadline: Duration,
-    /// How long tasks may wait without any worker before the user is told (again).
+    /// How long tasks may wait without any worker before the user is told, and told that their number changed.
     pub unattended: Duration,
+    /// When the user is told again although nothing changed.
+    pub still_unattended: Duration,
     /// Most tasks in one reply.
     pub most_tasks: u32,
 }
@@ -59,6 +61,7 @@ impl Settings {
             deadline_factor: 10.0,
             shortest_deadline: Duration::from_secs(120),
             unattended: Duration::from_secs(5),
+            still_unattended: Duration::from_secs(60),
             most_tasks: 1024,
         }
     }
@@ -86,6 +89,14 @@ struct Pending {
     waiting: BTreeSet<u64>,
 }
 
+/// Tasks wait and nobody is there.
+#[derive(Debug)]
+struct Unattended {
+    since: Duration,
+    /// When the user was told last, and of how many tasks.
+    told: Option<(Duration, usize)>,
+}
+
 /// The state machine.
 #[derive(Debug)]
 pub struct Scheduler {
@@ -95,7 +106,7 @@ pub struct Scheduler {
     pending: BTreeMap<Token, Pending>,
     strangers: BTreeMap<WorkerId, u32>,
     longest_wall: Option<f64>,
-    unattended_since: Option<Duration>,
+    unattended: Option<Unattended>,
     finishing: bool,
 }
 
@@ -109,7 +120,7 @@ impl Scheduler {
             pending: BTreeMap::new(),
             strangers: BTreeMap::new(),
             longest_wall: None,
-            unattended_since: None,
+            unattended: None,
             finishing: false,
         }
     }
@@ -350,15 +361,20 @@ impl Scheduler {
     }
 
     fn check_attendance(&mut self, now: Duration, commands: &mut Vec<Command>) {
-        if !self.workers.is_empty() || self.tasks.open() == 0 {
-            self.unattended_since = None;
+        let open = self.tasks.open();
+        if !self.workers.is_empty() || open == 0 {
+            self.unattended = None;
             return;
         }
-        let since = *self.unattended_since.get_or_insert(now);
-        let waited = now.saturating_sub(since);
-        if waited >= self.settings.unattended {
-            self.unattended_since = Some(now);
-            commands.push(Command::Warn(Warning::NoWorker { open: self.tasks.open(), since: waited }));
+        let Unattended { since, told } = self.unattended.get_or_insert(Unattended { since: now, told: None });
+        let (last, patience) = match *told {
+            Some((last, of)) if of == open => (last, self.settings.still_unattended),
+            Some((last, _)) => (last, self.settings.unattended),
+            None => (*since, self.settings.unattended),
+        };
+        if now.saturating_sub(last) >= patience {
+            *told = Some((now, open));
+            commands.push(Command::Warn(Warning::NoWorker { open, since: now.saturating_sub(*since) }));
         }
     }
 

@@ -224,6 +224,14 @@ fn nobody_there_and_nobody_alive_are_told_to_the_user() {
     assert_eq!(s.on_event(second, Event::Tick), vec![]);
     let commands = s.on_event(6 * second, Event::Tick);
     assert_eq!(commands, vec![Command::Warn(Warning::NoWorker { open: 4, since: 5 * second })]);
+    // Only a minute later the same is said again, with all the time that has passed; at once if it is another number.
+    let until = |s: &mut Scheduler, range: std::ops::RangeInclusive<u32>| -> Vec<(u32, Command)> {
+        range.flat_map(|t| s.on_event(t * second, Event::Tick).into_iter().map(move |c| (t, c))).collect()
+    };
+    let warning = |open, since| Command::Warn(Warning::NoWorker { open, since: since * second });
+    assert_eq!(until(&mut s, 7..=100), vec![(66, warning(4, 65))]);
+    s.on_event(100 * second, Event::Submit(requests(4..6)));
+    assert_eq!(until(&mut s, 101..=160), vec![(101, warning(6, 100))]);
     // A worker without a liveliness token gets nothing, and is named once.
     let a = worker("a");
     let warnings: Vec<Command> = (1..40)

@@ -42,8 +42,8 @@ pub fn first_cycle(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
     let sides: [(&str, &str, &str, Traces, String); 3] = [
         (
             "joint-forces",
-            "Contact forces of the first cycle",
-            "contact force [N]",
+            "Joint forces of the first cycle",
+            "joint force [N]",
             forces,
             format!("Unworn nominal mechanism, settled. Peaks of joints {}.", peaks.join(", ")),
         ),
