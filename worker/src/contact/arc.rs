@@ -136,11 +136,13 @@ impl Arc {
         let mut a = gap(k);
         let mut left = last - first;
         while left > 0 {
-            // A whole block without contact: e.u within it is at most e.u_m + |e x u_m| sin(half the block).
+            // A whole block without contact: e.u within it is at most e.u_m + |e x u_m| sin(half the block), if e.u_m
+            // is not negative. Where it is, nothing touches but a bore narrower than its journal.
             if k.is_multiple_of(BLOCK) && left >= BLOCK as i64 {
                 let u = self.direction[k + BLOCK / 2];
-                let reach = e[0] * u[0] + e[1] * u[1] + (e[0] * u[1] - e[1] * u[0]).abs() * self.sine;
-                if reach + self.journal_radius <= self.block_radius[k / BLOCK] {
+                let along = e[0] * u[0] + e[1] * u[1];
+                let reach = along + (e[0] * u[1] - e[1] * u[0]).abs() * self.sine;
+                if along >= 0.0 && reach + self.journal_radius <= self.block_radius[k / BLOCK] {
                     left -= BLOCK as i64;
                     k = if k + BLOCK == n { 0 } else { k + BLOCK };
                     if left > 0 {

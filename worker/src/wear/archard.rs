@@ -39,6 +39,8 @@ pub struct WearRate {
     direction: Vec<[f64; 2]>,
     samples: Vec<ContactSample>,
     foundation: Option<Foundation>,
+    /// Evaluations of the foundation so far.
+    evaluations: u64,
 }
 
 impl WearRate {
@@ -58,6 +60,7 @@ impl WearRate {
                 })
                 .collect(),
             samples: Vec::new(),
+            evaluations: 0,
             foundation: match contact {
                 Contact::LocalHertz(_) => None,
                 Contact::Foundation(law) => {
@@ -77,6 +80,11 @@ impl WearRate {
         }
     }
 
+    /// Evaluations of the foundation that finding the contact again has taken so far; none under the local law.
+    pub fn evaluations(&self) -> u64 {
+        self.evaluations
+    }
+
     /// Wear per cycle at every control point, for a bore worn to `depth`: `(points,)` [m].
     ///
     /// # Errors
@@ -87,7 +95,7 @@ impl WearRate {
         if let Some(law) = &mut self.foundation {
             law.profile_changed(&self.profile);
             for sample in &mut self.samples {
-                foundation_share(law, sample, rate)?;
+                self.evaluations += u64::from(foundation_share(law, sample, rate)?);
             }
             let cell = TAU / rate.len() as f64 * self.profile.initial_radius() * self.width;
             rate.iter_mut().for_each(|r| *r *= self.coefficient / cell);

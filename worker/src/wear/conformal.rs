@@ -13,6 +13,7 @@ pub struct Unbalanced(pub f64);
 /// Adds one sample's share under the foundation law: the pressure that carries the frozen force on the present
 /// profile, shared out to the control points by their hat functions, times the work per unit force.
 /// Moves the sample's eccentricity and penetration to the equilibrium found, as the start for the next stage.
+/// Returns how many evaluations of the contact that took.
 ///
 /// # Errors
 /// [`Unbalanced`] if no equilibrium was found.
@@ -20,16 +21,17 @@ pub fn foundation_share(
     law: &Foundation,
     sample: &mut ContactSample,
     rate: &mut [f64],
-) -> Result<(), Unbalanced> {
+) -> Result<u32, Unbalanced> {
     let wanted = libm::hypot(sample.force[0], sample.force[1]);
     if wanted <= 0.0 {
-        return Ok(());
+        return Ok(0);
     }
     // The search starts as deep below the present bore as the journal last was.
     let reach = libm::hypot(sample.e[0], sample.e[1]);
     let follow =
         if reach > 0.0 { 1.0 + (sample.penetration - law.arc().gap_along(sample.e)) / reach } else { 1.0 };
-    let Rest { e, pressing, .. } = rest(law, sample.force, [follow * sample.e[0], follow * sample.e[1]])?;
+    let Rest { e, pressing, evaluations } =
+        rest(law, sample.force, [follow * sample.e[0], follow * sample.e[1]])?;
     sample.e = e;
     sample.penetration = law.arc().gap_along(e);
     let scale = sample.work * pressing.modulus / libm::hypot(pressing.force[0], pressing.force[1]);
@@ -45,5 +47,5 @@ pub fn foundation_share(
         hat(k, a);
         hat(k + 1, b);
     });
-    Ok(())
+    Ok(evaluations)
 }

@@ -20,9 +20,10 @@ pub const RESOLVED: f64 = 4.0 * f64::EPSILON;
 const LEAST: f64 = 16.0;
 /// Contact below this share of the force sought counts as too weak to linearise.
 const WEAK: f64 = 0.2;
-/// Evaluations of the contact from nearby, and at each load on the way down from a heavy one.
+/// Evaluations of the contact from nearby, and at each load on the way down from a heavy one: of 120 000 forces on bores
+/// with spikes between their points, ten took more than 60 at one load, none more than 400.
 pub const NEARBY: u32 = 12;
-const EACH: u32 = 60;
+const EACH: u32 = 400;
 /// By how much the load is let off at a time: the penetration of a round bore falls to a quarter, and Newton's
 /// method follows without a step cut back.
 const LET_OFF: f64 = 0.125;

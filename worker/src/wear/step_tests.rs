@@ -155,6 +155,21 @@ fn blocks_of_any_length_agree_with_small_steps_and_do_not_zig_zag() {
 }
 
 #[test]
+fn following_a_rest_through_a_block_costs_a_few_evaluations() {
+    // Newton's method from the rest on the bore of the stage before: one evaluation there and two or three steps.
+    let mut rate = rate(&foundation());
+    let (mut step, mut stats) = (WearStep::new(POINTS, 2e-2), WearStepStats::default());
+    let mut depth = vec![0.0; POINTS];
+    for _ in 0..8 {
+        step.advance(&mut rate, &mut depth, 2000.0, &[], |_, _| {}, &mut stats)
+            .expect("the force finds its rest");
+    }
+    let each = rate.evaluations() as f64 / (stats.stages as f64 * cycle().samples().len() as f64);
+    println!("{each} evaluations of the contact to a rest, {stats:?}");
+    assert!(each > 1.0 && each < 4.0, "{each}");
+}
+
+#[test]
 fn what_a_step_would_give_back_is_held_and_counted() {
     // A rough bore: one long step takes more from the high spots than is there to bear on others before them.
     let rough: Vec<f64> = (0..POINTS).map(|i| 5e-6 * (1.0 + (7.3 * (i * i) as f64).sin())).collect();
