@@ -38,7 +38,9 @@ impl Accuracy {
     /// Names of the presets, from the quickest to the most exact.
     pub const NAMES: [&str; 3] = ["draft", "balanced", "reference"];
 
-    /// For a first look: the asymmetry of the flapping-wing drive may be off by a few per cent where it grows.
+    /// For a first look. Of the flapping-wing drive, at two points, `coordinator tradeoff` found the wear off by
+    /// 0.06 % of its limit, but the asymmetry by 11 % late in life, which displaces the life it ends by 1700 of 66 000
+    /// cycles; of the four-bar, at three points, the wear by 0.6 %.
     pub const fn draft() -> Self {
         Accuracy {
             step_tolerance: 5e-3,
@@ -50,7 +52,8 @@ impl Accuracy {
         }
     }
 
-    /// For studies; the default.
+    /// For studies; the default. There the same measurement found wear within 0.03 %, the asymmetry within 2.6 %, the
+    /// life it ends within 260 cycles; four-bar wear within 0.07 %.
     pub const fn balanced() -> Self {
         Accuracy {
             step_tolerance: 2e-3,
