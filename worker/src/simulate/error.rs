@@ -19,7 +19,7 @@ const MOTION_SAFETY: f64 = 2.5;
 const WEAR_SAFETY: f64 = 2.0;
 /// Further factor of both for a motion that does not repeat itself: with friction 0.5 the flapping wing's asymmetry
 /// was off by up to 3 times the estimate without it.
-const RESTLESS: f64 = 2.5;
+const RESTLESS: f64 = 3.0;
 /// A peak of the motion between two steps is found on a cubic, which misses a harmonic k of the cycle by at most
 /// (2 pi k h)^4 / 384, h the largest step as a fraction of the cycle (de Boor 1978): so many harmonics count. How
 /// much of it is seen depends on where the steps happen to fall, so a probe can miss it. Forces and torques are looked

@@ -32,6 +32,9 @@ pub fn live<'a, E: From<SimulationFailure>>(
     let probed = if dynamic { probed(&lives, every) } else { vec![] };
     let mut doubt = Doubt::default();
     let mut measured = vec![run.motion_outputs()];
+    if dynamic {
+        doubt.probed(run.probe(0)?);
+    }
     let mut wear = vec![vec![]; scene.outputs.len()];
     for block in lives.windows(2) {
         let checkpoints: Vec<u32> = (block[0] / every + 1..=block[1] / every).map(|k| k * every).collect();
