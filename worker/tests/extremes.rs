@@ -6,10 +6,7 @@
 //! - no damping and no friction: nothing ends the rattling after the start, the bound of steps does;
 //! - a clearance of 1 um with tenfold modulus and a friction of 0.5: the journal chatters around the bore, likewise,
 //!   and under `foundation` masses x 0.01 with tenfold modulus at 6 r/min;
-//! - `foundation` with masses x 100, at 6000 r/min, or both: forces of several hundred newtons wear a bore
-//!   so unevenly that the wear step no longer finds the contact again;
-//! - friction of 0.5, tenfold wear and a jump of 8000 cycles: the wear step misses its tolerance or the chatter
-//!   takes all steps.
+//! - `foundation` with a friction of 0.5, tenfold wear and a jump of 8000 cycles: the chatter takes all steps.
 
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
@@ -80,5 +77,5 @@ fn local_hertz_is_sound_at_its_extremes() {
 
 #[test]
 fn foundation_is_sound_at_its_extremes() {
-    check(&rows(ContactLaw::Foundation, &Accuracy::draft()), 12);
+    check(&rows(ContactLaw::Foundation, &Accuracy::draft()), 15);
 }

@@ -133,7 +133,11 @@ impl WearRate {
     ///
     /// The journal's circle, seen from the bushing's centre at angle phi from psi, lies at
     /// e cos(phi) + sqrt(R1^2 - e^2 sin^2(phi)), e = delta + R(psi) - R1 (law of cosines); the arc ends where
-    /// that is no longer beyond the profile.
+    /// that is for the first time no longer beyond the profile.
+    ///
+    /// A place inside the arc that wears until the circle only grazes it ends the arc there from one instant to the
+    /// next, and what lies behind it counts no more; a second patch behind the end is taken in again where the gap
+    /// between them closes. There the end, and with it the wear rate, is not a continuous function of the profile.
     pub fn arc(&self, psi: f64, penetration: f64) -> (f64, f64) {
         let at = self.profile.at(psi);
         let e = penetration + at.r - self.journal_radius;
