@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use tests::command_line::{objection, words};
 use tests::program;
 
-const DOCUMENTS: [&str; 3] = ["README.md", "deploy/README.md", "CHANGELOG.md"];
+const DOCUMENTS: [&str; 4] = ["README.md", "deploy/README.md", "coordinator/doc/scenes.md", "CHANGELOG.md"];
 
 /// Folders whose files a document may name in backquotes.
 const ROOMS: [&str; 6] = ["common/", "worker/", "coordinator/", "deploy/", "tests/", ".ci/"];
@@ -156,4 +156,22 @@ fn the_readme_opens_with_its_two_commands_and_ci_runs_the_second() {
     assert!(shown.contains(&main_job) && shown.contains(&tests), "{shown:?}");
     assert!(document(".ci/run").lines().any(|line| line == tests), ".ci/run does not run `{tests}`");
     assert!(opening.contains(".svg)") || opening.contains(".png)"), "no picture");
+}
+
+/// Each built-in scene has its section, and no other scene has one.
+#[test]
+fn every_built_in_scene_has_its_page() {
+    let pages = document("coordinator/doc/scenes.md");
+    let sections: Vec<&str> = pages.lines().filter_map(|line| line.strip_prefix("## ")).collect();
+    let scenes = common::scene::SceneSource::builtin_names();
+    assert_eq!(sections, scenes.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>());
+    for (section, name) in pages.split("\n## ").skip(1).zip(&scenes) {
+        let shown = shown_lines(section);
+        assert!(
+            shown.iter().any(|line| line.split(' ').any(|word| word == *name)),
+            "{name}: no command to run"
+        );
+        assert!(section.contains("Reference values"), "{name}: nothing on its reference values");
+    }
+    assert!(document("README.md").contains("(coordinator/doc/scenes.md)"));
 }
