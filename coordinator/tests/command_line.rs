@@ -159,8 +159,50 @@ fn explain_says_what_is_modelled() {
 #[test]
 fn every_command_helps_with_an_example() {
     assert!(text(&["--help"]).contains("coordinator --workers auto"));
-    for command in ["run", "resume", "simulate", "sensitivity", "report", "scenes", "check", "explain"] {
+    let commands = [
+        "run",
+        "resume",
+        "simulate",
+        "extremes",
+        "tradeoff",
+        "sensitivity",
+        "report",
+        "scenes",
+        "check",
+        "explain",
+    ];
+    for command in commands {
         let help = text(&[command, "--help"]);
         assert!(help.contains("Example") && help.contains(&format!("coordinator {command}")), "{help}");
+    }
+}
+
+#[test]
+fn tradeoff_measures_every_setting_and_writes_its_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("tradeoff");
+    let table = text(&[
+        "tradeoff",
+        "--scene",
+        "four-bar",
+        "--points",
+        "1",
+        "--out",
+        out.to_str().unwrap(),
+        "--quiet",
+    ]);
+    assert!(table.contains("**draft**") && table.contains("**balanced**"), "{table}");
+    let csv = std::fs::read_to_string(out.join("tradeoff.csv")).unwrap();
+    let mut lines = csv.lines();
+    let head: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let column = |name: &str| head.iter().position(|h| *h == name).unwrap();
+    let balanced = lines.find(|line| line.starts_with("\"balanced\"")).unwrap();
+    let value = |name: &str| balanced.split(',').nth(column(name)).unwrap().parse::<f64>().unwrap();
+    assert!(value("max_wear_depth_error") < 2e-3, "{balanced}");
+    assert!(value("max_wear_depth_within_twice") >= 0.95, "{balanced}");
+    assert_eq!(value("failures"), 0.0);
+    for output in ["max_wear_depth", "coupler_joint_speed"] {
+        let svg = std::fs::read_to_string(out.join(format!("tradeoff-{output}.svg"))).unwrap();
+        assert!(svg.contains("<svg") && svg.contains("balanced"), "a figure of {output}");
     }
 }

@@ -113,9 +113,18 @@ fn every_command_line_is_taken() {
     }
     none(&found);
     // Every command of the coordinator is shown somewhere.
-    for command in
-        ["run", "resume", "simulate", "extremes", "sensitivity", "report", "scenes", "check", "explain"]
-    {
+    for command in [
+        "run",
+        "resume",
+        "simulate",
+        "extremes",
+        "tradeoff",
+        "sensitivity",
+        "report",
+        "scenes",
+        "check",
+        "explain",
+    ] {
         assert!(taken.contains(command), "no document shows `coordinator {command}`");
     }
 }
