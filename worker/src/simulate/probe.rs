@@ -84,7 +84,8 @@ impl Run<'_> {
                 restless |= change > RESTLESS_WEAR;
             }
             probe.restless |= restless;
-            if !restless && !(remembers && cycle + 1 < FORGETTING.len()) {
+            let forgetting = remembers && cycle + 1 < FORGETTING.len();
+            if !restless && !forgetting {
                 break;
             }
         }
