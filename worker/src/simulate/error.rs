@@ -138,15 +138,17 @@ impl Doubt {
         (libm::hypot(steps, time), depth)
     }
 
-    /// The larger value of the two probes around `life`; of a motion that does not repeat itself, [`RESTLESS`] times
-    /// the largest of all: a few cycles of it show no more than a part of its spread, wherever they are taken.
+    /// The larger value of the two probes around `life`; where one of them found motion that does not repeat itself,
+    /// [`RESTLESS`] times the largest of all such probes: a few cycles of it show no more than a part of its spread.
     fn near(&self, life: u32, value: impl Fn(&Probe) -> f64) -> f64 {
-        if self.probes.iter().any(|p| p.restless) {
-            return RESTLESS * self.probes.iter().map(value).fold(0.0, f64::max);
-        }
         let next = self.probes.partition_point(|p| p.life < life);
         let around = &self.probes[next.saturating_sub(1)..(next + 1).min(self.probes.len())];
-        around.iter().map(value).fold(0.0, f64::max)
+        let largest = around.iter().map(&value).fold(0.0, f64::max);
+        if around.iter().any(|p| p.restless) {
+            let restless = self.probes.iter().filter(|p| p.restless);
+            return largest.max(RESTLESS * restless.map(value).fold(0.0, f64::max));
+        }
+        largest
     }
 }
 
