@@ -67,19 +67,22 @@ pub struct Island {
     pub(super) jets: Vec<Jet>,
 }
 
+/// What an island is made of; see the fields of [`Island`].
+pub(super) struct Parts {
+    pub(super) bodies: Vec<usize>,
+    pub(super) touched: Vec<usize>,
+    pub(super) joints: Vec<WearingJoint>,
+    pub(super) ideal: Elimination,
+    pub(super) prescribed: Vec<Prescribed>,
+    pub(super) loads: Vec<IslandLoad>,
+    pub(super) mass: Vec<f64>,
+    pub(super) weight: Vec<f64>,
+}
+
 impl Island {
-    // Called by the topology alone, which has each of these at hand.
-    #[allow(clippy::too_many_arguments)]
-    pub(super) fn new(
-        bodies: Vec<usize>,
-        touched: Vec<usize>,
-        joints: Vec<WearingJoint>,
-        ideal: Elimination,
-        prescribed: Vec<Prescribed>,
-        loads: Vec<IslandLoad>,
-        mass: Vec<f64>,
-        weight: Vec<f64>,
-    ) -> Self {
+    /// Puts an island together, its scales not set yet.
+    pub(super) fn new(parts: Parts) -> Self {
+        let Parts { bodies, touched, joints, ideal, prescribed, loads, mass, weight } = parts;
         Island {
             frames: vec![Frame::default(); bodies.len() + touched.len()],
             jets: vec![Jet::default(); touched.len()],

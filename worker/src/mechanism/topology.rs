@@ -3,7 +3,7 @@
 use super::constraint::Constraint;
 use super::elimination::Elimination;
 use super::frame::End;
-use super::island::{Island, WearingJoint};
+use super::island::{Island, Parts, WearingJoint};
 use super::load::{IslandLoad, Size, coupled_bodies};
 use super::prescribed::Prescribed;
 use crate::bore::Profile;
@@ -119,7 +119,8 @@ impl<'a> Place<'a> {
         let touched = self.touched().to_vec();
         let prescribed = touched.iter().filter_map(|&b| Prescribed::of(&scene.bodies[b])).collect();
         let ideal = Elimination::new(constraints, &mass);
-        let island = Island::new(self.bodies, touched, joints, ideal, prescribed, loads, mass, weight);
+        let bodies = self.bodies;
+        let island = Island::new(Parts { bodies, touched, joints, ideal, prescribed, loads, mass, weight });
         island.scaled(scene)
     }
 
