@@ -22,6 +22,7 @@ pub use input::{
     DISTRIBUTIONS_DOCUMENT, FailedRun, LimitStateInfo, OutputDistribution, OutputInfo, ReportInput,
     SUMMARY_DOCUMENT, VariableInfo, WorkTotals, equal_edges,
 };
+pub use page::standalone;
 pub use plot::{Plot, PlotError, Series, Shape};
 
 use crate::result_files::{ResultFileError, reliability_csv, summary_json, write_samples_csv, write_text};

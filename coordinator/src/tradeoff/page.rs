@@ -2,7 +2,7 @@
 
 use super::Row;
 use crate::report::palette::Ink;
-use crate::report::{Plot, PlotError, Series, Shape};
+use crate::report::{Figure, Plot, PlotError, Series, Shape, standalone};
 use common::scene::Scene;
 use std::fmt::Write;
 
@@ -142,8 +142,9 @@ pub fn figures(scene: &Scene, rows: &[Row]) -> Result<Vec<(String, String)>, Plo
             y_text: &|v| format!("{:.1e}", 10f64.powf(v)),
             series: &series,
         };
-        let svg = plot.svg()?;
-        all.push((figure, svg));
+        let (title, caption) = (error.clone(), String::new());
+        let drawn = Figure { name: figure.clone(), title, caption, svg: plot.svg()? };
+        all.push((figure.clone(), standalone(&drawn)));
     }
     Ok(all)
 }
