@@ -3,17 +3,31 @@
 //! The radius at angle psi (in the bushing's frame) is R(psi) = R2 + w(psi), where w interpolates the wear
 //! depths of the control points psi_i = 2 pi i / N and is twice continuously differentiable and periodic.
 
+use crate::lanes::Real;
 use std::f64::consts::TAU;
 
 /// Radius of the bore and its derivatives to the angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Radius {
+pub struct Radius<R = f64> {
     /// R(psi) [m].
-    pub r: f64,
+    pub r: R,
     /// dR/dpsi [m/rad].
-    pub d1: f64,
+    pub d1: R,
     /// d2R/dpsi2 [m/rad^2].
-    pub d2: f64,
+    pub d2: R,
+}
+
+/// A bore in each lane.
+pub trait Bore<R: Real> {
+    /// Radius and derivatives at angle `psi` in (-2 pi, 2 pi) [rad].
+    fn at(&self, psi: R) -> Radius<R>;
+}
+
+impl Bore<f64> for Profile {
+    #[inline(always)]
+    fn at(&self, psi: f64) -> Radius {
+        Profile::at(self, psi)
+    }
 }
 
 /// A bore with a wear profile.
@@ -78,22 +92,9 @@ impl Profile {
     }
 
     /// Radius and derivatives at angle `psi` in (-2 pi, 2 pi) [rad].
-    #[inline]
+    #[inline(always)]
     pub fn at(&self, psi: f64) -> Radius {
-        let n = self.cubic.len();
-        let mut x = psi * self.per_radian;
-        if x < 0.0 {
-            x += n as f64;
-        }
-        let floor = x as usize;
-        let s = x - floor as f64;
-        let [a, b, c, d] = self.cubic[if floor >= n { floor - n } else { floor }];
-        let k = self.per_radian;
-        Radius {
-            r: a + s * (b + s * (c + s * d)),
-            d1: (b + s * (2.0 * c + 3.0 * s * d)) * k,
-            d2: (2.0 * c + 6.0 * s * d) * k * k,
-        }
+        look_up(psi, self.per_radian, |_| (&self.cubic).as_slice())
     }
 
     /// Fills `table` with R at `table.len()` equal angles from 0 (a multiple of the control points) [m].
@@ -163,6 +164,56 @@ impl Profile {
         let smallest =
             |[a, b, c, d]: &[f64; 4]| a.min(a + b / 3.0).min(a + (2.0 * b + c) / 3.0).min(a + b + c + d);
         self.smallest_radius = self.cubic.iter().map(smallest).fold(f64::INFINITY, f64::min);
+    }
+}
+
+/// Radius and derivatives of bores with as many control points each: `table(k)` holds the cubics of lane k.
+#[inline(always)]
+fn look_up<'a, R: Real>(psi: R, per_radian: f64, table: impl Fn(usize) -> &'a [[f64; 4]]) -> Radius<R> {
+    let mut place = psi.zero();
+    let mut cubic = [psi.zero(); 4];
+    for lane in 0..R::LANES {
+        let table = table(lane);
+        let n = table.len();
+        let mut x = psi.lane(lane) * per_radian;
+        if x < 0.0 {
+            x += n as f64;
+        }
+        // What is not a number has the first interval, and stays what it is.
+        let floor = x as usize;
+        place.set_lane(lane, x - floor as f64);
+        let interval = &table[if floor >= n { (floor - n).min(n - 1) } else { floor }];
+        for k in 0..4 {
+            cubic[k].set_lane(lane, interval[k]);
+        }
+    }
+    let ([a, b, c, d], s, k) = (cubic, place, per_radian);
+    let (c2, d3) = (c * 2.0, s * d * 3.0);
+    Radius { r: a + s * (b + s * (c + s * d)), d1: (b + s * (c2 + d3)) * k, d2: (c2 + d3 * 2.0) * (k * k) }
+}
+
+/// A bore per lane, all with as many control points.
+#[derive(Debug, Clone)]
+pub struct Bores {
+    profiles: Vec<Profile>,
+}
+
+impl Bores {
+    /// These bores, one per lane.
+    pub fn new(profiles: Vec<Profile>) -> Self {
+        Bores { profiles }
+    }
+
+    /// Replaces the bore of a lane.
+    pub fn set(&mut self, lane: usize, profile: &Profile) {
+        self.profiles[lane].clone_from(profile);
+    }
+}
+
+impl<R: Real> Bore<R> for Bores {
+    #[inline(always)]
+    fn at(&self, psi: R) -> Radius<R> {
+        look_up(psi, self.profiles[0].per_radian, |lane| self.profiles[lane].cubic.as_slice())
     }
 }
 

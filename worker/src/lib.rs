@@ -8,6 +8,7 @@ pub mod bore;
 pub mod contact;
 pub mod extremes;
 pub mod integrate;
+pub mod lanes;
 pub mod life;
 pub mod mechanism;
 pub mod outputs;

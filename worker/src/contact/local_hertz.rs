@@ -6,91 +6,97 @@
 
 use super::energy::Elastic;
 use super::{JointForce, JointMotion, Surface};
-use crate::bore::Profile;
+use crate::bore::{Bore, Profile};
+use crate::lanes::{Real, atan2};
 
 /// The law with its constants.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LocalHertz {
+pub struct LocalHertz<R = f64> {
     /// Constants of the joint.
-    pub surface: Surface,
+    pub surface: Surface<R>,
 }
 
-impl LocalHertz {
+impl<R: Real> LocalHertz<R> {
     /// Force on the journal; with `JACOBIAN` its exact derivative.
     ///
     /// With u the unit vector of e, t its left normal, r = |e|:
     /// delta_dot = w.u - R' (w.t / r - omega_j), v_t = w.t + omega_i R1 - omega_j R,
     /// force = -F_N u - F_T t - c_f w, torques -R1 F_T on the journal, +R F_T on the bushing.
-    /// In free flight (delta <= 0) only the film acts.
-    #[inline]
-    pub fn force<const JACOBIAN: bool>(&self, profile: &Profile, motion: &JointMotion) -> JointForce {
+    /// In free flight (delta <= 0), and where the contact lets go early (1 + D delta_dot <= 0), only the film acts.
+    #[inline(always)]
+    pub fn force<const JACOBIAN: bool>(&self, bore: &impl Bore<R>, motion: &JointMotion<R>) -> JointForce<R> {
         let s = &self.surface;
         let JointMotion { e, w, omega_journal, omega_bushing } = *motion;
-        let mut out = JointForce::default();
+        let nothing = e[0].zero();
+        let one = nothing.like(1.0);
         let r = (e[0] * e[0] + e[1] * e[1]).sqrt();
-        let smallest_gap = profile.smallest_radius() - s.journal_radius;
-        if r <= smallest_gap {
-            out.penetration = r - smallest_gap;
-        } else {
-            let bore = profile.at(libm::atan2(e[1], e[0]));
-            let delta = r + s.journal_radius - bore.r;
-            out.penetration = delta;
-            if delta > 0.0 {
-                let u = [e[0] / r, e[1] / r];
-                let t = [-u[1], u[0]];
-                let wu = w[0] * u[0] + w[1] * u[1];
-                let wt = w[0] * t[0] + w[1] * t[1];
-                let turn = wt / r - omega_bushing;
-                let rate = wu - bore.d1 * turn;
-                let root = delta.sqrt();
-                let elastic = s.stiffness * delta * root;
-                let factor = 1.0 + s.damping * rate;
-                if factor > 0.0 {
-                    let normal = elastic * factor;
-                    let sliding = wt + omega_journal * s.journal_radius - omega_bushing * bore.r;
-                    let (mu, mu_v) = s.friction(sliding);
-                    let friction = mu * normal;
-                    out.normal = normal;
-                    out.sliding = sliding;
-                    out.direction = u;
-                    out.force = [-normal * u[0] - friction * t[0], -normal * u[1] - friction * t[1]];
-                    out.torque_journal = -s.journal_radius * friction;
-                    out.torque_bushing = bore.r * friction;
-                    if JACOBIAN {
-                        let slope = 1.5 * s.stiffness * root * factor;
-                        let ed = elastic * s.damping;
-                        // Columns: along u, along t (per length), w along u, w along t, omega_i, omega_j.
-                        let delta_c = [1.0, -bore.d1 / r, 0.0, 0.0, 0.0, 0.0];
-                        let rate_c = [
-                            bore.d1 * wt / (r * r),
-                            (wt - bore.d2 * turn + bore.d1 * wu / r) / r,
-                            1.0,
-                            -bore.d1 / r,
-                            0.0,
-                            bore.d1,
-                        ];
-                        let sliding_c =
-                            [0.0, (-wu - omega_bushing * bore.d1) / r, 0.0, 1.0, s.journal_radius, -bore.r];
-                        let mut polar = [[0.0; 6]; 4];
-                        for c in 0..6 {
-                            let dn = slope * delta_c[c] + ed * rate_c[c];
-                            let df = mu * dn + mu_v * normal * sliding_c[c];
-                            // The unit vectors turn with the direction of e: du = t dpsi, dt = -u dpsi.
-                            let dpsi = if c == 1 { 1.0 / r } else { 0.0 };
-                            polar[0][c] = -dn + friction * dpsi;
-                            polar[1][c] = -df - normal * dpsi;
-                            polar[2][c] = -s.journal_radius * df;
-                            polar[3][c] = bore.r * df + if c == 1 { bore.d1 / r * friction } else { 0.0 };
-                        }
-                        out.jacobian = from_polar(&polar, u, t);
-                    }
-                }
+        let bore = bore.at(atan2(e[1], e[0]));
+        let delta = r + s.journal_radius - bore.r;
+        // Of a journal in the middle of its bore any direction serves: it touches nothing.
+        let inverse = one / R::select(nothing.below(r), r, one);
+        let u = [e[0] * inverse, e[1] * inverse];
+        let t = [-u[1], u[0]];
+        let wu = w[0] * u[0] + w[1] * u[1];
+        let wt = w[0] * t[0] + w[1] * t[1];
+        let turn = wt * inverse - omega_bushing;
+        let rate = wu - bore.d1 * turn;
+        let factor = one + s.damping * rate;
+        // What is not a number is not in contact by comparison; its penetration says so.
+        let touches = R::both(nothing.below(delta), nothing.below(factor));
+        let root = R::select(touches, delta, nothing).sqrt();
+        let elastic = s.stiffness * root * root * root;
+        let normal = elastic * factor;
+        let sliding = wt + omega_journal * s.journal_radius - omega_bushing * bore.r;
+        let sliding = R::select(touches, sliding, nothing);
+        let (mu, mu_v) = s.friction(sliding);
+        let friction = mu * normal;
+        let mut out = JointForce {
+            force: [-normal * u[0] - friction * t[0], -normal * u[1] - friction * t[1]],
+            torque_journal: -s.journal_radius * friction,
+            torque_bushing: bore.r * friction,
+            normal,
+            direction: [R::select(touches, u[0], nothing), R::select(touches, u[1], nothing)],
+            penetration: delta,
+            sliding,
+            jacobian: [[nothing; 6]; 4],
+        };
+        if JACOBIAN {
+            let slope = s.stiffness * root * factor * 1.5;
+            let ed = elastic * s.damping;
+            let bend = bore.d1 * inverse;
+            // Columns: along u, along t (per length), w along u, w along t, omega_i, omega_j.
+            let delta_c = [one, -bend, nothing, nothing, nothing, nothing];
+            let rate_c = [
+                bend * wt * inverse,
+                (wt - bore.d2 * turn + bend * wu) * inverse,
+                one,
+                -bend,
+                nothing,
+                bore.d1,
+            ];
+            let sliding_c =
+                [nothing, (-wu - omega_bushing * bore.d1) * inverse, nothing, one, s.journal_radius, -bore.r];
+            let mut polar = [[nothing; 6]; 4];
+            for c in 0..6 {
+                let dn = slope * delta_c[c] + ed * rate_c[c];
+                let df = mu * dn + mu_v * normal * sliding_c[c];
+                polar[0][c] = -dn;
+                polar[1][c] = -df;
+                polar[2][c] = -s.journal_radius * df;
+                polar[3][c] = bore.r * df;
             }
+            // The unit vectors turn with the direction of e: du = t dpsi, dt = -u dpsi; and the bore's radius changes.
+            polar[0][1] += friction * inverse;
+            polar[1][1] -= normal * inverse;
+            polar[3][1] += bend * friction;
+            out.jacobian = from_polar(&polar, u, t);
         }
         s.add_film::<JACOBIAN>(motion, &mut out);
         out
     }
+}
 
+impl LocalHertz {
     /// Energy, force and rate of the elastic part of the contact.
     pub(super) fn elastic(&self, profile: &Profile, motion: &JointMotion) -> Elastic {
         let e = motion.e;
@@ -115,8 +121,8 @@ impl LocalHertz {
 }
 
 /// Turns rows 0, 1 (force) and columns 0..4 (e, w) from (u, t) into the bushing's axes.
-#[inline]
-pub(super) fn from_polar(polar: &[[f64; 6]; 4], u: [f64; 2], t: [f64; 2]) -> [[f64; 6]; 4] {
+#[inline(always)]
+pub(super) fn from_polar<R: Real>(polar: &[[R; 6]; 4], u: [R; 2], t: [R; 2]) -> [[R; 6]; 4] {
     let mut turned = *polar;
     for row in &mut turned {
         for pair in [0, 2] {

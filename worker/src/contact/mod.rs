@@ -23,62 +23,81 @@ pub use local_hertz::LocalHertz;
 pub use stiffness::hertz_stiffness;
 
 use crate::bore::Profile;
+use crate::lanes::{Real, tanh};
 use common::scene::{Clearance, ContactLaw};
 
 /// Motion of one joint, in the bushing's frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct JointMotion {
+pub struct JointMotion<R = f64> {
     /// Eccentricity `(2,)` [m].
-    pub e: [f64; 2],
+    pub e: [R; 2],
     /// Relative velocity of the centres `(2,)` [m/s].
-    pub w: [f64; 2],
+    pub w: [R; 2],
     /// Angular velocity of the journal's body [rad/s].
-    pub omega_journal: f64,
+    pub omega_journal: R,
     /// Angular velocity of the bushing's body [rad/s].
-    pub omega_bushing: f64,
+    pub omega_bushing: R,
 }
 
 /// What a joint does at one instant.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct JointForce {
+pub struct JointForce<R = f64> {
     /// Force on the journal, at its centre `(2,)` [N].
-    pub force: [f64; 2],
+    pub force: [R; 2],
     /// Torque on the journal's body beside that of `force` [N m].
-    pub torque_journal: f64,
+    pub torque_journal: R,
     /// Torque on the bushing's body beside that of the opposite force [N m].
-    pub torque_bushing: f64,
+    pub torque_bushing: R,
     /// Normal contact force F_N >= 0, without the film [N].
-    pub normal: f64,
+    pub normal: R,
     /// Direction in which the journal presses on the bushing, zero in free flight `(2,)` [1].
-    pub direction: [f64; 2],
+    pub direction: [R; 2],
     /// Penetration delta, negative in free flight [m].
-    pub penetration: f64,
+    pub penetration: R,
     /// Sliding speed v_t of the journal's surface over the bushing's [m/s].
-    pub sliding: f64,
+    pub sliding: R,
     /// Derivative of (force, torque_journal, torque_bushing) to (e, w, omega_journal, omega_bushing) `(4, 6)`;
     /// zero unless asked for.
-    pub jacobian: [[f64; 6]; 4],
+    pub jacobian: [[R; 6]; 4],
+}
+
+impl<R: Real> JointForce<R> {
+    /// No force, in as many lanes as `like`.
+    #[inline(always)]
+    pub fn none(like: R) -> Self {
+        let zero = like.zero();
+        JointForce {
+            force: [zero; 2],
+            torque_journal: zero,
+            torque_bushing: zero,
+            normal: zero,
+            direction: [zero; 2],
+            penetration: zero,
+            sliding: zero,
+            jacobian: [[zero; 6]; 4],
+        }
+    }
 }
 
 /// What both contact laws need to know of the joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Surface {
+pub struct Surface<R = f64> {
     /// Journal radius R1 [m].
-    pub journal_radius: f64,
+    pub journal_radius: R,
     /// Radial clearance c of the unworn joint [m].
-    pub clearance: f64,
+    pub clearance: R,
     /// Hertz stiffness K_n [N/m^1.5].
-    pub stiffness: f64,
+    pub stiffness: R,
     /// Damping factor D in effect [s/m].
-    pub damping: f64,
+    pub damping: R,
     /// How D follows from the speed of approach; none: it is constant.
     pub restitution: Option<Restitution>,
     /// Friction coefficient [1].
-    pub friction: f64,
+    pub friction: R,
     /// Regularisation speed v_0 [m/s].
-    pub friction_speed: f64,
+    pub friction_speed: R,
     /// Film damping [N s/m].
-    pub film: f64,
+    pub film: R,
 }
 
 impl Surface {
@@ -101,17 +120,46 @@ impl Surface {
     pub fn deepest(&self) -> f64 {
         0.1 * self.journal_radius
     }
+}
+
+impl<R: Real> Surface<R> {
+    /// The same surface in every lane.
+    pub fn of_lanes(surface: &Surface, like: R) -> Self {
+        let mut all = Surface {
+            journal_radius: like,
+            clearance: like,
+            stiffness: like,
+            damping: like,
+            restitution: None,
+            friction: like,
+            friction_speed: like,
+            film: like,
+        };
+        (0..R::LANES).for_each(|lane| all.set_lane(lane, surface));
+        all
+    }
+
+    /// Replaces a lane; how damping follows from the approach is not taken over.
+    pub fn set_lane(&mut self, lane: usize, from: &Surface) {
+        self.journal_radius.set_lane(lane, from.journal_radius);
+        self.clearance.set_lane(lane, from.clearance);
+        self.stiffness.set_lane(lane, from.stiffness);
+        self.damping.set_lane(lane, from.damping);
+        self.friction.set_lane(lane, from.friction);
+        self.friction_speed.set_lane(lane, from.friction_speed);
+        self.film.set_lane(lane, from.film);
+    }
 
     /// mu tanh(v/v_0) and its derivative to v.
-    #[inline]
-    fn friction(&self, v: f64) -> (f64, f64) {
-        let th = libm::tanh(v / self.friction_speed);
-        (self.friction * th, self.friction * (1.0 - th * th) / self.friction_speed)
+    #[inline(always)]
+    fn friction(&self, v: R) -> (R, R) {
+        let th = tanh(v / self.friction_speed);
+        (self.friction * th, self.friction * (th.like(1.0) - th * th) / self.friction_speed)
     }
 
     /// Adds the film's force -c_f w through the centres.
-    #[inline]
-    fn add_film<const JACOBIAN: bool>(&self, motion: &JointMotion, out: &mut JointForce) {
+    #[inline(always)]
+    fn add_film<const JACOBIAN: bool>(&self, motion: &JointMotion<R>, out: &mut JointForce<R>) {
         for k in 0..2 {
             out.force[k] -= self.film * motion.w[k];
             if JACOBIAN {

@@ -1,7 +1,7 @@
 //! Step control: carries an island from one time to another, refusing every step whose error estimate is above
 //! its bound.
 
-use super::{Dynamics, Linearised, Rosenbrock};
+use super::{Linearised, Rosenbrock, StepControl, Stepped};
 use std::ops::Range;
 
 /// Sees every accepted state, with the linearisation there, in order of time.
@@ -26,6 +26,16 @@ pub struct AdvanceStats {
     pub forces: u64,
     /// Largest distance by which an ideal joint drifted open in one step, before it was closed again [m].
     pub drift: f64,
+}
+
+impl AdvanceStats {
+    /// Adds the counts of another stretch.
+    pub fn add(&mut self, other: &AdvanceStats) {
+        self.steps += other.steps;
+        self.rejected += other.rejected;
+        self.forces += other.forces;
+        self.drift = self.drift.max(other.drift);
+    }
 }
 
 /// Why the island could not be carried on.
@@ -77,16 +87,8 @@ pub enum AdvanceError {
 pub struct Advance {
     scheme: Rosenbrock,
     at: Linearised,
-    /// Relative tolerance of the local error.
-    tolerance: f64,
-    /// Largest step [s].
-    largest: f64,
-    /// Smallest step [s].
-    smallest: f64,
-    /// Bound on steps per call.
-    bound: u64,
-    /// Step to try next [s].
-    step: f64,
+    /// Lengths of its steps.
+    pub control: StepControl,
     /// State before ideal joints were closed `(n,)` each.
     open_q: Vec<f64>,
     open_v: Vec<f64>,
@@ -97,28 +99,19 @@ impl Advance {
     pub fn new(at: Linearised, tolerance: f64, largest: f64, smallest: f64, bound: u64) -> Self {
         let n = at.f.len();
         Advance {
-            scheme: Rosenbrock::new(n),
+            scheme: Rosenbrock::new(0.0, &at.band),
             open_q: vec![0.0; n],
             open_v: vec![0.0; n],
             at,
-            tolerance,
-            largest,
-            smallest,
-            bound,
-            step: largest * 1e-2,
+            control: StepControl::new(tolerance, largest, smallest, bound),
         }
-    }
-
-    /// Shortens the next step, because the system has just been changed in a jump.
-    pub fn after_jump(&mut self) {
-        self.step = self.largest * 1e-2;
     }
 
     /// Carries (`q`, `v`) over the span of time [s]; `watch` sees every accepted state, both ends included.
     ///
     /// # Errors
     /// [`AdvanceError`]; the state is then the last accepted one.
-    pub fn run<D: Dynamics, W: Watch<D>>(
+    pub fn run<D: Stepped, W: Watch<D>>(
         &mut self,
         system: &mut D,
         span: Range<f64>,
@@ -147,22 +140,15 @@ impl Advance {
             if left <= 0.0 {
                 return Ok(());
             }
-            if taken >= self.bound {
-                let (bound, joint) = (self.bound, self.blamed(system));
+            if taken >= self.control.bound {
+                let (bound, joint) = (self.control.bound, self.blamed(system));
                 return Err(AdvanceError::TooManySteps { time: t, bound, joint });
             }
             loop {
-                // The last two steps share what is left, so that no sliver remains.
-                let h = if self.step >= left {
-                    left
-                } else if 2.0 * self.step > left {
-                    0.5 * left
-                } else {
-                    self.step
-                };
-                let solved = self.scheme.step(system, &self.at, t, h, q, v);
+                let h = self.control.next(left);
+                let sound = self.scheme.step(system, &self.at, t, h, q, v);
                 stats.forces += 2;
-                let mut error = if solved { self.error(system.scales()) } else { f64::INFINITY };
+                let mut error = if sound == 1.0 { self.error(system.scales()) } else { f64::INFINITY };
                 if error <= 1.0 && system.is_constrained() {
                     error = error.max(self.close(system, t + h, stats));
                 }
@@ -172,20 +158,13 @@ impl Advance {
                     t = if h == left { end } else { t + h };
                     taken += 1;
                     stats.steps += 1;
-                    let growth = (0.9 * libm::pow(error.max(1e-6), -0.25)).clamp(0.3, 3.0);
-                    if h >= self.step || growth < 1.0 {
-                        self.step = (h * growth).min(self.largest);
-                    }
+                    self.control.accepted(h, error);
                     break;
                 }
                 stats.rejected += 1;
-                let shrink =
-                    if error.is_finite() { (0.9 * libm::pow(error, -0.25)).clamp(0.1, 0.5) } else { 0.1 };
-                self.step = h * shrink;
-                if self.step < self.smallest {
-                    let error = error.min(f64::MAX);
-                    let joint = self.blamed(system);
-                    return Err(AdvanceError::StepTooSmall { time: t, step: self.step, error, joint });
+                if !self.control.refused(h, error) {
+                    let (error, joint, step) = (error.min(f64::MAX), self.blamed(system), self.control.step);
+                    return Err(AdvanceError::StepTooSmall { time: t, step, error, joint });
                 }
             }
         }
@@ -193,7 +172,7 @@ impl Advance {
 
     /// Closes the ideal joints at the end of the step just tried: how far that moves the state, on the scales of
     /// the local error and over the tolerance.
-    fn close<D: Dynamics>(&mut self, system: &mut D, t: f64, stats: &mut AdvanceStats) -> f64 {
+    fn close<D: Stepped>(&mut self, system: &mut D, t: f64, stats: &mut AdvanceStats) -> f64 {
         let s = &mut self.scheme;
         self.open_q.copy_from_slice(&s.new_q);
         self.open_v.copy_from_slice(&s.new_v);
@@ -205,7 +184,7 @@ impl Advance {
         };
         let (scale_q, scale_v) = system.scales();
         let moved = moved(&s.new_q, &self.open_q, scale_q).max(moved(&s.new_v, &self.open_v, scale_v))
-            / self.tolerance;
+            / self.control.tolerance;
         if moved <= 1.0 {
             stats.drift = stats.drift.max(drift);
         }
@@ -214,29 +193,29 @@ impl Advance {
     }
 
     /// The joint to be named for the step tried last: that of the coordinate with the largest error.
-    fn blamed<D: Dynamics>(&self, system: &D) -> Option<usize> {
-        let (scale_q, scale_v) = system.scales();
-        let size = |i: usize| {
-            let e =
-                (self.scheme.error_q[i] / scale_q[i]).abs().max((self.scheme.error_v[i] / scale_v[i]).abs());
-            if e.is_finite() { e } else { f64::INFINITY }
-        };
-        let worst = (0..scale_q.len()).max_by(|&a, &b| size(a).total_cmp(&size(b)))?;
+    fn blamed<D: Stepped>(&self, system: &D) -> Option<usize> {
+        let errors = self.scheme.error_q.iter().copied().zip(self.scheme.error_v.iter().copied());
+        let worst = worst_coordinate(errors, system.scales())?;
         system.blamed(worst, &self.at)
     }
 
     /// Largest scaled error of the step just tried, over the tolerance; infinite if anything is not finite.
     fn error(&self, (scale_q, scale_v): (&[f64], &[f64])) -> f64 {
-        let s = &self.scheme;
-        let mut worst: f64 = 0.0;
-        for i in 0..scale_q.len() {
-            let e = (s.error_q[i] / scale_q[i]).abs().max((s.error_v[i] / scale_v[i]).abs());
-            // A comparison with NaN is false: count it as infinite.
-            worst = if e <= f64::MAX { worst.max(e) } else { f64::INFINITY };
-            if !(s.new_q[i].is_finite() && s.new_v[i].is_finite()) {
-                worst = f64::INFINITY;
-            }
-        }
-        worst / self.tolerance
+        let error = self.scheme.error(|i| (1.0 / scale_q[i], 1.0 / scale_v[i])) / self.control.tolerance;
+        // A comparison with NaN is false: count it as infinite.
+        if error <= f64::MAX { error } else { f64::INFINITY }
     }
+}
+
+/// The coordinate with the largest of these errors of position and velocity, on these scales.
+pub fn worst_coordinate(
+    errors: impl Iterator<Item = (f64, f64)>,
+    (scale_q, scale_v): (&[f64], &[f64]),
+) -> Option<usize> {
+    let size = |((q, v), (scale_q, scale_v)): ((f64, f64), (&f64, &f64))| {
+        let e = (q / scale_q).abs().max((v / scale_v).abs());
+        if e.is_finite() { e } else { f64::INFINITY }
+    };
+    let sizes = errors.zip(scale_q.iter().zip(scale_v)).map(size);
+    sizes.enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i)
 }

@@ -1,7 +1,7 @@
 //! Central impact of a journal on an unworn bore against closed forms, with the real contact kernels and step
 //! control; and of a mass on a wall with other exponents of the force.
 
-use super::{Advance, AdvanceStats, Dynamics, Linearised, Watch};
+use super::{Advance, AdvanceStats, Band, Dynamics, Linearised, Stepped, Watch};
 use crate::bore::Profile;
 use crate::contact::{Contact, Foundation, JointForce, JointMotion, LocalHertz, Restitution, Surface};
 use common::scene::RestitutionLaw;
@@ -69,6 +69,9 @@ impl Dynamics for Impact {
         }
         at.joints[0] = contact;
     }
+}
+
+impl Stepped for Impact {
     fn scales(&self) -> (&[f64], &[f64]) {
         (&self.scale_q, &self.scale_v)
     }
@@ -111,7 +114,7 @@ fn impact(law: Contact, mass: f64, speed: f64) -> (f64, f64, f64) {
     let Surface { stiffness, clearance, .. } = *law.surface();
     let mut system = Impact::new(law, mass, speed);
     let long = 10.0 * deepest(stiffness, mass, speed) / speed;
-    let mut advance = Advance::new(Linearised::new(2, 1), 1e-7, long / 100.0, long * 1e-12, 100_000);
+    let mut advance = Advance::new(Linearised::new(0.0, Band::new(2, 1), 1), 1e-7, long / 100.0, long * 1e-12, 100_000);
     let before = 0.01 * deepest(stiffness, mass, speed);
     let (mut q, mut v) = ([clearance - before, 0.0], [speed, 0.0]);
     let mut seen = Seen::default();
@@ -224,6 +227,9 @@ impl Dynamics for Wall {
         at.k[0] = if touching { -self.exponent * elastic / q[0] * factor } else { 0.0 };
         at.d[0] = if touching { -elastic * self.damping } else { 0.0 };
     }
+}
+
+impl Stepped for Wall {
     fn scales(&self) -> (&[f64], &[f64]) {
         (&self.scale_q, &self.scale_v)
     }
@@ -241,7 +247,7 @@ fn restitution_does_not_depend_on_stiffness_exponent_or_mass() {
             let mut wall =
                 Wall { stiffness, exponent, damping, mass: [mass], scale_q: [deepest], scale_v: [speed] };
             let long = 10.0 * deepest / speed;
-            let mut advance = Advance::new(Linearised::new(1, 0), 1e-7, long / 100.0, long * 1e-12, 100_000);
+            let mut advance = Advance::new(Linearised::new(0.0, Band::new(1, 0), 0), 1e-7, long / 100.0, long * 1e-12, 100_000);
             let (mut q, mut v) = ([0.0], [speed]);
             advance
                 .run(&mut wall, 0.0..long, &mut q, &mut v, &mut (), &mut AdvanceStats::default())

@@ -1,26 +1,37 @@
 //! Time integration of M qdd = f(q, qd, t), islands of a few stiff degrees of freedom at a time.
 
+mod abreast;
 mod advance;
+mod band;
+mod control;
 #[cfg(test)]
 mod impact_tests;
 mod linear;
 mod rosenbrock;
 
-pub use advance::{Advance, AdvanceError, AdvanceStats, Watch};
-pub use linear::{factor, solve};
+pub use advance::{Advance, AdvanceError, AdvanceStats, Watch, worst_coordinate};
+pub use abreast::{Abreast, Scaled, Seat};
+pub use band::Band;
+pub use control::StepControl;
+pub use linear::{add_product, factor, solve};
 pub use rosenbrock::Rosenbrock;
 
 use crate::contact::JointForce;
+use crate::lanes::Real;
 
-/// A system M qdd = f(q, qd, t) with a constant diagonal mass matrix.
-pub trait Dynamics {
+/// Systems M qdd = f(q, qd, t) with a constant diagonal mass matrix, one per lane.
+pub trait Dynamics<R: Real = f64> {
     /// Diagonal of M `(n,)` [kg, kg m^2].
-    fn mass(&self) -> &[f64];
+    fn mass(&self) -> &[R];
     /// f `(n,)` at time `t` [s]; not a number where it does not exist.
-    fn force(&mut self, t: f64, q: &[f64], v: &[f64], f: &mut [f64]);
+    fn force(&mut self, t: R, q: &[R], v: &[R], f: &mut [R]);
     /// f with its derivatives.
-    fn linearise(&mut self, t: f64, q: &[f64], v: &[f64], at: &mut Linearised);
-    /// Whether [`Dynamics::close`] has anything to do.
+    fn linearise(&mut self, t: R, q: &[R], v: &[R], at: &mut Linearised<R>);
+}
+
+/// What the control of the steps asks of one such system.
+pub trait Stepped: Dynamics {
+    /// Whether [`Stepped::close`] has anything to do.
     fn is_constrained(&self) -> bool {
         false
     }
@@ -51,38 +62,58 @@ pub trait Dynamics {
 
 /// f and its derivatives at one instant.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Linearised {
+pub struct Linearised<R = f64> {
     /// f `(n,)`.
-    pub f: Vec<f64>,
-    /// df/dq `(n, n)`, by rows.
-    pub k: Vec<f64>,
-    /// df/dqd `(n, n)`, by rows.
-    pub d: Vec<f64>,
+    pub f: Vec<R>,
+    /// Where the entries of the matrices are.
+    pub band: Band,
+    /// df/dq `(n, n)`.
+    pub k: Vec<R>,
+    /// df/dqd `(n, n)`.
+    pub d: Vec<R>,
     /// df/dt at constant q, qd `(n,)`.
-    pub ft: Vec<f64>,
+    pub ft: Vec<R>,
     /// What each joint of the island does.
-    pub joints: Vec<JointForce>,
+    pub joints: Vec<JointForce<R>>,
     /// Eccentricity of each joint in its bushing's frame [m].
-    pub e: Vec<[f64; 2]>,
+    pub e: Vec<[R; 2]>,
     /// Multipliers of the ideal joints' constraints `(m,)` [N, N m].
-    pub lambda: Vec<f64>,
+    pub lambda: Vec<R>,
     /// Generalised force (x, y, angle) of joints and loads on each prescribed body [N, N m].
-    pub prescribed: Vec<[f64; 3]>,
+    pub prescribed: Vec<[R; 3]>,
     /// Whether the ideal joints' directions are dependent here, so that f does not exist.
     pub singular: bool,
 }
 
-impl Linearised {
-    /// Room for `n` degrees of freedom and `joints` joints.
-    pub fn new(n: usize, joints: usize) -> Self {
+impl<R: Real> Linearised<R> {
+    /// Room for the degrees of freedom of `band` and `joints` joints, in as many lanes as `like`.
+    pub fn new(like: R, band: Band, joints: usize) -> Self {
+        let zero = like.zero();
         Linearised {
-            f: vec![0.0; n],
-            k: vec![0.0; n * n],
-            d: vec![0.0; n * n],
-            ft: vec![0.0; n],
-            joints: vec![JointForce::default(); joints],
-            e: vec![[0.0; 2]; joints],
-            ..Linearised::default()
+            f: vec![zero; band.n()],
+            k: vec![zero; band.len()],
+            d: vec![zero; band.len()],
+            ft: vec![zero; band.n()],
+            band,
+            joints: vec![JointForce::none(zero); joints],
+            e: vec![[zero; 2]; joints],
+            ..Self::nothing()
+        }
+    }
+
+    /// Room for nothing.
+    pub fn nothing() -> Self {
+        Linearised {
+            f: vec![],
+            band: Band::default(),
+            k: vec![],
+            d: vec![],
+            ft: vec![],
+            joints: vec![],
+            e: vec![],
+            lambda: vec![],
+            prescribed: vec![],
+            singular: false,
         }
     }
 }

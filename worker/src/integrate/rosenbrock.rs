@@ -8,8 +8,9 @@
 //! # Source
 //! Kaps, Rentrop (1979); coefficients in the transformed form of Hairer, Wanner (1996), section IV.7.
 
-use super::linear::{factor, solve};
-use super::{Dynamics, Linearised};
+use super::linear::{add_product, factor, solve};
+use super::{Band, Dynamics, Linearised};
+use crate::lanes::Real;
 
 const GAMMA: f64 = 0.231;
 const A: [[f64; 2]; 2] = [[2.0, 0.0], [4.524708207373116, 4.163528788597648]];
@@ -26,34 +27,30 @@ const TIME: [f64; 4] = [0.231, -0.03962966775244303, 0.5507789395789127, -0.0553
 
 /// Scratch of the step; all vectors `(n,)`.
 #[derive(Debug, Clone)]
-pub struct Rosenbrock {
-    n: usize,
-    matrix: Vec<f64>,
-    pivot: Vec<usize>,
-    uq: [Vec<f64>; 4],
-    uv: [Vec<f64>; 4],
-    q: Vec<f64>,
-    v: Vec<f64>,
-    f: Vec<f64>,
-    rq: Vec<f64>,
+pub struct Rosenbrock<R = f64> {
+    matrix: Vec<R>,
+    uq: [Vec<R>; 4],
+    uv: [Vec<R>; 4],
+    q: Vec<R>,
+    v: Vec<R>,
+    f: Vec<R>,
+    rq: Vec<R>,
     /// Positions at the end of the step.
-    pub new_q: Vec<f64>,
+    pub new_q: Vec<R>,
     /// Velocities at the end of the step.
-    pub new_v: Vec<f64>,
+    pub new_v: Vec<R>,
     /// Error estimate of the positions.
-    pub error_q: Vec<f64>,
+    pub error_q: Vec<R>,
     /// Error estimate of the velocities.
-    pub error_v: Vec<f64>,
+    pub error_v: Vec<R>,
 }
 
-impl Rosenbrock {
-    /// Room for `n` degrees of freedom.
-    pub fn new(n: usize) -> Self {
-        let zero = || vec![0.0; n];
+impl<R: Real> Rosenbrock<R> {
+    /// Room for the degrees of freedom of `band`, in as many lanes as `like`.
+    pub fn new(like: R, band: &Band) -> Self {
+        let zero = || vec![like.zero(); band.n()];
         Rosenbrock {
-            n,
-            matrix: vec![0.0; n * n],
-            pivot: vec![0; n],
+            matrix: vec![like.zero(); band.len()],
             uq: std::array::from_fn(|_| zero()),
             uv: std::array::from_fn(|_| zero()),
             q: zero(),
@@ -67,99 +64,110 @@ impl Rosenbrock {
         }
     }
 
-    /// Computes the step of length `h` [s] from (`t`, `q`, `v`), where `at` is the linearisation there; false
-    /// if its matrix is singular.
-    // Each loop runs over one row index of several vectors and matrices at once.
+    /// Computes the steps of length `h` [s] from (`t`, `q`, `v`), where `at` is the linearisation there; zero in
+    /// the lanes where the step's matrix is as good as singular, else one.
+    // Each loop runs over one row index of several vectors at once.
     #[allow(clippy::needless_range_loop)]
-    pub fn step<D: Dynamics>(
+    #[inline(always)]
+    pub fn step<D: Dynamics<R>>(
         &mut self,
         system: &mut D,
-        at: &Linearised,
-        t: f64,
-        h: f64,
-        q: &[f64],
-        v: &[f64],
-    ) -> bool {
-        let n = self.n;
-        let gh = GAMMA * h;
-        for i in 0..n {
-            for j in 0..n {
-                self.matrix[i * n + j] = -at.d[i * n + j] - gh * at.k[i * n + j];
-            }
-            self.matrix[i * n + i] += system.mass()[i] / gh;
+        at: &Linearised<R>,
+        t: R,
+        h: R,
+        q: &[R],
+        v: &[R],
+    ) -> R {
+        let n = q.len();
+        let gh = h * GAMMA;
+        let (per_h, per_gh) = (h.like(1.0) / h, h.like(1.0) / gh);
+        for ((to, d), k) in self.matrix.iter_mut().zip(&at.d).zip(&at.k) {
+            *to = -*d - gh * *k;
         }
-        if !factor(&mut self.matrix, &mut self.pivot, n) {
-            return false;
+        for (i, mass) in system.mass().iter().enumerate() {
+            self.matrix[at.band.index(i, i)] += *mass * per_gh;
         }
+        let sound = factor(&mut self.matrix, &at.band, h);
         for stage in 0..4 {
             if stage == 1 || stage == 2 {
                 let a = A[stage - 1];
                 for i in 0..n {
-                    self.q[i] = q[i] + a[0] * self.uq[0][i];
-                    self.v[i] = v[i] + a[0] * self.uv[0][i];
-                    if stage == 2 {
-                        self.q[i] += a[1] * self.uq[1][i];
-                        self.v[i] += a[1] * self.uv[1][i];
-                    }
+                    // The second weight of the first of these stages is zero, and so is what it weighs.
+                    self.q[i] = q[i] + self.uq[0][i] * a[0] + self.uq[1][i] * a[1];
+                    self.v[i] = v[i] + self.uv[0][i] * a[0] + self.uv[1][i] * a[1];
                 }
-                system.force(t + NODE[stage] * h, &self.q, &self.v, &mut self.f);
+                system.force(t + h * NODE[stage], &self.q, &self.v, &mut self.f);
             }
             // Right-hand sides: r_q = v_stage + sum c u_q / h, M r_v = f_stage + d h f_t + M sum c u_v / h.
             let mass = system.mass();
             let (before, rest) = self.uv.split_at_mut(stage);
             let rhs = &mut rest[0];
+            let (vel, force) = if stage == 0 { (v, at.f.as_slice()) } else { (&*self.v, &*self.f) };
+            let ht = h * TIME[stage];
             for i in 0..n {
-                let (mut cq, mut cv) = (0.0, 0.0);
-                if stage > 0 {
-                    for (j, u) in before.iter().enumerate() {
-                        cq += C[stage - 1][j] * self.uq[j][i];
-                        cv += C[stage - 1][j] * u[i];
-                    }
+                let (mut cq, mut cv) = (h.zero(), h.zero());
+                for (j, u) in before.iter().enumerate() {
+                    let c = C[stage - 1][j];
+                    cq += self.uq[j][i] * c;
+                    cv += u[i] * c;
                 }
-                let (vel, force) = if stage == 0 { (v[i], at.f[i]) } else { (self.v[i], self.f[i]) };
-                self.rq[i] = vel + cq / h;
-                rhs[i] = force + TIME[stage] * h * at.ft[i] + mass[i] * cv / h;
+                self.rq[i] = vel[i] + cq * per_h;
+                rhs[i] = force[i] + ht * at.ft[i] + mass[i] * cv * per_h;
             }
-            for i in 0..n {
-                let row = &at.k[i * n..(i + 1) * n];
-                let kr: f64 = row.iter().zip(&self.rq).map(|(k, r)| k * r).sum();
-                rhs[i] += gh * kr;
-            }
-            solve(&self.matrix, &self.pivot, n, rhs);
+            add_product(&at.k, &at.band, gh, &self.rq, rhs);
+            solve(&self.matrix, &at.band, rhs);
             for i in 0..n {
                 self.uq[stage][i] = gh * (self.rq[i] + rhs[i]);
             }
+            if stage == 0 {
+                self.uq[1].fill(h.zero());
+                self.uv[1].fill(h.zero());
+            }
         }
         for i in 0..n {
-            let (mut q1, mut v1, mut eq, mut ev) = (q[i], v[i], 0.0, 0.0);
+            let (mut q1, mut v1, mut eq, mut ev) = (q[i], v[i], h.zero(), h.zero());
             for s in 0..4 {
-                q1 += B[s] * self.uq[s][i];
-                v1 += B[s] * self.uv[s][i];
-                eq += E[s] * self.uq[s][i];
-                ev += E[s] * self.uv[s][i];
+                q1 += self.uq[s][i] * B[s];
+                v1 += self.uv[s][i] * B[s];
+                eq += self.uq[s][i] * E[s];
+                ev += self.uv[s][i] * E[s];
             }
             self.new_q[i] = q1;
             self.new_v[i] = v1;
             self.error_q[i] = eq;
             self.error_v[i] = ev;
         }
-        self.filter_error(at, gh, system.mass());
-        true
+        self.filter_error(at, gh, per_gh, system.mass());
+        sound
     }
-}
 
-impl Rosenbrock {
+    /// Largest error of the step just computed, on scales whose inverses `inverse` gives for position and velocity of
+    /// each coordinate; not a number if anything of the step is not finite.
+    #[inline(always)]
+    pub fn error(&self, inverse: impl Fn(usize) -> (R, R)) -> R {
+        let like = self.new_q[0];
+        let (mut worst, mut nothing) = (like.zero(), like.zero());
+        for i in 0..self.new_q.len() {
+            let (inverse_q, inverse_v) = inverse(i);
+            let (eq, ev) = (self.error_q[i].abs() * inverse_q, self.error_v[i].abs() * inverse_v);
+            worst = worst.larger(eq).larger(ev);
+            // Zero times what is not finite is not a number.
+            nothing += (eq + ev + self.new_q[i] + self.new_v[i]) * 0.0;
+        }
+        worst + nothing
+    }
+
     /// Replaces the error estimate e by (I - gamma h J)^-1 e: what the step damps anyway, the vibration of a
     /// contact far faster than the step, no longer counts, slower motion counts as before (Shampine's filter).
-    fn filter_error(&mut self, at: &Linearised, gh: f64, mass: &[f64]) {
-        let n = self.n;
-        for ((v, row), mass) in self.error_v.iter_mut().zip(at.k.chunks_exact(n)).zip(mass) {
-            let kq: f64 = row.iter().zip(&self.error_q).map(|(k, e)| k * e).sum();
-            *v = mass * *v / gh + kq;
+    #[inline(always)]
+    fn filter_error(&mut self, at: &Linearised<R>, gh: R, per_gh: R, mass: &[R]) {
+        for (v, mass) in self.error_v.iter_mut().zip(mass) {
+            *v = *mass * *v * per_gh;
         }
-        solve(&self.matrix, &self.pivot, n, &mut self.error_v);
+        add_product(&at.k, &at.band, gh.like(1.0), &self.error_q, &mut self.error_v);
+        solve(&self.matrix, &at.band, &mut self.error_v);
         for (q, v) in self.error_q.iter_mut().zip(&self.error_v) {
-            *q += gh * v;
+            *q += gh * *v;
         }
     }
 }
@@ -185,20 +193,17 @@ mod tests {
             at.d = vec![-0.1, 0.0, -0.3 * v[1], -0.3 * v[0]];
             at.ft = vec![-3.0 * (3.0 * t).sin() * q[1].sin(), 0.0];
         }
-        fn scales(&self) -> (&[f64], &[f64]) {
-            (&[1.0, 1.0], &[1.0, 1.0])
-        }
     }
 
     fn end(steps: usize) -> [f64; 4] {
-        let mut scheme = Rosenbrock::new(2);
+        let mut scheme = Rosenbrock::new(0.0, &Band::new(2, 2));
         let (mut q, mut v) = (vec![1.0, 0.5], vec![0.0, -0.2]);
-        let mut at = Linearised::new(2, 0);
+        let mut at = Linearised::new(0.0, Band::new(2, 2), 0);
         let h = 2.0 / steps as f64;
         for k in 0..steps {
             let t = k as f64 * h;
             Duffing.linearise(t, &q, &v, &mut at);
-            assert!(scheme.step(&mut Duffing, &at, t, h, &q, &v));
+            assert_eq!(scheme.step(&mut Duffing, &at, t, h, &q, &v), 1.0);
             q.copy_from_slice(&scheme.new_q);
             v.copy_from_slice(&scheme.new_v);
         }
@@ -216,8 +221,8 @@ mod tests {
     #[test]
     fn embedded_error_is_of_fourth_power() {
         let estimate = |h: f64| {
-            let mut scheme = Rosenbrock::new(2);
-            let mut at = Linearised::new(2, 0);
+            let mut scheme = Rosenbrock::new(0.0, &Band::new(2, 2));
+            let mut at = Linearised::new(0.0, Band::new(2, 2), 0);
             let (q, v) = ([1.0, 0.5], [0.0, -0.2]);
             Duffing.linearise(0.3, &q, &v, &mut at);
             scheme.step(&mut Duffing, &at, 0.3, h, &q, &v);

@@ -1,10 +1,11 @@
 //! Derivatives of the generalised forces, of one pair of bodies and of whole islands, against central differences.
 
-use super::joint::pair_force;
+use super::frame::End;
+use super::joint::{Touching, pair_force};
 use super::{Frame, Island, ideal_cycle, islands};
 use crate::bore::Profile;
-use crate::contact::Contact;
-use crate::integrate::{Advance, AdvanceStats, Dynamics};
+use crate::contact::{Contact, JointForce, JointMotion};
+use crate::integrate::{Advance, AdvanceStats, Dynamics, Stepped};
 use common::scene::*;
 use std::f64::consts::TAU;
 
@@ -51,10 +52,26 @@ fn worst(rows: usize, exact: impl Fn(usize, usize) -> f64, columns_found: &[Vec<
     worst
 }
 
+const ARM_I: [f64; 2] = [0.012, -0.004];
+const ARM_J: [f64; 2] = [-0.02, 0.007];
+
+/// A joint by itself.
+struct Alone {
+    contact: Contact,
+    profile: Profile,
+}
+
+impl Touching<f64> for Alone {
+    fn ends(&self) -> [End; 2] {
+        [End { frame: 0, arm: ARM_I }, End { frame: 1, arm: ARM_J }]
+    }
+    fn force<const JACOBIAN: bool>(&self, motion: &JointMotion) -> JointForce {
+        self.contact.force::<JACOBIAN>(&self.profile, motion)
+    }
+}
+
 #[test]
 fn pair_derivatives_agree_with_differences() {
-    const ARM_I: [f64; 2] = [0.012, -0.004];
-    const ARM_J: [f64; 2] = [-0.02, 0.007];
     for law in [ContactLaw::LocalHertz, ContactLaw::Foundation] {
         let scene = flapping_wing(law);
         let clearance = clearance(&scene);
@@ -62,15 +79,16 @@ fn pair_derivatives_agree_with_differences() {
         profile.set_depth(&worn_depth());
         let mut contact = Contact::of(clearance);
         contact.profile_changed(&profile);
+        let joint = Alone { contact, profile };
         let force = |q: &[f64; 6], v: &[f64; 6]| {
             let (i, j) = (Frame::free(&q[..3], &v[..3]), Frame::free(&q[3..], &v[3..]));
-            pair_force::<false>(&contact, &profile, &i, ARM_I, &j, ARM_J).f
+            pair_force::<f64, false>(&joint, &i, &j).f
         };
         for k in 0..12 {
             // The journal's centre at a chosen eccentricity in the bushing's frame.
             let x = f64::from(k);
             let psi = 0.2 + TAU * x / 12.0;
-            let reach = profile.at(psi).r - clearance.journal_radius + 1e-7 * (1.0 + x % 4.0);
+            let reach = joint.profile.at(psi).r - clearance.journal_radius + 1e-7 * (1.0 + x % 4.0);
             let bushing = [0.003, -0.002, 0.7 * x];
             let j = Frame::free(&bushing, &[0.0; 3]);
             let centre = j.point([ARM_J[0] + reach * psi.cos(), ARM_J[1] + reach * psi.sin()]);
@@ -91,7 +109,7 @@ fn pair_derivatives_agree_with_differences() {
             ];
             let exact = {
                 let (i, j) = (Frame::free(&q[..3], &v[..3]), Frame::free(&q[3..], &v[3..]));
-                pair_force::<true>(&contact, &profile, &i, ARM_I, &j, ARM_J)
+                pair_force::<f64, true>(&joint, &i, &j)
             };
             assert!(exact.joint.normal > 0.0);
             let differences = |step: [f64; 2], of_rates: bool| -> Vec<Vec<f64>> {

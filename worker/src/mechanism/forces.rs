@@ -3,9 +3,11 @@
 
 use super::frame::Frame;
 use super::island::Island;
-use super::joint::pair_force;
-use super::load::NOBODY;
+use super::joint::{Touching, pair_force};
+use super::load::{IslandLoad, NOBODY};
+use super::table::Jet;
 use crate::integrate::Linearised;
+use crate::lanes::Real;
 
 /// Energy of an island at one instant, contacts aside.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -18,35 +20,41 @@ pub struct LoadPower {
     pub driving: f64,
 }
 
-impl Island {
-    /// Forces of joints with clearance and of loads, and with `JACOBIAN` their derivatives.
-    #[inline]
-    pub(super) fn applied<const JACOBIAN: bool>(&self, t: f64, f: &mut [f64], at: &mut Linearised) {
-        f.copy_from_slice(&self.weight);
+/// Joints and loads that act on an island, and where its bodies are.
+pub(super) struct Acting<'a, R, J> {
+    pub joints: &'a [J],
+    pub loads: &'a [IslandLoad<R>],
+    /// Weight of the free bodies `(n,)`.
+    pub weight: &'a [R],
+    /// Frames of the free bodies, then of the prescribed ones.
+    pub frames: &'a [Frame<R>],
+    /// Angle and derivatives of the prescribed ones.
+    pub jets: &'a [Jet<R>],
+}
+
+impl<R: Real, J: Touching<R>> Acting<'_, R, J> {
+    /// Forces of joints with clearance and of loads at time `t`, and with `JACOBIAN` their derivatives.
+    #[inline(always)]
+    pub fn applied<const JACOBIAN: bool>(&self, t: R, f: &mut [R], at: &mut Linearised<R>) {
+        f.copy_from_slice(self.weight);
         if JACOBIAN {
-            at.k.fill(0.0);
-            at.d.fill(0.0);
-            at.ft.fill(0.0);
-            at.prescribed.fill([0.0; 3]);
+            let zero = t.zero();
+            at.k.fill(zero);
+            at.d.fill(zero);
+            at.ft.fill(zero);
+            at.prescribed.fill([zero; 3]);
         }
         for (index, joint) in self.joints.iter().enumerate() {
-            let [i, j] = joint.ends;
-            let pair = pair_force::<JACOBIAN>(
-                &joint.contact,
-                &joint.profile,
-                &self.frames[i.frame],
-                i.arm,
-                &self.frames[j.frame],
-                j.arm,
-            );
+            let [i, j] = joint.ends();
+            let pair = pair_force::<R, JACOBIAN>(joint, &self.frames[i.frame], &self.frames[j.frame]);
             self.add::<JACOBIAN>([i.frame, j.frame], &pair.f, &pair.k, &pair.d, f, at);
             if JACOBIAN {
                 at.joints[index] = pair.joint;
                 at.e[index] = pair.e;
             }
         }
-        for load in &self.loads {
-            let load = load.force(t, &self.frames);
+        for load in self.loads {
+            let load = load.force(t, self.frames);
             self.add::<JACOBIAN>(load.frames, &load.f, &load.k, &load.d, f, at);
             if JACOBIAN {
                 self.add_sources(load.frames, &load.ft, load.third, at);
@@ -56,22 +64,24 @@ impl Island {
 
     /// Adds the generalised force of a pair of frames to its free bodies; with `JACOBIAN` also the derivatives, and
     /// the force on prescribed bodies.
-    #[inline]
+    #[inline(always)]
     fn add<const JACOBIAN: bool>(
         &self,
         frames: [usize; 2],
-        force: &[f64; 6],
-        k: &[[f64; 6]; 6],
-        d: &[[f64; 6]; 6],
-        f: &mut [f64],
-        at: &mut Linearised,
+        force: &[R; 6],
+        k: &[[R; 6]; 6],
+        d: &[[R; 6]; 6],
+        f: &mut [R],
+        at: &mut Linearised<R>,
     ) {
-        let (n, free) = (self.mass.len(), self.bodies.len());
+        let free = self.frames.len() - self.jets.len();
         for (side, &frame) in frames.iter().enumerate() {
             if frame >= free {
                 if JACOBIAN && frame != NOBODY {
                     let on = &mut at.prescribed[frame - free];
-                    on.iter_mut().zip(&force[3 * side..]).for_each(|(on, force)| *on += force);
+                    for k in 0..3 {
+                        on[k] += force[3 * side + k];
+                    }
                 }
                 continue;
             }
@@ -87,9 +97,10 @@ impl Island {
                     }
                     let from = 3 * side + r;
                     if to < free {
+                        let first = at.band.index(row, 3 * to);
                         for c in 0..3 {
-                            at.k[row * n + 3 * to + c] += k[from][3 * other + c];
-                            at.d[row * n + 3 * to + c] += d[from][3 * other + c];
+                            at.k[first + c] += k[from][3 * other + c];
+                            at.d[first + c] += d[from][3 * other + c];
                         }
                     } else {
                         // A prescribed body only turns.
@@ -102,21 +113,22 @@ impl Island {
     }
 
     /// Adds a load's dependence on time and on the angle of another frame.
+    #[inline(always)]
     fn add_sources(
         &self,
         frames: [usize; 2],
-        ft: &[f64; 6],
-        third: Option<(usize, [f64; 6])>,
-        at: &mut Linearised,
+        ft: &[R; 6],
+        third: Option<(usize, [R; 6])>,
+        at: &mut Linearised<R>,
     ) {
-        let (n, free) = (self.mass.len(), self.bodies.len());
+        let free = self.frames.len() - self.jets.len();
         for (side, &frame) in frames.iter().enumerate().filter(|&(_, &frame)| frame < free) {
             for r in 0..3 {
                 let row = 3 * frame + r;
                 at.ft[row] += ft[3 * side + r];
                 match third {
                     Some((other, slope)) if other < free => {
-                        at.k[row * n + 3 * other + 2] += slope[3 * side + r];
+                        at.k[at.band.index(row, 3 * other + 2)] += slope[3 * side + r];
                     }
                     Some((other, slope)) => at.ft[row] += slope[3 * side + r] * self.jets[other - free][1],
                     None => {}
@@ -124,7 +136,9 @@ impl Island {
             }
         }
     }
+}
 
+impl Island {
     /// Energies and powers of masses and loads, at the instant last linearised.
     pub fn load_power(&self, t: f64, v: &[f64]) -> LoadPower {
         let kinetic = v.iter().zip(&self.mass).map(|(v, mass)| 0.5 * mass * v * v).sum();

@@ -4,13 +4,14 @@
 use super::constraint::Constraint;
 use super::elimination::{Elimination, Placed};
 use super::frame::{End, Frame};
-use super::joint::joint_motion;
+use super::forces::Acting;
+use super::joint::{Touching, joint_motion};
 use super::load::IslandLoad;
 use super::prescribed::Prescribed;
 use super::table::Jet;
 use crate::bore::Profile;
-use crate::contact::{Contact, JointMotion};
-use crate::integrate::{Dynamics, Linearised};
+use crate::contact::{Contact, JointForce, JointMotion};
+use crate::integrate::{Band, Dynamics, Linearised, Stepped};
 use common::scene::Scene;
 
 /// A joint with clearance and its bore.
@@ -100,6 +101,16 @@ impl Island {
         }
     }
 
+    /// Scales of positions and velocities.
+    pub(super) fn scale(&self) -> (&[f64], &[f64]) {
+        (&self.scale_q, &self.scale_v)
+    }
+
+    /// Looks at an instant: what is said of joints and prescribed bodies afterwards holds there.
+    pub fn look_at(&mut self, t: f64, q: &[f64], v: &[f64]) {
+        self.place(t, q, v);
+    }
+
     /// Number of coordinates.
     pub fn coordinates(&self) -> usize {
         self.mass.len()
@@ -113,6 +124,22 @@ impl Island {
     /// Number of scalar constraints of the ideal joints.
     pub fn constraint_rows(&self) -> usize {
         self.ideal.rows()
+    }
+
+    /// Which entries of its matrices may differ from zero: all of them where ideal joints carry a force through.
+    pub(super) fn band(&self) -> Band {
+        let n = self.coordinates();
+        if self.ideal.rows() > 0 {
+            return Band::new(n, n);
+        }
+        let contacts = self.joints.iter().map(|j| j.ends.map(|end| end.frame).to_vec());
+        let frames = contacts.chain(self.loads.iter().map(IslandLoad::frames));
+        let reach = |of: Vec<usize>| {
+            let free = of.into_iter().filter(|&frame| frame < self.bodies.len());
+            let (first, last) = free.fold((usize::MAX, 0), |(a, b), k| (a.min(k), b.max(k)));
+            last.saturating_sub(first)
+        };
+        Band::new(n, 3 * frames.map(reach).max().unwrap_or(0) + 2)
     }
 
     /// Force in each ideal joint at an instant, in the order of [`Self::constraints`] [N].
@@ -130,7 +157,7 @@ impl Island {
         Linearised {
             lambda: vec![0.0; self.ideal.rows()],
             prescribed: vec![[0.0; 3]; self.prescribed.len()],
-            ..Linearised::new(self.coordinates(), self.joints.len())
+            ..Linearised::new(0.0, self.band(), self.joints.len())
         }
     }
 
@@ -166,8 +193,19 @@ impl Island {
         self
     }
 
+    /// Everything that acts, at the instant last placed.
+    fn acting(&self) -> Acting<'_, f64, WearingJoint> {
+        Acting {
+            joints: &self.joints,
+            loads: &self.loads,
+            weight: &self.weight,
+            frames: &self.frames,
+            jets: &self.jets,
+        }
+    }
+
     /// Where every frame is.
-    fn place(&mut self, t: f64, q: &[f64], v: &[f64]) {
+    pub(super) fn place(&mut self, t: f64, q: &[f64], v: &[f64]) {
         let free = self.bodies.len();
         for (k, frame) in self.frames[..free].iter_mut().enumerate() {
             *frame = Frame::free(&q[3 * k..3 * k + 3], &v[3 * k..3 * k + 3]);
@@ -192,6 +230,17 @@ impl Island {
     }
 }
 
+impl Touching<f64> for WearingJoint {
+    fn ends(&self) -> [End; 2] {
+        self.ends
+    }
+
+    #[inline(always)]
+    fn force<const JACOBIAN: bool>(&self, motion: &JointMotion) -> JointForce {
+        self.contact.force::<JACOBIAN>(&self.profile, motion)
+    }
+}
+
 impl Dynamics for Island {
     fn mass(&self) -> &[f64] {
         &self.mass
@@ -199,7 +248,7 @@ impl Dynamics for Island {
 
     fn force(&mut self, t: f64, q: &[f64], v: &[f64], f: &mut [f64]) {
         self.place(t, q, v);
-        self.applied::<false>(t, f, &mut Linearised::default());
+        self.acting().applied::<false>(t, f, &mut Linearised::default());
         if self.ideal.rows() > 0 {
             let at = Placed { frames: &self.frames, jets: &self.jets, mass: &self.mass };
             if !self.ideal.add_reactions(at, f) {
@@ -211,7 +260,7 @@ impl Dynamics for Island {
     fn linearise(&mut self, t: f64, q: &[f64], v: &[f64], at: &mut Linearised) {
         self.place(t, q, v);
         let mut f = std::mem::take(&mut at.f);
-        self.applied::<true>(t, &mut f, at);
+        self.acting().applied::<true>(t, &mut f, at);
         at.f = f;
         if self.ideal.rows() > 0 {
             let placed = Placed { frames: &self.frames, jets: &self.jets, mass: &self.mass };
@@ -221,7 +270,9 @@ impl Dynamics for Island {
             }
         }
     }
+}
 
+impl Stepped for Island {
     fn is_constrained(&self) -> bool {
         self.ideal.rows() > 0
     }

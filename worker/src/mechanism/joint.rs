@@ -5,37 +5,37 @@
 //! e = x_i + a_i - x_j - a_j, w = de/dt; generalised force on the journal's body (F, M_i + a_i x F), on the
 //! bushing's (-F, M_j - a_j x F).
 
-use super::frame::Frame;
-use crate::bore::Profile;
-use crate::contact::{Contact, JointForce, JointMotion};
+use super::frame::{End, Frame};
+use crate::contact::{JointForce, JointMotion};
+use crate::lanes::Real;
 
 /// Generalised forces of a pair of bodies, with derivatives.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PairForce {
+pub struct PairForce<R = f64> {
     /// Generalised force `(6,)` [N, N m].
-    pub f: [f64; 6],
+    pub f: [R; 6],
     /// Derivative to the coordinates `(6, 6)`; zero unless asked for.
-    pub k: [[f64; 6]; 6],
+    pub k: [[R; 6]; 6],
     /// Derivative to their rates `(6, 6)`; zero unless asked for.
-    pub d: [[f64; 6]; 6],
+    pub d: [[R; 6]; 6],
     /// The joint's own view.
-    pub joint: JointForce,
+    pub joint: JointForce<R>,
     /// Eccentricity in the bushing's frame [m].
-    pub e: [f64; 2],
+    pub e: [R; 2],
 }
 
-#[inline]
-fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
+#[inline(always)]
+pub(super) fn cross<R: Real>(a: [R; 2], b: [R; 2]) -> R {
     a[0] * b[1] - a[1] * b[0]
 }
 
 /// e and its rate in global axes, from the arms turned there.
-#[inline]
-fn separation(fi: &Frame, ai: [f64; 2], fj: &Frame, aj: [f64; 2]) -> ([f64; 2], [f64; 2]) {
+#[inline(always)]
+fn separation<R: Real>(fi: &Frame<R>, ai: [R; 2], fj: &Frame<R>, aj: [R; 2]) -> ([R; 2], [R; 2]) {
     // Quarter-turned arms: derivatives of the arms to the angles.
     let (pi, pj) = ([-ai[1], ai[0]], [-aj[1], aj[0]]);
-    let mut e = [0.0; 2];
-    let mut w = [0.0; 2];
+    let mut e = ai;
+    let mut w = ai;
     for k in 0..2 {
         e[k] = fi.x[k] + ai[k] - fj.x[k] - aj[k];
         w[k] = fi.v[k] + fi.omega * pi[k] - fj.v[k] - fj.omega * pj[k];
@@ -45,24 +45,30 @@ fn separation(fi: &Frame, ai: [f64; 2], fj: &Frame, aj: [f64; 2]) -> ([f64; 2], 
 
 /// Motion of a joint with its journal at `arm_i` of the body in frame `fi` and its bushing at `arm_j` of that in
 /// `fj`, in the bushing's frame.
-#[inline]
-pub fn joint_motion(fi: &Frame, arm_i: [f64; 2], fj: &Frame, arm_j: [f64; 2]) -> JointMotion {
+#[inline(always)]
+pub fn joint_motion<R: Real>(fi: &Frame<R>, arm_i: [R; 2], fj: &Frame<R>, arm_j: [R; 2]) -> JointMotion<R> {
     let (e, w) = separation(fi, fi.turn(arm_i), fj, fj.turn(arm_j));
     JointMotion { e: fj.turn_back(e), w: fj.turn_back(w), omega_journal: fi.omega, omega_bushing: fj.omega }
 }
 
-/// Generalised forces of a joint with its journal at `arm_i` of the body in frame `fi` and its bushing at
-/// `arm_j` of that in `fj`; with `JACOBIAN` their exact derivatives.
-#[inline]
-pub fn pair_force<const JACOBIAN: bool>(
-    contact: &Contact,
-    profile: &Profile,
-    fi: &Frame,
-    arm_i: [f64; 2],
-    fj: &Frame,
-    arm_j: [f64; 2],
-) -> PairForce {
-    let (ai, aj) = (fi.turn(arm_i), fj.turn(arm_j));
+/// A joint with clearance, as the forces of an island see it.
+pub trait Touching<R: Real> {
+    /// Places of journal and bushing.
+    fn ends(&self) -> [End<R>; 2];
+    /// What it does at this motion; with `JACOBIAN` the derivatives too.
+    fn force<const JACOBIAN: bool>(&self, motion: &JointMotion<R>) -> JointForce<R>;
+}
+
+/// Generalised forces of a joint with its journal on the body in frame `fi` and its bushing on that in `fj`;
+/// with `JACOBIAN` their exact derivatives.
+#[inline(always)]
+pub fn pair_force<R: Real, const JACOBIAN: bool>(
+    touching: &impl Touching<R>,
+    fi: &Frame<R>,
+    fj: &Frame<R>,
+) -> PairForce<R> {
+    let [i, j] = touching.ends();
+    let (ai, aj) = (fi.turn(i.arm), fj.turn(j.arm));
     let (pi, pj) = ([-ai[1], ai[0]], [-aj[1], aj[0]]);
     let (e, w) = separation(fi, ai, fj, aj);
     let motion = JointMotion {
@@ -71,8 +77,9 @@ pub fn pair_force<const JACOBIAN: bool>(
         omega_journal: fi.omega,
         omega_bushing: fj.omega,
     };
-    let joint = contact.force::<JACOBIAN>(profile, &motion);
+    let joint = touching.force::<JACOBIAN>(&motion);
     let force = fj.turn(joint.force);
+    let nothing = force[0].zero();
     let mut out = PairForce {
         f: [
             force[0],
@@ -82,8 +89,8 @@ pub fn pair_force<const JACOBIAN: bool>(
             -force[1],
             joint.torque_bushing - cross(aj, force),
         ],
-        k: [[0.0; 6]; 6],
-        d: [[0.0; 6]; 6],
+        k: [[nothing; 6]; 6],
+        d: [[nothing; 6]; 6],
         joint,
         e: motion.e,
     };
@@ -103,18 +110,18 @@ pub fn pair_force<const JACOBIAN: bool>(
             (*x, *y) = (c * *x - s * *y, s * *x + c * *y);
         }
         // Explicit dependence on the bushing's angle: the law turns with it.
-        let mut turn = [0.0; 4];
+        let mut turn = [nothing; 4];
         for (row, turn) in j.iter().zip(&mut turn) {
             *turn = row[0] * e[1] - row[1] * e[0] + row[2] * w[1] - row[3] * w[0];
         }
         turn[0] -= force[1];
         turn[1] += force[0];
-        let mut kq = [[0.0; 6]; 4];
-        let mut kv = [[0.0; 6]; 4];
+        let mut kq = [[nothing; 6]; 4];
+        let mut kv = [[nothing; 6]; 4];
         for r in 0..4 {
             let row = j[r];
-            let along_e = |a: [f64; 2]| row[0] * a[0] + row[1] * a[1];
-            let along_w = |a: [f64; 2]| row[2] * a[0] + row[3] * a[1];
+            let along_e = |a: [R; 2]| row[0] * a[0] + row[1] * a[1];
+            let along_w = |a: [R; 2]| row[2] * a[0] + row[3] * a[1];
             kq[r] = [
                 row[0],
                 row[1],

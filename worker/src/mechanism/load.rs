@@ -1,7 +1,9 @@
 //! Loads of an island: generalised forces on two of its frames, with derivatives.
 
 use super::frame::{End, Frame};
+use super::joint::cross;
 use super::table::PiecewiseCubic;
+use crate::lanes::Real;
 use common::scene::{Load, Over};
 
 /// The other end of a load that acts on one body only.
@@ -9,64 +11,66 @@ pub const NOBODY: usize = usize::MAX;
 
 /// A load with its places resolved.
 #[derive(Debug, Clone)]
-pub enum IslandLoad {
+pub enum IslandLoad<R = f64> {
     /// See [`Load::DirectionalSpring`].
-    DirectionalSpring { ends: [End; 2], direction: [f64; 2], stiffness: f64, free_length: f64 },
+    DirectionalSpring { ends: [End<R>; 2], direction: [R; 2], stiffness: R, free_length: R },
     /// See [`Load::Spring`].
-    Spring { ends: [End; 2], stiffness: f64, damping: f64, free_length: f64 },
+    Spring { ends: [End<R>; 2], stiffness: R, damping: R, free_length: R },
     /// See [`Load::TorsionSpring`].
-    TorsionSpring { frames: [usize; 2], stiffness: f64, damping: f64, free_angle: f64 },
+    TorsionSpring { frames: [usize; 2], stiffness: R, damping: R, free_angle: R },
     /// A force of varying size along a fixed direction.
-    Force { end: End, direction: [f64; 2], size: Size },
+    Force { end: End<R>, direction: [R; 2], size: Size<R> },
     /// A varying torque.
-    Torque { frame: usize, size: Size },
+    Torque { frame: usize, size: Size<R> },
     /// See [`Load::Motor`].
-    Motor { frame: usize, stall_torque: f64, no_load_speed: f64 },
+    Motor { frame: usize, stall_torque: R, no_load_speed: R },
 }
 
 /// Size of a load.
 #[derive(Debug, Clone)]
-pub enum Size {
+pub enum Size<R = f64> {
     /// Always the same.
-    Constant(f64),
-    /// By a table over time.
-    OverTime(PiecewiseCubic),
-    /// By a table over the angle of a frame.
-    OverAngle(PiecewiseCubic, usize),
+    Constant(R),
+    /// By a table over time, one per lane.
+    OverTime(Vec<PiecewiseCubic>),
+    /// By a table over the angle of a frame, one per lane.
+    OverAngle(Vec<PiecewiseCubic>, usize),
 }
 
 /// What a load does at one instant to the two frames of `ends`, each (x, y, angle).
 #[derive(Debug, Clone, Copy)]
-pub struct LoadForce {
+pub struct LoadForce<R = f64> {
     /// The frames; [`NOBODY`] if there is only one.
     pub frames: [usize; 2],
     /// Generalised force `(6,)`.
-    pub f: [f64; 6],
+    pub f: [R; 6],
     /// Derivative to the coordinates `(6, 6)`.
-    pub k: [[f64; 6]; 6],
+    pub k: [[R; 6]; 6],
     /// Derivative to their rates `(6, 6)`.
-    pub d: [[f64; 6]; 6],
+    pub d: [[R; 6]; 6],
     /// Derivative to time `(6,)`.
-    pub ft: [f64; 6],
+    pub ft: [R; 6],
     /// Derivative to the angle of another frame, and which.
-    pub third: Option<(usize, [f64; 6])>,
+    pub third: Option<(usize, [R; 6])>,
     /// Energy stored in it [J].
-    pub stored: f64,
+    pub stored: R,
     /// Power it loses [W].
-    pub lost: f64,
+    pub lost: R,
 }
 
-impl LoadForce {
-    fn on(frames: [usize; 2]) -> Self {
+impl<R: Real> LoadForce<R> {
+    #[inline(always)]
+    fn on(frames: [usize; 2], like: R) -> Self {
+        let zero = like.zero();
         LoadForce {
             frames,
-            f: [0.0; 6],
-            k: [[0.0; 6]; 6],
-            d: [[0.0; 6]; 6],
-            ft: [0.0; 6],
+            f: [zero; 6],
+            k: [[zero; 6]; 6],
+            d: [[zero; 6]; 6],
+            ft: [zero; 6],
             third: None,
-            stored: 0.0,
-            lost: 0.0,
+            stored: zero,
+            lost: zero,
         }
     }
 }
@@ -76,38 +80,58 @@ impl Size {
     pub fn of(curve: &common::scene::Curve, mut frame: impl FnMut(usize) -> usize) -> Self {
         let table = PiecewiseCubic::monotone(&curve.table);
         match curve.over {
-            Over::Time => Size::OverTime(table),
-            Over::Angle(body) => Size::OverAngle(table, frame(body)),
+            Over::Time => Size::OverTime(vec![table]),
+            Over::Angle(body) => Size::OverAngle(vec![table], frame(body)),
         }
     }
+}
 
+impl<R: Real> Size<R> {
     /// Size, its derivative to time, and that to the angle of a frame.
-    fn at(&self, t: f64, frames: &[Frame]) -> (f64, f64, Option<(usize, f64)>) {
+    #[inline(always)]
+    fn at(&self, t: R, frames: &[Frame<R>]) -> (R, R, Option<(usize, R)>) {
+        let read = |tables: &[PiecewiseCubic], x: R| {
+            let (mut value, mut slope) = (x, x);
+            for (lane, table) in tables.iter().enumerate() {
+                let [y, d, ..] = table.jet(x.lane(lane));
+                value.set_lane(lane, y);
+                slope.set_lane(lane, d);
+            }
+            (value, slope)
+        };
         match self {
-            Size::Constant(size) => (*size, 0.0, None),
-            Size::OverTime(table) => {
-                let [size, rate, ..] = table.jet(t);
+            Size::Constant(size) => (*size, t.zero(), None),
+            Size::OverTime(tables) => {
+                let (size, rate) = read(tables, t);
                 (size, rate, None)
             }
-            Size::OverAngle(table, frame) => {
-                let [size, slope, ..] = table.jet(frames[*frame].angle);
-                (size, 0.0, Some((*frame, slope)))
+            Size::OverAngle(tables, frame) => {
+                let (size, slope) = read(tables, frames[*frame].angle);
+                (size, t.zero(), Some((*frame, slope)))
             }
         }
     }
 }
 
-fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
+/// Each number times the same.
+#[inline(always)]
+fn times<R: Real>(x: &[R; 6], factor: R) -> [R; 6] {
+    let mut out = *x;
+    for y in &mut out {
+        *y = *y * factor;
+    }
+    out
+}
+
+#[inline(always)]
+fn dot<R: Real>(a: [R; 2], b: [R; 2]) -> R {
     a[0] * b[0] + a[1] * b[1]
 }
 
-fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[1] - a[1] * b[0]
-}
-
-impl IslandLoad {
+impl<R: Real> IslandLoad<R> {
     /// The force at time `t` [s].
-    pub fn force(&self, t: f64, frames: &[Frame]) -> LoadForce {
+    #[inline(always)]
+    pub fn force(&self, t: R, frames: &[Frame<R>]) -> LoadForce<R> {
         match self {
             IslandLoad::DirectionalSpring { ends, direction, stiffness, free_length } => {
                 directional_spring(ends, frames, *direction, *stiffness, *free_length)
@@ -116,43 +140,66 @@ impl IslandLoad {
                 spring(ends, frames, *stiffness, *damping, *free_length)
             }
             IslandLoad::TorsionSpring { frames: [a, b], stiffness, damping, free_angle } => {
-                let mut load = LoadForce::on([*a, *b]);
-                let off = frames[*a].angle - frames[*b].angle - free_angle;
+                let mut load = LoadForce::on([*a, *b], t);
+                let (stiffness, damping) = (*stiffness, *damping);
+                let off = frames[*a].angle - frames[*b].angle - *free_angle;
                 let rate = frames[*a].omega - frames[*b].omega;
                 load.f[2] = -stiffness * off - damping * rate;
                 load.f[5] = -load.f[2];
-                for (r, sign) in [(2, -1.0), (5, 1.0)] {
-                    (load.k[r][2], load.k[r][5]) = (sign * stiffness, -sign * stiffness);
-                    (load.d[r][2], load.d[r][5]) = (sign * damping, -sign * damping);
-                }
-                load.stored = 0.5 * stiffness * off * off;
+                (load.k[2][2], load.k[2][5]) = (-stiffness, stiffness);
+                (load.k[5][2], load.k[5][5]) = (stiffness, -stiffness);
+                (load.d[2][2], load.d[2][5]) = (-damping, damping);
+                (load.d[5][2], load.d[5][5]) = (damping, -damping);
+                load.stored = stiffness * off * off * 0.5;
                 load.lost = damping * rate * rate;
                 load
             }
             IslandLoad::Force { end, direction, size } => {
-                let mut load = LoadForce::on([end.frame, NOBODY]);
+                let mut load = LoadForce::on([end.frame, NOBODY], t);
                 let (size, rate, slope) = size.at(t, frames);
                 let arm = frames[end.frame].turn(end.arm);
-                let along = [direction[0], direction[1], cross(arm, *direction), 0.0, 0.0, 0.0];
-                load.f = along.map(|x| size * x);
-                load.ft = along.map(|x| rate * x);
-                load.third = slope.map(|(frame, slope)| (frame, along.map(|x| slope * x)));
+                let nothing = t.zero();
+                let along = [direction[0], direction[1], cross(arm, *direction), nothing, nothing, nothing];
+                load.f = times(&along, size);
+                load.ft = times(&along, rate);
+                if let Some((frame, slope)) = slope {
+                    load.third = Some((frame, times(&along, slope)));
+                }
                 load.k[2][2] = -size * dot(arm, *direction);
                 load
             }
             IslandLoad::Torque { frame, size } => {
-                let mut load = LoadForce::on([*frame, NOBODY]);
+                let mut load = LoadForce::on([*frame, NOBODY], t);
                 let (size, rate, slope) = size.at(t, frames);
                 (load.f[2], load.ft[2]) = (size, rate);
-                load.third = slope.map(|(frame, slope)| (frame, [0.0, 0.0, slope, 0.0, 0.0, 0.0]));
+                let nothing = t.zero();
+                if let Some((frame, slope)) = slope {
+                    load.third = Some((frame, [nothing, nothing, slope, nothing, nothing, nothing]));
+                }
                 load
             }
             IslandLoad::Motor { frame, stall_torque, no_load_speed } => {
-                let mut load = LoadForce::on([*frame, NOBODY]);
-                load.f[2] = stall_torque * (1.0 - frames[*frame].omega / no_load_speed);
-                load.d[2][2] = -stall_torque / no_load_speed;
+                let mut load = LoadForce::on([*frame, NOBODY], t);
+                let per_speed = *stall_torque / *no_load_speed;
+                load.f[2] = *stall_torque - per_speed * frames[*frame].omega;
+                load.d[2][2] = -per_speed;
                 load
             }
+        }
+    }
+
+    /// The frames it makes depend on each other.
+    pub fn frames(&self) -> Vec<usize> {
+        let over = |size: &Size<R>, frame: usize| match size {
+            Size::OverAngle(_, other) => vec![frame, *other],
+            _ => vec![frame],
+        };
+        match self {
+            Self::DirectionalSpring { ends, .. } | Self::Spring { ends, .. } => ends.map(|e| e.frame).to_vec(),
+            Self::TorsionSpring { frames, .. } => frames.to_vec(),
+            Self::Force { end, size, .. } => over(size, end.frame),
+            Self::Torque { frame, size } => over(size, *frame),
+            Self::Motor { frame, .. } => vec![*frame],
         }
     }
 
@@ -163,21 +210,22 @@ impl IslandLoad {
 }
 
 /// With y = direction . (a - b): -stiffness (y - free_length) along the direction.
-fn directional_spring(
-    ends: &[End; 2],
-    frames: &[Frame],
-    d: [f64; 2],
-    stiffness: f64,
-    free_length: f64,
-) -> LoadForce {
-    let [fa, fb] = [0, 1].map(|k| frames[ends[k].frame]);
+#[inline(always)]
+fn directional_spring<R: Real>(
+    ends: &[End<R>; 2],
+    frames: &[Frame<R>],
+    d: [R; 2],
+    stiffness: R,
+    free_length: R,
+) -> LoadForce<R> {
+    let (fa, fb) = (frames[ends[0].frame], frames[ends[1].frame]);
     let (a, b) = (fa.turn(ends[0].arm), fb.turn(ends[1].arm));
     let y = d[0] * (fa.x[0] + a[0] - fb.x[0] - b[0]) + d[1] * (fa.x[1] + a[1] - fb.x[1] - b[1]);
     // Gradient of y to the six coordinates: the force is -stiffness (y - y0) times it.
     let g = [d[0], d[1], cross(a, d), -d[0], -d[1], -cross(b, d)];
     let pull = -stiffness * (y - free_length);
-    let mut load = LoadForce::on([ends[0].frame, ends[1].frame]);
-    load.f = g.map(|g| pull * g);
+    let mut load = LoadForce::on([ends[0].frame, ends[1].frame], stiffness);
+    load.f = times(&g, pull);
     for r in 0..6 {
         for c in 0..6 {
             load.k[r][c] = -stiffness * g[r] * g[c];
@@ -185,32 +233,41 @@ fn directional_spring(
     }
     load.k[2][2] -= pull * dot(a, d);
     load.k[5][5] += pull * dot(b, d);
-    load.stored = 0.5 * stiffness * (y - free_length) * (y - free_length);
+    load.stored = stiffness * (y - free_length) * (y - free_length) * 0.5;
     load
 }
 
 /// Pull stiffness (l - free_length) + damping dl/dt along the line between two points; nothing where they
 /// coincide, which leaves the line without direction.
-fn spring(ends: &[End; 2], frames: &[Frame], stiffness: f64, damping: f64, free_length: f64) -> LoadForce {
-    let [fa, fb] = [0, 1].map(|k| frames[ends[k].frame]);
+#[inline(always)]
+fn spring<R: Real>(
+    ends: &[End<R>; 2],
+    frames: &[Frame<R>],
+    stiffness: R,
+    damping: R,
+    free_length: R,
+) -> LoadForce<R> {
+    let (fa, fb) = (frames[ends[0].frame], frames[ends[1].frame]);
     let (a, b) = (fa.turn(ends[0].arm), fb.turn(ends[1].arm));
     let (va, vb) = (fa.velocity(ends[0].arm), fb.velocity(ends[1].arm));
-    let e = [0, 1].map(|k| fa.x[k] + a[k] - fb.x[k] - b[k]);
-    let w = [0, 1].map(|k| va[k] - vb[k]);
-    let mut load = LoadForce::on([ends[0].frame, ends[1].frame]);
+    let e = [fa.x[0] + a[0] - fb.x[0] - b[0], fa.x[1] + a[1] - fb.x[1] - b[1]];
+    let w = [va[0] - vb[0], va[1] - vb[1]];
+    let mut load = LoadForce::on([ends[0].frame, ends[1].frame], stiffness);
     let length = (e[0] * e[0] + e[1] * e[1]).sqrt();
-    if length <= 0.0 {
-        return load;
-    }
-    let u = e.map(|x| x / length);
+    let (nothing, one) = (length.zero(), length.like(1.0));
+    let has_line = nothing.below(length);
+    let length = R::select(has_line, length, one);
+    let (stiffness, damping) =
+        (R::select(has_line, stiffness, nothing), R::select(has_line, damping, nothing));
+    let u = [e[0] / length, e[1] / length];
     let rate = dot(u, w);
     let pull = stiffness * (length - free_length) + damping * rate;
-    load.stored = 0.5 * stiffness * (length - free_length) * (length - free_length);
+    load.stored = stiffness * (length - free_length) * (length - free_length) * 0.5;
     load.lost = damping * rate * rate;
     // Gradients of l, and of dl/dt, to the six coordinates; dl/dt has that of l to the six rates.
     let g = [u[0], u[1], cross(a, u), -u[0], -u[1], -cross(b, u)];
     // Derivative of u to e along w, and of the points and their velocities to the angles.
-    let across = [0, 1].map(|k| (w[k] - rate * u[k]) / length);
+    let across = [(w[0] - rate * u[0]) / length, (w[1] - rate * u[1]) / length];
     let (sa, sb) = ([-a[1], a[0]], [-b[1], b[0]]);
     let to_rate = [
         across[0],
@@ -220,18 +277,18 @@ fn spring(ends: &[End; 2], frames: &[Frame], stiffness: f64, damping: f64, free_
         -across[1],
         -dot(across, sb) + fb.omega * dot(u, b),
     ];
-    load.f = g.map(|g| -pull * g);
+    load.f = times(&g, -pull);
     for r in 0..6 {
         for c in 0..6 {
             load.k[r][c] = -g[r] * (stiffness * g[c] + damping * to_rate[c]);
-            load.d[r][c] = -g[r] * damping * g[c];
+            load.d[r][c] = -(g[r] * damping * g[c]);
         }
     }
     // The gradient g itself turns with e and with the arms.
-    let columns = [[1.0, 0.0], [0.0, 1.0], sa, [-1.0, 0.0], [0.0, -1.0], [-sb[0], -sb[1]]];
+    let columns = [[one, nothing], [nothing, one], sa, [-one, nothing], [nothing, -one], [-sb[0], -sb[1]]];
     for (c, de) in columns.into_iter().enumerate() {
         let along = dot(u, de);
-        let du = [0, 1].map(|k| (de[k] - along * u[k]) / length);
+        let du = [(de[0] - along * u[0]) / length, (de[1] - along * u[1]) / length];
         let mut dg = [du[0], du[1], cross(a, du), -du[0], -du[1], -cross(b, du)];
         if c == 2 {
             dg[2] += cross(sa, u);
@@ -239,7 +296,9 @@ fn spring(ends: &[End; 2], frames: &[Frame], stiffness: f64, damping: f64, free_
         if c == 5 {
             dg[5] -= cross(sb, u);
         }
-        load.k.iter_mut().zip(dg).for_each(|(row, dg)| row[c] -= pull * dg);
+        for r in 0..6 {
+            load.k[r][c] -= pull * dg[r];
+        }
     }
     load
 }

@@ -17,6 +17,8 @@ mod load;
 #[cfg(test)]
 mod order_tests;
 mod outer;
+mod pack;
+mod packed_load;
 mod prescribed;
 mod table;
 mod topology;
@@ -27,5 +29,6 @@ pub use forces::LoadPower;
 pub use frame::{End, Frame};
 pub use island::{Island, WearingJoint};
 pub use outer::OuterLoads;
+pub use pack::{Pack, packs, same_make};
 pub use prescribed::Prescribed;
 pub use topology::islands;

@@ -2,6 +2,7 @@
 
 use super::frame::Frame;
 use super::table::{Jet, PiecewiseCubic};
+use crate::lanes::{Real, sincos};
 use common::scene::{Body, Drive, Motion};
 
 /// A prescribed motion: the reference point stands still, the angle is a function of time.
@@ -66,8 +67,24 @@ impl Prescribed {
     /// Its frame at an angle with its derivatives.
     #[inline]
     pub fn at_angle(&self, jet: &Jet) -> Frame {
-        let [angle, omega, ..] = *jet;
-        let (sin, cos) = if angle == 0.0 { (0.0, 1.0) } else { libm::sincos(angle) };
-        Frame { x: self.position, angle, cs: [cos, sin], v: [0.0; 2], omega }
+        turned(self.position, jet)
     }
+
+    /// Where its reference point stands [m].
+    pub fn position(&self) -> [f64; 2] {
+        self.position
+    }
+
+    /// Whether it is part of the frame.
+    pub fn is_still(&self) -> bool {
+        self.angle == Angle::Still
+    }
+}
+
+/// Frame of a body that turns about `position`, at an angle with its derivatives.
+#[inline(always)]
+pub fn turned<R: Real>(position: [R; 2], jet: &Jet<R>) -> Frame<R> {
+    let [angle, omega, ..] = *jet;
+    let (sin, cos) = sincos(angle);
+    Frame { x: position, angle, cs: [cos, sin], v: [angle.zero(); 2], omega }
 }

@@ -4,7 +4,7 @@ use common::scene::Table;
 use nalgebra::{DMatrix, DVector};
 
 /// Value and first three derivatives at one argument.
-pub type Jet = [f64; 4];
+pub type Jet<R = f64> = [R; 4];
 
 /// A piecewise cubic.
 #[derive(Debug, Clone, PartialEq)]

@@ -3,7 +3,7 @@
 
 use super::gap::Gap;
 use super::{Follow, FollowStats, IdealMotion, StepBounds, Unsuitable};
-use crate::integrate::{Dynamics, Linearised, Watch};
+use crate::integrate::{Band, Dynamics, Linearised, Stepped, Watch};
 use std::f64::consts::TAU;
 
 /// A body of mass `mass` on a point that moves as A sin(omega t): f = -c (v - v_point) - k g (1 + h g^2), with
@@ -55,6 +55,9 @@ impl Dynamics for Held {
         at.k[0] = if t < self.until { -slope } else { 0.0 };
         at.d[0] = -self.film;
     }
+}
+
+impl Stepped for Held {
     fn scales(&self) -> (&[f64], &[f64]) {
         (&self.scale, &[1.0])
     }
@@ -62,7 +65,7 @@ impl Dynamics for Held {
 
 /// Gap at t = 0.4 after this many equal steps from rest at t = 0.1, and the last step's error estimate.
 fn end(system: &Held, steps: u32) -> (f64, f64) {
-    let (ideal, mut gap) = (system.ideal(), Gap::new(Linearised::new(1, 0)));
+    let (ideal, mut gap) = (system.ideal(), Gap::new(Linearised::new(0.0, Band::new(1, 0), 0)));
     assert!(gap.rest(&mut Held { ..*system }, &ideal, 0.1, &[0.0]));
     // Newton's iteration stops at 1e-4 of the scale: now far below every difference looked at.
     let system = &mut Held { scale: [5e-4], ..*system };
@@ -136,7 +139,7 @@ fn the_settled_cycle_is_that_of_the_closed_form() {
     let force = system.mass[0] * system.amplitude * OMEGA * OMEGA;
     let (size, lag) = (force / k.hypot(c * OMEGA), (c * OMEGA).atan2(k));
     let mut off = |tolerance: f64| {
-        let mut follow = Follow::new(system.ideal(), Linearised::new(1, 0), tolerance, bounds(0.1));
+        let mut follow = Follow::new(system.ideal(), Linearised::new(0.0, Band::new(1, 0), 0), tolerance, bounds(0.1));
         let mut stats = FollowStats::default();
         // After ten relaxation times of 0.05 the start is forgotten to 5e-5.
         follow.begin(&mut system, -0.5, &[0.0], &mut stats).expect("a spring gives rest");
@@ -159,7 +162,7 @@ fn the_settled_cycle_is_that_of_the_closed_form() {
 fn a_gap_that_nothing_holds_is_refused() {
     let mut system = Held::new(0.0, 40.0, 0.0);
     let mut stats = FollowStats::default();
-    let mut follow = Follow::new(system.ideal(), Linearised::new(1, 0), 1.0, bounds(0.01));
+    let mut follow = Follow::new(system.ideal(), Linearised::new(0.0, Band::new(1, 0), 0), 1.0, bounds(0.01));
     system.until = 0.35;
     follow.begin(&mut system, 0.1, &[0.0], &mut stats).expect("held at first");
     match follow.run(&mut system, 1.0, &mut (), &mut stats) {
@@ -178,7 +181,7 @@ fn a_film_alone_holds_a_gap() {
     let mut system = Held::new(2.0, 40.0, 0.0);
     system.until = 0.35;
     let mut stats = FollowStats::default();
-    let mut follow = Follow::new(system.ideal(), Linearised::new(1, 0), 1e-3, bounds(0.01));
+    let mut follow = Follow::new(system.ideal(), Linearised::new(0.0, Band::new(1, 0), 0), 1e-3, bounds(0.01));
     follow.begin(&mut system, 0.1, &[0.0], &mut stats).expect("held at first");
     follow.run(&mut system, 1.0, &mut (), &mut stats).expect("the film goes on holding");
     // From there on c g' = m A omega^2 sin(omega t), and what a step misses is never made good: of the two-step
@@ -194,7 +197,7 @@ fn a_film_alone_holds_a_gap() {
 fn the_bound_on_steps_holds() {
     let mut system = Held::new(2.0, 40.0, 0.0);
     let few = StepBounds { most: 5, ..bounds(0.01) };
-    let mut follow = Follow::new(system.ideal(), Linearised::new(1, 0), 1.0, few);
+    let mut follow = Follow::new(system.ideal(), Linearised::new(0.0, Band::new(1, 0), 0), 1.0, few);
     let mut stats = FollowStats::default();
     follow.begin(&mut system, 0.0, &[0.0], &mut stats).expect("a spring gives rest");
     let stopped = follow.run(&mut system, 1.0, &mut (), &mut stats);

@@ -3,7 +3,7 @@
 
 use super::gap::Gap;
 use super::{IdealMotion, Unsuitable};
-use crate::integrate::{Dynamics, Linearised, Watch};
+use crate::integrate::{Linearised, Stepped, Watch};
 use std::ops::Range;
 
 /// Counts.
@@ -66,7 +66,7 @@ impl Follow {
     ///
     /// # Errors
     /// [`Unsuitable::NoRest`] if they find none.
-    pub fn begin<D: Dynamics>(
+    pub fn begin<D: Stepped>(
         &mut self,
         system: &mut D,
         t: f64,
@@ -84,7 +84,7 @@ impl Follow {
     ///
     /// # Errors
     /// [`Unsuitable`]: the step or the number of steps left its bounds, or a joint its contact law's range.
-    pub fn run<D: Dynamics, W: Watch<D>>(
+    pub fn run<D: Stepped, W: Watch<D>>(
         &mut self,
         system: &mut D,
         end: f64,
@@ -97,7 +97,7 @@ impl Follow {
         done
     }
 
-    fn carry<D: Dynamics, W: Watch<D>>(
+    fn carry<D: Stepped, W: Watch<D>>(
         &mut self,
         system: &mut D,
         span: Range<f64>,

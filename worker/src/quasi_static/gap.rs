@@ -8,7 +8,7 @@
 //! that rate to first order only.
 
 use super::IdealMotion;
-use crate::integrate::{Dynamics, Linearised, factor, solve};
+use crate::integrate::{Band, Linearised, Stepped, add_product, factor, solve};
 
 /// Largest change of a coordinate in one Newton iteration, in its scale (1 % of the smallest clearance).
 const LONGEST_UPDATE: f64 = 10.0;
@@ -36,7 +36,7 @@ pub struct Gap {
     ideal_v: Vec<f64>,
     ideal_a: Vec<f64>,
     matrix: Vec<f64>,
-    pivot: Vec<usize>,
+    band: Band,
     update: Vec<f64>,
     /// State at the end of the step just tried, but for the last Newton update.
     pub q: Vec<f64>,
@@ -63,8 +63,8 @@ impl Gap {
             ideal_q: zero(),
             ideal_v: zero(),
             ideal_a: zero(),
-            matrix: vec![0.0; n * n],
-            pivot: vec![0; n],
+            matrix: vec![0.0; at.band.len()],
+            band: at.band,
             update: zero(),
             q: zero(),
             v: zero(),
@@ -81,7 +81,7 @@ impl Gap {
     /// Searches for the gaps at rest at time `t`, from the gaps `start`: a step of the dynamics at a time with
     /// its velocity dropped afterwards, (M / tau^2 - df/dq) dg = f - M a_ideal, tau growing until nothing but
     /// the equilibrium is left. False if it does not come to rest.
-    pub fn rest<D: Dynamics>(&mut self, system: &mut D, ideal: &IdealMotion, t: f64, start: &[f64]) -> bool {
+    pub fn rest<D: Stepped>(&mut self, system: &mut D, ideal: &IdealMotion, t: f64, start: &[f64]) -> bool {
         let n = self.n;
         self.trial.copy_from_slice(start);
         ideal.at(t, &mut self.ideal_q, &mut self.ideal_v, &mut self.ideal_a);
@@ -93,8 +93,8 @@ impl Gap {
             let inertia = *inverse_square.get_or_insert_with(|| {
                 (0..n).map(|i| (self.update[i] / mass[i] / scale[i]).abs()).fold(0.0, f64::max)
             });
-            for (diagonal, mass) in self.matrix.iter_mut().step_by(n + 1).zip(mass) {
-                *diagonal -= mass * inertia;
+            for (i, mass) in mass.iter().enumerate() {
+                self.matrix[self.band.index(i, i)] -= mass * inertia;
             }
             let Some(size) = self.newton_update(scale) else { return false };
             self.move_by(size);
@@ -112,7 +112,7 @@ impl Gap {
     }
 
     /// Tries a step of length `h` [s]; false if Newton's iteration does not converge.
-    pub fn step<D: Dynamics>(&mut self, system: &mut D, ideal: &IdealMotion, h: f64) -> bool {
+    pub fn step<D: Stepped>(&mut self, system: &mut D, ideal: &IdealMotion, h: f64) -> bool {
         let t = self.time[0] + h;
         ideal.at(t, &mut self.ideal_q, &mut self.ideal_v, &mut self.ideal_a);
         self.predict(t);
@@ -131,16 +131,15 @@ impl Gap {
 
     /// Local error of the step just tried, largest over the coordinates in their scales: the error of the rate,
     /// from the difference to the extrapolation of the past, carried through the equation to the gaps. Where
-    /// stiffness rules there is none, whatever the rate. Overwrites the update, not the linearisation.
+    /// stiffness rules there is none, whatever the rate. Overwrites the update and the prediction, not the linearisation.
     pub fn error(&mut self, h: f64, scale: &[f64]) -> f64 {
-        let n = self.n;
         let span = self.time[0] + h - self.time[self.known - 1];
-        for i in 0..n {
-            let row = &self.at.d[i * n..(i + 1) * n];
-            let off = row.iter().zip(self.trial.iter().zip(&self.predicted));
-            self.update[i] = off.map(|(d, (g, p))| d * (g - p)).sum::<f64>() / span;
+        self.update.fill(0.0);
+        for (predicted, trial) in self.predicted.iter_mut().zip(&self.trial) {
+            *predicted = trial - *predicted;
         }
-        solve(&self.matrix, &self.pivot, n, &mut self.update);
+        add_product(&self.at.d, &self.band, 1.0 / span, &self.predicted, &mut self.update);
+        solve(&self.matrix, &self.band, &mut self.update);
         worst(&self.update, scale)
     }
 
@@ -176,7 +175,7 @@ impl Gap {
     }
 
     /// State, linearisation, negative residual (in `update`) and matrix K + alpha D (negated) at the trial gaps.
-    fn evaluate<D: Dynamics>(&mut self, system: &mut D, t: f64, alpha: f64, beta: [f64; 3]) {
+    fn evaluate<D: Stepped>(&mut self, system: &mut D, t: f64, alpha: f64, beta: [f64; 3]) {
         let n = self.n;
         for i in 0..n {
             self.q[i] = self.ideal_q[i] + self.trial[i];
@@ -200,10 +199,10 @@ impl Gap {
 
     /// Solves for Newton's update; its size in the scales, none if there is no finite one.
     fn newton_update(&mut self, scale: &[f64]) -> Option<f64> {
-        if !factor(&mut self.matrix, &mut self.pivot, self.n) {
+        if factor(&mut self.matrix, &self.band, 0.0) != 1.0 {
             return None;
         }
-        solve(&self.matrix, &self.pivot, self.n, &mut self.update);
+        solve(&self.matrix, &self.band, &mut self.update);
         let size = worst(&self.update, scale);
         size.is_finite().then_some(size)
     }

@@ -1,7 +1,9 @@
 //! What an evaluation of a scene will do and cost, from its settled first cycle alone.
 
+use super::desk::Desk;
 use super::probe::probed;
 use super::run::Run;
+use super::together::alone;
 use crate::life::boundaries;
 use crate::quasi_static::Unsuitable;
 use common::accuracy::Accuracy;
@@ -46,7 +48,11 @@ pub struct FirstLook {
 /// # Errors
 /// [`SimulationFailure`] as of an evaluation.
 pub fn first_look(scene: &Scene, accuracy: &Accuracy) -> Result<FirstLook, SimulationFailure> {
-    let mut run = Run::assemble(scene, accuracy)?;
+    alone(|desk| look(desk, scene, accuracy))
+}
+
+async fn look(desk: Desk, scene: &Scene, accuracy: &Accuracy) -> Result<FirstLook, SimulationFailure> {
+    let mut run = Run::assemble(desk, scene, accuracy)?;
     let names = |bodies: &[usize]| bodies.iter().map(|&b| scene.bodies[b].name.clone()).collect();
     let islands = run.islands.iter().map(|m| IslandModel {
         bodies: names(&m.island.bodies),
@@ -61,9 +67,9 @@ pub fn first_look(scene: &Scene, accuracy: &Accuracy) -> Result<FirstLook, Simul
         constraints: m.island.constraint_rows(),
     });
     let islands = islands.collect();
-    run.settle()?;
+    run.settle().await?;
     let before = run.stats.steps;
-    run.measure()?;
+    run.measure().await?;
     let steps_per_cycle = run.stats.steps - before;
     let wears = run.wears();
     let tier = run.usable_tier();

@@ -31,9 +31,9 @@ pub struct Guided {
 
 /// The whole life under the quasi-static tier, if the accuracy leaves the choice, the scene asks for nothing but
 /// wear and both comparisons agree; else none, with `run` as it was but for its counts.
-pub fn wear_alone(run: &mut Run) -> Option<Lived> {
+pub async fn wear_alone(run: &mut Run<'_>) -> Option<Lived> {
     let mut trial = run.clone();
-    match trial.live_quasi_statically() {
+    match trial.live_quasi_statically().await {
         Ok(lived) => {
             *run = trial;
             Some(lived)
@@ -51,11 +51,11 @@ impl Run<'_> {
     ///
     /// # Errors
     /// [`Unsuitable`] if the dynamics has to drive the wear instead.
-    fn live_quasi_statically(&mut self) -> Result<Lived, Unsuitable> {
+    async fn live_quasi_statically(&mut self) -> Result<Lived, Unsuitable> {
         self.try_gaps()?;
-        let mut lived = live(self, Run::follow, false)?;
+        let mut lived = live(self, async |run: &mut Run| run.follow(), false).await?;
         // The dynamics once more, on the worn bores, from where the gaps have carried the mechanism.
-        self.last_cycle()?;
+        self.last_cycle().await?;
         self.agree()?;
         for ((errors, values), share) in
             lived.errors.iter_mut().zip(&lived.histories).zip(&self.tier_difference)

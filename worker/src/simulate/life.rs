@@ -21,9 +21,9 @@ pub struct Lived {
 ///
 /// # Errors
 /// What the wear or `next_cycle` refused.
-pub fn live<'a, E: From<SimulationFailure>>(
-    run: &mut Run<'a>,
-    next_cycle: impl Fn(&mut Run<'a>) -> Result<(), E>,
+pub async fn live<E: From<SimulationFailure>>(
+    run: &mut Run<'_>,
+    next_cycle: impl AsyncFn(&mut Run) -> Result<(), E>,
     dynamic: bool,
 ) -> Result<Lived, E> {
     let (scene, accuracy) = (run.scene, run.accuracy);
@@ -33,7 +33,7 @@ pub fn live<'a, E: From<SimulationFailure>>(
     let mut doubt = Doubt::default();
     let mut measured = vec![run.motion_outputs()];
     if dynamic {
-        doubt.probed(run.probe(0)?);
+        doubt.probed(run.probe(0).await?);
     }
     let mut wear = vec![vec![]; scene.outputs.len()];
     for block in lives.windows(2) {
@@ -42,13 +42,13 @@ pub fn live<'a, E: From<SimulationFailure>>(
         run.wear(block[0], block[1], &checkpoints, &mut wear)?;
         doubt.worn(run, block[0], depths);
         if dynamic && block[1] == scene.life.cycles {
-            run.last_cycle()?;
+            run.last_cycle().await?;
         } else {
-            next_cycle(run)?;
+            next_cycle(run).await?;
         }
         measured.push(run.motion_outputs());
         if probed.contains(&block[1]) {
-            doubt.probed(run.probe(block[1])?);
+            doubt.probed(run.probe(block[1]).await?);
         }
     }
     run.close_wear()?;

@@ -9,6 +9,7 @@
 //! Where wear is all that is asked for, the cycles between the first and the last may be quasi-static ones; where
 //! nothing wears, one cycle is all there is.
 
+mod desk;
 mod error;
 mod finish;
 mod first_look;
@@ -16,17 +17,21 @@ mod guided;
 mod life;
 mod moving;
 mod observe;
+mod pool;
 mod probe;
 mod run;
+mod together;
 mod unchanging;
 
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
 use common::scene::Scene;
+use desk::Desk;
 use guided::wear_alone;
 use life::live;
 use run::Run;
+use together::{Work, alone, together};
 
 pub use first_look::{FirstLook, IslandModel, first_look};
 
@@ -54,27 +59,69 @@ pub fn simulate_counting(
     with_first_cycle: bool,
     steps: &mut u64,
 ) -> Result<Evaluation, SimulationFailure> {
-    let mut run = Run::assemble(scene, accuracy)?;
-    let evaluation = evaluate(&mut run, with_first_cycle);
-    *steps += run.stats.steps + run.stats.rejected;
+    let (evaluation, tried) = alone(|desk| life_of(desk, scene, accuracy, with_first_cycle));
+    *steps += tried;
     evaluation
 }
 
+/// One evaluation of several that run side by side.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Order {
+    /// The scene, of one sample.
+    pub scene: Scene,
+    /// How accurately.
+    pub accuracy: Accuracy,
+    /// Whether people want to see the first cycle.
+    pub with_first_cycle: bool,
+}
+
+/// Evaluates what `next` gives, at most `most` at a time, side by side in the lanes of one core, until it gives
+/// nothing; `done` takes each result with its number, counted from zero as they were given. A result is the same, to
+/// the last bit, as by [`simulate`]: whatever ran beside.
+pub fn simulate_together(
+    most: usize,
+    next: &mut dyn FnMut() -> Option<Order>,
+    done: &mut dyn FnMut(usize, Result<Evaluation, SimulationFailure>),
+) {
+    let desk = Desk::default();
+    let mut work = || -> Option<Work<'static, _>> {
+        let Order { scene, accuracy, with_first_cycle } = next()?;
+        let desk = desk.clone();
+        Some(Box::pin(async move { life_of(desk, &scene, &accuracy, with_first_cycle).await.0 }))
+    };
+    together(&desk, most, &mut work, done);
+}
+
+/// The evaluation, and the time steps it tried.
+async fn life_of(
+    desk: Desk,
+    scene: &Scene,
+    accuracy: &Accuracy,
+    with_first_cycle: bool,
+) -> (Result<Evaluation, SimulationFailure>, u64) {
+    let mut run = match Run::assemble(desk, scene, accuracy) {
+        Ok(run) => run,
+        Err(failure) => return (Err(failure), 0),
+    };
+    let evaluation = evaluate(&mut run, with_first_cycle).await;
+    (evaluation, run.stats.steps + run.stats.rejected)
+}
+
 /// Stage by stage.
-fn evaluate(run: &mut Run, with_first_cycle: bool) -> Result<Evaluation, SimulationFailure> {
+async fn evaluate(run: &mut Run<'_>, with_first_cycle: bool) -> Result<Evaluation, SimulationFailure> {
     run.watched = with_first_cycle;
-    run.settle()?;
+    run.settle().await?;
     run.show(true);
-    run.measure()?;
+    run.measure().await?;
     let first = run.first_seen(with_first_cycle);
     run.show(false);
     if !run.wears() {
-        return run.unchanging(first);
+        return run.unchanging(first).await;
     }
 
-    let lived = match wear_alone(run) {
+    let lived = match wear_alone(run).await {
         Some(lived) => lived,
-        None => live(run, Run::next_cycle, true)?,
+        None => live(run, async |run: &mut Run| run.next_cycle().await, true).await?,
     };
     run.finish(run.scene.life.checkpoints(), lived.histories, lived.errors, first)
 }

@@ -1,6 +1,6 @@
 //! One island under way: its state and the tools that carry it.
 
-use crate::integrate::{Advance, AdvanceError, Dynamics};
+use crate::integrate::{Advance, AdvanceError, Stepped};
 use crate::mechanism::{Island, Pose};
 use crate::outputs::{Recorder, Wanted};
 use crate::wear::{WearRate, WearStep};
@@ -151,6 +151,7 @@ pub fn failure(error: AdvanceError, cycle: u32, island: &Island) -> SimulationFa
 #[cfg(test)]
 mod tests {
     use crate::simulate::run::Run;
+    use crate::simulate::together::alone;
     use common::accuracy::Accuracy;
     use common::scene::{ContactDamping, JointKind, RestitutionLaw, SceneSource};
 
@@ -167,7 +168,8 @@ mod tests {
             }
         }
         let accuracy = Accuracy::draft();
-        let mut run = Run::assemble(&scene, &accuracy).expect("assembled");
+        alone(|desk| async {
+        let mut run = Run::assemble(desk, &scene, &accuracy).expect("assembled");
         let damping = |run: &Run| -> Vec<f64> {
             let joints = run.islands.iter().flat_map(|m| &m.island.joints);
             joints.map(|j| j.contact.surface().damping).collect()
@@ -175,19 +177,20 @@ mod tests {
         let state = |run: &Run| -> Vec<f64> {
             run.islands.iter().flat_map(|m| m.q.iter().chain(&m.v)).copied().collect()
         };
-        run.settle().expect("settled");
+        run.settle().await.expect("settled");
         let began = damping(&run);
-        run.measure().expect("measured");
+        run.measure().await.expect("measured");
         assert_ne!(damping(&run), began, "no contact began anew within the cycle");
         // The time steps of a cycle begun again start small, those of the first went on from the settling.
-        let mut again = || {
+        let mut again = async || {
             run.begin_again(&accuracy);
             let resumed = damping(&run);
-            run.measure().expect("measured");
+            run.measure().await.expect("measured");
             (resumed, state(&run), run.motion_outputs())
         };
-        let (first, second) = (again(), again());
+        let (first, second) = (again().await, again().await);
         assert_eq!(first.0, began);
         assert_eq!(first, second);
+        });
     }
 }

@@ -42,14 +42,14 @@ impl Run<'_> {
     ///
     /// # Errors
     /// As of any cycle.
-    pub fn probe(&mut self, life: u32) -> Result<Probe, SimulationFailure> {
+    pub async fn probe(&mut self, life: u32) -> Result<Probe, SimulationFailure> {
         let measured = self.motion_outputs();
         let worn = self.wear_rates(life)?;
         let finer = self.accuracy.refined(FINER);
         let mut tools: Vec<Tools> =
             self.islands.iter().map(|m| m.tools(self.scene.life.period, &finer)).collect();
         self.exchange(&mut tools);
-        let found = self.further_cycles(life, &measured, &worn);
+        let found = self.further_cycles(life, &measured, &worn).await;
         self.exchange(&mut tools);
         found
     }
@@ -58,7 +58,7 @@ impl Run<'_> {
         self.islands.iter_mut().zip(tools).for_each(|(m, tools)| m.exchange(tools));
     }
 
-    fn further_cycles(
+    async fn further_cycles(
         &mut self,
         life: u32,
         measured: &[f64],
@@ -71,7 +71,7 @@ impl Run<'_> {
             if let Some(factor) = FORGETTING.get(cycle).filter(|_| remembers) {
                 self.change_memory(*factor);
             }
-            self.further_cycle()?;
+            self.further_cycle().await?;
             let mut restless = false;
             for ((largest, now), was) in probe.motion.iter_mut().zip(self.motion_outputs()).zip(measured) {
                 let change = (now - was).abs();

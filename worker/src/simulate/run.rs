@@ -1,5 +1,6 @@
 //! The stages of an evaluation: settle, measure a cycle, wear a block, warm up.
 
+use super::desk::{Carried, Desk, Stretch};
 use super::guided::Guided;
 use super::moving::{Moving, failure};
 use crate::integrate::AdvanceStats;
@@ -14,6 +15,8 @@ use common::scene::{Attachment, JointKind, Motion, OutputKind, Scene};
 /// One evaluation under way.
 #[derive(Clone)]
 pub struct Run<'a> {
+    /// Carries the islands.
+    desk: Desk,
     pub scene: &'a Scene,
     pub accuracy: &'a Accuracy,
     pub islands: Vec<Moving>,
@@ -40,7 +43,11 @@ const PATH: usize = 721;
 
 impl<'a> Run<'a> {
     /// Islands, contact laws, round bores; bodies where the ideal mechanism has them.
-    pub fn assemble(scene: &'a Scene, accuracy: &'a Accuracy) -> Result<Self, SimulationFailure> {
+    pub fn assemble(
+        desk: Desk,
+        scene: &'a Scene,
+        accuracy: &'a Accuracy,
+    ) -> Result<Self, SimulationFailure> {
         let mut newton = 0;
         let wanted = Wanted::by(scene);
         let islands = islands(scene)?;
@@ -57,6 +64,7 @@ impl<'a> Run<'a> {
             .map(|island| Moving::new(island, &poses[0], scene, &wanted, accuracy))
             .collect();
         Ok(Run {
+            desk,
             scene,
             accuracy,
             islands,
@@ -74,11 +82,11 @@ impl<'a> Run<'a> {
     }
 
     /// Whole cycles from the ideal mechanism's state, as many as the scene asks for: the journals find their bores.
-    pub fn settle(&mut self) -> Result<(), SimulationFailure> {
+    pub async fn settle(&mut self) -> Result<(), SimulationFailure> {
         let period = self.scene.life.period;
         for cycle in (1..=self.scene.life.settle_cycles).rev() {
             let start = -f64::from(cycle) * period;
-            self.span(start, start + period, false)?;
+            self.span(start, start + period, false).await?;
             self.simulated += 1;
         }
         Ok(())
@@ -90,13 +98,13 @@ impl<'a> Run<'a> {
     }
 
     /// From the state kept of the cycle before, on the profile as it is now, to the start of a cycle.
-    fn warm_up(&mut self) -> Result<(), SimulationFailure> {
+    async fn warm_up(&mut self) -> Result<(), SimulationFailure> {
         for m in &mut self.islands {
             m.saved.restore(&mut m.island, &mut m.q, &mut m.v);
-            m.advance.after_jump();
+            m.advance.control.after_jump();
         }
         let period = self.scene.life.period;
-        self.span(-self.accuracy.warm_up * period, 0.0, false)
+        self.span(-self.accuracy.warm_up * period, 0.0, false).await
     }
 
     /// Back to where the cycle just measured began, with time steps of another accuracy.
@@ -108,7 +116,7 @@ impl<'a> Run<'a> {
     }
 
     /// One recorded cycle; keeps the state from which the next warm-up starts.
-    pub fn measure(&mut self) -> Result<(), SimulationFailure> {
+    pub async fn measure(&mut self) -> Result<(), SimulationFailure> {
         let period = self.scene.life.period;
         let kept = (1.0 - self.accuracy.warm_up).max(0.0) * period;
         for m in &mut self.islands {
@@ -116,12 +124,12 @@ impl<'a> Run<'a> {
             m.begun.keep(&m.island, &m.q, &m.v);
         }
         if kept > 0.0 {
-            self.span(0.0, kept, true)?;
+            self.span(0.0, kept, true).await?;
         }
         for m in &mut self.islands {
             m.saved.keep(&m.island, &m.q, &m.v);
         }
-        self.span(kept, period, true)?;
+        self.span(kept, period, true).await?;
         for m in &mut self.islands {
             m.recorder.finish();
             if kept == 0.0 {
@@ -133,15 +141,15 @@ impl<'a> Run<'a> {
     }
 
     /// Warm-up and measured cycle on the profile as it is now.
-    pub fn next_cycle(&mut self) -> Result<(), SimulationFailure> {
-        self.warm_up()?;
-        self.measure()
+    pub async fn next_cycle(&mut self) -> Result<(), SimulationFailure> {
+        self.warm_up().await?;
+        self.measure().await
     }
 
     /// The last measured cycle, dynamic, on the bores as worn by then; with its energy if people want to see it.
-    pub fn last_cycle(&mut self) -> Result<(), SimulationFailure> {
+    pub async fn last_cycle(&mut self) -> Result<(), SimulationFailure> {
         self.show(self.watched);
-        self.next_cycle()?;
+        self.next_cycle().await?;
         if self.watched {
             self.worn_energy = Some(self.energy());
         }
@@ -150,10 +158,10 @@ impl<'a> Run<'a> {
     }
 
     /// The cycle after the one just measured, on the same profile.
-    pub fn further_cycle(&mut self) -> Result<(), SimulationFailure> {
+    pub async fn further_cycle(&mut self) -> Result<(), SimulationFailure> {
         let period = self.scene.life.period;
         self.islands.iter_mut().for_each(|m| m.recorder.clear());
-        self.span(0.0, period, true)?;
+        self.span(0.0, period, true).await?;
         self.islands.iter_mut().for_each(|m| m.recorder.finish());
         self.simulated += 1;
         Ok(())
@@ -190,17 +198,16 @@ impl<'a> Run<'a> {
     }
 
     /// Carries every island from one time of the cycle to another.
-    fn span(&mut self, from: f64, to: f64, record: bool) -> Result<(), SimulationFailure> {
-        for m in &mut self.islands {
-            let Moving { island, advance, recorder, q, v, .. } = m;
-            let done = if record {
-                advance.run(island, from..to, q, v, recorder, &mut self.stats)
-            } else {
-                advance.run(island, from..to, q, v, &mut (), &mut self.stats)
-            };
-            done.map_err(|error| failure(error, self.cycle, island))?;
+    async fn span(&mut self, from: f64, to: f64, record: bool) -> Result<(), SimulationFailure> {
+        let islands = std::mem::take(&mut self.islands);
+        let stretches = islands.into_iter().map(|moving| Stretch { moving, from, to, record }).collect();
+        let mut first = Ok(());
+        for Carried { moving, stats, arrived } in self.desk.carry(stretches).await {
+            self.stats.add(&stats);
+            first = first.and(arrived.map_err(|error| failure(error, self.cycle, &moving.island)));
+            self.islands.push(moving);
         }
-        Ok(())
+        first
     }
 
     /// Whether everything is recorded, for people to see.

@@ -18,11 +18,11 @@ impl Run<'_> {
     ///
     /// # Errors
     /// As of any cycle.
-    pub fn unchanging(&mut self, first: FirstSeen) -> Result<Evaluation, SimulationFailure> {
+    pub async fn unchanging(&mut self, first: FirstSeen) -> Result<Evaluation, SimulationFailure> {
         let values = self.motion_outputs();
         let finer = self.accuracy.refined(FINER);
         self.begin_again(&finer);
-        self.measure()?;
+        self.measure().await?;
         let again = self.motion_outputs();
         let cycles = self.scene.life.checkpoints();
         let error = |value: f64, again: f64| (SAFETY * (value - again).abs()).max(ROUNDING * value.abs());

@@ -1,0 +1,166 @@
+//! Elementary functions of additions, multiplications, divisions and square roots alone, so that every lane of
+//! every processor has the same digits.
+
+use super::Real;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+
+/// pi in three parts, the first two with trailing zeros, so that their multiples by whole numbers below 2^21 are
+/// exact.
+const PI_PARTS: [f64; 3] = [3.1415926534682512, 1.2154201012607932e-10, 4.044532497591901e-21];
+
+/// 1/1!, -1/3!, ... and 1, -1/2!, ...: on [-pi/2, pi/2] what is left out is below 3e-16.
+const SINE: [f64; 10] = alternating_inverse_factorials(1);
+const COSINE: [f64; 11] = alternating_inverse_factorials(0);
+
+const fn alternating_inverse_factorials<const N: usize>(first: usize) -> [f64; N] {
+    let mut out = [0.0; N];
+    let mut k = 0;
+    while k < N {
+        let (mut factorial, mut m) = (1.0, 1);
+        while m <= first + 2 * k {
+            factorial *= m as f64;
+            m += 1;
+        }
+        out[k] = if k % 2 == 0 { 1.0 / factorial } else { -1.0 / factorial };
+        k += 1;
+    }
+    out
+}
+
+/// Sine and cosine, to 1e-15 of angles below 1e6 [rad].
+#[inline(always)]
+pub fn sincos<R: Real>(angle: R) -> (R, R) {
+    let turns = (angle * (1.0 / PI)).round();
+    let r = ((angle - turns * PI_PARTS[0]) - turns * PI_PARTS[1]) - turns * PI_PARTS[2];
+    // Half turns change the signs of both: +1 for even, -1 for odd ones.
+    let half = turns * 0.5;
+    let sign = turns.like(1.0) - (half - half.round()).abs() * 4.0;
+    let z = r * r;
+    (sign * r * polynomial(z, &SINE), sign * polynomial(z, &COSINE))
+}
+
+/// a0 + a1 z + a2 z^2 + ..., even and odd powers apart: two short chains instead of one long one.
+#[inline(always)]
+fn polynomial<R: Real, const N: usize>(z: R, a: &[f64; N]) -> R {
+    let w = z * z;
+    let (mut even, mut odd) = (z.like(a[(N - 1) & !1]), z.like(a[((N - 2) & !1) + 1]));
+    for k in (0..(N - 1) & !1).rev().filter(|k| k % 2 == 0) {
+        even = even * w + a[k];
+    }
+    for k in (0..((N - 2) & !1) + 1).rev().filter(|k| k % 2 == 1) {
+        odd = odd * w + a[k];
+    }
+    even + z * odd
+}
+
+/// Of z^2 in atan(z) / z - 1 = z^2 (...), |z| < 7/16 (Sun Microsystems' fdlibm, s_atan.c).
+const ARCTANGENT: [f64; 11] = [
+    3.33333333333329318027e-01,
+    -1.99999999998764832476e-01,
+    1.42857142725034663711e-01,
+    -1.11111104054623557880e-01,
+    9.09088713343650656196e-02,
+    -7.69187620504482999495e-02,
+    6.66107313738753120669e-02,
+    -5.83357013379057348645e-02,
+    4.97687799461593236017e-02,
+    -3.65315727442169155270e-02,
+    1.62858201153657823623e-02,
+];
+
+/// Angle of the vector (x, y) in [-pi, pi], to 1e-15 [rad]; zero of the zero vector.
+#[inline(always)]
+pub fn atan2<R: Real>(y: R, x: R) -> R {
+    let (ax, ay) = (x.abs(), y.abs());
+    let (small, large) = (ax.smaller(ay), ax.larger(ay));
+    // Beyond tan(pi/8) turned back by pi/4.
+    let beyond = (large * 0.41421356237309503).below(small);
+    let over = R::select(beyond, small - large, small);
+    let under = R::select(beyond, small + large, large);
+    let nothing = under.zero();
+    let z = over / R::select(nothing.below(under), under, under.like(1.0));
+    let s = z * z;
+    let near = z - z * s * polynomial(s, &ARCTANGENT);
+    let angle = R::select(beyond, near + FRAC_PI_4, near);
+    let angle = R::select(ax.below(ay), angle.like(FRAC_PI_2) - angle, angle);
+    let angle = R::select(x.below(nothing), angle.like(PI) - angle, angle);
+    R::select(y.below(nothing), -angle, angle)
+}
+
+const EXPONENTIAL: [f64; 16] = {
+    let mut out = [1.0; 16];
+    let mut k = 1;
+    while k < 16 {
+        out[k] = out[k - 1] / k as f64;
+        k += 1;
+    }
+    out
+};
+
+/// Hyperbolic tangent, to 1e-14: (1 - z) / (1 + z) with z = exp(-2 |x|), which is a 64th power of the exponential
+/// of at most 0.63.
+#[inline(always)]
+pub fn tanh<R: Real>(x: R) -> R {
+    let y = x.abs().smaller(x.like(20.0)) * (-2.0 / 64.0);
+    let mut z = polynomial(y, &EXPONENTIAL);
+    for _ in 0..6 {
+        z = z * z;
+    }
+    let size = (z.like(1.0) - z) / (z + 1.0);
+    R::select(x.below(x.zero()), -size, size)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lanes::Lanes;
+    use pulp::{Arch, Simd, WithSimd};
+
+    #[test]
+    fn functions_agree_with_the_library() {
+        let (mut sine, mut angle, mut tangent) = (0.0_f64, 0.0_f64, 0.0_f64);
+        for k in -40_000..40_000 {
+            let x = 0.000_37 * f64::from(k) * (1.0 + f64::from(k).abs() * 1e-2);
+            let (s, c) = sincos(x);
+            sine = sine.max((s - x.sin()).abs()).max((c - x.cos()).abs());
+            let (y, x) = (1e-5 * x.sin(), 1e-5 * (1.7 * x).cos());
+            angle = angle.max((atan2(y, x) - y.atan2(x)).abs());
+            let v = 0.001 * f64::from(k);
+            tangent = tangent.max((tanh(v) - v.tanh()).abs());
+        }
+        println!("sincos {sine:e}, atan2 {angle:e}, tanh {tangent:e}");
+        assert!(sine < 1e-15 && angle < 1e-15 && tangent < 1e-14);
+        assert_eq!((atan2(0.0, 0.0), atan2(0.0, -1.0), atan2(0.0, 2.0)), (0.0, PI, 0.0));
+        assert_eq!((sincos(0.0), tanh(0.0)), ((0.0, 1.0), 0.0));
+        assert!(sincos(f64::NAN).0.is_nan() && tanh(f64::INFINITY) == 1.0);
+    }
+
+    /// Every function in lanes against one number at a time.
+    struct Compare;
+
+    impl WithSimd for Compare {
+        type Output = usize;
+        fn with_simd<S: Simd>(self, simd: S) -> usize {
+            for k in 0..5000 {
+                let x = Lanes::all(simd, 0.0).each(|lane| (f64::from(k) * 0.037 + 1.3 * lane as f64).tan());
+                let y = x.each(|lane| (f64::from(k) * 0.11 - 0.7 * lane as f64).sin());
+                let found = [sincos(x).0, sincos(x).1, atan2(y, x), tanh(x), x.larger(y), x.smaller(y), x.round()];
+                for lane in 0..S::F64_LANES {
+                    let (x, y) = (x.lane(lane), y.lane(lane));
+                    let alone =
+                        [sincos(x).0, sincos(x).1, atan2(y, x), tanh(x), x.larger(y), x.smaller(y), Real::round(x)];
+                    for (found, alone) in found.iter().zip(alone) {
+                        assert_eq!(found.lane(lane).to_bits(), alone.to_bits(), "{x} {y}");
+                    }
+                }
+            }
+            S::F64_LANES
+        }
+    }
+
+    #[test]
+    fn lanes_have_the_bits_of_one_number() {
+        println!("{} lanes", Arch::new().dispatch(Compare));
+        assert_eq!(pulp::Scalar::new().vectorize(Compare), 1);
+    }
+}

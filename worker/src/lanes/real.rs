@@ -1,0 +1,239 @@
+//! A number, or several side by side.
+
+use pulp::{Simd, bytemuck};
+use std::fmt::Debug;
+use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+
+/// One or more numbers under the same formula.
+pub trait Real:
+    Copy
+    + Debug
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + Add<f64, Output = Self>
+    + Sub<f64, Output = Self>
+    + Mul<f64, Output = Self>
+    + AddAssign
+    + SubAssign
+    + 'static
+{
+    /// Yes or no for each number.
+    type Mask: Copy;
+    /// How many numbers.
+    const LANES: usize;
+
+    /// As many numbers as `self` has, number k being `of(k)`.
+    fn each(self, of: impl FnMut(usize) -> f64) -> Self;
+    /// As many numbers as `self` has, all the same.
+    fn like(self, value: f64) -> Self;
+    /// Number `k`.
+    fn lane(&self, k: usize) -> f64;
+    /// Replaces number `k`.
+    fn set_lane(&mut self, k: usize, value: f64);
+    /// Square root.
+    fn sqrt(self) -> Self;
+    /// Size without sign.
+    fn abs(self) -> Self;
+    /// Whether `self` is below `other`; never so if either is not a number.
+    fn below(self, other: Self) -> Self::Mask;
+    /// `yes` where the mask says so, else `no`.
+    fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
+    /// Where both say so.
+    fn both(a: Self::Mask, b: Self::Mask) -> Self::Mask;
+
+    /// All zero.
+    #[inline(always)]
+    fn zero(self) -> Self {
+        self.like(0.0)
+    }
+    /// The larger one; `other` if either is not a number.
+    #[inline(always)]
+    fn larger(self, other: Self) -> Self {
+        Self::select(other.below(self), self, other)
+    }
+    /// The smaller one; `other` if either is not a number.
+    #[inline(always)]
+    fn smaller(self, other: Self) -> Self {
+        Self::select(self.below(other), self, other)
+    }
+    /// The nearest whole number, ties to even; of numbers below 2^51 in size.
+    #[inline(always)]
+    fn round(self) -> Self {
+        const SHIFT: f64 = 6755399441055744.0;
+        (self + SHIFT) - SHIFT
+    }
+    /// Each number by itself.
+    #[inline(always)]
+    fn map(self, f: impl Fn(f64) -> f64) -> Self {
+        self.each(|k| f(self.lane(k)))
+    }
+}
+
+impl Real for f64 {
+    type Mask = bool;
+    const LANES: usize = 1;
+
+    #[inline(always)]
+    fn each(self, mut of: impl FnMut(usize) -> f64) -> Self {
+        of(0)
+    }
+    #[inline(always)]
+    fn like(self, value: f64) -> Self {
+        value
+    }
+    #[inline(always)]
+    fn lane(&self, _k: usize) -> f64 {
+        *self
+    }
+    #[inline(always)]
+    fn set_lane(&mut self, _k: usize, value: f64) {
+        *self = value;
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        f64::sqrt(self)
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        f64::abs(self)
+    }
+    #[inline(always)]
+    fn below(self, other: Self) -> bool {
+        self < other
+    }
+    #[inline(always)]
+    fn select(mask: bool, yes: Self, no: Self) -> Self {
+        if mask { yes } else { no }
+    }
+    #[inline(always)]
+    fn both(a: bool, b: bool) -> bool {
+        a && b
+    }
+}
+
+/// Every bit of a number but its sign.
+const ALL_BUT_SIGN: f64 = f64::from_bits(!(1 << 63));
+
+/// As many numbers as the instruction set `S` works on at once.
+#[derive(Debug, Clone, Copy)]
+pub struct Lanes<S: Simd> {
+    simd: S,
+    value: S::f64s,
+}
+
+impl<S: Simd> Lanes<S> {
+    /// All the same.
+    #[inline(always)]
+    pub fn all(simd: S, value: f64) -> Self {
+        Lanes { simd, value: simd.splat_f64s(value) }
+    }
+
+    /// Number by number.
+    #[inline(always)]
+    pub fn values(&self) -> &[f64] {
+        bytemuck::cast_slice(std::slice::from_ref(&self.value))
+    }
+}
+
+/// An operation of two, and of lanes with one number for all of them.
+macro_rules! operation {
+    ($trait:ident, $method:ident, $simd:ident) => {
+        impl<S: Simd> $trait for Lanes<S> {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Lanes { simd: self.simd, value: self.simd.$simd(self.value, other.value) }
+            }
+        }
+    };
+}
+macro_rules! with_number {
+    ($trait:ident, $method:ident) => {
+        impl<S: Simd> $trait<f64> for Lanes<S> {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: f64) -> Self {
+                self.$method(Lanes::all(self.simd, other))
+            }
+        }
+    };
+}
+operation!(Add, add, add_f64s);
+operation!(Sub, sub, sub_f64s);
+operation!(Mul, mul, mul_f64s);
+operation!(Div, div, div_f64s);
+with_number!(Add, add);
+with_number!(Sub, sub);
+with_number!(Mul, mul);
+
+impl<S: Simd> Neg for Lanes<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Lanes { simd: self.simd, value: self.simd.xor_f64s(self.value, self.simd.splat_f64s(-0.0)) }
+    }
+}
+
+impl<S: Simd> AddAssign for Lanes<S> {
+    #[inline(always)]
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+impl<S: Simd> SubAssign for Lanes<S> {
+    #[inline(always)]
+    fn sub_assign(&mut self, other: Self) {
+        *self = *self - other;
+    }
+}
+
+impl<S: Simd> Real for Lanes<S> {
+    type Mask = (S, S::m64s);
+    const LANES: usize = S::F64_LANES;
+
+    #[inline(always)]
+    fn each(self, mut of: impl FnMut(usize) -> f64) -> Self {
+        let mut value = self.value;
+        let lanes: &mut [f64] = bytemuck::cast_slice_mut(std::slice::from_mut(&mut value));
+        for (k, lane) in lanes.iter_mut().enumerate() {
+            *lane = of(k);
+        }
+        Lanes { simd: self.simd, value }
+    }
+    #[inline(always)]
+    fn like(self, value: f64) -> Self {
+        Lanes::all(self.simd, value)
+    }
+    #[inline(always)]
+    fn lane(&self, k: usize) -> f64 {
+        self.values()[k]
+    }
+    #[inline(always)]
+    fn set_lane(&mut self, k: usize, value: f64) {
+        bytemuck::cast_slice_mut(std::slice::from_mut(&mut self.value))[k] = value;
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Lanes { simd: self.simd, value: self.simd.sqrt_f64s(self.value) }
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Lanes { simd: self.simd, value: self.simd.and_f64s(self.value, self.simd.splat_f64s(ALL_BUT_SIGN)) }
+    }
+    #[inline(always)]
+    fn below(self, other: Self) -> Self::Mask {
+        (self.simd, self.simd.less_than_f64s(self.value, other.value))
+    }
+    #[inline(always)]
+    fn select((simd, mask): Self::Mask, yes: Self, no: Self) -> Self {
+        Lanes { simd, value: simd.select_f64s(mask, yes.value, no.value) }
+    }
+    #[inline(always)]
+    fn both((simd, a): Self::Mask, (_, b): Self::Mask) -> Self::Mask {
+        (simd, simd.and_m64s(a, b))
+    }
+}
