@@ -15,6 +15,7 @@ const CANCELLED: f64 = 1e-9;
 /// that went well, else zero.
 #[inline(always)]
 pub fn factor<R: Real>(a: &mut [R], band: &Band, like: R) -> R {
+    let a = &mut a[..band.len()];
     let (one, zero) = (like.like(1.0), like.zero());
     let mut sound = one;
     for k in 0..band.n() {
@@ -47,6 +48,7 @@ pub fn factor<R: Real>(a: &mut [R], band: &Band, like: R) -> R {
 #[inline(always)]
 pub fn solve<R: Real>(a: &[R], band: &Band, x: &mut [R]) {
     let n = band.n();
+    let (a, x) = (&a[..band.len()], &mut x[..n]);
     for i in 1..n {
         let kept = band.kept(i);
         let row = &a[band.index(i, kept.start)..band.index(i, i)];
@@ -70,6 +72,8 @@ pub fn solve<R: Real>(a: &[R], band: &Band, x: &mut [R]) {
 /// Product of a matrix with a vector, added to `y` times `factor`.
 #[inline(always)]
 pub fn add_product<R: Real>(a: &[R], band: &Band, factor: R, x: &[R], y: &mut [R]) {
+    let n = band.n();
+    let (a, x, y) = (&a[..band.len()], &x[..n], &mut y[..n]);
     for (i, y) in y.iter_mut().enumerate() {
         let kept = band.kept(i);
         let row = &a[band.index(i, kept.start)..band.index(i, kept.start) + kept.len()];

@@ -43,14 +43,16 @@ pub fn sincos<R: Real>(angle: R) -> (R, R) {
 #[inline(always)]
 fn polynomial<R: Real, const N: usize>(z: R, a: &[f64; N]) -> R {
     let w = z * z;
-    let (mut even, mut odd) = (z.like(a[(N - 1) & !1]), z.like(a[((N - 2) & !1) + 1]));
-    for k in (0..(N - 1) & !1).rev().filter(|k| k % 2 == 0) {
-        even = even * w + a[k];
+    let (last, before) = (N - 1, N - 2);
+    let (mut top, mut next) = (z.like(a[last]), z.like(a[before]));
+    let mut k = before;
+    while k >= 2 {
+        top = top * w + a[k - 1];
+        next = next * w + a[k - 2];
+        k -= 2;
     }
-    for k in (0..((N - 2) & !1) + 1).rev().filter(|k| k % 2 == 1) {
-        odd = odd * w + a[k];
-    }
-    even + z * odd
+    // Of an odd number of terms one is left.
+    if k == 1 { top * w + next * z + a[0] } else { top * z + next }
 }
 
 /// Of z^2 in atan(z) / z - 1 = z^2 (...), |z| < 7/16 (Sun Microsystems' fdlibm, s_atan.c).

@@ -3,9 +3,10 @@
 
 use super::frame::Frame;
 use super::island::Island;
-use super::joint::{Touching, pair_force};
+use super::joint::{Rows, Touching, pair_force};
 use super::load::{IslandLoad, NOBODY};
 use super::table::Jet;
+use crate::contact::JointForce;
 use crate::integrate::Linearised;
 use crate::lanes::Real;
 
@@ -47,15 +48,17 @@ impl<R: Real, J: Touching<R>> Acting<'_, R, J> {
         for (index, joint) in self.joints.iter().enumerate() {
             let [i, j] = joint.ends();
             let pair = pair_force::<R, JACOBIAN>(joint, &self.frames[i.frame], &self.frames[j.frame]);
-            self.add::<JACOBIAN>([i.frame, j.frame], &pair.f, &pair.k, &pair.d, f, at);
+            self.add::<JACOBIAN>([i.frame, j.frame], &pair.f, &pair.slopes, f, at);
             if JACOBIAN {
-                at.joints[index] = pair.joint;
+                let joint = &mut at.joints[index];
+                // The derivatives have served.
+                *joint = JointForce { jacobian: joint.jacobian, ..pair.joint };
                 at.e[index] = pair.e;
             }
         }
         for load in self.loads {
             let load = load.force(t, self.frames);
-            self.add::<JACOBIAN>(load.frames, &load.f, &load.k, &load.d, f, at);
+            self.add::<JACOBIAN>(load.frames, &load.f, &load, f, at);
             if JACOBIAN {
                 self.add_sources(load.frames, &load.ft, load.third, at);
             }
@@ -69,8 +72,7 @@ impl<R: Real, J: Touching<R>> Acting<'_, R, J> {
         &self,
         frames: [usize; 2],
         force: &[R; 6],
-        k: &[[R; 6]; 6],
-        d: &[[R; 6]; 6],
+        slopes: &impl Rows<R>,
         f: &mut [R],
         at: &mut Linearised<R>,
     ) {
@@ -91,21 +93,22 @@ impl<R: Real, J: Touching<R>> Acting<'_, R, J> {
                 if !JACOBIAN {
                     continue;
                 }
+                let (k, d) = slopes.row(3 * side + r);
                 for (other, &to) in frames.iter().enumerate() {
                     if to == NOBODY {
                         continue;
                     }
-                    let from = 3 * side + r;
                     if to < free {
                         let first = at.band.index(row, 3 * to);
+                        let (at_k, at_d) = (&mut at.k[first..first + 3], &mut at.d[first..first + 3]);
                         for c in 0..3 {
-                            at.k[first + c] += k[from][3 * other + c];
-                            at.d[first + c] += d[from][3 * other + c];
+                            at_k[c] += k[3 * other + c];
+                            at_d[c] += d[3 * other + c];
                         }
                     } else {
                         // A prescribed body only turns.
                         let [_, omega, alpha, _] = self.jets[to - free];
-                        at.ft[row] += k[from][3 * other + 2] * omega + d[from][3 * other + 2] * alpha;
+                        at.ft[row] += k[3 * other + 2] * omega + d[3 * other + 2] * alpha;
                     }
                 }
             }

@@ -9,24 +9,68 @@ use super::frame::{End, Frame};
 use crate::contact::{JointForce, JointMotion};
 use crate::lanes::Real;
 
-/// Generalised forces of a pair of bodies, with derivatives.
+/// Derivatives of the generalised force on a pair of bodies, row by row.
+pub trait Rows<R> {
+    /// Derivatives of entry `r` of the force to the six coordinates and to their rates.
+    fn row(&self, r: usize) -> ([R; 6], [R; 6]);
+}
+
+/// Generalised forces of a pair of bodies.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PairForce<R = f64> {
     /// Generalised force `(6,)` [N, N m].
     pub f: [R; 6],
-    /// Derivative to the coordinates `(6, 6)`; zero unless asked for.
-    pub k: [[R; 6]; 6],
-    /// Derivative to their rates `(6, 6)`; zero unless asked for.
-    pub d: [[R; 6]; 6],
     /// The joint's own view.
     pub joint: JointForce<R>,
     /// Eccentricity in the bushing's frame [m].
     pub e: [R; 2],
+    /// Their derivatives, if asked for.
+    pub slopes: PairSlopes<R>,
+}
+
+/// Derivatives of (F, M_i, M_j) in global axes, and what makes those of the generalised force of them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PairSlopes<R = f64> {
+    /// To the coordinates `(4, 6)`; unset unless asked for.
+    to_q: [[R; 6]; 4],
+    /// To their rates `(4, 6)`.
+    to_v: [[R; 6]; 4],
+    /// Arms of journal and bushing in global axes.
+    arms: [[R; 2]; 2],
+    /// Derivative of the moment of F to the arm's own angle, on either body.
+    swing: [R; 2],
+}
+
+impl<R: Real> Rows<R> for PairSlopes<R> {
+    #[inline(always)]
+    fn row(&self, r: usize) -> ([R; 6], [R; 6]) {
+        let mut rows = [self.to_q[0], self.to_v[0]];
+        for (row, from) in rows.iter_mut().zip([&self.to_q, &self.to_v]) {
+            for c in 0..6 {
+                let along = [from[0][c], from[1][c]];
+                row[c] = match r {
+                    0 | 1 => along[r],
+                    2 => from[2][c] + cross(self.arms[0], along),
+                    3 | 4 => -along[r - 3],
+                    _ => from[3][c] - cross(self.arms[1], along),
+                };
+            }
+        }
+        if r == 2 || r == 5 {
+            rows[0][r] += self.swing[r / 3];
+        }
+        (rows[0], rows[1])
+    }
 }
 
 #[inline(always)]
 pub(super) fn cross<R: Real>(a: [R; 2], b: [R; 2]) -> R {
     a[0] * b[1] - a[1] * b[0]
+}
+
+#[inline(always)]
+pub(super) fn dot<R: Real>(a: [R; 2], b: [R; 2]) -> R {
+    a[0] * b[0] + a[1] * b[1]
 }
 
 /// e and its rate in global axes, from the arms turned there.
@@ -80,7 +124,53 @@ pub fn pair_force<R: Real, const JACOBIAN: bool>(
     let joint = touching.force::<JACOBIAN>(&motion);
     let force = fj.turn(joint.force);
     let nothing = force[0].zero();
-    let mut out = PairForce {
+    let mut slopes =
+        PairSlopes { to_q: [[nothing; 6]; 4], to_v: [[nothing; 6]; 4], arms: [ai, aj], swing: [nothing; 2] };
+    if JACOBIAN {
+        slopes.swing = [cross(pi, force), -cross(pj, force)];
+        let j = &joint.jacobian;
+        let [c, s] = fj.cs;
+        // To e and w in global axes, the law turning with the bushing's angle as well.
+        for r in 0..4 {
+            let turned = |column: usize, k: usize| {
+                let (along, across) = (j[r][column], j[r][column + 1]);
+                if k == 0 { along * c - across * s } else { along * s + across * c }
+            };
+            slopes.to_q[r][0] = turned(0, 0);
+            slopes.to_q[r][1] = turned(0, 1);
+            slopes.to_v[r][0] = turned(2, 0);
+            slopes.to_v[r][1] = turned(2, 1);
+            slopes.to_v[r][2] = j[r][4];
+            slopes.to_v[r][5] = j[r][5];
+        }
+        for rows in [&mut slopes.to_q, &mut slopes.to_v] {
+            for column in 0..6 {
+                let (along, across) = (rows[0][column], rows[1][column]);
+                rows[0][column] = c * along - s * across;
+                rows[1][column] = s * along + c * across;
+            }
+        }
+        for r in 0..4 {
+            let (ke, kw) =
+                ([slopes.to_q[r][0], slopes.to_q[r][1]], [slopes.to_v[r][0], slopes.to_v[r][1]]);
+            let mut turn = ke[0] * e[1] - ke[1] * e[0] + kw[0] * w[1] - kw[1] * w[0];
+            if r == 0 {
+                turn -= force[1];
+            } else if r == 1 {
+                turn += force[0];
+            }
+            let (own, others) = (dot(kw, pi), dot(kw, pj));
+            slopes.to_q[r][2] = dot(ke, pi) - fi.omega * dot(kw, ai);
+            slopes.to_q[r][3] = -ke[0];
+            slopes.to_q[r][4] = -ke[1];
+            slopes.to_q[r][5] = fj.omega * dot(kw, aj) - dot(ke, pj) + turn;
+            slopes.to_v[r][2] += own;
+            slopes.to_v[r][3] = -kw[0];
+            slopes.to_v[r][4] = -kw[1];
+            slopes.to_v[r][5] -= others;
+        }
+    }
+    PairForce {
         f: [
             force[0],
             force[1],
@@ -89,62 +179,8 @@ pub fn pair_force<R: Real, const JACOBIAN: bool>(
             -force[1],
             joint.torque_bushing - cross(aj, force),
         ],
-        k: [[nothing; 6]; 6],
-        d: [[nothing; 6]; 6],
         joint,
         e: motion.e,
-    };
-    if JACOBIAN {
-        // Derivatives of (F, M_i, M_j) in global axes to e, w (global), omega_i, omega_j.
-        let mut j = joint.jacobian;
-        let [c, s] = fj.cs;
-        for row in &mut j {
-            for first in [0, 2] {
-                let (a, b) = (row[first], row[first + 1]);
-                row[first] = a * c - b * s;
-                row[first + 1] = a * s + b * c;
-            }
-        }
-        let [along_x, along_y, ..] = &mut j;
-        for (x, y) in along_x.iter_mut().zip(along_y) {
-            (*x, *y) = (c * *x - s * *y, s * *x + c * *y);
-        }
-        // Explicit dependence on the bushing's angle: the law turns with it.
-        let mut turn = [nothing; 4];
-        for (row, turn) in j.iter().zip(&mut turn) {
-            *turn = row[0] * e[1] - row[1] * e[0] + row[2] * w[1] - row[3] * w[0];
-        }
-        turn[0] -= force[1];
-        turn[1] += force[0];
-        let mut kq = [[nothing; 6]; 4];
-        let mut kv = [[nothing; 6]; 4];
-        for r in 0..4 {
-            let row = j[r];
-            let along_e = |a: [R; 2]| row[0] * a[0] + row[1] * a[1];
-            let along_w = |a: [R; 2]| row[2] * a[0] + row[3] * a[1];
-            kq[r] = [
-                row[0],
-                row[1],
-                along_e(pi) - fi.omega * along_w(ai),
-                -row[0],
-                -row[1],
-                -along_e(pj) + fj.omega * along_w(aj) + turn[r],
-            ];
-            kv[r] = [row[2], row[3], along_w(pi) + row[4], -row[2], -row[3], -along_w(pj) + row[5]];
-        }
-        for column in 0..6 {
-            for (from, to) in [(&kq, &mut out.k), (&kv, &mut out.d)] {
-                let df = [from[0][column], from[1][column]];
-                to[0][column] = df[0];
-                to[1][column] = df[1];
-                to[2][column] = from[2][column] + cross(ai, df);
-                to[3][column] = -df[0];
-                to[4][column] = -df[1];
-                to[5][column] = from[3][column] - cross(aj, df);
-            }
-        }
-        out.k[2][2] += cross(pi, force);
-        out.k[5][5] -= cross(pj, force);
+        slopes,
     }
-    out
 }

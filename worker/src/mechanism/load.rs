@@ -1,7 +1,7 @@
 //! Loads of an island: generalised forces on two of its frames, with derivatives.
 
 use super::frame::{End, Frame};
-use super::joint::cross;
+use super::joint::{Rows, cross, dot};
 use super::table::PiecewiseCubic;
 use crate::lanes::Real;
 use common::scene::{Load, Over};
@@ -75,6 +75,13 @@ impl<R: Real> LoadForce<R> {
     }
 }
 
+impl<R: Real> Rows<R> for LoadForce<R> {
+    #[inline(always)]
+    fn row(&self, r: usize) -> ([R; 6], [R; 6]) {
+        (self.k[r], self.d[r])
+    }
+}
+
 impl Size {
     /// Of a table over time or over the angle of a body, whose frame `frame` finds.
     pub fn of(curve: &common::scene::Curve, mut frame: impl FnMut(usize) -> usize) -> Self {
@@ -121,11 +128,6 @@ fn times<R: Real>(x: &[R; 6], factor: R) -> [R; 6] {
         *y = *y * factor;
     }
     out
-}
-
-#[inline(always)]
-fn dot<R: Real>(a: [R; 2], b: [R; 2]) -> R {
-    a[0] * b[0] + a[1] * b[1]
 }
 
 impl<R: Real> IslandLoad<R> {
