@@ -5,7 +5,14 @@ use std::path::{Path, PathBuf};
 use tests::command_line::{objection, words};
 use tests::program;
 
-const DOCUMENTS: [&str; 4] = ["README.md", "deploy/README.md", "coordinator/doc/scenes.md", "CHANGELOG.md"];
+const DOCUMENTS: [&str; 6] = [
+    "README.md",
+    "deploy/README.md",
+    "coordinator/doc/scenes.md",
+    "worker/benches/README.md",
+    "worker/benches/lsoda/README.md",
+    "CHANGELOG.md",
+];
 
 /// Folders whose files a document may name in backquotes.
 const ROOMS: [&str; 6] = ["common/", "worker/", "coordinator/", "deploy/", "tests/", ".ci/"];

@@ -1,0 +1,99 @@
+//! Contact kernel, time steps and whole evaluations of the built-in drive `flapping-wing`.
+//!
+//! `cargo bench -p worker --bench evaluation`; with `-- contact` and the like only those. The machine's load moves all times:
+//! compare within one run. Counted items are force evaluations of one joint, or accepted and refused time steps.
+
+use common::accuracy::Accuracy;
+use common::scene::{ContactLaw, JointKind, Scene, SceneSource};
+use divan::counter::ItemsCount;
+use divan::{Bencher, black_box};
+use worker::bore::Profile;
+use worker::contact::{Contact, JointMotion};
+use worker::simulate::{simulate, simulate_counting};
+
+fn main() {
+    divan::main();
+}
+
+fn flapping_wing() -> Scene {
+    SceneSource::builtin("flapping-wing").expect("built in").nominal().clone()
+}
+
+/// One joint of the drive under this law, on a bore worn 5 um deep on one side.
+fn worn_joint(law: ContactLaw) -> (Contact, Profile) {
+    let scene = flapping_wing();
+    let clearance = scene.joints.iter().find_map(|joint| match &joint.kind {
+        JointKind::Clearance(clearance) => Some(clearance.clone()),
+        _ => None,
+    });
+    let mut clearance = clearance.expect("a joint with clearance");
+    clearance.contact_law = law;
+    let points = clearance.control_points;
+    let mut profile = Profile::round(clearance.bushing_radius, points);
+    let angle = |k: usize| std::f64::consts::TAU * k as f64 / points as f64;
+    let depth: Vec<f64> = (0..points).map(|k| 2.5e-6 * (1.0 + angle(k).cos())).collect();
+    profile.set_depth(&depth);
+    let mut contact = Contact::of(&clearance);
+    contact.profile_changed(&profile);
+    (contact, profile)
+}
+
+/// Motions with penetrations of 0.2 to 2 um all around the bore.
+fn motions(profile: &Profile, journal_radius: f64) -> Vec<JointMotion> {
+    (0..64)
+        .map(|k| {
+            let psi = 0.1 * f64::from(k);
+            let depth = 0.2e-6 * f64::from(1 + k * 7 % 10);
+            let r = profile.at(psi % std::f64::consts::TAU).r - journal_radius + depth;
+            let w = [0.01 * psi.sin(), -0.02 * psi.cos()];
+            JointMotion { e: [r * psi.cos(), r * psi.sin()], w, omega_journal: 20.0, omega_bushing: -5.0 }
+        })
+        .collect()
+}
+
+fn contact_of<const JACOBIAN: bool>(bencher: Bencher, law: ContactLaw) {
+    let (contact, profile) = worn_joint(law);
+    let motions = motions(&profile, contact.surface().journal_radius);
+    bencher.counter(ItemsCount::new(motions.len())).bench_local(|| {
+        for motion in &motions {
+            // All of it counts as used, or the compiler would leave the derivative out.
+            black_box(contact.force::<JACOBIAN>(&profile, black_box(motion)));
+        }
+    });
+}
+
+#[divan::bench(args = [ContactLaw::LocalHertz, ContactLaw::Foundation])]
+fn contact_force(bencher: Bencher, law: ContactLaw) {
+    contact_of::<false>(bencher, law);
+}
+
+#[divan::bench(args = [ContactLaw::LocalHertz, ContactLaw::Foundation])]
+fn contact_force_and_derivative(bencher: Bencher, law: ContactLaw) {
+    contact_of::<true>(bencher, law);
+}
+
+/// The unworn drive without wear: a cycle to settle, one to measure, and what its stated error takes; the counted
+/// steps say what one of them costs.
+#[divan::bench(args = ["draft", "balanced"], sample_count = 5, sample_size = 1)]
+fn unworn_cycles(bencher: Bencher, preset: &str) {
+    let accuracy = Accuracy::by_name(preset).expect("a preset");
+    let mut scene = flapping_wing();
+    for joint in &mut scene.joints {
+        if let JointKind::Clearance(clearance) = &mut joint.kind {
+            clearance.wear_coefficient = 0.0;
+        }
+    }
+    let mut steps = 0;
+    simulate_counting(&scene, &accuracy, false, &mut steps).expect("the drive can be simulated");
+    bencher.counter(ItemsCount::new(steps)).bench_local(|| simulate(black_box(&scene), &accuracy, false));
+}
+
+/// A whole life of the drive.
+#[divan::bench(args = ["draft", "balanced"], sample_count = 3, sample_size = 1)]
+fn evaluation(bencher: Bencher, preset: &str) {
+    let accuracy = Accuracy::by_name(preset).expect("a preset");
+    let scene = flapping_wing();
+    let mut steps = 0;
+    simulate_counting(&scene, &accuracy, false, &mut steps).expect("the drive can be simulated");
+    bencher.counter(ItemsCount::new(steps)).bench_local(|| simulate(black_box(&scene), &accuracy, false));
+}
