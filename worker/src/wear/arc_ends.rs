@@ -9,7 +9,7 @@
 //! time no longer positive at a table angle, and there on the chord from the one before.
 //!
 //! Whole intervals between control points are passed over where p cannot have a zero: between two angles h apart
-//! it is at least the lower of its ends less h^2/8 times the largest p'' there (if that is positive), and
+//! it lies above its chord less a parabola of height h^2/8 times the largest p'' there (if that is positive), and
 //! p'' <= -R'' - e cos(phi) + e^2/R1, with R'' linear within an interval and cos(phi) smallest at its far end. The search
 //! starts from where the arc ended before. Both give the end that a walk from angle to angle would find.
 
@@ -175,7 +175,7 @@ impl ArcEnds {
         let sag = loop {
             let (p, along) = at(corner);
             let sag = (self.hollow[interval] + self.eighth * (bend - along)).max(0.0);
-            if p.min(depth) <= sag || corner + SUBDIVISION >= n / 2 {
+            if !positive(depth, p, sag) || corner + SUBDIVISION >= n / 2 {
                 break sag;
             }
             (from, sound, depth) = (first + corner as f64, corner + 1, p);
@@ -199,7 +199,7 @@ impl ArcEnds {
             let q = at(guess - 1).0;
             if q > 0.0 {
                 let share = (first + (guess - 1) as f64 - from) / SUBDIVISION as f64;
-                if q.min(depth) > sag * share * share {
+                if positive(depth, q, sag * share * share) {
                     (m, p) = (guess, q);
                 }
                 break;
@@ -222,6 +222,15 @@ impl ArcEnds {
         *passed = 0;
         n as f64 / 2.0
     }
+}
+
+/// Whether a chord from `a` to `b` less a parabola of height `sag` >= 0 between them is positive all along.
+#[inline]
+fn positive(a: f64, b: f64, sag: f64) -> bool {
+    // a (1 - t) + b t - 4 sag t (1 - t): where it is steeper than the parabola, the lower end is the least of it.
+    let fall = a - b;
+    let slope = fall + 4.0 * sag;
+    a.min(b) > 0.0 && (fall.abs() >= 4.0 * sag || slope * slope < 16.0 * sag * a)
 }
 
 /// End of the arc within the first table interval: positive root of delta + slope x + q x^2, where q makes the
