@@ -96,11 +96,7 @@ fn enter(unrolled: &mut [f64], points: usize, start: f64, end: f64, share: f64) 
             * (0.5 + (end - at) * per_width).clamp(0.0, 1.0)
             * (0.5 + (at - start) * per_width).clamp(0.0, 1.0)
     };
-    for k in first..full {
-        unrolled[k] += partly(k);
-    }
+    unrolled[first..full].iter_mut().zip(first..).for_each(|(sum, k)| *sum += partly(k));
     unrolled[full..end_of_full].iter_mut().for_each(|sum| *sum += share);
-    for k in end_of_full..end_of {
-        unrolled[k] += partly(k);
-    }
+    unrolled[end_of_full..end_of].iter_mut().zip(end_of_full..).for_each(|(sum, k)| *sum += partly(k));
 }
