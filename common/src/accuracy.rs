@@ -16,7 +16,10 @@ pub struct Accuracy {
     /// Largest number of cycles one wear step jumps.
     pub cycle_jump: u32,
     /// Error that one block of wear may add by its length, of the depth so far and, between simulated cycles, of the
-    /// limit of an output of the motion [1]; zero: every block but the graded start has the largest length.
+    /// limit of an output of the motion [1]; zero: every block but the graded start has the largest length. So it is in
+    /// every preset: of the flapping-wing drive at two points (`worker/examples/blocks.rs`, against blocks of 250
+    /// cycles) 3e-3 with blocks of up to 8000 took 29 cycles for an asymmetry within 2.1 % of its limit, blocks of 4000
+    /// took 31 for 1.35 %: the late kink is seen only when a block has passed it.
     pub jump_tolerance: f64,
     /// Tolerance of the wear step, relative to the wear it adds [1].
     pub wear_tolerance: f64,
