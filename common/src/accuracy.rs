@@ -19,7 +19,7 @@ pub struct Accuracy {
     /// limit of an output of the motion [1]; zero: every block but the graded start has the largest length. So it is in
     /// every preset: of the flapping-wing drive at two points (`worker/examples/blocks.rs`, against blocks of 250
     /// cycles) 3e-3 with blocks of up to 8000 took 29 cycles for an asymmetry within 2.1 % of its limit, blocks of 4000
-    /// took 31 for 1.35 %: the late kink is seen only when a block has passed it.
+    /// took 31 for 1.35 %.
     pub jump_tolerance: f64,
     /// Tolerance of the wear step, relative to the wear it adds [1].
     pub wear_tolerance: f64,
