@@ -43,6 +43,57 @@ pub struct Profile {
     per_radian: f64,
     /// Lower bound of R [m].
     smallest_radius: f64,
+    /// Second derivatives at the control points times the squared spacing `(n,)` [m].
+    bend: Vec<f64>,
+    circle: Circulant,
+}
+
+/// The matrix with 4 on its diagonal and 1 beside it, all round, factorised: A + u v' with A tridiagonal,
+/// u = (g, 0, .., 1), v = (1, 0, .., 1/g), g = -4 (Sherman-Morrison).
+#[derive(Debug, Clone, PartialEq)]
+struct Circulant {
+    /// Inverse pivots of A `(n,)`.
+    inverse: Vec<f64>,
+    /// A^-1 u `(n,)`.
+    z: Vec<f64>,
+    /// 1 / (1 + v'z).
+    share: f64,
+}
+
+/// g of [`Circulant`].
+const GAMMA: f64 = -4.0;
+
+impl Circulant {
+    fn new(n: usize) -> Self {
+        let (mut inverse, mut z) = (vec![1.0 / (4.0 - GAMMA); n], vec![0.0; n]);
+        for i in 1..n {
+            let diagonal = if i == n - 1 { 4.0 - 1.0 / GAMMA } else { 4.0 };
+            inverse[i] = 1.0 / (diagonal - inverse[i - 1]);
+        }
+        (z[0], z[n - 1]) = (GAMMA, 1.0);
+        eliminate(&inverse, &mut z);
+        let share = 1.0 / (1.0 + z[0] + z[n - 1] / GAMMA);
+        Circulant { inverse, z, share }
+    }
+
+    /// Replaces the right-hand side `y` by the solution.
+    fn solve(&self, y: &mut [f64]) {
+        eliminate(&self.inverse, y);
+        let factor = (y[0] + y[y.len() - 1] / GAMMA) * self.share;
+        y.iter_mut().zip(&self.z).for_each(|(y, z)| *y -= factor * z);
+    }
+}
+
+/// Solves A x = y by the inverse pivots of A; x takes the place of y.
+fn eliminate(inverse: &[f64], y: &mut [f64]) {
+    let n = y.len();
+    y[0] *= inverse[0];
+    for i in 1..n {
+        y[i] = (y[i] - y[i - 1]) * inverse[i];
+    }
+    for i in (0..n - 1).rev() {
+        y[i] -= inverse[i] * y[i + 1];
+    }
 }
 
 impl Profile {
@@ -54,6 +105,8 @@ impl Profile {
             cubic: vec![[0.0; 4]; points],
             per_radian: points as f64 / TAU,
             smallest_radius: initial_radius,
+            bend: vec![0.0; points],
+            circle: Circulant::new(points),
         };
         profile.join();
         profile
@@ -97,6 +150,29 @@ impl Profile {
         look_up(psi, self.per_radian, |_| (&self.cubic).as_slice())
     }
 
+    /// Radius and derivatives in interval `interval` between control points, at its fraction `s` in [0, 1].
+    #[inline(always)]
+    pub fn within(&self, interval: usize, s: f64) -> Radius {
+        cubic_at(self.cubic[interval], s, self.per_radian)
+    }
+
+    /// Radius at `x` control points from that at angle zero, in [-n, 2 n) [m].
+    #[inline]
+    pub fn turned(&self, x: f64) -> f64 {
+        let n = self.cubic.len();
+        let from = x + n as f64;
+        let floor = from as usize;
+        let s = from - floor as f64;
+        let once = if floor >= n { floor - n } else { floor };
+        let [a, b, c, d] = self.cubic[if once >= n { once - n } else { once }];
+        a + s * (b + s * (c + s * d))
+    }
+
+    /// Coefficients of the cubics, R = a + s (b + s (c + s d)) in the fraction s of each interval `(n, 4)` [m].
+    pub fn cubics(&self) -> &[[f64; 4]] {
+        &self.cubic
+    }
+
     /// Fills `table` with R at `table.len()` equal angles from 0 (a multiple of the control points) [m].
     pub fn tabulate(&self, table: &mut [f64]) {
         let sub = table.len() / self.cubic.len();
@@ -125,39 +201,20 @@ impl Profile {
     /// Solves the periodic tridiagonal system of the second differences and sets the cubics.
     ///
     /// With M_i the second derivative times the squared spacing: M_{i-1} + 4 M_i + M_{i+1} = 6 (w_{i-1} - 2 w_i
-    /// + w_{i+1}); the corners are taken care of by a rank-one update (Sherman-Morrison).
+    /// + w_{i+1}).
     fn join(&mut self) {
         let n = self.depth.len();
-        let w = |i: usize| self.depth[i % n];
-        let second = |i: usize| 6.0 * (w(i + n - 1) - 2.0 * w(i) + w(i + 1));
-        // The matrix is A + u v' with u = (g, 0, .., 1), v = (1, 0, .., 1/g), g = -4.
-        let gamma = -4.0;
-        let diagonal = |i: usize| match i {
-            0 => 4.0 - gamma,
-            i if i == n - 1 => 4.0 - 1.0 / gamma,
-            _ => 4.0,
-        };
-        let mut upper = vec![0.0; n];
-        let mut y = vec![0.0; n];
-        let mut z = vec![0.0; n];
-        let mut pivot = diagonal(0);
-        y[0] = second(0) / pivot;
-        z[0] = gamma / pivot;
-        for i in 1..n {
-            upper[i - 1] = 1.0 / pivot;
-            pivot = diagonal(i) - upper[i - 1];
-            y[i] = (second(i) - y[i - 1]) / pivot;
-            z[i] = (if i == n - 1 { 1.0 } else { 0.0 } - z[i - 1]) / pivot;
+        let (w, m) = (&self.depth, &mut self.bend);
+        let second = |before: f64, at: f64, after: f64| 6.0 * (before - 2.0 * at + after);
+        m[0] = second(w[n - 1], w[0], w[1]);
+        for (m, w) in m[1..].iter_mut().zip(w.windows(3)) {
+            *m = second(w[0], w[1], w[2]);
         }
-        for i in (0..n - 1).rev() {
-            y[i] -= upper[i] * y[i + 1];
-            z[i] -= upper[i] * z[i + 1];
-        }
-        let factor = (y[0] + y[n - 1] / gamma) / (1.0 + z[0] + z[n - 1] / gamma);
-        let m: Vec<f64> = y.iter().zip(&z).map(|(y, z)| y - factor * z).collect();
+        m[n - 1] = second(w[n - 2], w[n - 1], w[0]);
+        self.circle.solve(m);
         for i in 0..n {
-            let (m0, m1) = (m[i], m[(i + 1) % n]);
-            let (w0, w1) = (self.depth[i], self.depth[(i + 1) % n]);
+            let next = if i + 1 == n { 0 } else { i + 1 };
+            let (m0, m1, w0, w1) = (m[i], m[next], w[i], w[next]);
             self.cubic[i] =
                 [self.initial_radius + w0, w1 - w0 - (2.0 * m0 + m1) / 6.0, 0.5 * m0, (m1 - m0) / 6.0];
         }
@@ -187,7 +244,12 @@ fn look_up<'a, R: Real>(psi: R, per_radian: f64, table: impl Fn(usize) -> &'a [[
             cubic[k].set_lane(lane, interval[k]);
         }
     }
-    let ([a, b, c, d], s, k) = (cubic, place, per_radian);
+    cubic_at(cubic, place, per_radian)
+}
+
+/// Radius and derivatives of a cubic at the fraction `s` of its interval, `k` intervals per radian.
+#[inline(always)]
+fn cubic_at<R: Real>([a, b, c, d]: [R; 4], s: R, k: f64) -> Radius<R> {
     let (c2, d3) = (c * 2.0, s * d * 3.0);
     Radius { r: a + s * (b + s * (c + s * d)), d1: (b + s * (c2 + d3)) * k, d2: (c2 + d3 * 2.0) * (k * k) }
 }

@@ -89,6 +89,7 @@ mod tests {
             steps_bound: 1,
             wear_samples: 1,
             cycle_jump: 1,
+            jump_tolerance: 0.0,
             wear_tolerance: 0.1,
             warm_up: 0.5,
             tier: common::accuracy::Tier::Dynamic,

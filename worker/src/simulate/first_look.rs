@@ -1,10 +1,10 @@
 //! What an evaluation of a scene will do and cost, from its settled first cycle alone.
 
 use super::desk::Desk;
-use super::probe::probed;
+use super::probe::due;
 use super::run::Run;
 use super::together::alone;
-use crate::life::boundaries;
+use crate::life::Course;
 use crate::quasi_static::Unsuitable;
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
@@ -37,7 +37,8 @@ pub struct FirstLook {
     pub tier: Result<f64, Unsuitable>,
     /// Time steps of the measured cycle, all islands together.
     pub steps_per_cycle: u64,
-    /// Cycles that a whole evaluation simulates dynamically: settling, measuring, warming up, probing.
+    /// Cycles that a whole evaluation simulates dynamically: settling, measuring, warming up, probing. Where the length
+    /// of the blocks is chosen on the way, the fewest.
     pub dynamic_cycles: f64,
     /// Cycles that it simulates quasi-statically.
     pub quasi_static_cycles: f64,
@@ -79,14 +80,17 @@ async fn look(desk: Desk, scene: &Scene, accuracy: &Accuracy) -> Result<FirstLoo
         // The cycle once more, at half the step, for its error.
         dynamic_cycles += 2.0;
     } else {
-        let lives = boundaries(scene.life.cycles, accuracy.cycle_jump, scene.life.checkpoint_every);
+        let (end, every) = (scene.life.cycles, scene.life.checkpoint_every);
+        let mut course = Course::new(end, accuracy.cycle_jump, every, accuracy.jump_tolerance, vec![]);
+        while course.next_life().is_some() {}
+        let lives = course.lives();
         let blocks = (lives.len() - 1) as f64;
         let warm = 1.0 + accuracy.warm_up;
         if tier.is_ok() {
             dynamic_cycles += warm;
             quasi_static_cycles = (blocks + 1.0) * warm;
         } else {
-            let probes = probed(&lives, scene.life.checkpoint_every).len() as f64;
+            let probes = lives.windows(2).filter(|w| due(w[0], w[1], every, end)).count() as f64;
             dynamic_cycles += blocks * warm + probes * super::probe::FINER;
         }
     }

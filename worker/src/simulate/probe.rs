@@ -141,17 +141,11 @@ fn relative_change(now: &[f64], was: &[f64]) -> f64 {
     change(volume(now), volume(was)).max(change(largest(now), largest(was)))
 }
 
-/// Of the lives at which a cycle is simulated after a block of wear, those that are probed: at the first checkpoint, at
-/// one and two thirds of the life, and at its end.
-pub fn probed(lives: &[u32], checkpoint_every: u32) -> Vec<u32> {
-    let end = lives.last().copied().unwrap_or(0);
-    let mut all: Vec<u32> = [checkpoint_every, end / 3, end / 3 * 2, end]
-        .iter()
-        .filter_map(|wanted| lives.iter().copied().find(|life| *life > 0 && life >= wanted))
-        .collect();
-    all.sort_unstable();
-    all.dedup();
-    all
+/// Whether the cycle simulated at the end of a block of wear is probed: those at the first checkpoint, at one and two
+/// thirds of the life and at its end are, or the first ones after.
+pub fn due(from: u32, to: u32, checkpoint_every: u32, end: u32) -> bool {
+    let wanted = [checkpoint_every, end / 3, end / 3 * 2, end].map(|life| life.clamp(1, end));
+    wanted.iter().any(|&life| from < life && life <= to)
 }
 
 #[cfg(test)]
@@ -160,6 +154,10 @@ mod tests {
 
     #[test]
     fn four_lives_are_probed_or_fewer() {
+        let probed = |lives: &[u32], every: u32| -> Vec<u32> {
+            let end = lives[lives.len() - 1];
+            lives.windows(2).filter(|w| due(w[0], w[1], every, end)).map(|w| w[1]).collect()
+        };
         assert_eq!(
             probed(&[0, 125, 250, 1000, 2000, 4000, 6000, 8000, 9000], 1000),
             [1000, 4000, 6000, 9000]

@@ -57,6 +57,8 @@ pub struct WearStep {
     under_way: Vec<f64>,
     /// Estimated error of the blocks behind, signed [m].
     behind: Vec<f64>,
+    /// Length of the last of them, and the largest share of a frozen history in its error [cycle], [m].
+    frozen: (f64, f64),
 }
 
 /// Most stages of one sub-step.
@@ -85,6 +87,7 @@ impl WearStep {
             block: 0.0,
             under_way: zero.clone(),
             behind: zero,
+            frozen: (0.0, 0.0),
         }
     }
 
@@ -102,9 +105,13 @@ impl WearStep {
     ) -> Result<(), WearStepFailed> {
         rate.rate(depth, &mut self.f1)?;
         stats.stages += 1;
+        let mut largest = 0.0_f64;
         for (i, behind) in self.behind.iter_mut().enumerate() {
-            *behind += self.under_way[i] + 0.5 * self.block * (self.f1[i] - self.f0[i]);
+            let frozen = 0.5 * self.block * (self.f1[i] - self.f0[i]);
+            largest = largest.max(frozen.abs());
+            *behind += self.under_way[i] + frozen;
         }
+        self.frozen = (self.block, largest);
         self.under_way.fill(0.0);
         std::mem::swap(&mut self.f0, &mut self.f1);
         self.block = 0.0;
@@ -115,6 +122,12 @@ impl WearStep {
     /// all blocks but the last, signed `(points,)` [m].
     pub fn error_behind(&self) -> &[f64] {
         &self.behind
+    }
+
+    /// Length of the last block whose end was renewed [cycle], and how much having frozen its history may have added at
+    /// any control point [m].
+    pub fn frozen(&self) -> (f64, f64) {
+        self.frozen
     }
 
     /// Advances `depth` by `cycles` under the frozen history in `rate`. `mark` sees the depth at each of `marks`

@@ -1,0 +1,152 @@
+//! The wear rate of the local law against its readable version: a walk from angle to angle, sample by sample.
+
+use super::arc_ends::SUBDIVISION;
+use super::local_arcs::ENTRY;
+use super::{ContactHistory, WearRate};
+use crate::bore::Profile;
+use crate::contact::{Contact, JointForce, LocalHertz, Surface};
+use std::f64::consts::{PI, TAU};
+
+const CLEARANCE: f64 = 23.5e-6;
+const R1: f64 = 1.5e-3;
+const COEFFICIENT: f64 = 1.288e-13;
+const WIDTH: f64 = 4e-3;
+
+/// Distance from direction `psi` to the end of the arc on the side of `sign`, by a walk over the table's angles [rad].
+fn walked(profile: &Profile, psi: f64, penetration: f64, sign: f64) -> f64 {
+    let n = SUBDIVISION * profile.points();
+    let spacing = TAU / n as f64;
+    let at = profile.at(psi);
+    let e = penetration + at.r - R1;
+    let beyond = |angle: f64| {
+        let (s, c) = (angle - psi).sin_cos();
+        R1 + e * c - e * e * s * s / (2.0 * R1) - profile.at(angle.rem_euclid(TAU)).r
+    };
+    let place = psi / spacing;
+    let first = if sign > 0.0 { place.floor() + 1.0 } else { place.floor() };
+    let (mut angle, mut p) = (first * spacing, beyond(first * spacing));
+    let mut phi = sign * (angle - psi);
+    if p <= 0.0 {
+        // Smallest positive root of delta + slope x + q x^2 through the point found outside.
+        let slope = -sign * at.d1;
+        let q = (p - penetration - slope * phi) / (phi * phi);
+        let root = (slope * slope - 4.0 * q * penetration).sqrt();
+        let roots = [(-slope - root) / (2.0 * q), (-slope + root) / (2.0 * q)];
+        return roots.into_iter().filter(|x| *x > 0.0).fold(phi, f64::min);
+    }
+    while phi < PI {
+        angle += sign * spacing;
+        let next = beyond(angle);
+        if next <= 0.0 {
+            return phi + spacing * p / (p - next);
+        }
+        (p, phi) = (next, phi + spacing);
+    }
+    PI
+}
+
+/// Wear per cycle of these samples: (direction, penetration, work).
+fn plain(profile: &Profile, samples: &[(f64, f64, f64)]) -> Vec<f64> {
+    let n = profile.points();
+    let mut rate = vec![0.0; n];
+    for &(psi, penetration, work) in samples {
+        let [before, after] = [-1.0, 1.0].map(|sign| walked(profile, psi, penetration, sign));
+        let radius = |angle: f64| profile.at(angle.rem_euclid(TAU)).r;
+        let mean = (radius(psi - before) + 4.0 * radius(psi) + radius(psi + after)) / 6.0;
+        for (i, rate) in rate.iter_mut().enumerate() {
+            // The nearest of the point's angles, a turn apart.
+            let at = (i as f64 * TAU / n as f64 - psi + PI).rem_euclid(TAU) - PI;
+            let entered = |distance: f64| (0.5 + distance / ENTRY).clamp(0.0, 1.0);
+            let inside = entered(after - at) * entered(at + before);
+            *rate += COEFFICIENT / WIDTH * work / (mean * (before + after)) * inside;
+        }
+    }
+    rate
+}
+
+/// Numbers in [0, 1), the same ones each time: multiples of the golden ratio's fraction.
+struct Even(f64);
+
+impl Even {
+    fn next(&mut self) -> f64 {
+        self.0 = (self.0 + 0.618_033_988_749_895) % 1.0;
+        self.0
+    }
+}
+
+/// Depths of a scar whose arc conforms to the journal, of that with roughness, of a groove, and of none.
+fn bores(points: usize, size: f64, even: &mut Even) -> [Vec<f64>; 4] {
+    let scar = |i: usize| size * (0.5 + 0.5 * (i as f64 / points as f64 * TAU - 2.0).cos()).powi(4);
+    let smooth: Vec<f64> = (0..points).map(scar).collect();
+    let rough = smooth.iter().map(|h| h + 0.1 * size * even.next()).collect();
+    let groove = (0..points).map(|i| if i % 9 == 4 { size } else { 0.0 }).collect();
+    [smooth, rough, groove, vec![0.0; points]]
+}
+
+#[test]
+fn rates_are_those_of_the_walk_over_smooth_rough_and_grooved_bores() {
+    let mut even = Even(0.25);
+    let (mut worst, mut compared) = (0.0_f64, 0);
+    for points in [12, 36, 90] {
+        let surface = Surface {
+            journal_radius: R1,
+            clearance: CLEARANCE,
+            stiffness: 3.264e10,
+            damping: 0.0,
+            restitution: None,
+            friction: 0.0,
+            friction_speed: 2.4e-3,
+            film: 0.0,
+        };
+        let mut profile = Profile::round(R1 + CLEARANCE, points);
+        let contact = Contact::LocalHertz(LocalHertz { surface });
+        for size in [1e-7, 3e-6, 30e-6] {
+            let samples: Vec<(f64, f64, f64)> =
+                (0..300).map(|_| (TAU * even.next(), 10f64.powf(-8.0 + 2.5 * even.next()), 1e-4)).collect();
+            let mut history = ContactHistory::new(1.0, samples.len());
+            for &(psi, penetration, work) in &samples {
+                let u = [psi.cos(), psi.sin()];
+                let force = JointForce {
+                    normal: 1.0,
+                    sliding: work,
+                    direction: u,
+                    penetration,
+                    ..JointForce::default()
+                };
+                history.push(1.0, [CLEARANCE * u[0], CLEARANCE * u[1]], &force);
+                history.close_stretch();
+            }
+            let mut law = WearRate::new(COEFFICIENT, WIDTH, &contact, &profile);
+            law.freeze(&history);
+            // One bore after the other, so that the search starts from ends that were somewhere else.
+            for depth in bores(points, size, &mut even) {
+                profile.set_depth(&depth);
+                let mut found = vec![0.0; points];
+                law.rate(&depth, &mut found).expect("the local law needs no rest");
+                let expected = plain(&profile, &samples);
+                let largest = expected.iter().fold(0.0_f64, |a, b| a.max(*b));
+                assert!(largest > 0.0);
+                for (a, b) in found.iter().zip(&expected) {
+                    worst = worst.max((a - b).abs() / largest);
+                    compared += 1;
+                }
+            }
+        }
+        profile.set_depth(&vec![0.0; points]);
+    }
+    println!("{compared} rates within {worst:e} of the largest");
+    assert!(worst < 1e-9, "{worst:e}");
+}
+
+#[test]
+fn what_is_outside_every_arc_does_not_wear_at_all() {
+    let points = 36;
+    let profile = Profile::round(R1 + CLEARANCE, points);
+    let mut arcs = super::local_arcs::LocalArcs::new(R1, points);
+    let sample = super::ContactSample { e: [0.0, -CLEARANCE], penetration: 1e-7, force: [0.0; 2], work: 1.0 };
+    arcs.freeze(&[sample]);
+    let mut shares = vec![1.0; points];
+    arcs.shares(&profile, &mut shares);
+    // Half angle sqrt(2 delta / c) of 5.3 deg: no more than the point in the middle.
+    assert!(shares[27] > 0.0 && shares.iter().filter(|s| **s != 0.0).count() == 1, "{shares:?}");
+}
