@@ -1,7 +1,7 @@
 //! The command line as typed.
 
 use clap::{Args, Parser, Subcommand, ValueEnum, builder::PossibleValuesParser};
-use common::accuracy::Accuracy;
+use common::accuracy::{Accuracy, NamedAccuracy};
 use std::path::PathBuf;
 
 /// The scene studied unless another one is named.
@@ -83,11 +83,16 @@ Examples:
     Extremes(ExtremesArguments),
     /// Measure time against error of the accuracy settings of a scene
     #[command(after_help = "\
-Runs the presets and settings around them at the nominal point and at random points of the variables, against `reference`;
-writes tradeoff.md, tradeoff.csv and a figure an output to the folder, and prints the table.
+Runs the presets and settings around them at the nominal point and at random points of the variables, against `reference`:
+time, error of each output, whether the errors that evaluations state hold, and what they mean for the reliability.
+Writes tradeoff.md, tradeoff.csv (a line a setting), values.csv (a line a value) and a figure an output to the folder,
+and prints tradeoff.md. Interrupted, it writes the points that are complete.
 
-Example:
-  coordinator tradeoff --scene four-bar --out four-bar-tradeoff")]
+Examples:
+  coordinator tradeoff --scene four-bar --out four-bar-tradeoff
+  coordinator tradeoff --scene my.toml --settings quick --points 10 --out my-tradeoff
+  coordinator tradeoff --setting balanced --setting draft --points 201 --out stated-errors
+  coordinator tradeoff --workers 0 --listen tcp/127.0.0.1:7447 --out tradeoff")]
     Tradeoff(TradeoffArguments),
     /// Show what the failure probabilities depend on, from a finished study
     #[command(after_help = "Example:\n  coordinator sensitivity hingewise-flapping-wing --json")]
@@ -194,6 +199,15 @@ pub enum MethodName {
     MonteCarlo,
 }
 
+/// Which settings a measurement tries.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum GridName {
+    /// Ten of them.
+    Quick,
+    /// All.
+    Full,
+}
+
 /// One evaluation.
 #[derive(Debug, Clone, Args)]
 pub struct SimulateArguments {
@@ -231,9 +245,18 @@ pub struct TradeoffArguments {
     /// Scene file, or name of a built-in scene
     #[arg(long, default_value = DEFAULT_SCENE, value_name = "NAME-or-FILE")]
     pub scene: String,
+    /// Where and how to work
+    #[command(flatten)]
+    pub farm: FarmArguments,
     /// Points of the variables, the nominal one among them
     #[arg(long, default_value = "3", value_name = "N", value_parser = positive)]
     pub points: usize,
+    /// Which settings: those that have proved themselves, or all
+    #[arg(long, value_enum, default_value = "full")]
+    pub settings: GridName,
+    /// Only this setting, and others given likewise: a preset, with knobs turned or not, e.g. draft+step-x0.71+jump-8000
+    #[arg(long, value_name = "NAME", conflicts_with = "settings")]
+    pub setting: Vec<NamedAccuracy>,
     /// Folder for the results, made if missing
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,

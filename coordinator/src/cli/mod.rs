@@ -6,6 +6,7 @@ mod distributions;
 mod error;
 mod explain;
 mod extremes;
+mod farm;
 mod model;
 mod options;
 mod output;

@@ -300,7 +300,7 @@ pub fn campaign(dir: &Path) -> CampaignFile {
     let mut campaign = CampaignFile::create(dir, &meta, &scene).unwrap();
     for id in 0..12 {
         let sample = (0..VARIABLES.len()).map(|k| 1.0 + 0.01 * ((id * 14 + k as u64) as f64).sin()).collect();
-        let request = Request { id, sample, with_first_cycle: id == 0 };
+        let request = Request { id, sample, with_first_cycle: id == 0, accuracy: None };
         let failure =
             SimulationFailure::TooManySteps { cycle: 61_000, time: 0.05, joint: None, bound: 200_000 };
         let outcome = if id == 7 { Err(failure) } else { Ok(evaluation(id, &scene)) };

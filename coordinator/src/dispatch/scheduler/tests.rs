@@ -13,7 +13,7 @@ pub(super) fn worker(name: &str) -> WorkerId {
 }
 
 pub(super) fn requests(ids: std::ops::Range<u64>) -> Vec<Request> {
-    ids.map(|id| Request { id, sample: vec![id as f64, 0.5], with_first_cycle: false }).collect()
+    ids.map(|id| Request { id, sample: vec![id as f64, 0.5], with_first_cycle: false, accuracy: None }).collect()
 }
 
 pub(super) fn claim(
@@ -164,6 +164,7 @@ fn an_outcome_nobody_asked_for_yet_stays_with_its_worker() {
         attempt: 1,
         sample: vec![0.0, 0.5],
         with_first_cycle: false,
+        accuracy: None,
     };
     let commands = ask(&mut s, START, claim(&a, 1, 0, vec![outcome(&early, &a)], &[]));
     assert_eq!(reply(&commands), Some((vec![], vec![])));

@@ -78,7 +78,7 @@ pub fn learning(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
         let power = |v: f64| format!("{}\u{a0}%", short(10f64.powf(v + 2.0)));
         let y_text: &dyn Fn(f64) -> String = if name == "learning-shares" { &power } else { &short };
         let svg =
-            Plot { figure: name, x_label: "evaluations", y_label, x, y, y_text, series: &series }.svg()?;
+            Plot { figure: name, x_label: "evaluations", y_label, x, y, x_text: &short, y_text, series: &series }.svg()?;
         figures.push(figure(name, title, &caption, svg));
     }
     Ok(figures)
