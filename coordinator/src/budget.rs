@@ -206,7 +206,8 @@ pub fn shares(scene: &Scene, evaluation: &Evaluation) -> Vec<OutputShare> {
         error: evaluation.errors[k].iter().take(counted).fold(0.0, |a: f64, e| a.max(e / scale)),
     };
     if scene.limit_states.is_empty() {
-        let largest = |k: usize| evaluation.histories[k].iter().fold(f64::MIN_POSITIVE, |a, x| a.max(x.abs()));
+        let largest =
+            |k: usize| evaluation.histories[k].iter().fold(f64::MIN_POSITIVE, |a, x| a.max(x.abs()));
         return (0..scene.outputs.len()).map(|k| of(k, largest(k), usize::MAX)).collect();
     }
     let passed = |k: usize, threshold: f64| {

@@ -5,7 +5,13 @@ use std::path::{Path, PathBuf};
 use tests::command_line::{objection, words};
 use tests::program;
 
-const DOCUMENTS: [&str; 4] = ["README.md", "deploy/README.md", "coordinator/doc/scenes.md", "CHANGELOG.md"];
+const DOCUMENTS: [&str; 5] = [
+    "README.md",
+    "deploy/README.md",
+    "coordinator/doc/scenes.md",
+    "coordinator/doc/tradeoff.md",
+    "CHANGELOG.md",
+];
 
 /// Folders whose files a document may name in backquotes.
 const ROOMS: [&str; 6] = ["common/", "worker/", "coordinator/", "deploy/", "tests/", ".ci/"];
@@ -135,7 +141,7 @@ fn every_option_named_in_prose_exists() {
         let output = std::process::Command::new(program(program_name)).args(command).arg("--help").output();
         String::from_utf8(output.unwrap().stdout).unwrap()
     };
-    let commands = ["run", "resume", "simulate", "scenes"];
+    let commands = ["run", "resume", "simulate", "tradeoff", "scenes"];
     let mut known: String = commands.iter().map(|command| help("coordinator", &[command])).collect();
     known += &help("worker", &[]);
     let known: BTreeSet<&str> = known

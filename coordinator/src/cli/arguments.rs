@@ -1,7 +1,8 @@
 //! The command line as typed.
 
-use clap::{Args, Parser, Subcommand, ValueEnum, builder::PossibleValuesParser};
-use common::accuracy::{Accuracy, NamedAccuracy};
+use super::accuracy::AccuracyArguments;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use common::accuracy::NamedAccuracy;
 use std::path::PathBuf;
 
 /// The scene studied unless another one is named.
@@ -59,6 +60,7 @@ Examples:
   coordinator run --workers auto
   coordinator run --scene flapping-wing-tolerances --workers 2 --out tolerances --seed 7
   coordinator run --scene my.toml --method monte-carlo --samples 500
+  coordinator run --scene four-bar --max-error 1%
   coordinator run --workers 0 --listen tcp/0.0.0.0:7447 --config tls.json5")]
     Run(Box<RunArguments>),
     /// Go on with an interrupted study; no finished evaluation is run again
@@ -114,11 +116,17 @@ Examples:
         file: String,
     },
     /// Say what will be modelled, and why
-    #[command(after_help = "Example:\n  coordinator explain --scene flapping-wing")]
+    #[command(after_help = "\
+Examples:
+  coordinator explain --scene flapping-wing
+  coordinator explain --scene my.toml --max-error 1%")]
     Explain {
         /// Scene file, or name of a built-in scene
         #[arg(long, default_value = DEFAULT_SCENE, value_name = "NAME-or-FILE")]
         scene: String,
+        /// Numerical effort for which the cost is expected
+        #[command(flatten)]
+        accuracy: AccuracyArguments,
     },
 }
 
@@ -131,9 +139,9 @@ pub struct RunArguments {
     /// Where and how to work
     #[command(flatten)]
     pub farm: FarmArguments,
-    /// Numerical effort of an evaluation [default: balanced]
-    #[arg(long, value_parser = PossibleValuesParser::new(Accuracy::NAMES))]
-    pub accuracy: Option<String>,
+    /// Numerical effort
+    #[command(flatten)]
+    pub accuracy: AccuracyArguments,
     /// How the reliability is found: ak learns a surrogate, monte-carlo simulates every sample [default: ak]
     #[arg(long, value_enum)]
     pub method: Option<MethodName>,
@@ -218,8 +226,8 @@ pub struct SimulateArguments {
     #[arg(long, value_name = "variable=value")]
     pub set: Vec<String>,
     /// Numerical effort
-    #[arg(long, default_value = "balanced", value_parser = PossibleValuesParser::new(Accuracy::NAMES))]
-    pub accuracy: String,
+    #[command(flatten)]
+    pub accuracy: AccuracyArguments,
     /// Write the JSON to this file instead of standard output
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
@@ -231,9 +239,9 @@ pub struct ExtremesArguments {
     /// Scene file, or name of a built-in scene
     #[arg(long, default_value = DEFAULT_SCENE, value_name = "NAME-or-FILE")]
     pub scene: String,
-    /// Numerical effort
-    #[arg(long, default_value = "balanced", value_parser = PossibleValuesParser::new(Accuracy::NAMES))]
-    pub accuracy: String,
+    /// Numerical effort, as that of `run`
+    #[arg(long, default_value = "balanced", value_name = "NAME")]
+    pub accuracy: NamedAccuracy,
     /// Write the table to this file instead of standard output
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
@@ -317,6 +325,11 @@ mod tests {
             "coordinator --workers many",
             "coordinator --workers 5000",
             "coordinator run --accuracy exact",
+            "coordinator run --accuracy draft --max-error 1%",
+            "coordinator run --max-error 0",
+            "coordinator simulate --max-error half",
+            "coordinator tradeoff --out x --setting draft+jump-x",
+            "coordinator tradeoff --out x --setting draft --settings quick",
             "coordinator run --samples 0",
             "coordinator run --seed -1",
             "coordinator resume",

@@ -4,24 +4,14 @@ use super::arguments::{FarmArguments, Slots};
 use super::error::CommandError;
 use super::signals::interruption;
 use coordinator::dispatch::{Campaign, Listen, ZenohEvaluator};
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 use worker::service::{self, ServiceConfig, WorkerHandle};
 use worker::simulator::simulator;
 
 /// Starts to listen for workers of a campaign; Ctrl-C and SIGTERM end its batches.
 pub fn listen(campaign: Campaign, arguments: &FarmArguments) -> Result<ZenohEvaluator, CommandError> {
-    listen_until(campaign, arguments, interruption().map_err(CommandError::Signals)?)
-}
-
-/// The same with a flag for its end that is there already.
-pub fn listen_until(
-    campaign: Campaign,
-    arguments: &FarmArguments,
-    interrupted: Arc<AtomicBool>,
-) -> Result<ZenohEvaluator, CommandError> {
     let FarmArguments { listen, config, insecure, .. } = arguments.clone();
     let listen = Listen { endpoint: listen, config, insecure };
+    let interrupted = interruption().map_err(CommandError::Signals)?;
     Ok(ZenohEvaluator::open(campaign, &listen, interrupted)?)
 }
 

@@ -5,12 +5,12 @@
 use super::arguments::{DEFAULT_SCENE, ResumeArguments, RunArguments, Talk};
 use super::distributions::for_report;
 use super::error::CommandError;
-use super::farm::{Farm, listen};
+use super::farm::{Farm, cores, listen, local_slots};
 use super::options::StudyOptions;
 use super::output::{print, to_json};
 use super::results::write_results;
 use super::scenes::check_linkage;
-use common::accuracy::Accuracy;
+use super::signals::interruption;
 use common::scene::{Scene, SceneSource};
 use coordinator::dispatch::Campaign;
 use coordinator::report::{DISTRIBUTIONS_DOCUMENT, SUMMARY_DOCUMENT};
@@ -27,7 +27,12 @@ pub fn run(arguments: &RunArguments, talk: Talk) -> Result<(), CommandError> {
         return Err(CommandError::NothingToStudy { origin: source.origin().to_owned() });
     }
     check_linkage(source.origin(), scene)?;
-    let options = StudyOptions::new(arguments, scene)?;
+    let mut options = StudyOptions::new(arguments, scene)?;
+    // The points at which accuracies are tried are those of the study's seed.
+    let seeded = Scene { study: options.settings().study, ..scene.clone() };
+    let threads = Some(local_slots(&arguments.farm)).filter(|slots| *slots > 0).unwrap_or_else(cores);
+    let interrupted = interruption().map_err(CommandError::Signals)?;
+    options.accuracy = arguments.accuracy.for_study(&source, &seeded, threads, talk.quiet, interrupted)?;
     let dir = arguments.out.clone().unwrap_or_else(|| free_folder(&scene.name));
     let meta = CampaignMeta {
         scene: scene.name.clone(),
@@ -103,8 +108,8 @@ fn announced(source: &SceneSource, options: &StudyOptions) -> Result<Campaign, C
         // The low half of a 128-bit hash is a 64-bit hash.
         id: digest as u64,
         scene: source.text().to_owned(),
-        accuracy: Accuracy::by_name(&options.accuracy).unwrap_or_default(),
-        accuracy_name: options.accuracy.clone(),
+        accuracy: options.accuracy.setting.accuracy,
+        accuracy_name: options.accuracy.setting.name.clone(),
     })
 }
 

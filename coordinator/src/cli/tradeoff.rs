@@ -12,7 +12,8 @@ use coordinator::dispatch::Campaign;
 use coordinator::report::ReportError;
 use coordinator::result_files::write_text;
 use coordinator::tradeoff::{
-    Measurement, Plan, Progress, QUICK, compare, csv, figures, full, reference_row, settings, table, values_csv,
+    Measurement, Plan, Progress, QUICK, compare, csv, figures, full, reference_row, settings, table,
+    values_csv,
 };
 use std::path::Path;
 
@@ -28,11 +29,12 @@ pub fn tradeoff(arguments: &TradeoffArguments, talk: Talk) -> Result<(), Command
     if !talk.quiet {
         farm.say_where();
     }
-    let (measurement, end) = plan.measure(&mut farm.evaluator, &mut |Progress { done, all, setting, point, seconds }| {
-        if !talk.quiet {
-            eprintln!("{done}/{all} evaluations: {setting} at point {point}, {seconds:.2} s");
-        }
-    });
+    let (measurement, end) =
+        plan.measure(&mut farm.evaluator, &mut |Progress { done, all, setting, point, seconds }| {
+            if !talk.quiet {
+                eprintln!("{done}/{all} evaluations: {setting} at point {point}, {seconds:.2} s");
+            }
+        });
     if end.is_ok() {
         farm.close();
     }
@@ -61,7 +63,12 @@ fn announced(source: &SceneSource, plan: &Plan) -> Campaign {
     let NamedAccuracy { accuracy, .. } = NamedAccuracy::default();
     let digest = common::scene::source::digest(&format!("tradeoff {plan:?}\n{}", source.text()));
     // The low half of a 128-bit hash is a 64-bit hash.
-    Campaign { id: digest as u64, scene: source.text().to_owned(), accuracy, accuracy_name: "tradeoff".into() }
+    Campaign {
+        id: digest as u64,
+        scene: source.text().to_owned(),
+        accuracy,
+        accuracy_name: "tradeoff".into(),
+    }
 }
 
 /// Writes the files; the page.

@@ -201,6 +201,8 @@ pub fn study() -> Study {
         seed: 20_260_101,
         method: "ak".into(),
         accuracy: "balanced".into(),
+        accuracy_settings: common::accuracy::Accuracy::balanced(),
+        max_error: None,
         population: 100_000,
         evaluations: EvaluationCounts { total: 216, initial: 120, added: 96, failed: 1 },
         limit_states: scene.limit_states.iter().map(|state| state.name.clone()).collect(),

@@ -152,7 +152,8 @@ fn output_error(scene: &Scene, k: usize, pairs: &[Pair], cases: &[Case]) -> Outp
         let (found_history, true_history) = (&found.histories[k], &reference.histories[k]);
         let reached = threshold.and_then(|limit| true_history.iter().position(|y| *y >= limit));
         let seen = reached.map_or(true_history.len(), |n| n + 1);
-        let differences = found_history.iter().zip(true_history).take(seen).map(|(x, truth)| (x - truth).abs());
+        let differences =
+            found_history.iter().zip(true_history).take(seen).map(|(x, truth)| (x - truth).abs());
         until_limit = differences.fold(until_limit, |a, off| a.max(off / scale));
         let crossing = |history: &[f64]| threshold.and_then(|limit| crossing(&found.cycles, history, limit));
         if let (Some(a), Some(b)) = (crossing(found_history), crossing(true_history)) {

@@ -30,7 +30,14 @@ pub fn csv(scene: &Scene, rows: &[Row]) -> String {
     }
     let states = limit_states(scene);
     for name in &states {
-        for column in ["lives_changed", "R_change", "R_change_cycles", "R_change_at_0.9", "R_change_at_0.5", "R_change_at_0.1"] {
+        for column in [
+            "lives_changed",
+            "R_change",
+            "R_change_cycles",
+            "R_change_at_0.9",
+            "R_change_at_0.5",
+            "R_change_at_0.1",
+        ] {
             let _ = write!(out, ",{name}_{column}");
         }
     }
@@ -73,7 +80,13 @@ fn line(out: &mut String, scene: &Scene, states: &[&str], row: &Row) {
                 let _ = write!(
                     out,
                     ",{:e},{:e},{life},{},{},{:e},{:e},{}",
-                    o.relative, o.until_limit, s.within, s.within_twice, s.median_ratio, s.ratio_95, s.points_missed
+                    o.relative,
+                    o.until_limit,
+                    s.within,
+                    s.within_twice,
+                    s.median_ratio,
+                    s.ratio_95,
+                    s.points_missed
                 );
             }
             None => out.push_str(",,,,,,,,"),
@@ -82,7 +95,8 @@ fn line(out: &mut String, scene: &Scene, states: &[&str], row: &Row) {
     for name in states {
         match row.lives.iter().find(|life| life.limit_state == *name) {
             Some(life) => {
-                let _ = write!(out, ",{},{},{}", life.changed, life.largest.difference(), life.largest.cycles);
+                let _ =
+                    write!(out, ",{},{},{}", life.changed, life.largest.difference(), life.largest.cycles);
                 for at in life.at {
                     let _ = write!(out, ",{}", at.map_or_else(String::new, |at| at.difference().to_string()));
                 }

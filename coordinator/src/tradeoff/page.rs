@@ -143,7 +143,9 @@ fn reliability(out: &mut String, rows: &[Row]) -> std::fmt::Result {
             )?;
             for at in life.at {
                 match at {
-                    Some(at) => write!(out, " {:+.3} ({:.2} at {}) |", at.difference(), at.reference, at.cycles)?,
+                    Some(at) => {
+                        write!(out, " {:+.3} ({:.2} at {}) |", at.difference(), at.reference, at.cycles)?
+                    }
                     None => write!(out, " - |")?,
                 }
             }

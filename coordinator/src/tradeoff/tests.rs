@@ -81,7 +81,13 @@ fn pages_say_it_all() {
     let (scene, measurement) = (scene(), measurement());
     let rows = compare(&scene, &three(), &measurement);
     let table = table(&scene, &rows, &reference_row(&scene, &measurement), 2);
-    for part in ["500 cycles", "| **draft** * |", "| wear | 100.0 % | -1.00 at 1000 |", "DOES NOT HOLD", "2.50 times, point 1"] {
+    for part in [
+        "500 cycles",
+        "| **draft** * |",
+        "| wear | 100.0 % | -1.00 at 1000 |",
+        "DOES NOT HOLD",
+        "2.50 times, point 1",
+    ] {
         assert!(table.contains(part), "no {part:?} in\n{table}");
     }
     let lines = |text: &str| text.lines().count();
