@@ -63,7 +63,7 @@ pub enum BudgetError {
     /// None of the ladder keeps it.
     #[error(
         "no accuracy keeps the stated error below {budget}: at best {output} is known to {best} of its limit, with {setting}; \
-         allow at least that, or study the mechanism where it does not rattle"
+         allow at least that"
     )]
     OutOfReach {
         /// Budget, in words.

@@ -38,7 +38,9 @@ fn every_task_of_a_measurement_brings_its_own_accuracy() {
         let mut seen = 0;
         let (found, end) = plan.measure(&mut farm, &mut |_| seen += 1);
         farm.finish();
-        workers.map(|worker| worker.join().expect("it leaves when told to"));
+        for worker in workers {
+            worker.join().expect("it leaves when told to");
+        }
         (found, end, seen)
     });
     end.expect("the measurement comes to its end");

@@ -2,7 +2,7 @@
 
 use super::error::CommandError;
 use clap::Args;
-use common::accuracy::NamedAccuracy;
+use common::accuracy::{Accuracy, NamedAccuracy};
 use common::failure::SimulationFailure;
 use common::scene::{Faults, Scene, SceneSource};
 use coordinator::budget::{Attempt, LADDER, RANDOM_POINTS, choose, percent};
@@ -33,6 +33,31 @@ pub struct Accepted {
     pub setting: NamedAccuracy,
     /// Error budget, as a share of the limits [1].
     pub max_error: Option<f64>,
+}
+
+impl Accepted {
+    /// What a campaign file holds, to the last bit: numbers read from JSON may differ in it, while the name gives them
+    /// exactly, unless it stands for something else by now; then the numbers of the file hold.
+    pub fn exact(self) -> Self {
+        let kept = self.setting.accuracy;
+        let near = |a: f64, b: f64| (a - b).abs() <= 1e-12 * a.abs();
+        let named = self.setting.name.parse::<NamedAccuracy>().ok().filter(|named| {
+            let a = named.accuracy;
+            let rounded = Accuracy {
+                step_tolerance: a.step_tolerance,
+                largest_step: a.largest_step,
+                wear_tolerance: a.wear_tolerance,
+                warm_up: a.warm_up,
+                ..kept
+            };
+            near(a.step_tolerance, kept.step_tolerance)
+                && near(a.largest_step, kept.largest_step)
+                && near(a.wear_tolerance, kept.wear_tolerance)
+                && near(a.warm_up, kept.warm_up)
+                && rounded == a
+        });
+        Accepted { setting: named.unwrap_or(self.setting), ..self }
+    }
 }
 
 impl AccuracyArguments {

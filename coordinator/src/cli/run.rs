@@ -63,8 +63,9 @@ pub fn resume(arguments: &ResumeArguments, talk: Talk) -> Result<(), CommandErro
     }
     let origin = arguments.dir.join(FILE_NAME).display().to_string();
     let source = SceneSource::parse(&campaign.meta().scene_source, &origin)?;
-    let options: StudyOptions = serde_json::from_value(campaign.meta().settings.clone())
+    let mut options: StudyOptions = serde_json::from_value(campaign.meta().settings.clone())
         .map_err(|error| CommandError::ForeignSettings { file: origin, reason: error.to_string() })?;
+    options.accuracy = options.accuracy.exact();
     if !talk.quiet {
         eprintln!("{} evaluations are done already", campaign.count()?);
     }
