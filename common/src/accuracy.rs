@@ -1,5 +1,9 @@
 //! Every numerical knob of an evaluation, and the three named points among them.
 
+mod name;
+
+pub use name::{AccuracyNameError, KNOBS, NamedAccuracy};
+
 use serde::{Deserialize, Serialize};
 
 /// Numerical settings of one evaluation.

@@ -2,6 +2,7 @@
 //!
 //! Fields named `..._m` and `..._rpm` follow the contract; general outputs stand under their own name.
 
+use common::accuracy::Accuracy;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -19,8 +20,12 @@ pub struct StudySummary {
     pub seed: u64,
     /// `ak` or `monte-carlo`.
     pub method: String,
-    /// Accuracy preset.
+    /// Accuracy of the evaluations: a preset, or one with knobs turned.
     pub accuracy: String,
+    /// All its knobs.
+    pub accuracy_settings: Accuracy,
+    /// Error budget that the accuracy was found for, if it was, as a share of the limits [1].
+    pub max_error: Option<f64>,
     /// Size of the Monte Carlo population at the end.
     pub population: usize,
     /// Counts of evaluations.

@@ -228,6 +228,9 @@ fn bad_options() {
     for (arguments, parts) in [
         (&["run", "--workers", "many"][..], &["--workers", "many", "auto"][..]),
         (&["run", "--accuracy", "exact"], &["--accuracy", "exact", "balanced"]),
+        (&["run", "--max-error", "2"], &["--max-error", "2", "1%"]),
+        (&["run", "--max-error", "1%", "--accuracy", "draft"], &["--max-error", "--accuracy"]),
+        (&["simulate", "--accuracy", "draft+jump-0"], &["--accuracy", "jump-", "whole numbers"]),
         (&["--seed", "3", "scenes"], &["after `run`"]),
         (&["simulat"], &["simulat", "simulate"]),
     ] {

@@ -178,6 +178,21 @@ fn every_command_helps_with_an_example() {
 }
 
 #[test]
+fn an_error_budget_chooses_the_accuracy() {
+    let chosen = |budget: &str| {
+        let output = coordinator(&["simulate", "--scene", "four-bar", "--max-error", budget]);
+        let told = String::from_utf8(output.stderr).unwrap();
+        let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let name = found["accuracy"].as_str().unwrap().to_owned();
+        assert!(told.contains(&format!("accuracy {name}: the cheapest")), "{told}");
+        (name, found["diagnostics"]["steps"].as_u64().unwrap())
+    };
+    let (loose, tight) = (chosen("50%"), chosen("0.005"));
+    assert_eq!(loose.0, "draft+step-x1.41");
+    assert!(loose.1 < tight.1, "{loose:?} {tight:?}");
+}
+
+#[test]
 fn tradeoff_measures_every_setting_and_writes_its_files() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("tradeoff");
@@ -186,12 +201,25 @@ fn tradeoff_measures_every_setting_and_writes_its_files() {
         "--scene",
         "four-bar",
         "--points",
-        "1",
+        "2",
+        "--setting",
+        "draft",
+        "--setting",
+        "balanced",
+        "--setting",
+        "step-x1.41+jump-4000",
+        "--workers",
+        "2",
         "--out",
         out.to_str().unwrap(),
         "--quiet",
     ]);
-    assert!(table.contains("**draft**") && table.contains("**balanced**"), "{table}");
+    for part in ["**draft**", "**balanced**", "| step-x1.41+jump-4000", "| wear |", "within twice"] {
+        assert!(table.contains(part), "no {part:?} in {table}");
+    }
+    assert_eq!(std::fs::read_to_string(out.join("tradeoff.md")).unwrap(), table);
+    // Three settings, two points, two outputs, eight checkpoints.
+    assert_eq!(std::fs::read_to_string(out.join("values.csv")).unwrap().lines().count(), 1 + 3 * 2 * 2 * 8);
     let csv = std::fs::read_to_string(out.join("tradeoff.csv")).unwrap();
     let mut lines = csv.lines();
     let head: Vec<&str> = lines.next().unwrap().split(',').collect();

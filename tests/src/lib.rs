@@ -62,7 +62,13 @@ pub fn practice_result(sample: &[f64]) -> Result<Evaluation, SimulationFailure> 
 
 /// Requests `ids`, with samples that tell them apart.
 pub fn requests(ids: std::ops::Range<u64>) -> Vec<Request> {
-    ids.map(|id| Request { id, sample: vec![id as f64, 0.1 * id as f64], with_first_cycle: false }).collect()
+    ids.map(|id| Request {
+        id,
+        sample: vec![id as f64, 0.1 * id as f64],
+        with_first_cycle: false,
+        accuracy: None,
+    })
+    .collect()
 }
 
 /// Settings that any practice simulator accepts.

@@ -30,11 +30,12 @@ const WORKER: [&str; 13] = [
 
 /// The same of the coordinator: first what all of it speaks of, then the stations of a study, then what puts
 /// them together. `cli` belongs to the binary.
-const COORDINATOR: [&str; 19] = [
+const COORDINATOR: [&str; 20] = [
     "output_unit",
     "summary",
     "design",
     "evaluate",
+    "budget",
     "dispatch",
     "surrogate",
     "learning",

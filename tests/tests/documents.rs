@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 use tests::command_line::{objection, words};
 use tests::program;
 
-const DOCUMENTS: [&str; 6] = [
+const DOCUMENTS: [&str; 7] = [
     "README.md",
     "deploy/README.md",
     "coordinator/doc/scenes.md",
+    "coordinator/doc/tradeoff.md",
     "worker/benches/README.md",
     "worker/benches/lsoda/README.md",
     "CHANGELOG.md",
@@ -142,7 +143,7 @@ fn every_option_named_in_prose_exists() {
         let output = std::process::Command::new(program(program_name)).args(command).arg("--help").output();
         String::from_utf8(output.unwrap().stdout).unwrap()
     };
-    let commands = ["run", "resume", "simulate", "scenes"];
+    let commands = ["run", "resume", "simulate", "tradeoff", "scenes"];
     let mut known: String = commands.iter().map(|command| help("coordinator", &[command])).collect();
     known += &help("worker", &[]);
     let known: BTreeSet<&str> = known

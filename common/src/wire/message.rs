@@ -37,6 +37,8 @@ pub struct Task {
     pub sample: Vec<f64>,
     /// Whether the settled first cycle is wanted too.
     pub with_first_cycle: bool,
+    /// Numerical settings of this evaluation, where they are not those of its order.
+    pub accuracy: Option<Accuracy>,
 }
 
 impl Task {
@@ -44,6 +46,7 @@ impl Task {
     pub fn same_work(&self, other: &Task) -> bool {
         self.key == other.key
             && self.with_first_cycle == other.with_first_cycle
+            && self.accuracy == other.accuracy
             && self.sample.len() == other.sample.len()
             && self.sample.iter().zip(&other.sample).all(|(a, b)| a.to_bits() == b.to_bits())
     }
@@ -112,7 +115,7 @@ pub enum Next {
 pub struct WorkOrder {
     /// Source text of the scene, TOML.
     pub scene: String,
-    /// Numerical settings.
+    /// Numerical settings of every task that does not bring its own.
     pub accuracy: Accuracy,
     /// Name of the settings, for people.
     pub accuracy_name: String,
@@ -164,9 +167,8 @@ impl Message for Reply {
 
     fn check(&self) -> Result<(), WireError> {
         let Next::Work(order) = &self.next else { return Ok(()) };
-        let a = &order.accuracy;
-        numbers::all_finite("accuracy", &[a.step_tolerance, a.largest_step, a.wear_tolerance, a.warm_up])?;
-        order.tasks.iter().try_for_each(|task| numbers::all_finite("sample", &task.sample))
+        check_accuracy(&order.accuracy)?;
+        order.tasks.iter().try_for_each(check_task)
     }
 }
 
@@ -180,9 +182,18 @@ impl Message for Notice {
     }
 }
 
+fn check_accuracy(a: &Accuracy) -> Result<(), WireError> {
+    numbers::all_finite("accuracy", &[a.step_tolerance, a.largest_step, a.wear_tolerance, a.warm_up])
+}
+
+fn check_task(task: &Task) -> Result<(), WireError> {
+    task.accuracy.iter().try_for_each(check_accuracy)?;
+    numbers::all_finite("sample", &task.sample)
+}
+
 fn check_outcome(outcome: &Outcome) -> Result<(), WireError> {
     numbers::all_finite("wall time", &[outcome.wall])?;
-    numbers::all_finite("sample", &outcome.task.sample)?;
+    check_task(&outcome.task)?;
     let bad = |quantity: String| WireError::NotFinite { quantity };
     match &outcome.result {
         Ok(evaluation) => match numbers::find_non_finite(evaluation) {

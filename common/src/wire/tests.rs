@@ -17,8 +17,16 @@ fn key() -> impl Strategy<Value = TaskKey> {
 }
 
 fn task() -> impl Strategy<Value = Task> {
-    (key(), any::<u32>(), vec(number(), 0..20), any::<bool>())
-        .prop_map(|(key, attempt, sample, with_first_cycle)| Task { key, attempt, sample, with_first_cycle })
+    let own_accuracy = proptest::option::of(number().prop_map(accuracy));
+    (key(), any::<u32>(), vec(number(), 0..20), any::<bool>(), own_accuracy).prop_map(
+        |(key, attempt, sample, with_first_cycle, accuracy)| Task {
+            key,
+            attempt,
+            sample,
+            with_first_cycle,
+            accuracy,
+        },
+    )
 }
 
 fn first_cycle() -> impl Strategy<Value = FirstCycle> {
@@ -232,7 +240,13 @@ fn trailing_bytes_are_refused() {
 #[test]
 fn numbers_that_are_not_finite_are_refused_both_ways() {
     let outcome = |wall, sample: Vec<f64>, history: f64| Outcome {
-        task: Task { key: TaskKey { campaign: 1, task: 2 }, attempt: 1, sample, with_first_cycle: false },
+        task: Task {
+            key: TaskKey { campaign: 1, task: 2 },
+            attempt: 1,
+            sample,
+            with_first_cycle: false,
+            accuracy: None,
+        },
         worker: "w/0".into(),
         wall,
         result: Ok(Evaluation {

@@ -1,7 +1,8 @@
 //! The command line as typed.
 
-use clap::{Args, Parser, Subcommand, ValueEnum, builder::PossibleValuesParser};
-use common::accuracy::Accuracy;
+use super::accuracy::AccuracyArguments;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use common::accuracy::NamedAccuracy;
 use std::path::PathBuf;
 
 /// The scene studied unless another one is named.
@@ -59,6 +60,7 @@ Examples:
   coordinator run --workers auto
   coordinator run --scene flapping-wing-tolerances --workers 2 --out tolerances --seed 7
   coordinator run --scene my.toml --method monte-carlo --samples 500
+  coordinator run --scene four-bar --max-error 1%
   coordinator run --workers 0 --listen tcp/0.0.0.0:7447 --config tls.json5")]
     Run(Box<RunArguments>),
     /// Go on with an interrupted study; no finished evaluation is run again
@@ -83,11 +85,16 @@ Examples:
     Extremes(ExtremesArguments),
     /// Measure time against error of the accuracy settings of a scene
     #[command(after_help = "\
-Runs the presets and settings around them at the nominal point and at random points of the variables, against `reference`;
-writes tradeoff.md, tradeoff.csv and a figure an output to the folder, and prints the table.
+Runs the presets and settings around them at the nominal point and at random points of the variables, against `reference`:
+time, error of each output, whether the errors that evaluations state hold, and what they mean for the reliability.
+Writes tradeoff.md, tradeoff.csv (a line a setting), values.csv (a line a value) and a figure an output to the folder,
+and prints tradeoff.md. Interrupted, it writes the points that are complete.
 
-Example:
-  coordinator tradeoff --scene four-bar --out four-bar-tradeoff")]
+Examples:
+  coordinator tradeoff --scene four-bar --out four-bar-tradeoff
+  coordinator tradeoff --scene my.toml --settings quick --points 10 --out my-tradeoff
+  coordinator tradeoff --setting balanced --setting draft --points 201 --out stated-errors
+  coordinator tradeoff --workers 0 --listen tcp/127.0.0.1:7447 --out tradeoff")]
     Tradeoff(TradeoffArguments),
     /// Show what the failure probabilities depend on, from a finished study
     #[command(after_help = "Example:\n  coordinator sensitivity hingewise-flapping-wing --json")]
@@ -109,11 +116,17 @@ Example:
         file: String,
     },
     /// Say what will be modelled, and why
-    #[command(after_help = "Example:\n  coordinator explain --scene flapping-wing")]
+    #[command(after_help = "\
+Examples:
+  coordinator explain --scene flapping-wing
+  coordinator explain --scene my.toml --max-error 1%")]
     Explain {
         /// Scene file, or name of a built-in scene
         #[arg(long, default_value = DEFAULT_SCENE, value_name = "NAME-or-FILE")]
         scene: String,
+        /// Numerical effort for which the cost is expected
+        #[command(flatten)]
+        accuracy: AccuracyArguments,
     },
 }
 
@@ -126,9 +139,9 @@ pub struct RunArguments {
     /// Where and how to work
     #[command(flatten)]
     pub farm: FarmArguments,
-    /// Numerical effort of an evaluation [default: balanced]
-    #[arg(long, value_parser = PossibleValuesParser::new(Accuracy::NAMES))]
-    pub accuracy: Option<String>,
+    /// Numerical effort
+    #[command(flatten)]
+    pub accuracy: AccuracyArguments,
     /// How the reliability is found: ak learns a surrogate, monte-carlo simulates every sample [default: ak]
     #[arg(long, value_enum)]
     pub method: Option<MethodName>,
@@ -194,6 +207,15 @@ pub enum MethodName {
     MonteCarlo,
 }
 
+/// Which settings a measurement tries.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum GridName {
+    /// Ten of them.
+    Quick,
+    /// All.
+    Full,
+}
+
 /// One evaluation.
 #[derive(Debug, Clone, Args)]
 pub struct SimulateArguments {
@@ -204,8 +226,8 @@ pub struct SimulateArguments {
     #[arg(long, value_name = "variable=value")]
     pub set: Vec<String>,
     /// Numerical effort
-    #[arg(long, default_value = "balanced", value_parser = PossibleValuesParser::new(Accuracy::NAMES))]
-    pub accuracy: String,
+    #[command(flatten)]
+    pub accuracy: AccuracyArguments,
     /// Write the JSON to this file instead of standard output
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
@@ -217,9 +239,9 @@ pub struct ExtremesArguments {
     /// Scene file, or name of a built-in scene
     #[arg(long, default_value = DEFAULT_SCENE, value_name = "NAME-or-FILE")]
     pub scene: String,
-    /// Numerical effort
-    #[arg(long, default_value = "balanced", value_parser = PossibleValuesParser::new(Accuracy::NAMES))]
-    pub accuracy: String,
+    /// Numerical effort, as that of `run`
+    #[arg(long, default_value = "balanced", value_name = "NAME")]
+    pub accuracy: NamedAccuracy,
     /// Write the table to this file instead of standard output
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
@@ -231,9 +253,18 @@ pub struct TradeoffArguments {
     /// Scene file, or name of a built-in scene
     #[arg(long, default_value = DEFAULT_SCENE, value_name = "NAME-or-FILE")]
     pub scene: String,
+    /// Where and how to work
+    #[command(flatten)]
+    pub farm: FarmArguments,
     /// Points of the variables, the nominal one among them
     #[arg(long, default_value = "3", value_name = "N", value_parser = positive)]
     pub points: usize,
+    /// Which settings: those that have proved themselves, or all
+    #[arg(long, value_enum, default_value = "full")]
+    pub settings: GridName,
+    /// Only this setting, and others given likewise: a preset, with knobs turned or not, e.g. draft+step-x0.71+jump-8000
+    #[arg(long, value_name = "NAME", conflicts_with = "settings")]
+    pub setting: Vec<NamedAccuracy>,
     /// Folder for the results, made if missing
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
@@ -294,6 +325,11 @@ mod tests {
             "coordinator --workers many",
             "coordinator --workers 5000",
             "coordinator run --accuracy exact",
+            "coordinator run --accuracy draft --max-error 1%",
+            "coordinator run --max-error 0",
+            "coordinator simulate --max-error half",
+            "coordinator tradeoff --out x --setting draft+jump-x",
+            "coordinator tradeoff --out x --setting draft --settings quick",
             "coordinator run --samples 0",
             "coordinator run --seed -1",
             "coordinator resume",

@@ -3,6 +3,7 @@
 use super::signals::INTERRUPTED;
 use common::failure::SimulationFailure;
 use common::scene::{Faults, Motion, Scene};
+use coordinator::budget::BudgetError;
 use coordinator::dispatch::DispatchError;
 use coordinator::evaluate::EvaluateError;
 use coordinator::report::ReportError;
@@ -68,6 +69,9 @@ pub enum CommandError {
     /// A measurement did not come to its end.
     #[error(transparent)]
     Evaluate(EvaluateError),
+    /// No accuracy keeps the error budget.
+    #[error("--max-error: {0}")]
+    Budget(#[from] BudgetError),
     /// The scene is valid but asks for something this version does not model.
     #[error("{origin}: not modelled yet: {what}")]
     NotModelled {
@@ -195,7 +199,10 @@ impl CommandError {
             | Self::ForeignSettings { .. }
             | Self::NotFinished { .. }
             | Self::MisplacedOptions => BAD_INPUT,
-            Self::Interrupted { .. } | Self::Evaluate(EvaluateError::Interrupted) => INTERRUPTED,
+            Self::Interrupted { .. }
+            | Self::Evaluate(EvaluateError::Interrupted)
+            | Self::Budget(BudgetError::Evaluate(EvaluateError::Interrupted)) => INTERRUPTED,
+            Self::Budget(BudgetError::OutOfReach { .. } | BudgetError::NothingToHold) => BAD_INPUT,
             Self::Study { error: StudyError::Setting { .. }, .. } => BAD_INPUT,
             Self::Store(error) if error.is_bad_input() => BAD_INPUT,
             Self::Dispatch(error) if error.is_bad_input() => BAD_INPUT,

@@ -1,6 +1,9 @@
 //! `coordinator explain`: what will be modelled, and why.
 
+use super::accuracy::AccuracyArguments;
+use super::arguments::Talk;
 use super::error::CommandError;
+use super::farm::cores;
 use super::model::Model;
 use super::output::{print, to_json};
 use super::scenes::count;
@@ -9,15 +12,17 @@ use common::scene::expression::read_unit;
 use common::scene::*;
 use coordinator::output_unit::OutputUnit;
 use std::fmt::Write;
+use std::sync::Arc;
 
 /// Runs the command.
-pub fn explain(name: &str, as_json: bool) -> Result<(), CommandError> {
+pub fn explain(name: &str, accuracy: &AccuracyArguments, talk: Talk) -> Result<(), CommandError> {
     let source = SceneSource::load(name)?;
     let scene = source.nominal();
     worker::mechanism::islands(scene)
         .map_err(|failure| CommandError::of_simulation(source.origin(), scene, failure))?;
-    let model = Model::of(scene);
-    if as_json {
+    let accuracy = accuracy.for_study(&source, scene, cores(), talk.quiet, Arc::default())?;
+    let model = Model::of(scene, &accuracy.setting);
+    if talk.json {
         let mut value = serde_json::to_value(scene)?;
         value["model"] = model.to_json();
         return print(&to_json(&value)?);
@@ -285,13 +290,14 @@ fn short(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use common::accuracy::NamedAccuracy;
 
     /// A scene with every word of the language: each joint, load and output is said in a line of its own.
     #[test]
     fn every_part_of_a_scene_is_explained() {
         let source = include_str!("../../../common/tests/scenes/everything.toml");
         let source = SceneSource::parse(source, "everything").unwrap();
-        let found = text(source.nominal(), &Model::of(source.nominal()));
+        let found = text(source.nominal(), &Model::of(source.nominal(), &NamedAccuracy::default()));
         for line in [
             "wheel: speed by a table over time, prescribed, no unknowns",
             "hinge: rod turns on crank, ideal, no wear",

@@ -4,7 +4,6 @@ use super::arguments::{ExtremesArguments, Talk};
 use super::error::CommandError;
 use super::output::{check_destination, deliver, to_json};
 use super::scenes::check_linkage;
-use common::accuracy::Accuracy;
 use common::scene::{ContactLaw, Scene, SceneSource};
 use coordinator::output_unit::OutputUnit;
 use serde::Serialize;
@@ -40,9 +39,7 @@ pub fn extremes(arguments: &ExtremesArguments, talk: Talk) -> Result<(), Command
     let source = SceneSource::load(&arguments.scene)?;
     let scene = source.nominal();
     check_linkage(source.origin(), scene)?;
-    // The names come from the list of presets.
-    let accuracy = Accuracy::by_name(&arguments.accuracy).unwrap_or_default();
-    let cases = cases(scene, &accuracy);
+    let cases = cases(scene, &arguments.accuracy.accuracy);
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let rows = run_all(&cases, threads, |row| {
         if !talk.quiet {

@@ -1,11 +1,13 @@
 //! The command line: what the binary does with its arguments. Results go to standard output, all else to standard
 //! error; a command ends with one message and an exit code.
 
+mod accuracy;
 mod arguments;
 mod distributions;
 mod error;
 mod explain;
 mod extremes;
+mod farm;
 mod model;
 mod options;
 mod output;
@@ -54,10 +56,10 @@ fn command(arguments: Arguments) -> Result<(), CommandError> {
         Some(Command::Report(study)) => results::report(&study.dir, json),
         Some(Command::Extremes(table)) => extremes::extremes(&table, arguments.talk),
         Some(Command::Tradeoff(measurement)) => tradeoff::tradeoff(&measurement, arguments.talk),
-        Some(Command::Simulate(simulation)) => simulate::simulate(&simulation),
+        Some(Command::Simulate(simulation)) => simulate::simulate(&simulation, arguments.talk),
         Some(Command::Scenes { show }) => scenes::scenes(show.as_deref(), json),
         Some(Command::Check { file }) => scenes::check(&file, json),
-        Some(Command::Explain { scene }) => explain::explain(&scene, json),
+        Some(Command::Explain { scene, accuracy }) => explain::explain(&scene, &accuracy, arguments.talk),
     }
 }
 

@@ -1,7 +1,7 @@
 //! The model that an evaluation of a scene uses, and what it is expected to cost: part of `coordinator explain`.
 
 use super::scenes::count;
-use common::accuracy::Accuracy;
+use common::accuracy::NamedAccuracy;
 use common::scene::{Motion, Scene};
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -11,18 +11,18 @@ use worker::simulate::{FirstLook, IslandModel, first_look};
 /// A first look at a scene, or why there is none; with the time it took.
 pub struct Model {
     look: Result<FirstLook, String>,
-    accuracy: &'static str,
+    accuracy: String,
     /// Dynamic cycles simulated for the look, and the time that took [s].
     looked: (f64, f64),
 }
 
 impl Model {
-    /// Simulates the settled first cycle at the accuracy that studies use.
-    pub fn of(scene: &Scene) -> Self {
+    /// Simulates the settled first cycle at the accuracy that a study is to use.
+    pub fn of(scene: &Scene, accuracy: &NamedAccuracy) -> Self {
         let start = Instant::now();
-        let look = first_look(scene, &Accuracy::balanced()).map_err(|failure| failure.to_string());
+        let look = first_look(scene, &accuracy.accuracy).map_err(|failure| failure.to_string());
         let cycles = f64::from(scene.life.settle_cycles) + 1.0;
-        Model { look, accuracy: "balanced", looked: (cycles, start.elapsed().as_secs_f64()) }
+        Model { look, accuracy: accuracy.name.clone(), looked: (cycles, start.elapsed().as_secs_f64()) }
     }
 
     /// Seconds that one evaluation is expected to take. The look at the quasi-static tier, a cycle of it, counts as
@@ -115,7 +115,7 @@ mod tests {
 
     fn text(scene: &Scene) -> String {
         let mut out = String::new();
-        Model::of(scene).write(&mut out, scene).expect("a text takes everything");
+        Model::of(scene, &NamedAccuracy::default()).write(&mut out, scene).expect("a text takes everything");
         out
     }
 
@@ -132,7 +132,7 @@ mod tests {
         scene.outputs.truncate(1);
         let wear = text(&scene);
         assert!(wear.contains("quasi-static wear rates are within"), "{wear}");
-        let json = Model::of(&scene).to_json();
+        let json = Model::of(&scene, &NamedAccuracy::default()).to_json();
         assert_eq!((&json["tier"], &json["islands"][0]["unknowns"]), (&json!("quasi-static"), &json!(6)));
         assert!(json["expected_s"].as_f64().expect("a number") > 0.0);
     }

@@ -1,6 +1,7 @@
 //! What a study is run with: the scene's defaults, changed by the command line, checked, and kept in the campaign
 //! file so that `resume` repeats exactly that.
 
+use super::accuracy::Accepted;
 use super::arguments::{MethodName, RunArguments};
 use super::error::CommandError;
 use common::scene::{Scene, StudySettings};
@@ -9,12 +10,12 @@ use coordinator::study::{Method, Settings};
 use serde::{Deserialize, Serialize};
 
 /// Settings of a study; each of them may change its result.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StudyOptions {
     /// `ak` or `monte-carlo`.
     pub method: String,
-    /// Name of the accuracy preset.
-    pub accuracy: String,
+    /// Accuracy of the evaluations, with every knob: what it was once, whatever its name stands for later.
+    pub accuracy: Accepted,
     /// Points of the population (ak) or simulations (monte-carlo).
     pub samples: usize,
     /// Simulations of the initial design.
@@ -28,7 +29,7 @@ pub struct StudyOptions {
 }
 
 impl StudyOptions {
-    /// Lays the command line over the scene's defaults.
+    /// Lays the command line over the scene's defaults. The accuracy for an error budget is still to be found.
     ///
     /// # Errors
     /// A combination that cannot be run.
@@ -41,7 +42,10 @@ impl StudyOptions {
         let method = if monte_carlo { Method::MonteCarlo { samples } } else { Method::ActiveLearning };
         let options = StudyOptions {
             method: method.name().to_owned(),
-            accuracy: arguments.accuracy.clone().unwrap_or_else(|| "balanced".to_owned()),
+            accuracy: Accepted {
+                setting: arguments.accuracy.accuracy.clone().unwrap_or_default(),
+                max_error: arguments.accuracy.max_error,
+            },
             samples,
             initial: arguments.initial.unwrap_or(defaults.initial),
             batch: defaults.batch,
@@ -73,7 +77,8 @@ impl StudyOptions {
             max_evaluations: self.max_evaluations,
             seed: self.seed,
         };
-        Settings { study, method, accuracy: self.accuracy.clone(), targets: Targets::default() }
+        let Accepted { setting, max_error } = self.accuracy.clone();
+        Settings { study, method, accuracy: setting, max_error, targets: Targets::default() }
     }
 }
 
@@ -97,6 +102,26 @@ mod tests {
             options(RunArguments { method, ..Default::default() }).unwrap().samples,
             scene.max_evaluations
         );
+    }
+
+    #[test]
+    fn a_resumed_study_reads_the_very_knobs_that_were_found() {
+        let mut found = options(RunArguments::default()).unwrap();
+        // JSON returns the tolerance of this one with another last bit.
+        let setting = "draft+step-x1.41".parse().unwrap();
+        found.accuracy = Accepted { setting, max_error: Some(0.01) };
+        let kept = serde_json::to_string(&found).unwrap();
+        let read = |text: &str| {
+            let read: StudyOptions = serde_json::from_str(text).unwrap();
+            StudyOptions { accuracy: read.accuracy.clone().exact(), ..read }
+        };
+        let resumed = read(&kept);
+        assert_eq!(resumed, found);
+        // A name that has come to stand for something else does not change a study.
+        let other = read(&kept.replace("\"cycle_jump\":4000", "\"cycle_jump\":4001"));
+        assert_eq!(other.accuracy.setting.accuracy.cycle_jump, 4001);
+        let settings = resumed.settings();
+        assert_eq!((settings.accuracy, settings.max_error), (found.accuracy.setting, Some(0.01)));
     }
 
     #[test]

@@ -2,24 +2,22 @@
 //!
 //! scene -> checks -> folder -> listen -> local workers -> study -> result files -> report
 
-use super::arguments::{DEFAULT_SCENE, FarmArguments, ResumeArguments, RunArguments, Slots, Talk};
+use super::arguments::{DEFAULT_SCENE, ResumeArguments, RunArguments, Talk};
 use super::distributions::for_report;
 use super::error::CommandError;
+use super::farm::{Farm, cores, listen, local_slots};
 use super::options::StudyOptions;
 use super::output::{print, to_json};
 use super::results::write_results;
 use super::scenes::check_linkage;
 use super::signals::interruption;
-use common::accuracy::Accuracy;
 use common::scene::{Scene, SceneSource};
-use coordinator::dispatch::{Campaign, Listen, ZenohEvaluator};
+use coordinator::dispatch::Campaign;
 use coordinator::report::{DISTRIBUTIONS_DOCUMENT, SUMMARY_DOCUMENT};
 use coordinator::store::{CampaignFile, CampaignMeta, FILE_NAME};
 use coordinator::summary::StudySummary;
 use coordinator::terminal::{Terminal, final_text};
 use std::path::{Path, PathBuf};
-use worker::service::{self, ServiceConfig, WorkerHandle};
-use worker::simulator::simulator;
 
 /// Starts a study.
 pub fn run(arguments: &RunArguments, talk: Talk) -> Result<(), CommandError> {
@@ -29,7 +27,12 @@ pub fn run(arguments: &RunArguments, talk: Talk) -> Result<(), CommandError> {
         return Err(CommandError::NothingToStudy { origin: source.origin().to_owned() });
     }
     check_linkage(source.origin(), scene)?;
-    let options = StudyOptions::new(arguments, scene)?;
+    let mut options = StudyOptions::new(arguments, scene)?;
+    // The points at which accuracies are tried are those of the study's seed.
+    let seeded = Scene { study: options.settings().study, ..scene.clone() };
+    let threads = Some(local_slots(&arguments.farm)).filter(|slots| *slots > 0).unwrap_or_else(cores);
+    let interrupted = interruption().map_err(CommandError::Signals)?;
+    options.accuracy = arguments.accuracy.for_study(&source, &seeded, threads, talk.quiet, interrupted)?;
     let dir = arguments.out.clone().unwrap_or_else(|| free_folder(&scene.name));
     let meta = CampaignMeta {
         scene: scene.name.clone(),
@@ -39,7 +42,7 @@ pub fn run(arguments: &RunArguments, talk: Talk) -> Result<(), CommandError> {
         version: env!("CARGO_PKG_VERSION").to_owned(),
     };
     // An address that cannot be listened on must not leave a folder behind that holds a study.
-    let evaluator = listen(&source, &options, &arguments.farm)?;
+    let evaluator = listen(announced(&source, &options)?, &arguments.farm)?;
     let campaign = CampaignFile::create(&dir, &meta, scene)?;
     if !talk.quiet {
         eprintln!("results go to {}", dir.display());
@@ -60,57 +63,14 @@ pub fn resume(arguments: &ResumeArguments, talk: Talk) -> Result<(), CommandErro
     }
     let origin = arguments.dir.join(FILE_NAME).display().to_string();
     let source = SceneSource::parse(&campaign.meta().scene_source, &origin)?;
-    let options: StudyOptions = serde_json::from_value(campaign.meta().settings.clone())
+    let mut options: StudyOptions = serde_json::from_value(campaign.meta().settings.clone())
         .map_err(|error| CommandError::ForeignSettings { file: origin, reason: error.to_string() })?;
+    options.accuracy = options.accuracy.exact();
     if !talk.quiet {
         eprintln!("{} evaluations are done already", campaign.count()?);
     }
-    let farm = Farm::hire(listen(&source, &options, &arguments.farm)?, &arguments.farm)?;
+    let farm = Farm::hire(listen(announced(&source, &options)?, &arguments.farm)?, &arguments.farm)?;
     study(campaign, &source, &options, farm, talk)
-}
-
-/// Starts to listen for workers.
-fn listen(
-    source: &SceneSource,
-    options: &StudyOptions,
-    arguments: &FarmArguments,
-) -> Result<ZenohEvaluator, CommandError> {
-    let FarmArguments { listen, config, insecure, .. } = arguments.clone();
-    let interrupted = interruption().map_err(CommandError::Signals)?;
-    let listen = Listen { endpoint: listen, config, insecure };
-    Ok(ZenohEvaluator::open(announced(source, options)?, &listen, interrupted)?)
-}
-
-/// Who evaluates: a coordinator that listens, and its local workers, `None` if remote ones are to do it all.
-struct Farm {
-    evaluator: ZenohEvaluator,
-    local: Option<WorkerHandle>,
-}
-
-impl Farm {
-    /// Starts the local workers.
-    fn hire(evaluator: ZenohEvaluator, arguments: &FarmArguments) -> Result<Self, CommandError> {
-        let slots = match arguments.workers.unwrap_or(Slots::Auto) {
-            Slots::Auto => std::thread::available_parallelism().map_or(1, usize::from),
-            Slots::Count(slots) => slots,
-        };
-        let endpoint = evaluator.endpoints().first().filter(|_| slots > 0).cloned();
-        let spawn = |endpoint| {
-            let zenoh_config = arguments.config.clone();
-            service::spawn(ServiceConfig { zenoh_config, ..ServiceConfig::new(endpoint, slots) }, simulator())
-        };
-        let local = endpoint.map(spawn).transpose()?;
-        Ok(Farm { evaluator, local })
-    }
-
-    /// Tells the workers to leave.
-    fn close(self) {
-        self.evaluator.finish();
-        if let Some(Err(error)) = self.local.map(WorkerHandle::join) {
-            // The study has its results; how a local worker ended only matters to whoever looks for a reason.
-            tracing::warn!("local worker: {error}");
-        }
-    }
 }
 
 fn study(
@@ -123,10 +83,8 @@ fn study(
     let settings = options.settings();
     let scene = Scene { study: settings.study, ..source.nominal().clone() };
     let dir = campaign.dir().to_path_buf();
-    if farm.local.is_none() && !talk.quiet {
-        for endpoint in farm.evaluator.endpoints() {
-            eprintln!("waiting for workers: worker --connect {endpoint}");
-        }
+    if !talk.quiet {
+        farm.say_where();
     }
     let mut terminal = Terminal::new(talk.quiet);
     let result =
@@ -151,8 +109,8 @@ fn announced(source: &SceneSource, options: &StudyOptions) -> Result<Campaign, C
         // The low half of a 128-bit hash is a 64-bit hash.
         id: digest as u64,
         scene: source.text().to_owned(),
-        accuracy: Accuracy::by_name(&options.accuracy).unwrap_or_default(),
-        accuracy_name: options.accuracy.clone(),
+        accuracy: options.accuracy.setting.accuracy,
+        accuracy_name: options.accuracy.setting.name.clone(),
     })
 }
 

@@ -2,18 +2,22 @@
 //! loses nothing either, since every outcome was written when it arrived.
 
 use std::io;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
 use tokio::signal::unix::{SignalKind, signal};
 
 /// Exit code after an interruption.
 pub const INTERRUPTED: u8 = 130;
 
-/// A flag that becomes true with the first signal.
+/// A flag that becomes true with the first signal; the same one for whoever asks in this process.
 ///
 /// # Errors
 /// The system refuses a handler or a thread.
 pub fn interruption() -> io::Result<Arc<AtomicBool>> {
+    static FLAG: OnceLock<Arc<AtomicBool>> = OnceLock::new();
+    if let Some(flag) = FLAG.get() {
+        return Ok(Arc::clone(flag));
+    }
     let interrupted = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&interrupted);
     // Its own small runtime: the study is synchronous, and Zenoh brings its own.
@@ -37,5 +41,5 @@ pub fn interruption() -> io::Result<Arc<AtomicBool>> {
         });
     };
     std::thread::Builder::new().name("signals".into()).spawn(wait)?;
-    Ok(interrupted)
+    Ok(Arc::clone(FLAG.get_or_init(|| interrupted)))
 }

@@ -1,10 +1,9 @@
 //! `coordinator simulate`: one evaluation in this process, printed as JSON.
 
-use super::arguments::SimulateArguments;
+use super::arguments::{SimulateArguments, Talk};
 use super::error::CommandError;
 use super::output::{check_destination, deliver, to_json};
 use super::scenes::check_linkage;
-use common::accuracy::Accuracy;
 use common::outputs::{BodyMotion, Diagnostics, EnergyBalance, Evaluation};
 use common::scene::{Faults, Scene, SceneSource};
 use coordinator::output_unit::OutputUnit;
@@ -92,19 +91,18 @@ struct PrintedDiagnostics<'r> {
 }
 
 /// Runs the command.
-pub fn simulate(arguments: &SimulateArguments) -> Result<(), CommandError> {
+pub fn simulate(arguments: &SimulateArguments, talk: Talk) -> Result<(), CommandError> {
     check_destination(arguments.out.as_deref())?;
     let source = SceneSource::load(&arguments.scene)?;
     let settings = settings(&source, &arguments.set)?;
     let scene = source.resolve_with(&settings)?;
     check_linkage(source.origin(), &scene)?;
-    // The names come from the list of presets.
-    let accuracy = Accuracy::by_name(&arguments.accuracy).unwrap_or_default();
+    let accuracy = arguments.accuracy.for_one(&scene, talk.quiet)?.setting;
     let start = Instant::now();
-    let evaluation = worker::simulate::simulate(&scene, &accuracy, true)
+    let evaluation = worker::simulate::simulate(&scene, &accuracy.accuracy, true)
         .map_err(|failure| CommandError::of_simulation(source.origin(), &scene, failure))?;
     let wall = start.elapsed().as_secs_f64();
-    let text = to_json(&printed(&scene, &arguments.accuracy, &settings, &evaluation, wall))?;
+    let text = to_json(&printed(&scene, &accuracy.name, &settings, &evaluation, wall))?;
     deliver(&text, arguments.out.as_deref())
 }
 

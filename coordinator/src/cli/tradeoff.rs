@@ -1,18 +1,21 @@
-//! `coordinator tradeoff`: time against error of the accuracy settings of a scene.
+//! `coordinator tradeoff`: time against error of the accuracy settings of a scene, by whatever workers there are.
 
-use super::arguments::{Talk, TradeoffArguments};
+use super::arguments::{GridName, Talk, TradeoffArguments};
 use super::error::CommandError;
+use super::farm::{Farm, listen};
 use super::output::print;
 use super::scenes::check_linkage;
-use super::signals::interruption;
-use common::accuracy::Accuracy;
-use common::scene::{Scene, SceneSource};
-use coordinator::design::Population;
-use coordinator::evaluate::local::LocalEvaluator;
-use coordinator::evaluate::{Evaluator, Finished, Request};
+use common::accuracy::NamedAccuracy;
+use common::scene::SceneSource;
+use coordinator::design::nominal_and_random;
+use coordinator::dispatch::Campaign;
 use coordinator::report::ReportError;
 use coordinator::result_files::write_text;
-use coordinator::tradeoff::{Measured, compare, csv, figures, settings, table};
+use coordinator::tradeoff::{
+    Measurement, Plan, Progress, QUICK, compare, csv, figures, full, reference_row, settings, table,
+    values_csv,
+};
+use std::path::Path;
 
 /// Runs the command.
 pub fn tradeoff(arguments: &TradeoffArguments, talk: Talk) -> Result<(), CommandError> {
@@ -21,56 +24,68 @@ pub fn tradeoff(arguments: &TradeoffArguments, talk: Talk) -> Result<(), Command
     check_linkage(source.origin(), scene)?;
     std::fs::create_dir_all(&arguments.out)
         .map_err(|error| CommandError::Folder { path: arguments.out.clone(), error })?;
-    let points = points(&source, arguments.points)?;
-    let settings = settings();
-    // The reference first, as it takes longest; then every setting at every point.
-    let mut accuracies = vec![Accuracy::reference()];
-    accuracies.extend(settings.iter().map(|setting| setting.accuracy));
-    let jobs: Vec<Request> = (0..accuracies.len() * points.len())
-        .map(|k| Request { id: k as u64, sample: vec![], with_first_cycle: false })
-        .collect();
-    let job = |request: &Request| {
-        let k = request.id as usize;
-        worker::simulate::simulate(&points[k % points.len()], &accuracies[k / points.len()], false)
-    };
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let mut measured: Vec<Option<Measured>> = vec![None; jobs.len()];
-    let mut done = 0;
-    LocalEvaluator::new(threads, job)
-        .interrupted_by(interruption().map_err(CommandError::Signals)?)
-        .evaluate(&jobs, &mut |finished: Finished| {
-            done += 1;
-            if !talk.quiet {
-                eprintln!("{done}/{} evaluations", jobs.len());
-            }
-            measured[finished.id as usize] =
-                Some(Measured { seconds: finished.wall, outcome: finished.outcome });
-            Ok(())
-        })
-        .map_err(CommandError::Evaluate)?;
-    let measured: Vec<Measured> = measured.into_iter().flatten().collect();
-    let mut by_setting = measured.chunks(points.len()).map(<[Measured]>::to_vec);
-    let reference = by_setting.next().unwrap_or_default();
-    let rows = compare(scene, settings, &by_setting.collect::<Vec<_>>(), &reference);
-    let text = table(scene, &rows, points.len());
-    write_text(&arguments.out.join("tradeoff.md"), &text)?;
-    write_text(&arguments.out.join("tradeoff.csv"), &csv(scene, &rows))?;
-    for (name, svg) in figures(scene, &rows).map_err(ReportError::from)? {
-        write_text(&arguments.out.join(format!("{name}.svg")), &svg)?;
+    let plan = Plan { settings: chosen(arguments), points: nominal_and_random(scene, arguments.points - 1) };
+    let mut farm = Farm::hire(listen(announced(&source, &plan), &arguments.farm)?, &arguments.farm)?;
+    if !talk.quiet {
+        farm.say_where();
     }
-    print(&text)
+    let (measurement, end) =
+        plan.measure(&mut farm.evaluator, &mut |Progress { done, all, setting, point, seconds }| {
+            if !talk.quiet {
+                eprintln!("{done}/{all} evaluations: {setting} at point {point}, {seconds:.2} s");
+            }
+        });
+    if end.is_ok() {
+        farm.close();
+    }
+    // What is complete is written even if the rest is missing.
+    if measurement.points > 0 {
+        let text = write(&arguments.out, &source, &plan.settings, &measurement)?;
+        print(&text)?;
+    }
+    end.map_err(CommandError::Evaluate)
 }
 
-/// The nominal scene, then samples of its variables under the scene's own seed.
-fn points(source: &SceneSource, count: usize) -> Result<Vec<Scene>, CommandError> {
-    let scene = source.nominal();
-    let mut points = vec![scene.clone()];
-    if count > 1 && !scene.variables.is_empty() {
-        let variables: Vec<_> = scene.variables.iter().map(|variable| variable.distribution).collect();
-        let population = Population::draw(&variables, count - 1, scene.study.seed);
-        for j in 0..count - 1 {
-            points.push(source.resolve_sample(&population.physical(j))?);
-        }
+/// The settings asked for.
+fn chosen(arguments: &TradeoffArguments) -> Vec<NamedAccuracy> {
+    if !arguments.setting.is_empty() {
+        return arguments.setting.clone();
     }
-    Ok(points)
+    let names: Vec<&str> = match arguments.settings {
+        GridName::Quick => QUICK.to_vec(),
+        GridName::Full => full().collect(),
+    };
+    settings(names).expect("the names of the grid stand for settings, as its test says")
+}
+
+/// Every task brings its accuracy; the number of the campaign is a digest of what is measured.
+fn announced(source: &SceneSource, plan: &Plan) -> Campaign {
+    let NamedAccuracy { accuracy, .. } = NamedAccuracy::default();
+    let digest = common::scene::source::digest(&format!("tradeoff {plan:?}\n{}", source.text()));
+    // The low half of a 128-bit hash is a 64-bit hash.
+    Campaign {
+        id: digest as u64,
+        scene: source.text().to_owned(),
+        accuracy,
+        accuracy_name: "tradeoff".into(),
+    }
+}
+
+/// Writes the files; the page.
+fn write(
+    dir: &Path,
+    source: &SceneSource,
+    settings: &[NamedAccuracy],
+    measurement: &Measurement,
+) -> Result<String, CommandError> {
+    let scene = source.nominal();
+    let rows = compare(scene, settings, measurement);
+    let text = table(scene, &rows, &reference_row(scene, measurement), measurement.points);
+    write_text(&dir.join("tradeoff.md"), &text)?;
+    write_text(&dir.join("tradeoff.csv"), &csv(scene, &rows))?;
+    write_text(&dir.join("values.csv"), &values_csv(scene, settings, measurement))?;
+    for (name, svg) in figures(scene, &rows).map_err(ReportError::from)? {
+        write_text(&dir.join(format!("{name}.svg")), &svg)?;
+    }
+    Ok(text)
 }

@@ -95,7 +95,9 @@ mod tests {
     use std::collections::BTreeMap;
 
     fn batch(count: u64) -> Vec<Request> {
-        (0..count).map(|id| Request { id, sample: vec![id as f64], with_first_cycle: false }).collect()
+        (0..count)
+            .map(|id| Request { id, sample: vec![id as f64], with_first_cycle: false, accuracy: None })
+            .collect()
     }
 
     fn refuse(request: &Request) -> Result<Evaluation, SimulationFailure> {

@@ -3,6 +3,7 @@
 
 pub mod local;
 
+use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
 use thiserror::Error;
@@ -16,6 +17,8 @@ pub struct Request {
     pub sample: Vec<f64>,
     /// Whether the settled first cycle is wanted too.
     pub with_first_cycle: bool,
+    /// Numerical settings, where they are not those the evaluator was made with.
+    pub accuracy: Option<Accuracy>,
 }
 
 /// One evaluation that has ended.

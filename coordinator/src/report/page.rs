@@ -155,7 +155,7 @@ fn head(input: &ReportInput) -> String {
         escape(&input.title),
         escape(&summary.scene),
         escape(&summary.method),
-        escape(&summary.accuracy),
+        escape(&words::accuracy(summary)),
         summary.seed
     );
     for level in words::LEVELS {

@@ -40,6 +40,8 @@ pub enum Shape {
     Dashed(Vec<(f64, f64)>),
     /// Lines with a dot at each point.
     Dotted(Vec<(f64, f64)>),
+    /// Dots alone, each with a word beside it (none if empty).
+    Marked(Vec<((f64, f64), String)>),
     /// Area between a lower and an upper value: (x, lower, upper).
     Band(Vec<(f64, f64, f64)>),
     /// Bars side by side from zero: (left, right, height).
@@ -80,6 +82,8 @@ pub struct Plot<'a> {
     pub x: (f64, f64),
     /// Range of the vertical axis.
     pub y: (f64, f64),
+    /// Text of a value on the horizontal axis.
+    pub x_text: &'a dyn Fn(f64) -> String,
     /// Text of a value on the vertical axis.
     pub y_text: &'a dyn Fn(f64) -> String,
     /// What is drawn, from back to front.
@@ -119,7 +123,7 @@ impl Plot<'_> {
             .label_style(letters(LETTERS, Ink::Muted))
             .axis_desc_style(letters(LETTERS, Ink::Ink))
             .set_all_tick_mark_size(px(4.0))
-            .x_label_formatter(&|value| short(*value))
+            .x_label_formatter(&|value| (self.x_text)(*value))
             .y_label_formatter(&|value| (self.y_text)(*value))
             .x_desc(self.x_label)
             .y_desc(self.y_label)
@@ -147,6 +151,18 @@ impl Plot<'_> {
                     chart.draw_series(
                         points.into_iter().map(|at| Circle::new(at, px(3.0), ink.rgb().filled())),
                     )?;
+                }
+                Shape::Marked(marks) => {
+                    let dot = |at| Circle::new(at, px(3.0), ink.rgb().filled());
+                    let points: Vec<_> = marks.iter().map(|(at, _)| *at).collect();
+                    chart.draw_series(inside(&points).into_iter().map(dot))?;
+                    let words = marks.iter().filter(|(_, word)| !word.is_empty());
+                    chart.draw_series(words.flat_map(|(at, word)| {
+                        let beside = (px(6.0), -px(LETTERS));
+                        inside(&[*at]).into_iter().map(move |at| {
+                            EmptyElement::at(at) + Text::new(word.clone(), beside, letters(LETTERS, ink))
+                        })
+                    }))?;
                 }
                 Shape::Band(points) => {
                     let lower: Vec<_> = points.iter().map(|(x, low, _)| (*x, *low)).collect();
@@ -271,6 +287,9 @@ impl Legend<'_> {
                         root.draw(&PathElement::new(dash, stroke(series.ink, 2.0)))?;
                     }
                 }
+                Shape::Marked(_) => {
+                    root.draw(&Circle::new((px(x + 9.0), px(y)), px(3.0), series.ink.rgb().filled()))?;
+                }
                 Shape::Line(_) | Shape::Dotted(_) => {
                     root.draw(&PathElement::new(ends, stroke(series.ink, 2.5)))?;
                 }
@@ -296,6 +315,7 @@ mod tests {
             y_label: "y & more",
             x: (0.0, 1.0),
             y: (0.0, 1.0),
+            x_text: &short,
             y_text: &short,
             series,
         }
@@ -318,6 +338,7 @@ mod tests {
             Shape::Line(vec![]),
             Shape::Dashed(vec![]),
             Shape::Dotted(vec![]),
+            Shape::Marked(vec![((0.5, f64::NAN), "nowhere".into())]),
             Shape::Band(vec![]),
             Shape::Steps(vec![]),
             Shape::Level(f64::NAN),

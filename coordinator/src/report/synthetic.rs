@@ -201,6 +201,8 @@ pub fn study() -> Study {
         seed: 20_260_101,
         method: "ak".into(),
         accuracy: "balanced".into(),
+        accuracy_settings: common::accuracy::Accuracy::balanced(),
+        max_error: None,
         population: 100_000,
         evaluations: EvaluationCounts { total: 216, initial: 120, added: 96, failed: 1 },
         limit_states: scene.limit_states.iter().map(|state| state.name.clone()).collect(),
@@ -300,7 +302,7 @@ pub fn campaign(dir: &Path) -> CampaignFile {
     let mut campaign = CampaignFile::create(dir, &meta, &scene).unwrap();
     for id in 0..12 {
         let sample = (0..VARIABLES.len()).map(|k| 1.0 + 0.01 * ((id * 14 + k as u64) as f64).sin()).collect();
-        let request = Request { id, sample, with_first_cycle: id == 0 };
+        let request = Request { id, sample, with_first_cycle: id == 0, accuracy: None };
         let failure =
             SimulationFailure::TooManySteps { cycle: 61_000, time: 0.05, joint: None, bound: 200_000 };
         let outcome = if id == 7 { Err(failure) } else { Ok(evaluation(id, &scene)) };

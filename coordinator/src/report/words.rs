@@ -20,6 +20,15 @@ pub fn life(life: LifeAt) -> (String, String) {
     }
 }
 
+/// The accuracy of a study, e.g. `balanced`, `draft+step-x0.71 (stated errors below 1 % at the points tried)`.
+pub fn accuracy(summary: &StudySummary) -> String {
+    let name = &summary.accuracy;
+    summary.max_error.map_or_else(
+        || name.clone(),
+        |share| format!("{name} (stated errors below {} at the points tried)", crate::budget::percent(share)),
+    )
+}
+
 /// The sentences at the head of the report.
 pub fn sentences(input: &ReportInput) -> Vec<String> {
     let summary = &input.summary;

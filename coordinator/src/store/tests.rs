@@ -51,7 +51,7 @@ fn awkward(id: u64) -> Vec<f64> {
 }
 
 fn request(id: u64) -> Request {
-    Request { id, sample: awkward(id), with_first_cycle: id == 0 }
+    Request { id, sample: awkward(id), with_first_cycle: id == 0, accuracy: None }
 }
 
 fn finished(id: u64) -> Finished {

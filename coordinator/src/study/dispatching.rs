@@ -56,7 +56,7 @@ impl<'a> Dispatcher<'a> {
         let first = self.next_id;
         let requests: Vec<Request> = (first..)
             .zip(samples)
-            .map(|(id, sample)| Request { id, sample, with_first_cycle: id == 0 })
+            .map(|(id, sample)| Request { id, sample, with_first_cycle: id == 0, accuracy: None })
             .collect();
         self.next_id += requests.len() as u64;
 

@@ -6,6 +6,7 @@ use crate::evaluate::{EvaluateError, Evaluator, Finished, Request};
 use crate::journal::Journal;
 use crate::progress::Silent;
 use crate::summary::Round;
+use common::accuracy::NamedAccuracy;
 use common::failure::SimulationFailure;
 use common::outputs::{Diagnostics, Evaluation};
 use common::random::{Distribution, RandomVariable};
@@ -175,7 +176,7 @@ impl Journal for Memory {
 
 /// A small study for the properties that don't need a large one.
 fn small() -> Settings {
-    let mut settings = Settings::of(&scene(), "balanced");
+    let mut settings = Settings::of(&scene(), NamedAccuracy::default());
     settings.study = StudySettings { population: 4000, initial: 40, batch: 8, max_evaluations: 64, seed: 3 };
     settings
 }
@@ -196,7 +197,7 @@ fn timeless(mut result: StudyResult) -> StudyResult {
 
 #[test]
 fn two_modes_in_thirty_variables_are_found_within_300_calls() {
-    let settings = Settings::of(&scene(), "balanced");
+    let settings = Settings::of(&scene(), NamedAccuracy::default());
     let mut evaluator = MadeUp::new();
     let result = study(&settings, &mut evaluator, &mut Memory::default()).unwrap();
     let truth = truth(&settings, settings.study.population, evaluator.noise);

@@ -2,6 +2,7 @@
 
 use super::{Plan, StudyError};
 use crate::learning::Targets;
+use common::accuracy::NamedAccuracy;
 use common::scene::{Scene, StudySettings};
 
 /// Most points of a population: 480 MB at 30 variables.
@@ -36,19 +37,22 @@ pub struct Settings {
     pub study: StudySettings,
     /// Method.
     pub method: Method,
-    /// Name of the accuracy preset, for the summary.
-    pub accuracy: String,
+    /// Accuracy of the evaluations, for the summary: whoever evaluates has it already.
+    pub accuracy: NamedAccuracy,
+    /// Error budget that the accuracy was found for, if it was, as a share of the limits [1].
+    pub max_error: Option<f64>,
     /// Stopping rules of active learning.
     pub targets: Targets,
 }
 
 impl Settings {
     /// The scene's own defaults with active learning.
-    pub fn of(scene: &Scene, accuracy: &str) -> Self {
+    pub fn of(scene: &Scene, accuracy: NamedAccuracy) -> Self {
         Self {
             study: scene.study,
             method: Method::ActiveLearning,
-            accuracy: accuracy.to_owned(),
+            accuracy,
+            max_error: None,
             targets: Targets::default(),
         }
     }

@@ -1,42 +1,80 @@
-//! The settings that are tried: the presets, and `balanced` with one knob turned at a time or several together.
+//! The settings that are tried: the presets, `balanced` with one knob turned at a time, and several turned together.
+//! A setting is its name (`common::accuracy::NamedAccuracy`); a new knob needs a word there and a line here.
 
-use common::accuracy::{Accuracy, Tier};
+use common::accuracy::{AccuracyNameError, NamedAccuracy};
 
-/// A named setting.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Setting {
-    /// Name: of the preset, or of what is different from `balanced`.
-    pub name: String,
-    /// The setting.
-    pub accuracy: Accuracy,
-    /// Whether it is one of the presets.
-    pub preset: bool,
+/// What everything is compared with.
+pub const REFERENCE: &str = "reference";
+
+/// The presets and the combinations that have been on a front: enough to see what a scene is like.
+pub const QUICK: [&str; 10] = [
+    "draft",
+    "balanced",
+    "draft+step-x1.41",
+    "draft+step-x0.71",
+    "step-x2",
+    "step-x1.41",
+    "step-x0.71",
+    "step-x1.41+jump-4000",
+    "jump-1000",
+    "jump-4000",
+];
+
+/// One knob at a time, then combinations; with those of [`QUICK`] that are not here already.
+const MORE: [&str; 24] = [
+    "step-x0.5",
+    "jump-100",
+    "jump-250",
+    "jump-500",
+    "jump-8000",
+    "wear-tolerance-5e-3",
+    "wear-tolerance-5e-2",
+    "samples-150",
+    "samples-300",
+    "samples-1200",
+    "warm-up-0.02",
+    "warm-up-0.2",
+    "warm-up-1",
+    "dynamic",
+    "draft+step-x2",
+    "draft+jump-8000",
+    "draft+jump-2000",
+    "step-x2+jump-8000",
+    "step-x1.41+jump-8000",
+    "step-x0.71+jump-4000",
+    "step-x0.71+jump-1000",
+    "step-x0.5+jump-4000",
+    "step-x0.5+jump-1000",
+    "step-x0.35+jump-500+wear-tolerance-5e-3",
+];
+
+/// The settings of these names.
+///
+/// # Errors
+/// [`AccuracyNameError`] for a name that stands for nothing.
+pub fn settings<'n>(
+    names: impl IntoIterator<Item = &'n str>,
+) -> Result<Vec<NamedAccuracy>, AccuracyNameError> {
+    names.into_iter().map(str::parse).collect()
 }
 
-/// All settings, presets first; `reference` is not among them, it is what they are compared with.
-pub fn settings() -> Vec<Setting> {
-    let balanced = Accuracy::balanced();
-    let mut all = Vec::new();
-    let mut add =
-        |name: String, accuracy: Accuracy, preset: bool| all.push(Setting { name, accuracy, preset });
-    add("draft".into(), Accuracy::draft(), true);
-    add("balanced".into(), balanced, true);
-    for factor in [0.5, 0.71, 1.41, 2.0] {
-        add(format!("steps x {:.2}", 1.0 / factor), balanced.refined(factor), false);
+/// Names of the whole grid.
+pub fn full() -> impl Iterator<Item = &'static str> {
+    QUICK.into_iter().chain(MORE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_setting_is_another_one_and_two_are_presets() {
+        let all = settings(full()).expect("every name stands for something");
+        for (k, one) in all.iter().enumerate() {
+            let twin = all[..k].iter().find(|other| other.accuracy == one.accuracy);
+            assert!(twin.is_none(), "{} is {}", one.name, twin.map_or("", |t| &t.name));
+        }
+        assert_eq!(all.iter().filter(|s| s.is_preset()).count(), 2);
+        assert!(settings(["draft", "drfat"]).is_err());
     }
-    for cycle_jump in [250, 500, 1000, 4000, 8000] {
-        add(format!("jump of {cycle_jump} cycles"), Accuracy { cycle_jump, ..balanced }, false);
-    }
-    for wear_samples in [150, 300, 1200] {
-        add(format!("{wear_samples} wear samples"), Accuracy { wear_samples, ..balanced }, false);
-    }
-    for warm_up in [0.02, 0.2, 1.0] {
-        add(format!("warm-up of {warm_up} cycles"), Accuracy { warm_up, ..balanced }, false);
-    }
-    add("always dynamic".into(), Accuracy { tier: Tier::Dynamic, ..balanced }, false);
-    for (factor, cycle_jump) in [(0.71, 4000), (0.5, 4000), (0.5, 8000), (1.41, 1000)] {
-        let accuracy = Accuracy { cycle_jump, ..balanced.refined(factor) };
-        add(format!("steps x {:.2}, jump of {cycle_jump} cycles", 1.0 / factor), accuracy, false);
-    }
-    all
 }

@@ -16,7 +16,8 @@ const MAX_OUTCOME: usize = 4 << 20;
 pub(super) fn evaluate(simulator: &dyn Simulator, order: &WorkOrder, task: Task, worker: &str) -> Outcome {
     let started = Instant::now();
     let result = catch_unwind(AssertUnwindSafe(|| {
-        simulator.simulate(&order.scene, &task.sample, &order.accuracy, task.with_first_cycle)
+        let accuracy = task.accuracy.as_ref().unwrap_or(&order.accuracy);
+        simulator.simulate(&order.scene, &task.sample, accuracy, task.with_first_cycle)
     }));
     let wall = started.elapsed().as_secs_f64();
     let result = match result {
@@ -96,7 +97,7 @@ mod tests {
         };
         let order = WorkOrder { scene: String::new(), accuracy, accuracy_name: String::new(), tasks: vec![] };
         let key = TaskKey { campaign: 1, task: 2 };
-        let task = Task { key, attempt: 1, sample: vec![3.0], with_first_cycle: false };
+        let task = Task { key, attempt: 1, sample: vec![3.0], with_first_cycle: false, accuracy: None };
         let outcome = evaluate(&Practice(simulate), &order, task.clone(), "w/0");
         assert_eq!((outcome.task, outcome.worker.as_str()), (task, "w/0"));
         assert!(outcome.wall >= 0.0);

@@ -82,6 +82,7 @@ impl TaskTable {
                 attempt: entry.attempts,
                 sample: entry.request.sample.clone(),
                 with_first_cycle: entry.request.with_first_cycle,
+                accuracy: entry.request.accuracy,
             });
         }
         tasks
@@ -112,6 +113,7 @@ impl TaskTable {
             attempt: done.attempt,
             sample: entry.request.sample.clone(),
             with_first_cycle: entry.request.with_first_cycle,
+            accuracy: entry.request.accuracy,
         };
         if !asked.same_work(done) {
             return Accepted::OtherSample;

@@ -13,7 +13,8 @@ pub(super) fn worker(name: &str) -> WorkerId {
 }
 
 pub(super) fn requests(ids: std::ops::Range<u64>) -> Vec<Request> {
-    ids.map(|id| Request { id, sample: vec![id as f64, 0.5], with_first_cycle: false }).collect()
+    ids.map(|id| Request { id, sample: vec![id as f64, 0.5], with_first_cycle: false, accuracy: None })
+        .collect()
 }
 
 pub(super) fn claim(
@@ -164,6 +165,7 @@ fn an_outcome_nobody_asked_for_yet_stays_with_its_worker() {
         attempt: 1,
         sample: vec![0.0, 0.5],
         with_first_cycle: false,
+        accuracy: None,
     };
     let commands = ask(&mut s, START, claim(&a, 1, 0, vec![outcome(&early, &a)], &[]));
     assert_eq!(reply(&commands), Some((vec![], vec![])));
@@ -192,6 +194,10 @@ fn an_outcome_of_another_campaign_or_sample_is_forgotten() {
     let commands = ask(&mut s, START, claim(&a, 3, 0, vec![other], &[0]));
     assert_eq!(commands[0], Command::Warn(Warning::OtherSample { worker: a, task: 0 }));
     assert_eq!(reply(&commands), Some((vec![0], vec![])));
+    let mut otherwise = outcome(&tasks[0], &a);
+    otherwise.task.accuracy = Some(common::accuracy::Accuracy::draft());
+    let commands = ask(&mut s, START, claim(&a, 4, 0, vec![otherwise], &[0]));
+    assert_eq!(commands[0], Command::Warn(Warning::OtherSample { worker: worker("a"), task: 0 }));
     assert_eq!(s.open(), 1);
 }
 

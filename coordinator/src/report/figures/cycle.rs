@@ -78,6 +78,7 @@ pub fn first_cycle(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
             y_label,
             x: (time[0], time[time.len() - 1]),
             y: (if low >= 0.0 { 0.0 } else { low - margin }, high + margin),
+            x_text: &short,
             y_text: &short,
             series: &series,
         }

@@ -77,8 +77,17 @@ pub fn learning(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
     for (name, title, y_label, y, series, caption) in plots {
         let power = |v: f64| format!("{}\u{a0}%", short(10f64.powf(v + 2.0)));
         let y_text: &dyn Fn(f64) -> String = if name == "learning-shares" { &power } else { &short };
-        let svg =
-            Plot { figure: name, x_label: "evaluations", y_label, x, y, y_text, series: &series }.svg()?;
+        let svg = Plot {
+            figure: name,
+            x_label: "evaluations",
+            y_label,
+            x,
+            y,
+            x_text: &short,
+            y_text,
+            series: &series,
+        }
+        .svg()?;
         figures.push(figure(name, title, &caption, svg));
     }
     Ok(figures)

@@ -43,6 +43,7 @@ pub fn reliability(input: &ReportInput) -> Result<Option<Figure>, PlotError> {
         y_label: "reliability R",
         x: (axis.at(first.cycles), axis.at(last.cycles)),
         y: (0.0, 1.0),
+        x_text: &short,
         y_text: &short,
         series: &series,
     }
@@ -95,6 +96,7 @@ pub fn distributions(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
             y_label: &format!("density [1/({})]", unit.symbol()),
             x: (low - 0.03 * (high - low), high + 0.03 * (high - low)),
             y: (0.0, 1.08 * top),
+            x_text: &short,
             y_text: &short,
             series: &series,
         }
@@ -199,6 +201,7 @@ pub fn histories(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
             y_label: &format!("{} [{}]", words(&output.name), unit.symbol()),
             x: (0.0, last),
             y: (low, high + 0.05 * (high - low)),
+            x_text: &short,
             y_text: &short,
             series: &series,
         }

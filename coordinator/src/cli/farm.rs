@@ -1,0 +1,68 @@
+//! Who evaluates for a command: a coordinator that listens, and its local workers.
+
+use super::arguments::{FarmArguments, Slots};
+use super::error::CommandError;
+use super::signals::interruption;
+use coordinator::dispatch::{Campaign, Listen, ZenohEvaluator};
+use worker::service::{self, ServiceConfig, WorkerHandle};
+use worker::simulator::simulator;
+
+/// Starts to listen for workers of a campaign; Ctrl-C and SIGTERM end its batches.
+pub fn listen(campaign: Campaign, arguments: &FarmArguments) -> Result<ZenohEvaluator, CommandError> {
+    let FarmArguments { listen, config, insecure, .. } = arguments.clone();
+    let listen = Listen { endpoint: listen, config, insecure };
+    let interrupted = interruption().map_err(CommandError::Signals)?;
+    Ok(ZenohEvaluator::open(campaign, &listen, interrupted)?)
+}
+
+/// How many local slots the arguments ask for.
+pub fn local_slots(arguments: &FarmArguments) -> usize {
+    match arguments.workers.unwrap_or(Slots::Auto) {
+        Slots::Auto => cores(),
+        Slots::Count(slots) => slots,
+    }
+}
+
+/// Cores of this machine.
+pub fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// A coordinator that listens, and its local workers, `None` if remote ones are to do it all.
+pub struct Farm {
+    /// The coordinator's end.
+    pub evaluator: ZenohEvaluator,
+    local: Option<WorkerHandle>,
+}
+
+impl Farm {
+    /// Starts the local workers.
+    pub fn hire(evaluator: ZenohEvaluator, arguments: &FarmArguments) -> Result<Self, CommandError> {
+        let slots = local_slots(arguments);
+        let endpoint = evaluator.endpoints().first().filter(|_| slots > 0).cloned();
+        let spawn = |endpoint| {
+            let zenoh_config = arguments.config.clone();
+            service::spawn(ServiceConfig { zenoh_config, ..ServiceConfig::new(endpoint, slots) }, simulator())
+        };
+        let local = endpoint.map(spawn).transpose()?;
+        Ok(Farm { evaluator, local })
+    }
+
+    /// Says where remote workers may join if there are no local ones.
+    pub fn say_where(&self) {
+        if self.local.is_none() {
+            for endpoint in self.evaluator.endpoints() {
+                eprintln!("waiting for workers: worker --connect {endpoint}");
+            }
+        }
+    }
+
+    /// Tells the workers to leave.
+    pub fn close(self) {
+        self.evaluator.finish();
+        if let Some(Err(error)) = self.local.map(WorkerHandle::join) {
+            // The command has its results; how a local worker ended only matters to whoever looks for a reason.
+            tracing::warn!("local worker: {error}");
+        }
+    }
+}

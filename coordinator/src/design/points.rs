@@ -1,0 +1,35 @@
+//! The few points at which a scene is looked at outside of a study: the nominal one, and random ones around it.
+
+use super::Population;
+use common::scene::Scene;
+
+/// The nominal point of a scene (its variables' means), then `random` points of the population under its study's
+/// seed: `(1 + random)(d,)` [SI]. A scene without random variables has only the first, which is empty.
+pub fn nominal_and_random(scene: &Scene, random: usize) -> Vec<Vec<f64>> {
+    let variables: Vec<_> = scene.variables.iter().map(|variable| variable.distribution).collect();
+    let mut points = vec![variables.iter().map(|variable| variable.mean()).collect()];
+    if !variables.is_empty() {
+        let population = Population::draw(&variables, random, scene.study.seed);
+        points.extend((0..random).map(|j| population.physical(j)));
+    }
+    points
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use common::scene::SceneSource;
+
+    #[test]
+    fn more_points_begin_with_the_same() {
+        let source = SceneSource::builtin("four-bar").expect("built in");
+        let (few, many) = (nominal_and_random(source.nominal(), 2), nominal_and_random(source.nominal(), 9));
+        assert_eq!((few.len(), many.len()), (3, 10));
+        assert_eq!(few[..], many[..3]);
+        assert_ne!(many[1], many[2]);
+        let means = source.nominal().variables.iter().map(|v| v.distribution.mean());
+        assert_eq!(few[0], means.collect::<Vec<_>>());
+        let ideal = SceneSource::builtin("pendulum").expect("built in");
+        assert_eq!(nominal_and_random(ideal.nominal(), 5), [[0.0; 0]]);
+    }
+}

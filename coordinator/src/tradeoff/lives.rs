@@ -1,0 +1,117 @@
+//! What numerical errors mean for the reliability: the empirical curve of a setting against that of the reference,
+//! from the same random points.
+
+use common::outputs::Evaluation;
+use common::scene::Scene;
+
+/// Reliabilities at which curves are compared besides where they differ most.
+pub const LEVELS: [f64; 3] = [0.9, 0.5, 0.1];
+
+/// The two reliabilities at one checkpoint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct At {
+    /// Checkpoint [cycles].
+    pub cycles: u32,
+    /// Share of the points that have not failed there, by the reference [1].
+    pub reference: f64,
+    /// The same by the setting [1].
+    pub found: f64,
+}
+
+impl At {
+    /// Reliability of the setting less that of the reference.
+    pub fn difference(&self) -> f64 {
+        self.found - self.reference
+    }
+}
+
+/// One limit state, or all together (a failure of any is one).
+#[derive(Debug, Clone, PartialEq)]
+pub struct LifeChange {
+    /// Name of the limit state; `total` for all.
+    pub limit_state: String,
+    /// Random points compared.
+    pub points: usize,
+    /// Share of them that fail at another checkpoint than by the reference, or fail in one of the two only [1].
+    pub changed: f64,
+    /// Where the curves differ most, the first at a tie.
+    pub largest: At,
+    /// Where the reliability by the reference is nearest each of [`LEVELS`]; none where it never comes within 0.25.
+    pub at: [Option<At>; 3],
+}
+
+/// Compares lives: pairs (found, reference) at random points. Every limit state, and `total`; nothing without points or
+/// limit states.
+pub fn life_changes(scene: &Scene, pairs: &[(&Evaluation, &Evaluation)]) -> Vec<LifeChange> {
+    let Some((_, first)) = pairs.first() else { return vec![] };
+    let cycles = &first.cycles;
+    // Number of the first checkpoint at which it has failed; the number of checkpoints if it never does.
+    let fails = |evaluation: &Evaluation, limit: &common::scene::LimitState| {
+        let history = &evaluation.histories[limit.output];
+        history.iter().position(|y| *y >= limit.threshold).unwrap_or(cycles.len())
+    };
+    let of = |name: &str, limits: &[common::scene::LimitState]| {
+        let life = |evaluation| limits.iter().map(|limit| fails(evaluation, limit)).min();
+        let lives: Vec<(usize, usize)> =
+            pairs.iter().filter_map(|(found, reference)| Some((life(found)?, life(reference)?))).collect();
+        change(name, cycles, &lives)
+    };
+    let each = scene.limit_states.iter().map(|limit| of(&limit.name, std::slice::from_ref(limit)));
+    let total = (scene.limit_states.len() > 1).then(|| of("total", &scene.limit_states));
+    each.chain(total).flatten().collect()
+}
+
+/// From lives (found, reference), each the number of a checkpoint.
+fn change(name: &str, cycles: &[u32], lives: &[(usize, usize)]) -> Option<LifeChange> {
+    let share = |count: usize| count as f64 / lives.len() as f64;
+    let at = |n: usize| At {
+        cycles: cycles[n],
+        reference: share(lives.iter().filter(|(_, reference)| *reference > n).count()),
+        found: share(lives.iter().filter(|(found, _)| *found > n).count()),
+    };
+    let curve: Vec<At> = (0..cycles.len()).map(at).collect();
+    let first_by = |distance: &dyn Fn(&At) -> f64| {
+        curve.iter().copied().reduce(|best, at| if distance(&at) < distance(&best) { at } else { best })
+    };
+    Some(LifeChange {
+        limit_state: name.to_owned(),
+        points: lives.len(),
+        changed: share(lives.iter().filter(|(found, reference)| found != reference).count()),
+        // In whole points, so that rounding decides no tie.
+        largest: first_by(&|at| -(at.difference() * lives.len() as f64).round().abs())?,
+        at: LEVELS.map(|level| {
+            let distance = |at: &At| (at.reference - level).abs();
+            first_by(&distance).filter(|at| distance(at) <= 0.25)
+        }),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn curves_are_compared_where_they_differ_most_and_at_the_levels() {
+        // By the reference, of ten points one fails at each checkpoint but the first; the setting lets three of
+        // them live one checkpoint longer and one for ever.
+        let cycles: Vec<u32> = (1..=11).map(|k| 1000 * k).collect();
+        let mut lives: Vec<(usize, usize)> = (1..=10).map(|k| (k, k)).collect();
+        lives[3].0 += 1;
+        lives[4].0 += 1;
+        lives[5].0 += 1;
+        lives[9].0 = 11;
+        let found = change("wear", &cycles, &lives).expect("points to compare");
+        assert_eq!((found.points, found.changed), (10, 0.4));
+        assert_eq!((found.largest.cycles, found.largest.reference), (5000, 0.6));
+        assert!((found.largest.difference() - 0.1).abs() < 1e-12);
+        let at = found.at.map(|at| at.expect("the curve passes all levels").cycles);
+        assert_eq!(at, [2000, 6000, 10_000]);
+    }
+
+    #[test]
+    fn a_curve_that_never_comes_near_a_level_has_no_value_there() {
+        let found = change("wear", &[1000, 2000], &[(2, 2), (2, 2)]).expect("points to compare");
+        assert_eq!(found.changed, 0.0);
+        assert_eq!(found.at.map(|at| at.is_some()), [true, false, false]);
+    }
+}

@@ -1,0 +1,124 @@
+//! Comparison and pages of made-up histories.
+
+use super::*;
+use common::accuracy::NamedAccuracy;
+use common::failure::SimulationFailure;
+use common::outputs::{Diagnostics, Evaluation};
+use common::scene::{Scene, SceneSource};
+
+fn measured(seconds: f64, history: &[f64], stated: f64) -> Measured {
+    let evaluation = Evaluation {
+        cycles: (1..=history.len() as u32).map(|k| 1000 * k).collect(),
+        histories: vec![history.to_vec(); 2],
+        errors: vec![vec![stated; history.len()]; 2],
+        joints: vec![],
+        first_cycle: None,
+        diagnostics: Diagnostics { steps: 100, ..Diagnostics::default() },
+    };
+    Measured { seconds, outcome: Ok(evaluation) }
+}
+
+/// Two outputs, one of them with a limit that nothing reaches.
+fn scene() -> Scene {
+    let mut scene = SceneSource::builtin("flapping-wing").expect("built in").nominal().clone();
+    (scene.limit_states[0].threshold, scene.limit_states[1].threshold) = (2.5, 100.0);
+    scene
+}
+
+fn three() -> Vec<NamedAccuracy> {
+    settings(["draft", "balanced", "jump-250"]).expect("names of settings")
+}
+
+/// At the nominal point and at a random one, where everything is one higher.
+fn measurement() -> Measurement {
+    let at = |seconds: f64, history: [f64; 4], stated: f64| {
+        let higher: Vec<f64> = history.iter().map(|x| x + 1.0).collect();
+        vec![measured(seconds, &history, stated), measured(seconds, &higher, stated)]
+    };
+    Measurement {
+        points: 2,
+        reference: at(9.0, [1.0, 2.0, 3.0, 4.0], 0.01),
+        settings: vec![
+            // Half a unit too high: 2.5 is reached 500 cycles early.
+            at(1.0, [1.5, 2.5, 3.5, 4.5], 0.3),
+            // Slower and worse.
+            at(2.0, [2.0, 3.0, 4.0, 5.0], 1.0),
+            // Wrong only when all is over.
+            at(3.0, [1.0, 2.0, 3.0, 4.25], 0.1),
+        ],
+    }
+}
+
+#[test]
+fn errors_lives_and_the_front_are_those_of_made_up_histories() {
+    let rows = compare(&scene(), &three(), &measurement());
+    let first = rows[0].outputs[0];
+    assert_eq!((first.relative, first.until_limit, first.life), (0.2, 0.2, Some(500.0)));
+    assert_eq!((first.stated.within, first.stated.within_twice), (0.0, 1.0));
+    assert_eq!(rows[0].outputs[1].life, None, "nothing reaches 100");
+    let last = rows[2].outputs[0];
+    assert_eq!((last.relative, last.until_limit), (0.1, 0.0));
+    assert_eq!((last.stated.within, last.stated.missed, last.stated.points_missed), (0.75, [0, 0, 2], 2));
+    assert_eq!(rows.iter().map(|r| r.efficient).collect::<Vec<_>>(), [true, false, true]);
+
+    // The random point reaches 2.5 with its second value, 3; the second setting says with its first, 3.
+    let wear = |k: usize| rows[k].lives.iter().find(|l| l.limit_state == "wear").expect("a limit state");
+    assert_eq!((wear(0).points, wear(0).changed, wear(2).changed), (1, 1.0, 0.0));
+    assert_eq!((wear(1).largest.cycles, wear(1).largest.difference()), (1000, -1.0));
+    let states: Vec<&str> = rows[0].lives.iter().map(|l| l.limit_state.as_str()).collect();
+    assert_eq!(states, ["wear", "asymmetry", "total"]);
+}
+
+#[test]
+fn the_reference_is_shown_with_the_error_it_states_of_itself() {
+    let row = reference_row(&scene(), &measurement());
+    assert!((row.outputs[0].relative - 0.01 / 2.5).abs() < 1e-12);
+    assert_eq!((row.seconds, row.setting.name.as_str()), (9.0, "reference"));
+}
+
+#[test]
+fn pages_say_it_all() {
+    let (scene, measurement) = (scene(), measurement());
+    let rows = compare(&scene, &three(), &measurement);
+    let table = table(&scene, &rows, &reference_row(&scene, &measurement), 2);
+    for part in [
+        "500 cycles",
+        "| **draft** * |",
+        "| wear | 100.0 % | -1.00 at 1000 |",
+        "DOES NOT HOLD",
+        "2.50 times, point 1",
+    ] {
+        assert!(table.contains(part), "no {part:?} in\n{table}");
+    }
+    let lines = |text: &str| text.lines().count();
+    let csv = csv(&scene, &rows);
+    assert_eq!(lines(&csv), 4);
+    let columns: Vec<usize> = csv.lines().map(|line| line.split(',').count()).collect();
+    assert!(columns.iter().all(|n| *n == columns[0]), "{columns:?}");
+    // A line a setting, point, output and checkpoint.
+    assert_eq!(lines(&values_csv(&scene, &three(), &measurement)), 1 + 3 * 2 * 2 * 4);
+    let figures = figures(&scene, &rows).expect("drawn");
+    assert_eq!(figures.len(), 2);
+    for (name, svg) in &figures {
+        assert!(name.starts_with("tradeoff-"));
+        let drawn = roxmltree::Document::parse(svg).expect("XML");
+        let says = |what: &str| drawn.descendants().any(|n| n.text().is_some_and(|t| t.trim() == what));
+        assert!(says("draft") && says("balanced") && !says("jump-250"), "presets are labelled");
+    }
+}
+
+#[test]
+fn a_setting_that_fails_everywhere_has_no_errors_and_is_on_no_front() {
+    let scene = scene();
+    let failure = SimulationFailure::NotModelled { what: "this".into() };
+    let measurement = Measurement {
+        settings: vec![vec![Measured { seconds: 0.1, outcome: Err(failure) }; 2]],
+        ..measurement()
+    };
+    let rows = compare(&scene, &three()[..1], &measurement);
+    assert_eq!((rows[0].failures, rows[0].outputs.len(), rows[0].efficient), (2, 0, false));
+    assert!(rows[0].lives.is_empty());
+    assert!(table(&scene, &rows, &reference_row(&scene, &measurement), 2).contains("failed"));
+    assert_eq!(csv(&scene, &rows).lines().count(), 2);
+    assert_eq!(figures(&scene, &rows).expect("drawn").len(), 2);
+}

@@ -1,0 +1,57 @@
+//! Several accuracies in one farm: every task reaches its worker with its own.
+
+use common::accuracy::Accuracy;
+use common::failure::SimulationFailure;
+use common::outputs::Evaluation;
+use coordinator::tradeoff::{Plan, settings};
+use std::sync::Arc;
+use tests::{coordinator, in_time, practice_result, requests};
+use worker::service::{self, ServiceConfig, Simulator};
+
+/// Says in its outcome which accuracy it was asked for.
+struct Echo;
+
+impl Simulator for Echo {
+    fn simulate(
+        &self,
+        _scene: &str,
+        sample: &[f64],
+        accuracy: &Accuracy,
+        _with_first_cycle: bool,
+    ) -> Result<Evaluation, SimulationFailure> {
+        let mut evaluation = practice_result(sample)?;
+        evaluation.diagnostics.wear_stages = u64::from(accuracy.cycle_jump);
+        Ok(evaluation)
+    }
+}
+
+#[test]
+fn every_task_of_a_measurement_brings_its_own_accuracy() {
+    let (found, end, seen) = in_time(|| {
+        let mut farm = coordinator();
+        let workers = ["a", "b"].map(|name| {
+            let config = ServiceConfig { name: name.into(), ..ServiceConfig::new(&farm.endpoints()[0], 2) };
+            service::spawn(config, Arc::new(Echo)).expect("a session to a loopback endpoint opens")
+        });
+        let points = requests(0..3).into_iter().map(|request| request.sample).collect();
+        let plan = Plan { settings: settings(["draft", "jump-250", "jump-251"]).expect("settings"), points };
+        let mut seen = 0;
+        let (found, end) = plan.measure(&mut farm, &mut |_| seen += 1);
+        farm.finish();
+        for worker in workers {
+            worker.join().expect("it leaves when told to");
+        }
+        (found, end, seen)
+    });
+    end.expect("the measurement comes to its end");
+    assert_eq!((found.points, seen), (3, 12));
+    let expected = [Accuracy::reference().cycle_jump, Accuracy::draft().cycle_jump, 250, 251];
+    for (measured, jump) in std::iter::once(&found.reference).chain(&found.settings).zip(expected) {
+        for (point, one) in measured.iter().enumerate() {
+            let evaluation = one.outcome.as_ref().expect("none of these samples fails");
+            assert_eq!(evaluation.diagnostics.wear_stages, u64::from(jump));
+            assert_eq!(evaluation.histories, practice_result(&[point as f64]).expect("likewise").histories);
+            assert!(one.seconds >= 0.0);
+        }
+    }
+}
