@@ -1,11 +1,12 @@
 //! What a study is run with: the scene's defaults, changed by the command line, checked, and kept in the campaign
 //! file so that `resume` repeats exactly that.
 
-use super::arguments::{MethodName, RunArguments};
+use super::arguments::{MethodName, RunArguments, StatedErrorsName};
 use super::error::CommandError;
 use common::scene::{Scene, StudySettings};
 use coordinator::learning::Targets;
 use coordinator::study::{Method, Settings};
+use coordinator::surrogate::StatedErrors;
 use serde::{Deserialize, Serialize};
 
 /// Settings of a study; each of them may change its result.
@@ -25,6 +26,9 @@ pub struct StudyOptions {
     pub max_evaluations: usize,
     /// Seed.
     pub seed: u64,
+    /// What the surrogates make of stated errors; campaigns begun before there was a choice ignored them.
+    #[serde(default)]
+    pub stated_errors: StatedErrorsName,
 }
 
 impl StudyOptions {
@@ -47,6 +51,7 @@ impl StudyOptions {
             batch: defaults.batch,
             max_evaluations: arguments.max_evaluations.unwrap_or(defaults.max_evaluations),
             seed: arguments.seed.unwrap_or(defaults.seed),
+            stated_errors: arguments.stated_errors.unwrap_or(StatedErrorsName::Fitted),
         };
         if !monte_carlo {
             let at_least = format!("at least the initial design, --initial {}", options.initial);
@@ -73,7 +78,13 @@ impl StudyOptions {
             max_evaluations: self.max_evaluations,
             seed: self.seed,
         };
-        Settings { study, method, accuracy: self.accuracy.clone(), targets: Targets::default() }
+        let stated_errors = match self.stated_errors {
+            StatedErrorsName::Ignored => StatedErrors::Ignored,
+            StatedErrorsName::Fitted => StatedErrors::Fitted,
+            StatedErrorsName::Full => StatedErrors::Full,
+        };
+        let accuracy = self.accuracy.clone();
+        Settings { study, method, accuracy, targets: Targets::default(), stated_errors }
     }
 }
 

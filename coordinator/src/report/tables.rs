@@ -28,24 +28,33 @@ pub fn table(head: &[String], rows: impl Iterator<Item = Vec<String>>) -> String
     html + "</tbody></table></div>\n"
 }
 
-/// Reliability with standard errors, for these rows.
+/// Reliability with standard errors, for these rows; beside them, where the study has it, R with all responses moved
+/// by their numerical errors.
 pub fn reliability(input: &ReportInput, rows: &[ReliabilityRow]) -> String {
     let names: Vec<&str> =
         input.limit_states.iter().map(|state| state.name.as_str()).chain(["total"]).collect();
+    let numerical = rows.iter().any(|row| !row.numerical.is_empty());
     let head: Vec<String> = std::iter::once("cycles".to_string())
-        .chain(names.iter().map(|name| format!("R {}", escape(name))))
+        .chain(names.iter().flat_map(|name| {
+            let beside = numerical.then(|| "numerical".to_string());
+            std::iter::once(format!("R {}", escape(name))).chain(beside)
+        }))
         .collect();
     let number = |value: Option<&f64>| value.map_or(f64::NAN, |value| *value);
     table(
         &head,
         rows.iter().map(|row| {
             std::iter::once(count(row.cycles.into()))
-                .chain(names.iter().map(|name| {
-                    format!(
+                .chain(names.iter().flat_map(|name| {
+                    let r = format!(
                         "{} <small>± {}</small>",
                         fixed(number(row.reliability.get(*name)), 4),
                         fixed(number(row.standard_error.get(*name)), 4)
-                    )
+                    );
+                    let range = row.numerical.get(*name);
+                    let range = range.map_or((f64::NAN, f64::NAN), |range| (range.lower, range.upper));
+                    let beside = format!("<small>{} to {}</small>", fixed(range.0, 3), fixed(range.1, 3));
+                    std::iter::once(r).chain(numerical.then_some(beside))
                 }))
                 .collect()
         }),

@@ -2,6 +2,7 @@
 
 use super::{Plan, StudyError};
 use crate::learning::Targets;
+use crate::surrogate::StatedErrors;
 use common::scene::{Scene, StudySettings};
 
 /// Most points of a population: 480 MB at 30 variables.
@@ -40,6 +41,8 @@ pub struct Settings {
     pub accuracy: String,
     /// Stopping rules of active learning.
     pub targets: Targets,
+    /// What the surrogates make of the numerical errors that simulations state.
+    pub stated_errors: StatedErrors,
 }
 
 impl Settings {
@@ -50,6 +53,7 @@ impl Settings {
             method: Method::ActiveLearning,
             accuracy: accuracy.to_owned(),
             targets: Targets::default(),
+            stated_errors: StatedErrors::default(),
         }
     }
 
@@ -63,6 +67,7 @@ impl Settings {
             max_evaluations: self.study.max_evaluations,
             seed: self.study.seed,
             targets: self.targets,
+            stated_errors: self.stated_errors,
         }
     }
 
