@@ -116,8 +116,8 @@ pub fn sentences(input: &ReportInput) -> Vec<String> {
         .collect();
     if !shares.is_empty() {
         text.push(format!(
-            "From one simulation to the next the values scatter by much or little of that: the surrogates treat as noise \
-             {} of the stated errors, as found by likelihood.",
+            "The surrogates take as noise, scatter from one simulation to the next, {} of the stated errors; the rest they \
+             cannot tell from the truth.",
             shares.join(" and ")
         ));
     }

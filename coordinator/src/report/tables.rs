@@ -2,9 +2,9 @@
 
 use super::bars::rows_at_governing;
 use super::figures::words;
-use super::format::{count, duration, escape, fixed, three_digits};
+use super::format::{UNKNOWN, count, duration, escape, fixed, three_digits};
 use super::input::ReportInput;
-use crate::summary::ReliabilityRow;
+use crate::summary::{NumericalRange, ReliabilityRow};
 use std::fmt::Write;
 
 /// A table whose last column is text that may break into lines. Cells are HTML.
@@ -51,9 +51,10 @@ pub fn reliability(input: &ReportInput, rows: &[ReliabilityRow]) -> String {
                         fixed(number(row.reliability.get(*name)), 4),
                         fixed(number(row.standard_error.get(*name)), 4)
                     );
-                    let range = row.numerical.get(*name);
-                    let range = range.map_or((f64::NAN, f64::NAN), |range| (range.lower, range.upper));
-                    let beside = format!("<small>{} to {}</small>", fixed(range.0, 3), fixed(range.1, 3));
+                    let range = |range: &NumericalRange| {
+                        format!("<small>{}–{}</small>", fixed(range.lower, 2), fixed(range.upper, 2))
+                    };
+                    let beside = row.numerical.get(*name).map_or_else(|| UNKNOWN.to_string(), range);
                     std::iter::once(r).chain(numerical.then_some(beside))
                 }))
                 .collect()
