@@ -79,12 +79,20 @@ pub fn summary_json(summary: &StudySummary) -> Result<String, ResultFileError> {
 }
 
 /// `reliability.csv` as text: `cycles`, then `R_<limit state>, se_<limit state>` in the scene's order, then
-/// `R_total, se_total`.
+/// `R_total, se_total`; then, in the same order, `numerical_low_<limit state>, numerical_high_<limit state>`: R with all
+/// responses moved by the numerical errors that the simulations state.
 pub fn reliability_csv(summary: &StudySummary) -> String {
     let keys: Vec<&str> = summary.limit_states.iter().map(String::as_str).chain(["total"]).collect();
     let mut text = String::from("cycles");
     for key in &keys {
         text += &format!(",{},{}", field(&format!("R_{key}")), field(&format!("se_{key}")));
+    }
+    for key in &keys {
+        text += &format!(
+            ",{},{}",
+            field(&format!("numerical_low_{key}")),
+            field(&format!("numerical_high_{key}"))
+        );
     }
     text.push('\n');
     for row in &summary.reliability {
@@ -94,6 +102,11 @@ pub fn reliability_csv(summary: &StudySummary) -> String {
                 values.get(*key).map_or(String::new(), |value| number(*value))
             };
             text += &format!(",{},{}", value(&row.reliability), value(&row.standard_error));
+        }
+        for key in &keys {
+            let range = row.numerical.get(*key).map(|range| (number(range.lower), number(range.upper)));
+            let (lower, upper) = range.unwrap_or_default();
+            text += &format!(",{lower},{upper}");
         }
         text.push('\n');
     }
@@ -188,7 +201,10 @@ mod tests {
         }
         let keys = |value: &serde_json::Value| value.as_object().unwrap().keys().cloned().collect::<Vec<_>>();
         assert_eq!(keys(&json["evaluations"]), ["added", "failed", "initial", "total"]);
-        assert_eq!(keys(&json["reliability"][0]), ["asymmetry", "cycles", "standard_error", "total", "wear"]);
+        assert_eq!(
+            keys(&json["reliability"][0]),
+            ["asymmetry", "cycles", "numerical", "standard_error", "total", "wear"]
+        );
         assert_eq!(
             keys(&json["moments"][0]),
             ["asymmetry_mean_rpm", "asymmetry_std_rpm", "cycles", "wear_mean_m", "wear_std_m"]
@@ -215,12 +231,21 @@ mod tests {
         let summary = synthetic::study().summary;
         let text = reliability_csv(&summary);
         let mut lines = text.lines();
-        assert_eq!(lines.next().unwrap(), "cycles,R_wear,se_wear,R_asymmetry,se_asymmetry,R_total,se_total");
+        assert_eq!(
+            lines.next().unwrap(),
+            "cycles,R_wear,se_wear,R_asymmetry,se_asymmetry,R_total,se_total,numerical_low_wear,\
+             numerical_high_wear,numerical_low_asymmetry,numerical_high_asymmetry,numerical_low_total,\
+             numerical_high_total"
+        );
         for (line, row) in lines.by_ref().zip(&summary.reliability) {
             let values: Vec<f64> = line.split(',').map(|value| value.parse().unwrap()).collect();
             assert_eq!(values[0], f64::from(row.cycles));
             assert_eq!(values[1], row.reliability["wear"]);
             assert_eq!(values[6], row.standard_error["total"]);
+            assert_eq!(
+                (values[9], values[12]),
+                (row.numerical["asymmetry"].lower, row.numerical["total"].upper)
+            );
         }
         assert_eq!(text.lines().count(), 73);
     }

@@ -18,7 +18,7 @@ mod campaign_tests;
 mod life_tests;
 
 pub use campaign::{Campaign, CampaignError, Learned, Plan, Problem, Step, Stop};
-pub use observations::Observations;
+pub use observations::{Observations, Observed};
 pub use result::{OutputHistory, StudyResult, SurrogateReport};
 pub use round::{Assessment, Surrogate};
 pub use settings::{Method, Settings};

@@ -40,6 +40,9 @@ pub struct StudySummary {
     pub sensitivity: Vec<SensitivityRow>,
     /// How learning went and why it stopped.
     pub convergence: Convergence,
+    /// The surrogates at the end; none with the Monte Carlo method.
+    #[serde(default)]
+    pub surrogates: Vec<SurrogateRow>,
     /// Where the time went.
     pub timing_s: Timing,
     /// Who worked.
@@ -80,6 +83,19 @@ pub struct ReliabilityRow {
     /// Standard error of each: root of the sum of squares of sampling error, estimated surrogate error and the shift by
     /// the simulator's numerical noise.
     pub standard_error: PerLimitState,
+    /// R of each with all responses moved by the numerical errors that the simulations state, in the worst and in the
+    /// best direction. Not part of the standard error; empty in studies made before there was one.
+    #[serde(default)]
+    pub numerical: BTreeMap<String, NumericalRange>,
+}
+
+/// Range of a reliability under numerical errors.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct NumericalRange {
+    /// R with every response larger by its stated error.
+    pub lower: f64,
+    /// R with every response smaller by its stated error.
+    pub upper: f64,
 }
 
 /// Derivative of the probability of failure of one limit state with respect to one variable's parameters.
@@ -148,6 +164,21 @@ pub struct Round {
     pub reliability_total: f64,
     /// Repairs of the surrogates this round (nugget raised, likelihood start failed).
     pub repairs: usize,
+}
+
+/// The surrogate of one limit state at the end of a study.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SurrogateRow {
+    /// Limit state.
+    pub limit_state: String,
+    /// Least leave-one-out Q2 over the checkpoints that matter [1].
+    pub q2: f64,
+    /// Variance of the noise that is the same at every point over the process variance [1].
+    pub nugget: f64,
+    /// Mean variance of the noise that goes with the stated errors over the process variance [1].
+    pub stated_noise: f64,
+    /// Standard deviation of that noise over the stated errors themselves [1]; absent without stated errors.
+    pub share_of_stated_error: Option<f64>,
 }
 
 /// Wall-clock time, coordinator's view [s].

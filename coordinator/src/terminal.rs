@@ -4,7 +4,7 @@
 
 use crate::progress::{Observer, Progress};
 use crate::report::format::{count, duration, fixed, percent};
-use crate::report::life::{LifeAt, life_at, rows_that_matter};
+use crate::report::life::{LifeAt, life_at, numerical_lives, rows_that_matter};
 use crate::summary::{Round, StudySummary};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
@@ -230,6 +230,18 @@ pub fn final_text(summary: &StudySummary, dir: &Path) -> String {
             }
         };
         text += &format!("life at R = {level}: {life}\n");
+    }
+    if let Some([worst, best]) = numerical_lives(summary, "total", 0.5) {
+        let last = summary.reliability.last().map_or(0, |row| row.cycles);
+        let life = |at: Option<f64>| match at {
+            Some(life) => count(life.round().max(0.0) as u64),
+            None => format!("more than {}", count(last.into())),
+        };
+        text += &format!(
+            "numerical: with all responses off by their stated errors the same way, life at R = 0.5 is {} or {} cycles\n",
+            life(worst),
+            life(best)
+        );
     }
     if !summary.convergence.stopped_because.is_empty() {
         text += &format!("stopped because {}\n", summary.convergence.stopped_because);

@@ -56,7 +56,7 @@ pub enum AccuracyNameError {
 }
 
 /// The knobs, as messages and helps list them.
-pub const KNOBS: &str = "step-xF: time steps longer by the factor F; jump-N: wear steps of at most N cycles; wear-tolerance-T; \
+pub const KNOBS: &str = "step-xF: time steps longer by the factor F; jump-N: wear steps of at most N cycles; jump-tolerance-T: fewer where their error asks for it, 0 nowhere; wear-tolerance-T; \
                          samples-N: of a cycle, for the wear; warm-up-W: cycles; dynamic: no quasi-static tier";
 
 impl FromStr for NamedAccuracy {
@@ -84,8 +84,9 @@ fn turned(accuracy: Accuracy, part: &str) -> Result<Accuracy, AccuracyNameError>
     // A knob with a longer name first where one begins like another.
     type Turn = fn(Accuracy, f64) -> Accuracy;
     type Knob = (&'static str, &'static str, f64, f64, Turn);
-    let knobs: [Knob; 5] = [
+    let knobs: [Knob; 6] = [
         ("step-x", "0.05 to 20", 0.05, 20.0, |a, factor| a.refined(1.0 / factor)),
+        ("jump-tolerance-", "0 to 1", 0.0, 1.0, |a, t| Accuracy { jump_tolerance: t, ..a }),
         ("jump-", "whole numbers from 1 to 1000000", 1.0, 1e6, |a, n| Accuracy { cycle_jump: n as u32, ..a }),
         ("wear-tolerance-", "1e-9 to 1", 1e-9, 1.0, |a, t| Accuracy { wear_tolerance: t, ..a }),
         ("samples-", "whole numbers from 20 to 100000", 20.0, 1e5, |a, n| Accuracy {

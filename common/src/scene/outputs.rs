@@ -11,7 +11,7 @@ use super::read::{Context, Range};
 use super::section::Section;
 
 /// Columns that result files have of their own, beside one for each limit state.
-const COLUMNS: [&str; 3] = ["cycles", "total", "standard_error"];
+const COLUMNS: [&str; 4] = ["cycles", "total", "standard_error", "numerical"];
 
 /// An output as far as it could be read; a faulty one keeps its name, so that references to it find it.
 pub(super) struct OutputRow {

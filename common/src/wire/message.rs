@@ -183,7 +183,8 @@ impl Message for Notice {
 }
 
 fn check_accuracy(a: &Accuracy) -> Result<(), WireError> {
-    numbers::all_finite("accuracy", &[a.step_tolerance, a.largest_step, a.wear_tolerance, a.warm_up])
+    let knobs = [a.step_tolerance, a.largest_step, a.jump_tolerance, a.wear_tolerance, a.warm_up];
+    numbers::all_finite("accuracy", &knobs)
 }
 
 fn check_task(task: &Task) -> Result<(), WireError> {

@@ -58,7 +58,7 @@ fn outputs() {
         let (threshold, wrong) = (format!("\"{threshold}\""), format!("\"{wrong}\""));
         one_fault(limit, &threshold, &wrong, kind);
     }
-    for name in ["total", "cycles", "standard_error"] {
+    for name in ["total", "cycles", "standard_error", "numerical"] {
         let expected =
             format!("limit_states.{name}.name: \"{name}\" cannot be a name: it is a column of result files");
         one_fault("too_deep", "name = \"too_deep\"", &format!("name = \"{name}\""), &expected);

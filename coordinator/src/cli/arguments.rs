@@ -3,6 +3,7 @@
 use super::accuracy::AccuracyArguments;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use common::accuracy::NamedAccuracy;
+use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
 /// The scene studied unless another one is named.
@@ -157,6 +158,10 @@ pub struct RunArguments {
     /// Seed of every random draw; the same seed gives the same result, whatever the workers
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
+    /// What surrogates make of the errors that simulations state: their shape with a fitted level, nothing, or
+    /// standard deviations as they stand (ak) [default: fitted]
+    #[arg(long, value_enum)]
+    pub stated_errors: Option<StatedErrorsName>,
     /// Folder for the results, made if missing [default: hingewise-SCENE, or the next free number after it]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -213,6 +218,19 @@ pub enum GridName {
     /// Ten of them.
     Quick,
     /// All.
+    Full,
+}
+
+/// What surrogates make of the numerical errors that simulations state.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum StatedErrorsName {
+    /// Nothing.
+    #[default]
+    Ignored,
+    /// Shape of the noise, with a level by likelihood.
+    Fitted,
+    /// Standard deviations as they stand.
     Full,
 }
 

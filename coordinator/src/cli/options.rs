@@ -2,11 +2,12 @@
 //! file so that `resume` repeats exactly that.
 
 use super::accuracy::Accepted;
-use super::arguments::{MethodName, RunArguments};
+use super::arguments::{MethodName, RunArguments, StatedErrorsName};
 use super::error::CommandError;
 use common::scene::{Scene, StudySettings};
 use coordinator::learning::Targets;
 use coordinator::study::{Method, Settings};
+use coordinator::surrogate::StatedErrors;
 use serde::{Deserialize, Serialize};
 
 /// Settings of a study; each of them may change its result.
@@ -26,6 +27,9 @@ pub struct StudyOptions {
     pub max_evaluations: usize,
     /// Seed.
     pub seed: u64,
+    /// What the surrogates make of stated errors; campaigns begun before there was a choice ignored them.
+    #[serde(default)]
+    pub stated_errors: StatedErrorsName,
 }
 
 impl StudyOptions {
@@ -51,6 +55,7 @@ impl StudyOptions {
             batch: defaults.batch,
             max_evaluations: arguments.max_evaluations.unwrap_or(defaults.max_evaluations),
             seed: arguments.seed.unwrap_or(defaults.seed),
+            stated_errors: arguments.stated_errors.unwrap_or(StatedErrorsName::Fitted),
         };
         if !monte_carlo {
             let at_least = format!("at least the initial design, --initial {}", options.initial);
@@ -77,8 +82,13 @@ impl StudyOptions {
             max_evaluations: self.max_evaluations,
             seed: self.seed,
         };
+        let stated_errors = match self.stated_errors {
+            StatedErrorsName::Ignored => StatedErrors::Ignored,
+            StatedErrorsName::Fitted => StatedErrors::Fitted,
+            StatedErrorsName::Full => StatedErrors::Full,
+        };
         let Accepted { setting, max_error } = self.accuracy.clone();
-        Settings { study, method, accuracy: setting, max_error, targets: Targets::default() }
+        Settings { study, method, accuracy: setting, max_error, targets: Targets::default(), stated_errors }
     }
 }
 

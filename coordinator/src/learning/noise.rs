@@ -1,7 +1,7 @@
 //! What the simulator's own numerical noise does to the curves.
 //!
 //! The surrogates classify by the smooth function under the noise. A simulation at x adds noise of standard deviation
-//! tau = sqrt(nugget sigma2); counting simulations instead would give the share mean_j Phi((mean_j - threshold) / tau).
+//! tau = sqrt((nugget + stated) sigma2); counting simulations instead would give the share mean_j Phi((mean_j - threshold) / tau).
 //! The difference is no error of the surrogates and no number of points removes it; it says how far "the reliability" is
 //! a matter of the simulator's digits.
 
@@ -13,7 +13,8 @@ use rayon::prelude::*;
 const BLOCK: usize = 4096;
 
 /// |share counted with noise - share of the smooth function| at the grid checkpoints `(modes + 1, a)`, the system last
-/// (noises of different modes independent). `roots` are the square roots of the modes' nuggets.
+/// (noises of different modes independent). `roots` are the square roots of the modes' noise
+/// variances over sigma2.
 pub fn noise_shifts(modes: &[Classification], roots: &[f64]) -> Vec<Vec<f64>> {
     let (a, points) = (modes[0].grid(), modes[0].variance_factor.len());
     let blocks: Vec<usize> = (0..points).step_by(BLOCK).collect();

@@ -1,7 +1,7 @@
 //! Which points of the pool to simulate next: a batch, chosen one after the other as a Kriging believer.
 //!
 //! Picks alternate between two aims, so that both stopping rules come nearer:
-//! - the point whose datum would settle most: gain_j = sum_i H_i c_ij^2 / (c_jj + nugget), with c the posterior
+//! - the point whose datum would settle most: gain_j = sum_i H_i c_ij^2 / (c_jj + noise), with c the posterior
 //!   covariance over sigma2 and H_i = sum over modes and checkpoints of weight phi(U_i) / c_ii; that is the share of
 //!   each point's variance that goes, weighted by how near the point lies to the limit (pool points are draws of the
 //!   population, so its density is in the sum);
@@ -128,7 +128,7 @@ fn gains(posteriors: &[Posterior], near: &Nearness) -> Vec<f64> {
     let mut gains = vec![0.0; members];
     for (posterior, targeted) in posteriors.iter().zip(&near.targeted) {
         for (j, gain) in gains.iter_mut().enumerate() {
-            let denominator = posterior.variance(j) + posterior.nugget();
+            let denominator = posterior.variance(j) + posterior.noise();
             if denominator > 0.0 {
                 let settled: f64 = posterior.column(j).iter().zip(targeted).map(|(c, h)| h * c * c).sum();
                 *gain += settled / denominator;
@@ -149,7 +149,7 @@ mod tests {
     fn posterior(places: &[f64]) -> Posterior {
         let data = Mat::from_fn(1, 3, |_, i| 100.0 + 10.0 * i as f64);
         let values = Mat::from_fn(3, 1, |i, _| i as f64);
-        let correlation = Correlation { theta: vec![1.0], nugget: 1e-8 };
+        let correlation = Correlation { theta: vec![1.0], nugget: 1e-8, stated: 0.0 };
         let model = Kriging::condition(data.as_ref(), values.as_ref(), &correlation).unwrap();
         Posterior::new(&model, Mat::from_fn(1, places.len(), |_, i| places[i]).as_ref())
     }

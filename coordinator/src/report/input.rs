@@ -2,6 +2,7 @@
 //! tables of the campaign file, the study's results from its documents `summary` and `distributions`. So a
 //! report of a finished study needs its folder alone and no evaluation.
 
+use super::stated::{StatedAt, StatedErrors};
 use crate::output_unit::OutputUnit;
 use crate::store::{CampaignFile, StoreError};
 use crate::summary::StudySummary;
@@ -110,6 +111,8 @@ pub struct ReportInput {
     pub nominal: Option<Evaluation>,
     /// Distributions of the outputs over the population.
     pub distributions: Vec<OutputDistribution>,
+    /// Numerical errors that the evaluations state, per output and checkpoint `(outputs)(m,)`; empty if none do.
+    pub stated: Vec<Vec<StatedAt>>,
     /// Evaluations without a result.
     pub failures: Vec<FailedRun>,
     /// Work done.
@@ -137,10 +140,12 @@ impl ReportInput {
         input.scene_source = campaign.meta().scene_source.clone();
         input.settings = campaign.meta().settings.clone();
         input.command = campaign.meta().command.clone();
+        let mut stated = StatedErrors::default();
         campaign.for_each(|stored| {
             match stored.outcome {
                 Ok(evaluation) => {
                     input.work.add(&evaluation.diagnostics, stored.wall);
+                    stated.add(&evaluation);
                     if stored.id == 0 {
                         input.nominal = Some(evaluation);
                     }
@@ -151,6 +156,7 @@ impl ReportInput {
             }
             Ok::<(), StoreError>(())
         })?;
+        input.stated = stated.over_life();
         Ok(Some(input))
     }
 
@@ -184,6 +190,7 @@ impl ReportInput {
                 .collect(),
             nominal: None,
             distributions,
+            stated: vec![],
             failures: vec![],
             work: WorkTotals::default(),
             scene_source: String::new(),

@@ -1,6 +1,6 @@
 //! Lives read from reliability curves: when R falls to a level, and which limit state leads there.
 
-use crate::summary::{ReliabilityRow, StudySummary};
+use crate::summary::{NumericalRange, ReliabilityRow, StudySummary};
 use statrs::distribution::{ContinuousCDF, Normal};
 
 /// The life at which a reliability curve falls to a level.
@@ -24,29 +24,48 @@ pub enum LifeAt {
 
 /// Life at which the reliability `key` (a limit state or `total`) falls to `level`; R(0) = 1.
 pub fn life_at(summary: &StudySummary, key: &str, level: f64) -> LifeAt {
+    let moved = |errors: f64| {
+        let of_row = |row: &ReliabilityRow| {
+            let error = row.standard_error.get(key).copied().filter(|error| error.is_finite()).unwrap_or(0.0);
+            row.reliability.get(key).map(|r| r + errors * error)
+        };
+        crossing(summary, &of_row, level)
+    };
     let last = summary.reliability.last().map_or(0, |row| row.cycles);
-    match crossing(summary, key, level, 0.0) {
+    match moved(0.0) {
         None => LifeAt::Beyond(last),
-        Some((life, doubt)) => {
-            let bound = |errors: f64| crossing(summary, key, level, errors).map(|(life, _)| life);
-            LifeAt::Cycles {
-                life,
-                lower: (bound(-1.96).unwrap_or(life) - doubt).max(0.0),
-                upper: bound(1.96).map_or(f64::from(last), |upper| upper + doubt),
-            }
-        }
+        Some((life, doubt)) => LifeAt::Cycles {
+            life,
+            lower: (moved(-1.96).map_or(life, |(lower, _)| lower) - doubt).max(0.0),
+            upper: moved(1.96).map_or(f64::from(last), |(upper, _)| upper + doubt),
+        },
     }
 }
 
-/// Where the curve, moved by so many standard errors, falls to `level`, and the doubt of that [cycles].
-fn crossing(summary: &StudySummary, key: &str, level: f64, errors: f64) -> Option<(f64, f64)> {
+/// Lives [cycles] at which the reliability `key` falls to `level` with all responses moved by their stated numerical
+/// errors, in the worst and in the best direction; `None` for a life beyond the one studied, and in all if the
+/// study states no numerical errors.
+pub fn numerical_lives(summary: &StudySummary, key: &str, level: f64) -> Option<[Option<f64>; 2]> {
+    summary.reliability.first()?.numerical.get(key)?;
+    let of = |side: fn(&NumericalRange) -> f64| {
+        let of_row = |row: &ReliabilityRow| row.numerical.get(key).map(side);
+        crossing(summary, &of_row, level).map(|(life, _)| life)
+    };
+    Some([of(|range| range.lower), of(|range| range.upper)])
+}
+
+/// Where the curve falls to `level`, and the doubt of that [cycles].
+fn crossing(
+    summary: &StudySummary,
+    curve: &dyn Fn(&ReliabilityRow) -> Option<f64>,
+    level: f64,
+) -> Option<(f64, f64)> {
     // A share of the population below half a point cannot be told from none.
     let least = 0.5 / summary.population.max(1) as f64;
     let probit = |r: f64| Normal::standard().inverse_cdf(r.clamp(least, 1.0 - least));
     let mut before = (0.0, 1.0);
     for row in &summary.reliability {
-        let error = row.standard_error.get(key).copied().filter(|error| error.is_finite()).unwrap_or(0.0);
-        let now = (f64::from(row.cycles), row.reliability.get(key)? + errors * error);
+        let now = (f64::from(row.cycles), curve(row)?);
         if now.1 <= level {
             if before.1 <= level {
                 return Some((before.0, 0.0));
@@ -105,6 +124,7 @@ pub fn leaders(summary: &StudySummary) -> Vec<(u32, &str)> {
 mod tests {
     use super::*;
     use crate::report::synthetic;
+    use std::collections::BTreeMap;
 
     fn summary(curves: &[(&str, &[f64])]) -> StudySummary {
         let mut summary = synthetic::study().summary;
@@ -115,9 +135,22 @@ mod tests {
                 cycles: 1000 * (k as u32 + 1),
                 reliability: curves.iter().map(|(name, r)| (name.to_string(), r[k])).collect(),
                 standard_error: curves.iter().map(|(name, _)| (name.to_string(), 0.1 / 1.96)).collect(),
+                numerical: BTreeMap::new(),
             })
             .collect();
         summary
+    }
+
+    #[test]
+    fn numerical_errors_move_the_life_both_ways() {
+        let mut summary = summary(&[("wear", &[1.0, 0.8, 0.5]), ("total", &[1.0, 0.8, 0.5])]);
+        assert_eq!(numerical_lives(&summary, "total", 0.5), None);
+        for (row, (lower, upper)) in summary.reliability.iter_mut().zip([(0.9, 1.0), (0.5, 0.95), (0.1, 0.6)])
+        {
+            row.numerical.insert("total".into(), NumericalRange { lower, upper });
+        }
+        let [worst, best] = numerical_lives(&summary, "total", 0.5).unwrap();
+        assert!((worst.unwrap() - 2000.0).abs() < 1e-6 && best.is_none(), "{worst:?} {best:?}");
     }
 
     #[test]

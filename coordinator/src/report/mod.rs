@@ -10,6 +10,7 @@ pub mod life;
 mod page;
 pub mod palette;
 mod plot;
+mod stated;
 #[cfg(test)]
 pub(crate) mod synthetic;
 mod tables;
@@ -24,6 +25,7 @@ pub use input::{
 };
 pub use page::standalone;
 pub use plot::{Plot, PlotError, Series, Shape};
+pub use stated::StatedAt;
 
 use crate::result_files::{ResultFileError, reliability_csv, summary_json, write_samples_csv, write_text};
 use crate::store::{CampaignFile, StoreError};
@@ -68,6 +70,7 @@ pub fn render(input: &ReportInput) -> Result<Report, PlotError> {
         bores: figures::bores(input),
         sensitivity: bars::figures(input)?,
         learning: figures::learning(input)?,
+        numerical: figures::numerical(input)?,
     };
     let html = page::html(input, &sections);
     Ok(Report { html, figures: sections.into_figures() })

@@ -4,7 +4,7 @@ use super::figures::Figure;
 use super::format::{UNKNOWN, count, escape};
 use super::input::ReportInput;
 use super::life::{life_at, rows_that_matter};
-use super::{palette, tables, words};
+use super::{palette, stated, tables, words};
 use std::fmt::Write;
 
 /// The figures by section.
@@ -16,6 +16,7 @@ pub struct Sections {
     pub(super) bores: Vec<Figure>,
     pub(super) sensitivity: Vec<Figure>,
     pub(super) learning: Vec<Figure>,
+    pub(super) numerical: Vec<Figure>,
 }
 
 impl Sections {
@@ -29,6 +30,7 @@ impl Sections {
             self.bores,
             self.sensitivity,
             self.learning,
+            self.numerical,
         ]
         .concat()
     }
@@ -135,6 +137,13 @@ pub fn html(input: &ReportInput, sections: &Sections) -> String {
     if !summary.convergence.rounds.is_empty() {
         put(&details("All rounds", &tables::rounds(input)));
     }
+    put(&section(
+        "Numerical error",
+        &stated::sentences(input).iter().map(|sentence| escape(sentence)).collect::<Vec<_>>().join(" "),
+        &figures(&sections.numerical, "three"),
+        "The simulations state no numerical errors.",
+    ));
+    put(&stated::errors_over_life(input));
     put(&numerics(input));
     put(&repeat(input));
     format!(

@@ -2,9 +2,9 @@
 
 use super::bars::rows_at_governing;
 use super::figures::words;
-use super::format::{count, duration, escape, fixed, three_digits};
+use super::format::{UNKNOWN, count, duration, escape, fixed, three_digits};
 use super::input::ReportInput;
-use crate::summary::ReliabilityRow;
+use crate::summary::{NumericalRange, ReliabilityRow};
 use std::fmt::Write;
 
 /// A table whose last column is text that may break into lines. Cells are HTML.
@@ -28,24 +28,34 @@ pub fn table(head: &[String], rows: impl Iterator<Item = Vec<String>>) -> String
     html + "</tbody></table></div>\n"
 }
 
-/// Reliability with standard errors, for these rows.
+/// Reliability with standard errors, for these rows; beside them, where the study has it, R with all responses moved
+/// by their numerical errors.
 pub fn reliability(input: &ReportInput, rows: &[ReliabilityRow]) -> String {
     let names: Vec<&str> =
         input.limit_states.iter().map(|state| state.name.as_str()).chain(["total"]).collect();
+    let numerical = rows.iter().any(|row| !row.numerical.is_empty());
     let head: Vec<String> = std::iter::once("cycles".to_string())
-        .chain(names.iter().map(|name| format!("R {}", escape(name))))
+        .chain(names.iter().flat_map(|name| {
+            let beside = numerical.then(|| "numerical".to_string());
+            std::iter::once(format!("R {}", escape(name))).chain(beside)
+        }))
         .collect();
     let number = |value: Option<&f64>| value.map_or(f64::NAN, |value| *value);
     table(
         &head,
         rows.iter().map(|row| {
             std::iter::once(count(row.cycles.into()))
-                .chain(names.iter().map(|name| {
-                    format!(
+                .chain(names.iter().flat_map(|name| {
+                    let r = format!(
                         "{} <small>± {}</small>",
                         fixed(number(row.reliability.get(*name)), 4),
                         fixed(number(row.standard_error.get(*name)), 4)
-                    )
+                    );
+                    let range = |range: &NumericalRange| {
+                        format!("<small>{}–{}</small>", fixed(range.lower, 2), fixed(range.upper, 2))
+                    };
+                    let beside = row.numerical.get(*name).map_or_else(|| UNKNOWN.to_string(), range);
+                    std::iter::once(r).chain(numerical.then_some(beside))
                 }))
                 .collect()
         }),

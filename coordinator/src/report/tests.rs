@@ -43,6 +43,7 @@ fn a_whole_study_has_every_figure_and_says_its_lives() {
     expected.extend(["bore-1", "bore-2", "bore-3", "bore-4", "bore-5", "bore-6"]);
     expected.extend(["sensitivity-wear", "sensitivity-asymmetry"]);
     expected.extend(["learning-reliability", "learning-shares", "learning-min-u"]);
+    expected.extend(["reliability-numerical", "stated-error-wear", "stated-error-asymmetry"]);
     assert_eq!(names(&report), expected);
     let html = report.html.replace('\u{a0}', " ");
     for text in [
@@ -59,6 +60,9 @@ fn a_whole_study_has_every_figure_and_says_its_lives() {
         "stayed below 0.005",
         "nominal at 72 000 cycles",
         "<td>0.250 µm</td>",
+        "<td>0.8 %</td>",
+        "<th>numerical</th>",
+        "If all simulations erred by their stated errors",
         "<td>0.100 r/min</td>",
     ] {
         assert!(html.contains(text), "{text}");
@@ -87,6 +91,9 @@ fn a_study_without_extras_is_reported_all_the_same() {
     let mut input = synthetic::input();
     input.nominal = None;
     input.distributions.clear();
+    input.stated.clear();
+    input.summary.surrogates.clear();
+    input.summary.reliability.iter_mut().for_each(|row| row.numerical.clear());
     input.summary.sensitivity.clear();
     input.summary.moments.clear();
     input.summary.workers.clear();
@@ -98,6 +105,10 @@ fn a_study_without_extras_is_reported_all_the_same() {
     assert_sound(&report);
     assert_eq!(names(&report), ["reliability"]);
     assert!(report.html.contains("The nominal evaluation holds no first cycle."));
+    assert!(
+        report.html.contains("The simulations state no numerical errors.")
+            && !report.html.contains("<th>numerical")
+    );
     assert!(report.html.contains("Every evaluation has a result."));
 }
 

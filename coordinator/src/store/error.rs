@@ -44,6 +44,21 @@ pub enum StoreError {
         /// Version of this program.
         supported: i64,
     },
+    /// The file has an earlier layout, and an evaluation in it cannot be read.
+    #[error(
+        "{}: has schema version {found}, and its evaluation {id} is in a form that this program cannot read ({reason}); \
+         start the study anew", path.display()
+    )]
+    Migration {
+        /// The file.
+        path: PathBuf,
+        /// Version in the file.
+        found: i64,
+        /// Number of the evaluation.
+        id: i64,
+        /// The decoder's message.
+        reason: String,
+    },
     /// The folder cannot be made or locked.
     #[error("output folder {}: {source}", dir.display())]
     Folder {
@@ -102,6 +117,7 @@ impl StoreError {
                 | Self::NoCampaign { .. }
                 | Self::NotACampaign { .. }
                 | Self::SchemaVersion { .. }
+                | Self::Migration { .. }
         )
     }
 }

@@ -4,7 +4,9 @@ use super::{CampaignFile, StoreError, exact};
 use crate::evaluate::{EvaluateError, Finished, Request};
 use crate::journal::Journal;
 use crate::summary::Round;
-use rusqlite::{OptionalExtension, params, params_from_iter};
+use common::outputs::Evaluation;
+use rusqlite::types::Value;
+use rusqlite::{OptionalExtension, Transaction, params, params_from_iter};
 use serde::Serialize;
 
 impl Journal for CampaignFile {
@@ -84,6 +86,9 @@ impl CampaignFile {
             if !fits {
                 return Err(self.encoding(what(), "its histories do not fit the scene's outputs"));
             }
+            if !states_errors(evaluation) && !evaluation.errors.is_empty() {
+                return Err(self.encoding(what(), "its stated errors do not fit its histories"));
+            }
         }
         let outcome =
             exact::outcome_to_bytes(&finished.outcome).map_err(|reason| self.encoding(what(), reason))?;
@@ -108,32 +113,19 @@ impl CampaignFile {
                 exact::sample_to_bytes(&request.sample),
                 outcome,
             ])?;
-        // Names by position, values by parameter: `sample` has as many values as the table has columns.
-        let placeholders = |count: usize| (1..=count).map(|k| format!("?{k}")).collect::<Vec<_>>().join(", ");
-        let names = |own: &str, columns: &[String]| {
-            std::iter::once(own.to_string()).chain(columns.iter().cloned()).collect::<Vec<_>>().join(", ")
-        };
-        let sql = format!(
-            "INSERT INTO input ({}) VALUES ({})",
-            names("evaluation", &self.inputs),
-            placeholders(1 + self.inputs.len())
-        );
-        let values = std::iter::once(rusqlite::types::Value::from(key))
-            .chain(request.sample.iter().map(|value| rusqlite::types::Value::from(*value)));
+        let values = std::iter::once(Value::from(key)).chain(request.sample.iter().map(|v| Value::from(*v)));
+        let sql = insert_statement("input", "evaluation", &self.inputs);
         transaction.prepare_cached(&sql)?.execute(params_from_iter(values))?;
         if let Ok(evaluation) = &finished.outcome {
-            let sql = format!(
-                "INSERT INTO output ({}) VALUES ({})",
-                names("evaluation, cycles", &self.outputs),
-                placeholders(2 + self.outputs.len())
-            );
-            let mut statement = transaction.prepare_cached(&sql)?;
-            for (row, cycles) in evaluation.cycles.iter().enumerate() {
-                let values = [key.into(), i64::from(*cycles).into()]
-                    .into_iter()
-                    .chain(evaluation.histories.iter().map(|h| rusqlite::types::Value::from(h[row])));
-                statement.execute(params_from_iter(values))?;
-            }
+            write_rows(
+                &transaction,
+                "output",
+                &self.outputs,
+                key,
+                &evaluation.cycles,
+                &evaluation.histories,
+            )?;
+            write_stated_errors(&transaction, &self.outputs, key, evaluation)?;
         }
         transaction.commit()
     }
@@ -153,6 +145,50 @@ impl CampaignFile {
             .map_err(|source| self.database(source))?;
         Ok(())
     }
+}
+
+/// Whether an evaluation states an error of every value.
+fn states_errors(evaluation: &Evaluation) -> bool {
+    let lengths = |rows: &[Vec<f64>]| rows.iter().map(Vec::len).collect::<Vec<_>>();
+    lengths(&evaluation.errors) == lengths(&evaluation.histories)
+}
+
+/// Repeats the stated errors of evaluation `key` in table `output_error`; nothing where there are none.
+pub(super) fn write_stated_errors(
+    transaction: &Transaction<'_>,
+    outputs: &[String],
+    key: i64,
+    evaluation: &Evaluation,
+) -> rusqlite::Result<()> {
+    if !states_errors(evaluation) {
+        return Ok(());
+    }
+    write_rows(transaction, "output_error", outputs, key, &evaluation.cycles, &evaluation.errors)
+}
+
+/// One row per checkpoint, from values `(outputs, m)`.
+fn write_rows(
+    transaction: &Transaction<'_>,
+    table: &str,
+    outputs: &[String],
+    key: i64,
+    cycles: &[u32],
+    values: &[Vec<f64>],
+) -> rusqlite::Result<()> {
+    let sql = insert_statement(table, "evaluation, cycles", outputs);
+    let mut statement = transaction.prepare_cached(&sql)?;
+    for (row, cycles) in cycles.iter().enumerate() {
+        let own = [key.into(), i64::from(*cycles).into()].into_iter();
+        statement.execute(params_from_iter(own.chain(values.iter().map(|of| Value::from(of[row])))))?;
+    }
+    Ok(())
+}
+
+/// Names by position, values by parameter: `own` columns of the table first, then `columns`.
+fn insert_statement(table: &str, own: &str, columns: &[String]) -> String {
+    let names: Vec<&str> = own.split(", ").chain(columns.iter().map(String::as_str)).collect();
+    let places: Vec<String> = (1..=names.len()).map(|k| format!("?{k}")).collect();
+    format!("INSERT INTO {table} ({}) VALUES ({})", names.join(", "), places.join(", "))
 }
 
 /// SQLite's integers are signed; numbers of evaluations start at 0 and never come near the sign.

@@ -9,6 +9,7 @@
 mod error;
 mod exact;
 mod journal;
+mod migration;
 mod read;
 mod schema;
 #[cfg(test)]
@@ -78,11 +79,11 @@ impl CampaignFile {
         Self::from_connection(dir, connection, lock)
     }
 
-    /// Opens the campaign in `dir`.
+    /// Opens the campaign in `dir`; a file of an earlier layout is brought up to the present one.
     ///
     /// # Errors
     /// [`StoreError::InUse`], [`StoreError::NoCampaign`], [`StoreError::NotACampaign`],
-    /// [`StoreError::SchemaVersion`], or what the file system or SQLite report.
+    /// [`StoreError::SchemaVersion`], [`StoreError::Migration`], or what the file system or SQLite report.
     pub fn open(dir: &Path) -> Result<Self, StoreError> {
         let path = dir.join(FILE_NAME);
         if !path.is_file() {
@@ -96,9 +97,11 @@ impl CampaignFile {
         Self::from_connection(dir, connection, lock)
     }
 
-    fn from_connection(dir: &Path, connection: Connection, lock: File) -> Result<Self, StoreError> {
+    fn from_connection(dir: &Path, mut connection: Connection, lock: File) -> Result<Self, StoreError> {
         let path = dir.join(FILE_NAME);
-        check_version(&path, &connection)?;
+        if version(&path, &connection)? == migration::FROM {
+            migration::migrate(&path, &mut connection)?;
+        }
         let failed = |source| StoreError::Database { path: path.clone(), source };
         make_durable(&connection).map_err(failed)?;
         let value = |key: &str| -> Result<String, StoreError> {
@@ -212,7 +215,8 @@ fn start(connection: &mut Connection, meta: &CampaignMeta, scene: &Scene) -> rus
     transaction.commit()
 }
 
-fn check_version(path: &Path, connection: &Connection) -> Result<(), StoreError> {
+/// Version of the layout, one that this program reads.
+fn version(path: &Path, connection: &Connection) -> Result<i64, StoreError> {
     let pragma = |name: &str| {
         connection
             .query_row(&format!("PRAGMA {name}"), [], |row| row.get::<_, i64>(0))
@@ -222,7 +226,7 @@ fn check_version(path: &Path, connection: &Connection) -> Result<(), StoreError>
         return Err(StoreError::NotACampaign { path: path.into() });
     }
     match pragma("user_version")? {
-        schema::SCHEMA_VERSION => Ok(()),
+        known @ migration::FROM..=schema::SCHEMA_VERSION => Ok(known),
         found => {
             Err(StoreError::SchemaVersion { path: path.into(), found, supported: schema::SCHEMA_VERSION })
         }

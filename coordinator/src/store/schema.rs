@@ -1,10 +1,13 @@
 //! Layout of `campaign.db`, made to be opened by people: `campaign` (scene, settings, command, version),
 //! `evaluation` (one row each), `input` and `output` (values by name, one column per variable or output, SI),
+//! `output_error` (the numerical error that an evaluation states of each value of `output`, same columns and units),
 //! `learning_round`, `document` (results as JSON).
 //!
 //! The columns `sample` and `outcome` of `evaluation` are what the program reads back: little-endian f64 and
-//! CBOR, exact to the last bit, where SQL's REAL would lose a negative zero and a NaN. The tables `input` and
-//! `output` repeat them for queries.
+//! CBOR, exact to the last bit, where SQL's REAL would lose a negative zero and a NaN. The tables `input`,
+//! `output` and `output_error` repeat them for queries.
+//!
+//! Version 1 had no table `output_error`; see [`super::migration`].
 
 use common::scene::Scene;
 use std::collections::BTreeSet;
@@ -13,11 +16,10 @@ use std::collections::BTreeSet;
 pub const APPLICATION_ID: i64 = 0x4867_7743;
 
 /// Version of this layout, in `PRAGMA user_version`.
-pub const SCHEMA_VERSION: i64 = 1;
+pub const SCHEMA_VERSION: i64 = 2;
 
 /// Statements that make the tables for this scene.
 pub fn statements(scene: &Scene) -> String {
-    let reals = |names: &[String]| names.iter().map(|name| format!(",\n  {name} REAL")).collect::<String>();
     format!(
         "CREATE TABLE campaign (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
 CREATE TABLE evaluation (
@@ -33,18 +35,32 @@ CREATE TABLE evaluation (
 CREATE TABLE input (
   evaluation INTEGER PRIMARY KEY REFERENCES evaluation (id){inputs}
 );
-CREATE TABLE output (
-  evaluation INTEGER NOT NULL REFERENCES evaluation (id),
-  cycles INTEGER NOT NULL{outputs},
-  PRIMARY KEY (evaluation, cycles)
-) WITHOUT ROWID;
+{output};
+{output_error};
 CREATE TABLE learning_round (round INTEGER PRIMARY KEY, evaluations INTEGER NOT NULL, noted_at TEXT NOT NULL, json TEXT NOT NULL);
 CREATE TABLE document (name TEXT PRIMARY KEY, written_at TEXT NOT NULL, json TEXT NOT NULL) WITHOUT ROWID;
 PRAGMA application_id = {APPLICATION_ID};
 PRAGMA user_version = {SCHEMA_VERSION};",
         inputs = reals(&input_columns(scene)),
-        outputs = reals(&output_columns(scene)),
+        output = output_table("output", &output_columns(scene)),
+        output_error = output_table("output_error", &output_columns(scene)),
     )
+}
+
+/// Statement that makes a table of one row per evaluation and checkpoint, with these quoted columns.
+pub fn output_table(name: &str, columns: &[String]) -> String {
+    format!(
+        "CREATE TABLE {name} (
+  evaluation INTEGER NOT NULL REFERENCES evaluation (id),
+  cycles INTEGER NOT NULL{},
+  PRIMARY KEY (evaluation, cycles)
+) WITHOUT ROWID",
+        reals(columns)
+    )
+}
+
+fn reals(names: &[String]) -> String {
+    names.iter().map(|name| format!(",\n  {name} REAL")).collect()
 }
 
 /// Quoted column names of the random variables in table `input`.

@@ -65,7 +65,7 @@ fn finished(id: u64) -> Finished {
     let evaluation = Evaluation {
         cycles: vec![1000, 2000],
         histories: vec![x.clone()],
-        errors: vec![x.clone()],
+        errors: vec![x.iter().map(|value| value.abs() / 7.0).collect()],
         joints: vec![JointSummary { name: "1".into(), peak_force: 0.1 + 0.2, wear_depth: x }],
         first_cycle,
         diagnostics: Diagnostics {
@@ -134,6 +134,14 @@ fn people_can_query_values_by_name() {
         )
         .unwrap();
     assert_eq!((k, depth), (0.4, 0.4));
+    let error: f64 = reader
+        .query_row(
+            "SELECT max_wear_depth FROM output_error WHERE evaluation = 4 AND cycles = 2000",
+            [],
+            |row| row.get(0),
+        )
+        .unwrap();
+    assert_eq!(error, finished(4).outcome.unwrap().errors[0][1]);
     let failure: String =
         reader.query_row("SELECT failure FROM evaluation WHERE id = 3", [], |row| row.get(0)).unwrap();
     assert_eq!(failure, finished(3).outcome.unwrap_err().to_string());
@@ -165,6 +173,9 @@ fn values_that_do_not_fit_the_scene_are_refused() {
     assert!(file.record(&short, &finished(1)).is_err());
     let mut ragged = finished(1);
     ragged.outcome.as_mut().unwrap().histories[0].pop();
+    assert!(file.record(&request(1), &ragged).is_err());
+    let mut ragged = finished(1);
+    ragged.outcome.as_mut().unwrap().errors[0].pop();
     assert!(file.record(&request(1), &ragged).is_err());
     assert_eq!(file.count().unwrap(), 0);
 }
@@ -203,6 +214,44 @@ fn foreign_files_are_refused_and_left_alone() {
     Connection::open(&path).unwrap().execute_batch("PRAGMA user_version = 99").unwrap();
     let newer = CampaignFile::open(dir.path()).unwrap_err();
     assert!(matches!(newer, StoreError::SchemaVersion { found: 99, .. }), "{newer}");
+}
+
+#[test]
+fn a_file_of_the_first_layout_is_brought_up_with_its_stated_errors() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join(FILE_NAME);
+    let mut file = CampaignFile::create(dir.path(), &meta(), &scene()).unwrap();
+    record(&mut file, 0..5);
+    // An evaluation that states no errors has none afterwards either.
+    let mut silent = finished(5);
+    silent.outcome.as_mut().unwrap().errors.clear();
+    file.record(&request(5), &silent).unwrap();
+    drop(file);
+    let first_layout = "DROP TABLE output_error; PRAGMA user_version = 1;";
+    Connection::open(&path).unwrap().execute_batch(first_layout).unwrap();
+
+    let file = CampaignFile::open(dir.path()).unwrap();
+    for id in 0..5 {
+        assert_same_bits(&file.finished(&request(id)).unwrap().unwrap(), &finished(id));
+    }
+    let stated = |id: u64| -> Vec<f64> {
+        let sql = "SELECT max_wear_depth FROM output_error WHERE evaluation = ?1 ORDER BY cycles";
+        let mut statement = file.connection.prepare(sql).unwrap();
+        let rows = statement.query_map([id as i64], |row| row.get(0)).unwrap();
+        rows.map(Result::unwrap).collect()
+    };
+    assert_eq!(stated(4), finished(4).outcome.unwrap().errors[0]);
+    assert!(stated(3).is_empty() && stated(5).is_empty());
+    drop(file);
+
+    // One that cannot be read is named, and the file stays as it is.
+    let spoil = format!("{first_layout} UPDATE evaluation SET outcome = x'00' WHERE id = 2;");
+    Connection::open(&path).unwrap().execute_batch(&spoil).unwrap();
+    for _ in 0..2 {
+        let refused = CampaignFile::open(dir.path()).unwrap_err();
+        assert!(matches!(refused, StoreError::Migration { found: 1, id: 2, .. }), "{refused}");
+        assert!(refused.is_bad_input() && refused.to_string().contains("start the study anew"));
+    }
 }
 
 #[test]

@@ -1,12 +1,12 @@
 //! Ask and tell: which points to simulate next, and what is known once they are. No scene, no evaluator, no clock.
 
-use super::observations::Observations;
+use super::observations::{Observations, Observed};
 use super::round::{Assessment, assess};
 use crate::design::{Population, choose_by_latin_hypercube};
 use crate::learning::{Mode, Rule, Stopping, Targets, select_batch};
 use crate::reliability::coefficient_of_variation;
 use crate::summary::Round;
-use crate::surrogate::{Correlation, Effort, SurrogateError};
+use crate::surrogate::{Correlation, Effort, StatedErrors, SurrogateError};
 use common::failure::SimulationFailure;
 use common::random::Distribution;
 use std::mem::discriminant;
@@ -42,6 +42,8 @@ pub struct Plan {
     pub seed: u64,
     /// Stopping rules.
     pub targets: Targets,
+    /// What the surrogates make of the numerical errors that simulations state.
+    pub stated_errors: StatedErrors,
 }
 
 /// What the campaign wants next.
@@ -173,21 +175,18 @@ impl Campaign {
         }
     }
 
-    /// Takes the outcomes of the batch asked for, in its order: histories `(outputs)(m,)` or a failure.
+    /// Takes the outcomes of the batch asked for, in its order.
     ///
     /// # Errors
     /// [`CampaignError::TooManyFailures`].
-    pub fn tell(
-        &mut self,
-        outcomes: Vec<Result<Vec<Vec<f64>>, SimulationFailure>>,
-    ) -> Result<(), CampaignError> {
+    pub fn tell(&mut self, outcomes: Vec<Result<Observed, SimulationFailure>>) -> Result<(), CampaignError> {
         let asked = std::mem::take(&mut self.asked);
         assert_eq!(asked.len(), outcomes.len(), "every sample asked for has one outcome");
         let initial = self.total == 0;
         self.total += asked.len();
         for (z, outcome) in asked.into_iter().zip(outcomes) {
             match outcome {
-                Ok(histories) => self.observations.add(&z, histories),
+                Ok(observed) => self.observations.add(&z, observed),
                 Err(failure) => self.failures.push(failure),
             }
         }
@@ -246,7 +245,7 @@ impl Campaign {
                 &self.observations,
                 &self.correlations,
                 self.previous.as_deref(),
-                effort,
+                (effort, self.plan.stated_errors),
                 (least, self.plan.seed, round),
             )?;
             repairs += assessment.repairs;

@@ -1,7 +1,8 @@
 //! Campaigns on a published static case: the series system of four branches.
 
-use super::{Campaign, Learned, Plan, Problem, Step};
+use super::{Campaign, Learned, Observed, Plan, Problem, Step};
 use crate::learning::{Mode, Targets};
+use crate::surrogate::StatedErrors;
 use common::random::Distribution;
 
 /// Four-branch system, k = 7, as an output that fails at 0: minus the limit state. Echard, Gayton, Lemaire (2011).
@@ -32,10 +33,13 @@ fn learn_until(population: usize, initial: usize, seed: u64, targets: Targets) -
         max_evaluations: 300,
         seed,
         targets,
+        stated_errors: StatedErrors::default(),
     };
     let mut campaign = Campaign::new(problem, plan);
     while let Step::Evaluate(samples) = campaign.next_step().unwrap() {
-        campaign.tell(samples.iter().map(|x| Ok(vec![vec![four_branch(x)]])).collect()).unwrap();
+        campaign
+            .tell(samples.iter().map(|x| Ok(Observed::exact(vec![vec![four_branch(x)]]))).collect())
+            .unwrap();
     }
     campaign.finish().unwrap()
 }

@@ -1,6 +1,6 @@
 //! Numbered requests, the campaign file first, then the evaluator; outcomes checked and in order.
 
-use super::{Problem, StudyError};
+use super::{Observed, Problem, StudyError};
 use crate::evaluate::{EvaluateError, Evaluator, Finished, Request};
 use crate::journal::Journal;
 use crate::progress::{Observer, Progress};
@@ -9,8 +9,8 @@ use common::failure::SimulationFailure;
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-/// Outcome of one sample: histories `(outputs)(m,)` or a failure.
-pub(super) type Outcome = Result<Vec<Vec<f64>>, SimulationFailure>;
+/// Outcome of one sample.
+pub(super) type Outcome = Result<Observed, SimulationFailure>;
 
 /// Gets samples evaluated, each under the next number.
 pub(super) struct Dispatcher<'a> {
@@ -149,7 +149,8 @@ fn notice(observer: &mut dyn Observer, done: usize, outcome: &Finished, recalled
     observer.notice(&Progress::Evaluated { done, failed, recalled, wall: outcome.wall });
 }
 
-/// The histories, if they have the scene's shape and only finite values.
+/// The histories and their stated errors, if they have the scene's shape and only finite values, no error below zero. An
+/// evaluation that states no errors counts as exact.
 fn checked(outcome: Finished, outputs: usize, checkpoints: &[u32]) -> Result<Outcome, StudyError> {
     let Finished { id, worker, outcome, .. } = outcome;
     let evaluation = match outcome {
@@ -171,5 +172,22 @@ fn checked(outcome: Finished, outputs: usize, checkpoints: &[u32]) -> Result<Out
             return malformed(format!("output {o} is {} at {} cycles", history[n], checkpoints[n]));
         }
     }
-    Ok(Ok(evaluation.histories))
+    if evaluation.errors.is_empty() {
+        return Ok(Ok(Observed::exact(evaluation.histories)));
+    }
+    if evaluation.errors.len() != outputs {
+        return malformed(format!("errors of {} outputs, not {outputs}", evaluation.errors.len()));
+    }
+    for (o, errors) in evaluation.errors.iter().enumerate() {
+        if errors.len() != checkpoints.len() {
+            return malformed(format!("output {o} has {} stated errors", errors.len()));
+        }
+        if let Some(n) = errors.iter().position(|error| !(error.is_finite() && *error >= 0.0)) {
+            return malformed(format!(
+                "the stated error of output {o} is {} at {} cycles",
+                errors[n], checkpoints[n]
+            ));
+        }
+    }
+    Ok(Ok(Observed { histories: evaluation.histories, errors: evaluation.errors }))
 }

@@ -3,10 +3,13 @@
 use super::campaign::check_failures;
 use super::dispatching::Dispatcher;
 use super::result::{self, Curves};
-use super::{Problem, Settings, StudyError, StudyResult};
+use super::{Observed, Problem, Settings, StudyError, StudyResult};
 use crate::design::Population;
 use crate::learning::{curves, running_maximum};
-use crate::reliability::{coefficient_of_variation, distributions_from_samples, governing_checkpoint};
+use crate::reliability::{
+    NumericalBand, Shifted, coefficient_of_variation, distributions_from_samples, first_failure_with,
+    governing_checkpoint,
+};
 use crate::sensitivity::sensitivities;
 use crate::summary::{Convergence, EvaluationCounts, Round};
 use common::random::Distribution;
@@ -33,6 +36,7 @@ pub(super) fn run(
     let mut points = Vec::new();
     let mut histories = vec![Vec::new(); problem.outputs];
     let mut first_failures = vec![Vec::new(); problem.modes.len() + 1];
+    let mut shifted = vec![Shifted { larger: vec![], smaller: vec![] }; problem.modes.len()];
     let mut rounds: Vec<Round> = Vec::new();
     let mut previous: Option<Vec<Vec<f64>>> = None;
     for start in (0..samples).step_by(CHUNK) {
@@ -41,10 +45,11 @@ pub(super) fn run(
         let outcomes = dispatcher.evaluate(batch, &format!("samples from {}", start + 1), budget)?;
         for (j, outcome) in range.clone().zip(outcomes) {
             match outcome {
-                Ok(outputs) => {
+                Ok(observed) => {
                     points.push(j);
-                    note_first_failures(problem, &outputs, &mut first_failures);
-                    histories.iter_mut().zip(outputs).for_each(|(all, history)| all.push(history));
+                    note_first_failures(problem, &observed.histories, &mut first_failures);
+                    note_shifted(problem, &observed, &mut shifted);
+                    histories.iter_mut().zip(observed.histories).for_each(|(all, history)| all.push(history));
                 }
                 Err(failure) => failures.push(failure),
             }
@@ -73,7 +78,8 @@ pub(super) fn run(
         .iter()
         .map(|all| distributions_from_samples(&all.iter().map(Vec::as_slice).collect::<Vec<_>>()))
         .collect();
-    let curves = Curves { failed: &failed, points: points.len(), surrogate: &[] };
+    let numerical = NumericalBand::count(&shifted, problem.checkpoints.len());
+    let curves = Curves { failed: &failed, points: points.len(), surrogate: &[], numerical: &numerical };
     let counts = EvaluationCounts { total: samples + 1, initial: 1, added: samples, failed: failures.len() };
     let convergence = Convergence {
         stopped_because: format!("all {samples} samples were simulated"),
@@ -94,6 +100,15 @@ fn note_first_failures(problem: &Problem, outputs: &[Vec<f64>], first_failures: 
         all.push(first);
     }
     first_failures[problem.modes.len()].push(earliest);
+}
+
+/// First failures of one evaluation by mode, its values moved by the errors it states.
+fn note_shifted(problem: &Problem, observed: &Observed, shifted: &mut [Shifted]) {
+    for (mode, all) in problem.modes.iter().zip(shifted) {
+        let (history, errors) = (&observed.histories[mode.output], &observed.errors[mode.output]);
+        all.larger.push(first_failure_with(history, errors, 1.0, mode.threshold));
+        all.smaller.push(first_failure_with(history, errors, -1.0, mode.threshold));
+    }
 }
 
 fn curves_of(problem: &Problem, first_failures: &[Vec<u32>]) -> Vec<Vec<f64>> {

@@ -3,6 +3,23 @@
 use crate::learning::running_maximum;
 use faer::Mat;
 
+/// What a successful evaluation gave.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Observed {
+    /// Histories `(outputs)(m,)`, in the outputs' units.
+    pub histories: Vec<Vec<f64>>,
+    /// Numerical errors stated of them, of the same shape and units, at least 0.
+    pub errors: Vec<Vec<f64>>,
+}
+
+impl Observed {
+    /// Histories without any numerical error.
+    pub fn exact(histories: Vec<Vec<f64>>) -> Self {
+        let errors = histories.iter().map(|history| vec![0.0; history.len()]).collect();
+        Self { histories, errors }
+    }
+}
+
 /// Points and histories of the successful evaluations, in the order of their requests.
 #[derive(Debug, Clone)]
 pub struct Observations {
@@ -11,6 +28,8 @@ pub struct Observations {
     z: Vec<f64>,
     /// Histories per output `(outputs)(n)(m,)`, in the outputs' units.
     histories: Vec<Vec<Vec<f64>>>,
+    /// Stated errors, likewise.
+    errors: Vec<Vec<Vec<f64>>>,
     /// How many belong to the initial design.
     design: usize,
 }
@@ -18,14 +37,23 @@ pub struct Observations {
 impl Observations {
     /// None yet, of `d` variables and so many outputs.
     pub fn new(d: usize, outputs: usize) -> Self {
-        Self { d, z: Vec::new(), histories: vec![Vec::new(); outputs], design: 0 }
+        Self {
+            d,
+            z: Vec::new(),
+            histories: vec![Vec::new(); outputs],
+            errors: vec![Vec::new(); outputs],
+            design: 0,
+        }
     }
 
-    /// Adds a point `(d,)` and its histories `(outputs)(m,)`.
-    pub fn add(&mut self, z: &[f64], histories: Vec<Vec<f64>>) {
+    /// Adds a point `(d,)` and what was observed there.
+    pub fn add(&mut self, z: &[f64], observed: Observed) {
         self.z.extend_from_slice(z);
-        for (all, history) in self.histories.iter_mut().zip(histories) {
+        for (all, history) in self.histories.iter_mut().zip(observed.histories) {
             all.push(history);
+        }
+        for (all, errors) in self.errors.iter_mut().zip(observed.errors) {
+            all.push(errors);
         }
     }
 
@@ -65,6 +93,23 @@ impl Observations {
         as_matrix(&maxima)
     }
 
+    /// Errors of the running maxima of one output `(n, m)`: at each checkpoint that of the value which is the largest so
+    /// far.
+    pub fn errors_of_running_maxima(&self, output: usize) -> Mat<f64> {
+        let of = |(history, errors): (&Vec<f64>, &Vec<f64>)| -> Vec<f64> {
+            let mut largest = (f64::NEG_INFINITY, 0.0);
+            let take = |(value, error): (&f64, &f64)| {
+                if *value > largest.0 {
+                    largest = (*value, *error);
+                }
+                largest.1
+            };
+            history.iter().zip(errors).map(take).collect()
+        };
+        let errors: Vec<Vec<f64>> = self.histories[output].iter().zip(&self.errors[output]).map(of).collect();
+        as_matrix(&errors)
+    }
+
     /// Share of the initial design that reached the threshold by each checkpoint, from running maxima `(n, m)`.
     pub fn design_share(&self, running_maxima: &Mat<f64>, threshold: f64) -> Vec<f64> {
         let failed = |n: usize| (0..self.design).filter(|i| running_maxima[(*i, n)] >= threshold).count();
@@ -75,4 +120,25 @@ impl Observations {
 fn as_matrix(rows: &[Vec<f64>]) -> Mat<f64> {
     let m = rows.first().map_or(0, Vec::len);
     Mat::from_fn(rows.len(), m, |i, n| rows[i][n])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_running_maximum_keeps_the_error_of_its_value() {
+        let mut observations = Observations::new(1, 1);
+        let histories = vec![vec![1.0, 3.0, 2.0, 4.0]];
+        observations.add(&[0.0], Observed { histories, errors: vec![vec![0.1, 0.3, 0.9, 0.2]] });
+        observations.add(&[1.0], Observed::exact(vec![vec![5.0; 4]]));
+        let errors = observations.errors_of_running_maxima(0);
+        let row = |i: usize| errors.row(i).iter().copied().collect::<Vec<f64>>();
+        assert_eq!(row(0), [0.1, 0.3, 0.3, 0.2]);
+        assert_eq!(row(1), [0.0; 4]);
+        assert_eq!(
+            observations.running_maxima(0).row(0).iter().copied().collect::<Vec<_>>(),
+            [1.0, 3.0, 3.0, 4.0]
+        );
+    }
 }

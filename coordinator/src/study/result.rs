@@ -3,11 +3,13 @@
 use super::{Learned, Settings, Stop};
 use crate::learning::Rule;
 use crate::output_unit::OutputUnit;
-use crate::reliability::{CurvePoint, OutputDistribution, predict_distributions, reliability_curve};
+use crate::reliability::{
+    CurvePoint, NumericalBand, OutputDistribution, predict_distributions, reliability_curve, shift_population,
+};
 use crate::sensitivity::{Sensitivity, sensitivities};
 use crate::summary::{
-    Convergence, EvaluationCounts, MomentsRow, PerLimitState, ReliabilityRow, SensitivityError,
-    SensitivityRow, StudySummary, Timing,
+    Convergence, EvaluationCounts, MomentsRow, NumericalRange, PerLimitState, ReliabilityRow,
+    SensitivityError, SensitivityRow, StudySummary, SurrogateRow, Timing,
 };
 use crate::surrogate::{Correlation, LeaveOneOut};
 use common::scene::Scene;
@@ -49,6 +51,18 @@ pub struct SurrogateReport {
     pub leave_one_out: Vec<LeaveOneOut>,
 }
 
+impl SurrogateReport {
+    fn row(&self, share_of_stated_error: Option<f64>) -> SurrogateRow {
+        SurrogateRow {
+            limit_state: self.limit_state.clone(),
+            q2: self.leave_one_out.iter().map(|l| l.q2).fold(1.0, f64::min),
+            nugget: self.correlation.nugget,
+            stated_noise: self.correlation.stated,
+            share_of_stated_error,
+        }
+    }
+}
+
 /// Failure shares and how far they can be trusted.
 pub(super) struct Curves<'a> {
     /// `(limit states + 1, m)`, the system last.
@@ -57,6 +71,8 @@ pub(super) struct Curves<'a> {
     pub points: usize,
     /// Surrogate error and simulator noise per curve, at ascending checkpoints; empty without surrogates.
     pub surrogate: &'a [Vec<(usize, f64)>],
+    /// The failure shares under numerical errors.
+    pub numerical: &'a NumericalBand,
 }
 
 /// The result of active learning.
@@ -73,8 +89,13 @@ pub(super) fn from_learning(scene: &Scene, settings: &Settings, learned: &Learne
             assessment.grid.iter().copied().zip(combined).collect()
         })
         .collect();
-    let curves =
-        Curves { failed: &assessment.curves, points: learned.population.len(), surrogate: &surrogate };
+    let numerical = numerical_band(scene, learned);
+    let curves = Curves {
+        failed: &assessment.curves,
+        points: learned.population.len(),
+        surrogate: &surrogate,
+        numerical: &numerical,
+    };
 
     // Derivatives of the modes and of the system, whose first failure is the earliest of the modes'.
     let mut first_failures: Vec<Vec<u32>> =
@@ -111,7 +132,25 @@ pub(super) fn from_learning(scene: &Scene, settings: &Settings, learned: &Learne
             leave_one_out: surrogate.leave_one_out.clone(),
         })
         .collect();
+    let shares = assessment.surrogates.iter().map(|surrogate| surrogate.share_of_stated);
+    result.summary.surrogates = result.surrogates.iter().zip(shares).map(|(s, share)| s.row(share)).collect();
     result
+}
+
+/// The failure shares with the population's responses moved by the stated errors.
+fn numerical_band(scene: &Scene, learned: &Learned) -> NumericalBand {
+    let shifted: Vec<_> = scene
+        .limit_states
+        .iter()
+        .zip(&learned.assessment.surrogates)
+        .map(|(limit, surrogate)| {
+            let values = learned.observations.running_maxima(limit.output);
+            let errors = learned.observations.errors_of_running_maxima(limit.output);
+            let (values, errors) = (values.as_ref(), errors.as_ref());
+            shift_population(&surrogate.model, &learned.population, values, errors, limit.threshold)
+        })
+        .collect();
+    NumericalBand::count(&shifted, scene.life.checkpoints().len())
 }
 
 /// Distributions of the outputs themselves (not their running maxima), with the lengths of the first limit state that
@@ -185,7 +224,13 @@ pub(super) fn assemble(
             curve_names.iter().zip(&points).map(|(name, p)| ((*name).to_owned(), of(&p[n]))).collect()
         };
         let (reliability, standard_error) = (value(&|p| p.reliability), value(&|p| p.standard_error));
-        ReliabilityRow { cycles: cycles[n], reliability, standard_error }
+        let range = |c: usize| NumericalRange {
+            lower: 1.0 - curves.numerical.most[c][n],
+            upper: 1.0 - curves.numerical.least[c][n],
+        };
+        let numerical =
+            curve_names.iter().enumerate().map(|(c, name)| ((*name).to_owned(), range(c))).collect();
+        ReliabilityRow { cycles: cycles[n], reliability, standard_error, numerical }
     };
     let summary = StudySummary {
         scene: scene.name.clone(),
@@ -202,6 +247,7 @@ pub(super) fn assemble(
         moments: (0..cycles.len()).map(|n| moments(scene, &distributions, cycles[n], n)).collect(),
         sensitivity: rows.iter().map(|row| sensitivity_row(scene, &curve_names, &cycles, row)).collect(),
         convergence,
+        surrogates: Vec::new(),
         timing_s: Timing::default(),
         workers: Vec::new(),
     };

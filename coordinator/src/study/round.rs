@@ -8,7 +8,9 @@ use crate::learning::{
     coupled_criterion, curves, dominance, estimate_errors, noise_shifts,
 };
 use crate::reliability::governing_checkpoint;
-use crate::surrogate::{Correlation, Effort, Kriging, LeaveOneOut, Posterior, fit_correlation};
+use crate::surrogate::{
+    Correlation, Effort, Kriging, LeaveOneOut, NoiseShape, Posterior, StatedErrors, fit_correlation,
+};
 use faer::Mat;
 use rayon::prelude::*;
 
@@ -28,7 +30,7 @@ pub struct Assessment {
     pub curves: Vec<Vec<f64>>,
     /// Surrogate errors on the grid.
     pub errors: CurveErrors,
-    /// By how much the simulator's numerical noise, as the nuggets have it, would move each failure share on the grid,
+    /// By how much the simulator's numerical noise, as the surrogates have it, would move each failure share on the grid,
     /// `(modes + 1, a)`: no learning removes it, so it counts in the standard errors but not for stopping.
     pub noise_shift: Vec<Vec<f64>>,
     /// Checkpoint at which the system's R is nearest 1/2.
@@ -67,6 +69,9 @@ pub struct Surrogate {
     pub fitted_on: Vec<usize>,
     /// Leave-one-out figures at those.
     pub leave_one_out: Vec<LeaveOneOut>,
+    /// Standard deviation of the noise that goes with the stated errors over the stated errors themselves (root mean
+    /// squares over points and fitted checkpoints) [1]; absent where the surrogate makes nothing of them.
+    pub share_of_stated: Option<f64>,
     /// Repairs.
     pub repairs: usize,
 }
@@ -89,7 +94,7 @@ pub(super) fn assess(
     observations: &Observations,
     correlations: &[Option<Correlation>],
     previous: Option<&[Vec<f64>]>,
-    effort: Effort,
+    (effort, reading): (Effort, StatedErrors),
     (least, seed, round): (usize, u64, u32),
 ) -> Result<Assessment, CampaignError> {
     // Surrogates, one per mode, beside each other.
@@ -102,7 +107,9 @@ pub(super) fn assess(
             let values = observations.running_maxima(mode.output);
             let share = observations.design_share(&values, mode.threshold);
             let fitted_on = checkpoints_that_matter(&share, previous.map(|p| p[s].as_slice()), GRID);
-            fit_mode(&points, &values, fitted_on, correlations[s].as_ref(), effort)
+            let errors = observations.errors_of_running_maxima(mode.output);
+            let observed = (&points, &values, &errors);
+            fit_mode(observed, fitted_on, correlations[s].as_ref(), effort, reading)
                 .map_err(|source| CampaignError::Surrogate { mode: s, source })
         })
         .collect::<Result<Vec<Surrogate>, CampaignError>>()?;
@@ -132,7 +139,7 @@ pub(super) fn assess(
     let inflation: Vec<f64> = surrogates.iter().map(Surrogate::inflation).collect();
     let errors = estimate_errors(&modes, &coupled, &pool, &posteriors, &inflation, seed, round);
 
-    let noise: Vec<f64> = surrogates.iter().map(|s| s.model.correlation().nugget.sqrt()).collect();
+    let noise: Vec<f64> = surrogates.iter().map(|s| s.model.correlation().noise().sqrt()).collect();
     let noise_shift = noise_shifts(&modes, &noise);
 
     // Figures of the round.
@@ -168,20 +175,27 @@ pub(super) fn assess(
     })
 }
 
+/// Fits and conditions the surrogate of one mode to points `(d, n)`, values `(n, m)` and their stated errors `(n, m)`.
 fn fit_mode(
-    points: &Mat<f64>,
-    values: &Mat<f64>,
+    (points, values, errors): (&Mat<f64>, &Mat<f64>, &Mat<f64>),
     fitted_on: Vec<usize>,
     previous: Option<&Correlation>,
     effort: Effort,
+    reading: StatedErrors,
 ) -> Result<Surrogate, crate::surrogate::SurrogateError> {
-    let chosen = Mat::from_fn(values.nrows(), fitted_on.len(), |i, o| values[(i, fitted_on[o])]);
-    let fitted = fit_correlation(points.as_ref(), chosen.as_ref(), previous, effort);
-    let mut model = Kriging::condition(points.as_ref(), chosen.as_ref(), &fitted.correlation)?;
+    let on_grid = |of: &Mat<f64>| Mat::from_fn(of.nrows(), fitted_on.len(), |i, o| of[(i, fitted_on[o])]);
+    let (chosen, errors) = (on_grid(values), on_grid(errors));
+    let noise = NoiseShape::new(chosen.as_ref(), errors.as_ref(), reading);
+    let fitted = fit_correlation(points.as_ref(), chosen.as_ref(), noise.as_ref(), previous, effort);
+    let weights = noise.as_ref().map(|noise| noise.weights.as_slice());
+    let mut model = Kriging::condition_noisy(points.as_ref(), chosen.as_ref(), &fitted.correlation, weights)?;
     let leave_one_out = model.leave_one_out(chosen.as_ref());
+    let stated = errors.squared_norm_l2() / errors.nrows() as f64;
+    let found = model.correlation().stated * model.sigma2().iter().sum::<f64>();
+    let share_of_stated = noise.map(|_| (found / stated).sqrt());
     model.set_values(values.as_ref());
     let repairs = fitted.failed_starts + model.raised();
-    Ok(Surrogate { model, fitted_on, leave_one_out, repairs })
+    Ok(Surrogate { model, fitted_on, leave_one_out, share_of_stated, repairs })
 }
 
 fn nearest(grid: &[usize], checkpoint: usize) -> usize {

@@ -2,6 +2,7 @@
 
 use super::{Plan, StudyError};
 use crate::learning::Targets;
+use crate::surrogate::StatedErrors;
 use common::accuracy::NamedAccuracy;
 use common::scene::{Scene, StudySettings};
 
@@ -43,6 +44,8 @@ pub struct Settings {
     pub max_error: Option<f64>,
     /// Stopping rules of active learning.
     pub targets: Targets,
+    /// What the surrogates make of the numerical errors that simulations state.
+    pub stated_errors: StatedErrors,
 }
 
 impl Settings {
@@ -54,6 +57,7 @@ impl Settings {
             accuracy,
             max_error: None,
             targets: Targets::default(),
+            stated_errors: StatedErrors::default(),
         }
     }
 
@@ -67,6 +71,7 @@ impl Settings {
             max_evaluations: self.study.max_evaluations,
             seed: self.study.seed,
             targets: self.targets,
+            stated_errors: self.stated_errors,
         }
     }
 

@@ -9,11 +9,26 @@ use faer::{Accum, Mat, MatMut, MatRef, Par};
 pub struct Correlation {
     /// theta_k = 1 / (2 length_k^2), in standardised inputs `(d,)` [1].
     pub theta: Vec<f64>,
-    /// Variance of the simulator's numerical noise over the process variance, added to the diagonal [1].
+    /// Variance of the noise that is the same at every point over the process variance, added to the diagonal [1].
     pub nugget: f64,
+    /// Mean variance of the noise that goes with the errors the simulations state over the process variance; added
+    /// to the diagonal times each point's weight, see [`super::NoiseShape`] [1].
+    pub stated: f64,
 }
 
 impl Correlation {
+    /// Variance over the process variance that the noise of one more point can be expected to have [1].
+    pub fn noise(&self) -> f64 {
+        self.nugget + self.stated
+    }
+
+    /// Adds the noise to the diagonal of a correlation matrix `(n, n)`; `weights` `(n,)` of mean 1.
+    pub(crate) fn add_noise(&self, matrix: &mut Mat<f64>, weights: Option<&[f64]>) {
+        for i in 0..matrix.nrows() {
+            matrix[(i, i)] += self.nugget + weights.map_or(0.0, |weights| self.stated * weights[i]);
+        }
+    }
+
     /// Points `(d, n)` multiplied by sqrt(theta), so that correlation is exp(-distance^2).
     pub(crate) fn scale(&self, points: MatRef<'_, f64>) -> Mat<f64> {
         let root: Vec<f64> = self.theta.iter().map(|theta| theta.sqrt()).collect();
@@ -124,7 +139,7 @@ mod tests {
 
     #[test]
     fn matches_the_definition() {
-        let correlation = Correlation { theta: vec![0.3, 2.0], nugget: 0.0 };
+        let correlation = Correlation { theta: vec![0.3, 2.0], nugget: 0.0, stated: 0.0 };
         let points = Mat::from_fn(2, 5, |k, i| (i as f64 * 0.7 + k as f64).sin() * 1.5);
         let r = correlation_matrix(&correlation, points.as_ref());
         for i in 0..5 {

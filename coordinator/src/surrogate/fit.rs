@@ -1,9 +1,7 @@
 //! Maximum likelihood of the correlation parameters by L-BFGS over bounded logarithms.
-//!
-//! Each logarithm p in [low, high] is written p = low + (high - low) / (1 + exp(-t)) and the free t is optimised, so
-//! no projection is needed and a variable without influence drifts to its lower bound where the likelihood is flat.
 
-use super::{Correlation, Likelihood, LikelihoodValue};
+use super::bounds::{Bounds, NUGGET, THETA};
+use super::{Correlation, Likelihood, LikelihoodValue, NoiseShape};
 use argmin::core::{CostFunction, Error, Executor, Gradient};
 use argmin::solver::linesearch::MoreThuenteLineSearch;
 use argmin::solver::quasinewton::LBFGS;
@@ -11,13 +9,10 @@ use faer::MatRef;
 use rayon::prelude::*;
 use std::cell::RefCell;
 
-/// Bounds of theta in standardised inputs: lengths from 0.2 to 700 standard deviations.
-const THETA_BOUNDS: (f64, f64) = (1e-6, 10.0);
-/// Bounds of the nugget. Below 1e-10 a Gaussian correlation matrix of a few hundred points loses its Cholesky
-/// factor to rounding; above 0.3 the noise would have half the standard deviation of the output.
-pub(crate) const NUGGET_BOUNDS: (f64, f64) = (1e-10, 0.3);
 /// Change of f per iteration below which the optimum counts as found; 1e-6 n is 2 ln L, far inside its confidence.
 const VALUE_TOLERANCE: f64 = 1e-6;
+/// Level of the stated noise at the starts.
+const STATED_START: f64 = 1e-4;
 /// Stored corrections of L-BFGS.
 const MEMORY: usize = 8;
 
@@ -46,20 +41,25 @@ pub struct Fitted {
 /// Correlation of greatest likelihood for points `(d, n)` and values `(n, m)`.
 ///
 /// Columns of `values` without variance carry no information on lengths and are left out; if none is left the lengths
-/// are the longest allowed. The result depends on the data and `previous` only.
+/// are the longest allowed. `noise` is what the stated errors say of the points, if anything. The result depends on
+/// the data and `previous` only.
 pub fn fit_correlation(
     points: MatRef<'_, f64>,
     values: MatRef<'_, f64>,
+    noise: Option<&NoiseShape>,
     previous: Option<&Correlation>,
     effort: Effort,
 ) -> Fitted {
     let d = points.nrows();
     let values = standardise(values);
     if values.ncols() == 0 {
-        let correlation = Correlation { theta: vec![THETA_BOUNDS.0; d], nugget: NUGGET_BOUNDS.0 };
+        let correlation = Correlation { theta: vec![THETA.0; d], nugget: NUGGET.0, stated: 0.0 };
         return Fitted { correlation, value: f64::NEG_INFINITY, evaluations: 0, failed_starts: 0 };
     }
-    let likelihood = Likelihood { points, values: values.as_ref() };
+    let weights = noise.map(|noise| noise.weights.as_slice());
+    let likelihood = Likelihood { points, values: values.as_ref(), weights };
+    let bounds = Bounds::new(d, noise);
+    let to_free = |correlation: &Correlation| bounds.free(correlation);
     let mut starts: Vec<Vec<f64>> = previous.map(to_free).into_iter().collect();
     if starts.is_empty() || effort == Effort::MultiStart {
         starts.extend(fixed_starts(&likelihood).iter().map(to_free));
@@ -67,23 +67,23 @@ pub fn fit_correlation(
     // A first round of all starts side by side, each far enough to tell them apart; then the best to its end.
     let budget = if starts.len() > 1 { 25 } else { 60 };
     let outcomes: Vec<Outcome> =
-        starts.into_par_iter().map(|start| descend(&likelihood, start, budget)).collect();
+        starts.into_par_iter().map(|start| descend(&likelihood, bounds, start, budget)).collect();
     let mut evaluations = outcomes.iter().map(|o| o.evaluations).sum();
     let failed_starts = outcomes.iter().filter(|o| o.best.is_none()).count();
     let alone = outcomes.len() == 1;
     let best = outcomes.into_iter().filter_map(|o| o.best).reduce(|a, b| if b.1 < a.1 { b } else { a });
     let Some((mut free, mut value)) = best else {
-        let correlation = Correlation { theta: vec![0.1 / d as f64; d], nugget: 1e-4 };
+        let correlation = Correlation { theta: vec![0.1 / d as f64; d], nugget: 1e-4, stated: 0.0 };
         return Fitted { correlation, value: f64::INFINITY, evaluations, failed_starts };
     };
     if !alone {
-        let polished = descend(&likelihood, free.clone(), 60);
+        let polished = descend(&likelihood, bounds, free.clone(), 60);
         evaluations += polished.evaluations;
         if let Some((better, lower)) = polished.best.filter(|b| b.1 < value) {
             (free, value) = (better, lower);
         }
     }
-    Fitted { correlation: from_free(&free), value, evaluations, failed_starts }
+    Fitted { correlation: bounds.correlation(&free), value, evaluations, failed_starts }
 }
 
 /// Columns with variance, each to mean 0 and variance 1, so that outputs of any unit weigh the same.
@@ -104,12 +104,14 @@ fn standardise(values: MatRef<'_, f64>) -> faer::Mat<f64> {
 /// variable and outputs, which is close to the optimum where few variables matter.
 fn fixed_starts(likelihood: &Likelihood<'_>) -> Vec<Correlation> {
     let d = likelihood.points.nrows();
-    let isotropic = |sum: f64| Correlation { theta: vec![sum / d as f64; d], nugget: 1e-4 };
+    let isotropic =
+        |sum: f64| Correlation { theta: vec![sum / d as f64; d], nugget: 1e-4, stated: STATED_START };
     let influence: Vec<f64> = (0..d).map(|k| mean_squared_correlation(likelihood, k)).collect();
     let total: f64 = influence.iter().sum::<f64>().max(f64::MIN_POSITIVE);
     let weighted = |sum: f64| Correlation {
         theta: influence.iter().map(|w| sum * (0.02 / d as f64 + 0.98 * w / total)).collect(),
         nugget: 1e-4,
+        stated: STATED_START,
     };
     vec![isotropic(0.02), isotropic(0.2), isotropic(2.0), weighted(0.02), weighted(0.4)]
 }
@@ -133,9 +135,9 @@ struct Outcome {
     evaluations: usize,
 }
 
-fn descend(likelihood: &Likelihood<'_>, start: Vec<f64>, iterations: u64) -> Outcome {
+fn descend(likelihood: &Likelihood<'_>, bounds: Bounds, start: Vec<f64>, iterations: u64) -> Outcome {
     let memo = RefCell::new(Memo::default());
-    let problem = Problem { likelihood, memo: &memo };
+    let problem = Problem { likelihood, bounds, memo: &memo };
     let search = MoreThuenteLineSearch::new();
     // An error of the line search (a step into an indefinite matrix) ends the descent; the best point met counts.
     let run = LBFGS::new(search, MEMORY)
@@ -161,6 +163,7 @@ struct Memo {
 
 struct Problem<'a> {
     likelihood: &'a Likelihood<'a>,
+    bounds: Bounds,
     memo: &'a RefCell<Memo>,
 }
 
@@ -175,10 +178,10 @@ impl Problem<'_> {
         memo.evaluations += 1;
         let mut value = self
             .likelihood
-            .evaluate(&from_free(free))
+            .evaluate(&self.bounds.correlation(free))
             .ok_or_else(|| Error::msg("correlation matrix without Cholesky factor"))?;
         value.gradient.iter_mut().zip(free).enumerate().for_each(|(k, (g, t))| {
-            *g *= slope(k, free.len(), *t);
+            *g *= self.bounds.slope(k, *t);
         });
         if memo.best.as_ref().is_none_or(|(_, best)| value.value < *best) {
             memo.best = Some((free.to_vec(), value.value));
@@ -204,41 +207,6 @@ impl Gradient for Problem<'_> {
     }
 }
 
-/// Logarithmic bounds of parameter `k` of `count`, the last of which is the nugget.
-fn log_bounds(k: usize, count: usize) -> (f64, f64) {
-    let (low, high) = if k + 1 == count { NUGGET_BOUNDS } else { THETA_BOUNDS };
-    (low.ln(), high.ln())
-}
-
-fn from_free(free: &[f64]) -> Correlation {
-    let value = |k: usize| {
-        let (low, high) = log_bounds(k, free.len());
-        (low + (high - low) / (1.0 + (-free[k]).exp())).exp()
-    };
-    let d = free.len() - 1;
-    Correlation { theta: (0..d).map(value).collect(), nugget: value(d) }
-}
-
-/// dp/dt of the bounded logarithm.
-fn slope(k: usize, count: usize, t: f64) -> f64 {
-    let (low, high) = log_bounds(k, count);
-    let s = 1.0 / (1.0 + (-t).exp());
-    (high - low) * s * (1.0 - s)
-}
-
-/// Inverse of [`from_free`]; at the bounds a little inside, so that the slope never vanishes altogether.
-fn to_free(correlation: &Correlation) -> Vec<f64> {
-    let count = correlation.theta.len() + 1;
-    let all = correlation.theta.iter().chain(std::iter::once(&correlation.nugget));
-    all.enumerate()
-        .map(|(k, value)| {
-            let (low, high) = log_bounds(k, count);
-            let s = ((value.ln() - low) / (high - low)).clamp(0.02, 0.98);
-            (s / (1.0 - s)).ln()
-        })
-        .collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -256,7 +224,7 @@ mod tests {
     fn finds_which_variable_matters_and_that_there_is_no_noise() {
         let x = points(3, 60);
         let y = Mat::from_fn(60, 1, |i, _| (1.5 * x[(0, i)]).sin() + 0.3 * x[(1, i)]);
-        let fitted = fit_correlation(x.as_ref(), y.as_ref(), None, Effort::MultiStart);
+        let fitted = fit_correlation(x.as_ref(), y.as_ref(), None, None, Effort::MultiStart);
         let theta = &fitted.correlation.theta;
         assert!(theta[0] > 10.0 * theta[1] && theta[1] > theta[2], "{theta:?}");
         assert!(theta[2] < 1e-4 && fitted.correlation.nugget < 1e-6, "{:?}", fitted.correlation);
@@ -272,7 +240,7 @@ mod tests {
         let noise: Vec<f64> =
             (0..n).map(|_| rand_distr::StandardNormal.sample(&mut rng)).map(|e: f64| 0.05 * e).collect();
         let y = Mat::from_fn(n, 1, |i, _| (1.5 * x[(0, i)]).sin() + 0.3 * x[(1, i)] + noise[i]);
-        let fitted = fit_correlation(x.as_ref(), y.as_ref(), None, Effort::MultiStart);
+        let fitted = fit_correlation(x.as_ref(), y.as_ref(), None, None, Effort::MultiStart);
         let model =
             crate::surrogate::Kriging::condition(x.as_ref(), y.as_ref(), &fitted.correlation).unwrap();
         // The noise's standard deviation from 200 points: known to about 6 %.
@@ -284,9 +252,9 @@ mod tests {
     fn optimum_is_stationary_and_reproducible() {
         let x = points(3, 50);
         let y = Mat::from_fn(50, 2, |i, o| (x[(0, i)] + 0.5 * o as f64).sin() + 0.2 * x[(1, i)] * x[(2, i)]);
-        let fitted = fit_correlation(x.as_ref(), y.as_ref(), None, Effort::MultiStart);
-        assert_eq!(fitted, fit_correlation(x.as_ref(), y.as_ref(), None, Effort::MultiStart));
-        let again = fit_correlation(x.as_ref(), y.as_ref(), Some(&fitted.correlation), Effort::Warm);
+        let fitted = fit_correlation(x.as_ref(), y.as_ref(), None, None, Effort::MultiStart);
+        assert_eq!(fitted, fit_correlation(x.as_ref(), y.as_ref(), None, None, Effort::MultiStart));
+        let again = fit_correlation(x.as_ref(), y.as_ref(), None, Some(&fitted.correlation), Effort::Warm);
         assert!(
             (fitted.value - again.value).abs() < 1e-2,
             "{} {} {:?} {:?}",
@@ -301,7 +269,7 @@ mod tests {
     fn constant_values_give_the_longest_lengths() {
         let x = points(2, 10);
         let y = Mat::from_fn(10, 1, |_, _| 3.0);
-        let fitted = fit_correlation(x.as_ref(), y.as_ref(), None, Effort::MultiStart);
-        assert_eq!(fitted.correlation.theta, vec![THETA_BOUNDS.0; 2]);
+        let fitted = fit_correlation(x.as_ref(), y.as_ref(), None, None, Effort::MultiStart);
+        assert_eq!(fitted.correlation.theta, vec![THETA.0; 2]);
     }
 }

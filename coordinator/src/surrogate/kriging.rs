@@ -1,15 +1,15 @@
 //! Ordinary Kriging conditioned on data: one factorisation, many outputs.
 //!
-//! With C = R + nugget I = L L', t = L^-1 1, w(x) = L^-1 r(x) and u(x) = 1 - t'w(x):
+//! With C = R + nugget I + stated W = L L', W the diagonal of the points' noise weights, t = L^-1 1, w(x) = L^-1 r(x) and u(x) = 1 - t'w(x):
 //!   mean_o(x)     = beta_o + w(x)' L^-1 (y_o - beta_o 1)
 //!   variance_o(x) = sigma2_o (1 - w'w + u^2 / t't)
 //! The variance is that of the smooth function without the simulator's noise; its factor is common to all outputs.
 //!
 //! Source: Sacks, Welch, Mitchell, Wynn (1989), eqs. 7 and 9.
 
+use super::bounds::NUGGET;
 use super::correlation::{correlation_matrix, cross_of_scaled_into, squared_norms};
 use super::factor::{cholesky, solve_lower};
-use super::fit::NUGGET_BOUNDS;
 use super::{Correlation, SurrogateError};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
@@ -53,6 +53,19 @@ impl Kriging {
         values: MatRef<'_, f64>,
         correlation: &Correlation,
     ) -> Result<Self, SurrogateError> {
+        Self::condition_noisy(points, values, correlation, None)
+    }
+
+    /// The same with the points' noise weights `(n,)` of mean 1, see [`super::NoiseShape`]; `None`: all alike.
+    ///
+    /// # Errors
+    /// Those of [`Kriging::condition`].
+    pub fn condition_noisy(
+        points: MatRef<'_, f64>,
+        values: MatRef<'_, f64>,
+        correlation: &Correlation,
+        weights: Option<&[f64]>,
+    ) -> Result<Self, SurrogateError> {
         let n = points.ncols();
         if n < 3 {
             return Err(SurrogateError::TooFewPoints { points: n });
@@ -62,13 +75,11 @@ impl Kriging {
         let mut raised = 0;
         let l = loop {
             let mut c = r.clone();
-            for i in 0..n {
-                c[(i, i)] += correlation.nugget;
-            }
+            correlation.add_noise(&mut c, weights);
             match cholesky(c) {
                 Ok(l) => break l,
-                Err(_) if correlation.nugget < NUGGET_BOUNDS.1 => {
-                    correlation.nugget = (10.0 * correlation.nugget).clamp(NUGGET_BOUNDS.0, NUGGET_BOUNDS.1);
+                Err(_) if correlation.nugget < NUGGET.1 => {
+                    correlation.nugget = (10.0 * correlation.nugget).clamp(NUGGET.0, NUGGET.1);
                     raised += 1;
                 }
                 Err(at) => {
@@ -212,7 +223,7 @@ mod tests {
     fn interpolates_its_data_without_a_nugget() {
         let x = points(25);
         let y = values(&x);
-        let correlation = Correlation { theta: vec![0.8, 0.8], nugget: 0.0 };
+        let correlation = Correlation { theta: vec![0.8, 0.8], nugget: 0.0, stated: 0.0 };
         let model = Kriging::condition(x.as_ref(), y.as_ref(), &correlation).unwrap();
         assert_eq!(model.raised(), 0);
         let prediction = model.predict(x.as_ref());
@@ -227,7 +238,7 @@ mod tests {
     #[test]
     fn far_from_the_data_it_returns_to_the_trend_with_the_full_variance() {
         let x = points(25);
-        let correlation = Correlation { theta: vec![1.0, 1.0], nugget: 1e-8 };
+        let correlation = Correlation { theta: vec![1.0, 1.0], nugget: 1e-8, stated: 0.0 };
         let model = Kriging::condition(x.as_ref(), values(&x).as_ref(), &correlation).unwrap();
         let far = model.predict(Mat::from_fn(2, 1, |_, _| 100.0).as_ref());
         assert!((far.mean[(0, 0)] - model.beta[0]).abs() < 1e-12);
@@ -237,7 +248,7 @@ mod tests {
     #[test]
     fn means_alone_agree_with_the_whole_prediction() {
         let x = points(30);
-        let correlation = Correlation { theta: vec![0.5, 0.9], nugget: 1e-6 };
+        let correlation = Correlation { theta: vec![0.5, 0.9], nugget: 1e-6, stated: 0.0 };
         let model = Kriging::condition(x.as_ref(), values(&x).as_ref(), &correlation).unwrap();
         let at = Mat::from_fn(2, 7, |k, i| (i as f64 + 2.0 * k as f64).cos());
         let (whole, alone) =
@@ -246,12 +257,34 @@ mod tests {
     }
 
     #[test]
+    fn noisy_values_of_one_place_are_weighted_by_their_precision() {
+        // Four simulations of the same point. The trend is unknown, so they are all there is to know: the mean is that
+        // weighted by precision, the variance over sigma2 the inverse of the summed precisions.
+        let x = Mat::from_fn(2, 4, |k, _| 0.3 * k as f64);
+        let y = Mat::from_fn(4, 1, |i, _| [1.0, 2.0, 4.0, 8.0][i]);
+        let correlation = Correlation { theta: vec![1.0, 1.0], nugget: 0.05, stated: 0.2 };
+        let weights = [0.1, 0.5, 1.4, 2.0];
+        let model = Kriging::condition_noisy(x.as_ref(), y.as_ref(), &correlation, Some(&weights)).unwrap();
+        let precision = weights.map(|w| 1.0 / (0.05 + 0.2 * w));
+        let sum: f64 = precision.iter().sum();
+        let mean = precision.iter().zip(y.col_as_slice(0)).map(|(p, y)| p * y).sum::<f64>() / sum;
+        let prediction = model.predict(x.subcols(0, 1));
+        assert!((prediction.mean[(0, 0)] - mean).abs() < 1e-12);
+        assert!(
+            (prediction.variance_factor[0] - 1.0 / sum).abs() < 1e-12,
+            "{}",
+            prediction.variance_factor[0]
+        );
+        assert_eq!(model.raised(), 0);
+    }
+
+    #[test]
     fn coincident_points_raise_the_nugget_and_say_so() {
         let x = Mat::from_fn(2, 12, |k, i| (i / 2) as f64 + k as f64);
         let y = values(&x);
-        let correlation = Correlation { theta: vec![0.01, 0.01], nugget: 0.0 };
+        let correlation = Correlation { theta: vec![0.01, 0.01], nugget: 0.0, stated: 0.0 };
         let model = Kriging::condition(x.as_ref(), y.as_ref(), &correlation).unwrap();
-        assert!(model.raised() > 0 && model.correlation().nugget >= NUGGET_BOUNDS.0);
+        assert!(model.raised() > 0 && model.correlation().nugget >= NUGGET.0);
         assert!(model.predict(x.as_ref()).mean.norm_max().is_finite());
     }
 }

@@ -58,14 +58,17 @@ mod tests {
         let n = 18;
         let x = Mat::from_fn(2, n, |k, i| (i as f64 * [1.3, 2.1][k]).sin() * 1.5);
         let y = Mat::from_fn(n, 1, |i, _| (2.0 * x[(0, i)]).sin() + x[(1, i)] * x[(1, i)]);
-        let correlation = Correlation { theta: vec![0.4, 0.4], nugget: 1e-4 };
-        let model = Kriging::condition(x.as_ref(), y.as_ref(), &correlation).unwrap();
+        let correlation = Correlation { theta: vec![0.4, 0.4], nugget: 1e-4, stated: 0.02 };
+        let weights: Vec<f64> = (0..n).map(|i| 0.5 + (i % 2) as f64).collect();
+        let model = Kriging::condition_noisy(x.as_ref(), y.as_ref(), &correlation, Some(&weights)).unwrap();
         let mut squares = 0.0;
         for out in 0..n {
             let keep: Vec<usize> = (0..n).filter(|i| *i != out).collect();
             let xs = Mat::from_fn(2, n - 1, |k, i| x[(k, keep[i])]);
             let ys = Mat::from_fn(n - 1, 1, |i, _| y[(keep[i], 0)]);
-            let reduced = Kriging::condition(xs.as_ref(), ys.as_ref(), &correlation).unwrap();
+            let kept: Vec<f64> = keep.iter().map(|i| weights[*i]).collect();
+            let reduced =
+                Kriging::condition_noisy(xs.as_ref(), ys.as_ref(), &correlation, Some(&kept)).unwrap();
             let at = Mat::from_fn(2, 1, |k, _| x[(k, out)]);
             squares += (reduced.predict(at.as_ref()).mean[(0, 0)] - y[(out, 0)]).powi(2);
         }

@@ -1,6 +1,7 @@
 //! Concentrated likelihood of the correlation parameters, with its analytic gradient.
 //!
-//! For each output o with values y_o, C = R(theta) + nugget I, trend beta_o = (1' C^-1 y_o) / (1' C^-1 1), residual
+//! For each output o with values y_o, C = R(theta) + nugget I + stated W
+//! (W the diagonal of the points' weights, if the simulations state errors), trend beta_o = (1' C^-1 y_o) / (1' C^-1 1), residual
 //! r_o = y_o - beta_o 1 and sigma2_o = r_o' C^-1 r_o / n, the value is
 //!
 //!   f = (1/m) sum_o ln sigma2_o + (1/n) ln det C,
@@ -24,6 +25,8 @@ pub struct Likelihood<'a> {
     pub points: MatRef<'a, f64>,
     /// Values `(n, m)`, each column of some variance.
     pub values: MatRef<'a, f64>,
+    /// Weights of the points' noise `(n,)`, of mean 1, if the simulations state errors [1].
+    pub weights: Option<&'a [f64]>,
 }
 
 /// Value and gradient.
@@ -31,7 +34,8 @@ pub struct Likelihood<'a> {
 pub struct LikelihoodValue {
     /// f, to be minimised.
     pub value: f64,
-    /// Derivatives to ln theta_1 .. ln theta_d and, last, to ln nugget `(d + 1,)`.
+    /// Derivatives to ln theta_1 .. ln theta_d, to ln nugget and, where there are weights, to ln stated, `(d + 1,)` or
+    /// `(d + 2,)`.
     pub gradient: Vec<f64>,
 }
 
@@ -41,9 +45,7 @@ impl Likelihood<'_> {
         let (d, n, m) = (self.points.nrows(), self.points.ncols(), self.values.ncols());
         let r = correlation_matrix(correlation, self.points);
         let mut c = r.clone();
-        for i in 0..n {
-            c[(i, i)] += correlation.nugget;
-        }
+        correlation.add_noise(&mut c, self.weights);
         let l = cholesky(c).ok()?;
 
         // Trend, residual and variance of each output.
@@ -71,6 +73,8 @@ impl Likelihood<'_> {
         let mut g = inverse(l.as_ref());
         g -= &scaled * scaled.transpose();
         let trace: f64 = (0..n).map(|i| g[(i, i)]).sum();
+        let weighted_trace =
+            self.weights.map(|weights| weights.iter().enumerate().map(|(i, w)| w * g[(i, i)]).sum::<f64>());
         for j in 0..n {
             g.col_as_slice_mut(j).iter_mut().zip(r.col_as_slice(j)).for_each(|(g, r)| *g *= r);
         }
@@ -88,6 +92,7 @@ impl Likelihood<'_> {
             })
             .collect();
         gradient.push(correlation.nugget * trace / n as f64);
+        gradient.extend(weighted_trace.map(|trace| correlation.stated * trace / n as f64));
         (value.is_finite() && gradient.iter().all(|g| g.is_finite()))
             .then_some(LikelihoodValue { value, gradient })
     }
@@ -106,25 +111,31 @@ mod tests {
                 + (points[(1, i)] * 1.3).sin()
                 + 0.1 * points[(2, i)] * points[(3, i)]
         });
-        let likelihood = Likelihood { points: points.as_ref(), values: values.as_ref() };
-        let at = |p: &[f64]| {
-            let correlation =
-                Correlation { theta: p[..d].iter().map(|p| p.exp()).collect(), nugget: p[d].exp() };
-            likelihood.evaluate(&correlation).unwrap()
-        };
-        let p = [-1.0, -0.5, -2.0, -3.0, -6.0];
-        let analytic = at(&p).gradient;
-        for k in 0..=d {
-            let h = 1e-5;
-            let (mut up, mut down) = (p, p);
-            up[k] += h;
-            down[k] -= h;
-            let numeric = (at(&up).value - at(&down).value) / (2.0 * h);
-            assert!(
-                (numeric - analytic[k]).abs() < 1e-6 * (1.0 + numeric.abs()),
-                "{k}: {numeric} {}",
-                analytic[k]
-            );
+        let weights: Vec<f64> = (0..n).map(|i| 0.2 + 1.6 * (i % 2) as f64).collect();
+        let (points, values) = (points.as_ref(), values.as_ref());
+        for weights in [None, Some(weights.as_slice())] {
+            let likelihood = Likelihood { points, values, weights };
+            let at = |p: &[f64]| {
+                let theta = p[..d].iter().map(|p| p.exp()).collect();
+                likelihood
+                    .evaluate(&Correlation { theta, nugget: p[d].exp(), stated: p[d + 1].exp() })
+                    .unwrap()
+            };
+            let p = [-1.0, -0.5, -2.0, -3.0, -6.0, -4.0];
+            let analytic = at(&p).gradient;
+            assert_eq!(analytic.len(), d + 1 + usize::from(weights.is_some()));
+            for (k, analytic) in analytic.into_iter().enumerate() {
+                let h = 1e-5;
+                let (mut up, mut down) = (p, p);
+                up[k] += h;
+                down[k] -= h;
+                let numeric = (at(&up).value - at(&down).value) / (2.0 * h);
+                assert!(
+                    (numeric - analytic).abs() < 1e-6 * (1.0 + numeric.abs()),
+                    "{k}: {numeric} {analytic}"
+                );
+                assert!(analytic.abs() > 1e-5, "{k}: {analytic} says nothing");
+            }
         }
     }
 }

@@ -1,15 +1,18 @@
 //! Surrogates: ordinary Kriging with a constant trend and anisotropic Gaussian correlation.
 //!
 //! All outputs of one limit state (its checkpoints) share one correlation: one factorisation serves them all, and
-//! the lengths are estimated from all of them together. Everything works in standardised inputs; matrices of
+//! the lengths are estimated from all of them together. The errors that the simulations state give each point a
+//! noise of its own. Everything works in standardised inputs; matrices of
 //! points are `(d, n)` with one point a column.
 
+mod bounds;
 mod correlation;
 mod factor;
 mod fit;
 mod kriging;
 mod leave_one_out;
 mod likelihood;
+mod noise;
 mod posterior;
 
 pub use correlation::{Correlation, correlation_matrix, cross_correlation};
@@ -17,6 +20,7 @@ pub use fit::{Effort, Fitted, fit_correlation};
 pub use kriging::{Kriging, Prediction};
 pub use leave_one_out::LeaveOneOut;
 pub use likelihood::{Likelihood, LikelihoodValue};
+pub use noise::{NoiseShape, StatedErrors};
 pub use posterior::Posterior;
 
 use thiserror::Error;

@@ -11,7 +11,7 @@ use faer::{Accum, Mat, MatRef, Par};
 pub struct Posterior {
     /// `(p, p)` [1].
     covariance: Mat<f64>,
-    nugget: f64,
+    noise: f64,
 }
 
 impl Posterior {
@@ -25,7 +25,7 @@ impl Posterior {
             let factor = u[j] / model.tt;
             column.iter_mut().zip(&u).for_each(|(c, u)| *c += factor * u);
         }
-        Self { covariance, nugget: model.correlation().nugget }
+        Self { covariance, noise: model.correlation().noise() }
     }
 
     /// Number of points p.
@@ -43,9 +43,9 @@ impl Posterior {
         self.covariance[(i, i)].max(0.0)
     }
 
-    /// The model's nugget [1].
-    pub fn nugget(&self) -> f64 {
-        self.nugget
+    /// Variance over sigma2 that the noise of one more simulation can be expected to have [1].
+    pub fn noise(&self) -> f64 {
+        self.noise
     }
 
     /// Covariances of all points with point `j`, over sigma2 `(p,)` [1].
@@ -54,14 +54,14 @@ impl Posterior {
     }
 
     /// Adds point `j` to the data at fixed lengths and variance, without asking for its value: whatever it turns out
-    /// to be, the covariance shrinks by c_j c_j' / (c_jj + nugget). This is the Kriging believer's step (the means stay
+    /// to be, the covariance shrinks by c_j c_j' / (c_jj + noise). This is the Kriging believer's step (the means stay
     /// as predicted) at the cost of one outer product.
     ///
     /// # Source
     /// Ginsbourger, Le Riche, Carraro (2010), section 3.3.
     pub fn believe(&mut self, j: usize) {
         let column = self.column(j).to_vec();
-        let denominator = column[j].max(0.0) + self.nugget;
+        let denominator = column[j].max(0.0) + self.noise;
         if denominator <= 0.0 {
             return;
         }
@@ -113,7 +113,7 @@ mod tests {
     #[test]
     fn a_believed_point_equals_conditioning_from_scratch() {
         let (x, pool) = (points(20, 0.0), points(15, 0.43));
-        let correlation = Correlation { theta: vec![0.2, 0.1, 0.3], nugget: 1e-5 };
+        let correlation = Correlation { theta: vec![0.2, 0.1, 0.3], nugget: 1e-5, stated: 0.0 };
         let model = Kriging::condition(x.as_ref(), values(&x).as_ref(), &correlation).unwrap();
         let mut posterior = Posterior::new(&model, pool.as_ref());
         let added = [4, 9];
@@ -129,7 +129,7 @@ mod tests {
     #[test]
     fn variances_agree_with_prediction_and_realisations() {
         let (x, pool) = (points(12, 0.0), points(6, 0.43));
-        let correlation = Correlation { theta: vec![0.5, 0.4, 0.6], nugget: 1e-8 };
+        let correlation = Correlation { theta: vec![0.5, 0.4, 0.6], nugget: 1e-8, stated: 0.0 };
         let model = Kriging::condition(x.as_ref(), values(&x).as_ref(), &correlation).unwrap();
         let posterior = Posterior::new(&model, pool.as_ref());
         let predicted = model.predict(pool.as_ref()).variance_factor;

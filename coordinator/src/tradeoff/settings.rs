@@ -21,12 +21,13 @@ pub const QUICK: [&str; 10] = [
 ];
 
 /// One knob at a time, then combinations; with those of [`QUICK`] that are not here already.
-const MORE: [&str; 24] = [
+const MORE: [&str; 25] = [
     "step-x0.5",
     "jump-100",
     "jump-250",
     "jump-500",
     "jump-8000",
+    "jump-8000+jump-tolerance-3e-3",
     "wear-tolerance-5e-3",
     "wear-tolerance-5e-2",
     "samples-150",

@@ -50,7 +50,7 @@ pub fn reliability(input: &ReportInput) -> Result<Option<Figure>, PlotError> {
     .svg()?;
     let caption = "Probability that no failure has occurred up to this life, per limit state and for the whole \
                    mechanism, which fails by whichever comes first. Bands: 1.96 standard errors, sampling and \
-                   surrogate together.";
+                   surrogate together; what numerical errors of the simulations can do is shown further below.";
     Ok(Some(figure("reliability", "Reliability over life", caption, svg)))
 }
 

@@ -3,10 +3,12 @@
 mod cycle;
 mod learning;
 mod life;
+mod numerical;
 
 pub use cycle::{bores, first_cycle};
 pub use learning::learning;
 pub use life::{distributions, histories, reliability};
+pub use numerical::numerical;
 
 use super::input::ReportInput;
 use super::palette::Ink;

@@ -1,0 +1,92 @@
+//! The parameters of a correlation as free numbers: each logarithm p in [low, high] is written
+//! p = low + (high - low) / (1 + exp(-t)) and the free t is optimised, so no projection is needed and a variable without
+//! influence drifts to its lower bound where the likelihood is flat.
+
+use super::{Correlation, NoiseShape};
+
+/// Bounds of theta in standardised inputs: lengths from 0.2 to 700 standard deviations.
+pub(super) const THETA: (f64, f64) = (1e-6, 10.0);
+/// Bounds of the nugget. Below 1e-10 a Gaussian correlation matrix of a few hundred points loses its Cholesky
+/// factor to rounding; above 0.3 the noise would have half the standard deviation of the output.
+pub(super) const NUGGET: (f64, f64) = (1e-10, 0.3);
+
+/// Bounds of every parameter of a correlation in d variables.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Bounds {
+    d: usize,
+    /// Of the noise that goes with the stated errors, if there are any.
+    stated: Option<(f64, f64)>,
+}
+
+impl Bounds {
+    pub fn new(d: usize, noise: Option<&NoiseShape>) -> Self {
+        Self { d, stated: noise.map(|noise| noise.levels) }
+    }
+
+    /// Logarithmic bounds of parameter `k`: d lengths, the nugget, and the level of the stated noise if there is one.
+    fn of(&self, k: usize) -> (f64, f64) {
+        let (low, high) = match k.checked_sub(self.d) {
+            None => THETA,
+            Some(0) => NUGGET,
+            Some(_) => self.stated.unwrap_or(NUGGET),
+        };
+        (low.ln(), high.ln())
+    }
+
+    /// The correlation of free parameters `(d + 1,)` or `(d + 2,)`.
+    pub fn correlation(&self, free: &[f64]) -> Correlation {
+        let value = |k: usize| {
+            let (low, high) = self.of(k);
+            (low + (high - low) / (1.0 + (-free[k]).exp())).exp()
+        };
+        Correlation {
+            theta: (0..self.d).map(value).collect(),
+            nugget: value(self.d),
+            stated: self.stated.map_or(0.0, |_| value(self.d + 1)),
+        }
+    }
+
+    /// dp/dt of the bounded logarithm `k` at the free number `t`.
+    pub fn slope(&self, k: usize, t: f64) -> f64 {
+        let (low, high) = self.of(k);
+        let s = 1.0 / (1.0 + (-t).exp());
+        (high - low) * s * (1.0 - s)
+    }
+
+    /// Inverse of [`Bounds::correlation`]; at the bounds a little inside, so that the slope never vanishes altogether.
+    pub fn free(&self, correlation: &Correlation) -> Vec<f64> {
+        let level = self.stated.map(|_| correlation.stated);
+        let all = correlation.theta.iter().copied().chain([correlation.nugget]).chain(level);
+        all.enumerate()
+            .map(|(k, value)| {
+                let (low, high) = self.of(k);
+                // A parameter that is held has no width: any free number stands for it.
+                let share = if high > low { (value.ln() - low) / (high - low) } else { 0.5 };
+                let s = share.clamp(0.02, 0.98);
+                (s / (1.0 - s)).ln()
+            })
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn free_numbers_stand_for_a_correlation_and_back() {
+        let correlation = Correlation { theta: vec![0.3, 2e-3], nugget: 1e-5, stated: 0.02 };
+        let shape = |levels| NoiseShape { weights: vec![], levels, mean: 1.0 };
+        let bounds = Bounds::new(2, Some(&shape((1e-10, 0.3))));
+        let back = bounds.correlation(&bounds.free(&correlation));
+        for (a, b) in [(back.theta[1], 2e-3), (back.nugget, 1e-5), (back.stated, 0.02)] {
+            assert!((a / b - 1.0).abs() < 1e-12, "{a} {b}");
+        }
+        // Held at 0.7, and without stated errors.
+        let held = Bounds::new(2, Some(&shape((0.7, 0.7))));
+        assert!((held.correlation(&held.free(&correlation)).stated - 0.7).abs() < 1e-15);
+        assert_eq!(held.slope(3, 1.0), 0.0);
+        let none = Bounds::new(2, None);
+        assert_eq!((none.free(&correlation).len(), none.correlation(&[0.0; 3]).stated), (3, 0.0));
+    }
+}
