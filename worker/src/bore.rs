@@ -147,7 +147,7 @@ impl Profile {
     /// Radius and derivatives at angle `psi` in (-2 pi, 2 pi) [rad].
     #[inline(always)]
     pub fn at(&self, psi: f64) -> Radius {
-        look_up(psi, self.per_radian, |_| (&self.cubic).as_slice())
+        look_up(psi, self.per_radian, |_| self.cubic.as_slice())
     }
 
     /// Radius and derivatives in interval `interval` between control points, at its fraction `s` in [0, 1].

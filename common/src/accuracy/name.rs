@@ -56,8 +56,9 @@ pub enum AccuracyNameError {
 }
 
 /// The knobs, as messages and helps list them.
-pub const KNOBS: &str = "step-xF: time steps longer by the factor F; jump-N: wear steps of at most N cycles; jump-tolerance-T: fewer where their error asks for it, 0 nowhere; wear-tolerance-T; \
-                         samples-N: of a cycle, for the wear; warm-up-W: cycles; dynamic: no quasi-static tier";
+pub const KNOBS: &str = "step-xF: time steps longer by the factor F; jump-N: wear steps of at most N cycles; \
+                         jump-tolerance-T: fewer where their error asks for it, 0 nowhere; wear-tolerance-T; samples-N: \
+                         of a cycle, for the wear; warm-up-W: cycles; dynamic: no quasi-static tier";
 
 impl FromStr for NamedAccuracy {
     type Err = AccuracyNameError;

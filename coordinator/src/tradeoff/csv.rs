@@ -11,7 +11,7 @@ use std::fmt::Write;
 /// Shares and relative errors are plain numbers; an empty field has no value.
 pub fn csv(scene: &Scene, rows: &[Row]) -> String {
     let mut out = String::from(
-        "setting,step_tolerance,largest_step,wear_samples,cycle_jump,wear_tolerance,warm_up,seconds,steps,simulated_cycles,\
+        "setting,step_tolerance,largest_step,wear_samples,cycle_jump,jump_tolerance,wear_tolerance,warm_up,seconds,steps,simulated_cycles,\
          failures,efficient,within_twice",
     );
     for output in &scene.outputs {
@@ -62,6 +62,7 @@ fn line(out: &mut String, scene: &Scene, states: &[&str], row: &Row) {
         format!("{:e}", a.largest_step),
         a.wear_samples.to_string(),
         a.cycle_jump.to_string(),
+        format!("{:e}", a.jump_tolerance),
         format!("{:e}", a.wear_tolerance),
         a.warm_up.to_string(),
         format!("{:e}", row.seconds),

@@ -114,7 +114,8 @@ fn impact(law: Contact, mass: f64, speed: f64) -> (f64, f64, f64) {
     let Surface { stiffness, clearance, .. } = *law.surface();
     let mut system = Impact::new(law, mass, speed);
     let long = 10.0 * deepest(stiffness, mass, speed) / speed;
-    let mut advance = Advance::new(Linearised::new(0.0, Band::new(2, 1), 1), 1e-7, long / 100.0, long * 1e-12, 100_000);
+    let mut advance =
+        Advance::new(Linearised::new(0.0, Band::new(2, 1), 1), 1e-7, long / 100.0, long * 1e-12, 100_000);
     let before = 0.01 * deepest(stiffness, mass, speed);
     let (mut q, mut v) = ([clearance - before, 0.0], [speed, 0.0]);
     let mut seen = Seen::default();
@@ -247,7 +248,13 @@ fn restitution_does_not_depend_on_stiffness_exponent_or_mass() {
             let mut wall =
                 Wall { stiffness, exponent, damping, mass: [mass], scale_q: [deepest], scale_v: [speed] };
             let long = 10.0 * deepest / speed;
-            let mut advance = Advance::new(Linearised::new(0.0, Band::new(1, 0), 0), 1e-7, long / 100.0, long * 1e-12, 100_000);
+            let mut advance = Advance::new(
+                Linearised::new(0.0, Band::new(1, 0), 0),
+                1e-7,
+                long / 100.0,
+                long * 1e-12,
+                100_000,
+            );
             let (mut q, mut v) = ([0.0], [speed]);
             advance
                 .run(&mut wall, 0.0..long, &mut q, &mut v, &mut (), &mut AdvanceStats::default())

@@ -9,8 +9,8 @@ mod impact_tests;
 mod linear;
 mod rosenbrock;
 
-pub use advance::{Advance, AdvanceError, AdvanceStats, Watch, worst_coordinate};
 pub use abreast::{Abreast, Scaled, Seat};
+pub use advance::{Advance, AdvanceError, AdvanceStats, Watch, worst_coordinate};
 pub use band::Band;
 pub use control::StepControl;
 pub use linear::{add_product, factor, solve};

@@ -57,17 +57,17 @@ fn polynomial<R: Real, const N: usize>(z: R, a: &[f64; N]) -> R {
 
 /// Of z^2 in atan(z) / z - 1 = z^2 (...), |z| < 7/16 (Sun Microsystems' fdlibm, s_atan.c).
 const ARCTANGENT: [f64; 11] = [
-    3.33333333333329318027e-01,
-    -1.99999999998764832476e-01,
-    1.42857142725034663711e-01,
-    -1.11111104054623557880e-01,
-    9.09088713343650656196e-02,
-    -7.69187620504482999495e-02,
-    6.66107313738753120669e-02,
-    -5.83357013379057348645e-02,
-    4.97687799461593236017e-02,
-    -3.65315727442169155270e-02,
-    1.62858201153657823623e-02,
+    3.333_333_333_333_293e-1,
+    -1.999_999_999_987_648_3e-1,
+    1.428_571_427_250_346_6e-1,
+    -1.111_111_040_546_235_6e-1,
+    9.090_887_133_436_507e-2,
+    -7.691_876_205_044_83e-2,
+    6.661_073_137_387_531e-2,
+    -5.833_570_133_790_573_5e-2,
+    4.976_877_994_615_932_4e-2,
+    -3.653_157_274_421_691_6e-2,
+    1.628_582_011_536_578_2e-2,
 ];
 
 /// Angle of the vector (x, y) in [-pi, pi], to 1e-15 [rad]; zero of the zero vector.
@@ -146,11 +146,19 @@ mod tests {
             for k in 0..5000 {
                 let x = Lanes::all(simd, 0.0).each(|lane| (f64::from(k) * 0.037 + 1.3 * lane as f64).tan());
                 let y = x.each(|lane| (f64::from(k) * 0.11 - 0.7 * lane as f64).sin());
-                let found = [sincos(x).0, sincos(x).1, atan2(y, x), tanh(x), x.larger(y), x.smaller(y), x.round()];
+                let found =
+                    [sincos(x).0, sincos(x).1, atan2(y, x), tanh(x), x.larger(y), x.smaller(y), x.round()];
                 for lane in 0..S::F64_LANES {
                     let (x, y) = (x.lane(lane), y.lane(lane));
-                    let alone =
-                        [sincos(x).0, sincos(x).1, atan2(y, x), tanh(x), x.larger(y), x.smaller(y), Real::round(x)];
+                    let alone = [
+                        sincos(x).0,
+                        sincos(x).1,
+                        atan2(y, x),
+                        tanh(x),
+                        x.larger(y),
+                        x.smaller(y),
+                        Real::round(x),
+                    ];
                     for (found, alone) in found.iter().zip(alone) {
                         assert_eq!(found.lane(lane).to_bits(), alone.to_bits(), "{x} {y}");
                     }

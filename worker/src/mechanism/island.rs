@@ -3,8 +3,8 @@
 
 use super::constraint::Constraint;
 use super::elimination::{Elimination, Placed};
-use super::frame::{End, Frame};
 use super::forces::Acting;
+use super::frame::{End, Frame};
 use super::joint::{Touching, joint_motion};
 use super::load::IslandLoad;
 use super::prescribed::Prescribed;

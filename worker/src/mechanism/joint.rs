@@ -5,6 +5,9 @@
 //! e = x_i + a_i - x_j - a_j, w = de/dt; generalised force on the journal's body (F, M_i + a_i x F), on the
 //! bushing's (-F, M_j - a_j x F).
 
+// In lanes, closures of iterators are not compiled for the instruction set of the loop around them.
+#![allow(clippy::needless_range_loop)]
+
 use super::frame::{End, Frame};
 use crate::contact::{JointForce, JointMotion};
 use crate::lanes::Real;
@@ -151,8 +154,7 @@ pub fn pair_force<R: Real, const JACOBIAN: bool>(
             }
         }
         for r in 0..4 {
-            let (ke, kw) =
-                ([slopes.to_q[r][0], slopes.to_q[r][1]], [slopes.to_v[r][0], slopes.to_v[r][1]]);
+            let (ke, kw) = ([slopes.to_q[r][0], slopes.to_q[r][1]], [slopes.to_v[r][0], slopes.to_v[r][1]]);
             let mut turn = ke[0] * e[1] - ke[1] * e[0] + kw[0] * w[1] - kw[1] * w[0];
             if r == 0 {
                 turn -= force[1];

@@ -1,5 +1,8 @@
 //! Loads of an island: generalised forces on two of its frames, with derivatives.
 
+// In lanes, closures of iterators are not compiled for the instruction set of the loop around them.
+#![allow(clippy::needless_range_loop)]
+
 use super::frame::{End, Frame};
 use super::joint::{Rows, cross, dot};
 use super::table::PiecewiseCubic;
@@ -197,7 +200,9 @@ impl<R: Real> IslandLoad<R> {
             _ => vec![frame],
         };
         match self {
-            Self::DirectionalSpring { ends, .. } | Self::Spring { ends, .. } => ends.map(|e| e.frame).to_vec(),
+            Self::DirectionalSpring { ends, .. } | Self::Spring { ends, .. } => {
+                ends.map(|e| e.frame).to_vec()
+            }
             Self::TorsionSpring { frames, .. } => frames.to_vec(),
             Self::Force { end, size, .. } => over(size, end.frame),
             Self::Torque { frame, size } => over(size, *frame),

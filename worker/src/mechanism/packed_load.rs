@@ -53,11 +53,9 @@ impl IslandLoad {
                 damping: all(damping),
                 free_angle: all(free_angle),
             },
-            Self::Force { end: at, direction, size: of } => IslandLoad::Force {
-                end: end(at),
-                direction: direction.map(|x| like.like(x)),
-                size: size(of),
-            },
+            Self::Force { end: at, direction, size: of } => {
+                IslandLoad::Force { end: end(at), direction: direction.map(|x| like.like(x)), size: size(of) }
+            }
             Self::Torque { frame, size: of } => IslandLoad::Torque { frame: *frame, size: size(of) },
             Self::Motor { frame, stall_torque, no_load_speed } => IslandLoad::Motor {
                 frame: *frame,
@@ -103,7 +101,9 @@ impl<R: Real> IslandLoad<R> {
             Self::Spring { ends, stiffness, damping, free_length } => {
                 two(ends).into_iter().chain([stiffness, damping, free_length]).collect()
             }
-            Self::TorsionSpring { stiffness, damping, free_angle, .. } => vec![stiffness, damping, free_angle],
+            Self::TorsionSpring { stiffness, damping, free_angle, .. } => {
+                vec![stiffness, damping, free_angle]
+            }
             Self::Force { end, direction, size } => {
                 end.arm.iter_mut().chain(direction).chain(constant_of(size)).collect()
             }

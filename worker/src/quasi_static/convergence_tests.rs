@@ -139,7 +139,8 @@ fn the_settled_cycle_is_that_of_the_closed_form() {
     let force = system.mass[0] * system.amplitude * OMEGA * OMEGA;
     let (size, lag) = (force / k.hypot(c * OMEGA), (c * OMEGA).atan2(k));
     let mut off = |tolerance: f64| {
-        let mut follow = Follow::new(system.ideal(), Linearised::new(0.0, Band::new(1, 0), 0), tolerance, bounds(0.1));
+        let mut follow =
+            Follow::new(system.ideal(), Linearised::new(0.0, Band::new(1, 0), 0), tolerance, bounds(0.1));
         let mut stats = FollowStats::default();
         // After ten relaxation times of 0.05 the start is forgotten to 5e-5.
         follow.begin(&mut system, -0.5, &[0.0], &mut stats).expect("a spring gives rest");
@@ -181,7 +182,8 @@ fn a_film_alone_holds_a_gap() {
     let mut system = Held::new(2.0, 40.0, 0.0);
     system.until = 0.35;
     let mut stats = FollowStats::default();
-    let mut follow = Follow::new(system.ideal(), Linearised::new(0.0, Band::new(1, 0), 0), 1e-3, bounds(0.01));
+    let mut follow =
+        Follow::new(system.ideal(), Linearised::new(0.0, Band::new(1, 0), 0), 1e-3, bounds(0.01));
     follow.begin(&mut system, 0.1, &[0.0], &mut stats).expect("held at first");
     follow.run(&mut system, 1.0, &mut (), &mut stats).expect("the film goes on holding");
     // From there on c g' = m A omega^2 sin(omega t), and what a step misses is never made good: of the two-step

@@ -169,28 +169,28 @@ mod tests {
         }
         let accuracy = Accuracy::draft();
         alone(|desk| async {
-        let mut run = Run::assemble(desk, &scene, &accuracy).expect("assembled");
-        let damping = |run: &Run| -> Vec<f64> {
-            let joints = run.islands.iter().flat_map(|m| &m.island.joints);
-            joints.map(|j| j.contact.surface().damping).collect()
-        };
-        let state = |run: &Run| -> Vec<f64> {
-            run.islands.iter().flat_map(|m| m.q.iter().chain(&m.v)).copied().collect()
-        };
-        run.settle().await.expect("settled");
-        let began = damping(&run);
-        run.measure().await.expect("measured");
-        assert_ne!(damping(&run), began, "no contact began anew within the cycle");
-        // The time steps of a cycle begun again start small, those of the first went on from the settling.
-        let mut again = async || {
-            run.begin_again(&accuracy);
-            let resumed = damping(&run);
+            let mut run = Run::assemble(desk, &scene, &accuracy).expect("assembled");
+            let damping = |run: &Run| -> Vec<f64> {
+                let joints = run.islands.iter().flat_map(|m| &m.island.joints);
+                joints.map(|j| j.contact.surface().damping).collect()
+            };
+            let state = |run: &Run| -> Vec<f64> {
+                run.islands.iter().flat_map(|m| m.q.iter().chain(&m.v)).copied().collect()
+            };
+            run.settle().await.expect("settled");
+            let began = damping(&run);
             run.measure().await.expect("measured");
-            (resumed, state(&run), run.motion_outputs())
-        };
-        let (first, second) = (again().await, again().await);
-        assert_eq!(first.0, began);
-        assert_eq!(first, second);
+            assert_ne!(damping(&run), began, "no contact began anew within the cycle");
+            // The time steps of a cycle begun again start small, those of the first went on from the settling.
+            let mut again = async || {
+                run.begin_again(&accuracy);
+                let resumed = damping(&run);
+                run.measure().await.expect("measured");
+                (resumed, state(&run), run.motion_outputs())
+            };
+            let (first, second) = (again().await, again().await);
+            assert_eq!(first.0, began);
+            assert_eq!(first, second);
         });
     }
 }

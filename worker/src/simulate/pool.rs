@@ -185,7 +185,8 @@ impl<S: Simd> Group<S> {
     }
 
     fn leave(&mut self, lane: usize, arrived: Result<(), AdvanceError>) {
-        let (Some(seat), Some(mut ticket)) = (self.abreast.seats[lane].take(), self.riders[lane].take()) else {
+        let (Some(seat), Some(mut ticket)) = (self.abreast.seats[lane].take(), self.riders[lane].take())
+        else {
             return;
         };
         let moving = &mut ticket.stretch.moving;

@@ -43,11 +43,7 @@ const PATH: usize = 721;
 
 impl<'a> Run<'a> {
     /// Islands, contact laws, round bores; bodies where the ideal mechanism has them.
-    pub fn assemble(
-        desk: Desk,
-        scene: &'a Scene,
-        accuracy: &'a Accuracy,
-    ) -> Result<Self, SimulationFailure> {
+    pub fn assemble(desk: Desk, scene: &'a Scene, accuracy: &'a Accuracy) -> Result<Self, SimulationFailure> {
         let mut newton = 0;
         let wanted = Wanted::by(scene);
         let islands = islands(scene)?;

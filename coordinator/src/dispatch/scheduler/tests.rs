@@ -192,12 +192,12 @@ fn an_outcome_of_another_campaign_or_sample_is_forgotten() {
     let mut other = outcome(&tasks[0], &a);
     other.task.sample[1] = -0.5;
     let commands = ask(&mut s, START, claim(&a, 3, 0, vec![other], &[0]));
-    assert_eq!(commands[0], Command::Warn(Warning::OtherSample { worker: a, task: 0 }));
+    assert_eq!(commands[0], Command::Warn(Warning::OtherSample { worker: a.clone(), task: 0 }));
     assert_eq!(reply(&commands), Some((vec![0], vec![])));
     let mut otherwise = outcome(&tasks[0], &a);
     otherwise.task.accuracy = Some(common::accuracy::Accuracy::draft());
     let commands = ask(&mut s, START, claim(&a, 4, 0, vec![otherwise], &[0]));
-    assert_eq!(commands[0], Command::Warn(Warning::OtherSample { worker: worker("a"), task: 0 }));
+    assert_eq!(commands[0], Command::Warn(Warning::OtherSample { worker: a, task: 0 }));
     assert_eq!(s.open(), 1);
 }
 

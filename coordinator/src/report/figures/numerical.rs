@@ -44,6 +44,7 @@ fn range_of_reliability(input: &ReportInput) -> Result<Option<Figure>, PlotError
         y_label: "reliability R",
         x: (axis.at(first.cycles), axis.at(last.cycles)),
         y: (0.0, 1.0),
+        x_text: &short,
         y_text: &short,
         series: &[bands, lines].concat(),
     }
@@ -77,6 +78,7 @@ fn sizes(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
             y_label: "stated error [% of the limit]",
             x: (0.0, axis.at(last.cycles)),
             y: (0.0, if top > 0.0 { 1.1 * top } else { 1.0 }),
+            x_text: &short,
             y_text: &short,
             series: &series,
         }
