@@ -1,12 +1,15 @@
 //! The simulator this program offers to a coordinator: a scene's text and a sample in, one evaluation out.
 
-use crate::service::Simulator;
-use crate::simulate::simulate;
+use crate::service::{Job, Simulator};
+use crate::simulate::{Order, simulate, simulate_together};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
 use common::scene::SceneSource;
 use std::sync::{Arc, Mutex, PoisonError};
+
+/// Evaluations a thread has under way at once.
+const SIDE_BY_SIDE: usize = 8;
 
 /// The simulator of the `worker` command and of local workers.
 pub fn simulator() -> Arc<dyn Simulator> {
@@ -30,6 +33,17 @@ impl Mechanism {
         *last = Some(source.clone());
         Ok(source)
     }
+
+    fn order(
+        &self,
+        scene: &str,
+        sample: &[f64],
+        accuracy: &Accuracy,
+        with_first_cycle: bool,
+    ) -> Result<Order, SimulationFailure> {
+        let scene = self.source(scene)?.resolve_sample(sample).map_err(invalid)?;
+        Ok(Order { scene, accuracy: *accuracy, with_first_cycle })
+    }
 }
 
 impl Simulator for Mechanism {
@@ -40,8 +54,24 @@ impl Simulator for Mechanism {
         accuracy: &Accuracy,
         with_first_cycle: bool,
     ) -> Result<Evaluation, SimulationFailure> {
-        let scene = self.source(scene)?.resolve_sample(sample).map_err(invalid)?;
+        let Order { scene, .. } = self.order(scene, sample, accuracy, with_first_cycle)?;
         simulate(&scene, accuracy, with_first_cycle)
+    }
+
+    fn side_by_side(&self) -> usize {
+        SIDE_BY_SIDE
+    }
+
+    fn simulate_together(
+        &self,
+        next: &mut dyn FnMut() -> Option<Job>,
+        done: &mut dyn FnMut(usize, Result<Evaluation, SimulationFailure>),
+    ) {
+        let mut order = || {
+            let job = next()?;
+            Some(self.order(job.scene(), job.sample(), job.accuracy(), job.with_first_cycle()))
+        };
+        simulate_together(SIDE_BY_SIDE, &mut order, done);
     }
 }
 

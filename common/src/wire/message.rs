@@ -60,7 +60,7 @@ pub struct Outcome {
     pub task: Task,
     /// Who did it: worker and slot, e.g. `host-4711/0`.
     pub worker: String,
-    /// How long the simulation took [s].
+    /// Time of the slot that the simulation took; what is side by side shares it [s].
     pub wall: f64,
     /// What came of it.
     pub result: Result<Evaluation, SimulationFailure>,
@@ -74,7 +74,7 @@ pub struct Claim {
     pub worker: WorkerId,
     /// Number of the claim within the epoch, rising. A claim with a lower number than one seen is outdated.
     pub sequence: u64,
-    /// Evaluations it can do at once.
+    /// Threads it simulates on.
     pub slots: u32,
     /// Tasks it would take now.
     pub credits: u32,

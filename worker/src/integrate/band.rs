@@ -21,6 +21,11 @@ impl Band {
         Band { n, half, stride: 2 * half, offset: half }
     }
 
+    /// The layout that has twice as many diagonals beside the main one.
+    pub fn widened(&self) -> Self {
+        Band::new(self.n, 2 * self.half)
+    }
+
     /// Rows.
     pub fn n(&self) -> usize {
         self.n

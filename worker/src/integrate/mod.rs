@@ -7,13 +7,15 @@ mod control;
 #[cfg(test)]
 mod impact_tests;
 mod linear;
+mod pivoted;
 mod rosenbrock;
 
 pub use abreast::{Abreast, Scaled, Seat};
 pub use advance::{Advance, AdvanceError, AdvanceStats, Watch, worst_coordinate};
 pub use band::Band;
 pub use control::StepControl;
-pub use linear::{add_product, factor, solve};
+pub use linear::add_product;
+pub use pivoted::Pivoted;
 pub use rosenbrock::Rosenbrock;
 
 use crate::contact::JointForce;

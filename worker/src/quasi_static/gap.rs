@@ -8,7 +8,7 @@
 //! that rate to first order only.
 
 use super::IdealMotion;
-use crate::integrate::{Band, Linearised, Stepped, add_product, factor, solve};
+use crate::integrate::{Band, Linearised, Pivoted, Stepped, add_product};
 
 /// Largest change of a coordinate in one Newton iteration, in its scale (1 % of the smallest clearance).
 const LONGEST_UPDATE: f64 = 10.0;
@@ -36,6 +36,7 @@ pub struct Gap {
     ideal_v: Vec<f64>,
     ideal_a: Vec<f64>,
     matrix: Vec<f64>,
+    factors: Pivoted,
     band: Band,
     update: Vec<f64>,
     /// State at the end of the step just tried, but for the last Newton update.
@@ -64,6 +65,7 @@ impl Gap {
             ideal_v: zero(),
             ideal_a: zero(),
             matrix: vec![0.0; at.band.len()],
+            factors: Pivoted::new(at.band),
             band: at.band,
             update: zero(),
             q: zero(),
@@ -139,7 +141,7 @@ impl Gap {
             *predicted = trial - *predicted;
         }
         add_product(&self.at.d, &self.band, 1.0 / span, &self.predicted, &mut self.update);
-        solve(&self.matrix, &self.band, &mut self.update);
+        self.factors.solve(&mut self.update);
         worst(&self.update, scale)
     }
 
@@ -199,10 +201,10 @@ impl Gap {
 
     /// Solves for Newton's update; its size in the scales, none if there is no finite one.
     fn newton_update(&mut self, scale: &[f64]) -> Option<f64> {
-        if factor(&mut self.matrix, &self.band, 0.0) != 1.0 {
+        if !self.factors.factor(|place| self.matrix[place]) {
             return None;
         }
-        solve(&self.matrix, &self.band, &mut self.update);
+        self.factors.solve(&mut self.update);
         let size = worst(&self.update, scale);
         size.is_finite().then_some(size)
     }

@@ -8,7 +8,7 @@ use super::held::Held;
 use super::link::Link;
 use super::patience::Patience;
 use super::slots::Slots;
-use super::{Departure, ServiceConfig, ServiceError};
+use super::{Departure, Job, ServiceConfig, ServiceError};
 use common::wire::{
     self, Claim, Next, Notice, Outcome, Reply, Task, TaskKey, WireError, WorkOrder, WorkerId,
 };
@@ -226,7 +226,7 @@ impl Claims {
             if !here {
                 self.running.push(task.clone());
                 if self.leaving_since.is_none() {
-                    self.slots.start_task(&order, task);
+                    self.slots.start_job(Job { order: Arc::clone(&order), task });
                 }
             }
         }
@@ -254,7 +254,7 @@ impl Claims {
         if self.leaving_since.is_some() || self.held.bytes() > MOST_HELD {
             return 0;
         }
-        (self.config.slots + self.config.prefetch).saturating_sub(self.running.len())
+        (self.slots.at_once() + self.config.prefetch).saturating_sub(self.running.len())
     }
 
     /// When the next claim is due, if there is one to make.

@@ -1,30 +1,101 @@
-//! One task, evaluated so that whatever happens is an outcome: no panic and no number that is not finite
-//! leaves the worker.
+//! Tasks evaluated so that whatever happens is an outcome: no panic and no number that is not finite leaves the worker.
 
-use super::Simulator;
+use super::{Job, Simulator};
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
-use common::wire::{self, Outcome, Task, WorkOrder};
+use common::wire::{self, Outcome};
 use std::any::Any;
+use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Instant;
 
 /// Largest outcome [bytes]; a message carries several.
 const MAX_OUTCOME: usize = 4 << 20;
 
-/// Evaluates `task` of `order` under the name `worker`.
-pub(super) fn evaluate(simulator: &dyn Simulator, order: &WorkOrder, task: Task, worker: &str) -> Outcome {
+/// Evaluates `first` and what `more` gives beside as many as are under way, under the name `worker`; every job comes to
+/// one outcome. A job's wall time is its share of the slot's: those under way at an instant share it equally.
+pub(super) fn evaluate(
+    simulator: &dyn Simulator,
+    worker: &str,
+    first: Job,
+    more: &mut dyn FnMut(usize) -> Option<Job>,
+    done: &mut dyn FnMut(Outcome),
+) {
+    let shift = RefCell::new(Shift::default());
+    let mut first = Some(first);
+    let together = catch_unwind(AssertUnwindSafe(|| {
+        let mut next = || {
+            let job = first.take().or_else(|| more(shift.borrow().jobs.len()))?;
+            shift.borrow_mut().begin(job.clone());
+            Some(job)
+        };
+        simulator.simulate_together(&mut next, &mut |number, result| {
+            let ended = shift.borrow_mut().end(number);
+            if let Some((job, wall)) = ended {
+                done(outcome_of(job, worker, wall, result));
+            }
+        });
+    }));
+    let mut left = shift.into_inner().into_jobs();
+    left.extend(first.map(|job| (job, 0.0)));
+    match (together, &left[..]) {
+        (Err(panic), [_]) => {
+            let failure = SimulationFailure::Panicked { message: said(&*panic) };
+            left.into_iter()
+                .for_each(|(job, wall)| done(outcome_of(job, worker, wall, Err(failure.clone()))));
+        }
+        // Whoever was beside is evaluated again: only the cause of the panic has it as its outcome.
+        _ => left.into_iter().for_each(|(job, wall)| done(by_itself(simulator, worker, job, wall))),
+    }
+}
+
+fn by_itself(simulator: &dyn Simulator, worker: &str, job: Job, spent: f64) -> Outcome {
     let started = Instant::now();
     let result = catch_unwind(AssertUnwindSafe(|| {
-        let accuracy = task.accuracy.as_ref().unwrap_or(&order.accuracy);
-        simulator.simulate(&order.scene, &task.sample, accuracy, task.with_first_cycle)
+        simulator.simulate(job.scene(), job.sample(), job.accuracy(), job.task.with_first_cycle)
     }));
-    let wall = started.elapsed().as_secs_f64();
-    let result = match result {
-        Ok(result) => only_finite(result),
-        Err(panic) => Err(SimulationFailure::Panicked { message: said(&*panic) }),
-    };
-    within_size(Outcome { task, worker: worker.to_owned(), wall, result })
+    let wall = spent + started.elapsed().as_secs_f64();
+    let failed = |panic: Box<dyn Any + Send>| Err(SimulationFailure::Panicked { message: said(&*panic) });
+    outcome_of(job, worker, wall, result.unwrap_or_else(failed))
+}
+
+fn outcome_of(job: Job, worker: &str, wall: f64, result: Result<Evaluation, SimulationFailure>) -> Outcome {
+    within_size(Outcome { task: job.task, worker: worker.to_owned(), wall, result: only_finite(result) })
+}
+
+/// The jobs under way in one slot, by their number, with what each has used of the slot's time [s].
+#[derive(Default)]
+struct Shift {
+    jobs: BTreeMap<usize, (Job, f64)>,
+    begun: usize,
+    counted_until: Option<Instant>,
+}
+
+impl Shift {
+    fn begin(&mut self, job: Job) {
+        self.count();
+        self.jobs.insert(self.begun, (job, 0.0));
+        self.begun += 1;
+    }
+
+    fn end(&mut self, number: usize) -> Option<(Job, f64)> {
+        self.count();
+        self.jobs.remove(&number)
+    }
+
+    fn into_jobs(mut self) -> Vec<(Job, f64)> {
+        self.count();
+        self.jobs.into_values().collect()
+    }
+
+    /// Shares out the time since the last count.
+    fn count(&mut self) {
+        let now = Instant::now();
+        let since = self.counted_until.replace(now).map_or(0.0, |last| (now - last).as_secs_f64());
+        let share = since / self.jobs.len().max(1) as f64;
+        self.jobs.values_mut().for_each(|(_, used)| *used += share);
+    }
 }
 
 fn only_finite(result: Result<Evaluation, SimulationFailure>) -> Result<Evaluation, SimulationFailure> {
@@ -63,58 +134,27 @@ fn said(panic: &(dyn Any + Send)) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use common::accuracy::Accuracy;
-    use common::outputs::Diagnostics;
-    use common::wire::TaskKey;
+    use crate::service::practice::{Practice, evaluation, job};
 
-    struct Practice<F>(F);
-
-    impl<F: Fn(f64) -> Result<Evaluation, SimulationFailure> + Send + Sync> Simulator for Practice<F> {
-        fn simulate(
-            &self,
-            _scene: &str,
-            sample: &[f64],
-            _accuracy: &Accuracy,
-            _with_first_cycle: bool,
-        ) -> Result<Evaluation, SimulationFailure> {
-            self.0(sample[0])
-        }
+    fn outcomes_of<F>(simulate: F, jobs: usize) -> Vec<Outcome>
+    where
+        F: Fn(f64) -> Result<Evaluation, SimulationFailure> + Send + Sync,
+    {
+        let mut outcomes = vec![];
+        let mut waiting = (1..jobs).map(|k| job(3.0 + k as f64));
+        let mut more = |_| waiting.next();
+        evaluate(&Practice(simulate), "w/0", job(3.0), &mut more, &mut |outcome| outcomes.push(outcome));
+        outcomes.sort_by(|a, b| a.task.sample[0].total_cmp(&b.task.sample[0]));
+        outcomes
     }
 
     fn outcome_of(
         simulate: impl Fn(f64) -> Result<Evaluation, SimulationFailure> + Send + Sync,
     ) -> Result<Evaluation, SimulationFailure> {
-        let accuracy = Accuracy {
-            step_tolerance: 1e-4,
-            largest_step: 0.01,
-            steps_bound: 1,
-            wear_samples: 1,
-            cycle_jump: 1,
-            jump_tolerance: 0.0,
-            wear_tolerance: 0.1,
-            warm_up: 0.5,
-            tier: common::accuracy::Tier::Dynamic,
-        };
-        let order = WorkOrder { scene: String::new(), accuracy, accuracy_name: String::new(), tasks: vec![] };
-        let key = TaskKey { campaign: 1, task: 2 };
-        let task = Task { key, attempt: 1, sample: vec![3.0], with_first_cycle: false, accuracy: None };
-        let outcome = evaluate(&Practice(simulate), &order, task.clone(), "w/0");
-        assert_eq!((outcome.task, outcome.worker.as_str()), (task, "w/0"));
+        let outcome = outcomes_of(simulate, 1).remove(0);
+        assert_eq!((&outcome.task, outcome.worker.as_str()), (&job(3.0).task, "w/0"));
         assert!(outcome.wall >= 0.0);
         outcome.result
-    }
-
-    fn evaluation(history: Vec<f64>) -> Evaluation {
-        let cycles = (1..=history.len()).map(|k| 1000 * u32::try_from(k).unwrap()).collect();
-        let diagnostics = Diagnostics::default();
-        Evaluation {
-            cycles,
-            errors: vec![vec![0.0; history.len()]],
-            histories: vec![history],
-            joints: vec![],
-            first_cycle: None,
-            diagnostics,
-        }
     }
 
     #[test]
@@ -126,6 +166,35 @@ mod tests {
     fn a_panic_is_an_outcome() {
         let result = outcome_of(|x| panic!("sample {x} is too much"));
         assert_eq!(result, Err(SimulationFailure::Panicked { message: "sample 3 is too much".into() }));
+    }
+
+    #[test]
+    fn a_panic_is_the_outcome_of_nobody_beside() {
+        let outcomes = outcomes_of(
+            |x| if x == 5.0 { panic!("sample {x} is too much") } else { Ok(evaluation(vec![x])) },
+            6,
+        );
+        let panicked = SimulationFailure::Panicked { message: "sample 5 is too much".into() };
+        for (k, outcome) in outcomes.iter().enumerate() {
+            let x = 3.0 + k as f64;
+            let expected = if x == 5.0 { Err(panicked.clone()) } else { Ok(evaluation(vec![x])) };
+            assert_eq!((outcome.task.sample[0], &outcome.result), (x, &expected));
+        }
+        assert_eq!(outcomes.len(), 6);
+    }
+
+    #[test]
+    fn those_side_by_side_share_the_time() {
+        let pause = std::time::Duration::from_millis(30);
+        let slow = |x| {
+            std::thread::sleep(pause);
+            Ok(evaluation(vec![x]))
+        };
+        let started = Instant::now();
+        let outcomes = outcomes_of(slow, 3);
+        let elapsed = started.elapsed().as_secs_f64();
+        let sum: f64 = outcomes.iter().map(|outcome| outcome.wall).sum();
+        assert!(sum <= elapsed && sum >= 3.0 * pause.as_secs_f64(), "{sum} of {elapsed}");
     }
 
     #[test]

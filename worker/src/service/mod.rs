@@ -1,7 +1,7 @@
 //! Offers a simulator to a coordinator: claims tasks, evaluates them on its slots, hands the outcomes in.
 //!
 //! ```text
-//! claims (thread: one claim under way at a time) --job--> slots (threads: one simulation each)
+//! claims (thread: one claim under way at a time) --job--> slots (threads: simulations side by side)
 //!        ^  |                                    <--outcome--
 //!        |  v
 //!       link (the only place of the worker that knows Zenoh)
@@ -16,12 +16,15 @@ mod guard;
 mod held;
 mod link;
 mod patience;
+#[cfg(test)]
+mod practice;
+mod queue;
 mod slots;
 
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
-use common::wire::{WorkerId, keys};
+use common::wire::{Task, WorkOrder, WorkerId, keys};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -29,6 +32,35 @@ use std::sync::mpsc::{Sender, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, SystemTime};
 use thiserror::Error;
+
+/// One task with the order it came in.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Job {
+    order: Arc<WorkOrder>,
+    task: Task,
+}
+
+impl Job {
+    /// Text of the scene.
+    pub fn scene(&self) -> &str {
+        &self.order.scene
+    }
+
+    /// Values of its random variables, SI.
+    pub fn sample(&self) -> &[f64] {
+        &self.task.sample
+    }
+
+    /// How accurately it is wanted.
+    pub fn accuracy(&self) -> &Accuracy {
+        self.task.accuracy.as_ref().unwrap_or(&self.order.accuracy)
+    }
+
+    /// Whether the settled first cycle is wanted too.
+    pub fn with_first_cycle(&self) -> bool {
+        self.task.with_first_cycle
+    }
+}
 
 /// What a worker offers.
 pub trait Simulator: Send + Sync {
@@ -43,6 +75,26 @@ pub trait Simulator: Send + Sync {
         accuracy: &Accuracy,
         with_first_cycle: bool,
     ) -> Result<Evaluation, SimulationFailure>;
+
+    /// Evaluations that a thread should have under way at once.
+    fn side_by_side(&self) -> usize {
+        1
+    }
+
+    /// Evaluates what `next` gives until it gives nothing, [`Simulator::side_by_side`] or fewer at a time; `done` takes
+    /// each result with the number of its job, counted from zero as they were given. A result does not depend on what
+    /// was beside.
+    fn simulate_together(
+        &self,
+        next: &mut dyn FnMut() -> Option<Job>,
+        done: &mut dyn FnMut(usize, Result<Evaluation, SimulationFailure>),
+    ) {
+        for number in 0.. {
+            let Some(job) = next() else { return };
+            let evaluation = self.simulate(job.scene(), job.sample(), job.accuracy(), job.with_first_cycle());
+            done(number, evaluation);
+        }
+    }
 }
 
 /// How a worker serves.
@@ -52,7 +104,7 @@ pub struct ServiceConfig {
     pub connect: String,
     /// More Zenoh settings (JSON5 file), e.g. certificates; what the service needs stands above them.
     pub zenoh_config: Option<PathBuf>,
-    /// Simulations at once.
+    /// Threads that simulate.
     pub slots: usize,
     /// Tasks to hold in reserve beyond the slots. Zero: the last tasks of a batch wait for nobody.
     pub prefetch: usize,

@@ -1,23 +1,16 @@
-//! The threads that simulate. They share one queue of jobs; each outcome goes to the inbox of the claims.
+//! The threads that simulate. They share one queue of jobs, each takes several side by side if its simulator gains by
+//! it; each outcome goes to the inbox of the claims.
 
-use super::Simulator;
 use super::claims::Inbox;
-use super::guard;
-use common::wire::{Task, WorkOrder};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, Sender, channel};
-use std::sync::{Arc, Mutex, PoisonError};
-
-/// One task with the order it came in.
-struct Job {
-    order: Arc<WorkOrder>,
-    task: Task,
-}
+use super::queue::Queue;
+use super::{Job, Simulator, guard};
+use std::sync::Arc;
+use std::sync::mpsc::Sender;
 
 /// The slots of a worker. When dropped, what waits is forgotten; what runs comes to its end unheard.
 pub(super) struct Slots {
-    jobs: Sender<Job>,
-    closed: Arc<AtomicBool>,
+    queue: Arc<Queue>,
+    at_once: usize,
 }
 
 impl Slots {
@@ -28,50 +21,40 @@ impl Slots {
         simulator: Arc<dyn Simulator>,
         inbox: &Sender<Inbox>,
     ) -> std::io::Result<Self> {
-        let (jobs, queue) = channel();
-        let queue = Arc::new(Mutex::new(queue));
-        let closed = Arc::new(AtomicBool::new(false));
+        let slots = Slots { queue: Arc::new(Queue::new(count)), at_once: count * simulator.side_by_side() };
         for slot in 0..count {
-            let (queue, closed) = (Arc::clone(&queue), Arc::clone(&closed));
-            let (simulator, inbox) = (Arc::clone(&simulator), inbox.clone());
+            let (queue, simulator, inbox) = (Arc::clone(&slots.queue), Arc::clone(&simulator), inbox.clone());
             let name = format!("{worker}/{slot}");
             std::thread::Builder::new()
                 .name(format!("slot-{slot}"))
-                .spawn(move || work(&queue, &closed, &*simulator, &name, &inbox))?;
+                .spawn(move || work(&queue, &*simulator, &name, &inbox))?;
         }
-        Ok(Self { jobs, closed })
+        Ok(slots)
     }
 
-    /// Queues a task.
-    pub fn start_task(&self, order: &Arc<WorkOrder>, task: Task) {
-        // The threads end only after this value is gone, so somebody receives it.
-        let _ = self.jobs.send(Job { order: Arc::clone(order), task });
+    /// Tasks that can be under way at once.
+    pub fn at_once(&self) -> usize {
+        self.at_once
+    }
+
+    /// Queues a job.
+    pub fn start_job(&self, job: Job) {
+        self.queue.push(job);
     }
 }
 
 impl Drop for Slots {
     fn drop(&mut self) {
-        self.closed.store(true, Ordering::Release);
+        self.queue.close();
     }
 }
 
-fn work(
-    queue: &Mutex<Receiver<Job>>,
-    closed: &AtomicBool,
-    simulator: &dyn Simulator,
-    name: &str,
-    inbox: &Sender<Inbox>,
-) {
-    loop {
-        // Whoever has the lock waits for the next job, the others for the lock.
-        let job = queue.lock().unwrap_or_else(PoisonError::into_inner).recv();
-        let Ok(Job { order, task }) = job else { return };
-        if closed.load(Ordering::Acquire) {
-            return;
-        }
-        let outcome = guard::evaluate(simulator, &order, task, name);
-        if inbox.send(Inbox::Finished(Box::new(outcome))).is_err() {
-            return;
-        }
+fn work(queue: &Queue, simulator: &dyn Simulator, name: &str, inbox: &Sender<Inbox>) {
+    while let Some(first) = queue.first() {
+        guard::evaluate(simulator, name, first, &mut |mine| queue.another(mine), &mut |outcome| {
+            queue.ended();
+            // Nobody listens any more once the queue is closed.
+            let _ = inbox.send(Inbox::Finished(Box::new(outcome)));
+        });
     }
 }

@@ -76,18 +76,21 @@ pub struct Order {
 }
 
 /// Evaluates what `next` gives, at most `most` at a time, side by side in the lanes of one core, until it gives
-/// nothing; `done` takes each result with its number, counted from zero as they were given. A result is the same, to
-/// the last bit, as by [`simulate`]: whatever ran beside.
+/// nothing; `done` takes each result with its number, counted from zero as they were given. What could not be made an
+/// order comes back as it is. A result is the same, to the last bit, as by [`simulate`]: whatever ran beside.
 pub fn simulate_together(
     most: usize,
-    next: &mut dyn FnMut() -> Option<Order>,
+    next: &mut dyn FnMut() -> Option<Result<Order, SimulationFailure>>,
     done: &mut dyn FnMut(usize, Result<Evaluation, SimulationFailure>),
 ) {
     let desk = Desk::default();
     let mut work = || -> Option<Work<'static, _>> {
-        let Order { scene, accuracy, with_first_cycle } = next()?;
+        let order = next()?;
         let desk = desk.clone();
-        Some(Box::pin(async move { life_of(desk, &scene, &accuracy, with_first_cycle).await.0 }))
+        Some(Box::pin(async move {
+            let Order { scene, accuracy, with_first_cycle } = order?;
+            life_of(desk, &scene, &accuracy, with_first_cycle).await.0
+        }))
     };
     together(&desk, most, &mut work, done);
 }

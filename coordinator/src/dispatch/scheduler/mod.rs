@@ -21,6 +21,7 @@ mod farm_tests;
 mod tasks;
 #[cfg(test)]
 mod tests;
+mod workers;
 
 pub use event::{Assignment, Command, Event, Token, Warning};
 
@@ -29,6 +30,7 @@ use common::wire::{Claim, Outcome, TaskKey, WorkerId};
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 use tasks::{Accepted, TaskTable};
+use workers::Worker;
 
 /// Constants of the scheduler.
 #[derive(Debug, Clone, PartialEq)]
@@ -71,14 +73,6 @@ impl Settings {
 const STRANGE_CLAIMS: u32 = 10;
 /// Workers without a liveliness token that are remembered.
 const STRANGERS: usize = 1000;
-
-/// A worker whose liveliness token is there.
-#[derive(Debug, Default)]
-struct Worker {
-    slots: u32,
-    last_sequence: Option<u64>,
-    leases: BTreeMap<u64, Duration>,
-}
 
 /// A claim whose reply waits until its outcomes are durable.
 #[derive(Debug)]
@@ -275,12 +269,14 @@ impl Scheduler {
         let Some(Pending { worker: id, credits, acknowledged, .. }) = self.pending.remove(&token) else {
             return;
         };
+        let share = workers::share(&self.workers, &id, self.tasks.open());
         let assignment = match self.workers.get_mut(&id) {
             _ if self.finishing => Assignment::Leave,
             // Lost since it asked: what it would get would be lost too.
             None => Assignment::Idle,
             Some(worker) => {
-                let tasks = self.tasks.lease(credits.min(self.settings.most_tasks) as usize);
+                let room = share.saturating_sub(worker.leases.len());
+                let tasks = self.tasks.lease(room.min(credits.min(self.settings.most_tasks) as usize));
                 worker.leases.extend(tasks.iter().map(|task| (task.key.task, now)));
                 if tasks.is_empty() { Assignment::Idle } else { Assignment::Work(tasks) }
             }

@@ -1,0 +1,106 @@
+//! The tasks a worker holds and has not begun, shared by its slots: each takes a fair share, so that no slot idles while
+//! another has several side by side.
+
+use super::Job;
+use std::collections::VecDeque;
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+
+/// See the module.
+pub(super) struct Queue {
+    slots: usize,
+    state: Mutex<State>,
+    changed: Condvar,
+}
+
+#[derive(Default)]
+struct State {
+    waiting: VecDeque<Job>,
+    under_way: usize,
+    closed: bool,
+}
+
+impl Queue {
+    /// For so many slots.
+    pub fn new(slots: usize) -> Self {
+        Queue { slots, state: Mutex::default(), changed: Condvar::new() }
+    }
+
+    /// Puts a job at the end.
+    pub fn push(&self, job: Job) {
+        self.state().waiting.push_back(job);
+        self.changed.notify_one();
+    }
+
+    /// Forgets what waits; nobody gets a job any more.
+    pub fn close(&self) {
+        let mut state = self.state();
+        state.closed = true;
+        state.waiting.clear();
+        self.changed.notify_all();
+    }
+
+    /// Waits for a job for a slot that has none; `None` once the queue is closed.
+    pub fn first(&self) -> Option<Job> {
+        let idle = |state: &mut State| !state.closed && state.waiting.is_empty();
+        let mut state = self.changed.wait_while(self.state(), idle).unwrap_or_else(PoisonError::into_inner);
+        state.take()
+    }
+
+    /// A job beside the `mine` that a slot has under way, if its share of all leaves it one.
+    pub fn another(&self, mine: usize) -> Option<Job> {
+        let mut state = self.state();
+        let share = (state.under_way + state.waiting.len()).div_ceil(self.slots);
+        if mine < share { state.take() } else { None }
+    }
+
+    /// A job has come to its end.
+    pub fn ended(&self) {
+        let mut state = self.state();
+        state.under_way = state.under_way.saturating_sub(1);
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl State {
+    fn take(&mut self) -> Option<Job> {
+        let job = self.waiting.pop_front()?;
+        self.under_way += 1;
+        Some(job)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::service::practice::job;
+
+    #[test]
+    fn a_slot_takes_its_share_and_leaves_the_others_theirs() {
+        let queue = Queue::new(2);
+        (0..5).for_each(|k| queue.push(job(f64::from(k))));
+        assert_eq!(queue.first().expect("waits").sample(), [0.0]);
+        assert_eq!(queue.another(1).expect("of five, three are its share").sample(), [1.0]);
+        assert_eq!(queue.another(2).expect("the third").sample(), [2.0]);
+        assert!(queue.another(3).is_none());
+        assert_eq!(queue.first().expect("the other slot").sample(), [3.0]);
+        assert_eq!(queue.another(1).expect("its second").sample(), [4.0]);
+        assert!(queue.another(2).is_none());
+        // Of what comes later too.
+        (0..2).for_each(|_| queue.ended());
+        queue.push(job(5.0));
+        assert!(queue.another(2).is_none());
+        assert_eq!(queue.another(1).expect("four in all, two each").sample(), [5.0]);
+    }
+
+    #[test]
+    fn a_closed_queue_gives_nothing() {
+        let queue = Queue::new(1);
+        queue.push(job(0.0));
+        queue.close();
+        assert!(queue.first().is_none());
+        assert!(queue.another(0).is_none());
+    }
+}
