@@ -7,9 +7,11 @@ use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
 use common::scene::SceneSource;
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 
-/// Evaluations a thread has under way at once.
-const SIDE_BY_SIDE: usize = 8;
+/// Evaluations a thread has under way at once: they fill four lanes with islands, of one evaluation each if need be; more
+/// gain nothing.
+const SIDE_BY_SIDE: usize = 4;
 
 /// The simulator of the `worker` command and of local workers.
 pub fn simulator() -> Arc<dyn Simulator> {
@@ -65,7 +67,7 @@ impl Simulator for Mechanism {
     fn simulate_together(
         &self,
         next: &mut dyn FnMut() -> Option<Job>,
-        done: &mut dyn FnMut(usize, Result<Evaluation, SimulationFailure>),
+        done: &mut dyn FnMut(usize, Result<Evaluation, SimulationFailure>, Duration),
     ) {
         let mut order = || {
             let job = next()?;

@@ -8,13 +8,13 @@ use std::any::Any;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Largest outcome [bytes]; a message carries several.
 const MAX_OUTCOME: usize = 4 << 20;
 
 /// Evaluates `first` and what `more` gives beside as many as are under way, under the name `worker`; every job comes to
-/// one outcome. A job's wall time is its share of the slot's: those under way at an instant share it equally.
+/// one outcome.
 pub(super) fn evaluate(
     simulator: &dyn Simulator,
     worker: &str,
@@ -22,80 +22,51 @@ pub(super) fn evaluate(
     more: &mut dyn FnMut(usize) -> Option<Job>,
     done: &mut dyn FnMut(Outcome),
 ) {
-    let shift = RefCell::new(Shift::default());
-    let mut first = Some(first);
+    let under_way: RefCell<BTreeMap<usize, Job>> = RefCell::default();
+    let (mut first, mut begun) = (Some(first), 0);
     let together = catch_unwind(AssertUnwindSafe(|| {
         let mut next = || {
-            let job = first.take().or_else(|| more(shift.borrow().jobs.len()))?;
-            shift.borrow_mut().begin(job.clone());
+            let job = first.take().or_else(|| more(under_way.borrow().len()))?;
+            under_way.borrow_mut().insert(begun, job.clone());
+            begun += 1;
             Some(job)
         };
-        simulator.simulate_together(&mut next, &mut |number, result| {
-            let ended = shift.borrow_mut().end(number);
-            if let Some((job, wall)) = ended {
-                done(outcome_of(job, worker, wall, result));
+        simulator.simulate_together(&mut next, &mut |number, result, took| {
+            let ended = under_way.borrow_mut().remove(&number);
+            if let Some(job) = ended {
+                done(outcome_of(job, worker, took, result));
             }
         });
     }));
-    let mut left = shift.into_inner().into_jobs();
-    left.extend(first.map(|job| (job, 0.0)));
-    match (together, &left[..]) {
-        (Err(panic), [_]) => {
+    let mut left: Vec<Job> = first.into_iter().chain(under_way.into_inner().into_values()).collect();
+    match (together, left.len()) {
+        (Err(panic), 1) => {
             let failure = SimulationFailure::Panicked { message: said(&*panic) };
-            left.into_iter()
-                .for_each(|(job, wall)| done(outcome_of(job, worker, wall, Err(failure.clone()))));
+            left.drain(..)
+                .for_each(|job| done(outcome_of(job, worker, Duration::ZERO, Err(failure.clone()))));
         }
         // Whoever was beside is evaluated again: only the cause of the panic has it as its outcome.
-        _ => left.into_iter().for_each(|(job, wall)| done(by_itself(simulator, worker, job, wall))),
+        _ => left.drain(..).for_each(|job| done(by_itself(simulator, worker, job))),
     }
 }
 
-fn by_itself(simulator: &dyn Simulator, worker: &str, job: Job, spent: f64) -> Outcome {
-    let started = Instant::now();
+fn by_itself(simulator: &dyn Simulator, worker: &str, job: Job) -> Outcome {
+    let begun = Instant::now();
     let result = catch_unwind(AssertUnwindSafe(|| {
-        simulator.simulate(job.scene(), job.sample(), job.accuracy(), job.task.with_first_cycle)
+        simulator.simulate(job.scene(), job.sample(), job.accuracy(), job.with_first_cycle())
     }));
-    let wall = spent + started.elapsed().as_secs_f64();
     let failed = |panic: Box<dyn Any + Send>| Err(SimulationFailure::Panicked { message: said(&*panic) });
-    outcome_of(job, worker, wall, result.unwrap_or_else(failed))
+    outcome_of(job, worker, begun.elapsed(), result.unwrap_or_else(failed))
 }
 
-fn outcome_of(job: Job, worker: &str, wall: f64, result: Result<Evaluation, SimulationFailure>) -> Outcome {
-    within_size(Outcome { task: job.task, worker: worker.to_owned(), wall, result: only_finite(result) })
-}
-
-/// The jobs under way in one slot, by their number, with what each has used of the slot's time [s].
-#[derive(Default)]
-struct Shift {
-    jobs: BTreeMap<usize, (Job, f64)>,
-    begun: usize,
-    counted_until: Option<Instant>,
-}
-
-impl Shift {
-    fn begin(&mut self, job: Job) {
-        self.count();
-        self.jobs.insert(self.begun, (job, 0.0));
-        self.begun += 1;
-    }
-
-    fn end(&mut self, number: usize) -> Option<(Job, f64)> {
-        self.count();
-        self.jobs.remove(&number)
-    }
-
-    fn into_jobs(mut self) -> Vec<(Job, f64)> {
-        self.count();
-        self.jobs.into_values().collect()
-    }
-
-    /// Shares out the time since the last count.
-    fn count(&mut self) {
-        let now = Instant::now();
-        let since = self.counted_until.replace(now).map_or(0.0, |last| (now - last).as_secs_f64());
-        let share = since / self.jobs.len().max(1) as f64;
-        self.jobs.values_mut().for_each(|(_, used)| *used += share);
-    }
+fn outcome_of(
+    job: Job,
+    worker: &str,
+    took: Duration,
+    result: Result<Evaluation, SimulationFailure>,
+) -> Outcome {
+    let (worker, wall) = (worker.to_owned(), took.as_secs_f64());
+    within_size(Outcome { task: job.task, worker, wall, result: only_finite(result) })
 }
 
 fn only_finite(result: Result<Evaluation, SimulationFailure>) -> Result<Evaluation, SimulationFailure> {
@@ -153,7 +124,7 @@ mod tests {
     ) -> Result<Evaluation, SimulationFailure> {
         let outcome = outcomes_of(simulate, 1).remove(0);
         assert_eq!((&outcome.task, outcome.worker.as_str()), (&job(3.0).task, "w/0"));
-        assert!(outcome.wall >= 0.0);
+        assert!([0.0, 0.25].contains(&outcome.wall), "as the simulator says, or nothing");
         outcome.result
     }
 
@@ -181,20 +152,6 @@ mod tests {
             assert_eq!((outcome.task.sample[0], &outcome.result), (x, &expected));
         }
         assert_eq!(outcomes.len(), 6);
-    }
-
-    #[test]
-    fn those_side_by_side_share_the_time() {
-        let pause = std::time::Duration::from_millis(30);
-        let slow = |x| {
-            std::thread::sleep(pause);
-            Ok(evaluation(vec![x]))
-        };
-        let started = Instant::now();
-        let outcomes = outcomes_of(slow, 3);
-        let elapsed = started.elapsed().as_secs_f64();
-        let sum: f64 = outcomes.iter().map(|outcome| outcome.wall).sum();
-        assert!(sum <= elapsed && sum >= 3.0 * pause.as_secs_f64(), "{sum} of {elapsed}");
     }
 
     #[test]

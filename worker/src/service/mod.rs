@@ -30,7 +30,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Sender, channel};
 use std::thread::JoinHandle;
-use std::time::{Duration, SystemTime};
+use std::time::{Duration, Instant, SystemTime};
 use thiserror::Error;
 
 /// One task with the order it came in.
@@ -82,17 +82,18 @@ pub trait Simulator: Send + Sync {
     }
 
     /// Evaluates what `next` gives until it gives nothing, [`Simulator::side_by_side`] or fewer at a time; `done` takes
-    /// each result with the number of its job, counted from zero as they were given. A result does not depend on what
-    /// was beside.
+    /// each result with the number of its job, counted from zero as they were given, and the time it took, its share of
+    /// what was done for several at once. A result does not depend on what was beside.
     fn simulate_together(
         &self,
         next: &mut dyn FnMut() -> Option<Job>,
-        done: &mut dyn FnMut(usize, Result<Evaluation, SimulationFailure>),
+        done: &mut dyn FnMut(usize, Result<Evaluation, SimulationFailure>, Duration),
     ) {
         for number in 0.. {
             let Some(job) = next() else { return };
+            let begun = Instant::now();
             let evaluation = self.simulate(job.scene(), job.sample(), job.accuracy(), job.with_first_cycle());
-            done(number, evaluation);
+            done(number, evaluation, begun.elapsed());
         }
     }
 }

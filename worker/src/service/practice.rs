@@ -6,6 +6,7 @@ use common::failure::SimulationFailure;
 use common::outputs::{Diagnostics, Evaluation};
 use common::wire::{Task, TaskKey, WorkOrder};
 use std::sync::Arc;
+use std::time::Duration;
 
 /// A simulator made of a closure; of what it has side by side, it begins all before it ends any.
 pub struct Practice<F>(pub F);
@@ -24,10 +25,12 @@ impl<F: Fn(f64) -> Result<Evaluation, SimulationFailure> + Send + Sync> Simulato
     fn simulate_together(
         &self,
         next: &mut dyn FnMut() -> Option<Job>,
-        done: &mut dyn FnMut(usize, Result<Evaluation, SimulationFailure>),
+        done: &mut dyn FnMut(usize, Result<Evaluation, SimulationFailure>, Duration),
     ) {
         let jobs: Vec<Job> = std::iter::from_fn(next).collect();
-        jobs.iter().enumerate().for_each(|(number, job)| done(number, self.0(job.sample()[0])));
+        jobs.iter().enumerate().for_each(|(number, job)| {
+            done(number, self.0(job.sample()[0]), Duration::from_millis(250));
+        });
     }
 }
 

@@ -6,11 +6,12 @@
 use super::moving::Moving;
 use crate::integrate::{AdvanceError, AdvanceStats};
 use crate::mechanism::packs;
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
 use std::future::poll_fn;
 use std::rc::Rc;
 use std::task::Poll;
+use std::time::Duration;
 
 /// An island and the times of the cycle it is to be carried through.
 pub struct Stretch {
@@ -34,6 +35,9 @@ pub struct Carried {
     pub arrived: Result<(), AdvanceError>,
 }
 
+/// Time that one evaluation has taken of its thread.
+pub type Spent = Rc<Cell<Duration>>;
+
 /// Where the island will be handed back.
 type Slot = Rc<RefCell<Option<Carried>>>;
 
@@ -42,27 +46,44 @@ pub struct Ticket {
     /// The stretch.
     pub stretch: Stretch,
     slot: Slot,
+    spent: Spent,
 }
 
 impl Ticket {
+    /// What its evaluation has taken so far.
+    pub fn spent(&self) -> Spent {
+        Rc::clone(&self.spent)
+    }
+
     /// Hands the island back.
     pub fn close(self, stats: AdvanceStats, arrived: Result<(), AdvanceError>) {
         *self.slot.borrow_mut() = Some(Carried { moving: self.stretch.moving, stats, arrived });
     }
 }
 
-/// The desk.
+/// The desk, as one evaluation sees it.
 #[derive(Clone, Default)]
 pub struct Desk {
     waiting: Rc<RefCell<VecDeque<Ticket>>>,
+    spent: Spent,
 }
 
 impl Desk {
+    /// The same desk for another evaluation.
+    pub fn for_another(&self) -> Self {
+        Desk { waiting: Rc::clone(&self.waiting), spent: Spent::default() }
+    }
+
+    /// What its evaluation has taken so far.
+    pub fn spent(&self) -> Spent {
+        Rc::clone(&self.spent)
+    }
+
     /// Has every stretch carried; in their order.
     pub async fn carry(&self, stretches: Vec<Stretch>) -> Vec<Carried> {
         let hand_in = |stretch: Stretch| -> Slot {
             let slot = Slot::default();
-            let ticket = Ticket { stretch, slot: Rc::clone(&slot) };
+            let ticket = Ticket { stretch, slot: Rc::clone(&slot), spent: self.spent() };
             if packs(&ticket.stretch.moving.island) {
                 self.waiting.borrow_mut().push_back(ticket);
             } else {

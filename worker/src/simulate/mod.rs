@@ -31,6 +31,7 @@ use desk::Desk;
 use guided::wear_alone;
 use life::live;
 use run::Run;
+use std::time::Duration;
 use together::{Work, alone, together};
 
 pub use first_look::{FirstLook, IslandModel, first_look};
@@ -76,18 +77,18 @@ pub struct Order {
 }
 
 /// Evaluates what `next` gives, at most `most` at a time, side by side in the lanes of one core, until it gives
-/// nothing; `done` takes each result with its number, counted from zero as they were given. What could not be made an
+/// nothing; `done` takes each result with its number, counted from zero as they were given, and the time it took, its share
+/// of what was done for several at once. What could not be made an
 /// order comes back as it is. A result is the same, to the last bit, as by [`simulate`]: whatever ran beside.
 pub fn simulate_together(
     most: usize,
     next: &mut dyn FnMut() -> Option<Result<Order, SimulationFailure>>,
-    done: &mut dyn FnMut(usize, Result<Evaluation, SimulationFailure>),
+    done: &mut dyn FnMut(usize, Result<Evaluation, SimulationFailure>, Duration),
 ) {
     let desk = Desk::default();
-    let mut work = || -> Option<Work<'static, _>> {
+    let mut work = || {
         let order = next()?;
-        let desk = desk.clone();
-        Some(Box::pin(async move {
+        Some(Work::new(&desk, async move |desk| {
             let Order { scene, accuracy, with_first_cycle } = order?;
             life_of(desk, &scene, &accuracy, with_first_cycle).await.0
         }))

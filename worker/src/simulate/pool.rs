@@ -1,12 +1,13 @@
 //! Lanes that carry islands of any number of evaluations: whoever has arrived leaves, and the next in line of the same
 //! make takes the place.
 
-use super::desk::{Desk, Ticket};
+use super::desk::{Desk, Spent, Ticket};
 use super::moving::Moving;
 use crate::integrate::{Abreast, AdvanceError, Linearised, Seat, Stepped, Watch, worst_coordinate};
 use crate::lanes::Lanes;
 use crate::mechanism::{Island, Pack, same_make};
 use pulp::{Simd, WithSimd};
+use std::time::Instant;
 
 /// All groups of one thread.
 pub struct Pool<S: Simd> {
@@ -20,8 +21,8 @@ impl<S: Simd> Pool<S> {
         Pool { simd, groups: vec![] }
     }
 
-    /// Seats whoever waits at the desk, and carries the fullest group until somebody has arrived; false if nobody is
-    /// there.
+    /// Seats whoever waits at the desk, and carries the fullest group until somebody has arrived, all who sit in it
+    /// sharing the time; false if nobody is there.
     pub fn carry(&mut self, desk: &Desk) -> bool {
         self.groups.iter_mut().for_each(|group| group.fill(desk));
         while let Some(ticket) = desk.next(|_| true) {
@@ -33,12 +34,17 @@ impl<S: Simd> Pool<S> {
         }
         let fullest = self.groups.iter_mut().max_by_key(|group| group.taken());
         let Some(group) = fullest.filter(|group| group.taken() > 0) else { return false };
+        let aboard: Vec<Spent> = group.riders.iter().flatten().map(Ticket::spent).collect();
+        let begun = Instant::now();
         loop {
             self.simd.vectorize(Attempt(group));
             if group.settle() {
-                return true;
+                break;
             }
         }
+        let share = begun.elapsed() / aboard.len().max(1) as u32;
+        aboard.iter().for_each(|spent| spent.set(spent.get() + share));
+        true
     }
 }
 
