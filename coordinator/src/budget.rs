@@ -17,11 +17,11 @@ pub const LADDER: [&str; 9] = [
     "draft+step-x1.41",
     "draft",
     "draft+step-x0.71",
-    "step-x1.41+jump-4000",
     "balanced",
-    "step-x0.71+jump-1000+wear-tolerance-1e-2",
-    "step-x0.5+jump-500+wear-tolerance-5e-3",
-    "step-x0.35+jump-250+wear-tolerance-2e-3+samples-1200",
+    "jump-2000",
+    "jump-1000+wear-tolerance-1e-2",
+    "step-x0.71+jump-500+wear-tolerance-5e-3",
+    "step-x0.5+jump-250+wear-tolerance-2e-3+samples-1200",
     "reference",
 ];
 

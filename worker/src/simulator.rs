@@ -1,7 +1,7 @@
 //! The simulator this program offers to a coordinator: a scene's text and a sample in, one evaluation out.
 
 use crate::service::{Job, Simulator};
-use crate::simulate::{Order, simulate, simulate_together};
+use crate::simulate::{Order, Width, simulate, simulate_together};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
@@ -73,7 +73,7 @@ impl Simulator for Mechanism {
             let job = next()?;
             Some(self.order(job.scene(), job.sample(), job.accuracy(), job.with_first_cycle()))
         };
-        simulate_together(SIDE_BY_SIDE, &mut order, done);
+        simulate_together(Width::Widest, SIDE_BY_SIDE, &mut order, done);
     }
 }
 

@@ -77,5 +77,5 @@ fn local_hertz_is_sound_at_its_extremes() {
 
 #[test]
 fn foundation_is_sound_at_its_extremes() {
-    check(&rows(ContactLaw::Foundation, &Accuracy::draft()), 15);
+    check(&rows(ContactLaw::Foundation, &Accuracy::draft()), 16);
 }

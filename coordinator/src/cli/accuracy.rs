@@ -17,7 +17,7 @@ use std::sync::atomic::AtomicBool;
 #[derive(Debug, Clone, Default, Args, PartialEq)]
 pub struct AccuracyArguments {
     /// Numerical effort of an evaluation [default: balanced]: draft, balanced, reference, or one of them with knobs turned,
-    /// e.g. draft+step-x0.71+jump-8000 (see `tradeoff`)
+    /// e.g. draft+step-x0.71+jump-4000 (see `tradeoff`)
     #[arg(long, value_name = "draft|balanced|reference|NAME")]
     pub accuracy: Option<NamedAccuracy>,
     /// Let the program find the cheapest accuracy whose stated errors stay below this share of the limit, for every output

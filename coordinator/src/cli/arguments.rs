@@ -280,7 +280,7 @@ pub struct TradeoffArguments {
     /// Which settings: those that have proved themselves, or all
     #[arg(long, value_enum, default_value = "full")]
     pub settings: GridName,
-    /// Only this setting, and others given likewise: a preset, with knobs turned or not, e.g. draft+step-x0.71+jump-8000
+    /// Only this setting, and others given likewise: a preset, with knobs turned or not, e.g. draft+step-x0.71+jump-4000
     #[arg(long, value_name = "NAME", conflicts_with = "settings")]
     pub setting: Vec<NamedAccuracy>,
     /// Folder for the results, made if missing

@@ -128,7 +128,7 @@ mod tests {
         let resumed = read(&kept);
         assert_eq!(resumed, found);
         // A name that has come to stand for something else does not change a study.
-        let other = read(&kept.replace("\"cycle_jump\":4000", "\"cycle_jump\":4001"));
+        let other = read(&kept.replace("\"cycle_jump\":8000", "\"cycle_jump\":4001"));
         assert_eq!(other.accuracy.setting.accuracy.cycle_jump, 4001);
         let settings = resumed.settings();
         assert_eq!((settings.accuracy, settings.max_error), (found.accuracy.setting, Some(0.01)));

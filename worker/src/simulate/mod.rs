@@ -34,6 +34,8 @@ use run::Run;
 use std::time::Duration;
 use together::{Work, alone, together};
 
+pub use together::Width;
+
 pub use first_look::{FirstLook, IslandModel, first_look};
 
 /// Simulates the whole life of a checked scene.
@@ -76,11 +78,12 @@ pub struct Order {
     pub with_first_cycle: bool,
 }
 
-/// Evaluates what `next` gives, at most `most` at a time, side by side in the lanes of one core, until it gives
+/// Evaluates what `next` gives, at most `most` at a time, side by side in the lanes of one core, of any width, until it gives
 /// nothing; `done` takes each result with its number, counted from zero as they were given, and the time it took, its share
 /// of what was done for several at once. What could not be made an
 /// order comes back as it is. A result is the same, to the last bit, as by [`simulate`]: whatever ran beside.
 pub fn simulate_together(
+    width: Width,
     most: usize,
     next: &mut dyn FnMut() -> Option<Result<Order, SimulationFailure>>,
     done: &mut dyn FnMut(usize, Result<Evaluation, SimulationFailure>, Duration),
@@ -93,7 +96,7 @@ pub fn simulate_together(
             life_of(desk, &scene, &accuracy, with_first_cycle).await.0
         }))
     };
-    together(&desk, most, &mut work, done);
+    together(width, &desk, most, &mut work, done);
 }
 
 /// The evaluation, and the time steps it tried.

@@ -12,6 +12,9 @@ pub const FINER: f64 = 1.75;
 /// A relative change above this is taken for motion that does not repeat itself: that of the flapping wing changes by
 /// 0.01 % from cycle to cycle, with a friction of 0.5 by 1 %.
 const RESTLESS: f64 = 0.005;
+/// The same on the unworn bores, where nothing but friction keeps a motion from repeating itself: that of the flapping wing
+/// changes by 0.001 %.
+const RESTLESS_BY_NATURE: f64 = 2e-4;
 /// The same of the wear, whose rates, point by point, are rough: 300 samples of the contact a cycle change them by
 /// more than half a per cent.
 const RESTLESS_WEAR: f64 = 0.02;
@@ -67,6 +70,7 @@ impl Run<'_> {
         let mut probe =
             Probe { life, motion: vec![0.0; measured.len()], wear: vec![0.0; worn.len()], restless: false };
         let remembers = self.remembers();
+        let bound = if life == 0 { RESTLESS_BY_NATURE } else { RESTLESS };
         for cycle in 0..MOST_CYCLES {
             if let Some(factor) = FORGETTING.get(cycle).filter(|_| remembers) {
                 self.change_memory(*factor);
@@ -76,7 +80,7 @@ impl Run<'_> {
             for ((largest, now), was) in probe.motion.iter_mut().zip(self.motion_outputs()).zip(measured) {
                 let change = (now - was).abs();
                 *largest = largest.max(change);
-                restless |= change > RESTLESS * was.abs();
+                restless |= change > bound * was.abs();
             }
             for ((largest, now), was) in probe.wear.iter_mut().zip(self.wear_rates(life)?).zip(worn) {
                 let change = relative_change(&now, was);

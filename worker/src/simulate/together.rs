@@ -2,11 +2,20 @@
 
 use super::desk::{Desk, Spent};
 use super::pool::Pool;
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Arch, Scalar, Simd, WithSimd};
 use std::future::Future;
 use std::pin::Pin;
 use std::task::{Context, Poll, Waker};
 use std::time::{Duration, Instant};
+
+/// How many numbers the lanes hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Width {
+    /// As many as the processor's vectors.
+    Widest,
+    /// One: the instructions of any processor.
+    One,
+}
 
 /// One evaluation under way, and what it has taken of its thread: the time of its own stages, and of the lanes its
 /// share as one of those who sat in them.
@@ -37,7 +46,7 @@ pub fn alone<'a, T: 'a, F: Future<Output = T> + 'a>(work: impl FnOnce(Desk) -> F
     let desk = Desk::default();
     let mut work = Some(Work::new(&desk, work));
     let mut result = None;
-    together(&desk, 1, &mut || work.take(), &mut |_, done, _| result = Some(done));
+    together(Width::Widest, &desk, 1, &mut || work.take(), &mut |_, done, _| result = Some(done));
     // The work has been taken, and what is taken is carried to its end.
     result.unwrap_or_else(|| unreachable!())
 }
@@ -45,24 +54,25 @@ pub fn alone<'a, T: 'a, F: Future<Output = T> + 'a>(work: impl FnOnce(Desk) -> F
 /// Runs what `next` gives, at most `most` pieces at a time, until it gives nothing and all have come to their end;
 /// `done` takes each result with the number of its piece, counted as they were given, and what it took.
 pub fn together<'a, T>(
+    width: Width,
     desk: &Desk,
     most: usize,
     next: &mut dyn FnMut() -> Option<Work<'a, T>>,
     done: &mut dyn FnMut(usize, T, Duration),
 ) {
-    Arch::new().dispatch(Together { desk, most, next, done });
+    let together = Together { desk, most, next, done };
+    match width {
+        Width::Widest => Arch::new().dispatch(together),
+        Width::One => together.with_simd(Scalar::new()),
+    }
 }
 
 /// The same on given lanes.
-pub struct Together<'b, 'a, T> {
-    /// Where the work hands in its stretches.
-    pub desk: &'b Desk,
-    /// Pieces at a time.
-    pub most: usize,
-    /// Gives more.
-    pub next: &'b mut dyn FnMut() -> Option<Work<'a, T>>,
-    /// Takes results.
-    pub done: &'b mut dyn FnMut(usize, T, Duration),
+struct Together<'b, 'a, T> {
+    desk: &'b Desk,
+    most: usize,
+    next: &'b mut dyn FnMut() -> Option<Work<'a, T>>,
+    done: &'b mut dyn FnMut(usize, T, Duration),
 }
 
 impl<T> WithSimd for Together<'_, '_, T> {

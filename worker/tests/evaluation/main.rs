@@ -13,3 +13,4 @@ mod published;
 mod quasi_static;
 mod restitution;
 mod scenes;
+mod side_by_side;
