@@ -9,7 +9,7 @@ use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use worker::bore::Profile;
 use worker::contact::{Contact, JointMotion};
-use worker::simulate::{simulate, simulate_counting};
+use worker::simulate::{Order, Width, simulate, simulate_counting, simulate_together};
 
 fn main() {
     divan::main();
@@ -96,4 +96,30 @@ fn evaluation(bencher: Bencher, preset: &str) {
     let mut steps = 0;
     simulate_counting(&scene, &accuracy, false, &mut steps).expect("the drive can be simulated");
     bencher.counter(ItemsCount::new(steps)).bench_local(|| simulate(black_box(&scene), &accuracy, false));
+}
+
+/// Eight lives of the drive with wear coefficients of their own: one after the other, or side by side, each in lanes of one
+/// number or as wide as the processor has them.
+#[divan::bench(args = ["one by one, 1 lane", "one by one", "side by side, 1 lane", "side by side"], sample_count = 2, sample_size = 1)]
+fn batch_of_eight(bencher: Bencher, how: &str) {
+    const BATCH: usize = 8;
+    let width = if how.ends_with("1 lane") { Width::One } else { Width::Widest };
+    let most = if how.starts_with("one") { 1 } else { BATCH };
+    bencher.counter(ItemsCount::new(BATCH)).bench_local(|| {
+        let mut given = 0;
+        let mut next = || {
+            given += 1;
+            let mut scene = flapping_wing();
+            for joint in &mut scene.joints {
+                if let JointKind::Clearance(clearance) = &mut joint.kind {
+                    clearance.wear_coefficient *= 0.99 + 0.002 * given as f64;
+                }
+            }
+            let accuracy = Accuracy::balanced();
+            (given <= BATCH).then_some(Ok(Order { scene, accuracy, with_first_cycle: false }))
+        };
+        simulate_together(width, most, &mut next, &mut |_, found, _| {
+            black_box(found.expect("the drive can be simulated"));
+        });
+    });
 }
