@@ -22,7 +22,7 @@ struct Arguments {
     /// Where the coordinator listens, e.g. tcp/192.168.1.20:7447
     #[arg(long, value_name = "ENDPOINT")]
     connect: String,
-    /// Simulations at once [default: one per core]
+    /// Threads that simulate, each up to four evaluations side by side [default: one per core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     slots: Option<u16>,
     /// More Zenoh settings, e.g. certificates (JSON5)
@@ -48,7 +48,7 @@ Examples:
       all cores of this machine for the coordinator started with
       `coordinator run --workers 0 --listen tcp/192.168.1.20:7447 --insecure`
   worker --connect tcp/127.0.0.1:7447 --slots 4 --give-up-after 0
-      four simulations at once; waits for the coordinator for ever
+      on four threads; waits for the coordinator for ever
   worker --connect tls/farm.example:7447 --config worker.json5
       encrypted, with the certificates named in worker.json5
 

@@ -58,7 +58,7 @@ pub(super) enum Delivery {
 pub struct ConnectedWorker {
     /// Name.
     pub name: String,
-    /// Simulations at once; 0 until its first claim.
+    /// Threads that simulate; 0 until its first claim.
     pub slots: u32,
 }
 

@@ -118,7 +118,7 @@ pub struct ServiceConfig {
 }
 
 impl ServiceConfig {
-    /// `slots` simulations at once for the coordinator at `connect`, under the name `<host>-<process>`.
+    /// `slots` threads for the coordinator at `connect`, under the name `<host>-<process>`.
     pub fn new(connect: impl Into<String>, slots: usize) -> Self {
         Self {
             connect: connect.into(),
