@@ -22,7 +22,7 @@ struct Arguments {
     /// Where the coordinator listens, e.g. tcp/192.168.1.20:7447
     #[arg(long, value_name = "ENDPOINT")]
     connect: String,
-    /// Threads that simulate, each up to four evaluations side by side [default: one per core]
+    /// Threads that simulate, each up to three evaluations side by side [default: one per core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     slots: Option<u16>,
     /// More Zenoh settings, e.g. certificates (JSON5)
