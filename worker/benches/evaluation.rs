@@ -105,20 +105,19 @@ fn batch_of_eight(bencher: Bencher, how: &str) {
     const BATCH: usize = 8;
     let width = if how.ends_with("1 lane") { Width::One } else { Width::Widest };
     let most = if how.starts_with("one") { 1 } else { BATCH };
-    bencher.counter(ItemsCount::new(BATCH)).bench_local(|| {
-        let mut given = 0;
-        let mut next = || {
-            given += 1;
-            let mut scene = flapping_wing();
-            for joint in &mut scene.joints {
-                if let JointKind::Clearance(clearance) = &mut joint.kind {
-                    clearance.wear_coefficient *= 0.99 + 0.002 * given as f64;
-                }
+    let of = |k: usize| {
+        let mut scene = flapping_wing();
+        for joint in &mut scene.joints {
+            if let JointKind::Clearance(clearance) = &mut joint.kind {
+                clearance.wear_coefficient *= 0.99 + 0.002 * k as f64;
             }
-            let accuracy = Accuracy::balanced();
-            (given <= BATCH).then_some(Ok(Order { scene, accuracy, with_first_cycle: false }))
-        };
-        simulate_together(width, most, &mut next, &mut |_, found, _| {
+        }
+        Order { scene, accuracy: Accuracy::balanced(), with_first_cycle: false }
+    };
+    let orders: Vec<Order> = (0..BATCH).map(of).collect();
+    bencher.counter(ItemsCount::new(BATCH)).bench_local(|| {
+        let mut orders = orders.iter().cloned();
+        simulate_together(width, most, &mut || orders.next().map(Ok), &mut |_, found, _| {
             black_box(found.expect("the drive can be simulated"));
         });
     });
