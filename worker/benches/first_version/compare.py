@@ -46,7 +46,8 @@ def built(commit, folder):
         packed.extractall(folder, filter="data")
     workspace, worker = folder / "Cargo.toml", folder / "worker"
     workspace.write_text(re.sub("members = .*", 'members = ["common", "worker"]', workspace.read_text()))
-    (worker / "Cargo.toml").write_text(MANIFEST)
+    lanes = "pulp.workspace = true\n" if "pulp" in workspace.read_text() else ""
+    (worker / "Cargo.toml").write_text(MANIFEST + lanes)
     (worker / "src" / "main.rs").unlink()
     library = worker / "src" / "lib.rs"
     library.write_text(re.sub("pub mod (service|simulator);", "", library.read_text()))
