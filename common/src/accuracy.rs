@@ -21,9 +21,8 @@ pub struct Accuracy {
     pub cycle_jump: u32,
     /// Error that one block of wear may add by its length, of the depth so far and, between simulated cycles, of the
     /// limit of an output of the motion [1]; zero: every block but the graded start has the largest length. So it is in
-    /// every preset: of the flapping-wing drive at two points (`worker/examples/blocks.rs`, against blocks of 250
-    /// cycles) 3e-3 with blocks of up to 8000 took 29 cycles for an asymmetry within 2.1 % of its limit, blocks of 4000
-    /// took 31 for 1.35 %.
+    /// every preset: of the flapping-wing drive at four points (`coordinator/doc/tradeoff.md`) 3e-3 with blocks of up to 8000
+    /// took 27 cycles for an asymmetry within 2.7 % of its limit, blocks of 4000 took 29 for 2.2 %.
     pub jump_tolerance: f64,
     /// Tolerance of the wear step, relative to the wear it adds [1].
     pub wear_tolerance: f64,
@@ -48,15 +47,16 @@ impl Accuracy {
     /// Names of the presets, from the quickest to the most exact.
     pub const NAMES: [&str; 3] = ["draft", "balanced", "reference"];
 
-    /// For a first look. Of the flapping-wing drive, at two points, `coordinator tradeoff` found the wear off by
-    /// 0.06 % of its limit, but the asymmetry by 11 % late in life, which displaces the life it ends by 1700 of 66 000
-    /// cycles; of the four-bar, at three points, the wear by 0.6 %.
+    /// For a first look. Of the flapping-wing drive, at four points, `coordinator tradeoff` found the wear off by 0.04 % of
+    /// its limit and the asymmetry by 3.7 %, which displaces the life it ends by 480 of 66 000 cycles, in 0.57 of the time of
+    /// `balanced` (`coordinator/doc/tradeoff.md`). Fewer samples or longer time steps would save a tenth and cost 9 to 14 %.
     pub const fn draft() -> Self {
         Accuracy { step_tolerance: 2e-3, largest_step: 1.0 / 500.0, cycle_jump: 8000, ..Self::balanced() }
     }
 
-    /// For studies; the default. There the same measurement found wear within 0.03 %, the asymmetry within 2.6 %, the
-    /// life it ends within 260 cycles; four-bar wear within 0.07 %.
+    /// For studies; the default. There the same measurement found wear within 0.03 %, the asymmetry within 2.2 % (1.4 % up to
+    /// its limit), the life it ends within 240 cycles. Shorter time steps alone gain nothing, blocks of 2000 cycles bring 1.3 % in
+    /// 1.6 times the time.
     pub const fn balanced() -> Self {
         Accuracy {
             step_tolerance: 5e-4,
