@@ -62,8 +62,8 @@ impl Accuracy {
             step_tolerance: 5e-4,
             largest_step: 1.0 / 700.0,
             // Ten times what a cycle of the flapping-wing drive takes; of the extremes that come to their end, the
-            // hardest, a clearance of 1 um, takes 36 000 (`coordinator extremes`).
-            steps_bound: 60_000,
+            // hardest, 6 r/min under `foundation`, takes more than 60 000 (`coordinator extremes`).
+            steps_bound: 100_000,
             wear_samples: 600,
             cycle_jump: 4000,
             jump_tolerance: 0.0,

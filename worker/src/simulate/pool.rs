@@ -21,8 +21,8 @@ impl<S: Simd> Pool<S> {
         Pool { simd, groups: vec![] }
     }
 
-    /// Seats whoever waits at the desk, and carries the fullest group until somebody has arrived, all who sit in it
-    /// sharing the time; false if nobody is there.
+    /// Seats whoever waits at the desk, and carries one group until somebody has arrived, all who sit in it sharing the
+    /// time; false if nobody is there.
     pub fn carry(&mut self, desk: &Desk) -> bool {
         self.groups.iter_mut().for_each(|group| group.fill(desk));
         while let Some(ticket) = desk.next(|_| true) {
@@ -32,8 +32,13 @@ impl<S: Simd> Pool<S> {
             self.groups.push(group);
             self.groups.iter_mut().for_each(|group| group.fill(desk));
         }
-        let fullest = self.groups.iter_mut().max_by_key(|group| group.taken());
-        let Some(group) = fullest.filter(|group| group.taken() > 0) else { return false };
+        // The fullest, but nobody is passed over for ever.
+        let mut waiting: Vec<_> = self.groups.iter_mut().filter(|group| group.taken() > 0).collect();
+        waiting.iter_mut().for_each(|group| group.passed_over += 1);
+        let Some(group) = waiting.into_iter().max_by_key(|group| group.taken() + group.passed_over) else {
+            return false;
+        };
+        group.passed_over = 0;
         let aboard: Vec<Spent> = group.riders.iter().flatten().map(Ticket::spent).collect();
         let begun = Instant::now();
         loop {
@@ -55,6 +60,8 @@ struct Group<S: Simd> {
     pack: Pack<Lanes<S>>,
     abreast: Abreast<Lanes<S>>,
     riders: Vec<Option<Ticket>>,
+    /// Times that another group was carried since this one was.
+    passed_over: usize,
     /// One lane's view of a round.
     view: Linearised,
     q: Vec<f64>,
@@ -85,6 +92,7 @@ impl<S: Simd> Group<S> {
             q: moving.q.clone(),
             v: moving.v.clone(),
             riders: (0..S::F64_LANES).map(|_| None).collect(),
+            passed_over: 0,
             make,
             pack,
             abreast,
