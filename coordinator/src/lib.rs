@@ -3,6 +3,7 @@
 //! Data flows one way: design -> evaluate (dispatch) -> surrogate -> learning -> reliability -> sensitivity ->
 //! report; `study` is the campaign as one page.
 
+pub mod benchmark;
 pub mod budget;
 pub mod design;
 pub mod dispatch;

@@ -1,13 +1,16 @@
 //! The campaign as one page: design, simulate, learn, and what follows for reliability and sensitivity.
 //!
 //! Requests are numbered in the order they are made, and the campaign file is asked first: a resumed study makes the
-//! same requests, finds what was finished and simulates the rest. Outcomes are sorted by number before use, so the
-//! answer depends on the scene, the settings and the seed alone.
+//! same requests, finds what was finished and simulates the rest. Outcomes are told in the order of their requests, and how far the
+//! requests run ahead of them is fixed by the settings, so the answer depends on the scene, the settings and the seed
+//! alone, and yet no worker waits for the slowest of a round.
 
 mod campaign;
 mod dispatching;
+mod failures;
 mod monte_carlo;
 mod observations;
+mod plan;
 mod result;
 mod round;
 mod settings;
@@ -17,18 +20,22 @@ mod campaign_tests;
 #[cfg(test)]
 mod life_tests;
 
-pub use campaign::{Campaign, CampaignError, Learned, Plan, Problem, Step, Stop};
+pub use campaign::{Ask, Campaign, CampaignError, Learned, Step, Stop};
+pub use failures::{Failed, Feasibility};
 pub use observations::{Observations, Observed};
+pub use plan::{Plan, Problem};
 pub use result::{OutputHistory, StudyResult, SurrogateReport};
 pub use round::{Assessment, Surrogate};
-pub use settings::{Method, Settings};
+pub use settings::{FAILED_SHARE, Method, Settings};
 
 use crate::evaluate::{EvaluateError, Evaluator};
 use crate::journal::Journal;
 use crate::learning::Mode;
 use crate::progress::{Observer, Progress};
+use crate::summary::Round;
 use common::scene::Scene;
-use dispatching::Dispatcher;
+use dispatching::{Dispatcher, Learner, Outcome};
+use monte_carlo::DirectSimulation;
 use std::time::Instant;
 use thiserror::Error;
 
@@ -85,17 +92,22 @@ pub fn run(
     settings.check(scene)?;
     let started = Instant::now();
     let problem = problem_of(scene);
-    let mut dispatcher = Dispatcher::new(&problem, evaluator, journal, observer);
+    let budget = settings.budget();
+    let mut dispatcher = Dispatcher::new(&problem, settings.stricter(), budget, evaluator, journal, observer);
     let mut result = match settings.method {
         Method::ActiveLearning => learn(scene, settings, problem.clone(), &mut dispatcher)?,
-        Method::MonteCarlo { samples } => {
-            monte_carlo::run(scene, settings, &problem, samples, &mut dispatcher)?
+        Method::MonteCarlo { samples } | Method::LatinHypercube { samples } => {
+            let mut direct = DirectSimulation::new(&problem, settings, samples);
+            dispatcher.pursue(&mut direct)?;
+            direct.result(scene, settings)?
         }
     };
     let timing = &mut result.summary.timing_s;
     timing.total = started.elapsed().as_secs_f64();
     timing.simulation = dispatcher.simulation_seconds();
-    timing.surrogate = timing.total - dispatcher.waiting_seconds();
+    let (thinking, idle) = dispatcher.thinking_seconds();
+    timing.surrogate = thinking;
+    timing.idle = idle;
     result.summary.workers = dispatcher.shares();
     Ok(result)
 }
@@ -111,6 +123,27 @@ fn problem_of(scene: &Scene) -> Problem {
     }
 }
 
+impl Learner for Campaign {
+    fn next_step(&mut self) -> Result<Step, CampaignError> {
+        Campaign::next_step(self)
+    }
+
+    fn tell(&mut self, outcomes: Vec<Outcome>) -> Result<(), CampaignError> {
+        Campaign::tell(self, outcomes)
+    }
+
+    fn rounds(&self) -> &[Round] {
+        Campaign::rounds(self)
+    }
+
+    fn purpose(&self) -> String {
+        match self.rounds().len() {
+            0 => "initial design".to_owned(),
+            round => format!("round {round}"),
+        }
+    }
+}
+
 /// Active learning to its end.
 fn learn(
     scene: &Scene,
@@ -119,18 +152,7 @@ fn learn(
     dispatcher: &mut Dispatcher<'_>,
 ) -> Result<StudyResult, StudyError> {
     let mut campaign = Campaign::new(problem, settings.plan());
-    let mut noted = 0;
-    loop {
-        let step = campaign.next_step()?;
-        for round in &campaign.rounds()[noted..] {
-            dispatcher.note_round(round)?;
-        }
-        noted = campaign.rounds().len();
-        let Step::Evaluate(samples) = step else { break };
-        let purpose = if noted == 0 { "initial design".to_owned() } else { format!("round {noted}") };
-        let outcomes = dispatcher.evaluate(samples, &purpose, settings.study.max_evaluations)?;
-        campaign.tell(outcomes)?;
-    }
+    dispatcher.pursue(&mut campaign)?;
     let learned = campaign.finish().expect("a campaign that is done has learned something");
     let result = result::from_learning(scene, settings, &learned);
     if !result.summary.reliability.iter().any(|row| row.reliability["total"] < 1.0) {

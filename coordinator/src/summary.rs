@@ -34,6 +34,12 @@ pub struct StudySummary {
     pub limit_states: Vec<String>,
     /// One row per checkpoint.
     pub reliability: Vec<ReliabilityRow>,
+    /// What failed first, one row per checkpoint; empty in studies made before it was counted.
+    #[serde(default)]
+    pub first_failure: Vec<FirstFailureRow>,
+    /// Simulations without a result.
+    #[serde(default)]
+    pub failures: Failures,
     /// One row per checkpoint: `cycles` and, per output, mean and standard deviation over the population.
     pub moments: Vec<MomentsRow>,
     /// Derivatives of the failure probabilities.
@@ -47,6 +53,37 @@ pub struct StudySummary {
     pub timing_s: Timing,
     /// Who worked.
     pub workers: Vec<WorkerShare>,
+}
+
+/// What failed first of the samples that have failed by one checkpoint, as shares of all samples: they add up to the failure
+/// probability of the system.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FirstFailureRow {
+    /// Life [cycles].
+    pub cycles: u32,
+    /// Share of the samples in which several limit states were reached at the same checkpoint [1].
+    pub together: f64,
+    /// Share in which each limit state was reached first [1].
+    pub first: PerLimitState,
+}
+
+/// Simulations that gave no result, at a stricter setting neither.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Failures {
+    /// Share of the population where a simulation is more likely to fail than not, by an estimate from those that
+    /// did [1].
+    pub barred_share: f64,
+    /// Each of them.
+    pub simulations: Vec<FailureRow>,
+}
+
+/// A simulation that failed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FailureRow {
+    /// Why.
+    pub cause: String,
+    /// Values of the random variables [SI].
+    pub sample: BTreeMap<String, f64>,
 }
 
 /// Moments at one checkpoint.

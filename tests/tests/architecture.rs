@@ -31,7 +31,7 @@ const WORKER: [&str; 14] = [
 
 /// The same of the coordinator: first what all of it speaks of, then the stations of a study, then what puts
 /// them together. `cli` belongs to the binary.
-const COORDINATOR: [&str; 20] = [
+const COORDINATOR: [&str; 21] = [
     "output_unit",
     "summary",
     "design",
@@ -49,6 +49,7 @@ const COORDINATOR: [&str; 20] = [
     "report",
     "tradeoff",
     "study",
+    "benchmark",
     "terminal",
     "cli",
     "main",

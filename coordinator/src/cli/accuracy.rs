@@ -135,7 +135,7 @@ fn told(attempt: &Attempt, budget: f64) -> String {
 }
 
 /// A share: `1%`, `1 %` or `0.01`.
-fn share(text: &str) -> Result<f64, String> {
+pub fn share(text: &str) -> Result<f64, String> {
     let (number, scale) = match text.strip_suffix('%') {
         Some(percent) => (percent.trim_end(), 100.0),
         None => (text, 1.0),
@@ -144,7 +144,7 @@ fn share(text: &str) -> Result<f64, String> {
     share
         .ok()
         .filter(|x| *x > 0.0 && *x <= 1.0)
-        .ok_or_else(|| "allowed: a share of the limit above 0 and up to 1, e.g. 1%, 0.5% or 0.01".to_owned())
+        .ok_or_else(|| "allowed: a share above 0 and up to 1, e.g. 1%, 0.5% or 0.01".to_owned())
 }
 
 #[cfg(test)]

@@ -97,6 +97,16 @@ Examples:
   coordinator tradeoff --setting balanced --setting draft --points 201 --out stated-errors
   coordinator tradeoff --workers 0 --listen tcp/127.0.0.1:7447 --out tradeoff")]
     Tradeoff(TradeoffArguments),
+    /// Learn published problems of known failure probability, over several seeds
+    #[command(after_help = "\
+Prints a table: evaluations needed, failure probability against the published one, in standard errors as stated, and
+whether learning ever stopped falsely.
+
+Examples:
+  coordinator benchmark
+  coordinator benchmark --problem four-branch-7 --seeds 20 --samples 1000000
+  coordinator benchmark --problem oscillator --learning u --json")]
+    Benchmark(BenchmarkArguments),
     /// Show what the failure probabilities depend on, from a finished study
     #[command(after_help = "Example:\n  coordinator sensitivity hingewise-flapping-wing --json")]
     Sensitivity(StudyFolder),
@@ -143,10 +153,11 @@ pub struct RunArguments {
     /// Numerical effort
     #[command(flatten)]
     pub accuracy: AccuracyArguments,
-    /// How the reliability is found: ak learns a surrogate, monte-carlo simulates every sample [default: ak]
+    /// How the reliability is found: ak learns a surrogate; monte-carlo and latin-hypercube simulate every sample
+    /// [default: ak]
     #[arg(long, value_enum)]
     pub method: Option<MethodName>,
-    /// Samples: of the Monte Carlo population that is classified (ak) or simulated (monte-carlo)
+    /// Samples: of the Monte Carlo population that is classified (ak), or simulated (the other methods)
     #[arg(long, value_name = "N", value_parser = positive)]
     pub samples: Option<usize>,
     /// Evaluations of the initial design (ak)
@@ -155,6 +166,17 @@ pub struct RunArguments {
     /// Budget of evaluations (ak)
     #[arg(long, value_name = "N", value_parser = positive)]
     pub max_evaluations: Option<usize>,
+    /// Evaluations under way at once after the initial design, proposed by halves; part of the result, so it does not
+    /// follow the workers (ak)
+    #[arg(long, value_name = "N", value_parser = positive)]
+    pub batch: Option<usize>,
+    /// Which points are simulated next: those that settle most (gain), or the best by the learning function U, EFF
+    /// or H (ak) [default: gain]
+    #[arg(long, value_enum)]
+    pub learning: Option<LearningName>,
+    /// Share of failed simulations above which the study ends, e.g. 20% [default: 20%]
+    #[arg(long, value_name = "SHARE", value_parser = super::accuracy::share)]
+    pub max_failed: Option<f64>,
     /// Seed of every random draw; the same seed gives the same result, whatever the workers
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
@@ -203,6 +225,29 @@ pub enum Slots {
     Count(usize),
 }
 
+/// Published problems.
+#[derive(Debug, Clone, Args)]
+pub struct BenchmarkArguments {
+    /// A problem, several if repeated [default: all]
+    #[arg(long, value_name = "NAME")]
+    pub problem: Vec<String>,
+    /// Runs of each, with seeds 1, 2, ...
+    #[arg(long, default_value = "10", value_name = "N", value_parser = positive)]
+    pub seeds: usize,
+    /// Points of the Monte Carlo population to begin with
+    #[arg(long, default_value = "100000", value_name = "N", value_parser = positive)]
+    pub samples: usize,
+    /// Evaluations under way at once
+    #[arg(long, default_value = "1", value_name = "N", value_parser = positive)]
+    pub batch: usize,
+    /// Which points are evaluated next [default: gain]
+    #[arg(long, value_enum)]
+    pub learning: Option<LearningName>,
+    /// Write the table to this file instead of standard output
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+}
+
 /// How the reliability is found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum MethodName {
@@ -210,6 +255,23 @@ pub enum MethodName {
     Ak,
     /// Direct Monte Carlo.
     MonteCarlo,
+    /// Direct simulation of a Latin hypercube.
+    LatinHypercube,
+}
+
+/// Which points are simulated next.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LearningName {
+    /// What settles most.
+    #[default]
+    Gain,
+    /// Least distance to the limit in standard deviations.
+    U,
+    /// Expected feasibility.
+    Eff,
+    /// Information entropy.
+    H,
 }
 
 /// Which settings a measurement tries.

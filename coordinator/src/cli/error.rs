@@ -9,7 +9,7 @@ use coordinator::evaluate::EvaluateError;
 use coordinator::report::ReportError;
 use coordinator::result_files::ResultFileError;
 use coordinator::store::StoreError;
-use coordinator::study::StudyError;
+use coordinator::study::{CampaignError, StudyError};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 use worker::mechanism::Prescribed;
@@ -99,6 +99,24 @@ pub enum CommandError {
         unsound: usize,
         /// All cases.
         cases: usize,
+    },
+    /// A published problem that could not be learned.
+    #[error("{problem}, seed {seed}: {error}")]
+    Benchmark {
+        /// Which.
+        problem: &'static str,
+        /// Seed of the run.
+        seed: u64,
+        /// Why.
+        error: CampaignError,
+    },
+    /// A published problem that nobody knows.
+    #[error("--problem {name}: unknown, allowed: {allowed}")]
+    UnknownProblem {
+        /// As given.
+        name: String,
+        /// Those there are.
+        allowed: String,
     },
     /// A scene without anything random, or without a limit state.
     #[error(
@@ -195,6 +213,7 @@ impl CommandError {
             | Self::NotModelled { .. }
             | Self::NothingToStudy { .. }
             | Self::Option { .. }
+            | Self::UnknownProblem { .. }
             | Self::Destination { .. }
             | Self::ForeignSettings { .. }
             | Self::NotFinished { .. }

@@ -3,6 +3,7 @@
 
 mod accuracy;
 mod arguments;
+mod benchmark;
 mod distributions;
 mod error;
 mod explain;
@@ -56,6 +57,7 @@ fn command(arguments: Arguments) -> Result<(), CommandError> {
         Some(Command::Report(study)) => results::report(&study.dir, json),
         Some(Command::Extremes(table)) => extremes::extremes(&table, arguments.talk),
         Some(Command::Tradeoff(measurement)) => tradeoff::tradeoff(&measurement, arguments.talk),
+        Some(Command::Benchmark(benchmark)) => benchmark::benchmark(&benchmark, arguments.talk),
         Some(Command::Simulate(simulation)) => simulate::simulate(&simulation, arguments.talk),
         Some(Command::Scenes { show }) => scenes::scenes(show.as_deref(), json),
         Some(Command::Check { file }) => scenes::check(&file, json),

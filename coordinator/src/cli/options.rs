@@ -2,18 +2,18 @@
 //! file so that `resume` repeats exactly that.
 
 use super::accuracy::Accepted;
-use super::arguments::{MethodName, RunArguments, StatedErrorsName};
+use super::arguments::{LearningName, MethodName, RunArguments, StatedErrorsName};
 use super::error::CommandError;
 use common::scene::{Scene, StudySettings};
-use coordinator::learning::Targets;
-use coordinator::study::{Method, Settings};
+use coordinator::learning::{LearningFunction, Targets};
+use coordinator::study::{FAILED_SHARE, Method, Settings};
 use coordinator::surrogate::StatedErrors;
 use serde::{Deserialize, Serialize};
 
 /// Settings of a study; each of them may change its result.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StudyOptions {
-    /// `ak` or `monte-carlo`.
+    /// `ak`, `monte-carlo` or `latin-hypercube`.
     pub method: String,
     /// Accuracy of the evaluations, with every knob: what it was once, whatever its name stands for later.
     pub accuracy: Accepted,
@@ -21,7 +21,7 @@ pub struct StudyOptions {
     pub samples: usize,
     /// Simulations of the initial design.
     pub initial: usize,
-    /// Simulations per round.
+    /// Simulations under way at once.
     pub batch: usize,
     /// Budget of simulations.
     pub max_evaluations: usize,
@@ -30,6 +30,16 @@ pub struct StudyOptions {
     /// What the surrogates make of stated errors; campaigns begun before there was a choice ignored them.
     #[serde(default)]
     pub stated_errors: StatedErrorsName,
+    /// Which points are simulated next.
+    #[serde(default)]
+    pub learning: LearningName,
+    /// Share of failed simulations above which the study ends [1].
+    #[serde(default = "default_failed_share")]
+    pub max_failed: f64,
+}
+
+fn default_failed_share() -> f64 {
+    FAILED_SHARE
 }
 
 impl StudyOptions {
@@ -39,11 +49,15 @@ impl StudyOptions {
     /// A combination that cannot be run.
     pub fn new(arguments: &RunArguments, scene: &Scene) -> Result<Self, CommandError> {
         let defaults = &scene.study;
-        let monte_carlo = arguments.method == Some(MethodName::MonteCarlo);
+        let direct = matches!(arguments.method, Some(MethodName::MonteCarlo | MethodName::LatinHypercube));
         // Simulating a whole population is what nobody can wait for: the budget is the default there.
-        let default_samples = if monte_carlo { defaults.max_evaluations } else { defaults.population };
+        let default_samples = if direct { defaults.max_evaluations } else { defaults.population };
         let samples = arguments.samples.unwrap_or(default_samples);
-        let method = if monte_carlo { Method::MonteCarlo { samples } } else { Method::ActiveLearning };
+        let method = match arguments.method {
+            Some(MethodName::MonteCarlo) => Method::MonteCarlo { samples },
+            Some(MethodName::LatinHypercube) => Method::LatinHypercube { samples },
+            Some(MethodName::Ak) | None => Method::ActiveLearning,
+        };
         let options = StudyOptions {
             method: method.name().to_owned(),
             accuracy: Accepted {
@@ -52,12 +66,14 @@ impl StudyOptions {
             },
             samples,
             initial: arguments.initial.unwrap_or(defaults.initial),
-            batch: defaults.batch,
+            batch: arguments.batch.unwrap_or(defaults.batch),
             max_evaluations: arguments.max_evaluations.unwrap_or(defaults.max_evaluations),
             seed: arguments.seed.unwrap_or(defaults.seed),
             stated_errors: arguments.stated_errors.unwrap_or(StatedErrorsName::Fitted),
+            learning: arguments.learning.unwrap_or_default(),
+            max_failed: arguments.max_failed.unwrap_or(FAILED_SHARE),
         };
-        if !monte_carlo {
+        if !direct {
             let at_least = format!("at least the initial design, --initial {}", options.initial);
             for (option, value) in
                 [("--samples", options.samples), ("--max-evaluations", options.max_evaluations)]
@@ -72,9 +88,10 @@ impl StudyOptions {
 
     /// What the study is asked to do.
     pub fn settings(&self) -> Settings {
-        let monte_carlo = self.method == Method::MonteCarlo { samples: 0 }.name();
+        let samples = self.samples;
+        let direct = [Method::MonteCarlo { samples }, Method::LatinHypercube { samples }];
         let method =
-            if monte_carlo { Method::MonteCarlo { samples: self.samples } } else { Method::ActiveLearning };
+            direct.into_iter().find(|method| method.name() == self.method).unwrap_or(Method::ActiveLearning);
         let study = StudySettings {
             population: self.samples,
             initial: self.initial,
@@ -87,8 +104,28 @@ impl StudyOptions {
             StatedErrorsName::Fitted => StatedErrors::Fitted,
             StatedErrorsName::Full => StatedErrors::Full,
         };
+        let learning = learning_function(self.learning);
         let Accepted { setting, max_error } = self.accuracy.clone();
-        Settings { study, method, accuracy: setting, max_error, targets: Targets::default(), stated_errors }
+        Settings {
+            study,
+            method,
+            accuracy: setting,
+            max_error,
+            learning,
+            failed_share: self.max_failed,
+            targets: Targets::default(),
+            stated_errors,
+        }
+    }
+}
+
+/// The learning function of a name.
+pub fn learning_function(name: LearningName) -> LearningFunction {
+    match name {
+        LearningName::Gain => LearningFunction::Gain,
+        LearningName::U => LearningFunction::U,
+        LearningName::Eff => LearningFunction::Eff,
+        LearningName::H => LearningFunction::H,
     }
 }
 

@@ -92,7 +92,7 @@ fn study(
     terminal.finish();
     let mut result = result.map_err(|error| CommandError::of_study(error, &dir))?;
     let timing = &mut result.summary.timing_s;
-    timing.idle = timing.surrogate * f64::from(farm.evaluator.concurrency());
+    timing.idle *= f64::from(farm.evaluator.concurrency());
     farm.close();
     campaign.put_document(DISTRIBUTIONS_DOCUMENT, &for_report(&result.distributions))?;
     // The summary comes last: with it, the study counts as finished.

@@ -27,6 +27,12 @@ impl Population {
         population
     }
 
+    /// A Latin hypercube of `n` points under `seed`; it does not grow.
+    pub fn latin_hypercube(variables: &[Distribution], n: usize, seed: u64) -> Self {
+        let z = super::latin_hypercube(variables, n, seed);
+        Self { variables: variables.to_vec(), z, rng: open_stream(seed, Stream::Population) }
+    }
+
     /// Appends points of the same stream until there are `n`: the first points stay what they were, and the
     /// result is what [`Population::draw`] would have given for `n` at once.
     pub fn grow_to(&mut self, n: usize) {
@@ -69,6 +75,11 @@ impl Population {
     /// Point `j` in the variables' own units `(d,)` [SI].
     pub fn physical(&self, j: usize) -> Vec<f64> {
         to_physical(&self.variables, self.standardised(j))
+    }
+
+    /// A point `(d,)` of standardised units in the variables' own [SI].
+    pub fn to_physical(&self, z: &[f64]) -> Vec<f64> {
+        to_physical(&self.variables, z)
     }
 
     /// Points `range` as the columns of a matrix `(d, range.len())` [1].

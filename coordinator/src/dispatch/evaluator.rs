@@ -10,7 +10,7 @@ use common::wire::{self, Message, Next, Reply, WorkOrder};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -139,13 +139,19 @@ impl ZenohEvaluator {
         self.inputs.send(input).map_err(|_| desk_ended())
     }
 
-    /// Takes outcomes until the batch is done.
+    /// Takes outcomes until nothing is open.
     fn collect(
         &self,
-        mut open: BTreeSet<u64>,
-        deliveries: &Receiver<Delivery>,
-        record: &mut dyn FnMut(Finished) -> Result<(), EvaluateError>,
+        first: Vec<Request>,
+        record: &mut dyn FnMut(Finished) -> Result<Vec<Request>, EvaluateError>,
     ) -> Result<(), EvaluateError> {
+        let (sender, deliveries) = channel();
+        let mut open = BTreeSet::new();
+        let submit = |requests: Vec<Request>, open: &mut BTreeSet<u64>| {
+            open.extend(requests.iter().map(|request| request.id));
+            self.send(Input::Submit(requests, sender.clone()))
+        };
+        submit(first, &mut open)?;
         let mut given_up = None;
         while !open.is_empty() {
             let stopping = self.interrupted.load(Ordering::Relaxed);
@@ -162,9 +168,12 @@ impl ZenohEvaluator {
             match next? {
                 Delivery::Outcome(finished) => {
                     let id = finished.id;
-                    record(*finished)?;
+                    let more = record(*finished)?;
                     self.send(Input::Recorded(id))?;
                     open.remove(&id);
+                    if !more.is_empty() {
+                        submit(more, &mut open)?;
+                    }
                 }
                 Delivery::GivenUp { task, reason } => {
                     open.remove(&task);
@@ -177,16 +186,13 @@ impl ZenohEvaluator {
 }
 
 impl Evaluator for ZenohEvaluator {
-    /// A task that ended several workers is given up; the batch goes on, and its end is the error.
-    fn evaluate(
+    /// A task that ended several workers is given up; the rest goes on, and its end is the error.
+    fn pursue(
         &mut self,
-        batch: &[Request],
-        record: &mut dyn FnMut(Finished) -> Result<(), EvaluateError>,
+        first: Vec<Request>,
+        record: &mut dyn FnMut(Finished) -> Result<Vec<Request>, EvaluateError>,
     ) -> Result<(), EvaluateError> {
-        let (sender, deliveries) = channel();
-        self.send(Input::Submit(batch.to_vec(), sender))?;
-        let open = batch.iter().map(|request| request.id).collect();
-        let done = self.collect(open, &deliveries, record);
+        let done = self.collect(first, record);
         if done.is_err() {
             // Outcomes not recorded stay with their workers, unacknowledged.
             self.send(Input::Cancel)?;

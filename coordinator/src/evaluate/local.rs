@@ -3,9 +3,10 @@
 use super::{EvaluateError, Evaluator, Finished, Request};
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::collections::VecDeque;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// How often a batch under way looks whether the user wants to stop.
@@ -38,25 +39,23 @@ impl<F> Evaluator for LocalEvaluator<F>
 where
     F: Fn(&Request) -> Result<Evaluation, SimulationFailure> + Sync,
 {
-    fn evaluate(
+    fn pursue(
         &mut self,
-        batch: &[Request],
-        record: &mut dyn FnMut(Finished) -> Result<(), EvaluateError>,
+        first: Vec<Request>,
+        record: &mut dyn FnMut(Finished) -> Result<Vec<Request>, EvaluateError>,
     ) -> Result<(), EvaluateError> {
-        let next = AtomicUsize::new(0);
-        let stop = AtomicBool::new(false);
         let (simulate, interrupted) = (&self.simulate, &*self.interrupted);
+        let mut open = first.len();
+        let queue = Queue::new(first);
         let (sender, outcomes) = channel();
         std::thread::scope(|scope| {
-            for thread in 0..self.threads.min(batch.len()) {
-                let (sender, next, stop) = (sender.clone(), &next, &stop);
+            for thread in 0..self.threads {
+                let (sender, queue) = (sender.clone(), &queue);
                 scope.spawn(move || {
-                    let taken = || batch.get(next.fetch_add(1, Ordering::Relaxed));
-                    while !stop.load(Ordering::Relaxed)
-                        && let Some(request) = taken()
-                    {
+                    let _closed = CloseAtEnd(queue);
+                    while let Some(request) = queue.take() {
                         let started = Instant::now();
-                        let outcome = simulate(request);
+                        let outcome = simulate(&request);
                         let wall = started.elapsed().as_secs_f64();
                         let worker = format!("local/{thread}");
                         if sender.send(Finished { id: request.id, outcome, worker, wall }).is_err() {
@@ -66,26 +65,68 @@ where
                 });
             }
             drop(sender);
-            let collected = (|| {
-                let mut done = 0;
-                while done < batch.len() {
-                    match outcomes.recv_timeout(LOOK_UP) {
-                        Ok(finished) => record(finished)?,
-                        Err(RecvTimeoutError::Timeout) if !interrupted.load(Ordering::Relaxed) => continue,
-                        Err(RecvTimeoutError::Timeout) => return Err(EvaluateError::Interrupted),
-                        // A thread that panics is reported by the scope.
-                        Err(RecvTimeoutError::Disconnected) => return Ok(()),
-                    }
-                    done += 1;
-                    if done < batch.len() && interrupted.load(Ordering::Relaxed) {
-                        return Err(EvaluateError::Interrupted);
-                    }
+            // Whatever happens here, the threads end.
+            let _closed = CloseAtEnd(&queue);
+            while open > 0 {
+                if interrupted.load(Ordering::Relaxed) {
+                    return Err(EvaluateError::Interrupted);
                 }
-                Ok(())
-            })();
-            stop.store(true, Ordering::Relaxed);
-            collected
+                match outcomes.recv_timeout(LOOK_UP) {
+                    Ok(finished) => {
+                        let more = record(finished)?;
+                        open = open - 1 + more.len();
+                        queue.add(more);
+                    }
+                    Err(RecvTimeoutError::Timeout) => {}
+                    // A thread that panics is reported by the scope.
+                    Err(RecvTimeoutError::Disconnected) => return Ok(()),
+                }
+            }
+            Ok(())
         })
+    }
+}
+
+/// Requests that no thread has taken.
+#[derive(Debug, Default)]
+struct Queue {
+    waiting: Mutex<Waiting>,
+    changed: Condvar,
+}
+
+#[derive(Debug, Default)]
+struct Waiting {
+    requests: VecDeque<Request>,
+    closed: bool,
+}
+
+impl Queue {
+    fn new(requests: Vec<Request>) -> Self {
+        let waiting = Waiting { requests: requests.into(), closed: false };
+        Self { waiting: Mutex::new(waiting), changed: Condvar::new() }
+    }
+
+    /// The next request, waited for; `None` once the queue is closed.
+    fn take(&self) -> Option<Request> {
+        let waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
+        let idle = |w: &mut Waiting| w.requests.is_empty() && !w.closed;
+        let mut waiting = self.changed.wait_while(waiting, idle).unwrap_or_else(PoisonError::into_inner);
+        if waiting.closed { None } else { waiting.requests.pop_front() }
+    }
+
+    fn add(&self, requests: Vec<Request>) {
+        self.waiting.lock().unwrap_or_else(PoisonError::into_inner).requests.extend(requests);
+        self.changed.notify_all();
+    }
+}
+
+/// Closes a queue when it goes: at the end, at an error, and where a simulation panics.
+struct CloseAtEnd<'a>(&'a Queue);
+
+impl Drop for CloseAtEnd<'_> {
+    fn drop(&mut self) {
+        self.0.waiting.lock().unwrap_or_else(PoisonError::into_inner).closed = true;
+        self.0.changed.notify_all();
     }
 }
 

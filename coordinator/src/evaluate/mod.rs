@@ -57,17 +57,33 @@ pub enum EvaluateError {
     Record(String),
 }
 
-/// Evaluates batches of samples.
+/// Evaluates samples.
 pub trait Evaluator {
-    /// Evaluates every request of `batch`, in any order, each exactly once; calls `record` on each outcome as
-    /// it arrives. An outcome counts as delivered (and may be acknowledged to a worker) only after `record`
-    /// returned `Ok`.
+    /// Evaluates the requests of `first` and every further one that `record` answers, in any order, each exactly once; ends when
+    /// nothing is left to do. Calls `record` on each outcome as it arrives; the requests it answers begin while
+    /// the others are under way, so that nobody waits for the slowest of a batch. An outcome counts as delivered (and
+    /// may be acknowledged to a worker) only after `record` returned `Ok`.
     ///
     /// # Errors
     /// [`EvaluateError`]; outcomes recorded before it stay valid.
+    fn pursue(
+        &mut self,
+        first: Vec<Request>,
+        record: &mut dyn FnMut(Finished) -> Result<Vec<Request>, EvaluateError>,
+    ) -> Result<(), EvaluateError>;
+
+    /// Evaluates the requests of `batch` and no others.
+    ///
+    /// # Errors
+    /// Those of [`Evaluator::pursue`].
     fn evaluate(
         &mut self,
         batch: &[Request],
         record: &mut dyn FnMut(Finished) -> Result<(), EvaluateError>,
-    ) -> Result<(), EvaluateError>;
+    ) -> Result<(), EvaluateError> {
+        self.pursue(batch.to_vec(), &mut |finished| {
+            record(finished)?;
+            Ok(Vec::new())
+        })
+    }
 }

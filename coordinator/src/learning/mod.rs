@@ -9,6 +9,7 @@ mod checkpoints;
 mod classification;
 mod criterion;
 mod error;
+mod function;
 mod noise;
 mod pool;
 mod selection;
@@ -18,9 +19,10 @@ pub use checkpoints::checkpoints_that_matter;
 pub use classification::{Classification, classify, curves};
 pub use criterion::{Coupled, UNCERTAIN, coupled_criterion, dominance};
 pub use error::{CurveErrors, estimate_errors};
+pub use function::LearningFunction;
 pub use noise::noise_shifts;
 pub use pool::{Pool, choose_pool};
-pub use selection::select_batch;
+pub use selection::Selection;
 pub use stopping::{Figures, Rule, Stopping, Targets};
 
 /// One limit state as learning sees it: failure when `output` has reached `threshold`.

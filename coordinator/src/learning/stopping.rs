@@ -103,6 +103,11 @@ impl Stopping {
         self.held >= targets.hold
     }
 
+    /// Whether a rule was met in the last round.
+    pub fn holding(&self) -> bool {
+        self.held > 0
+    }
+
     /// Begins counting anew, e.g. after the population grew.
     pub fn reset(&mut self) {
         self.held = 0;

@@ -2,10 +2,14 @@
 
 mod curve;
 mod distribution;
+mod killers;
 mod numerical;
+mod subset;
 
 pub use curve::{CurvePoint, coefficient_of_variation, governing_checkpoint, reliability_curve};
 pub use distribution::{
     Histogram, OutputDistribution, PROBABILITIES, distributions_from_samples, predict_distributions,
 };
+pub use killers::killers;
 pub use numerical::{NumericalBand, Shifted, first_failure_with, shift_population};
+pub use subset::{Subset, subset_simulation};

@@ -223,6 +223,8 @@ pub fn study() -> Study {
         population: 100_000,
         evaluations: EvaluationCounts { total: 216, initial: 120, added: 96, failed: 1 },
         limit_states: scene.limit_states.iter().map(|state| state.name.clone()).collect(),
+        first_failure: Vec::new(),
+        failures: Failures::default(),
         reliability: checkpoints.iter().map(|cycles| reliability_row(*cycles, &scene)).collect(),
         moments: checkpoints.iter().map(moment_row).collect(),
         sensitivity: [64_000, 66_000, 68_000].into_iter().flat_map(|n| sensitivity(n, &scene)).collect(),

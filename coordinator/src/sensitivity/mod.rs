@@ -8,6 +8,10 @@
 //!
 //! Source: Wu (1994); Song, Lu, Qiao (2009).
 
+mod sobol;
+
+pub use sobol::{Sobol, sobol_indices};
+
 use crate::design::Population;
 use rayon::prelude::*;
 

@@ -1,56 +1,35 @@
 //! Ask and tell: which points to simulate next, and what is known once they are. No scene, no evaluator, no clock.
 
+use super::failures::{Failed, check_failures};
 use super::observations::{Observations, Observed};
-use super::round::{Assessment, assess};
+use super::plan::{Plan, Problem};
+use super::round::{Assessment, Known, assess};
 use crate::design::{Population, choose_by_latin_hypercube};
-use crate::learning::{Mode, Rule, Stopping, Targets, select_batch};
+use crate::learning::{Rule, Stopping};
 use crate::reliability::coefficient_of_variation;
 use crate::summary::Round;
-use crate::surrogate::{Correlation, Effort, StatedErrors, SurrogateError};
+use crate::surrogate::{Correlation, Effort, SurrogateError};
 use common::failure::SimulationFailure;
 use common::random::Distribution;
-use std::mem::discriminant;
+use std::collections::VecDeque;
 use thiserror::Error;
 
-/// What is to be learned.
+/// One simulation a campaign asks for.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Problem {
-    /// Random variables `(d,)`.
-    pub variables: Vec<Distribution>,
-    /// Number of outputs of an evaluation.
-    pub outputs: usize,
-    /// Limit states.
-    pub modes: Vec<Mode>,
-    /// Checkpoints of life [cycles] `(m,)`; a static problem has one.
-    pub checkpoints: Vec<u32>,
-}
-
-/// How it is to be learned.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Plan {
-    /// Monte Carlo population to begin with.
-    pub population: usize,
-    /// Size to which the population may grow for the coefficient of variation.
-    pub largest_population: usize,
-    /// Initial design, the nominal point included.
-    pub initial: usize,
-    /// Points per round.
-    pub batch: usize,
-    /// Budget of evaluations, failed ones included.
-    pub max_evaluations: usize,
-    /// Seed of every draw.
-    pub seed: u64,
-    /// Stopping rules.
-    pub targets: Targets,
-    /// What the surrogates make of the numerical errors that simulations state.
-    pub stated_errors: StatedErrors,
+pub struct Ask {
+    /// Values of the random variables `(d,)` [SI].
+    pub sample: Vec<f64>,
+    /// Whether the simulation failed before and is wanted at a stricter setting.
+    pub stricter: bool,
 }
 
 /// What the campaign wants next.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Step {
-    /// Simulate these samples `(count)(d,)` [SI] and [`Campaign::tell`] the outcomes in the same order.
-    Evaluate(Vec<Vec<f64>>),
+    /// Simulate these, then [`Campaign::tell`] the outcomes in the same order; meanwhile ask for more.
+    Evaluate(Vec<Ask>),
+    /// The outcomes of the chunk that was asked for first.
+    Wait,
     /// Nothing: learning has ended.
     Done,
 }
@@ -67,7 +46,7 @@ pub enum Stop {
 /// Why a campaign cannot go on.
 #[derive(Debug, Error)]
 pub enum CampaignError {
-    /// More than a fifth of the simulations failed.
+    /// More than the allowed share of the simulations failed.
     #[error("{failed} of {total} simulations failed, {count} of them like this: {cause}")]
     TooManyFailures {
         /// Failed.
@@ -89,32 +68,51 @@ pub enum CampaignError {
     },
 }
 
-/// Share of failed simulations that ends a campaign, and the least number simulated before it can.
-const FAILED_SHARE: f64 = 0.2;
-const FAILED_AFTER: usize = 10;
-/// A fresh fit from several starts every so many rounds, against a lasting local optimum.
-const FRESH_FIT_EVERY: usize = 4;
-/// The pool holds at least this many points per point of a batch.
-const POOL_PER_BATCH: usize = 8;
+/// Growth of the number of results after which the lengths are fitted anew, and after which from several starts,
+/// against a lasting local optimum.
+const REFIT: f64 = 1.04;
+const FRESH_FIT: f64 = 1.3;
+
+/// A simulation that is under way.
+#[derive(Debug, Clone)]
+struct Asked {
+    /// Standardised point `(d,)` [1].
+    z: Vec<f64>,
+    sample: Vec<f64>,
+    /// Its place in the population, if it has one.
+    member: Option<usize>,
+    stricter: bool,
+}
 
 /// A campaign of active learning.
+///
+/// Ask and tell with a look-ahead: [`Campaign::next_step`] may be called while outcomes are missing, and answers
+/// [`Step::Wait`] once as many points are under way as the plan allows. Chunks are told in the order they were asked
+/// for, so the points depend on the outcomes, not on when they came.
 #[derive(Debug)]
 pub struct Campaign {
     problem: Problem,
     plan: Plan,
     population: Population,
     /// Points of the population that were asked for `(N,)`.
-    evaluated: Vec<bool>,
+    asked: Vec<bool>,
+    /// Chunks under way, the oldest first.
+    under_way: VecDeque<Vec<Asked>>,
+    /// Failed once, to be asked for again, and why.
+    retries: VecDeque<(Asked, SimulationFailure)>,
     observations: Observations,
-    failures: Vec<SimulationFailure>,
-    /// Standardised points asked for and not yet told.
-    asked: Vec<Vec<f64>>,
+    failed: Vec<Failed>,
+    /// Simulations asked for and told.
     total: usize,
+    told: usize,
     correlations: Vec<Option<Correlation>>,
+    /// Results at the last fit of the lengths, and at the last one from several starts.
+    fitted: (usize, usize),
     /// Curves of the round before, over the present population.
     previous: Option<Vec<Vec<f64>>>,
     stopping: Stopping,
     rounds: Vec<Round>,
+    /// Of all that was told; absent while something new is not yet looked at.
     assessment: Option<Assessment>,
     stop: Option<Stop>,
 }
@@ -124,12 +122,15 @@ impl Campaign {
     pub fn new(problem: Problem, plan: Plan) -> Self {
         let population = Population::draw(&problem.variables, plan.population, plan.seed);
         Self {
-            evaluated: vec![false; population.len()],
+            asked: vec![false; population.len()],
+            under_way: VecDeque::new(),
+            retries: VecDeque::new(),
             observations: Observations::new(problem.variables.len(), problem.outputs),
-            failures: Vec::new(),
-            asked: Vec::new(),
+            failed: Vec::new(),
             total: 0,
+            told: 0,
             correlations: vec![None; problem.modes.len()],
+            fitted: (0, 0),
             previous: None,
             stopping: Stopping::default(),
             rounds: Vec::new(),
@@ -141,7 +142,7 @@ impl Campaign {
         }
     }
 
-    /// What to do next. Fits and classifies when the last batch has been told.
+    /// What to do next. Fits and classifies when something new has been told.
     ///
     /// # Errors
     /// [`CampaignError::Surrogate`].
@@ -150,50 +151,70 @@ impl Campaign {
             return Ok(self.ask_initial_design());
         }
         if self.stop.is_some() {
-            return Ok(Step::Done);
+            return Ok(if self.under_way.is_empty() { Step::Done } else { Step::Wait });
         }
-        loop {
-            let (assessment, met) = self.assess_until_fresh()?;
-            let cov = coefficient_of_variation(assessment.governing_failed(), self.population.len());
-            self.note(&assessment, cov);
-            self.previous = Some(assessment.curves.clone());
-            let spent = self.total >= self.plan.max_evaluations;
-            if self.stopping.note(met, &self.plan.targets) {
-                if cov > self.plan.targets.cov && self.population.len() < self.plan.largest_population {
-                    self.enlarge(assessment.governing_failed());
-                    continue;
-                }
-                self.stop = met.map(Stop::Rule);
-            } else if spent {
-                self.stop = Some(Stop::Budget);
-            }
-            if self.stop.is_some() {
-                self.assessment = Some(assessment);
-                return Ok(Step::Done);
-            }
-            return Ok(self.ask_batch(assessment));
+        if !self.retries.is_empty() && self.left() > 0 {
+            let count = self.left().min(self.retries.len());
+            let retries = self.retries.drain(..count).map(|(asked, _)| asked).collect();
+            return Ok(self.ask(retries));
         }
+        let waiting: usize = self.under_way.iter().map(Vec::len).sum();
+        if self.rounds.is_empty() && waiting > 0 {
+            return Ok(Step::Wait);
+        }
+        if self.assessment.is_none() {
+            self.look()?;
+        }
+        // A rule that is met must hold with everything known: nothing new is asked for until that is told.
+        let settling = self.stop.is_none() && self.stopping.holding() && waiting > 0;
+        if self.stop.is_none() && self.left() == 0 && waiting == 0 {
+            self.stop = Some(Stop::Budget);
+        }
+        if self.stop.is_some()
+            || settling
+            || self.left() == 0
+            || waiting + self.plan.chunk() > self.plan.batch
+        {
+            return Ok(if waiting == 0 && self.stop.is_some() { Step::Done } else { Step::Wait });
+        }
+        Ok(self.ask_chunk())
     }
 
-    /// Takes the outcomes of the batch asked for, in its order.
+    /// Takes the outcomes of the chunk that was asked for first, in its order.
     ///
     /// # Errors
     /// [`CampaignError::TooManyFailures`].
     pub fn tell(&mut self, outcomes: Vec<Result<Observed, SimulationFailure>>) -> Result<(), CampaignError> {
-        let asked = std::mem::take(&mut self.asked);
-        assert_eq!(asked.len(), outcomes.len(), "every sample asked for has one outcome");
-        let initial = self.total == 0;
-        self.total += asked.len();
-        for (z, outcome) in asked.into_iter().zip(outcomes) {
+        let chunk = self.under_way.pop_front().expect("outcomes are told of what was asked for");
+        assert_eq!(chunk.len(), outcomes.len(), "every sample asked for has one outcome");
+        let initial = self.told == 0;
+        self.told += chunk.len();
+        for (asked, outcome) in chunk.into_iter().zip(outcomes) {
             match outcome {
-                Ok(observed) => self.observations.add(&z, observed),
-                Err(failure) => self.failures.push(failure),
+                Ok(observed) => self.observations.add(&asked.z, observed),
+                Err(cause) if self.plan.retry && !asked.stricter => {
+                    self.retries.push_back((Asked { stricter: true, ..asked }, cause));
+                }
+                Err(cause) => self.failed.push(Failed { z: asked.z, cause }),
             }
         }
         if initial {
             self.observations.close_design();
         }
-        check_failures(&self.failures, self.total)
+        self.assessment = None;
+        check_failures(self.failed.iter().map(|f| &f.cause), self.told, self.plan.failed_share)
+    }
+
+    /// Simulations the budget leaves.
+    fn left(&self) -> usize {
+        self.plan.max_evaluations.saturating_sub(self.total)
+    }
+
+    fn ask(&mut self, chunk: Vec<Asked>) -> Step {
+        self.total += chunk.len();
+        let asks = chunk.iter().map(|a| Ask { sample: a.sample.clone(), stricter: a.stricter }).collect();
+        self.under_way.push_back(chunk);
+        Step::Evaluate(asks)
     }
 
     /// The nominal point first, then the population's points nearest a Latin hypercube.
@@ -202,56 +223,96 @@ impl Campaign {
         let chosen = choose_by_latin_hypercube(&self.population, count.saturating_sub(1), self.plan.seed);
         let nominal: Vec<f64> =
             self.problem.variables.iter().map(|v| (v.mean() - v.parent_mean()) / v.parent_std()).collect();
-        let mut samples = vec![self.problem.variables.iter().map(Distribution::mean).collect()];
-        self.asked = vec![nominal];
-        for j in chosen {
-            samples.push(self.take(j));
-        }
-        Step::Evaluate(samples)
+        let sample = self.problem.variables.iter().map(Distribution::mean).collect();
+        let mut chunk = vec![Asked { z: nominal, sample, member: None, stricter: false }];
+        chunk.extend(chosen.into_iter().map(|j| self.take(j)));
+        self.ask(chunk)
     }
 
-    fn ask_batch(&mut self, assessment: Assessment) -> Step {
-        let batch = self.plan.batch.min(self.plan.max_evaluations - self.total);
-        let governing = assessment.governing_on_grid();
-        let Assessment { modes, pool, posteriors, .. } = assessment;
-        let chosen = select_batch(&modes, &pool, posteriors, governing, batch);
+    fn ask_chunk(&mut self) -> Step {
+        let count = self.plan.chunk().min(self.left());
+        let assessment = self.assessment.as_mut().expect("everything told was looked at");
+        let chosen = assessment.selection.choose(&assessment.modes, count);
         if chosen.is_empty() {
-            // Every point of the population was simulated.
-            self.stop = Some(Stop::Rule(Rule::Learning));
-            return Step::Done;
+            // Every point of the population was simulated or is under way.
+            if self.under_way.is_empty() {
+                self.stop = Some(Stop::Rule(Rule::Learning));
+                return Step::Done;
+            }
+            return Step::Wait;
         }
-        Step::Evaluate(chosen.into_iter().map(|j| self.take(j)).collect())
+        let chunk = chosen.into_iter().map(|j| self.take(j)).collect();
+        self.ask(chunk)
     }
 
-    /// Marks point `j` as asked for; its sample in SI.
-    fn take(&mut self, j: usize) -> Vec<f64> {
-        self.evaluated[j] = true;
-        self.asked.push(self.population.standardised(j).to_vec());
-        self.population.physical(j)
+    /// Marks point `j` as asked for.
+    fn take(&mut self, j: usize) -> Asked {
+        self.asked[j] = true;
+        let z = self.population.standardised(j).to_vec();
+        Asked { z, sample: self.population.physical(j), member: Some(j), stricter: false }
     }
 
-    /// Assesses; where a stopping rule is met after a warm fit, again after a fresh one.
-    fn assess_until_fresh(&mut self) -> Result<(Assessment, Option<Rule>), CampaignError> {
-        let fresh = self.rounds.len().is_multiple_of(FRESH_FIT_EVERY);
-        let mut effort = if fresh { Effort::MultiStart } else { Effort::Warm };
-        let mut repairs = 0;
+    /// Looks at all that was told, and decides whether learning may stop.
+    fn look(&mut self) -> Result<(), CampaignError> {
         loop {
-            let least = POOL_PER_BATCH * self.plan.batch;
-            let round = u32::try_from(self.rounds.len()).unwrap_or(u32::MAX);
-            let mut assessment = assess(
-                &self.problem,
-                &self.population,
-                &self.evaluated,
-                &self.observations,
-                &self.correlations,
-                self.previous.as_deref(),
-                (effort, self.plan.stated_errors),
-                (least, self.plan.seed, round),
-            )?;
+            let (assessment, met) = self.assess_until_fresh()?;
+            let cov = coefficient_of_variation(assessment.governing_failed(), self.population.len());
+            self.note(&assessment, cov);
+            self.previous = Some(assessment.curves.clone());
+            if self.stopping.note(met, &self.plan.targets) && self.under_way.is_empty() {
+                if cov > self.plan.targets.cov && self.population.len() < self.plan.largest_population {
+                    self.enlarge(assessment.governing_failed());
+                    continue;
+                }
+                self.stop = met.map(Stop::Rule);
+            }
+            self.assessment = Some(assessment);
+            return Ok(());
+        }
+    }
+
+    /// How much to spend on the lengths, by how much is new.
+    fn effort(&self) -> Effort {
+        let (n, (fitted, fresh)) = (self.observations.len() as f64, self.fitted);
+        if n >= FRESH_FIT * fresh as f64 {
+            Effort::MultiStart
+        } else if n >= REFIT * fitted as f64 {
+            Effort::Warm
+        } else {
+            Effort::Keep
+        }
+    }
+
+    /// Assesses; where a stopping rule is met without a fresh fit, again after one.
+    fn assess_until_fresh(&mut self) -> Result<(Assessment, Option<Rule>), CampaignError> {
+        let mut effort = self.effort();
+        let mut repairs = 0;
+        let under_way: Vec<usize> =
+            self.under_way.iter().flatten().filter_map(|asked| asked.member).collect();
+        loop {
+            let known = Known {
+                problem: &self.problem,
+                plan: &self.plan,
+                population: &self.population,
+                asked: &self.asked,
+                under_way: &under_way,
+                observations: &self.observations,
+                failed: &self.failed,
+                correlations: &self.correlations,
+                previous: self.previous.as_deref(),
+                round: u32::try_from(self.rounds.len()).unwrap_or(u32::MAX),
+            };
+            let mut assessment = assess(&known, effort)?;
             repairs += assessment.repairs;
             assessment.repairs = repairs;
             self.correlations =
                 assessment.surrogates.iter().map(|s| Some(s.model.correlation().clone())).collect();
+            let n = self.observations.len();
+            match effort {
+                Effort::Keep => {}
+                Effort::Warm => self.fitted.0 = n,
+                Effort::MultiStart => self.fitted = (n, n),
+            }
             let met = self.plan.targets.met(&assessment.figures);
             if met.is_none() || effort == Effort::MultiStart {
                 return Ok((assessment, met));
@@ -266,7 +327,7 @@ impl Campaign {
         let relative = |change: f64| change / figures.governing_share.max(1.0 / self.population.len() as f64);
         self.rounds.push(Round {
             round: self.rounds.len(),
-            evaluations: self.total,
+            evaluations: self.told,
             // Beyond 100 the figure says nothing more, and JSON has no infinity.
             min_u: figures.min_u.min(100.0),
             share_uncertain: assessment.share_uncertain,
@@ -288,7 +349,7 @@ impl Campaign {
         let wanted = 1.1 * (1.0 - pf) / (pf * self.plan.targets.cov.powi(2));
         let wanted = (wanted.ceil() as usize).clamp(n + n / 10 + 1, 10 * n);
         self.population.grow_to(wanted.min(self.plan.largest_population));
-        self.evaluated.resize(self.population.len(), false);
+        self.asked.resize(self.population.len(), false);
         self.previous = None;
         self.stopping.reset();
     }
@@ -300,24 +361,21 @@ impl Campaign {
 
     /// Evaluations told so far, failed ones included.
     pub fn evaluations(&self) -> usize {
-        self.total
-    }
-
-    /// Failed simulations so far.
-    pub fn failed(&self) -> usize {
-        self.failures.len()
+        self.told
     }
 
     /// What was learned, once [`Step::Done`] has been answered.
-    pub fn finish(self) -> Option<Learned> {
+    pub fn finish(mut self) -> Option<Learned> {
         let stop = self.stop?;
+        // What the budget left no second attempt for.
+        self.failed.extend(self.retries.drain(..).map(|(asked, cause)| Failed { z: asked.z, cause }));
         Some(Learned {
             population: self.population,
             observations: self.observations,
             assessment: self.assessment?,
             rounds: self.rounds,
-            evaluations: self.total,
-            failed: self.failures.len(),
+            evaluations: self.told,
+            failed: self.failed,
             stop,
         })
     }
@@ -336,24 +394,8 @@ pub struct Learned {
     pub rounds: Vec<Round>,
     /// Evaluations, failed ones included.
     pub evaluations: usize,
-    /// Failed simulations.
-    pub failed: usize,
+    /// Simulations that failed for good.
+    pub failed: Vec<Failed>,
     /// Why it ended.
     pub stop: Stop,
-}
-
-/// Refuses to go on when more than a fifth of at least ten simulations failed.
-pub(super) fn check_failures(failures: &[SimulationFailure], total: usize) -> Result<(), CampaignError> {
-    if total < FAILED_AFTER || failures.len() as f64 <= FAILED_SHARE * total as f64 {
-        return Ok(());
-    }
-    let like = |a: &SimulationFailure| failures.iter().filter(|b| discriminant(a) == discriminant(b)).count();
-    // The first of the commonest kind.
-    let cause = failures.iter().rev().max_by_key(|a| like(a)).expect("more than a fifth failed");
-    Err(CampaignError::TooManyFailures {
-        failed: failures.len(),
-        total,
-        count: like(cause),
-        cause: cause.clone(),
-    })
 }

@@ -1,9 +1,10 @@
 //! Campaigns on a published static case: the series system of four branches.
 
-use super::{Campaign, Learned, Observed, Plan, Problem, Step};
-use crate::learning::{Mode, Targets};
+use super::{Campaign, FAILED_SHARE, Learned, Observed, Plan, Problem, Step};
+use crate::learning::{LearningFunction, Mode, Targets};
 use crate::surrogate::StatedErrors;
 use common::random::Distribution;
+use std::collections::VecDeque;
 
 /// Four-branch system, k = 7, as an output that fails at 0: minus the limit state. Echard, Gayton, Lemaire (2011).
 fn four_branch(x: &[f64]) -> f64 {
@@ -32,15 +33,26 @@ fn learn_until(population: usize, initial: usize, seed: u64, targets: Targets) -
         batch: 4,
         max_evaluations: 300,
         seed,
+        learning: LearningFunction::default(),
         targets,
         stated_errors: StatedErrors::default(),
+        retry: false,
+        failed_share: FAILED_SHARE,
     };
     let mut campaign = Campaign::new(problem, plan);
-    while let Step::Evaluate(samples) = campaign.next_step().unwrap() {
-        campaign
-            .tell(samples.iter().map(|x| Ok(Observed::exact(vec![vec![four_branch(x)]]))).collect())
-            .unwrap();
+    let mut under_way = VecDeque::new();
+    loop {
+        match campaign.next_step().unwrap() {
+            Step::Evaluate(asks) => under_way.push_back(asks),
+            Step::Wait => {
+                let asks = under_way.pop_front().expect("it waits for something");
+                let observed = |x: &[f64]| Ok(Observed::exact(vec![vec![four_branch(x)]]));
+                campaign.tell(asks.iter().map(|ask| observed(&ask.sample)).collect()).unwrap();
+            }
+            Step::Done => break,
+        }
     }
+    assert!(under_way.is_empty(), "nothing asked for is left");
     campaign.finish().unwrap()
 }
 

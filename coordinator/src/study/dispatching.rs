@@ -1,136 +1,143 @@
 //! Numbered requests, the campaign file first, then the evaluator; outcomes checked and in order.
 
-use super::{Observed, Problem, StudyError};
+use super::{Ask, CampaignError, Observed, Problem, Step, StudyError};
 use crate::evaluate::{EvaluateError, Evaluator, Finished, Request};
 use crate::journal::Journal;
 use crate::progress::{Observer, Progress};
 use crate::summary::{Round, WorkerShare};
+use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::time::{Duration, Instant};
 
 /// Outcome of one sample.
 pub(super) type Outcome = Result<Observed, SimulationFailure>;
 
-/// Gets samples evaluated, each under the next number.
+/// Who decides what is simulated: asks and is told, chunk by chunk, in order.
+pub(super) trait Learner {
+    /// What it wants next; see [`Step`].
+    fn next_step(&mut self) -> Result<Step, CampaignError>;
+    /// The outcomes of its oldest chunk.
+    fn tell(&mut self, outcomes: Vec<Outcome>) -> Result<(), CampaignError>;
+    /// The rounds so far.
+    fn rounds(&self) -> &[Round];
+    /// What its next chunk is for, in words.
+    fn purpose(&self) -> String;
+}
+
+/// A chunk that is not yet complete.
+struct Chunk {
+    /// Number of its first request.
+    first: u64,
+    outcomes: Vec<Option<Outcome>>,
+}
+
+/// Gets what a learner asks for evaluated, each sample under the next number.
 pub(super) struct Dispatcher<'a> {
     outputs: usize,
     checkpoints: Vec<u32>,
+    /// Setting for what failed once.
+    stricter: Option<Accuracy>,
+    budget: usize,
     evaluator: &'a mut dyn Evaluator,
+    record: Record<'a>,
+}
+
+/// Journal, observer and what is counted.
+struct Record<'a> {
     journal: &'a mut dyn Journal,
     observer: &'a mut dyn Observer,
     next_id: u64,
     done: usize,
+    open: usize,
+    noted: usize,
     shares: BTreeMap<String, (usize, f64)>,
-    waiting: Duration,
+    /// Time the learner took [s].
+    thinking: Duration,
+    /// That part of it in which nothing was under way.
+    idle: Duration,
 }
 
 impl<'a> Dispatcher<'a> {
+    /// `stricter` is the setting for what failed once, `budget` the bound on evaluations, for the observer.
     pub fn new(
         problem: &Problem,
+        stricter: Option<Accuracy>,
+        budget: usize,
         evaluator: &'a mut dyn Evaluator,
         journal: &'a mut dyn Journal,
         observer: &'a mut dyn Observer,
     ) -> Self {
-        Self {
-            outputs: problem.outputs,
-            checkpoints: problem.checkpoints.clone(),
-            evaluator,
+        let record = Record {
             journal,
             observer,
             next_id: 0,
             done: 0,
+            open: 0,
+            noted: 0,
             shares: BTreeMap::new(),
-            waiting: Duration::ZERO,
-        }
+            thinking: Duration::ZERO,
+            idle: Duration::ZERO,
+        };
+        let (outputs, checkpoints) = (problem.outputs, problem.checkpoints.clone());
+        Self { outputs, checkpoints, stricter, budget, evaluator, record }
     }
 
-    /// Evaluates samples `(count)(d,)` [SI]; the outcomes in the same order.
-    pub fn evaluate(
-        &mut self,
-        samples: Vec<Vec<f64>>,
-        purpose: &str,
-        budget: usize,
-    ) -> Result<Vec<Outcome>, StudyError> {
-        let started = Instant::now();
-        let first = self.next_id;
-        let requests: Vec<Request> = (first..)
-            .zip(samples)
-            .map(|(id, sample)| Request { id, sample, with_first_cycle: id == 0, accuracy: None })
-            .collect();
-        self.next_id += requests.len() as u64;
-
-        // What the campaign file knows.
-        let mut finished: Vec<Option<Finished>> = vec![None; requests.len()];
-        let mut missing = Vec::new();
-        for (place, request) in finished.iter_mut().zip(&requests) {
-            *place = self.journal.finished(request)?;
-            match place {
-                Some(outcome) => {
-                    self.done += 1;
-                    notice(self.observer, self.done, outcome, true);
-                }
-                None => missing.push(request.clone()),
-            }
-        }
-
-        self.observer.notice(&Progress::BatchStarted {
-            size: requests.len(),
-            planned: self.done + missing.len(),
-            budget,
-            purpose: purpose.to_owned(),
-        });
-
-        // The rest.
-        if !missing.is_empty() {
-            let (journal, observer, done) = (&mut *self.journal, &mut *self.observer, &mut self.done);
-            self.evaluator.evaluate(&missing, &mut |outcome: Finished| {
-                let place = outcome.id.checked_sub(first).and_then(|i| finished.get_mut(i as usize));
-                let Some(place) = place.filter(|place| place.is_none()) else {
+    /// Evaluates what the learner asks for until it asks for no more.
+    ///
+    /// # Errors
+    /// [`StudyError`]; whatever was evaluated is in the journal by then.
+    pub fn pursue(&mut self, learner: &mut dyn Learner) -> Result<(), StudyError> {
+        let Self { outputs, checkpoints, stricter, budget, evaluator, record } = self;
+        let mut stage =
+            Stage { outputs: *outputs, checkpoints, stricter: *stricter, budget: *budget, record, learner };
+        let mut chunks: VecDeque<Chunk> = VecDeque::new();
+        let mut requests: BTreeMap<u64, Request> = BTreeMap::new();
+        // What the learner makes of outcomes is no matter of the evaluator: it ends, and the error is answered here.
+        let mut failed = None;
+        let first = stage.advance(&mut chunks, &mut requests)?;
+        if !first.is_empty() {
+            let ended = evaluator.pursue(first, &mut |finished| {
+                let known = requests.remove(&finished.id);
+                let Some(request) = known else {
                     return Err(EvaluateError::Transport(format!(
                         "an outcome of evaluation {} that is not being waited for",
-                        outcome.id
+                        finished.id
                     )));
                 };
-                journal.record(&requests[(outcome.id - first) as usize], &outcome)?;
-                *done += 1;
-                notice(observer, *done, &outcome, false);
-                *place = Some(outcome);
-                Ok(())
-            })?;
+                stage.record.keep(&request, &finished)?;
+                let settled = stage
+                    .settle(finished, &mut chunks)
+                    .and_then(|()| stage.advance(&mut chunks, &mut requests));
+                settled.map_err(|error| {
+                    failed = Some(error);
+                    EvaluateError::Interrupted
+                })
+            });
+            if let Some(error) = failed {
+                return Err(error);
+            }
+            ended?;
         }
-        self.waiting += started.elapsed();
-
-        let settle = |(request, outcome): (&Request, Option<Finished>)| {
-            let outcome = outcome.ok_or(StudyError::Unanswered { id: request.id })?;
-            let share = self.shares.entry(outcome.worker.clone()).or_default();
-            share.0 += 1;
-            share.1 += outcome.wall;
-            checked(outcome, self.outputs, &self.checkpoints)
-        };
-        requests.iter().zip(finished).map(settle).collect()
-    }
-
-    /// Passes a finished round on to file and observer.
-    pub fn note_round(&mut self, round: &Round) -> Result<(), StudyError> {
-        self.journal.note_round(round)?;
-        self.observer.notice(&Progress::RoundFinished(round.clone()));
-        Ok(())
+        match requests.keys().next() {
+            Some(id) => Err(StudyError::Unanswered { id: *id }),
+            None => Ok(()),
+        }
     }
 
     /// Passes a notice on.
     pub fn notice(&mut self, progress: &Progress) {
-        self.observer.notice(progress);
+        self.record.observer.notice(progress);
     }
 
     /// Sum of the simulations' own times [s].
     pub fn simulation_seconds(&self) -> f64 {
-        self.shares.values().map(|(_, wall)| wall).sum()
+        self.record.shares.values().map(|(_, wall)| wall).sum()
     }
 
-    /// Time spent with batches out [s].
-    pub fn waiting_seconds(&self) -> f64 {
-        self.waiting.as_secs_f64()
+    /// Time the learner took, and that part of it in which nothing was under way [s].
+    pub fn thinking_seconds(&self) -> (f64, f64) {
+        (self.record.thinking.as_secs_f64(), self.record.idle.as_secs_f64())
     }
 
     /// Who did how much, by name.
@@ -140,7 +147,123 @@ impl<'a> Dispatcher<'a> {
             evaluations: *evaluations,
             simulation_s: *simulation_s,
         };
-        self.shares.iter().map(share).collect()
+        self.record.shares.iter().map(share).collect()
+    }
+}
+
+impl Record<'_> {
+    /// Makes an outcome durable and tells the observer.
+    fn keep(&mut self, request: &Request, finished: &Finished) -> Result<(), EvaluateError> {
+        self.journal.record(request, finished)?;
+        self.done += 1;
+        notice(self.observer, self.done, finished, false);
+        Ok(())
+    }
+
+    /// Passes finished rounds on to file and observer.
+    fn note_rounds(&mut self, rounds: &[Round]) -> Result<(), StudyError> {
+        for round in &rounds[self.noted..] {
+            self.journal.note_round(round)?;
+            self.observer.notice(&Progress::RoundFinished(round.clone()));
+        }
+        self.noted = rounds.len();
+        Ok(())
+    }
+}
+
+/// A learner being served.
+struct Stage<'s, 'a> {
+    outputs: usize,
+    checkpoints: &'s [u32],
+    stricter: Option<Accuracy>,
+    budget: usize,
+    record: &'s mut Record<'a>,
+    learner: &'s mut dyn Learner,
+}
+
+impl Stage<'_, '_> {
+    /// Puts an outcome into its place.
+    fn settle(&mut self, finished: Finished, chunks: &mut VecDeque<Chunk>) -> Result<(), StudyError> {
+        let share = self.record.shares.entry(finished.worker.clone()).or_default();
+        share.0 += 1;
+        share.1 += finished.wall;
+        let id = finished.id;
+        let outcome = checked(finished, self.outputs, self.checkpoints)?;
+        let chunk =
+            chunks.iter_mut().rev().find(|chunk| chunk.first <= id).expect("every request has a chunk");
+        chunk.outcomes[(id - chunk.first) as usize] = Some(outcome);
+        self.record.open -= 1;
+        Ok(())
+    }
+
+    /// Tells what is complete, the oldest chunk first, and asks until the learner waits; what is to be evaluated.
+    ///
+    /// After each chunk told the learner is asked before it is told the next one, so its questions do not depend on
+    /// which outcomes came together.
+    fn advance(
+        &mut self,
+        chunks: &mut VecDeque<Chunk>,
+        requests: &mut BTreeMap<u64, Request>,
+    ) -> Result<Vec<Request>, StudyError> {
+        let mut missing = Vec::new();
+        loop {
+            let started = Instant::now();
+            let idle = self.record.open == 0;
+            let step = self.learner.next_step()?;
+            self.record.thinking += started.elapsed();
+            self.record.idle += if idle { started.elapsed() } else { Duration::ZERO };
+            self.record.note_rounds(self.learner.rounds())?;
+            match step {
+                Step::Done => return Ok(missing),
+                Step::Evaluate(asks) => {
+                    let more = self.begin(asks, &self.learner.purpose(), chunks)?;
+                    requests.extend(more.iter().map(|request| (request.id, request.clone())));
+                    missing.extend(more);
+                }
+                Step::Wait => {
+                    let complete = |chunk: &Chunk| chunk.outcomes.iter().all(Option::is_some);
+                    if !chunks.front().is_some_and(complete) {
+                        return Ok(missing);
+                    }
+                    let chunk = chunks.pop_front().expect("there is one");
+                    self.learner.tell(chunk.outcomes.into_iter().flatten().collect())?;
+                }
+            }
+        }
+    }
+
+    /// Numbers a chunk, takes what the campaign file knows of it; the rest.
+    fn begin(
+        &mut self,
+        asks: Vec<Ask>,
+        purpose: &str,
+        chunks: &mut VecDeque<Chunk>,
+    ) -> Result<Vec<Request>, StudyError> {
+        let first = self.record.next_id;
+        let size = asks.len();
+        self.record.next_id += size as u64;
+        self.record.open += size;
+        chunks.push_back(Chunk { first, outcomes: vec![None; size] });
+        let mut missing = Vec::new();
+        for (id, ask) in (first..).zip(asks) {
+            let accuracy = self.stricter.filter(|_| ask.stricter);
+            let request = Request { id, sample: ask.sample, with_first_cycle: id == 0, accuracy };
+            match self.record.journal.finished(&request)? {
+                Some(finished) => {
+                    self.record.done += 1;
+                    notice(self.record.observer, self.record.done, &finished, true);
+                    self.settle(finished, chunks)?;
+                }
+                None => missing.push(request),
+            }
+        }
+        self.record.observer.notice(&Progress::BatchStarted {
+            size,
+            planned: self.record.next_id as usize,
+            budget: self.budget,
+            purpose: purpose.to_owned(),
+        });
+        Ok(missing)
     }
 }
 

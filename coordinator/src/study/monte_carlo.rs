@@ -1,92 +1,164 @@
-//! Direct simulation: the population's first points, no surrogates; curves from counts.
+//! Direct simulation of a Monte Carlo population's first points or of a Latin hypercube: no surrogates, curves from counts.
 
-use super::campaign::check_failures;
-use super::dispatching::Dispatcher;
+use super::dispatching::{Learner, Outcome};
+use super::failures::check_failures;
 use super::result::{self, Curves};
-use super::{Observed, Problem, Settings, StudyError, StudyResult};
+use super::{Ask, CampaignError, Method, Observed, Problem, Settings, Step, StudyError, StudyResult};
 use crate::design::Population;
 use crate::learning::{curves, running_maximum};
 use crate::reliability::{
     NumericalBand, Shifted, coefficient_of_variation, distributions_from_samples, first_failure_with,
-    governing_checkpoint,
+    governing_checkpoint, killers,
 };
 use crate::sensitivity::sensitivities;
 use crate::summary::{Convergence, EvaluationCounts, Round};
+use common::failure::SimulationFailure;
 use common::random::Distribution;
 use common::scene::Scene;
+use std::collections::VecDeque;
+use std::ops::Range;
 
 /// Samples between two looks at the curves.
 const CHUNK: usize = 64;
+/// Chunks under way at once.
+const AHEAD: usize = 2;
 
-pub(super) fn run(
-    scene: &Scene,
-    settings: &Settings,
-    problem: &Problem,
-    samples: usize,
-    dispatcher: &mut Dispatcher<'_>,
-) -> Result<StudyResult, StudyError> {
-    let population = Population::draw(&problem.variables, samples, settings.study.seed);
-    let budget = samples + 1;
-    // The nominal point is no draw of the population: simulated for its first cycle, not counted.
-    let nominal = problem.variables.iter().map(Distribution::mean).collect();
-    let mut failures = Vec::new();
-    let outcome = dispatcher.evaluate(vec![nominal], "nominal point", budget)?;
-    failures.extend(outcome.into_iter().filter_map(Result::err));
+/// Direct simulation as a [`Learner`]: it learns nothing, so it only has to keep the workers busy.
+pub(super) struct DirectSimulation<'a> {
+    problem: &'a Problem,
+    population: Population,
+    failed_share: f64,
+    /// Samples asked for, and chunks told, the nominal point being the first.
+    asked: usize,
+    told: usize,
+    chunks: VecDeque<Range<usize>>,
+    points: Vec<usize>,
+    histories: Vec<Vec<Vec<f64>>>,
+    first_failures: Vec<Vec<u32>>,
+    shifted: Vec<Shifted>,
+    failures: Vec<SimulationFailure>,
+    rounds: Vec<Round>,
+    curves: Option<Vec<Vec<f64>>>,
+}
 
-    let mut points = Vec::new();
-    let mut histories = vec![Vec::new(); problem.outputs];
-    let mut first_failures = vec![Vec::new(); problem.modes.len() + 1];
-    let mut shifted = vec![Shifted { larger: vec![], smaller: vec![] }; problem.modes.len()];
-    let mut rounds: Vec<Round> = Vec::new();
-    let mut previous: Option<Vec<Vec<f64>>> = None;
-    for start in (0..samples).step_by(CHUNK) {
-        let range = start..samples.min(start + CHUNK);
-        let batch = range.clone().map(|j| population.physical(j)).collect();
-        let outcomes = dispatcher.evaluate(batch, &format!("samples from {}", start + 1), budget)?;
+impl<'a> DirectSimulation<'a> {
+    /// Of the first points of the Monte Carlo population, or of a Latin hypercube of as many.
+    pub fn new(problem: &'a Problem, settings: &Settings, samples: usize) -> Self {
+        let seed = settings.study.seed;
+        let population = match settings.method {
+            Method::LatinHypercube { .. } => Population::latin_hypercube(&problem.variables, samples, seed),
+            _ => Population::draw(&problem.variables, samples, seed),
+        };
+        Self {
+            problem,
+            population,
+            failed_share: settings.failed_share,
+            asked: 0,
+            told: 0,
+            chunks: VecDeque::new(),
+            points: Vec::new(),
+            histories: vec![Vec::new(); problem.outputs],
+            first_failures: vec![Vec::new(); problem.modes.len() + 1],
+            shifted: vec![Shifted { larger: vec![], smaller: vec![] }; problem.modes.len()],
+            failures: Vec::new(),
+            rounds: Vec::new(),
+            curves: None,
+        }
+    }
+
+    /// The result, once all samples were told.
+    pub fn result(self, scene: &Scene, settings: &Settings) -> Result<StudyResult, StudyError> {
+        let samples = self.population.len();
+        let Some(failed) = self.curves else {
+            return Err(StudyError::Setting {
+                key: "samples",
+                value: samples.to_string(),
+                allowed: "none of these simulations gave a result".to_owned(),
+            });
+        };
+        let m = self.problem.checkpoints.len();
+        let grid: Vec<usize> = undecided(&failed);
+        let rows = sensitivities(&self.population, &self.points, &self.first_failures, &grid, m);
+        let distributions = self
+            .histories
+            .iter()
+            .map(|all| distributions_from_samples(&all.iter().map(Vec::as_slice).collect::<Vec<_>>()))
+            .collect();
+        let numerical = NumericalBand::count(&self.shifted, m);
+        let curves =
+            Curves { failed: &failed, points: self.points.len(), surrogate: &[], numerical: &numerical };
+        let failed = self.failures.len();
+        let counts = EvaluationCounts { total: samples + 1, initial: 1, added: samples, failed };
+        let convergence = Convergence {
+            stopped_because: format!("all {samples} samples were simulated"),
+            targets_met: true,
+            rounds: self.rounds,
+        };
+        let modes: Vec<&[u32]> =
+            self.first_failures[..self.problem.modes.len()].iter().map(Vec::as_slice).collect();
+        let shares = killers(&modes, m);
+        Ok(result::assemble(scene, settings, curves, distributions, &rows, &shares, counts, convergence))
+    }
+}
+
+impl Learner for DirectSimulation<'_> {
+    fn next_step(&mut self) -> Result<Step, CampaignError> {
+        if self.told == 0 && self.chunks.is_empty() {
+            // The nominal point is no draw of the population: simulated for its first cycle, not counted.
+            self.chunks.push_back(0..0);
+            let sample = self.problem.variables.iter().map(Distribution::mean).collect();
+            return Ok(Step::Evaluate(vec![Ask { sample, stricter: false }]));
+        }
+        let range = self.asked..self.population.len().min(self.asked + CHUNK);
+        if range.is_empty() && self.chunks.is_empty() {
+            return Ok(Step::Done);
+        }
+        if range.is_empty() || self.chunks.len() > AHEAD {
+            return Ok(Step::Wait);
+        }
+        self.asked = range.end;
+        self.chunks.push_back(range.clone());
+        let ask = |j| Ask { sample: self.population.physical(j), stricter: false };
+        Ok(Step::Evaluate(range.map(ask).collect()))
+    }
+
+    fn tell(&mut self, outcomes: Vec<Outcome>) -> Result<(), CampaignError> {
+        let range = self.chunks.pop_front().expect("outcomes are told of what was asked for");
+        self.told += 1;
+        if range.is_empty() {
+            self.failures.extend(outcomes.into_iter().filter_map(Result::err));
+            return Ok(());
+        }
         for (j, outcome) in range.clone().zip(outcomes) {
             match outcome {
                 Ok(observed) => {
-                    points.push(j);
-                    note_first_failures(problem, &observed.histories, &mut first_failures);
-                    note_shifted(problem, &observed, &mut shifted);
-                    histories.iter_mut().zip(observed.histories).for_each(|(all, history)| all.push(history));
+                    self.points.push(j);
+                    note_first_failures(self.problem, &observed.histories, &mut self.first_failures);
+                    note_shifted(self.problem, &observed, &mut self.shifted);
+                    let all = self.histories.iter_mut();
+                    all.zip(observed.histories).for_each(|(all, history)| all.push(history));
                 }
-                Err(failure) => failures.push(failure),
+                Err(failure) => self.failures.push(failure),
             }
         }
-        check_failures(&failures, range.end + 1)?;
-        if points.is_empty() {
-            continue;
+        check_failures(self.failures.iter(), range.end + 1, self.failed_share)?;
+        if !self.points.is_empty() {
+            let now = curves_of(self.problem, &self.first_failures);
+            let previous = self.curves.as_deref();
+            let (points, round) = (self.points.len(), self.rounds.len());
+            self.rounds.push(round_of(self.problem, &now, previous, points, range.end + 1, round));
+            self.curves = Some(now);
         }
-        let now = curves_of(problem, &first_failures);
-        let round = round_of(problem, &now, previous.as_deref(), points.len(), range.end + 1, rounds.len());
-        dispatcher.note_round(&round)?;
-        rounds.push(round);
-        previous = Some(now);
+        Ok(())
     }
-    let Some(failed) = previous else {
-        return Err(StudyError::Setting {
-            key: "samples",
-            value: samples.to_string(),
-            allowed: "none of these simulations gave a result".to_owned(),
-        });
-    };
 
-    let grid: Vec<usize> = undecided(&failed);
-    let rows = sensitivities(&population, &points, &first_failures, &grid, problem.checkpoints.len());
-    let distributions = histories
-        .iter()
-        .map(|all| distributions_from_samples(&all.iter().map(Vec::as_slice).collect::<Vec<_>>()))
-        .collect();
-    let numerical = NumericalBand::count(&shifted, problem.checkpoints.len());
-    let curves = Curves { failed: &failed, points: points.len(), surrogate: &[], numerical: &numerical };
-    let counts = EvaluationCounts { total: samples + 1, initial: 1, added: samples, failed: failures.len() };
-    let convergence = Convergence {
-        stopped_because: format!("all {samples} samples were simulated"),
-        targets_met: true,
-        rounds,
-    };
-    Ok(result::assemble(scene, settings, curves, distributions, &rows, counts, convergence))
+    fn rounds(&self) -> &[Round] {
+        &self.rounds
+    }
+
+    fn purpose(&self) -> String {
+        if self.asked == 0 { "nominal point".to_owned() } else { format!("samples to {}", self.asked) }
+    }
 }
 
 /// First failures of one evaluation by mode and, last, of the system.

@@ -1,15 +1,16 @@
 //! From what was learned to what is reported.
 
-use super::{Learned, Settings, Stop};
+use super::{Failed, Learned, Settings, Stop};
 use crate::learning::Rule;
 use crate::output_unit::OutputUnit;
 use crate::reliability::{
-    CurvePoint, NumericalBand, OutputDistribution, predict_distributions, reliability_curve, shift_population,
+    CurvePoint, NumericalBand, OutputDistribution, killers, predict_distributions, reliability_curve,
+    shift_population,
 };
 use crate::sensitivity::{Sensitivity, sensitivities};
 use crate::summary::{
-    Convergence, EvaluationCounts, MomentsRow, NumericalRange, PerLimitState, ReliabilityRow,
-    SensitivityError, SensitivityRow, StudySummary, SurrogateRow, Timing,
+    Convergence, EvaluationCounts, FailureRow, Failures, FirstFailureRow, MomentsRow, NumericalRange,
+    PerLimitState, ReliabilityRow, SensitivityError, SensitivityRow, StudySummary, SurrogateRow, Timing,
 };
 use crate::surrogate::{Correlation, LeaveOneOut};
 use common::scene::Scene;
@@ -110,7 +111,7 @@ pub(super) fn from_learning(scene: &Scene, settings: &Settings, learned: &Learne
         total: learned.evaluations,
         initial: settings.study.initial.min(learned.evaluations),
         added: learned.evaluations.saturating_sub(settings.study.initial),
-        failed: learned.failed,
+        failed: learned.failed.len(),
     };
     let convergence = Convergence {
         stopped_because: stop_in_words(learned, settings),
@@ -118,7 +119,10 @@ pub(super) fn from_learning(scene: &Scene, settings: &Settings, learned: &Learne
         rounds: learned.rounds.clone(),
     };
     let distributions = output_distributions(scene, learned);
-    let mut result = assemble(scene, settings, curves, distributions, &rows, counts, convergence);
+    let modes: Vec<&[u32]> = first_failures[..scene.limit_states.len()].iter().map(Vec::as_slice).collect();
+    let shares = killers(&modes, m);
+    let mut result = assemble(scene, settings, curves, distributions, &rows, &shares, counts, convergence);
+    result.summary.failures = failures(scene, learned);
     result.summary.population = learned.population.len();
     let cycles = scene.life.checkpoints();
     result.surrogates = scene
@@ -201,12 +205,14 @@ fn stop_in_words(learned: &Learned, settings: &Settings) -> String {
 }
 
 /// Puts the parts of a result together; time and workers are the caller's.
+#[allow(clippy::too_many_arguments)] // the parts of one result
 pub(super) fn assemble(
     scene: &Scene,
     settings: &Settings,
     curves: Curves<'_>,
     distributions: Vec<Vec<OutputDistribution>>,
     rows: &[Sensitivity],
+    killers: &[Vec<f64>],
     evaluations: EvaluationCounts,
     convergence: Convergence,
 ) -> StudyResult {
@@ -244,6 +250,8 @@ pub(super) fn assemble(
         evaluations,
         limit_states: names.clone(),
         reliability: (0..cycles.len()).map(row).collect(),
+        first_failure: (0..cycles.len()).map(|n| first_failure(&names, killers, cycles[n], n)).collect(),
+        failures: Failures::default(),
         moments: (0..cycles.len()).map(|n| moments(scene, &distributions, cycles[n], n)).collect(),
         sensitivity: rows.iter().map(|row| sensitivity_row(scene, &curve_names, &cycles, row)).collect(),
         convergence,
@@ -260,6 +268,29 @@ pub(super) fn assemble(
         summary,
         distributions: scene.outputs.iter().zip(distributions).map(history).collect(),
         surrogates: Vec::new(),
+    }
+}
+
+/// What failed first of the samples that have failed by one checkpoint.
+fn first_failure(names: &[String], killers: &[Vec<f64>], cycles: u32, n: usize) -> FirstFailureRow {
+    let share = |(name, shares): (&String, &Vec<f64>)| (name.clone(), shares[n]);
+    FirstFailureRow {
+        cycles,
+        together: killers[names.len()][n],
+        first: names.iter().zip(killers).map(share).collect(),
+    }
+}
+
+/// The simulations without a result, and how much of the population they stand for.
+fn failures(scene: &Scene, learned: &Learned) -> Failures {
+    let sample = |z: &[f64]| -> BTreeMap<String, f64> {
+        let values = learned.population.to_physical(z);
+        scene.variables.iter().zip(values).map(|(variable, x)| (variable.name.clone(), x)).collect()
+    };
+    let failure = |failed: &Failed| FailureRow { cause: failed.cause.to_string(), sample: sample(&failed.z) };
+    Failures {
+        barred_share: learned.assessment.feasibility.barred_share(&learned.population),
+        simulations: learned.failed.iter().map(failure).collect(),
     }
 }
 

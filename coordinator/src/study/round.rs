@@ -1,10 +1,12 @@
 //! One round of learning on the results so far: fit, classify the population, estimate the error.
 
-use super::campaign::{CampaignError, Problem};
+use super::campaign::CampaignError;
+use super::failures::{Failed, Feasibility};
 use super::observations::Observations;
+use super::plan::{Plan, Problem};
 use crate::design::Population;
 use crate::learning::{
-    Classification, CurveErrors, Figures, Pool, checkpoints_that_matter, choose_pool, classify,
+    Classification, CurveErrors, Figures, Selection, checkpoints_that_matter, choose_pool, classify,
     coupled_criterion, curves, dominance, estimate_errors, noise_shifts,
 };
 use crate::reliability::governing_checkpoint;
@@ -43,9 +45,10 @@ pub struct Assessment {
     pub figures: Figures,
     /// Repairs: nugget raised, likelihood start failed.
     pub repairs: usize,
-    /// The pool of uncertain points and its joint posterior per mode.
-    pub(super) pool: Pool,
-    pub(super) posteriors: Vec<Posterior>,
+    /// Where simulations give results.
+    pub feasibility: Feasibility,
+    /// Which points to simulate next.
+    pub(super) selection: Selection,
 }
 
 impl Assessment {
@@ -85,18 +88,32 @@ impl Surrogate {
     }
 }
 
-/// Assesses the results. `pool` is the least size of the pool, the seed and the number of the round.
-#[allow(clippy::too_many_arguments)] // a pure function of everything a campaign knows
-pub(super) fn assess(
-    problem: &Problem,
-    population: &Population,
-    evaluated: &[bool],
-    observations: &Observations,
-    correlations: &[Option<Correlation>],
-    previous: Option<&[Vec<f64>]>,
-    (effort, reading): (Effort, StatedErrors),
-    (least, seed, round): (usize, u64, u32),
-) -> Result<Assessment, CampaignError> {
+/// The pool holds at least this many points per point of a batch.
+const POOL_PER_BATCH: usize = 8;
+
+/// What a campaign knows when it assesses.
+pub(super) struct Known<'a> {
+    pub problem: &'a Problem,
+    pub plan: &'a Plan,
+    pub population: &'a Population,
+    /// Points of the population that were asked for `(N,)`.
+    pub asked: &'a [bool],
+    /// Those of them that are under way.
+    pub under_way: &'a [usize],
+    pub observations: &'a Observations,
+    pub failed: &'a [Failed],
+    /// Correlations of the round before, per mode.
+    pub correlations: &'a [Option<Correlation>],
+    /// Curves of the round before, over the present population.
+    pub previous: Option<&'a [Vec<f64>]>,
+    /// Number of the round.
+    pub round: u32,
+}
+
+/// Assesses the results with lengths found with the given effort.
+pub(super) fn assess(known: &Known<'_>, effort: Effort) -> Result<Assessment, CampaignError> {
+    let Known { problem, plan, population, asked, observations, previous, round, .. } = *known;
+    let seed = plan.seed;
     // Surrogates, one per mode, beside each other.
     let points = observations.points();
     let surrogates = problem
@@ -109,7 +126,7 @@ pub(super) fn assess(
             let fitted_on = checkpoints_that_matter(&share, previous.map(|p| p[s].as_slice()), GRID);
             let errors = observations.errors_of_running_maxima(mode.output);
             let observed = (&points, &values, &errors);
-            fit_mode(observed, fitted_on, correlations[s].as_ref(), effort, reading)
+            fit_mode(observed, fitted_on, known.correlations[s].as_ref(), effort, plan.stated_errors)
                 .map_err(|source| CampaignError::Surrogate { mode: s, source })
         })
         .collect::<Result<Vec<Surrogate>, CampaignError>>()?;
@@ -131,7 +148,9 @@ pub(super) fn assess(
     let coupled = coupled_criterion(&modes);
 
     // The pool, its posterior, and the error of the curves.
-    let pool = choose_pool(&coupled, evaluated, least, seed, round);
+    let mut pool = choose_pool(&coupled, asked, POOL_PER_BATCH * plan.batch, seed, round);
+    let under_way = pool.members.len()..pool.members.len() + known.under_way.len();
+    pool.members.extend(known.under_way);
     let d = population.dimension();
     let members = Mat::from_fn(d, pool.members.len(), |k, i| population.standardised(pool.members[i])[k]);
     let posteriors: Vec<Posterior> =
@@ -147,7 +166,7 @@ pub(super) fn assess(
     let governing = governing_checkpoint(&curves[system]);
     let on_grid = nearest(&grid, governing);
     let failed = curves[system][governing];
-    let free = || coupled.iter().zip(evaluated).filter(|(_, evaluated)| !**evaluated).map(|(c, _)| c);
+    let free = || coupled.iter().zip(asked).filter(|(_, asked)| !**asked).map(|(c, _)| c);
     let figures = Figures {
         points: observations.len(),
         min_u: free().map(|c| c.system).fold(f64::INFINITY, f64::min),
@@ -158,6 +177,10 @@ pub(super) fn assess(
     };
     let uncertain = free().filter(|c| c.system < crate::learning::UNCERTAIN).count();
     let weights: Vec<f64> = pool.members.iter().filter_map(|j| dominance(&modes, *j, on_grid)).collect();
+    let feasibility = Feasibility::new(points.as_ref(), known.failed, surrogates[0].model.correlation());
+    let feasible = feasibility.probability(members.as_ref());
+    let choice = (on_grid, plan.learning);
+    let selection = Selection::new(&modes, pool, posteriors, feasible, under_way, choice);
     Ok(Assessment {
         governing,
         share_uncertain: uncertain as f64 / population.len() as f64,
@@ -170,8 +193,8 @@ pub(super) fn assess(
         curves,
         errors,
         noise_shift,
-        pool,
-        posteriors,
+        feasibility,
+        selection,
     })
 }
 
@@ -186,15 +209,21 @@ fn fit_mode(
     let on_grid = |of: &Mat<f64>| Mat::from_fn(of.nrows(), fitted_on.len(), |i, o| of[(i, fitted_on[o])]);
     let (chosen, errors) = (on_grid(values), on_grid(errors));
     let noise = NoiseShape::new(chosen.as_ref(), errors.as_ref(), reading);
-    let fitted = fit_correlation(points.as_ref(), chosen.as_ref(), noise.as_ref(), previous, effort);
+    let (correlation, failed_starts) = match previous.filter(|_| effort == Effort::Keep) {
+        Some(kept) => (kept.clone(), 0),
+        None => {
+            let found = fit_correlation(points.as_ref(), chosen.as_ref(), noise.as_ref(), previous, effort);
+            (found.correlation, found.failed_starts)
+        }
+    };
     let weights = noise.as_ref().map(|noise| noise.weights.as_slice());
-    let mut model = Kriging::condition_noisy(points.as_ref(), chosen.as_ref(), &fitted.correlation, weights)?;
+    let mut model = Kriging::condition_noisy(points.as_ref(), chosen.as_ref(), &correlation, weights)?;
     let leave_one_out = model.leave_one_out(chosen.as_ref());
     let stated = errors.squared_norm_l2() / errors.nrows() as f64;
     let found = model.correlation().stated * model.sigma2().iter().sum::<f64>();
     let share_of_stated = noise.map(|_| (found / stated).sqrt());
     model.set_values(values.as_ref());
-    let repairs = fitted.failed_starts + model.raised();
+    let repairs = failed_starts + model.raised();
     Ok(Surrogate { model, fitted_on, leave_one_out, share_of_stated, repairs })
 }
 

@@ -1,13 +1,19 @@
 //! What a study is asked to do.
 
 use super::{Plan, StudyError};
-use crate::learning::Targets;
+use crate::learning::{LearningFunction, Targets};
 use crate::surrogate::StatedErrors;
-use common::accuracy::NamedAccuracy;
+use common::accuracy::{Accuracy, NamedAccuracy};
 use common::scene::{Scene, StudySettings};
 
 /// Most points of a population: 480 MB at 30 variables.
 const LARGEST_POPULATION: usize = 2_000_000;
+
+/// Share of failed simulations that ends a study unless it is told otherwise.
+pub const FAILED_SHARE: f64 = 0.2;
+
+/// Factor by which the time steps of a second attempt are shorter.
+const STRICTER: f64 = 1.5;
 
 /// How reliability is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,6 +25,11 @@ pub enum Method {
         /// How many.
         samples: usize,
     },
+    /// Direct simulation of a Latin hypercube.
+    LatinHypercube {
+        /// How many.
+        samples: usize,
+    },
 }
 
 impl Method {
@@ -27,6 +38,7 @@ impl Method {
         match self {
             Self::ActiveLearning => "ak",
             Self::MonteCarlo { .. } => "monte-carlo",
+            Self::LatinHypercube { .. } => "latin-hypercube",
         }
     }
 }
@@ -42,6 +54,10 @@ pub struct Settings {
     pub accuracy: NamedAccuracy,
     /// Error budget that the accuracy was found for, if it was, as a share of the limits [1].
     pub max_error: Option<f64>,
+    /// Which points are the most wanted.
+    pub learning: LearningFunction,
+    /// Share of failed simulations above which the study ends [1].
+    pub failed_share: f64,
     /// Stopping rules of active learning.
     pub targets: Targets,
     /// What the surrogates make of the numerical errors that simulations state.
@@ -56,6 +72,8 @@ impl Settings {
             method: Method::ActiveLearning,
             accuracy,
             max_error: None,
+            learning: LearningFunction::default(),
+            failed_share: FAILED_SHARE,
             targets: Targets::default(),
             stated_errors: StatedErrors::default(),
         }
@@ -70,8 +88,24 @@ impl Settings {
             batch: self.study.batch,
             max_evaluations: self.study.max_evaluations,
             seed: self.study.seed,
+            learning: self.learning,
             targets: self.targets,
             stated_errors: self.stated_errors,
+            retry: self.stricter().is_some(),
+            failed_share: self.failed_share,
+        }
+    }
+
+    /// Setting at which a failed simulation is repeated: time steps shorter by half.
+    pub fn stricter(&self) -> Option<Accuracy> {
+        (self.method == Method::ActiveLearning).then(|| self.accuracy.accuracy.refined(STRICTER))
+    }
+
+    /// Bound on evaluations.
+    pub(super) fn budget(&self) -> usize {
+        match self.method {
+            Method::ActiveLearning => self.study.max_evaluations,
+            Method::MonteCarlo { samples } | Method::LatinHypercube { samples } => samples + 1,
         }
     }
 
@@ -86,7 +120,7 @@ impl Settings {
             let allowed = "a study needs at least one limit state and one random variable".to_owned();
             return Err(StudyError::Setting { key: "limit_states and variables", value, allowed });
         }
-        if let Method::MonteCarlo { samples } = self.method {
+        if let Method::MonteCarlo { samples } | Method::LatinHypercube { samples } = self.method {
             return if samples == 0 { refuse("samples", 0, "at least 1".to_owned()) } else { Ok(()) };
         }
         if s.initial < 3 {

@@ -19,6 +19,8 @@ const MEMORY: usize = 8;
 /// How much to spend on a fit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Effort {
+    /// None: the previous parameters stay.
+    Keep,
     /// From the previous parameters.
     Warm,
     /// From several fixed starts and the previous parameters.

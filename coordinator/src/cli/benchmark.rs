@@ -1,0 +1,53 @@
+//! `coordinator benchmark`: published problems of known failure probability.
+
+use super::arguments::{BenchmarkArguments, Talk};
+use super::error::CommandError;
+use super::options::learning_function;
+use super::output::{check_destination, deliver, to_json};
+use coordinator::benchmark::{PublishedProblem, Row, markdown, published_problems, row, run};
+
+/// Runs the command.
+pub fn benchmark(arguments: &BenchmarkArguments, talk: Talk) -> Result<(), CommandError> {
+    check_destination(arguments.out.as_deref())?;
+    let problems = chosen(&arguments.problem)?;
+    let learning = learning_function(arguments.learning.unwrap_or_default());
+    let mut rows: Vec<Row> = Vec::new();
+    for problem in &problems {
+        let mut runs = Vec::new();
+        for seed in 1..=arguments.seeds as u64 {
+            let found = run(problem, (arguments.samples, arguments.batch), learning, seed)
+                .map_err(|error| CommandError::Benchmark { problem: problem.name, seed, error })?;
+            if !talk.quiet {
+                eprintln!(
+                    "{} seed {seed}: {} calls, Pf {:.4e} +- {:.1e} (reference {:.4e}), {} of {} points misclassified, {:?}, {:.1} s",
+                    problem.name,
+                    found.calls,
+                    found.pf,
+                    found.standard_error,
+                    problem.pf,
+                    found.misclassified,
+                    found.population,
+                    found.stop,
+                    found.seconds
+                );
+            }
+            runs.push(found);
+        }
+        rows.push(row(problem, &runs));
+    }
+    let text = if talk.json { to_json(&rows)? } else { markdown(&rows) };
+    deliver(&text, arguments.out.as_deref())
+}
+
+/// The problems of these names, all if there are none.
+fn chosen(names: &[String]) -> Result<Vec<PublishedProblem>, CommandError> {
+    let all = published_problems();
+    if names.is_empty() {
+        return Ok(all);
+    }
+    let known: Vec<&str> = all.iter().map(|problem| problem.name).collect();
+    if let Some(unknown) = names.iter().find(|name| !known.contains(&name.as_str())) {
+        return Err(CommandError::UnknownProblem { name: unknown.clone(), allowed: known.join(", ") });
+    }
+    Ok(all.into_iter().filter(|problem| names.iter().any(|name| name == problem.name)).collect())
+}
