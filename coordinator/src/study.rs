@@ -11,6 +11,8 @@ mod failures;
 mod monte_carlo;
 mod observations;
 mod plan;
+mod populations;
+mod rare;
 mod result;
 mod round;
 mod settings;
@@ -24,6 +26,7 @@ pub use campaign::{Ask, Campaign, CampaignError, Learned, Step, Stop};
 pub use failures::{Failed, Feasibility};
 pub use observations::{Observations, Observed};
 pub use plan::{Plan, Problem};
+pub use populations::LookedAt;
 pub use result::{OutputHistory, StudyResult, SurrogateReport};
 pub use round::{Assessment, Surrogate};
 pub use settings::{FAILED_SHARE, Method, Settings};
@@ -158,7 +161,7 @@ fn learn(
     if !result.summary.reliability.iter().any(|row| row.reliability["total"] < 1.0) {
         dispatcher.notice(&Progress::Warning(format!(
             "no failure was found among {} points of the population",
-            learned.population.len()
+            learned.looked_at.population.len()
         )));
     }
     Ok(result)

@@ -28,6 +28,9 @@ pub struct StudySummary {
     pub max_error: Option<f64>,
     /// Size of the Monte Carlo population at the end.
     pub population: usize,
+    /// What that population is conditional on, where failures were too rare for any without condition.
+    #[serde(default)]
+    pub conditional: Option<ConditionRow>,
     /// Counts of evaluations.
     pub evaluations: EvaluationCounts,
     /// Names of the limit states, in the scene's order.
@@ -44,6 +47,9 @@ pub struct StudySummary {
     pub moments: Vec<MomentsRow>,
     /// Derivatives of the failure probabilities.
     pub sensitivity: Vec<SensitivityRow>,
+    /// Sobol indices of the limit states' outputs; none with direct simulation.
+    #[serde(default)]
+    pub sobol: Vec<SobolRow>,
     /// How learning went and why it stopped.
     pub convergence: Convergence,
     /// The surrogates at the end; none with the Monte Carlo method.
@@ -53,6 +59,43 @@ pub struct StudySummary {
     pub timing_s: Timing,
     /// Who worked.
     pub workers: Vec<WorkerShare>,
+}
+
+/// The intermediate event of a subset simulation.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ConditionRow {
+    /// Its probability [1].
+    pub probability: f64,
+    /// Coefficient of variation of that [1].
+    pub coefficient_of_variation: f64,
+    /// Levels on the way there.
+    pub levels: usize,
+}
+
+/// Sobol indices of one limit state's output for one variable.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SobolRow {
+    /// Life [cycles].
+    pub cycles: u32,
+    /// Limit state.
+    pub limit_state: String,
+    /// Variable.
+    pub variable: String,
+    /// Share of the output's variance that knowing the variable would remove [1].
+    pub first_order: f64,
+    /// Share that would be left if all others were known [1].
+    pub total: f64,
+    /// Standard errors of the two.
+    pub standard_error: SobolError,
+}
+
+/// A pair for the two indices.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct SobolError {
+    /// Of first order.
+    pub first_order: f64,
+    /// Total.
+    pub total: f64,
 }
 
 /// What failed first of the samples that have failed by one checkpoint, as shares of all samples: they add up to the failure

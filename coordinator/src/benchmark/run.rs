@@ -3,7 +3,9 @@
 use super::PublishedProblem;
 use crate::learning::{LearningFunction, Mode, Targets};
 use crate::reliability::reliability_curve;
-use crate::study::{Campaign, CampaignError, FAILED_SHARE, Learned, Observed, Plan, Problem, Step, Stop};
+use crate::study::{
+    Campaign, CampaignError, FAILED_SHARE, Learned, LookedAt, Observed, Plan, Problem, Step, Stop,
+};
 use crate::surrogate::StatedErrors;
 use std::collections::VecDeque;
 use std::time::Instant;
@@ -85,9 +87,10 @@ fn found(problem: &PublishedProblem, learned: &Learned, seed: u64, seconds: f64)
     let errors = assessment.errors.by_curve[system].iter().zip(&assessment.noise_shift[system]);
     let on_grid: Vec<(usize, f64)> =
         assessment.grid.iter().copied().zip(errors.map(|(error, noise)| error.hypot(*noise))).collect();
-    let curve = reliability_curve(&assessment.curves[system], learned.population.len(), &on_grid);
+    let LookedAt { population, condition, .. } = &learned.looked_at;
+    let curve = reliability_curve(&assessment.curves[system], population.len(), &on_grid, condition);
     let wrong = |j: &usize| {
-        let truly = (problem.evaluate)(&learned.population.physical(*j)).iter().flatten().any(|y| *y >= 0.0);
+        let truly = (problem.evaluate)(&population.physical(*j)).iter().flatten().any(|y| *y >= 0.0);
         let predicted = assessment.modes.iter().any(|mode| (mode.first_failure[*j] as usize) < m);
         truly != predicted
     };
@@ -96,8 +99,8 @@ fn found(problem: &PublishedProblem, learned: &Learned, seed: u64, seconds: f64)
         calls: learned.evaluations,
         pf: 1.0 - curve[m - 1].reliability,
         standard_error: curve[m - 1].standard_error,
-        population: learned.population.len(),
-        misclassified: (0..learned.population.len()).filter(wrong).count(),
+        population: population.len(),
+        misclassified: (0..population.len()).filter(wrong).count(),
         stop: learned.stop,
         seconds,
     }

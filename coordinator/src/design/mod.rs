@@ -23,6 +23,8 @@ pub enum Stream {
     Pool(u32),
     /// Joint posterior realisations, one sub-stream per round.
     Realisations(u32),
+    /// Subset simulation, one sub-stream per draw.
+    Subset(u32),
 }
 
 /// Opens a stream under a seed.
@@ -32,6 +34,7 @@ pub fn open_stream(seed: u64, stream: Stream) -> ChaCha12Rng {
         Stream::Design => 2,
         Stream::Pool(round) => (1 << 32) + u64::from(round),
         Stream::Realisations(round) => (2 << 32) + u64::from(round),
+        Stream::Subset(draw) => (3 << 32) + u64::from(draw),
     };
     let mut rng = ChaCha12Rng::seed_from_u64(seed);
     rng.set_stream(number);

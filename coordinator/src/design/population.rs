@@ -33,6 +33,20 @@ impl Population {
         Self { variables: variables.to_vec(), z, rng: open_stream(seed, Stream::Population) }
     }
 
+    /// Other points of the same variables, standardised `(n, d)` row-major; they do not grow.
+    pub fn with_points(&self, z: Vec<f64>) -> Self {
+        Self { variables: self.variables.clone(), z, rng: self.rng.clone() }
+    }
+
+    /// The standardised point of independent standard normals `(d,)` [1].
+    pub fn standardise_normals(&self, u: &[f64]) -> Vec<f64> {
+        let z = |(variable, u): (&Distribution, &f64)| {
+            let x = variable.quantile(common::random::standard_normal_cdf(*u));
+            (x - variable.parent_mean()) / variable.parent_std()
+        };
+        self.variables.iter().zip(u).map(z).collect()
+    }
+
     /// Appends points of the same stream until there are `n`: the first points stay what they were, and the
     /// result is what [`Population::draw`] would have given for `n` at once.
     pub fn grow_to(&mut self, n: usize) {

@@ -10,17 +10,50 @@ pub struct CurvePoint {
     pub standard_error: f64,
 }
 
-/// Curve of R over the m checkpoints from failure shares `(m,)` counted over `points` samples.
+/// What a population is conditional on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Condition {
+    /// Probability of the condition [1]: a share p of the population stands for this times p.
+    pub probability: f64,
+    /// Its coefficient of variation [1].
+    pub cov: f64,
+    /// By how much correlated samples enlarge the variance of a share: by the factor 1 + gamma [1].
+    pub gamma: f64,
+    /// Intermediate events on the way there.
+    pub levels: usize,
+}
+
+impl Condition {
+    /// No condition: independent samples of the variables.
+    pub const NONE: Self = Self { probability: 1.0, cov: 0.0, gamma: 0.0, levels: 0 };
+
+    /// Coefficient of variation of the probability that a share `failed` of `points` samples stands for.
+    pub fn coefficient_of_variation(&self, failed: f64, points: usize) -> f64 {
+        (coefficient_of_variation(failed, points) * (1.0 + self.gamma).sqrt()).hypot(self.cov)
+    }
+}
+
+/// Curve of R over the m checkpoints from failure shares `(m,)` counted over `points` samples under a condition.
 ///
-/// `surrogate` gives the surrogate error (with the simulator noise) at some checkpoints, ascending; between them the error of the nearest holds,
-/// outside them the surrogates leave no doubt and only sampling counts. Empty: direct simulation.
-pub fn reliability_curve(failed: &[f64], points: usize, surrogate: &[(usize, f64)]) -> Vec<CurvePoint> {
-    let at = |(n, pf): (usize, &f64)| {
+/// `surrogate` gives the surrogate error (with the simulator noise) of the shares at some checkpoints, ascending; between them the error of
+/// the nearest holds, outside them the surrogates leave no doubt and only sampling counts. Empty: direct simulation.
+pub fn reliability_curve(
+    failed: &[f64],
+    points: usize,
+    surrogate: &[(usize, f64)],
+    condition: &Condition,
+) -> Vec<CurvePoint> {
+    let at = |(n, share): (usize, &f64)| {
         let count = points as f64;
-        let expected = (count * pf + 1.0) / (count + 2.0);
-        let sampling = expected * (1.0 - expected) / count;
+        let expected = (count * share + 1.0) / (count + 2.0);
+        let sampling = expected * (1.0 - expected) / count * (1.0 + condition.gamma);
         let error = surrogate_error_at(n, surrogate);
-        CurvePoint { reliability: 1.0 - pf, standard_error: (sampling + error * error).sqrt() }
+        let level = share * condition.cov;
+        let of_share = (sampling + error * error + level * level).sqrt();
+        CurvePoint {
+            reliability: 1.0 - condition.probability * share,
+            standard_error: condition.probability * of_share,
+        }
     };
     failed.iter().enumerate().map(at).collect()
 }
@@ -55,7 +88,7 @@ mod tests {
 
     #[test]
     fn standard_errors_combine_sampling_and_surrogate() {
-        let curve = reliability_curve(&[0.0, 0.2, 0.5, 1.0], 98, &[(1, 0.03), (2, 0.0)]);
+        let curve = reliability_curve(&[0.0, 0.2, 0.5, 1.0], 98, &[(1, 0.03), (2, 0.0)], &Condition::NONE);
         let share = |p: f64| p * (1.0 - p) / 98.0;
         assert!((curve[1].standard_error - (share(20.6 / 100.0) + 0.03 * 0.03).sqrt()).abs() < 1e-12);
         assert!((curve[2].standard_error - share(0.5).sqrt()).abs() < 1e-12);
@@ -63,6 +96,17 @@ mod tests {
         assert_eq!(curve[0].reliability, 1.0);
         assert!((curve[0].standard_error - share(0.01).sqrt()).abs() < 1e-12);
         assert!((curve[3].standard_error - curve[0].standard_error).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_condition_scales_the_share_and_adds_its_own_doubt() {
+        let condition = Condition { probability: 1e-4, cov: 0.05, gamma: 3.0, levels: 4 };
+        let point = reliability_curve(&[0.2], 98, &[], &condition)[0];
+        let sampling = 4.0 * 0.206 * 0.794 / 98.0;
+        assert!((1.0 - point.reliability - 2e-5).abs() < 1e-15);
+        assert!((point.standard_error / 1e-4 - (sampling + 1e-4_f64).sqrt()).abs() < 1e-12);
+        let cov = condition.coefficient_of_variation(0.2, 400);
+        assert!((cov - (4.0 * 4.0 / 400.0 + 0.0025_f64).sqrt()).abs() < 1e-15);
     }
 
     #[test]

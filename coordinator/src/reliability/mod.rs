@@ -6,7 +6,7 @@ mod killers;
 mod numerical;
 mod subset;
 
-pub use curve::{CurvePoint, coefficient_of_variation, governing_checkpoint, reliability_curve};
+pub use curve::{Condition, CurvePoint, coefficient_of_variation, governing_checkpoint, reliability_curve};
 pub use distribution::{
     Histogram, OutputDistribution, PROBABILITIES, distributions_from_samples, predict_distributions,
 };

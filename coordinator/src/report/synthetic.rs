@@ -225,6 +225,8 @@ pub fn study() -> Study {
         limit_states: scene.limit_states.iter().map(|state| state.name.clone()).collect(),
         first_failure: Vec::new(),
         failures: Failures::default(),
+        conditional: None,
+        sobol: Vec::new(),
         reliability: checkpoints.iter().map(|cycles| reliability_row(*cycles, &scene)).collect(),
         moments: checkpoints.iter().map(moment_row).collect(),
         sensitivity: [64_000, 66_000, 68_000].into_iter().flat_map(|n| sensitivity(n, &scene)).collect(),

@@ -39,6 +39,12 @@ pub struct Estimate {
     pub standard_error: f64,
 }
 
+impl Estimate {
+    fn times(self, factor: f64) -> Self {
+        Self { value: factor * self.value, standard_error: factor * self.standard_error }
+    }
+}
+
 /// Sums of a score and of its square, over failed points by first failure and over all.
 struct ScoreSums {
     /// `(m + 1, 2)`.
@@ -67,17 +73,29 @@ impl ScoreSums {
     }
 }
 
+/// Samples of known state.
+#[derive(Debug, Clone, Copy)]
+pub struct Sampled<'a> {
+    /// The population they are of.
+    pub population: &'a Population,
+    /// Which of its points `(N,)`.
+    pub points: &'a [usize],
+    /// Probability of the event the population is conditional on [1]; 1: none.
+    pub probability: f64,
+}
+
 /// Derivatives of every curve at the given checkpoints to every variable, ordered by checkpoint, curve, variable.
 ///
-/// `first_failures` holds, per curve, the index of the checkpoint by which each of the population's first points has
-/// failed, m if never `(curves)(N,)`; `points` says which points of the population they are.
+/// `first_failures` holds, per curve, the index of the checkpoint by which each sample has failed, m if never `(curves)(N,)`. Under a
+/// condition C that every failure implies dP_f/dp = P(C) E[I s | C]; scores have no mean zero there, so nothing is
+/// taken off them.
 pub fn sensitivities(
-    population: &Population,
-    points: &[usize],
+    sampled: &Sampled<'_>,
     first_failures: &[Vec<u32>],
     checkpoints: &[usize],
     m: usize,
 ) -> Vec<Sensitivity> {
+    let Sampled { population, points, probability } = *sampled;
     let count = points.len();
     let failed_share = |first: &[u32], n: usize| {
         first.iter().filter(|first| **first as usize <= n).count() as f64 / count as f64
@@ -102,14 +120,14 @@ pub fn sensitivities(
     let mut rows = Vec::new();
     for checkpoint in checkpoints {
         for (curve, first) in first_failures.iter().enumerate() {
-            let pf = failed_share(first, *checkpoint);
+            let pf = if probability < 1.0 { 0.0 } else { failed_share(first, *checkpoint) };
             for (variable, [mean, std]) in sums.iter().enumerate() {
                 rows.push(Sensitivity {
                     curve,
                     checkpoint: *checkpoint,
                     variable,
-                    to_mean: mean[curve].estimate(*checkpoint, pf, count),
-                    to_std: std[curve].estimate(*checkpoint, pf, count),
+                    to_mean: mean[curve].estimate(*checkpoint, pf, count).times(probability),
+                    to_std: std[curve].estimate(*checkpoint, pf, count).times(probability),
                 });
             }
         }
@@ -148,7 +166,8 @@ mod tests {
             .map(|j| if value(j) >= limits[1] { 0 } else { 1 + u32::from(value(j) < limits[0]) })
             .collect();
         let all: Vec<usize> = (0..points).collect();
-        let rows = sensitivities(&population, &all, &[first], &[0, 1], 2);
+        let sampled = Sampled { population: &population, points: &all, probability: 1.0 };
+        let rows = sensitivities(&sampled, &[first], &[0, 1], 2);
         let h = 1e-4;
         for row in rows {
             let limit = limits[1 - row.checkpoint];

@@ -3,10 +3,10 @@
 use super::failures::{Failed, check_failures};
 use super::observations::{Observations, Observed};
 use super::plan::{Plan, Problem};
+use super::populations::LookedAt;
 use super::round::{Assessment, Known, assess};
 use crate::design::{Population, choose_by_latin_hypercube};
 use crate::learning::{Rule, Stopping};
-use crate::reliability::coefficient_of_variation;
 use crate::summary::Round;
 use crate::surrogate::{Correlation, Effort, SurrogateError};
 use common::failure::SimulationFailure;
@@ -93,7 +93,7 @@ struct Asked {
 pub struct Campaign {
     problem: Problem,
     plan: Plan,
-    population: Population,
+    looked_at: LookedAt,
     /// Points of the population that were asked for `(N,)`.
     asked: Vec<bool>,
     /// Chunks under way, the oldest first.
@@ -136,7 +136,7 @@ impl Campaign {
             rounds: Vec::new(),
             assessment: None,
             stop: None,
-            population,
+            looked_at: LookedAt::new(population),
             problem,
             plan,
         }
@@ -220,7 +220,8 @@ impl Campaign {
     /// The nominal point first, then the population's points nearest a Latin hypercube.
     fn ask_initial_design(&mut self) -> Step {
         let count = self.plan.initial.min(self.plan.max_evaluations);
-        let chosen = choose_by_latin_hypercube(&self.population, count.saturating_sub(1), self.plan.seed);
+        let chosen =
+            choose_by_latin_hypercube(&self.looked_at.population, count.saturating_sub(1), self.plan.seed);
         let nominal: Vec<f64> =
             self.problem.variables.iter().map(|v| (v.mean() - v.parent_mean()) / v.parent_std()).collect();
         let sample = self.problem.variables.iter().map(Distribution::mean).collect();
@@ -248,20 +249,24 @@ impl Campaign {
     /// Marks point `j` as asked for.
     fn take(&mut self, j: usize) -> Asked {
         self.asked[j] = true;
-        let z = self.population.standardised(j).to_vec();
-        Asked { z, sample: self.population.physical(j), member: Some(j), stricter: false }
+        let z = self.looked_at.population.standardised(j).to_vec();
+        Asked { z, sample: self.looked_at.population.physical(j), member: Some(j), stricter: false }
     }
 
     /// Looks at all that was told, and decides whether learning may stop.
     fn look(&mut self) -> Result<(), CampaignError> {
         loop {
             let (assessment, met) = self.assess_until_fresh()?;
-            let cov = coefficient_of_variation(assessment.governing_failed(), self.population.len());
+            let failed = assessment.governing_failed();
+            let cov = self.looked_at.coefficient_of_variation(failed);
             self.note(&assessment, cov);
             self.previous = Some(assessment.curves.clone());
             if self.stopping.note(met, &self.plan.targets) && self.under_way.is_empty() {
-                if cov > self.plan.targets.cov && self.population.len() < self.plan.largest_population {
-                    self.enlarge(assessment.governing_failed());
+                let surrogates = &assessment.surrogates;
+                if self.looked_at.changes(&self.problem, &self.plan, surrogates, failed, cov) {
+                    self.asked = vec![false; self.looked_at.population.len()];
+                    self.previous = None;
+                    self.stopping.reset();
                     continue;
                 }
                 self.stop = met.map(Stop::Rule);
@@ -293,7 +298,7 @@ impl Campaign {
             let known = Known {
                 problem: &self.problem,
                 plan: &self.plan,
-                population: &self.population,
+                population: &self.looked_at.population,
                 asked: &self.asked,
                 under_way: &under_way,
                 observations: &self.observations,
@@ -324,7 +329,8 @@ impl Campaign {
     fn note(&mut self, assessment: &Assessment, cov: f64) {
         let figures = &assessment.figures;
         let governing = assessment.governing;
-        let relative = |change: f64| change / figures.governing_share.max(1.0 / self.population.len() as f64);
+        let relative =
+            |change: f64| change / figures.governing_share.max(1.0 / self.looked_at.population.len() as f64);
         self.rounds.push(Round {
             round: self.rounds.len(),
             evaluations: self.told,
@@ -336,22 +342,9 @@ impl Campaign {
             cov_pf: cov,
             dominance: assessment.dominance,
             cycles: self.problem.checkpoints[governing],
-            reliability_total: 1.0 - assessment.governing_failed(),
+            reliability_total: 1.0 - self.looked_at.condition.probability * assessment.governing_failed(),
             repairs: assessment.repairs,
         });
-    }
-
-    /// Grows the population to what the coefficient of variation asks for, with a tenth in reserve (tenfold while
-    /// nothing fails), never more than tenfold at once; learning then goes on.
-    fn enlarge(&mut self, failed: f64) {
-        let n = self.population.len();
-        let pf = failed.max(1.0 / n as f64);
-        let wanted = 1.1 * (1.0 - pf) / (pf * self.plan.targets.cov.powi(2));
-        let wanted = (wanted.ceil() as usize).clamp(n + n / 10 + 1, 10 * n);
-        self.population.grow_to(wanted.min(self.plan.largest_population));
-        self.asked.resize(self.population.len(), false);
-        self.previous = None;
-        self.stopping.reset();
     }
 
     /// The rounds so far.
@@ -370,7 +363,7 @@ impl Campaign {
         // What the budget left no second attempt for.
         self.failed.extend(self.retries.drain(..).map(|(asked, cause)| Failed { z: asked.z, cause }));
         Some(Learned {
-            population: self.population,
+            looked_at: self.looked_at,
             observations: self.observations,
             assessment: self.assessment?,
             rounds: self.rounds,
@@ -384,8 +377,8 @@ impl Campaign {
 /// What a campaign learned.
 #[derive(Debug)]
 pub struct Learned {
-    /// The population at the end.
-    pub population: Population,
+    /// The population that was classified at the end, and what it is conditional on.
+    pub looked_at: LookedAt,
     /// All results.
     pub observations: Observations,
     /// The last round's surrogates and classification.

@@ -1,9 +1,9 @@
 //! Campaigns on a published static case: the series system of four branches.
 
-use super::{Campaign, FAILED_SHARE, Learned, Observed, Plan, Problem, Step};
+use super::{Campaign, FAILED_SHARE, Learned, LookedAt, Observed, Plan, Problem, Step};
 use crate::learning::{LearningFunction, Mode, Targets};
 use crate::surrogate::StatedErrors;
-use common::random::Distribution;
+use common::random::{Distribution, standard_normal_cdf, standard_normal_pdf};
 use std::collections::VecDeque;
 
 /// Four-branch system, k = 7, as an output that fails at 0: minus the limit state. Echard, Gayton, Lemaire (2011).
@@ -19,6 +19,16 @@ fn learn(population: usize, initial: usize, seed: u64) -> Learned {
 }
 
 fn learn_until(population: usize, initial: usize, seed: u64, targets: Targets) -> Learned {
+    learn_of(four_branch, (population, 400_000), initial, seed, targets)
+}
+
+fn learn_of(
+    output: fn(&[f64]) -> f64,
+    (population, largest_population): (usize, usize),
+    initial: usize,
+    seed: u64,
+    targets: Targets,
+) -> Learned {
     let normal = Distribution::TruncatedNormal { mean: 0.0, std: 1.0, lower: -8.0, upper: 8.0 };
     let problem = Problem {
         variables: vec![normal; 2],
@@ -28,7 +38,7 @@ fn learn_until(population: usize, initial: usize, seed: u64, targets: Targets) -
     };
     let plan = Plan {
         population,
-        largest_population: 400_000,
+        largest_population,
         initial,
         batch: 4,
         max_evaluations: 300,
@@ -46,7 +56,7 @@ fn learn_until(population: usize, initial: usize, seed: u64, targets: Targets) -
             Step::Evaluate(asks) => under_way.push_back(asks),
             Step::Wait => {
                 let asks = under_way.pop_front().expect("it waits for something");
-                let observed = |x: &[f64]| Ok(Observed::exact(vec![vec![four_branch(x)]]));
+                let observed = |x: &[f64]| Ok(Observed::exact(vec![vec![output(x)]]));
                 campaign.tell(asks.iter().map(|ask| observed(&ask.sample)).collect()).unwrap();
             }
             Step::Done => break,
@@ -58,8 +68,8 @@ fn learn_until(population: usize, initial: usize, seed: u64, targets: Targets) -
 
 /// Share of the population that fails in truth, and as classified.
 fn shares(learned: &Learned) -> (f64, f64) {
-    let n = learned.population.len();
-    let truth = (0..n).filter(|j| four_branch(&learned.population.physical(*j)) >= 0.0).count();
+    let n = learned.looked_at.population.len();
+    let truth = (0..n).filter(|j| four_branch(&learned.looked_at.population.physical(*j)) >= 0.0).count();
     (truth as f64 / n as f64, learned.assessment.curves[0][0])
 }
 
@@ -68,7 +78,7 @@ fn four_branch_within_three_standard_errors_and_110_calls() {
     for seed in [1, 2, 3] {
         let learned = learn(200_000, 12, seed);
         let (truth, found) = shares(&learned);
-        let n = learned.population.len() as f64;
+        let n = learned.looked_at.population.len() as f64;
         let standard_error = (truth * (1.0 - truth) / n).sqrt();
         eprintln!(
             "seed {seed}: N {n}, {} calls, {:?}, truth {truth:.4e}, found {found:.4e}",
@@ -102,10 +112,40 @@ fn the_population_grows_until_the_coefficient_of_variation_is_met() {
     let learned = learn(20_000, 30, 5);
     let last = learned.rounds.last().unwrap();
     assert!(
-        learned.population.len() > 150_000 && last.cov_pf < 0.05,
+        learned.looked_at.population.len() > 150_000 && last.cov_pf < 0.05,
         "{} {}",
-        learned.population.len(),
+        learned.looked_at.population.len(),
         last.cov_pf
     );
     assert!(learned.rounds[0].cov_pf > 0.1);
+}
+
+#[test]
+fn a_rare_event_is_found_through_conditional_populations() {
+    // Two regions, on either side of a saddle: P_f = 2 P(x >= sqrt(25 + y^2)), by quadrature.
+    let output = |x: &[f64]| x[0] * x[0] - 25.0 - x[1] * x[1];
+    let exact = {
+        let (n, h) = (4000, 16.0 / 4000.0);
+        let at = |i: usize| {
+            let y = -8.0 + h * i as f64;
+            let weight = if i == 0 || i == n { 0.5 } else { 1.0 };
+            weight * standard_normal_pdf(y) * 2.0 * standard_normal_cdf(-(25.0 + y * y).sqrt())
+        };
+        (0..=n).map(at).sum::<f64>() * h
+    };
+    for seed in [1, 2, 3] {
+        let learned = learn_of(output, (20_000, 50_000), 12, seed, Targets::default());
+        let LookedAt { condition, population, .. } = &learned.looked_at;
+        let failed = learned.assessment.governing_failed();
+        let pf = condition.probability * failed;
+        let cov = condition.coefficient_of_variation(failed, population.len());
+        eprintln!(
+            "seed {seed}: {} calls, {condition:?}, {pf:.4e} of {exact:.4e}, cov {cov:.3}",
+            learned.evaluations
+        );
+        assert!(condition.levels >= 5 && cov < 0.1, "seed {seed}: {condition:?} {cov}");
+        assert!((pf / exact - 1.0).abs() < 3.5 * cov, "seed {seed}: {pf} {exact} {cov}");
+        assert!(learned.evaluations <= 80, "seed {seed}: {} calls", learned.evaluations);
+        assert_eq!(learned.looked_at.unconditional().len(), 20_000);
+    }
 }

@@ -7,10 +7,10 @@ use super::{Ask, CampaignError, Method, Observed, Problem, Settings, Step, Study
 use crate::design::Population;
 use crate::learning::{curves, running_maximum};
 use crate::reliability::{
-    NumericalBand, Shifted, coefficient_of_variation, distributions_from_samples, first_failure_with,
-    governing_checkpoint, killers,
+    Condition, NumericalBand, Shifted, coefficient_of_variation, distributions_from_samples,
+    first_failure_with, governing_checkpoint, killers,
 };
-use crate::sensitivity::sensitivities;
+use crate::sensitivity::{Sampled, sensitivities};
 use crate::summary::{Convergence, EvaluationCounts, Round};
 use common::failure::SimulationFailure;
 use common::random::Distribution;
@@ -78,15 +78,21 @@ impl<'a> DirectSimulation<'a> {
         };
         let m = self.problem.checkpoints.len();
         let grid: Vec<usize> = undecided(&failed);
-        let rows = sensitivities(&self.population, &self.points, &self.first_failures, &grid, m);
+        let sampled = Sampled { population: &self.population, points: &self.points, probability: 1.0 };
+        let rows = sensitivities(&sampled, &self.first_failures, &grid, m);
         let distributions = self
             .histories
             .iter()
             .map(|all| distributions_from_samples(&all.iter().map(Vec::as_slice).collect::<Vec<_>>()))
             .collect();
         let numerical = NumericalBand::count(&self.shifted, m);
-        let curves =
-            Curves { failed: &failed, points: self.points.len(), surrogate: &[], numerical: &numerical };
+        let curves = Curves {
+            failed: &failed,
+            points: self.points.len(),
+            surrogate: &[],
+            numerical: &numerical,
+            condition: &Condition::NONE,
+        };
         let failed = self.failures.len();
         let counts = EvaluationCounts { total: samples + 1, initial: 1, added: samples, failed };
         let convergence = Convergence {

@@ -1,19 +1,21 @@
 //! From what was learned to what is reported.
 
-use super::{Failed, Learned, Settings, Stop};
+use super::{Failed, Learned, LookedAt, Settings, Stop};
 use crate::learning::Rule;
 use crate::output_unit::OutputUnit;
 use crate::reliability::{
-    CurvePoint, NumericalBand, OutputDistribution, killers, predict_distributions, reliability_curve,
-    shift_population,
+    Condition, CurvePoint, NumericalBand, OutputDistribution, killers, predict_distributions,
+    reliability_curve, shift_population,
 };
-use crate::sensitivity::{Sensitivity, sensitivities};
+use crate::sensitivity::{Sampled, Sensitivity, sensitivities, sobol_indices};
 use crate::summary::{
-    Convergence, EvaluationCounts, FailureRow, Failures, FirstFailureRow, MomentsRow, NumericalRange,
-    PerLimitState, ReliabilityRow, SensitivityError, SensitivityRow, StudySummary, SurrogateRow, Timing,
+    ConditionRow, Convergence, EvaluationCounts, FailureRow, Failures, FirstFailureRow, MomentsRow,
+    NumericalRange, PerLimitState, ReliabilityRow, SensitivityError, SensitivityRow, SobolError, SobolRow,
+    StudySummary, SurrogateRow, Timing,
 };
 use crate::surrogate::{Correlation, LeaveOneOut};
 use common::scene::Scene;
+use faer::{Mat, MatRef};
 use std::collections::BTreeMap;
 
 /// Everything a study found.
@@ -74,11 +76,14 @@ pub(super) struct Curves<'a> {
     pub surrogate: &'a [Vec<(usize, f64)>],
     /// The failure shares under numerical errors.
     pub numerical: &'a NumericalBand,
+    /// What the samples are conditional on.
+    pub condition: &'a Condition,
 }
 
 /// The result of active learning.
 pub(super) fn from_learning(scene: &Scene, settings: &Settings, learned: &Learned) -> StudyResult {
     let assessment = &learned.assessment;
+    let LookedAt { population, condition, .. } = &learned.looked_at;
     let m = scene.life.checkpoints().len();
     let surrogate: Vec<Vec<(usize, f64)>> = assessment
         .errors
@@ -93,19 +98,21 @@ pub(super) fn from_learning(scene: &Scene, settings: &Settings, learned: &Learne
     let numerical = numerical_band(scene, learned);
     let curves = Curves {
         failed: &assessment.curves,
-        points: learned.population.len(),
+        points: population.len(),
         surrogate: &surrogate,
         numerical: &numerical,
+        condition,
     };
 
     // Derivatives of the modes and of the system, whose first failure is the earliest of the modes'.
     let mut first_failures: Vec<Vec<u32>> =
         assessment.modes.iter().map(|mode| mode.first_failure.clone()).collect();
     let earliest = |j: usize| first_failures.iter().map(|first| first[j]).min().unwrap_or(m as u32);
-    let system = (0..learned.population.len()).map(earliest).collect();
+    let system = (0..population.len()).map(earliest).collect();
     first_failures.push(system);
-    let points: Vec<usize> = (0..learned.population.len()).collect();
-    let rows = sensitivities(&learned.population, &points, &first_failures, &assessment.grid, m);
+    let points: Vec<usize> = (0..population.len()).collect();
+    let sampled = Sampled { population, points: &points, probability: condition.probability };
+    let rows = sensitivities(&sampled, &first_failures, &assessment.grid, m);
 
     let counts = EvaluationCounts {
         total: learned.evaluations,
@@ -123,7 +130,13 @@ pub(super) fn from_learning(scene: &Scene, settings: &Settings, learned: &Learne
     let shares = killers(&modes, m);
     let mut result = assemble(scene, settings, curves, distributions, &rows, &shares, counts, convergence);
     result.summary.failures = failures(scene, learned);
-    result.summary.population = learned.population.len();
+    result.summary.population = population.len();
+    result.summary.conditional = (condition.levels > 0).then_some(ConditionRow {
+        probability: condition.probability,
+        coefficient_of_variation: condition.cov,
+        levels: condition.levels,
+    });
+    result.summary.sobol = sobol(scene, learned);
     let cycles = scene.life.checkpoints();
     result.surrogates = scene
         .limit_states
@@ -151,7 +164,7 @@ fn numerical_band(scene: &Scene, learned: &Learned) -> NumericalBand {
             let values = learned.observations.running_maxima(limit.output);
             let errors = learned.observations.errors_of_running_maxima(limit.output);
             let (values, errors) = (values.as_ref(), errors.as_ref());
-            shift_population(&surrogate.model, &learned.population, values, errors, limit.threshold)
+            shift_population(&surrogate.model, &learned.looked_at.population, values, errors, limit.threshold)
         })
         .collect();
     NumericalBand::count(&shifted, scene.life.checkpoints().len())
@@ -165,7 +178,7 @@ fn output_distributions(scene: &Scene, learned: &Learned) -> Vec<Vec<OutputDistr
             let mode = scene.limit_states.iter().position(|limit| limit.output == output).unwrap_or(0);
             let mut model = learned.assessment.surrogates[mode].model.clone();
             model.set_values(learned.observations.values(output).as_ref());
-            predict_distributions(&model, &learned.population)
+            predict_distributions(&model, learned.looked_at.unconditional())
         })
         .collect()
 }
@@ -196,7 +209,8 @@ fn stop_in_words(learned: &Learned, settings: &Settings) -> String {
     let system = &learned.assessment.curves[learned.assessment.curves.len() - 1];
     let cov = learned.rounds.last().map_or(f64::INFINITY, |round| round.cov_pf);
     if system.iter().all(|failed| *failed == 0.0) {
-        format!("{reason}; no failure was found among {} points of the population", learned.population.len())
+        let points = learned.looked_at.population.len();
+        format!("{reason}; no failure was found among {points} points of the population")
     } else if cov > targets.cov {
         format!("{reason}; the coefficient of variation of P_f is still {cov:.3} (target {})", targets.cov)
     } else {
@@ -222,7 +236,8 @@ pub(super) fn assemble(
     let none = Vec::new();
     let points: Vec<Vec<CurvePoint>> = (0..curve_names.len())
         .map(|c| {
-            reliability_curve(&curves.failed[c], curves.points, curves.surrogate.get(c).unwrap_or(&none))
+            let surrogate = curves.surrogate.get(c).unwrap_or(&none);
+            reliability_curve(&curves.failed[c], curves.points, surrogate, curves.condition)
         })
         .collect();
     let row = |n: usize| {
@@ -231,8 +246,8 @@ pub(super) fn assemble(
         };
         let (reliability, standard_error) = (value(&|p| p.reliability), value(&|p| p.standard_error));
         let range = |c: usize| NumericalRange {
-            lower: 1.0 - curves.numerical.most[c][n],
-            upper: 1.0 - curves.numerical.least[c][n],
+            lower: 1.0 - curves.condition.probability * curves.numerical.most[c][n],
+            upper: 1.0 - curves.condition.probability * curves.numerical.least[c][n],
         };
         let numerical =
             curve_names.iter().enumerate().map(|(c, name)| ((*name).to_owned(), range(c))).collect();
@@ -250,8 +265,12 @@ pub(super) fn assemble(
         evaluations,
         limit_states: names.clone(),
         reliability: (0..cycles.len()).map(row).collect(),
-        first_failure: (0..cycles.len()).map(|n| first_failure(&names, killers, cycles[n], n)).collect(),
+        first_failure: (0..cycles.len())
+            .map(|n| first_failure(&names, killers, curves.condition, cycles[n], n))
+            .collect(),
         failures: Failures::default(),
+        conditional: None,
+        sobol: Vec::new(),
         moments: (0..cycles.len()).map(|n| moments(scene, &distributions, cycles[n], n)).collect(),
         sensitivity: rows.iter().map(|row| sensitivity_row(scene, &curve_names, &cycles, row)).collect(),
         convergence,
@@ -271,12 +290,48 @@ pub(super) fn assemble(
     }
 }
 
+/// Sobol indices of the limit states' outputs at the checkpoints that matter.
+fn sobol(scene: &Scene, learned: &Learned) -> Vec<SobolRow> {
+    let cycles = scene.life.checkpoints();
+    let population = learned.looked_at.unconditional();
+    let grid = &learned.assessment.grid;
+    let mut rows = Vec::new();
+    for (limit, surrogate) in scene.limit_states.iter().zip(&learned.assessment.surrogates) {
+        let (model, dual) = (&surrogate.model, surrogate.model.dual());
+        let predict = |points: MatRef<'_, f64>| {
+            let all = model.predict_means(points, &dual, 0..cycles.len());
+            Mat::from_fn(grid.len(), points.ncols(), |o, j| all[(grid[o], j)])
+        };
+        let indices = sobol_indices(population, grid.len(), &predict);
+        for (n, variables) in grid.iter().zip(indices) {
+            rows.extend(scene.variables.iter().zip(variables).map(|(variable, sobol)| SobolRow {
+                cycles: cycles[*n],
+                limit_state: limit.name.clone(),
+                variable: variable.name.clone(),
+                first_order: sobol.first_order.value,
+                total: sobol.total.value,
+                standard_error: SobolError {
+                    first_order: sobol.first_order.standard_error,
+                    total: sobol.total.standard_error,
+                },
+            }));
+        }
+    }
+    rows
+}
+
 /// What failed first of the samples that have failed by one checkpoint.
-fn first_failure(names: &[String], killers: &[Vec<f64>], cycles: u32, n: usize) -> FirstFailureRow {
-    let share = |(name, shares): (&String, &Vec<f64>)| (name.clone(), shares[n]);
+fn first_failure(
+    names: &[String],
+    killers: &[Vec<f64>],
+    condition: &Condition,
+    cycles: u32,
+    n: usize,
+) -> FirstFailureRow {
+    let share = |(name, shares): (&String, &Vec<f64>)| (name.clone(), condition.probability * shares[n]);
     FirstFailureRow {
         cycles,
-        together: killers[names.len()][n],
+        together: condition.probability * killers[names.len()][n],
         first: names.iter().zip(killers).map(share).collect(),
     }
 }
@@ -284,12 +339,12 @@ fn first_failure(names: &[String], killers: &[Vec<f64>], cycles: u32, n: usize) 
 /// The simulations without a result, and how much of the population they stand for.
 fn failures(scene: &Scene, learned: &Learned) -> Failures {
     let sample = |z: &[f64]| -> BTreeMap<String, f64> {
-        let values = learned.population.to_physical(z);
+        let values = learned.looked_at.population.to_physical(z);
         scene.variables.iter().zip(values).map(|(variable, x)| (variable.name.clone(), x)).collect()
     };
     let failure = |failed: &Failed| FailureRow { cause: failed.cause.to_string(), sample: sample(&failed.z) };
     Failures {
-        barred_share: learned.assessment.feasibility.barred_share(&learned.population),
+        barred_share: learned.assessment.feasibility.barred_share(learned.looked_at.unconditional()),
         simulations: learned.failed.iter().map(failure).collect(),
     }
 }
