@@ -9,7 +9,8 @@ use crate::learning::{
 };
 use crate::reliability::governing_checkpoint;
 use crate::surrogate::{
-    Correlation, Effort, Kriging, LeaveOneOut, NoiseShape, Posterior, StatedErrors, fit_correlation,
+    Correlation, Effort, Form, Kriging, LeaveOneOut, NoiseShape, Posterior, StatedErrors, TrainingSet,
+    fit_correlation,
 };
 use faer::Mat;
 use rayon::prelude::*;
@@ -186,9 +187,16 @@ fn fit_mode(
     let on_grid = |of: &Mat<f64>| Mat::from_fn(of.nrows(), fitted_on.len(), |i, o| of[(i, fitted_on[o])]);
     let (chosen, errors) = (on_grid(values), on_grid(errors));
     let noise = NoiseShape::new(chosen.as_ref(), errors.as_ref(), reading);
-    let fitted = fit_correlation(points.as_ref(), chosen.as_ref(), noise.as_ref(), previous, effort);
-    let weights = noise.as_ref().map(|noise| noise.weights.as_slice());
-    let mut model = Kriging::condition_noisy(points.as_ref(), chosen.as_ref(), &fitted.correlation, weights)?;
+    let training = TrainingSet { points: points.as_ref(), values: chosen.as_ref(), noise: noise.as_ref() };
+    let form = Form::default();
+    let fitted = fit_correlation(training, form, previous, effort);
+    let mut model = Kriging::condition_noisy(
+        points.as_ref(),
+        chosen.as_ref(),
+        &fitted.correlation,
+        form.trend,
+        training.weights(),
+    )?;
     let leave_one_out = model.leave_one_out(chosen.as_ref());
     let stated = errors.squared_norm_l2() / errors.nrows() as f64;
     let found = model.correlation().stated * model.sigma2().iter().sum::<f64>();

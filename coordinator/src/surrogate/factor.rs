@@ -14,7 +14,8 @@ pub(crate) struct Indefinite {
     pub pivot: usize,
 }
 
-/// Lower Cholesky factor L of a symmetric matrix, L L' = A; above the diagonal L is zero.
+/// Lower Cholesky factor L of a symmetric matrix, of which only the lower triangle is read, L L' = A; above the
+/// diagonal L is zero.
 pub(crate) fn cholesky(mut a: Mat<f64>) -> Result<Mat<f64>, Indefinite> {
     let n = a.nrows();
     let scratch = cholesky_in_place_scratch::<f64>(n, Par::Seq, Spec::default());
@@ -38,6 +39,15 @@ pub(crate) fn cholesky(mut a: Mat<f64>) -> Result<Mat<f64>, Indefinite> {
     Ok(a)
 }
 
+/// Copies the lower triangle of a square matrix to the upper.
+pub(crate) fn mirror(a: &mut Mat<f64>) {
+    for j in 1..a.ncols() {
+        for i in 0..j {
+            a[(i, j)] = a[(j, i)];
+        }
+    }
+}
+
 /// Overwrites b with L^-1 b.
 pub(crate) fn solve_lower(l: MatRef<'_, f64>, b: MatMut<'_, f64>) {
     solve_lower_triangular_in_place(l, b, Par::Seq);
@@ -48,8 +58,8 @@ pub(crate) fn solve_lower_transposed(l: MatRef<'_, f64>, b: MatMut<'_, f64>) {
     solve_upper_triangular_in_place(l.transpose(), b, Par::Seq);
 }
 
-/// (L L')^-1, both triangles filled `(n, n)`.
-pub(crate) fn inverse(l: MatRef<'_, f64>) -> Mat<f64> {
+/// The lower triangle of (L L')^-1 `(n, n)`.
+pub(crate) fn inverse_below(l: MatRef<'_, f64>) -> Mat<f64> {
     let n = l.nrows();
     let mut l_inverse = Mat::zeros(n, n);
     invert_lower_triangular(l_inverse.as_mut(), l, Par::Seq);
@@ -65,11 +75,6 @@ pub(crate) fn inverse(l: MatRef<'_, f64>) -> Mat<f64> {
         1.0,
         Par::Seq,
     );
-    for j in 1..n {
-        for i in 0..j {
-            inverse[(i, j)] = inverse[(j, i)];
-        }
-    }
     inverse
 }
 
@@ -89,7 +94,9 @@ mod tests {
             (-0.05 * (i as f64 - j as f64).powi(2)).exp() + if i == j { 0.1 } else { 0.0 }
         });
         let l = cholesky(a.clone()).unwrap();
-        let identity = &a * inverse(l.as_ref());
+        let mut inverse = inverse_below(l.as_ref());
+        mirror(&mut inverse);
+        let identity = &a * inverse;
         for i in 0..n {
             for j in 0..n {
                 assert!((identity[(i, j)] - f64::from(u8::from(i == j))).abs() < 1e-11);
