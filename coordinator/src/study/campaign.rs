@@ -6,7 +6,7 @@ use crate::design::{Population, choose_by_latin_hypercube};
 use crate::learning::{Mode, Rule, Stopping, Targets, select_batch};
 use crate::reliability::coefficient_of_variation;
 use crate::summary::Round;
-use crate::surrogate::{Correlation, Effort, StatedErrors, SurrogateError};
+use crate::surrogate::{Effort, Incumbent, StatedErrors, SurrogateError};
 use common::failure::SimulationFailure;
 use common::random::Distribution;
 use std::mem::discriminant;
@@ -110,7 +110,7 @@ pub struct Campaign {
     /// Standardised points asked for and not yet told.
     asked: Vec<Vec<f64>>,
     total: usize,
-    correlations: Vec<Option<Correlation>>,
+    incumbents: Vec<Option<Incumbent>>,
     /// Curves of the round before, over the present population.
     previous: Option<Vec<Vec<f64>>>,
     stopping: Stopping,
@@ -129,7 +129,7 @@ impl Campaign {
             failures: Vec::new(),
             asked: Vec::new(),
             total: 0,
-            correlations: vec![None; problem.modes.len()],
+            incumbents: vec![None; problem.modes.len()],
             previous: None,
             stopping: Stopping::default(),
             rounds: Vec::new(),
@@ -243,15 +243,14 @@ impl Campaign {
                 &self.population,
                 &self.evaluated,
                 &self.observations,
-                &self.correlations,
+                &self.incumbents,
                 self.previous.as_deref(),
                 (effort, self.plan.stated_errors),
                 (least, self.plan.seed, round),
             )?;
             repairs += assessment.repairs;
             assessment.repairs = repairs;
-            self.correlations =
-                assessment.surrogates.iter().map(|s| Some(s.model.correlation().clone())).collect();
+            self.incumbents = assessment.surrogates.iter().map(|s| Some(s.model.incumbent())).collect();
             let met = self.plan.targets.met(&assessment.figures);
             if met.is_none() || effort == Effort::MultiStart {
                 return Ok((assessment, met));

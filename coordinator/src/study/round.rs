@@ -9,8 +9,8 @@ use crate::learning::{
 };
 use crate::reliability::governing_checkpoint;
 use crate::surrogate::{
-    Correlation, Effort, Form, Kriging, LeaveOneOut, NoiseShape, Posterior, StatedErrors, TrainingSet,
-    fit_correlation,
+    Candidate, Effort, Form, FormSettings, Incumbent, Kriging, LeaveOneOut, NoiseShape, Posterior, Sharing,
+    StatedErrors, TrainingSet, compare_sharing, fit_surrogate,
 };
 use faer::Mat;
 use rayon::prelude::*;
@@ -70,6 +70,10 @@ pub struct Surrogate {
     pub fitted_on: Vec<usize>,
     /// Leave-one-out figures at those.
     pub leave_one_out: Vec<LeaveOneOut>,
+    /// The forms compared for it, if this fit compared any.
+    pub candidates: Vec<Candidate>,
+    /// Whether one correlation for all checkpoints does as well as separate ones, if this fit compared that.
+    pub sharing: Option<Sharing>,
     /// Standard deviation of the noise that goes with the stated errors over the stated errors themselves (root mean
     /// squares over points and fitted checkpoints) [1]; absent where the surrogate makes nothing of them.
     pub share_of_stated: Option<f64>,
@@ -93,7 +97,7 @@ pub(super) fn assess(
     population: &Population,
     evaluated: &[bool],
     observations: &Observations,
-    correlations: &[Option<Correlation>],
+    incumbents: &[Option<Incumbent>],
     previous: Option<&[Vec<f64>]>,
     (effort, reading): (Effort, StatedErrors),
     (least, seed, round): (usize, u64, u32),
@@ -110,7 +114,7 @@ pub(super) fn assess(
             let fitted_on = checkpoints_that_matter(&share, previous.map(|p| p[s].as_slice()), GRID);
             let errors = observations.errors_of_running_maxima(mode.output);
             let observed = (&points, &values, &errors);
-            fit_mode(observed, fitted_on, correlations[s].as_ref(), effort, reading)
+            fit_mode(observed, fitted_on, incumbents[s].as_ref(), effort, reading)
                 .map_err(|source| CampaignError::Surrogate { mode: s, source })
         })
         .collect::<Result<Vec<Surrogate>, CampaignError>>()?;
@@ -180,7 +184,7 @@ pub(super) fn assess(
 fn fit_mode(
     (points, values, errors): (&Mat<f64>, &Mat<f64>, &Mat<f64>),
     fitted_on: Vec<usize>,
-    previous: Option<&Correlation>,
+    incumbent: Option<&Incumbent>,
     effort: Effort,
     reading: StatedErrors,
 ) -> Result<Surrogate, crate::surrogate::SurrogateError> {
@@ -188,22 +192,22 @@ fn fit_mode(
     let (chosen, errors) = (on_grid(values), on_grid(errors));
     let noise = NoiseShape::new(chosen.as_ref(), errors.as_ref(), reading);
     let training = TrainingSet { points: points.as_ref(), values: chosen.as_ref(), noise: noise.as_ref() };
-    let form = Form::default();
-    let fitted = fit_correlation(training, form, previous, effort);
-    let mut model = Kriging::condition_noisy(
-        points.as_ref(),
-        chosen.as_ref(),
-        &fitted.correlation,
-        form.trend,
-        training.weights(),
-    )?;
+    let found = fit_surrogate(training, FormSettings::default(), incumbent, effort)?;
+    let sharing = match effort {
+        Effort::MultiStart => {
+            let Incumbent { correlation, trend } = found.model.incumbent();
+            compare_sharing(training, Form { kernel: correlation.kernel, trend }, &correlation)?
+        }
+        Effort::Warm => None,
+    };
+    let mut model = found.model;
     let leave_one_out = model.leave_one_out(chosen.as_ref());
     let stated = errors.squared_norm_l2() / errors.nrows() as f64;
-    let found = model.correlation().stated * model.sigma2().iter().sum::<f64>();
-    let share_of_stated = noise.map(|_| (found / stated).sqrt());
+    let as_noise = model.correlation().stated * model.sigma2().iter().sum::<f64>();
+    let share_of_stated = noise.map(|_| (as_noise / stated).sqrt());
     model.set_values(values.as_ref());
-    let repairs = fitted.failed_starts + model.raised();
-    Ok(Surrogate { model, fitted_on, leave_one_out, share_of_stated, repairs })
+    let (candidates, repairs) = (found.candidates, found.repairs);
+    Ok(Surrogate { model, fitted_on, leave_one_out, candidates, sharing, share_of_stated, repairs })
 }
 
 fn nearest(grid: &[usize], checkpoint: usize) -> usize {

@@ -6,6 +6,7 @@
 //! points are `(d, n)` with one point a column.
 
 mod bounds;
+mod choice;
 mod correlation;
 mod descent;
 mod exponential;
@@ -18,9 +19,11 @@ mod leave_one_out;
 mod likelihood;
 mod noise;
 mod posterior;
+mod sharing;
 mod starts;
 mod trend;
 
+pub use choice::{Candidate, Chosen, Incumbent, fit_surrogate};
 pub use correlation::{Correlation, correlation_matrix, cross_correlation};
 pub use fit::{Effort, Fitted, TrainingSet, fit_correlation};
 pub use form::{Form, FormSettings};
@@ -30,6 +33,7 @@ pub use leave_one_out::LeaveOneOut;
 pub use likelihood::{Likelihood, LikelihoodValue};
 pub use noise::{NoiseShape, StatedErrors};
 pub use posterior::Posterior;
+pub use sharing::{Sharing, compare_sharing};
 pub use trend::Trend;
 
 use thiserror::Error;
