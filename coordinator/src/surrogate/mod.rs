@@ -6,10 +6,14 @@
 //! points are `(d, n)` with one point a column.
 
 mod bounds;
+mod cache;
+#[cfg(test)]
+mod cache_tests;
 mod choice;
 mod correlation;
 mod descent;
 mod exponential;
+mod extended;
 mod factor;
 mod fit;
 mod form;
@@ -23,6 +27,7 @@ mod sharing;
 mod starts;
 mod trend;
 
+pub use cache::{BlockPrediction, PredictionCache, Update};
 pub use choice::{Candidate, Chosen, Incumbent, fit_surrogate};
 pub use correlation::{Correlation, correlation_matrix, cross_correlation};
 pub use fit::{Effort, Fitted, TrainingSet, fit_correlation};
