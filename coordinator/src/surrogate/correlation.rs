@@ -29,7 +29,7 @@ impl Correlation {
     }
 
     /// Adds the noise to the diagonal of a correlation matrix `(n, n)`; `weights` `(n,)` of mean 1.
-    pub(crate) fn add_noise(&self, matrix: &mut Mat<f64>, weights: Option<&[f64]>) {
+    pub(crate) fn add_noise(&self, mut matrix: MatMut<'_, f64>, weights: Option<&[f64]>) {
         for i in 0..matrix.nrows() {
             matrix[(i, i)] += self.nugget + weights.map_or(0.0, |weights| self.stated * weights[i]);
         }
@@ -54,7 +54,9 @@ pub fn correlation_matrix(correlation: &Correlation, points: MatRef<'_, f64>) ->
 
 /// Its lower triangle; above it is zero.
 pub(crate) fn correlation_below(correlation: &Correlation, points: MatRef<'_, f64>) -> Mat<f64> {
-    let mut r = squares_below(correlation, points);
+    let n = points.ncols();
+    let mut r = Mat::zeros(n, n);
+    squares_below(correlation, points, r.as_mut());
     r.par_col_iter_mut().with_min_len(COLUMNS).enumerate().for_each(|(j, column)| {
         let column = &mut as_slice(column)[j..];
         correlation.kernel.correlate(column);
@@ -63,29 +65,27 @@ pub(crate) fn correlation_below(correlation: &Correlation, points: MatRef<'_, f6
     r
 }
 
-/// Lower triangles of the correlation matrix and of -dR/dr2 `(n, n)` each, the latter with 0 on the diagonal; above
-/// them is zero.
-pub(crate) fn correlation_and_slopes(
+/// Lower triangles of the correlation matrix into `r` and of -dR/dr2 into `slopes`, `(n, n)` each, the latter with 0 on the
+/// diagonal; above them nothing is touched.
+pub(crate) fn correlation_and_slopes_into(
     correlation: &Correlation,
     points: MatRef<'_, f64>,
-) -> (Mat<f64>, Mat<f64>) {
-    let mut r = squares_below(correlation, points);
-    let mut slopes = Mat::zeros(r.nrows(), r.ncols());
+    mut r: MatMut<'_, f64>,
+    slopes: MatMut<'_, f64>,
+) {
+    squares_below(correlation, points, r.as_mut());
     let columns = r.par_col_iter_mut().zip(slopes.par_col_iter_mut());
     columns.with_min_len(COLUMNS).enumerate().for_each(|(j, (column, slopes))| {
         let (column, slopes) = (&mut as_slice(column)[j..], &mut as_slice(slopes)[j..]);
         correlation.kernel.correlate_with_slopes(column, slopes);
         (column[0], slopes[0]) = (1.0, 0.0);
     });
-    (r, slopes)
 }
 
-/// Scaled squared distances of points `(d, n)` from each other: the lower triangle `(n, n)`.
-fn squares_below(correlation: &Correlation, points: MatRef<'_, f64>) -> Mat<f64> {
-    let n = points.ncols();
+/// Scaled squared distances of points `(d, n)` from each other: the lower triangle of `(n, n)`.
+fn squares_below(correlation: &Correlation, points: MatRef<'_, f64>, mut squares: MatMut<'_, f64>) {
     let scaled = correlation.scale(points);
     let norms = squared_norms(scaled.as_ref());
-    let mut squares = Mat::zeros(n, n);
     triangular_matmul(
         squares.as_mut(),
         BlockStructure::TriangularLower,
@@ -100,7 +100,6 @@ fn squares_below(correlation: &Correlation, points: MatRef<'_, f64>) -> Mat<f64>
     for (j, column) in squares.col_iter_mut().enumerate() {
         subtract_from_norms(&mut as_slice(column)[j..], &norms[j..], norms[j]);
     }
-    squares
 }
 
 /// 2 a.b into |a|^2 + |b|^2 - 2 a.b for all a and one b.
@@ -155,7 +154,8 @@ mod tests {
         for kernel in Kernel::ALL {
             let correlation = Correlation { kernel, theta: vec![0.3, 2.0], nugget: 0.0, stated: 0.0 };
             let points = Mat::from_fn(2, 5, |k, i| (i as f64 * 0.7 + k as f64).sin() * 1.5);
-            let (r, slopes) = correlation_and_slopes(&correlation, points.as_ref());
+            let (mut r, mut slopes) = (Mat::zeros(5, 5), Mat::zeros(5, 5));
+            correlation_and_slopes_into(&correlation, points.as_ref(), r.as_mut(), slopes.as_mut());
             let whole = correlation_matrix(&correlation, points.as_ref());
             let cross = cross_correlation(&correlation, points.as_ref(), points.as_ref());
             for i in 0..5 {

@@ -1,6 +1,7 @@
 //! One descent of the likelihood by L-BFGS over bounded logarithms.
 
 use super::bounds::Bounds;
+use super::likelihood::Workspace;
 use super::{Likelihood, LikelihoodValue};
 use argmin::core::{CostFunction, Error, Executor, Gradient};
 use argmin::solver::linesearch::MoreThuenteLineSearch;
@@ -9,8 +10,9 @@ use std::cell::RefCell;
 
 /// Change of f per iteration below which the optimum counts as found; 1e-6 n is 2 ln L, far inside its confidence.
 const VALUE_TOLERANCE: f64 = 1e-6;
-/// Stored corrections of L-BFGS.
-const MEMORY: usize = 8;
+/// Stored corrections of L-BFGS: about one for each parameter of 30 variables, with whose lengths of no influence 8
+/// go down slowly.
+const MEMORY: usize = 30;
 
 /// What one descent came to.
 pub(super) struct Outcome {
@@ -27,7 +29,8 @@ pub(super) fn descend(
     iterations: u64,
 ) -> Outcome {
     let memo = RefCell::new(Memo::default());
-    let problem = Problem { likelihood, bounds, memo: &memo };
+    let work = RefCell::new(Workspace::new(likelihood.points.ncols()));
+    let problem = Problem { likelihood, bounds, memo: &memo, work: &work };
     let search = MoreThuenteLineSearch::new();
     // An error of the line search (a step into an indefinite matrix) ends the descent; the best point met counts.
     let run = LBFGS::new(search, MEMORY)
@@ -55,6 +58,7 @@ struct Problem<'a> {
     likelihood: &'a Likelihood<'a>,
     bounds: Bounds,
     memo: &'a RefCell<Memo>,
+    work: &'a RefCell<Workspace>,
 }
 
 impl Problem<'_> {
@@ -68,7 +72,7 @@ impl Problem<'_> {
         memo.evaluations += 1;
         let mut value = self
             .likelihood
-            .evaluate(&self.bounds.correlation(free))
+            .evaluate_in(&mut self.work.borrow_mut(), &self.bounds.correlation(free))
             .ok_or_else(|| Error::msg("correlation matrix without Cholesky factor"))?;
         value.gradient.iter_mut().zip(free).enumerate().for_each(|(k, (g, t))| {
             *g *= self.bounds.slope(k, *t);

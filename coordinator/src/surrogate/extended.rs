@@ -41,7 +41,7 @@ impl Kriging {
             (None, _) => None,
         };
         let mut below = correlation_below(&self.correlation, points);
-        self.correlation.add_noise(&mut below, weights.as_deref());
+        self.correlation.add_noise(below.as_mut(), weights.as_deref());
         matmul(below.as_mut(), Accum::Add, across.transpose(), across.as_ref(), -1.0, Par::Seq);
         let refused = |pivot: usize| SurrogateError::NotPositiveDefinite {
             points: n + k,

@@ -85,7 +85,7 @@ impl Kriging {
         let mut raised = 0;
         let l = loop {
             let mut c = r.clone();
-            correlation.add_noise(&mut c, weights);
+            correlation.add_noise(c.as_mut(), weights);
             match cholesky(c) {
                 Ok(l) => break l,
                 Err(_) if correlation.nugget < NUGGET.1 => {
@@ -365,7 +365,7 @@ mod tests {
         // c0 - r' C^-1 r + (f - F' C^-1 r)' (F' C^-1 F)^-1 (f - F' C^-1 r) by dense inverses.
         let at = Mat::from_fn(2, 6, |k, i| 3.0 * (i as f64 + 2.0 * k as f64).cos());
         let mut c = crate::surrogate::correlation_matrix(&correlation, x.as_ref());
-        correlation.add_noise(&mut c, None);
+        correlation.add_noise(c.as_mut(), None);
         let c_inverse = c.partial_piv_lu().inverse();
         let r = crate::surrogate::cross_correlation(&correlation, x.as_ref(), at.as_ref());
         let basis = |x: &Mat<f64>| Trend::Linear.basis(x.as_ref()).transpose().to_owned();
