@@ -16,6 +16,7 @@ mod rare;
 mod result;
 mod round;
 mod settings;
+mod surrogates;
 
 #[cfg(test)]
 mod campaign_tests;
@@ -28,8 +29,9 @@ pub use observations::{Observations, Observed};
 pub use plan::{Plan, Problem};
 pub use populations::LookedAt;
 pub use result::{OutputHistory, StudyResult, SurrogateReport};
-pub use round::{Assessment, Surrogate};
+pub use round::Assessment;
 pub use settings::{FAILED_SHARE, Method, Settings};
+pub use surrogates::Surrogate;
 
 use crate::evaluate::{EvaluateError, Evaluator};
 use crate::journal::Journal;

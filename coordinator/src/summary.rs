@@ -257,6 +257,16 @@ pub struct SurrogateRow {
     pub nugget: f64,
     /// Mean variance of the noise that goes with the stated errors over the process variance [1].
     pub stated_noise: f64,
+    /// Kernel of the correlation; empty in studies made before there was a choice.
+    #[serde(default)]
+    pub kernel: String,
+    /// Trend, likewise.
+    #[serde(default)]
+    pub trend: String,
+    /// Whether a correlation for the early and one for the late checkpoints would clearly predict better than the one for all;
+    /// absent with one checkpoint.
+    #[serde(default)]
+    pub separate_would_gain: Option<bool>,
     /// Standard deviation of that noise over the stated errors themselves [1]; absent without stated errors.
     pub share_of_stated_error: Option<f64>,
 }

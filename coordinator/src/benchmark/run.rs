@@ -6,7 +6,7 @@ use crate::reliability::reliability_curve;
 use crate::study::{
     Campaign, CampaignError, FAILED_SHARE, Learned, LookedAt, Observed, Plan, Problem, Step, Stop,
 };
-use crate::surrogate::StatedErrors;
+use crate::surrogate::{FormSettings, StatedErrors};
 use std::collections::VecDeque;
 use std::time::Instant;
 
@@ -52,6 +52,7 @@ pub fn run(
         seed,
         learning,
         targets: Targets::default(),
+        forms: FormSettings::default(),
         stated_errors: StatedErrors::Ignored,
         retry: false,
         failed_share: FAILED_SHARE,

@@ -180,6 +180,12 @@ pub struct RunArguments {
     /// Seed of every random draw; the same seed gives the same result, whatever the workers
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
+    /// Kernel of the surrogates' correlation (ak) [default: auto, by cross-validation]
+    #[arg(long, value_enum)]
+    pub kernel: Option<KernelName>,
+    /// Trend of the surrogates (ak) [default: auto, by cross-validation]
+    #[arg(long, value_enum)]
+    pub trend: Option<TrendName>,
     /// What surrogates make of the errors that simulations state: their shape with a fitted level, nothing, or
     /// standard deviations as they stand (ak) [default: fitted]
     #[arg(long, value_enum)]
@@ -272,6 +278,36 @@ pub enum LearningName {
     Eff,
     /// Information entropy.
     H,
+}
+
+/// Kernel of a correlation.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum KernelName {
+    /// The best by cross-validation.
+    #[default]
+    Auto,
+    /// Infinitely smooth.
+    Gaussian,
+    /// Twice differentiable.
+    #[value(name = "matern-5/2")]
+    Matern52,
+    /// Once differentiable.
+    #[value(name = "matern-3/2")]
+    Matern32,
+}
+
+/// Trend of a surrogate.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum TrendName {
+    /// The best by cross-validation.
+    #[default]
+    Auto,
+    /// A constant.
+    Constant,
+    /// Linear in every variable.
+    Linear,
 }
 
 /// Which settings a measurement tries.

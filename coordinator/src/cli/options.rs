@@ -2,12 +2,12 @@
 //! file so that `resume` repeats exactly that.
 
 use super::accuracy::Accepted;
-use super::arguments::{LearningName, MethodName, RunArguments, StatedErrorsName};
+use super::arguments::{KernelName, LearningName, MethodName, RunArguments, StatedErrorsName, TrendName};
 use super::error::CommandError;
 use common::scene::{Scene, StudySettings};
 use coordinator::learning::{LearningFunction, Targets};
 use coordinator::study::{FAILED_SHARE, Method, Settings};
-use coordinator::surrogate::StatedErrors;
+use coordinator::surrogate::{FormSettings, Kernel, StatedErrors, Trend};
 use serde::{Deserialize, Serialize};
 
 /// Settings of a study; each of them may change its result.
@@ -33,6 +33,12 @@ pub struct StudyOptions {
     /// Which points are simulated next.
     #[serde(default)]
     pub learning: LearningName,
+    /// Kernel of the surrogates.
+    #[serde(default)]
+    pub kernel: KernelName,
+    /// Trend of the surrogates.
+    #[serde(default)]
+    pub trend: TrendName,
     /// Share of failed simulations above which the study ends [1].
     #[serde(default = "default_failed_share")]
     pub max_failed: f64,
@@ -71,6 +77,8 @@ impl StudyOptions {
             seed: arguments.seed.unwrap_or(defaults.seed),
             stated_errors: arguments.stated_errors.unwrap_or(StatedErrorsName::Fitted),
             learning: arguments.learning.unwrap_or_default(),
+            kernel: arguments.kernel.unwrap_or_default(),
+            trend: arguments.trend.unwrap_or_default(),
             max_failed: arguments.max_failed.unwrap_or(FAILED_SHARE),
         };
         if !direct {
@@ -105,6 +113,17 @@ impl StudyOptions {
             StatedErrorsName::Full => StatedErrors::Full,
         };
         let learning = learning_function(self.learning);
+        let kernel = match self.kernel {
+            KernelName::Auto => None,
+            KernelName::Gaussian => Some(Kernel::Gaussian),
+            KernelName::Matern52 => Some(Kernel::Matern52),
+            KernelName::Matern32 => Some(Kernel::Matern32),
+        };
+        let trend = match self.trend {
+            TrendName::Auto => None,
+            TrendName::Constant => Some(Trend::Constant),
+            TrendName::Linear => Some(Trend::Linear),
+        };
         let Accepted { setting, max_error } = self.accuracy.clone();
         Settings {
             study,
@@ -114,6 +133,7 @@ impl StudyOptions {
             learning,
             failed_share: self.max_failed,
             targets: Targets::default(),
+            forms: FormSettings { kernel, trend },
             stated_errors,
         }
     }

@@ -1,11 +1,12 @@
 //! What one mode's surrogate says of every point of the population.
 
 use crate::design::Population;
-use crate::surrogate::Kriging;
+use crate::surrogate::{Kriging, PredictionCache};
+use faer::Mat;
 use rayon::prelude::*;
 
-/// Points predicted together: r(x) and w(x) of a block stay in the second-level cache.
-const BLOCK: usize = 512;
+/// Points predicted together.
+const BLOCK: usize = PredictionCache::BLOCK;
 
 /// Prediction of one mode over N points.
 #[derive(Debug, Clone)]
@@ -51,8 +52,44 @@ pub(super) fn distance_over_std(distance: f64, std: f64) -> f64 {
 /// Classifies the population by a model whose m outputs are the checkpoints of one mode; `grid` holds the checkpoints
 /// at which means are kept. The result does not depend on the number of threads: blocks are fixed and independent.
 pub fn classify(model: &Kriging, population: &Population, threshold: f64, grid: &[usize]) -> Classification {
-    let (points, a) = (population.len(), grid.len());
-    let sigma = grid.iter().map(|n| model.sigma2()[*n].sqrt()).collect();
+    let sigma = sigma_on(model, grid);
+    classify_blocks(population.len(), sigma, threshold, grid, |block| {
+        let start = block * BLOCK;
+        let prediction = model.predict(population.columns(start..population.len().min(start + BLOCK)));
+        (prediction.mean, prediction.variance_factor)
+    })
+}
+
+/// The same through a cache of this mode's predictions, which is brought to the model first: where the model is that of the
+/// last time with more points at the same lengths ([`Kriging::extended`]), only those cost anything.
+pub fn classify_cached(
+    cache: &mut PredictionCache,
+    model: &Kriging,
+    population: &Population,
+    threshold: f64,
+    grid: &[usize],
+) -> Classification {
+    cache.update(model, population);
+    let sigma = sigma_on(model, grid);
+    classify_blocks(population.len(), sigma, threshold, grid, |block| {
+        let prediction = cache.block(block).expect("the cache was brought to this population");
+        (prediction.mean, prediction.variance_factor)
+    })
+}
+
+fn sigma_on(model: &Kriging, grid: &[usize]) -> Vec<f64> {
+    grid.iter().map(|n| model.sigma2()[*n].sqrt()).collect()
+}
+
+/// Classifies `points` points from the means `(m, b)` and variance factors `(b,)` of their blocks.
+fn classify_blocks(
+    points: usize,
+    sigma: Vec<f64>,
+    threshold: f64,
+    grid: &[usize],
+    predict: impl Fn(usize) -> (Mat<f64>, Vec<f64>) + Sync,
+) -> Classification {
+    let a = grid.len();
     let mut mean = vec![0.0; points * a];
     let mut variance_factor = vec![0.0; points];
     let mut first_failure = vec![0; points];
@@ -61,11 +98,10 @@ pub fn classify(model: &Kriging, population: &Population, threshold: f64, grid: 
         .zip(first_failure.par_chunks_mut(BLOCK))
         .enumerate()
         .for_each(|(block, ((mean, variance_factor), first_failure))| {
-            let start = block * BLOCK;
-            let prediction = model.predict(population.columns(start..start + first_failure.len()));
-            variance_factor.copy_from_slice(&prediction.variance_factor);
+            let (means, factors) = predict(block);
+            variance_factor.copy_from_slice(&factors);
             for (j, first) in first_failure.iter_mut().enumerate() {
-                let history = prediction.mean.col_as_slice(j);
+                let history = means.col_as_slice(j);
                 let failed = history.iter().position(|y| *y >= threshold).unwrap_or(history.len());
                 *first = u32::try_from(failed).expect("a life has fewer than 2^32 checkpoints");
                 let (mut largest, mut next) = (f64::NEG_INFINITY, 0);
@@ -103,6 +139,8 @@ pub fn curves(first_failures: &[&[u32]], m: usize) -> Vec<Vec<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::surrogate::{Correlation, Kernel};
+    use common::random::Distribution;
 
     #[test]
     fn curves_count_each_mode_and_the_first_of_them() {
@@ -111,5 +149,36 @@ mod tests {
         assert_eq!(curves[0], vec![0.25, 0.25, 0.5]);
         assert_eq!(curves[1], vec![0.0, 0.25, 0.5]);
         assert_eq!(curves[2], vec![0.25, 0.5, 0.75]);
+    }
+
+    #[test]
+    fn through_the_cache_every_point_is_classified_as_from_scratch() {
+        let variable = Distribution::TruncatedNormal { mean: 0.0, std: 1.0, lower: -5.0, upper: 5.0 };
+        let population = Population::draw(&[variable; 4], 20_000, 11);
+        let n = 60;
+        let x = population.columns(0..n).to_owned();
+        // A history of five checkpoints that passes its limit at some of them.
+        let y = Mat::from_fn(n, 5, |i, o| {
+            let x = population.standardised(i);
+            (0.2 + 0.2 * o as f64) * (1.0 + 0.3 * x[0] + 0.2 * (x[1] * x[2]).sin() + 0.05 * x[3] * x[3])
+        });
+        let theta = vec![0.02, 0.1, 0.1, 0.03];
+        let correlation = Correlation { kernel: Kernel::Gaussian, theta, nugget: 1e-9, stated: 0.0 };
+        let (threshold, grid) = (1.0, [1, 3, 4]);
+        let mut cache = PredictionCache::default();
+        let mut model = Kriging::condition(x.subcols(0, 40), y.subrows(0, 40), &correlation).unwrap();
+        for (from, to) in [(40, 41), (41, 48), (48, 60)] {
+            classify_cached(&mut cache, &model, &population, threshold, &grid);
+            model = model.extended(x.subcols(from, to - from), y.subrows(from, to - from), None).unwrap();
+        }
+        let cached = classify_cached(&mut cache, &model, &population, threshold, &grid);
+        let whole = Kriging::condition(x.as_ref(), y.as_ref(), &correlation).unwrap();
+        let fresh = classify(&whole, &population, threshold, &grid);
+        assert_eq!(cached.first_failure, fresh.first_failure);
+        assert!(fresh.first_failure.iter().any(|n| *n < 5) && fresh.first_failure.contains(&5));
+        for j in 0..population.len() {
+            let (a, b) = (cached.u(j, 1), fresh.u(j, 1));
+            assert!((a - b).abs() < 1e-3 * (1.0 + b) || b > 50.0, "{j} {a} {b}");
+        }
     }
 }

@@ -161,12 +161,13 @@ impl Tally {
 mod tests {
     use super::*;
     use crate::learning::criterion::tests::mode;
-    use crate::surrogate::{Correlation, Kriging};
+    use crate::surrogate::{Correlation, Kernel, Kriging};
 
     /// Posteriors of points so far apart (or together) that they err independently (or as one).
     fn posterior(points: usize, distance: f64) -> Posterior {
         let data = Mat::from_fn(1, 3, |_, i| 1e6 + 1e3 * i as f64);
-        let correlation = Correlation { theta: vec![1.0], nugget: 1e-9, stated: 0.0 };
+        let correlation =
+            Correlation { kernel: Kernel::Gaussian, theta: vec![1.0], nugget: 1e-9, stated: 0.0 };
         let values = Mat::from_fn(3, 1, |i, _| i as f64);
         let model = Kriging::condition(data.as_ref(), values.as_ref(), &correlation).unwrap();
         let at = Mat::from_fn(1, points, |_, i| distance * i as f64);

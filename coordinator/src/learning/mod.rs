@@ -16,7 +16,7 @@ mod selection;
 mod stopping;
 
 pub use checkpoints::checkpoints_that_matter;
-pub use classification::{Classification, classify, curves};
+pub use classification::{Classification, classify, classify_cached, curves};
 pub use criterion::{Coupled, UNCERTAIN, coupled_criterion, dominance};
 pub use error::{CurveErrors, estimate_errors};
 pub use function::LearningFunction;

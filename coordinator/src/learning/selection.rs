@@ -210,14 +210,15 @@ fn gains(posteriors: &[Posterior], near: &Nearness) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::learning::criterion::tests::mode;
-    use crate::surrogate::{Correlation, Kriging};
+    use crate::surrogate::{Correlation, Kernel, Kriging};
     use faer::Mat;
 
     /// One-dimensional pool at given places, data at 100 and beyond.
     fn posterior(places: &[f64]) -> Posterior {
         let data = Mat::from_fn(1, 3, |_, i| 100.0 + 10.0 * i as f64);
         let values = Mat::from_fn(3, 1, |i, _| i as f64);
-        let correlation = Correlation { theta: vec![1.0], nugget: 1e-8, stated: 0.0 };
+        let correlation =
+            Correlation { kernel: Kernel::Gaussian, theta: vec![1.0], nugget: 1e-8, stated: 0.0 };
         let model = Kriging::condition(data.as_ref(), values.as_ref(), &correlation).unwrap();
         Posterior::new(&model, Mat::from_fn(1, places.len(), |_, i| places[i]).as_ref())
     }

@@ -101,7 +101,7 @@ fn distribution(mut values: Vec<f64>, extra_variance: f64) -> OutputDistribution
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::surrogate::Correlation;
+    use crate::surrogate::{Correlation, Kernel};
     use common::random::Distribution;
     use faer::Mat;
 
@@ -127,7 +127,8 @@ mod tests {
         let x = Mat::from_fn(2, 40, |k, i| population.standardised(i)[k]);
         // Nine checkpoints, more than are predicted together.
         let y = Mat::from_fn(40, 9, |i, o| 10.0 + (1.0 + o as f64) * (x[(0, i)] + 2.0 * x[(1, i)]));
-        let correlation = Correlation { theta: vec![1e-3, 1e-3], nugget: 1e-10, stated: 0.0 };
+        let correlation =
+            Correlation { kernel: Kernel::Gaussian, theta: vec![1e-3, 1e-3], nugget: 1e-10, stated: 0.0 };
         let model = Kriging::condition(x.as_ref(), y.as_ref(), &correlation).unwrap();
         let distributions = predict_distributions(&model, &population);
         let std = 5.0_f64.sqrt() * variables[0].std() / 0.5;

@@ -116,7 +116,7 @@ pub fn shift_population(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::surrogate::Correlation;
+    use crate::surrogate::{Correlation, Kernel};
     use common::random::{Distribution, standard_normal_cdf};
     use faer::Mat;
 
@@ -137,7 +137,8 @@ mod tests {
         let population = Population::draw(&[normal], 40_000, 1);
         let x = Mat::from_fn(1, 30, |_, i| population.standardised(i)[0]);
         let y = Mat::from_fn(30, 3, |i, n| x[(0, i)] + n as f64);
-        let correlation = Correlation { theta: vec![1e-3], nugget: 1e-10, stated: 0.0 };
+        let correlation =
+            Correlation { kernel: Kernel::Gaussian, theta: vec![1e-3], nugget: 1e-10, stated: 0.0 };
         let model = Kriging::condition(x.as_ref(), y.as_ref(), &correlation).unwrap();
         let errors = Mat::from_fn(30, 3, |_, _| 0.5);
         let shifted = shift_population(&model, &population, y.as_ref(), errors.as_ref(), 1.0);

@@ -5,10 +5,11 @@ use super::observations::{Observations, Observed};
 use super::plan::{Plan, Problem};
 use super::populations::LookedAt;
 use super::round::{Assessment, Known, assess};
+use super::surrogates::Surrogate;
 use crate::design::{Population, choose_by_latin_hypercube};
 use crate::learning::{Rule, Stopping};
 use crate::summary::Round;
-use crate::surrogate::{Correlation, Effort, SurrogateError};
+use crate::surrogate::{Effort, PredictionCache, SurrogateError};
 use common::failure::SimulationFailure;
 use common::random::Distribution;
 use std::collections::VecDeque;
@@ -105,7 +106,9 @@ pub struct Campaign {
     /// Simulations asked for and told.
     total: usize,
     told: usize,
-    correlations: Vec<Option<Correlation>>,
+    /// Of the last look, per mode; none before the first.
+    surrogates: Vec<Surrogate>,
+    caches: Vec<PredictionCache>,
     /// Results at the last fit of the lengths, and at the last one from several starts.
     fitted: (usize, usize),
     /// Curves of the round before, over the present population.
@@ -129,7 +132,8 @@ impl Campaign {
             failed: Vec::new(),
             total: 0,
             told: 0,
-            correlations: vec![None; problem.modes.len()],
+            surrogates: Vec::new(),
+            caches: vec![PredictionCache::default(); problem.modes.len()],
             fitted: (0, 0),
             previous: None,
             stopping: Stopping::default(),
@@ -265,6 +269,7 @@ impl Campaign {
                 let surrogates = &assessment.surrogates;
                 if self.looked_at.changes(&self.problem, &self.plan, surrogates, failed, cov) {
                     self.asked = vec![false; self.looked_at.population.len()];
+                    self.caches.fill(PredictionCache::default());
                     self.previous = None;
                     self.stopping.reset();
                     continue;
@@ -303,15 +308,14 @@ impl Campaign {
                 under_way: &under_way,
                 observations: &self.observations,
                 failed: &self.failed,
-                correlations: &self.correlations,
+                surrogates: &self.surrogates,
                 previous: self.previous.as_deref(),
                 round: u32::try_from(self.rounds.len()).unwrap_or(u32::MAX),
             };
-            let mut assessment = assess(&known, effort)?;
+            let mut assessment = assess(&known, &mut self.caches, effort)?;
             repairs += assessment.repairs;
             assessment.repairs = repairs;
-            self.correlations =
-                assessment.surrogates.iter().map(|s| Some(s.model.correlation().clone())).collect();
+            self.surrogates.clone_from(&assessment.surrogates);
             let n = self.observations.len();
             match effort {
                 Effort::Keep => {}

@@ -2,7 +2,7 @@
 
 use super::{Campaign, FAILED_SHARE, Learned, LookedAt, Observed, Plan, Problem, Step};
 use crate::learning::{LearningFunction, Mode, Targets};
-use crate::surrogate::StatedErrors;
+use crate::surrogate::{FormSettings, StatedErrors};
 use common::random::{Distribution, standard_normal_cdf, standard_normal_pdf};
 use std::collections::VecDeque;
 
@@ -45,6 +45,7 @@ fn learn_of(
         seed,
         learning: LearningFunction::default(),
         targets,
+        forms: FormSettings::default(),
         stated_errors: StatedErrors::default(),
         retry: false,
         failed_share: FAILED_SHARE,

@@ -107,6 +107,7 @@ impl Feasibility {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::surrogate::Kernel;
     use common::random::Distribution;
 
     #[test]
@@ -125,7 +126,8 @@ mod tests {
             }
         }
         let points = MatRef::from_column_major_slice(&points, 2, points.len() / 2);
-        let correlation = Correlation { theta: vec![0.5, 0.01], nugget: 1e-8, stated: 0.0 };
+        let theta = vec![0.5, 0.01];
+        let correlation = Correlation { kernel: Kernel::Gaussian, theta, nugget: 1e-8, stated: 0.0 };
         let feasibility = Feasibility::new(points, &failed, &correlation);
         let share = feasibility.barred_share(&population);
         assert!((share - 0.159).abs() < 0.03, "{share}");

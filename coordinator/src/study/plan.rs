@@ -1,7 +1,7 @@
 //! What a campaign is to learn, and how.
 
 use crate::learning::{LearningFunction, Mode, Targets};
-use crate::surrogate::StatedErrors;
+use crate::surrogate::{FormSettings, StatedErrors};
 use common::random::Distribution;
 
 /// What is to be learned.
@@ -36,6 +36,8 @@ pub struct Plan {
     pub learning: LearningFunction,
     /// Stopping rules.
     pub targets: Targets,
+    /// What is left open of the surrogates' form.
+    pub forms: FormSettings,
     /// What the surrogates make of the numerical errors that simulations state.
     pub stated_errors: StatedErrors,
     /// Whether a failed simulation is repeated once at a stricter setting.

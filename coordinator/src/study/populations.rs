@@ -3,7 +3,7 @@
 
 use super::plan::{Plan, Problem};
 use super::rare::conditional_population;
-use super::round::Surrogate;
+use super::surrogates::Surrogate;
 use crate::design::Population;
 use crate::reliability::Condition;
 

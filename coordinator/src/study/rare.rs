@@ -11,7 +11,7 @@
 //! Source: subset simulation on a surrogate, Huang, Chen, Zhu (2016), AK-SS.
 
 use super::plan::Problem;
-use super::round::Surrogate;
+use super::surrogates::Surrogate;
 use crate::design::{Population, Stream, open_stream};
 use crate::learning::UNCERTAIN;
 use crate::reliability::{Condition, subset_simulation};

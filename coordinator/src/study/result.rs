@@ -13,7 +13,7 @@ use crate::summary::{
     NumericalRange, PerLimitState, ReliabilityRow, SensitivityError, SensitivityRow, SobolError, SobolRow,
     StudySummary, SurrogateRow, Timing,
 };
-use crate::surrogate::{Correlation, LeaveOneOut};
+use crate::surrogate::{Correlation, LeaveOneOut, Sharing, Trend};
 use common::scene::Scene;
 use faer::{Mat, MatRef};
 use std::collections::BTreeMap;
@@ -48,6 +48,10 @@ pub struct SurrogateReport {
     pub limit_state: String,
     /// Its correlation.
     pub correlation: Correlation,
+    /// Its trend.
+    pub trend: Trend,
+    /// Whether checkpoints are as well served by one correlation as by separate ones, where that was compared.
+    pub sharing: Option<Sharing>,
     /// Checkpoints whose likelihood set the lengths [cycles].
     pub cycles: Vec<u32>,
     /// Leave-one-out figures at those.
@@ -61,6 +65,9 @@ impl SurrogateReport {
             q2: self.leave_one_out.iter().map(|l| l.q2).fold(1.0, f64::min),
             nugget: self.correlation.nugget,
             stated_noise: self.correlation.stated,
+            kernel: self.correlation.kernel.name().to_owned(),
+            trend: self.trend.name().to_owned(),
+            separate_would_gain: self.sharing.map(|sharing| sharing.separate_would_gain),
             share_of_stated_error,
         }
     }
@@ -145,6 +152,8 @@ pub(super) fn from_learning(scene: &Scene, settings: &Settings, learned: &Learne
         .map(|(limit, surrogate)| SurrogateReport {
             limit_state: limit.name.clone(),
             correlation: surrogate.model.correlation().clone(),
+            trend: surrogate.model.trend(),
+            sharing: surrogate.sharing,
             cycles: surrogate.fitted_on.iter().map(|n| cycles[*n]).collect(),
             leave_one_out: surrogate.leave_one_out.clone(),
         })

@@ -4,15 +4,14 @@ use super::campaign::CampaignError;
 use super::failures::{Failed, Feasibility};
 use super::observations::Observations;
 use super::plan::{Plan, Problem};
+use super::surrogates::{Results, Surrogate};
 use crate::design::Population;
 use crate::learning::{
     Classification, CurveErrors, Figures, Selection, checkpoints_that_matter, choose_pool, classify,
-    coupled_criterion, curves, dominance, estimate_errors, noise_shifts,
+    classify_cached, coupled_criterion, curves, dominance, estimate_errors, noise_shifts,
 };
 use crate::reliability::governing_checkpoint;
-use crate::surrogate::{
-    Correlation, Effort, Kriging, LeaveOneOut, NoiseShape, Posterior, StatedErrors, fit_correlation,
-};
+use crate::surrogate::{Effort, Posterior, PredictionCache};
 use faer::Mat;
 use rayon::prelude::*;
 
@@ -63,31 +62,6 @@ impl Assessment {
     }
 }
 
-/// The surrogate of one mode.
-#[derive(Debug)]
-pub struct Surrogate {
-    /// Conditioned on the running maximum at all m checkpoints.
-    pub model: Kriging,
-    /// Checkpoints whose likelihoods set the lengths.
-    pub fitted_on: Vec<usize>,
-    /// Leave-one-out figures at those.
-    pub leave_one_out: Vec<LeaveOneOut>,
-    /// Standard deviation of the noise that goes with the stated errors over the stated errors themselves (root mean
-    /// squares over points and fitted checkpoints) [1]; absent where the surrogate makes nothing of them.
-    pub share_of_stated: Option<f64>,
-    /// Repairs.
-    pub repairs: usize,
-}
-
-impl Surrogate {
-    /// Factor on the predicted variances: the leave-one-out ratio where it shows them too small, averaged over the
-    /// checkpoints, never below 1.
-    fn inflation(&self) -> f64 {
-        let ratios = self.leave_one_out.iter().map(|l| l.variance_ratio);
-        (ratios.sum::<f64>() / self.leave_one_out.len() as f64).max(1.0)
-    }
-}
-
 /// The pool holds at least this many points per point of a batch.
 const POOL_PER_BATCH: usize = 8;
 
@@ -102,16 +76,23 @@ pub(super) struct Known<'a> {
     pub under_way: &'a [usize],
     pub observations: &'a Observations,
     pub failed: &'a [Failed],
-    /// Correlations of the round before, per mode.
-    pub correlations: &'a [Option<Correlation>],
+    /// Surrogates of the round before, per mode; none before the first.
+    pub surrogates: &'a [Surrogate],
     /// Curves of the round before, over the present population.
     pub previous: Option<&'a [Vec<f64>]>,
     /// Number of the round.
     pub round: u32,
 }
 
-/// Assesses the results with lengths found with the given effort.
-pub(super) fn assess(known: &Known<'_>, effort: Effort) -> Result<Assessment, CampaignError> {
+/// Most that the cached predictions of all modes may take [bytes].
+const CACHE: usize = 4 << 30;
+
+/// Assesses the results with lengths found with the given effort. The caches, one a mode, hold predictions of this population.
+pub(super) fn assess(
+    known: &Known<'_>,
+    caches: &mut [PredictionCache],
+    effort: Effort,
+) -> Result<Assessment, CampaignError> {
     let Known { problem, plan, population, asked, observations, previous, round, .. } = *known;
     let seed = plan.seed;
     // Surrogates, one per mode, beside each other.
@@ -125,8 +106,9 @@ pub(super) fn assess(known: &Known<'_>, effort: Effort) -> Result<Assessment, Ca
             let share = observations.design_share(&values, mode.threshold);
             let fitted_on = checkpoints_that_matter(&share, previous.map(|p| p[s].as_slice()), GRID);
             let errors = observations.errors_of_running_maxima(mode.output);
-            let observed = (&points, &values, &errors);
-            fit_mode(observed, fitted_on, known.correlations[s].as_ref(), effort, plan.stated_errors)
+            let observed = Results { points: &points, values: &values, errors: &errors };
+            let before = known.surrogates.get(s);
+            Surrogate::fit(&observed, fitted_on, before, effort, (plan.forms, plan.stated_errors))
                 .map_err(|source| CampaignError::Surrogate { mode: s, source })
         })
         .collect::<Result<Vec<Surrogate>, CampaignError>>()?;
@@ -138,10 +120,21 @@ pub(super) fn assess(known: &Known<'_>, effort: Effort) -> Result<Assessment, Ca
     if grid.len() > GRID {
         grid = (0..GRID).map(|i| grid[i * (grid.len() - 1) / (GRID - 1)]).collect();
     }
+    let cached = population.len() * points.ncols() * problem.modes.len() * size_of::<f64>() <= CACHE;
+    if !cached {
+        caches.fill(PredictionCache::default());
+    }
     let modes: Vec<Classification> = surrogates
         .iter()
         .zip(&problem.modes)
-        .map(|(surrogate, mode)| classify(&surrogate.model, population, mode.threshold, &grid))
+        .zip(caches)
+        .map(|((surrogate, mode), cache)| {
+            if cached {
+                classify_cached(cache, &surrogate.model, population, mode.threshold, &grid)
+            } else {
+                classify(&surrogate.model, population, mode.threshold, &grid)
+            }
+        })
         .collect();
     let first_failures: Vec<&[u32]> = modes.iter().map(|mode| mode.first_failure.as_slice()).collect();
     let curves = curves(&first_failures, problem.checkpoints.len());
@@ -196,35 +189,6 @@ pub(super) fn assess(known: &Known<'_>, effort: Effort) -> Result<Assessment, Ca
         feasibility,
         selection,
     })
-}
-
-/// Fits and conditions the surrogate of one mode to points `(d, n)`, values `(n, m)` and their stated errors `(n, m)`.
-fn fit_mode(
-    (points, values, errors): (&Mat<f64>, &Mat<f64>, &Mat<f64>),
-    fitted_on: Vec<usize>,
-    previous: Option<&Correlation>,
-    effort: Effort,
-    reading: StatedErrors,
-) -> Result<Surrogate, crate::surrogate::SurrogateError> {
-    let on_grid = |of: &Mat<f64>| Mat::from_fn(of.nrows(), fitted_on.len(), |i, o| of[(i, fitted_on[o])]);
-    let (chosen, errors) = (on_grid(values), on_grid(errors));
-    let noise = NoiseShape::new(chosen.as_ref(), errors.as_ref(), reading);
-    let (correlation, failed_starts) = match previous.filter(|_| effort == Effort::Keep) {
-        Some(kept) => (kept.clone(), 0),
-        None => {
-            let found = fit_correlation(points.as_ref(), chosen.as_ref(), noise.as_ref(), previous, effort);
-            (found.correlation, found.failed_starts)
-        }
-    };
-    let weights = noise.as_ref().map(|noise| noise.weights.as_slice());
-    let mut model = Kriging::condition_noisy(points.as_ref(), chosen.as_ref(), &correlation, weights)?;
-    let leave_one_out = model.leave_one_out(chosen.as_ref());
-    let stated = errors.squared_norm_l2() / errors.nrows() as f64;
-    let found = model.correlation().stated * model.sigma2().iter().sum::<f64>();
-    let share_of_stated = noise.map(|_| (found / stated).sqrt());
-    model.set_values(values.as_ref());
-    let repairs = failed_starts + model.raised();
-    Ok(Surrogate { model, fitted_on, leave_one_out, share_of_stated, repairs })
 }
 
 fn nearest(grid: &[usize], checkpoint: usize) -> usize {

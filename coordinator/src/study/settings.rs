@@ -2,7 +2,7 @@
 
 use super::{Plan, StudyError};
 use crate::learning::{LearningFunction, Targets};
-use crate::surrogate::StatedErrors;
+use crate::surrogate::{FormSettings, StatedErrors};
 use common::accuracy::{Accuracy, NamedAccuracy};
 use common::scene::{Scene, StudySettings};
 
@@ -60,6 +60,8 @@ pub struct Settings {
     pub failed_share: f64,
     /// Stopping rules of active learning.
     pub targets: Targets,
+    /// What is left open of the surrogates' form.
+    pub forms: FormSettings,
     /// What the surrogates make of the numerical errors that simulations state.
     pub stated_errors: StatedErrors,
 }
@@ -75,6 +77,7 @@ impl Settings {
             learning: LearningFunction::default(),
             failed_share: FAILED_SHARE,
             targets: Targets::default(),
+            forms: FormSettings::default(),
             stated_errors: StatedErrors::default(),
         }
     }
@@ -90,6 +93,7 @@ impl Settings {
             seed: self.study.seed,
             learning: self.learning,
             targets: self.targets,
+            forms: self.forms,
             stated_errors: self.stated_errors,
             retry: self.stricter().is_some(),
             failed_share: self.failed_share,

@@ -2,7 +2,7 @@
 //! p = low + (high - low) / (1 + exp(-t)) and the free t is optimised, so no projection is needed and a variable without
 //! influence drifts to its lower bound where the likelihood is flat.
 
-use super::{Correlation, NoiseShape};
+use super::{Correlation, Kernel, NoiseShape};
 
 /// Bounds of theta in standardised inputs: lengths from 0.2 to 700 standard deviations.
 pub(super) const THETA: (f64, f64) = (1e-6, 10.0);
@@ -13,14 +13,15 @@ pub(super) const NUGGET: (f64, f64) = (1e-10, 0.3);
 /// Bounds of every parameter of a correlation in d variables.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Bounds {
+    kernel: Kernel,
     d: usize,
     /// Of the noise that goes with the stated errors, if there are any.
     stated: Option<(f64, f64)>,
 }
 
 impl Bounds {
-    pub fn new(d: usize, noise: Option<&NoiseShape>) -> Self {
-        Self { d, stated: noise.map(|noise| noise.levels) }
+    pub fn new(kernel: Kernel, d: usize, noise: Option<&NoiseShape>) -> Self {
+        Self { kernel, d, stated: noise.map(|noise| noise.levels) }
     }
 
     /// Logarithmic bounds of parameter `k`: d lengths, the nugget, and the level of the stated noise if there is one.
@@ -40,10 +41,17 @@ impl Bounds {
             (low + (high - low) / (1.0 + (-free[k]).exp())).exp()
         };
         Correlation {
+            kernel: self.kernel,
             theta: (0..self.d).map(value).collect(),
             nugget: value(self.d),
             stated: self.stated.map_or(0.0, |_| value(self.d + 1)),
         }
+    }
+
+    /// Lengths and noise that do no harm, where no likelihood could be had.
+    pub fn cautious(&self) -> Correlation {
+        let theta = vec![0.1 / self.d as f64; self.d];
+        Correlation { kernel: self.kernel, theta, nugget: 1e-4, stated: 0.0 }
     }
 
     /// dp/dt of the bounded logarithm `k` at the free number `t`.
@@ -75,18 +83,19 @@ mod tests {
 
     #[test]
     fn free_numbers_stand_for_a_correlation_and_back() {
-        let correlation = Correlation { theta: vec![0.3, 2e-3], nugget: 1e-5, stated: 0.02 };
-        let shape = |levels| NoiseShape { weights: vec![], levels, mean: 1.0 };
-        let bounds = Bounds::new(2, Some(&shape((1e-10, 0.3))));
+        let correlation =
+            Correlation { kernel: Kernel::Matern32, theta: vec![0.3, 2e-3], nugget: 1e-5, stated: 0.02 };
+        let shape = |levels| NoiseShape::between(levels);
+        let bounds = Bounds::new(Kernel::Matern32, 2, Some(&shape((1e-10, 0.3))));
         let back = bounds.correlation(&bounds.free(&correlation));
         for (a, b) in [(back.theta[1], 2e-3), (back.nugget, 1e-5), (back.stated, 0.02)] {
             assert!((a / b - 1.0).abs() < 1e-12, "{a} {b}");
         }
         // Held at 0.7, and without stated errors.
-        let held = Bounds::new(2, Some(&shape((0.7, 0.7))));
+        let held = Bounds::new(Kernel::Matern32, 2, Some(&shape((0.7, 0.7))));
         assert!((held.correlation(&held.free(&correlation)).stated - 0.7).abs() < 1e-15);
         assert_eq!(held.slope(3, 1.0), 0.0);
-        let none = Bounds::new(2, None);
+        let none = Bounds::new(Kernel::Matern32, 2, None);
         assert_eq!((none.free(&correlation).len(), none.correlation(&[0.0; 3]).stated), (3, 0.0));
     }
 }

@@ -1,12 +1,18 @@
-//! Anisotropic Gaussian correlation: r(x, x') = exp(-sum_k theta_k (x_k - x'_k)^2).
+//! Anisotropic correlation r(x, x') = R(r2), r2 = sum_k theta_k (x_k - x'_k)^2, with R as the [`Kernel`] has it.
 
+use super::Kernel;
+use super::factor::mirror;
 use faer::linalg::matmul::matmul;
+use faer::linalg::matmul::triangular::{BlockStructure, matmul as triangular_matmul};
 use faer::prelude::ReborrowMut;
-use faer::{Accum, Mat, MatMut, MatRef, Par};
+use faer::{Accum, ColMut, Mat, MatMut, MatRef, Par};
+use rayon::prelude::*;
 
 /// Parameters of the correlation of one surrogate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Correlation {
+    /// R.
+    pub kernel: Kernel,
     /// theta_k = 1 / (2 length_k^2), in standardised inputs `(d,)` [1].
     pub theta: Vec<f64>,
     /// Variance of the noise that is the same at every point over the process variance, added to the diagonal [1].
@@ -23,46 +29,99 @@ impl Correlation {
     }
 
     /// Adds the noise to the diagonal of a correlation matrix `(n, n)`; `weights` `(n,)` of mean 1.
-    pub(crate) fn add_noise(&self, matrix: &mut Mat<f64>, weights: Option<&[f64]>) {
+    pub(crate) fn add_noise(&self, mut matrix: MatMut<'_, f64>, weights: Option<&[f64]>) {
         for i in 0..matrix.nrows() {
             matrix[(i, i)] += self.nugget + weights.map_or(0.0, |weights| self.stated * weights[i]);
         }
     }
 
-    /// Points `(d, n)` multiplied by sqrt(theta), so that correlation is exp(-distance^2).
+    /// Points `(d, n)` multiplied by sqrt(theta), so that r2 is the squared distance.
     pub(crate) fn scale(&self, points: MatRef<'_, f64>) -> Mat<f64> {
         let root: Vec<f64> = self.theta.iter().map(|theta| theta.sqrt()).collect();
         Mat::from_fn(points.nrows(), points.ncols(), |k, i| root[k] * points[(k, i)])
     }
 }
 
-/// Correlation matrix `(n, n)` of points `(d, n)`, without the nugget; the diagonal is exactly 1.
+/// Columns that one task takes at least: fewer are not worth the way to another thread.
+const COLUMNS: usize = 64;
+
+/// Correlation matrix `(n, n)` of points `(d, n)`, without the noise; the diagonal is exactly 1.
 pub fn correlation_matrix(correlation: &Correlation, points: MatRef<'_, f64>) -> Mat<f64> {
+    let mut r = correlation_below(correlation, points);
+    mirror(&mut r);
+    r
+}
+
+/// Its lower triangle; above it is zero.
+pub(crate) fn correlation_below(correlation: &Correlation, points: MatRef<'_, f64>) -> Mat<f64> {
+    let n = points.ncols();
+    let mut r = Mat::zeros(n, n);
+    squares_below(correlation, points, r.as_mut());
+    r.par_col_iter_mut().with_min_len(COLUMNS).enumerate().for_each(|(j, column)| {
+        let column = &mut as_slice(column)[j..];
+        correlation.kernel.correlate(column);
+        column[0] = 1.0;
+    });
+    r
+}
+
+/// Lower triangles of the correlation matrix into `r` and of -dR/dr2 into `slopes`, `(n, n)` each, the latter with 0 on the
+/// diagonal; above them nothing is touched.
+pub(crate) fn correlation_and_slopes_into(
+    correlation: &Correlation,
+    points: MatRef<'_, f64>,
+    mut r: MatMut<'_, f64>,
+    slopes: MatMut<'_, f64>,
+) {
+    squares_below(correlation, points, r.as_mut());
+    let columns = r.par_col_iter_mut().zip(slopes.par_col_iter_mut());
+    columns.with_min_len(COLUMNS).enumerate().for_each(|(j, (column, slopes))| {
+        let (column, slopes) = (&mut as_slice(column)[j..], &mut as_slice(slopes)[j..]);
+        correlation.kernel.correlate_with_slopes(column, slopes);
+        (column[0], slopes[0]) = (1.0, 0.0);
+    });
+}
+
+/// Scaled squared distances of points `(d, n)` from each other: the lower triangle of `(n, n)`.
+fn squares_below(correlation: &Correlation, points: MatRef<'_, f64>, mut squares: MatMut<'_, f64>) {
     let scaled = correlation.scale(points);
-    let mut r = cross_of_scaled(scaled.as_ref(), scaled.as_ref());
-    for i in 0..points.ncols() {
-        r[(i, i)] = 1.0;
-        for j in 0..i {
-            r[(j, i)] = r[(i, j)];
-        }
+    let norms = squared_norms(scaled.as_ref());
+    triangular_matmul(
+        squares.as_mut(),
+        BlockStructure::TriangularLower,
+        Accum::Replace,
+        scaled.transpose(),
+        BlockStructure::Rectangular,
+        scaled.as_ref(),
+        BlockStructure::Rectangular,
+        2.0,
+        Par::Seq,
+    );
+    for (j, column) in squares.col_iter_mut().enumerate() {
+        subtract_from_norms(&mut as_slice(column)[j..], &norms[j..], norms[j]);
     }
-    r
 }
 
-/// Correlation `(n, b)` between points `(d, n)` and points `(d, b)`, without the nugget.
+/// 2 a.b into |a|^2 + |b|^2 - 2 a.b for all a and one b.
+fn subtract_from_norms(products: &mut [f64], a_norms: &[f64], b_norm: f64) {
+    for (product, a_norm) in products.iter_mut().zip(a_norms) {
+        *product = -(*product - a_norm - b_norm);
+    }
+}
+
+/// Correlation `(n, b)` between points `(d, n)` and points `(d, b)`, without the noise.
 pub fn cross_correlation(correlation: &Correlation, a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Mat<f64> {
-    cross_of_scaled(correlation.scale(a).as_ref(), correlation.scale(b).as_ref())
-}
-
-/// exp(-|a_i - b_j|^2) through one matrix product: |a|^2 + |b|^2 - 2 a.b, held at or above zero against rounding.
-pub(crate) fn cross_of_scaled(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Mat<f64> {
+    let (a, b) = (correlation.scale(a), correlation.scale(b));
     let mut r = Mat::zeros(a.ncols(), b.ncols());
-    cross_of_scaled_into(r.as_mut(), a, &squared_norms(a), b);
+    let norms = squared_norms(a.as_ref());
+    cross_of_scaled_into(correlation.kernel, r.as_mut(), a.as_ref(), &norms, b.as_ref());
     r
 }
 
-/// As [`cross_of_scaled`], into `(n, b)` and with the squared norms of `a` known.
+/// The same of scaled points into `(n, b)`, the squared norms of `a` known, through one matrix product:
+/// |a|^2 + |b|^2 - 2 a.b.
 pub(crate) fn cross_of_scaled_into(
+    kernel: Kernel,
     mut r: MatMut<'_, f64>,
     a: MatRef<'_, f64>,
     a_norms: &[f64],
@@ -71,49 +130,14 @@ pub(crate) fn cross_of_scaled_into(
     matmul(r.as_mut(), Accum::Replace, a.transpose(), b, 2.0, Par::Seq);
     let b_norms = squared_norms(b);
     for (j, b_norm) in b_norms.into_iter().enumerate() {
-        let column = r.rb_mut().col_mut(j).try_as_col_major_mut().expect("blocks are column-major");
-        for (value, a_norm) in column.as_slice_mut().iter_mut().zip(a_norms) {
-            *value = exp_nonpositive(*value - a_norm - b_norm);
-        }
+        let column = as_slice(r.rb_mut().col_mut(j));
+        subtract_from_norms(column, a_norms, b_norm);
+        kernel.correlate(column);
     }
 }
 
-/// e^x for x <= 0 (greater x, which only rounding can give, count as 0), to 2 units in the last place; below
-/// x = -200, where a correlation of 1e-87 is nothing, e^-200.
-///
-/// Reduction x = k ln 2 + r, |r| <= ln 2 / 2, and the exponential series to degree 13 (remainder 4e-18). Written without
-/// branches so that the compiler makes vectors of it, and without calls into the system's mathematical library: its
-/// `exp` takes 330 ns instead of 5 after a matrix product has left the upper halves of the vector registers in use
-/// (measured on an AVX-512 machine), and its bits differ between systems.
-fn exp_nonpositive(x: f64) -> f64 {
-    // Adding 1.5 * 2^52 rounds to an integer, which then stands in the lowest bits.
-    const ROUND: f64 = 6_755_399_441_055_744.0;
-    // ln 2 in two parts, the first with trailing zeros so that k ln 2 is exact.
-    const LN2_HIGH: f64 = 0.693_147_180_369_123_8;
-    const LN2_LOW: f64 = 1.908_214_929_270_587_7e-10;
-    let x = x.clamp(-200.0, 0.0);
-    let shifted = x * std::f64::consts::LOG2_E + ROUND;
-    let k = shifted - ROUND;
-    let r = (x - k * LN2_HIGH) - k * LN2_LOW;
-    let mut series = 1.0 / 6_227_020_800.0;
-    for inverse_factorial in [
-        1.0 / 479_001_600.0,
-        1.0 / 39_916_800.0,
-        1.0 / 3_628_800.0,
-        1.0 / 362_880.0,
-        1.0 / 40_320.0,
-        1.0 / 5_040.0,
-        1.0 / 720.0,
-        1.0 / 120.0,
-        1.0 / 24.0,
-        1.0 / 6.0,
-        0.5,
-        1.0,
-        1.0,
-    ] {
-        series = series * r + inverse_factorial;
-    }
-    series * f64::from_bits(shifted.to_bits().wrapping_add(1023) << 52)
+fn as_slice(column: ColMut<'_, f64>) -> &mut [f64] {
+    column.try_as_col_major_mut().expect("matrices are column-major").as_slice_mut()
 }
 
 /// Squared norm of each column.
@@ -126,27 +150,28 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_exponential_is_accurate_to_two_units_in_the_last_place() {
-        assert_eq!(exp_nonpositive(0.0), 1.0);
-        assert_eq!(exp_nonpositive(1e-17), 1.0);
-        for i in 0..200_000 {
-            let x = -199.9 * (f64::from(i) / 200_000.0).powi(3);
-            let exact = x.exp();
-            assert!((exp_nonpositive(x) - exact).abs() <= 2.0 * f64::EPSILON * exact, "{x}");
-        }
-        assert!(exp_nonpositive(-1e9) > 0.0 && exp_nonpositive(-1e9) < 1e-86);
-    }
-
-    #[test]
     fn matches_the_definition() {
-        let correlation = Correlation { theta: vec![0.3, 2.0], nugget: 0.0, stated: 0.0 };
-        let points = Mat::from_fn(2, 5, |k, i| (i as f64 * 0.7 + k as f64).sin() * 1.5);
-        let r = correlation_matrix(&correlation, points.as_ref());
-        for i in 0..5 {
-            for j in 0..5 {
-                let exponent: f64 =
-                    (0..2).map(|k| correlation.theta[k] * (points[(k, i)] - points[(k, j)]).powi(2)).sum();
-                assert!((r[(i, j)] - (-exponent).exp()).abs() < 1e-14);
+        for kernel in Kernel::ALL {
+            let correlation = Correlation { kernel, theta: vec![0.3, 2.0], nugget: 0.0, stated: 0.0 };
+            let points = Mat::from_fn(2, 5, |k, i| (i as f64 * 0.7 + k as f64).sin() * 1.5);
+            let (mut r, mut slopes) = (Mat::zeros(5, 5), Mat::zeros(5, 5));
+            correlation_and_slopes_into(&correlation, points.as_ref(), r.as_mut(), slopes.as_mut());
+            let whole = correlation_matrix(&correlation, points.as_ref());
+            let cross = cross_correlation(&correlation, points.as_ref(), points.as_ref());
+            for i in 0..5 {
+                for j in 0..5 {
+                    let difference = |k: usize| points[(k, i)] - points[(k, j)];
+                    let square: f64 = (0..2).map(|k| correlation.theta[k] * difference(k).powi(2)).sum();
+                    let (mut value, mut slope) = ([square], [0.0]);
+                    kernel.correlate_with_slopes(&mut value, &mut slope);
+                    assert!((whole[(i, j)] - value[0]).abs() < 1e-14);
+                    // Where the distance is lost to rounding, that of the Matern functions is 1e-8 and not 0.
+                    assert!((cross[(i, j)] - value[0]).abs() < 1e-13);
+                    if i > j {
+                        assert!((slopes[(i, j)] - slope[0]).abs() < 1e-14);
+                        assert_eq!(r[(i, j)], whole[(i, j)]);
+                    }
+                }
             }
         }
     }

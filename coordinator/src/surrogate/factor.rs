@@ -2,7 +2,7 @@
 //! in waiting than it gains, and the surrogates of several limit states run beside each other.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
+use faer::linalg::cholesky::llt::factor::{LltError, cholesky_in_place, cholesky_in_place_scratch};
 use faer::linalg::matmul::triangular::{BlockStructure, matmul as triangular_matmul};
 use faer::linalg::triangular_inverse::invert_lower_triangular;
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
@@ -14,28 +14,32 @@ pub(crate) struct Indefinite {
     pub pivot: usize,
 }
 
-/// Lower Cholesky factor L of a symmetric matrix, L L' = A; above the diagonal L is zero.
+/// Lower Cholesky factor L of a symmetric matrix, of which only the lower triangle is read, L L' = A; above the
+/// diagonal L is zero.
 pub(crate) fn cholesky(mut a: Mat<f64>) -> Result<Mat<f64>, Indefinite> {
-    let n = a.nrows();
-    let scratch = cholesky_in_place_scratch::<f64>(n, Par::Seq, Spec::default());
-    cholesky_in_place(
-        a.as_mut(),
-        Default::default(),
-        Par::Seq,
-        MemStack::new(&mut MemBuffer::new(scratch)),
-        Spec::default(),
-    )
-    .map_err(|error| match error {
-        faer::linalg::cholesky::llt::factor::LltError::NonPositivePivot { index } => {
-            Indefinite { pivot: index }
-        }
-    })?;
-    for j in 1..n {
-        for i in 0..j {
-            a[(i, j)] = 0.0;
-        }
+    factor_in_place(a.as_mut())?;
+    for j in 1..a.ncols() {
+        a.col_as_slice_mut(j)[..j].fill(0.0);
     }
     Ok(a)
+}
+
+/// Overwrites the lower triangle of A with L; nothing above it is read or written.
+pub(crate) fn factor_in_place(a: MatMut<'_, f64>) -> Result<(), Indefinite> {
+    let scratch = cholesky_in_place_scratch::<f64>(a.nrows(), Par::Seq, Spec::default());
+    let mut memory = MemBuffer::new(scratch);
+    cholesky_in_place(a, Default::default(), Par::Seq, MemStack::new(&mut memory), Spec::default())
+        .map(|_| ())
+        .map_err(|LltError::NonPositivePivot { index }| Indefinite { pivot: index })
+}
+
+/// Copies the lower triangle of a square matrix to the upper.
+pub(crate) fn mirror(a: &mut Mat<f64>) {
+    for j in 1..a.ncols() {
+        for i in 0..j {
+            a[(i, j)] = a[(j, i)];
+        }
+    }
 }
 
 /// Overwrites b with L^-1 b.
@@ -48,29 +52,33 @@ pub(crate) fn solve_lower_transposed(l: MatRef<'_, f64>, b: MatMut<'_, f64>) {
     solve_upper_triangular_in_place(l.transpose(), b, Par::Seq);
 }
 
-/// (L L')^-1, both triangles filled `(n, n)`.
-pub(crate) fn inverse(l: MatRef<'_, f64>) -> Mat<f64> {
+/// The lower triangle of (L L')^-1 `(n, n)`.
+pub(crate) fn inverse_below(l: MatRef<'_, f64>) -> Mat<f64> {
     let n = l.nrows();
-    let mut l_inverse = Mat::zeros(n, n);
-    invert_lower_triangular(l_inverse.as_mut(), l, Par::Seq);
-    let mut inverse = Mat::zeros(n, n);
+    let (mut l_inverse, mut inverse) = (Mat::zeros(n, n), Mat::zeros(n, n));
+    invert_factor(l, l_inverse.as_mut());
+    square_of_inverse(l_inverse.as_ref(), inverse.as_mut());
+    inverse
+}
+
+/// The lower triangle of L^-1; above it nothing is touched.
+pub(crate) fn invert_factor(l: MatRef<'_, f64>, l_inverse: MatMut<'_, f64>) {
+    invert_lower_triangular(l_inverse, l, Par::Seq);
+}
+
+/// The lower triangle of L'^-1 L^-1 from that of L^-1; above it nothing is touched.
+pub(crate) fn square_of_inverse(l_inverse: MatRef<'_, f64>, inverse: MatMut<'_, f64>) {
     triangular_matmul(
-        inverse.as_mut(),
+        inverse,
         BlockStructure::TriangularLower,
         Accum::Replace,
         l_inverse.transpose(),
         BlockStructure::TriangularUpper,
-        l_inverse.as_ref(),
+        l_inverse,
         BlockStructure::TriangularLower,
         1.0,
         Par::Seq,
     );
-    for j in 1..n {
-        for i in 0..j {
-            inverse[(i, j)] = inverse[(j, i)];
-        }
-    }
-    inverse
 }
 
 /// ln det(L L').
@@ -89,7 +97,9 @@ mod tests {
             (-0.05 * (i as f64 - j as f64).powi(2)).exp() + if i == j { 0.1 } else { 0.0 }
         });
         let l = cholesky(a.clone()).unwrap();
-        let identity = &a * inverse(l.as_ref());
+        let mut inverse = inverse_below(l.as_ref());
+        mirror(&mut inverse);
+        let identity = &a * inverse;
         for i in 0..n {
             for j in 0..n {
                 assert!((identity[(i, j)] - f64::from(u8::from(i == j))).abs() < 1e-11);

@@ -1,34 +1,42 @@
-//! Ordinary Kriging conditioned on data: one factorisation, many outputs.
+//! Kriging conditioned on data: one factorisation, many outputs.
 //!
-//! With C = R + nugget I + stated W = L L', W the diagonal of the points' noise weights, t = L^-1 1, w(x) = L^-1 r(x) and u(x) = 1 - t'w(x):
-//!   mean_o(x)     = beta_o + w(x)' L^-1 (y_o - beta_o 1)
-//!   variance_o(x) = sigma2_o (1 - w'w + u^2 / t't)
+//! With C = R + nugget I + stated W = L L', W the diagonal of the points' noise weights, w(x) = L^-1 r(x), z_o = L^-1 y_o and
+//! the trend's coefficients c_o, orthogonal columns Q and their squares D as in [`super::Trend`]'s module:
+//!   mean_o(x)     = f(x)' U^-1 c_o + w(x)' (z_o - Q c_o)
+//!   variance_o(x) = sigma2_o (1 - w'w + sum_k v_k^2 / D_k),  v = U^-T f(x) - Q'w
+//!   sigma2_o      = |z_o - Q c_o|^2 / (n - p + 1), p the coefficients of the trend: the slopes cost degrees of freedom
 //! The variance is that of the smooth function without the simulator's noise; its factor is common to all outputs.
 //!
 //! Source: Sacks, Welch, Mitchell, Wynn (1989), eqs. 7 and 9.
 
 use super::bounds::NUGGET;
-use super::correlation::{correlation_matrix, cross_of_scaled_into, squared_norms};
+use super::correlation::{correlation_below, cross_of_scaled_into, squared_norms};
 use super::factor::{cholesky, solve_lower};
-use super::{Correlation, SurrogateError};
+use super::trend::Whitened;
+use super::{Correlation, SurrogateError, Trend};
 use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatRef, Par};
+use faer::{Accum, ColRef, Mat, MatRef, Par};
 use std::ops::Range;
 
-/// An ordinary Kriging model of m outputs over n points.
+/// A Kriging model of m outputs over n points.
 #[derive(Debug, Clone)]
 pub struct Kriging {
-    correlation: Correlation,
+    pub(super) correlation: Correlation,
+    /// Weights of the points' noise `(n,)`, if they differ.
+    pub(super) weights: Option<Vec<f64>>,
     /// Points times sqrt(theta) `(d, n)` and their squared norms `(n,)`.
-    scaled: Mat<f64>,
-    norms: Vec<f64>,
+    pub(super) scaled: Mat<f64>,
+    pub(super) norms: Vec<f64>,
     pub(super) l: Mat<f64>,
-    /// t = L^-1 1 `(n, 1)`, and t't.
-    pub(super) t: Mat<f64>,
-    pub(super) tt: f64,
-    beta: Vec<f64>,
+    pub(super) trend: Whitened,
+    /// Taken from the outputs before anything else, as solving with values far from zero would cost digits `(m,)`.
+    pub(super) shift: Vec<f64>,
+    /// z_o of the shifted values `(n, m)`.
+    pub(super) z: Mat<f64>,
+    /// c of the shifted values `(p, m)`.
+    pub(super) coefficients: Mat<f64>,
     sigma2: Vec<f64>,
-    /// L^-1 (y_o - beta_o 1) `(n, m)`.
+    /// z_o - Q c_o `(n, m)`.
     pub(super) residual: Mat<f64>,
     raised: usize,
 }
@@ -43,8 +51,8 @@ pub struct Prediction {
 }
 
 impl Kriging {
-    /// Conditions on values `(n, m)` at points `(d, n)`. Where C has no Cholesky factor the nugget is raised tenfold
-    /// until it has; [`Kriging::raised`] counts.
+    /// Conditions on values `(n, m)` at points `(d, n)` with a constant trend. Where C has no Cholesky factor the nugget
+    /// is raised tenfold until it has; [`Kriging::raised`] counts.
     ///
     /// # Errors
     /// [`SurrogateError`] with fewer than 3 points, or if the largest nugget does not help.
@@ -53,10 +61,11 @@ impl Kriging {
         values: MatRef<'_, f64>,
         correlation: &Correlation,
     ) -> Result<Self, SurrogateError> {
-        Self::condition_noisy(points, values, correlation, None)
+        Self::condition_noisy(points, values, correlation, Trend::Constant, None)
     }
 
-    /// The same with the points' noise weights `(n,)` of mean 1, see [`super::NoiseShape`]; `None`: all alike.
+    /// The same with this trend, where the points can carry it ([`Trend::carried_by`]), and the points' noise weights
+    /// `(n,)` of mean 1, see [`super::NoiseShape`]; `None`: all alike.
     ///
     /// # Errors
     /// Those of [`Kriging::condition`].
@@ -64,18 +73,19 @@ impl Kriging {
         points: MatRef<'_, f64>,
         values: MatRef<'_, f64>,
         correlation: &Correlation,
+        trend: Trend,
         weights: Option<&[f64]>,
     ) -> Result<Self, SurrogateError> {
-        let n = points.ncols();
+        let (d, n) = points.shape();
         if n < 3 {
             return Err(SurrogateError::TooFewPoints { points: n });
         }
         let mut correlation = correlation.clone();
-        let r = correlation_matrix(&correlation, points);
+        let r = correlation_below(&correlation, points);
         let mut raised = 0;
         let l = loop {
             let mut c = r.clone();
-            correlation.add_noise(&mut c, weights);
+            correlation.add_noise(c.as_mut(), weights);
             match cholesky(c) {
                 Ok(l) => break l,
                 Err(_) if correlation.nugget < NUGGET.1 => {
@@ -91,19 +101,17 @@ impl Kriging {
                 }
             }
         };
-        let mut t = Mat::from_fn(n, 1, |_, _| 1.0);
-        solve_lower(l.as_ref(), t.as_mut());
-        let tt = t.squared_norm_l2();
         let scaled = correlation.scale(points);
-        let norms = squared_norms(scaled.as_ref());
         let mut model = Self {
+            trend: Whitened::new(trend.carried_by(d, n), points, l.as_ref()),
+            norms: squared_norms(scaled.as_ref()),
             correlation,
+            weights: weights.map(<[f64]>::to_vec),
             scaled,
-            norms,
             l,
-            t,
-            tt,
-            beta: vec![],
+            shift: vec![],
+            z: Mat::new(),
+            coefficients: Mat::new(),
             sigma2: vec![],
             residual: Mat::new(),
             raised,
@@ -115,23 +123,27 @@ impl Kriging {
     /// Replaces the outputs by others known at the same points `(n, m)`; the correlation and its factor stay.
     pub fn set_values(&mut self, values: MatRef<'_, f64>) {
         let n = values.nrows();
-        self.residual = values.to_owned();
-        self.beta.clear();
-        self.sigma2.clear();
-        // The mean is taken out first: solving with values far from zero would cost digits.
-        let means: Vec<f64> = values.col_iter().map(|c| c.iter().sum::<f64>() / n as f64).collect();
-        for (o, mean) in means.iter().enumerate() {
-            self.residual.col_as_slice_mut(o).iter_mut().for_each(|y| *y -= mean);
+        self.shift = values.col_iter().map(|c| c.iter().sum::<f64>() / n as f64).collect();
+        self.z = values.to_owned();
+        for (o, shift) in self.shift.iter().enumerate() {
+            self.z.col_as_slice_mut(o).iter_mut().for_each(|y| *y -= shift);
         }
-        solve_lower(self.l.as_ref(), self.residual.as_mut());
-        let t = self.t.col_as_slice(0);
-        for (o, mean) in means.iter().enumerate() {
+        solve_lower(self.l.as_ref(), self.z.as_mut());
+        self.set_trend();
+    }
+
+    /// Coefficients, residual and variance from z and the trend.
+    pub(super) fn set_trend(&mut self) {
+        let (n, m) = self.z.shape();
+        self.residual = self.z.clone();
+        self.coefficients = Mat::zeros(self.trend.squares.len(), m);
+        let freedom = (n + 1 - self.trend.rank()) as f64;
+        let of_output = |o: usize| {
             let column = self.residual.col_as_slice_mut(o);
-            let beta = column.iter().zip(t).map(|(y, t)| y * t).sum::<f64>() / self.tt;
-            column.iter_mut().zip(t).for_each(|(y, t)| *y -= beta * t);
-            self.beta.push(mean + beta);
-            self.sigma2.push(column.iter().map(|y| y * y).sum::<f64>() / n as f64);
-        }
+            self.coefficients.col_as_slice_mut(o).copy_from_slice(&self.trend.take_from(column));
+            column.iter().map(|y| y * y).sum::<f64>() / freedom
+        };
+        self.sigma2 = (0..m).map(of_output).collect();
     }
 
     /// Number of points n.
@@ -149,50 +161,77 @@ impl Kriging {
         &self.correlation
     }
 
+    /// The trend in use: constant where the points cannot carry another.
+    pub fn trend(&self) -> Trend {
+        self.trend.trend
+    }
+
     /// How often the nugget had to be raised.
     pub fn raised(&self) -> usize {
         self.raised
     }
 
-    /// w = L^-1 r(x) for points `(d, b)`: `(n, b)`.
-    pub(super) fn whitened(&self, points: MatRef<'_, f64>) -> Mat<f64> {
+    /// r(x) for points `(d, b)`: `(n, b)`.
+    pub(super) fn correlations(&self, points: MatRef<'_, f64>) -> Mat<f64> {
         let scaled = self.correlation.scale(points);
-        let mut w = Mat::zeros(self.points(), points.ncols());
-        cross_of_scaled_into(w.as_mut(), self.scaled.as_ref(), &self.norms, scaled.as_ref());
-        solve_lower(self.l.as_ref(), w.as_mut());
-        w
+        let mut r = Mat::zeros(self.points(), points.ncols());
+        let kernel = self.correlation.kernel;
+        cross_of_scaled_into(kernel, r.as_mut(), self.scaled.as_ref(), &self.norms, scaled.as_ref());
+        r
     }
 
-    /// u = 1 - t'w for each column of w.
-    pub(super) fn trend_residual(&self, w: MatRef<'_, f64>) -> Vec<f64> {
-        let t = self.t.col(0);
-        w.col_iter().map(|w| 1.0 - w.iter().zip(t.iter()).map(|(w, t)| w * t).sum::<f64>()).collect()
+    /// r(x)' for points `(d, b)` with the points of the model from `first` on: `(b, n - first)`.
+    pub(super) fn correlations_with(&self, points: MatRef<'_, f64>, first: usize) -> Mat<f64> {
+        let scaled = self.correlation.scale(points);
+        let norms = squared_norms(scaled.as_ref());
+        let own = self.scaled.subcols(first, self.points() - first);
+        let mut r = Mat::zeros(points.ncols(), own.ncols());
+        cross_of_scaled_into(self.correlation.kernel, r.as_mut(), scaled.as_ref(), &norms, own);
+        r
+    }
+
+    /// w = L^-1 r(x) for points `(d, b)`: `(n, b)`.
+    pub(super) fn whitened(&self, points: MatRef<'_, f64>) -> Mat<f64> {
+        let mut w = self.correlations(points);
+        solve_lower(self.l.as_ref(), w.as_mut());
+        w
     }
 
     /// Means and variance factors at points `(d, b)`.
     pub fn predict(&self, points: MatRef<'_, f64>) -> Prediction {
         let w = self.whitened(points);
-        let mean = with_trend(&self.beta, self.residual.as_ref(), w.as_ref());
-        let u = self.trend_residual(w.as_ref());
-        let variance_factor = w
-            .col_iter()
-            .zip(u)
-            .map(|(w, u)| (1.0 - w.squared_norm_l2() + u * u / self.tt).max(0.0))
-            .collect();
-        Prediction { mean, variance_factor }
+        let m = self.shift.len();
+        let mean = self.means(points, self.residual.as_ref(), w.as_ref(), 0..m);
+        let v = self.trend.extrapolation(points, w.as_ref());
+        let factor =
+            |(w, v): (ColRef<'_, f64>, _)| (1.0 - w.squared_norm_l2() + self.trend.variance(v)).max(0.0);
+        Prediction { mean, variance_factor: w.col_iter().zip(v.col_iter()).map(factor).collect() }
     }
 
     /// Means of the outputs `outputs` alone at points `(d, b)`: `(outputs.len(), b)`, with [`Kriging::dual`] given.
     /// Cheaper than [`Kriging::predict`]: no triangular solve, since w' L^-1 r = r(x)' C^-1 r.
     pub fn predict_means(&self, points: MatRef<'_, f64>, dual: &Mat<f64>, outputs: Range<usize>) -> Mat<f64> {
-        let scaled = self.correlation.scale(points);
-        let mut r = Mat::zeros(self.points(), points.ncols());
-        cross_of_scaled_into(r.as_mut(), self.scaled.as_ref(), &self.norms, scaled.as_ref());
-        let dual = dual.subcols(outputs.start, outputs.len());
-        with_trend(&self.beta[outputs], dual, r.as_ref())
+        let r = self.correlations(points);
+        self.means(points, dual.subcols(outputs.start, outputs.len()), r.as_ref(), outputs)
     }
 
-    /// C^-1 (y_o - beta_o 1) `(n, m)`, for [`Kriging::predict_means`].
+    /// Trend and a_o' b for each output and each column of b: `(outputs.len(), b)`.
+    fn means(
+        &self,
+        points: MatRef<'_, f64>,
+        a: MatRef<'_, f64>,
+        b: MatRef<'_, f64>,
+        outputs: Range<usize>,
+    ) -> Mat<f64> {
+        let coefficients = self.coefficients.subcols(outputs.start, outputs.len());
+        let mut mean = Mat::from_fn(outputs.len(), points.ncols(), |o, _| self.shift[outputs.start + o]);
+        let basis = self.trend.at(points);
+        matmul(mean.as_mut(), Accum::Add, coefficients.transpose(), basis, 1.0, Par::Seq);
+        matmul(mean.as_mut(), Accum::Add, a.transpose(), b, 1.0, Par::Seq);
+        mean
+    }
+
+    /// L'^-1 (z_o - Q c_o) `(n, m)`, for [`Kriging::predict_means`].
     pub fn dual(&self) -> Mat<f64> {
         let mut dual = self.residual.clone();
         super::factor::solve_lower_transposed(self.l.as_ref(), dual.as_mut());
@@ -200,16 +239,11 @@ impl Kriging {
     }
 }
 
-/// beta_o + a_o' b for each column of a and b: `(m, b)`.
-fn with_trend(beta: &[f64], a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Mat<f64> {
-    let mut mean = Mat::from_fn(beta.len(), b.ncols(), |o, _| beta[o]);
-    matmul(mean.as_mut(), Accum::Add, a.transpose(), b, 1.0, Par::Seq);
-    mean
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::surrogate::Kernel;
+    use faer::linalg::solvers::DenseSolveCore;
 
     fn points(n: usize) -> Mat<f64> {
         Mat::from_fn(2, n, |k, i| 4.0 * ((i + 1) as f64 * [0.754_877_666, 0.569_840_296][k]).fract() - 2.0)
@@ -223,7 +257,8 @@ mod tests {
     fn interpolates_its_data_without_a_nugget() {
         let x = points(25);
         let y = values(&x);
-        let correlation = Correlation { theta: vec![0.8, 0.8], nugget: 0.0, stated: 0.0 };
+        let correlation =
+            Correlation { kernel: Kernel::Gaussian, theta: vec![0.8, 0.8], nugget: 0.0, stated: 0.0 };
         let model = Kriging::condition(x.as_ref(), y.as_ref(), &correlation).unwrap();
         assert_eq!(model.raised(), 0);
         let prediction = model.predict(x.as_ref());
@@ -238,17 +273,20 @@ mod tests {
     #[test]
     fn far_from_the_data_it_returns_to_the_trend_with_the_full_variance() {
         let x = points(25);
-        let correlation = Correlation { theta: vec![1.0, 1.0], nugget: 1e-8, stated: 0.0 };
+        let correlation =
+            Correlation { kernel: Kernel::Gaussian, theta: vec![1.0, 1.0], nugget: 1e-8, stated: 0.0 };
         let model = Kriging::condition(x.as_ref(), values(&x).as_ref(), &correlation).unwrap();
         let far = model.predict(Mat::from_fn(2, 1, |_, _| 100.0).as_ref());
-        assert!((far.mean[(0, 0)] - model.beta[0]).abs() < 1e-12);
-        assert!((far.variance_factor[0] - (1.0 + 1.0 / model.tt)).abs() < 1e-12);
+        let mean = model.shift[0] + model.coefficients[(0, 0)];
+        assert!((far.mean[(0, 0)] - mean).abs() < 1e-12);
+        assert!((far.variance_factor[0] - (1.0 + 1.0 / model.trend.squares[0])).abs() < 1e-12);
     }
 
     #[test]
     fn means_alone_agree_with_the_whole_prediction() {
         let x = points(30);
-        let correlation = Correlation { theta: vec![0.5, 0.9], nugget: 1e-6, stated: 0.0 };
+        let correlation =
+            Correlation { kernel: Kernel::Gaussian, theta: vec![0.5, 0.9], nugget: 1e-6, stated: 0.0 };
         let model = Kriging::condition(x.as_ref(), values(&x).as_ref(), &correlation).unwrap();
         let at = Mat::from_fn(2, 7, |k, i| (i as f64 + 2.0 * k as f64).cos());
         let (whole, alone) =
@@ -262,9 +300,12 @@ mod tests {
         // weighted by precision, the variance over sigma2 the inverse of the summed precisions.
         let x = Mat::from_fn(2, 4, |k, _| 0.3 * k as f64);
         let y = Mat::from_fn(4, 1, |i, _| [1.0, 2.0, 4.0, 8.0][i]);
-        let correlation = Correlation { theta: vec![1.0, 1.0], nugget: 0.05, stated: 0.2 };
+        let correlation =
+            Correlation { kernel: Kernel::Gaussian, theta: vec![1.0, 1.0], nugget: 0.05, stated: 0.2 };
         let weights = [0.1, 0.5, 1.4, 2.0];
-        let model = Kriging::condition_noisy(x.as_ref(), y.as_ref(), &correlation, Some(&weights)).unwrap();
+        let model =
+            Kriging::condition_noisy(x.as_ref(), y.as_ref(), &correlation, Trend::Constant, Some(&weights))
+                .unwrap();
         let precision = weights.map(|w| 1.0 / (0.05 + 0.2 * w));
         let sum: f64 = precision.iter().sum();
         let mean = precision.iter().zip(y.col_as_slice(0)).map(|(p, y)| p * y).sum::<f64>() / sum;
@@ -282,9 +323,61 @@ mod tests {
     fn coincident_points_raise_the_nugget_and_say_so() {
         let x = Mat::from_fn(2, 12, |k, i| (i / 2) as f64 + k as f64);
         let y = values(&x);
-        let correlation = Correlation { theta: vec![0.01, 0.01], nugget: 0.0, stated: 0.0 };
+        let correlation =
+            Correlation { kernel: Kernel::Gaussian, theta: vec![0.01, 0.01], nugget: 0.0, stated: 0.0 };
         let model = Kriging::condition(x.as_ref(), y.as_ref(), &correlation).unwrap();
         assert!(model.raised() > 0 && model.correlation().nugget >= NUGGET.0);
         assert!(model.predict(x.as_ref()).mean.norm_max().is_finite());
+    }
+
+    #[test]
+    fn a_linear_function_is_known_everywhere_by_a_linear_trend() {
+        // The limit state of Rackwitz in 40 standardised lognormal variables is linear in them.
+        let (d, n) = (40, 90);
+        let x = Mat::from_fn(d, n, |k, i| 4.0 * (4e4 * ((i * d + k + 1) as f64).sin()).fract());
+        let function = |x: faer::ColRef<'_, f64>| {
+            40.0 + 3.0 * 0.2 * 40f64.sqrt() - x.iter().map(|x| 1.0 + 0.2 * x).sum::<f64>()
+        };
+        let y = Mat::from_fn(n, 1, |i, _| function(x.col(i)));
+        let at = Mat::from_fn(d, 20, |k, i| 5.0 * ((i * 41 + k) as f64).sin());
+        for kernel in Kernel::ALL {
+            let correlation = Correlation { kernel, theta: vec![0.01; d], nugget: 1e-10, stated: 0.0 };
+            let conditioned =
+                |trend| Kriging::condition_noisy(x.as_ref(), y.as_ref(), &correlation, trend, None).unwrap();
+            let model = conditioned(Trend::Linear);
+            let mean = model.predict(at.as_ref()).mean;
+            let far = (0..20).map(|i| (mean[(0, i)] - function(at.col(i))).abs()).fold(0.0, f64::max);
+            assert!(far < 1e-10 && model.sigma2()[0] < 1e-20, "{kernel:?} {far}");
+            // Which a constant trend is far from, so the test can fail.
+            let mean = conditioned(Trend::Constant).predict(at.as_ref()).mean;
+            assert!((0..20).any(|i| (mean[(0, i)] - function(at.col(i))).abs() > 0.1));
+        }
+    }
+
+    #[test]
+    fn the_trend_enters_the_variance_as_in_universal_kriging() {
+        let x = points(30);
+        let correlation =
+            Correlation { kernel: Kernel::Matern52, theta: vec![0.5, 0.9], nugget: 1e-3, stated: 0.0 };
+        let model =
+            Kriging::condition_noisy(x.as_ref(), values(&x).as_ref(), &correlation, Trend::Linear, None)
+                .unwrap();
+        // c0 - r' C^-1 r + (f - F' C^-1 r)' (F' C^-1 F)^-1 (f - F' C^-1 r) by dense inverses.
+        let at = Mat::from_fn(2, 6, |k, i| 3.0 * (i as f64 + 2.0 * k as f64).cos());
+        let mut c = crate::surrogate::correlation_matrix(&correlation, x.as_ref());
+        correlation.add_noise(c.as_mut(), None);
+        let c_inverse = c.partial_piv_lu().inverse();
+        let r = crate::surrogate::cross_correlation(&correlation, x.as_ref(), at.as_ref());
+        let basis = |x: &Mat<f64>| Trend::Linear.basis(x.as_ref()).transpose().to_owned();
+        let f = basis(&x);
+        let u = basis(&at).transpose() - f.transpose() * &c_inverse * &r;
+        let gram = (f.transpose() * &c_inverse * &f).partial_piv_lu().inverse();
+        let explained = r.transpose() * &c_inverse * &r;
+        let extrapolated = u.transpose() * gram * &u;
+        let found = model.predict(at.as_ref()).variance_factor;
+        for (i, found) in found.into_iter().enumerate() {
+            let expected = 1.0 - explained[(i, i)] + extrapolated[(i, i)];
+            assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
+        }
     }
 }

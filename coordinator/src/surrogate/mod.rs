@@ -1,4 +1,4 @@
-//! Surrogates: ordinary Kriging with a constant trend and anisotropic Gaussian correlation.
+//! Surrogates: Kriging with a constant or linear trend and an anisotropic Gaussian or Matern correlation.
 //!
 //! All outputs of one limit state (its checkpoints) share one correlation: one factorisation serves them all, and
 //! the lengths are estimated from all of them together. The errors that the simulations state give each point a
@@ -6,22 +6,40 @@
 //! points are `(d, n)` with one point a column.
 
 mod bounds;
+mod cache;
+#[cfg(test)]
+mod cache_tests;
+mod choice;
 mod correlation;
+mod descent;
+mod exponential;
+mod extended;
 mod factor;
 mod fit;
+mod form;
+mod kernel;
 mod kriging;
 mod leave_one_out;
 mod likelihood;
 mod noise;
 mod posterior;
+mod sharing;
+mod starts;
+mod trend;
 
+pub use cache::{BlockPrediction, PredictionCache, Update};
+pub use choice::{Candidate, Chosen, Incumbent, fit_surrogate};
 pub use correlation::{Correlation, correlation_matrix, cross_correlation};
-pub use fit::{Effort, Fitted, fit_correlation};
+pub use fit::{Effort, Fitted, TrainingSet, fit_correlation};
+pub use form::{Form, FormSettings};
+pub use kernel::Kernel;
 pub use kriging::{Kriging, Prediction};
 pub use leave_one_out::LeaveOneOut;
 pub use likelihood::{Likelihood, LikelihoodValue};
 pub use noise::{NoiseShape, StatedErrors};
 pub use posterior::Posterior;
+pub use sharing::{Sharing, compare_sharing};
+pub use trend::Trend;
 
 use thiserror::Error;
 

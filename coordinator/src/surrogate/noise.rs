@@ -22,7 +22,7 @@
 //! Source: a diagonal of its own for every point, Ankenman, Nelson, Staum (2010), Stochastic kriging, eq. 3.
 
 use super::bounds::NUGGET;
-use faer::MatRef;
+use faer::{ColRef, MatRef};
 
 /// Mean stated variance over that of the values below which there is nothing to model: at this level the nugget's
 /// lower bound already stands for it.
@@ -49,6 +49,8 @@ pub struct NoiseShape {
     pub levels: (f64, f64),
     /// Mean stated variance over the variance of the values [1].
     pub mean: f64,
+    /// Variances of the values by column `(a,)`, zero for those that say nothing [unit of the column squared].
+    variances: Vec<f64>,
 }
 
 impl NoiseShape {
@@ -59,33 +61,51 @@ impl NoiseShape {
             return None;
         }
         let n = values.nrows();
-        let mut weights = vec![0.0; n];
-        let mut columns = 0.0;
-        for (values, errors) in values.col_iter().zip(errors.col_iter()) {
+        let of_column = |values: ColRef<'_, f64>| {
             let mean = values.iter().sum::<f64>() / n as f64;
             let variance = values.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / n as f64;
-            if variance > 0.0 && variance.sqrt() > 1e-12 * mean.abs() {
-                columns += 1.0;
+            if variance.sqrt() > 1e-12 * mean.abs() { variance } else { 0.0 }
+        };
+        let variances: Vec<f64> = values.col_iter().map(of_column).collect();
+        let mut shape = Self { weights: vec![], levels: (0.0, 0.0), mean: 1.0, variances };
+        shape.weights = shape.weights_of(errors);
+        shape.mean = shape.weights.iter().sum::<f64>() / n as f64;
+        if shape.mean < NEGLIGIBLE {
+            return None;
+        }
+        shape.weights.iter_mut().for_each(|w| *w /= shape.mean);
+        let levels = match reading {
+            StatedErrors::Full => (shape.mean, shape.mean),
+            _ => (NUGGET.0, shape.mean.min(NUGGET.1)),
+        };
+        shape.levels = levels;
+        Some(shape)
+    }
+
+    #[cfg(test)]
+    pub(super) fn between(levels: (f64, f64)) -> Self {
+        Self { weights: vec![], levels, mean: 1.0, variances: vec![] }
+    }
+
+    /// Weights `(k,)` of more points with the errors `(k, a)`, in the scale of those that are there: for
+    /// [`super::Kriging::extended`].
+    pub fn weights_of(&self, errors: MatRef<'_, f64>) -> Vec<f64> {
+        let columns = self.variances.iter().filter(|variance| **variance > 0.0).count().max(1) as f64;
+        let mut weights = vec![0.0; errors.nrows()];
+        for (variance, errors) in self.variances.iter().zip(errors.col_iter()) {
+            if *variance > 0.0 {
                 weights.iter_mut().zip(errors.iter()).for_each(|(w, e)| *w += e * e / variance);
             }
         }
-        let mean = weights.iter().sum::<f64>() / (n as f64 * f64::max(columns, 1.0));
-        if mean < NEGLIGIBLE {
-            return None;
-        }
-        weights.iter_mut().for_each(|w| *w /= mean * columns);
-        let levels = match reading {
-            StatedErrors::Full => (mean, mean),
-            _ => (NUGGET.0, mean.min(NUGGET.1)),
-        };
-        Some(Self { weights, levels, mean })
+        weights.iter_mut().for_each(|w| *w /= self.mean * columns);
+        weights
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::surrogate::{Effort, Kriging, fit_correlation};
+    use crate::surrogate::{Effort, Form, Kriging, TrainingSet, Trend, fit_correlation};
     use faer::Mat;
     use rand::SeedableRng;
     use rand_distr::Distribution;
@@ -99,6 +119,10 @@ mod tests {
         assert!((shape.mean - 0.03).abs() < 1e-15 && shape.levels == (1e-10, shape.mean));
         for (w, expected) in shape.weights.iter().zip([1.0, 1.0, 1.0, 9.0]) {
             assert!((w - expected / 3.0).abs() < 1e-14);
+        }
+        // What holds for the points that are there holds for others of the same errors.
+        for (w, again) in shape.weights.iter().zip(shape.weights_of(errors.as_ref())) {
+            assert!((w / again - 1.0).abs() < 1e-14);
         }
         let full = NoiseShape::new(values.as_ref(), errors.as_ref(), StatedErrors::Full).unwrap();
         assert_eq!(full.levels, (shape.mean, shape.mean));
@@ -126,16 +150,26 @@ mod tests {
     fn the_likelihood_finds_which_share_of_the_stated_errors_is_noise() {
         let (x, y, errors) = noisy();
         let shape = NoiseShape::new(y.as_ref(), errors.as_ref(), StatedErrors::Fitted).unwrap();
-        let fitted = fit_correlation(x.as_ref(), y.as_ref(), Some(&shape), None, Effort::MultiStart);
+        let fit = |noise| {
+            let training = TrainingSet { points: x.as_ref(), values: y.as_ref(), noise };
+            fit_correlation(training, Form::default(), None, Effort::MultiStart)
+        };
+        let fitted = fit(Some(&shape));
         let correlation = &fitted.correlation;
-        let model =
-            Kriging::condition_noisy(x.as_ref(), y.as_ref(), correlation, Some(&shape.weights)).unwrap();
+        let model = Kriging::condition_noisy(
+            x.as_ref(),
+            y.as_ref(),
+            correlation,
+            Trend::Constant,
+            Some(&shape.weights),
+        )
+        .unwrap();
         // Where the error is 1 the noise is 0.1; from about 100 points known to about 7 %.
         let largest = shape.weights.iter().copied().fold(0.0, f64::max);
         let std = (model.sigma2()[0] * (correlation.stated * largest + correlation.nugget)).sqrt();
         assert!((std / 0.1 - 1.0).abs() < 0.2, "{std} {correlation:?}");
         // With one noise for all points the quiet half would be believed less than it deserves.
-        let alike = fit_correlation(x.as_ref(), y.as_ref(), None, None, Effort::MultiStart);
+        let alike = fit(None);
         assert!(fitted.value < alike.value - 0.5, "{} {}", fitted.value, alike.value);
     }
 }

@@ -3,6 +3,7 @@
 use super::Kriging;
 use super::correlation::correlation_matrix;
 use super::factor::cholesky;
+use super::trend::ratio;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
 
@@ -15,16 +16,15 @@ pub struct Posterior {
 }
 
 impl Posterior {
-    /// K_pp - W'W + u u' / t't of `model` at points `(d, p)`.
+    /// K_pp - W'W + V' D^-1 V of `model` at points `(d, p)`.
     pub fn new(model: &Kriging, points: MatRef<'_, f64>) -> Self {
         let w = model.whitened(points);
-        let u = model.trend_residual(w.as_ref());
+        let v = model.trend.extrapolation(points, w.as_ref());
         let mut covariance = correlation_matrix(model.correlation(), points);
         matmul(covariance.as_mut(), Accum::Add, w.transpose(), w.as_ref(), -1.0, Par::Seq);
-        for (j, column) in covariance.col_iter_mut().enumerate() {
-            let factor = u[j] / model.tt;
-            column.iter_mut().zip(&u).for_each(|(c, u)| *c += factor * u);
-        }
+        let over_square = |k: usize, j: usize| ratio(v[(k, j)], model.trend.squares[k]);
+        let weighted = Mat::from_fn(v.nrows(), v.ncols(), over_square);
+        matmul(covariance.as_mut(), Accum::Add, v.transpose(), weighted, 1.0, Par::Seq);
         Self { covariance, noise: model.correlation().noise() }
     }
 
@@ -100,7 +100,7 @@ impl Posterior {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::surrogate::Correlation;
+    use crate::surrogate::{Correlation, Kernel, Trend};
 
     fn points(n: usize, shift: f64) -> Mat<f64> {
         Mat::from_fn(3, n, |k, i| ((i as f64 + shift) * [1.3, 2.1, 0.7][k]).sin() * 1.5)
@@ -113,15 +113,29 @@ mod tests {
     #[test]
     fn a_believed_point_equals_conditioning_from_scratch() {
         let (x, pool) = (points(20, 0.0), points(15, 0.43));
-        let correlation = Correlation { theta: vec![0.2, 0.1, 0.3], nugget: 1e-5, stated: 0.0 };
-        let model = Kriging::condition(x.as_ref(), values(&x).as_ref(), &correlation).unwrap();
+        for (kernel, trend) in [(Kernel::Gaussian, Trend::Constant), (Kernel::Matern52, Trend::Linear)] {
+            let correlation = Correlation { kernel, theta: vec![0.2, 0.1, 0.3], nugget: 1e-5, stated: 0.0 };
+            compare_believed_with_conditioned(&x, &pool, &correlation, trend);
+        }
+    }
+
+    fn compare_believed_with_conditioned(
+        x: &Mat<f64>,
+        pool: &Mat<f64>,
+        correlation: &Correlation,
+        trend: Trend,
+    ) {
+        let condition = |x: &Mat<f64>| {
+            Kriging::condition_noisy(x.as_ref(), values(x).as_ref(), correlation, trend, None).unwrap()
+        };
+        let model = condition(x);
         let mut posterior = Posterior::new(&model, pool.as_ref());
         let added = [4, 9];
         for j in added {
             posterior.believe(j);
         }
         let extended = Mat::from_fn(3, 22, |k, i| if i < 20 { x[(k, i)] } else { pool[(k, added[i - 20])] });
-        let whole = Kriging::condition(extended.as_ref(), values(&extended).as_ref(), &correlation).unwrap();
+        let whole = condition(&extended);
         let fresh = Posterior::new(&whole, pool.as_ref());
         assert!((&posterior.covariance - &fresh.covariance).norm_max() < 1e-8);
     }
@@ -129,7 +143,8 @@ mod tests {
     #[test]
     fn variances_agree_with_prediction_and_realisations() {
         let (x, pool) = (points(12, 0.0), points(6, 0.43));
-        let correlation = Correlation { theta: vec![0.5, 0.4, 0.6], nugget: 1e-8, stated: 0.0 };
+        let correlation =
+            Correlation { kernel: Kernel::Gaussian, theta: vec![0.5, 0.4, 0.6], nugget: 1e-8, stated: 0.0 };
         let model = Kriging::condition(x.as_ref(), values(&x).as_ref(), &correlation).unwrap();
         let posterior = Posterior::new(&model, pool.as_ref());
         let predicted = model.predict(pool.as_ref()).variance_factor;

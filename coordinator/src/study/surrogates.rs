@@ -1,0 +1,126 @@
+//! The surrogate of one limit state: fitted anew, or grown by what was simulated since.
+
+use crate::surrogate::{
+    Candidate, Effort, Form, FormSettings, Incumbent, Kriging, LeaveOneOut, NoiseShape, Sharing,
+    StatedErrors, SurrogateError, TrainingSet, compare_sharing, fit_surrogate,
+};
+use faer::{Mat, MatRef};
+
+/// Results of one limit state's output.
+pub(super) struct Results<'a> {
+    /// Points `(d, n)` [1].
+    pub points: &'a Mat<f64>,
+    /// Running maxima `(n, m)` [unit of the output].
+    pub values: &'a Mat<f64>,
+    /// Errors stated of them, likewise.
+    pub errors: &'a Mat<f64>,
+}
+
+/// The surrogate of one mode.
+#[derive(Debug, Clone)]
+pub struct Surrogate {
+    /// Conditioned on the running maximum at all m checkpoints.
+    pub model: Kriging,
+    /// Checkpoints whose likelihoods set the lengths.
+    pub fitted_on: Vec<usize>,
+    /// Leave-one-out figures at those.
+    pub leave_one_out: Vec<LeaveOneOut>,
+    /// The forms compared for it when any were.
+    pub candidates: Vec<Candidate>,
+    /// Whether one correlation for all checkpoints does as well as separate ones, when that was compared.
+    pub sharing: Option<Sharing>,
+    /// Standard deviation of the noise that goes with the stated errors over the stated errors themselves (root mean
+    /// squares over points and fitted checkpoints) [1]; absent where the surrogate makes nothing of them.
+    pub share_of_stated: Option<f64>,
+    /// Repairs.
+    pub repairs: usize,
+    /// What the stated errors say of the points.
+    noise: Option<NoiseShape>,
+}
+
+impl Surrogate {
+    /// Fits and conditions; with [`Effort::Keep`] the surrogate of the round before takes up what is new, at its lengths and
+    /// on its checkpoints, and is fitted after all where its factor cannot be extended.
+    pub(super) fn fit(
+        results: &Results<'_>,
+        fitted_on: Vec<usize>,
+        before: Option<&Self>,
+        effort: Effort,
+        (forms, reading): (FormSettings, StatedErrors),
+    ) -> Result<Self, SurrogateError> {
+        if effort == Effort::Keep
+            && let Some(grown) = before.and_then(|before| before.grown(results))
+        {
+            return Ok(grown);
+        }
+        let effort = if effort == Effort::Keep { Effort::Warm } else { effort };
+        let (chosen, errors) = (columns(results.values, &fitted_on), columns(results.errors, &fitted_on));
+        let noise = NoiseShape::new(chosen.as_ref(), errors.as_ref(), reading);
+        let training =
+            TrainingSet { points: results.points.as_ref(), values: chosen.as_ref(), noise: noise.as_ref() };
+        let incumbent = before.map(|before| before.model.incumbent());
+        let found = fit_surrogate(training, forms, incumbent.as_ref(), effort)?;
+        let mut model = found.model;
+        let (mut candidates, mut sharing) = (found.candidates, None);
+        if effort == Effort::MultiStart {
+            let Incumbent { correlation, trend } = model.incumbent();
+            let form = Form { kernel: correlation.kernel, trend };
+            sharing = compare_sharing(training, form, &correlation)?;
+        } else if let Some(before) = before {
+            candidates.clone_from(&before.candidates);
+            sharing = before.sharing;
+        }
+        model.set_values(results.values.as_ref());
+        let mut surrogate = Self {
+            model,
+            fitted_on,
+            leave_one_out: vec![],
+            candidates,
+            sharing,
+            share_of_stated: None,
+            repairs: found.repairs,
+            noise,
+        };
+        surrogate.look_back(results);
+        Ok(surrogate)
+    }
+
+    /// With the points since added at the same lengths; `None` if the factor cannot be extended by them.
+    fn grown(&self, results: &Results<'_>) -> Option<Self> {
+        let (n, all) = (self.model.points(), results.points.ncols());
+        let rows = |of: &Mat<f64>| of.subrows(n, all - n).to_owned();
+        let weights = self.noise.as_ref().map(|noise| {
+            let errors = columns(&rows(results.errors), &self.fitted_on);
+            noise.weights_of(errors.as_ref())
+        });
+        let (points, values) = (results.points.subcols(n, all - n), rows(results.values));
+        let model = self.model.extended(points, values.as_ref(), weights.as_deref()).ok()?;
+        let mut grown = Self { model, repairs: 0, ..self.clone() };
+        grown.look_back(results);
+        Some(grown)
+    }
+
+    /// Leave-one-out figures, and the share of the stated errors that is noise.
+    fn look_back(&mut self, results: &Results<'_>) {
+        let all = self.model.leave_one_out(results.values.as_ref());
+        self.leave_one_out = self.fitted_on.iter().map(|n| all[*n]).collect();
+        let errors = columns(results.errors, &self.fitted_on);
+        let stated = errors.squared_norm_l2() / errors.nrows() as f64;
+        let sigma2: f64 = self.fitted_on.iter().map(|n| self.model.sigma2()[*n]).sum();
+        let as_noise = self.model.correlation().stated * sigma2;
+        self.share_of_stated = self.noise.as_ref().map(|_| (as_noise / stated).sqrt());
+    }
+
+    /// Factor on the predicted variances: the leave-one-out ratio where it shows them too small, averaged over the
+    /// checkpoints, never below 1.
+    pub(super) fn inflation(&self) -> f64 {
+        let ratios = self.leave_one_out.iter().map(|l| l.variance_ratio);
+        (ratios.sum::<f64>() / self.leave_one_out.len() as f64).max(1.0)
+    }
+}
+
+/// The chosen columns of a matrix `(n, m)`.
+fn columns(of: &Mat<f64>, chosen: &[usize]) -> Mat<f64> {
+    let of: MatRef<'_, f64> = of.as_ref();
+    Mat::from_fn(of.nrows(), chosen.len(), |i, o| of[(i, chosen[o])])
+}

@@ -1,0 +1,123 @@
+//! Correlation functions of the scaled squared distance r2 = sum_k theta_k (x_k - x'_k)^2 with theta_k = 1 / (2 length_k^2):
+//!
+//!   Gaussian     R = exp(-r2)
+//!   Matern 5/2   R = (1 + s + s^2 / 3) exp(-s),  s = sqrt(10 r2)
+//!   Matern 3/2   R = (1 + s) exp(-s),            s = sqrt(6 r2)
+//!
+//! All are radial in the scaled space, so a correlation matrix is one matrix product and one pass over its entries, and a
+//! derivative to ln theta_k is dR/dr2 theta_k (x_k - x'_k)^2: one more matrix serves all d of them.
+//!
+//! Source: Rasmussen, Williams (2006), eqs. 4.9 and 4.17.
+
+use super::exponential::exp_nonpositive;
+
+/// How smooth the modelled function is taken to be.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
+pub enum Kernel {
+    /// Derivatives of every order.
+    #[default]
+    Gaussian,
+    /// Two derivatives.
+    Matern52,
+    /// One derivative.
+    Matern32,
+}
+
+impl Kernel {
+    /// All, the smoothest first.
+    pub const ALL: [Self; 3] = [Self::Gaussian, Self::Matern52, Self::Matern32];
+
+    /// The name in results and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Gaussian => "gaussian",
+            Self::Matern52 => "matern-5/2",
+            Self::Matern32 => "matern-3/2",
+        }
+    }
+
+    /// Overwrites scaled squared distances (those below zero, which only rounding can give, count as zero) with
+    /// correlations [1].
+    pub(crate) fn correlate(self, squares: &mut [f64]) {
+        match self {
+            Self::Gaussian => squares.iter_mut().for_each(|r2| *r2 = exp_nonpositive(-*r2)),
+            Self::Matern52 => squares.iter_mut().for_each(|r2| {
+                let s = (10.0 * r2.max(0.0)).sqrt();
+                *r2 = (1.0 + s + s * s * (1.0 / 3.0)) * exp_nonpositive(-s);
+            }),
+            Self::Matern32 => squares.iter_mut().for_each(|r2| {
+                let s = (6.0 * r2.max(0.0)).sqrt();
+                *r2 = (1.0 + s) * exp_nonpositive(-s);
+            }),
+        }
+    }
+
+    /// The same, and -dR/dr2 into `slopes` of the same length [1]: R itself, 5/3 (1 + s) exp(-s), 3 exp(-s).
+    pub(crate) fn correlate_with_slopes(self, squares: &mut [f64], slopes: &mut [f64]) {
+        let pairs = squares.iter_mut().zip(slopes);
+        match self {
+            Self::Gaussian => pairs.for_each(|(r2, slope)| {
+                *r2 = exp_nonpositive(-*r2);
+                *slope = *r2;
+            }),
+            Self::Matern52 => pairs.for_each(|(r2, slope)| {
+                let s = (10.0 * r2.max(0.0)).sqrt();
+                let e = exp_nonpositive(-s);
+                *slope = (5.0 / 3.0) * (1.0 + s) * e;
+                *r2 = (1.0 + s + s * s * (1.0 / 3.0)) * e;
+            }),
+            Self::Matern32 => pairs.for_each(|(r2, slope)| {
+                let s = (6.0 * r2.max(0.0)).sqrt();
+                let e = exp_nonpositive(-s);
+                *slope = 3.0 * e;
+                *r2 = (1.0 + s) * e;
+            }),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(kernel: Kernel, r2: f64) -> (f64, f64) {
+        let (mut value, mut slope, mut alone) = ([r2], [0.0], [r2]);
+        kernel.correlate_with_slopes(&mut value, &mut slope);
+        kernel.correlate(&mut alone);
+        assert_eq!(alone, value, "{kernel:?}");
+        (value[0], slope[0])
+    }
+
+    #[test]
+    fn values_are_those_of_the_closed_forms() {
+        // Distance h in lengths, r2 = h^2 / 2.
+        for h in [0.0, 1e-9, 0.1, 0.7, 1.0, 2.5, 9.0_f64] {
+            let s5 = 5f64.sqrt() * h;
+            let s3 = 3f64.sqrt() * h;
+            let expected = [
+                (-0.5 * h * h).exp(),
+                (1.0 + s5 + 5.0 * h * h / 3.0) * (-s5).exp(),
+                (1.0 + s3) * (-s3).exp(),
+            ];
+            for (kernel, expected) in Kernel::ALL.into_iter().zip(expected) {
+                let found = at(kernel, 0.5 * h * h).0;
+                assert!((found - expected).abs() <= 1e-15, "{kernel:?} {h}: {found} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn slopes_match_differences() {
+        for kernel in Kernel::ALL {
+            for r2 in [0.01, 0.3, 1.0, 4.0] {
+                let step = 1e-6;
+                let numeric = (at(kernel, r2 - step).0 - at(kernel, r2 + step).0) / (2.0 * step);
+                assert!((at(kernel, r2).1 - numeric).abs() < 1e-8, "{kernel:?} {r2}: {numeric}");
+            }
+            // At no distance the slope is finite: 1, 5/3, 3.
+            let expected = [1.0, 5.0 / 3.0, 3.0][kernel as usize];
+            assert_eq!(at(kernel, 0.0), (1.0, expected));
+            assert_eq!(at(kernel, -1e-17), (1.0, expected));
+        }
+    }
+}

@@ -1,0 +1,85 @@
+//! Whether the outputs of one limit state are as well served by one correlation as by separate ones.
+//!
+//! The checkpoints are split into an early and a late half; each half is fitted alone, from the shared optimum, and the
+//! leave-one-out log densities of the two are compared with those of the shared correlation, point by point.
+
+use super::choice::Gain;
+use super::{Correlation, Effort, Form, Kriging, SurrogateError, TrainingSet, fit_correlation};
+
+/// Gain in mean log density [1] from which separate correlations are worth a factorisation each: 5 % of density at a
+/// point, beside twice its standard error.
+const WORTH: f64 = 0.05;
+
+/// Shared against separate correlations.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sharing {
+    /// Mean log density with one correlation for all outputs, see [`super::Candidate::log_density`] [1].
+    pub shared: f64,
+    /// With one for the early and one for the late outputs [1].
+    pub separate: f64,
+    /// Standard error of their difference over the points [1].
+    pub standard_error: f64,
+    /// Whether separate ones are clearly better.
+    pub separate_would_gain: bool,
+}
+
+/// Compares the correlation shared by all outputs with one for each half of them. `None` with fewer than two outputs.
+///
+/// # Errors
+/// Those of [`Kriging::condition`].
+pub fn compare_sharing(
+    training: TrainingSet<'_>,
+    form: Form,
+    shared: &Correlation,
+) -> Result<Option<Sharing>, SurrogateError> {
+    let m = training.values.ncols();
+    if m < 2 {
+        return Ok(None);
+    }
+    let n = training.points.ncols();
+    let (mut together, mut apart) = (vec![0.0; n], vec![0.0; n]);
+    for (first, count) in [(0, m / 2), (m / 2, m - m / 2)] {
+        let half = TrainingSet { values: training.values.subcols(first, count), ..training };
+        let own = fit_correlation(half, form, Some(shared), Effort::Warm).correlation;
+        for (correlation, sum) in [(shared, &mut together), (&own, &mut apart)] {
+            let weights = half.weights();
+            let model = Kriging::condition_noisy(half.points, half.values, correlation, form.trend, weights)?;
+            let share = count as f64 / m as f64;
+            sum.iter_mut().zip(model.log_densities(half.values)).for_each(|(sum, d)| *sum += share * d);
+        }
+    }
+    let gain = Gain::of(&together, &apart);
+    let mean = |densities: &[f64]| densities.iter().sum::<f64>() / n as f64;
+    Ok(Some(Sharing {
+        shared: mean(&together),
+        separate: mean(&apart),
+        standard_error: gain.standard_error,
+        separate_would_gain: gain.clear(WORTH.max(2.0 * gain.standard_error)),
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use faer::Mat;
+
+    fn compare(function: impl Fn(f64, f64, usize) -> f64) -> Sharing {
+        let x = Mat::from_fn(2, 50, |k, i| {
+            4.0 * ((i + 1) as f64 * [0.754_877_666, 0.569_840_296][k]).fract() - 2.0
+        });
+        let y = Mat::from_fn(50, 6, |i, o| function(x[(0, i)], x[(1, i)], o));
+        let training = TrainingSet { points: x.as_ref(), values: y.as_ref(), noise: None };
+        let shared = fit_correlation(training, Form::default(), None, Effort::MultiStart).correlation;
+        compare_sharing(training, Form::default(), &shared).unwrap().unwrap()
+    }
+
+    #[test]
+    fn outputs_that_vary_alike_share_and_others_would_gain() {
+        let alike = compare(|a, b, o| (1.0 + 0.1 * o as f64) * (a.sin() + 0.5 * (b + 0.05 * o as f64).cos()));
+        assert!(!alike.separate_would_gain, "{alike:?}");
+        // Early: quick along the first axis and still along the second; late: the other way round.
+        let other =
+            compare(|a, b, o| if o < 3 { (3.0 * a).sin() + 0.1 * b } else { (3.0 * b).sin() + 0.1 * a });
+        assert!(other.separate_would_gain && other.separate > other.shared, "{other:?}");
+    }
+}
