@@ -9,7 +9,7 @@ use super::quantity::{Kind, Quantity};
 use super::read::{Context, Overrides};
 use super::resolve::resolve;
 use super::variables::variables;
-use crate::random::{Distribution, RandomVariable};
+use crate::random::RandomVariable;
 use std::collections::BTreeMap;
 use std::path::Path;
 use toml::Table;
@@ -135,12 +135,7 @@ impl SceneSource {
 
     /// The means of the random variables `(d,)`, SI.
     pub fn means(&self) -> Vec<f64> {
-        self.variables()
-            .iter()
-            .map(|variable| match variable.distribution {
-                Distribution::TruncatedNormal { mean, .. } => mean,
-            })
-            .collect()
+        self.variables().iter().map(|variable| variable.distribution.parent_mean()).collect()
     }
 
     /// Parameters that nothing in the scene depends on, sorted: a slip of the hand more often than not. What a
@@ -245,13 +240,14 @@ impl SceneSource {
         Ok(Scene { variables: self.nominal.variables.clone(), ..resolved.scene })
     }
 
-    /// Every variable at each of its bounds, the others at their means, must leave the scene valid.
+    /// Every variable at each of its bounds, or where one in a million of its values lies beyond, the others at
+    /// their means, must leave the scene valid.
     fn check_bounds(&self) -> Result<(), Faults> {
         let means = self.means();
         let mut faults = Vec::new();
         for (i, variable) in self.variables().iter().enumerate() {
-            let Distribution::TruncatedNormal { lower, upper, .. } = variable.distribution;
-            for bound in [lower, upper] {
+            let ((least, most), support) = (variable.distribution.limits(), variable.distribution.support());
+            for (bound, hard) in [(least, least == support.0), (most, most == support.1)] {
                 let mut sample = means.clone();
                 sample[i] = bound;
                 if let Err(Faults(found)) = self.resolve_sample(&sample) {
@@ -260,7 +256,11 @@ impl SceneSource {
                     faults.push(Fault {
                         file: self.origin.clone(),
                         key: format!("variables.{}", variable.name),
-                        kind: FaultKind::BoundOutsidePhysics { value, fault: fault.unwrap_or_default() },
+                        kind: FaultKind::BoundOutsidePhysics {
+                            value,
+                            hard,
+                            fault: fault.unwrap_or_default(),
+                        },
                     });
                 }
             }

@@ -1,5 +1,7 @@
 //! `coordinator explain`: what will be modelled, and why.
 
+mod variables;
+
 use super::accuracy::AccuracyArguments;
 use super::arguments::Talk;
 use super::error::CommandError;
@@ -7,12 +9,11 @@ use super::farm::cores;
 use super::model::Model;
 use super::output::{print, to_json};
 use super::scenes::count;
-use common::random::Distribution;
-use common::scene::expression::read_unit;
 use common::scene::*;
 use coordinator::output_unit::OutputUnit;
 use std::fmt::Write;
 use std::sync::Arc;
+use variables::variables;
 
 /// Runs the command.
 pub fn explain(name: &str, accuracy: &AccuracyArguments, talk: Talk) -> Result<(), CommandError> {
@@ -258,33 +259,6 @@ fn outputs(out: &mut String, scene: &Scene) -> std::fmt::Result {
         }
     }
     writeln!(out)
-}
-
-fn variables(out: &mut String, scene: &Scene) -> std::fmt::Result {
-    if scene.variables.is_empty() {
-        return writeln!(out, "No random variables: a study of this scene has nothing to vary.\n");
-    }
-    writeln!(out, "Random variables: independent, truncated normal")?;
-    let width = scene.variables.iter().map(|variable| variable.name.len()).max().unwrap_or(0);
-    for variable in &scene.variables {
-        let Distribution::TruncatedNormal { mean, std, lower, upper } = variable.distribution;
-        // The unit was read when the scene was checked; "1" stands for a plain number.
-        let scale = read_unit(&variable.unit).map_or(1.0, |unit| unit.multiply / unit.divide);
-        let [mean, std, lower, upper] = [mean, std, lower, upper].map(|value| short(value / scale));
-        let unit = if variable.unit == "1" { String::new() } else { format!(" {}", variable.unit) };
-        writeln!(out, "  {:width$}  mean {mean}, std {std}, from {lower} to {upper}{unit}", variable.name)?;
-    }
-    writeln!(out)
-}
-
-/// Seven digits are enough to read.
-fn short(value: f64) -> String {
-    let rounded: f64 = format!("{value:.6e}").parse().unwrap_or(value);
-    if (1e-3..1e6).contains(&rounded.abs()) || rounded == 0.0 {
-        rounded.to_string()
-    } else {
-        format!("{rounded:e}")
-    }
 }
 
 #[cfg(test)]

@@ -81,7 +81,7 @@ impl Population {
 /// x = mean + std z, held within the bounds against rounding `(d,)` [SI].
 pub(crate) fn to_physical(variables: &[Distribution], z: &[f64]) -> Vec<f64> {
     let value = |(variable, z): (&Distribution, &f64)| {
-        let Distribution::TruncatedNormal { lower, upper, .. } = *variable;
+        let (lower, upper) = variable.support();
         (variable.parent_mean() + variable.parent_std() * z).clamp(lower, upper)
     };
     variables.iter().zip(z).map(value).collect()

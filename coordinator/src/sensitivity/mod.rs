@@ -120,7 +120,7 @@ mod tests {
 
     /// P(x_1 + 2 x_2 >= limit) for truncated normals, by Simpson's rule over x_1 and the exact distribution of x_2.
     fn exact(a: Distribution, b: Distribution, limit: f64) -> f64 {
-        let Distribution::TruncatedNormal { lower, upper, .. } = a;
+        let (lower, upper) = a.support();
         let n = 40_000;
         let h = (upper - lower) / n as f64;
         let f = |x: f64| a.pdf(x.clamp(lower, upper)) * (1.0 - b.cdf((limit - x) / 2.0));
