@@ -243,17 +243,23 @@ impl Distribution {
         with_law!(*self, law => law.limits())
     }
 
-    /// Score d ln f(x) / d mean [1/unit of the variable], bounds held fixed.
+    /// Scores d ln f(x) / d mean and d ln f(x) / d std `(2,)` [1/unit of the variable], bounds held fixed.
     ///
     /// Of uniform, exponential and triangular laws, whose bounds would move with the mean: the score of the least
-    /// change of the density that moves the mean alone, see the module of `tilted` scores. 0 for a constant.
-    pub fn score_mean(&self, x: f64) -> f64 {
-        with_law!(*self, law => law.scores(x)[0])
+    /// change of the density, at fixed bounds, that moves the mean or the standard deviation alone (the module `tilted`
+    /// derives it). 0 for a constant.
+    pub fn scores(&self, x: f64) -> [f64; 2] {
+        with_law!(*self, law => law.scores(x))
     }
 
-    /// Score d ln f(x) / d std [1/unit of the variable], bounds held fixed; likewise.
+    /// d ln f(x) / d mean [1/unit of the variable], the first of [`Distribution::scores`].
+    pub fn score_mean(&self, x: f64) -> f64 {
+        self.scores(x)[0]
+    }
+
+    /// d ln f(x) / d std [1/unit of the variable], the second of [`Distribution::scores`].
     pub fn score_std(&self, x: f64) -> f64 {
-        with_law!(*self, law => law.scores(x)[1])
+        self.scores(x)[1]
     }
 
     /// dF(x) / d mean and dF(x) / d std `(2,)` [1/unit of the variable], in the same sense as the scores: the

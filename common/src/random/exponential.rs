@@ -3,7 +3,7 @@
 //! f(x) = exp(-(x - lower) / std) / std for x >= lower, with mean = lower + std. Its scores hold the lower end fixed:
 //! see `tilted`.
 
-use super::law::{Law, LawError, between, moments};
+use super::law::{Law, LawError, REMOTE, between, moments};
 use super::tilted::tilted;
 use serde::{Deserialize, Serialize};
 
@@ -72,7 +72,7 @@ impl Law for Exponential {
     }
 
     fn limits(&self) -> (f64, f64) {
-        (self.lower, self.upper_quantile(1e-6))
+        (self.lower, self.upper_quantile(REMOTE))
     }
 
     fn scores(&self, x: f64) -> [f64; 2] {

@@ -5,7 +5,7 @@ use thiserror::Error;
 
 /// Probability beyond which an unbounded law is not looked at when a scene is checked: fewer than one point of a
 /// population of a million lies there.
-const REMOTE: f64 = 1e-6;
+pub(super) const REMOTE: f64 = 1e-6;
 
 /// A law of one continuous random variable X; probabilities keep their digits in the tail they are small in.
 ///

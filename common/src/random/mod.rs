@@ -2,9 +2,11 @@
 
 mod beta;
 mod constant;
+mod copula;
 mod distribution;
 mod exponential;
 mod gumbel;
+mod iso286;
 mod law;
 mod lognormal;
 mod normal;
@@ -19,9 +21,11 @@ mod weibull;
 
 pub use beta::Beta;
 pub use constant::Constant;
+pub use copula::{Correlation, GaussianCopula, NotPositiveDefinite, normal_from_rank_correlation};
 pub use distribution::Distribution;
 pub use exponential::Exponential;
 pub use gumbel::{Extreme, Gumbel};
+pub use iso286::{Feature, Fit, ToleranceClass, ToleranceError};
 pub use law::LawError;
 pub use lognormal::Lognormal;
 pub use normal::Normal;

@@ -12,8 +12,8 @@
 //! They fulfil E[s] = 0, E[s_mean X] = 1, E[s_mean (X - mean)^2] = 0, E[s_std X] = 0, E[s_std (X - mean)^2] = 2 std,
 //! and are the ordinary scores if f is normal.
 //!
-//! Source: Lemaitre, Sergienko, Arnaud, Bousquet, Gamboa, Iooss (2015), density modification based reliability
-//! sensitivity analysis, section 3.
+//! Source: Lemaitre, Sergienko, Arnaud, Bousquet, Gamboa, Iooss (2015), Density modification-based reliability
+//! sensitivity analysis; the derivative at no change is worked out here.
 
 /// Combines a weight of t and one of t^2 - 1 into the two scores, or their integrals into dF/dmean and dF/dstd
 /// `(2,)` [1/unit of the variable].

@@ -1,6 +1,7 @@
 //! A scene as its author wrote it: found by name or file, checked as a whole, resolved for any sample.
 
 use super::builtin;
+use super::correlations::correlations;
 use super::expression::{ExpressionError, evaluate};
 use super::faults::{Fault, FaultKind, Faults, in_unit, nearest};
 use super::merge::merge;
@@ -92,6 +93,8 @@ impl SceneSource {
             cx.read_parameters(parameters);
         }
         let variables = variables(&mut cx, &base.variables, &base.seen);
+        let names: Vec<&str> = base.variables.iter().map(|row| row.name.as_str()).collect();
+        let correlations = correlations(&mut cx, &base.correlations, &names, &variables);
         if !cx.faults.is_empty() {
             return Err(Faults(cx.faults));
         }
@@ -104,7 +107,7 @@ impl SceneSource {
             origin: origin.to_owned(),
             text,
             document,
-            nominal: Scene { variables, ..base.scene },
+            nominal: Scene { variables, correlations, ..base.scene },
             seen: base.seen,
             unused_parameters,
         };
@@ -237,7 +240,8 @@ impl SceneSource {
 
     fn resolve_overridden(&self, overrides: &Overrides) -> Result<Scene, Faults> {
         let resolved = resolve(&self.origin, &self.document, overrides).map_err(Faults)?;
-        Ok(Scene { variables: self.nominal.variables.clone(), ..resolved.scene })
+        let (variables, correlations) = (self.nominal.variables.clone(), self.nominal.correlations.clone());
+        Ok(Scene { variables, correlations, ..resolved.scene })
     }
 
     /// Every variable at each of its bounds, or where one in a million of its values lies beyond, the others at
