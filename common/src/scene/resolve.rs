@@ -66,6 +66,8 @@ pub(super) fn resolve(origin: &str, document: &Table, overrides: &Overrides) -> 
             FaultKind::Missing { expected: "at least one limit state for a study".to_owned() },
         );
     }
+    // What a variable or a correlation is like is no quantity of the scene that something could change.
+    cx.seen.retain(|key, _| !(key.starts_with("variables.") || key.starts_with("correlations[")));
     file.finish(cx);
     // With other faults about, a key may only be unread because of them.
     if cx.faults.is_empty() {

@@ -81,10 +81,10 @@ impl WrittenLaw {
             _ => Some(TRUNCATION),
         };
         let fit = (law.takes_a_fit() && row.get("fit").is_some()).then(|| WrittenFit::read(cx, row));
-        let written = Self { law, truncation: truncation?, values, fit: None };
+        let written = Self { law, truncation: truncation.unwrap_or(TRUNCATION), values, fit: None };
         let complete = written.complete(cx, row, fit.is_some());
         let fit = fit.map_or(Some(None), |fit| fit.map(Some))?;
-        complete.then_some(Self { fit, ..written })
+        (complete && truncation.is_some()).then_some(Self { fit, ..written })
     }
 
     fn has(&self, key: &str) -> bool {
@@ -120,7 +120,8 @@ impl WrittenLaw {
             Law::Beta => &[("std", STD), ("lower", BOUND), ("upper", BOUND)],
             _ => &[("std", STD)],
         };
-        for (key, expected) in needed.iter().filter(|(key, _)| !self.has(key) && !(fit && *key == "std")) {
+        let given = |key: &str| self.has(key) || (fit && key == "std");
+        for (key, expected) in needed.iter().filter(|(key, _)| !given(key)) {
             cx.fault(row.key(key), FaultKind::Missing { expected: (*expected).to_owned() });
         }
         cx.faults.len() == before
