@@ -23,6 +23,7 @@ pub use result::{OutputHistory, StudyResult, SurrogateReport};
 pub use round::{Assessment, Surrogate};
 pub use settings::{Method, Settings};
 
+use crate::design::InputModel;
 use crate::evaluate::{EvaluateError, Evaluator};
 use crate::journal::Journal;
 use crate::learning::Mode;
@@ -104,7 +105,7 @@ pub fn run(
 fn problem_of(scene: &Scene) -> Problem {
     let mode = |limit: &common::scene::LimitState| Mode { output: limit.output, threshold: limit.threshold };
     Problem {
-        variables: scene.variables.iter().map(|variable| variable.distribution).collect(),
+        inputs: InputModel::of(scene),
         outputs: scene.outputs.len(),
         modes: scene.limit_states.iter().map(mode).collect(),
         checkpoints: scene.life.checkpoints(),

@@ -2,21 +2,20 @@
 
 use super::observations::{Observations, Observed};
 use super::round::{Assessment, assess};
-use crate::design::{Population, choose_by_latin_hypercube};
+use crate::design::{InputModel, Population, choose_by_latin_hypercube};
 use crate::learning::{Mode, Rule, Stopping, Targets, select_batch};
 use crate::reliability::coefficient_of_variation;
 use crate::summary::Round;
 use crate::surrogate::{Correlation, Effort, StatedErrors, SurrogateError};
 use common::failure::SimulationFailure;
-use common::random::Distribution;
 use std::mem::discriminant;
 use thiserror::Error;
 
 /// What is to be learned.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Problem {
-    /// Random variables `(d,)`.
-    pub variables: Vec<Distribution>,
+    /// The d random variables and how they depend on each other.
+    pub inputs: InputModel,
     /// Number of outputs of an evaluation.
     pub outputs: usize,
     /// Limit states.
@@ -122,10 +121,10 @@ pub struct Campaign {
 impl Campaign {
     /// Draws the population. The plan must have `initial` >= 3 and `batch` >= 1; one mode at least.
     pub fn new(problem: Problem, plan: Plan) -> Self {
-        let population = Population::draw(&problem.variables, plan.population, plan.seed);
+        let population = Population::draw(&problem.inputs, plan.population, plan.seed);
         Self {
             evaluated: vec![false; population.len()],
-            observations: Observations::new(problem.variables.len(), problem.outputs),
+            observations: Observations::new(problem.inputs.dimension(), problem.outputs),
             failures: Vec::new(),
             asked: Vec::new(),
             total: 0,
@@ -200,10 +199,9 @@ impl Campaign {
     fn ask_initial_design(&mut self) -> Step {
         let count = self.plan.initial.min(self.plan.max_evaluations);
         let chosen = choose_by_latin_hypercube(&self.population, count.saturating_sub(1), self.plan.seed);
-        let nominal: Vec<f64> =
-            self.problem.variables.iter().map(|v| (v.mean() - v.parent_mean()) / v.parent_std()).collect();
-        let mut samples = vec![self.problem.variables.iter().map(Distribution::mean).collect()];
-        self.asked = vec![nominal];
+        let means = self.problem.inputs.means();
+        self.asked = vec![self.problem.inputs.standardise(&means)];
+        let mut samples = vec![means];
         for j in chosen {
             samples.push(self.take(j));
         }

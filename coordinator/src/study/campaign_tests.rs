@@ -1,9 +1,10 @@
 //! Campaigns on a published static case: the series system of four branches.
 
 use super::{Campaign, Learned, Observed, Plan, Problem, Step};
+use crate::design::InputModel;
 use crate::learning::{Mode, Targets};
 use crate::surrogate::StatedErrors;
-use common::random::Distribution;
+use common::random::{Correlation, Distribution, GaussianCopula, standard_normal_cdf};
 
 /// Four-branch system, k = 7, as an output that fails at 0: minus the limit state. Echard, Gayton, Lemaire (2011).
 fn four_branch(x: &[f64]) -> f64 {
@@ -20,7 +21,7 @@ fn learn(population: usize, initial: usize, seed: u64) -> Learned {
 fn learn_until(population: usize, initial: usize, seed: u64, targets: Targets) -> Learned {
     let normal = Distribution::TruncatedNormal { mean: 0.0, std: 1.0, lower: -8.0, upper: 8.0 };
     let problem = Problem {
-        variables: vec![normal; 2],
+        inputs: InputModel::from(&[normal; 2]),
         outputs: 1,
         modes: vec![Mode { output: 0, threshold: 0.0 }],
         checkpoints: vec![1],
@@ -96,4 +97,38 @@ fn the_population_grows_until_the_coefficient_of_variation_is_met() {
         last.cov_pf
     );
     assert!(learned.rounds[0].cov_pf > 0.1);
+}
+
+/// The product of two correlated lognormals and a constant is lognormal.
+#[test]
+fn correlated_lognormals_beside_a_constant_have_their_closed_form() {
+    let lognormal = Distribution::lognormal(1.0, 0.2).unwrap();
+    let (rho, beta) = (0.5, 2.3);
+    let pair = Correlation { first: 0, second: 2, coefficient: rho };
+    let variables = vec![lognormal, Distribution::constant(3.0).unwrap(), lognormal];
+    let inputs = InputModel::new(variables, GaussianCopula::new(3, &[pair]).unwrap());
+    let zeta2 = 1.04_f64.ln();
+    let threshold = 3.0 * (-zeta2 + beta * (2.0 * zeta2 * (1.0 + rho)).sqrt()).exp();
+    let problem =
+        Problem { inputs, outputs: 1, modes: vec![Mode { output: 0, threshold }], checkpoints: vec![1] };
+    let plan = Plan {
+        population: 100_000,
+        largest_population: 100_000,
+        initial: 12,
+        batch: 4,
+        max_evaluations: 100,
+        seed: 4,
+        targets: Targets::default(),
+        stated_errors: StatedErrors::default(),
+    };
+    let mut campaign = Campaign::new(problem, plan);
+    while let Step::Evaluate(samples) = campaign.next_step().unwrap() {
+        let product = |x: &Vec<f64>| Ok(Observed::exact(vec![vec![x.iter().product()]]));
+        campaign.tell(samples.iter().map(product).collect()).unwrap();
+    }
+    let learned = campaign.finish().unwrap();
+    let (found, exact) = (learned.assessment.curves[0][0], standard_normal_cdf(-beta));
+    let standard_error = (exact * (1.0 - exact) / learned.population.len() as f64).sqrt();
+    assert!((found - exact).abs() < 4.0 * standard_error, "{found} {exact}");
+    assert!(learned.evaluations <= 80, "{} calls", learned.evaluations);
 }

@@ -12,7 +12,6 @@ use crate::reliability::{
 };
 use crate::sensitivity::sensitivities;
 use crate::summary::{Convergence, EvaluationCounts, Round};
-use common::random::Distribution;
 use common::scene::Scene;
 
 /// Samples between two looks at the curves.
@@ -25,10 +24,10 @@ pub(super) fn run(
     samples: usize,
     dispatcher: &mut Dispatcher<'_>,
 ) -> Result<StudyResult, StudyError> {
-    let population = Population::draw(&problem.variables, samples, settings.study.seed);
+    let population = Population::draw(&problem.inputs, samples, settings.study.seed);
     let budget = samples + 1;
     // The nominal point is no draw of the population: simulated for its first cycle, not counted.
-    let nominal = problem.variables.iter().map(Distribution::mean).collect();
+    let nominal = problem.inputs.means();
     let mut failures = Vec::new();
     let outcome = dispatcher.evaluate(vec![nominal], "nominal point", budget)?;
     failures.extend(outcome.into_iter().filter_map(Result::err));

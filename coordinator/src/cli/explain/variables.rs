@@ -1,5 +1,6 @@
 //! The random variables in words: each with its law, mean, standard deviation and bounds, in the unit it is read in.
 
+use common::random::Correlation;
 use common::scene::Scene;
 use common::scene::expression::read_unit;
 use std::fmt::Write;
@@ -8,7 +9,8 @@ pub(super) fn variables(out: &mut String, scene: &Scene) -> std::fmt::Result {
     if scene.variables.is_empty() {
         return writeln!(out, "No random variables: a study of this scene has nothing to vary.\n");
     }
-    writeln!(out, "Random variables: independent")?;
+    let dependence = if scene.correlations.is_empty() { "independent" } else { "a Gaussian copula" };
+    writeln!(out, "Random variables: {dependence}")?;
     let width = scene.variables.iter().map(|variable| variable.name.len()).max().unwrap_or(0);
     for variable in &scene.variables {
         let law = &variable.distribution;
@@ -28,6 +30,11 @@ pub(super) fn variables(out: &mut String, scene: &Scene) -> std::fmt::Result {
         };
         let spread = if law.is_constant() { String::new() } else { format!(", std {std}") };
         writeln!(out, "  {:width$}  {}, mean {mean}{spread}{bounds}{unit}", variable.name, law.law())?;
+    }
+    let name = |k: usize| &scene.variables[k].name;
+    for Correlation { first, second, coefficient } in &scene.correlations {
+        let coefficient = short(*coefficient);
+        writeln!(out, "  correlation of {} and {}, as normals: {coefficient}", name(*first), name(*second))?;
     }
     writeln!(out)
 }
