@@ -292,6 +292,13 @@ mod tests {
             "torque: largest torque that drives crank",
             "limit state too_askew: failed from 3.0000 deg on",
             "limit state too_far: failed from 500.0000 um on",
+            "Random variables: dependent by a Gaussian copula",
+            "truncated normal, mean 5500, std 100, from 5000 to 6000 mN",
+            "lognormal, mean 0.05, std 0.01, from 0",
+            "Gumbel of minima, mean 95, std 2.85 N/m",
+            "triangular, mean 10.03333, std 0.06236096, from 9.9 to 10.2 mm",
+            "constant, mean 0.5 N m",
+            "correlation of brake and friction_worn, as normals: 0.4",
         ] {
             assert!(found.contains(line), "no \"{line}\" in:\n{found}");
         }

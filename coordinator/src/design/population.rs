@@ -130,7 +130,7 @@ mod tests {
     #[test]
     fn moments_are_those_of_the_variables() {
         let n = 40_000;
-        for population in [Population::draw(&variables(), n, 7), Population::draw(&correlated(), n, 7)] {
+        for population in [Population::draw(&variables(), n, 7), Population::draw(correlated(), n, 7)] {
             for (k, variable) in variables().iter().enumerate() {
                 let (mean, std) = moments(&column(&population, k));
                 let error = variable.std() / (n as f64).sqrt();
@@ -143,7 +143,7 @@ mod tests {
     #[test]
     fn normals_of_the_population_have_the_correlations_asked_for() {
         let n = 40_000;
-        let population = Population::draw(&correlated(), n, 3);
+        let population = Population::draw(correlated(), n, 3);
         let u: Vec<Vec<f64>> = (0..4)
             .map(|k| {
                 let variable = &population.variables()[k];
@@ -162,7 +162,7 @@ mod tests {
     #[test]
     fn correlations_leave_the_others_alone() {
         let (alone, correlated) =
-            (Population::draw(&variables(), 500, 3), Population::draw(&correlated(), 500, 3));
+            (Population::draw(&variables(), 500, 3), Population::draw(correlated(), 500, 3));
         for j in 0..500 {
             assert_eq!(alone.standardised(j)[1], correlated.standardised(j)[1]);
             assert_ne!(alone.standardised(j)[3], correlated.standardised(j)[3]);

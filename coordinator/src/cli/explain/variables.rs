@@ -9,7 +9,8 @@ pub(super) fn variables(out: &mut String, scene: &Scene) -> std::fmt::Result {
     if scene.variables.is_empty() {
         return writeln!(out, "No random variables: a study of this scene has nothing to vary.\n");
     }
-    let dependence = if scene.correlations.is_empty() { "independent" } else { "a Gaussian copula" };
+    let dependence =
+        if scene.correlations.is_empty() { "independent" } else { "dependent by a Gaussian copula" };
     writeln!(out, "Random variables: {dependence}")?;
     let width = scene.variables.iter().map(|variable| variable.name.len()).max().unwrap_or(0);
     for variable in &scene.variables {
