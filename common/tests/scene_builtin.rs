@@ -1,6 +1,5 @@
 //! The built-in scenes as they resolve, and what samples and settings change.
 
-use common::random::Distribution;
 use common::scene::*;
 
 fn flapping_wing() -> SceneSource {
@@ -116,8 +115,8 @@ fn ideal_kinematics_of_the_flapping_wing() {
 
 fn parameters(source: &SceneSource, name: &str) -> (f64, f64, f64, f64) {
     let variable = source.variables().iter().find(|variable| variable.name == name).unwrap();
-    let Distribution::TruncatedNormal { mean, std, lower, upper } = variable.distribution;
-    (mean, std, lower, upper)
+    let (lower, upper) = variable.distribution.support();
+    (variable.distribution.parent_mean(), variable.distribution.given_std(), lower, upper)
 }
 
 #[test]

@@ -217,7 +217,11 @@ fn variables() {
         ),
         ("[\"joints.crank.radial_clearance\"]", "[\"parameters.friction\"]", "is_there"),
         ("[\"joints.crank.radial_clearance\"]", "[]", "changes nothing"),
-        ("distribution = \"truncated-normal\"", "distribution = \"normal\"", "\"normal\" is unknown"),
+        (
+            "distribution = \"truncated-normal\"",
+            "distribution = \"truncated-norm\"",
+            "variables.wear_coefficient.distribution: \"truncated-norm\" is unknown, did you mean \"truncated-normal\"?",
+        ),
         (
             "std = \"2 um\"",
             "std = \"11 um\"",

@@ -115,17 +115,18 @@ fn clearances() {
     };
     assert_eq!(clearance("worn"), worn);
     let by = |law, coefficient, least_speed| ContactDamping::Restitution { law, coefficient, least_speed };
-    for (name, damping, wear_coefficient) in [
-        ("unworn", by(RestitutionLaw::LankaraniNikravesh, 0.9, 0.002), 0.0),
-        ("struck", by(RestitutionLaw::Flores, 1.0, 0.001), 1e-13),
-        ("held", by(RestitutionLaw::HuntCrossley, 0.7, 0.001), 0.0),
-        ("undamped", ContactDamping::None, 1e-13),
+    // The last one is the mean of its fit.
+    for (name, damping, wear_coefficient, gap) in [
+        ("unworn", by(RestitutionLaw::LankaraniNikravesh, 0.9, 0.002), 0.0, 30e-6),
+        ("struck", by(RestitutionLaw::Flores, 1.0, 0.001), 1e-13, 30e-6),
+        ("held", by(RestitutionLaw::HuntCrossley, 0.7, 0.001), 0.0, 30e-6),
+        ("undamped", ContactDamping::None, 1e-13, 21.75e-6),
     ] {
         let found = clearance(name);
         assert_eq!((found.contact_damping, found.wear_coefficient), (damping, wear_coefficient), "{name}");
         assert_eq!((found.film_damping, found.control_points, found.wall), (0.0, 36, None), "{name}");
         // 4.03 mm - 4 mm loses two digits.
-        assert!((found.radial_clearance() - 30e-6).abs() < 1e-17, "{name}");
+        assert!((found.radial_clearance() - gap).abs() < 1e-17, "{name}");
     }
 }
 

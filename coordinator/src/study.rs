@@ -33,6 +33,7 @@ pub use round::Assessment;
 pub use settings::{FAILED_SHARE, Method, Settings};
 pub use surrogates::Surrogate;
 
+use crate::design::InputModel;
 use crate::evaluate::{EvaluateError, Evaluator};
 use crate::journal::Journal;
 use crate::learning::Mode;
@@ -121,7 +122,7 @@ pub fn run(
 fn problem_of(scene: &Scene) -> Problem {
     let mode = |limit: &common::scene::LimitState| Mode { output: limit.output, threshold: limit.threshold };
     Problem {
-        variables: scene.variables.iter().map(|variable| variable.distribution).collect(),
+        inputs: InputModel::of(scene),
         outputs: scene.outputs.len(),
         modes: scene.limit_states.iter().map(mode).collect(),
         checkpoints: scene.life.checkpoints(),

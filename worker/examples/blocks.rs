@@ -22,7 +22,7 @@ fn main() {
         let shift = |k: usize| (f64::from(point) * 0.754_877 + k as f64 * 0.618_034).fract() - 0.5;
         let of = source.variables().iter().zip(source.means()).enumerate();
         of.map(|(k, (v, mean))| {
-            let common::random::Distribution::TruncatedNormal { upper, .. } = v.distribution;
+            let (_, upper) = v.distribution.limits();
             mean + 0.8 * shift(k) * (upper - mean)
         })
         .collect()

@@ -1,8 +1,38 @@
 //! Random variables: distributions, and what in the scene each variable changes.
 
+mod beta;
+mod constant;
+mod copula;
+mod distribution;
+mod exponential;
+mod gumbel;
+mod iso286;
+mod law;
+mod lognormal;
+mod normal;
+mod standard_normal;
+#[cfg(test)]
+mod tests;
+mod tilted;
+mod triangular;
 mod truncated_normal;
+mod uniform;
+mod weibull;
 
-pub use truncated_normal::{standard_normal_cdf, standard_normal_pdf, standard_normal_quantile};
+pub use beta::Beta;
+pub use constant::Constant;
+pub use copula::{Correlation, GaussianCopula, NotPositiveDefinite, normal_from_rank_correlation};
+pub use distribution::Distribution;
+pub use exponential::Exponential;
+pub use gumbel::{Extreme, Gumbel};
+pub use iso286::{Feature, Fit, ToleranceClass, ToleranceError};
+pub use law::LawError;
+pub use lognormal::Lognormal;
+pub use normal::Normal;
+pub use standard_normal::{standard_normal_cdf, standard_normal_pdf, standard_normal_quantile};
+pub use triangular::Triangular;
+pub use uniform::Uniform;
+pub use weibull::Weibull;
 
 use serde::{Deserialize, Serialize};
 
@@ -17,20 +47,4 @@ pub struct RandomVariable {
     pub changes: Vec<String>,
     /// Unit a person reads it in, e.g. `mm`.
     pub unit: String,
-}
-
-/// A distribution.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub enum Distribution {
-    /// Normal(mean, std) of the untruncated parent, cut to [lower, upper].
-    TruncatedNormal {
-        /// Mean of the parent.
-        mean: f64,
-        /// Standard deviation of the parent.
-        std: f64,
-        /// Lower bound.
-        lower: f64,
-        /// Upper bound.
-        upper: f64,
-    },
 }

@@ -156,13 +156,13 @@ pub enum FaultKind {
         /// What contradicts what.
         message: String,
     },
-    /// A random variable, at one of its bounds, makes the scene invalid.
-    #[error(
-        "at {value}, a bound of this variable, the scene is invalid: {fault}; use a smaller std or truncation, or lower and upper"
-    )]
+    /// A random variable, at one of its bounds or far out in a tail, makes the scene invalid.
+    #[error("at {value}, {} of this variable, the scene is invalid: {fault}; {}", end(*.hard), remedy(*.hard))]
     BoundOutsidePhysics {
-        /// The bound.
+        /// The bound, or where one in a million lies beyond.
         value: String,
+        /// Whether it is a bound.
+        hard: bool,
         /// The fault there.
         fault: String,
     },
@@ -178,6 +178,18 @@ pub enum FaultKind {
 
 fn suggestion(nearest: &Option<String>) -> String {
     nearest.as_ref().map(|name| format!(", did you mean \"{name}\"?")).unwrap_or_default()
+}
+
+fn end(hard: bool) -> &'static str {
+    if hard { "a bound" } else { "beyond which lies one in a million values" }
+}
+
+fn remedy(hard: bool) -> &'static str {
+    if hard {
+        "use a smaller std or truncation, or lower and upper"
+    } else {
+        "use a smaller std, or a distribution with bounds"
+    }
 }
 
 fn in_lines(faults: &[Fault]) -> String {

@@ -6,9 +6,11 @@
 mod bodies;
 mod builtin;
 mod clearance;
+mod correlations;
 mod drive;
 pub mod expression;
 pub mod faults;
+mod fits;
 mod joint;
 mod joints;
 mod life;
@@ -25,6 +27,7 @@ mod resolve;
 mod section;
 pub mod source;
 mod tables;
+mod variable_law;
 mod variables;
 
 pub use drive::*;

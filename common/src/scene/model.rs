@@ -6,7 +6,7 @@ use super::drive::Drive;
 use super::joint::Joint;
 use super::load::Load;
 use super::output::Output;
-use crate::random::RandomVariable;
+use crate::random::{Correlation, RandomVariable};
 use serde::{Deserialize, Serialize};
 
 /// A whole study case: mechanism, uncertainty, limit states, life.
@@ -28,6 +28,8 @@ pub struct Scene {
     pub outputs: Vec<Output>,
     /// Random variables, in the order of the sample vector.
     pub variables: Vec<RandomVariable>,
+    /// Correlations of the standard normals behind the random variables, each pair once; the others are independent.
+    pub correlations: Vec<Correlation>,
     /// Limit states over the outputs.
     pub limit_states: Vec<LimitState>,
     /// Cycle and life.

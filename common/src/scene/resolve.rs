@@ -2,6 +2,7 @@
 
 use super::bodies::{BodyRow, bodies};
 use super::clearance::materials;
+use super::correlations::{CorrelationRow, correlation_rows};
 use super::faults::{Fault, FaultKind};
 use super::joints::joints;
 use super::life::life;
@@ -19,6 +20,8 @@ use toml::Table;
 pub(super) struct Resolved {
     /// The scene, its `variables` still empty.
     pub(super) scene: Scene,
+    /// Correlations as written; those of the scene are still empty.
+    pub(super) correlations: Vec<CorrelationRow>,
     /// Random variables as written.
     pub(super) variables: Vec<VariableRow>,
     /// Every quantity read, by the path of its key.
@@ -56,12 +59,15 @@ pub(super) fn resolve(origin: &str, document: &Table, overrides: &Overrides) -> 
     let life = life(cx, &mut file, &bodies, &loads);
     let study = study(cx, &mut file);
     let variables = variable_rows(cx, &mut file);
+    let correlations = correlation_rows(cx, &mut file);
     if !variables.is_empty() && limit_states.is_empty() {
         cx.fault(
             "limit_states",
             FaultKind::Missing { expected: "at least one limit state for a study".to_owned() },
         );
     }
+    // What a variable or a correlation is like is no quantity of the scene that something could change.
+    cx.seen.retain(|key, _| !(key.starts_with("variables.") || key.starts_with("correlations[")));
     file.finish(cx);
     // With other faults about, a key may only be unread because of them.
     if cx.faults.is_empty() {
@@ -81,6 +87,7 @@ pub(super) fn resolve(origin: &str, document: &Table, overrides: &Overrides) -> 
             gravity: gravity?,
             outputs: outputs.into_iter().map(|row| row.output).collect::<Option<_>>()?,
             variables: Vec::new(),
+            correlations: Vec::new(),
             limit_states: limit_states.into_iter().collect::<Option<_>>()?,
             life: life?,
             study: study?,
@@ -88,7 +95,7 @@ pub(super) fn resolve(origin: &str, document: &Table, overrides: &Overrides) -> 
     })();
     match scene {
         Some(scene) if faults.is_empty() => {
-            Ok(Resolved { scene, variables, seen, used: cx.parameters.used() })
+            Ok(Resolved { scene, correlations, variables, seen, used: cx.parameters.used() })
         }
         _ => Err(with_variables(cx, faults, variables, &seen)),
     }

@@ -157,6 +157,17 @@ impl<'s> Section<'s> {
         word
     }
 
+    /// [`Section::word`], or a default if the key is not there.
+    pub(super) fn word_or<T: Copy>(
+        &mut self,
+        cx: &mut Context,
+        key: &'static str,
+        words: &[(&str, T)],
+        default: T,
+    ) -> Option<T> {
+        if self.get(key).is_some() { self.word(cx, key, words) } else { Some(default) }
+    }
+
     fn as_text(&self, cx: &mut Context, key: &str, value: &'s Value, expected: &str) -> Option<&'s str> {
         let text = value.as_str();
         if text.is_none() {
@@ -278,6 +289,25 @@ impl<'s> Section<'s> {
             }
             row.path = format!("{path}.{name}");
             rows.push((name, row));
+        }
+        rows
+    }
+
+    /// The rows of a list of tables that have no names; their paths have their numbers, from 1.
+    pub(super) fn unnamed_rows(&mut self, cx: &mut Context, key: &'static str) -> Vec<Section<'s>> {
+        let Some(value) = self.get(key) else { return Vec::new() };
+        let path = self.key(key);
+        let Some(list) = value.as_array() else {
+            cx.wrong_type(&path, value, format!("a list of tables [[{key}]]"));
+            return Vec::new();
+        };
+        let mut rows = Vec::new();
+        for (i, value) in list.iter().enumerate() {
+            let place = format!("{path}[{}]", i + 1);
+            match value.as_table() {
+                Some(table) => rows.push(Section::new(place, table)),
+                None => cx.wrong_type(&place, value, "a table".to_owned()),
+            }
         }
         rows
     }

@@ -1,6 +1,7 @@
 //! A scene as its author wrote it: found by name or file, checked as a whole, resolved for any sample.
 
 use super::builtin;
+use super::correlations::correlations;
 use super::expression::{ExpressionError, evaluate};
 use super::faults::{Fault, FaultKind, Faults, in_unit, nearest};
 use super::merge::merge;
@@ -9,7 +10,7 @@ use super::quantity::{Kind, Quantity};
 use super::read::{Context, Overrides};
 use super::resolve::resolve;
 use super::variables::variables;
-use crate::random::{Distribution, RandomVariable};
+use crate::random::RandomVariable;
 use std::collections::BTreeMap;
 use std::path::Path;
 use toml::Table;
@@ -92,6 +93,8 @@ impl SceneSource {
             cx.read_parameters(parameters);
         }
         let variables = variables(&mut cx, &base.variables, &base.seen);
+        let names: Vec<&str> = base.variables.iter().map(|row| row.name.as_str()).collect();
+        let correlations = correlations(&mut cx, &base.correlations, &names, &variables);
         if !cx.faults.is_empty() {
             return Err(Faults(cx.faults));
         }
@@ -104,7 +107,7 @@ impl SceneSource {
             origin: origin.to_owned(),
             text,
             document,
-            nominal: Scene { variables, ..base.scene },
+            nominal: Scene { variables, correlations, ..base.scene },
             seen: base.seen,
             unused_parameters,
         };
@@ -135,12 +138,7 @@ impl SceneSource {
 
     /// The means of the random variables `(d,)`, SI.
     pub fn means(&self) -> Vec<f64> {
-        self.variables()
-            .iter()
-            .map(|variable| match variable.distribution {
-                Distribution::TruncatedNormal { mean, .. } => mean,
-            })
-            .collect()
+        self.variables().iter().map(|variable| variable.distribution.parent_mean()).collect()
     }
 
     /// Parameters that nothing in the scene depends on, sorted: a slip of the hand more often than not. What a
@@ -242,16 +240,18 @@ impl SceneSource {
 
     fn resolve_overridden(&self, overrides: &Overrides) -> Result<Scene, Faults> {
         let resolved = resolve(&self.origin, &self.document, overrides).map_err(Faults)?;
-        Ok(Scene { variables: self.nominal.variables.clone(), ..resolved.scene })
+        let (variables, correlations) = (self.nominal.variables.clone(), self.nominal.correlations.clone());
+        Ok(Scene { variables, correlations, ..resolved.scene })
     }
 
-    /// Every variable at each of its bounds, the others at their means, must leave the scene valid.
+    /// Every variable at each of its bounds, or where one in a million of its values lies beyond, the others at
+    /// their means, must leave the scene valid.
     fn check_bounds(&self) -> Result<(), Faults> {
         let means = self.means();
         let mut faults = Vec::new();
         for (i, variable) in self.variables().iter().enumerate() {
-            let Distribution::TruncatedNormal { lower, upper, .. } = variable.distribution;
-            for bound in [lower, upper] {
+            let ((least, most), support) = (variable.distribution.limits(), variable.distribution.support());
+            for (bound, hard) in [(least, least == support.0), (most, most == support.1)] {
                 let mut sample = means.clone();
                 sample[i] = bound;
                 if let Err(Faults(found)) = self.resolve_sample(&sample) {
@@ -260,7 +260,11 @@ impl SceneSource {
                     faults.push(Fault {
                         file: self.origin.clone(),
                         key: format!("variables.{}", variable.name),
-                        kind: FaultKind::BoundOutsidePhysics { value, fault: fault.unwrap_or_default() },
+                        kind: FaultKind::BoundOutsidePhysics {
+                            value,
+                            hard,
+                            fault: fault.unwrap_or_default(),
+                        },
                     });
                 }
             }

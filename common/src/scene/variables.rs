@@ -2,27 +2,20 @@
 //! nominal values of what they change are known.
 
 use super::expression::read_unit;
-use super::faults::{FaultKind, in_first_unit};
-use super::quantity::{Dimension, Kind, NUMBER, Quantity};
-use super::read::{Context, Range};
+use super::faults::in_first_unit;
+use super::quantity::{Kind, Quantity};
+use super::read::Context;
 use super::section::Section;
-use crate::random::{Distribution, RandomVariable};
+use super::variable_law::WrittenLaw;
+use crate::random::RandomVariable;
 use std::collections::BTreeMap;
-use toml::Value;
-
-/// Where a distribution is cut unless the scene says otherwise, in standard deviations.
-const TRUNCATION: f64 = 3.0;
 
 /// A row of `[[variables]]`, its numbers not yet read: their dimension depends on what the variable changes.
 pub(super) struct VariableRow {
-    name: String,
+    pub(super) name: String,
     pub(super) changes: Vec<String>,
-    truncation: f64,
     unit: Option<String>,
-    mean: Option<Value>,
-    std: Value,
-    lower: Option<Value>,
-    upper: Option<Value>,
+    law: WrittenLaw,
 }
 
 /// Reads `[[variables]]` as written.
@@ -33,24 +26,13 @@ pub(super) fn variable_rows(cx: &mut Context, file: &mut Section) -> Vec<Variabl
         if changes.as_ref().is_some_and(Vec::is_empty) {
             cx.inconsistent(row.key("changes"), "is empty: the variable changes nothing");
         }
-        let word = row.text_or(cx, "distribution", "truncated-normal", "truncated-normal");
-        let known =
-            word.and_then(|word| cx.word(&row.key("distribution"), word, &[("truncated-normal", ())]));
-        let truncation = row.quantity_or(cx, "truncation", NUMBER, Range::Within(0.1, 10.0), TRUNCATION);
         let unit = row.get("unit").map(|_| row.text(cx, "unit", "a unit, e.g. \"mm\""));
-        let [mean, lower, upper] = ["mean", "lower", "upper"].map(|key| row.get(key).cloned());
-        let std = row.get("std").cloned();
-        if std.is_none() {
-            let expected = "a quantity, or a share of the mean such as \"0.2 %\"".to_owned();
-            cx.fault(row.key("std"), FaultKind::Missing { expected });
-        }
+        let law = WrittenLaw::read(cx, &mut row);
         row.finish(cx);
         rows.extend((|| {
-            known?;
             let changes = changes?.into_iter().map(str::to_owned).collect();
             let unit = unit.map(|unit| unit.map(str::to_owned)).map_or(Some(None), |unit| unit.map(Some))?;
-            let (truncation, std) = (truncation?, std?);
-            Some(VariableRow { name: name.to_owned(), changes, truncation, unit, mean, std, lower, upper })
+            Some(VariableRow { name: name.to_owned(), changes, unit, law: law? })
         })());
     }
     rows
@@ -79,61 +61,21 @@ fn variable(
     row: &VariableRow,
     seen: &BTreeMap<String, Quantity>,
 ) -> Option<RandomVariable> {
-    let place = |key: &str| format!("variables.{}.{key}", row.name);
+    let path = format!("variables.{}", row.name);
     let nominal = nominal(cx, row, seen)?;
+    let distribution = row.law.distribution(cx, &path, nominal, &row.changes)?;
     let dimension = nominal.dimension;
-    let mean = match &row.mean {
-        Some(written) => quantity(cx, &place("mean"), written, dimension)?,
-        None => nominal.value,
-    };
-    let relative = row.std.as_str().is_some_and(|text| text.trim_end().ends_with('%'));
-    let expected = if relative { Dimension::NONE } else { dimension };
-    let mut std = quantity(cx, &place("std"), &row.std, expected)?;
-    if relative {
-        std *= mean.abs();
-    }
-    if !(std > 0.0 && std.is_finite()) {
-        let (value, allowed) =
-            (row.std.to_string(), "> 0; leave the variable out to hold it fixed".to_owned());
-        cx.fault(place("std"), FaultKind::OutOfRange { value, allowed });
-        return None;
-    }
-    let bound = |cx: &mut Context, key: &str, written: &Option<Value>, default: f64| match written {
-        Some(written) => quantity(cx, &place(key), written, dimension),
-        None => Some(default),
-    };
-    let reach = row.truncation * std;
-    let lower = bound(cx, "lower", &row.lower, mean - reach);
-    let upper = bound(cx, "upper", &row.upper, mean + reach);
-    let (lower, upper) = (lower?, upper?);
-    if !(lower < mean && mean < upper) {
-        let shown = |value| in_first_unit(value, Kind::of(dimension));
-        let message = format!(
-            "the bounds {} and {} do not enclose the mean {}",
-            shown(lower),
-            shown(upper),
-            shown(mean)
-        );
-        cx.inconsistent(format!("variables.{}", row.name), message);
-        return None;
-    }
     let unit = match &row.unit {
         Some(unit) => match read_unit(unit) {
             Ok(found) if found.dimension == dimension => unit.clone(),
             _ => {
-                let message = format!("\"{unit}\" is no unit of {dimension}");
-                cx.inconsistent(place("unit"), message);
+                cx.inconsistent(format!("{path}.unit"), format!("\"{unit}\" is no unit of {dimension}"));
                 return None;
             }
         },
         None => dimension.si_unit(),
     };
-    Some(RandomVariable {
-        name: row.name.clone(),
-        distribution: Distribution::TruncatedNormal { mean, std, lower, upper },
-        changes: row.changes.clone(),
-        unit,
-    })
+    Some(RandomVariable { name: row.name.clone(), distribution, changes: row.changes.clone(), unit })
 }
 
 /// The value that all keys of the variable share without it.
@@ -150,7 +92,7 @@ fn nominal(cx: &mut Context, row: &VariableRow, seen: &BTreeMap<String, Quantity
                 cx.inconsistent(place, message);
                 return None;
             }
-            Some(first) if first.value != found.value && row.mean.is_none() => {
+            Some(first) if first.value != found.value && row.law.takes_nominal() => {
                 let message = format!(
                     "the nominal values differ ({} and {}), so mean must be given",
                     in_first_unit(first.value, Kind::of(first.dimension)),
@@ -163,8 +105,4 @@ fn nominal(cx: &mut Context, row: &VariableRow, seen: &BTreeMap<String, Quantity
         }
     }
     first
-}
-
-fn quantity(cx: &mut Context, key: &str, written: &Value, dimension: Dimension) -> Option<f64> {
-    cx.quantity(key, written, Kind::of(dimension), Range::Any)
 }

@@ -28,7 +28,11 @@ pub struct PublishedProblem {
 }
 
 fn normal(mean: f64, std: f64) -> Distribution {
-    Distribution::TruncatedNormal { mean, std, lower: mean - 9.0 * std, upper: mean + 9.0 * std }
+    Distribution::normal(mean, std).expect("a standard deviation above zero")
+}
+
+fn lognormal(mean: f64, std: f64) -> Distribution {
+    Distribution::lognormal(mean, std).expect("a mean above zero")
 }
 
 fn standard(d: usize) -> Vec<Distribution> {
@@ -97,7 +101,9 @@ pub fn published_problems() -> Vec<PublishedProblem> {
         }
     };
     let system = |modes, problem: PublishedProblem| PublishedProblem { shape: (modes, 1), ..problem };
+    let lognormals = |n| vec![lognormal(1.0, SUMMAND); n];
     let oscillator_inputs = [(1.0, 0.05), (1.0, 0.1), (0.1, 0.01), (0.5, 0.05), (1.0, 0.2), (1.0, 0.2)];
+    let rp8 = [(120.0, 12.0); 4].into_iter().chain([(50.0, 10.0), (40.0, 8.0)]);
     vec![
         problem("four-branch-6", standard(2), |x| single(four_branch(x, 6.0)), 4.457_331_490_6e-3, 0.0),
         problem("four-branch-7", standard(2), |x| single(four_branch(x, 7.0)), 2.222_795_066_2e-3, 0.0),
@@ -107,6 +113,15 @@ pub fn published_problems() -> Vec<PublishedProblem> {
             |x| single(oscillator(x)),
             2.8606e-2,
             1.3e-3,
+        ),
+        problem("lognormals-40", lognormals(40), |x| single(sum_of_lognormals(x)), 1.972e-3, 5e-3),
+        problem("lognormals-100", lognormals(100), |x| single(sum_of_lognormals(x)), 1.698e-3, 7e-3),
+        problem(
+            "rp8",
+            rp8.map(|(mean, std)| lognormal(mean, std)).collect(),
+            |x| single(x[0] + 2.0 * x[1] + 2.0 * x[2] + x[3] - 5.0 * x[4] - 5.0 * x[5]),
+            7.90e-4,
+            6.4e-3,
         ),
         problem(
             "rp22",

@@ -1,6 +1,7 @@
 //! One published problem learned once.
 
 use super::PublishedProblem;
+use crate::design::InputModel;
 use crate::learning::{LearningFunction, Mode, Targets};
 use crate::reliability::reliability_curve;
 use crate::study::{
@@ -58,7 +59,7 @@ pub fn run(
         failed_share: FAILED_SHARE,
     };
     let statistics = Problem {
-        variables: problem.variables.clone(),
+        inputs: InputModel::from(&problem.variables[..]),
         outputs: modes,
         modes: (0..modes).map(|output| Mode { output, threshold: 0.0 }).collect(),
         checkpoints: (1..=m as u32).collect(),

@@ -1,5 +1,7 @@
 //! `coordinator explain`: what will be modelled, and why.
 
+mod variables;
+
 use super::accuracy::AccuracyArguments;
 use super::arguments::Talk;
 use super::error::CommandError;
@@ -7,12 +9,11 @@ use super::farm::cores;
 use super::model::Model;
 use super::output::{print, to_json};
 use super::scenes::count;
-use common::random::Distribution;
-use common::scene::expression::read_unit;
 use common::scene::*;
 use coordinator::output_unit::OutputUnit;
 use std::fmt::Write;
 use std::sync::Arc;
+use variables::variables;
 
 /// Runs the command.
 pub fn explain(name: &str, accuracy: &AccuracyArguments, talk: Talk) -> Result<(), CommandError> {
@@ -260,33 +261,6 @@ fn outputs(out: &mut String, scene: &Scene) -> std::fmt::Result {
     writeln!(out)
 }
 
-fn variables(out: &mut String, scene: &Scene) -> std::fmt::Result {
-    if scene.variables.is_empty() {
-        return writeln!(out, "No random variables: a study of this scene has nothing to vary.\n");
-    }
-    writeln!(out, "Random variables: independent, truncated normal")?;
-    let width = scene.variables.iter().map(|variable| variable.name.len()).max().unwrap_or(0);
-    for variable in &scene.variables {
-        let Distribution::TruncatedNormal { mean, std, lower, upper } = variable.distribution;
-        // The unit was read when the scene was checked; "1" stands for a plain number.
-        let scale = read_unit(&variable.unit).map_or(1.0, |unit| unit.multiply / unit.divide);
-        let [mean, std, lower, upper] = [mean, std, lower, upper].map(|value| short(value / scale));
-        let unit = if variable.unit == "1" { String::new() } else { format!(" {}", variable.unit) };
-        writeln!(out, "  {:width$}  mean {mean}, std {std}, from {lower} to {upper}{unit}", variable.name)?;
-    }
-    writeln!(out)
-}
-
-/// Seven digits are enough to read.
-fn short(value: f64) -> String {
-    let rounded: f64 = format!("{value:.6e}").parse().unwrap_or(value);
-    if (1e-3..1e6).contains(&rounded.abs()) || rounded == 0.0 {
-        rounded.to_string()
-    } else {
-        format!("{rounded:e}")
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -318,6 +292,13 @@ mod tests {
             "torque: largest torque that drives crank",
             "limit state too_askew: failed from 3.0000 deg on",
             "limit state too_far: failed from 500.0000 um on",
+            "Random variables: dependent by a Gaussian copula",
+            "truncated normal, mean 5500, std 100, from 5000 to 6000 mN",
+            "lognormal, mean 0.05, std 0.01, from 0",
+            "Gumbel of minima, mean 95, std 2.85 N/m",
+            "triangular, mean 10.03333, std 0.06236096, from 9.9 to 10.2 mm",
+            "constant, mean 0.5 N m",
+            "correlation of brake and friction_worn, as normals: 0.4",
         ] {
             assert!(found.contains(line), "no \"{line}\" in:\n{found}");
         }

@@ -1,31 +1,61 @@
 //! The initial design: points of the population chosen by Latin hypercube sampling.
 
-use super::{Population, Stream, open_stream};
-use common::random::Distribution;
+use super::{InputModel, Population, Stream, open_stream};
+use common::random::standard_normal_quantile;
 use rand::RngExt;
 use rayon::prelude::*;
 
 /// Latin hypercube of `n` points in the variables' standardised units, `(n, d)` row-major [1]: in every variable
 /// each of the n intervals of equal probability holds exactly one point.
 ///
+/// Correlated variables keep the points' order among their correlated normals: each takes the interval of its rank.
+///
 /// # Source
-/// McKay, Beckman, Conover (1979).
-pub fn latin_hypercube(variables: &[Distribution], n: usize, seed: u64) -> Vec<f64> {
-    let d = variables.len();
+/// McKay, Beckman, Conover (1979); with correlations Stein (1987), by ranks.
+pub fn latin_hypercube(inputs: &InputModel, n: usize, seed: u64) -> Vec<f64> {
+    let d = inputs.dimension();
     let mut rng = open_stream(seed, Stream::Design);
-    let mut z = vec![0.0; n * d];
-    for (k, variable) in variables.iter().enumerate() {
+    // The place of every point in (0, 1), stratum and place within it `(n, d)`.
+    let mut strata = vec![0; n * d];
+    let mut within = vec![0.0; n * d];
+    for k in 0..d {
         // Fisher-Yates permutation of the strata, then a uniform place within each.
-        let mut strata: Vec<usize> = (0..n).collect();
+        let mut order: Vec<usize> = (0..n).collect();
         for i in (1..n).rev() {
-            strata.swap(i, rng.random_range(0..=i));
+            order.swap(i, rng.random_range(0..=i));
         }
-        for (i, stratum) in strata.iter().enumerate() {
-            let x = variable.quantile((*stratum as f64 + rng.random::<f64>()) / n as f64);
-            z[i * d + k] = (x - variable.parent_mean()) / variable.parent_std();
+        for (i, stratum) in order.iter().enumerate() {
+            strata[i * d + k] = *stratum;
+            within[i * d + k] = rng.random::<f64>();
+        }
+    }
+    let place = |stratum: usize, within: f64| ((stratum as f64 + within) / n as f64).max(f64::EPSILON / 4.0);
+    if !inputs.copula().is_independent() {
+        reorder(inputs, n, &mut strata, |i, stratum| standard_normal_quantile(place(stratum, within[i])));
+    }
+    let mut z = vec![0.0; n * d];
+    for (k, variable) in inputs.variables().iter().enumerate() {
+        for i in (k..n * d).step_by(d) {
+            let x = variable.quantile(place(strata[i], within[i]));
+            z[i] = (x - variable.parent_mean()) / variable.parent_std();
         }
     }
     z
+}
+
+/// Gives every point of a correlated variable the stratum of its rank among the variable's correlated normals;
+/// `normal` is the independent normal at an entry of the strata `(n, d)`.
+fn reorder(inputs: &InputModel, n: usize, strata: &mut [usize], normal: impl Fn(usize, usize) -> f64) {
+    let d = inputs.dimension();
+    let v: Vec<f64> = strata.iter().enumerate().map(|(i, stratum)| normal(i, *stratum)).collect();
+    let u: Vec<Vec<f64>> = v.chunks_exact(d).map(|v| inputs.copula().correlate(v)).collect();
+    for k in (0..d).filter(|k| inputs.copula().is_correlated(*k)) {
+        let mut points: Vec<usize> = (0..n).collect();
+        points.sort_by(|a, b| u[*a][k].total_cmp(&u[*b][k]));
+        for (rank, i) in points.into_iter().enumerate() {
+            strata[i * d + k] = rank;
+        }
+    }
 }
 
 /// Indices of `n` distinct points of the population, each the nearest free one (Euclidean distance in
@@ -33,7 +63,7 @@ pub fn latin_hypercube(variables: &[Distribution], n: usize, seed: u64) -> Vec<f
 pub fn choose_by_latin_hypercube(population: &Population, n: usize, seed: u64) -> Vec<usize> {
     let n = n.min(population.len());
     let d = population.dimension();
-    let targets = latin_hypercube(population.variables(), n, seed);
+    let targets = latin_hypercube(population.inputs(), n, seed);
     let mut taken = vec![false; population.len()];
     let mut chosen = Vec::with_capacity(n);
     for target in targets.chunks_exact(d) {
@@ -57,21 +87,51 @@ fn squared_distance(a: &[f64], b: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use common::random::{Correlation, Distribution, GaussianCopula};
 
     fn variables(d: usize) -> Vec<Distribution> {
         vec![Distribution::TruncatedNormal { mean: 1.0, std: 2.0, lower: -5.0, upper: 7.0 }; d]
     }
 
+    /// Every variable correlated to the one before it.
+    fn chained(d: usize) -> InputModel {
+        let pairs: Vec<_> =
+            (1..d).map(|k| Correlation { first: k - 1, second: k, coefficient: 0.6 }).collect();
+        InputModel::new(variables(d), GaussianCopula::new(d, &pairs).unwrap())
+    }
+
+    fn column(z: &[f64], k: usize, d: usize) -> Vec<f64> {
+        z.iter().skip(k).step_by(d).copied().collect()
+    }
+
     #[test]
     fn every_stratum_holds_one_point() {
         let (n, d) = (50, 4);
-        let z = latin_hypercube(&variables(d), n, 11);
         let unit = Distribution::TruncatedNormal { mean: 0.0, std: 1.0, lower: -3.0, upper: 3.0 };
-        for k in 0..d {
-            let mut strata: Vec<usize> =
-                (0..n).map(|i| (unit.cdf(z[i * d + k]) * n as f64).floor() as usize).collect();
-            strata.sort_unstable();
-            assert_eq!(strata, (0..n).collect::<Vec<_>>());
+        for inputs in [InputModel::from(&variables(d)), chained(d)] {
+            let z = latin_hypercube(&inputs, n, 11);
+            for k in 0..d {
+                let mut strata: Vec<usize> =
+                    column(&z, k, d).iter().map(|z| (unit.cdf(*z) * n as f64).floor() as usize).collect();
+                strata.sort_unstable();
+                assert_eq!(strata, (0..n).collect::<Vec<_>>());
+            }
+        }
+    }
+
+    #[test]
+    fn neighbours_of_a_chain_are_correlated() {
+        let (n, d) = (400, 3);
+        let z = latin_hypercube(&chained(d), n, 5);
+        let columns: Vec<_> = (0..d).map(|k| column(&z, k, d)).collect();
+        for (i, j, expected) in [(0, 1, 0.6), (1, 2, 0.6)] {
+            let sum = |f: &dyn Fn(f64, f64) -> f64| {
+                columns[i].iter().zip(&columns[j]).map(|(a, b)| f(*a, *b)).sum::<f64>()
+            };
+            let found = sum(&|a, b| a * b) / (sum(&|a, _| a * a) * sum(&|_, b| b * b)).sqrt();
+            // Standard error of a correlation coefficient: (1 - rho^2) / sqrt(n).
+            let error = (1.0 - expected * expected) / (n as f64).sqrt();
+            assert!((found - expected).abs() < 4.0 * error, "{i} {j} {found}");
         }
     }
 

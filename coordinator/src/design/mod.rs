@@ -1,9 +1,11 @@
 //! Where a study looks: the Monte Carlo population of its random variables and the initial design among it.
 
+mod input_model;
 mod latin_hypercube;
 mod points;
 mod population;
 
+pub use input_model::InputModel;
 pub use latin_hypercube::{choose_by_latin_hypercube, latin_hypercube};
 pub use points::nominal_and_random;
 pub use population::Population;

@@ -1,15 +1,15 @@
 //! The few points at which a scene is looked at outside of a study: the nominal one, and random ones around it.
 
-use super::Population;
+use super::{InputModel, Population};
 use common::scene::Scene;
 
 /// The nominal point of a scene (its variables' means), then `random` points of the population under its study's
 /// seed: `(1 + random)(d,)` [SI]. A scene without random variables has only the first, which is empty.
 pub fn nominal_and_random(scene: &Scene, random: usize) -> Vec<Vec<f64>> {
-    let variables: Vec<_> = scene.variables.iter().map(|variable| variable.distribution).collect();
-    let mut points = vec![variables.iter().map(|variable| variable.mean()).collect()];
-    if !variables.is_empty() {
-        let population = Population::draw(&variables, random, scene.study.seed);
+    let inputs = InputModel::of(scene);
+    let mut points = vec![inputs.means()];
+    if inputs.dimension() > 0 {
+        let population = Population::draw(&inputs, random, scene.study.seed);
         points.extend((0..random).map(|j| population.physical(j)));
     }
     points

@@ -7,7 +7,6 @@ use crate::output_unit::OutputUnit;
 use crate::store::{CampaignFile, StoreError};
 use crate::summary::StudySummary;
 use common::outputs::{Diagnostics, Evaluation};
-use common::random::Distribution;
 use common::scene::{ContactLaw, JointKind, Scene};
 use serde::{Deserialize, Serialize};
 
@@ -66,9 +65,9 @@ pub struct OutputInfo {
 pub struct VariableInfo {
     /// Name.
     pub name: String,
-    /// Mean of the parent distribution [SI].
+    /// Mean; of the parent for a truncated normal [SI].
     pub mean: f64,
-    /// Standard deviation of the parent distribution [SI].
+    /// Standard deviation, likewise [SI].
     pub std: f64,
 }
 
@@ -183,9 +182,10 @@ impl ReportInput {
             variables: scene
                 .variables
                 .iter()
-                .map(|variable| {
-                    let Distribution::TruncatedNormal { mean, std, .. } = variable.distribution;
-                    VariableInfo { name: variable.name.clone(), mean, std }
+                .map(|variable| VariableInfo {
+                    name: variable.name.clone(),
+                    mean: variable.distribution.parent_mean(),
+                    std: variable.distribution.given_std(),
                 })
                 .collect(),
             nominal: None,

@@ -83,6 +83,7 @@ pub fn scene() -> Scene {
         gravity: [0.0; 2],
         outputs: kinds.into_iter().map(|(name, kind)| Output { name: name.into(), kind }).collect(),
         variables: VARIABLES.iter().map(variable).collect(),
+        correlations: vec![],
         limit_states: vec![
             LimitState { name: "wear".into(), output: 0, threshold: 3e-5 },
             LimitState { name: "asymmetry".into(), output: 1, threshold: 25.0 * PI / 30.0 },

@@ -28,6 +28,7 @@ fn scene() -> Scene {
             kind: OutputKind::LargestWear { joints: vec![] },
         }],
         variables: vec![variable("k"), variable("K")],
+        correlations: vec![],
         limit_states: vec![LimitState { name: "wear".into(), output: 0, threshold: 3e-5 }],
         life: Life { period: 0.125, cycles: 2000, checkpoint_every: 1000, settle_cycles: 1 },
         study: StudySettings { population: 100, initial: 10, batch: 4, max_evaluations: 20, seed: 1 },

@@ -11,7 +11,6 @@ use crate::learning::{Rule, Stopping};
 use crate::summary::Round;
 use crate::surrogate::{Effort, PredictionCache, SurrogateError};
 use common::failure::SimulationFailure;
-use common::random::Distribution;
 use std::collections::VecDeque;
 use thiserror::Error;
 
@@ -123,12 +122,12 @@ pub struct Campaign {
 impl Campaign {
     /// Draws the population. The plan must have `initial` >= 3 and `batch` >= 1; one mode at least.
     pub fn new(problem: Problem, plan: Plan) -> Self {
-        let population = Population::draw(&problem.variables, plan.population, plan.seed);
+        let population = Population::draw(&problem.inputs, plan.population, plan.seed);
         Self {
             asked: vec![false; population.len()],
             under_way: VecDeque::new(),
             retries: VecDeque::new(),
-            observations: Observations::new(problem.variables.len(), problem.outputs),
+            observations: Observations::new(problem.inputs.dimension(), problem.outputs),
             failed: Vec::new(),
             total: 0,
             told: 0,
@@ -226,9 +225,8 @@ impl Campaign {
         let count = self.plan.initial.min(self.plan.max_evaluations);
         let chosen =
             choose_by_latin_hypercube(&self.looked_at.population, count.saturating_sub(1), self.plan.seed);
-        let nominal: Vec<f64> =
-            self.problem.variables.iter().map(|v| (v.mean() - v.parent_mean()) / v.parent_std()).collect();
-        let sample = self.problem.variables.iter().map(Distribution::mean).collect();
+        let sample = self.problem.inputs.means();
+        let nominal = self.problem.inputs.standardise(&sample);
         let mut chunk = vec![Asked { z: nominal, sample, member: None, stricter: false }];
         chunk.extend(chosen.into_iter().map(|j| self.take(j)));
         self.ask(chunk)

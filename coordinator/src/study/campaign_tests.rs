@@ -1,9 +1,10 @@
 //! Campaigns on a published static case: the series system of four branches.
 
 use super::{Campaign, FAILED_SHARE, Learned, LookedAt, Observed, Plan, Problem, Step};
+use crate::design::InputModel;
 use crate::learning::{LearningFunction, Mode, Targets};
 use crate::surrogate::{FormSettings, StatedErrors};
-use common::random::{Distribution, standard_normal_cdf, standard_normal_pdf};
+use common::random::{Correlation, Distribution, GaussianCopula, standard_normal_cdf, standard_normal_pdf};
 use std::collections::VecDeque;
 
 /// Four-branch system, k = 7, as an output that fails at 0: minus the limit state. Echard, Gayton, Lemaire (2011).
@@ -24,18 +25,26 @@ fn learn_until(population: usize, initial: usize, seed: u64, targets: Targets) -
 
 fn learn_of(
     output: fn(&[f64]) -> f64,
-    (population, largest_population): (usize, usize),
+    populations: (usize, usize),
     initial: usize,
     seed: u64,
     targets: Targets,
 ) -> Learned {
     let normal = Distribution::TruncatedNormal { mean: 0.0, std: 1.0, lower: -8.0, upper: 8.0 };
-    let problem = Problem {
-        variables: vec![normal; 2],
-        outputs: 1,
-        modes: vec![Mode { output: 0, threshold: 0.0 }],
-        checkpoints: vec![1],
-    };
+    let inputs = InputModel::from(&[normal; 2]);
+    learn_from(inputs, |x| output(x), (0.0, populations), initial, seed, targets)
+}
+
+fn learn_from(
+    inputs: InputModel,
+    output: impl Fn(&[f64]) -> f64,
+    (threshold, (population, largest_population)): (f64, (usize, usize)),
+    initial: usize,
+    seed: u64,
+    targets: Targets,
+) -> Learned {
+    let problem =
+        Problem { inputs, outputs: 1, modes: vec![Mode { output: 0, threshold }], checkpoints: vec![1] };
     let plan = Plan {
         population,
         largest_population,
@@ -149,4 +158,22 @@ fn a_rare_event_is_found_through_conditional_populations() {
         assert!(learned.evaluations <= 80, "seed {seed}: {} calls", learned.evaluations);
         assert_eq!(learned.looked_at.unconditional().len(), 20_000);
     }
+}
+
+/// The product of two correlated lognormals and a constant is lognormal.
+#[test]
+fn correlated_lognormals_beside_a_constant_have_their_closed_form() {
+    let lognormal = Distribution::lognormal(1.0, 0.2).unwrap();
+    let (rho, beta) = (0.5, 2.3);
+    let pair = Correlation { first: 0, second: 2, coefficient: rho };
+    let variables = vec![lognormal, Distribution::constant(3.0).unwrap(), lognormal];
+    let inputs = InputModel::new(variables, GaussianCopula::new(3, &[pair]).unwrap());
+    let zeta2 = 1.04_f64.ln();
+    let threshold = 3.0 * (-zeta2 + beta * (2.0 * zeta2 * (1.0 + rho)).sqrt()).exp();
+    let product = |x: &[f64]| x.iter().product();
+    let learned = learn_from(inputs, product, (threshold, (100_000, 100_000)), 12, 4, Targets::default());
+    let (found, exact) = (learned.assessment.curves[0][0], standard_normal_cdf(-beta));
+    let standard_error = (exact * (1.0 - exact) / learned.looked_at.population.len() as f64).sqrt();
+    assert!((found - exact).abs() < 4.0 * standard_error, "{found} {exact}");
+    assert!(learned.evaluations <= 80, "{} calls", learned.evaluations);
 }

@@ -13,7 +13,6 @@ use crate::reliability::{
 use crate::sensitivity::{Sampled, sensitivities};
 use crate::summary::{Convergence, EvaluationCounts, Round};
 use common::failure::SimulationFailure;
-use common::random::Distribution;
 use common::scene::Scene;
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -46,8 +45,8 @@ impl<'a> DirectSimulation<'a> {
     pub fn new(problem: &'a Problem, settings: &Settings, samples: usize) -> Self {
         let seed = settings.study.seed;
         let population = match settings.method {
-            Method::LatinHypercube { .. } => Population::latin_hypercube(&problem.variables, samples, seed),
-            _ => Population::draw(&problem.variables, samples, seed),
+            Method::LatinHypercube { .. } => Population::latin_hypercube(&problem.inputs, samples, seed),
+            _ => Population::draw(&problem.inputs, samples, seed),
         };
         Self {
             problem,
@@ -112,7 +111,7 @@ impl Learner for DirectSimulation<'_> {
         if self.told == 0 && self.chunks.is_empty() {
             // The nominal point is no draw of the population: simulated for its first cycle, not counted.
             self.chunks.push_back(0..0);
-            let sample = self.problem.variables.iter().map(Distribution::mean).collect();
+            let sample = self.problem.inputs.means();
             return Ok(Step::Evaluate(vec![Ask { sample, stricter: false }]));
         }
         let range = self.asked..self.population.len().min(self.asked + CHUNK);

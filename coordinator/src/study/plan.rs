@@ -1,14 +1,14 @@
 //! What a campaign is to learn, and how.
 
+use crate::design::InputModel;
 use crate::learning::{LearningFunction, Mode, Targets};
 use crate::surrogate::{FormSettings, StatedErrors};
-use common::random::Distribution;
 
 /// What is to be learned.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Problem {
-    /// Random variables `(d,)`.
-    pub variables: Vec<Distribution>,
+    /// The d random variables and how they depend on each other.
+    pub inputs: InputModel,
     /// Number of outputs of an evaluation.
     pub outputs: usize,
     /// Limit states.

@@ -32,10 +32,11 @@ pub(super) fn conditional_population(
     surrogates: &[Surrogate],
     (seed, draw): (u64, u32),
 ) -> (Population, Condition) {
-    let d = population.dimension();
+    let (d, inputs) = (population.dimension(), population.inputs());
+    let standardised = |u: &[f64]| inputs.standardise(&inputs.from_independent_normals(u));
     let respond = |u: &[f64]| -> Vec<f64> {
         let block = |u: &[f64]| -> Vec<f64> {
-            let z: Vec<f64> = u.chunks_exact(d).flat_map(|u| population.standardise_normals(u)).collect();
+            let z: Vec<f64> = u.chunks_exact(d).flat_map(standardised).collect();
             let points = MatRef::from_column_major_slice(&z, d, u.len() / d);
             let mut largest = vec![f64::NEG_INFINITY; u.len() / d];
             for (surrogate, mode) in surrogates.iter().zip(&problem.modes) {
@@ -55,7 +56,7 @@ pub(super) fn conditional_population(
     };
     let mut rng = open_stream(seed, Stream::Subset(draw));
     let subset = subset_simulation((d, SAMPLES, LEVELS), &mut rng, &respond);
-    let z = subset.u.chunks_exact(d).flat_map(|u| population.standardise_normals(u)).collect();
+    let z = subset.u.chunks_exact(d).flat_map(standardised).collect();
     let condition = Condition {
         probability: subset.probability,
         cov: subset.cov,

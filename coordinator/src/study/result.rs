@@ -303,6 +303,10 @@ pub(super) fn assemble(
 fn sobol(scene: &Scene, learned: &Learned) -> Vec<SobolRow> {
     let cycles = scene.life.checkpoints();
     let population = learned.looked_at.unconditional();
+    // Shares of the variance are no shares where variables depend on each other.
+    if !population.inputs().copula().is_independent() {
+        return Vec::new();
+    }
     let grid = &learned.assessment.grid;
     let mut rows = Vec::new();
     for (limit, surrogate) in scene.limit_states.iter().zip(&learned.assessment.surrogates) {
@@ -348,7 +352,7 @@ fn first_failure(
 /// The simulations without a result, and how much of the population they stand for.
 fn failures(scene: &Scene, learned: &Learned) -> Failures {
     let sample = |z: &[f64]| -> BTreeMap<String, f64> {
-        let values = learned.looked_at.population.to_physical(z);
+        let values = learned.looked_at.population.inputs().to_physical(z);
         scene.variables.iter().zip(values).map(|(variable, x)| (variable.name.clone(), x)).collect()
     };
     let failure = |failed: &Failed| FailureRow { cause: failed.cause.to_string(), sample: sample(&failed.z) };

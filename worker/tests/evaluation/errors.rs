@@ -11,7 +11,7 @@ fn stated_errors_cover_the_true_ones_and_are_not_idle() {
     // The nominal mechanism, and one with every variable between its mean and its upper bound.
     let shifted: Vec<f64> = (source.variables().iter().zip(source.means()))
         .map(|(v, mean)| {
-            let common::random::Distribution::TruncatedNormal { upper, .. } = v.distribution;
+            let (_, upper) = v.distribution.limits();
             mean + 0.4 * (upper - mean)
         })
         .collect();

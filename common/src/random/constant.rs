@@ -1,0 +1,64 @@
+//! A variable that does not vary: a value held fixed without being taken out of a study.
+
+use super::law::{Law, LawError, between};
+use serde::{Deserialize, Serialize};
+
+/// One value with probability one.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Constant {
+    value: f64,
+}
+
+impl Constant {
+    pub(super) fn new(value: f64) -> Result<Self, LawError> {
+        Ok(Self { value: between("mean", value, f64::NEG_INFINITY, f64::INFINITY)? })
+    }
+}
+
+impl Law for Constant {
+    /// All mass in one point: infinite there.
+    fn pdf(&self, x: f64) -> f64 {
+        if x == self.value { f64::INFINITY } else { 0.0 }
+    }
+
+    fn cdf(&self, x: f64) -> f64 {
+        if x < self.value { 0.0 } else { 1.0 }
+    }
+
+    fn survival(&self, x: f64) -> f64 {
+        1.0 - self.cdf(x)
+    }
+
+    fn quantile(&self, _: f64) -> f64 {
+        self.value
+    }
+
+    fn upper_quantile(&self, _: f64) -> f64 {
+        self.value
+    }
+
+    fn mean(&self) -> f64 {
+        self.value
+    }
+
+    fn std(&self) -> f64 {
+        0.0
+    }
+
+    fn support(&self) -> (f64, f64) {
+        (self.value, self.value)
+    }
+
+    /// Nothing to change it by.
+    fn scores(&self, _: f64) -> [f64; 2] {
+        [0.0; 2]
+    }
+
+    fn cdf_derivatives(&self, _: f64) -> [f64; 2] {
+        [0.0; 2]
+    }
+
+    fn to_standard_normal(&self, _: f64) -> f64 {
+        0.0
+    }
+}

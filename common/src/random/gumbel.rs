@@ -1,0 +1,165 @@
+//! The Gumbel distribution: extreme value type I, of maxima or of minima.
+//!
+//! Of maxima, with scale s = sqrt(6) std / pi, location l = mean - gamma s (gamma: Euler's constant) and
+//! z = (x - l) / s: F(x) = exp(-exp(-z)). X is Gumbel of minima if -X is Gumbel of maxima.
+//!
+//! Source: Johnson, Kotz, Balakrishnan (1995), Continuous Univariate Distributions, vol. 2, chapter 22.
+
+use super::law::{Law, LawError, moments};
+use serde::{Deserialize, Serialize};
+use std::f64::consts::EULER_GAMMA;
+
+/// Which extremes are meant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Extreme {
+    /// Largest values: the long tail is the upper one.
+    Maxima,
+    /// Smallest values: the long tail is the lower one.
+    Minima,
+}
+
+/// Gumbel by mean and standard deviation.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Gumbel {
+    mean: f64,
+    std: f64,
+    extreme: Extreme,
+}
+
+/// scale / std.
+const SCALE: f64 = 0.779_696_801_233_675_7;
+
+impl Gumbel {
+    pub(super) fn new(mean: f64, std: f64, extreme: Extreme) -> Result<Self, LawError> {
+        let (mean, std) = moments(mean, std)?;
+        Ok(Self { mean, std, extreme })
+    }
+
+    /// The law in words.
+    pub(super) fn law(&self) -> &'static str {
+        match self.extreme {
+            Extreme::Maxima => "Gumbel",
+            Extreme::Minima => "Gumbel of minima",
+        }
+    }
+
+    /// +1 for maxima, -1 for minima.
+    fn sign(&self) -> f64 {
+        match self.extreme {
+            Extreme::Maxima => 1.0,
+            Extreme::Minima => -1.0,
+        }
+    }
+
+    fn scale(&self) -> f64 {
+        SCALE * self.std
+    }
+
+    /// z of x, or of -x for minima.
+    fn z(&self, x: f64) -> f64 {
+        self.sign() * (x - self.mean) / self.scale() + EULER_GAMMA
+    }
+
+    fn at(&self, z: f64) -> f64 {
+        self.mean + self.sign() * self.scale() * (z - EULER_GAMMA)
+    }
+
+    /// x by the probability that it, or -x for minima, is not exceeded.
+    fn by_probability(&self, p: f64) -> f64 {
+        self.at(-libm::log(-libm::log(p)))
+    }
+
+    /// x by the probability that it, or -x for minima, is exceeded.
+    fn by_exceedance(&self, q: f64) -> f64 {
+        self.at(-libm::log(-libm::log1p(-q)))
+    }
+
+    fn not_exceeded(&self, x: f64) -> f64 {
+        libm::exp(-libm::exp(-self.z(x)))
+    }
+
+    fn exceeded(&self, x: f64) -> f64 {
+        -libm::expm1(-libm::exp(-self.z(x)))
+    }
+}
+
+impl Law for Gumbel {
+    fn pdf(&self, x: f64) -> f64 {
+        let z = self.z(x);
+        libm::exp(-z - libm::exp(-z)) / self.scale()
+    }
+
+    fn cdf(&self, x: f64) -> f64 {
+        match self.extreme {
+            Extreme::Maxima => self.not_exceeded(x),
+            Extreme::Minima => self.exceeded(x),
+        }
+    }
+
+    fn survival(&self, x: f64) -> f64 {
+        match self.extreme {
+            Extreme::Maxima => self.exceeded(x),
+            Extreme::Minima => self.not_exceeded(x),
+        }
+    }
+
+    fn quantile(&self, p: f64) -> f64 {
+        match self.extreme {
+            Extreme::Maxima => self.by_probability(p),
+            Extreme::Minima => self.by_exceedance(p),
+        }
+    }
+
+    fn upper_quantile(&self, q: f64) -> f64 {
+        match self.extreme {
+            Extreme::Maxima => self.by_exceedance(q),
+            Extreme::Minima => self.by_probability(q),
+        }
+    }
+
+    fn mean(&self) -> f64 {
+        self.mean
+    }
+
+    fn std(&self) -> f64 {
+        self.std
+    }
+
+    fn support(&self) -> (f64, f64) {
+        (f64::NEG_INFINITY, f64::INFINITY)
+    }
+
+    fn scores(&self, x: f64) -> [f64; 2] {
+        let z = self.z(x);
+        let by_location = 1.0 - libm::exp(-z);
+        let by_scale = z * by_location - 1.0;
+        let scale = self.scale();
+        [self.sign() * by_location / scale, (by_scale - EULER_GAMMA * by_location) / self.std]
+    }
+
+    fn cdf_derivatives(&self, x: f64) -> [f64; 2] {
+        let f = self.pdf(x);
+        // F moves with the value that stays at the same z: dx/dmean = 1, dx/dstd = (x - mean) / std.
+        [-f, -f * (x - self.mean) / self.std]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI;
+
+    #[test]
+    fn closed_forms() {
+        assert!((SCALE - 6.0_f64.sqrt() / PI).abs() < 1e-15);
+        // The location is the mode, F there is 1/e, and the median is l - s ln ln 2.
+        let g = Gumbel::new(10.0, 2.0, Extreme::Maxima).unwrap();
+        let (s, l) = (g.scale(), g.at(0.0));
+        assert!((l - (10.0 - EULER_GAMMA * s)).abs() < 1e-14);
+        assert!((g.cdf(l) - (-1.0_f64).exp()).abs() < 1e-15);
+        assert!((g.quantile(0.5) - (l - s * 2.0_f64.ln().ln())).abs() < 1e-13);
+        assert!(g.pdf(l) > g.pdf(l + 1e-3) && g.pdf(l) > g.pdf(l - 1e-3));
+        let m = Gumbel::new(-10.0, 2.0, Extreme::Minima).unwrap();
+        assert_eq!((m.cdf(-l), m.pdf(-l)), (g.survival(l), g.pdf(l)));
+    }
+}

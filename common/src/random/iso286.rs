@@ -1,0 +1,246 @@
+//! Limits, clearances and their spread from the tolerance classes of ISO 286, e.g. `H7/e8` at a diameter.
+//!
+//! A class gives the limits of a diameter as deviations from the nominal one: its letter the limit nearer to the
+//! nominal diameter, its grade the width of the zone between them. A process whose capability is C_p fills the zone
+//! with 6 C_p standard deviations, its mean in the middle. Hole and shaft are independent: the clearance has the
+//! difference of their means and the sum of their variances.
+//!
+//! Source: ISO 286-1:2010, tables 1 (grades), 2 and 3 (holes), 4 and 5 (shafts).
+
+use thiserror::Error;
+
+/// Upper ends of the ranges of nominal sizes, included [mm].
+const SIZES: [f64; 13] = [3.0, 6.0, 10.0, 18.0, 30.0, 50.0, 80.0, 120.0, 180.0, 250.0, 315.0, 400.0, 500.0];
+
+/// Grades of the table, from IT5 on, by range [um].
+const GRADES: [[f64; 13]; 7] = [
+    [4.0, 5.0, 6.0, 8.0, 9.0, 11.0, 13.0, 15.0, 18.0, 20.0, 23.0, 25.0, 27.0],
+    [6.0, 8.0, 9.0, 11.0, 13.0, 16.0, 19.0, 22.0, 25.0, 29.0, 32.0, 36.0, 40.0],
+    [10.0, 12.0, 15.0, 18.0, 21.0, 25.0, 30.0, 35.0, 40.0, 46.0, 52.0, 57.0, 63.0],
+    [14.0, 18.0, 22.0, 27.0, 33.0, 39.0, 46.0, 54.0, 63.0, 72.0, 81.0, 89.0, 97.0],
+    [25.0, 30.0, 36.0, 43.0, 52.0, 62.0, 74.0, 87.0, 100.0, 115.0, 130.0, 140.0, 155.0],
+    [40.0, 48.0, 58.0, 70.0, 84.0, 100.0, 120.0, 140.0, 160.0, 185.0, 210.0, 230.0, 250.0],
+    [60.0, 75.0, 90.0, 110.0, 130.0, 160.0, 190.0, 220.0, 250.0, 290.0, 320.0, 360.0, 400.0],
+];
+const LEAST_GRADE: u8 = 5;
+
+/// Shafts below the nominal size: the upper deviation is minus this [um].
+const BELOW: [(&str, [f64; 13]); 5] = [
+    ("d", [20.0, 30.0, 40.0, 50.0, 65.0, 80.0, 100.0, 120.0, 145.0, 170.0, 190.0, 210.0, 230.0]),
+    ("e", [14.0, 20.0, 25.0, 32.0, 40.0, 50.0, 60.0, 72.0, 85.0, 100.0, 110.0, 125.0, 135.0]),
+    ("f", [6.0, 10.0, 13.0, 16.0, 20.0, 25.0, 30.0, 36.0, 43.0, 50.0, 56.0, 62.0, 68.0]),
+    ("g", [2.0, 4.0, 5.0, 6.0, 7.0, 9.0, 10.0, 12.0, 14.0, 15.0, 17.0, 18.0, 20.0]),
+    ("h", [0.0; 13]),
+];
+
+/// Shafts above the nominal size: the lower deviation is this [um]. That of k holds for IT4 to IT7, else it is 0.
+const ABOVE: [(&str, [f64; 13]); 4] = [
+    ("k", [0.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 3.0, 3.0, 4.0, 4.0, 4.0, 5.0]),
+    ("m", [2.0, 4.0, 6.0, 7.0, 8.0, 9.0, 11.0, 13.0, 15.0, 17.0, 20.0, 21.0, 23.0]),
+    ("n", [4.0, 8.0, 10.0, 12.0, 15.0, 17.0, 20.0, 23.0, 27.0, 31.0, 34.0, 37.0, 40.0]),
+    ("p", [6.0, 12.0, 15.0, 18.0, 22.0, 26.0, 32.0, 37.0, 43.0, 50.0, 56.0, 62.0, 68.0]),
+];
+
+/// The ranges of r and s are finer beyond 50 mm [mm].
+const FINE_SIZES: [f64; 22] = [
+    3.0, 6.0, 10.0, 18.0, 30.0, 50.0, 65.0, 80.0, 100.0, 120.0, 140.0, 160.0, 180.0, 200.0, 225.0, 250.0,
+    280.0, 315.0, 355.0, 400.0, 450.0, 500.0,
+];
+
+/// Lower deviations of r and s [um].
+const FAR_ABOVE: [(&str, [f64; 22]); 2] = [
+    (
+        "r",
+        [
+            10.0, 15.0, 19.0, 23.0, 28.0, 34.0, 41.0, 43.0, 51.0, 54.0, 63.0, 65.0, 68.0, 77.0, 80.0, 84.0,
+            94.0, 98.0, 108.0, 114.0, 126.0, 132.0,
+        ],
+    ),
+    (
+        "s",
+        [
+            14.0, 19.0, 23.0, 28.0, 35.0, 43.0, 53.0, 59.0, 71.0, 79.0, 92.0, 100.0, 108.0, 122.0, 130.0,
+            140.0, 158.0, 170.0, 190.0, 208.0, 232.0, 252.0,
+        ],
+    ),
+];
+
+/// Letters of holes, and of shafts.
+const HOLES: &str = "D, E, F, G, H, JS";
+const SHAFTS: &str = "d, e, f, g, h, js, k, m, n, p, r, s";
+
+/// Micrometres of a metre, millimetres of a metre.
+const MICRO: f64 = 1e6;
+const MILLI: f64 = 1e3;
+
+/// Whether a class is that of a hole or of a shaft.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Feature {
+    /// Capital letter.
+    Hole,
+    /// Small letter.
+    Shaft,
+}
+
+/// What is wrong with a class, a fit or its diameter.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum ToleranceError {
+    /// Not a letter and a grade.
+    #[error(
+        "\"{class}\" is no tolerance class, allowed: a letter of a hole ({HOLES}) or of a shaft ({SHAFTS}) and a grade 5 to 11, e.g. H7"
+    )]
+    Class {
+        /// The class as written.
+        class: String,
+    },
+    /// Not a hole and a shaft.
+    #[error("\"{fit}\" is no fit, allowed: a hole and a shaft, e.g. H7/e8")]
+    Fit {
+        /// The fit as written.
+        fit: String,
+    },
+    /// Outside of the tables.
+    #[error("a diameter of {diameter} mm is outside of the tables, allowed: > 0 and <= 500 mm")]
+    Diameter {
+        /// The diameter [mm].
+        diameter: f64,
+    },
+    /// The shaft may be as large as the hole.
+    #[error(
+        "{fit} at {diameter} mm has a clearance of {mean:.1} +- {three_std:.1} um (three standard deviations): the shaft may stick, and a joint needs a clearance; take a looser fit, e.g. H7/e8"
+    )]
+    NoClearance {
+        /// The fit.
+        fit: String,
+        /// Nominal diameter [mm].
+        diameter: f64,
+        /// Mean diametral clearance [um].
+        mean: f64,
+        /// Three of its standard deviations [um].
+        three_std: f64,
+    },
+}
+
+/// A tolerance class, e.g. `H7`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ToleranceClass {
+    /// Hole or shaft.
+    pub feature: Feature,
+    /// In small letters.
+    letter: String,
+    grade: u8,
+}
+
+impl ToleranceClass {
+    /// Reads a class: D, E, F, G, H or JS for holes, d, e, f, g, h, js, k, m, n, p, r or s for shafts; grades 5 to 11.
+    ///
+    /// # Errors
+    /// [`ToleranceError::Class`].
+    pub fn parse(class: &str) -> Result<Self, ToleranceError> {
+        let refused = || ToleranceError::Class { class: class.to_owned() };
+        let split = class.find(|c: char| c.is_ascii_digit()).ok_or_else(refused)?;
+        let (letter, grade) = class.split_at(split);
+        let is = |list: &str| list.split(", ").any(|known| known == letter);
+        let feature = match (is(HOLES), is(SHAFTS)) {
+            (true, _) => Feature::Hole,
+            (_, true) => Feature::Shaft,
+            _ => return Err(refused()),
+        };
+        let grade = grade.parse().map_err(|_| refused())?;
+        if !(LEAST_GRADE..LEAST_GRADE + GRADES.len() as u8).contains(&grade) {
+            return Err(refused());
+        }
+        Ok(Self { feature, letter: letter.to_lowercase(), grade })
+    }
+
+    /// Lower and upper limit deviation from a nominal `diameter` [m], in (0, 0.5] m: `(lower, upper)` [m].
+    ///
+    /// # Errors
+    /// [`ToleranceError::Diameter`].
+    pub fn deviations(&self, diameter: f64) -> Result<(f64, f64), ToleranceError> {
+        let size = diameter * MILLI;
+        let outside = || ToleranceError::Diameter { diameter: size };
+        // A size a rounding error beyond the end of its range belongs to it.
+        let range =
+            |ends: &[f64]| ends.iter().position(|end| size <= end * (1.0 + 1e-12)).ok_or_else(outside);
+        if !(size > 0.0 && size.is_finite()) {
+            return Err(outside());
+        }
+        let i = range(&SIZES)?;
+        let width = GRADES[usize::from(self.grade - LEAST_GRADE)][i];
+        let of =
+            |table: &[(&str, [f64; 13])]| table.iter().find(|row| row.0 == self.letter).map(|row| row.1[i]);
+        let (lower, upper) = if self.letter == "js" {
+            (-0.5 * width, 0.5 * width)
+        } else if let Some(gap) = of(&BELOW) {
+            (-gap - width, -gap)
+        } else {
+            let fine = range(&FINE_SIZES)?;
+            let far = FAR_ABOVE.iter().find(|row| row.0 == self.letter).map(|row| row.1[fine]);
+            let above = of(&ABOVE).or(far).expect("every letter of a shaft has a table");
+            let above = if self.letter == "k" && self.grade > 7 { 0.0 } else { above };
+            (above, above + width)
+        };
+        // Holes D to H mirror the shafts of their letter.
+        Ok(match self.feature {
+            Feature::Hole => (-upper / MICRO, -lower / MICRO),
+            Feature::Shaft => (lower / MICRO, upper / MICRO),
+        })
+    }
+
+    /// Mean deviation from the nominal `diameter` [m] and standard deviation [m], of a process of capability C_p.
+    ///
+    /// # Errors
+    /// [`ToleranceError::Diameter`].
+    pub fn moments(&self, diameter: f64, capability: f64) -> Result<(f64, f64), ToleranceError> {
+        let (lower, upper) = self.deviations(diameter)?;
+        Ok((0.5 * (lower + upper), (upper - lower) / (6.0 * capability)))
+    }
+}
+
+/// A hole and a shaft of one nominal diameter, e.g. `H7/e8`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fit {
+    written: String,
+    hole: ToleranceClass,
+    shaft: ToleranceClass,
+}
+
+impl Fit {
+    /// Reads a fit.
+    ///
+    /// # Errors
+    /// [`ToleranceError::Fit`], [`ToleranceError::Class`].
+    pub fn parse(fit: &str) -> Result<Self, ToleranceError> {
+        let refused = || ToleranceError::Fit { fit: fit.to_owned() };
+        let (hole, shaft) = fit.split_once('/').ok_or_else(refused)?;
+        let (hole, shaft) = (ToleranceClass::parse(hole.trim())?, ToleranceClass::parse(shaft.trim())?);
+        if (hole.feature, shaft.feature) != (Feature::Hole, Feature::Shaft) {
+            return Err(refused());
+        }
+        Ok(Self { written: fit.to_owned(), hole, shaft })
+    }
+
+    /// Mean and standard deviation of the diametral clearance, hole less shaft, at a nominal `diameter` [m], both made
+    /// by processes of capability C_p: `(mean, std)` [m].
+    ///
+    /// # Errors
+    /// [`ToleranceError::Diameter`]; [`ToleranceError::NoClearance`] if mean - 3 std <= 0.
+    pub fn clearance(&self, diameter: f64, capability: f64) -> Result<(f64, f64), ToleranceError> {
+        let (hole, hole_std) = self.hole.moments(diameter, capability)?;
+        let (shaft, shaft_std) = self.shaft.moments(diameter, capability)?;
+        let (mean, std) = (hole - shaft, hole_std.hypot(shaft_std));
+        if mean - 3.0 * std <= 0.0 {
+            return Err(ToleranceError::NoClearance {
+                fit: self.written.clone(),
+                diameter: diameter * MILLI,
+                mean: mean * MICRO,
+                three_std: 3.0 * std * MICRO,
+            });
+        }
+        Ok((mean, std))
+    }
+}
+
+#[cfg(test)]
+mod tests;

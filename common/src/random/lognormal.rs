@@ -1,0 +1,99 @@
+//! The lognormal distribution: ln X is normal.
+//!
+//! With zeta^2 = ln(1 + (std / mean)^2), lambda = ln mean - zeta^2 / 2 and z = (ln x - lambda) / zeta:
+//! f(x) = phi(z) / (zeta x) for x > 0.
+//!
+//! Source: Johnson, Kotz, Balakrishnan (1994), Continuous Univariate Distributions, vol. 1, chapter 14.
+
+use super::law::{Law, LawError, between, chain};
+use super::standard_normal::{standard_normal_cdf, standard_normal_pdf, standard_normal_quantile};
+use serde::{Deserialize, Serialize};
+
+/// Lognormal with the mean and standard deviation of the variable itself, not of its logarithm.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Lognormal {
+    mean: f64,
+    std: f64,
+    /// Mean of ln X.
+    lambda: f64,
+    /// Standard deviation of ln X.
+    zeta: f64,
+}
+
+impl Lognormal {
+    pub(super) fn new(mean: f64, std: f64) -> Result<Self, LawError> {
+        let mean = between("mean", mean, 0.0, f64::INFINITY)?;
+        let std = between("std", std, 0.0, f64::INFINITY)?;
+        let zeta2 = libm::log1p((std / mean) * (std / mean));
+        Ok(Self { mean, std, lambda: libm::log(mean) - 0.5 * zeta2, zeta: zeta2.sqrt() })
+    }
+
+    fn z(&self, x: f64) -> f64 {
+        (libm::log(x.max(f64::MIN_POSITIVE)) - self.lambda) / self.zeta
+    }
+
+    fn at(&self, z: f64) -> f64 {
+        libm::exp(self.lambda + self.zeta * z)
+    }
+
+    /// Rows d lambda and d zeta by mean and std.
+    fn own(&self) -> [[f64; 2]; 2] {
+        let cv = self.std / self.mean;
+        let by_cv = 2.0 * cv / (1.0 + cv * cv);
+        let zeta2 = [-by_cv * cv / self.mean, by_cv / self.mean];
+        [[1.0 / self.mean - 0.5 * zeta2[0], -0.5 * zeta2[1]], zeta2.map(|d| 0.5 * d / self.zeta)]
+    }
+}
+
+impl Law for Lognormal {
+    fn pdf(&self, x: f64) -> f64 {
+        if x <= 0.0 { 0.0 } else { standard_normal_pdf(self.z(x)) / (self.zeta * x) }
+    }
+
+    fn cdf(&self, x: f64) -> f64 {
+        if x <= 0.0 { 0.0 } else { standard_normal_cdf(self.z(x)) }
+    }
+
+    fn survival(&self, x: f64) -> f64 {
+        if x <= 0.0 { 1.0 } else { standard_normal_cdf(-self.z(x)) }
+    }
+
+    fn quantile(&self, p: f64) -> f64 {
+        self.at(standard_normal_quantile(p))
+    }
+
+    fn upper_quantile(&self, q: f64) -> f64 {
+        self.at(-standard_normal_quantile(q))
+    }
+
+    fn mean(&self) -> f64 {
+        self.mean
+    }
+
+    fn std(&self) -> f64 {
+        self.std
+    }
+
+    fn support(&self) -> (f64, f64) {
+        (0.0, f64::INFINITY)
+    }
+
+    fn scores(&self, x: f64) -> [f64; 2] {
+        let z = self.z(x);
+        chain([z / self.zeta, (z * z - 1.0) / self.zeta], self.own())
+    }
+
+    fn cdf_derivatives(&self, x: f64) -> [f64; 2] {
+        let z = self.z(x);
+        let slope = standard_normal_pdf(z) / self.zeta;
+        chain([-slope, -z * slope], self.own())
+    }
+
+    fn at_standard_normal(&self, u: f64) -> f64 {
+        self.at(u)
+    }
+
+    fn to_standard_normal(&self, x: f64) -> f64 {
+        self.z(x)
+    }
+}

@@ -1,0 +1,77 @@
+//! The normal distribution.
+//!
+//! f(x) = phi(z) / std with z = (x - mean) / std.
+
+use super::law::{Law, LawError, moments};
+use super::standard_normal::{standard_normal_cdf, standard_normal_pdf, standard_normal_quantile};
+use serde::{Deserialize, Serialize};
+
+/// Normal(mean, std).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Normal {
+    mean: f64,
+    std: f64,
+}
+
+impl Normal {
+    pub(super) fn new(mean: f64, std: f64) -> Result<Self, LawError> {
+        let (mean, std) = moments(mean, std)?;
+        Ok(Self { mean, std })
+    }
+
+    fn z(&self, x: f64) -> f64 {
+        (x - self.mean) / self.std
+    }
+}
+
+impl Law for Normal {
+    fn pdf(&self, x: f64) -> f64 {
+        standard_normal_pdf(self.z(x)) / self.std
+    }
+
+    fn cdf(&self, x: f64) -> f64 {
+        standard_normal_cdf(self.z(x))
+    }
+
+    fn survival(&self, x: f64) -> f64 {
+        standard_normal_cdf(-self.z(x))
+    }
+
+    fn quantile(&self, p: f64) -> f64 {
+        self.mean + self.std * standard_normal_quantile(p)
+    }
+
+    fn upper_quantile(&self, q: f64) -> f64 {
+        self.mean - self.std * standard_normal_quantile(q)
+    }
+
+    fn mean(&self) -> f64 {
+        self.mean
+    }
+
+    fn std(&self) -> f64 {
+        self.std
+    }
+
+    fn support(&self) -> (f64, f64) {
+        (f64::NEG_INFINITY, f64::INFINITY)
+    }
+
+    fn scores(&self, x: f64) -> [f64; 2] {
+        let z = self.z(x);
+        [z / self.std, (z * z - 1.0) / self.std]
+    }
+
+    fn cdf_derivatives(&self, x: f64) -> [f64; 2] {
+        let (z, f) = (self.z(x), self.pdf(x));
+        [-f, -z * f]
+    }
+
+    fn at_standard_normal(&self, u: f64) -> f64 {
+        self.mean + self.std * u
+    }
+
+    fn to_standard_normal(&self, x: f64) -> f64 {
+        self.z(x)
+    }
+}

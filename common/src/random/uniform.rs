@@ -1,0 +1,90 @@
+//! The uniform distribution on [lower, upper].
+//!
+//! f(x) = 1 / (upper - lower). Its scores hold the bounds fixed: see `tilted`.
+
+use super::law::{Law, LawError, between, moments};
+use super::tilted::tilted;
+use serde::{Deserialize, Serialize};
+
+/// E[t^4].
+const KURTOSIS: f64 = 1.8;
+
+/// Uniform between two bounds.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Uniform {
+    lower: f64,
+    upper: f64,
+}
+
+impl Uniform {
+    pub(super) fn new(lower: f64, upper: f64) -> Result<Self, LawError> {
+        let lower = between("lower", lower, f64::NEG_INFINITY, f64::INFINITY)?;
+        Ok(Self { lower, upper: between("upper", upper, lower, f64::INFINITY)? })
+    }
+
+    /// Bounds at mean -+ sqrt(3) std.
+    pub(super) fn by_moments(mean: f64, std: f64) -> Result<Self, LawError> {
+        let (mean, std) = moments(mean, std)?;
+        let half = 3.0_f64.sqrt() * std;
+        Self::new(mean - half, mean + half)
+    }
+
+    fn width(&self) -> f64 {
+        self.upper - self.lower
+    }
+
+    fn t(&self, x: f64) -> f64 {
+        (x - self.mean()) / self.std()
+    }
+}
+
+impl Law for Uniform {
+    fn pdf(&self, x: f64) -> f64 {
+        if x < self.lower || x > self.upper { 0.0 } else { 1.0 / self.width() }
+    }
+
+    fn cdf(&self, x: f64) -> f64 {
+        ((x - self.lower) / self.width()).clamp(0.0, 1.0)
+    }
+
+    fn survival(&self, x: f64) -> f64 {
+        ((self.upper - x) / self.width()).clamp(0.0, 1.0)
+    }
+
+    fn quantile(&self, p: f64) -> f64 {
+        (self.lower + p * self.width()).min(self.upper)
+    }
+
+    fn upper_quantile(&self, q: f64) -> f64 {
+        (self.upper - q * self.width()).max(self.lower)
+    }
+
+    fn mean(&self) -> f64 {
+        self.lower + 0.5 * self.width()
+    }
+
+    fn std(&self) -> f64 {
+        self.width() / 12.0_f64.sqrt()
+    }
+
+    fn support(&self) -> (f64, f64) {
+        (self.lower, self.upper)
+    }
+
+    fn limits(&self) -> (f64, f64) {
+        self.support()
+    }
+
+    fn scores(&self, x: f64) -> [f64; 2] {
+        let t = self.t(x);
+        tilted(t, t * t - 1.0, self.std(), 0.0, KURTOSIS)
+    }
+
+    fn cdf_derivatives(&self, x: f64) -> [f64; 2] {
+        let root = 3.0_f64.sqrt();
+        let t = self.t(x).clamp(-root, root);
+        // Integrals of t and t^2 - 1 over the density 1 / (2 sqrt(3)) from -sqrt(3) to t.
+        let (linear, quadratic) = (0.5 * (t * t - 3.0), t * (t * t / 3.0 - 1.0));
+        tilted(linear / (2.0 * root), quadratic / (2.0 * root), self.std(), 0.0, KURTOSIS)
+    }
+}

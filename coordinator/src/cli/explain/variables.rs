@@ -1,0 +1,51 @@
+//! The random variables in words: each with its law, mean, standard deviation and bounds, in the unit it is read in.
+
+use common::random::Correlation;
+use common::scene::Scene;
+use common::scene::expression::read_unit;
+use std::fmt::Write;
+
+pub(super) fn variables(out: &mut String, scene: &Scene) -> std::fmt::Result {
+    if scene.variables.is_empty() {
+        return writeln!(out, "No random variables: a study of this scene has nothing to vary.\n");
+    }
+    let dependence =
+        if scene.correlations.is_empty() { "independent" } else { "dependent by a Gaussian copula" };
+    writeln!(out, "Random variables: {dependence}")?;
+    let width = scene.variables.iter().map(|variable| variable.name.len()).max().unwrap_or(0);
+    for variable in &scene.variables {
+        let law = &variable.distribution;
+        // The unit was read when the scene was checked; "1" stands for a plain number.
+        let scale = read_unit(&variable.unit).map_or(1.0, |unit| unit.multiply / unit.divide);
+        let shown = |value: f64| short(value / scale);
+        let unit = if variable.unit == "1" { String::new() } else { format!(" {}", variable.unit) };
+        let (mean, std) = (shown(law.parent_mean()), shown(law.given_std()));
+        let bounds = match law.support() {
+            _ if law.is_constant() => String::new(),
+            (lower, upper) if lower.is_finite() && upper.is_finite() => {
+                format!(", from {} to {}", shown(lower), shown(upper))
+            }
+            (lower, _) if lower.is_finite() => format!(", from {}", shown(lower)),
+            (_, upper) if upper.is_finite() => format!(", to {}", shown(upper)),
+            _ => String::new(),
+        };
+        let spread = if law.is_constant() { String::new() } else { format!(", std {std}") };
+        writeln!(out, "  {:width$}  {}, mean {mean}{spread}{bounds}{unit}", variable.name, law.law())?;
+    }
+    let name = |k: usize| &scene.variables[k].name;
+    for Correlation { first, second, coefficient } in &scene.correlations {
+        let coefficient = short(*coefficient);
+        writeln!(out, "  correlation of {} and {}, as normals: {coefficient}", name(*first), name(*second))?;
+    }
+    writeln!(out)
+}
+
+/// Seven digits are enough to read.
+fn short(value: f64) -> String {
+    let rounded: f64 = format!("{value:.6e}").parse().unwrap_or(value);
+    if (1e-3..1e6).contains(&rounded.abs()) || rounded == 0.0 {
+        rounded.to_string()
+    } else {
+        format!("{rounded:e}")
+    }
+}

@@ -1,0 +1,165 @@
+//! The random inputs of a study: their distributions and how they depend on each other, with the ways between the
+//! three spaces a point is known in.
+//!
+//! Independent standard normals v; physical values x [SI], where u = L v are normals with the correlations of the
+//! copula and x_k = F_k^-1(Phi(u_k)); and the standardised values z = (x - location) / scale that surrogates take.
+
+use common::random::{Distribution, GaussianCopula, standard_normal_quantile};
+use common::scene::Scene;
+
+/// Distributions and copula of d random variables.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InputModel {
+    variables: Vec<Distribution>,
+    copula: GaussianCopula,
+}
+
+impl InputModel {
+    /// Variables that depend on each other by a copula of their number.
+    pub fn new(variables: Vec<Distribution>, copula: GaussianCopula) -> Self {
+        assert_eq!(variables.len(), copula.dimension(), "a copula has the dimension of its variables");
+        Self { variables, copula }
+    }
+
+    /// The random variables of a scene.
+    pub fn of(scene: &Scene) -> Self {
+        let variables: Vec<_> = scene.variables.iter().map(|variable| variable.distribution).collect();
+        let copula = GaussianCopula::new(variables.len(), &scene.correlations);
+        Self::new(variables, copula.expect("checked when the scene was read"))
+    }
+
+    /// Number of variables d.
+    pub fn dimension(&self) -> usize {
+        self.variables.len()
+    }
+
+    /// The distributions `(d,)`.
+    pub fn variables(&self) -> &[Distribution] {
+        &self.variables
+    }
+
+    /// The dependence.
+    pub fn copula(&self) -> &GaussianCopula {
+        &self.copula
+    }
+
+    /// The means of the variables `(d,)` [SI].
+    pub fn means(&self) -> Vec<f64> {
+        self.variables.iter().map(Distribution::mean).collect()
+    }
+
+    /// x of probabilities p in (0, 1) `(d,)` [SI]: those of the independent normals v = Phi^-1(p).
+    ///
+    /// A variable that is correlated to no other is the quantile of its own p, whatever the others.
+    pub fn from_uniforms(&self, p: &[f64]) -> Vec<f64> {
+        let alone = |(variable, p): (&Distribution, &f64)| variable.quantile(*p);
+        if self.copula.is_independent() {
+            return self.variables.iter().zip(p).map(alone).collect();
+        }
+        let v: Vec<f64> = p.iter().map(|p| standard_normal_quantile(*p)).collect();
+        let u = self.copula.correlate(&v);
+        let value = |(k, variable): (usize, &Distribution)| {
+            if self.copula.is_correlated(k) {
+                variable.from_standard_normal(u[k])
+            } else {
+                variable.quantile(p[k])
+            }
+        };
+        self.variables.iter().enumerate().map(value).collect()
+    }
+
+    /// x of independent standard normals v `(d,)` [SI], digits kept in both tails.
+    pub fn from_independent_normals(&self, v: &[f64]) -> Vec<f64> {
+        let u = self.copula.correlate(v);
+        self.variables.iter().zip(u).map(|(variable, u)| variable.from_standard_normal(u)).collect()
+    }
+
+    /// Independent standard normals v of x `(d,)` [1]; infinite where a variable stands on a bound.
+    pub fn to_independent_normals(&self, x: &[f64]) -> Vec<f64> {
+        let u: Vec<f64> =
+            self.variables.iter().zip(x).map(|(variable, x)| variable.to_standard_normal(*x)).collect();
+        self.copula.decorrelate(&u)
+    }
+
+    /// z = (x - location) / scale `(d,)` [1].
+    pub fn standardise(&self, x: &[f64]) -> Vec<f64> {
+        let z = |(variable, x): (&Distribution, &f64)| (x - variable.parent_mean()) / variable.parent_std();
+        self.variables.iter().zip(x).map(z).collect()
+    }
+
+    /// x = location + scale z, held within the bounds against rounding `(d,)` [SI].
+    pub fn to_physical(&self, z: &[f64]) -> Vec<f64> {
+        self.variables.iter().zip(z).map(|(variable, z)| physical(variable, *z)).collect()
+    }
+}
+
+/// One variable's location + scale z, held within the bounds against rounding [SI].
+pub(crate) fn physical(variable: &Distribution, z: f64) -> f64 {
+    let (lower, upper) = variable.support();
+    (variable.parent_mean() + variable.parent_std() * z).clamp(lower, upper)
+}
+
+/// Independent variables.
+impl From<&[Distribution]> for InputModel {
+    fn from(variables: &[Distribution]) -> Self {
+        Self::new(variables.to_vec(), GaussianCopula::independent(variables.len()))
+    }
+}
+
+/// Independent variables.
+impl<const D: usize> From<&[Distribution; D]> for InputModel {
+    fn from(variables: &[Distribution; D]) -> Self {
+        Self::from(variables.as_slice())
+    }
+}
+
+/// Independent variables.
+impl From<&Vec<Distribution>> for InputModel {
+    fn from(variables: &Vec<Distribution>) -> Self {
+        Self::from(variables.as_slice())
+    }
+}
+
+impl From<&InputModel> for InputModel {
+    fn from(model: &InputModel) -> Self {
+        model.clone()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use common::random::{Correlation, standard_normal_cdf};
+
+    fn model() -> InputModel {
+        let variables = vec![
+            Distribution::lognormal(2.0, 0.5).unwrap(),
+            Distribution::uniform(-1.0, 3.0).unwrap(),
+            Distribution::constant(4.0).unwrap(),
+            Distribution::weibull(10.0, 3.0).unwrap(),
+        ];
+        let pair = |first, second, coefficient| Correlation { first, second, coefficient };
+        InputModel::new(variables, GaussianCopula::new(4, &[pair(0, 3, -0.5), pair(0, 1, 0.8)]).unwrap())
+    }
+
+    #[test]
+    fn points_go_through_all_spaces_and_back() {
+        let model = model();
+        for v in [[0.3, -1.0, 0.2, 2.0], [5.5, 0.0, 0.0, -3.0], [-6.0, 0.5, 0.0, -1.0]] {
+            let x = model.from_independent_normals(&v);
+            let back = model.to_independent_normals(&x);
+            for k in [0, 1, 3] {
+                assert!((back[k] - v[k]).abs() < 1e-6, "{v:?} {back:?}");
+            }
+            let z = model.standardise(&x);
+            assert_eq!((x[2], z[2]), (4.0, 0.0));
+            for (x, again) in x.iter().zip(model.to_physical(&z)) {
+                assert!((x - again).abs() < 1e-14 * (1.0 + x.abs()));
+            }
+            let p: Vec<f64> = v.iter().map(|v| standard_normal_cdf(*v)).collect();
+            for (x, again) in x.iter().zip(model.from_uniforms(&p)) {
+                assert!((x / again - 1.0).abs() < 1e-6, "{x} {again}");
+            }
+        }
+    }
+}
