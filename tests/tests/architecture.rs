@@ -55,7 +55,7 @@ const COORDINATOR: [&str; 20] = [
 ];
 
 /// And of what both share.
-const COMMON: [&str; 6] = ["random", "scene", "accuracy", "failure", "outputs", "wire"];
+const COMMON: [&str; 7] = ["random", "scene", "accuracy", "failure", "outputs", "umbridge", "wire"];
 
 /// Longest source file [lines].
 const LONGEST: usize = 400;

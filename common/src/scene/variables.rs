@@ -25,14 +25,11 @@ pub(super) struct VariableRow {
     upper: Option<Value>,
 }
 
-/// Reads `[[variables]]` as written.
-pub(super) fn variable_rows(cx: &mut Context, file: &mut Section) -> Vec<VariableRow> {
+/// Reads `[[variables]]` as written; `inputs` of an external simulator change nothing in the scene.
+pub(super) fn variable_rows(cx: &mut Context, file: &mut Section, inputs: bool) -> Vec<VariableRow> {
     let mut rows = Vec::new();
     for (name, mut row) in file.rows(cx, "variables") {
-        let changes = row.texts(cx, "changes", "a list of keys, e.g. [\"parameters.rod_length\"]");
-        if changes.as_ref().is_some_and(Vec::is_empty) {
-            cx.inconsistent(row.key("changes"), "is empty: the variable changes nothing");
-        }
+        let changes = if inputs { Some(vec![]) } else { changes(cx, &mut row) };
         let word = row.text_or(cx, "distribution", "truncated-normal", "truncated-normal");
         let known =
             word.and_then(|word| cx.word(&row.key("distribution"), word, &[("truncated-normal", ())]));
@@ -54,6 +51,15 @@ pub(super) fn variable_rows(cx: &mut Context, file: &mut Section) -> Vec<Variabl
         })());
     }
     rows
+}
+
+/// The keys that a variable changes.
+fn changes<'s>(cx: &mut Context, row: &mut Section<'s>) -> Option<Vec<&'s str>> {
+    let changes = row.texts(cx, "changes", "a list of keys, e.g. [\"parameters.rod_length\"]");
+    if changes.as_ref().is_some_and(Vec::is_empty) {
+        cx.inconsistent(row.key("changes"), "is empty: the variable changes nothing");
+    }
+    changes.filter(|changes| !changes.is_empty())
 }
 
 /// Gives the variables their distributions, from the nominal values `seen` at the keys they change.
@@ -120,6 +126,8 @@ fn variable(
     let unit = match &row.unit {
         Some(unit) => match read_unit(unit) {
             Ok(found) if found.dimension == dimension => unit.clone(),
+            // A simulator's own unit, which nothing here converts.
+            Err(_) if row.changes.is_empty() && dimension == Dimension::NONE => unit.clone(),
             _ => {
                 let message = format!("\"{unit}\" is no unit of {dimension}");
                 cx.inconsistent(place("unit"), message);
@@ -136,9 +144,18 @@ fn variable(
     })
 }
 
-/// The value that all keys of the variable share without it.
+/// The value that all keys of the variable share without it; the mean of an input, which has no keys.
 fn nominal(cx: &mut Context, row: &VariableRow, seen: &BTreeMap<String, Quantity>) -> Option<Quantity> {
     let place = format!("variables.{}.changes", row.name);
+    if row.changes.is_empty() {
+        let place = format!("variables.{}.mean", row.name);
+        let Some(mean) = &row.mean else {
+            let expected = "the mean of this input, a quantity or a plain number".to_owned();
+            cx.fault(place, FaultKind::Missing { expected });
+            return None;
+        };
+        return cx.value(&place, mean, None);
+    }
     let mut first: Option<Quantity> = None;
     for key in &row.changes {
         cx.reference(&place, "quantity", key, seen.keys().map(String::as_str))?;
