@@ -118,7 +118,10 @@ fn inputs_are_set_by_name_in_their_unit() {
     let error = source.parse_setting("span=3").unwrap_err().to_string();
     assert!(error.contains("expected a length"), "{error}");
     let error = source.sample_with(&[("parameters.length".into(), 1.0)]).unwrap_err().to_string();
-    assert!(error.contains("there is no variable \"parameters.length\"") && error.contains("span"), "{error}");
+    assert!(
+        error.contains("there is no variable \"parameters.length\"") && error.contains("span"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -126,7 +129,11 @@ fn every_slip_is_named() {
     for (from, to, parts) in [
         ("program = [\"python3\", \"beam.py\"]\n", "", &["simulator.program", "e.g. umbridge ="][..]),
         ("program = [\"python3\", \"beam.py\"]", "program = []", &["simulator.program", "is empty"]),
-        ("program = [\"python3\", \"beam.py\"]", "program = \"beam.py\"", &["simulator.program", "a list of words"]),
+        (
+            "program = [\"python3\", \"beam.py\"]",
+            "program = \"beam.py\"",
+            &["simulator.program", "a list of words"],
+        ),
         (
             "timeout = \"2 min\"",
             "umbridge = \"http://127.0.0.1:1\"",
@@ -135,14 +142,30 @@ fn every_slip_is_named() {
         ("timeout = \"2 min\"", "timeout = \"2 mm\"", &["simulator.timeout", "expected a time"]),
         ("timeout = \"2 min\"", "time = \"2 min\"", &["simulator.time", "did you mean \"timeout\"?"]),
         ("timeout = \"2 min\"", "config = { a = 1 }", &["simulator.config", "unknown key"]),
-        ("checkpoint_every = 100", "checkpoint_every = 70", &["life.cycles", "a multiple of checkpoint_every = 70"]),
-        ("values = 1", "values = 2", &["outputs.margin.values", "2 is out of range", "each of the 3 checkpoints"]),
+        (
+            "checkpoint_every = 100",
+            "checkpoint_every = 70",
+            &["life.cycles", "a multiple of checkpoint_every = 70"],
+        ),
+        (
+            "values = 1",
+            "values = 2",
+            &["outputs.margin.values", "2 is out of range", "each of the 3 checkpoints"],
+        ),
         ("unit = \"mm\"\n", "type = \"largest-wear\"\n", &["outputs.deflection.type", "unknown key"]),
-        ("threshold = 12.5", "threshold = \"12.5 mm\"", &["limit_states.bent.threshold", "expected a plain number"]),
+        (
+            "threshold = 12.5",
+            "threshold = \"12.5 mm\"",
+            &["limit_states.bent.threshold", "expected a plain number"],
+        ),
         ("fails = \"below\"", "fails = \"under\"", &["limit_states.weak.fails", "allowed: above, below"]),
         ("mean = 293\n", "", &["variables.temperature.mean", "is missing"]),
         ("unit = \"K\"", "unit = \"mm\"", &["variables.temperature.unit", "no unit of a plain number"]),
-        ("unit = \"K\"", "changes = [\"parameters.length\"]", &["variables.temperature.changes", "unknown key"]),
+        (
+            "unit = \"K\"",
+            "changes = [\"parameters.length\"]",
+            &["variables.temperature.changes", "unknown key"],
+        ),
         ("[parameters]", "[[bodies]]\nname = \"frame\"\n[parameters]", &["bodies: unknown key"]),
     ] {
         let said = faults(&beam(from, to));

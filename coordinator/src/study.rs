@@ -8,6 +8,7 @@ mod campaign;
 mod dispatching;
 mod monte_carlo;
 mod observations;
+mod responses;
 mod result;
 mod round;
 mod settings;
@@ -25,10 +26,10 @@ pub use settings::{Method, Settings};
 
 use crate::evaluate::{EvaluateError, Evaluator};
 use crate::journal::Journal;
-use crate::learning::Mode;
 use crate::progress::{Observer, Progress};
 use common::scene::Scene;
 use dispatching::Dispatcher;
+use responses::Responses;
 use std::time::Instant;
 use thiserror::Error;
 
@@ -85,7 +86,7 @@ pub fn run(
     settings.check(scene)?;
     let started = Instant::now();
     let problem = problem_of(scene);
-    let mut dispatcher = Dispatcher::new(&problem, evaluator, journal, observer);
+    let mut dispatcher = Dispatcher::new(scene, evaluator, journal, observer);
     let mut result = match settings.method {
         Method::ActiveLearning => learn(scene, settings, problem.clone(), &mut dispatcher)?,
         Method::MonteCarlo { samples } => {
@@ -102,11 +103,11 @@ pub fn run(
 
 /// The scene as the statistics see it.
 fn problem_of(scene: &Scene) -> Problem {
-    let mode = |limit: &common::scene::LimitState| Mode { output: limit.output, threshold: limit.threshold };
+    let responses = Responses::of(scene);
     Problem {
         variables: scene.variables.iter().map(|variable| variable.distribution).collect(),
-        outputs: scene.outputs.len(),
-        modes: scene.limit_states.iter().map(mode).collect(),
+        outputs: responses.count(),
+        modes: responses.modes,
         checkpoints: scene.life.checkpoints(),
     }
 }

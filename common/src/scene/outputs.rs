@@ -205,7 +205,9 @@ pub(super) fn limit_states(
         let output = row.text(cx, "output", "the name of an output");
         let output = output.and_then(|output| cx.reference(&row.key("output"), "output", output, known));
         let threshold = match output.and_then(|output| outputs[output].kind) {
-            Some(kind) => row.quantity(cx, "threshold", kind, if declared { Range::Any } else { Range::Positive }),
+            Some(kind) => {
+                row.quantity(cx, "threshold", kind, if declared { Range::Any } else { Range::Positive })
+            }
             None => row.get("threshold").and(None),
         };
         let fails = match declared.then(|| row.get("fails")).flatten() {
@@ -213,7 +215,8 @@ pub(super) fn limit_states(
             Some(_) => row.word(cx, "fails", &[("above", Fails::Above), ("below", Fails::Below)]),
         };
         row.finish(cx);
-        let state = |((output, threshold), fails)| LimitState { name: name.to_owned(), output, threshold, fails };
+        let state =
+            |((output, threshold), fails)| LimitState { name: name.to_owned(), output, threshold, fails };
         limit_states.push(output.zip(threshold).zip(fails).map(state));
     }
     limit_states

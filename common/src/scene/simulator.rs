@@ -108,7 +108,8 @@ pub(super) fn declared_outputs(cx: &mut Context, file: &mut Section, life: Optio
             Some(_) => values(cx, &mut row, checkpoints),
         };
         row.finish(cx);
-        let kind = unit.zip(values).map(|(unit, single)| OutputKind::External { unit: unit.to_owned(), single });
+        let kind =
+            unit.zip(values).map(|(unit, single)| OutputKind::External { unit: unit.to_owned(), single });
         outputs.push(OutputRow::declared(name, kind.map(|kind| Output { name: name.to_owned(), kind })));
     }
     if outputs.is_empty() {

@@ -6,6 +6,7 @@ mod arguments;
 mod distributions;
 mod error;
 mod explain;
+mod external;
 mod extremes;
 mod farm;
 mod model;

@@ -1,11 +1,13 @@
 //! Numbered requests, the campaign file first, then the evaluator; outcomes checked and in order.
 
-use super::{Observed, Problem, StudyError};
+use super::responses::Responses;
+use super::{Observed, StudyError};
 use crate::evaluate::{EvaluateError, Evaluator, Finished, Request};
 use crate::journal::Journal;
 use crate::progress::{Observer, Progress};
 use crate::summary::{Round, WorkerShare};
 use common::failure::SimulationFailure;
+use common::scene::Scene;
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
@@ -15,6 +17,7 @@ pub(super) type Outcome = Result<Observed, SimulationFailure>;
 /// Gets samples evaluated, each under the next number.
 pub(super) struct Dispatcher<'a> {
     outputs: usize,
+    responses: Responses,
     checkpoints: Vec<u32>,
     evaluator: &'a mut dyn Evaluator,
     journal: &'a mut dyn Journal,
@@ -27,14 +30,15 @@ pub(super) struct Dispatcher<'a> {
 
 impl<'a> Dispatcher<'a> {
     pub fn new(
-        problem: &Problem,
+        scene: &Scene,
         evaluator: &'a mut dyn Evaluator,
         journal: &'a mut dyn Journal,
         observer: &'a mut dyn Observer,
     ) -> Self {
         Self {
-            outputs: problem.outputs,
-            checkpoints: problem.checkpoints.clone(),
+            outputs: scene.outputs.len(),
+            responses: Responses::of(scene),
+            checkpoints: scene.life.checkpoints(),
             evaluator,
             journal,
             observer,
@@ -106,7 +110,8 @@ impl<'a> Dispatcher<'a> {
             let share = self.shares.entry(outcome.worker.clone()).or_default();
             share.0 += 1;
             share.1 += outcome.wall;
-            checked(outcome, self.outputs, &self.checkpoints)
+            let observed = checked(outcome, self.outputs, &self.checkpoints)?;
+            Ok(observed.map(|observed| self.responses.complete(observed)))
         };
         requests.iter().zip(finished).map(settle).collect()
     }

@@ -16,6 +16,9 @@ pub fn numerical(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
 }
 
 fn range_of_reliability(input: &ReportInput) -> Result<Option<Figure>, PlotError> {
+    if input.summary.is_static() {
+        return Ok(None);
+    }
     let rows = rows_that_matter(&input.summary, 6);
     let (Some(first), Some(last)) = (rows.first(), rows.last()) else { return Ok(None) };
     let axis = LifeAxis::of(input);
@@ -55,6 +58,9 @@ fn range_of_reliability(input: &ReportInput) -> Result<Option<Figure>, PlotError
 }
 
 fn sizes(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
+    if input.summary.is_static() {
+        return Ok(vec![]);
+    }
     let axis = LifeAxis::of(input);
     let mut figures = Vec::new();
     for state in &input.limit_states {
