@@ -163,7 +163,7 @@ pub enum SimulationFailure {
         stderr: String,
     },
     /// An external simulator returned something that is no finite number.
-    #[error("the simulator returned {value} for output {output} at {cycles} cycles")]
+    #[error("the simulator returned {value} for output {output} at cycle {cycles}")]
     NoNumber {
         /// The output.
         output: String,

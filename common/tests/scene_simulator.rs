@@ -160,7 +160,11 @@ fn every_slip_is_named() {
         ),
         ("fails = \"below\"", "fails = \"under\"", &["limit_states.weak.fails", "allowed: above, below"]),
         ("mean = 293\n", "", &["variables.temperature.mean", "is missing"]),
-        ("unit = \"K\"", "unit = \"mm\"", &["variables.temperature.unit", "no unit of a plain number"]),
+        (
+            "unit = \"K\"",
+            "unit = \"mm\"",
+            &["variables.temperature.unit", "no unit of a plain number; write mean = \"293 mm\""],
+        ),
         (
             "unit = \"K\"",
             "changes = [\"parameters.length\"]",

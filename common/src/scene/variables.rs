@@ -128,9 +128,10 @@ fn variable(
             Ok(found) if found.dimension == dimension => unit.clone(),
             // A simulator's own unit, which nothing here converts.
             Err(_) if row.changes.is_empty() && dimension == Dimension::NONE => unit.clone(),
-            _ => {
-                let message = format!("\"{unit}\" is no unit of {dimension}");
-                cx.inconsistent(place("unit"), message);
+            found => {
+                let bare = row.changes.is_empty() && dimension == Dimension::NONE && found.is_ok();
+                let advice = if bare { format!("; write mean = \"{mean} {unit}\"") } else { String::new() };
+                cx.inconsistent(place("unit"), format!("\"{unit}\" is no unit of {dimension}{advice}"));
                 return None;
             }
         },
