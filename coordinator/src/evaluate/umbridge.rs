@@ -119,7 +119,10 @@ impl Server {
         })?;
         match serde_json::from_str(&answer.text) {
             Ok(told) if answer.status == 200 => Ok(told),
-            _ => Err(wrong(format!("HTTP status {}: \"{}\"", answer.status, shown(&answer.text)))),
+            _ => Err(wrong(match serde_json::from_str(&answer.text) {
+                Ok(protocol::ErrorReply { error }) => format!("{}: {}", error.kind, error.message),
+                Err(_) => format!("HTTP status {}: \"{}\"", answer.status, shown(&answer.text)),
+            })),
         }
     }
 

@@ -46,7 +46,7 @@ pub fn learning(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
         (
             "learning-reliability",
             "R at the governing checkpoint",
-            "R of the mechanism",
+            &format!("R of the {}", input.subject()),
             ((low - r_margin).max(0.0), (high + r_margin).min(1.0)),
             vec![Series::new("", Ink::Ink, Shape::Dotted(reliability))],
             format!("At the checkpoint where R is nearest 1/2, at the end {} cycles.", count(last.cycles.into())),

@@ -53,10 +53,13 @@ pub fn reliability(input: &ReportInput) -> Result<Option<Figure>, PlotError> {
         series: &series,
     }
     .svg()?;
-    let caption = "Probability that no failure has occurred up to this life, per limit state and for the whole \
-                   mechanism, which fails by whichever comes first. Bands: 1.96 standard errors, sampling and \
-                   surrogate together; what numerical errors of the simulations can do is shown further below.";
-    Ok(Some(figure("reliability", "Reliability over life", caption, svg)))
+    let caption = format!(
+        "Probability that no failure has occurred up to this life, per limit state and for the whole {}, which fails by \
+         whichever comes first. Bands: 1.96 standard errors, sampling and surrogate together; what numerical errors of the \
+         simulations can do is shown further below.",
+        input.subject()
+    );
+    Ok(Some(figure("reliability", "Reliability over life", &caption, svg)))
 }
 
 /// One figure per limit state: its output's distribution at three checkpoints around the governing one.
@@ -233,8 +236,11 @@ pub fn histories(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
             series: &series,
         }
         .svg()?;
-        let caption = "Each value belongs to the profile worn to that many cycles. The nominal mechanism has every \
-                       variable at its mean.";
+        let caption = if input.summary.of_mechanism() {
+            "Each value belongs to the profile worn to that many cycles. The nominal mechanism has every variable at its mean."
+        } else {
+            "The nominal system has every variable at its mean."
+        };
         figures.push(figure(&name, &capital(&format!("{} over life", words(&output.name))), caption, svg));
     }
     Ok(figures)
