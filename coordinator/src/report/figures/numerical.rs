@@ -63,7 +63,8 @@ fn sizes(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
     }
     let axis = LifeAxis::of(input);
     let mut figures = Vec::new();
-    for state in &input.limit_states {
+    // Of a limit at zero nothing is a share.
+    for state in input.limit_states.iter().filter(|state| state.threshold != 0.0) {
         let stated = input.stated.get(state.output).map_or(&[][..], Vec::as_slice);
         let Some(last) = stated.last() else { continue };
         let of_limit = |error: f64| 100.0 * (error / state.threshold).abs();
