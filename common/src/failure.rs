@@ -142,6 +142,41 @@ pub enum SimulationFailure {
         /// What the panic said.
         message: String,
     },
+    /// An external simulator says why it has no result.
+    #[error("the simulator reports: {message}")]
+    Reported {
+        /// Its words.
+        message: String,
+    },
+    /// An external simulator took longer than it may.
+    #[error("the simulator gave no answer within {seconds} s")]
+    TimedOut {
+        /// What it was given [s].
+        seconds: f64,
+    },
+    /// An external simulator ended instead of answering, and a fresh one did so too.
+    #[error("the simulator ended with {status}{}", last_words(stderr))]
+    Crashed {
+        /// How, e.g. `exit status: 3`.
+        status: String,
+        /// The last lines of its standard error.
+        stderr: String,
+    },
+    /// An external simulator returned something that is no finite number.
+    #[error("the simulator returned {value} for output {output} at cycle {cycles}")]
+    NoNumber {
+        /// The output.
+        output: String,
+        /// Checkpoint [cycles].
+        cycles: u32,
+        /// What stood there.
+        value: String,
+    },
+}
+
+/// `: LINES`, if there are any.
+fn last_words(stderr: &str) -> String {
+    if stderr.is_empty() { String::new() } else { format!(": {stderr}") }
 }
 
 /// `, joint NAME`, if there is one to be named.

@@ -6,4 +6,5 @@ pub mod failure;
 pub mod outputs;
 pub mod random;
 pub mod scene;
+pub mod umbridge;
 pub mod wire;

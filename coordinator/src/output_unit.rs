@@ -5,7 +5,7 @@ use common::scene::OutputKind;
 use serde::{Deserialize, Serialize};
 
 /// Physical dimension of an output, with the two units it is shown in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum OutputUnit {
     /// A length: `m` in files, micrometres on paper.
@@ -18,6 +18,8 @@ pub enum OutputUnit {
     Force,
     /// A torque: `N m` on paper, `Nm` in files.
     Torque,
+    /// What an external simulator returns, in its own unit throughout; may be empty.
+    External(String),
 }
 
 /// rad/s per r/min.
@@ -32,42 +34,53 @@ impl OutputUnit {
             OutputKind::AngleDifference { .. } => Self::Angle,
             OutputKind::PeakJointForce { .. } => Self::Force,
             OutputKind::DrivingTorque { .. } => Self::Torque,
+            OutputKind::External { unit, .. } => Self::External(unit.clone()),
         }
     }
 
-    /// Suffix of keys in result files, e.g. `max_wear_depth_m`.
-    pub fn suffix(self) -> &'static str {
+    /// Key of a value in result files: its name and unit, e.g. `max_wear_depth_m`; the name alone without a unit.
+    pub fn key(&self, name: &str) -> String {
+        match self.suffix() {
+            "" => name.to_owned(),
+            suffix => format!("{name}_{}", suffix.replace(' ', "")),
+        }
+    }
+
+    /// Unit of values in result files.
+    pub fn suffix(&self) -> &str {
         match self {
             Self::Length => "m",
             Self::AngularVelocity => "rpm",
             Self::Angle => "deg",
             Self::Force => "N",
             Self::Torque => "Nm",
+            Self::External(unit) => unit,
         }
     }
 
     /// An SI value in the unit of [`Self::suffix`].
-    pub fn to_file(self, si: f64) -> f64 {
+    pub fn to_file(&self, si: f64) -> f64 {
         match self {
-            Self::Length | Self::Force | Self::Torque => si,
+            Self::Length | Self::Force | Self::Torque | Self::External(_) => si,
             Self::AngularVelocity => si / RAD_PER_S_PER_RPM,
             Self::Angle => si.to_degrees(),
         }
     }
 
     /// Name of the unit on axes and in sentences.
-    pub fn symbol(self) -> &'static str {
+    pub fn symbol(&self) -> &str {
         match self {
             Self::Length => "µm",
             Self::AngularVelocity => "r/min",
             Self::Angle => "deg",
             Self::Force => "N",
             Self::Torque => "N m",
+            Self::External(unit) => unit,
         }
     }
 
     /// An SI value in the unit of [`Self::symbol`].
-    pub fn to_shown(self, si: f64) -> f64 {
+    pub fn to_shown(&self, si: f64) -> f64 {
         match self {
             Self::Length => si * 1e6,
             other => other.to_file(si),
@@ -75,11 +88,21 @@ impl OutputUnit {
     }
 
     /// A value in the unit of [`Self::suffix`], as found in a result file, in the unit of [`Self::symbol`].
-    pub fn file_to_shown(self, value: f64) -> f64 {
+    pub fn file_to_shown(&self, value: f64) -> f64 {
         match self {
             Self::Length => value * 1e6,
             _ => value,
         }
+    }
+
+    /// A number as shown, with its unit, e.g. `30 µm`.
+    pub fn after(&self, number: &str) -> String {
+        format!("{number} {}", self.symbol()).trim_end().to_owned()
+    }
+
+    /// What an axis shows, with the unit, e.g. `max wear depth [µm]`.
+    pub fn axis(&self, what: &str) -> String {
+        if self.symbol().is_empty() { what.to_owned() } else { format!("{what} [{}]", self.symbol()) }
     }
 }
 
@@ -96,7 +119,20 @@ mod tests {
 
     #[test]
     fn lengths_are_metres_in_files_and_micrometres_on_paper() {
+        assert_eq!(OutputUnit::Length.key("depth"), "depth_m");
         assert_eq!(OutputUnit::Length.to_file(3e-5), 3e-5);
         assert!((OutputUnit::Length.to_shown(3e-5) - 30.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_unit_of_a_simulator_is_only_shown() {
+        let of = |unit: &str| OutputUnit::of(&OutputKind::External { unit: unit.into(), single: false });
+        let (named, none) = (of("N m"), of(""));
+        assert_eq!((named.to_file(2.5), named.to_shown(2.5)), (2.5, 2.5));
+        assert_eq!(
+            [named.key("moment"), named.after("2.5"), named.axis("moment")],
+            ["moment_Nm", "2.5 N m", "moment [N m]"]
+        );
+        assert_eq!([none.key("g"), none.after("2.5"), none.axis("g")], ["g", "2.5", "g"]);
     }
 }

@@ -131,9 +131,9 @@ pub fn write_samples_csv(path: &Path, campaign: &CampaignFile, scene: &Scene) ->
             header += &format!(",{}", field(&variable.name));
         }
         for output in &scene.outputs {
-            let suffix = OutputUnit::of(&output.kind).suffix();
+            let key = OutputUnit::of(&output.kind).key(&output.name);
             for cycles in &checkpoints {
-                header += &format!(",{}", field(&format!("{}_{suffix}@{cycles}", output.name)));
+                header += &format!(",{}", field(&format!("{key}@{cycles}")));
             }
         }
         put(header + ",failure,worker,wall_s,finished_at\n")?;

@@ -13,6 +13,7 @@ mod observations;
 mod plan;
 mod populations;
 mod rare;
+mod responses;
 mod result;
 mod round;
 mod settings;
@@ -36,12 +37,12 @@ pub use surrogates::Surrogate;
 use crate::design::InputModel;
 use crate::evaluate::{EvaluateError, Evaluator};
 use crate::journal::Journal;
-use crate::learning::Mode;
 use crate::progress::{Observer, Progress};
 use crate::summary::Round;
 use common::scene::Scene;
 use dispatching::{Dispatcher, Learner, Outcome};
 use monte_carlo::DirectSimulation;
+use responses::Responses;
 use std::time::Instant;
 use thiserror::Error;
 
@@ -98,8 +99,8 @@ pub fn run(
     settings.check(scene)?;
     let started = Instant::now();
     let problem = problem_of(scene);
-    let budget = settings.budget();
-    let mut dispatcher = Dispatcher::new(&problem, settings.stricter(), budget, evaluator, journal, observer);
+    let stricter = settings.stricter(scene);
+    let mut dispatcher = Dispatcher::new(scene, stricter, settings.budget(), evaluator, journal, observer);
     let mut result = match settings.method {
         Method::ActiveLearning => learn(scene, settings, problem.clone(), &mut dispatcher)?,
         Method::MonteCarlo { samples } | Method::LatinHypercube { samples } => {
@@ -120,11 +121,11 @@ pub fn run(
 
 /// The scene as the statistics see it.
 fn problem_of(scene: &Scene) -> Problem {
-    let mode = |limit: &common::scene::LimitState| Mode { output: limit.output, threshold: limit.threshold };
+    let responses = Responses::of(scene);
     Problem {
         inputs: InputModel::of(scene),
-        outputs: scene.outputs.len(),
-        modes: scene.limit_states.iter().map(mode).collect(),
+        outputs: responses.count(),
+        modes: responses.modes,
         checkpoints: scene.life.checkpoints(),
     }
 }
@@ -157,7 +158,7 @@ fn learn(
     problem: Problem,
     dispatcher: &mut Dispatcher<'_>,
 ) -> Result<StudyResult, StudyError> {
-    let mut campaign = Campaign::new(problem, settings.plan());
+    let mut campaign = Campaign::new(problem, settings.plan(scene));
     dispatcher.pursue(&mut campaign)?;
     let learned = campaign.finish().expect("a campaign that is done has learned something");
     let result = result::from_learning(scene, settings, &learned);

@@ -22,8 +22,8 @@ pub struct StudySummary {
     pub method: String,
     /// Accuracy of the evaluations: a preset, or one with knobs turned.
     pub accuracy: String,
-    /// All its knobs.
-    pub accuracy_settings: Accuracy,
+    /// All its knobs; none of an external simulator, whose accuracy is its own affair.
+    pub accuracy_settings: Option<Accuracy>,
     /// Error budget that the accuracy was found for, if it was, as a share of the limits [1].
     pub max_error: Option<f64>,
     /// Size of the Monte Carlo population at the end.
@@ -59,6 +59,18 @@ pub struct StudySummary {
     pub timing_s: Timing,
     /// Who worked.
     pub workers: Vec<WorkerShare>,
+}
+
+impl StudySummary {
+    /// Whether a mechanism was simulated, and not by a simulator that the scene names.
+    pub fn of_mechanism(&self) -> bool {
+        self.accuracy_settings.is_some()
+    }
+
+    /// Whether there is no life to follow: everything is told at a single checkpoint.
+    pub fn is_static(&self) -> bool {
+        self.reliability.len() == 1
+    }
 }
 
 /// The intermediate event of a subset simulation.

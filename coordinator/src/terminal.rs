@@ -3,6 +3,7 @@
 //! no terminal and no clock.
 
 use crate::progress::{Observer, Progress};
+use crate::report::failure_probability;
 use crate::report::format::{count, duration, fixed, percent};
 use crate::report::life::{LifeAt, life_at, numerical_lives, rows_that_matter};
 use crate::summary::{Round, StudySummary};
@@ -203,15 +204,47 @@ impl Observer for Terminal {
 pub fn final_text(summary: &StudySummary, dir: &Path) -> String {
     let mut names: Vec<&str> = summary.limit_states.iter().map(String::as_str).collect();
     names.push("total");
+    let mut text = match summary.reliability.as_slice() {
+        [only] => {
+            names.iter().map(|name| format!("P_f {name} = {}\n", failure_probability(only, name))).collect()
+        }
+        _ => over_life(summary, &names),
+    };
+    if !summary.convergence.stopped_because.is_empty() {
+        text += &format!("stopped because {}\n", summary.convergence.stopped_because);
+    }
+    let counts = summary.evaluations;
+    let time = summary.timing_s;
+    text += &format!(
+        "evaluations: {} ({} initial, {} added by learning, {} failed)\n",
+        counts.total, counts.initial, counts.added, counts.failed
+    );
+    text += &format!(
+        "time: {} ({} of simulation on {} workers, {} of surrogates)\n",
+        duration(time.total),
+        duration(time.simulation),
+        summary.workers.len(),
+        duration(time.surrogate)
+    );
+    text += &format!("report: {}\n", dir.join("report.html").display());
+    text += &format!(
+        "files: summary.json, reliability.csv, samples.csv, campaign.db, figures/ in {}\n",
+        dir.display()
+    );
+    text.replace('\u{a0}', " ")
+}
+
+/// R at the checkpoints that matter and the lives, with a row of names on top.
+fn over_life(summary: &StudySummary, names: &[&str]) -> String {
     let width = |name: &str| name.chars().count().max(16) + 2;
     let mut text = format!("{:>10}", "cycles");
-    for name in &names {
+    for name in names {
         text += &format!("{:>1$}", format!("R {name}"), width(name));
     }
     text.push('\n');
     for row in rows_that_matter(summary, 0) {
         text += &format!("{:>10}", count(row.cycles.into()));
-        for name in &names {
+        for name in names {
             let value = |values: &crate::summary::PerLimitState, digits| {
                 fixed(values.get(*name).copied().unwrap_or(f64::NAN), digits)
             };
@@ -243,28 +276,7 @@ pub fn final_text(summary: &StudySummary, dir: &Path) -> String {
             life(best)
         );
     }
-    if !summary.convergence.stopped_because.is_empty() {
-        text += &format!("stopped because {}\n", summary.convergence.stopped_because);
-    }
-    let counts = summary.evaluations;
-    let time = summary.timing_s;
-    text += &format!(
-        "evaluations: {} ({} initial, {} added by learning, {} failed)\n",
-        counts.total, counts.initial, counts.added, counts.failed
-    );
-    text += &format!(
-        "time: {} ({} of simulation on {} workers, {} of surrogates)\n",
-        duration(time.total),
-        duration(time.simulation),
-        summary.workers.len(),
-        duration(time.surrogate)
-    );
-    text += &format!("report: {}\n", dir.join("report.html").display());
-    text += &format!(
-        "files: summary.json, reliability.csv, samples.csv, campaign.db, figures/ in {}\n",
-        dir.display()
-    );
-    text.replace('\u{a0}', " ")
+    text
 }
 
 #[cfg(test)]

@@ -16,4 +16,5 @@ pub mod quasi_static;
 pub mod service;
 pub mod simulate;
 pub mod simulator;
+pub mod umbridge;
 pub mod wear;

@@ -1,27 +1,49 @@
 //! The `worker` command: offers this machine to a coordinator.
 
 use clap::Parser;
+use common::accuracy::NamedAccuracy;
+use common::scene::{Faults, SceneSource};
 use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
+use thiserror::Error;
 use tracing_subscriber::EnvFilter;
-use worker::service::{self, Departure, ServiceConfig, ServiceError, Stopper};
+use worker::service::{self, Departure, ServiceConfig, ServiceError};
 use worker::simulator::simulator;
+use worker::umbridge::{self, Model, NAME, Server, UmBridgeError};
 
 const FAILURE: u8 = 1;
 const BAD_INPUT: u8 = 2;
 const INTERRUPTED: u8 = 130;
 
-/// Offers this machine to a Hingewise coordinator: claims simulations, runs them, hands the results in.
+/// The scene offered unless another one is named.
+const DEFAULT_SCENE: &str = "flapping-wing";
+
+/// Offers this machine to a Hingewise coordinator: claims simulations, runs them, hands the results in. Or offers
+/// evaluations of a scene to other programs.
 ///
 /// A worker may join and leave at any time; what it had not finished goes to others.
 #[derive(Debug, Parser)]
 #[command(name = "worker", version, after_help = EXAMPLES)]
 struct Arguments {
     /// Where the coordinator listens, e.g. tcp/192.168.1.20:7447
-    #[arg(long, value_name = "ENDPOINT")]
-    connect: String,
+    #[arg(long, value_name = "ENDPOINT", required_unless_present = "serve_umbridge")]
+    connect: Option<String>,
+    /// Offer evaluations of a scene to any client of the UM-Bridge protocol instead, on this port of this machine alone
+    #[arg(long, value_name = "PORT|ADDRESS:PORT", conflicts_with_all = ["connect", "config", "name", "give_up_after"])]
+    serve_umbridge: Option<String>,
+    /// Scene file, or name of a built-in scene, to be offered [default: flapping-wing]
+    #[arg(long, value_name = "NAME-or-FILE", requires = "serve_umbridge")]
+    scene: Option<String>,
+    /// Numerical effort of an evaluation to be offered, unless a request says otherwise [default: balanced]
+    #[arg(long, value_name = "draft|balanced|reference|NAME", requires = "serve_umbridge")]
+    accuracy: Option<NamedAccuracy>,
+    /// Allow --serve-umbridge on an address that other machines can reach
+    #[arg(long, requires = "serve_umbridge")]
+    insecure: bool,
     /// Threads that simulate, each up to three evaluations side by side [default: one per core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     slots: Option<u16>,
@@ -51,25 +73,84 @@ Examples:
       on four threads; waits for the coordinator for ever
   worker --connect tls/farm.example:7447 --config worker.json5
       encrypted, with the certificates named in worker.json5
+  worker --serve-umbridge 4242 --scene four-bar --accuracy draft
+      model `forward` at http://127.0.0.1:4242: random variables in, outputs over life out
 
 Exit codes: 0 the campaign ended or the worker was stopped (SIGTERM), 1 failure, 2 bad input, 130 Ctrl-C.";
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     start_log(arguments.verbose, arguments.quiet);
-    match serve(arguments) {
+    let done = match (&arguments.serve_umbridge, &arguments.connect) {
+        (Some(given), _) => offer(given, &arguments),
+        (None, Some(endpoint)) => serve(endpoint.clone(), arguments).map_err(Failed::Service),
+        (None, None) => unreachable!("one of the two is required"),
+    };
+    match done {
         Ok(code) => code,
         Err(error) => {
             eprintln!("worker: {error}");
-            ExitCode::from(if matches!(error, ServiceError::Settings { .. }) { BAD_INPUT } else { FAILURE })
+            ExitCode::from(error.exit_code())
         }
     }
 }
 
-fn serve(arguments: Arguments) -> Result<ExitCode, ServiceError> {
+/// What ended the command.
+#[derive(Debug, Error)]
+enum Failed {
+    #[error(transparent)]
+    Service(#[from] ServiceError),
+    #[error(transparent)]
+    UmBridge(#[from] UmBridgeError),
+    #[error(transparent)]
+    Scene(#[from] Faults),
+}
+
+impl Failed {
+    fn exit_code(&self) -> u8 {
+        match self {
+            Self::Service(ServiceError::Settings { .. }) | Self::Scene(_) => BAD_INPUT,
+            Self::UmBridge(UmBridgeError::Refused { .. }) | Self::Service(_) => FAILURE,
+            Self::UmBridge(_) => BAD_INPUT,
+        }
+    }
+}
+
+fn slots(arguments: &Arguments) -> usize {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let slots = arguments.slots.map_or(cores, usize::from);
-    let mut config = ServiceConfig::new(arguments.connect, slots);
+    arguments.slots.map_or(cores, usize::from)
+}
+
+/// Serves until a signal comes.
+fn offer(given: &str, arguments: &Arguments) -> Result<ExitCode, Failed> {
+    let address = umbridge::address(given, arguments.insecure)?;
+    let source = SceneSource::load(arguments.scene.as_deref().unwrap_or(DEFAULT_SCENE))?;
+    if source.nominal().simulator.is_some() {
+        return Err(UmBridgeError::NoMechanism { origin: source.origin().to_owned() }.into());
+    }
+    let scene = source.nominal().name.clone();
+    let model = Model::new(source, arguments.accuracy.clone().unwrap_or_default());
+    let server = Server::start(model, slots(arguments), address)?;
+    tracing::info!("model \"{NAME}\", an evaluation of {scene}, at http://{}", server.address());
+    let (stop, stopped) = std::sync::mpsc::channel();
+    let interrupted = listen_to_signals(move || {
+        // Whoever waits for it has left: the process is about to end.
+        let _ = stop.send(());
+    })?;
+    // The sender lives with the thread of the signals, as long as the process.
+    let _ = stopped.recv();
+    tracing::info!("stopping: answering what was asked");
+    server.finish();
+    Ok(ended(&interrupted))
+}
+
+fn ended(interrupted: &AtomicBool) -> ExitCode {
+    if interrupted.load(Ordering::Relaxed) { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS }
+}
+
+fn serve(endpoint: String, arguments: Arguments) -> Result<ExitCode, ServiceError> {
+    let slots = slots(&arguments);
+    let mut config = ServiceConfig::new(endpoint, slots);
     config.zenoh_config = arguments.config;
     config.give_up_after =
         (arguments.give_up_after > 0).then(|| Duration::from_secs(arguments.give_up_after));
@@ -78,7 +159,11 @@ fn serve(arguments: Arguments) -> Result<ExitCode, ServiceError> {
     }
     tracing::info!("{slots} slots for the coordinator at {}", config.connect);
     let worker = service::spawn(config, simulator())?;
-    let signals = listen_to_signals(worker.stopper())?;
+    let stopper = worker.stopper();
+    let interrupted = listen_to_signals(move || {
+        tracing::info!("stopping: handing in what is finished");
+        stopper.stop();
+    })?;
     let departure = worker.join()?;
     match departure {
         Departure::CampaignEnded => tracing::info!("the coordinator has finished"),
@@ -88,20 +173,15 @@ fn serve(arguments: Arguments) -> Result<ExitCode, ServiceError> {
         }
         Departure::Aborted => tracing::info!("aborted"),
     }
-    let interrupted = signals.load(std::sync::atomic::Ordering::Relaxed);
-    Ok(if interrupted { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS })
+    Ok(ended(&interrupted))
 }
 
-/// Stops the worker at SIGTERM or Ctrl-C; a second signal ends the process at once. The flag says whether it was
-/// Ctrl-C.
-fn listen_to_signals(
-    stopper: Stopper,
-) -> Result<std::sync::Arc<std::sync::atomic::AtomicBool>, ServiceError> {
-    use std::sync::atomic::{AtomicBool, Ordering};
+/// Calls `stop` at SIGTERM or Ctrl-C; a second signal ends the process at once. The flag says whether it was Ctrl-C.
+fn listen_to_signals(stop: impl Fn() + Send + 'static) -> Result<Arc<AtomicBool>, ServiceError> {
     use tokio::signal::unix::{SignalKind, signal};
     let failed = |error: std::io::Error| ServiceError::Messaging(format!("signals: {error}"));
-    let interrupted = std::sync::Arc::new(AtomicBool::new(false));
-    let flag = std::sync::Arc::clone(&interrupted);
+    let interrupted = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&interrupted);
     // Its own small runtime: the service itself needs none, and Zenoh brings its own.
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(failed)?;
     let (mut interrupt, mut terminate) = {
@@ -116,8 +196,7 @@ fn listen_to_signals(
                     _ = terminate.recv() => {}
                 }
                 if first {
-                    tracing::info!("stopping: handing in what is finished");
-                    stopper.stop();
+                    stop();
                 }
             }
             std::process::exit(i32::from(INTERRUPTED));

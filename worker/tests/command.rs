@@ -127,3 +127,32 @@ fn sigterm_drains_and_exits_0_and_ctrl_c_exits_130() {
         assert_eq!(child.wait().unwrap().code(), Some(code), "SIG{signal}");
     }
 }
+
+#[test]
+fn a_scene_is_offered_by_umbridge_on_this_machine_alone() {
+    for (arguments, named) in [
+        (&["--serve-umbridge", "here"][..], "--serve-umbridge here: allowed: a port"),
+        (&["--serve-umbridge", "0.0.0.0:0"], "or --insecure if the network is trusted"),
+        (&["--serve-umbridge", "0", "--scene", "five-bar"], "did you mean \"four-bar\"?"),
+        (&["--serve-umbridge", "0", "--accuracy", "exact"], "\"exact\" is neither a preset"),
+        (&["--serve-umbridge", "0", "--connect", "tcp/127.0.0.1:1"], "cannot be used with"),
+        (&["--connect", "tcp/127.0.0.1:1", "--scene", "four-bar"], "--serve-umbridge"),
+    ] {
+        let output = worker(arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", said(&output));
+        assert!(said(&output).contains(named), "{arguments:?}: {}", said(&output));
+    }
+    let mut child = Command::new(env!("CARGO_BIN_EXE_worker"))
+        .env_remove("RUST_LOG")
+        .args(["--serve-umbridge", "0", "--scene", "four-bar"])
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut log = std::io::BufReader::new(child.stderr.take().unwrap());
+    let mut line = String::new();
+    std::io::BufRead::read_line(&mut log, &mut line).unwrap();
+    assert!(line.contains("model \"forward\", an evaluation of four-bar, at http://127.0.0.1:"), "{line}");
+    let killed = Command::new("kill").args(["-TERM", &child.id().to_string()]).status();
+    assert!(killed.unwrap().success());
+    assert_eq!(child.wait().unwrap().code(), Some(0));
+}

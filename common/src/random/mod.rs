@@ -43,8 +43,8 @@ pub struct RandomVariable {
     pub name: String,
     /// Distribution of the value in SI.
     pub distribution: Distribution,
-    /// Keys of the scene it sets, e.g. `parameters.rod_length`.
+    /// Keys of the scene it sets, e.g. `parameters.rod_length`; none if it is an input of an external simulator.
     pub changes: Vec<String>,
-    /// Unit a person reads it in, e.g. `mm`.
+    /// Unit a person reads it in, e.g. `mm`; an input that is a plain number may have one that is only shown.
     pub unit: String,
 }

@@ -25,6 +25,7 @@ pub mod quantity;
 mod read;
 mod resolve;
 mod section;
+mod simulator;
 pub mod source;
 mod tables;
 mod variable_law;

@@ -36,6 +36,48 @@ pub struct Scene {
     pub life: Life,
     /// Defaults of a study of this scene.
     pub study: StudySettings,
+    /// Whose simulator evaluates a sample, if not this program's own. Such a scene has no bodies, joints or loads, and its
+    /// random variables are the simulator's inputs.
+    #[serde(default)]
+    pub simulator: Option<ExternalSimulator>,
+}
+
+/// A simulator of somebody else.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ExternalSimulator {
+    /// How it is asked.
+    pub kind: SimulatorKind,
+    /// How long one evaluation may take [s].
+    pub timeout: f64,
+}
+
+/// How a simulator is asked.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum SimulatorKind {
+    /// A program of this machine, over its standard input and output.
+    Program(Program),
+    /// A server, by the UM-Bridge protocol.
+    UmBridge(UmBridgeModel),
+}
+
+/// A program that answers lines of JSON.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Program {
+    /// Program and arguments, not empty.
+    pub command: Vec<String>,
+    /// Folder it runs in.
+    pub folder: String,
+}
+
+/// A model of a UM-Bridge server.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct UmBridgeModel {
+    /// Address without a `/` at its end, e.g. `http://127.0.0.1:4242`.
+    pub url: String,
+    /// Name of the model.
+    pub model: String,
+    /// What the model is told with every request.
+    pub config: toml::Table,
 }
 
 /// A rigid body.
@@ -112,7 +154,8 @@ pub struct Attachment {
     pub position: [f64; 2],
 }
 
-/// Failure when the output has reached the threshold: g = threshold - output <= 0.
+/// Failure when the output has reached the threshold, g = threshold - output <= 0; or has fallen to it,
+/// g = output - threshold <= 0.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LimitState {
     /// Unique name, e.g. `wear`.
@@ -121,12 +164,25 @@ pub struct LimitState {
     pub output: usize,
     /// Threshold in the unit of the output (SI).
     pub threshold: f64,
+    /// On which side of the threshold it has failed.
+    #[serde(default)]
+    pub fails: Fails,
+}
+
+/// A side of a threshold.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Fails {
+    /// At the threshold and above.
+    #[default]
+    Above,
+    /// At the threshold and below.
+    Below,
 }
 
 /// Cycle and life.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Life {
-    /// Duration of one cycle [s].
+    /// Duration of one cycle; 0 for an external simulator, of which it is not known [s].
     pub period: f64,
     /// Cycles to simulate.
     pub cycles: u32,

@@ -49,6 +49,13 @@ pub enum OutputKind {
         /// Index of the driven body.
         body: usize,
     },
+    /// Whatever an external simulator returns under the output's name.
+    External {
+        /// Its unit, as it is shown; values are not converted.
+        unit: String,
+        /// Whether it has a single value, which holds for the whole life.
+        single: bool,
+    },
 }
 
 /// A body with the sense in which its angle is reported.

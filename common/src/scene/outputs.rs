@@ -4,7 +4,7 @@ use super::bodies::{BodyRow, MotionWord, body, place};
 use super::faults::FaultKind;
 use super::joint::JointKind;
 use super::joints::JointRow;
-use super::model::LimitState;
+use super::model::{Fails, LimitState};
 use super::output::{Output, OutputKind, SignedBody};
 use super::quantity::*;
 use super::read::{Context, Range};
@@ -20,6 +20,15 @@ pub(super) struct OutputRow {
     kind: Option<Kind>,
     /// The output, unless faulty.
     pub(super) output: Option<Output>,
+    /// Whether an external simulator returns it: then its values are numbers in its own unit, of any sign.
+    declared: bool,
+}
+
+impl OutputRow {
+    /// An output that a scene declares of an external simulator.
+    pub(super) fn declared(name: &str, output: Option<Output>) -> Self {
+        OutputRow { name: name.to_owned(), kind: Some(NUMBER), output, declared: true }
+    }
 }
 
 #[derive(Clone, Copy)]
@@ -53,7 +62,7 @@ pub(super) fn outputs(
         let output = word.and_then(|word| output(cx, &mut row, word, bodies, joints));
         row.finish(cx);
         let output = output.map(|kind| Output { name: name.to_owned(), kind });
-        outputs.push(OutputRow { name: name.to_owned(), kind, output });
+        outputs.push(OutputRow { name: name.to_owned(), kind, output, declared: false });
     }
     outputs
 }
@@ -192,19 +201,23 @@ pub(super) fn limit_states(
             cx.fault(row.key("name"), FaultKind::BadName { value, reason });
         }
         let known = outputs.iter().map(|output| output.name.as_str());
+        let declared = outputs.iter().any(|output| output.declared);
         let output = row.text(cx, "output", "the name of an output");
         let output = output.and_then(|output| cx.reference(&row.key("output"), "output", output, known));
         let threshold = match output.and_then(|output| outputs[output].kind) {
-            Some(kind) => row.quantity(cx, "threshold", kind, Range::Positive),
+            Some(kind) => {
+                row.quantity(cx, "threshold", kind, if declared { Range::Any } else { Range::Positive })
+            }
             None => row.get("threshold").and(None),
         };
+        let fails = match declared.then(|| row.get("fails")).flatten() {
+            None => Some(Fails::Above),
+            Some(_) => row.word(cx, "fails", &[("above", Fails::Above), ("below", Fails::Below)]),
+        };
         row.finish(cx);
-        let both = output.zip(threshold);
-        limit_states.push(both.map(|(output, threshold)| LimitState {
-            name: name.to_owned(),
-            output,
-            threshold,
-        }));
+        let state =
+            |((output, threshold), fails)| LimitState { name: name.to_owned(), output, threshold, fails };
+        limit_states.push(output.zip(threshold).zip(fails).map(state));
     }
     limit_states
 }

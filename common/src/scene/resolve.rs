@@ -4,14 +4,16 @@ use super::bodies::{BodyRow, bodies};
 use super::clearance::materials;
 use super::correlations::{CorrelationRow, correlation_rows};
 use super::faults::{Fault, FaultKind};
-use super::joints::joints;
+use super::joints::{JointRow, joints};
 use super::life::life;
+use super::load::Load;
 use super::loads::loads;
-use super::model::{Scene, StudySettings};
-use super::outputs::{limit_states, outputs};
+use super::model::{Life, Scene, StudySettings};
+use super::outputs::{OutputRow, limit_states, outputs};
 use super::quantity::{ACCELERATION, Quantity};
 use super::read::{Context, Overrides};
 use super::section::Section;
+use super::simulator::{declared_life, declared_outputs, simulator};
 use super::variables::{VariableRow, variable_rows, variables};
 use std::collections::{BTreeMap, BTreeSet};
 use toml::Table;
@@ -49,16 +51,14 @@ pub(super) fn resolve(origin: &str, document: &Table, overrides: &Overrides) -> 
         }
     }
     let names = head(cx, &mut file);
-    let bodies = bodies(cx, &mut file);
-    let materials = materials(cx, &mut file);
-    let joints = joints(cx, &mut file, &bodies, &materials);
-    let loads = loads(cx, &mut file, &bodies);
-    let gravity = file.pair_or(cx, "gravity", ACCELERATION, [0.0; 2]);
-    let outputs = outputs(cx, &mut file, &bodies, &joints);
+    let simulator = simulator(cx, &mut file);
+    let Described { bodies, joints, loads, gravity, outputs, life } = match simulator {
+        Some(_) => external(cx, &mut file),
+        None => mechanism(cx, &mut file),
+    };
     let limit_states = limit_states(cx, &mut file, &outputs);
-    let life = life(cx, &mut file, &bodies, &loads);
     let study = study(cx, &mut file);
-    let variables = variable_rows(cx, &mut file);
+    let variables = variable_rows(cx, &mut file, simulator.is_some());
     let correlations = correlation_rows(cx, &mut file);
     if !variables.is_empty() && limit_states.is_empty() {
         cx.fault(
@@ -91,6 +91,10 @@ pub(super) fn resolve(origin: &str, document: &Table, overrides: &Overrides) -> 
             limit_states: limit_states.into_iter().collect::<Option<_>>()?,
             life: life?,
             study: study?,
+            simulator: match simulator {
+                Some(read) => Some(read?),
+                None => None,
+            },
         })
     })();
     match scene {
@@ -112,6 +116,35 @@ fn with_variables(
     variables(cx, &rows, seen);
     faults.append(&mut cx.faults);
     faults
+}
+
+/// What is simulated and what comes of it, as far as it could be read.
+struct Described {
+    bodies: Vec<BodyRow>,
+    joints: Vec<JointRow>,
+    loads: Vec<Load>,
+    gravity: Option<[f64; 2]>,
+    outputs: Vec<OutputRow>,
+    life: Option<Life>,
+}
+
+/// A mechanism.
+fn mechanism(cx: &mut Context, file: &mut Section) -> Described {
+    let bodies = bodies(cx, file);
+    let materials = materials(cx, file);
+    let joints = joints(cx, file, &bodies, &materials);
+    let loads = loads(cx, file, &bodies);
+    let gravity = file.pair_or(cx, "gravity", ACCELERATION, [0.0; 2]);
+    let outputs = outputs(cx, file, &bodies, &joints);
+    let life = life(cx, file, &bodies, &loads);
+    Described { bodies, joints, loads, gravity, outputs, life }
+}
+
+/// An external simulator: nothing is known of it but what it returns.
+fn external(cx: &mut Context, file: &mut Section) -> Described {
+    let life = declared_life(cx, file);
+    let outputs = declared_outputs(cx, file, life.as_ref());
+    Described { bodies: vec![], joints: vec![], loads: vec![], gravity: Some([0.0; 2]), outputs, life }
 }
 
 fn head(cx: &mut Context, file: &mut Section) -> Option<(String, String)> {

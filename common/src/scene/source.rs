@@ -2,13 +2,14 @@
 
 use super::builtin;
 use super::correlations::correlations;
-use super::expression::{ExpressionError, evaluate};
+use super::expression::{ExpressionError, evaluate, read_unit};
 use super::faults::{Fault, FaultKind, Faults, in_unit, nearest};
 use super::merge::merge;
 use super::model::Scene;
-use super::quantity::{Kind, Quantity};
+use super::quantity::{Dimension, Kind, Quantity};
 use super::read::{Context, Overrides};
 use super::resolve::resolve;
+use super::simulator::settle_folder;
 use super::variables::variables;
 use crate::random::RandomVariable;
 use std::collections::BTreeMap;
@@ -75,9 +76,10 @@ impl SceneSource {
     fn from_text(text: String, origin: &str, folder: Option<&Path>) -> Result<Self, Faults> {
         let own = document(&text, origin)?;
         let extends = own.get("scene").and_then(|scene| scene.get("extends")).is_some();
-        let document = flatten(own, origin, folder, EXTENDS_LIMIT)?;
+        let mut document = flatten(own, origin, folder, EXTENDS_LIMIT)?;
+        let settled = settle_folder(&mut document, folder);
         // The text must stand alone where it is sent to and stored.
-        let text = if extends {
+        let text = if extends || settled {
             toml::to_string(&document)
                 .map_err(|error| single(origin, "", FaultKind::Syntax { message: error.to_string() }))?
         } else {
@@ -199,6 +201,20 @@ impl SceneSource {
         self.resolve_overridden(&overrides)
     }
 
+    /// The means `(d,)` with some variables set to other values, SI: what an external simulator is asked for, in whose
+    /// scene nothing else can be set.
+    ///
+    /// # Errors
+    /// A name that is no random variable.
+    pub fn sample_with(&self, settings: &[(String, f64)]) -> Result<Vec<f64>, Faults> {
+        let mut sample = self.means();
+        for (name, value) in settings {
+            let place = self.variables().iter().position(|variable| variable.name == *name);
+            sample[place.ok_or_else(|| self.unknown_setting(name))?] = *value;
+        }
+        Ok(sample)
+    }
+
     /// Reads `name=quantity`, e.g. `rod_length=40.05mm`, with the dimension of what the name stands for.
     ///
     /// # Errors
@@ -211,15 +227,19 @@ impl SceneSource {
         };
         let (name, value) = (name.trim(), value.trim());
         let variable = self.variables().iter().find(|variable| variable.name == name);
-        let key = variable.map_or(name, |variable| variable.changes[0].as_str());
-        let Some(nominal) = self.seen.get(key) else { return Err(self.unknown_setting(name)) };
+        let dimension = match variable.map(|variable| (variable, variable.changes.first())) {
+            // An input of a simulator has the dimension of its unit, if that is known.
+            Some((input, None)) => read_unit(&input.unit).map_or(Dimension::NONE, |unit| unit.dimension),
+            Some((_, Some(key))) => self.seen[key].dimension,
+            None => self.seen.get(name).ok_or_else(|| self.unknown_setting(name))?.dimension,
+        };
         let shown = format!("\"{value}\"");
         let mut nothing =
             |name: &str| Err(ExpressionError::UnknownName { name: name.to_owned(), nearest: None });
         match evaluate(value, &mut nothing) {
             Err(error) => Err(fault(FaultKind::Expression { value: shown, message: error.to_string() })),
-            Ok(found) if found.dimension != nominal.dimension => {
-                let expected = Kind::of(nominal.dimension);
+            Ok(found) if found.dimension != dimension => {
+                let expected = Kind::of(dimension);
                 Err(fault(FaultKind::WrongUnit { value: shown, found: found.dimension, expected }))
             }
             Ok(found) => Ok((name.to_owned(), found.value)),

@@ -127,6 +127,11 @@ impl WrittenLaw {
         cx.faults.len() == before
     }
 
+    /// What is written of where the variable lies, with its key: it has the variable's dimension.
+    pub(super) fn located(&self) -> Option<(&'static str, &Value)> {
+        ["mean", "mode", "lower", "upper"].into_iter().find_map(|key| Some((key, self.values.get(key)?)))
+    }
+
     /// Whether the value that the scene has without the variable is its mean.
     pub(super) fn takes_nominal(&self) -> bool {
         let by_bounds = self.law == Law::Triangular || (self.law == Law::Uniform && self.has("lower"));

@@ -2,8 +2,8 @@
 //! nominal values of what they change are known.
 
 use super::expression::read_unit;
-use super::faults::in_first_unit;
-use super::quantity::{Kind, Quantity};
+use super::faults::{FaultKind, in_first_unit};
+use super::quantity::{Dimension, Kind, Quantity};
 use super::read::Context;
 use super::section::Section;
 use super::variable_law::WrittenLaw;
@@ -18,14 +18,11 @@ pub(super) struct VariableRow {
     law: WrittenLaw,
 }
 
-/// Reads `[[variables]]` as written.
-pub(super) fn variable_rows(cx: &mut Context, file: &mut Section) -> Vec<VariableRow> {
+/// Reads `[[variables]]` as written; `inputs` of an external simulator change nothing in the scene.
+pub(super) fn variable_rows(cx: &mut Context, file: &mut Section, inputs: bool) -> Vec<VariableRow> {
     let mut rows = Vec::new();
     for (name, mut row) in file.rows(cx, "variables") {
-        let changes = row.texts(cx, "changes", "a list of keys, e.g. [\"parameters.rod_length\"]");
-        if changes.as_ref().is_some_and(Vec::is_empty) {
-            cx.inconsistent(row.key("changes"), "is empty: the variable changes nothing");
-        }
+        let changes = if inputs { Some(vec![]) } else { changes(cx, &mut row) };
         let unit = row.get("unit").map(|_| row.text(cx, "unit", "a unit, e.g. \"mm\""));
         let law = WrittenLaw::read(cx, &mut row);
         row.finish(cx);
@@ -36,6 +33,15 @@ pub(super) fn variable_rows(cx: &mut Context, file: &mut Section) -> Vec<Variabl
         })());
     }
     rows
+}
+
+/// The keys that a variable changes.
+fn changes<'s>(cx: &mut Context, row: &mut Section<'s>) -> Option<Vec<&'s str>> {
+    let changes = row.texts(cx, "changes", "a list of keys, e.g. [\"parameters.rod_length\"]");
+    if changes.as_ref().is_some_and(Vec::is_empty) {
+        cx.inconsistent(row.key("changes"), "is empty: the variable changes nothing");
+    }
+    changes.filter(|changes| !changes.is_empty())
 }
 
 /// Gives the variables their distributions, from the nominal values `seen` at the keys they change.
@@ -68,8 +74,16 @@ fn variable(
     let unit = match &row.unit {
         Some(unit) => match read_unit(unit) {
             Ok(found) if found.dimension == dimension => unit.clone(),
-            _ => {
-                cx.inconsistent(format!("{path}.unit"), format!("\"{unit}\" is no unit of {dimension}"));
+            // A simulator's own unit, which nothing here converts.
+            Err(_) if row.changes.is_empty() && dimension == Dimension::NONE => unit.clone(),
+            found => {
+                let bare = row.changes.is_empty() && dimension == Dimension::NONE && found.is_ok();
+                let mean = distribution.mean();
+                let advice = if bare { format!("; write mean = \"{mean} {unit}\"") } else { String::new() };
+                cx.inconsistent(
+                    format!("{path}.unit"),
+                    format!("\"{unit}\" is no unit of {dimension}{advice}"),
+                );
                 return None;
             }
         },
@@ -78,9 +92,17 @@ fn variable(
     Some(RandomVariable { name: row.name.clone(), distribution, changes: row.changes.clone(), unit })
 }
 
-/// The value that all keys of the variable share without it.
+/// The value that all keys of the variable share without it; the mean of an input, which has no keys.
 fn nominal(cx: &mut Context, row: &VariableRow, seen: &BTreeMap<String, Quantity>) -> Option<Quantity> {
     let place = format!("variables.{}.changes", row.name);
+    if row.changes.is_empty() {
+        let Some((key, written)) = row.law.located() else {
+            let expected = "the mean of this input, a quantity or a plain number".to_owned();
+            cx.fault(format!("variables.{}.mean", row.name), FaultKind::Missing { expected });
+            return None;
+        };
+        return cx.value(&format!("variables.{}.{key}", row.name), written, None);
+    }
     let mut first: Option<Quantity> = None;
     for key in &row.changes {
         cx.reference(&place, "quantity", key, seen.keys().map(String::as_str))?;

@@ -82,9 +82,14 @@ pub fn failure_is_finite(failure: &SimulationFailure) -> bool {
         }
         F::WearStep { error, .. } => error.is_finite(),
         F::OutOfRange { time, penetration, .. } => time.is_finite() && penetration.is_finite(),
-        F::InvalidSample { .. } | F::OverConstrained { .. } | F::NotModelled { .. } | F::Panicked { .. } => {
-            true
-        }
+        F::TimedOut { seconds } => seconds.is_finite(),
+        F::InvalidSample { .. }
+        | F::OverConstrained { .. }
+        | F::NotModelled { .. }
+        | F::Panicked { .. }
+        | F::Reported { .. }
+        | F::Crashed { .. }
+        | F::NoNumber { .. } => true,
     }
 }
 

@@ -6,6 +6,7 @@ use common::scene::{Faults, Motion, Scene};
 use coordinator::budget::BudgetError;
 use coordinator::dispatch::DispatchError;
 use coordinator::evaluate::EvaluateError;
+use coordinator::evaluate::external::SimulatorError;
 use coordinator::report::ReportError;
 use coordinator::result_files::ResultFileError;
 use coordinator::store::StoreError;
@@ -58,6 +59,25 @@ pub enum CommandError {
         /// Which joint.
         failure: SimulationFailure,
     },
+    /// A command that looks at mechanisms, and a scene without one.
+    #[error("{origin}: the scene names a simulator of its own; this command is for mechanisms")]
+    NoMechanism {
+        /// File or name of the scene.
+        origin: String,
+    },
+    /// An option for mechanisms, and a scene that names a simulator of its own.
+    #[error("{option} is not for {origin}: {reason}")]
+    NotForSimulators {
+        /// File or name of the scene.
+        origin: String,
+        /// Which.
+        option: &'static str,
+        /// Why not.
+        reason: &'static str,
+    },
+    /// The simulator that the scene names cannot be used.
+    #[error(transparent)]
+    Simulator(#[from] SimulatorError),
     /// A folder that cannot be made.
     #[error("{}: {error}", path.display())]
     Folder {
@@ -209,6 +229,9 @@ impl CommandError {
             | Self::OpenLinkage { .. }
             | Self::LockedLinkage { .. }
             | Self::OverConstrained { .. }
+            | Self::NoMechanism { .. }
+            | Self::NotForSimulators { .. }
+            | Self::Simulator(_)
             | Self::Folder { .. }
             | Self::NotModelled { .. }
             | Self::NothingToStudy { .. }

@@ -5,6 +5,7 @@ mod variables;
 use super::accuracy::AccuracyArguments;
 use super::arguments::Talk;
 use super::error::CommandError;
+use super::external;
 use super::farm::cores;
 use super::model::Model;
 use super::output::{print, to_json};
@@ -19,6 +20,13 @@ use variables::variables;
 pub fn explain(name: &str, accuracy: &AccuracyArguments, talk: Talk) -> Result<(), CommandError> {
     let source = SceneSource::load(name)?;
     let scene = source.nominal();
+    if let Some(simulator) = &scene.simulator {
+        external::check_accuracy(source.origin(), accuracy)?;
+        let json = talk.json.then(|| serde_json::to_value(scene)).transpose()?;
+        return print(
+            &json.map_or_else(|| Ok(without_mechanism(scene, simulator)), |value| to_json(&value))?,
+        );
+    }
     worker::mechanism::islands(scene)
         .map_err(|failure| CommandError::of_simulation(source.origin(), scene, failure))?;
     let accuracy = accuracy.for_study(&source, scene, cores(), talk.quiet, Arc::default())?;
@@ -50,6 +58,23 @@ fn explain_into(out: &mut String, scene: &Scene, model: &Model) -> std::fmt::Res
     let cycles = |n: u32| count(n as usize, "cycle");
     let every = if life.checkpoint_every == 1 { "cycle".to_owned() } else { cycles(life.checkpoint_every) };
     writeln!(out, "Life: {} of {:.6} s, reported every {every}.", cycles(life.cycles), life.period)?;
+    study(out, scene)
+}
+
+/// The same of a scene that names a simulator of its own.
+fn without_mechanism(scene: &Scene, simulator: &ExternalSimulator) -> String {
+    let mut out = format!("{}: {}\n\n", scene.name, scene.title);
+    // Writing to a String cannot fail.
+    let _ = external::explain(&mut out, scene, simulator).and_then(|()| variables(&mut out, scene));
+    let life = &scene.life;
+    if life.cycles > 1 {
+        let _ = writeln!(out, "Life: {} cycles, reported every {}.", life.cycles, life.checkpoint_every);
+    }
+    let _ = study(&mut out, scene);
+    out
+}
+
+fn study(out: &mut String, scene: &Scene) -> std::fmt::Result {
     if scene.variables.is_empty() {
         return Ok(());
     }
@@ -244,6 +269,7 @@ fn outputs(out: &mut String, scene: &Scene) -> std::fmt::Result {
             OutputKind::DrivingTorque { body } => {
                 format!("largest torque that drives {}", scene.bodies[*body].name)
             }
+            OutputKind::External { .. } => "whatever the simulator returns".to_owned(),
         };
         let unit = OutputUnit::of(&output.kind);
         // As scenes write it.

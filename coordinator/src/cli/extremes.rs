@@ -26,7 +26,7 @@ struct PrintedRow<'r> {
 #[derive(Debug, Serialize)]
 struct PrintedOutput<'r> {
     name: &'r str,
-    unit: &'static str,
+    unit: String,
     cycles: u32,
     value: f64,
     stated_error: f64,
@@ -64,7 +64,7 @@ fn printed<'r>(scene: &'r Scene, row: &'r Row) -> PrintedRow<'r> {
         let [value, stated_error, difference] = [c.value, c.error, c.difference].map(|si| unit.to_shown(si));
         PrintedOutput {
             name: &output.name,
-            unit: unit.symbol(),
+            unit: unit.symbol().to_owned(),
             cycles: c.cycles,
             value,
             stated_error,

@@ -2,8 +2,11 @@
 
 use super::arguments::{FarmArguments, Slots};
 use super::error::CommandError;
+use super::external;
 use super::signals::interruption;
+use common::scene::SceneSource;
 use coordinator::dispatch::{Campaign, Listen, ZenohEvaluator};
+use coordinator::evaluate::Evaluator;
 use worker::service::{self, ServiceConfig, WorkerHandle};
 use worker::simulator::simulator;
 
@@ -26,6 +29,79 @@ pub fn local_slots(arguments: &FarmArguments) -> usize {
 /// Cores of this machine.
 pub fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// Who is ready to evaluate a study's samples, before there is a folder for its results.
+pub enum Ready {
+    /// A coordinator that listens.
+    Listening(ZenohEvaluator),
+    /// The simulator that the scene names, on so many slots.
+    Simulator(Box<dyn Evaluator>, u32),
+}
+
+impl Ready {
+    /// For a scene; `campaign` is what workers are told.
+    pub fn to_study(
+        source: &SceneSource,
+        campaign: impl FnOnce() -> Result<Campaign, CommandError>,
+        arguments: &FarmArguments,
+    ) -> Result<Self, CommandError> {
+        let scene = source.nominal();
+        let Some(simulator) = &scene.simulator else {
+            return Ok(Self::Listening(listen(campaign()?, arguments)?));
+        };
+        external::check_farm(source.origin(), arguments)?;
+        let slots = local_slots(arguments);
+        Ok(Self::Simulator(external::ready(simulator, scene, slots)?, slots as u32))
+    }
+
+    /// Starts the local workers, if workers are to work.
+    pub fn hire(self, arguments: &FarmArguments) -> Result<Crew, CommandError> {
+        match self {
+            Self::Listening(evaluator) => Ok(Crew::Farm(Farm::hire(evaluator, arguments)?)),
+            Self::Simulator(evaluator, slots) => Ok(Crew::Simulator(evaluator, slots)),
+        }
+    }
+}
+
+/// Who evaluates a study's samples.
+pub enum Crew {
+    /// Workers.
+    Farm(Farm),
+    /// The simulator that the scene names, on so many slots.
+    Simulator(Box<dyn Evaluator>, u32),
+}
+
+impl Crew {
+    /// The evaluator.
+    pub fn evaluator(&mut self) -> &mut dyn Evaluator {
+        match self {
+            Self::Farm(farm) => &mut farm.evaluator,
+            Self::Simulator(evaluator, _) => &mut **evaluator,
+        }
+    }
+
+    /// Simulations that can run at once now.
+    pub fn concurrency(&self) -> u32 {
+        match self {
+            Self::Farm(farm) => farm.evaluator.concurrency(),
+            Self::Simulator(_, slots) => *slots,
+        }
+    }
+
+    /// Says where remote workers may join if there are no local ones.
+    pub fn say_where(&self) {
+        if let Self::Farm(farm) = self {
+            farm.say_where();
+        }
+    }
+
+    /// Tells workers and programs to leave.
+    pub fn close(self) {
+        if let Self::Farm(farm) = self {
+            farm.close();
+        }
+    }
 }
 
 /// A coordinator that listens, and its local workers, `None` if remote ones are to do it all.

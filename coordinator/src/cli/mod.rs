@@ -7,6 +7,7 @@ mod benchmark;
 mod distributions;
 mod error;
 mod explain;
+mod external;
 mod extremes;
 mod farm;
 mod model;

@@ -5,7 +5,8 @@
 use super::arguments::{DEFAULT_SCENE, ResumeArguments, RunArguments, Talk};
 use super::distributions::for_report;
 use super::error::CommandError;
-use super::farm::{Farm, cores, listen, local_slots};
+use super::external;
+use super::farm::{Crew, Ready, cores, local_slots};
 use super::options::StudyOptions;
 use super::output::{print, to_json};
 use super::results::write_results;
@@ -26,7 +27,11 @@ pub fn run(arguments: &RunArguments, talk: Talk) -> Result<(), CommandError> {
     if scene.variables.is_empty() || scene.limit_states.is_empty() {
         return Err(CommandError::NothingToStudy { origin: source.origin().to_owned() });
     }
-    check_linkage(source.origin(), scene)?;
+    if scene.simulator.is_some() {
+        external::check_accuracy(source.origin(), &arguments.accuracy)?;
+    } else {
+        check_linkage(source.origin(), scene)?;
+    }
     let mut options = StudyOptions::new(arguments, scene)?;
     // The points at which accuracies are tried are those of the study's seed.
     let seeded = Scene { study: options.settings().study, ..scene.clone() };
@@ -42,13 +47,12 @@ pub fn run(arguments: &RunArguments, talk: Talk) -> Result<(), CommandError> {
         version: env!("CARGO_PKG_VERSION").to_owned(),
     };
     // An address that cannot be listened on must not leave a folder behind that holds a study.
-    let evaluator = listen(announced(&source, &options)?, &arguments.farm)?;
+    let ready = Ready::to_study(&source, || announced(&source, &options), &arguments.farm)?;
     let campaign = CampaignFile::create(&dir, &meta, scene)?;
     if !talk.quiet {
         eprintln!("results go to {}", dir.display());
     }
-    let farm = Farm::hire(evaluator, &arguments.farm)?;
-    study(campaign, &source, &options, farm, talk)
+    study(campaign, &source, &options, ready.hire(&arguments.farm)?, talk)
 }
 
 /// Goes on with a study.
@@ -69,31 +73,30 @@ pub fn resume(arguments: &ResumeArguments, talk: Talk) -> Result<(), CommandErro
     if !talk.quiet {
         eprintln!("{} evaluations are done already", campaign.count()?);
     }
-    let farm = Farm::hire(listen(announced(&source, &options)?, &arguments.farm)?, &arguments.farm)?;
-    study(campaign, &source, &options, farm, talk)
+    let ready = Ready::to_study(&source, || announced(&source, &options), &arguments.farm)?;
+    study(campaign, &source, &options, ready.hire(&arguments.farm)?, talk)
 }
 
 fn study(
     mut campaign: CampaignFile,
     source: &SceneSource,
     options: &StudyOptions,
-    mut farm: Farm,
+    mut crew: Crew,
     talk: Talk,
 ) -> Result<(), CommandError> {
     let settings = options.settings();
     let scene = Scene { study: settings.study, ..source.nominal().clone() };
     let dir = campaign.dir().to_path_buf();
     if !talk.quiet {
-        farm.say_where();
+        crew.say_where();
     }
     let mut terminal = Terminal::new(talk.quiet);
-    let result =
-        coordinator::study::run(&scene, &settings, &mut farm.evaluator, &mut campaign, &mut terminal);
+    let result = coordinator::study::run(&scene, &settings, crew.evaluator(), &mut campaign, &mut terminal);
     terminal.finish();
     let mut result = result.map_err(|error| CommandError::of_study(error, &dir))?;
     let timing = &mut result.summary.timing_s;
-    timing.idle *= f64::from(farm.evaluator.concurrency());
-    farm.close();
+    timing.idle *= f64::from(crew.concurrency());
+    crew.close();
     campaign.put_document(DISTRIBUTIONS_DOCUMENT, &for_report(&result.distributions))?;
     // The summary comes last: with it, the study counts as finished.
     campaign.put_document(SUMMARY_DOCUMENT, &result.summary)?;

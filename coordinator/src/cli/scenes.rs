@@ -1,6 +1,7 @@
 //! `coordinator scenes` and `coordinator check`.
 
 use super::error::CommandError;
+use super::external;
 use super::output::{print, to_json};
 use common::scene::{Scene, SceneSource};
 use serde_json::json;
@@ -31,7 +32,9 @@ pub fn scenes(show: Option<&str>, as_json: bool) -> Result<(), CommandError> {
 pub fn check(file: &str, as_json: bool) -> Result<(), CommandError> {
     let source = SceneSource::load(file)?;
     let scene = source.nominal();
-    check_linkage(source.origin(), scene)?;
+    if scene.simulator.is_none() {
+        check_linkage(source.origin(), scene)?;
+    }
     let unused = source.unused_parameters();
     if as_json {
         return print(&to_json(&json!({ "file": file, "scene": scene.name, "valid": true,
@@ -42,8 +45,11 @@ pub fn check(file: &str, as_json: bool) -> Result<(), CommandError> {
     print(&format!("{file}: valid; {}\n{unused}", counts(scene)))
 }
 
-/// The ideal linkage must close through its cycle, and hold nothing that is not modelled.
+/// There must be a mechanism; its ideal linkage must close through its cycle, and hold nothing that is not modelled.
 pub fn check_linkage(origin: &str, scene: &Scene) -> Result<(), CommandError> {
+    if scene.simulator.is_some() {
+        return Err(CommandError::NoMechanism { origin: origin.to_owned() });
+    }
     let failed = |failure| CommandError::of_simulation(origin, scene, failure);
     worker::mechanism::islands(scene).map_err(failed)?;
     worker::mechanism::ideal_cycle(scene, 2, &mut 0).map_err(failed)?;
@@ -56,6 +62,9 @@ pub fn count(n: usize, what: &str) -> String {
 }
 
 fn counts(scene: &Scene) -> String {
+    if scene.simulator.is_some() {
+        return external::counts(scene);
+    }
     [
         if scene.bodies.len() == 1 { "1 body".to_owned() } else { format!("{} bodies", scene.bodies.len()) },
         count(scene.joints.len(), "joint"),

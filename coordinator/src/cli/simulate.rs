@@ -2,6 +2,7 @@
 
 use super::arguments::{SimulateArguments, Talk};
 use super::error::CommandError;
+use super::external;
 use super::output::{check_destination, deliver, to_json};
 use super::scenes::check_linkage;
 use common::outputs::{BodyMotion, Diagnostics, EnergyBalance, Evaluation};
@@ -95,6 +96,9 @@ pub fn simulate(arguments: &SimulateArguments, talk: Talk) -> Result<(), Command
     check_destination(arguments.out.as_deref())?;
     let source = SceneSource::load(&arguments.scene)?;
     let settings = settings(&source, &arguments.set)?;
+    if let Some(simulator) = &source.nominal().simulator {
+        return external::simulate(&source, simulator, &settings, arguments);
+    }
     let scene = source.resolve_with(&settings)?;
     check_linkage(source.origin(), &scene)?;
     let accuracy = arguments.accuracy.for_one(&scene, talk.quiet)?.setting;
@@ -130,7 +134,7 @@ fn printed<'r>(
         let named = scene.outputs.iter().zip(rows).map(|(output, row)| {
             let unit = OutputUnit::of(&output.kind);
             let values = row.iter().map(|&value| unit.to_file(value)).collect();
-            (format!("{}_{}", output.name, unit.suffix()), values)
+            (unit.key(&output.name), values)
         });
         named.collect()
     };

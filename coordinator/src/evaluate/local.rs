@@ -1,12 +1,12 @@
 //! Evaluations by a closure on threads of this process: for tests and for what needs no messaging.
 
+use super::queue::{CloseAtEnd, Queue};
 use super::{EvaluateError, Evaluator, Finished, Request};
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
-use std::collections::VecDeque;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
-use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// How often a batch under way looks whether the user wants to stop.
@@ -84,49 +84,6 @@ where
             }
             Ok(())
         })
-    }
-}
-
-/// Requests that no thread has taken.
-#[derive(Debug, Default)]
-struct Queue {
-    waiting: Mutex<Waiting>,
-    changed: Condvar,
-}
-
-#[derive(Debug, Default)]
-struct Waiting {
-    requests: VecDeque<Request>,
-    closed: bool,
-}
-
-impl Queue {
-    fn new(requests: Vec<Request>) -> Self {
-        let waiting = Waiting { requests: requests.into(), closed: false };
-        Self { waiting: Mutex::new(waiting), changed: Condvar::new() }
-    }
-
-    /// The next request, waited for; `None` once the queue is closed.
-    fn take(&self) -> Option<Request> {
-        let waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
-        let idle = |w: &mut Waiting| w.requests.is_empty() && !w.closed;
-        let mut waiting = self.changed.wait_while(waiting, idle).unwrap_or_else(PoisonError::into_inner);
-        if waiting.closed { None } else { waiting.requests.pop_front() }
-    }
-
-    fn add(&self, requests: Vec<Request>) {
-        self.waiting.lock().unwrap_or_else(PoisonError::into_inner).requests.extend(requests);
-        self.changed.notify_all();
-    }
-}
-
-/// Closes a queue when it goes: at the end, at an error, and where a simulation panics.
-struct CloseAtEnd<'a>(&'a Queue);
-
-impl Drop for CloseAtEnd<'_> {
-    fn drop(&mut self) {
-        self.0.waiting.lock().unwrap_or_else(PoisonError::into_inner).closed = true;
-        self.0.changed.notify_all();
     }
 }
 

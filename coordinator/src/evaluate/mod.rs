@@ -1,12 +1,25 @@
 //! How a study has samples evaluated, whoever does the work: a closure in unit tests, the worker's library in
-//! process, workers over Zenoh.
+//! process, workers over Zenoh, a program or server of somebody else.
 
+pub mod external;
 pub mod local;
+mod process;
+mod program;
+mod queue;
+mod reply;
+mod slots;
+mod umbridge;
+
+pub use process::kill_all;
 
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
+use external::SimulatorError;
 use thiserror::Error;
+
+/// What comes of a sample; a failed simulation is an outcome, not an error.
+pub type Outcome = Result<Evaluation, SimulationFailure>;
 
 /// One evaluation a study asks for.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,8 +39,8 @@ pub struct Request {
 pub struct Finished {
     /// The request's number.
     pub id: u64,
-    /// What came of it; a failed simulation is an outcome, not an error.
-    pub outcome: Result<Evaluation, SimulationFailure>,
+    /// What came of it.
+    pub outcome: Outcome,
     /// Who did it, e.g. `host-4711/0`.
     pub worker: String,
     /// How long the simulation took there [s].
@@ -52,6 +65,9 @@ pub enum EvaluateError {
     /// The transport broke.
     #[error("transport: {0}")]
     Transport(String),
+    /// The simulator that the scene names cannot be used.
+    #[error(transparent)]
+    Simulator(#[from] SimulatorError),
     /// The caller could not record an outcome.
     #[error("an outcome could not be recorded: {0}")]
     Record(String),

@@ -7,7 +7,7 @@ use crate::output_unit::OutputUnit;
 use crate::store::{CampaignFile, StoreError};
 use crate::summary::StudySummary;
 use common::outputs::{Diagnostics, Evaluation};
-use common::scene::{ContactLaw, JointKind, Scene};
+use common::scene::{ContactLaw, Fails, JointKind, Scene};
 use serde::{Deserialize, Serialize};
 
 /// Name of the document that holds the [`StudySummary`].
@@ -49,6 +49,8 @@ pub struct LimitStateInfo {
     pub output: usize,
     /// Threshold [SI unit of the output].
     pub threshold: f64,
+    /// On which side of it failure lies.
+    pub fails: Fails,
 }
 
 /// An output, as the report shows it.
@@ -172,6 +174,7 @@ impl ReportInput {
                     name: state.name.clone(),
                     output: state.output,
                     threshold: state.threshold,
+                    fails: state.fails,
                 })
                 .collect(),
             outputs: scene
@@ -199,9 +202,14 @@ impl ReportInput {
         }
     }
 
+    /// What is studied, in the singular.
+    pub fn subject(&self) -> &'static str {
+        if self.summary.of_mechanism() { "mechanism" } else { "system" }
+    }
+
     /// The unit a limit state's output is shown in.
-    pub fn unit_of(&self, state: &LimitStateInfo) -> OutputUnit {
-        self.outputs[state.output].unit
+    pub fn unit_of(&self, state: &LimitStateInfo) -> &OutputUnit {
+        &self.outputs[state.output].unit
     }
 }
 

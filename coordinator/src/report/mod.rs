@@ -26,6 +26,7 @@ pub use input::{
 pub use page::standalone;
 pub use plot::{Plot, PlotError, Series, Shape};
 pub use stated::StatedAt;
+pub use words::failure_probability;
 
 use crate::result_files::{ResultFileError, reliability_csv, summary_json, write_samples_csv, write_text};
 use crate::store::{CampaignFile, StoreError};

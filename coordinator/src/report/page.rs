@@ -93,24 +93,9 @@ pub fn html(input: &ReportInput, sections: &Sections) -> String {
         &figures(&[sections.distributions.clone(), sections.histories.clone()].concat(), "two"),
         "The campaign holds no distributions.",
     ));
-    put(&section(
-        "First cycle",
-        "",
-        &figures(&sections.first_cycle, "three"),
-        "The nominal evaluation holds no first cycle.",
-    ));
-    put(&section(
-        "Worn bores",
-        &input.nominal.as_ref().and_then(|nominal| nominal.cycles.last()).map_or(String::new(), |cycles| {
-            format!(
-                "The nominal mechanism after {} cycles. The inner circle is the unworn bore; wear is drawn outward \
-                 from it, magnified, on one scale for all joints; angles in the frame of the bushing's body.",
-                count((*cycles).into())
-            )
-        }),
-        &figures(&sections.bores, "many"),
-        "There is no nominal evaluation with worn joints.",
-    ));
+    if summary.of_mechanism() {
+        put(&mechanism(input, sections));
+    }
     let sensitivities: String = input
         .limit_states
         .iter()
@@ -137,12 +122,11 @@ pub fn html(input: &ReportInput, sections: &Sections) -> String {
     if !summary.convergence.rounds.is_empty() {
         put(&details("All rounds", &tables::rounds(input)));
     }
-    put(&section(
-        "Numerical error",
-        &stated::sentences(input).iter().map(|sentence| escape(sentence)).collect::<Vec<_>>().join(" "),
-        &figures(&sections.numerical, "three"),
-        "The simulations state no numerical errors.",
-    ));
+    let stated =
+        stated::sentences(input).iter().map(|sentence| escape(sentence)).collect::<Vec<_>>().join(" ");
+    let without_figures =
+        if stated.is_empty() { "The simulations state no numerical errors." } else { &stated };
+    put(&section("Numerical error", &stated, &figures(&sections.numerical, "three"), without_figures));
     put(&stated::errors_over_life(input));
     put(&numerics(input));
     put(&repeat(input));
@@ -153,6 +137,29 @@ pub fn html(input: &ReportInput, sections: &Sections) -> String {
         escape(&input.title),
         palette::css()
     )
+}
+
+/// What there is to see of the nominal mechanism: its first cycle and its bores.
+fn mechanism(input: &ReportInput, sections: &Sections) -> String {
+    let first_cycle = section(
+        "First cycle",
+        "",
+        &figures(&sections.first_cycle, "three"),
+        "The nominal evaluation holds no first cycle.",
+    );
+    let bores = section(
+        "Worn bores",
+        &input.nominal.as_ref().and_then(|nominal| nominal.cycles.last()).map_or(String::new(), |cycles| {
+            format!(
+                "The nominal mechanism after {} cycles. The inner circle is the unworn bore; wear is drawn outward \
+                 from it, magnified, on one scale for all joints; angles in the frame of the bushing's body.",
+                count((*cycles).into())
+            )
+        }),
+        &figures(&sections.bores, "many"),
+        "There is no nominal evaluation with worn joints.",
+    );
+    first_cycle + &bores
 }
 
 /// Title, the three lives, and the sentences.
@@ -167,7 +174,14 @@ fn head(input: &ReportInput) -> String {
         escape(&words::accuracy(summary)),
         summary.seed
     );
-    for level in words::LEVELS {
+    if summary.is_static() {
+        let probability = words::failure_probability(&summary.reliability[0], "total");
+        let _ = write!(
+            html,
+            "<div class=\"tile\"><p>P<sub>f</sub></p><p class=\"figure\">{probability}</p></div>"
+        );
+    }
+    for level in words::LEVELS.into_iter().filter(|_| !summary.is_static()) {
         let (life, bounds) = words::life(life_at(summary, "total", level));
         let _ = write!(
             html,
@@ -224,7 +238,9 @@ fn details(title: &str, content: &str) -> String {
 fn numerics(input: &ReportInput) -> String {
     let repairs: usize = input.summary.convergence.rounds.iter().map(|round| round.repairs).sum();
     let mut html = String::from("<h2>Numerics</h2>\n<div class=\"pair\"><div>");
-    html += &tables::diagnostics(input);
+    if input.summary.of_mechanism() {
+        html += &tables::diagnostics(input);
+    }
     html += &tables::stated_errors(input);
     html += "</div><div>";
     html += &tables::timing(input);

@@ -65,7 +65,7 @@ pub fn errors_over_life(input: &ReportInput) -> String {
         };
         of.iter().enumerate().filter(shown).map(move |(_, at)| {
             let share = |error: f64| percent((error / state.threshold).abs());
-            let value = |error: f64| format!("{} {}", three_digits(unit.to_shown(error)), unit.symbol());
+            let value = |error: f64| escape(&unit.after(&three_digits(unit.to_shown(error))));
             vec![
                 escape(&words(&input.outputs[state.output].name)),
                 count(at.cycles.into()),
@@ -101,12 +101,15 @@ pub fn sentences(input: &ReportInput) -> Vec<String> {
         return vec![];
     }
     let mut text = vec![format!(
-        "Every simulation states the numerical error of its own values, from its time and wear steps; a value is meant to \
+        "Every simulation states the numerical error of its own values{}; a value is meant to \
          lie within twice of it in 95 % of cases. At {} cycles this is typically, as a share of the limit: {}.",
+        if input.summary.of_mechanism() { ", from its time and wear steps" } else { "" },
         count(row.cycles.into()),
         sizes.join("; ")
     )];
-    text.extend(meaning(input));
+    if !input.summary.is_static() {
+        text.extend(meaning(input));
+    }
     let shares: Vec<String> = input
         .summary
         .surrogates
@@ -133,9 +136,10 @@ pub fn meaning(input: &ReportInput) -> Option<String> {
         None => format!("more than {}", count(last.into())),
     };
     Some(format!(
-        "If all simulations erred by their stated errors in the same direction, the worst one, half of the mechanisms would \
+        "If all simulations erred by their stated errors in the same direction, the worst one, half of the {}s would \
          reach {} cycles, in the best one {}. This is no standard error, and more simulations do not narrow it: a finer \
          accuracy does.",
+        input.subject(),
         life(worst),
         life(best)
     ))

@@ -85,11 +85,17 @@ pub fn scene() -> Scene {
         variables: VARIABLES.iter().map(variable).collect(),
         correlations: vec![],
         limit_states: vec![
-            LimitState { name: "wear".into(), output: 0, threshold: 3e-5 },
-            LimitState { name: "asymmetry".into(), output: 1, threshold: 25.0 * PI / 30.0 },
+            LimitState { name: "wear".into(), output: 0, threshold: 3e-5, fails: Fails::Above },
+            LimitState {
+                name: "asymmetry".into(),
+                output: 1,
+                threshold: 25.0 * PI / 30.0,
+                fails: Fails::Above,
+            },
         ],
         life: Life { period: 0.125, cycles: 72_000, checkpoint_every: 1000, settle_cycles: 1 },
         study: StudySettings { population: 100_000, initial: 120, batch: 12, max_evaluations: 400, seed: 1 },
+        simulator: None,
     }
 }
 
@@ -219,7 +225,7 @@ pub fn study() -> Study {
         seed: 20_260_101,
         method: "ak".into(),
         accuracy: "balanced".into(),
-        accuracy_settings: common::accuracy::Accuracy::balanced(),
+        accuracy_settings: Some(common::accuracy::Accuracy::balanced()),
         max_error: None,
         population: 100_000,
         evaluations: EvaluationCounts { total: 216, initial: 120, added: 96, failed: 1 },

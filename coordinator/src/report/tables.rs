@@ -170,12 +170,13 @@ pub fn diagnostics(input: &ReportInput) -> String {
 pub fn stated_errors(input: &ReportInput) -> String {
     let Some(nominal) = &input.nominal else { return String::new() };
     let Some(cycles) = nominal.cycles.last() else { return String::new() };
-    let rows = input.outputs.iter().zip(nominal.histories.iter().zip(&nominal.errors)).map(|(output, of)| {
+    let rows = input.outputs.iter().zip(&nominal.histories).enumerate().map(|(k, (output, history))| {
         let last = |row: &[f64]| {
             let value = row.last().map_or(f64::NAN, |si| output.unit.to_shown(*si));
-            format!("{} {}", three_digits(value), output.unit.symbol())
+            escape(&output.unit.after(&three_digits(value)))
         };
-        vec![escape(&words(&output.name)), last(of.0), last(of.1)]
+        let error = nominal.errors.get(k).map_or(UNKNOWN.to_owned(), |errors| last(errors));
+        vec![escape(&words(&output.name)), last(history), error]
     });
     let at = format!("nominal at {} cycles", count((*cycles).into()));
     table(&[at, "value".into(), "numerical error".into()], rows)

@@ -1,10 +1,11 @@
 //! What a study says, in sentences.
 
-use super::format::{count, duration, fixed, percent};
+use super::format::{count, duration, fixed, percent, three_digits};
 use super::input::ReportInput;
 use super::life::{LifeAt, governing, leaders, life_at};
 use super::plot::short;
-use crate::summary::StudySummary;
+use crate::summary::{PerLimitState, ReliabilityRow, StudySummary};
+use common::scene::Fails;
 
 /// Reliability levels whose lives are named.
 pub const LEVELS: [f64; 3] = [0.99, 0.9, 0.5];
@@ -33,12 +34,18 @@ pub fn accuracy(summary: &StudySummary) -> String {
 pub fn sentences(input: &ReportInput) -> Vec<String> {
     let summary = &input.summary;
     let mut text = Vec::new();
+    if summary.is_static() {
+        text.extend(failure_probabilities(input));
+        text.push(effort(summary));
+        return text;
+    }
     let lives: Vec<String> = LEVELS
         .iter()
         .map(|level| {
             format!(
-                "{} of the mechanisms reach {}",
+                "{} of the {}s reach {}",
                 percent0(*level),
+                input.subject(),
                 cycles(life_at(summary, "total", *level))
             )
         })
@@ -47,6 +54,24 @@ pub fn sentences(input: &ReportInput) -> Vec<String> {
     text.extend(who_fails_first(input));
     text.push(effort(summary));
     text
+}
+
+/// How probable failure is where there is no life to follow.
+fn failure_probabilities(input: &ReportInput) -> Option<String> {
+    let row = input.summary.reliability.first()?;
+    let mut names: Vec<&str> = input.summary.limit_states.iter().map(String::as_str).collect();
+    if names.len() > 1 {
+        names.push("total");
+    }
+    let each: Vec<String> =
+        names.iter().map(|name| format!("{} ({name})", failure_probability(row, name))).collect();
+    Some(format!("The probability of failure is {}.", each.join(", ")))
+}
+
+/// The failure probability of a limit state with its standard error, e.g. `1.97e-3 ± 3.1e-5`.
+pub fn failure_probability(row: &ReliabilityRow, name: &str) -> String {
+    let of = |values: &PerLimitState| values.get(name).copied().unwrap_or(f64::NAN);
+    format!("{} ± {}", three_digits(1.0 - of(&row.reliability)), three_digits(of(&row.standard_error)))
 }
 
 fn percent0(share: f64) -> String {
@@ -68,14 +93,17 @@ fn who_fails_first(input: &ReportInput) -> Vec<String> {
         let state = input.limit_states.iter().find(|state| state.name == name)?;
         let unit = input.unit_of(state);
         let output = super::figures::words(&input.outputs[state.output].name);
-        Some(format!("{output} reaching {} {}", short(unit.to_shown(state.threshold)), unit.symbol()))
+        let threshold = unit.after(&short(unit.to_shown(state.threshold)));
+        let reaching = if state.fails == Fails::Above { "reaching" } else { "falling to" };
+        Some(format!("{output} {reaching} {threshold}"))
     };
     let named = |name: &str| means(name).map_or(name.to_string(), |means| format!("{name} ({means})"));
     match leaders(summary).as_slice() {
         [] => text.push("No limit state is reached within the life studied.".to_string()),
         [(from, only)] if summary.limit_states.len() == 1 => {
             text.push(format!(
-                "The mechanism fails by {}, noticeably (more than 0.1 %) from {} cycles on.",
+                "The {} fails by {}, noticeably (more than 0.1 %) from {} cycles on.",
+                input.subject(),
                 named(only),
                 count((*from).into())
             ));
@@ -83,8 +111,9 @@ fn who_fails_first(input: &ReportInput) -> Vec<String> {
         [(from, first), rest @ ..] => {
             let always = if rest.is_empty() { "; it leads over the whole life studied" } else { "" };
             text.push(format!(
-                "First to fail: {}, noticeably (more than 0.1 % of the mechanisms ahead) from {} cycles on{always}.",
+                "First to fail: {}, noticeably (more than 0.1 % of the {}s ahead) from {} cycles on{always}.",
                 named(first),
+                input.subject(),
                 count((*from).into())
             ));
             for (from, next) in rest {
@@ -102,10 +131,11 @@ fn who_fails_first(input: &ReportInput) -> Vec<String> {
             summary.limit_states.iter().map(|name| format!("{} by {name}", percent(failed(name)))).collect();
         if failed("total") > 5e-4 {
             text.push(format!(
-                "At {} cycles {} have failed: {} (a mechanism that has failed by both counts in both).",
+                "At {} cycles {} have failed: {} (a {} that has failed by both counts in both).",
                 count(row.cycles.into()),
                 percent(failed("total")),
-                parts.join(", ")
+                parts.join(", "),
+                input.subject()
             ));
         }
     }
@@ -122,9 +152,10 @@ pub fn effort(summary: &StudySummary) -> String {
     };
     let surrogate = if counts.added > 0 || !summary.convergence.rounds.is_empty() {
         format!(
-            ", {} of them placed by learning, stand for a population of {} mechanisms",
+            ", {} of them placed by learning, stand for a population of {} {}",
             count(counts.added as u64),
-            count(summary.population as u64)
+            count(summary.population as u64),
+            if summary.of_mechanism() { "mechanisms" } else { "systems" }
         )
     } else {
         String::new()

@@ -5,7 +5,7 @@ use crate::summary::Round;
 use common::failure::SimulationFailure;
 use common::outputs::{BodyTrace, Diagnostics, Evaluation, FirstCycle, JointSummary};
 use common::random::{Distribution, RandomVariable};
-use common::scene::{Life, LimitState, Output, OutputKind, StudySettings};
+use common::scene::{Fails, Life, LimitState, Output, OutputKind, StudySettings};
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
 
@@ -29,9 +29,15 @@ fn scene() -> Scene {
         }],
         variables: vec![variable("k"), variable("K")],
         correlations: vec![],
-        limit_states: vec![LimitState { name: "wear".into(), output: 0, threshold: 3e-5 }],
+        limit_states: vec![LimitState {
+            name: "wear".into(),
+            output: 0,
+            threshold: 3e-5,
+            fails: Fails::Above,
+        }],
         life: Life { period: 0.125, cycles: 2000, checkpoint_every: 1000, settle_cycles: 1 },
         study: StudySettings { population: 100, initial: 10, batch: 4, max_evaluations: 20, seed: 1 },
+        simulator: None,
     }
 }
 

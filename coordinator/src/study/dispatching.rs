@@ -1,12 +1,14 @@
 //! Numbered requests, the campaign file first, then the evaluator; outcomes checked and in order.
 
-use super::{Ask, CampaignError, Observed, Problem, Step, StudyError};
+use super::responses::Responses;
+use super::{Ask, CampaignError, Observed, Step, StudyError};
 use crate::evaluate::{EvaluateError, Evaluator, Finished, Request};
 use crate::journal::Journal;
 use crate::progress::{Observer, Progress};
 use crate::summary::{Round, WorkerShare};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
+use common::scene::Scene;
 use std::collections::{BTreeMap, VecDeque};
 use std::time::{Duration, Instant};
 
@@ -35,6 +37,7 @@ struct Chunk {
 /// Gets what a learner asks for evaluated, each sample under the next number.
 pub(super) struct Dispatcher<'a> {
     outputs: usize,
+    responses: Responses,
     checkpoints: Vec<u32>,
     /// Setting for what failed once.
     stricter: Option<Accuracy>,
@@ -61,7 +64,7 @@ struct Record<'a> {
 impl<'a> Dispatcher<'a> {
     /// `stricter` is the setting for what failed once, `budget` the bound on evaluations, for the observer.
     pub fn new(
-        problem: &Problem,
+        scene: &Scene,
         stricter: Option<Accuracy>,
         budget: usize,
         evaluator: &'a mut dyn Evaluator,
@@ -79,8 +82,15 @@ impl<'a> Dispatcher<'a> {
             thinking: Duration::ZERO,
             idle: Duration::ZERO,
         };
-        let (outputs, checkpoints) = (problem.outputs, problem.checkpoints.clone());
-        Self { outputs, checkpoints, stricter, budget, evaluator, record }
+        Self {
+            outputs: scene.outputs.len(),
+            responses: Responses::of(scene),
+            checkpoints: scene.life.checkpoints(),
+            stricter,
+            budget,
+            evaluator,
+            record,
+        }
     }
 
     /// Evaluates what the learner asks for until it asks for no more.
@@ -88,9 +98,16 @@ impl<'a> Dispatcher<'a> {
     /// # Errors
     /// [`StudyError`]; whatever was evaluated is in the journal by then.
     pub fn pursue(&mut self, learner: &mut dyn Learner) -> Result<(), StudyError> {
-        let Self { outputs, checkpoints, stricter, budget, evaluator, record } = self;
-        let mut stage =
-            Stage { outputs: *outputs, checkpoints, stricter: *stricter, budget: *budget, record, learner };
+        let Self { outputs, responses, checkpoints, stricter, budget, evaluator, record } = self;
+        let mut stage = Stage {
+            outputs: *outputs,
+            responses,
+            checkpoints,
+            stricter: *stricter,
+            budget: *budget,
+            record,
+            learner,
+        };
         let mut chunks: VecDeque<Chunk> = VecDeque::new();
         let mut requests: BTreeMap<u64, Request> = BTreeMap::new();
         // What the learner makes of outcomes is no matter of the evaluator: it ends, and the error is answered here.
@@ -174,6 +191,7 @@ impl Record<'_> {
 /// A learner being served.
 struct Stage<'s, 'a> {
     outputs: usize,
+    responses: &'s Responses,
     checkpoints: &'s [u32],
     stricter: Option<Accuracy>,
     budget: usize,
@@ -188,7 +206,8 @@ impl Stage<'_, '_> {
         share.0 += 1;
         share.1 += finished.wall;
         let id = finished.id;
-        let outcome = checked(finished, self.outputs, self.checkpoints)?;
+        let observed = checked(finished, self.outputs, self.checkpoints)?;
+        let outcome = observed.map(|observed| self.responses.complete(observed));
         let chunk =
             chunks.iter_mut().rev().find(|chunk| chunk.first <= id).expect("every request has a chunk");
         chunk.outcomes[(id - chunk.first) as usize] = Some(outcome);

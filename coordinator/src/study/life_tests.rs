@@ -10,7 +10,7 @@ use common::accuracy::NamedAccuracy;
 use common::failure::SimulationFailure;
 use common::outputs::{Diagnostics, Evaluation};
 use common::random::{Distribution, RandomVariable};
-use common::scene::{Life, LimitState, Output, OutputKind, Scene, SignedBody, StudySettings};
+use common::scene::{Fails, Life, LimitState, Output, OutputKind, Scene, SignedBody, StudySettings};
 use std::collections::{BTreeMap, VecDeque};
 
 const D: usize = 30;
@@ -26,7 +26,12 @@ fn scene() -> Scene {
     let body = |label: &str| SignedBody { body: 0, sign: 1.0, label: label.into() };
     let speed = OutputKind::AngularVelocityDifference { a: body("right"), b: body("left") };
     let output = |name: &str, kind| Output { name: name.into(), kind };
-    let limit = |name: &str, output, threshold| LimitState { name: name.into(), output, threshold };
+    let limit = |name: &str, output, threshold| LimitState {
+        name: name.into(),
+        output,
+        threshold,
+        fails: Fails::Above,
+    };
     Scene {
         name: "made-up".into(),
         title: "Two modes over 72 checkpoints".into(),
@@ -43,6 +48,7 @@ fn scene() -> Scene {
         limit_states: vec![limit("wear", 0, 30e-6), limit("asymmetry", 1, 2.618)],
         life: Life { period: 0.125, cycles: 72_000, checkpoint_every: 1000, settle_cycles: 1 },
         study: StudySettings { population: 100_000, initial: 120, batch: 16, max_evaluations: 300, seed: 1 },
+        simulator: None,
     }
 }
 

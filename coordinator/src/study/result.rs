@@ -1,5 +1,6 @@
 //! From what was learned to what is reported.
 
+use super::responses::Responses;
 use super::{Failed, Learned, LookedAt, Settings, Stop};
 use crate::learning::Rule;
 use crate::output_unit::OutputUnit;
@@ -165,15 +166,15 @@ pub(super) fn from_learning(scene: &Scene, settings: &Settings, learned: &Learne
 
 /// The failure shares with the population's responses moved by the stated errors.
 fn numerical_band(scene: &Scene, learned: &Learned) -> NumericalBand {
-    let shifted: Vec<_> = scene
-        .limit_states
+    let shifted: Vec<_> = Responses::of(scene)
+        .modes
         .iter()
         .zip(&learned.assessment.surrogates)
-        .map(|(limit, surrogate)| {
-            let values = learned.observations.running_maxima(limit.output);
-            let errors = learned.observations.errors_of_running_maxima(limit.output);
+        .map(|(mode, surrogate)| {
+            let values = learned.observations.running_maxima(mode.output);
+            let errors = learned.observations.errors_of_running_maxima(mode.output);
             let (values, errors) = (values.as_ref(), errors.as_ref());
-            shift_population(&surrogate.model, &learned.looked_at.population, values, errors, limit.threshold)
+            shift_population(&surrogate.model, &learned.looked_at.population, values, errors, mode.threshold)
         })
         .collect();
     NumericalBand::count(&shifted, scene.life.checkpoints().len())
@@ -258,17 +259,20 @@ pub(super) fn assemble(
             lower: 1.0 - curves.condition.probability * curves.numerical.most[c][n],
             upper: 1.0 - curves.condition.probability * curves.numerical.least[c][n],
         };
-        let numerical =
-            curve_names.iter().enumerate().map(|(c, name)| ((*name).to_owned(), range(c))).collect();
+        // A simulator that states no errors leaves nothing to say of them.
+        let told = scene.simulator.is_none() || curves.numerical.most != curves.numerical.least;
+        let named = curve_names.iter().enumerate().filter(|_| told);
+        let numerical = named.map(|(c, name)| ((*name).to_owned(), range(c))).collect();
         ReliabilityRow { cycles: cycles[n], reliability, standard_error, numerical }
     };
+    let mechanism = scene.simulator.is_none();
     let summary = StudySummary {
         scene: scene.name.clone(),
         version: env!("CARGO_PKG_VERSION").to_owned(),
         seed: settings.study.seed,
         method: settings.method.name().to_owned(),
-        accuracy: settings.accuracy.name.clone(),
-        accuracy_settings: settings.accuracy.accuracy,
+        accuracy: if mechanism { settings.accuracy.name.clone() } else { "the simulator's own".to_owned() },
+        accuracy_settings: mechanism.then_some(settings.accuracy.accuracy),
         max_error: settings.max_error,
         population: curves.points,
         evaluations,
@@ -367,10 +371,9 @@ fn moments(scene: &Scene, distributions: &[Vec<OutputDistribution>], cycles: u32
     let mut row = BTreeMap::new();
     for limit in &scene.limit_states {
         let unit = OutputUnit::of(&scene.outputs[limit.output].kind);
-        let suffix = unit.suffix();
         let at = &distributions[limit.output][n];
-        row.insert(format!("{}_mean_{suffix}", limit.name), unit.to_file(at.mean));
-        row.insert(format!("{}_std_{suffix}", limit.name), unit.to_file(at.std));
+        row.insert(unit.key(&format!("{}_mean", limit.name)), unit.to_file(at.mean));
+        row.insert(unit.key(&format!("{}_std", limit.name)), unit.to_file(at.std));
     }
     MomentsRow { cycles, moments: row }
 }

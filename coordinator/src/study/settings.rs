@@ -83,7 +83,7 @@ impl Settings {
     }
 
     /// The plan of the campaign.
-    pub fn plan(&self) -> Plan {
+    pub fn plan(&self, scene: &Scene) -> Plan {
         Plan {
             population: self.study.population,
             largest_population: LARGEST_POPULATION,
@@ -95,14 +95,16 @@ impl Settings {
             targets: self.targets,
             forms: self.forms,
             stated_errors: self.stated_errors,
-            retry: self.stricter().is_some(),
+            retry: self.stricter(scene).is_some(),
             failed_share: self.failed_share,
         }
     }
 
-    /// Setting at which a failed simulation is repeated: time steps shorter by half.
-    pub fn stricter(&self) -> Option<Accuracy> {
-        (self.method == Method::ActiveLearning).then(|| self.accuracy.accuracy.refined(STRICTER))
+    /// Setting at which a failed simulation is repeated: time steps shorter by half. Simulators that a scene names have
+    /// no settings.
+    pub(super) fn stricter(&self, scene: &Scene) -> Option<Accuracy> {
+        let repeats = self.method == Method::ActiveLearning && scene.simulator.is_none();
+        repeats.then(|| self.accuracy.accuracy.refined(STRICTER))
     }
 
     /// Bound on evaluations.

@@ -14,8 +14,13 @@ use common::scene::{Attachment, JointKind, Load, Motion, Scene};
 /// Splits a checked scene into its islands, in the order of their first bodies.
 ///
 /// # Errors
-/// [`SimulationFailure::NotModelled`] for joints between two prescribed bodies.
+/// [`SimulationFailure::NotModelled`] for joints between two prescribed bodies, and for a scene without a mechanism.
 pub fn islands(scene: &Scene) -> Result<Vec<Island>, SimulationFailure> {
+    if scene.simulator.is_some() {
+        return Err(SimulationFailure::NotModelled {
+            what: "the simulator that the scene names: there is no mechanism".into(),
+        });
+    }
     let free: Vec<bool> = scene.bodies.iter().map(|b| matches!(b.motion, Motion::Free { .. })).collect();
     for joint in &scene.joints {
         if !free[joint.journal.body] && !free[joint.bushing.body] {

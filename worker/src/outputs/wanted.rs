@@ -21,7 +21,7 @@ impl Wanted {
         let mut wanted = Wanted::default();
         for output in &scene.outputs {
             match &output.kind {
-                OutputKind::LargestWear { .. } => {}
+                OutputKind::LargestWear { .. } | OutputKind::External { .. } => {}
                 OutputKind::AngularVelocityDifference { a, b } | OutputKind::AngleDifference { a, b } => {
                     wanted.bodies.extend([a.body, b.body]);
                 }

@@ -33,7 +33,7 @@ impl Run<'_> {
             largest_difference(compared, &self.track(a), a.sign, &self.track(b), b.sign)
         };
         let value = |kind: &OutputKind| match kind {
-            OutputKind::LargestWear { .. } => 0.0,
+            OutputKind::LargestWear { .. } | OutputKind::External { .. } => 0.0,
             OutputKind::AngularVelocityDifference { a, b } => differ(Compared::Speed, a, b),
             OutputKind::AngleDifference { a, b } => differ(Compared::Angle, a, b),
             OutputKind::PeakJointForce { joints } => {

@@ -42,11 +42,12 @@ pub fn learning(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
     let (low, high) = range(reliability.iter().map(|p| p.1));
     let u_top = range(min_u.iter().map(|p| p.1)).1.max(2.0) * 1.1;
     let r_margin = (0.15 * (high - low)).max(0.01);
+    let of_r = format!("R of the {}", input.subject());
     let plots = [
         (
             "learning-reliability",
             "R at the governing checkpoint",
-            "R of the mechanism",
+            of_r.as_str(),
             ((low - r_margin).max(0.0), (high + r_margin).min(1.0)),
             vec![Series::new("", Ink::Ink, Shape::Dotted(reliability))],
             format!("At the checkpoint where R is nearest 1/2, at the end {} cycles.", count(last.cycles.into())),

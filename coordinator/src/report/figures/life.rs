@@ -1,18 +1,23 @@
 //! Figures over the life of the mechanism: reliability, outputs, their distributions late in life.
 
 use super::{Figure, LifeAxis, capital, figure, file_name, ink_of, words};
-use crate::report::format::{count, fixed};
+use crate::output_unit::OutputUnit;
+use crate::report::format::{count, fixed, three_digits};
 use crate::report::input::{LimitStateInfo, OutputDistribution, ReportInput};
 use crate::report::life::{governing, rows_that_matter};
 use crate::report::palette::Ink;
 use crate::report::plot::{Plot, PlotError, Series, Shape, short};
 use crate::summary::ReliabilityRow;
+use common::scene::Fails;
 
 /// Reliability over life per limit state and in total, with bands of 1.96 standard errors.
 ///
 /// # Errors
 /// [`PlotError`].
 pub fn reliability(input: &ReportInput) -> Result<Option<Figure>, PlotError> {
+    if input.summary.is_static() {
+        return Ok(None);
+    }
     let rows = rows_that_matter(&input.summary, 3);
     let (Some(first), Some(last)) = (rows.first(), rows.last()) else { return Ok(None) };
     let axis = LifeAxis::of(input);
@@ -48,10 +53,13 @@ pub fn reliability(input: &ReportInput) -> Result<Option<Figure>, PlotError> {
         series: &series,
     }
     .svg()?;
-    let caption = "Probability that no failure has occurred up to this life, per limit state and for the whole \
-                   mechanism, which fails by whichever comes first. Bands: 1.96 standard errors, sampling and \
-                   surrogate together; what numerical errors of the simulations can do is shown further below.";
-    Ok(Some(figure("reliability", "Reliability over life", caption, svg)))
+    let caption = format!(
+        "Probability that no failure has occurred up to this life, per limit state and for the whole {}, which fails by \
+         whichever comes first. Bands: 1.96 standard errors, sampling and surrogate together; what numerical errors of the \
+         simulations can do is shown further below.",
+        input.subject()
+    );
+    Ok(Some(figure("reliability", "Reliability over life", &caption, svg)))
 }
 
 /// One figure per limit state: its output's distribution at three checkpoints around the governing one.
@@ -66,7 +74,7 @@ pub fn distributions(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
             continue;
         }
         let output = &input.outputs[state.output];
-        let unit = output.unit;
+        let unit = &output.unit;
         let threshold = unit.to_shown(state.threshold);
         let mut series = Vec::new();
         let (mut low, mut high, mut top) = (threshold, threshold, 0.0_f64);
@@ -85,15 +93,16 @@ pub fn distributions(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
             for (left, right, height) in &bars {
                 (low, high, top) = (low.min(*left), high.max(*right), top.max(*height));
             }
-            let label = format!("{} cycles", count(u64::from(distribution.cycles)));
+            let at = format!("{} cycles", count(u64::from(distribution.cycles)));
+            let label = if input.summary.is_static() { "population".to_owned() } else { at };
             series.push(Series::new(label, Ink::Series(k + 2), Shape::Steps(bars)));
         }
         series.push(Series::new("threshold", Ink::Limit, Shape::Upright(threshold)));
         let name = format!("distribution-{}", file_name(&state.name));
         let svg = Plot {
             figure: &name,
-            x_label: &format!("{} [{}]", words(&output.name), unit.symbol()),
-            y_label: &format!("density [1/({})]", unit.symbol()),
+            x_label: &unit.axis(&words(&output.name)),
+            y_label: &density(unit),
             x: (low - 0.03 * (high - low), high + 0.03 * (high - low)),
             y: (0.0, 1.08 * top),
             x_text: &short,
@@ -105,29 +114,46 @@ pub fn distributions(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
             .iter()
             .map(|d| {
                 format!(
-                    "{} ± {} {} at {}",
-                    fixed(unit.to_shown(d.mean), 2),
-                    fixed(unit.to_shown(d.std), 2),
-                    unit.symbol(),
+                    "{} ± {} at {}",
+                    in_short(unit, d.mean),
+                    unit.after(&in_short(unit, d.std)),
                     count(d.cycles.into())
                 )
             })
             .collect();
         let caption = format!(
-            "Over the whole population. Mean ± standard deviation: {} cycles. Beyond the threshold of {} {} the \
-             mechanism has failed.",
+            "Over the whole population. Mean ± standard deviation: {} {}. {} the threshold of {} the {} has failed.",
             means.join(", "),
-            short(threshold),
-            unit.symbol()
+            if shown.len() == 1 && shown[0].cycles == 1 { "cycle" } else { "cycles" },
+            if state.fails == Fails::Above { "Beyond" } else { "Below" },
+            unit.after(&short(threshold)),
+            input.subject()
         );
         figures.push(figure(
             &name,
-            &capital(&format!("{} late in life", words(&output.name))),
+            &capital(&if input.summary.is_static() {
+                format!("distribution of {}", words(&output.name))
+            } else {
+                format!("{} late in life", words(&output.name))
+            }),
             &caption,
             svg,
         ));
     }
     Ok(figures)
+}
+
+/// A mean or standard deviation: hundredths of the unit that this program chose, else three digits.
+fn in_short(unit: &OutputUnit, value: f64) -> String {
+    match unit {
+        OutputUnit::External(_) => three_digits(value),
+        own => fixed(own.to_shown(value), 2),
+    }
+}
+
+/// What the axis of a density shows.
+fn density(unit: &OutputUnit) -> String {
+    if unit.symbol().is_empty() { "density".to_owned() } else { format!("density [1/({})]", unit.symbol()) }
 }
 
 /// Distributions of a limit state's output at the governing checkpoint and two checkpoints before and after,
@@ -156,13 +182,16 @@ fn three_around_governing<'a>(input: &'a ReportInput, state: &LimitStateInfo) ->
 /// # Errors
 /// [`PlotError`].
 pub fn histories(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
+    if input.summary.is_static() {
+        return Ok(vec![]);
+    }
     let axis = LifeAxis::of(input);
     let mut figures = Vec::new();
     for state in &input.limit_states {
         let output = &input.outputs[state.output];
-        let unit = output.unit;
+        let unit = &output.unit;
         let threshold = unit.to_shown(state.threshold);
-        let key = |what: &str| format!("{}_{what}_{}", state.name, unit.suffix());
+        let key = |what: &str| unit.key(&format!("{}_{what}", state.name));
         let band: Vec<_> = input
             .summary
             .moments
@@ -182,7 +211,8 @@ pub fn histories(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
         let Some(last) = last else { continue };
         let values = nominal.iter().map(|p| p.1).chain(band.iter().flat_map(|p| [p.1, p.2]));
         let (low, high) = values.fold((threshold, threshold), |(low, high), v| (low.min(v), high.max(v)));
-        let low = if low < 0.5 * high { 0.0 } else { low - 0.1 * (high - low) };
+        let signed = threshold < 0.0 || nominal.iter().any(|p| p.1 < 0.0);
+        let low = if low < 0.5 * high && !signed { 0.0 } else { low - 0.1 * (high - low) };
         let mut series = vec![Series::new("threshold", Ink::Limit, Shape::Level(threshold))];
         if !band.is_empty() {
             series.push(Series::new(
@@ -198,7 +228,7 @@ pub fn histories(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
         let svg = Plot {
             figure: &name,
             x_label: axis.label,
-            y_label: &format!("{} [{}]", words(&output.name), unit.symbol()),
+            y_label: &unit.axis(&words(&output.name)),
             x: (0.0, last),
             y: (low, high + 0.05 * (high - low)),
             x_text: &short,
@@ -206,8 +236,11 @@ pub fn histories(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
             series: &series,
         }
         .svg()?;
-        let caption = "Each value belongs to the profile worn to that many cycles. The nominal mechanism has every \
-                       variable at its mean.";
+        let caption = if input.summary.of_mechanism() {
+            "Each value belongs to the profile worn to that many cycles. The nominal mechanism has every variable at its mean."
+        } else {
+            "The nominal system has every variable at its mean."
+        };
         figures.push(figure(&name, &capital(&format!("{} over life", words(&output.name))), caption, svg));
     }
     Ok(figures)

@@ -16,6 +16,9 @@ pub fn numerical(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
 }
 
 fn range_of_reliability(input: &ReportInput) -> Result<Option<Figure>, PlotError> {
+    if input.summary.is_static() {
+        return Ok(None);
+    }
     let rows = rows_that_matter(&input.summary, 6);
     let (Some(first), Some(last)) = (rows.first(), rows.last()) else { return Ok(None) };
     let axis = LifeAxis::of(input);
@@ -55,9 +58,13 @@ fn range_of_reliability(input: &ReportInput) -> Result<Option<Figure>, PlotError
 }
 
 fn sizes(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
+    if input.summary.is_static() {
+        return Ok(vec![]);
+    }
     let axis = LifeAxis::of(input);
     let mut figures = Vec::new();
-    for state in &input.limit_states {
+    // Of a limit at zero nothing is a share.
+    for state in input.limit_states.iter().filter(|state| state.threshold != 0.0) {
         let stated = input.stated.get(state.output).map_or(&[][..], Vec::as_slice);
         let Some(last) = stated.last() else { continue };
         let of_limit = |error: f64| 100.0 * (error / state.threshold).abs();

@@ -1,0 +1,217 @@
+//! Studies of an external simulator: what is read of them, and what their authors are told.
+
+use common::random::Distribution;
+use common::scene::{Fails, Life, OutputKind, Program, SceneSource, SimulatorKind};
+
+const BEAM: &str = r#"
+[scene]
+name = "beam"
+
+[parameters]
+length = "2 m"
+
+[simulator]
+program = ["python3", "beam.py"]
+timeout = "2 min"
+
+[life]
+cycles = 300
+checkpoint_every = 100
+
+[[outputs]]
+name = "deflection"
+unit = "mm"
+
+[[outputs]]
+name = "margin"
+values = 1
+
+[[limit_states]]
+name = "bent"
+output = "deflection"
+threshold = 12.5
+
+[[limit_states]]
+name = "weak"
+output = "margin"
+threshold = -0.5
+fails = "below"
+
+[[variables]]
+name = "span"
+mean = "length / 2"
+std = "1 %"
+unit = "mm"
+
+[[variables]]
+name = "temperature"
+mean = 293
+std = 4
+unit = "K"
+"#;
+
+fn beam(from: &str, to: &str) -> String {
+    assert!(BEAM.contains(from), "no \"{from}\"");
+    BEAM.replacen(from, to, 1)
+}
+
+/// What a scene's author is told, one line a fault.
+fn faults(text: &str) -> String {
+    SceneSource::parse(text, "beam.toml").expect_err("a faulty scene").to_string()
+}
+
+#[test]
+fn a_study_of_a_program_is_read() {
+    let source = SceneSource::parse(BEAM, "beam.toml").unwrap();
+    let scene = source.nominal();
+    let simulator = scene.simulator.as_ref().unwrap();
+    assert_eq!(simulator.timeout, 120.0);
+    let command = vec!["python3".to_owned(), "beam.py".to_owned()];
+    assert_eq!(simulator.kind, SimulatorKind::Program(Program { command, folder: ".".into() }));
+    assert!(scene.bodies.is_empty() && scene.joints.is_empty() && scene.loads.is_empty());
+    assert_eq!(scene.life.checkpoints(), [100, 200, 300]);
+    let kinds: Vec<_> = scene.outputs.iter().map(|output| output.kind.clone()).collect();
+    assert_eq!(
+        kinds,
+        [
+            OutputKind::External { unit: "mm".into(), single: false },
+            OutputKind::External { unit: String::new(), single: true }
+        ]
+    );
+    let limits: Vec<_> = scene.limit_states.iter().map(|l| (l.output, l.threshold, l.fails)).collect();
+    assert_eq!(limits, [(0, 12.5, Fails::Above), (1, -0.5, Fails::Below)]);
+    let [span, temperature] = source.variables() else { panic!() };
+    assert_eq!(
+        span.distribution,
+        Distribution::TruncatedNormal { mean: 1.0, std: 0.01, lower: 0.97, upper: 1.03 }
+    );
+    assert_eq!((span.unit.as_str(), temperature.unit.as_str()), ("mm", "K"));
+    assert!(span.changes.is_empty());
+    assert_eq!(source.means(), [1.0, 293.0]);
+    assert!(source.unused_parameters().is_empty());
+}
+
+#[test]
+fn without_a_life_there_is_one_checkpoint() {
+    let text = beam("[life]\ncycles = 300\ncheckpoint_every = 100\n", "");
+    let life = SceneSource::parse(&text, "beam.toml").unwrap().nominal().life;
+    assert_eq!(life, Life { period: 0.0, cycles: 1, checkpoint_every: 1, settle_cycles: 0 });
+}
+
+#[test]
+fn a_study_of_a_server_is_read() {
+    let server = "umbridge = \"http://127.0.0.1:4242/\"\nmodel = \"posterior\"\nconfig = { level = 2 }\ntimeout = \"1 h\"";
+    let text = beam("program = [\"python3\", \"beam.py\"]\ntimeout = \"2 min\"", server);
+    let scene = SceneSource::parse(&text, "beam.toml").unwrap().resolve().unwrap();
+    let SimulatorKind::UmBridge(model) = scene.simulator.unwrap().kind else { panic!() };
+    assert_eq!((model.url.as_str(), model.model.as_str()), ("http://127.0.0.1:4242", "posterior"));
+    assert_eq!(model.config["level"].as_integer(), Some(2));
+}
+
+#[test]
+fn inputs_are_set_by_name_in_their_unit() {
+    let source = SceneSource::parse(BEAM, "beam.toml").unwrap();
+    let setting = source.parse_setting("span=990 mm").unwrap();
+    assert_eq!(source.sample_with(&[setting]).unwrap(), [0.99, 293.0]);
+    let setting = source.parse_setting("temperature=300").unwrap();
+    assert_eq!(source.sample_with(&[setting]).unwrap(), [1.0, 300.0]);
+    let error = source.parse_setting("span=3").unwrap_err().to_string();
+    assert!(error.contains("expected a length"), "{error}");
+    let error = source.sample_with(&[("parameters.length".into(), 1.0)]).unwrap_err().to_string();
+    assert!(
+        error.contains("there is no variable \"parameters.length\"") && error.contains("span"),
+        "{error}"
+    );
+}
+
+#[test]
+fn every_slip_is_named() {
+    for (from, to, parts) in [
+        ("program = [\"python3\", \"beam.py\"]\n", "", &["simulator.program", "e.g. umbridge ="][..]),
+        ("program = [\"python3\", \"beam.py\"]", "program = []", &["simulator.program", "is empty"]),
+        (
+            "program = [\"python3\", \"beam.py\"]",
+            "program = \"beam.py\"",
+            &["simulator.program", "a list of words"],
+        ),
+        (
+            "timeout = \"2 min\"",
+            "umbridge = \"http://127.0.0.1:1\"",
+            &["simulator", "both a program and an umbridge server"],
+        ),
+        ("timeout = \"2 min\"", "timeout = \"2 mm\"", &["simulator.timeout", "expected a time"]),
+        ("timeout = \"2 min\"", "time = \"2 min\"", &["simulator.time", "did you mean \"timeout\"?"]),
+        ("timeout = \"2 min\"", "config = { a = 1 }", &["simulator.config", "unknown key"]),
+        (
+            "checkpoint_every = 100",
+            "checkpoint_every = 70",
+            &["life.cycles", "a multiple of checkpoint_every = 70"],
+        ),
+        (
+            "values = 1",
+            "values = 2",
+            &["outputs.margin.values", "2 is out of range", "each of the 3 checkpoints"],
+        ),
+        ("unit = \"mm\"\n", "type = \"largest-wear\"\n", &["outputs.deflection.type", "unknown key"]),
+        (
+            "threshold = 12.5",
+            "threshold = \"12.5 mm\"",
+            &["limit_states.bent.threshold", "expected a plain number"],
+        ),
+        ("fails = \"below\"", "fails = \"under\"", &["limit_states.weak.fails", "allowed: above, below"]),
+        ("mean = 293\n", "", &["variables.temperature.mean", "is missing"]),
+        (
+            "unit = \"K\"",
+            "unit = \"mm\"",
+            &["variables.temperature.unit", "no unit of a plain number; write mean = \"293 mm\""],
+        ),
+        (
+            "unit = \"K\"",
+            "changes = [\"parameters.length\"]",
+            &["variables.temperature.changes", "unknown key"],
+        ),
+        ("[parameters]", "[[bodies]]\nname = \"frame\"\n[parameters]", &["bodies: unknown key"]),
+    ] {
+        let said = faults(&beam(from, to));
+        assert_eq!(said.lines().count(), 1, "{said}");
+        for part in parts {
+            assert!(said.contains(part), "no \"{part}\" in: {said}");
+        }
+    }
+    let said = faults(&beam("program = [\"python3\", \"beam.py\"]", "umbridge = \"https://example.org\""));
+    assert!(said.contains("simulator.umbridge") && said.contains("allowed: http://HOST:PORT"), "{said}");
+    // Without outputs there is nothing to learn.
+    let outputs = &BEAM[BEAM.find("[[outputs]]").unwrap()..BEAM.find("[[variables]]").unwrap()];
+    let said = faults(&beam(outputs, ""));
+    assert!(said.contains("outputs: is missing") && said.contains("limit_states: is missing"), "{said}");
+}
+
+#[test]
+fn a_limit_below_is_for_simulators_alone() {
+    let four_bar = include_str!("../scenes/four-bar.toml");
+    let text = four_bar.replacen("threshold = \"8 um\"", "threshold = \"8 um\"\nfails = \"below\"", 1);
+    let said = SceneSource::parse(&text, "four-bar.toml").unwrap_err().to_string();
+    assert!(said.contains("limit_states.wear.fails: unknown key"), "{said}");
+}
+
+#[test]
+fn a_program_runs_in_the_folder_of_its_scene() {
+    let folder = std::env::temp_dir().join(format!("hingewise-scene-{}", std::process::id()));
+    std::fs::create_dir_all(folder.join("model")).unwrap();
+    let file = folder.join("beam.toml");
+    let runs_in = |text: &str| {
+        std::fs::write(&file, text).unwrap();
+        let loaded = SceneSource::load(file.to_str().unwrap()).unwrap();
+        // What is stored knows the folder too.
+        let stored = SceneSource::parse(loaded.text(), "campaign.db").unwrap();
+        assert_eq!(stored.nominal(), loaded.nominal());
+        match stored.resolve().unwrap().simulator.unwrap().kind {
+            SimulatorKind::Program(program) => program.folder,
+            SimulatorKind::UmBridge(_) => panic!("a program"),
+        }
+    };
+    let whole = folder.canonicalize().unwrap();
+    let found = [runs_in(BEAM), runs_in(&beam("timeout = \"2 min\"", "folder = \"model\""))];
+    std::fs::remove_dir_all(&folder).unwrap();
+    assert_eq!(found, [whole.display().to_string(), whole.join("model").display().to_string()]);
+}

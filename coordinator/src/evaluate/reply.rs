@@ -1,0 +1,253 @@
+//! What an external simulator answers, as an evaluation: names, shapes and numbers checked against the scene.
+
+use super::Outcome;
+use common::failure::SimulationFailure;
+use common::outputs::{Diagnostics, Evaluation};
+use common::scene::{OutputKind, Scene};
+use serde_json::{Map, Value};
+
+/// What the scene expects of a simulator.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Expected {
+    /// Names of the inputs `(d,)`.
+    pub inputs: Vec<String>,
+    /// Names of the outputs, and whether each has a single value.
+    pub outputs: Vec<(String, bool)>,
+    /// Checkpoints `(m,)` [cycles].
+    pub cycles: Vec<u32>,
+}
+
+impl Expected {
+    /// By the variables, outputs and life of a scene.
+    pub fn of(scene: &Scene) -> Self {
+        let single = |kind: &OutputKind| matches!(kind, OutputKind::External { single: true, .. });
+        Self {
+            inputs: scene.variables.iter().map(|variable| variable.name.clone()).collect(),
+            outputs: scene.outputs.iter().map(|o| (o.name.clone(), single(&o.kind))).collect(),
+            cycles: scene.life.checkpoints(),
+        }
+    }
+
+    /// Number of values of each output.
+    pub fn lengths(&self) -> Vec<usize> {
+        self.outputs.iter().map(|(_, single)| if *single { 1 } else { self.cycles.len() }).collect()
+    }
+
+    /// An evaluation from values by name and, where they are stated, numerical errors.
+    ///
+    /// # Errors
+    /// What does not fit the scene. A value that is no finite number is a failed simulation.
+    pub fn evaluation(
+        &self,
+        values: &Map<String, Value>,
+        errors: Option<&Map<String, Value>>,
+    ) -> Result<Outcome, String> {
+        let mut histories = Vec::new();
+        for (name, single) in &self.outputs {
+            let value = values.get(name).ok_or_else(|| {
+                let there: Vec<&str> = values.keys().map(String::as_str).collect();
+                let there = if there.is_empty() { "none".to_owned() } else { there.join(", ") };
+                format!("it has no output \"{name}\"; it has: {there}")
+            })?;
+            match self.history(&format!("output \"{name}\""), value, *single)? {
+                Ok(history) => histories.push(history),
+                Err((at, value)) => {
+                    let (output, cycles) = (name.clone(), self.cycles[at]);
+                    return Ok(Err(SimulationFailure::NoNumber { output, cycles, value }));
+                }
+            }
+        }
+        let errors = match errors {
+            None => vec![],
+            Some(errors) => self.errors(errors)?,
+        };
+        Ok(Ok(Evaluation {
+            cycles: self.cycles.clone(),
+            histories,
+            errors,
+            joints: vec![],
+            first_cycle: None,
+            diagnostics: Diagnostics::default(),
+        }))
+    }
+
+    /// Stated errors of all outputs; those of an output that has none are zero.
+    fn errors(&self, errors: &Map<String, Value>) -> Result<Vec<Vec<f64>>, String> {
+        let of = |(name, single): &(String, bool)| {
+            let Some(value) = errors.get(name) else { return Ok(vec![0.0; self.cycles.len()]) };
+            let what = format!("the error of output \"{name}\"");
+            match self.history(&what, value, *single)? {
+                Ok(errors) if errors.iter().all(|error| *error >= 0.0) => Ok(errors),
+                Ok(_) => Err(format!("{what} is below 0")),
+                Err((_, value)) => Err(format!("{what} is {value}")),
+            }
+        };
+        self.outputs.iter().map(of).collect()
+    }
+
+    /// Values `(m,)` of an output, or the place and text of the first one that is no finite number.
+    fn history(
+        &self,
+        what: &str,
+        value: &Value,
+        single: bool,
+    ) -> Result<Result<Vec<f64>, (usize, String)>, String> {
+        let list = match value {
+            Value::Array(list) => list.as_slice(),
+            one => std::slice::from_ref(one),
+        };
+        let expected = if single { 1 } else { self.cycles.len() };
+        if list.len() != expected {
+            return Err(format!("{what} has {} values, expected {expected}", list.len()));
+        }
+        let mut values = Vec::new();
+        for (at, value) in list.iter().enumerate() {
+            match value.as_f64() {
+                Some(number) if number.is_finite() => values.push(number),
+                _ if is_odd(value) => return Ok(Err((at, plain(value)))),
+                _ => return Err(format!("{what} has {value} where a number belongs")),
+            }
+        }
+        if single {
+            values.resize(self.cycles.len(), values[0]);
+        }
+        Ok(Ok(values))
+    }
+}
+
+/// JSON as simulators write it: with `NaN`, `Infinity` and the like, which become texts.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn parse(text: &str) -> Result<Value, String> {
+    serde_json::from_str(text).or_else(|error| {
+        let quoted = with_odd_numbers_quoted(text);
+        if quoted == text {
+            Err(error.to_string())
+        } else {
+            serde_json::from_str(&quoted).map_err(|_| error.to_string())
+        }
+    })
+}
+
+/// The start of a text, as a message shows it.
+pub fn shown(text: &str) -> String {
+    const SHOWN: usize = 120;
+    match text.char_indices().nth(SHOWN) {
+        Some((end, _)) => format!("{}...", &text[..end]),
+        None => text.to_owned(),
+    }
+}
+
+/// Words that stand for numbers which are not finite.
+fn is_odd_word(word: &str) -> bool {
+    let bare = word.trim_start_matches(['-', '+']);
+    ["nan", "inf", "infinity"].iter().any(|odd| bare.eq_ignore_ascii_case(odd))
+}
+
+fn is_odd(value: &Value) -> bool {
+    value.is_null() || value.as_str().is_some_and(is_odd_word)
+}
+
+fn plain(value: &Value) -> String {
+    value.as_str().map_or_else(|| value.to_string(), str::to_owned)
+}
+
+fn with_odd_numbers_quoted(text: &str) -> String {
+    let mut out = String::new();
+    let mut rest = text;
+    while let Some(c) = rest.chars().next() {
+        let length = match c {
+            '"' => quoted_length(rest),
+            '-' | '+' | 'a'..='z' | 'A'..='Z' => {
+                let sign = usize::from(!c.is_ascii_alphabetic());
+                sign + rest[sign..].find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(rest.len() - sign)
+            }
+            other => other.len_utf8(),
+        };
+        let (word, after) = rest.split_at(length);
+        if is_odd_word(word) {
+            out.extend(["\"", word, "\""]);
+        } else {
+            out.push_str(word);
+        }
+        rest = after;
+    }
+    out
+}
+
+/// Length of the JSON string that `text` begins with.
+fn quoted_length(text: &str) -> usize {
+    let mut escaped = false;
+    for (at, c) in text.char_indices().skip(1) {
+        match c {
+            '"' if !escaped => return at + 1,
+            '\\' => escaped = !escaped,
+            _ => escaped = false,
+        }
+    }
+    text.len()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    fn expected() -> Expected {
+        Expected {
+            inputs: vec!["x".into()],
+            outputs: vec![("g".into(), false), ("h".into(), true)],
+            cycles: vec![100, 200],
+        }
+    }
+
+    fn evaluation(outputs: Value, errors: Option<Value>) -> Result<Outcome, String> {
+        let errors = errors.as_ref().map(|errors| errors.as_object().unwrap());
+        expected().evaluation(outputs.as_object().unwrap(), errors)
+    }
+
+    #[test]
+    fn values_and_errors_have_the_scenes_shape() {
+        let found = evaluation(json!({ "h": [3], "g": [1.5, -2], "more": [] }), None).unwrap().unwrap();
+        assert_eq!(found.histories, [[1.5, -2.0], [3.0, 3.0]]);
+        assert!(found.errors.is_empty());
+        let found =
+            evaluation(json!({ "g": [1, 2], "h": 3.0 }), Some(json!({ "g": [0.1, 0] }))).unwrap().unwrap();
+        assert_eq!(found.errors, [[0.1, 0.0], [0.0, 0.0]]);
+    }
+
+    #[test]
+    fn what_does_not_fit_is_named() {
+        for (outputs, errors, said) in [
+            (json!({}), None, "it has no output \"g\"; it has: none"),
+            (json!({ "G": 1, "h": 1 }), None, "it has no output \"g\"; it has: G, h"),
+            (json!({ "g": [1], "h": 1 }), None, "output \"g\" has 1 values, expected 2"),
+            (json!({ "g": [1, 2], "h": [1, 2] }), None, "output \"h\" has 2 values, expected 1"),
+            (json!({ "g": [1, "two"], "h": 1 }), None, "output \"g\" has \"two\" where a number belongs"),
+            (json!({ "g": [1, [2]], "h": 1 }), None, "output \"g\" has [2] where a number belongs"),
+            (
+                json!({ "g": [1, 2], "h": 1 }),
+                Some(json!({ "g": [0, -1] })),
+                "the error of output \"g\" is below 0",
+            ),
+            (json!({ "g": [1, 2], "h": 1 }), Some(json!({ "h": "NaN" })), "the error of output \"h\" is NaN"),
+        ] {
+            assert_eq!(evaluation(outputs, errors), Err(said.to_owned()));
+        }
+    }
+
+    #[test]
+    fn a_value_that_is_no_number_is_a_failed_simulation() {
+        let text = r#"{"g": [1.0, -Infinity], "h": NaN, "note": "NaN is \" no\\"}"#;
+        let found = parse(text).unwrap();
+        assert_eq!(found["note"], "NaN is \" no\\");
+        let failure = |output: &str, cycles, value: &str| {
+            Ok(Err(SimulationFailure::NoNumber { output: output.into(), cycles, value: value.into() }))
+        };
+        assert_eq!(evaluation(found, None), failure("g", 200, "-Infinity"));
+        assert_eq!(evaluation(parse("{\"g\": [1, 2], \"h\": nan}").unwrap(), None), failure("h", 100, "nan"));
+        assert_eq!(evaluation(json!({ "g": [null, 2], "h": 1 }), None), failure("g", 100, "null"));
+        assert!(parse("{\"g\": nano}").is_err() && parse("iteration 3").is_err());
+    }
+}

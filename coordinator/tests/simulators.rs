@@ -1,0 +1,313 @@
+//! Studies of programs of somebody else, by the real `coordinator` and real programs: the example of the document, a
+//! problem with a known answer, and everything a program can do wrong. The programs are Python.
+
+use serde_json::Value;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+/// Longest wait for anything: only a defect waits so long.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+/// R - S, whose fall below 0 is failure: beta = 4 / sqrt(1 + 1.44).
+const STRENGTH: &str = r#"
+scene = { name = "strength" }
+simulator = { program = ["python3", "model.py"], timeout = "TIMEOUT" }
+outputs = [{ name = "margin", unit = "kN" }]
+limit_states = [{ name = "broken", output = "margin", threshold = 0, fails = "below" }]
+variables = [
+  { name = "R", mean = 10, std = 1, truncation = 8, unit = "tons" },
+  { name = "S", mean = 6, std = 1.2, truncation = 8 },
+]
+study = { population = 40000, initial = 12, batch = 4, max_evaluations = 60 }
+"#;
+
+/// A model that notes its process beside it, does `first`, and then `reply` for every request, from `id`, `R` and `S`.
+fn model(first: &str, reply: &str) -> String {
+    format!(
+        "import json, os, sys, time\n\
+         open('started', 'a').write(f'{{os.getpid()}}\\n')\n\
+         {first}\n\
+         def answer(id, **rest): print(json.dumps(dict(id=id, **rest)), flush=True)\n\
+         for line in sys.stdin:\n    request = json.loads(line)\n    id, cycles = request['id'], request['cycles']\n    \
+         R, S = request['sample']['R'], request['sample']['S']\n    {reply}\n"
+    )
+}
+
+const RIGHT: &str = "answer(id, outputs=dict(margin=R - S))";
+
+/// A study in a folder of its own.
+struct Study {
+    folder: tempfile::TempDir,
+}
+
+impl Study {
+    /// `None`, said aloud, where there is no Python.
+    fn new(program: &str, timeout: &str) -> Option<Self> {
+        let python = Command::new("python3").arg("--version").output();
+        if !python.is_ok_and(|output| output.status.success()) {
+            let _ = writeln!(std::io::stderr(), "not checked: a program as simulator: there is no python3");
+            return None;
+        }
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("study.toml"), STRENGTH.replace("TIMEOUT", timeout)).unwrap();
+        std::fs::write(folder.path().join("model.py"), program).unwrap();
+        Some(Self { folder })
+    }
+
+    fn file(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// `coordinator`, run in the folder: paths are as a user writes them.
+    fn command(&self, arguments: &str) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_coordinator"));
+        command.args(arguments.split(' ')).current_dir(self.folder.path());
+        command
+    }
+
+    fn done(&self, arguments: &str) -> String {
+        let output = self.command(arguments).output().unwrap();
+        assert!(output.status.success(), "{arguments}: {}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    }
+
+    /// The one message of a command that must fail.
+    fn refused(&self, arguments: &str, code: i32) -> String {
+        let Output { status, stderr, .. } = self.command(arguments).output().unwrap();
+        let said = String::from_utf8(stderr).unwrap();
+        assert_eq!(status.code(), Some(code), "{arguments}: {said}");
+        said.lines().last().unwrap_or_default().to_owned()
+    }
+
+    fn summary(&self, dir: &str) -> Value {
+        let mut summary: Value =
+            serde_json::from_str(&std::fs::read_to_string(self.file(dir).join("summary.json")).unwrap())
+                .unwrap();
+        let all = summary.as_object_mut().unwrap();
+        assert!(all.remove("timing_s").is_some() && all.remove("workers").is_some());
+        summary
+    }
+
+    /// Processes that were started and are still there; those that wait to be collected are not.
+    fn alive(&self) -> Vec<String> {
+        let started = std::fs::read_to_string(self.file("started")).unwrap_or_default();
+        let there = |process: &&str| {
+            let line = std::fs::read(Path::new("/proc").join(process).join("cmdline"));
+            line.is_ok_and(|line| !line.is_empty())
+        };
+        started.lines().filter(there).map(str::to_owned).collect()
+    }
+}
+
+#[test]
+fn the_example_of_the_document_runs() {
+    let Some(study) = Study::new("", "1 min") else { return };
+    let text = include_str!("../doc/simulators.md");
+    let block = |kind: &str| {
+        let from = text.find(&format!("```{kind}\n")).unwrap() + kind.len() + 4;
+        &text[from..from + text[from..].find("```").unwrap()]
+    };
+    std::fs::write(study.file("beam.toml"), block("toml")).unwrap();
+    std::fs::write(study.file("beam.py"), block("python")).unwrap();
+    assert!(
+        study
+            .done("check beam.toml")
+            .contains("valid; 2 outputs, 6 random variables, 2 limit states, 10 checkpoints")
+    );
+    let explained = study.done("explain --scene beam.toml");
+    for part in ["program: python3 beam.py", "limit state yielding: failed from 0 MPa down", "corrosion"] {
+        assert!(explained.contains(part), "{explained}");
+    }
+
+    // 4 F L^3 / (E b h^3) and 6 F L / (b h^2) of what is left after five years.
+    let one: Value = serde_json::from_str(&study.done("simulate --scene beam.toml --set load=600N")).unwrap();
+    let (b, h) = (0.02 - 2e-4, 0.04 - 2e-4);
+    let deflection = 1e3 * 4.0 * 600.0 / (206e9 * b * f64::powi(h, 3));
+    let reserve = 140.0 - 6e-6 * 600.0 / (b * h * h);
+    for (key, expected) in [("deflection_mm", deflection), ("reserve_MPa", reserve)] {
+        let found = one[key][0].as_f64().unwrap();
+        assert!((found - expected).abs() < 1e-9 * expected, "{key}: {found}, not {expected}");
+    }
+
+    study.done("run --scene beam.toml --workers 2 --out study --quiet");
+    study.done("run --scene beam.toml --workers 2 --method monte-carlo --samples 3000 --out direct --quiet");
+    let (learned, direct) = (study.summary("study"), study.summary("direct"));
+    assert!(learned["evaluations"]["total"].as_u64().unwrap() <= 60, "{}", learned["evaluations"]);
+    for (a, b) in
+        learned["reliability"].as_array().unwrap().iter().zip(direct["reliability"].as_array().unwrap())
+    {
+        for key in ["bent", "yielding", "total"] {
+            let [r, s] = [a, b].map(|row| row[key].as_f64().unwrap());
+            let error = |row: &Value| row["standard_error"][key].as_f64().unwrap();
+            assert!((r - s).abs() <= 3.0 * error(a).hypot(error(b)) + 1e-3, "{key}: {a} {b}");
+        }
+    }
+    let page = std::fs::read_to_string(study.file("study").join("report.html")).unwrap();
+    assert!(page.contains("deflection reaching 10 mm"), "how it fails");
+    for absent in ["Worn bores", "First cycle", "mechanism", "Newton"] {
+        assert!(!page.contains(absent), "{absent}");
+    }
+}
+
+#[test]
+fn a_known_failure_probability_is_found_whatever_happens() {
+    let Some(study) = Study::new(&model("", RIGHT), "1 min") else { return };
+    let told = study.done("run --scene study.toml --workers 2 --seed 3 --out two --quiet --json");
+    let told: Value = serde_json::from_str(&told).unwrap();
+    let row = &told["reliability"][0];
+    let (pf, error) =
+        (1.0 - row["total"].as_f64().unwrap(), row["standard_error"]["total"].as_f64().unwrap());
+    // Phi(-4 / sqrt(2.44)).
+    let exact = 5.223_1e-3;
+    assert!((pf - exact).abs() < 3.0 * error && error < 5e-4, "{pf} +- {error}");
+    assert_eq!(
+        (told["accuracy"].as_str(), &told["accuracy_settings"]),
+        (Some("the simulator's own"), &Value::Null)
+    );
+    assert!(told["reliability"][0]["numerical"].as_object().unwrap().is_empty());
+    let header = std::fs::read_to_string(study.file("two").join("samples.csv")).unwrap();
+    assert!(header.starts_with("id,R,S,margin_kN@1,failure,"), "{header}");
+    let text = study.done("resume two");
+    assert!(text.contains("P_f broken = 0.005"), "{text}");
+
+    // Another number of slots, and a study that is stopped in the middle of an evaluation.
+    study.done("run --scene study.toml --workers 1 --seed 3 --out one --quiet");
+    assert_eq!(study.summary("one"), study.summary("two"));
+    let slow = format!("time.sleep(600) if id == 14 and not os.path.exists('again') else {RIGHT}");
+    std::fs::write(study.file("model.py"), model("", &slow)).unwrap();
+    let mut child = study
+        .command("run --scene study.toml --workers 2 --seed 3 --out stopped --quiet")
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let recorded = || {
+        let file = study.file("stopped").join("campaign.db");
+        let flags = rusqlite::OpenFlags::SQLITE_OPEN_READ_ONLY;
+        let file = rusqlite::Connection::open_with_flags(file, flags).ok()?;
+        file.query_row("select count(*) from evaluation", [], |row| row.get::<_, i64>(0)).ok()
+    };
+    let start = Instant::now();
+    while recorded().unwrap_or(0) < 15 {
+        assert!(child.try_wait().unwrap().is_none() && start.elapsed() < PATIENCE);
+        std::thread::yield_now();
+    }
+    assert_eq!(study.alive().len(), 2);
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert_eq!(study.alive(), [""; 0], "Ctrl-C leaves orphans");
+    std::fs::write(study.file("again"), "").unwrap();
+    study.done("resume stopped --workers 1 --quiet");
+    assert_eq!(study.summary("stopped"), study.summary("two"));
+}
+
+#[test]
+fn a_second_signal_leaves_no_orphan_either() {
+    let Some(study) = Study::new(&model("", "time.sleep(600)"), "1 h") else { return };
+    let mut child = study
+        .command("run --scene study.toml --workers 2 --out out --quiet")
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let start = Instant::now();
+    while study.alive().len() < 2 {
+        assert!(child.try_wait().unwrap().is_none() && start.elapsed() < PATIENCE);
+        std::thread::yield_now();
+    }
+    for _ in 0..2 {
+        assert!(Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap().success());
+    }
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    while !study.alive().is_empty() {
+        assert!(start.elapsed() < PATIENCE, "orphans: {:?}", study.alive());
+        std::thread::yield_now();
+    }
+}
+
+/// Each of these ends a study before anything is recorded, and says why.
+#[test]
+fn what_is_no_answer_ends_the_study() {
+    for (first, reply, parts) in [
+        ("print('iteration 1')", RIGHT, &["to evaluation 0 is not one", "\"iteration 1\" is no JSON"][..]),
+        ("", "answer(id, output=1)", &["neither \"outputs\" nor \"failure\""]),
+        ("", "answer(id + 1, outputs=dict(margin=1))", &["its id is 1, expected 0"]),
+        ("", "answer(id, outputs=dict(margins=1))", &["no output \"margin\"; it has: margins"]),
+        ("", "answer(id, outputs=dict(margin=[1, 2]))", &["output \"margin\" has 2 values, expected 1"]),
+        ("", "answer(id, outputs=dict(margin='wide'))", &["has \"wide\" where a number belongs"]),
+        ("", "answer(id, outputs=[1])", &["\"outputs\" is [1], expected values by name"]),
+        ("", "sys.exit('no license')", &["ended with exit status: 1 instead of answering: no license"]),
+        ("import nothing_of_this_name", RIGHT, &["instead of answering", "ModuleNotFoundError"]),
+    ] {
+        let Some(study) = Study::new(&model(first, reply), "1 min") else { return };
+        let said = study.refused("run --scene study.toml --workers 1 --out out --quiet", 1);
+        for part in ["python3 model.py"].iter().chain(parts) {
+            assert!(said.contains(part), "no \"{part}\" in: {said}");
+        }
+        assert_eq!(study.alive(), [""; 0]);
+        // Put right, the study goes on.
+        std::fs::write(study.file("model.py"), model("", RIGHT)).unwrap();
+        study.done("resume out --workers 2 --quiet");
+        assert_eq!(study.summary("out")["evaluations"]["failed"], 0);
+    }
+}
+
+/// Each of these is a failed simulation of one sample; the study goes on without it.
+#[test]
+fn a_sample_without_a_result_is_a_failed_simulation() {
+    for (timeout, reply, cause) in [
+        ("1 min", "answer(id, failure='it diverged')", "the simulator reports: it diverged"),
+        (
+            "1 min",
+            "answer(id, outputs=dict(margin=float('nan')))",
+            "returned NaN for output margin at cycle 1",
+        ),
+        ("1 min", "os.abort()", "the simulator ended with signal: 6 (SIGABRT)"),
+        ("1 min", "sys.exit('singular matrix')", "the simulator ended with exit status: 1: singular matrix"),
+        ("2 s", "time.sleep(600)", "the simulator gave no answer within 2 s"),
+    ] {
+        let reply = format!("{reply} if id == 5 else {RIGHT}");
+        let Some(study) = Study::new(&model("", &reply), timeout) else { return };
+        study.done("run --scene study.toml --workers 2 --seed 3 --out out --quiet");
+        assert_eq!(study.summary("out")["evaluations"]["failed"], 1, "{cause}");
+        let samples = std::fs::read_to_string(study.file("out").join("samples.csv")).unwrap();
+        let row = samples.lines().find(|line| line.starts_with("5,")).unwrap();
+        assert!(row.contains(cause), "no \"{cause}\" in: {row}");
+        assert_eq!(study.alive(), [""; 0]);
+    }
+}
+
+#[test]
+fn a_program_that_ends_once_is_asked_again() {
+    let once = "os.path.exists('fell') or (open('fell', 'w'), sys.exit(1)) if id == 5 else None";
+    let Some(study) = Study::new(&model("", &format!("{once}\n    {RIGHT}")), "1 min") else { return };
+    study.done("run --scene study.toml --workers 1 --seed 3 --out out --quiet");
+    assert_eq!(study.summary("out")["evaluations"]["failed"], 0);
+    let started = std::fs::read_to_string(study.file("started")).unwrap();
+    assert_eq!(started.lines().count(), 2, "one process, and one after it fell");
+}
+
+#[test]
+fn what_does_not_fit_is_refused_before_anything_is_done() {
+    let Some(study) = Study::new(&model("", RIGHT), "1 min") else { return };
+    for (arguments, parts) in [
+        ("run --scene study.toml --accuracy draft", &["--accuracy is not for study.toml"][..]),
+        ("run --scene study.toml --max-error 1%", &["--max-error is not for study.toml"]),
+        ("run --scene study.toml --listen tcp/127.0.0.1:0", &["--listen is not for study.toml"]),
+        ("run --scene study.toml --workers 0", &["--workers 0 is not for study.toml"]),
+        ("simulate --scene study.toml --accuracy draft", &["--accuracy is not for study.toml"]),
+        ("simulate --scene study.toml --set T=3", &["there is no variable \"T\"", "R, S"]),
+        ("extremes --scene study.toml", &["study.toml", "this command is for mechanisms"]),
+        ("tradeoff --scene study.toml --out t", &["study.toml", "this command is for mechanisms"]),
+    ] {
+        let said = study.refused(arguments, 2);
+        for part in parts {
+            assert!(said.contains(part), "no \"{part}\" in: {said}");
+        }
+    }
+    let text = STRENGTH.replace("TIMEOUT", "1 min").replace("python3", "no-such-python");
+    std::fs::write(study.file("study.toml"), text).unwrap();
+    let said = study.refused("run --scene study.toml --out out", 2);
+    assert!(said.contains("simulator.program: \"no-such-python model.py\" cannot be started in"), "{said}");
+    assert!(!study.file("out").exists() && study.alive().is_empty());
+}

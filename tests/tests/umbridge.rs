@@ -1,0 +1,209 @@
+//! The UM-Bridge protocol over real sockets: our client against our server, and each of them against the Python package
+//! `umbridge`, for which `.ci/run` makes an environment of its own.
+
+use common::scene::{Scene, SceneSource};
+use coordinator::evaluate::external::{SimulatorError, open};
+use coordinator::evaluate::{EvaluateError, Evaluator, Finished, Outcome, Request};
+use std::collections::BTreeMap;
+use std::io::{BufRead, BufReader};
+use std::path::PathBuf;
+use std::process::{Child, Command, Stdio};
+use std::sync::Arc;
+use tests::{in_time, skipped};
+use worker::umbridge::{Model, Server};
+
+/// The four-bar as seen from outside: its variables and outputs, behind a server.
+fn study(url: &str, more: &str) -> Scene {
+    let text = format!(
+        "simulator = {{ umbridge = \"{url}\", timeout = \"20 s\" {more} }}\n\
+         scene = {{ name = \"four-bar from outside\" }}\n\
+         life = {{ cycles = 8000, checkpoint_every = 1000 }}\n\
+         outputs = [{{ name = \"wear\", unit = \"m\" }}, {{ name = \"speed\", unit = \"rad/s\" }}]\n\
+         limit_states = [{{ name = \"worn\", output = \"wear\", threshold = 8e-6 }}]\n\
+         variables = [{{ name = \"wear_coefficient\", mean = 1e-13, std = \"5 %\" }}, \
+         {{ name = \"torque\", mean = -0.8, std = \"3 %\" }}, {{ name = \"clearance\", mean = 3e-5, std = 2e-6 }}, \
+         {{ name = \"friction\", mean = 0.05, std = \"5 %\" }}]"
+    );
+    SceneSource::parse(&text, "outside").unwrap().nominal().clone()
+}
+
+fn evaluator(scene: &Scene, slots: usize) -> Result<Box<dyn Evaluator>, SimulatorError> {
+    open(scene.simulator.as_ref().unwrap(), scene, slots, Arc::default())
+}
+
+fn request(id: u64, sample: &[f64]) -> Request {
+    Request { id, sample: sample.to_vec(), with_first_cycle: false, accuracy: None }
+}
+
+fn outcomes(scene: &Scene, batch: &[Request]) -> Result<BTreeMap<u64, Outcome>, EvaluateError> {
+    let mut all = BTreeMap::new();
+    evaluator(scene, 2)?.evaluate(batch, &mut |Finished { id, outcome, .. }| {
+        assert!(all.insert(id, outcome).is_none());
+        Ok(())
+    })?;
+    Ok(all)
+}
+
+/// Numbers that went through JSON may differ in their last digit.
+fn near(a: &[f64], b: &[f64]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-15 * b.abs())
+}
+
+/// The four-bar at a draft, served on a free port of this machine.
+fn server() -> (Server, String) {
+    let source = SceneSource::builtin("four-bar").unwrap();
+    let model = Model::new(source, "draft".parse().unwrap());
+    let server = Server::start(model, 2, "127.0.0.1:0".parse().unwrap()).unwrap();
+    let url = format!("http://{}", server.address());
+    (server, url)
+}
+
+/// Values whose decimals are short, so that they arrive as they were sent.
+const SAMPLES: [[f64; 4]; 3] =
+    [[1e-13, -0.8, 3e-5, 0.05], [1.1e-13, -0.82, 2.8e-5, 0.05], [0.9e-13, -0.75, 3e-5, 0.04]];
+
+#[test]
+fn a_scene_gives_the_same_by_umbridge_as_here() {
+    in_time(|| {
+        let (server, url) = server();
+        let batch: Vec<Request> = (0..).zip(SAMPLES).map(|(id, sample)| request(id, &sample)).collect();
+        let found = outcomes(&study(&url, ""), &batch).unwrap();
+        let source = SceneSource::builtin("four-bar").unwrap();
+        let draft = "draft".parse::<common::accuracy::NamedAccuracy>().unwrap().accuracy;
+        for (outcome, sample) in found.values().zip(SAMPLES) {
+            let here =
+                worker::simulate::simulate(&source.resolve_sample(&sample).unwrap(), &draft, false).unwrap();
+            let there = outcome.as_ref().unwrap();
+            assert_eq!(there.cycles, here.cycles);
+            for (a, b) in there.histories.iter().zip(&here.histories) {
+                assert!(near(a, b), "{a:?} {b:?}");
+            }
+        }
+        // A configuration travels with every request.
+        let scene = study(&url, ", config = { accuracy = \"balanced\" }");
+        let balanced = outcomes(&scene, &batch[..1]).unwrap();
+        assert_ne!(balanced[&0].as_ref().unwrap().histories, found[&0].as_ref().unwrap().histories);
+        server.finish();
+    });
+}
+
+#[test]
+fn what_does_not_fit_is_explained() {
+    in_time(|| {
+        let (server, url) = server();
+        let said = |scene: &Scene| evaluator(scene, 1).err().expect("it does not fit").to_string();
+        let mut other = study(&url, ", model = \"posterior\"");
+        assert!(said(&other).contains("has no model \"posterior\"; it has: forward"), "{}", said(&other));
+        other = study(&url, ", config = { acuracy = \"draft\" }");
+        assert!(
+            said(&other).contains("InvalidInput: config: unknown key \"acuracy\"; allowed: accuracy"),
+            "{}",
+            said(&other)
+        );
+        other = study(&url, "");
+        other.variables.pop();
+        assert!(
+            said(&other).contains("takes 4 input values [4], the scene has 3 variables"),
+            "{}",
+            said(&other)
+        );
+        other = study(&url, "");
+        other.outputs.pop();
+        assert!(said(&other).contains("returns 16 output values [8, 8]"), "{}", said(&other));
+        // A sample without a result is a failed simulation; its cause comes through.
+        let failed = outcomes(&study(&url, ""), &[request(0, &[1e-13, -0.8, -1e-5, 0.05])]).unwrap();
+        let cause = failed[&0].as_ref().unwrap_err().to_string();
+        assert!(cause.contains("SimulationFailed") && cause.contains("radial_clearance"), "{cause}");
+        server.finish();
+        assert!(said(&study(&url, "")).contains(&format!("simulator.umbridge: {url}/Info: ")));
+    });
+}
+
+/// Python with the package `umbridge`, beside what was built.
+fn python() -> Option<PathBuf> {
+    let test = std::env::current_exe().unwrap();
+    let python = test.ancestors().nth(3).unwrap().join("umbridge/bin/python");
+    let there = Command::new(&python).args(["-c", "import umbridge"]).output();
+    if there.is_ok_and(|output| output.status.success()) {
+        return Some(python);
+    }
+    skipped(
+        "UM-Bridge against its Python package",
+        &format!("{} has none; .ci/run installs it", python.display()),
+    );
+    None
+}
+
+/// A Python program that ends with the test.
+struct Running(Child);
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+#[test]
+fn the_python_package_evaluates_our_scene() {
+    let Some(python) = python() else { return };
+    let (server, url) = server();
+    let program = format!(
+        "import json, umbridge\n\
+         model = umbridge.HTTPModel('{url}', 'forward')\n\
+         assert model.supports_evaluate() and not model.supports_gradient()\n\
+         assert model.get_input_sizes() == [4] and model.get_output_sizes() == [8, 8]\n\
+         print(json.dumps(model([[1e-13, -0.8, 3e-5, 0.05]], {{'accuracy': 'draft'}})))\n\
+         try: model([[1e-13]])\n\
+         except Exception as error: print(error)\n"
+    );
+    let output = Command::new(python).args(["-c", &program]).output().unwrap();
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert!(output.status.success(), "{said}{}", String::from_utf8_lossy(&output.stderr));
+    let (values, error) = said.split_once('\n').unwrap();
+    let values: Vec<Vec<f64>> = serde_json::from_str(values).unwrap();
+    let found = outcomes(&study(&url, ""), &[request(0, &SAMPLES[0])]).unwrap();
+    assert_eq!(values, found[&0].as_ref().unwrap().histories);
+    assert!(error.contains("InvalidInput") && error.contains("[1] values, the model's are [4]"), "{error}");
+    server.finish();
+}
+
+#[test]
+fn a_model_of_the_python_package_is_evaluated() {
+    let Some(python) = python() else { return };
+    let free = std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+    let program = format!(
+        "import umbridge\n\
+         class Made(umbridge.Model):\n    \
+             def get_input_sizes(self, config): return [1, 3]\n    \
+             def get_output_sizes(self, config): return [12, 4]\n    \
+             def supports_evaluate(self): return True\n    \
+             def __call__(self, input, config):\n        \
+                 x = input[0][0]\n        \
+                 if x == 2: raise ValueError('two')\n        \
+                 return [[x * k for k in range(12)], [sum(input[1]) if x != 3 else float('nan')] * 4]\n\
+         umbridge.serve_models([Made('made')], {free})\n"
+    );
+    let mut child = Command::new(python)
+        .args(["-u", "-c", &program])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let out = BufReader::new(child.stdout.take().unwrap());
+    let _running = Running(child);
+    in_time(move || {
+        // It says so when it listens.
+        let listening = out.lines().map_while(Result::ok).any(|line| line.contains("Running on"));
+        assert!(listening, "the server ended");
+        let scene = study(&format!("http://127.0.0.1:{free}"), ", model = \"made\"");
+        let batch = [1.5, 2.0, 3.0].map(|x| request(x as u64, &[x, 0.25, -1.0, 0.5]));
+        let found = outcomes(&scene, &batch).unwrap();
+        let good = found[&1].as_ref().unwrap();
+        assert_eq!(good.histories[0], (0..8).map(|k| 1.5 * f64::from(k)).collect::<Vec<_>>());
+        assert_eq!(good.histories[1], [12.0, 13.5, 15.0, 16.5, -0.25, -0.25, -0.25, -0.25]);
+        let cause = |id: u64| found[&id].as_ref().unwrap_err().to_string();
+        assert!(cause(2).contains("HTTP status 500"), "{}", cause(2));
+        assert!(cause(3).contains("returned nan for output speed at cycle 5000"), "{}", cause(3));
+    });
+}

@@ -1,0 +1,229 @@
+//! `worker --serve-umbridge`: a server of the UM-Bridge protocol, version 1.0, whose one model is the evaluation of a
+//! scene. Evaluations run beside each other up to the number of slots; the others wait for one.
+//!
+//! # Source
+//! As [`common::umbridge`].
+
+mod model;
+
+pub use model::{Model, NAME};
+
+use axum::Router;
+use axum::body::Bytes;
+use axum::extract::State;
+use axum::http::StatusCode;
+use axum::response::{IntoResponse, Json, Response};
+use axum::routing::{get, post};
+use common::umbridge::{
+    ErrorBody, ErrorReply, EvaluateRequest, Info, InputSizes, ModelInfo, ModelInfoRequest, OutputSizes,
+    PROTOCOL_VERSION, SIMULATION_FAILED, SizesRequest, Support, UNSUPPORTED_FEATURE,
+};
+use model::{Config, invalid};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::net::{Ipv4Addr, SocketAddr};
+use std::sync::Arc;
+use thiserror::Error;
+use tokio::net::TcpListener;
+use tokio::runtime::Runtime;
+use tokio::sync::{Semaphore, oneshot};
+
+/// Why there is no server.
+#[derive(Debug, Error)]
+pub enum UmBridgeError {
+    /// No address.
+    #[error("--serve-umbridge {given}: allowed: a port, or an address with a port such as 127.0.0.1:4242")]
+    Address {
+        /// What was given.
+        given: String,
+    },
+    /// An address other machines can reach, and nothing that keeps strangers out.
+    #[error(
+        "--serve-umbridge {address}: other machines can reach this address, and UM-Bridge asks nobody who they are; \
+         give a port alone (this machine only), or --insecure if the network is trusted"
+    )]
+    Insecure {
+        /// The address.
+        address: SocketAddr,
+    },
+    /// The scene names a simulator of its own.
+    #[error("{origin}: the scene names a simulator of its own; there is no mechanism to offer")]
+    NoMechanism {
+        /// File or name of the scene.
+        origin: String,
+    },
+    /// The system refuses.
+    #[error("--serve-umbridge {address}: {reason}")]
+    Refused {
+        /// The address.
+        address: SocketAddr,
+        /// Why.
+        reason: std::io::Error,
+    },
+}
+
+/// The address to listen on: a port of this machine alone, or an address in full.
+///
+/// # Errors
+/// [`UmBridgeError::Address`], and [`UmBridgeError::Insecure`] unless that is allowed.
+pub fn address(given: &str, insecure: bool) -> Result<SocketAddr, UmBridgeError> {
+    let port = given.parse().map(|port| SocketAddr::from((Ipv4Addr::LOCALHOST, port)));
+    let address: SocketAddr =
+        port.or_else(|_| given.parse()).map_err(|_| UmBridgeError::Address { given: given.to_owned() })?;
+    if address.ip().is_loopback() || insecure {
+        Ok(address)
+    } else {
+        Err(UmBridgeError::Insecure { address })
+    }
+}
+
+/// A server at work. Dropped, it ends at once.
+#[derive(Debug)]
+pub struct Server {
+    address: SocketAddr,
+    /// Keeps the threads that serve.
+    runtime: Runtime,
+    stop: Option<oneshot::Sender<()>>,
+    done: Option<tokio::task::JoinHandle<std::io::Result<()>>>,
+}
+
+impl Server {
+    /// Serves a model on so many slots; port 0 is any free one.
+    ///
+    /// # Errors
+    /// [`UmBridgeError::Refused`].
+    pub fn start(model: Model, slots: usize, address: SocketAddr) -> Result<Self, UmBridgeError> {
+        let refused = |reason| UmBridgeError::Refused { address, reason };
+        let mut builder = tokio::runtime::Builder::new_multi_thread();
+        builder.worker_threads(1).max_blocking_threads(slots.max(1)).thread_name("umbridge").enable_all();
+        let runtime = builder.build().map_err(refused)?;
+        let listener = runtime.block_on(TcpListener::bind(address)).map_err(refused)?;
+        let address = listener.local_addr().map_err(refused)?;
+        let (stop, stopped) = oneshot::channel::<()>();
+        let desk = Arc::new(Desk { model, slots: Semaphore::new(slots.max(1)) });
+        let serve = axum::serve(listener, routes(desk)).with_graceful_shutdown(async {
+            // Stopped, or dropped: either way it is over.
+            let _ = stopped.await;
+        });
+        let done = runtime.spawn(serve.into_future());
+        Ok(Self { address, runtime, stop: Some(stop), done: Some(done) })
+    }
+
+    /// Where it listens.
+    pub fn address(&self) -> SocketAddr {
+        self.address
+    }
+
+    /// Takes no more requests, answers those it has, and returns.
+    pub fn finish(mut self) {
+        if let (Some(stop), Some(done)) = (self.stop.take(), self.done.take())
+            && stop.send(()).is_ok()
+            && let Err(error) = self.runtime.block_on(done)
+        {
+            tracing::error!("the server ended badly: {error}");
+        }
+        // Only a simulation that nobody waits for can still be at work.
+        self.runtime.shutdown_background();
+    }
+}
+
+/// What the handlers share.
+struct Desk {
+    model: Model,
+    slots: Semaphore,
+}
+
+fn routes(desk: Arc<Desk>) -> Router {
+    let mut router = Router::new()
+        .route("/Info", get(info))
+        .route("/ModelInfo", post(model_info))
+        .route("/InputSizes", post(input_sizes))
+        .route("/OutputSizes", post(output_sizes))
+        .route("/Evaluate", post(evaluate));
+    for derivative in ["/Gradient", "/ApplyJacobian", "/ApplyHessian"] {
+        router = router.route(derivative, post(unsupported));
+    }
+    router.with_state(desk)
+}
+
+async fn info() -> Json<Info> {
+    Json(Info { protocol_version: PROTOCOL_VERSION, models: vec![NAME.to_owned()] })
+}
+
+async fn model_info(State(desk): State<Arc<Desk>>, body: Bytes) -> Response {
+    reply((|| {
+        let request: ModelInfoRequest = read(&body)?;
+        desk.model.configured(&request.name, None)?;
+        Ok(ModelInfo { support: Support { evaluate: true, ..Support::default() } })
+    })())
+}
+
+async fn input_sizes(State(desk): State<Arc<Desk>>, body: Bytes) -> Response {
+    reply(sizes(&desk, &body).map(|()| InputSizes { input_sizes: desk.model.input_sizes() }))
+}
+
+async fn output_sizes(State(desk): State<Arc<Desk>>, body: Bytes) -> Response {
+    reply(sizes(&desk, &body).map(|()| OutputSizes { output_sizes: desk.model.output_sizes() }))
+}
+
+/// Sizes do not depend on the configuration, which must be one all the same.
+fn sizes(desk: &Desk, body: &Bytes) -> Result<(), ErrorBody> {
+    let request: SizesRequest<Config> = read(body)?;
+    desk.model.configured(&request.name, request.config.as_ref()).map(drop)
+}
+
+async fn evaluate(State(desk): State<Arc<Desk>>, body: Bytes) -> Response {
+    let checked = read::<EvaluateRequest<Config>>(&body).and_then(|request| desk.model.checked(request));
+    let request = match checked {
+        Ok(request) => request,
+        Err(error) => return reply::<()>(Err(error)),
+    };
+    let at_work = Arc::clone(&desk);
+    let failed = |message: String| ErrorBody { kind: SIMULATION_FAILED.into(), message };
+    let evaluated = match desk.slots.acquire().await {
+        Ok(_slot) => tokio::task::spawn_blocking(move || at_work.model.evaluate(&request)).await,
+        Err(closed) => return reply::<()>(Err(failed(closed.to_string()))),
+    };
+    // What panicked is a defect of the program at this one sample.
+    reply(evaluated.unwrap_or_else(|panic| Err(failed(panic.to_string()))))
+}
+
+async fn unsupported() -> Response {
+    let message = "the model offers evaluations alone, no derivatives".to_owned();
+    reply::<()>(Err(ErrorBody { kind: UNSUPPORTED_FEATURE.into(), message }))
+}
+
+/// A request's body, whatever type it says it has: not every client says so.
+fn read<T: DeserializeOwned>(body: &Bytes) -> Result<T, ErrorBody> {
+    serde_json::from_slice(body).map_err(|error| invalid(format!("the request: {error}")))
+}
+
+fn reply<T: Serialize>(told: Result<T, ErrorBody>) -> Response {
+    match told {
+        Ok(told) => Json(told).into_response(),
+        Err(error) => {
+            let ours = error.kind == SIMULATION_FAILED;
+            let status = if ours { StatusCode::INTERNAL_SERVER_ERROR } else { StatusCode::BAD_REQUEST };
+            (status, Json(ErrorReply { error })).into_response()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_port_alone_is_of_this_machine() {
+        assert_eq!(address("4242", false).unwrap(), "127.0.0.1:4242".parse().unwrap());
+        assert_eq!(address("[::1]:7", false).unwrap().port(), 7);
+        for open in ["0.0.0.0:4242", "192.168.1.20:4242"] {
+            let error = address(open, false).unwrap_err();
+            assert!(error.to_string().contains(open) && error.to_string().contains("--insecure"), "{error}");
+            assert_eq!(address(open, true).unwrap(), open.parse().unwrap());
+        }
+        for slip in ["", "70000", "localhost:4242", "http://127.0.0.1:1"] {
+            assert!(matches!(address(slip, true), Err(UmBridgeError::Address { .. })), "{slip}");
+        }
+    }
+}

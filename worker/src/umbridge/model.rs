@@ -1,0 +1,117 @@
+//! The evaluation of a scene as a model of the UM-Bridge protocol: one input vector, the random variables in the order of
+//! the scene; one output vector per output, its values at the checkpoints. All in SI.
+
+use crate::simulate::simulate;
+use common::accuracy::NamedAccuracy;
+use common::failure::SimulationFailure;
+use common::scene::{Faults, SceneSource};
+use common::umbridge::{
+    ErrorBody, EvaluateRequest, Evaluated, INVALID_INPUT, MODEL_NOT_FOUND, SIMULATION_FAILED,
+};
+use common::wire::find_non_finite;
+use serde_json::{Map, Value};
+
+/// Name of the model, by custom.
+pub const NAME: &str = "forward";
+
+/// Configuration of a request: `{"accuracy": "draft"}`.
+pub type Config = Map<String, Value>;
+
+/// A scene, offered.
+#[derive(Debug, Clone)]
+pub struct Model {
+    source: SceneSource,
+    accuracy: NamedAccuracy,
+}
+
+/// A request that passed its checks.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Checked {
+    sample: Vec<f64>,
+    accuracy: NamedAccuracy,
+}
+
+impl Model {
+    /// Offers a scene, evaluated with this accuracy unless a request names another one.
+    pub fn new(source: SceneSource, accuracy: NamedAccuracy) -> Self {
+        Self { source, accuracy }
+    }
+
+    /// Lengths of the input vectors.
+    pub fn input_sizes(&self) -> Vec<usize> {
+        vec![self.source.variables().len()]
+    }
+
+    /// Lengths of the output vectors.
+    pub fn output_sizes(&self) -> Vec<usize> {
+        let scene = self.source.nominal();
+        vec![scene.life.checkpoints().len(); scene.outputs.len()]
+    }
+
+    /// Checks the name and the configuration of a request; the accuracy it asks for.
+    ///
+    /// # Errors
+    /// What the requester is told.
+    pub fn configured(&self, name: &str, config: Option<&Config>) -> Result<NamedAccuracy, ErrorBody> {
+        if name != NAME {
+            let message = format!("there is no model \"{name}\"; there is: {NAME}");
+            return Err(ErrorBody { kind: MODEL_NOT_FOUND.into(), message });
+        }
+        let mut accuracy = self.accuracy.clone();
+        for (key, value) in config.into_iter().flatten() {
+            if key != "accuracy" {
+                return Err(invalid(format!("config: unknown key \"{key}\"; allowed: accuracy")));
+            }
+            let text = value
+                .as_str()
+                .ok_or_else(|| invalid(format!("config: accuracy is {value}, expected a text")))?;
+            accuracy =
+                text.parse().map_err(|reason| invalid(format!("config: accuracy \"{text}\": {reason}")))?;
+        }
+        Ok(accuracy)
+    }
+
+    /// Checks a request for an evaluation.
+    ///
+    /// # Errors
+    /// What the requester is told.
+    pub fn checked(&self, request: EvaluateRequest<Config>) -> Result<Checked, ErrorBody> {
+        let accuracy = self.configured(&request.name, request.config.as_ref())?;
+        let sizes: Vec<usize> = request.input.iter().map(Vec::len).collect();
+        if sizes != self.input_sizes() {
+            let expected = self.input_sizes();
+            return Err(invalid(format!(
+                "input has vectors of {sizes:?} values, the model's are {expected:?}"
+            )));
+        }
+        let sample = request.input.into_iter().flatten().collect();
+        Ok(Checked { sample, accuracy })
+    }
+
+    /// Simulates.
+    ///
+    /// # Errors
+    /// Why there is no result, for the requester.
+    pub fn evaluate(&self, request: &Checked) -> Result<Evaluated<f64>, ErrorBody> {
+        let failed = |failure: SimulationFailure| ErrorBody {
+            kind: SIMULATION_FAILED.into(),
+            message: failure.to_string(),
+        };
+        let invalid =
+            |faults: Faults| failed(SimulationFailure::InvalidSample { faults: faults.to_string() });
+        let scene = self.source.resolve_sample(&request.sample).map_err(invalid)?;
+        let evaluation = simulate(&scene, &request.accuracy.accuracy, false).map_err(failed)?;
+        match find_non_finite(&evaluation) {
+            Some(found) => Err(ErrorBody {
+                kind: SIMULATION_FAILED.into(),
+                message: format!("{} is not finite", found.quantity),
+            }),
+            None => Ok(Evaluated { output: evaluation.histories }),
+        }
+    }
+}
+
+/// A request that does not fit.
+pub fn invalid(message: String) -> ErrorBody {
+    ErrorBody { kind: INVALID_INPUT.into(), message }
+}
