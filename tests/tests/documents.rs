@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 use tests::command_line::{objection, words};
 use tests::program;
 
-const DOCUMENTS: [&str; 7] = [
+const DOCUMENTS: [&str; 8] = [
     "README.md",
     "deploy/README.md",
     "coordinator/doc/scenes.md",
     "coordinator/doc/tradeoff.md",
     "worker/benches/README.md",
     "worker/benches/lsoda/README.md",
+    "coordinator/benches/scikit/README.md",
     "CHANGELOG.md",
 ];
 
