@@ -13,6 +13,7 @@ const DOCUMENTS: [&str; 8] = [
     "coordinator/doc/tradeoff.md",
     "worker/benches/README.md",
     "worker/benches/lsoda/README.md",
+    "coordinator/benches/scikit/README.md",
     "CHANGELOG.md",
 ];
 

@@ -51,8 +51,8 @@ def main(program):
         found = model.kernel_
         variance, noise = found.k1.k1.constant_value, found.k2.noise_level
         with open(os.path.join(folder, "scikit.txt"), "w") as out:
-            out.write(f"{noise / variance!r}\n")
-            out.writelines(f"{0.5 / length**2!r}\n" for length in found.k1.k2.length_scale)
+            out.write(f"{noise / variance:.17g}\n")
+            out.writelines(f"{0.5 / length**2:.17g}\n" for length in found.k1.k2.length_scale)
         theirs = hingewise(program, "likelihood", folder)
         q2 = 1.0 - numpy.sum((model.predict(x_test) - y_test) ** 2) / numpy.sum((y_test - y_test.mean()) ** 2)
 

@@ -23,7 +23,7 @@ use rayon::prelude::*;
 /// Points of a block: one row of W is 4 kB, and r(x) of a block stays in the second-level cache.
 const BLOCK: usize = 512;
 /// Rows for which a block makes room at once.
-const ROOM: usize = 32;
+const ROOM: usize = 16;
 
 /// What [`PredictionCache::update`] had to do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -89,8 +89,8 @@ impl PredictionCache {
     /// Bytes that the cache holds.
     pub fn bytes(&self) -> usize {
         let of = |block: &Block| {
-            let numbers = block.w.capacity() + block.squares.capacity();
-            8 * (numbers + block.explained.ncols() * (block.explained.nrows() + block.trend.nrows()))
+            let w: usize = block.w.iter().map(Vec::capacity).sum();
+            8 * (w + block.len() * (1 + block.explained.nrows() + block.trend.nrows()))
         };
         self.blocks.iter().map(of).sum()
     }
@@ -98,8 +98,8 @@ impl PredictionCache {
 
 #[derive(Debug, Clone)]
 struct Block {
-    /// W' `(b, n)` column-major: a new row of W is a new column at the end.
-    w: Vec<f64>,
+    /// W' `(b, n)` column-major, so that a new row of W is a new column at the end; in parts, so that none is ever moved.
+    w: Vec<Vec<f64>>,
     /// z'W `(m, b)`.
     explained: Mat<f64>,
     /// f - T'W `(p, b)`.
@@ -121,12 +121,12 @@ impl Block {
     fn compute(model: &Kriging, points: MatRef<'_, f64>) -> Self {
         let (n, b) = (model.points(), points.ncols());
         let whitened = model.whitened(points);
-        let mut w = Vec::with_capacity(b * (n + ROOM));
+        let mut w = Vec::with_capacity(b * n);
         for i in 0..n {
             w.extend(whitened.row(i).iter());
         }
         let mut block = Self {
-            w,
+            w: vec![w],
             explained: Mat::zeros(model.z.ncols(), b),
             trend: model.trend.trend.basis(points),
             squares: vec![0.0; b],
@@ -149,20 +149,25 @@ impl Block {
     /// Adds the rows of the model's points from `n` on; `points` `(d, b)` are those of the block.
     fn extend(&mut self, model: &Kriging, points: MatRef<'_, f64>, n: usize) {
         let (b, k) = (self.len(), model.points() - n);
-        if k == 0 {
+        if k == 0 || b == 0 {
             return;
         }
         // R2' - W' L21' `(b, k)`.
         let mut rows = model.correlations_with(points, n);
-        let old = MatRef::from_column_major_slice(&self.w, b, n);
-        let across = model.l.submatrix(n, 0, k, n);
-        matmul(rows.as_mut(), Accum::Add, old, across.transpose(), -1.0, Par::Seq);
-        solve_lower(model.l.submatrix(n, n, k, k), rows.as_mut().transpose_mut());
-        if self.w.capacity() < b * (n + k) {
-            self.w.reserve_exact(b * k.max(ROOM));
+        let mut first = 0;
+        for part in &self.w {
+            let old = MatRef::from_column_major_slice(part, b, part.len() / b);
+            let across = model.l.submatrix(n, first, k, old.ncols());
+            matmul(rows.as_mut(), Accum::Add, old, across.transpose(), -1.0, Par::Seq);
+            first += old.ncols();
         }
+        solve_lower(model.l.submatrix(n, n, k, k), rows.as_mut().transpose_mut());
         for column in rows.col_iter() {
-            self.w.extend(column.iter());
+            if self.w.last().is_none_or(|part| part.capacity() < part.len() + b) {
+                self.w.push(Vec::with_capacity(b * ROOM));
+            }
+            let part = self.w.last_mut().expect("there is room for a row");
+            part.extend(column.iter());
         }
         self.take_up(model, rows.transpose(), n);
     }

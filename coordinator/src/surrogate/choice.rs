@@ -84,7 +84,9 @@ pub fn fit_surrogate(
         return Ok(Chosen { model: first.model, fitted: first.fitted, candidates: vec![], repairs });
     }
 
-    // The others begin at the incumbent's optimum too: a length means much the same to all kernels.
+    // The others begin at the incumbent's optimum too, as a length means much the same to all kernels, but not there alone:
+    // from there they may stop at another optimum than from their own starts, and the same data would choose
+    // differently.
     let from = first.fitted.correlation.clone();
     let mut compared = vec![first];
     for form in forms.iter().filter(|form| **form != standing) {

@@ -31,8 +31,8 @@ impl Kernel {
     pub fn name(self) -> &'static str {
         match self {
             Self::Gaussian => "gaussian",
-            Self::Matern52 => "matern-5/2",
-            Self::Matern32 => "matern-3/2",
+            Self::Matern52 => "matern52",
+            Self::Matern32 => "matern32",
         }
     }
 

@@ -1,9 +1,9 @@
 //! Surrogates: Kriging with a constant or linear trend and an anisotropic Gaussian or Matern correlation.
 //!
 //! All outputs of one limit state (its checkpoints) share one correlation: one factorisation serves them all, and
-//! the lengths are estimated from all of them together. The errors that the simulations state give each point a
-//! noise of its own. Everything works in standardised inputs; matrices of
-//! points are `(d, n)` with one point a column.
+//! the lengths are estimated from all of them together; whether separate ones would do better is measured. Kernel and trend
+//! are chosen by cross-validation. The errors that the simulations state give each point a noise of its own. Everything
+//! works in standardised inputs; matrices of points are `(d, n)` with one point a column.
 
 mod bounds;
 mod cache;
