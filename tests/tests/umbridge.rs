@@ -193,8 +193,9 @@ fn a_model_of_the_python_package_is_evaluated() {
     let out = BufReader::new(child.stdout.take().unwrap());
     let _running = Running(child);
     in_time(move || {
-        // It says so when it listens.
-        let listening = out.lines().map_while(Result::ok).any(|line| line.contains("Running on"));
+        // It says so when it listens, and would not survive that nobody listens to it.
+        let mut lines = out.lines().map_while(Result::ok);
+        let listening = lines.any(|line| line.contains("Running on"));
         assert!(listening, "the server ended");
         let scene = study(&format!("http://127.0.0.1:{free}"), ", model = \"made\"");
         let batch = [1.5, 2.0, 3.0].map(|x| request(x as u64, &[x, 0.25, -1.0, 0.5]));

@@ -155,11 +155,11 @@ mod tests {
     impl Slot for Practice {
         fn evaluate(&mut self, request: &Request, stop: &Stop) -> Result<Outcome, EvaluateError> {
             self.calls += 1;
-            while request.id == self.stuck {
-                if stop.asked() {
-                    return Err(EvaluateError::Interrupted);
+            if request.id == self.stuck {
+                while !stop.asked() {
+                    std::thread::yield_now();
                 }
-                std::thread::yield_now();
+                return Err(EvaluateError::Interrupted);
             }
             if request.id == self.broken {
                 return Err(EvaluateError::Transport("broken".into()));
