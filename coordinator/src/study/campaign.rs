@@ -263,7 +263,8 @@ impl Campaign {
             let cov = self.looked_at.coefficient_of_variation(failed);
             self.note(&assessment, cov);
             self.previous = Some(assessment.curves.clone());
-            if self.stopping.note(met, &self.plan.targets) && self.under_way.is_empty() {
+            let points = self.observations.len();
+            if self.stopping.note(met, points, &self.plan.targets) && self.under_way.is_empty() {
                 let surrogates = &assessment.surrogates;
                 if self.looked_at.changes(&self.problem, &self.plan, surrogates, failed, cov) {
                     self.asked = vec![false; self.looked_at.population.len()];

@@ -106,7 +106,8 @@ fn four_branch_within_three_standard_errors_and_110_calls() {
 fn issue_false_stop_with_twelve_starting_points() {
     // A surrogate with very long lengths is sure of itself: U >= 2 everywhere and no failure predicted. Seed 26 is such a
     // case: without the guards it ends after one round, having found nothing.
-    let unguarded = Targets { least_points: 0, hold: 1, cov: f64::INFINITY, ..Targets::default() };
+    let unguarded =
+        Targets { least_points: 0, hold: 1, hold_points: 0, cov: f64::INFINITY, ..Targets::default() };
     let trapped = learn_until(20_000, 12, 26, unguarded);
     assert!(trapped.evaluations < 30 && shares(&trapped).1 == 0.0, "the trap of this test is gone");
     for seed in 24..29 {

@@ -269,7 +269,7 @@ fn failed_simulations_are_repeated_and_then_left_out_and_counted() {
     let mut evaluator = MadeUp { fails, ..MadeUp::new() };
     let result = study(&small(), &mut evaluator, &mut Memory::default()).unwrap();
     let (counts, failures) = (result.summary.evaluations, &result.summary.failures);
-    assert_eq!((counts.total, counts.initial), (64, 40));
+    assert!(counts.total > 40 && counts.total <= 64 && counts.initial == 40, "{counts:?}");
     assert!(counts.failed >= 1 && counts.failed == failures.simulations.len(), "{failures:?}");
     for failed in &failures.simulations {
         let deviation = (failed.sample["x3"] - 100.0) / 2.0;

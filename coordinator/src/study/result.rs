@@ -204,12 +204,12 @@ fn stop_in_words(learned: &Learned, settings: &Settings) -> String {
     let figures = &learned.assessment.figures;
     let reason = match learned.stop {
         Stop::Rule(Rule::Learning) => format!(
-            "every U_c >= {} and no curve changed by more than {} of the smaller of R and P_f, {} rounds running, after a fresh fit",
-            targets.min_u, targets.relative_change, targets.hold
+            "every U_c >= {} and no curve changed by more than {} of the smaller of R and P_f, {} rounds and {} points running, after a fresh fit",
+            targets.min_u, targets.relative_change, targets.hold, targets.hold_points
         ),
         Stop::Rule(Rule::Error) => format!(
-            "the estimated surrogate error of every curve is below {} and no curve changed by more than {}, {} rounds running, after a fresh fit",
-            targets.error, targets.change, targets.hold
+            "the estimated surrogate error of every curve is below {} and no curve changed by more than {}, {} rounds and {} points running, after a fresh fit",
+            targets.error, targets.change, targets.hold, targets.hold_points
         ),
         Stop::Budget => format!(
             "the budget of {} evaluations is spent; the estimated surrogate error is {:.2e} (target {})",
