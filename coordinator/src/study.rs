@@ -16,7 +16,9 @@ mod rare;
 mod responses;
 mod result;
 mod round;
+mod rows;
 mod settings;
+mod step;
 mod surrogates;
 
 #[cfg(test)]
@@ -24,7 +26,7 @@ mod campaign_tests;
 #[cfg(test)]
 mod life_tests;
 
-pub use campaign::{Ask, Campaign, CampaignError, Learned, Step, Stop};
+pub use campaign::{Campaign, Learned};
 pub use failures::{Failed, Feasibility};
 pub use observations::{Observations, Observed};
 pub use plan::{Plan, Problem};
@@ -32,6 +34,7 @@ pub use populations::LookedAt;
 pub use result::{OutputHistory, StudyResult, SurrogateReport};
 pub use round::Assessment;
 pub use settings::{FAILED_SHARE, Method, Settings};
+pub use step::{Ask, CampaignError, Step, Stop};
 pub use surrogates::Surrogate;
 
 use crate::design::InputModel;

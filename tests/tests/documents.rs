@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use tests::command_line::{objection, words};
 use tests::program;
 
-const DOCUMENTS: [&str; 8] = [
+const DOCUMENTS: [&str; 10] = [
     "README.md",
     "deploy/README.md",
+    "coordinator/doc/reliability.md",
     "coordinator/doc/scenes.md",
     "coordinator/doc/simulators.md",
     "coordinator/doc/tradeoff.md",

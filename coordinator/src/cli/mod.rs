@@ -11,6 +11,7 @@ mod external;
 mod extremes;
 mod farm;
 mod model;
+mod names;
 mod options;
 mod output;
 mod results;

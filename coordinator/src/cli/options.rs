@@ -2,8 +2,9 @@
 //! file so that `resume` repeats exactly that.
 
 use super::accuracy::Accepted;
-use super::arguments::{KernelName, LearningName, MethodName, RunArguments, StatedErrorsName, TrendName};
+use super::arguments::RunArguments;
 use super::error::CommandError;
+use super::names::{KernelName, LearningName, MethodName, StatedErrorsName, TrendName};
 use common::scene::{Scene, StudySettings};
 use coordinator::learning::{LearningFunction, Targets};
 use coordinator::study::{FAILED_SHARE, Method, Settings};

@@ -6,7 +6,7 @@ use common::scene::SceneSource;
 use coordinator::report::{self, ReportInput, SUMMARY_DOCUMENT};
 use coordinator::result_files::{reliability_csv, summary_json, write_samples_csv, write_text};
 use coordinator::store::{CampaignFile, FILE_NAME};
-use coordinator::summary::{SensitivityRow, StudySummary};
+use coordinator::summary::{SensitivityRow, SobolRow, StudySummary};
 use serde_json::json;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -71,7 +71,9 @@ fn table_into(out: &mut String, summary: &StudySummary) -> std::fmt::Result {
             out,
             "{state}, at {cycles} cycles: change of the failure probability with one standard deviation"
         )?;
-        writeln!(out, "  {:24} {:>20} {:>20}", "variable", "more mean", "more std")?;
+        let shares = summary.sobol.iter().any(|row| row.limit_state == *state && row.cycles == cycles);
+        let heading = if shares { "  variance alone  with others" } else { "" };
+        writeln!(out, "  {:24} {:>20} {:>20}{heading}", "variable", "more mean", "more std")?;
         for row in strongest(summary, state, cycles) {
             let pair = |value: f64, error: f64| format!("{value:+.4} +- {error:.4}");
             // The errors of the derivatives, on the scale of the scaled derivatives.
@@ -80,9 +82,15 @@ fn table_into(out: &mut String, summary: &StudySummary) -> std::fmt::Result {
             };
             let mean_std = std_of(row.d_pf_d_mean, row.scaled.d_pf_d_mean);
             let std_std = std_of(row.d_pf_d_std, row.scaled.d_pf_d_std);
+            let same = |sobol: &&SobolRow| {
+                sobol.limit_state == *state && sobol.cycles == cycles && sobol.variable == row.variable
+            };
+            let share = summary.sobol.iter().find(same);
+            let share =
+                share.map_or(String::new(), |s| format!("  {:>14.3} {:>12.3}", s.first_order, s.total));
             writeln!(
                 out,
-                "  {:24} {:>20} {:>20}",
+                "  {:24} {:>20} {:>20}{share}",
                 row.variable,
                 pair(row.scaled.d_pf_d_mean, row.standard_error.d_pf_d_mean * mean_std),
                 pair(row.scaled.d_pf_d_std, row.standard_error.d_pf_d_std * std_std)

@@ -1,8 +1,9 @@
 //! `coordinator tradeoff`: time against error of the accuracy settings of a scene, by whatever workers there are.
 
-use super::arguments::{GridName, Talk, TradeoffArguments};
+use super::arguments::{Talk, TradeoffArguments};
 use super::error::CommandError;
 use super::farm::{Farm, listen};
+use super::names::GridName;
 use super::output::print;
 use super::scenes::check_linkage;
 use common::accuracy::NamedAccuracy;

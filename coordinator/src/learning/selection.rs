@@ -83,7 +83,7 @@ impl Selection {
     fn best(&self, modes: &[Classification]) -> Option<usize> {
         let near = Nearness::new(modes, &self.pool, &self.posteriors, &self.weights);
         let mut score = match self.function {
-            LearningFunction::Gain if self.picked % 2 == 0 => gains(&self.posteriors, &near),
+            LearningFunction::Gain if self.picked.is_multiple_of(2) => gains(&self.posteriors, &near),
             LearningFunction::Gain => near.risk.clone(),
             function => self.scores(modes, function),
         };

@@ -137,9 +137,25 @@ fn who_fails_first(input: &ReportInput) -> Vec<String> {
                 parts.join(", "),
                 input.subject()
             ));
+            text.extend(causes(summary, row.cycles));
         }
     }
     text
+}
+
+/// What the failures by a checkpoint were caused by, as shares of them.
+fn causes(summary: &StudySummary, cycles: u32) -> Option<String> {
+    let row = summary.first_failure.iter().find(|row| row.cycles == cycles)?;
+    let all = row.first.values().sum::<f64>() + row.together;
+    if all <= 0.0 {
+        return None;
+    }
+    let by = |name: &String| Some(format!("{} by {name}", percent(row.first.get(name)? / all)));
+    let mut parts: Vec<String> = summary.limit_states.iter().filter_map(by).collect();
+    if row.together > 0.0 {
+        parts.push(format!("{} by several between the same two checkpoints", percent(row.together / all)));
+    }
+    Some(format!("Of these failures the first cause was: {}.", parts.join(", ")))
 }
 
 /// What the answer cost.

@@ -5,68 +5,14 @@ use super::observations::{Observations, Observed};
 use super::plan::{Plan, Problem};
 use super::populations::LookedAt;
 use super::round::{Assessment, Known, assess};
+use super::step::{Ask, CampaignError, Step, Stop};
 use super::surrogates::Surrogate;
 use crate::design::{Population, choose_by_latin_hypercube};
 use crate::learning::{Rule, Stopping};
 use crate::summary::Round;
-use crate::surrogate::{Effort, PredictionCache, SurrogateError};
+use crate::surrogate::{Effort, PredictionCache};
 use common::failure::SimulationFailure;
 use std::collections::VecDeque;
-use thiserror::Error;
-
-/// One simulation a campaign asks for.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Ask {
-    /// Values of the random variables `(d,)` [SI].
-    pub sample: Vec<f64>,
-    /// Whether the simulation failed before and is wanted at a stricter setting.
-    pub stricter: bool,
-}
-
-/// What the campaign wants next.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Step {
-    /// Simulate these, then [`Campaign::tell`] the outcomes in the same order; meanwhile ask for more.
-    Evaluate(Vec<Ask>),
-    /// The outcomes of the chunk that was asked for first.
-    Wait,
-    /// Nothing: learning has ended.
-    Done,
-}
-
-/// Why learning ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Stop {
-    /// A stopping rule held.
-    Rule(Rule),
-    /// The budget of evaluations is spent.
-    Budget,
-}
-
-/// Why a campaign cannot go on.
-#[derive(Debug, Error)]
-pub enum CampaignError {
-    /// More than the allowed share of the simulations failed.
-    #[error("{failed} of {total} simulations failed, {count} of them like this: {cause}")]
-    TooManyFailures {
-        /// Failed.
-        failed: usize,
-        /// Simulated.
-        total: usize,
-        /// Failures of the commonest kind.
-        count: usize,
-        /// The first of them.
-        cause: SimulationFailure,
-    },
-    /// A surrogate could not be made.
-    #[error("surrogate of limit state {mode}: {source}")]
-    Surrogate {
-        /// Index of the limit state, from 0.
-        mode: usize,
-        /// Why.
-        source: SurrogateError,
-    },
-}
 
 /// Growth of the number of results after which the lengths are fitted anew, and after which from several starts,
 /// against a lasting local optimum.

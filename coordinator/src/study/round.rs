@@ -1,9 +1,9 @@
 //! One round of learning on the results so far: fit, classify the population, estimate the error.
 
-use super::campaign::CampaignError;
 use super::failures::{Failed, Feasibility};
 use super::observations::Observations;
 use super::plan::{Plan, Problem};
+use super::step::CampaignError;
 use super::surrogates::{Results, Surrogate};
 use crate::design::Population;
 use crate::learning::{
