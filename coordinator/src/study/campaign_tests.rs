@@ -32,7 +32,7 @@ fn learn_of(
 ) -> Learned {
     let normal = Distribution::TruncatedNormal { mean: 0.0, std: 1.0, lower: -8.0, upper: 8.0 };
     let inputs = InputModel::from(&[normal; 2]);
-    learn_from(inputs, |x| output(x), (0.0, populations), initial, seed, targets)
+    learn_from(inputs, output, (0.0, populations), initial, seed, targets)
 }
 
 fn learn_from(
