@@ -20,6 +20,7 @@ mod rows;
 mod settings;
 mod step;
 mod surrogates;
+mod thinking;
 
 #[cfg(test)]
 mod campaign_tests;
@@ -43,10 +44,11 @@ use crate::journal::Journal;
 use crate::progress::{Observer, Progress};
 use crate::summary::Round;
 use common::scene::Scene;
-use dispatching::{Dispatcher, Learner, Outcome};
+use dispatching::{Dispatcher, Outcome};
 use monte_carlo::DirectSimulation;
 use responses::Responses;
 use std::time::Instant;
+use thinking::Learner;
 use thiserror::Error;
 
 /// Why a study has no result.

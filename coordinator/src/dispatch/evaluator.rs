@@ -4,7 +4,7 @@ use super::DispatchError;
 use super::desk::{Attendance, ConnectedWorker, Delivery, Desk, Gate, Input};
 use super::scheduler::Settings;
 use super::transport::{Listen, Transport};
-use crate::evaluate::{EvaluateError, Evaluator, Finished, Request};
+use crate::evaluate::{Beginnings, EvaluateError, Evaluator, LOOK_UP, Pursuit};
 use common::accuracy::Accuracy;
 use common::wire::{self, Message, Next, Reply, WorkOrder};
 use std::collections::BTreeSet;
@@ -14,8 +14,6 @@ use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// How often a batch under way looks whether the user wants to stop.
-const LOOK_UP: Duration = Duration::from_millis(100);
 /// How long workers may take to leave at the end of a campaign.
 const FAREWELL: Duration = Duration::from_secs(2);
 /// Largest scene text [bytes]: it travels with every reply that carries tasks.
@@ -139,21 +137,20 @@ impl ZenohEvaluator {
         self.inputs.send(input).map_err(|_| desk_ended())
     }
 
-    /// Takes outcomes until nothing is open.
-    fn collect(
-        &self,
-        first: Vec<Request>,
-        record: &mut dyn FnMut(Finished) -> Result<Vec<Request>, EvaluateError>,
-    ) -> Result<(), EvaluateError> {
+    /// Begins what comes and takes outcomes until there is no more of either.
+    fn collect(&self, pursuit: &mut dyn Pursuit) -> Result<(), EvaluateError> {
         let (sender, deliveries) = channel();
-        let mut open = BTreeSet::new();
-        let submit = |requests: Vec<Request>, open: &mut BTreeSet<u64>| {
-            open.extend(requests.iter().map(|request| request.id));
-            self.send(Input::Submit(requests, sender.clone()))
-        };
-        submit(first, &mut open)?;
+        let (mut beginnings, mut open) = (Beginnings::default(), BTreeSet::new());
         let mut given_up = None;
-        while !open.is_empty() {
+        loop {
+            let requests = beginnings.take(pursuit)?;
+            if !requests.is_empty() {
+                open.extend(requests.iter().map(|request| request.id));
+                self.send(Input::Submit(requests, sender.clone()))?;
+            }
+            if open.is_empty() && beginnings.ended() {
+                return given_up.map_or(Ok(()), Err);
+            }
             let stopping = self.interrupted.load(Ordering::Relaxed);
             // What has arrived when the user stops is recorded still.
             let next = if stopping {
@@ -161,38 +158,36 @@ impl ZenohEvaluator {
             } else {
                 match deliveries.recv_timeout(LOOK_UP) {
                     Ok(delivery) => Ok(delivery),
-                    Err(RecvTimeoutError::Timeout) => continue,
-                    Err(RecvTimeoutError::Disconnected) => Err(desk_ended()),
+                    Err(RecvTimeoutError::Timeout)
+                        if self.desk.as_ref().is_some_and(|d| !d.is_finished()) =>
+                    {
+                        continue;
+                    }
+                    Err(_) => Err(desk_ended()),
                 }
             };
             match next? {
                 Delivery::Outcome(finished) => {
                     let id = finished.id;
-                    let more = record(*finished)?;
+                    pursuit.record(*finished)?;
                     self.send(Input::Recorded(id))?;
                     open.remove(&id);
-                    if !more.is_empty() {
-                        submit(more, &mut open)?;
-                    }
                 }
                 Delivery::GivenUp { task, reason } => {
                     open.remove(&task);
                     given_up.get_or_insert(EvaluateError::GivenUp { id: task, reason });
+                    // What would come of it can no longer be told: nothing more is begun.
+                    beginnings.end();
                 }
             }
         }
-        given_up.map_or(Ok(()), Err)
     }
 }
 
 impl Evaluator for ZenohEvaluator {
-    /// A task that ended several workers is given up; the rest goes on, and its end is the error.
-    fn pursue(
-        &mut self,
-        first: Vec<Request>,
-        record: &mut dyn FnMut(Finished) -> Result<Vec<Request>, EvaluateError>,
-    ) -> Result<(), EvaluateError> {
-        let done = self.collect(first, record);
+    /// A task that ended several workers is given up; what is under way goes on, and its end is the error.
+    fn pursue(&mut self, pursuit: &mut dyn Pursuit) -> Result<(), EvaluateError> {
+        let done = self.collect(pursuit);
         if done.is_err() {
             // Outcomes not recorded stay with their workers, unacknowledged.
             self.send(Input::Cancel)?;

@@ -1,16 +1,13 @@
 //! Evaluations by a closure on threads of this process: for tests and for what needs no messaging.
 
 use super::queue::{CloseAtEnd, Queue};
-use super::{EvaluateError, Evaluator, Finished, Request};
+use super::{Beginnings, EvaluateError, Evaluator, Finished, LOOK_UP, Pursuit, Request};
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
-use std::time::{Duration, Instant};
-
-/// How often a batch under way looks whether the user wants to stop.
-const LOOK_UP: Duration = Duration::from_millis(100);
+use std::time::Instant;
 
 /// Evaluates with `F` on a number of threads.
 #[derive(Debug)]
@@ -39,14 +36,9 @@ impl<F> Evaluator for LocalEvaluator<F>
 where
     F: Fn(&Request) -> Result<Evaluation, SimulationFailure> + Sync,
 {
-    fn pursue(
-        &mut self,
-        first: Vec<Request>,
-        record: &mut dyn FnMut(Finished) -> Result<Vec<Request>, EvaluateError>,
-    ) -> Result<(), EvaluateError> {
+    fn pursue(&mut self, pursuit: &mut dyn Pursuit) -> Result<(), EvaluateError> {
         let (simulate, interrupted) = (&self.simulate, &*self.interrupted);
-        let mut open = first.len();
-        let queue = Queue::new(first);
+        let queue = Queue::default();
         let (sender, outcomes) = channel();
         std::thread::scope(|scope| {
             for thread in 0..self.threads {
@@ -67,22 +59,27 @@ where
             drop(sender);
             // Whatever happens here, the threads end.
             let _closed = CloseAtEnd(&queue);
-            while open > 0 {
+            let (mut beginnings, mut open) = (Beginnings::default(), 0);
+            loop {
                 if interrupted.load(Ordering::Relaxed) {
                     return Err(EvaluateError::Interrupted);
                 }
+                let requests = beginnings.take(pursuit)?;
+                open += requests.len();
+                queue.add(requests);
+                if open == 0 && beginnings.ended() {
+                    return Ok(());
+                }
                 match outcomes.recv_timeout(LOOK_UP) {
                     Ok(finished) => {
-                        let more = record(finished)?;
-                        open = open - 1 + more.len();
-                        queue.add(more);
+                        pursuit.record(finished)?;
+                        open -= 1;
                     }
                     Err(RecvTimeoutError::Timeout) => {}
                     // A thread that panics is reported by the scope.
                     Err(RecvTimeoutError::Disconnected) => return Ok(()),
                 }
             }
-            Ok(())
         })
     }
 }

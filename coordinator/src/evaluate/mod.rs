@@ -16,6 +16,7 @@ use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
 use external::SimulatorError;
+use std::time::Duration;
 use thiserror::Error;
 
 /// What comes of a sample; a failed simulation is an outcome, not an error.
@@ -73,22 +74,44 @@ pub enum EvaluateError {
     Record(String),
 }
 
+/// What an evaluator is to begin.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Next {
+    /// These, beside whatever is under way.
+    Begin(Vec<Request>),
+    /// Nothing now; more may come.
+    Later,
+    /// Nothing any more.
+    End,
+}
+
+/// What an evaluator works on: requests come while others are under way, outcomes go as they arrive.
+pub trait Pursuit {
+    /// What to begin. Asked after every outcome, and at least every [`LOOK_UP`] until it answers [`Next::End`].
+    ///
+    /// # Errors
+    /// Why the evaluator is to end.
+    fn next(&mut self) -> Result<Next, EvaluateError>;
+
+    /// Takes an outcome, durable once this returns `Ok`: only then may it be acknowledged to a worker.
+    ///
+    /// # Errors
+    /// Why the evaluator is to end.
+    fn record(&mut self, finished: Finished) -> Result<(), EvaluateError>;
+}
+
+/// How often an evaluator looks what to begin, and whether the user wants to stop.
+pub const LOOK_UP: Duration = Duration::from_millis(10);
+
 /// Evaluates samples.
 pub trait Evaluator {
-    /// Evaluates the requests of `first` and every further one that `record` answers, in any order, each exactly once; ends when
-    /// nothing is left to do. Calls `record` on each outcome as it arrives; the requests it answers begin while
-    /// the others are under way, so that nobody waits for the slowest of a batch. An outcome counts as delivered (and
-    /// may be acknowledged to a worker) only after `record` returned `Ok`.
+    /// Evaluates every request of the pursuit, in any order, each exactly once, until no more come and none is under way.
     ///
     /// # Errors
     /// [`EvaluateError`]; outcomes recorded before it stay valid.
-    fn pursue(
-        &mut self,
-        first: Vec<Request>,
-        record: &mut dyn FnMut(Finished) -> Result<Vec<Request>, EvaluateError>,
-    ) -> Result<(), EvaluateError>;
+    fn pursue(&mut self, pursuit: &mut dyn Pursuit) -> Result<(), EvaluateError>;
 
-    /// Evaluates the requests of `batch` and no others.
+    /// Evaluates the requests of `batch` and no others; calls `record` on each outcome as it arrives.
     ///
     /// # Errors
     /// Those of [`Evaluator::pursue`].
@@ -97,9 +120,53 @@ pub trait Evaluator {
         batch: &[Request],
         record: &mut dyn FnMut(Finished) -> Result<(), EvaluateError>,
     ) -> Result<(), EvaluateError> {
-        self.pursue(batch.to_vec(), &mut |finished| {
-            record(finished)?;
-            Ok(Vec::new())
-        })
+        self.pursue(&mut Batch { requests: Some(batch.to_vec()), record })
+    }
+}
+
+/// A pursuit of requests that are all known.
+struct Batch<'a> {
+    requests: Option<Vec<Request>>,
+    record: &'a mut dyn FnMut(Finished) -> Result<(), EvaluateError>,
+}
+
+impl Pursuit for Batch<'_> {
+    fn next(&mut self) -> Result<Next, EvaluateError> {
+        Ok(self.requests.take().map_or(Next::End, Next::Begin))
+    }
+
+    fn record(&mut self, finished: Finished) -> Result<(), EvaluateError> {
+        (self.record)(finished)
+    }
+}
+
+/// What is left to begin of a pursuit, for evaluators: takes all there is now.
+#[derive(Debug, Default)]
+pub(crate) struct Beginnings {
+    ended: bool,
+}
+
+impl Beginnings {
+    /// Requests to begin now.
+    pub fn take(&mut self, pursuit: &mut dyn Pursuit) -> Result<Vec<Request>, EvaluateError> {
+        let mut all = Vec::new();
+        while !self.ended {
+            match pursuit.next()? {
+                Next::Begin(requests) => all.extend(requests),
+                Next::Later => break,
+                Next::End => self.ended = true,
+            }
+        }
+        Ok(all)
+    }
+
+    /// Begins nothing more, whatever comes.
+    pub fn end(&mut self) {
+        self.ended = true;
+    }
+
+    /// Whether no more will come.
+    pub fn ended(&self) -> bool {
+        self.ended
     }
 }

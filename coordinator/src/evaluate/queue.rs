@@ -18,11 +18,6 @@ struct Waiting {
 }
 
 impl Queue {
-    pub(super) fn new(requests: Vec<Request>) -> Self {
-        let waiting = Waiting { requests: requests.into(), closed: false };
-        Self { waiting: Mutex::new(waiting), changed: Condvar::new() }
-    }
-
     /// The next request, waited for; `None` once the queue is closed.
     pub(super) fn take(&self) -> Option<Request> {
         let waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);

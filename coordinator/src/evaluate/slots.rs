@@ -2,7 +2,7 @@
 //! process. A slot at work looks up often enough to stop at once when the user wants to.
 
 use super::queue::{CloseAtEnd, Queue};
-use super::{EvaluateError, Evaluator, Finished, Outcome, Request};
+use super::{Beginnings, EvaluateError, Evaluator, Finished, Outcome, Pursuit, Request};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
@@ -83,14 +83,9 @@ impl<S: Slot> SlotEvaluator<S> {
 }
 
 impl<S: Slot> Evaluator for SlotEvaluator<S> {
-    fn pursue(
-        &mut self,
-        first: Vec<Request>,
-        record: &mut dyn FnMut(Finished) -> Result<Vec<Request>, EvaluateError>,
-    ) -> Result<(), EvaluateError> {
+    fn pursue(&mut self, pursuit: &mut dyn Pursuit) -> Result<(), EvaluateError> {
         let stop = Stop { user: Arc::clone(&self.interrupted), batch: Arc::default() };
-        let mut open = first.len();
-        let queue = Queue::new(first);
+        let queue = Queue::default();
         let (sender, outcomes) = channel();
         std::thread::scope(|scope| {
             for slot in &mut self.slots {
@@ -114,28 +109,41 @@ impl<S: Slot> Evaluator for SlotEvaluator<S> {
             drop(sender);
             // Whatever happens here, the threads end.
             let _closed = CloseAtEnd(&queue);
-            let collected = (|| {
-                while open > 0 {
-                    match stop.wait(&outcomes, Duration::MAX) {
-                        Ok(finished) => {
-                            let more = record(finished?)?;
-                            open = open - 1 + more.len();
-                            queue.add(more);
-                        }
-                        Err(NoMessage::Stopped) => return Err(EvaluateError::Interrupted),
-                        // They leave when asked to; a thread that panics is reported by the scope.
-                        Err(NoMessage::Ended) if stop.asked() => return Err(EvaluateError::Interrupted),
-                        Err(NoMessage::Ended | NoMessage::TooLate) => return Ok(()),
-                    }
-                    if open > 0 && stop.asked() {
-                        return Err(EvaluateError::Interrupted);
-                    }
-                }
-                Ok(())
-            })();
+            let collected = collect(pursuit, &queue, &outcomes, &stop);
             stop.batch.store(true, Ordering::Relaxed);
             collected
         })
+    }
+}
+
+/// Begins what comes and records what is done until there is no more of either.
+fn collect(
+    pursuit: &mut dyn Pursuit,
+    queue: &Queue,
+    outcomes: &Receiver<Result<Finished, EvaluateError>>,
+    stop: &Stop,
+) -> Result<(), EvaluateError> {
+    let (mut beginnings, mut open) = (Beginnings::default(), 0);
+    loop {
+        let requests = beginnings.take(pursuit)?;
+        open += requests.len();
+        queue.add(requests);
+        if open == 0 && beginnings.ended() {
+            return Ok(());
+        }
+        if stop.asked() {
+            return Err(EvaluateError::Interrupted);
+        }
+        match outcomes.recv_timeout(super::LOOK_UP) {
+            Ok(finished) => {
+                pursuit.record(finished?)?;
+                open -= 1;
+            }
+            Err(RecvTimeoutError::Timeout) => {}
+            // They leave when asked to; a thread that panics is reported by the scope.
+            Err(RecvTimeoutError::Disconnected) if stop.asked() => return Err(EvaluateError::Interrupted),
+            Err(RecvTimeoutError::Disconnected) => return Ok(()),
+        }
     }
 }
 

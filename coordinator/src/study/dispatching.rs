@@ -1,8 +1,9 @@
 //! Numbered requests, the campaign file first, then the evaluator; outcomes checked and in order.
 
 use super::responses::Responses;
+use super::thinking::{Learner, Thought, think};
 use super::{Ask, CampaignError, Observed, Step, StudyError};
-use crate::evaluate::{EvaluateError, Evaluator, Finished, Request};
+use crate::evaluate::{EvaluateError, Evaluator, Finished, Next, Pursuit, Request};
 use crate::journal::Journal;
 use crate::progress::{Observer, Progress};
 use crate::summary::{Round, WorkerShare};
@@ -10,22 +11,11 @@ use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::scene::Scene;
 use std::collections::{BTreeMap, VecDeque};
+use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::time::{Duration, Instant};
 
 /// Outcome of one sample.
 pub(super) type Outcome = Result<Observed, SimulationFailure>;
-
-/// Who decides what is simulated: asks and is told, chunk by chunk, in order.
-pub(super) trait Learner {
-    /// What it wants next; see [`Step`].
-    fn next_step(&mut self) -> Result<Step, CampaignError>;
-    /// The outcomes of its oldest chunk.
-    fn tell(&mut self, outcomes: Vec<Outcome>) -> Result<(), CampaignError>;
-    /// The rounds so far.
-    fn rounds(&self) -> &[Round];
-    /// What its next chunk is for, in words.
-    fn purpose(&self) -> String;
-}
 
 /// A chunk that is not yet complete.
 struct Chunk {
@@ -52,8 +42,6 @@ struct Record<'a> {
     observer: &'a mut dyn Observer,
     next_id: u64,
     done: usize,
-    open: usize,
-    noted: usize,
     shares: BTreeMap<String, (usize, f64)>,
     /// Time the learner took [s].
     thinking: Duration,
@@ -76,8 +64,6 @@ impl<'a> Dispatcher<'a> {
             observer,
             next_id: 0,
             done: 0,
-            open: 0,
-            noted: 0,
             shares: BTreeMap::new(),
             thinking: Duration::ZERO,
             idle: Duration::ZERO,
@@ -99,47 +85,36 @@ impl<'a> Dispatcher<'a> {
     /// [`StudyError`]; whatever was evaluated is in the journal by then.
     pub fn pursue(&mut self, learner: &mut dyn Learner) -> Result<(), StudyError> {
         let Self { outputs, responses, checkpoints, stricter, budget, evaluator, record } = self;
-        let mut stage = Stage {
-            outputs: *outputs,
-            responses,
-            checkpoints,
-            stricter: *stricter,
-            budget: *budget,
-            record,
-            learner,
-        };
-        let mut chunks: VecDeque<Chunk> = VecDeque::new();
-        let mut requests: BTreeMap<u64, Request> = BTreeMap::new();
-        // What the learner makes of outcomes is no matter of the evaluator: it ends, and the error is answered here.
-        let mut failed = None;
-        let first = stage.advance(&mut chunks, &mut requests)?;
-        if !first.is_empty() {
-            let ended = evaluator.pursue(first, &mut |finished| {
-                let known = requests.remove(&finished.id);
-                let Some(request) = known else {
-                    return Err(EvaluateError::Transport(format!(
-                        "an outcome of evaluation {} that is not being waited for",
-                        finished.id
-                    )));
-                };
-                stage.record.keep(&request, &finished)?;
-                let settled = stage
-                    .settle(finished, &mut chunks)
-                    .and_then(|()| stage.advance(&mut chunks, &mut requests));
-                settled.map_err(|error| {
-                    failed = Some(error);
-                    EvaluateError::Interrupted
-                })
-            });
+        let (tell, told) = channel();
+        let (sender, thoughts) = channel();
+        std::thread::scope(|scope| {
+            scope.spawn(move || think(learner, &told, &sender));
+            let mut stage = Stage {
+                outputs: *outputs,
+                responses,
+                checkpoints,
+                stricter: *stricter,
+                budget: *budget,
+                record,
+                chunks: VecDeque::new(),
+                requests: BTreeMap::new(),
+                thoughts,
+                tell,
+                waits: false,
+                looked: Instant::now(),
+                failed: None,
+            };
+            let ended = evaluator.pursue(&mut stage);
+            let Stage { failed, requests, .. } = stage;
             if let Some(error) = failed {
                 return Err(error);
             }
             ended?;
-        }
-        match requests.keys().next() {
-            Some(id) => Err(StudyError::Unanswered { id: *id }),
-            None => Ok(()),
-        }
+            match requests.keys().next() {
+                Some(id) => Err(StudyError::Unanswered { id: *id }),
+                None => Ok(()),
+            }
+        })
     }
 
     /// Passes a notice on.
@@ -178,17 +153,16 @@ impl Record<'_> {
     }
 
     /// Passes finished rounds on to file and observer.
-    fn note_rounds(&mut self, rounds: &[Round]) -> Result<(), StudyError> {
-        for round in &rounds[self.noted..] {
-            self.journal.note_round(round)?;
-            self.observer.notice(&Progress::RoundFinished(round.clone()));
+    fn note_rounds(&mut self, rounds: Vec<Round>) -> Result<(), StudyError> {
+        for round in rounds {
+            self.journal.note_round(&round)?;
+            self.observer.notice(&Progress::RoundFinished(round));
         }
-        self.noted = rounds.len();
         Ok(())
     }
 }
 
-/// A learner being served.
+/// A study being served: between the thread that thinks and whoever evaluates.
 struct Stage<'s, 'a> {
     outputs: usize,
     responses: &'s Responses,
@@ -196,73 +170,106 @@ struct Stage<'s, 'a> {
     stricter: Option<Accuracy>,
     budget: usize,
     record: &'s mut Record<'a>,
-    learner: &'s mut dyn Learner,
+    /// Asked for and not yet told, the oldest first.
+    chunks: VecDeque<Chunk>,
+    /// Under way.
+    requests: BTreeMap<u64, Request>,
+    thoughts: Receiver<Result<Thought, CampaignError>>,
+    tell: Sender<Vec<Outcome>>,
+    /// Whether the learner waits for its oldest chunk.
+    waits: bool,
+    /// When it was last looked what to begin.
+    looked: Instant,
+    /// What ended the study: no matter of the evaluator, which is only told to end.
+    failed: Option<StudyError>,
+}
+
+impl Pursuit for Stage<'_, '_> {
+    fn next(&mut self) -> Result<Next, EvaluateError> {
+        // With nothing under way everybody waits for the learner.
+        let since = std::mem::replace(&mut self.looked, Instant::now());
+        if self.requests.is_empty() {
+            self.record.idle += since.elapsed();
+        }
+        let next = self.heard();
+        next.map_err(|error| self.fail(error))
+    }
+
+    fn record(&mut self, finished: Finished) -> Result<(), EvaluateError> {
+        let Some(request) = self.requests.remove(&finished.id) else {
+            let what = format!("an outcome of evaluation {} that is not being waited for", finished.id);
+            return Err(EvaluateError::Transport(what));
+        };
+        self.record.keep(&request, &finished)?;
+        self.looked = Instant::now();
+        self.settle(finished).map_err(|error| self.fail(error))
+    }
 }
 
 impl Stage<'_, '_> {
+    fn fail(&mut self, error: StudyError) -> EvaluateError {
+        self.failed = Some(error);
+        EvaluateError::Interrupted
+    }
+
+    /// Takes up what the learner has come to, and tells it what it waits for.
+    fn heard(&mut self) -> Result<Next, StudyError> {
+        loop {
+            self.pass_on();
+            match self.thoughts.try_recv() {
+                Ok(thought) => {
+                    let Thought { step, purpose, rounds, took } = thought?;
+                    self.record.thinking += took;
+                    self.record.note_rounds(rounds)?;
+                    match step {
+                        Step::Done => return Ok(Next::End),
+                        Step::Wait => self.waits = true,
+                        Step::Evaluate(asks) => {
+                            let missing = self.begin(asks, &purpose)?;
+                            if !missing.is_empty() {
+                                return Ok(Next::Begin(missing));
+                            }
+                        }
+                    }
+                }
+                Err(TryRecvError::Empty) => return Ok(Next::Later),
+                // It is done, or has panicked, which the scope reports.
+                Err(TryRecvError::Disconnected) => return Ok(Next::End),
+            }
+        }
+    }
+
+    /// Tells the oldest chunk, if it is complete and waited for.
+    fn pass_on(&mut self) {
+        let complete = |chunk: &Chunk| chunk.outcomes.iter().all(Option::is_some);
+        if self.waits && self.chunks.front().is_some_and(complete) {
+            let chunk = self.chunks.pop_front().expect("there is one");
+            self.waits = false;
+            // A learner that has gone away has said why.
+            let _ = self.tell.send(chunk.outcomes.into_iter().flatten().collect());
+        }
+    }
+
     /// Puts an outcome into its place.
-    fn settle(&mut self, finished: Finished, chunks: &mut VecDeque<Chunk>) -> Result<(), StudyError> {
+    fn settle(&mut self, finished: Finished) -> Result<(), StudyError> {
         let share = self.record.shares.entry(finished.worker.clone()).or_default();
         share.0 += 1;
         share.1 += finished.wall;
         let id = finished.id;
         let observed = checked(finished, self.outputs, self.checkpoints)?;
         let outcome = observed.map(|observed| self.responses.complete(observed));
-        let chunk =
-            chunks.iter_mut().rev().find(|chunk| chunk.first <= id).expect("every request has a chunk");
+        let chunk = self.chunks.iter_mut().rev().find(|chunk| chunk.first <= id);
+        let chunk = chunk.expect("every request has a chunk");
         chunk.outcomes[(id - chunk.first) as usize] = Some(outcome);
-        self.record.open -= 1;
         Ok(())
     }
 
-    /// Tells what is complete, the oldest chunk first, and asks until the learner waits; what is to be evaluated.
-    ///
-    /// After each chunk told the learner is asked before it is told the next one, so its questions do not depend on
-    /// which outcomes came together.
-    fn advance(
-        &mut self,
-        chunks: &mut VecDeque<Chunk>,
-        requests: &mut BTreeMap<u64, Request>,
-    ) -> Result<Vec<Request>, StudyError> {
-        let mut missing = Vec::new();
-        loop {
-            let started = Instant::now();
-            let idle = self.record.open == 0;
-            let step = self.learner.next_step()?;
-            self.record.thinking += started.elapsed();
-            self.record.idle += if idle { started.elapsed() } else { Duration::ZERO };
-            self.record.note_rounds(self.learner.rounds())?;
-            match step {
-                Step::Done => return Ok(missing),
-                Step::Evaluate(asks) => {
-                    let more = self.begin(asks, &self.learner.purpose(), chunks)?;
-                    requests.extend(more.iter().map(|request| (request.id, request.clone())));
-                    missing.extend(more);
-                }
-                Step::Wait => {
-                    let complete = |chunk: &Chunk| chunk.outcomes.iter().all(Option::is_some);
-                    if !chunks.front().is_some_and(complete) {
-                        return Ok(missing);
-                    }
-                    let chunk = chunks.pop_front().expect("there is one");
-                    self.learner.tell(chunk.outcomes.into_iter().flatten().collect())?;
-                }
-            }
-        }
-    }
-
     /// Numbers a chunk, takes what the campaign file knows of it; the rest.
-    fn begin(
-        &mut self,
-        asks: Vec<Ask>,
-        purpose: &str,
-        chunks: &mut VecDeque<Chunk>,
-    ) -> Result<Vec<Request>, StudyError> {
+    fn begin(&mut self, asks: Vec<Ask>, purpose: &str) -> Result<Vec<Request>, StudyError> {
         let first = self.record.next_id;
         let size = asks.len();
         self.record.next_id += size as u64;
-        self.record.open += size;
-        chunks.push_back(Chunk { first, outcomes: vec![None; size] });
+        self.chunks.push_back(Chunk { first, outcomes: vec![None; size] });
         let mut missing = Vec::new();
         for (id, ask) in (first..).zip(asks) {
             let accuracy = self.stricter.filter(|_| ask.stricter);
@@ -271,9 +278,12 @@ impl Stage<'_, '_> {
                 Some(finished) => {
                     self.record.done += 1;
                     notice(self.record.observer, self.record.done, &finished, true);
-                    self.settle(finished, chunks)?;
+                    self.settle(finished)?;
                 }
-                None => missing.push(request),
+                None => {
+                    self.requests.insert(id, request.clone());
+                    missing.push(request);
+                }
             }
         }
         self.record.observer.notice(&Progress::BatchStarted {

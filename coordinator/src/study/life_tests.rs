@@ -2,7 +2,7 @@
 
 use super::{Method, Settings, StudyError, StudyResult, run};
 use crate::design::Population;
-use crate::evaluate::{EvaluateError, Evaluator, Finished, Request};
+use crate::evaluate::{EvaluateError, Evaluator, Finished, Next, Pursuit, Request};
 use crate::journal::Journal;
 use crate::progress::Silent;
 use crate::summary::Round;
@@ -121,18 +121,28 @@ impl MadeUp {
 }
 
 impl Evaluator for MadeUp {
-    fn pursue(
-        &mut self,
-        first: Vec<Request>,
-        record: &mut dyn FnMut(Finished) -> Result<Vec<Request>, EvaluateError>,
-    ) -> Result<(), EvaluateError> {
-        let mut open = VecDeque::from(first);
-        while let Some(request) = if self.backwards { open.pop_back() } else { open.pop_front() } {
+    fn pursue(&mut self, pursuit: &mut dyn Pursuit) -> Result<(), EvaluateError> {
+        let mut open = VecDeque::new();
+        loop {
+            match pursuit.next()? {
+                Next::Begin(requests) => {
+                    open.extend(requests);
+                    continue;
+                }
+                Next::End if open.is_empty() => return Ok(()),
+                Next::Later if open.is_empty() => {
+                    std::thread::yield_now();
+                    continue;
+                }
+                Next::End | Next::Later => {}
+            }
+            self.most_open = self.most_open.max(open.len());
+            let request = if self.backwards { open.pop_back() } else { open.pop_front() };
+            let request: Request = request.expect("there is one");
             if self.interrupt_after == Some(self.calls) {
                 return Err(EvaluateError::Interrupted);
             }
             self.calls += 1;
-            self.most_open = self.most_open.max(open.len() + 1);
             assert_eq!(request.with_first_cycle, request.id == 0);
             let failure = SimulationFailure::TooManySteps { cycle: 1, time: 0.0, joint: None, bound: 9 };
             let second = request.accuracy.is_some();
@@ -148,9 +158,8 @@ impl Evaluator for MadeUp {
                     diagnostics: Diagnostics::default(),
                 })
             };
-            open.extend(record(Finished { id: request.id, outcome, worker: "test/0".into(), wall: 1.0 })?);
+            pursuit.record(Finished { id: request.id, outcome, worker: "test/0".into(), wall: 1.0 })?;
         }
-        Ok(())
     }
 }
 
@@ -309,21 +318,24 @@ fn half_a_batch_is_simulated_while_the_other_is_learned_from() {
 #[test]
 fn a_wrong_shape_or_value_is_refused_by_number_and_worker() {
     struct Broken;
+    struct Spoilt<'a>(&'a mut dyn Pursuit);
+    impl Pursuit for Spoilt<'_> {
+        fn next(&mut self) -> Result<Next, EvaluateError> {
+            self.0.next()
+        }
+
+        fn record(&mut self, mut finished: Finished) -> Result<(), EvaluateError> {
+            if finished.id == 5
+                && let Ok(evaluation) = &mut finished.outcome
+            {
+                evaluation.histories[1][7] = f64::NAN;
+            }
+            self.0.record(finished)
+        }
+    }
     impl Evaluator for Broken {
-        fn pursue(
-            &mut self,
-            first: Vec<Request>,
-            record: &mut dyn FnMut(Finished) -> Result<Vec<Request>, EvaluateError>,
-        ) -> Result<(), EvaluateError> {
-            let mut inner = MadeUp::new();
-            inner.pursue(first, &mut |mut finished| {
-                if finished.id == 5
-                    && let Ok(evaluation) = &mut finished.outcome
-                {
-                    evaluation.histories[1][7] = f64::NAN;
-                }
-                record(finished)
-            })
+        fn pursue(&mut self, pursuit: &mut dyn Pursuit) -> Result<(), EvaluateError> {
+            MadeUp::new().pursue(&mut Spoilt(pursuit))
         }
     }
     let error = run(&scene(), &small(), &mut Broken, &mut Memory::default(), &mut Silent).unwrap_err();

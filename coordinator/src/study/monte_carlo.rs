@@ -1,8 +1,9 @@
 //! Direct simulation of a Monte Carlo population's first points or of a Latin hypercube: no surrogates, curves from counts.
 
-use super::dispatching::{Learner, Outcome};
+use super::dispatching::Outcome;
 use super::failures::check_failures;
 use super::result::{self, Curves};
+use super::thinking::Learner;
 use super::{Ask, CampaignError, Method, Observed, Problem, Settings, Step, StudyError, StudyResult};
 use crate::design::Population;
 use crate::learning::{curves, running_maximum};
