@@ -36,13 +36,18 @@ struct Arguments {
     #[arg(long, value_name = "PORT|ADDRESS:PORT", conflicts_with_all = ["connect", "config", "name", "give_up_after"])]
     serve_umbridge: Option<String>,
     /// Scene file, or name of a built-in scene, to be offered [default: flapping-wing]
-    #[arg(long, value_name = "NAME-or-FILE", requires = "serve_umbridge")]
+    #[arg(long, value_name = "NAME-or-FILE", requires = "serve_umbridge", conflicts_with = "connect")]
     scene: Option<String>,
     /// Numerical effort of an evaluation to be offered, unless a request says otherwise [default: balanced]
-    #[arg(long, value_name = "draft|balanced|reference|NAME", requires = "serve_umbridge")]
+    #[arg(
+        long,
+        value_name = "draft|balanced|reference|NAME",
+        requires = "serve_umbridge",
+        conflicts_with = "connect"
+    )]
     accuracy: Option<NamedAccuracy>,
     /// Allow --serve-umbridge on an address that other machines can reach
-    #[arg(long, requires = "serve_umbridge")]
+    #[arg(long, requires = "serve_umbridge", conflicts_with = "connect")]
     insecure: bool,
     /// Threads that simulate, each up to three evaluations side by side [default: one per core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]

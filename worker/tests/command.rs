@@ -136,7 +136,7 @@ fn a_scene_is_offered_by_umbridge_on_this_machine_alone() {
         (&["--serve-umbridge", "0", "--scene", "five-bar"], "did you mean \"four-bar\"?"),
         (&["--serve-umbridge", "0", "--accuracy", "exact"], "\"exact\" is neither a preset"),
         (&["--serve-umbridge", "0", "--connect", "tcp/127.0.0.1:1"], "cannot be used with"),
-        (&["--connect", "tcp/127.0.0.1:1", "--scene", "four-bar"], "--serve-umbridge"),
+        (&["--connect", "tcp/127.0.0.1:1", "--scene", "four-bar"], "cannot be used with"),
     ] {
         let output = worker(arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", said(&output));
