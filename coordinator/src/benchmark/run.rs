@@ -4,11 +4,8 @@ use super::PublishedProblem;
 use crate::design::InputModel;
 use crate::learning::{LearningFunction, Mode, Targets};
 use crate::reliability::reliability_curve;
-use crate::study::{
-    Campaign, CampaignError, FAILED_SHARE, Learned, LookedAt, Observed, Plan, Problem, Step, Stop,
-};
+use crate::study::{Campaign, CampaignError, FAILED_SHARE, Learned, LookedAt, Observed, Plan, Problem, Stop};
 use crate::surrogate::{FormSettings, StatedErrors};
-use std::collections::VecDeque;
 use std::time::Instant;
 
 /// What one run found.
@@ -64,21 +61,9 @@ pub fn run(
         modes: (0..modes).map(|output| Mode { output, threshold: 0.0 }).collect(),
         checkpoints: (1..=m as u32).collect(),
     };
-    let mut campaign = Campaign::new(statistics, plan);
-    let mut under_way = VecDeque::new();
-    loop {
-        match campaign.next_step()? {
-            Step::Evaluate(asks) => under_way.push_back(asks),
-            Step::Wait => {
-                let asks = under_way.pop_front().expect("it waits for something");
-                let outcome = |sample: &[f64]| Ok(Observed::exact((problem.evaluate)(sample)));
-                campaign.tell(asks.iter().map(|ask| outcome(&ask.sample)).collect())?;
-            }
-            Step::Done => break,
-        }
-    }
+    let simulate = |sample: &[f64]| Ok(Observed::exact((problem.evaluate)(sample)));
+    let learned = Campaign::new(statistics, plan).learn_from(simulate)?;
     let seconds = started.elapsed().as_secs_f64();
-    let learned = campaign.finish().expect("a campaign that is done has learned something");
     Ok(found(problem, &learned, seed, seconds))
 }
 

@@ -39,10 +39,8 @@ pub enum KernelName {
     /// Infinitely smooth.
     Gaussian,
     /// Twice differentiable.
-    #[value(name = "matern-5/2")]
     Matern52,
     /// Once differentiable.
-    #[value(name = "matern-3/2")]
     Matern32,
 }
 

@@ -154,6 +154,28 @@ impl Campaign {
         check_failures(self.failed.iter().map(|f| &f.cause), self.told, self.plan.failed_share)
     }
 
+    /// Learns to the end from simulations that are made here and now, one after the other.
+    ///
+    /// # Errors
+    /// [`CampaignError`].
+    pub fn learn_from(
+        mut self,
+        mut simulate: impl FnMut(&[f64]) -> Result<Observed, SimulationFailure>,
+    ) -> Result<Learned, CampaignError> {
+        let mut under_way = VecDeque::new();
+        loop {
+            match self.next_step()? {
+                Step::Evaluate(asks) => under_way.push_back(asks),
+                Step::Wait => {
+                    let asks: Vec<Ask> = under_way.pop_front().expect("it waits for something asked for");
+                    self.tell(asks.iter().map(|ask| simulate(&ask.sample)).collect())?;
+                }
+                Step::Done => break,
+            }
+        }
+        Ok(self.finish().expect("a campaign that is done has learned something"))
+    }
+
     /// Simulations the budget leaves.
     fn left(&self) -> usize {
         self.plan.max_evaluations.saturating_sub(self.total)

@@ -1,11 +1,10 @@
 //! Campaigns on a published static case: the series system of four branches.
 
-use super::{Campaign, FAILED_SHARE, Learned, LookedAt, Observed, Plan, Problem, Step};
+use super::{Campaign, FAILED_SHARE, Learned, LookedAt, Observed, Plan, Problem};
 use crate::design::InputModel;
 use crate::learning::{LearningFunction, Mode, Targets};
 use crate::surrogate::{FormSettings, StatedErrors};
 use common::random::{Correlation, Distribution, GaussianCopula, standard_normal_cdf, standard_normal_pdf};
-use std::collections::VecDeque;
 
 /// Four-branch system, k = 7, as an output that fails at 0: minus the limit state. Echard, Gayton, Lemaire (2011).
 fn four_branch(x: &[f64]) -> f64 {
@@ -59,21 +58,8 @@ fn learn_from(
         retry: false,
         failed_share: FAILED_SHARE,
     };
-    let mut campaign = Campaign::new(problem, plan);
-    let mut under_way = VecDeque::new();
-    loop {
-        match campaign.next_step().unwrap() {
-            Step::Evaluate(asks) => under_way.push_back(asks),
-            Step::Wait => {
-                let asks = under_way.pop_front().expect("it waits for something");
-                let observed = |x: &[f64]| Ok(Observed::exact(vec![vec![output(x)]]));
-                campaign.tell(asks.iter().map(|ask| observed(&ask.sample)).collect()).unwrap();
-            }
-            Step::Done => break,
-        }
-    }
-    assert!(under_way.is_empty(), "nothing asked for is left");
-    campaign.finish().unwrap()
+    let simulate = |x: &[f64]| Ok(Observed::exact(vec![vec![output(x)]]));
+    Campaign::new(problem, plan).learn_from(simulate).unwrap()
 }
 
 /// Share of the population that fails in truth, and as classified.

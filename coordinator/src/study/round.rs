@@ -55,11 +55,6 @@ impl Assessment {
     pub fn governing_failed(&self) -> f64 {
         self.curves[self.curves.len() - 1][self.governing]
     }
-
-    /// Index into the grid of the checkpoint nearest the governing one.
-    pub fn governing_on_grid(&self) -> usize {
-        nearest(&self.grid, self.governing)
-    }
 }
 
 /// The pool holds at least this many points per point of a batch.

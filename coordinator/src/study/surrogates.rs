@@ -1,8 +1,8 @@
 //! The surrogate of one limit state: fitted anew, or grown by what was simulated since.
 
 use crate::surrogate::{
-    Candidate, Effort, Form, FormSettings, Incumbent, Kriging, LeaveOneOut, NoiseShape, Sharing,
-    StatedErrors, SurrogateError, TrainingSet, compare_sharing, fit_surrogate,
+    Effort, Form, FormSettings, Incumbent, Kriging, LeaveOneOut, NoiseShape, Sharing, StatedErrors,
+    SurrogateError, TrainingSet, compare_sharing, fit_surrogate,
 };
 use faer::{Mat, MatRef};
 
@@ -25,8 +25,6 @@ pub struct Surrogate {
     pub fitted_on: Vec<usize>,
     /// Leave-one-out figures at those.
     pub leave_one_out: Vec<LeaveOneOut>,
-    /// The forms compared for it when any were.
-    pub candidates: Vec<Candidate>,
     /// Whether one correlation for all checkpoints does as well as separate ones, when that was compared.
     pub sharing: Option<Sharing>,
     /// Standard deviation of the noise that goes with the stated errors over the stated errors themselves (root mean
@@ -61,13 +59,12 @@ impl Surrogate {
         let incumbent = before.map(|before| before.model.incumbent());
         let found = fit_surrogate(training, forms, incumbent.as_ref(), effort)?;
         let mut model = found.model;
-        let (mut candidates, mut sharing) = (found.candidates, None);
+        let mut sharing = None;
         if effort == Effort::MultiStart {
             let Incumbent { correlation, trend } = model.incumbent();
             let form = Form { kernel: correlation.kernel, trend };
             sharing = compare_sharing(training, form, &correlation)?;
         } else if let Some(before) = before {
-            candidates.clone_from(&before.candidates);
             sharing = before.sharing;
         }
         model.set_values(results.values.as_ref());
@@ -75,7 +72,6 @@ impl Surrogate {
             model,
             fitted_on,
             leave_one_out: vec![],
-            candidates,
             sharing,
             share_of_stated: None,
             repairs: found.repairs,
