@@ -155,7 +155,7 @@ fn variables_have_the_spread_of_the_table() {
     near(spread("bushing_width_12"), 1e-5, 1e-18);
     near(spread("friction"), 0.015 * 0.025, 1e-16);
     near(spread("load_stiffness"), 0.006 * 95.0, 1e-13);
-    // All but names and spreads is shared.
+    // All but names, spreads and the accuracy they ask for is shared.
     let (mut paper, mut workshop) = (paper.resolve().unwrap(), workshop.resolve().unwrap());
     assert_ne!(paper.name, workshop.name);
     for scene in [&mut paper, &mut workshop] {
@@ -163,6 +163,11 @@ fn variables_have_the_spread_of_the_table() {
         scene.name.clear();
         scene.title.clear();
     }
+    assert_eq!(
+        (paper.accuracy.name.as_str(), workshop.accuracy.name.as_str()),
+        ("balanced+jump-2000", "balanced")
+    );
+    paper.accuracy = workshop.accuracy.clone();
     assert_eq!(paper, workshop);
 }
 

@@ -35,6 +35,11 @@ fn units_and_expressions() {
         "parameter or function `withd`, did you mean `width`?",
     );
     one_fault("width = \"width\"", "width = \"width + 1 N\"", "cannot add a length and a force");
+    one_fault(
+        "[study]",
+        "[study]\naccuracy = \"exact\"",
+        "study.accuracy: \"exact\" is neither a preset (draft",
+    );
     one_fault("width = \"width\"", "width = true", "true is true or false, expected a length");
     one_fault("[\"ground_length\", \"0 mm\"]", "[\"ground_length\"]", "frame.points.rocker_pin");
     one_fault("\"10 mm\"", "\"10 mm * friction(\"", "parameters.width");

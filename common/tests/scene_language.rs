@@ -225,6 +225,14 @@ fn outputs_and_limit_states() {
 }
 
 #[test]
+fn a_scene_says_how_accurately_it_is_to_be_simulated() {
+    let accuracy = scene().accuracy;
+    assert_eq!((accuracy.name.as_str(), accuracy.accuracy.cycle_jump), ("draft+jump-500", 500));
+    let unsaid = EVERYTHING.replace("accuracy = \"draft+jump-500\"\n", "");
+    assert_eq!(SceneSource::parse(&unsaid, "unsaid").unwrap().nominal().accuracy.name, "balanced");
+}
+
+#[test]
 fn life_and_its_defaults() {
     let expected = Life { period: 0.1, cycles: 2000, checkpoint_every: 1000, settle_cycles: 3 };
     assert_eq!(scene().life, expected);

@@ -21,6 +21,7 @@ mod settings;
 mod step;
 mod surrogates;
 mod thinking;
+mod verification;
 
 #[cfg(test)]
 mod campaign_tests;
@@ -37,6 +38,7 @@ pub use round::Assessment;
 pub use settings::{FAILED_SHARE, Method, Settings};
 pub use step::{Ask, CampaignError, Step, Stop};
 pub use surrogates::Surrogate;
+pub use verification::{Simulated, Verification, Verified, VerifiedRow, as_told, first_failures, verify};
 
 use crate::design::InputModel;
 use crate::evaluate::{EvaluateError, Evaluator};
@@ -125,7 +127,7 @@ pub fn run(
 }
 
 /// The scene as the statistics see it.
-fn problem_of(scene: &Scene) -> Problem {
+pub fn problem_of(scene: &Scene) -> Problem {
     let responses = Responses::of(scene);
     Problem {
         inputs: InputModel::of(scene),

@@ -2,6 +2,7 @@
 
 use super::expression::read_unit;
 use super::quantity::{Dimension, Kind};
+use crate::accuracy::AccuracyNameError;
 use thiserror::Error;
 
 /// All faults of a scene, found in one pass; said in one line each, after their number if there are several.
@@ -108,6 +109,9 @@ pub enum FaultKind {
         /// The allowed range in words.
         allowed: String,
     },
+    /// No name of an accuracy.
+    #[error(transparent)]
+    Accuracy(AccuracyNameError),
     /// A word that is not one of those known.
     #[error("\"{value}\" is unknown{}; allowed: {}", suggestion(nearest), known.join(", "))]
     UnknownWord {

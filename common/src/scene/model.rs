@@ -6,6 +6,7 @@ use super::drive::Drive;
 use super::joint::Joint;
 use super::load::Load;
 use super::output::Output;
+use crate::accuracy::NamedAccuracy;
 use crate::random::{Correlation, RandomVariable};
 use serde::{Deserialize, Serialize};
 
@@ -36,6 +37,9 @@ pub struct Scene {
     pub life: Life,
     /// Defaults of a study of this scene.
     pub study: StudySettings,
+    /// Setting at which an evaluation is made unless another one is asked for.
+    #[serde(default)]
+    pub accuracy: NamedAccuracy,
     /// Whose simulator evaluates a sample, if not this program's own. Such a scene has no bodies, joints or loads, and its
     /// random variables are the simulator's inputs.
     #[serde(default)]

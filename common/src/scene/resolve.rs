@@ -15,6 +15,7 @@ use super::read::{Context, Overrides};
 use super::section::Section;
 use super::simulator::{declared_life, declared_outputs, simulator};
 use super::variables::{VariableRow, variable_rows, variables};
+use crate::accuracy::{AccuracyNameError, NamedAccuracy};
 use std::collections::{BTreeMap, BTreeSet};
 use toml::Table;
 
@@ -57,7 +58,7 @@ pub(super) fn resolve(origin: &str, document: &Table, overrides: &Overrides) -> 
         None => mechanism(cx, &mut file),
     };
     let limit_states = limit_states(cx, &mut file, &outputs);
-    let study = study(cx, &mut file);
+    let study = study(cx, &mut file, simulator.is_none());
     let variables = variable_rows(cx, &mut file, simulator.is_some());
     let correlations = correlation_rows(cx, &mut file);
     if !variables.is_empty() && limit_states.is_empty() {
@@ -78,6 +79,7 @@ pub(super) fn resolve(origin: &str, document: &Table, overrides: &Overrides) -> 
     let seen = std::mem::take(&mut cx.seen);
     let scene = (|| {
         let (name, title) = names?;
+        let (study, accuracy) = study?;
         Some(Scene {
             name,
             title,
@@ -90,7 +92,8 @@ pub(super) fn resolve(origin: &str, document: &Table, overrides: &Overrides) -> 
             correlations: Vec::new(),
             limit_states: limit_states.into_iter().collect::<Option<_>>()?,
             life: life?,
-            study: study?,
+            study,
+            accuracy,
             simulator: match simulator {
                 Some(read) => Some(read?),
                 None => None,
@@ -155,9 +158,12 @@ fn head(cx: &mut Context, file: &mut Section) -> Option<(String, String)> {
     Some((name?.to_owned(), title?.to_owned()))
 }
 
-fn study(cx: &mut Context, file: &mut Section) -> Option<StudySettings> {
+/// Defaults of a study, and of the accuracy where the simulator is this program's own.
+fn study(cx: &mut Context, file: &mut Section, simulates: bool) -> Option<(StudySettings, NamedAccuracy)> {
     let default = StudySettings::default();
-    let Some(mut section) = file.section_if_any(cx, "study") else { return Some(default) };
+    let Some(mut section) = file.section_if_any(cx, "study") else {
+        return Some((default, NamedAccuracy::default()));
+    };
     let mut count = |cx: &mut Context, key, default: usize| {
         section.integer(cx, key, 1..=COUNT_LIMIT, Some(default as i64))
     };
@@ -174,12 +180,22 @@ fn study(cx: &mut Context, file: &mut Section) -> Option<StudySettings> {
             cx.fault(section.key(key), FaultKind::OutOfRange { value, allowed });
         }
     }
+    let accuracy = if simulates { accuracy(cx, &mut section) } else { Some(NamedAccuracy::default()) };
     section.finish(cx);
-    Some(StudySettings {
+    let study = StudySettings {
         population: population? as usize,
         initial: initial? as usize,
         batch: batch? as usize,
         max_evaluations: max_evaluations? as usize,
         seed: seed? as u64,
-    })
+    };
+    Some((study, accuracy?))
+}
+
+fn accuracy(cx: &mut Context, section: &mut Section) -> Option<NamedAccuracy> {
+    const EXPECTED: &str = "the name of an accuracy, e.g. \"balanced\" or \"balanced+jump-2000\"";
+    let name = section.text_or(cx, "accuracy", EXPECTED, "balanced")?;
+    name.parse()
+        .map_err(|error: AccuracyNameError| cx.fault(section.key("accuracy"), FaultKind::Accuracy(error)))
+        .ok()
 }

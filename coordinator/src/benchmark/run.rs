@@ -62,7 +62,7 @@ pub fn run(
         checkpoints: (1..=m as u32).collect(),
     };
     let simulate = |sample: &[f64]| Ok(Observed::exact((problem.evaluate)(sample)));
-    let learned = Campaign::new(statistics, plan).learn_from(simulate)?;
+    let learned = Campaign::new(statistics, plan).learn_from(simulate, |_| {})?;
     let seconds = started.elapsed().as_secs_f64();
     Ok(found(problem, &learned, seed, seconds))
 }

@@ -16,8 +16,8 @@ use std::sync::atomic::AtomicBool;
 /// Options on accuracy.
 #[derive(Debug, Clone, Default, Args, PartialEq)]
 pub struct AccuracyArguments {
-    /// Numerical effort of an evaluation [default: balanced]: draft, balanced, reference, or one of them with knobs turned,
-    /// e.g. draft+step-x0.71+jump-4000 (see `tradeoff`)
+    /// Numerical effort of an evaluation [default: the scene's, else balanced]: draft, balanced, reference, or one of them with
+    /// knobs turned, e.g. draft+step-x0.71+jump-4000 (see `tradeoff`)
     #[arg(long, value_name = "draft|balanced|reference|NAME")]
     pub accuracy: Option<NamedAccuracy>,
     /// Let the program find the cheapest accuracy whose stated errors stay below this share of the limit, for every output
@@ -99,7 +99,8 @@ impl AccuracyArguments {
         mut evaluator: impl Evaluator,
     ) -> Result<Accepted, CommandError> {
         let Some(budget) = self.max_error else {
-            return Ok(Accepted { setting: self.accuracy.clone().unwrap_or_default(), max_error: None });
+            let setting = self.accuracy.clone().unwrap_or_else(|| scene.accuracy.clone());
+            return Ok(Accepted { setting, max_error: None });
         };
         let choice = choose(scene, budget, &LADDER, points, &mut evaluator, &mut |attempt| {
             if !quiet {

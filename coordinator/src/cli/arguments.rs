@@ -1,7 +1,10 @@
 //! The command line as typed.
 
 use super::accuracy::AccuracyArguments;
+use super::benchmark::BenchmarkArguments;
 use super::names::{GridName, KernelName, LearningName, MethodName, StatedErrorsName, TrendName};
+use super::replay::ReplayArguments;
+use super::verify::VerifyArguments;
 use clap::{Args, Parser, Subcommand};
 use common::accuracy::NamedAccuracy;
 use std::path::PathBuf;
@@ -107,6 +110,26 @@ Examples:
   coordinator benchmark --problem four-branch-7 --seeds 20 --samples 1000000
   coordinator benchmark --problem oscillator --learning u --json")]
     Benchmark(BenchmarkArguments),
+    /// Hold the surrogates of a study against simulations they have not seen, e.g. those of a direct Monte Carlo
+    #[command(after_help = "\
+Fits surrogates to the simulations of the first study and lets them classify the very points that the second one simulated, so
+that the luck of the draw cancels. Neither study needs to be finished; nothing is simulated.
+
+Examples:
+  coordinator run --scene four-bar --out study
+  coordinator run --scene four-bar --method monte-carlo --samples 1000 --out direct
+  coordinator verify study --against direct
+  coordinator verify study --against direct --evaluations 50")]
+    Verify(VerifyArguments),
+    /// Learn again from the simulations of a direct Monte Carlo run, with its samples as population: every error is known
+    #[command(after_help = "\
+Shows for every round of learning the error that the surrogates state and the true one, without a new simulation.
+
+Examples:
+  coordinator run --scene four-bar --method monte-carlo --samples 1000 --out direct
+  coordinator replay direct
+  coordinator replay direct --initial 40 --max-evaluations 100 --kernel matern52")]
+    Replay(ReplayArguments),
     /// Show what the failure probabilities depend on, from a finished study
     #[command(after_help = "Example:\n  coordinator sensitivity hingewise-flapping-wing --json")]
     Sensitivity(StudyFolder),
@@ -231,29 +254,6 @@ pub enum Slots {
     Count(usize),
 }
 
-/// Published problems.
-#[derive(Debug, Clone, Args)]
-pub struct BenchmarkArguments {
-    /// A problem, several if repeated [default: all]
-    #[arg(long, value_name = "NAME")]
-    pub problem: Vec<String>,
-    /// Runs of each, with seeds 1, 2, ...
-    #[arg(long, default_value = "10", value_name = "N", value_parser = positive)]
-    pub seeds: usize,
-    /// Points of the Monte Carlo population to begin with
-    #[arg(long, default_value = "100000", value_name = "N", value_parser = positive)]
-    pub samples: usize,
-    /// Evaluations under way at once
-    #[arg(long, default_value = "1", value_name = "N", value_parser = positive)]
-    pub batch: usize,
-    /// Which points are evaluated next [default: gain]
-    #[arg(long, value_enum)]
-    pub learning: Option<LearningName>,
-    /// Write the table to this file instead of standard output
-    #[arg(long, value_name = "FILE")]
-    pub out: Option<PathBuf>,
-}
-
 /// One evaluation.
 #[derive(Debug, Clone, Args)]
 pub struct SimulateArguments {
@@ -315,7 +315,8 @@ pub struct StudyFolder {
     pub dir: PathBuf,
 }
 
-fn positive(text: &str) -> Result<usize, String> {
+/// A whole number that is not zero.
+pub fn positive(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(0) | Err(_) => Err("allowed: a whole number >= 1".to_owned()),
         Ok(n) => Ok(n),

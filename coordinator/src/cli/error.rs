@@ -3,6 +3,7 @@
 use super::signals::INTERRUPTED;
 use common::failure::SimulationFailure;
 use common::scene::{Faults, Motion, Scene};
+use coordinator::benchmark::ReplayError;
 use coordinator::budget::BudgetError;
 use coordinator::dispatch::DispatchError;
 use coordinator::evaluate::EvaluateError;
@@ -178,6 +179,34 @@ pub enum CommandError {
         /// Its folder.
         dir: PathBuf,
     },
+    /// Two studies of different things.
+    #[error("{} and {} differ in their {difference}; compared are studies of the same scene at the same accuracy", dir.display(), against.display())]
+    NotComparable {
+        /// Folder of the one.
+        dir: PathBuf,
+        /// Folder of the other.
+        against: PathBuf,
+        /// In what.
+        difference: &'static str,
+    },
+    /// A study with too little to compare.
+    #[error("{}: {points} simulations to compare, expected at least {least}", dir.display())]
+    TooFewSimulations {
+        /// Its folder.
+        dir: PathBuf,
+        /// How many it has.
+        points: usize,
+        /// How many it takes.
+        least: usize,
+    },
+    /// Simulations that cannot be learned from again.
+    #[error("{}: {error}", dir.display())]
+    Replay {
+        /// Folder of the study.
+        dir: PathBuf,
+        /// Why not.
+        error: ReplayError,
+    },
     /// The user stopped the study.
     #[error("interrupted; everything done so far is saved, go on with `coordinator resume {}`", dir.display())]
     Interrupted {
@@ -240,6 +269,9 @@ impl CommandError {
             | Self::Destination { .. }
             | Self::ForeignSettings { .. }
             | Self::NotFinished { .. }
+            | Self::NotComparable { .. }
+            | Self::TooFewSimulations { .. }
+            | Self::Replay { error: ReplayError::Foreign(_), .. }
             | Self::MisplacedOptions => BAD_INPUT,
             Self::Interrupted { .. }
             | Self::Evaluate(EvaluateError::Interrupted)

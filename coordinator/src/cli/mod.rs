@@ -12,14 +12,17 @@ mod extremes;
 mod farm;
 mod model;
 mod names;
+mod opened;
 mod options;
 mod output;
+mod replay;
 mod results;
 mod run;
 mod scenes;
 mod signals;
 mod simulate;
 mod tradeoff;
+mod verify;
 
 use arguments::{Arguments, Command, RunArguments, Talk};
 use clap::Parser;
@@ -60,6 +63,8 @@ fn command(arguments: Arguments) -> Result<(), CommandError> {
         Some(Command::Extremes(table)) => extremes::extremes(&table, arguments.talk),
         Some(Command::Tradeoff(measurement)) => tradeoff::tradeoff(&measurement, arguments.talk),
         Some(Command::Benchmark(benchmark)) => benchmark::benchmark(&benchmark, arguments.talk),
+        Some(Command::Replay(study)) => replay::replay(&study, json),
+        Some(Command::Verify(verification)) => verify::verify(&verification, json),
         Some(Command::Simulate(simulation)) => simulate::simulate(&simulation, arguments.talk),
         Some(Command::Scenes { show }) => scenes::scenes(show.as_deref(), json),
         Some(Command::Check { file }) => scenes::check(&file, json),

@@ -68,7 +68,7 @@ impl StudyOptions {
         let options = StudyOptions {
             method: method.name().to_owned(),
             accuracy: Accepted {
-                setting: arguments.accuracy.accuracy.clone().unwrap_or_default(),
+                setting: arguments.accuracy.accuracy.clone().unwrap_or_else(|| scene.accuracy.clone()),
                 max_error: arguments.accuracy.max_error,
             },
             samples,
@@ -114,17 +114,6 @@ impl StudyOptions {
             StatedErrorsName::Full => StatedErrors::Full,
         };
         let learning = learning_function(self.learning);
-        let kernel = match self.kernel {
-            KernelName::Auto => None,
-            KernelName::Gaussian => Some(Kernel::Gaussian),
-            KernelName::Matern52 => Some(Kernel::Matern52),
-            KernelName::Matern32 => Some(Kernel::Matern32),
-        };
-        let trend = match self.trend {
-            TrendName::Auto => None,
-            TrendName::Constant => Some(Trend::Constant),
-            TrendName::Linear => Some(Trend::Linear),
-        };
         let Accepted { setting, max_error } = self.accuracy.clone();
         Settings {
             study,
@@ -134,10 +123,26 @@ impl StudyOptions {
             learning,
             failed_share: self.max_failed,
             targets: Targets::default(),
-            forms: FormSettings { kernel, trend },
+            forms: forms(self.kernel, self.trend),
             stated_errors,
         }
     }
+}
+
+/// What these names leave open of a surrogate's form.
+pub fn forms(kernel: KernelName, trend: TrendName) -> FormSettings {
+    let kernel = match kernel {
+        KernelName::Auto => None,
+        KernelName::Gaussian => Some(Kernel::Gaussian),
+        KernelName::Matern52 => Some(Kernel::Matern52),
+        KernelName::Matern32 => Some(Kernel::Matern32),
+    };
+    let trend = match trend {
+        TrendName::Auto => None,
+        TrendName::Constant => Some(Trend::Constant),
+        TrendName::Linear => Some(Trend::Linear),
+    };
+    FormSettings { kernel, trend }
 }
 
 /// The learning function of a name.

@@ -7,7 +7,7 @@
 //!     absolute or 5 % relative. This ends studies of many variables, where a few of 100 000 points stay uncertain
 //!     for ever though their sum is known.
 //!
-//! Guards: at least 30 evaluated points; the rule is met after a fresh fit from several starts; and in every round until at
+//! Guards: at least 30 evaluated points; the rule is met with a fit from several starts to all but a tenth of the results; and in every round until at
 //! least two have passed and six new points have been simulated: with one point a round, two rounds running are two points, and one of
 //! ten seeds of the four-branch problem stopped with a corner missing. Whether any failure is predicted at all is said in words by whoever reports the stop.
 

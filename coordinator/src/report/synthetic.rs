@@ -6,6 +6,7 @@ use crate::evaluate::{Finished, Request};
 use crate::journal::Journal;
 use crate::store::{CampaignFile, CampaignMeta};
 use crate::summary::*;
+use common::accuracy::NamedAccuracy;
 use common::failure::SimulationFailure;
 use common::outputs::{BodyTrace, Diagnostics, Evaluation, FirstCycle, JointSummary};
 use common::random::{Distribution, RandomVariable};
@@ -95,6 +96,7 @@ pub fn scene() -> Scene {
         ],
         life: Life { period: 0.125, cycles: 72_000, checkpoint_every: 1000, settle_cycles: 1 },
         study: StudySettings { population: 100_000, initial: 120, batch: 12, max_evaluations: 400, seed: 1 },
+        accuracy: NamedAccuracy::default(),
         simulator: None,
     }
 }

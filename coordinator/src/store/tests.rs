@@ -2,6 +2,7 @@ use super::*;
 use crate::evaluate::{Finished, Request};
 use crate::journal::Journal;
 use crate::summary::Round;
+use common::accuracy::NamedAccuracy;
 use common::failure::SimulationFailure;
 use common::outputs::{BodyTrace, Diagnostics, Evaluation, FirstCycle, JointSummary};
 use common::random::{Distribution, RandomVariable};
@@ -37,6 +38,7 @@ fn scene() -> Scene {
         }],
         life: Life { period: 0.125, cycles: 2000, checkpoint_every: 1000, settle_cycles: 1 },
         study: StudySettings { population: 100, initial: 10, batch: 4, max_evaluations: 20, seed: 1 },
+        accuracy: NamedAccuracy::default(),
         simulator: None,
     }
 }

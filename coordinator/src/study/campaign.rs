@@ -14,9 +14,10 @@ use crate::surrogate::{Effort, PredictionCache};
 use common::failure::SimulationFailure;
 use std::collections::VecDeque;
 
-/// Growth of the number of results after which the lengths are fitted anew, and after which from several starts,
-/// against a lasting local optimum.
-const REFIT: f64 = 1.04;
+/// Growth of the number of results after which the lengths are fitted anew: every fit costs a prediction of the whole
+/// population, while points added at the same lengths cost a row each.
+const REFIT: f64 = 1.1;
+/// Growth after which they are fitted from several starts, and forms compared, against a lasting local optimum.
 const FRESH_FIT: f64 = 1.3;
 
 /// A simulation that is under way.
@@ -154,17 +155,21 @@ impl Campaign {
         check_failures(self.failed.iter().map(|f| &f.cause), self.told, self.plan.failed_share)
     }
 
-    /// Learns to the end from simulations that are made here and now, one after the other.
+    /// Learns to the end from simulations that are made here and now, one after the other. `look` sees the campaign after
+    /// each step.
     ///
     /// # Errors
     /// [`CampaignError`].
     pub fn learn_from(
         mut self,
         mut simulate: impl FnMut(&[f64]) -> Result<Observed, SimulationFailure>,
+        mut look: impl FnMut(&Self),
     ) -> Result<Learned, CampaignError> {
         let mut under_way = VecDeque::new();
         loop {
-            match self.next_step()? {
+            let step = self.next_step()?;
+            look(&self);
+            match step {
                 Step::Evaluate(asks) => under_way.push_back(asks),
                 Step::Wait => {
                     let asks: Vec<Ask> = under_way.pop_front().expect("it waits for something asked for");
@@ -260,7 +265,8 @@ impl Campaign {
         }
     }
 
-    /// Assesses; where a stopping rule is met without a fresh fit, again after one.
+    /// Assesses; where a stopping rule is met and the last fit from several starts is of fewer results than that by more than
+    /// [`REFIT`], again after one.
     fn assess_until_fresh(&mut self) -> Result<(Assessment, Option<Rule>), CampaignError> {
         let mut effort = self.effort();
         let mut repairs = 0;
@@ -286,11 +292,12 @@ impl Campaign {
             let n = self.observations.len();
             match effort {
                 Effort::Keep => {}
-                Effort::Warm => self.fitted.0 = n,
+                Effort::Warm | Effort::TwoStarts(_) => self.fitted.0 = n,
                 Effort::MultiStart => self.fitted = (n, n),
             }
             let met = self.plan.targets.met(&assessment.figures);
-            if met.is_none() || effort == Effort::MultiStart {
+            let fresh = (n as f64) < REFIT * self.fitted.1 as f64;
+            if met.is_none() || fresh {
                 return Ok((assessment, met));
             }
             effort = Effort::MultiStart;
@@ -321,6 +328,16 @@ impl Campaign {
     /// The rounds so far.
     pub fn rounds(&self) -> &[Round] {
         &self.rounds
+    }
+
+    /// Point `j` of the population `(d,)`, SI.
+    pub fn sample(&self, j: usize) -> Vec<f64> {
+        self.looked_at.population.physical(j)
+    }
+
+    /// What was found of all that was told; absent while something new is not yet looked at.
+    pub fn assessment(&self) -> Option<&Assessment> {
+        self.assessment.as_ref()
     }
 
     /// Evaluations told so far, failed ones included.

@@ -59,7 +59,7 @@ fn learn_from(
         failed_share: FAILED_SHARE,
     };
     let simulate = |x: &[f64]| Ok(Observed::exact(vec![vec![output(x)]]));
-    Campaign::new(problem, plan).learn_from(simulate).unwrap()
+    Campaign::new(problem, plan).learn_from(simulate, |_| {}).unwrap()
 }
 
 /// Share of the population that fails in truth, and as classified.

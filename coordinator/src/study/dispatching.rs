@@ -324,10 +324,7 @@ fn checked(outcome: Finished, outputs: usize, checkpoints: &[u32]) -> Result<Out
             return malformed(format!("output {o} is {} at {} cycles", history[n], checkpoints[n]));
         }
     }
-    if evaluation.errors.is_empty() {
-        return Ok(Ok(Observed::exact(evaluation.histories)));
-    }
-    if evaluation.errors.len() != outputs {
+    if !evaluation.errors.is_empty() && evaluation.errors.len() != outputs {
         return malformed(format!("errors of {} outputs, not {outputs}", evaluation.errors.len()));
     }
     for (o, errors) in evaluation.errors.iter().enumerate() {
@@ -341,5 +338,5 @@ fn checked(outcome: Finished, outputs: usize, checkpoints: &[u32]) -> Result<Out
             ));
         }
     }
-    Ok(Ok(Observed { histories: evaluation.histories, errors: evaluation.errors }))
+    Ok(Ok(Observed::of(evaluation)))
 }

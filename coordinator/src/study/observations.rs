@@ -1,6 +1,7 @@
 //! What the simulations gave so far, as the surrogates want it.
 
 use crate::learning::running_maximum;
+use common::outputs::Evaluation;
 use faer::Mat;
 
 /// What a successful evaluation gave.
@@ -17,6 +18,14 @@ impl Observed {
     pub fn exact(histories: Vec<Vec<f64>>) -> Self {
         let errors = histories.iter().map(|history| vec![0.0; history.len()]).collect();
         Self { histories, errors }
+    }
+
+    /// Of an evaluation; without errors where it states none.
+    pub fn of(evaluation: Evaluation) -> Self {
+        if evaluation.errors.is_empty() {
+            return Self::exact(evaluation.histories);
+        }
+        Self { histories: evaluation.histories, errors: evaluation.errors }
     }
 }
 

@@ -84,10 +84,11 @@ pub fn fit_surrogate(
         return Ok(Chosen { model: first.model, fitted: first.fitted, candidates: vec![], repairs });
     }
 
-    // The others begin at the incumbent's optimum too, as a length means much the same to all kernels, but not there alone:
-    // from there they may stop at another optimum than from their own starts, and the same data would choose
-    // differently.
+    // The others begin at the incumbent's optimum, as a length means much the same to all kernels, but not there alone:
+    // from there they may stop at another optimum than from a start of their own, and the same data would choose
+    // differently. The start that led furthest down for the first serves them all.
     let from = first.fitted.correlation.clone();
+    let effort = first.fitted.best_start.map_or(effort, Effort::TwoStarts);
     let mut compared = vec![first];
     for form in forms.iter().filter(|form| **form != standing) {
         match conditioned(training, *form, Some(&from), effort) {

@@ -25,6 +25,8 @@ pub enum Effort {
     Warm,
     /// From several fixed starts and the previous parameters.
     MultiStart,
+    /// From the fixed start of this number and the previous parameters.
+    TwoStarts(usize),
 }
 
 /// What a surrogate is fitted to.
@@ -56,6 +58,8 @@ pub struct Fitted {
     pub evaluations: usize,
     /// Starts that gave nothing usable.
     pub failed_starts: usize,
+    /// Number of the fixed start that led furthest down, if there was a race.
+    pub best_start: Option<usize>,
 }
 
 /// Correlation of greatest likelihood for a surrogate of this form.
@@ -74,19 +78,25 @@ pub fn fit_correlation(
     let values = standardise(training.values);
     if values.ncols() == 0 {
         let correlation = Correlation { kernel, theta: vec![THETA.0; d], nugget: NUGGET.0, stated: 0.0 };
-        return Fitted { correlation, value: f64::NEG_INFINITY, evaluations: 0, failed_starts: 0 };
+        let value = f64::NEG_INFINITY;
+        return Fitted { correlation, value, evaluations: 0, failed_starts: 0, best_start: None };
     }
     let weights = training.weights();
     let likelihood = Likelihood { points: training.points, values: values.as_ref(), trend, weights };
     let bounds = Bounds::new(kernel, d, training.noise);
     let to_free = |correlation: &Correlation| bounds.free(correlation);
     let mut starts: Vec<Vec<f64>> = previous.map(to_free).into_iter().collect();
-    if starts.is_empty() || effort == Effort::MultiStart {
-        starts.extend(fixed_starts(kernel, &likelihood).iter().map(to_free));
+    let before = starts.len();
+    let fixed = || fixed_starts(kernel, &likelihood);
+    match effort {
+        Effort::TwoStarts(number) => starts.extend(fixed().iter().skip(number).take(1).map(to_free)),
+        Effort::MultiStart => starts.extend(fixed().iter().map(to_free)),
+        Effort::Keep | Effort::Warm if starts.is_empty() => starts.extend(fixed().iter().map(to_free)),
+        Effort::Keep | Effort::Warm => {}
     }
     if starts.len() == 1 {
         let outcome = descend(&likelihood, bounds, starts.swap_remove(0), LAST);
-        return finish(bounds, outcome.best, outcome.evaluations, 0);
+        return finish(bounds, outcome.best, outcome.evaluations, 0, None);
     }
     // All starts side by side, each far enough to tell them apart; then the best to its end.
     let race = |likelihood: &Likelihood<'_>| -> Vec<Outcome> {
@@ -96,6 +106,12 @@ pub fn fit_correlation(
     let outcomes = if whole { race(&likelihood) } else { race(&part_of(&likelihood).likelihood()) };
     let mut evaluations = outcomes.iter().map(|o| o.evaluations).sum();
     let failed_starts = outcomes.iter().filter(|o| o.best.is_none()).count();
+    let value_of = |outcome: &Outcome| outcome.best.as_ref().map_or(f64::INFINITY, |best| best.1);
+    let best_start = outcomes[before..]
+        .iter()
+        .enumerate()
+        .min_by(|(_, a), (_, b)| value_of(a).total_cmp(&value_of(b)))
+        .map(|(number, _)| number);
     let mut best = outcomes.into_iter().filter_map(|o| o.best).reduce(|a, b| if b.1 < a.1 { b } else { a });
     if let Some((free, value)) = &best {
         let last = descend(&likelihood, bounds, free.clone(), LAST);
@@ -103,16 +119,22 @@ pub fn fit_correlation(
         // A part's f is not that of all points, and is not compared with it.
         best = last.best.filter(|last| !whole || last.1 < *value).or(best.filter(|_| whole));
     }
-    finish(bounds, best, evaluations, failed_starts)
+    finish(bounds, best, evaluations, failed_starts, best_start)
 }
 
-fn finish(bounds: Bounds, best: Option<(Vec<f64>, f64)>, evaluations: usize, failed_starts: usize) -> Fitted {
+fn finish(
+    bounds: Bounds,
+    best: Option<(Vec<f64>, f64)>,
+    evaluations: usize,
+    failed_starts: usize,
+    best_start: Option<usize>,
+) -> Fitted {
     let failed_starts = failed_starts + usize::from(best.is_none() && failed_starts == 0);
     let (correlation, value) = match best {
         Some((free, value)) => (bounds.correlation(&free), value),
         None => (bounds.cautious(), f64::INFINITY),
     };
-    Fitted { correlation, value, evaluations, failed_starts }
+    Fitted { correlation, value, evaluations, failed_starts, best_start }
 }
 
 /// A part of the points of a likelihood.

@@ -1,0 +1,82 @@
+//! Replays and verifications of a simulator in closed form.
+
+use super::{ReplayError, replay};
+use crate::study::{Observed, Settings, Simulated, problem_of, verify};
+use crate::{design::Population, surrogate::Kernel};
+use common::accuracy::NamedAccuracy;
+use common::scene::{Scene, SceneSource};
+
+fn scene() -> Scene {
+    let text = "scene = { name = \"s\" }\nsimulator = { program = [\"s\"] }\n\
+        life = { cycles = 50, checkpoint_every = 10 }\n\
+        outputs = [{ name = \"a\" }, { name = \"b\" }]\n\
+        limit_states = [{ name = \"high\", output = \"a\", threshold = 5 },\n\
+        { name = \"low\", output = \"b\", threshold = -5, fails = \"below\" }]\n\
+        variables = [{ name = \"x\", mean = 0, std = 1 }, { name = \"y\", mean = 0, std = 1 }]";
+    SceneSource::parse(text, "s").unwrap().nominal().clone()
+}
+
+/// High fails earlier with x + 0.1 x y, low with y; at nine tenths of the life on average.
+fn simulated(sample: Vec<f64>) -> Simulated {
+    let (x, y) = (sample[0], sample[1]);
+    let life = |bend: f64| (1..=5).map(|n| 5.0 * f64::from(n) / 4.5 + 0.5 * bend).collect::<Vec<f64>>();
+    let low = life(y - 0.3 * x).into_iter().map(|value| -value).collect();
+    Simulated { sample, observed: Observed::exact(vec![life(x + 0.1 * x * y), low]) }
+}
+
+fn settings(scene: &Scene) -> Settings {
+    let mut settings = Settings::of(scene, NamedAccuracy::default());
+    settings.study.initial = 20;
+    settings.study.batch = 4;
+    settings.study.max_evaluations = 60;
+    settings.forms.kernel = Some(Kernel::Gaussian);
+    settings
+}
+
+fn samples(scene: &Scene, count: usize) -> Vec<Simulated> {
+    let population = Population::draw(&problem_of(scene).inputs, count, scene.study.seed);
+    (0..count).map(|j| simulated(population.physical(j))).collect()
+}
+
+#[test]
+fn a_replay_knows_the_error_of_every_round_and_refuses_other_samples() {
+    let scene = scene();
+    let settings = settings(&scene);
+    let (nominal, mut all) = (simulated(vec![0.0, 0.0]), samples(&scene, 2000));
+    let found = replay(&scene, &settings, &nominal, &all).unwrap();
+    assert_eq!(found.rounds[0].evaluations, 20);
+    let last = found.rounds.last().unwrap();
+    assert!(last.true_error < 2e-3 && found.stopped_by != "budget", "{found:?}");
+    all[7].sample[0] += 1e-9;
+    let error = replay(&scene, &settings, &nominal, &all).unwrap_err();
+    assert!(matches!(error, ReplayError::Foreign(7)), "{error}");
+}
+
+#[test]
+fn surrogates_agree_with_simulations_of_what_they_learned_and_not_with_others() {
+    let scene = scene();
+    let settings = settings(&scene);
+    let all = samples(&scene, 1000);
+    let (learned, unseen) = all.split_at(40);
+    let found = verify(&scene, &settings, learned, unseen).unwrap();
+    assert_eq!((found.learned_from, found.points, found.curves.len()), (40, 960, 3));
+    assert!(found.surrogates.iter().all(|surrogate| surrogate.q2 > 0.9999), "{:?}", found.surrogates);
+    assert!(found.largest_difference() < 3e-3, "{found:?}");
+    // R of high at the checkpoint before its mean life: P(x + 0.1 x y < 1.11), counted.
+    let row = found.rows.iter().find(|row| row.cycles == 40).unwrap();
+    let safe = |point: &&Simulated| {
+        40.0 / 9.0 + 0.5 * (point.sample[0] + 0.1 * point.sample[0] * point.sample[1]) < 5.0
+    };
+    assert_eq!(row.simulated[0], unseen.iter().filter(safe).count() as f64 / 960.0);
+    assert!(row.simulated[2] < row.simulated[0].min(row.simulated[1]));
+
+    // Simulations of something else: every value a third of a standard deviation higher.
+    let mut others = unseen.to_vec();
+    others
+        .iter_mut()
+        .for_each(|point| point.observed.histories[0].iter_mut().for_each(|value| *value += 0.17));
+    let found = verify(&scene, &settings, learned, &others).unwrap();
+    let row = found.rows.iter().find(|row| row.cycles == 40).unwrap();
+    let difference = row.predicted[0] - row.simulated[0];
+    assert!(difference > 0.03 && difference > 5.0 * row.standard_error[0], "{row:?}");
+}

@@ -1,0 +1,241 @@
+//! Surrogates held against simulations they have not seen, point by point.
+//!
+//! A study states R(n) over its population; direct Monte Carlo counts it over samples of its own. The difference of the
+//! two is mostly the luck of the draw: 5000 samples leave a standard error of 0.007 where R = 1/2. Here the surrogates
+//! classify the very points that were simulated, so that the draw cancels and what is left is theirs:
+//!
+//!   D_j = 1(simulated not failed) - 1(predicted not failed),   difference = mean D_j,   standard error = sqrt(Var D_j / N).
+
+use super::observations::{Observations, Observed};
+use super::responses::Responses;
+use super::surrogates::{Results, Surrogate};
+use super::{CampaignError, Settings};
+use crate::design::InputModel;
+use crate::learning::{Mode, checkpoints_that_matter};
+use crate::surrogate::Effort;
+use common::scene::Scene;
+use faer::Mat;
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// Most checkpoints on which a surrogate's lengths are fitted, as in learning.
+const GRID: usize = 24;
+
+/// A point and what was simulated there.
+#[derive(Debug, Clone)]
+pub struct Simulated {
+    /// Values of the random variables `(d,)`, SI.
+    pub sample: Vec<f64>,
+    /// What came of it, per output of the scene.
+    pub observed: Observed,
+}
+
+/// What surrogates and simulations make of the same points.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Verification {
+    /// Simulations the surrogates were fitted to.
+    pub learned_from: usize,
+    /// Simulations they were held against.
+    pub points: usize,
+    /// Per limit state.
+    pub surrogates: Vec<Verified>,
+    /// Limit states, in the scene's order, and the system last as `total`; the order of the arrays in `rows`.
+    pub curves: Vec<String>,
+    /// Checkpoints at which anything has failed and not everything.
+    pub rows: Vec<VerifiedRow>,
+}
+
+/// One surrogate on points it has not seen.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Verified {
+    /// Name of the limit state.
+    pub limit_state: String,
+    /// Kernel and trend.
+    pub form: String,
+    /// Q2 = 1 - sum of squared errors / sum of squared deviations, smallest over the checkpoints it was fitted on [1].
+    pub q2: f64,
+    /// The same by leaving out one of the points it was fitted to.
+    pub q2_leave_one_out: f64,
+    /// Mean over those checkpoints and the points of (error / predicted standard deviation, noise included)^2 [1].
+    pub variance_ratio: f64,
+}
+
+/// One checkpoint.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct VerifiedRow {
+    /// Checkpoint [cycles].
+    pub cycles: u32,
+    /// R by simulation, per curve [1].
+    pub simulated: Vec<f64>,
+    /// R by surrogate, per curve [1].
+    pub predicted: Vec<f64>,
+    /// Standard error of their difference, per curve [1].
+    pub standard_error: Vec<f64>,
+}
+
+impl Verification {
+    /// Largest difference of any curve at any checkpoint [1].
+    pub fn largest_difference(&self) -> f64 {
+        let of_row = |row: &VerifiedRow| {
+            row.simulated.iter().zip(&row.predicted).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+        };
+        self.rows.iter().map(of_row).fold(0.0, f64::max)
+    }
+}
+
+/// Fits surrogates to `learned`, as a study does at its end, and holds them against `unseen`.
+///
+/// # Errors
+/// [`CampaignError::Surrogate`].
+pub fn verify(
+    scene: &Scene,
+    settings: &Settings,
+    learned: &[Simulated],
+    unseen: &[Simulated],
+) -> Result<Verification, CampaignError> {
+    let responses = Responses::of(scene);
+    let (learned, unseen) =
+        (observations(scene, &responses, learned), observations(scene, &responses, unseen));
+    let (points, at) = (learned.points(), unseen.points());
+    let m = scene.life.checkpoints().len();
+    let fitted = responses
+        .modes
+        .par_iter()
+        .enumerate()
+        .map(|(s, mode)| {
+            let values = learned.running_maxima(mode.output);
+            let errors = learned.errors_of_running_maxima(mode.output);
+            let share = learned.design_share(&values, mode.threshold);
+            let fitted_on = checkpoints_that_matter(&share, None, GRID);
+            let results = Results { points: &points, values: &values, errors: &errors };
+            let reading = (settings.forms, settings.stated_errors);
+            Surrogate::fit(&results, fitted_on, None, Effort::MultiStart, reading)
+                .map_err(|source| CampaignError::Surrogate { mode: s, source })
+        })
+        .collect::<Result<Vec<Surrogate>, CampaignError>>()?;
+
+    let mut predicted: Vec<Vec<u32>> = Vec::new();
+    let mut surrogates = Vec::new();
+    for ((mode, surrogate), limit) in responses.modes.iter().zip(&fitted).zip(&scene.limit_states) {
+        let prediction = surrogate.model.predict(at.as_ref());
+        let values = unseen.running_maxima(mode.output);
+        predicted.push(firsts(unseen.len(), m, |j, n| prediction.mean[(n, j)] >= mode.threshold));
+        surrogates.push(verified(
+            &limit.name,
+            surrogate,
+            &prediction.mean,
+            &prediction.variance_factor,
+            &values,
+        ));
+    }
+    let simulated = first_failures_of(&responses, &unseen, m);
+    let mut names: Vec<String> = scene.limit_states.iter().map(|limit| limit.name.clone()).collect();
+    names.push("total".to_owned());
+    Ok(Verification {
+        learned_from: learned.len(),
+        points: unseen.len(),
+        surrogates,
+        curves: names,
+        rows: rows(&scene.life.checkpoints(), &simulated, &predicted),
+    })
+}
+
+/// What a campaign is told of simulations, `(N,)`.
+pub fn as_told(scene: &Scene, simulated: &[Simulated]) -> Vec<Observed> {
+    let responses = Responses::of(scene);
+    simulated.iter().map(|point| responses.complete(point.observed.clone())).collect()
+}
+
+/// Index of the first checkpoint by which each simulation has failed, m if never, `(limit states)(N,)`.
+pub fn first_failures(scene: &Scene, simulated: &[Simulated]) -> Vec<Vec<u32>> {
+    let responses = Responses::of(scene);
+    let all = observations(scene, &responses, simulated);
+    first_failures_of(&responses, &all, scene.life.checkpoints().len())
+}
+
+fn first_failures_of(responses: &Responses, simulated: &Observations, m: usize) -> Vec<Vec<u32>> {
+    let of = |mode: &Mode| {
+        let values = simulated.running_maxima(mode.output);
+        firsts(simulated.len(), m, |j, n| values[(j, n)] >= mode.threshold)
+    };
+    responses.modes.iter().map(of).collect()
+}
+
+/// First checkpoint by which each point has failed.
+fn firsts(points: usize, m: usize, failed: impl Fn(usize, usize) -> bool) -> Vec<u32> {
+    let first = |j| (0..m).find(|n| failed(j, *n)).unwrap_or(m) as u32;
+    (0..points).map(first).collect()
+}
+
+/// As the statistics see them; all count as initial design, since nothing is learned from.
+fn observations(scene: &Scene, responses: &Responses, simulated: &[Simulated]) -> Observations {
+    let inputs = InputModel::of(scene);
+    let mut all = Observations::new(inputs.dimension(), responses.count());
+    for point in simulated {
+        all.add(&inputs.standardise(&point.sample), responses.complete(point.observed.clone()));
+    }
+    all.close_design();
+    all
+}
+
+fn verified(
+    limit_state: &str,
+    surrogate: &Surrogate,
+    mean: &Mat<f64>,
+    variance_factor: &[f64],
+    values: &Mat<f64>,
+) -> Verified {
+    let model = &surrogate.model;
+    let n = values.nrows() as f64;
+    let noise = model.correlation().noise();
+    let (mut q2, mut ratio) = (1.0_f64, 0.0);
+    for o in &surrogate.fitted_on {
+        let centre = values.col(*o).iter().sum::<f64>() / n;
+        let (mut errors, mut deviations) = (0.0, 0.0);
+        for (j, factor) in variance_factor.iter().enumerate() {
+            let error = (values[(j, *o)] - mean[(*o, j)]).powi(2);
+            errors += error;
+            deviations += (values[(j, *o)] - centre).powi(2);
+            ratio += error / (model.sigma2()[*o] * (factor + noise)).max(f64::MIN_POSITIVE);
+        }
+        q2 = q2.min(if deviations > 0.0 { 1.0 - errors / deviations } else { 1.0 });
+    }
+    Verified {
+        limit_state: limit_state.to_owned(),
+        form: format!("{}, {} trend", model.correlation().kernel.name(), model.trend().name()),
+        q2,
+        q2_leave_one_out: surrogate.leave_one_out.iter().map(|l| l.q2).fold(1.0, f64::min),
+        variance_ratio: ratio / (n * surrogate.fitted_on.len() as f64),
+    }
+}
+
+/// First failures per limit state `(modes)(N,)` as reliabilities over life.
+fn rows(cycles: &[u32], simulated: &[Vec<u32>], predicted: &[Vec<u32>]) -> Vec<VerifiedRow> {
+    let m = cycles.len();
+    let with_system = |modes: &[Vec<u32>]| -> Vec<Vec<u32>> {
+        let system = (0..modes[0].len()).map(|j| modes.iter().map(|first| first[j]).min().unwrap_or(0));
+        modes.iter().cloned().chain([system.collect()]).collect()
+    };
+    let (simulated, predicted) = (with_system(simulated), with_system(predicted));
+    let points = simulated[0].len() as f64;
+    let survives = |first: u32, n: usize| f64::from(u8::from(first as usize > n));
+    let row = |n: usize| {
+        let reliability = |firsts: &[Vec<u32>]| -> Vec<f64> {
+            let of = |first: &Vec<u32>| first.iter().map(|f| survives(*f, n)).sum::<f64>() / points;
+            firsts.iter().map(of).collect()
+        };
+        let standard_error = |(a, b): (&Vec<u32>, &Vec<u32>)| {
+            let differences = || a.iter().zip(b).map(|(a, b)| survives(*a, n) - survives(*b, n));
+            let mean = differences().sum::<f64>() / points;
+            (differences().map(|d| (d - mean).powi(2)).sum::<f64>() / points / points).sqrt()
+        };
+        VerifiedRow {
+            cycles: cycles[n],
+            simulated: reliability(&simulated),
+            predicted: reliability(&predicted),
+            standard_error: simulated.iter().zip(&predicted).map(standard_error).collect(),
+        }
+    };
+    let open = |row: &VerifiedRow| row.simulated.iter().chain(&row.predicted).any(|r| *r > 0.0 && *r < 1.0);
+    (0..m).map(row).filter(open).collect()
+}
