@@ -269,6 +269,10 @@ pub struct SurrogateRow {
     pub nugget: f64,
     /// Mean variance of the noise that goes with the stated errors over the process variance [1].
     pub stated_noise: f64,
+    /// Variance of both over that of the simulated values, largest over the checkpoints that matter [1]; absent in studies
+    /// made before it was told.
+    #[serde(default)]
+    pub noise_share: Option<f64>,
     /// Kernel of the correlation; empty in studies made before there was a choice.
     #[serde(default)]
     pub kernel: String,
@@ -281,6 +285,16 @@ pub struct SurrogateRow {
     pub separate_would_gain: Option<bool>,
     /// Standard deviation of that noise over the stated errors themselves [1]; absent without stated errors.
     pub share_of_stated_error: Option<f64>,
+}
+
+/// Share of the variance from which the noise of the simulations costs more of them than a finer accuracy would.
+const MUCH_NOISE: f64 = 0.02;
+
+impl SurrogateRow {
+    /// The share of noise in the simulations, if it is what limits learning.
+    pub fn much_noise(&self) -> Option<f64> {
+        self.noise_share.filter(|share| *share > MUCH_NOISE)
+    }
 }
 
 /// Wall-clock time, coordinator's view [s].

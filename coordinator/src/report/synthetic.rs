@@ -249,6 +249,7 @@ pub fn study() -> Study {
             q2: 0.98,
             nugget: 1e-6,
             stated_noise: 4e-4,
+            noise_share: Some(0.03),
             kernel: "gaussian".into(),
             trend: "constant".into(),
             separate_would_gain: Some(false),

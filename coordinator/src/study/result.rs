@@ -2,7 +2,7 @@
 
 use super::responses::Responses;
 use super::rows::{failures, first_failure, sobol};
-use super::{Learned, LookedAt, Settings, Stop};
+use super::{Learned, LookedAt, Settings, Stop, Surrogate};
 use crate::learning::Rule;
 use crate::output_unit::OutputUnit;
 use crate::reliability::{
@@ -59,7 +59,7 @@ pub struct SurrogateReport {
 }
 
 impl SurrogateReport {
-    fn row(&self, share_of_stated_error: Option<f64>) -> SurrogateRow {
+    fn row(&self, surrogate: &Surrogate) -> SurrogateRow {
         SurrogateRow {
             limit_state: self.limit_state.clone(),
             q2: self.leave_one_out.iter().map(|l| l.q2).fold(1.0, f64::min),
@@ -68,7 +68,8 @@ impl SurrogateReport {
             kernel: self.correlation.kernel.name().to_owned(),
             trend: self.trend.name().to_owned(),
             separate_would_gain: self.sharing.map(|sharing| sharing.separate_would_gain),
-            share_of_stated_error,
+            share_of_stated_error: surrogate.share_of_stated,
+            noise_share: Some(surrogate.noise_share),
         }
     }
 }
@@ -158,8 +159,12 @@ pub(super) fn from_learning(scene: &Scene, settings: &Settings, learned: &Learne
             leave_one_out: surrogate.leave_one_out.clone(),
         })
         .collect();
-    let shares = assessment.surrogates.iter().map(|surrogate| surrogate.share_of_stated);
-    result.summary.surrogates = result.surrogates.iter().zip(shares).map(|(s, share)| s.row(share)).collect();
+    result.summary.surrogates = result
+        .surrogates
+        .iter()
+        .zip(&assessment.surrogates)
+        .map(|(report, surrogate)| report.row(surrogate))
+        .collect();
     result
 }
 

@@ -30,6 +30,8 @@ pub struct Surrogate {
     /// Standard deviation of the noise that goes with the stated errors over the stated errors themselves (root mean
     /// squares over points and fitted checkpoints) [1]; absent where the surrogate makes nothing of them.
     pub share_of_stated: Option<f64>,
+    /// Variance of the simulations' noise over that of their values, largest over the fitted checkpoints [1].
+    pub noise_share: f64,
     /// Repairs.
     pub repairs: usize,
     /// What the stated errors say of the points.
@@ -74,6 +76,7 @@ impl Surrogate {
             leave_one_out: vec![],
             sharing,
             share_of_stated: None,
+            noise_share: 0.0,
             repairs: found.repairs,
             noise,
         };
@@ -96,7 +99,7 @@ impl Surrogate {
         Some(grown)
     }
 
-    /// Leave-one-out figures, and the share of the stated errors that is noise.
+    /// Leave-one-out figures, and how much noise there is, beside the stated errors and the spread of the values.
     fn look_back(&mut self, results: &Results<'_>) {
         let all = self.model.leave_one_out(results.values.as_ref());
         self.leave_one_out = self.fitted_on.iter().map(|n| all[*n]).collect();
@@ -105,6 +108,14 @@ impl Surrogate {
         let sigma2: f64 = self.fitted_on.iter().map(|n| self.model.sigma2()[*n]).sum();
         let as_noise = self.model.correlation().stated * sigma2;
         self.share_of_stated = self.noise.as_ref().map(|_| (as_noise / stated).sqrt());
+        let noise = self.model.correlation().noise();
+        let share = |n: &usize| {
+            let values = results.values.col(*n);
+            let mean = values.iter().sum::<f64>() / values.nrows() as f64;
+            let variance = values.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / values.nrows() as f64;
+            if variance > 0.0 { noise * self.model.sigma2()[*n] / variance } else { 0.0 }
+        };
+        self.noise_share = self.fitted_on.iter().map(share).fold(0.0, f64::max);
     }
 
     /// Factor on the predicted variances: the leave-one-out ratio where it shows them too small, averaged over the
