@@ -5,6 +5,7 @@
 
 pub mod benchmark;
 pub mod budget;
+pub mod calibrate;
 pub mod design;
 pub mod dispatch;
 pub mod evaluate;

@@ -32,7 +32,7 @@ const WORKER: [&str; 15] = [
 
 /// The same of the coordinator: first what all of it speaks of, then the stations of a study, then what puts
 /// them together. `cli` belongs to the binary.
-const COORDINATOR: [&str; 21] = [
+const COORDINATOR: [&str; 22] = [
     "output_unit",
     "summary",
     "design",
@@ -49,6 +49,7 @@ const COORDINATOR: [&str; 21] = [
     "result_files",
     "report",
     "tradeoff",
+    "calibrate",
     "study",
     "benchmark",
     "terminal",

@@ -2,6 +2,7 @@
 
 use super::accuracy::AccuracyArguments;
 use super::benchmark::BenchmarkArguments;
+use super::calibrate::CalibrateArguments;
 use super::names::{GridName, KernelName, LearningName, MethodName, StatedErrorsName, TrendName};
 use super::replay::ReplayArguments;
 use super::verify::VerifyArguments;
@@ -110,6 +111,16 @@ Examples:
   coordinator benchmark --problem four-branch-7 --seeds 20 --samples 1000000
   coordinator benchmark --problem oscillator --learning u --json")]
     Benchmark(BenchmarkArguments),
+    /// Fit free parameters of a scene to measured or published targets
+    #[command(after_help = "\
+The file names free parameters (keys of the scene, factors on means or on spreads of random variables) with their bounds,
+and targets with their tolerances. The report says how well each target is met, how well each parameter is known, how their
+uncertainties are correlated, and which targets cannot be met together.
+
+Examples:
+  coordinator calibrate --scene my.toml --targets measured.toml
+  coordinator calibrate --scene four-bar --targets measured.toml --accuracy draft --rounds 1 --json")]
+    Calibrate(Box<CalibrateArguments>),
     /// Hold the surrogates of a study against simulations they have not seen, e.g. those of a direct Monte Carlo
     #[command(after_help = "\
 Fits surrogates to the simulations of the first study and lets them classify the very points that the second one simulated, so

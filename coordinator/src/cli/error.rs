@@ -5,6 +5,7 @@ use common::failure::SimulationFailure;
 use common::scene::{Faults, Motion, Scene};
 use coordinator::benchmark::ReplayError;
 use coordinator::budget::BudgetError;
+use coordinator::calibrate::CalibrationError;
 use coordinator::dispatch::DispatchError;
 use coordinator::evaluate::EvaluateError;
 use coordinator::evaluate::external::SimulatorError;
@@ -199,6 +200,9 @@ pub enum CommandError {
         /// How many it takes.
         least: usize,
     },
+    /// Parameters that could not be fitted.
+    #[error(transparent)]
+    Calibration(#[from] CalibrationError),
     /// Simulations that cannot be learned from again.
     #[error("{}: {error}", dir.display())]
     Replay {
@@ -272,8 +276,10 @@ impl CommandError {
             | Self::NotComparable { .. }
             | Self::TooFewSimulations { .. }
             | Self::Replay { error: ReplayError::Foreign(_), .. }
+            | Self::Calibration(CalibrationError::Targets { .. } | CalibrationError::Scene(_))
             | Self::MisplacedOptions => BAD_INPUT,
             Self::Interrupted { .. }
+            | Self::Calibration(CalibrationError::Evaluate(EvaluateError::Interrupted))
             | Self::Evaluate(EvaluateError::Interrupted)
             | Self::Budget(BudgetError::Evaluate(EvaluateError::Interrupted)) => INTERRUPTED,
             Self::Budget(BudgetError::OutOfReach { .. } | BudgetError::NothingToHold) => BAD_INPUT,

@@ -4,6 +4,7 @@
 mod accuracy;
 mod arguments;
 mod benchmark;
+mod calibrate;
 mod distributions;
 mod error;
 mod explain;
@@ -63,6 +64,7 @@ fn command(arguments: Arguments) -> Result<(), CommandError> {
         Some(Command::Extremes(table)) => extremes::extremes(&table, arguments.talk),
         Some(Command::Tradeoff(measurement)) => tradeoff::tradeoff(&measurement, arguments.talk),
         Some(Command::Benchmark(benchmark)) => benchmark::benchmark(&benchmark, arguments.talk),
+        Some(Command::Calibrate(calibration)) => calibrate::calibrate(&calibration, arguments.talk),
         Some(Command::Replay(study)) => replay::replay(&study, json),
         Some(Command::Verify(verification)) => verify::verify(&verification, json),
         Some(Command::Simulate(simulation)) => simulate::simulate(&simulation, arguments.talk),

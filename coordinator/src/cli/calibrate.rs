@@ -1,0 +1,84 @@
+//! `coordinator calibrate`: free parameters of a scene fitted to measured or published targets, over the workers.
+
+use super::accuracy::AccuracyArguments;
+use super::arguments::{DEFAULT_SCENE, FarmArguments, Talk, positive};
+use super::error::CommandError;
+use super::farm::{Farm, listen};
+use super::output::{check_destination, deliver, to_json};
+use super::scenes::check_linkage;
+use clap::Args;
+use common::scene::SceneSource;
+use coordinator::calibrate::{Calibration, Progress, Space, calibrate as fit, markdown, read_targets};
+use coordinator::dispatch::Campaign;
+use std::path::PathBuf;
+
+/// What is calibrated, to what.
+#[derive(Debug, Clone, Args)]
+pub struct CalibrateArguments {
+    /// Scene file, or name of a built-in scene
+    #[arg(long, default_value = DEFAULT_SCENE, value_name = "NAME-or-FILE")]
+    pub scene: String,
+    /// Free parameters and targets, TOML
+    #[arg(long, value_name = "FILE")]
+    pub targets: PathBuf,
+    /// Where and how to work
+    #[command(flatten)]
+    pub farm: FarmArguments,
+    /// Numerical effort
+    #[command(flatten)]
+    pub accuracy: AccuracyArguments,
+    /// Simulations of the first round [default: four for each random variable and free parameter, at least 40]
+    #[arg(long, value_name = "N", value_parser = positive)]
+    pub simulations: Option<usize>,
+    /// Further rounds around the optimum, of a third as many simulations
+    #[arg(long, value_name = "N", default_value = "2")]
+    pub rounds: usize,
+    /// Seed of every random draw
+    #[arg(long, value_name = "N", default_value = "1")]
+    pub seed: u64,
+    /// Write the report (Markdown, or JSON with --json) to this file instead of standard output
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+}
+
+/// Runs the command.
+pub fn calibrate(arguments: &CalibrateArguments, talk: Talk) -> Result<(), CommandError> {
+    check_destination(arguments.out.as_deref())?;
+    let source = SceneSource::load(&arguments.scene)?;
+    let scene = source.nominal();
+    if scene.simulator.is_some() {
+        return Err(CommandError::NoMechanism { origin: source.origin().to_owned() });
+    }
+    check_linkage(source.origin(), scene)?;
+    let targets = read_targets(&arguments.targets, scene)?;
+    let space = Space::new(&source, &targets.free)?;
+    let accuracy = arguments.accuracy.for_one(scene, talk.quiet)?.setting;
+    let plan = Calibration {
+        simulations: arguments.simulations.unwrap_or(0),
+        rounds: arguments.rounds,
+        seed: arguments.seed,
+        accuracy: accuracy.accuracy,
+    };
+    let digest =
+        common::scene::source::digest(&format!("calibrate {plan:?} {targets:?}\n{}", space.source.text()));
+    let campaign = Campaign {
+        // The low half of a 128-bit hash is a 64-bit hash.
+        id: digest as u64,
+        scene: space.source.text().to_owned(),
+        accuracy: accuracy.accuracy,
+        accuracy_name: accuracy.name,
+    };
+    let mut farm = Farm::hire(listen(campaign, &arguments.farm)?, &arguments.farm)?;
+    if !talk.quiet {
+        farm.say_where();
+    }
+    let told = &mut |Progress { round, done, all }: Progress| {
+        if !talk.quiet && (done == all || done % 10 == 0) {
+            eprintln!("round {round}: {done}/{all} simulations");
+        }
+    };
+    let found = fit(&targets, &plan, &mut farm.evaluator, &space, told)?;
+    farm.close();
+    let text = if talk.json { to_json(&found)? } else { markdown(&found) };
+    deliver(&text, arguments.out.as_deref())
+}
