@@ -84,7 +84,7 @@ impl Bars<'_> {
                 .configure_mesh()
                 .disable_y_mesh()
                 .disable_y_axis()
-                .x_labels(4)
+                .x_labels(6)
                 .max_light_lines(0)
                 .bold_line_style(stroke(Ink::Grid, 1.0))
                 .axis_style(stroke(Ink::Muted, 1.0))

@@ -57,13 +57,17 @@ impl Mechanism {
         (0..cycle.time.len()).map(|k| self.orbit_at(cycle, joint, k)).collect()
     }
 
-    /// Where a body meets others: the places of its joints in its own frame, without repetition, and its pivot if it is
-    /// driven `(p, 2)` [m].
+    /// Where a body meets others: the places of its joints in its own frame, without repetition; of one that moves its
+    /// named points too, and its pivot if it is driven `(p, 2)` [m].
     pub fn outline(&self, body: usize) -> Vec<[f64; 2]> {
-        let pivot = matches!(self.bodies[body].motion, Motion::Driven { .. }).then_some([0.0; 2]);
+        let of = &self.bodies[body];
+        let pivot = matches!(of.motion, Motion::Driven { .. }).then_some([0.0; 2]);
+        let points = of.points.iter().filter(|_| of.motion != Motion::Fixed).map(|point| point.position);
         let ends = self.joints.iter().flat_map(|joint| [joint.journal, joint.bushing]);
         let mut outline: Vec<[f64; 2]> = Vec::new();
-        for at in pivot.into_iter().chain(ends.filter(|end| end.body == body).map(|end| end.position)) {
+        for at in
+            pivot.into_iter().chain(ends.filter(|end| end.body == body).map(|end| end.position)).chain(points)
+        {
             if !outline.iter().any(|p| (p[0] - at[0]).hypot(p[1] - at[1]) < 1e-9) {
                 outline.push(at);
             }

@@ -159,9 +159,9 @@ impl Polar {
         ));
     }
 
-    /// The document, with a word in the middle or above, and the values of two rings [um] where `free` tells that
-    /// least is drawn: by the direction of a spoke, from 0 to 11.
-    pub fn finish(mut self, word: &str, in_the_middle: bool, free: usize) -> String {
+    /// The document, with a word above, and the values of two rings [um] where `free` tells that least is drawn: by
+    /// the direction of a spoke, from 0 to 11.
+    pub fn finish(mut self, word: &str, free: usize) -> String {
         let muted = Ink::Muted.hex();
         for (degrees, x, y, anchor) in [
             (0, OUTER + 5.0, 4.5, "start"),
@@ -184,10 +184,10 @@ impl Polar {
             ));
         }
         let (ink, word) = (Ink::Ink.hex(), escape(word));
-        let (x, y, anchor) =
-            if in_the_middle { (0.0, 5.0, "middle") } else { (6.0 - HALF, 18.0 - HALF, "start") };
         self.put(format_args!(
-            "<text x=\"{x}\" y=\"{y}\" text-anchor=\"{anchor}\" font-size=\"15\" fill=\"{ink}\">{word}</text>"
+            "<text x=\"{}\" y=\"{}\" font-size=\"15\" fill=\"{ink}\">{word}</text>",
+            6.0 - HALF,
+            18.0 - HALF
         ));
         self.svg + "</svg>\n"
     }
@@ -231,7 +231,7 @@ mod tests {
         wear[9] = 2e-5;
         let mut polar = Polar::new(0.5, 2e-5);
         polar.closed(&wear, LINE, true);
-        let svg = polar.finish("A & B", true, freest(&wear));
+        let svg = polar.finish("A & B", freest(&wear));
         let document = roxmltree::Document::parse(&svg).unwrap();
         let path = document.descendants().filter_map(|node| node.attribute("d")).next_back().unwrap();
         assert!(path.contains(&format!(" 0.00 -{OUTER:.2}C")), "{path}");
@@ -250,7 +250,7 @@ mod tests {
         let mut polar = Polar::new(0.5, 1e-5);
         polar.closed(&[f64::NAN; 8], LINE, true);
         polar.curve(&[[f64::NAN, 0.0]], LINE);
-        let svg = polar.finish("1", true, freest(&[f64::NAN; 8]));
+        let svg = polar.finish("1", freest(&[f64::NAN; 8]));
         assert!(!svg.contains("NaN") && roxmltree::Document::parse(&svg).is_ok());
     }
 }

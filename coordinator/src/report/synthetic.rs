@@ -182,7 +182,7 @@ fn distribution(output: usize, cycles: u32, scene: &Scene) -> OutputDistribution
         mean,
         std,
         counts: counts.collect(),
-        quantiles: [0.001, 0.5, 0.999].map(|p| (p, normal.inverse_cdf(p))).to_vec(),
+        quantiles: [0.01, 0.25, 0.5, 0.75, 0.99].map(|p| (p, normal.inverse_cdf(p))).to_vec(),
         edges,
     }
 }

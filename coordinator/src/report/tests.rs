@@ -86,7 +86,7 @@ fn a_whole_study_has_every_figure_and_says_its_lives() {
         "<td>0.100 r/min</td>",
         "1 of 216 simulations gave no result; they are left out, and simulations are estimated to fail in 0.4 % of the",
         "Of these failures the first cause was: 5",
-        "the thin lines before: 12 000, 24 000, 36 000, 48 000, 60 000, 72 000",
+        "the thin lines before: 12 000, 24 000, 36 000, 48 000, 60 000.",
         "as the surrogates predict it for the population of 100 000 mechanisms",
         "<td>R = 0.99</td>",
         "farthest in the first cycle 24.0 µm, in the last cycle 24.0 µm",

@@ -40,8 +40,9 @@ const PROBE: &str = "<script>addEventListener('load', () => {
   };
   const say = () => {
     seen.after = body();
-    let place = document.getElementById('seen');
-    if (!place) { place = document.createElement('pre'); place.id = 'seen'; place.hidden = true; document.body.append(place); }
+    const host = parent.document;
+    let place = host.getElementById('seen');
+    if (!place) { place = host.createElement('pre'); place.id = 'seen'; place.hidden = true; host.body.append(place); }
     place.textContent = encodeURIComponent(JSON.stringify(seen));
   };
   say();
@@ -66,7 +67,8 @@ fn decoded(text: &str) -> String {
     String::from_utf8(bytes).unwrap()
 }
 
-/// What is seen of a page in a window of this width; `None`, visibly, without a browser.
+/// What is seen of a page in a frame of this width; `None`, visibly, without a browser. The browser's own window has a
+/// least width, above that of a phone.
 fn seen(page: &Path, width: u32, options: &[&str]) -> Option<Value> {
     let Some(browser) = browser() else {
         skipped("reports in a browser", "no Chromium on the path");
@@ -80,11 +82,16 @@ fn seen(page: &Path, width: u32, options: &[&str]) -> Option<Value> {
     );
     let folder = tempfile::tempdir().unwrap();
     let watched = folder.path().join("page.html");
-    std::fs::write(&watched, html).unwrap();
+    let frame = html.replace('&', "&amp;").replace('"', "&quot;");
+    let host = format!(
+        "<!DOCTYPE html><html><head><meta name=\"color-scheme\" content=\"light dark\"></head><body style=\"margin:0\">\
+         <iframe style=\"border:0;width:{width}px;height:20000px\" srcdoc=\"{frame}\"></iframe></body></html>"
+    );
+    std::fs::write(&watched, host).unwrap();
     let output = Command::new(browser)
         .args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--hide-scrollbars"])
         .arg(format!("--user-data-dir={}", folder.path().join("profile").display()))
-        .arg(format!("--window-size={width},1000"))
+        .arg("--window-size=1600,20000")
         .args(options)
         .arg("--dump-dom")
         .arg(format!("file://{}", watched.display()))

@@ -139,23 +139,30 @@ pub fn picture(mechanism: &Mechanism, layout: &Layout, shown: &Shown<'_>, wear: 
             ));
         }
     }
+    let mut named: Vec<[f64; 2]> = Vec::new();
     for (index, joint) in mechanism.joints.iter().enumerate() {
         let Some(at) = mechanism.place(shown.cycle, &joint.journal, 0) else { continue };
         let [x, y] = layout.at(at);
+        // Names of joints in one place stand beside each other.
+        let beside = named.iter().filter(|[u, v]| (u - x).hypot(v - y) < 4.0).count();
+        named.push([x, y]);
+        let (paper, ink) = (Ink::Paper.hex(), Ink::Ink.hex());
         put(format!(
-            "<g data-joint=\"{index}\" transform=\"translate({} {})\"><circle r=\"4.5\" fill=\"{}\" stroke=\"{}\" \
-             stroke-width=\"2\"/><text x=\"8\" y=\"-8\" fill=\"{}\">{}</text></g>",
+            "<g data-joint=\"{index}\" transform=\"translate({} {})\"><circle r=\"4.5\" fill=\"{paper}\" stroke=\"{ink}\" \
+             stroke-width=\"2\"/><text x=\"{}\" y=\"-8\" fill=\"{ink}\" stroke=\"{paper}\" stroke-width=\"3\" \
+             paint-order=\"stroke\">{}</text></g>",
             short(x),
             short(y),
-            Ink::Paper.hex(),
-            Ink::Ink.hex(),
-            Ink::Ink.hex(),
+            8 + 14 * beside,
             escape(&joint.name)
         ));
     }
-    for (place, index) in joints.into_iter().enumerate() {
+    for (place, index) in joints.iter().copied().enumerate() {
         let (column, row) = (place % columns, place / columns);
-        let centre = [CELL * (column as f64 + 0.5), layout.height + CELL * (row as f64 + 0.5)];
+        // Each row is centred.
+        let in_row = columns.min(joints.len() - columns * row);
+        let left = 0.5 * (WIDTH - CELL * in_row as f64);
+        let centre = [left + CELL * (column as f64 + 0.5), layout.height + CELL * (row as f64 + 0.5)];
         let depth = wear.get(index).copied().unwrap_or_default();
         put(magnified(mechanism, layout, shown, index, depth, centre));
     }
@@ -214,11 +221,11 @@ fn magnified(
     let (bushing, pin) = (turned(joint.bushing.body), turned(joint.journal.body));
     let [ex, ey] = mechanism.orbit_at(shown.cycle, joint, 0).map_or([0.0; 2], |e| layout.magnify(e));
     let worn = bore(depth, layout.magnified);
-    let (muted, ink) = (Ink::Muted.hex(), Ink::Ink.hex());
+    let (paper, muted, ink) = (Ink::Paper.hex(), Ink::Muted.hex(), Ink::Ink.hex());
     format!(
         "<g transform=\"translate({} {})\"><g data-bore=\"{index}\" transform=\"rotate({})\">\
          <path data-worn=\"\" d=\"{worn}\" fill=\"{}\" fill-opacity=\"0.2\" stroke=\"{}\" stroke-width=\"2\"{}/>\
-         <circle r=\"{BORE}\" fill=\"none\" stroke=\"{muted}\" stroke-width=\"1\"/>\
+         <circle r=\"{BORE}\" fill=\"{paper}\" stroke=\"{muted}\" stroke-width=\"1\"/>\
          <g data-journal=\"\" transform=\"translate({} {}) rotate({})\"><circle r=\"{}\" fill=\"{}\" stroke=\"{ink}\" \
          stroke-width=\"1.5\"/><path d=\"M0 0H{}\" stroke=\"{ink}\" stroke-width=\"1.5\"/></g></g>\
          <text y=\"{}\" text-anchor=\"middle\" fill=\"{ink}\">joint {}</text></g>",

@@ -53,7 +53,7 @@ pub fn bores(input: &ReportInput) -> Vec<Figure> {
             name: format!("bore-{}", file_name(&joint.name)),
             title: format!("Bore of joint {}", joint.name),
             caption,
-            svg: polar.finish(&format!("joint {}", joint.name), true, freest(wear)),
+            svg: polar.finish(&format!("joint {}", joint.name), freest(wear)),
             csv: csv(&["cycles", "angle [deg]", "wear depth [um]"], rows),
         }
     })
@@ -82,12 +82,13 @@ fn lives(cycles: &[u32]) -> Vec<usize> {
     found
 }
 
-/// At which lives the curves are drawn, in words; empty where only the end is known.
+/// At which lives before its end the curves are drawn, in words; empty where only the end is known.
 pub fn lives_in_words(input: &ReportInput) -> String {
     let cycles =
         input.nominal.as_ref().and_then(|nominal| nominal.worn.as_ref()).map(|worn| &worn.cycles[..]);
     let cycles = cycles.unwrap_or_default();
-    let all: Vec<String> = lives(cycles).into_iter().map(|k| count(cycles[k].into())).collect();
+    let mut all: Vec<String> = lives(cycles).into_iter().map(|k| count(cycles[k].into())).collect();
+    all.pop();
     all.join(", ")
 }
 

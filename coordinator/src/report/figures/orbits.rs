@@ -85,7 +85,7 @@ fn figure(orbits: &Orbits<'_>, full: f64) -> Figure {
         name: format!("orbit-{}", file_name(name)),
         title: format!("Orbit of journal {name}"),
         caption,
-        svg: polar.finish(&format!("joint {name}"), false, freest(&reached)),
+        svg: polar.finish(&format!("joint {name}"), freest(&reached)),
         csv: csv(&["cycle", "time [ms]", "x [um]", "y [um]"], rows),
     }
 }

@@ -181,7 +181,7 @@ pub fn histories(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
 }
 
 /// Pairs of probabilities between which a band lies, and its label.
-const BANDS: [(f64, f64, &str); 2] = [(0.01, 0.99, "98 of 100"), (0.25, 0.75, "50 of 100")];
+const BANDS: [(f64, f64, &str); 2] = [(0.01, 0.99, "98 of 100"), (0.25, 0.75, "50 of 100, darker")];
 
 /// Bands of quantiles of a limit state's output over life, the widest first, as (label, points); empty where the
 /// study kept no distributions.

@@ -185,8 +185,10 @@ fn mechanism(input: &ReportInput, sections: &Sections) -> String {
             "The nominal mechanism after {} cycles{}. The inner circle is the unworn bore; wear is drawn outward from it, \
              magnified, on one scale for all joints; angles in the frame of the bushing's body.",
             count(end.into()),
-            if lives.is_empty() {
+            if input.nominal.as_ref().is_none_or(|nominal| nominal.worn.is_none()) {
                 ": this campaign kept the bores at the end alone".to_string()
+            } else if lives.is_empty() {
+                String::new()
             } else {
                 format!(", the thin lines before: {lives}")
             }
