@@ -134,7 +134,7 @@ pub fn html(studies: &[Compared]) -> Result<String, PlotError> {
     if figures.is_empty() {
         body += "<p class=\"none\">These studies have one checkpoint: there are no curves.</p>\n";
     }
-    body += &page::figures(&figures, "two");
+    body += &page::figures(&figures, "three");
     body += "<h2>Lives</h2>\n";
     for name in curves(studies) {
         let _ = writeln!(body, "<h3>{}</h3>\n{}", escape(&capital(name)), lives(studies, name));

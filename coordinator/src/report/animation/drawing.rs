@@ -115,7 +115,7 @@ pub fn picture(mechanism: &Mechanism, layout: &Layout, shown: &Shown<'_>, wear: 
     let columns = (WIDTH / CELL) as usize;
     let height = layout.height + CELL * joints.len().div_ceil(columns) as f64;
     let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {height:.0}\" font-family=\"sans-serif\" font-size=\"14\">\n\
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {height:.0}\" font-family=\"sans-serif\" font-size=\"17\">\n\
          <rect width=\"{WIDTH}\" height=\"{height:.0}\" fill=\"{}\"/>\n",
         Ink::Paper.hex()
     );
@@ -228,7 +228,7 @@ fn magnified(
          <circle r=\"{BORE}\" fill=\"{paper}\" stroke=\"{muted}\" stroke-width=\"1\"/>\
          <g data-journal=\"\" transform=\"translate({} {}) rotate({})\"><circle r=\"{}\" fill=\"{}\" stroke=\"{ink}\" \
          stroke-width=\"1.5\"/><path d=\"M0 0H{}\" stroke=\"{ink}\" stroke-width=\"1.5\"/></g></g>\
-         <text y=\"{}\" text-anchor=\"middle\" fill=\"{ink}\">joint {}</text></g>",
+         <text y=\"{}\" text-anchor=\"middle\" fill=\"{ink}\">{}</text></g>",
         short(x),
         short(y - 6.0),
         short(-bushing.to_degrees()),

@@ -5,7 +5,7 @@ use crate::report::figure::Figure;
 use crate::report::format::fixed;
 use crate::report::input::ReportInput;
 use crate::report::palette::Ink;
-use crate::report::plot::{Axis, Plot, PlotError, Series, Shape};
+use crate::report::plot::{Axis, Plot, PlotError, Points, Series, Shape};
 use common::outputs::{BodyTrace, CycleHistory};
 use common::scene::OutputKind;
 
@@ -16,7 +16,19 @@ const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 const RPM: f64 = 30.0 / std::f64::consts::PI;
 
 /// Named curves over time [ms].
-type Traces = Vec<(String, Vec<(f64, f64)>)>;
+type Traces = Vec<(String, Points)>;
+
+/// What of two bodies an output compares.
+struct Compared {
+    of: fn(&BodyTrace) -> &[f64],
+    factor: f64,
+    what: &'static str,
+    unit: &'static str,
+}
+
+const SPEED: Compared =
+    Compared { of: |body| &body.speed, factor: RPM, what: "angular velocity", unit: "r/min" };
+const ANGLE: Compared = Compared { of: |body| &body.angle, factor: DEGREES, what: "angle", unit: "°" };
 
 /// Joint forces, angles and angular velocities of the settled first cycle of the unworn nominal mechanism.
 ///
@@ -34,8 +46,8 @@ pub fn first_cycle(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
             format!("{}: {}° to {}°", body.label, fixed(low, 3), fixed(high, 3))
         })
         .collect();
-    let of = |value: fn(&BodyTrace) -> &[f64], factor: f64| -> Traces {
-        let trace = |body: &BodyTrace| (body.label.clone(), trace(cycle, value(body), factor));
+    let of = |shown: &Compared| -> Traces {
+        let trace = |body: &BodyTrace| (body.label.clone(), trace(cycle, (shown.of)(body), shown.factor));
         cycle.bodies.iter().map(trace).collect()
     };
     let figures = [
@@ -48,13 +60,13 @@ pub fn first_cycle(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
         over_time(
             cycle,
             ["angles", "Angles of the first cycle", "angle [°]"],
-            of(|body| &body.angle, DEGREES),
+            of(&ANGLE),
             &format!("{}.", extremes.join("; ")),
         )?,
         over_time(
             cycle,
             ["angular-velocities", "Angular velocities of the first cycle", "angular velocity [r/min]"],
-            of(|body| &body.speed, RPM),
+            of(&SPEED),
             "Of the bodies above, in the same sense.",
         )?,
     ];
@@ -72,22 +84,15 @@ pub fn last_cycle(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
     let Some(last) = &worn.last_cycle else { return Ok(vec![]) };
     let mut figures = Vec::new();
     for output in &input.outputs {
-        let (value, factor, what, unit): (fn(&BodyTrace) -> &[f64], f64, &str, &str) = match &output.kind {
-            OutputKind::AngularVelocityDifference { .. } => {
-                (|body| &body.speed, RPM, "angular velocity", "r/min")
-            }
-            OutputKind::AngleDifference { .. } => (|body| &body.angle, DEGREES, "angle", "°"),
+        let (a, b, compared) = match &output.kind {
+            OutputKind::AngularVelocityDifference { a, b } => (a, b, &SPEED),
+            OutputKind::AngleDifference { a, b } => (a, b, &ANGLE),
             _ => continue,
         };
-        let (OutputKind::AngularVelocityDifference { a, b } | OutputKind::AngleDifference { a, b }) =
-            &output.kind
-        else {
-            continue;
-        };
-        let difference = |cycle: &CycleHistory| -> Option<Vec<(f64, f64)>> {
-            let of = |label: &str| cycle.bodies.iter().find(|body| body.label == label).map(value);
+        let difference = |cycle: &CycleHistory| -> Option<Points> {
+            let of = |label: &str| cycle.bodies.iter().find(|body| body.label == label).map(compared.of);
             let apart: Vec<f64> = of(&a.label)?.iter().zip(of(&b.label)?).map(|(a, b)| a - b).collect();
-            Some(trace(cycle, &apart, factor))
+            Some(trace(cycle, &apart, compared.factor))
         };
         let cycles = [("first cycle", first), ("last cycle", last)];
         let traces: Traces = cycles
@@ -95,7 +100,8 @@ pub fn last_cycle(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
             .filter_map(|(name, cycle)| Some((name.to_string(), difference(cycle)?)))
             .collect();
         let caption = format!(
-            "{what} of {} less that of {}, on the unworn bores and on those at the end of life. The output {} is the              largest size of it.",
+            "{} of {} less that of {}, on the unworn bores and on those at the end of life. The output {} is the              largest size of it.",
+            compared.what,
             a.label,
             b.label,
             words(&output.name)
@@ -105,7 +111,7 @@ pub fn last_cycle(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
             [
                 &format!("difference-{}", file_name(&output.name)),
                 &format!("{} against {}", super::capital(&a.label), b.label),
-                &format!("difference [{unit}]"),
+                &format!("difference [{}]", compared.unit),
             ],
             traces,
             &super::capital(&caption),
@@ -132,7 +138,7 @@ fn forces(cycle: &CycleHistory, name: &str, title: &str, of: &str) -> Result<Opt
     over_time(cycle, [name, title, "joint force [N]"], forces, &caption)
 }
 
-fn trace(cycle: &CycleHistory, values: &[f64], factor: f64) -> Vec<(f64, f64)> {
+fn trace(cycle: &CycleHistory, values: &[f64], factor: f64) -> Points {
     thinned(cycle.time.iter().zip(values).map(|(t, v)| (t * 1e3, v * factor)).collect())
 }
 
@@ -172,7 +178,7 @@ const BUCKETS: usize = 700;
 
 /// A trace with its lowest and highest point of every bucket alone, so that no peak is lost; traces of few points
 /// stay as they are.
-fn thinned(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+fn thinned(points: Points) -> Points {
     let size = points.len().div_ceil(BUCKETS);
     if size <= 2 {
         return points;

@@ -7,7 +7,7 @@ use crate::report::format::{count, fixed, three_digits};
 use crate::report::input::{LimitStateInfo, OutputDistribution, ReportInput};
 use crate::report::life::governing;
 use crate::report::palette::Ink;
-use crate::report::plot::{Axis, Plot, PlotError, Series, Shape, short};
+use crate::report::plot::{Axis, Band, Plot, PlotError, Series, Shape, short};
 use crate::summary::StudySummary;
 use common::scene::Fails;
 
@@ -185,11 +185,7 @@ const BANDS: [(f64, f64, &str); 2] = [(0.01, 0.99, "98 of 100"), (0.25, 0.75, "5
 
 /// Bands of quantiles of a limit state's output over life, the widest first, as (label, points); empty where the
 /// study kept no distributions.
-fn spread(
-    input: &ReportInput,
-    state: &LimitStateInfo,
-    axis: &LifeAxis,
-) -> Vec<(&'static str, Vec<(f64, f64, f64)>)> {
+fn spread(input: &ReportInput, state: &LimitStateInfo, axis: &LifeAxis) -> Vec<(&'static str, Band)> {
     let output = &input.outputs[state.output];
     let mut at: Vec<_> = input.distributions.iter().filter(|d| d.output == output.name).collect();
     at.sort_by_key(|d| d.cycles);
@@ -200,7 +196,7 @@ fn spread(
     let band = |(low, high, label): (f64, f64, &'static str)| {
         let point =
             |d: &&OutputDistribution| Some((axis.at(d.cycles), quantile(d, low)?, quantile(d, high)?));
-        (label, at.iter().filter_map(point).collect::<Vec<_>>())
+        (label, at.iter().filter_map(point).collect::<Band>())
     };
     BANDS.map(band).into_iter().filter(|(_, band)| band.len() > 1).collect()
 }

@@ -6,18 +6,14 @@ use crate::report::format::{count, percent};
 use crate::report::input::ReportInput;
 use crate::report::life::{governing, rows_that_matter};
 use crate::report::palette::Ink;
-use crate::report::plot::{Axis, Plot, PlotError, Series, Shape};
+use crate::report::plot::{Axis, Band, Plot, PlotError, Points, Series, Shape};
 use crate::summary::{ReliabilityRow, StudySummary};
 
 /// Standard errors to either side that a band shows.
 pub const BAND: f64 = 1.96;
 
 /// R of a curve with its band at these rows, as points and (x, lower, upper).
-pub fn curve(
-    rows: &[ReliabilityRow],
-    name: &str,
-    x: impl Fn(u32) -> f64,
-) -> (Vec<(f64, f64)>, Vec<(f64, f64, f64)>) {
+pub fn curve(rows: &[ReliabilityRow], name: &str, x: impl Fn(u32) -> f64) -> (Points, Band) {
     let points = rows.iter().filter_map(|row| Some((x(row.cycles), *row.reliability.get(name)?)));
     let band = rows.iter().filter_map(|row| {
         let r = *row.reliability.get(name)?;

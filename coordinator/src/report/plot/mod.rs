@@ -4,7 +4,7 @@
 mod legend;
 mod series;
 
-pub use series::{Series, Shape};
+pub use series::{Band, Points, Series, Shape};
 
 use super::figure::Figure;
 use super::palette::Ink;

@@ -4,6 +4,12 @@ use super::Plot;
 use crate::report::palette::Ink;
 use crate::result_files::{field, number};
 
+/// Points of a curve.
+pub type Points = Vec<(f64, f64)>;
+
+/// Points of a band: (x, lower, upper).
+pub type Band = Vec<(f64, f64, f64)>;
+
 /// How a series is drawn.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shape {
