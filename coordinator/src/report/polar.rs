@@ -155,7 +155,7 @@ impl Polar {
         let (ink, Stroke { width, opacity, .. }) = (stroke.ink.hex(), stroke);
         self.put(format_args!(
             "<path d=\"{path}\" fill=\"none\" stroke=\"{ink}\" stroke-width=\"{width}\" stroke-opacity=\"{opacity}\" \
-             stroke-linejoin=\"round\"/>"
+             stroke-linecap=\"round\" stroke-linejoin=\"round\"/>"
         ));
     }
 

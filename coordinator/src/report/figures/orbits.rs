@@ -58,7 +58,7 @@ fn figure(orbits: &Orbits<'_>, full: f64) -> Figure {
     let mut reached = vec![orbits.clearance; DIRECTIONS];
     for (cycle, _, orbit) in &orbits.cycles {
         let ink = Ink::Series(usize::from(*cycle == "last"));
-        polar.curve(orbit, Stroke { ink, width: 2.0, opacity: 1.0 });
+        polar.curve(orbit, Stroke { ink, width: 3.0, opacity: 1.0 });
         for [x, y] in orbit.iter().filter(|[x, y]| x.is_finite() && y.is_finite()) {
             let turn = y.atan2(*x).rem_euclid(std::f64::consts::TAU) / std::f64::consts::TAU;
             let at = &mut reached[(turn * DIRECTIONS as f64) as usize % DIRECTIONS];
