@@ -14,7 +14,10 @@ pub struct Evaluation {
     /// Per joint: state at the end of life and force peak of the first cycle.
     pub joints: Vec<JointSummary>,
     /// The settled first cycle of the unworn mechanism, when asked for.
-    pub first_cycle: Option<FirstCycle>,
+    pub first_cycle: Option<CycleHistory>,
+    /// What wear made of the mechanism, when the first cycle was asked for and anything wears.
+    #[serde(default)]
+    pub worn: Option<WornLife>,
     /// What the numerics had to do.
     pub diagnostics: Diagnostics,
 }
@@ -30,9 +33,21 @@ pub struct JointSummary {
     pub wear_depth: Vec<f64>,
 }
 
+/// The bores through life, and the motion on them at its end.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct WornLife {
+    /// Lives at which a cycle was simulated, from zero to the end `(k,)` [cycles].
+    pub cycles: Vec<u32>,
+    /// Wear depth at those lives, per joint at each control point `(k, joints, control_points)`; none of an ideal
+    /// joint [m].
+    pub wear_depth: Vec<Vec<Vec<f64>>>,
+    /// The last cycle, on the bores as worn by then.
+    pub last_cycle: Option<CycleHistory>,
+}
+
 /// Time histories of one cycle on a common time grid.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct FirstCycle {
+pub struct CycleHistory {
     /// Time from the start of the cycle `(n,)` [s].
     pub time: Vec<f64>,
     /// Bodies reported, by label, e.g. `right`, `left`.

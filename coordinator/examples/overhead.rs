@@ -107,6 +107,7 @@ fn made_up(scene: &Scene, sample: &[f64]) -> Evaluation {
         histories,
         errors: Vec::new(),
         first_cycle: None,
+        worn: None,
         joints: Vec::new(),
         diagnostics: Diagnostics::default(),
     }

@@ -67,6 +67,11 @@ impl StudySummary {
         self.accuracy_settings.is_some()
     }
 
+    /// What is studied, in the singular.
+    pub fn subject(&self) -> &'static str {
+        if self.of_mechanism() { "mechanism" } else { "system" }
+    }
+
     /// Whether there is no life to follow: everything is told at a single checkpoint.
     pub fn is_static(&self) -> bool {
         self.reliability.len() == 1

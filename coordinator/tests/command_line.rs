@@ -70,6 +70,14 @@ fn simulate_prints_the_contract() {
     }
     let largest = joints.iter().flat_map(|joint| numbers(&joint["wear_depth_m"])).fold(0.0, f64::max);
     assert_eq!(Some(&largest), wear.last());
+    let worn = &found["worn"];
+    assert_eq!(keys(worn), ["cycles", "last_cycle", "wear_depth_m"]);
+    assert_eq!(keys(&worn["last_cycle"]), keys(first));
+    for joint in joints {
+        let lives = worn["wear_depth_m"][joint["name"].as_str().unwrap()].as_array().unwrap();
+        assert_eq!(lives.len(), numbers(&worn["cycles"]).len());
+        assert_eq!(lives.last(), Some(&joint["wear_depth_m"]));
+    }
     for counter in ["steps", "rejected_steps", "newton_iterations"] {
         assert!(found["diagnostics"][counter].is_u64(), "{counter}");
     }

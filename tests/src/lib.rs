@@ -56,6 +56,7 @@ pub fn practice_result(sample: &[f64]) -> Result<Evaluation, SimulationFailure> 
         errors: vec![vec![0.0; 2]; 2],
         joints: vec![],
         first_cycle: None,
+        worn: None,
         diagnostics: Diagnostics { steps: x as u64, ..Diagnostics::default() },
     })
 }

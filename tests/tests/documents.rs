@@ -5,13 +5,15 @@ use std::path::{Path, PathBuf};
 use tests::command_line::{objection, words};
 use tests::program;
 
-const DOCUMENTS: [&str; 10] = [
+const DOCUMENTS: [&str; 12] = [
     "README.md",
     "deploy/README.md",
+    "coordinator/doc/calibration.md",
     "coordinator/doc/reliability.md",
     "coordinator/doc/scenes.md",
     "coordinator/doc/simulators.md",
     "coordinator/doc/tradeoff.md",
+    "coordinator/doc/tutorial.md",
     "worker/benches/README.md",
     "worker/benches/lsoda/README.md",
     "coordinator/benches/scikit/README.md",
@@ -135,6 +137,8 @@ fn every_command_line_is_taken() {
         "scenes",
         "check",
         "explain",
+        "compare",
+        "init",
     ] {
         assert!(taken.contains(command), "no document shows `coordinator {command}`");
     }

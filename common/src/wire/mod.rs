@@ -25,4 +25,4 @@ pub use numbers::{NonFinite, failure_is_finite, find_non_finite};
 pub use reason::reason;
 
 /// Version of the messages. It changes with every change of their layout or meaning; there is no negotiation.
-pub const PROTOCOL_VERSION: u16 = 2;
+pub const PROTOCOL_VERSION: u16 = 3;

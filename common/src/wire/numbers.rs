@@ -2,7 +2,7 @@
 
 use super::codec::WireError;
 use crate::failure::SimulationFailure;
-use crate::outputs::Evaluation;
+use crate::outputs::{CycleHistory, Evaluation};
 
 /// A number that is NaN or infinite.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -15,7 +15,7 @@ pub struct NonFinite {
 
 /// The first number of an evaluation that is not finite.
 pub fn find_non_finite(evaluation: &Evaluation) -> Option<NonFinite> {
-    let Evaluation { cycles, histories, errors, joints, first_cycle, diagnostics } = evaluation;
+    let Evaluation { cycles, histories, errors, joints, first_cycle, worn, diagnostics } = evaluation;
     for (name, rows) in [("histories", histories), ("errors", errors)] {
         for (output, row) in rows.iter().enumerate() {
             if let Some(at) = position(row) {
@@ -33,26 +33,16 @@ pub fn find_non_finite(evaluation: &Evaluation) -> Option<NonFinite> {
             return elsewhere(format!("wear depth {at} of joint {}", joint.name));
         }
     }
-    if let Some(cycle) = first_cycle {
-        if let Some(at) = position(&cycle.time) {
-            return elsewhere(format!("time {at} of the first cycle"));
+    let last_cycle = worn.as_ref().and_then(|worn| worn.last_cycle.as_ref());
+    for (which, cycle) in [("first", first_cycle.as_ref()), ("last", last_cycle)] {
+        if let Some(quantity) = cycle.and_then(|cycle| in_cycle(cycle, which)) {
+            return elsewhere(quantity);
         }
-        for body in &cycle.bodies {
-            if let Some(at) = position(&body.angle).or_else(|| position(&body.speed)) {
-                return elsewhere(format!("motion {at} of {} in the first cycle", body.label));
-            }
-        }
-        for motion in &cycle.motion {
-            let place = motion.position.iter().position(|x| !(x[0].is_finite() && x[1].is_finite()));
-            let place = place.or_else(|| position(&motion.angle)).or_else(|| position(&motion.speed));
-            if let Some(at) = place {
-                return elsewhere(format!("motion {at} of {} in the first cycle", motion.body));
-            }
-        }
-        for (joint, force) in &cycle.joint_force {
-            if let Some(at) = position(force) {
-                return elsewhere(format!("force {at} of joint {joint} in the first cycle"));
-            }
+    }
+    for (cycles, depths) in worn.iter().flat_map(|worn| worn.cycles.iter().zip(&worn.wear_depth)) {
+        if let Some(joint) = depths.iter().position(|depth| position(depth).is_some()) {
+            let quantity = format!("wear depth of joint {}", joints.get(joint).map_or("", |j| &j.name));
+            return Some(NonFinite { quantity, cycle: Some(*cycles) });
         }
     }
     if !diagnostics.constraint_drift.is_finite() {
@@ -65,6 +55,29 @@ pub fn find_non_finite(evaluation: &Evaluation) -> Option<NonFinite> {
     }
     let flight = diagnostics.free_flight_fraction.iter().find(|(_, share)| !share.is_finite());
     flight.and_then(|(joint, _)| elsewhere(format!("free flight fraction of joint {joint}")))
+}
+
+/// The first number of a cycle that is not finite; `which` cycle it is.
+fn in_cycle(cycle: &CycleHistory, which: &str) -> Option<String> {
+    if let Some(at) = position(&cycle.time) {
+        return Some(format!("time {at} of the {which} cycle"));
+    }
+    for body in &cycle.bodies {
+        if let Some(at) = position(&body.angle).or_else(|| position(&body.speed)) {
+            return Some(format!("motion {at} of {} in the {which} cycle", body.label));
+        }
+    }
+    for motion in &cycle.motion {
+        let place = motion.position.iter().position(|x| !(x[0].is_finite() && x[1].is_finite()));
+        let place = place.or_else(|| position(&motion.angle)).or_else(|| position(&motion.speed));
+        if let Some(at) = place {
+            return Some(format!("motion {at} of {} in the {which} cycle", motion.body));
+        }
+    }
+    let force = |(joint, force): &(String, Vec<f64>)| {
+        position(force).map(|at| format!("force {at} of joint {joint} in the {which} cycle"))
+    };
+    cycle.joint_force.iter().find_map(force)
 }
 
 /// Whether every number of a failure is finite.

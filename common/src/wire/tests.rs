@@ -4,7 +4,7 @@ use super::codec::{HEADER, encoded_size};
 use super::*;
 use crate::accuracy::{Accuracy, Tier};
 use crate::failure::SimulationFailure;
-use crate::outputs::{BodyMotion, BodyTrace, Diagnostics, Evaluation, FirstCycle, JointSummary};
+use crate::outputs::{BodyMotion, BodyTrace, CycleHistory, Diagnostics, Evaluation, JointSummary, WornLife};
 use proptest::collection::vec;
 use proptest::prelude::*;
 
@@ -29,9 +29,9 @@ fn task() -> impl Strategy<Value = Task> {
     )
 }
 
-fn first_cycle() -> impl Strategy<Value = FirstCycle> {
+fn first_cycle() -> impl Strategy<Value = CycleHistory> {
     (vec(number(), 0..9), vec(number(), 0..9), vec(number(), 0..9), ".{0,5}").prop_map(
-        |(time, angle, force, label)| FirstCycle {
+        |(time, angle, force, label)| CycleHistory {
             time,
             motion: vec![BodyMotion {
                 body: label.clone(),
@@ -49,6 +49,11 @@ fn evaluation() -> impl Strategy<Value = Evaluation> {
     let histories = vec(vec(number(), 0..9), 0..3);
     (vec(any::<u32>(), 0..9), histories, number(), vec(number(), 0..9), proptest::option::of(first_cycle()))
         .prop_map(|(cycles, histories, peak_force, wear_depth, first_cycle)| Evaluation {
+            worn: first_cycle.clone().map(|cycle| WornLife {
+                cycles: vec![0, 7],
+                wear_depth: vec![vec![wear_depth.clone(), vec![]]; 2],
+                last_cycle: Some(cycle),
+            }),
             cycles,
             errors: histories.clone(),
             histories,
@@ -255,6 +260,7 @@ fn numbers_that_are_not_finite_are_refused_both_ways() {
             errors: vec![vec![0.0; 2]],
             joints: vec![],
             first_cycle: None,
+            worn: None,
             diagnostics: Diagnostics::default(),
         }),
     };

@@ -21,6 +21,7 @@ fn evaluation(scene: &Scene, shares: &[(f64, f64)]) -> Evaluation {
         errors: vec![scaled(|s| s.1), vec![0.0; shares.len()]],
         joints: vec![],
         first_cycle: None,
+        worn: None,
         diagnostics: Diagnostics::default(),
     }
 }

@@ -56,6 +56,7 @@ fn stand_in(scene: &Scene, request: &Request) -> Result<Evaluation, SimulationFa
         errors: vec![],
         joints: scene.joints.iter().map(joint).collect(),
         first_cycle: None,
+        worn: None,
         diagnostics: Diagnostics::default(),
     })
 }

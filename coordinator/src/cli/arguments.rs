@@ -3,6 +3,8 @@
 use super::accuracy::AccuracyArguments;
 use super::benchmark::BenchmarkArguments;
 use super::calibrate::CalibrateArguments;
+use super::compare::CompareArguments;
+use super::init::InitArguments;
 use super::names::{GridName, KernelName, LearningName, MethodName, StatedErrorsName, TrendName};
 use super::replay::ReplayArguments;
 use super::verify::VerifyArguments;
@@ -21,6 +23,7 @@ Examples:
                                                    wait for `worker --connect tcp/127.0.0.1:7447`
   coordinator resume study                         go on after Ctrl-C, a crash or a power cut
   coordinator simulate --scene flapping-wing --set rod_length=40.05mm
+  coordinator init my                              a commented scene to start from: my.toml
   coordinator check my.toml                        every fault of a scene at once
 
 Exit codes: 0 done, 2 bad input, 1 failure, 130 interrupted (everything done so far is saved).";
@@ -147,6 +150,22 @@ Examples:
     /// Write the result files and the report of a finished study again
     #[command(after_help = "Example:\n  coordinator report hingewise-flapping-wing")]
     Report(StudyFolder),
+    /// Lay the reliability curves of several finished studies over each other: variants, contact laws, accuracies
+    #[command(after_help = "\
+Writes a page with curves and bands per limit state and in total, the lives at R = 0.99, 0.9 and 0.5, and what each study
+cost; beside it the curves as CSV, under the same name. The studies need limit states of the same names and the same
+checkpoints.
+
+Examples:
+  coordinator compare hingewise-four-bar hingewise-four-bar-2 --out compare.html
+  coordinator compare steel bronze polymer --out bushings.html")]
+    Compare(CompareArguments),
+    /// Write a commented scene to start from
+    #[command(after_help = "\
+Examples:
+  coordinator init press
+  coordinator init press --out scenes/press.toml")]
+    Init(InitArguments),
     /// List the built-in scenes
     #[command(after_help = "Examples:\n  coordinator scenes\n  coordinator scenes --json")]
     Scenes {

@@ -10,6 +10,7 @@ use coordinator::dispatch::DispatchError;
 use coordinator::evaluate::EvaluateError;
 use coordinator::evaluate::external::SimulatorError;
 use coordinator::report::ReportError;
+use coordinator::report::compare::Incomparable;
 use coordinator::result_files::ResultFileError;
 use coordinator::store::StoreError;
 use coordinator::study::{CampaignError, StudyError};
@@ -174,6 +175,23 @@ pub enum CommandError {
         /// Why.
         reason: String,
     },
+    /// Studies that cannot be laid over each other.
+    #[error(transparent)]
+    Incomparable(#[from] Incomparable),
+    /// A file that is there already.
+    #[error("{}: is there already; give another place by --out, or move it away", file.display())]
+    Existing {
+        /// The file.
+        file: PathBuf,
+    },
+    /// A name that a scene cannot have.
+    #[error(
+        "name {name}: allowed are letters, digits, hyphens and underscores, at least one, and no built-in scene's name"
+    )]
+    SceneName {
+        /// As given.
+        name: String,
+    },
     /// A study without an end.
     #[error("{}: this study is not finished; go on with `coordinator resume {}`", dir.display(), dir.display())]
     NotFinished {
@@ -272,6 +290,9 @@ impl CommandError {
             | Self::UnknownProblem { .. }
             | Self::Destination { .. }
             | Self::ForeignSettings { .. }
+            | Self::Incomparable(_)
+            | Self::Existing { .. }
+            | Self::SceneName { .. }
             | Self::NotFinished { .. }
             | Self::NotComparable { .. }
             | Self::TooFewSimulations { .. }

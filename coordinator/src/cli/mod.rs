@@ -5,12 +5,14 @@ mod accuracy;
 mod arguments;
 mod benchmark;
 mod calibrate;
+mod compare;
 mod distributions;
 mod error;
 mod explain;
 mod external;
 mod extremes;
 mod farm;
+mod init;
 mod model;
 mod names;
 mod opened;
@@ -61,6 +63,8 @@ fn command(arguments: Arguments) -> Result<(), CommandError> {
         Some(Command::Resume(study)) => run::resume(&study, arguments.talk),
         Some(Command::Sensitivity(study)) => results::sensitivity(&study.dir, json),
         Some(Command::Report(study)) => results::report(&study.dir, json),
+        Some(Command::Compare(studies)) => compare::compare(&studies, json),
+        Some(Command::Init(scene)) => init::init(&scene, json),
         Some(Command::Extremes(table)) => extremes::extremes(&table, arguments.talk),
         Some(Command::Tradeoff(measurement)) => tradeoff::tradeoff(&measurement, arguments.talk),
         Some(Command::Benchmark(benchmark)) => benchmark::benchmark(&benchmark, arguments.talk),

@@ -3,8 +3,7 @@
 use super::error::CommandError;
 use super::output::{print, to_json};
 use common::scene::SceneSource;
-use coordinator::report::{self, ReportInput, SUMMARY_DOCUMENT};
-use coordinator::result_files::{reliability_csv, summary_json, write_samples_csv, write_text};
+use coordinator::report::{self, SUMMARY_DOCUMENT};
 use coordinator::store::{CampaignFile, FILE_NAME};
 use coordinator::summary::{SensitivityRow, SobolRow, StudySummary};
 use serde_json::json;
@@ -24,18 +23,13 @@ pub fn report(dir: &Path, as_json: bool) -> Result<(), CommandError> {
     print(&format!("{}\n", page.display()))
 }
 
-/// Writes `summary.json`, `reliability.csv`, `samples.csv`, `report.html` and its figures; the path of the page.
+/// Writes every file of a finished study's folder; the path of the page.
 pub fn write_results(campaign: &CampaignFile) -> Result<PathBuf, CommandError> {
     let dir = campaign.dir();
     let origin = dir.join(FILE_NAME).display().to_string();
     let source = SceneSource::parse(&campaign.meta().scene_source, &origin)?;
-    let scene = source.nominal();
-    let input = ReportInput::from_campaign(campaign, scene)?
-        .ok_or_else(|| CommandError::NotFinished { dir: dir.to_path_buf() })?;
-    write_text(&dir.join("summary.json"), &summary_json(&input.summary)?)?;
-    write_text(&dir.join("reliability.csv"), &reliability_csv(&input.summary))?;
-    write_samples_csv(&dir.join("samples.csv"), campaign, scene)?;
-    Ok(report::write(dir, &input)?)
+    report::write_all(campaign, source.nominal())?
+        .ok_or_else(|| CommandError::NotFinished { dir: dir.to_path_buf() })
 }
 
 /// Shows what the failure probabilities of a finished study depend on.

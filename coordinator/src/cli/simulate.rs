@@ -5,7 +5,9 @@ use super::error::CommandError;
 use super::external;
 use super::output::{check_destination, deliver, to_json};
 use super::scenes::check_linkage;
-use common::outputs::{BodyMotion, Diagnostics, EnergyBalance, Evaluation};
+use common::outputs::{
+    BodyMotion, BodyTrace, CycleHistory, Diagnostics, EnergyBalance, Evaluation, JointSummary, WornLife,
+};
 use common::scene::{Faults, Scene, SceneSource};
 use coordinator::output_unit::OutputUnit;
 use serde::Serialize;
@@ -27,6 +29,7 @@ struct Printed<'r> {
     numerical_error: BTreeMap<String, Vec<f64>>,
     first_cycle: Option<PrintedCycle<'r>>,
     joints: Vec<PrintedJoint<'r>>,
+    worn: Option<PrintedWorn<'r>>,
     diagnostics: PrintedDiagnostics<'r>,
     wall_s: f64,
 }
@@ -41,6 +44,15 @@ struct PrintedCycle<'r> {
     bodies: BTreeMap<&'r str, PrintedMotion>,
     #[serde(rename = "joint_force_N")]
     joint_force: BTreeMap<&'r str, &'r [f64]>,
+}
+
+/// The bores through life, and the last cycle on them.
+#[derive(Debug, Serialize)]
+struct PrintedWorn<'r> {
+    cycles: &'r [u32],
+    /// By joint, one profile per life.
+    wear_depth_m: BTreeMap<&'r str, Vec<&'r [f64]>>,
+    last_cycle: Option<PrintedCycle<'r>>,
 }
 
 #[derive(Debug, Serialize)]
@@ -145,25 +157,8 @@ fn printed<'r>(
         cycles: &evaluation.cycles,
         outputs: by_name(&evaluation.histories),
         numerical_error: by_name(&evaluation.errors),
-        first_cycle: evaluation.first_cycle.as_ref().map(|cycle| PrintedCycle {
-            time_s: &cycle.time,
-            rocker_angle_deg: cycle
-                .bodies
-                .iter()
-                .map(|body| (body.label.as_str(), in_degrees(&body.angle)))
-                .collect(),
-            rocker_speed_rpm: cycle
-                .bodies
-                .iter()
-                .map(|body| (body.label.as_str(), in_rpm(&body.speed)))
-                .collect(),
-            bodies: cycle.motion.iter().map(|m| (m.body.as_str(), printed_motion(m))).collect(),
-            joint_force: cycle
-                .joint_force
-                .iter()
-                .map(|(name, force)| (name.as_str(), force.as_slice()))
-                .collect(),
-        }),
+        first_cycle: evaluation.first_cycle.as_ref().map(printed_cycle),
+        worn: evaluation.worn.as_ref().map(|worn| printed_worn(worn, &evaluation.joints)),
         joints: evaluation
             .joints
             .iter()
@@ -175,6 +170,34 @@ fn printed<'r>(
             .collect(),
         diagnostics: printed_diagnostics(&evaluation.diagnostics),
         wall_s,
+    }
+}
+
+fn printed_cycle(cycle: &CycleHistory) -> PrintedCycle<'_> {
+    let rockers = |of: fn(&BodyTrace) -> Vec<f64>| -> BTreeMap<&str, Vec<f64>> {
+        cycle.bodies.iter().map(|body| (body.label.as_str(), of(body))).collect()
+    };
+    PrintedCycle {
+        time_s: &cycle.time,
+        rocker_angle_deg: rockers(|body| in_degrees(&body.angle)),
+        rocker_speed_rpm: rockers(|body| in_rpm(&body.speed)),
+        bodies: cycle.motion.iter().map(|m| (m.body.as_str(), printed_motion(m))).collect(),
+        joint_force: cycle
+            .joint_force
+            .iter()
+            .map(|(name, force)| (name.as_str(), force.as_slice()))
+            .collect(),
+    }
+}
+
+fn printed_worn<'r>(worn: &'r WornLife, joints: &'r [JointSummary]) -> PrintedWorn<'r> {
+    let through_life = |(k, joint): (usize, &'r JointSummary)| {
+        (joint.name.as_str(), worn.wear_depth.iter().map(|at| at[k].as_slice()).collect())
+    };
+    PrintedWorn {
+        cycles: &worn.cycles,
+        wear_depth_m: joints.iter().enumerate().map(through_life).collect(),
+        last_cycle: worn.last_cycle.as_ref().map(printed_cycle),
     }
 }
 

@@ -67,6 +67,7 @@ impl Expected {
             errors,
             joints: vec![],
             first_cycle: None,
+            worn: None,
             diagnostics: Diagnostics::default(),
         }))
     }

@@ -2,12 +2,13 @@
 //! tables of the campaign file, the study's results from its documents `summary` and `distributions`. So a
 //! report of a finished study needs its folder alone and no evaluation.
 
+use super::mechanism::Mechanism;
 use super::stated::{StatedAt, StatedErrors};
 use crate::output_unit::OutputUnit;
 use crate::store::{CampaignFile, StoreError};
 use crate::summary::StudySummary;
 use common::outputs::{Diagnostics, Evaluation};
-use common::scene::{ContactLaw, Fails, JointKind, Scene};
+use common::scene::{ContactLaw, Fails, JointKind, OutputKind, Scene};
 use serde::{Deserialize, Serialize};
 
 /// Name of the document that holds the [`StudySummary`].
@@ -58,6 +59,8 @@ pub struct LimitStateInfo {
 pub struct OutputInfo {
     /// Name.
     pub name: String,
+    /// What it is.
+    pub kind: OutputKind,
     /// Unit.
     pub unit: OutputUnit,
 }
@@ -108,6 +111,8 @@ pub struct ReportInput {
     pub outputs: Vec<OutputInfo>,
     /// Random variables, in the scene's order.
     pub variables: Vec<VariableInfo>,
+    /// Bodies and joints, every variable at its mean.
+    pub mechanism: Mechanism,
     /// The evaluation at the variables' means, with its first cycle.
     pub nominal: Option<Evaluation>,
     /// Distributions of the outputs over the population.
@@ -180,7 +185,11 @@ impl ReportInput {
             outputs: scene
                 .outputs
                 .iter()
-                .map(|output| OutputInfo { name: output.name.clone(), unit: OutputUnit::of(&output.kind) })
+                .map(|output| OutputInfo {
+                    name: output.name.clone(),
+                    kind: output.kind.clone(),
+                    unit: OutputUnit::of(&output.kind),
+                })
                 .collect(),
             variables: scene
                 .variables
@@ -191,6 +200,7 @@ impl ReportInput {
                     std: variable.distribution.given_std(),
                 })
                 .collect(),
+            mechanism: Mechanism::of(scene),
             nominal: None,
             distributions,
             stated: vec![],
@@ -204,7 +214,7 @@ impl ReportInput {
 
     /// What is studied, in the singular.
     pub fn subject(&self) -> &'static str {
-        if self.summary.of_mechanism() { "mechanism" } else { "system" }
+        self.summary.subject()
     }
 
     /// The unit a limit state's output is shown in.

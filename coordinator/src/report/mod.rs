@@ -1,15 +1,19 @@
 //! The report of a study: `report.html`, one file without any reference to the network or to other files, and
-//! every figure of it as an SVG file of its own in `figures/`.
+//! every figure of it as an SVG file of its own in `figures/`, with its numbers as CSV.
 
+mod animation;
 mod bars;
-mod bore;
+pub mod compare;
+mod figure;
 mod figures;
 pub mod format;
 mod input;
 pub mod life;
+mod mechanism;
 mod page;
 pub mod palette;
 mod plot;
+mod polar;
 mod stated;
 #[cfg(test)]
 pub(crate) mod synthetic;
@@ -18,13 +22,15 @@ mod tables;
 mod tests;
 mod words;
 
-pub use figures::Figure;
+pub use figure::Figure;
+pub use figures::reliability as reliability_figure;
 pub use input::{
     DISTRIBUTIONS_DOCUMENT, FailedRun, LimitStateInfo, OutputDistribution, OutputInfo, ReportInput,
     SUMMARY_DOCUMENT, VariableInfo, WorkTotals, equal_edges,
 };
+pub use mechanism::Mechanism;
 pub use page::standalone;
-pub use plot::{Plot, PlotError, Series, Shape};
+pub use plot::{Axis, Plot, PlotError, Series, Shape};
 pub use stated::StatedAt;
 pub use words::failure_probability;
 
@@ -63,13 +69,17 @@ pub struct Report {
 /// # Errors
 /// [`PlotError`].
 pub fn render(input: &ReportInput) -> Result<Report, PlotError> {
+    let reliability = [figures::reliability(&input.summary)?, figures::first_failure(input)?];
     let sections = page::Sections {
-        reliability: figures::reliability(input)?.into_iter().collect(),
-        distributions: figures::distributions(input)?,
-        histories: figures::histories(input)?,
-        first_cycle: figures::first_cycle(input)?,
+        reliability: reliability.into_iter().flatten().collect(),
+        outputs: [figures::distributions(input)?, figures::histories(input)?].concat(),
+        sensitivity: figures::sensitivities(input)?,
+        variance: figures::shares_of_variance(input)?,
+        motion: animation::animation(input),
         bores: figures::bores(input),
-        sensitivity: bars::figures(input)?,
+        orbits: figures::orbits(input),
+        first_cycle: figures::first_cycle(input)?,
+        last_cycle: figures::last_cycle(input)?,
         learning: figures::learning(input)?,
         numerical: figures::numerical(input)?,
     };
@@ -77,7 +87,8 @@ pub fn render(input: &ReportInput) -> Result<Report, PlotError> {
     Ok(Report { html, figures: sections.into_figures() })
 }
 
-/// Writes `report.html` and `figures/*.svg` into `dir`; the path of the page.
+/// Writes `report.html`, and every figure of it as `figures/*.svg` with its numbers as `figures/*.csv`, into `dir`; the
+/// path of the page.
 ///
 /// # Errors
 /// [`ReportError`].
@@ -88,6 +99,7 @@ pub fn write(dir: &Path, input: &ReportInput) -> Result<PathBuf, ReportError> {
         .map_err(|source| ResultFileError::Write { path: folder.clone(), source })?;
     for figure in &report.figures {
         write_text(&folder.join(format!("{}.svg", figure.name)), &page::standalone(figure))?;
+        write_text(&folder.join(format!("{}.csv", figure.name)), &figure.csv)?;
     }
     let path = dir.join("report.html");
     write_text(&path, &report.html)?;
@@ -113,7 +125,7 @@ pub fn deliver(
     Ok(written.expect("the summary was stored two statements ago"))
 }
 
-/// Writes `summary.json`, `reliability.csv`, `samples.csv`, `report.html` and `figures/` of a finished study from
+/// Writes `summary.json`, `reliability.csv`, `samples.csv`, `scene.toml`, `report.html` and `figures/` of a finished study from
 /// its campaign file alone; the path of the page, or `None` if the study has not been finished.
 ///
 /// # Errors
@@ -124,5 +136,6 @@ pub fn write_all(campaign: &CampaignFile, scene: &Scene) -> Result<Option<PathBu
     write_text(&dir.join("summary.json"), &summary_json(&input.summary)?)?;
     write_text(&dir.join("reliability.csv"), &reliability_csv(&input.summary))?;
     write_samples_csv(&dir.join("samples.csv"), campaign, scene)?;
+    write_text(&dir.join("scene.toml"), &input.scene_source)?;
     write(dir, &input).map(Some)
 }

@@ -24,19 +24,20 @@ pub enum Ink {
 /// Number of distinct series colours.
 pub const SERIES: usize = 6;
 
-/// Name of the CSS variable, light shade, dark shade.
+/// Name of the CSS variable, light shade, dark shade. The series differ for every kind of colour vision, and all but the
+/// grid stand out from the paper: see the tests.
 const SHADES: [(&str, u32, u32); 5 + SERIES] = [
     ("paper", 0xFFFFFF, 0x14181D),
     ("ink", 0x1B1F24, 0xE8EBEE),
     ("muted", 0x57616D, 0xA3AEBA),
     ("grid", 0xE1E5EA, 0x2C333B),
-    ("limit", 0xB3261E, 0xFF8A80),
-    ("series-1", 0x1F6FB4, 0x62ADE8),
-    ("series-2", 0xC4541A, 0xF2935A),
-    ("series-3", 0x2B8055, 0x62C690),
-    ("series-4", 0x7548B0, 0xB594EA),
-    ("series-5", 0x8A6D00, 0xD9BC4A),
-    ("series-6", 0xB0336F, 0xF07FB4),
+    ("limit", 0x9B031F, 0xFC4350),
+    ("series-1", 0x284885, 0x09A1F0),
+    ("series-2", 0xBC3A00, 0xD7A348),
+    ("series-3", 0x07735F, 0x009566),
+    ("series-4", 0xBD5FA9, 0xE56AAC),
+    ("series-5", 0x9E9700, 0xF6D95D),
+    ("series-6", 0x5193F0, 0x88CBF0),
 ];
 
 impl Ink {
@@ -87,6 +88,109 @@ pub fn css() -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    type Rgb = [f64; 3];
+
+    /// What is seen of linear red, green and blue without one kind of cone.
+    ///
+    /// Source: Machado, Oliveira, Fernandes (2009), A physiologically-based model for simulation of color vision
+    /// deficiency, severity 1.0.
+    const VISIONS: [(&str, [Rgb; 3]); 4] = [
+        ("normal", [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]),
+        (
+            "protanopia",
+            [
+                [0.152286, 1.052583, -0.204868],
+                [0.114503, 0.786281, 0.099216],
+                [-0.003882, -0.048116, 1.051998],
+            ],
+        ),
+        (
+            "deuteranopia",
+            [
+                [0.367322, 0.860646, -0.227968],
+                [0.280085, 0.672501, 0.047413],
+                [-0.011820, 0.042940, 0.968881],
+            ],
+        ),
+        (
+            "tritanopia",
+            [
+                [1.255528, -0.076749, -0.178779],
+                [-0.078411, 0.930809, 0.147602],
+                [0.004733, 0.691367, 0.303900],
+            ],
+        ),
+    ];
+
+    fn linear(shade: u32) -> Rgb {
+        let [_, rgb @ ..] = shade.to_be_bytes();
+        rgb.map(|c| f64::from(c) / 255.0)
+            .map(|c| if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) })
+    }
+
+    fn times(matrix: &[Rgb; 3], v: Rgb) -> Rgb {
+        [0, 1, 2].map(|row: usize| matrix[row].iter().zip(v).map(|(a, b)| a * b).sum())
+    }
+
+    /// Place in Oklab, where distances are about as large as they look.
+    ///
+    /// Source: Ottosson (2020), A perceptual color space for image processing.
+    fn oklab(rgb: Rgb) -> Rgb {
+        let cones = times(
+            &[
+                [0.4122214708, 0.5363325363, 0.0514459929],
+                [0.2119034982, 0.6806995451, 0.1073969566],
+                [0.0883024619, 0.2817188376, 0.6299787005],
+            ],
+            rgb.map(|c| c.clamp(0.0, 1.0)),
+        );
+        times(
+            &[
+                [0.2104542553, 0.7936177850, -0.0040720468],
+                [1.9779984951, -2.4285922050, 0.4505937099],
+                [0.0259040371, 0.7827717662, -0.8086757660],
+            ],
+            cones.map(f64::cbrt),
+        )
+    }
+
+    /// Contrast by WCAG 2, from 1 to 21.
+    fn contrast(a: u32, b: u32) -> f64 {
+        let luminance = |shade| times(&[[0.2126, 0.7152, 0.0722]; 3], linear(shade))[0] + 0.05;
+        let (a, b) = (luminance(a), luminance(b));
+        (a / b).max(b / a)
+    }
+
+    /// 0.02 is just seen between two fields side by side; lines need more.
+    #[test]
+    fn series_are_told_apart_by_every_kind_of_colour_vision() {
+        for night in [false, true] {
+            let shades: Vec<_> = SHADES[4..]
+                .iter()
+                .map(|(name, light, dark)| (*name, if night { *dark } else { *light }))
+                .collect();
+            for (vision, matrix) in &VISIONS {
+                for (k, (a, first)) in shades.iter().enumerate() {
+                    for (b, second) in &shades[k + 1..] {
+                        let [p, q] = [*first, *second].map(|shade| oklab(times(matrix, linear(shade))));
+                        let apart = p.iter().zip(q).map(|(p, q)| (p - q).powi(2)).sum::<f64>().sqrt();
+                        let least = if *a == "limit" { 0.08 } else { 0.09 };
+                        assert!(apart > least, "{vision}, night {night}: {a} and {b} are {apart} apart");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn all_that_is_read_stands_out_from_the_paper() {
+        for (name, light, dark) in SHADES.iter().filter(|(name, ..)| !["paper", "grid"].contains(name)) {
+            let least = if name.starts_with("series") { 3.0 } else { 4.5 };
+            let found = [contrast(*light, SHADES[0].1), contrast(*dark, SHADES[0].2)];
+            assert!(found.iter().all(|contrast| *contrast >= least), "{name}: {found:?}");
+        }
+    }
 
     #[test]
     fn plotters_and_the_style_sheet_name_the_same_colour() {

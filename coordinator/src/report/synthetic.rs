@@ -1,6 +1,12 @@
 //! A made-up study for the tests of report, result files and terminal: two limit states with the lives of the
 //! published flapping-wing drive, means and spreads from closed forms instead of simulations.
 
+mod mechanism;
+
+pub use mechanism::{eccentricity, first_cycle};
+
+use mechanism::{PINS, depth, worn};
+
 use super::input::{DISTRIBUTIONS_DOCUMENT, OutputDistribution, ReportInput, SUMMARY_DOCUMENT};
 use crate::evaluate::{Finished, Request};
 use crate::journal::Journal;
@@ -8,7 +14,7 @@ use crate::store::{CampaignFile, CampaignMeta};
 use crate::summary::*;
 use common::accuracy::NamedAccuracy;
 use common::failure::SimulationFailure;
-use common::outputs::{BodyTrace, Diagnostics, Evaluation, FirstCycle, JointSummary};
+use common::outputs::{Diagnostics, Evaluation, JointSummary};
 use common::random::{Distribution, RandomVariable};
 use common::scene::*;
 use statrs::distribution::{Continuous, ContinuousCDF, Normal};
@@ -41,6 +47,7 @@ const VARIABLES: [&str; 14] = [
 
 pub fn scene() -> Scene {
     let signed = |body, label: &str| SignedBody { body, sign: 1.0, label: label.into() };
+    let body = |name: &str, motion| Body { name: name.into(), motion, points: vec![] };
     let variable = |name: &&str| RandomVariable {
         name: name.to_string(),
         distribution: Distribution::TruncatedNormal { mean: 1.0, std: 0.01, lower: 0.97, upper: 1.03 },
@@ -50,8 +57,8 @@ pub fn scene() -> Scene {
     let steel = Material { elastic_modulus: 2e11, poisson_ratio: 0.31 };
     let joint = |k: usize| Joint {
         name: k.to_string(),
-        journal: Attachment { body: 0, position: [0.0; 2] },
-        bushing: Attachment { body: 1, position: [0.0; 2] },
+        journal: Attachment { body: 1, position: PINS[k - 1] },
+        bushing: Attachment { body: 2, position: PINS[k - 1] },
         kind: JointKind::Clearance(Clearance {
             journal_radius: 1.5e-3,
             bushing_radius: 1.5235e-3,
@@ -72,13 +79,35 @@ pub fn scene() -> Scene {
         ("max_wear_depth", OutputKind::LargestWear { joints: vec![0] }),
         (
             "angular_velocity_difference",
-            OutputKind::AngularVelocityDifference { a: signed(0, "right"), b: signed(1, "left") },
+            OutputKind::AngularVelocityDifference { a: signed(1, "right"), b: signed(2, "left") },
         ),
     ];
     Scene {
         name: "flapping-wing".into(),
         title: "Flapping-wing drive with six worn hinges".into(),
-        bodies: vec![],
+        bodies: vec![
+            body("frame", Motion::Fixed),
+            body(
+                "crank",
+                Motion::Driven {
+                    position: [0.02, 0.01],
+                    drive: Drive::ConstantSpeed { start_angle: 0.0, speed: TAU / 0.125 },
+                    inertia: None,
+                },
+            ),
+            body(
+                "rod",
+                Motion::Free {
+                    mass: 0.01,
+                    inertia: 1e-6,
+                    centre_of_mass: [0.0; 2],
+                    start_position: [0.02, 0.01],
+                    start_angle: 0.0,
+                    start_velocity: [0.0; 2],
+                    start_speed: 0.0,
+                },
+            ),
+        ],
         joints: (1..=6).map(joint).collect(),
         loads: vec![],
         gravity: [0.0; 2],
@@ -155,7 +184,7 @@ fn distribution(output: usize, cycles: u32, scene: &Scene) -> OutputDistribution
         mean,
         std,
         counts: counts.collect(),
-        quantiles: [0.001, 0.5, 0.999].map(|p| (p, normal.inverse_cdf(p))).to_vec(),
+        quantiles: [0.01, 0.25, 0.5, 0.75, 0.99].map(|p| (p, normal.inverse_cdf(p))).to_vec(),
         edges,
     }
 }
@@ -182,6 +211,36 @@ fn sensitivity(cycles: u32, scene: &Scene) -> Vec<SensitivityRow> {
         }
     }
     rows
+}
+
+/// Who was first goes by who has failed; a tenth of the failures are of both.
+fn first_failure_row(cycles: u32, scene: &Scene) -> FirstFailureRow {
+    let row = reliability_row(cycles, scene);
+    let failed: Vec<f64> =
+        scene.limit_states.iter().map(|state| 1.0 - row.reliability[&state.name]).collect();
+    let all: f64 = failed.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+    let system = 1.0 - row.reliability["total"];
+    let share = |(state, failed): (&LimitState, &f64)| (state.name.clone(), 0.9 * system * failed / all);
+    FirstFailureRow {
+        cycles,
+        together: 0.1 * system,
+        first: scene.limit_states.iter().zip(&failed).map(share).collect(),
+    }
+}
+
+fn sobol(cycles: u32, scene: &Scene) -> Vec<SobolRow> {
+    let of_state = |(s, state): (usize, &LimitState)| {
+        let row = |k: usize| SobolRow {
+            cycles,
+            limit_state: state.name.clone(),
+            variable: VARIABLES[(k + 4 * s) % VARIABLES.len()].to_string(),
+            first_order: 0.5 * 0.5f64.powi(k as i32),
+            total: 0.6 * 0.5f64.powi(k as i32),
+            standard_error: SobolError { first_order: 0.01, total: 0.004 },
+        };
+        (0..VARIABLES.len()).map(row).collect::<Vec<_>>()
+    };
+    scene.limit_states.iter().enumerate().flat_map(of_state).collect()
 }
 
 fn rounds() -> Vec<Round> {
@@ -232,10 +291,16 @@ pub fn study() -> Study {
         population: 100_000,
         evaluations: EvaluationCounts { total: 216, initial: 120, added: 96, failed: 1 },
         limit_states: scene.limit_states.iter().map(|state| state.name.clone()).collect(),
-        first_failure: Vec::new(),
-        failures: Failures::default(),
+        first_failure: checkpoints.iter().map(|cycles| first_failure_row(*cycles, &scene)).collect(),
+        failures: Failures {
+            barred_share: 0.004,
+            simulations: vec![FailureRow {
+                cause: "at cycle 61000, t = 0.05 s, the bound of 200000 steps per cycle was reached".into(),
+                sample: VARIABLES.iter().map(|name| (name.to_string(), 1.01)).collect(),
+            }],
+        },
         conditional: None,
-        sobol: Vec::new(),
+        sobol: [64_000, 66_000].into_iter().flat_map(|n| sobol(n, &scene)).collect(),
         reliability: checkpoints.iter().map(|cycles| reliability_row(*cycles, &scene)).collect(),
         moments: checkpoints.iter().map(moment_row).collect(),
         sensitivity: [64_000, 66_000, 68_000].into_iter().flat_map(|n| sensitivity(n, &scene)).collect(),
@@ -265,29 +330,6 @@ pub fn study() -> Study {
     Study { summary, distributions }
 }
 
-fn first_cycle() -> FirstCycle {
-    let time: Vec<f64> = (0..=250).map(|k| 0.125 * k as f64 / 250.0).collect();
-    let body = |label: &str, phase: f64| BodyTrace {
-        label: label.into(),
-        angle: time.iter().map(|t| (29.7 * (TAU * (t / 0.125 + phase)).sin()).to_radians()).collect(),
-        speed: time
-            .iter()
-            .map(|t| 29.7f64.to_radians() * TAU / 0.125 * (TAU * (t / 0.125 + phase)).cos())
-            .collect(),
-    };
-    let force = |k: usize| {
-        let peak = if k > 4 { 9.27 } else { 5.94 };
-        let bump = |t: f64| (-((t - 0.1 + 0.0008 * (k % 2) as f64) / 0.014).powi(2)).exp();
-        (k.to_string(), time.iter().map(|t| 0.3 + (peak - 0.3) * bump(*t)).collect())
-    };
-    FirstCycle {
-        bodies: vec![body("right", 0.0), body("left", 0.005)],
-        motion: vec![],
-        joint_force: (1..=6).map(force).collect(),
-        time,
-    }
-}
-
 fn evaluation(id: u64, scene: &Scene) -> Evaluation {
     let checkpoints = scene.life.checkpoints();
     let shift = (id as f64 * 0.7).sin();
@@ -298,17 +340,10 @@ fn evaluation(id: u64, scene: &Scene) -> Evaluation {
         };
         checkpoints.iter().map(at).collect()
     };
-    let joint = |k: usize| {
-        let depth = |p: usize| {
-            let angle = TAU * p as f64 / 36.0;
-            let bump = |centre: f64, width: f64| (-(1.0 - (angle - centre).cos()) / width).exp();
-            1e-6 * ([31.0, 30.0, 11.0, 12.0, 19.0, 18.0][k - 1] * bump(1.9, 0.12) + 8.0 * bump(5.4, 0.1))
-        };
-        JointSummary {
-            name: k.to_string(),
-            peak_force: if k > 4 { 9.27 } else { 5.94 },
-            wear_depth: (0..36).map(depth).collect(),
-        }
+    let joint = |k: usize| JointSummary {
+        name: k.to_string(),
+        peak_force: if k > 4 { 9.27 } else { 5.94 },
+        wear_depth: depth(k),
     };
     Evaluation {
         histories: vec![history(0), history(1)],
@@ -316,6 +351,7 @@ fn evaluation(id: u64, scene: &Scene) -> Evaluation {
         cycles: checkpoints,
         joints: (1..=6).map(joint).collect(),
         first_cycle: (id == 0).then(first_cycle),
+        worn: (id == 0).then(worn),
         diagnostics: Diagnostics {
             steps: 1_250_000,
             rejected_steps: 310,

@@ -1,9 +1,10 @@
 //! The tables of the report as HTML.
 
-use super::bars::rows_at_governing;
-use super::figures::words;
+use super::figures::{rows_at_governing, words};
 use super::format::{UNKNOWN, count, duration, escape, fixed, three_digits};
 use super::input::ReportInput;
+use super::life::{LifeAt, life_at, numerical_lives};
+use super::words::LEVELS;
 use crate::summary::{NumericalRange, ReliabilityRow};
 use std::fmt::Write;
 
@@ -60,6 +61,45 @@ pub fn reliability(input: &ReportInput, rows: &[ReliabilityRow]) -> String {
                 .collect()
         }),
     )
+}
+
+/// Lives at the levels of reliability that decisions ask for, in total and per limit state, with their 95 % intervals; in
+/// the last column the range under the stated numerical errors.
+pub fn lives(input: &ReportInput) -> String {
+    let summary = &input.summary;
+    let mut names = vec!["total"];
+    if summary.limit_states.len() > 1 {
+        names.extend(summary.limit_states.iter().map(String::as_str));
+    }
+    let numerical = summary.reliability.iter().any(|row| !row.numerical.is_empty());
+    let title = |name: &&str| if *name == "total" { input.subject().to_string() } else { escape(name) };
+    let head = std::iter::once("life [cycles] at".to_string())
+        .chain(names.iter().map(title))
+        .chain(numerical.then(|| "under numerical errors".to_string()));
+    let last = summary.reliability.last().map_or(0, |row| row.cycles);
+    let rows = LEVELS.iter().map(|level| {
+        let cell = |name: &&str| match life_at(summary, name, *level) {
+            LifeAt::Beyond(last) => format!("beyond {}", count(last.into())),
+            LifeAt::Cycles { life, lower, upper } => {
+                format!("{} <small>{} to {}</small>", whole(life), whole(lower), whole(upper))
+            }
+        };
+        let range = || {
+            let end = |life: Option<f64>| life.map_or(format!("beyond {}", count(last.into())), whole);
+            let [worst, best] = numerical_lives(summary, "total", *level)?;
+            Some(format!("<small>{} to {}</small>", end(worst), end(best)))
+        };
+        std::iter::once(format!("R = {level}"))
+            .chain(names.iter().map(cell))
+            .chain(numerical.then(|| range().unwrap_or_else(|| UNKNOWN.to_string())))
+            .collect()
+    });
+    table(&head.collect::<Vec<_>>(), rows)
+}
+
+/// A life in whole cycles.
+pub fn whole(life: f64) -> String {
+    count(life.round().max(0.0) as u64)
 }
 
 /// Sensitivities of one limit state at the governing checkpoint, all variables; empty if there are none.

@@ -1,9 +1,11 @@
 //! What a study says, in sentences.
 
+use super::figures::shares_of_failures;
 use super::format::{count, duration, fixed, percent, three_digits};
 use super::input::ReportInput;
 use super::life::{LifeAt, governing, leaders, life_at};
 use super::plot::short;
+use super::tables::whole;
 use crate::summary::{PerLimitState, ReliabilityRow, StudySummary};
 use common::scene::Fails;
 
@@ -12,7 +14,6 @@ pub const LEVELS: [f64; 3] = [0.99, 0.9, 0.5];
 
 /// A life with its bounds, e.g. `63 400 cycles (63 200 to 63 500)`.
 pub fn life(life: LifeAt) -> (String, String) {
-    let whole = |cycles: f64| count(cycles.round().max(0.0) as u64);
     match life {
         LifeAt::Beyond(last) => (format!("beyond {}", count(last.into())), "end of the life studied".into()),
         LifeAt::Cycles { life, lower, upper } => {
@@ -37,6 +38,7 @@ pub fn sentences(input: &ReportInput) -> Vec<String> {
     if summary.is_static() {
         text.extend(failure_probabilities(input));
         text.push(effort(summary));
+        text.extend(failed_runs(summary));
         return text;
     }
     let lives: Vec<String> = LEVELS
@@ -53,6 +55,8 @@ pub fn sentences(input: &ReportInput) -> Vec<String> {
     text.push(format!("{}.", lives.join("; ")));
     text.extend(who_fails_first(input));
     text.push(effort(summary));
+    text.extend(failed_runs(summary));
+    text.extend(super::stated::meaning(input));
     text
 }
 
@@ -137,25 +141,27 @@ fn who_fails_first(input: &ReportInput) -> Vec<String> {
                 parts.join(", "),
                 input.subject()
             ));
-            text.extend(causes(summary, row.cycles));
+            let causes = shares_of_failures(summary, row.cycles);
+            text.extend(
+                causes.map(|shares| format!("Of these failures the first cause was: {}.", shares.join(", "))),
+            );
         }
     }
     text
 }
 
-/// What the failures by a checkpoint were caused by, as shares of them.
-fn causes(summary: &StudySummary, cycles: u32) -> Option<String> {
-    let row = summary.first_failure.iter().find(|row| row.cycles == cycles)?;
-    let all = row.first.values().sum::<f64>() + row.together;
-    if all <= 0.0 {
-        return None;
-    }
-    let by = |name: &String| Some(format!("{} by {name}", percent(row.first.get(name)? / all)));
-    let mut parts: Vec<String> = summary.limit_states.iter().filter_map(by).collect();
-    if row.together > 0.0 {
-        parts.push(format!("{} by several between the same two checkpoints", percent(row.together / all)));
-    }
-    Some(format!("Of these failures the first cause was: {}.", parts.join(", ")))
+/// Runs without a result, how much of the population they stand for, and why; `None` if there are none.
+fn failed_runs(summary: &StudySummary) -> Option<String> {
+    let first = summary.failures.simulations.first()?;
+    let counts = summary.evaluations;
+    Some(format!(
+        "{} of {} simulations gave no result; they are left out, and simulations are estimated to fail in {} of the \
+         population. The first of them: {}.",
+        count(counts.failed as u64),
+        count(counts.total as u64),
+        percent(summary.failures.barred_share),
+        first.cause.trim_end_matches('.')
+    ))
 }
 
 /// What the answer cost.

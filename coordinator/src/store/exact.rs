@@ -34,3 +34,28 @@ pub fn outcome_to_bytes(outcome: &Outcome) -> Result<Vec<u8>, String> {
 pub fn outcome_from_bytes(bytes: &[u8]) -> Result<Outcome, String> {
     ciborium::from_reader(bytes).map_err(|error| error.to_string())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ciborium::Value;
+
+    /// Campaigns made before evaluations told what wear made of the mechanism are read all the same.
+    #[test]
+    fn an_outcome_without_its_worn_life_is_read() {
+        let entry = |name: &str, value| (Value::Text(name.into()), value);
+        let diagnostics = Value::serialized(&common::outputs::Diagnostics::default()).unwrap();
+        let evaluation = Value::Map(vec![
+            entry("cycles", Value::Array(vec![1000.into()])),
+            entry("histories", Value::Array(vec![Value::Array(vec![0.5.into()])])),
+            entry("errors", Value::Array(vec![])),
+            entry("joints", Value::Array(vec![])),
+            entry("first_cycle", Value::Null),
+            entry("diagnostics", diagnostics),
+        ]);
+        let mut bytes = Vec::new();
+        ciborium::into_writer(&Value::Map(vec![entry("Ok", evaluation)]), &mut bytes).unwrap();
+        let outcome = outcome_from_bytes(&bytes).unwrap().unwrap();
+        assert_eq!((outcome.histories, outcome.worn), (vec![vec![0.5]], None));
+    }
+}

@@ -4,7 +4,7 @@ use crate::journal::Journal;
 use crate::summary::Round;
 use common::accuracy::NamedAccuracy;
 use common::failure::SimulationFailure;
-use common::outputs::{BodyTrace, Diagnostics, Evaluation, FirstCycle, JointSummary};
+use common::outputs::{BodyTrace, CycleHistory, Diagnostics, Evaluation, JointSummary, WornLife};
 use common::random::{Distribution, RandomVariable};
 use common::scene::{Fails, Life, LimitState, Output, OutputKind, StudySettings};
 use std::io::{BufRead, BufReader};
@@ -65,13 +65,19 @@ fn request(id: u64) -> Request {
 
 fn finished(id: u64) -> Finished {
     let x = awkward(id);
-    let first_cycle = (id == 0).then(|| FirstCycle {
+    let first_cycle = (id == 0).then(|| CycleHistory {
         time: vec![0.0, 1.0 / 3.0],
         bodies: vec![BodyTrace { label: "right".into(), angle: x.clone(), speed: vec![-0.0, 0.7] }],
         motion: vec![],
         joint_force: vec![("1".into(), vec![0.1, 0.2])],
     });
+    let worn = first_cycle.clone().map(|cycle| WornLife {
+        cycles: vec![0, 1000],
+        wear_depth: vec![vec![x.clone()], vec![vec![0.1 + 0.2]]],
+        last_cycle: Some(cycle),
+    });
     let evaluation = Evaluation {
+        worn,
         cycles: vec![1000, 2000],
         histories: vec![x.clone()],
         errors: vec![x.iter().map(|value| value.abs() / 7.0).collect()],

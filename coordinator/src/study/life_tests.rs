@@ -156,6 +156,7 @@ impl Evaluator for MadeUp {
                     errors: vec![vec![0.0; 72]; 2],
                     joints: vec![],
                     first_cycle: None,
+                    worn: None,
                     diagnostics: Diagnostics::default(),
                 })
             };

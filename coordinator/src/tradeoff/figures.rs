@@ -2,7 +2,7 @@
 
 use super::compare::Row;
 use crate::report::palette::Ink;
-use crate::report::{Figure, Plot, PlotError, Series, Shape, standalone};
+use crate::report::{Axis, Plot, PlotError, Series, Shape, standalone};
 use common::scene::Scene;
 
 /// Errors below this are drawn at it [1].
@@ -47,19 +47,15 @@ fn figure(name: &str, output: &str, k: usize, rows: &[&Row]) -> Result<String, P
         if low <= high { (low - 0.1, high + 0.15) } else { (-1.0, 1.0) }
     };
     let title = format!("error of {output} [% of its limit]");
+    let x = Axis::linear("time of an evaluation on one core [s]", range(|at| at.0));
+    let y = Axis::linear(&title, range(|at| at.1));
     let plot = Plot {
         figure: name,
-        x_label: "time of an evaluation on one core [s]",
-        y_label: &title,
-        x: range(|at| at.0),
-        y: range(|at| at.1),
-        x_text: &power_of_ten,
-        y_text: &|v| power_of_ten(v + 2.0),
+        x: Axis { text: power_of_ten, value: |v| 10f64.powf(v), ..x },
+        y: Axis { text: |v| power_of_ten(v + 2.0), value: |v| 10f64.powf(v + 2.0), ..y },
         series: &series,
     };
-    let drawn =
-        Figure { name: name.to_owned(), title: title.clone(), caption: String::new(), svg: plot.svg()? };
-    Ok(standalone(&drawn))
+    Ok(standalone(&plot.figure(&title, "")?))
 }
 
 /// The number of which this is the decimal logarithm, with two digits: 0.032, 1, 3.2, 32.

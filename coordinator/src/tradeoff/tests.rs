@@ -13,6 +13,7 @@ fn measured(seconds: f64, history: &[f64], stated: f64) -> Measured {
         errors: vec![vec![stated; history.len()]; 2],
         joints: vec![],
         first_cycle: None,
+        worn: None,
         diagnostics: Diagnostics { steps: 100, ..Diagnostics::default() },
     };
     Measured { seconds, outcome: Ok(evaluation) }

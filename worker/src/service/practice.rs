@@ -53,6 +53,7 @@ pub fn evaluation(history: Vec<f64>) -> Evaluation {
         histories: vec![history],
         joints: vec![],
         first_cycle: None,
+        worn: None,
         diagnostics,
     }
 }

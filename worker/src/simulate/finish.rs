@@ -38,6 +38,7 @@ impl Run<'_> {
             errors,
             joints,
             first_cycle: first.cycle,
+            worn: self.worn.clone(),
             diagnostics: Diagnostics {
                 steps: self.stats.steps,
                 rejected_steps: self.stats.rejected,

@@ -38,11 +38,13 @@ pub async fn live<E: From<SimulationFailure>>(
     let mut wear = vec![vec![]; scene.outputs.len()];
     let mut from = 0;
     course.measured(&measured[0]);
+    run.keep_bores(0);
     while let Some(to) = course.next_life() {
         let checkpoints: Vec<u32> = (from / every + 1..=to / every).map(|k| k * every).collect();
         let depths = run.depths();
         run.wear(from, to, &checkpoints, &mut wear)?;
         doubt.worn(run, from, depths);
+        run.keep_bores(to);
         if dynamic && to == end {
             run.last_cycle().await?;
         } else {

@@ -7,17 +7,17 @@ use crate::outputs::{
     BodyTrack, Compared, ForceTrack, MomentTrack, PointTrack, Shown, largest_difference, largest_torque,
     together,
 };
-use common::outputs::{BodyMotion, BodyTrace, EnergyBalance, FirstCycle};
+use common::outputs::{BodyMotion, BodyTrace, CycleHistory, EnergyBalance};
 use common::scene::{Attachment, Motion, OutputKind, SignedBody};
 use std::borrow::Cow;
 
-/// Points per cycle of the histories shown of the first cycle.
+/// Points per cycle of the histories shown.
 const SHOWN: usize = 1000;
 
 /// What is shown of the first cycle, by joint in the scene's order.
 pub struct FirstSeen {
     /// The cycle itself, if it was asked for.
-    pub cycle: Option<FirstCycle>,
+    pub cycle: Option<CycleHistory>,
     /// Largest force of every joint [N].
     pub peaks: Vec<(String, f64)>,
     /// Share of the cycle in free flight of every joint with clearance [1].
@@ -113,15 +113,15 @@ impl Run<'_> {
         let mut free_flight = of(&|f| f.free / period);
         free_flight.retain(|(name, _)| clearance(name));
         FirstSeen {
-            cycle: with_cycle.then(|| self.first_cycle()),
+            cycle: with_cycle.then(|| self.shown_cycle()),
             peaks: of(&|f| f.peak()),
             free_flight,
             energy: with_cycle.then(|| self.energy()),
         }
     }
 
-    /// Motion and joint forces of the cycle just measured.
-    fn first_cycle(&self) -> FirstCycle {
+    /// Motion and joint forces of the cycle just measured, which was recorded to be shown.
+    pub fn shown_cycle(&self) -> CycleHistory {
         let time = self.shown_times();
         let mut bodies: Vec<BodyTrace> = Vec::new();
         for output in &self.scene.outputs {
@@ -142,7 +142,7 @@ impl Run<'_> {
             }
         }
         let joint_force = self.shown_joints(|track| track.resample(&time));
-        FirstCycle { bodies, motion: self.motion(&time), joint_force, time }
+        CycleHistory { bodies, motion: self.motion(&time), joint_force, time }
     }
 
     /// Motion of every body that moves, in the scene's order.

@@ -9,7 +9,7 @@ use crate::outputs::{PointTrack, Shown, Wanted};
 use crate::wear::WearStepStats;
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
-use common::outputs::EnergyBalance;
+use common::outputs::{EnergyBalance, WornLife};
 use common::scene::{Attachment, JointKind, Motion, OutputKind, Scene};
 
 /// One evaluation under way.
@@ -36,6 +36,8 @@ pub struct Run<'a> {
     pub watched: bool,
     /// Energy of the last cycle, if they do.
     pub worn_energy: Option<EnergyBalance>,
+    /// The bores through life and the last cycle, if they do.
+    pub worn: Option<WornLife>,
 }
 
 /// Points of a path on the ideal mechanism per cycle: a cubic between two of them is off by some 1e-11 of its size.
@@ -74,6 +76,7 @@ impl<'a> Run<'a> {
             tier_difference: vec![0.0; scene.outputs.len()],
             watched: false,
             worn_energy: None,
+            worn: None,
         })
     }
 
@@ -142,12 +145,15 @@ impl<'a> Run<'a> {
         self.measure().await
     }
 
-    /// The last measured cycle, dynamic, on the bores as worn by then; with its energy if people want to see it.
+    /// The last measured cycle, dynamic, on the bores as worn by then; with its energy and as a whole if people want to
+    /// see it.
     pub async fn last_cycle(&mut self) -> Result<(), SimulationFailure> {
         self.show(self.watched);
         self.next_cycle().await?;
         if self.watched {
             self.worn_energy = Some(self.energy());
+            let cycle = self.shown_cycle();
+            self.worn.get_or_insert_default().last_cycle = Some(cycle);
         }
         self.show(false);
         Ok(())
@@ -191,6 +197,16 @@ impl<'a> Run<'a> {
             }
         }
         all
+    }
+
+    /// Keeps the bores as they are at a life, if people want to see them.
+    pub fn keep_bores(&mut self, life: u32) {
+        if self.watched {
+            let depths = self.depths();
+            let worn = self.worn.get_or_insert_default();
+            worn.cycles.push(life);
+            worn.wear_depth.push(depths);
+        }
     }
 
     /// Carries every island from one time of the cycle to another.

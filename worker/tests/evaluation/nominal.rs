@@ -57,6 +57,32 @@ fn rockers_swing_as_far_as_with_the_reconstructed_clearance() {
 }
 
 #[test]
+fn the_bores_are_told_through_life() {
+    let e = nominal();
+    let worn = e.worn.as_ref().expect("asked for");
+    assert_eq!((worn.cycles.first(), worn.cycles.last()), (Some(&0), Some(&72_000)));
+    assert!(worn.cycles.is_sorted_by(|a, b| a < b) && worn.wear_depth.len() == worn.cycles.len());
+    assert!(worn.wear_depth[0].iter().flatten().all(|depth| *depth == 0.0));
+    let last: Vec<_> = e.joints.iter().map(|joint| joint.wear_depth.clone()).collect();
+    assert_eq!(worn.wear_depth.last(), Some(&last));
+    let mut told = 0;
+    for (cycles, depths) in worn.cycles.iter().zip(&worn.wear_depth) {
+        if e.cycles.contains(cycles) {
+            let deepest = depths.iter().flatten().fold(0.0_f64, |a, b| a.max(*b));
+            assert_eq!(deepest, at(e, WEAR, *cycles));
+            told += 1;
+        }
+    }
+    assert!(told > 10, "{told}");
+    // The speeds of the two rockers differ by the output's value there, but for the grid's resolution.
+    let last = worn.last_cycle.as_ref().expect("asked for");
+    let pairs = last.bodies[0].speed.iter().zip(&last.bodies[1].speed);
+    let difference = pairs.map(|(a, b)| (a - b).abs()).fold(0.0_f64, f64::max);
+    let stated = at(e, ASYMMETRY, 72_000);
+    assert!(difference <= stated * (1.0 + 1e-9) && difference > 0.97 * stated, "{difference} {stated}");
+}
+
+#[test]
 fn the_load_keeps_every_journal_on_its_bore() {
     let shares = &nominal().diagnostics.free_flight_fraction;
     assert_eq!(shares.len(), 6);

@@ -1,11 +1,34 @@
-//! Figures of the nominal mechanism: forces and motion over its first cycle, its bores at the end of life.
+//! Figures of the nominal mechanism over a cycle: forces and motion, on the unworn and on the worn bores.
 
-use super::{Figure, figure, file_name, range};
-use crate::report::bore;
+use super::{file_name, range, words};
+use crate::report::figure::Figure;
 use crate::report::format::fixed;
 use crate::report::input::ReportInput;
 use crate::report::palette::Ink;
-use crate::report::plot::{Plot, PlotError, Series, Shape, short};
+use crate::report::plot::{Axis, Plot, PlotError, Points, Series, Shape};
+use common::outputs::{BodyTrace, CycleHistory};
+use common::scene::OutputKind;
+
+/// Degrees per radian.
+const DEGREES: f64 = 180.0 / std::f64::consts::PI;
+
+/// r/min per rad/s.
+const RPM: f64 = 30.0 / std::f64::consts::PI;
+
+/// Named curves over time [ms].
+type Traces = Vec<(String, Points)>;
+
+/// What of two bodies an output compares.
+struct Compared {
+    of: fn(&BodyTrace) -> &[f64],
+    factor: f64,
+    what: &'static str,
+    unit: &'static str,
+}
+
+const SPEED: Compared =
+    Compared { of: |body| &body.speed, factor: RPM, what: "angular velocity", unit: "r/min" };
+const ANGLE: Compared = Compared { of: |body| &body.angle, factor: DEGREES, what: "angle", unit: "°" };
 
 /// Joint forces, angles and angular velocities of the settled first cycle of the unworn nominal mechanism.
 ///
@@ -15,99 +38,139 @@ pub fn first_cycle(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
     let Some(cycle) = input.nominal.as_ref().and_then(|nominal| nominal.first_cycle.as_ref()) else {
         return Ok(vec![]);
     };
-    let time: Vec<f64> = cycle.time.iter().map(|t| t * 1e3).collect();
-    let trace = |values: &[f64], factor: f64| -> Vec<(f64, f64)> {
-        thinned(time.iter().zip(values).map(|(t, v)| (*t, v * factor)).collect())
-    };
-    let forces: Vec<_> =
-        cycle.joint_force.iter().map(|(n, f)| (format!("joint {n}"), trace(f, 1.0))).collect();
-    let degrees = 180.0 / std::f64::consts::PI;
-    let rpm = 30.0 / std::f64::consts::PI;
-    let angles = cycle.bodies.iter().map(|body| (body.label.clone(), trace(&body.angle, degrees))).collect();
-    let speeds = cycle.bodies.iter().map(|body| (body.label.clone(), trace(&body.speed, rpm))).collect();
-    let peaks: Vec<String> = cycle
-        .joint_force
-        .iter()
-        .map(|(name, force)| format!("{name}: {} N", fixed(force.iter().copied().fold(0.0, f64::max), 2)))
-        .collect();
     let extremes: Vec<String> = cycle
         .bodies
         .iter()
         .map(|body| {
-            let (low, high) = range(body.angle.iter().map(|angle| angle * degrees));
+            let (low, high) = range(body.angle.iter().map(|angle| angle * DEGREES));
             format!("{}: {}° to {}°", body.label, fixed(low, 3), fixed(high, 3))
         })
         .collect();
-    type Traces = Vec<(String, Vec<(f64, f64)>)>;
-    let sides: [(&str, &str, &str, Traces, String); 3] = [
-        (
+    let of = |shown: &Compared| -> Traces {
+        let trace = |body: &BodyTrace| (body.label.clone(), trace(cycle, (shown.of)(body), shown.factor));
+        cycle.bodies.iter().map(trace).collect()
+    };
+    let figures = [
+        forces(
+            cycle,
             "joint-forces",
             "Joint forces of the first cycle",
-            "joint force [N]",
-            forces,
-            format!("Unworn nominal mechanism, settled. Peaks of joints {}.", peaks.join(", ")),
-        ),
-        ("angles", "Angles of the first cycle", "angle [°]", angles, format!("{}.", extremes.join("; "))),
-        (
-            "angular-velocities",
-            "Angular velocities of the first cycle",
-            "angular velocity [r/min]",
-            speeds,
-            "Of the bodies above, in the same sense.".into(),
-        ),
+            "Unworn nominal mechanism, settled.",
+        )?,
+        over_time(
+            cycle,
+            ["angles", "Angles of the first cycle", "angle [°]"],
+            of(&ANGLE),
+            &format!("{}.", extremes.join("; ")),
+        )?,
+        over_time(
+            cycle,
+            ["angular-velocities", "Angular velocities of the first cycle", "angular velocity [r/min]"],
+            of(&SPEED),
+            "Of the bodies above, in the same sense.",
+        )?,
     ];
+    Ok(figures.into_iter().flatten().collect())
+}
+
+/// What wear makes of it: the joint forces of the last cycle, and for every output that compares two bodies their
+/// difference in the first and in the last cycle.
+///
+/// # Errors
+/// [`PlotError`].
+pub fn last_cycle(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
+    let Some(nominal) = &input.nominal else { return Ok(vec![]) };
+    let (Some(first), Some(worn)) = (&nominal.first_cycle, &nominal.worn) else { return Ok(vec![]) };
+    let Some(last) = &worn.last_cycle else { return Ok(vec![]) };
     let mut figures = Vec::new();
-    for (name, title, y_label, traces, caption) in sides {
-        if traces.is_empty() || time.len() < 2 {
-            continue;
-        }
-        let (low, high) = range(traces.iter().flat_map(|(_, points)| points.iter().map(|p| p.1)));
-        // Traces of mirrored halves nearly coincide: every second one is broken, so that both are seen.
-        let series: Vec<_> = traces
+    for output in &input.outputs {
+        let (a, b, compared) = match &output.kind {
+            OutputKind::AngularVelocityDifference { a, b } => (a, b, &SPEED),
+            OutputKind::AngleDifference { a, b } => (a, b, &ANGLE),
+            _ => continue,
+        };
+        let difference = |cycle: &CycleHistory| -> Option<Points> {
+            let of = |label: &str| cycle.bodies.iter().find(|body| body.label == label).map(compared.of);
+            let apart: Vec<f64> = of(&a.label)?.iter().zip(of(&b.label)?).map(|(a, b)| a - b).collect();
+            Some(trace(cycle, &apart, compared.factor))
+        };
+        let cycles = [("first cycle", first), ("last cycle", last)];
+        let traces: Traces = cycles
             .into_iter()
-            .enumerate()
-            .map(|(k, (label, points))| {
-                let shape = if k % 2 == 1 { Shape::Dashed(points) } else { Shape::Line(points) };
-                Series::new(label, Ink::Series(k), shape)
-            })
+            .filter_map(|(name, cycle)| Some((name.to_string(), difference(cycle)?)))
             .collect();
-        let margin = 0.04 * (high - low);
-        let svg = Plot {
-            figure: name,
-            x_label: "time [ms]",
-            y_label,
-            x: (time[0], time[time.len() - 1]),
-            y: (if low >= 0.0 { 0.0 } else { low - margin }, high + margin),
-            x_text: &short,
-            y_text: &short,
-            series: &series,
-        }
-        .svg()?;
-        figures.push(figure(name, title, &caption, svg));
+        let caption = format!(
+            "{} of {} less that of {}, on the unworn bores and on those at the end of life. The output {} is the              largest size of it.",
+            compared.what,
+            a.label,
+            b.label,
+            words(&output.name)
+        );
+        figures.extend(over_time(
+            first,
+            [
+                &format!("difference-{}", file_name(&output.name)),
+                &format!("{} against {}", super::capital(&a.label), b.label),
+                &format!("difference [{}]", compared.unit),
+            ],
+            traces,
+            &super::capital(&caption),
+        )?);
     }
+    figures.extend(forces(
+        last,
+        "joint-forces-worn",
+        "Joint forces of the last cycle",
+        "Nominal mechanism, bores worn to the end of life.",
+    )?);
     Ok(figures)
 }
 
-/// One polar figure per joint of the nominal mechanism with wear, all on one scale.
-pub fn bores(input: &ReportInput) -> Vec<Figure> {
-    let Some(nominal) = &input.nominal else { return vec![] };
-    let deepest = |wear: &[f64]| wear.iter().copied().fold(0.0, f64::max);
-    let largest = nominal.joints.iter().map(|joint| deepest(&joint.wear_depth)).fold(0.0, f64::max);
-    let full = bore::full_scale(largest);
-    let worn = nominal.joints.iter().filter(|joint| !joint.wear_depth.is_empty());
-    worn.map(|joint| {
-        let wear = &joint.wear_depth;
-        let place = (0..wear.len()).max_by(|a, b| wear[*a].total_cmp(&wear[*b])).unwrap_or(0);
-        let caption = format!(
-            "Deepest {} µm at {}°; peak force {} N.",
-            fixed(1e6 * deepest(wear), 2),
-            fixed(360.0 * place as f64 / wear.len() as f64, 0),
-            fixed(joint.peak_force, 2)
-        );
-        let name = format!("bore-{}", file_name(&joint.name));
-        figure(&name, &format!("Bore of joint {}", joint.name), &caption, bore::svg(&joint.name, wear, full))
-    })
-    .collect()
+/// Force of every joint over a cycle, with their peaks.
+fn forces(cycle: &CycleHistory, name: &str, title: &str, of: &str) -> Result<Option<Figure>, PlotError> {
+    let forces =
+        cycle.joint_force.iter().map(|(n, f)| (format!("joint {n}"), trace(cycle, f, 1.0))).collect();
+    let peak = |(name, force): &(String, Vec<f64>)| {
+        format!("{name}: {} N", fixed(force.iter().copied().fold(0.0, f64::max), 2))
+    };
+    let peaks: Vec<String> = cycle.joint_force.iter().map(peak).collect();
+    let caption = format!("{of} Peaks of joints {}.", peaks.join(", "));
+    over_time(cycle, [name, title, "joint force [N]"], forces, &caption)
+}
+
+fn trace(cycle: &CycleHistory, values: &[f64], factor: f64) -> Points {
+    thinned(cycle.time.iter().zip(values).map(|(t, v)| (t * 1e3, v * factor)).collect())
+}
+
+/// Curves over the time of a cycle; `[name, title, label of the vertical axis]`.
+fn over_time(
+    cycle: &CycleHistory,
+    [name, title, label]: [&str; 3],
+    traces: Traces,
+    caption: &str,
+) -> Result<Option<Figure>, PlotError> {
+    let time = &cycle.time;
+    if traces.is_empty() || time.len() < 2 {
+        return Ok(None);
+    }
+    let (low, high) = range(traces.iter().flat_map(|(_, points)| points.iter().map(|p| p.1)));
+    // Traces of mirrored halves nearly coincide: every second one is broken, so that both are seen.
+    let series: Vec<_> = traces
+        .into_iter()
+        .enumerate()
+        .map(|(k, (label, points))| {
+            let shape = if k % 2 == 1 { Shape::Dashed(points) } else { Shape::Line(points) };
+            Series::new(label, Ink::Series(k), shape)
+        })
+        .collect();
+    let margin = 0.04 * (high - low);
+    let plot = Plot {
+        figure: name,
+        x: Axis::linear("time [ms]", (time[0] * 1e3, time[time.len() - 1] * 1e3)),
+        y: Axis::linear(label, (if low >= 0.0 { 0.0 } else { low - margin }, high + margin)),
+        series: &series,
+    };
+    plot.figure(title, caption).map(Some)
 }
 
 /// Buckets a dense trace is thinned to: more than a figure has pixels across.
@@ -115,7 +178,7 @@ const BUCKETS: usize = 700;
 
 /// A trace with its lowest and highest point of every bucket alone, so that no peak is lost; traces of few points
 /// stay as they are.
-fn thinned(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+fn thinned(points: Points) -> Points {
     let size = points.len().div_ceil(BUCKETS);
     if size <= 2 {
         return points;

@@ -1,10 +1,11 @@
 //! Figures of the rounds of learning.
 
-use super::{Figure, figure, range};
+use super::range;
+use crate::report::figure::Figure;
 use crate::report::format::{count, percent};
 use crate::report::input::ReportInput;
 use crate::report::palette::Ink;
-use crate::report::plot::{Plot, PlotError, Series, Shape, short};
+use crate::report::plot::{Axis, Plot, PlotError, Series, Shape, short};
 use crate::summary::Round;
 
 /// How learning went, round by round.
@@ -49,7 +50,7 @@ pub fn learning(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
             "R at the governing checkpoint",
             of_r.as_str(),
             ((low - r_margin).max(0.0), (high + r_margin).min(1.0)),
-            vec![Series::new("", Ink::Ink, Shape::Dotted(reliability))],
+            vec![Series::unlisted("R", Ink::Ink, Shape::Dotted(reliability))],
             format!("At the checkpoint where R is nearest 1/2, at the end {} cycles.", count(last.cycles.into())),
         ),
         (
@@ -67,7 +68,7 @@ pub fn learning(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
             (0.0, u_top),
             vec![
                 Series::new("U = 2", Ink::Limit, Shape::Level(2.0)),
-                Series::new("", Ink::Series(0), Shape::Dotted(min_u)),
+                Series::unlisted("min U", Ink::Series(0), Shape::Dotted(min_u)),
             ],
             "The distance of the surrogate's mean from the threshold in its own standard deviations, the smallest \
              over population, limit states and checkpoints."
@@ -76,20 +77,15 @@ pub fn learning(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
     ];
     let mut figures = Vec::new();
     for (name, title, y_label, y, series, caption) in plots {
-        let power = |v: f64| format!("{}\u{a0}%", short(10f64.powf(v + 2.0)));
-        let y_text: &dyn Fn(f64) -> String = if name == "learning-shares" { &power } else { &short };
-        let svg = Plot {
-            figure: name,
-            x_label: "evaluations",
-            y_label,
-            x,
-            y,
-            x_text: &short,
-            y_text,
-            series: &series,
-        }
-        .svg()?;
-        figures.push(figure(name, title, &caption, svg));
+        let linear = Axis::linear(y_label, y);
+        let y = if name == "learning-shares" {
+            let power = |v: f64| format!("{}\u{a0}%", short(10f64.powf(v + 2.0)));
+            Axis { text: power, value: |v| 10f64.powf(v), ..linear }
+        } else {
+            linear
+        };
+        let x = Axis::linear("evaluations", x);
+        figures.push(Plot { figure: name, x, y, series: &series }.figure(title, &caption)?);
     }
     Ok(figures)
 }

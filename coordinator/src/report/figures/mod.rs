@@ -1,40 +1,35 @@
 //! The figures of a report, from its input. Each function gives no figure where the input holds nothing to show.
 
+mod bores;
 mod cycle;
+mod influences;
 mod learning;
-mod life;
 mod numerical;
+mod orbits;
+mod outputs;
+mod reliability;
 
-pub use cycle::{bores, first_cycle};
+pub use bores::{bores, lives_in_words};
+pub use cycle::{first_cycle, last_cycle};
+pub use influences::{rows_at_governing, sensitivities, shares_of_variance};
 pub use learning::learning;
-pub use life::{distributions, histories, reliability};
 pub use numerical::numerical;
+pub use orbits::orbits;
+pub use outputs::{distributions, histories};
+pub use reliability::{curve, first_failure, reliability, shares_of_failures};
 
-use super::input::ReportInput;
 use super::palette::Ink;
-
-/// A figure: name (of its file too), title, caption, and an SVG document.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Figure {
-    /// Name, letters, digits and hyphens.
-    pub name: String,
-    /// Title, plain text.
-    pub title: String,
-    /// Caption, plain text.
-    pub caption: String,
-    /// SVG document.
-    pub svg: String,
-}
+use crate::summary::StudySummary;
 
 /// Cycles as the axes count them, and how the axes say so.
-struct LifeAxis {
+pub(in crate::report) struct LifeAxis {
     divisor: f64,
-    label: &'static str,
+    pub(in crate::report) label: &'static str,
 }
 
 impl LifeAxis {
-    fn of(input: &ReportInput) -> Self {
-        let last = input.summary.reliability.last().map_or(0, |row| row.cycles);
+    pub(in crate::report) fn of(summary: &StudySummary) -> Self {
+        let last = summary.reliability.last().map_or(0, |row| row.cycles);
         if last >= 10_000 {
             Self { divisor: 1000.0, label: "life [1000 cycles]" }
         } else {
@@ -42,18 +37,14 @@ impl LifeAxis {
         }
     }
 
-    fn at(&self, cycles: u32) -> f64 {
+    pub(in crate::report) fn at(&self, cycles: u32) -> f64 {
         f64::from(cycles) / self.divisor
     }
 }
 
 /// Colour of a limit state, the same in every figure.
-pub(in crate::report) fn ink_of(input: &ReportInput, name: &str) -> Ink {
-    input.limit_states.iter().position(|state| state.name == name).map_or(Ink::Ink, Ink::Series)
-}
-
-pub(super) fn figure(name: &str, title: &str, caption: &str, svg: String) -> Figure {
-    Figure { name: name.into(), title: title.into(), caption: caption.into(), svg }
+pub(in crate::report) fn ink_of(summary: &StudySummary, name: &str) -> Ink {
+    summary.limit_states.iter().position(|state| state == name).map_or(Ink::Ink, Ink::Series)
 }
 
 /// Smallest and largest finite value; (0, 1) if there is none.

@@ -1,10 +1,11 @@
 //! Figures of the numerical errors: R under them, and their size over life.
 
-use super::{Figure, LifeAxis, capital, figure, file_name, ink_of, words};
+use super::{LifeAxis, capital, file_name, ink_of, words};
+use crate::report::figure::Figure;
 use crate::report::input::ReportInput;
 use crate::report::life::rows_that_matter;
 use crate::report::palette::Ink;
-use crate::report::plot::{Plot, PlotError, Series, Shape, short};
+use crate::report::plot::{Axis, Plot, PlotError, Series, Shape};
 
 /// The range of R under the stated errors per limit state and in total, and per limit state the size of the errors
 /// over life.
@@ -21,11 +22,11 @@ fn range_of_reliability(input: &ReportInput) -> Result<Option<Figure>, PlotError
     }
     let rows = rows_that_matter(&input.summary, 6);
     let (Some(first), Some(last)) = (rows.first(), rows.last()) else { return Ok(None) };
-    let axis = LifeAxis::of(input);
+    let axis = LifeAxis::of(&input.summary);
     let (mut bands, mut lines) = (Vec::new(), Vec::new());
     for state in &input.limit_states {
         let name = state.name.as_str();
-        let ink = ink_of(input, name);
+        let ink = ink_of(&input.summary, name);
         let band: Vec<_> = rows
             .iter()
             .filter_map(|row| {
@@ -36,32 +37,27 @@ fn range_of_reliability(input: &ReportInput) -> Result<Option<Figure>, PlotError
         if band.is_empty() {
             return Ok(None);
         }
-        bands.push(Series::new("", ink, Shape::Band(band)));
+        bands.push(Series::unlisted(format!("{name}, range"), ink, Shape::Band(band)));
         let r =
             |row: &crate::summary::ReliabilityRow| Some((axis.at(row.cycles), *row.reliability.get(name)?));
         lines.push(Series::new(name, ink, Shape::Line(rows.iter().filter_map(r).collect())));
     }
-    let svg = Plot {
+    let plot = Plot {
         figure: "reliability-numerical",
-        x_label: axis.label,
-        y_label: "reliability R",
-        x: (axis.at(first.cycles), axis.at(last.cycles)),
-        y: (0.0, 1.0),
-        x_text: &short,
-        y_text: &short,
+        x: Axis::linear(axis.label, (axis.at(first.cycles), axis.at(last.cycles))),
+        y: Axis::linear("reliability R", (0.0, 1.0)),
         series: &[bands, lines].concat(),
-    }
-    .svg()?;
+    };
     let caption = "R with every response larger, and with every one smaller, by the error its simulation states. The \
                    worst and the best direction for all at once, not a standard error.";
-    Ok(Some(figure("reliability-numerical", "Reliability under numerical errors", caption, svg)))
+    plot.figure("Reliability under numerical errors", caption).map(Some)
 }
 
 fn sizes(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
     if input.summary.is_static() {
         return Ok(vec![]);
     }
-    let axis = LifeAxis::of(input);
+    let axis = LifeAxis::of(&input.summary);
     let mut figures = Vec::new();
     // Of a limit at zero nothing is a share.
     for state in input.limit_states.iter().filter(|state| state.threshold != 0.0) {
@@ -74,24 +70,19 @@ fn sizes(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
         let (typical, largest) = (line(&|at| at.typical), line(&|at| at.largest));
         let top = largest.iter().map(|p| p.1).filter(|y| y.is_finite()).fold(0.0, f64::max);
         let series = [
-            Series::new("typical (median)", ink_of(input, &state.name), Shape::Line(typical)),
+            Series::new("typical (median)", ink_of(&input.summary, &state.name), Shape::Line(typical)),
             Series::new("largest", Ink::Ink, Shape::Dashed(largest)),
         ];
         let name = format!("stated-error-{}", file_name(&state.name));
         let output = words(&input.outputs[state.output].name);
-        let svg = Plot {
+        let plot = Plot {
             figure: &name,
-            x_label: axis.label,
-            y_label: "stated error [% of the limit]",
-            x: (0.0, axis.at(last.cycles)),
-            y: (0.0, if top > 0.0 { 1.1 * top } else { 1.0 }),
-            x_text: &short,
-            y_text: &short,
+            x: Axis::linear(axis.label, (0.0, axis.at(last.cycles))),
+            y: Axis::linear("stated error [% of the limit]", (0.0, if top > 0.0 { 1.1 * top } else { 1.0 })),
             series: &series,
-        }
-        .svg()?;
+        };
         let caption = "Over all simulations of the study, as a share of the limit that means failure.";
-        figures.push(figure(&name, &capital(&format!("stated error of {output}")), caption, svg));
+        figures.push(plot.figure(&capital(&format!("stated error of {output}")), caption)?);
     }
     Ok(figures)
 }

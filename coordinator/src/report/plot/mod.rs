@@ -1,7 +1,14 @@
 //! One kind of chart for all curves of the report: lines, bands, steps, points and thresholds over two linear
-//! axes with a legend above, drawn by plotters as SVG.
+//! axes with a legend above, drawn by plotters as SVG, and the same as CSV.
 
+mod legend;
+mod series;
+
+pub use series::{Band, Points, Series, Shape};
+
+use super::figure::Figure;
 use super::palette::Ink;
+use legend::{Legend, legend};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use thiserror::Error;
@@ -31,66 +38,53 @@ const PLOTTERS_FONT: f64 = 1.24;
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type DrawError = DrawingAreaErrorKind<std::io::Error>;
 
-/// How a series is drawn.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Shape {
-    /// Straight lines from point to point.
-    Line(Vec<(f64, f64)>),
-    /// The same, broken.
-    Dashed(Vec<(f64, f64)>),
-    /// Lines with a dot at each point.
-    Dotted(Vec<(f64, f64)>),
-    /// Dots alone, each with a word beside it (none if empty).
-    Marked(Vec<((f64, f64), String)>),
-    /// Area between a lower and an upper value: (x, lower, upper).
-    Band(Vec<(f64, f64, f64)>),
-    /// Bars side by side from zero: (left, right, height).
-    Steps(Vec<(f64, f64, f64)>),
-    /// A horizontal line over the whole width.
-    Level(f64),
-    /// A vertical line over the whole height.
-    Upright(f64),
+/// One axis.
+#[derive(Clone, Copy)]
+pub struct Axis<'a> {
+    /// What it shows, with the unit.
+    pub label: &'a str,
+    /// From where to where it is drawn.
+    pub range: (f64, f64),
+    /// Text of a tick.
+    pub text: fn(f64) -> String,
+    /// The value that a drawn number stands for: the number itself, or the power of ten whose logarithm is drawn.
+    pub value: fn(f64) -> f64,
 }
 
-/// One series.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Series {
-    /// Entry in the legend; empty for none.
-    pub label: String,
-    /// Colour.
-    pub ink: Ink,
-    /// Shape.
-    pub shape: Shape,
-}
-
-impl Series {
-    /// A series with an entry in the legend (none if `label` is empty).
-    pub fn new(label: impl Into<String>, ink: Ink, shape: Shape) -> Self {
-        Self { label: label.into(), ink, shape }
+impl<'a> Axis<'a> {
+    /// An axis of the numbers themselves.
+    pub fn linear(label: &'a str, range: (f64, f64)) -> Self {
+        Self { label, range, text: short, value: |number| number }
     }
 }
 
 /// A chart.
 pub struct Plot<'a> {
-    /// Name, for messages.
+    /// Name, of the figure's file too.
     pub figure: &'a str,
-    /// Label of the horizontal axis.
-    pub x_label: &'a str,
-    /// Label of the vertical axis.
-    pub y_label: &'a str,
-    /// Range of the horizontal axis.
-    pub x: (f64, f64),
-    /// Range of the vertical axis.
-    pub y: (f64, f64),
-    /// Text of a value on the horizontal axis.
-    pub x_text: &'a dyn Fn(f64) -> String,
-    /// Text of a value on the vertical axis.
-    pub y_text: &'a dyn Fn(f64) -> String,
+    /// Horizontal axis.
+    pub x: Axis<'a>,
+    /// Vertical axis.
+    pub y: Axis<'a>,
     /// What is drawn, from back to front.
     pub series: &'a [Series],
 }
 
 impl Plot<'_> {
+    /// The chart with what it shows as CSV.
+    ///
+    /// # Errors
+    /// [`PlotError`].
+    pub fn figure(&self, title: &str, caption: &str) -> Result<Figure, PlotError> {
+        Ok(Figure {
+            name: self.figure.into(),
+            title: title.into(),
+            caption: caption.into(),
+            svg: self.svg()?,
+            csv: series::csv(self),
+        })
+    }
+
     /// The chart as an SVG document. Points that are not finite are left out, as is what lies outside the range
     /// of the horizontal axis; the vertical range cuts values off.
     ///
@@ -103,8 +97,8 @@ impl Plot<'_> {
     }
 
     fn draw_on(&self, root: &Area<'_>, legend: &Legend<'_>) -> Result<(), DrawError> {
-        let (x0, x1) = widened(self.x);
-        let (y0, y1) = widened(self.y);
+        let (x0, x1) = widened(self.x.range);
+        let (y0, y1) = widened(self.y.range);
         let mut chart = ChartBuilder::on(root)
             .margin_top(px(10.0 + 20.0 * legend.rows as f64))
             .margin_right(px(34.0))
@@ -123,10 +117,10 @@ impl Plot<'_> {
             .label_style(letters(LETTERS, Ink::Muted))
             .axis_desc_style(letters(LETTERS, Ink::Ink))
             .set_all_tick_mark_size(px(4.0))
-            .x_label_formatter(&|value| (self.x_text)(*value))
-            .y_label_formatter(&|value| (self.y_text)(*value))
-            .x_desc(self.x_label)
-            .y_desc(self.y_label)
+            .x_label_formatter(&|value| (self.x.text)(*value))
+            .y_label_formatter(&|value| (self.y.text)(*value))
+            .x_desc(self.x.label)
+            .y_desc(self.y.label)
             .draw()?;
         let inside = |points: &[(f64, f64)]| -> Vec<(f64, f64)> {
             points
@@ -248,62 +242,6 @@ pub(super) fn short(value: f64) -> String {
     if text == "-0" { "0".into() } else { text.replace('-', "\u{2212}") }
 }
 
-/// Entries above the plot, in as many rows as they need.
-struct Legend<'a> {
-    entries: Vec<(f64, usize, &'a Series)>,
-    rows: usize,
-}
-
-fn legend(series: &[Series]) -> Legend<'_> {
-    let (mut x, mut row) = (10.0, 0);
-    let mut entries = Vec::new();
-    for series in series.iter().filter(|series| !series.label.is_empty()) {
-        // A sans-serif letter is 0.55 of its size wide on average, blanks between entries included.
-        let width = 40.0 + 0.57 * LETTERS * series.label.chars().count() as f64;
-        if x + width > WIDTH && x > 10.0 {
-            (x, row) = (10.0, row + 1);
-        }
-        entries.push((x, row, series));
-        x += width;
-    }
-    let rows = if entries.is_empty() { 0 } else { row + 1 };
-    Legend { entries, rows }
-}
-
-impl Legend<'_> {
-    fn draw_on(&self, root: &Area<'_>) -> Result<(), DrawError> {
-        for (x, row, series) in &self.entries {
-            let y = 15.0 + 20.0 * *row as f64;
-            let ends = [(px(*x), px(y)), (px(x + 18.0), px(y))];
-            match series.shape {
-                Shape::Band(_) | Shape::Steps(_) => {
-                    let corners = [(px(*x), px(y - 5.0)), (px(x + 18.0), px(y + 5.0))];
-                    root.draw(&Rectangle::new(corners, series.ink.rgb().mix(0.3).filled()))?;
-                    root.draw(&Rectangle::new(corners, stroke(series.ink, 1.0)))?;
-                }
-                Shape::Dashed(_) | Shape::Level(_) | Shape::Upright(_) => {
-                    for (from, to) in [(0.0, 7.0), (11.0, 18.0)] {
-                        let dash = [(px(x + from), px(y)), (px(x + to), px(y))];
-                        root.draw(&PathElement::new(dash, stroke(series.ink, 2.0)))?;
-                    }
-                }
-                Shape::Marked(_) => {
-                    root.draw(&Circle::new((px(x + 9.0), px(y)), px(3.0), series.ink.rgb().filled()))?;
-                }
-                Shape::Line(_) | Shape::Dotted(_) => {
-                    root.draw(&PathElement::new(ends, stroke(series.ink, 2.5)))?;
-                }
-            }
-            root.draw(&Text::new(
-                series.label.clone(),
-                (px(x + 23.0), px(y - 0.5 * LETTERS)),
-                letters(LETTERS, Ink::Ink),
-            ))?;
-        }
-        Ok(())
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -311,12 +249,8 @@ mod tests {
     fn plot(series: &[Series]) -> String {
         Plot {
             figure: "test",
-            x_label: "x",
-            y_label: "y & more",
-            x: (0.0, 1.0),
-            y: (0.0, 1.0),
-            x_text: &short,
-            y_text: &short,
+            x: Axis::linear("x", (0.0, 1.0)),
+            y: Axis::linear("y & more", (0.0, 1.0)),
             series,
         }
         .svg()
@@ -350,12 +284,5 @@ mod tests {
     #[test]
     fn ticks_have_no_idle_digits() {
         assert_eq!([short(0.5), short(-0.0), short(20.0), short(-1.25)], ["0.5", "0", "20", "\u{2212}1.25"]);
-    }
-
-    #[test]
-    fn a_legend_too_long_for_one_row_takes_two() {
-        let long = || Series::new("x".repeat(40), Ink::Ink, Shape::Line(vec![]));
-        assert_eq!(legend(&[long(), long()]).rows, 2);
-        assert_eq!(legend(&[]).rows, 0);
     }
 }

@@ -1,66 +1,15 @@
-//! Figures over the life of the mechanism: reliability, outputs, their distributions late in life.
+//! Figures of the outputs: their distributions late in life, and how they move through life.
 
-use super::{Figure, LifeAxis, capital, figure, file_name, ink_of, words};
+use super::{LifeAxis, capital, file_name, ink_of, words};
 use crate::output_unit::OutputUnit;
+use crate::report::figure::Figure;
 use crate::report::format::{count, fixed, three_digits};
 use crate::report::input::{LimitStateInfo, OutputDistribution, ReportInput};
-use crate::report::life::{governing, rows_that_matter};
+use crate::report::life::governing;
 use crate::report::palette::Ink;
-use crate::report::plot::{Plot, PlotError, Series, Shape, short};
-use crate::summary::ReliabilityRow;
+use crate::report::plot::{Axis, Band, Plot, PlotError, Series, Shape, short};
+use crate::summary::StudySummary;
 use common::scene::Fails;
-
-/// Reliability over life per limit state and in total, with bands of 1.96 standard errors.
-///
-/// # Errors
-/// [`PlotError`].
-pub fn reliability(input: &ReportInput) -> Result<Option<Figure>, PlotError> {
-    if input.summary.is_static() {
-        return Ok(None);
-    }
-    let rows = rows_that_matter(&input.summary, 3);
-    let (Some(first), Some(last)) = (rows.first(), rows.last()) else { return Ok(None) };
-    let axis = LifeAxis::of(input);
-    let mut names: Vec<&str> = input.limit_states.iter().map(|state| state.name.as_str()).collect();
-    if names.len() != 1 {
-        names.push("total");
-    }
-    let value = |row: &ReliabilityRow, name: &str| row.reliability.get(name).copied().unwrap_or(f64::NAN);
-    let mut series = Vec::new();
-    for name in &names {
-        let band = rows
-            .iter()
-            .map(|row| {
-                let (r, error) = (value(row, name), row.standard_error.get(*name).copied().unwrap_or(0.0));
-                (axis.at(row.cycles), (r - 1.96 * error).max(0.0), (r + 1.96 * error).min(1.0))
-            })
-            .collect();
-        series.push(Series::new("", ink_of(input, name), Shape::Band(band)));
-    }
-    for name in &names {
-        let points = rows.iter().map(|row| (axis.at(row.cycles), value(row, name))).collect();
-        let shape = if *name == "total" { Shape::Dashed(points) } else { Shape::Line(points) };
-        series.push(Series::new(*name, ink_of(input, name), shape));
-    }
-    let svg = Plot {
-        figure: "reliability",
-        x_label: axis.label,
-        y_label: "reliability R",
-        x: (axis.at(first.cycles), axis.at(last.cycles)),
-        y: (0.0, 1.0),
-        x_text: &short,
-        y_text: &short,
-        series: &series,
-    }
-    .svg()?;
-    let caption = format!(
-        "Probability that no failure has occurred up to this life, per limit state and for the whole {}, which fails by \
-         whichever comes first. Bands: 1.96 standard errors, sampling and surrogate together; what numerical errors of the \
-         simulations can do is shown further below.",
-        input.subject()
-    );
-    Ok(Some(figure("reliability", "Reliability over life", &caption, svg)))
-}
 
 /// One figure per limit state: its output's distribution at three checkpoints around the governing one.
 ///
@@ -99,17 +48,14 @@ pub fn distributions(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
         }
         series.push(Series::new("threshold", Ink::Limit, Shape::Upright(threshold)));
         let name = format!("distribution-{}", file_name(&state.name));
-        let svg = Plot {
+        let margin = 0.03 * (high - low);
+        let labels = [unit.axis(&words(&output.name)), density(unit)];
+        let plot = Plot {
             figure: &name,
-            x_label: &unit.axis(&words(&output.name)),
-            y_label: &density(unit),
-            x: (low - 0.03 * (high - low), high + 0.03 * (high - low)),
-            y: (0.0, 1.08 * top),
-            x_text: &short,
-            y_text: &short,
+            x: Axis::linear(&labels[0], (low - margin, high + margin)),
+            y: Axis::linear(&labels[1], (0.0, 1.08 * top)),
             series: &series,
-        }
-        .svg()?;
+        };
         let means: Vec<String> = shown
             .iter()
             .map(|d| {
@@ -122,23 +68,20 @@ pub fn distributions(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
             })
             .collect();
         let caption = format!(
-            "Over the whole population. Mean ± standard deviation: {} {}. {} the threshold of {} the {} has failed.",
+            "{}. Mean ± standard deviation: {} {}. {} the threshold of {} the {} has failed.",
+            capital(&origin(&input.summary)),
             means.join(", "),
             if shown.len() == 1 && shown[0].cycles == 1 { "cycle" } else { "cycles" },
             if state.fails == Fails::Above { "Beyond" } else { "Below" },
             unit.after(&short(threshold)),
             input.subject()
         );
-        figures.push(figure(
-            &name,
-            &capital(&if input.summary.is_static() {
-                format!("distribution of {}", words(&output.name))
-            } else {
-                format!("{} late in life", words(&output.name))
-            }),
-            &caption,
-            svg,
-        ));
+        let title = if input.summary.is_static() {
+            format!("distribution of {}", words(&output.name))
+        } else {
+            format!("{} late in life", words(&output.name))
+        };
+        figures.push(plot.figure(&capital(&title), &caption)?);
     }
     Ok(figures)
 }
@@ -177,7 +120,7 @@ fn three_around_governing<'a>(input: &'a ReportInput, state: &LimitStateInfo) ->
     shown
 }
 
-/// One figure per limit state: its output over the whole life, nominal mechanism and population.
+/// One figure per limit state: its output over the whole life, of the nominal mechanism and of the population.
 ///
 /// # Errors
 /// [`PlotError`].
@@ -185,65 +128,87 @@ pub fn histories(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
     if input.summary.is_static() {
         return Ok(vec![]);
     }
-    let axis = LifeAxis::of(input);
+    let axis = LifeAxis::of(&input.summary);
     let mut figures = Vec::new();
     for state in &input.limit_states {
         let output = &input.outputs[state.output];
         let unit = &output.unit;
         let threshold = unit.to_shown(state.threshold);
-        let key = |what: &str| unit.key(&format!("{}_{what}", state.name));
-        let band: Vec<_> = input
-            .summary
-            .moments
-            .iter()
-            .filter_map(|row| {
-                let mean = unit.file_to_shown(*row.moments.get(&key("mean"))?);
-                let spread = 2.0 * unit.file_to_shown(*row.moments.get(&key("std"))?);
-                Some((axis.at(row.cycles), mean - spread, mean + spread))
-            })
-            .filter(|(_, low, high)| low.is_finite() && high.is_finite())
-            .collect();
         let nominal: Vec<_> = input.nominal.as_ref().map_or(vec![], |nominal| {
             let history = nominal.histories.get(state.output).map_or(&[][..], Vec::as_slice);
             nominal.cycles.iter().zip(history).map(|(n, v)| (axis.at(*n), unit.to_shown(*v))).collect()
         });
-        let last = nominal.last().map(|p| p.0).into_iter().chain(band.last().map(|p| p.0)).reduce(f64::max);
-        let Some(last) = last else { continue };
-        let values = nominal.iter().map(|p| p.1).chain(band.iter().flat_map(|p| [p.1, p.2]));
+        let bands = spread(input, state, &axis);
+        let of_bands = bands.iter().flat_map(|(_, band)| band);
+        let ends = nominal.last().map(|p| p.0).into_iter().chain(of_bands.clone().map(|p| p.0));
+        let Some(last) = ends.reduce(f64::max) else { continue };
+        let values = nominal.iter().map(|p| p.1).chain(of_bands.flat_map(|p| [p.1, p.2]));
         let (low, high) = values.fold((threshold, threshold), |(low, high), v| (low.min(v), high.max(v)));
         let signed = threshold < 0.0 || nominal.iter().any(|p| p.1 < 0.0);
         let low = if low < 0.5 * high && !signed { 0.0 } else { low - 0.1 * (high - low) };
+        let caption = format!(
+            "{} The nominal {} has every variable at its mean{}.",
+            if bands.is_empty() {
+                String::new()
+            } else {
+                format!("Bands: how many of a hundred lie within, {}.", origin(&input.summary))
+            },
+            input.subject(),
+            if input.summary.of_mechanism() {
+                "; each value belongs to the profile worn to that many cycles"
+            } else {
+                ""
+            }
+        );
         let mut series = vec![Series::new("threshold", Ink::Limit, Shape::Level(threshold))];
-        if !band.is_empty() {
-            series.push(Series::new(
-                "population, mean ± 2 std",
-                ink_of(input, &state.name),
-                Shape::Band(band),
-            ));
-        }
+        let ink = ink_of(&input.summary, &state.name);
+        series.extend(bands.into_iter().map(|(label, band)| Series::new(label, ink, Shape::Band(band))));
         if !nominal.is_empty() {
             series.push(Series::new("nominal", Ink::Ink, Shape::Line(nominal)));
         }
         let name = format!("history-{}", file_name(&state.name));
-        let svg = Plot {
+        let label = unit.axis(&words(&output.name));
+        let plot = Plot {
             figure: &name,
-            x_label: axis.label,
-            y_label: &unit.axis(&words(&output.name)),
-            x: (0.0, last),
-            y: (low, high + 0.05 * (high - low)),
-            x_text: &short,
-            y_text: &short,
+            x: Axis::linear(axis.label, (0.0, last)),
+            y: Axis::linear(&label, (low, high + 0.05 * (high - low))),
             series: &series,
-        }
-        .svg()?;
-        let caption = if input.summary.of_mechanism() {
-            "Each value belongs to the profile worn to that many cycles. The nominal mechanism has every variable at its mean."
-        } else {
-            "The nominal system has every variable at its mean."
         };
-        figures.push(figure(&name, &capital(&format!("{} over life", words(&output.name))), caption, svg));
+        figures
+            .push(plot.figure(&capital(&format!("{} through life", words(&output.name))), caption.trim())?);
     }
     Ok(figures)
+}
+
+/// Pairs of probabilities between which a band lies, and its label.
+const BANDS: [(f64, f64, &str); 2] = [(0.01, 0.99, "98 of 100"), (0.25, 0.75, "50 of 100, darker")];
+
+/// Bands of quantiles of a limit state's output over life, the widest first, as (label, points); empty where the
+/// study kept no distributions.
+fn spread(input: &ReportInput, state: &LimitStateInfo, axis: &LifeAxis) -> Vec<(&'static str, Band)> {
+    let output = &input.outputs[state.output];
+    let mut at: Vec<_> = input.distributions.iter().filter(|d| d.output == output.name).collect();
+    at.sort_by_key(|d| d.cycles);
+    let quantile = |d: &OutputDistribution, p: f64| {
+        let found = d.quantiles.iter().find(|(probability, _)| (probability - p).abs() < 1e-9)?;
+        Some(output.unit.to_shown(found.1)).filter(|value| value.is_finite())
+    };
+    let band = |(low, high, label): (f64, f64, &'static str)| {
+        let point =
+            |d: &&OutputDistribution| Some((axis.at(d.cycles), quantile(d, low)?, quantile(d, high)?));
+        (label, at.iter().filter_map(point).collect::<Band>())
+    };
+    BANDS.map(band).into_iter().filter(|(_, band)| band.len() > 1).collect()
+}
+
+/// Whose values a distribution holds.
+fn origin(summary: &StudySummary) -> String {
+    let of = |what: String| format!("{what} of {} {}s", count(summary.population as u64), summary.subject());
+    if summary.method == "ak" {
+        of("as the surrogates predict it for the population".into())
+    } else {
+        of("as simulated, for all".into())
+    }
 }
 
 #[cfg(test)]

@@ -1,0 +1,70 @@
+//! `coordinator init`: a commented scene to start from.
+
+use super::error::CommandError;
+use super::output::{check_destination, print, to_json};
+use clap::Args;
+use common::scene::SceneSource;
+use serde_json::json;
+use std::fs::File;
+use std::io::{ErrorKind, Write};
+use std::path::PathBuf;
+
+/// A scene to start from.
+#[derive(Debug, Clone, Args)]
+pub struct InitArguments {
+    /// Name of the scene: letters, digits, hyphens and underscores
+    pub name: String,
+    /// Where to write it [default: NAME.toml]
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+}
+
+/// The scene; [`NAME`] in it stands for the name.
+const TEMPLATE: &str = include_str!("init.toml");
+
+/// What stands for the scene's name in the template.
+const NAME: &str = "@name@";
+
+/// Writes the scene where nothing is yet, and says what to do with it.
+pub fn init(arguments: &InitArguments, as_json: bool) -> Result<(), CommandError> {
+    let name = &arguments.name;
+    let tame = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || "-_".contains(c));
+    if !tame || SceneSource::builtin_names().contains(&name.as_str()) {
+        return Err(CommandError::SceneName { name: name.clone() });
+    }
+    let file = arguments.out.clone().unwrap_or_else(|| PathBuf::from(format!("{name}.toml")));
+    check_destination(Some(&file))?;
+    let refused = |error: std::io::Error| {
+        if error.kind() == ErrorKind::AlreadyExists {
+            CommandError::Existing { file: file.clone() }
+        } else {
+            CommandError::Destination { file: file.clone(), fault: error.to_string() }
+        }
+    };
+    // Made and never opened: what is there stays as it is, whoever made it meanwhile.
+    let mut made = File::create_new(&file).map_err(refused)?;
+    made.write_all(TEMPLATE.replace(NAME, name).as_bytes()).map_err(refused)?;
+    if as_json {
+        return print(&to_json(&json!({ "scene": file }))?);
+    }
+    let shown = file.display();
+    print(&format!(
+        "{shown}\n\
+         Next:\n  coordinator check {shown}\n  coordinator explain --scene {shown}\n  \
+         coordinator simulate --scene {shown} --out one.json\n  coordinator run --scene {shown} --out {name}-study\n"
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_template_is_a_valid_scene_that_reads_all_its_parameters() {
+        let source = SceneSource::parse(&TEMPLATE.replace(NAME, "press"), "press.toml").unwrap();
+        assert_eq!(source.nominal().name, "press");
+        assert!(source.unused_parameters().is_empty());
+        assert!(!source.nominal().variables.is_empty() && source.nominal().limit_states.len() == 2);
+        assert!(TEMPLATE.lines().filter(|line| line.starts_with('#')).count() > 30);
+    }
+}

@@ -1,0 +1,57 @@
+// Moves the picture of the mechanism: one cycle in six seconds, as long as it is seen.
+(() => {
+  const figure = document.getElementById("mechanism");
+  const cycles = JSON.parse(document.getElementById("motion").textContent);
+  const all = (name) => [...figure.querySelectorAll(`[data-${name}]`)];
+  const bodies = all("body"), joints = all("joint"), bores = all("bore");
+  const journals = all("journal"), worn = all("worn");
+  const button = figure.querySelector("button"), place = figure.querySelector("input");
+  const choice = figure.querySelector("select");
+  const frames = cycles[0].bodies[0].length / 3;
+  let cycle = cycles[0], at = 0, playing = false, seen = true, before;
+  const pick = (numbers, k, width) => numbers.slice(width * k, width * k + width);
+  const draw = () => {
+    const k = Math.floor(at) % frames;
+    bodies.forEach((body, b) => {
+      const [x, y, turn] = pick(cycle.bodies[b], k, 3);
+      body.setAttribute("transform", `translate(${x} ${y}) rotate(${turn})`);
+    });
+    joints.forEach((joint, j) => {
+      const [x, y] = pick(cycle.joints[j], k, 2);
+      joint.setAttribute("transform", `translate(${x} ${y})`);
+    });
+    bores.forEach((bore, j) => {
+      const [x, y, journal, bushing] = pick(cycle.bores[j], k, 4);
+      bore.setAttribute("transform", `rotate(${bushing})`);
+      journals[j].setAttribute("transform", `translate(${x} ${y}) rotate(${journal})`);
+      worn[j].setAttribute("visibility", cycle.worn ? "visible" : "hidden");
+    });
+    place.value = k;
+  };
+  const step = (now) => {
+    if (!playing || !seen) return;
+    if (before !== undefined) at = (at + (now - before) * frames / 6000) % frames;
+    before = now;
+    draw();
+    requestAnimationFrame(step);
+  };
+  const start = () => { before = undefined; requestAnimationFrame(step); };
+  const play = (on) => {
+    playing = on;
+    button.textContent = on ? "Pause" : "Play";
+    if (on) start();
+  };
+  cycles.forEach((one, k) => choice.add(new Option(one.name, k)));
+  place.max = frames - 1;
+  button.addEventListener("click", () => play(!playing));
+  place.addEventListener("input", () => { play(false); at = Number(place.value); draw(); });
+  choice.addEventListener("change", () => { cycle = cycles[choice.value]; draw(); });
+  new IntersectionObserver(([entry]) => {
+    const again = entry.isIntersecting && !seen;
+    seen = entry.isIntersecting;
+    if (again && playing) start();
+  }).observe(figure);
+  figure.querySelector(".controls").hidden = false;
+  draw();
+  play(!matchMedia("(prefers-reduced-motion: reduce)").matches);
+})();
