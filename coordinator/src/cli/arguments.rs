@@ -1,7 +1,11 @@
 //! The command line as typed.
 
 use super::accuracy::AccuracyArguments;
+use super::benchmark::BenchmarkArguments;
+use super::doctor::DoctorArguments;
 use super::names::{GridName, KernelName, LearningName, MethodName, StatedErrorsName, TrendName};
+use super::sight::SightArguments;
+use super::status::StatusArguments;
 use clap::{Args, Parser, Subcommand};
 use common::accuracy::NamedAccuracy;
 use std::path::PathBuf;
@@ -16,6 +20,8 @@ Examples:
   coordinator run --workers 0 --listen tcp/127.0.0.1:7447
                                                    wait for `worker --connect tcp/127.0.0.1:7447`
   coordinator resume study                         go on after Ctrl-C, a crash or a power cut
+  coordinator run --live 8080                      the report while the study runs, at http://127.0.0.1:8080
+  coordinator status tcp/127.0.0.1:7447 --watch    how it is getting on
   coordinator simulate --scene flapping-wing --set rod_length=40.05mm
   coordinator check my.toml                        every fault of a scene at once
 
@@ -44,6 +50,9 @@ pub struct Talk {
     /// Print results as JSON
     #[arg(long, global = true)]
     pub json: bool,
+    /// Log for people, or as lines of JSON for programs that collect logs
+    #[arg(long, global = true, value_name = "text|json", default_value = "text")]
+    pub log_format: worker::log::Format,
     /// Say nothing but results and errors
     #[arg(short, long, global = true, conflicts_with = "verbose")]
     pub quiet: bool,
@@ -113,6 +122,12 @@ Examples:
     /// Write the result files and the report of a finished study again
     #[command(after_help = "Example:\n  coordinator report hingewise-flapping-wing")]
     Report(StudyFolder),
+    /// Show how a running study is getting on: workers, queue, rates, R so far
+    #[command(after_help = super::status::EXAMPLES)]
+    Status(StatusArguments),
+    /// Try from here all that a worker needs of a coordinator, and say what to do where it fails
+    #[command(after_help = super::doctor::EXAMPLES)]
+    Doctor(DoctorArguments),
     /// List the built-in scenes
     #[command(after_help = "Examples:\n  coordinator scenes\n  coordinator scenes --json")]
     Scenes {
@@ -150,6 +165,9 @@ pub struct RunArguments {
     /// Where and how to work
     #[command(flatten)]
     pub farm: FarmArguments,
+    /// Who may look
+    #[command(flatten)]
+    pub sight: SightArguments,
     /// Numerical effort
     #[command(flatten)]
     pub accuracy: AccuracyArguments,
@@ -203,6 +221,9 @@ pub struct ResumeArguments {
     /// Where and how to work
     #[command(flatten)]
     pub farm: FarmArguments,
+    /// Who may look
+    #[command(flatten)]
+    pub sight: SightArguments,
 }
 
 /// Who works, and where they meet.
@@ -229,29 +250,6 @@ pub enum Slots {
     Auto,
     /// So many.
     Count(usize),
-}
-
-/// Published problems.
-#[derive(Debug, Clone, Args)]
-pub struct BenchmarkArguments {
-    /// A problem, several if repeated [default: all]
-    #[arg(long, value_name = "NAME")]
-    pub problem: Vec<String>,
-    /// Runs of each, with seeds 1, 2, ...
-    #[arg(long, default_value = "10", value_name = "N", value_parser = positive)]
-    pub seeds: usize,
-    /// Points of the Monte Carlo population to begin with
-    #[arg(long, default_value = "100000", value_name = "N", value_parser = positive)]
-    pub samples: usize,
-    /// Evaluations under way at once
-    #[arg(long, default_value = "1", value_name = "N", value_parser = positive)]
-    pub batch: usize,
-    /// Which points are evaluated next [default: gain]
-    #[arg(long, value_enum)]
-    pub learning: Option<LearningName>,
-    /// Write the table to this file instead of standard output
-    #[arg(long, value_name = "FILE")]
-    pub out: Option<PathBuf>,
 }
 
 /// One evaluation.
@@ -315,7 +313,7 @@ pub struct StudyFolder {
     pub dir: PathBuf,
 }
 
-fn positive(text: &str) -> Result<usize, String> {
+pub(super) fn positive(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(0) | Err(_) => Err("allowed: a whole number >= 1".to_owned()),
         Ok(n) => Ok(n),

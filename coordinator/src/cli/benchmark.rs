@@ -1,10 +1,36 @@
 //! `coordinator benchmark`: published problems of known failure probability.
 
-use super::arguments::{BenchmarkArguments, Talk};
+use super::arguments::{Talk, positive};
 use super::error::CommandError;
+use super::names::LearningName;
 use super::options::learning_function;
 use super::output::{check_destination, deliver, to_json};
+use clap::Args;
 use coordinator::benchmark::{PublishedProblem, Row, markdown, published_problems, row, run};
+use std::path::PathBuf;
+
+/// Published problems.
+#[derive(Debug, Clone, Args)]
+pub struct BenchmarkArguments {
+    /// A problem, several if repeated [default: all]
+    #[arg(long, value_name = "NAME")]
+    pub problem: Vec<String>,
+    /// Runs of each, with seeds 1, 2, ...
+    #[arg(long, default_value = "10", value_name = "N", value_parser = positive)]
+    pub seeds: usize,
+    /// Points of the Monte Carlo population to begin with
+    #[arg(long, default_value = "100000", value_name = "N", value_parser = positive)]
+    pub samples: usize,
+    /// Evaluations under way at once
+    #[arg(long, default_value = "1", value_name = "N", value_parser = positive)]
+    pub batch: usize,
+    /// Which points are evaluated next [default: gain]
+    #[arg(long, value_enum)]
+    pub learning: Option<LearningName>,
+    /// Write the table to this file instead of standard output
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+}
 
 /// Runs the command.
 pub fn benchmark(arguments: &BenchmarkArguments, talk: Talk) -> Result<(), CommandError> {

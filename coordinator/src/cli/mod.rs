@@ -5,6 +5,7 @@ mod accuracy;
 mod arguments;
 mod benchmark;
 mod distributions;
+mod doctor;
 mod error;
 mod explain;
 mod external;
@@ -17,16 +18,17 @@ mod output;
 mod results;
 mod run;
 mod scenes;
+mod sight;
 mod signals;
 mod simulate;
+mod status;
 mod tradeoff;
 
 use arguments::{Arguments, Command, RunArguments, Talk};
 use clap::Parser;
 use error::CommandError;
-use std::io::IsTerminal;
 use std::process::ExitCode;
-use tracing_subscriber::EnvFilter;
+use worker::log;
 
 /// Environment variable that overrides what is logged, in the syntax of `tracing`.
 const LOG_VARIABLE: &str = "HINGEWISE_LOG";
@@ -61,6 +63,8 @@ fn command(arguments: Arguments) -> Result<(), CommandError> {
         Some(Command::Tradeoff(measurement)) => tradeoff::tradeoff(&measurement, arguments.talk),
         Some(Command::Benchmark(benchmark)) => benchmark::benchmark(&benchmark, arguments.talk),
         Some(Command::Simulate(simulation)) => simulate::simulate(&simulation, arguments.talk),
+        Some(Command::Status(look)) => status::status(&look, json),
+        Some(Command::Doctor(patient)) => doctor::doctor(&patient, json),
         Some(Command::Scenes { show }) => scenes::scenes(show.as_deref(), json),
         Some(Command::Check { file }) => scenes::check(&file, json),
         Some(Command::Explain { scene, accuracy }) => explain::explain(&scene, &accuracy, arguments.talk),
@@ -74,12 +78,7 @@ fn start_log(talk: Talk) {
         (true, _) => "error,zenoh=off",
         (false, 0) => "warn,zenoh=off",
         (false, 1) => "info,zenoh=warn",
-        (false, _) => "debug,zenoh=info",
+        (false, _) => "debug,zenoh=info,rustls=info",
     };
-    let filter = EnvFilter::try_from_env(LOG_VARIABLE).unwrap_or_else(|_| EnvFilter::new(level));
-    tracing_subscriber::fmt()
-        .with_env_filter(filter)
-        .with_writer(std::io::stderr)
-        .with_ansi(std::io::stderr().is_terminal())
-        .init();
+    log::start(level, LOG_VARIABLE, talk.log_format, true);
 }
