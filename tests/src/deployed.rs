@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::Duration;
+use zenoh::{Config, Session, Wait};
 
 /// The top of the repository.
 pub fn root() -> PathBuf {
@@ -66,6 +67,48 @@ pub fn changed_configuration(name: &str, own: &Path, changes: &[(&str, &str)]) -
     let file = own.join(name);
     std::fs::write(&file, text).expect("the folder is there");
     file
+}
+
+/// The only host name in certificates of tests that can be connected to.
+pub const HOST: &str = "127.0.0.1";
+
+/// Names in `zenoh-tls-coordinator.json5` of those who may work.
+pub const NAMED: &str = "\"coordinator.example\", \"worker-1.example\", \"worker-2.example\"";
+
+/// Users of a coordinator with passwords, and its certificate; the folder.
+pub fn with_users(folder: &Path) -> PathBuf {
+    let own = certificates(folder, HOST);
+    std::fs::write(
+        own.join("users.txt"),
+        "local:change-me-too\nworker:change-me\nlooker:look\nvisitor:visit\n",
+    )
+    .unwrap();
+    own
+}
+
+/// The settings of a user.
+pub fn user(own: &Path, name: &str, password: &str) -> PathBuf {
+    let folder = own.join(format!("{name}-{password}"));
+    std::fs::create_dir_all(&folder).expect("it can be made");
+    std::fs::copy(own.join("ca.pem"), folder.join("ca.pem")).expect("it is there");
+    let (name, password) = (format!("user: \"{name}\""), format!("password: \"{password}\""));
+    let changes = [("user: \"worker\"", name.as_str()), ("password: \"change-me\"", password.as_str())];
+    changed_configuration("zenoh-password-worker.json5", &folder, &changes)
+}
+
+/// A session that speaks no protocol of ours.
+pub fn session(config: &Path, endpoint: &str) -> Session {
+    let mut settings = Config::from_file(config).expect("the configuration is sound");
+    for (key, value) in [
+        ("mode", "\"client\""),
+        ("scouting/multicast/enabled", "false"),
+        ("scouting/gossip/enabled", "false"),
+        ("listen/endpoints", "[]"),
+        ("connect/endpoints", &format!("[\"{endpoint}\"]")),
+    ] {
+        settings.insert_json5(key, value).expect("the key exists");
+    }
+    zenoh::open(settings).wait().expect("somebody listens there")
 }
 
 /// The four-bar with a study of so many evaluations.

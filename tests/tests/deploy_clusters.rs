@@ -211,7 +211,7 @@ fn kubernetes_objects_fit_each_other_and_the_programs() {
     let line = command[2].replace("/results/study", results.to_str().unwrap());
     stand_in(path, "coordinator", "");
     stand_in(path, "sleep", "");
-    let mut begin = || {
+    let begin = || {
         let mut shell = Command::new(&command[0]);
         shell.args([&command[1], &line]).env("SCENE", "four-bar").env("LISTEN", "tls/0.0.0.0:7447");
         let path = format!("{}:{}", path.display(), std::env::var("PATH").unwrap());

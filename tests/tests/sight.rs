@@ -8,7 +8,8 @@ use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
 use tests::deployed::{
-    Talking, certificates, changed_configuration, configuration, has_openssl, if_installed, small_scene,
+    NAMED, Talking, certificates, changed_configuration, configuration, has_openssl, if_installed,
+    small_scene,
 };
 use tests::{
     Barrier, PATIENCE, coordinator, evaluate, expected, in_time, practice_result, program, requests, worker,
@@ -141,13 +142,11 @@ fn the_doctor_finds_what_is_wrong() {
         finds(&["tcp/no-such-host.invalid:7447"], 1, &[("name", "does not know the host")]);
         let free = TcpListener::bind("127.0.0.1:0").unwrap();
         let address = free.local_addr().unwrap();
-        // Somebody who is no coordinator and hangs up.
-        let stranger = std::thread::spawn(move || {
-            free.incoming().take(2).for_each(drop);
-        });
+        // Somebody who is no coordinator and hangs up, until the test ends.
+        std::thread::spawn(move || free.incoming().for_each(drop));
         finds(&[&format!("tcp/{address}")], 1, &[("session", "speak something else")]);
-        stranger.join().unwrap();
-        finds(&[&format!("tcp/{address}")], 1, &[("reach", "is the coordinator running")]);
+        let freed = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+        finds(&[&format!("tcp/{freed}")], 1, &[("reach", "is the coordinator running")]);
 
         let (_session, mute) = false_coordinator(None, None);
         finds(&[&mute], 1, &[("claim", "access_control does not let us ask")]);
@@ -172,9 +171,8 @@ fn the_doctor_examines_certificates_and_access() {
         let folder = tempfile::tempdir().unwrap();
         let own = certificates(&folder.path().join("ours"), "127.0.0.1");
         let theirs = certificates(&folder.path().join("theirs"), "127.0.0.1");
-        let names = "\"coordinator.example\", \"worker-1.example\", \"worker-2.example\"";
         let named = [
-            (names, "\"127.0.0.1\""),
+            (NAMED, "\"127.0.0.1\""),
             // A rule that somebody has forgotten.
             ("\"claims\", \"life\", \"hearing\"", "\"claims\", \"hearing\""),
         ];
@@ -226,6 +224,10 @@ fn metrics_and_status_tell_of_a_running_study() {
     in_time(|| {
         let folder = tempfile::tempdir().unwrap();
         let (mut study, [endpoint, live, metrics]) = visible_study(folder.path(), 12);
+        let visitor = Visitor::open(&endpoint, None).unwrap();
+        while visitor.status(PATIENCE).unwrap().phase != Phase::Waiting {
+            std::thread::yield_now();
+        }
         let page = get(&metrics, "/metrics", &metrics);
         assert!(page.starts_with("HTTP/1.1 200") && page.contains("text/plain; version=0.0.4"), "{page}");
         for line in
@@ -247,10 +249,10 @@ fn metrics_and_status_tell_of_a_running_study() {
         );
         assert!(page.contains("Running study: 0 of 8 planned evaluations"), "{page}");
         assert!(get(&live, "/", "evil.example").starts_with("HTTP/1.1 403"));
+        let news = get(&live, "/news/1", &live);
+        assert!(news.contains("\"ended\":false") && news.contains("Running study"), "{news}");
         let mut worker =
             Talking::start("worker", &["--connect", &endpoint, "--slots", "1", "--log-format", "json"]);
-        let farewell = get(&live, "/news/9999999", &live);
-        assert!(farewell.contains("\"ended\":"), "{farewell}");
         assert_eq!((study.end(), worker.end()), (Some(0), Some(0)));
         for line in worker.said().lines() {
             let line: serde_json::Value = serde_json::from_str(line).unwrap();

@@ -54,6 +54,8 @@ struct Told {
     failed: usize,
     planned: usize,
     initial: usize,
+    /// Simulation time [s].
+    simulation: f64,
     purpose: String,
     rows: Vec<ReliabilityRow>,
     samples: usize,
@@ -73,6 +75,7 @@ pub struct Live {
     dir: PathBuf,
     scene: Scene,
     blank: StudySummary,
+    started: Instant,
     told: Mutex<Told>,
     made: Mutex<Option<Made>>,
     revision: watch::Sender<u64>,
@@ -87,6 +90,7 @@ impl Live {
             dir: dir.to_path_buf(),
             scene: scene.clone(),
             blank: blank(scene, settings),
+            started: Instant::now(),
             told: Mutex::new(Told { initial: settings.study.initial, ..Told::default() }),
             made: Mutex::new(None),
             revision: watch::Sender::new(1),
@@ -103,8 +107,9 @@ impl Live {
                     told.planned = *planned;
                     told.purpose.clone_from(purpose);
                 }
-                Progress::Evaluated { done, failed, .. } => {
+                Progress::Evaluated { done, failed, wall, .. } => {
                     told.done = *done;
+                    told.simulation += wall;
                     told.failed += usize::from(*failed);
                 }
                 Progress::RoundFinished(round) => told.rounds.push(round.clone()),
@@ -222,6 +227,8 @@ impl Live {
         summary.evaluations.initial = told.initial.min(told.done);
         summary.evaluations.added = told.done - summary.evaluations.initial;
         summary.evaluations.failed = told.failed;
+        summary.timing_s.total = self.started.elapsed().as_secs_f64();
+        summary.timing_s.simulation = told.simulation;
         summary.convergence.rounds.clone_from(&told.rounds);
         // Whether its targets are met is for the study to say, at its end.
         summary.convergence.targets_met = true;

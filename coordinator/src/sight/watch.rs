@@ -27,7 +27,6 @@ impl<'a> Watch<'a> {
 
 impl Observer for Watch<'_> {
     fn notice(&mut self, progress: &Progress) {
-        self.next.notice(progress);
         match progress {
             Progress::Ending => self.board.post_ending(),
             other => self.board.post(|study| post(study, other)),
@@ -35,6 +34,8 @@ impl Observer for Watch<'_> {
         if let Some(live) = &self.live {
             live.notice(progress);
         }
+        // Last, so that whoever reads of it on the terminal finds it everywhere.
+        self.next.notice(progress);
     }
 }
 

@@ -46,8 +46,8 @@ pub fn explain(error: &str, since: Instant) -> String {
 /// Why a query found nobody to answer it: the line is down, or there is nobody who would.
 pub fn no_answer(now: Instant) -> String {
     now.checked_sub(RECENT).and_then(last_failure).unwrap_or_else(|| {
-        "connected, but nobody answers: no coordinator is behind that address, or its access_control does not let this \
-         worker ask"
+        "connected, but nobody answers: no coordinator is behind that address, or its access_control does not let us \
+         ask"
             .to_owned()
     })
 }
@@ -98,14 +98,14 @@ const CAUSES: [(&[&str], &str); 13] = [
             "fatal alert: badcertificate",
             "fatal alert: certificate",
         ],
-        "the coordinator does not accept this worker's certificate (connect_certificate of --config): was it signed by the same authority?",
+        "the coordinator does not accept our certificate (connect_certificate of --config): was it signed by the same authority?",
     ),
     (
         &[
             "close message (reason 0) in response to an initsyn",
             "close message (reason generic) in response to an opensyn",
         ],
-        "the coordinator refuses this worker's user and password (transport/auth/usrpwd of --config)",
+        "the coordinator refuses our user and password (transport/auth/usrpwd of --config)",
     ),
     (&["corrupt message"], "there is no TLS at that port: does the coordinator listen with tcp/?"),
     (
@@ -152,10 +152,10 @@ const REFUSALS: [(&str, &str); 11] = [
 fn refused(text: &str) -> Option<String> {
     if text.contains("did not match any configured ACL subject") {
         let why = "it is in no subject of access_control in --config, so nothing it says is heard";
-        return Some(format!("a worker has connected without access: {why}"));
+        return Some(format!("somebody has connected without access: {why}"));
     }
     let (_, why) = REFUSALS.iter().find(|(part, _)| text.contains(part))?;
-    Some(format!("a worker was refused: {why}"))
+    Some(format!("a connection was refused: {why}"))
 }
 
 /// Hears what Zenoh logs of connections.
@@ -244,7 +244,7 @@ mod tests {
             ("Connection refused (os error 111)", "nothing listens there"),
             ("invalid peer certificate: certificate not valid for name \"a\"", "another name"),
             ("received fatal alert: CertificateRequired", "asks for a certificate"),
-            ("received fatal alert: CertificateUnknown", "does not accept this worker's certificate"),
+            ("received fatal alert: CertificateUnknown", "does not accept our certificate"),
             ("Read error on TCP link a => b: early eof", "hung up"),
         ] {
             assert!(cause(text).unwrap().contains(means), "{text}");
