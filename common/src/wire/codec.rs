@@ -155,12 +155,13 @@ pub fn decode<M: Message>(frame: &[u8]) -> Result<M, WireError> {
     if stated > MAX_PAYLOAD {
         return Err(WireError::TooLarge { bytes: stated });
     }
-    let (message, consumed): (M, usize) = match payload.len() {
-        ..=SMALL => limited::<M, { decode_limit(SMALL) }>(payload),
-        ..=MEDIUM => limited::<M, { decode_limit(MEDIUM) }>(payload),
-        ..=LARGE => limited::<M, { decode_limit(LARGE) }>(payload),
-        _ => limited::<M, { decode_limit(MAX_PAYLOAD) }>(payload),
-    }?;
+    let decode = match stated {
+        size if size <= SMALL => limited::<M, { decode_limit(SMALL) }>,
+        size if size <= MEDIUM => limited::<M, { decode_limit(MEDIUM) }>,
+        size if size <= LARGE => limited::<M, { decode_limit(LARGE) }>,
+        _ => limited::<M, { decode_limit(MAX_PAYLOAD) }>,
+    };
+    let (message, consumed) = decode(payload)?;
     if consumed != payload.len() {
         return Err(WireError::Length { stated: consumed, found: payload.len() });
     }
