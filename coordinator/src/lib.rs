@@ -17,6 +17,7 @@ pub mod reliability;
 pub mod report;
 pub mod result_files;
 pub mod sensitivity;
+pub mod sight;
 pub mod store;
 pub mod study;
 pub mod summary;

@@ -1,6 +1,6 @@
 //! What a study tells whoever watches: the terminal, a test, a log.
 
-use crate::summary::Round;
+use crate::summary::{ReliabilityRow, Round};
 
 /// Something happened in a study.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,6 +30,16 @@ pub enum Progress {
     },
     /// The surrogates were refitted and the population classified.
     RoundFinished(Round),
+    /// What is known of the reliability after the last round: R(n) and standard errors at every checkpoint, from
+    /// `samples` points or simulations; numerical errors are counted at the end.
+    Reliability {
+        /// One row per checkpoint.
+        rows: Vec<ReliabilityRow>,
+        /// Points of the population, or simulations.
+        samples: usize,
+    },
+    /// Everything is evaluated; the results are being worked out.
+    Ending,
     /// A warning for the user.
     Warning(String),
 }

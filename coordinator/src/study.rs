@@ -18,6 +18,7 @@ mod result;
 mod round;
 mod rows;
 mod settings;
+mod so_far;
 mod step;
 mod surrogates;
 mod thinking;
@@ -33,6 +34,7 @@ pub use failures::{Failed, Feasibility};
 pub use observations::{Observations, Observed};
 pub use plan::{Plan, Problem};
 pub use populations::LookedAt;
+pub use result::blank;
 pub use result::{OutputHistory, StudyResult, SurrogateReport};
 pub use round::Assessment;
 pub use settings::{FAILED_SHARE, Method, Settings};
@@ -49,6 +51,7 @@ use common::scene::Scene;
 use dispatching::{Dispatcher, Outcome};
 use monte_carlo::DirectSimulation;
 use responses::Responses;
+use so_far::SoFar;
 use std::time::Instant;
 use thinking::Learner;
 use thiserror::Error;
@@ -113,6 +116,7 @@ pub fn run(
         Method::MonteCarlo { samples } | Method::LatinHypercube { samples } => {
             let mut direct = DirectSimulation::new(&problem, settings, samples);
             dispatcher.pursue(&mut direct)?;
+            dispatcher.notice(&Progress::Ending);
             direct.result(scene, settings)?
         }
     };
@@ -156,6 +160,10 @@ impl Learner for Campaign {
             round => format!("round {round}"),
         }
     }
+
+    fn so_far(&self) -> Option<SoFar> {
+        Campaign::so_far(self)
+    }
 }
 
 /// Active learning to its end.
@@ -167,6 +175,7 @@ fn learn(
 ) -> Result<StudyResult, StudyError> {
     let mut campaign = Campaign::new(problem, settings.plan(scene));
     dispatcher.pursue(&mut campaign)?;
+    dispatcher.notice(&Progress::Ending);
     let learned = campaign.finish().expect("a campaign that is done has learned something");
     let result = result::from_learning(scene, settings, &learned);
     if !result.summary.reliability.iter().any(|row| row.reliability["total"] < 1.0) {

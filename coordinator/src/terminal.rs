@@ -42,7 +42,9 @@ impl Narrator {
                 Some(round_line(round))
             }
             // What is recalled takes no time; the line of its batch, which follows, counts it.
-            Progress::Evaluated { recalled: true, .. } => None,
+            Progress::Evaluated { recalled: true, .. } | Progress::Reliability { .. } | Progress::Ending => {
+                None
+            }
             Progress::BatchStarted { .. } | Progress::Evaluated { .. } => {
                 let due = self.last_line.is_none_or(|last| now >= last + LINE_EVERY);
                 due.then(|| {
@@ -66,7 +68,7 @@ impl Narrator {
                 self.recalled += usize::from(*recalled);
             }
             Progress::RoundFinished(round) => self.round = Some(round.clone()),
-            Progress::Warning(_) => {}
+            Progress::Reliability { .. } | Progress::Ending | Progress::Warning(_) => {}
         }
     }
 

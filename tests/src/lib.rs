@@ -2,6 +2,7 @@
 //! end.
 
 pub mod command_line;
+pub mod deployed;
 
 use common::accuracy::{Accuracy, Tier};
 use common::failure::SimulationFailure;

@@ -1,38 +1,15 @@
 //! The files of `deploy/`: what can be tried here is tried, the rest is validated.
 
-use coordinator::dispatch::{Listen, ZenohEvaluator};
 use serde_yaml::Value;
 use std::io::{BufRead, BufReader};
-use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Output, Stdio};
-use std::sync::Arc;
-use std::time::Duration;
+use std::path::Path;
+use std::process::{Command, Stdio};
 use tests::command_line::{objection, words};
-use tests::{Practice, campaign, evaluate, expected, in_time, practice_result, program, requests, skipped};
-use worker::service::{self, ServiceConfig, ServiceError, WorkerHandle};
+use tests::deployed::{Process, certificates, configuration, deployed, if_installed, root, small_scene};
+use tests::{in_time, program};
 
 const UNITS: [&str; 2] = ["hingewise-coordinator.service", "hingewise-worker.service"];
 const INSTALLED: &str = "/opt/hingewise/bin/";
-
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_path_buf()
-}
-
-fn deployed(name: &str) -> String {
-    std::fs::read_to_string(root().join("deploy").join(name)).unwrap()
-}
-
-/// What a program that may not be installed says; `None`, and a word about it, if it is not.
-fn if_installed(what: &str, command: &mut Command) -> Option<Output> {
-    match command.output() {
-        Ok(output) => Some(output),
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
-            skipped(what, &format!("{} is not installed", command.get_program().display()));
-            None
-        }
-        Err(error) => panic!("{command:?}: {error}"),
-    }
-}
 
 /// Values of a key in a unit, continued lines joined.
 fn values(unit: &str, key: &str) -> Vec<String> {
@@ -155,79 +132,6 @@ fn the_image_holds_both_programs_and_runs_without_root() {
     assert!(!["USER root", "USER 0"].contains(&user));
 }
 
-/// Runs `certificates.sh` for `host`; the folder of its files.
-fn certificates(folder: &Path, host: &str) -> PathBuf {
-    let mut script = Command::new("bash");
-    script.arg(root().join("deploy/certificates.sh")).arg(folder).arg(host);
-    let output = script.output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let own = folder.join(host);
-    assert_eq!(String::from_utf8_lossy(&output.stdout).trim_end(), own.to_str().unwrap());
-    own
-}
-
-/// `zenoh-tls.json5` with the certificates in `own`.
-fn configuration(own: &Path) -> PathBuf {
-    let text = deployed("zenoh-tls.json5");
-    assert_eq!(text.matches("\"/etc/hingewise/tls/").count(), 5);
-    let file = own.join("zenoh-tls.json5");
-    std::fs::write(&file, text.replace("/etc/hingewise/tls", own.to_str().unwrap())).unwrap();
-    file
-}
-
-fn worker_with(config: &Path, endpoint: &str, give_up_after: Duration) -> WorkerHandle {
-    let config = ServiceConfig {
-        zenoh_config: Some(config.to_owned()),
-        give_up_after: Some(give_up_after),
-        ..ServiceConfig::new(endpoint, 1)
-    };
-    service::spawn(config, Arc::new(Practice(practice_result))).unwrap()
-}
-
-#[test]
-fn certificates_let_workers_in_and_keep_strangers_out() {
-    if if_installed("TLS", Command::new("openssl").arg("version")).is_none() {
-        return;
-    }
-    in_time(|| {
-        let folder = tempfile::tempdir().unwrap();
-        let host = "127.0.0.1";
-        let own = certificates(&folder.path().join("ours"), host);
-        let stranger = certificates(&folder.path().join("theirs"), host);
-        // They know our authority, as everybody may, but it does not know them.
-        std::fs::copy(own.join("ca.pem"), stranger.join("ca.pem")).unwrap();
-
-        // Not on loopback alone, and yet not refused.
-        let listen = Listen {
-            endpoint: Some("tls/0.0.0.0:0".into()),
-            config: Some(configuration(&own)),
-            insecure: false,
-        };
-        let mut coordinator = ZenohEvaluator::open(campaign(), &listen, Arc::default()).unwrap();
-        let port = coordinator.endpoints()[0].rsplit(':').next().unwrap().to_owned();
-        let endpoint = format!("tls/{host}:{port}");
-
-        let refused = worker_with(&configuration(&stranger), &endpoint, Duration::from_secs(1));
-        assert!(matches!(refused.join(), Err(ServiceError::Unreachable { .. })));
-        assert_eq!(coordinator.concurrency(), 0);
-
-        let _welcome = worker_with(&configuration(&own), &endpoint, Duration::from_secs(20));
-        assert_eq!(evaluate(&mut coordinator, &requests(0..8)).unwrap(), expected(0..8));
-        coordinator.finish();
-    });
-}
-
-/// Ends a process with the test, however it ends.
-struct Process(Child);
-
-impl Drop for Process {
-    fn drop(&mut self) {
-        // It may have ended already.
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
-}
-
 /// The coordinator as its unit starts it, and the lines it says.
 fn start_unit(
     line: &str,
@@ -249,12 +153,8 @@ fn the_units_study_goes_on_after_a_restart() {
     in_time(|| {
         let folder = tempfile::tempdir().unwrap();
         let own = certificates(&folder.path().join("tls"), "127.0.0.1");
-        let config = configuration(&own);
-        let scene = std::fs::read_to_string(root().join("common/scenes/four-bar.toml")).unwrap();
-        let (before, _) = scene.split_once("[study]").unwrap();
-        let (_, variables) = scene.split_once("seed = 1\n").unwrap();
-        let study = "[study]\npopulation = 1000\ninitial = 8\nbatch = 4\nmax_evaluations = 8\nseed = 1\n";
-        std::fs::write(folder.path().join("small.toml"), format!("{before}{study}{variables}")).unwrap();
+        let config = configuration("zenoh-tls.json5", &own);
+        std::fs::write(folder.path().join("small.toml"), small_scene(8)).unwrap();
 
         // The unit's own line, with the programs and certificates of this test.
         let start = values(&deployed(UNITS[0]), "ExecStart").remove(0);

@@ -94,6 +94,11 @@ fn ours(line: &str) -> Option<(PathBuf, Vec<String>)> {
     let mut words = words(line.trim_start_matches("$ "));
     if words.starts_with(&["cargo".into(), "run".into()]) {
         let package = words.iter().position(|word| word == "-p").expect("cargo run names a package") + 1;
+        if let Some(at) = words.iter().position(|word| word == "--example") {
+            let example = format!("{}/examples/{}.rs", words[package], words[at + 1]);
+            assert!(root().join(&example).is_file(), "{line}: there is no {example}");
+            return None;
+        }
         assert!(words.iter().any(|word| word == "--release"), "{line}: an unoptimised build takes for ever");
         let own = words.iter().position(|word| word == "--").map_or(words.len(), |at| at + 1);
         return Some((program(&words[package].clone()), words.split_off(own)));
@@ -134,6 +139,8 @@ fn every_command_line_is_taken() {
         "tradeoff",
         "sensitivity",
         "report",
+        "status",
+        "doctor",
         "scenes",
         "check",
         "explain",
@@ -150,7 +157,7 @@ fn every_option_named_in_prose_exists() {
         let output = std::process::Command::new(program(program_name)).args(command).arg("--help").output();
         String::from_utf8(output.unwrap().stdout).unwrap()
     };
-    let commands = ["run", "resume", "simulate", "tradeoff", "scenes"];
+    let commands = ["run", "resume", "simulate", "tradeoff", "scenes", "status", "doctor"];
     let mut known: String = commands.iter().map(|command| help("coordinator", &[command])).collect();
     known += &help("worker", &[]);
     let known: BTreeSet<&str> = known

@@ -10,6 +10,7 @@ pub mod extremes;
 pub mod integrate;
 pub mod lanes;
 pub mod life;
+pub mod log;
 pub mod mechanism;
 pub mod outputs;
 pub mod quasi_static;

@@ -3,7 +3,6 @@
 use clap::Parser;
 use common::accuracy::NamedAccuracy;
 use common::scene::{Faults, SceneSource};
-use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -11,6 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use thiserror::Error;
 use tracing_subscriber::EnvFilter;
+use worker::log;
 use worker::service::{self, Departure, ServiceConfig, ServiceError};
 use worker::simulator::simulator;
 use worker::umbridge::{self, Model, NAME, Server, UmBridgeError};
@@ -67,6 +67,9 @@ struct Arguments {
     /// Say only what is wrong
     #[arg(short, long)]
     quiet: bool,
+    /// Log for people, or as lines of JSON for programs that collect logs
+    #[arg(long, value_name = "text|json", default_value = "text")]
+    log_format: log::Format,
 }
 
 const EXAMPLES: &str = "\
@@ -85,7 +88,7 @@ Exit codes: 0 the campaign ended or the worker was stopped (SIGTERM), 1 failure,
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    start_log(arguments.verbose, arguments.quiet);
+    start_log(arguments.verbose, arguments.quiet, arguments.log_format);
     let done = match (&arguments.serve_umbridge, &arguments.connect) {
         (Some(given), _) => offer(given, &arguments),
         (None, Some(endpoint)) => serve(endpoint.clone(), arguments).map_err(Failed::Service),
@@ -211,19 +214,13 @@ fn listen_to_signals(stop: impl Fn() + Send + 'static) -> Result<Arc<AtomicBool>
     Ok(interrupted)
 }
 
-fn start_log(verbose: u8, quiet: bool) {
+fn start_log(verbose: u8, quiet: bool, format: log::Format) {
     // Zenoh warns at every attempt to connect; what matters of it the service says itself.
     let usual = match (quiet, verbose) {
         (true, _) => "error",
         (_, 0) => "info,zenoh=error",
-        (_, 1) => "debug,zenoh=warn",
+        (_, 1) => "debug,zenoh=warn,rustls=info",
         _ => "trace,zenoh=debug",
     };
-    let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new(usual));
-    tracing_subscriber::fmt()
-        .with_env_filter(filter)
-        .with_writer(std::io::stderr)
-        .with_ansi(std::io::stderr().is_terminal())
-        .with_target(false)
-        .init();
+    log::start(usual, EnvFilter::DEFAULT_ENV, format, false);
 }

@@ -9,9 +9,9 @@
 //!      12..    payload
 //! ```
 //!
-//! Header and length are checked before anything of the payload is read; decoding is limited, so that a hostile
-//! length inside the payload allocates nothing; trailing bytes are refused, and so are numbers that are not
-//! finite.
+//! Header and length are checked before anything of the payload is read; decoding is limited by the size of what was
+//! received, so that a hostile length inside the payload allocates nothing; trailing bytes are refused, and so are
+//! numbers that are not finite.
 
 use super::PROTOCOL_VERSION;
 use serde::Serialize;
@@ -21,13 +21,25 @@ use thiserror::Error;
 /// Largest payload of a message [bytes]. An outcome with a first cycle of 2000 points takes about 200 kB.
 pub const MAX_PAYLOAD: usize = 16 << 20;
 
+/// Largest message that a session is to put together, as the setting `transport/link/rx/max_message_size` of Zenoh: the
+/// largest frame and what goes with it [bytes]. Zenoh's own limit is 1 GiB, which a hostile peer could make it keep.
+pub const MAX_MESSAGE: &str = "16908288";
+
 /// Bytes before the payload.
 pub const HEADER: usize = 12;
 
 const MAGIC: [u8; 4] = *b"HNGW";
 
-/// The decoder counts a number at its full width before it knows its encoded one; this is its margin [bytes].
-const DECODE_LIMIT: usize = MAX_PAYLOAD + 64;
+/// The decoder counts a number at its full width before it knows its encoded one: eight bytes for one at most, and a
+/// margin for the last of them [bytes].
+const fn decode_limit(payload: usize) -> usize {
+    8 * payload + 64
+}
+
+/// Sizes of payloads up to which what decoding may allocate is bounded alike [bytes].
+const SMALL: usize = 1 << 10;
+const MEDIUM: usize = 64 << 10;
+const LARGE: usize = 1 << 20;
 
 /// Why bytes are not a message, or a message cannot become bytes.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
@@ -143,14 +155,24 @@ pub fn decode<M: Message>(frame: &[u8]) -> Result<M, WireError> {
     if stated > MAX_PAYLOAD {
         return Err(WireError::TooLarge { bytes: stated });
     }
-    let limited = bincode::config::standard().with_limit::<DECODE_LIMIT>();
-    let (message, consumed): (M, usize) =
-        bincode::serde::decode_from_slice(payload, limited).map_err(|e| malformed::<M>(&e))?;
+    let decode = match stated {
+        size if size <= SMALL => limited::<M, { decode_limit(SMALL) }>,
+        size if size <= MEDIUM => limited::<M, { decode_limit(MEDIUM) }>,
+        size if size <= LARGE => limited::<M, { decode_limit(LARGE) }>,
+        _ => limited::<M, { decode_limit(MAX_PAYLOAD) }>,
+    };
+    let (message, consumed) = decode(payload)?;
     if consumed != payload.len() {
         return Err(WireError::Length { stated: consumed, found: payload.len() });
     }
     message.check()?;
     Ok(message)
+}
+
+/// Decodes with room for `LIMIT` bytes; the message and the bytes it took.
+fn limited<M: Message, const LIMIT: usize>(payload: &[u8]) -> Result<(M, usize), WireError> {
+    let limit = bincode::config::standard().with_limit::<LIMIT>();
+    bincode::serde::decode_from_slice(payload, limit).map_err(|e| malformed::<M>(&e))
 }
 
 /// Size of a part of a message once encoded [bytes].

@@ -8,6 +8,9 @@ pub const CLAIM: &str = "hingewise/claim";
 /// What the coordinator announces to all workers.
 pub const NOTICE: &str = "hingewise/notice";
 
+/// Queries of whoever wants to know how a study is getting on.
+pub const STATUS: &str = "hingewise/status";
+
 /// The liveliness tokens of all workers.
 pub const ALIVE_ALL: &str = "hingewise/alive/*/*";
 

@@ -123,6 +123,36 @@ fn notice() -> impl Strategy<Value = Notice> {
     ]
 }
 
+fn status() -> impl Strategy<Value = Status> {
+    let reliability = (any::<u32>(), number(), number())
+        .prop_map(|(cycles, total, standard_error)| ReliabilitySoFar { cycles, total, standard_error });
+    let study = (".{0,9}", any::<(u64, u64, u64)>(), proptest::option::of(reliability)).prop_map(
+        |(scene, (done, planned, failed), reliability)| StudyStatus {
+            purpose: scene.clone(),
+            scene,
+            done,
+            planned,
+            failed,
+            reliability,
+            ..StudyStatus::default()
+        },
+    );
+    let worker = ("[a-z]{1,9}", any::<(u32, u32, u64)>(), number()).prop_map(
+        |(name, (slots, under_way, done), rate)| WorkerStatus { name, slots, under_way, done, rate },
+    );
+    let farm = (any::<(u64, u64)>(), number(), vec(worker, 0..5))
+        .prop_map(|((queued, under_way), rate, workers)| FarmStatus { queued, under_way, rate, workers });
+    let phase = prop_oneof![
+        Just(Phase::Waiting),
+        Just(Phase::Simulating),
+        Just(Phase::Learning),
+        Just(Phase::Ending)
+    ];
+    ("[0-9.]{0,9}", any::<u64>(), number(), phase, study, farm).prop_map(
+        |(program, clock_ms, up, phase, study, farm)| Status { program, clock_ms, up, phase, study, farm },
+    )
+}
+
 fn accuracy(x: f64) -> Accuracy {
     Accuracy {
         step_tolerance: x,
@@ -176,9 +206,16 @@ proptest! {
     }
 
     #[test]
+    fn statuses_survive_the_way(message in status()) {
+        prop_assert_eq!(decode::<Status>(&encode(&message).unwrap()).unwrap(), message);
+    }
+
+    #[test]
     fn any_bytes_are_refused_without_a_panic(bytes in vec(any::<u8>(), 0..300)) {
         prop_assert!(decode::<Claim>(&bytes).is_err());
         prop_assert!(decode::<Reply>(&bytes).is_err());
+        prop_assert!(decode::<Notice>(&bytes).is_err());
+        prop_assert!(decode::<Status>(&bytes).is_err());
     }
 
     /// Behind a sound header: whatever is read has the size of what was sent, within the widening of types.
@@ -227,6 +264,16 @@ fn a_hostile_length_allocates_nothing() {
         let read = decode::<Claim>(&frame_with(&payload));
         assert!(matches!(read, Err(WireError::Malformed { message: "claim", .. })), "{read:?}");
     }
+}
+
+/// A text that states 100 000 bytes in a payload of ten is refused by its size, before room is made for it.
+#[test]
+fn what_is_stated_is_held_against_what_was_sent() {
+    let mut name = vec![252];
+    name.extend_from_slice(&100_000_u32.to_le_bytes());
+    name.extend_from_slice(b"short");
+    let Err(WireError::Malformed { reason, .. }) = decode::<Claim>(&frame_with(&name)) else { panic!() };
+    assert!(reason.contains("LimitExceeded"), "{reason}");
 }
 
 #[test]
@@ -294,6 +341,7 @@ fn the_largest_message_passes_and_a_larger_one_does_not() {
     let around = encoded_size(&reply(1 << 20)).unwrap() - (1 << 20);
     let largest = reply(MAX_PAYLOAD - around);
     assert_eq!(decode::<Reply>(&encode(&largest).unwrap()).unwrap(), largest);
+    assert!(MAX_MESSAGE.parse::<usize>().unwrap() > HEADER + MAX_PAYLOAD + (64 << 10));
     let larger = encode(&reply(MAX_PAYLOAD - around + 1));
     assert_eq!(larger, Err(WireError::TooLarge { bytes: MAX_PAYLOAD + 1 }));
 }

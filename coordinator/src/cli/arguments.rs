@@ -4,9 +4,14 @@ use super::accuracy::AccuracyArguments;
 use super::benchmark::BenchmarkArguments;
 use super::calibrate::CalibrateArguments;
 use super::compare::CompareArguments;
+use super::doctor::DoctorArguments;
+use super::extremes::ExtremesArguments;
 use super::init::InitArguments;
-use super::names::{GridName, KernelName, LearningName, MethodName, StatedErrorsName, TrendName};
+use super::names::{KernelName, LearningName, MethodName, StatedErrorsName, TrendName};
 use super::replay::ReplayArguments;
+use super::sight::SightArguments;
+use super::status::StatusArguments;
+use super::tradeoff::TradeoffArguments;
 use super::verify::VerifyArguments;
 use clap::{Args, Parser, Subcommand};
 use common::accuracy::NamedAccuracy;
@@ -22,6 +27,8 @@ Examples:
   coordinator run --workers 0 --listen tcp/127.0.0.1:7447
                                                    wait for `worker --connect tcp/127.0.0.1:7447`
   coordinator resume study                         go on after Ctrl-C, a crash or a power cut
+  coordinator run --live 8080                      the report while the study runs, at http://127.0.0.1:8080
+  coordinator status tcp/127.0.0.1:7447 --watch    how it is getting on
   coordinator simulate --scene flapping-wing --set rod_length=40.05mm
   coordinator init my                              a commented scene to start from: my.toml
   coordinator check my.toml                        every fault of a scene at once
@@ -51,6 +58,9 @@ pub struct Talk {
     /// Print results as JSON
     #[arg(long, global = true)]
     pub json: bool,
+    /// Log for people, or as lines of JSON for programs that collect logs
+    #[arg(long, global = true, value_name = "text|json", default_value = "text")]
+    pub log_format: worker::log::Format,
     /// Say nothing but results and errors
     #[arg(short, long, global = true, conflicts_with = "verbose")]
     pub quiet: bool,
@@ -166,6 +176,12 @@ Examples:
   coordinator init press
   coordinator init press --out scenes/press.toml")]
     Init(InitArguments),
+    /// Show how a running study is getting on: workers, queue, rates, R so far
+    #[command(after_help = super::status::EXAMPLES)]
+    Status(StatusArguments),
+    /// Try from here all that a worker needs of a coordinator, and say what to do where it fails
+    #[command(after_help = super::doctor::EXAMPLES)]
+    Doctor(DoctorArguments),
     /// List the built-in scenes
     #[command(after_help = "Examples:\n  coordinator scenes\n  coordinator scenes --json")]
     Scenes {
@@ -203,6 +219,9 @@ pub struct RunArguments {
     /// Where and how to work
     #[command(flatten)]
     pub farm: FarmArguments,
+    /// Who may look
+    #[command(flatten)]
+    pub sight: SightArguments,
     /// Numerical effort
     #[command(flatten)]
     pub accuracy: AccuracyArguments,
@@ -256,6 +275,9 @@ pub struct ResumeArguments {
     /// Where and how to work
     #[command(flatten)]
     pub farm: FarmArguments,
+    /// Who may look
+    #[command(flatten)]
+    pub sight: SightArguments,
 }
 
 /// Who works, and where they meet.
@@ -299,43 +321,6 @@ pub struct SimulateArguments {
     /// Write the JSON to this file instead of standard output
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
-}
-
-/// A table of extremes.
-#[derive(Debug, Clone, Args)]
-pub struct ExtremesArguments {
-    /// Scene file, or name of a built-in scene
-    #[arg(long, default_value = DEFAULT_SCENE, value_name = "NAME-or-FILE")]
-    pub scene: String,
-    /// Numerical effort, as that of `run`
-    #[arg(long, default_value = "balanced", value_name = "NAME")]
-    pub accuracy: NamedAccuracy,
-    /// Write the table to this file instead of standard output
-    #[arg(long, value_name = "FILE")]
-    pub out: Option<PathBuf>,
-}
-
-/// A measurement of accuracy settings.
-#[derive(Debug, Clone, Args)]
-pub struct TradeoffArguments {
-    /// Scene file, or name of a built-in scene
-    #[arg(long, default_value = DEFAULT_SCENE, value_name = "NAME-or-FILE")]
-    pub scene: String,
-    /// Where and how to work
-    #[command(flatten)]
-    pub farm: FarmArguments,
-    /// Points of the variables, the nominal one among them
-    #[arg(long, default_value = "3", value_name = "N", value_parser = positive)]
-    pub points: usize,
-    /// Which settings: those that have proved themselves, or all
-    #[arg(long, value_enum, default_value = "full")]
-    pub settings: GridName,
-    /// Only this setting, and others given likewise: a preset, with knobs turned or not, e.g. draft+step-x0.71+jump-4000
-    #[arg(long, value_name = "NAME", conflicts_with = "settings")]
-    pub setting: Vec<NamedAccuracy>,
-    /// Folder for the results, made if missing
-    #[arg(long, value_name = "DIR")]
-    pub out: PathBuf,
 }
 
 /// A finished study.

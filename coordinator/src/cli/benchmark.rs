@@ -9,7 +9,7 @@ use clap::Args;
 use coordinator::benchmark::{PublishedProblem, Row, markdown, published_problems, row, run};
 use std::path::PathBuf;
 
-/// Published problems, or a replay.
+/// Published problems.
 #[derive(Debug, Clone, Args)]
 pub struct BenchmarkArguments {
     /// A problem, several if repeated [default: all]

@@ -6,12 +6,13 @@ use common::scene::{Faults, Motion, Scene};
 use coordinator::benchmark::ReplayError;
 use coordinator::budget::BudgetError;
 use coordinator::calibrate::CalibrationError;
-use coordinator::dispatch::DispatchError;
+use coordinator::dispatch::{DispatchError, VisitError};
 use coordinator::evaluate::EvaluateError;
 use coordinator::evaluate::external::SimulatorError;
 use coordinator::report::ReportError;
 use coordinator::report::compare::Incomparable;
 use coordinator::result_files::ResultFileError;
+use coordinator::sight::SightError;
 use coordinator::store::StoreError;
 use coordinator::study::{CampaignError, StudyError};
 use std::path::{Path, PathBuf};
@@ -249,6 +250,20 @@ pub enum CommandError {
     /// The coordinator cannot listen.
     #[error(transparent)]
     Dispatch(#[from] DispatchError),
+    /// Nobody else can look.
+    #[error(transparent)]
+    Sight(#[from] SightError),
+    /// A coordinator does not tell how it is.
+    #[error("{0}")]
+    Visit(#[from] VisitError),
+    /// Something that a worker needs does not work.
+    #[error("{failed} of {tried} checks failed")]
+    Unhealthy {
+        /// So many.
+        failed: usize,
+        /// Of so many.
+        tried: usize,
+    },
     /// A local worker cannot be started.
     #[error("local worker: {0}")]
     Worker(#[from] ServiceError),
@@ -307,6 +322,8 @@ impl CommandError {
             Self::Study { error: StudyError::Setting { .. }, .. } => BAD_INPUT,
             Self::Store(error) if error.is_bad_input() => BAD_INPUT,
             Self::Dispatch(error) if error.is_bad_input() => BAD_INPUT,
+            Self::Sight(error) if error.is_bad_input() => BAD_INPUT,
+            Self::Visit(error) if error.is_bad_input() => BAD_INPUT,
             Self::Worker(ServiceError::Settings { .. }) => BAD_INPUT,
             // Whoever closed the pipe has read all it wanted.
             Self::Output(error) if error.kind() == std::io::ErrorKind::BrokenPipe => 0,

@@ -1,9 +1,10 @@
 //! `coordinator extremes`: a scene at the edges of its model, as a table.
 
-use super::arguments::{ExtremesArguments, Talk};
+use super::arguments::{DEFAULT_SCENE, Talk};
 use super::error::CommandError;
 use super::output::{check_destination, deliver, to_json};
 use super::scenes::check_linkage;
+use clap::Args;
 use common::scene::{ContactLaw, Scene, SceneSource};
 use coordinator::output_unit::OutputUnit;
 use serde::Serialize;
@@ -31,6 +32,20 @@ struct PrintedOutput<'r> {
     value: f64,
     stated_error: f64,
     difference: f64,
+}
+
+/// A table of extremes.
+#[derive(Debug, Clone, Args)]
+pub struct ExtremesArguments {
+    /// Scene file, or name of a built-in scene
+    #[arg(long, default_value = DEFAULT_SCENE, value_name = "NAME-or-FILE")]
+    pub scene: String,
+    /// Numerical effort, as that of `run`
+    #[arg(long, default_value = "balanced", value_name = "NAME")]
+    pub accuracy: NamedAccuracy,
+    /// Write the table to this file instead of standard output
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
 }
 
 /// Runs the command.

@@ -5,8 +5,10 @@ use super::error::CommandError;
 use super::external;
 use super::signals::interruption;
 use common::scene::SceneSource;
-use coordinator::dispatch::{Campaign, Listen, ZenohEvaluator};
+use coordinator::dispatch::{Board, Campaign, Listen, ZenohEvaluator};
 use coordinator::evaluate::Evaluator;
+use coordinator::sight::Source;
+use std::time::Instant;
 use worker::service::{self, ServiceConfig, WorkerHandle};
 use worker::simulator::simulator;
 
@@ -53,6 +55,17 @@ impl Ready {
         external::check_farm(source.origin(), arguments)?;
         let slots = local_slots(arguments);
         Ok(Self::Simulator(external::ready(simulator, scene, slots)?, slots as u32))
+    }
+
+    /// Where the study is to post how far it is, and where to look for it.
+    pub fn source(&self) -> (Board, Source) {
+        match self {
+            Self::Listening(evaluator) => (evaluator.board(), Source::Farm(evaluator.look())),
+            Self::Simulator(_, slots) => {
+                let board = Board::default();
+                (board.clone(), Source::Alone { board, slots: *slots, since: Instant::now() })
+            }
+        }
     }
 
     /// Starts the local workers, if workers are to work.

@@ -7,6 +7,7 @@ mod benchmark;
 mod calibrate;
 mod compare;
 mod distributions;
+mod doctor;
 mod error;
 mod explain;
 mod external;
@@ -22,17 +23,18 @@ mod replay;
 mod results;
 mod run;
 mod scenes;
+mod sight;
 mod signals;
 mod simulate;
+mod status;
 mod tradeoff;
 mod verify;
 
 use arguments::{Arguments, Command, RunArguments, Talk};
 use clap::Parser;
 use error::CommandError;
-use std::io::IsTerminal;
 use std::process::ExitCode;
-use tracing_subscriber::EnvFilter;
+use worker::log;
 
 /// Environment variable that overrides what is logged, in the syntax of `tracing`.
 const LOG_VARIABLE: &str = "HINGEWISE_LOG";
@@ -72,6 +74,8 @@ fn command(arguments: Arguments) -> Result<(), CommandError> {
         Some(Command::Replay(study)) => replay::replay(&study, json),
         Some(Command::Verify(verification)) => verify::verify(&verification, json),
         Some(Command::Simulate(simulation)) => simulate::simulate(&simulation, arguments.talk),
+        Some(Command::Status(look)) => status::status(&look, json),
+        Some(Command::Doctor(patient)) => doctor::doctor(&patient, json),
         Some(Command::Scenes { show }) => scenes::scenes(show.as_deref(), json),
         Some(Command::Check { file }) => scenes::check(&file, json),
         Some(Command::Explain { scene, accuracy }) => explain::explain(&scene, &accuracy, arguments.talk),
@@ -85,12 +89,7 @@ fn start_log(talk: Talk) {
         (true, _) => "error,zenoh=off",
         (false, 0) => "warn,zenoh=off",
         (false, 1) => "info,zenoh=warn",
-        (false, _) => "debug,zenoh=info",
+        (false, _) => "debug,zenoh=info,rustls=info",
     };
-    let filter = EnvFilter::try_from_env(LOG_VARIABLE).unwrap_or_else(|_| EnvFilter::new(level));
-    tracing_subscriber::fmt()
-        .with_env_filter(filter)
-        .with_writer(std::io::stderr)
-        .with_ansi(std::io::stderr().is_terminal())
-        .init();
+    log::start(level, LOG_VARIABLE, talk.log_format, true);
 }

@@ -11,6 +11,7 @@ use super::options::StudyOptions;
 use super::output::{print, to_json};
 use super::results::write_results;
 use super::scenes::check_linkage;
+use super::sight::Sight;
 use super::signals::interruption;
 use common::scene::{Scene, SceneSource};
 use coordinator::dispatch::Campaign;
@@ -48,11 +49,12 @@ pub fn run(arguments: &RunArguments, talk: Talk) -> Result<(), CommandError> {
     };
     // An address that cannot be listened on must not leave a folder behind that holds a study.
     let ready = Ready::to_study(&source, || announced(&source, &options), &arguments.farm)?;
+    let sight = Sight::open(&arguments.sight, arguments.farm.insecure, &ready, (&dir, &source, &options))?;
     let campaign = CampaignFile::create(&dir, &meta, scene)?;
     if !talk.quiet {
         eprintln!("results go to {}", dir.display());
     }
-    study(campaign, &source, &options, ready.hire(&arguments.farm)?, talk)
+    study(campaign, &source, &options, ready.hire(&arguments.farm)?, sight, talk)
 }
 
 /// Goes on with a study.
@@ -74,7 +76,9 @@ pub fn resume(arguments: &ResumeArguments, talk: Talk) -> Result<(), CommandErro
         eprintln!("{} evaluations are done already", campaign.count()?);
     }
     let ready = Ready::to_study(&source, || announced(&source, &options), &arguments.farm)?;
-    study(campaign, &source, &options, ready.hire(&arguments.farm)?, talk)
+    let about = (arguments.dir.as_path(), &source, &options);
+    let sight = Sight::open(&arguments.sight, arguments.farm.insecure, &ready, about)?;
+    study(campaign, &source, &options, ready.hire(&arguments.farm)?, sight, talk)
 }
 
 fn study(
@@ -82,6 +86,7 @@ fn study(
     source: &SceneSource,
     options: &StudyOptions,
     mut crew: Crew,
+    sight: Sight,
     talk: Talk,
 ) -> Result<(), CommandError> {
     let settings = options.settings();
@@ -89,9 +94,11 @@ fn study(
     let dir = campaign.dir().to_path_buf();
     if !talk.quiet {
         crew.say_where();
+        sight.say_where();
     }
     let mut terminal = Terminal::new(talk.quiet);
-    let result = coordinator::study::run(&scene, &settings, crew.evaluator(), &mut campaign, &mut terminal);
+    let mut watch = sight.watch(&scene.name, &mut terminal);
+    let result = coordinator::study::run(&scene, &settings, crew.evaluator(), &mut campaign, &mut watch);
     terminal.finish();
     let mut result = result.map_err(|error| CommandError::of_study(error, &dir))?;
     let timing = &mut result.summary.timing_s;
@@ -101,6 +108,7 @@ fn study(
     // The summary comes last: with it, the study counts as finished.
     campaign.put_document(SUMMARY_DOCUMENT, &result.summary)?;
     write_results(&campaign)?;
+    sight.end();
     tell(&result.summary, &dir, talk)
 }
 

@@ -1,11 +1,12 @@
 //! `coordinator tradeoff`: time against error of the accuracy settings of a scene, by whatever workers there are.
 
-use super::arguments::{Talk, TradeoffArguments};
+use super::arguments::{DEFAULT_SCENE, FarmArguments, Talk, positive};
 use super::error::CommandError;
 use super::farm::{Farm, listen};
 use super::names::GridName;
 use super::output::print;
 use super::scenes::check_linkage;
+use clap::Args;
 use common::accuracy::NamedAccuracy;
 use common::scene::SceneSource;
 use coordinator::design::nominal_and_random;
@@ -17,6 +18,29 @@ use coordinator::tradeoff::{
     values_csv,
 };
 use std::path::Path;
+
+/// A measurement of accuracy settings.
+#[derive(Debug, Clone, Args)]
+pub struct TradeoffArguments {
+    /// Scene file, or name of a built-in scene
+    #[arg(long, default_value = DEFAULT_SCENE, value_name = "NAME-or-FILE")]
+    pub scene: String,
+    /// Where and how to work
+    #[command(flatten)]
+    pub farm: FarmArguments,
+    /// Points of the variables, the nominal one among them
+    #[arg(long, default_value = "3", value_name = "N", value_parser = positive)]
+    pub points: usize,
+    /// Which settings: those that have proved themselves, or all
+    #[arg(long, value_enum, default_value = "full")]
+    pub settings: GridName,
+    /// Only this setting, and others given likewise: a preset, with knobs turned or not, e.g. draft+step-x0.71+jump-4000
+    #[arg(long, value_name = "NAME", conflicts_with = "settings")]
+    pub setting: Vec<NamedAccuracy>,
+    /// Folder for the results, made if missing
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+}
 
 /// Runs the command.
 pub fn tradeoff(arguments: &TradeoffArguments, talk: Talk) -> Result<(), CommandError> {

@@ -1,9 +1,13 @@
 //! The thread between messages and scheduler: feeds events in, does what the commands say.
 
+use super::board::Board;
 use super::scheduler::{Assignment, Command, Event, Scheduler, Settings, Token, Warning};
+use super::tally::Tally;
 use super::transport::{Asker, Transport};
 use crate::evaluate::{Finished, Request};
-use common::wire::{self, CandidatePoint, Claim, Next, Notice, Reply, WireError, WorkOrder, WorkerId};
+use common::wire::{
+    self, CandidatePoint, Claim, Next, Notice, Reply, Status, WireError, WorkOrder, WorkerId,
+};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender};
@@ -14,7 +18,7 @@ use std::time::{Duration, Instant};
 const ASK_AGAIN: u32 = 1000;
 /// How often the scheduler looks at the clock.
 const TICK: Duration = Duration::from_millis(500);
-/// Claims that may wait to be read; more are dropped, and their workers back off.
+/// Claims and questions that may wait to be read; more are dropped, and their workers back off.
 const MOST_WAITING: usize = 4096;
 /// Points in one notice.
 const POINTS_PER_NOTICE: usize = 1000;
@@ -25,6 +29,10 @@ const MOST_REFUSED: usize = 1000;
 pub(super) enum Input {
     /// A claim.
     Claim(Asker),
+    /// Somebody elsewhere asks for the status.
+    Asked(Asker),
+    /// Somebody in this process does.
+    Look(Sender<Status>),
     /// A worker is there (true) or gone.
     Liveness(WorkerId, bool),
     /// The study asks for these; outcomes go to the sender.
@@ -118,6 +126,8 @@ pub(super) struct Desk {
     order: WorkOrder,
     transport: Transport,
     attendance: Arc<Attendance>,
+    board: Board,
+    tally: Tally,
     gate: Arc<Gate>,
     started: Instant,
     waiting: BTreeMap<Token, Asker>,
@@ -133,6 +143,7 @@ impl Desk {
         order: WorkOrder,
         transport: Transport,
         attendance: Arc<Attendance>,
+        board: Board,
         gate: Arc<Gate>,
     ) -> Self {
         Self {
@@ -141,6 +152,8 @@ impl Desk {
             order,
             transport,
             attendance,
+            board,
+            tally: Tally::default(),
             gate,
             started: Instant::now(),
             waiting: BTreeMap::new(),
@@ -175,6 +188,15 @@ impl Desk {
                 self.gate.leave();
                 self.take_claim(asker);
             }
+            Input::Asked(asker) => {
+                self.gate.leave();
+                match wire::encode(&self.status()) {
+                    Ok(frame) => self.transport.tell_status(asker, frame),
+                    Err(error) => self.transport.refuse(asker, error.to_string()),
+                }
+            }
+            // Whoever has gone meanwhile needs no answer.
+            Input::Look(whom) => _ = whom.send(self.status()),
             Input::Liveness(worker, true) => {
                 tracing::info!("worker {} is there", worker.name);
                 self.event(Event::Appeared(worker));
@@ -196,6 +218,12 @@ impl Desk {
             Input::Close => {}
         }
         self.attendance.set(self.scheduler.workers());
+    }
+
+    fn status(&mut self) -> Status {
+        let now = self.started.elapsed();
+        let farm = self.tally.status(now, self.scheduler.census());
+        self.board.status(farm, now)
     }
 
     fn take_claim(&mut self, asker: Asker) {
@@ -237,7 +265,10 @@ impl Desk {
 
     fn obey(&mut self, command: Command) {
         match command {
-            Command::Deliver(finished) => self.deliver(Delivery::Outcome(finished)),
+            Command::Deliver(finished) => {
+                self.tally.count(self.started.elapsed(), &finished.worker);
+                self.deliver(Delivery::Outcome(finished));
+            }
             Command::GiveUp { task, reason } => self.deliver(Delivery::GivenUp { task, reason }),
             Command::Reply { token, acknowledged, assignment } => {
                 let Some(asker) = self.waiting.remove(&token) else { return };

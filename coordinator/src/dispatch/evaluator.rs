@@ -1,12 +1,13 @@
 //! [`Evaluator`] whose evaluations are done by workers over Zenoh.
 
 use super::DispatchError;
+use super::board::Board;
 use super::desk::{Attendance, ConnectedWorker, Delivery, Desk, Gate, Input};
 use super::scheduler::Settings;
 use super::transport::{Listen, Transport};
 use crate::evaluate::{Beginnings, EvaluateError, Evaluator, LOOK_UP, Pursuit};
 use common::accuracy::Accuracy;
-use common::wire::{self, Message, Next, Reply, WorkOrder};
+use common::wire::{self, Message, Next, Reply, Status, WorkOrder};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -40,6 +41,7 @@ pub struct ZenohEvaluator {
     inputs: Sender<Input>,
     desk: Option<JoinHandle<()>>,
     attendance: Arc<Attendance>,
+    board: Board,
     endpoints: Vec<String>,
     interrupted: Arc<AtomicBool>,
 }
@@ -77,7 +79,8 @@ impl ZenohEvaluator {
 
         let (inputs, received) = channel();
         let gate = Arc::new(Gate::default());
-        let (claims, liveness, entrance) = (inputs.clone(), inputs.clone(), Arc::clone(&gate));
+        let (claims, questions, liveness) = (inputs.clone(), inputs.clone(), inputs.clone());
+        let (entrance, other_entrance) = (Arc::clone(&gate), Arc::clone(&gate));
         // The desk lives as long as the session, so what cannot be passed on comes after its end.
         let transport = Transport::open(
             listen,
@@ -86,24 +89,40 @@ impl ZenohEvaluator {
                     let _ = claims.send(Input::Claim(asker));
                 }
             },
+            move |asker| {
+                if other_entrance.enter() {
+                    let _ = questions.send(Input::Asked(asker));
+                }
+            },
             move |worker, there| {
                 let _ = liveness.send(Input::Liveness(worker, there));
             },
         )?;
         let endpoints = transport.endpoints().to_vec();
         let attendance = Arc::new(Attendance::default());
-        let desk = Desk::new(settings, order, transport, Arc::clone(&attendance), gate);
+        let board = Board::default();
+        let desk = Desk::new(settings, order, transport, Arc::clone(&attendance), board.clone(), gate);
         let desk = std::thread::Builder::new()
             .name("coordinator-desk".into())
             .spawn(move || desk.run(&received))
             .map_err(|error| DispatchError::Messaging(format!("cannot start a thread: {error}")))?;
         tracing::info!("workers can connect to {}", endpoints.join(", "));
-        Ok(Self { inputs, desk: Some(desk), attendance, endpoints, interrupted })
+        Ok(Self { inputs, desk: Some(desk), attendance, board, endpoints, interrupted })
     }
 
     /// Where workers can connect, e.g. `tcp/127.0.0.1:37021`.
     pub fn endpoints(&self) -> &[String] {
         &self.endpoints
+    }
+
+    /// Where the study posts how far it is.
+    pub fn board(&self) -> Board {
+        self.board.clone()
+    }
+
+    /// To look at the farm from elsewhere in this process.
+    pub fn look(&self) -> Look {
+        Look(self.inputs.clone())
     }
 
     /// Workers that are connected now.
@@ -181,6 +200,19 @@ impl ZenohEvaluator {
                 }
             }
         }
+    }
+}
+
+/// Looks at a farm; costs nothing while nobody does.
+#[derive(Debug, Clone)]
+pub struct Look(Sender<Input>);
+
+impl Look {
+    /// The status now; `None` if the farm has ended or does not answer in time.
+    pub fn status(&self, timeout: Duration) -> Option<Status> {
+        let (whom, told) = channel();
+        self.0.send(Input::Look(whom)).ok()?;
+        told.recv_timeout(timeout).ok()
     }
 }
 

@@ -9,14 +9,17 @@
 //! knows Zenoh; `desk` is the thread between them. Nothing here needs a tokio runtime of the caller; inside one,
 //! it must be a multi-threaded one (Zenoh's own condition).
 
+mod board;
 mod desk;
 mod evaluator;
 pub mod scheduler;
+mod tally;
 mod transport;
 
+pub use board::{Board, clock_ms};
 pub use desk::ConnectedWorker;
-pub use evaluator::{Campaign, ZenohEvaluator};
-pub use transport::Listen;
+pub use evaluator::{Campaign, Look, ZenohEvaluator};
+pub use transport::{Life, Listen, VisitError, Visitor};
 
 use common::wire::WireError;
 use std::path::PathBuf;
@@ -28,8 +31,8 @@ pub enum DispatchError {
     /// An address other machines can reach, and nothing that keeps strangers out.
     #[error(
         "--listen {endpoint}: other machines could reach this address and nothing asks who they are; allowed are \
-         a loopback address (tcp/127.0.0.1:PORT), a Zenoh configuration with authentication (usrpwd dictionary, or \
-         tls with enable_mtls), or --insecure if the network is trusted"
+         a loopback address (tcp/127.0.0.1:PORT), tls/ with a Zenoh configuration that asks (enable_mtls, or a usrpwd \
+         dictionary), or --insecure if the network is trusted"
     )]
     Insecure {
         /// The endpoint.

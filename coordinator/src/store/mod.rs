@@ -55,7 +55,8 @@ pub struct CampaignFile {
     created_at: String,
     inputs: Vec<String>,
     outputs: Vec<String>,
-    _lock: File,
+    /// None of somebody who only looks.
+    _lock: Option<File>,
 }
 
 impl CampaignFile {
@@ -97,13 +98,43 @@ impl CampaignFile {
         Self::from_connection(dir, connection, lock)
     }
 
+    /// Looks at the campaign in `dir`, which somebody else may be writing: nothing in the file is locked or changed.
+    /// Documents that are put into it stay with this value, and lie over those of the file.
+    ///
+    /// # Errors
+    /// Those of [`CampaignFile::open`], but for a file in use; one of an earlier layout is
+    /// [`StoreError::SchemaVersion`].
+    pub fn look(dir: &Path) -> Result<Self, StoreError> {
+        let path = dir.join(FILE_NAME);
+        if !path.is_file() {
+            return Err(StoreError::NoCampaign { dir: dir.into() });
+        }
+        let connection = connect(&path, OpenFlags::SQLITE_OPEN_READ_ONLY)?;
+        let found = version(&path, &connection)?;
+        if found != schema::SCHEMA_VERSION {
+            return Err(StoreError::SchemaVersion { path, found, supported: schema::SCHEMA_VERSION });
+        }
+        // A temporary table goes before one of the file.
+        let own = format!(
+            "PRAGMA temp_store = MEMORY; CREATE TEMP TABLE {}; INSERT INTO temp.document SELECT * FROM main.document;",
+            schema::DOCUMENT
+        );
+        connection.execute_batch(&own).map_err(|source| StoreError::Database { path, source })?;
+        Self::read(dir, connection, None)
+    }
+
     fn from_connection(dir: &Path, mut connection: Connection, lock: File) -> Result<Self, StoreError> {
         let path = dir.join(FILE_NAME);
         if version(&path, &connection)? == migration::FROM {
             migration::migrate(&path, &mut connection)?;
         }
+        make_durable(&connection).map_err(|source| StoreError::Database { path, source })?;
+        Self::read(dir, connection, Some(lock))
+    }
+
+    fn read(dir: &Path, connection: Connection, lock: Option<File>) -> Result<Self, StoreError> {
+        let path = dir.join(FILE_NAME);
         let failed = |source| StoreError::Database { path: path.clone(), source };
-        make_durable(&connection).map_err(failed)?;
         let value = |key: &str| -> Result<String, StoreError> {
             connection
                 .query_row("SELECT value FROM campaign WHERE key = ?1", [key], |row| row.get(0))

@@ -18,6 +18,10 @@ pub const APPLICATION_ID: i64 = 0x4867_7743;
 /// Version of this layout, in `PRAGMA user_version`.
 pub const SCHEMA_VERSION: i64 = 2;
 
+/// The table of results.
+pub const DOCUMENT: &str =
+    "document (name TEXT PRIMARY KEY, written_at TEXT NOT NULL, json TEXT NOT NULL) WITHOUT ROWID";
+
 /// Statements that make the tables for this scene.
 pub fn statements(scene: &Scene) -> String {
     format!(
@@ -38,7 +42,7 @@ CREATE TABLE input (
 {output};
 {output_error};
 CREATE TABLE learning_round (round INTEGER PRIMARY KEY, evaluations INTEGER NOT NULL, noted_at TEXT NOT NULL, json TEXT NOT NULL);
-CREATE TABLE document (name TEXT PRIMARY KEY, written_at TEXT NOT NULL, json TEXT NOT NULL) WITHOUT ROWID;
+CREATE TABLE {DOCUMENT};
 PRAGMA application_id = {APPLICATION_ID};
 PRAGMA user_version = {SCHEMA_VERSION};",
         inputs = reals(&input_columns(scene)),

@@ -1,5 +1,5 @@
 use super::*;
-use crate::evaluate::{Finished, Request};
+use crate::evaluate::{EvaluateError, Finished, Request};
 use crate::journal::Journal;
 use crate::summary::Round;
 use common::accuracy::NamedAccuracy;
@@ -355,4 +355,24 @@ fn rounds_and_documents_come_back() {
     file.put_document("summary", &vec![3]).unwrap();
     assert_eq!(file.document::<Vec<u32>>("summary").unwrap(), Some(vec![3]));
     assert!(file.created_at().ends_with('Z'));
+}
+
+#[test]
+fn whoever_looks_sees_what_is_recorded_and_changes_nothing() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut file = CampaignFile::create(dir.path(), &meta(), &scene()).unwrap();
+    record(&mut file, 0..3);
+    file.put_document("summary", &"of the study").unwrap();
+    let mut look = CampaignFile::look(dir.path()).unwrap();
+    assert_eq!((look.count().unwrap(), look.meta()), (3, file.meta()));
+    assert_eq!(look.document::<String>("summary").unwrap().unwrap(), "of the study");
+    look.put_document("summary", &"of the onlooker").unwrap();
+    assert_eq!(look.document::<String>("summary").unwrap().unwrap(), "of the onlooker");
+    assert_eq!(file.document::<String>("summary").unwrap().unwrap(), "of the study");
+    // The study goes on meanwhile, and what it records is seen.
+    record(&mut file, 3..5);
+    assert_eq!(look.count().unwrap(), 5);
+    assert!(matches!(look.record(&request(5), &finished(5)), Err(EvaluateError::Record(_))));
+    let empty = tempfile::tempdir().unwrap();
+    assert!(matches!(CampaignFile::look(empty.path()), Err(StoreError::NoCampaign { .. })));
 }

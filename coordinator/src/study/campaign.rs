@@ -5,6 +5,7 @@ use super::observations::{Observations, Observed};
 use super::plan::{Plan, Problem};
 use super::populations::LookedAt;
 use super::round::{Assessment, Known, assess};
+use super::so_far::SoFar;
 use super::step::{Ask, CampaignError, Step, Stop};
 use super::surrogates::Surrogate;
 use crate::design::{Population, choose_by_latin_hypercube};
@@ -338,6 +339,17 @@ impl Campaign {
     /// What was found of all that was told; absent while something new is not yet looked at.
     pub fn assessment(&self) -> Option<&Assessment> {
         self.assessment.as_ref()
+    }
+
+    /// What is known after the last round, if nothing was told since.
+    pub(super) fn so_far(&self) -> Option<SoFar> {
+        let assessment = self.assessment.as_ref()?;
+        Some(SoFar {
+            failed: assessment.curves.clone(),
+            points: self.looked_at.population.len(),
+            surrogate: assessment.combined_errors(),
+            condition: self.looked_at.condition,
+        })
     }
 
     /// Evaluations told so far, failed ones included.

@@ -1,6 +1,8 @@
 //! Numbered requests, the campaign file first, then the evaluator; outcomes checked and in order.
 
 use super::responses::Responses;
+use super::result;
+use super::so_far::SoFar;
 use super::thinking::{Learner, Thought, think};
 use super::{Ask, CampaignError, Observed, Step, StudyError};
 use crate::evaluate::{EvaluateError, Evaluator, Finished, Next, Pursuit, Request};
@@ -28,6 +30,8 @@ struct Chunk {
 pub(super) struct Dispatcher<'a> {
     outputs: usize,
     responses: Responses,
+    /// Limit states, and the system.
+    names: Vec<String>,
     checkpoints: Vec<u32>,
     /// Setting for what failed once.
     stricter: Option<Accuracy>,
@@ -71,6 +75,7 @@ impl<'a> Dispatcher<'a> {
         Self {
             outputs: scene.outputs.len(),
             responses: Responses::of(scene),
+            names: result::curve_names(scene),
             checkpoints: scene.life.checkpoints(),
             stricter,
             budget,
@@ -84,7 +89,7 @@ impl<'a> Dispatcher<'a> {
     /// # Errors
     /// [`StudyError`]; whatever was evaluated is in the journal by then.
     pub fn pursue(&mut self, learner: &mut dyn Learner) -> Result<(), StudyError> {
-        let Self { outputs, responses, checkpoints, stricter, budget, evaluator, record } = self;
+        let Self { outputs, responses, names, checkpoints, stricter, budget, evaluator, record } = self;
         let (tell, told) = channel();
         let (sender, thoughts) = channel();
         std::thread::scope(|scope| {
@@ -92,6 +97,7 @@ impl<'a> Dispatcher<'a> {
             let mut stage = Stage {
                 outputs: *outputs,
                 responses,
+                names,
                 checkpoints,
                 stricter: *stricter,
                 budget: *budget,
@@ -152,6 +158,12 @@ impl Record<'_> {
         Ok(())
     }
 
+    /// Tells the observer what is known so far.
+    fn tell(&mut self, so_far: &SoFar, names: &[String], checkpoints: &[u32]) {
+        let rows = so_far.rows(names, checkpoints);
+        self.observer.notice(&Progress::Reliability { rows, samples: so_far.points });
+    }
+
     /// Passes finished rounds on to file and observer.
     fn note_rounds(&mut self, rounds: Vec<Round>) -> Result<(), StudyError> {
         for round in rounds {
@@ -166,6 +178,7 @@ impl Record<'_> {
 struct Stage<'s, 'a> {
     outputs: usize,
     responses: &'s Responses,
+    names: &'s [String],
     checkpoints: &'s [u32],
     stricter: Option<Accuracy>,
     budget: usize,
@@ -218,9 +231,12 @@ impl Stage<'_, '_> {
             self.pass_on();
             match self.thoughts.try_recv() {
                 Ok(thought) => {
-                    let Thought { step, purpose, rounds, took } = thought?;
+                    let Thought { step, purpose, rounds, so_far, took } = thought?;
                     self.record.thinking += took;
                     self.record.note_rounds(rounds)?;
+                    if let Some(so_far) = so_far {
+                        self.record.tell(&so_far, self.names, self.checkpoints);
+                    }
                     match step {
                         Step::Done => return Ok(Next::End),
                         Step::Wait => self.waits = true,

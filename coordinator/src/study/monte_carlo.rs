@@ -3,6 +3,7 @@
 use super::dispatching::Outcome;
 use super::failures::check_failures;
 use super::result::{self, Curves};
+use super::so_far::SoFar;
 use super::thinking::Learner;
 use super::{Ask, CampaignError, Method, Observed, Problem, Settings, Step, StudyError, StudyResult};
 use crate::design::Population;
@@ -86,13 +87,9 @@ impl<'a> DirectSimulation<'a> {
             .map(|all| distributions_from_samples(&all.iter().map(Vec::as_slice).collect::<Vec<_>>()))
             .collect();
         let numerical = NumericalBand::count(&self.shifted, m);
-        let curves = Curves {
-            failed: &failed,
-            points: self.points.len(),
-            surrogate: &[],
-            numerical: &numerical,
-            condition: &Condition::NONE,
-        };
+        let points = self.points.len();
+        let so_far = SoFar { failed, points, surrogate: vec![], condition: Condition::NONE };
+        let curves = Curves { so_far, numerical: &numerical };
         let failed = self.failures.len();
         let counts = EvaluationCounts { total: samples + 1, initial: 1, added: samples, failed };
         let convergence = Convergence {
@@ -164,6 +161,11 @@ impl Learner for DirectSimulation<'_> {
 
     fn purpose(&self) -> String {
         if self.asked == 0 { "nominal point".to_owned() } else { format!("samples to {}", self.asked) }
+    }
+
+    fn so_far(&self) -> Option<SoFar> {
+        let failed = self.curves.clone()?;
+        Some(SoFar { failed, points: self.points.len(), surrogate: vec![], condition: Condition::NONE })
     }
 }
 

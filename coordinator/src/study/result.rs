@@ -2,17 +2,17 @@
 
 use super::responses::Responses;
 use super::rows::{failures, first_failure, sobol};
+use super::so_far::SoFar;
 use super::{Learned, LookedAt, Settings, Stop, Surrogate};
 use crate::learning::Rule;
 use crate::output_unit::OutputUnit;
 use crate::reliability::{
-    Condition, CurvePoint, NumericalBand, OutputDistribution, killers, predict_distributions,
-    reliability_curve, shift_population,
+    NumericalBand, OutputDistribution, killers, predict_distributions, shift_population,
 };
 use crate::sensitivity::{Sampled, Sensitivity, sensitivities};
 use crate::summary::{
-    ConditionRow, Convergence, EvaluationCounts, Failures, MomentsRow, NumericalRange, PerLimitState,
-    ReliabilityRow, SensitivityError, SensitivityRow, StudySummary, SurrogateRow, Timing,
+    ConditionRow, Convergence, EvaluationCounts, Failures, MomentsRow, NumericalRange, SensitivityError,
+    SensitivityRow, StudySummary, SurrogateRow, Timing,
 };
 use crate::surrogate::{Correlation, LeaveOneOut, Sharing, Trend};
 use common::scene::Scene;
@@ -74,18 +74,45 @@ impl SurrogateReport {
     }
 }
 
-/// Failure shares and how far they can be trusted.
+/// Failure shares, how far they can be trusted, and what they are under numerical errors.
 pub(super) struct Curves<'a> {
-    /// `(limit states + 1, m)`, the system last.
-    pub failed: &'a [Vec<f64>],
-    /// Samples counted.
-    pub points: usize,
-    /// Surrogate error and simulator noise per curve, at ascending checkpoints; empty without surrogates.
-    pub surrogate: &'a [Vec<(usize, f64)>],
+    pub so_far: SoFar,
     /// The failure shares under numerical errors.
     pub numerical: &'a NumericalBand,
-    /// What the samples are conditional on.
-    pub condition: &'a Condition,
+}
+
+/// Names of the curves: the limit states, in the scene's order, and the system.
+pub(super) fn curve_names(scene: &Scene) -> Vec<String> {
+    let limits = scene.limit_states.iter().map(|limit| limit.name.clone());
+    limits.chain(["total".to_owned()]).collect()
+}
+
+/// The summary of a study that has found nothing yet.
+pub fn blank(scene: &Scene, settings: &Settings) -> StudySummary {
+    let mechanism = scene.simulator.is_none();
+    StudySummary {
+        scene: scene.name.clone(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        seed: settings.study.seed,
+        method: settings.method.name().to_owned(),
+        accuracy: if mechanism { settings.accuracy.name.clone() } else { "the simulator's own".to_owned() },
+        accuracy_settings: mechanism.then_some(settings.accuracy.accuracy),
+        max_error: settings.max_error,
+        population: 0,
+        evaluations: EvaluationCounts::default(),
+        limit_states: scene.limit_states.iter().map(|limit| limit.name.clone()).collect(),
+        reliability: Vec::new(),
+        first_failure: Vec::new(),
+        failures: Failures::default(),
+        conditional: None,
+        sobol: Vec::new(),
+        moments: Vec::new(),
+        sensitivity: Vec::new(),
+        convergence: Convergence::default(),
+        surrogates: Vec::new(),
+        timing_s: Timing::default(),
+        workers: Vec::new(),
+    }
 }
 
 /// The result of active learning.
@@ -93,24 +120,14 @@ pub(super) fn from_learning(scene: &Scene, settings: &Settings, learned: &Learne
     let assessment = &learned.assessment;
     let LookedAt { population, condition, .. } = &learned.looked_at;
     let m = scene.life.checkpoints().len();
-    let surrogate: Vec<Vec<(usize, f64)>> = assessment
-        .errors
-        .by_curve
-        .iter()
-        .zip(&assessment.noise_shift)
-        .map(|(errors, noise)| {
-            let combined = errors.iter().zip(noise).map(|(error, noise)| error.hypot(*noise));
-            assessment.grid.iter().copied().zip(combined).collect()
-        })
-        .collect();
     let numerical = numerical_band(scene, learned);
-    let curves = Curves {
-        failed: &assessment.curves,
+    let so_far = SoFar {
+        failed: assessment.curves.clone(),
         points: population.len(),
-        surrogate: &surrogate,
-        numerical: &numerical,
-        condition,
+        surrogate: assessment.combined_errors(),
+        condition: *condition,
     };
+    let curves = Curves { so_far, numerical: &numerical };
 
     // Derivatives of the modes and of the system, whose first failure is the earliest of the modes'.
     let mut first_failures: Vec<Vec<u32>> =
@@ -245,55 +262,32 @@ pub(super) fn assemble(
     convergence: Convergence,
 ) -> StudyResult {
     let cycles = scene.life.checkpoints();
-    let names: Vec<String> = scene.limit_states.iter().map(|limit| limit.name.clone()).collect();
-    let curve_names: Vec<&str> = names.iter().map(String::as_str).chain(["total"]).collect();
-    let none = Vec::new();
-    let points: Vec<Vec<CurvePoint>> = (0..curve_names.len())
-        .map(|c| {
-            let surrogate = curves.surrogate.get(c).unwrap_or(&none);
-            reliability_curve(&curves.failed[c], curves.points, surrogate, curves.condition)
-        })
-        .collect();
-    let row = |n: usize| {
-        let value = |of: &dyn Fn(&CurvePoint) -> f64| -> PerLimitState {
-            curve_names.iter().zip(&points).map(|(name, p)| ((*name).to_owned(), of(&p[n]))).collect()
-        };
-        let (reliability, standard_error) = (value(&|p| p.reliability), value(&|p| p.standard_error));
-        let range = |c: usize| NumericalRange {
-            lower: 1.0 - curves.condition.probability * curves.numerical.most[c][n],
-            upper: 1.0 - curves.condition.probability * curves.numerical.least[c][n],
-        };
-        // A simulator that states no errors leaves nothing to say of them.
-        let told = scene.simulator.is_none() || curves.numerical.most != curves.numerical.least;
-        let named = curve_names.iter().enumerate().filter(|_| told);
-        let numerical = named.map(|(c, name)| ((*name).to_owned(), range(c))).collect();
-        ReliabilityRow { cycles: cycles[n], reliability, standard_error, numerical }
-    };
-    let mechanism = scene.simulator.is_none();
+    let names = curve_names(scene);
+    let Curves { so_far, numerical } = curves;
+    let mut reliability = so_far.rows(&names, &cycles);
+    // A simulator that states no errors leaves nothing to say of them.
+    if scene.simulator.is_none() || numerical.most != numerical.least {
+        let probability = so_far.condition.probability;
+        for (n, row) in reliability.iter_mut().enumerate() {
+            let range = |c: usize| NumericalRange {
+                lower: 1.0 - probability * numerical.most[c][n],
+                upper: 1.0 - probability * numerical.least[c][n],
+            };
+            row.numerical = names.iter().enumerate().map(|(c, name)| (name.clone(), range(c))).collect();
+        }
+    }
+    let limits = &names[..scene.limit_states.len()];
     let summary = StudySummary {
-        scene: scene.name.clone(),
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-        seed: settings.study.seed,
-        method: settings.method.name().to_owned(),
-        accuracy: if mechanism { settings.accuracy.name.clone() } else { "the simulator's own".to_owned() },
-        accuracy_settings: mechanism.then_some(settings.accuracy.accuracy),
-        max_error: settings.max_error,
-        population: curves.points,
+        population: so_far.points,
         evaluations,
-        limit_states: names.clone(),
-        reliability: (0..cycles.len()).map(row).collect(),
+        reliability,
         first_failure: (0..cycles.len())
-            .map(|n| first_failure(&names, killers, curves.condition, cycles[n], n))
+            .map(|n| first_failure(limits, killers, &so_far.condition, cycles[n], n))
             .collect(),
-        failures: Failures::default(),
-        conditional: None,
-        sobol: Vec::new(),
         moments: (0..cycles.len()).map(|n| moments(scene, &distributions, cycles[n], n)).collect(),
-        sensitivity: rows.iter().map(|row| sensitivity_row(scene, &curve_names, &cycles, row)).collect(),
+        sensitivity: rows.iter().map(|row| sensitivity_row(scene, &names, &cycles, row)).collect(),
         convergence,
-        surrogates: Vec::new(),
-        timing_s: Timing::default(),
-        workers: Vec::new(),
+        ..blank(scene, settings)
     };
     let history = |(output, at): (&common::scene::Output, Vec<OutputDistribution>)| OutputHistory {
         output: output.name.clone(),
@@ -319,12 +313,12 @@ fn moments(scene: &Scene, distributions: &[Vec<OutputDistribution>], cycles: u32
     MomentsRow { cycles, moments: row }
 }
 
-fn sensitivity_row(scene: &Scene, curves: &[&str], cycles: &[u32], row: &Sensitivity) -> SensitivityRow {
+fn sensitivity_row(scene: &Scene, curves: &[String], cycles: &[u32], row: &Sensitivity) -> SensitivityRow {
     let variable = &scene.variables[row.variable];
     let std = variable.distribution.parent_std();
     SensitivityRow {
         cycles: cycles[row.checkpoint],
-        limit_state: curves[row.curve].to_owned(),
+        limit_state: curves[row.curve].clone(),
         variable: variable.name.clone(),
         d_pf_d_mean: row.to_mean.value,
         d_pf_d_std: row.to_std.value,

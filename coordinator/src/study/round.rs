@@ -55,6 +55,17 @@ impl Assessment {
     pub fn governing_failed(&self) -> f64 {
         self.curves[self.curves.len() - 1][self.governing]
     }
+
+    /// Surrogate error and simulator noise per curve, at the checkpoints of the grid.
+    pub(super) fn combined_errors(&self) -> Vec<Vec<(usize, f64)>> {
+        let curves = self.errors.by_curve.iter().zip(&self.noise_shift);
+        curves
+            .map(|(errors, noise)| {
+                let combined = errors.iter().zip(noise).map(|(error, noise)| error.hypot(*noise));
+                self.grid.iter().copied().zip(combined).collect()
+            })
+            .collect()
+    }
 }
 
 /// The pool holds at least this many points per point of a batch.

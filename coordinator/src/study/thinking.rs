@@ -2,6 +2,7 @@
 //! served, while it fits and classifies.
 
 use super::dispatching::Outcome;
+use super::so_far::SoFar;
 use super::{CampaignError, Step};
 use crate::summary::Round;
 use std::sync::mpsc::{Receiver, Sender};
@@ -17,6 +18,8 @@ pub(super) trait Learner: Send {
     fn rounds(&self) -> &[Round];
     /// What its next chunk is for, in words.
     fn purpose(&self) -> String;
+    /// What is known after the last round, for people who watch; asked when a round has ended.
+    fn so_far(&self) -> Option<SoFar>;
 }
 
 /// What a learner came to.
@@ -27,6 +30,8 @@ pub(super) struct Thought {
     pub purpose: String,
     /// Rounds finished on the way.
     pub rounds: Vec<Round>,
+    /// What is known after them, if there were any.
+    pub so_far: Option<SoFar>,
     /// How long it took.
     pub took: Duration,
 }
@@ -46,6 +51,7 @@ pub(super) fn think(
             step,
             purpose: learner.purpose(),
             rounds: learner.rounds()[noted..].to_vec(),
+            so_far: if learner.rounds().len() > noted { learner.so_far() } else { None },
             took: started.elapsed(),
         });
         noted = learner.rounds().len();

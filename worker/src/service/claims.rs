@@ -9,6 +9,7 @@ use super::link::Link;
 use super::patience::Patience;
 use super::slots::Slots;
 use super::{Departure, Job, ServiceConfig, ServiceError};
+use crate::log::refusal;
 use common::wire::{
     self, Claim, Next, Notice, Outcome, Reply, Task, TaskKey, WireError, WorkOrder, WorkerId,
 };
@@ -150,7 +151,7 @@ impl Claims {
                 return self.answered(now, frame);
             }
             Inbox::QueryEnded { sequence } if self.is_under_way(sequence) => {
-                self.unanswered(now, "nobody answers claims there".into());
+                self.unanswered(now, refusal::no_answer(now));
             }
             Inbox::Answer { .. } | Inbox::QueryEnded { .. } => {}
             Inbox::Notice(frame) => match wire::decode::<Notice>(&frame) {

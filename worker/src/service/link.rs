@@ -3,7 +3,8 @@
 use super::claims::Inbox;
 use super::patience::Patience;
 use super::{Departure, ServiceConfig, ServiceError};
-use common::wire::{WorkerId, keys, reason};
+use crate::log::refusal;
+use common::wire::{self, WorkerId, keys, reason};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::{Duration, Instant};
 use zenoh::liveliness::LivelinessToken;
@@ -15,13 +16,14 @@ use zenoh::{Config, Session, Wait};
 /// tried for ever and by the second, so that a restarted coordinator has its workers back at once (measured:
 /// 0.45 s against 4 s with Zenoh's own settings). The timeout bounds the first connection only: opening a client
 /// session waits for it, and without a bound it could neither give up nor be stopped.
-const SETTINGS: [(&str, &str); 9] = [
+const SETTINGS: [(&str, &str); 10] = [
     ("mode", "\"client\""),
     ("listen/endpoints", "[]"),
     ("scouting/multicast/enabled", "false"),
     ("scouting/gossip/enabled", "false"),
     ("scouting/delay", "0"),
     ("transport/link/tx/lease", "2000"),
+    ("transport/link/rx/max_message_size", wire::MAX_MESSAGE),
     ("connect/timeout_ms", "1000"),
     ("connect/exit_on_failure", "false"),
     ("connect/retry", "{period_init_ms: 200, period_max_ms: 1000, period_increase_factor: 1.5}"),
@@ -60,7 +62,7 @@ impl Link {
             let started = Instant::now();
             match zenoh::open(settings.clone()).wait() {
                 Ok(session) => return Self::declare(session, service, worker, inbox).map(Ok),
-                Err(error) => patience.failed(started, reason(error)),
+                Err(error) => patience.failed(started, refusal::explain(&reason(error), started)),
             }
             patience.check(Instant::now())?;
             match received.recv_timeout(RETRY) {

@@ -15,6 +15,7 @@
 //!   the front of the queue.
 //! - Tasks go only to workers whose liveliness token is seen: a death always has an event.
 
+mod census;
 mod event;
 #[cfg(test)]
 mod farm_tests;
@@ -23,6 +24,7 @@ mod tasks;
 mod tests;
 mod workers;
 
+pub use census::Census;
 pub use event::{Assignment, Command, Event, Token, Warning};
 
 use crate::evaluate::Finished;

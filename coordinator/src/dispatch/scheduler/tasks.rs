@@ -54,6 +54,11 @@ impl TaskTable {
         self.entries.len()
     }
 
+    /// Tasks that nobody works on.
+    pub fn queued(&self) -> usize {
+        self.entries.values().filter(|entry| entry.phase == Phase::Queued).count()
+    }
+
     /// Queues a request; a number that is open already is left as it is.
     pub fn submit(&mut self, request: Request) -> Option<CandidatePoint> {
         let id = request.id;

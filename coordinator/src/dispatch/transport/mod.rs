@@ -4,8 +4,10 @@
 //! wait for a slow line (replies, notices) is sent by a thread of its own.
 
 mod settings;
+mod visitor;
 
 pub use settings::Listen;
+pub use visitor::{Life, VisitError, Visitor};
 
 use super::DispatchError;
 use common::wire::{WorkerId, keys, reason};
@@ -40,6 +42,7 @@ impl Asker {
 enum Parcel {
     Answer(Asker, Vec<u8>),
     Refusal(Asker, String),
+    Status(Asker, Vec<u8>),
     Notice(Vec<u8>),
 }
 
@@ -49,15 +52,17 @@ pub(super) struct Transport {
     endpoints: Vec<String>,
     parcels: Sender<Parcel>,
     _claims: Queryable<()>,
+    _looks: Queryable<()>,
     _liveness: Subscriber<()>,
     _token: LivelinessToken,
 }
 
 impl Transport {
-    /// Listens; `on_claim` and `on_liveness` (true: there) must not wait.
+    /// Listens; `on_claim`, `on_look` (somebody asks for the status) and `on_liveness` (true: there) must not wait.
     pub fn open(
         listen: &Listen,
         on_claim: impl Fn(Asker) + Send + Sync + 'static,
+        on_look: impl Fn(Asker) + Send + Sync + 'static,
         on_liveness: impl Fn(WorkerId, bool) + Send + Sync + 'static,
     ) -> Result<Self, DispatchError> {
         let settings = settings::settings(listen)?;
@@ -82,6 +87,12 @@ impl Transport {
             .callback(move |query| on_claim(Asker(query)))
             .wait()
             .map_err(messaging)?;
+        let looks = session
+            .declare_queryable(keys::STATUS)
+            .complete(true)
+            .callback(move |query| on_look(Asker(query)))
+            .wait()
+            .map_err(messaging)?;
         // Seen by tools that list what is there.
         let token = session.liveliness().declare_token(keys::COORDINATOR).wait().map_err(messaging)?;
         let endpoints: Vec<String> =
@@ -92,7 +103,15 @@ impl Transport {
             .name("coordinator-send".into())
             .spawn(move || send(&sender, &to_send))
             .map_err(|error| DispatchError::Messaging(format!("cannot start a thread: {error}")))?;
-        Ok(Self { session, endpoints, parcels, _claims: claims, _liveness: liveness, _token: token })
+        Ok(Self {
+            session,
+            endpoints,
+            parcels,
+            _claims: claims,
+            _looks: looks,
+            _liveness: liveness,
+            _token: token,
+        })
     }
 
     /// Where workers can connect; with port 0 asked for, the port given.
@@ -108,6 +127,11 @@ impl Transport {
     /// Answers a claim that cannot be understood.
     pub fn refuse(&self, asker: Asker, reason: String) {
         self.post(Parcel::Refusal(asker, reason));
+    }
+
+    /// Answers whoever asked for the status.
+    pub fn tell_status(&self, asker: Asker, frame: Vec<u8>) {
+        self.post(Parcel::Status(asker, frame));
     }
 
     /// Tells all workers.
@@ -140,6 +164,7 @@ fn send(session: &Session, parcels: &Receiver<Parcel>) {
         let sent = match parcel {
             Parcel::Answer(Asker(query), frame) => query.reply(keys::CLAIM, frame).wait(),
             Parcel::Refusal(Asker(query), reason) => query.reply_err(reason).wait(),
+            Parcel::Status(Asker(query), frame) => query.reply(keys::STATUS, frame).wait(),
             // A hint only: workers ask again by themselves, so a congested line may lose it.
             Parcel::Notice(frame) => session.put(keys::NOTICE, frame).wait(),
         };

@@ -2,7 +2,7 @@
 //! so in so many words.
 
 use super::super::DispatchError;
-use common::wire::reason;
+use common::wire::{MAX_MESSAGE, reason};
 use std::net::IpAddr;
 use std::path::PathBuf;
 use zenoh::Config;
@@ -12,11 +12,12 @@ const DEFAULT_ENDPOINT: &str = "tcp/127.0.0.1:0";
 
 /// What the coordinator needs, as Zenoh settings: it is the only listener, and workers do not talk among
 /// themselves (64 meshed peers took 369 MB and 15 s to close).
-const SETTINGS: [(&str, &str); 4] = [
+const SETTINGS: [(&str, &str); 5] = [
     ("mode", "\"peer\""),
     ("scouting/multicast/enabled", "false"),
     ("scouting/gossip/enabled", "false"),
     ("scouting/delay", "0"),
+    ("transport/link/rx/max_message_size", MAX_MESSAGE),
 ];
 
 /// Where the coordinator listens.
@@ -80,12 +81,12 @@ fn is_loopback(endpoint: &str) -> Result<bool, DispatchError> {
     Ok(host == "localhost" || host.parse::<IpAddr>().is_ok_and(|address| address.is_loopback()))
 }
 
-/// Whether a listener asks its clients who they are: a dictionary of users, or certificates on TLS.
+/// Whether a listener asks its clients who they are, on an encrypted line: a dictionary of users or certificates, on TLS.
 fn asks_who(config: &Config, endpoint: &str) -> bool {
     let set = |key: &str| config.get_json(key).is_ok_and(|value| value != "null");
     let users = set("transport/auth/usrpwd/dictionary_file");
     let certificates = config.get_json("transport/link/tls/enable_mtls").is_ok_and(|value| value == "true");
-    users || (certificates && endpoint.starts_with("tls/"))
+    endpoint.starts_with("tls/") && (users || certificates)
 }
 
 #[cfg(test)]
@@ -128,7 +129,9 @@ mod tests {
     #[test]
     fn authentication_opens_other_addresses() {
         let users = r#"{ transport: { auth: { usrpwd: { dictionary_file: "users.txt" } } } }"#;
-        assert!(with_config(users, Some("tcp/0.0.0.0:7447")).is_ok());
+        assert!(with_config(users, Some("tls/0.0.0.0:7447")).is_ok());
+        // Whoever listens on the line could take over what users and workers say.
+        assert!(matches!(with_config(users, Some("tcp/0.0.0.0:7447")), Err(DispatchError::Insecure { .. })));
         let mtls = r#"{ transport: { link: { tls: { enable_mtls: true } } } }"#;
         assert!(with_config(mtls, Some("tls/0.0.0.0:7447")).is_ok());
         assert!(matches!(with_config(mtls, Some("tcp/0.0.0.0:7447")), Err(DispatchError::Insecure { .. })));

@@ -1,0 +1,240 @@
+//! `coordinator doctor`: everything a worker needs of a coordinator, tried one after the other from this machine.
+
+use super::error::CommandError;
+use super::output::{print, to_json};
+use super::status::explained;
+use clap::Args;
+use common::wire::{Claim, Status, WireError, WorkerId};
+use coordinator::dispatch::{VisitError, Visitor, clock_ms};
+use serde::Serialize;
+use std::fmt::Write;
+use std::net::{SocketAddr, TcpStream, ToSocketAddrs};
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+/// Shown below `coordinator doctor --help`.
+pub const EXAMPLES: &str = "\
+To be run where a worker is to run, with the worker's own --config. Tried are: name, reachability, session (TLS, user and
+password), claim (somebody answers, access control, version), status, clock, liveliness. One line each, `ok` or `failed`
+with what to do; what cannot be tried after a failure is left out.
+
+Examples:
+  coordinator doctor tcp/192.168.1.20:7447
+  coordinator doctor tls/coordinator.example:7447 --config /etc/hingewise/zenoh-tls.json5
+
+Exit codes: 0 all is well, 1 something failed, 2 bad input.";
+
+/// Longest wait for one thing.
+const PATIENCE: Duration = Duration::from_secs(3);
+/// Difference of clocks from which certificates and logs of two machines no longer fit together [s].
+const CLOCKS: f64 = 30.0;
+
+/// Whom to look at.
+#[derive(Debug, Clone, Args)]
+pub struct DoctorArguments {
+    /// Where the coordinator listens, e.g. tcp/192.168.1.20:7447
+    pub endpoint: String,
+    /// Zenoh configuration (JSON5) of the worker that is to connect
+    #[arg(long, value_name = "ZENOH.json5")]
+    pub config: Option<PathBuf>,
+}
+
+/// What came of one check.
+#[derive(Debug, Serialize)]
+struct Finding {
+    check: &'static str,
+    ok: bool,
+    says: String,
+}
+
+/// The findings so far; `Err` ends the examination.
+#[derive(Default)]
+struct Findings(Vec<Finding>);
+
+impl Findings {
+    /// Notes what came of a check, and passes its value on.
+    fn note<T>(&mut self, check: &'static str, found: Result<(T, String), String>) -> Option<T> {
+        let (ok, says, value) = match found {
+            Ok((value, says)) => (true, says, Some(value)),
+            Err(says) => (false, says, None),
+        };
+        self.0.push(Finding { check, ok, says });
+        value
+    }
+}
+
+/// Runs the command.
+pub fn doctor(arguments: &DoctorArguments, as_json: bool) -> Result<(), CommandError> {
+    let (host, port) = host_and_port(&arguments.endpoint)?;
+    let mut findings = Findings::default();
+    examine(&mut findings, arguments, host, port)?;
+    let findings = findings.0;
+    print(&if as_json { to_json(&findings)? } else { lines(&findings) })?;
+    let failed = findings.iter().filter(|finding| !finding.ok).count();
+    if failed == 0 { Ok(()) } else { Err(CommandError::Unhealthy { failed, tried: findings.len() }) }
+}
+
+fn lines(findings: &[Finding]) -> String {
+    findings.iter().fold(String::new(), |mut text, Finding { check, ok, says }| {
+        // Writing to a String cannot fail.
+        let _ = writeln!(text, "{:6}  {check:10}  {says}", if *ok { "ok" } else { "failed" });
+        text
+    })
+}
+
+/// Host and port of `tcp/HOST:PORT` or `tls/HOST:PORT`.
+fn host_and_port(endpoint: &str) -> Result<(&str, u16), CommandError> {
+    let parts = || {
+        let (protocol, address) = endpoint.split_once('/')?;
+        let (host, port) = address.split(['?', '#']).next()?.rsplit_once(':')?;
+        let host = host.trim_start_matches('[').trim_end_matches(']');
+        let port = port.parse().ok()?;
+        (["tcp", "tls"].contains(&protocol) && !host.is_empty()).then_some((host, port))
+    };
+    parts().ok_or_else(|| {
+        let reason = "not an endpoint of the kind PROTOCOL/HOST:PORT".to_owned();
+        VisitError::Endpoint { endpoint: endpoint.to_owned(), reason }.into()
+    })
+}
+
+/// Each thing a worker needs, until one fails on which the others rest.
+fn examine(
+    findings: &mut Findings,
+    arguments: &DoctorArguments,
+    host: &str,
+    port: u16,
+) -> Result<(), CommandError> {
+    let Some(addresses) = findings.note("name", resolve(host, port)) else { return Ok(()) };
+    if findings.note("reach", reach(&addresses)).is_none() {
+        return Ok(());
+    }
+    let begun = Instant::now();
+    let visitor = match Visitor::open(&arguments.endpoint, arguments.config.as_deref()) {
+        Err(error) if error.is_bad_input() => return Err(error.into()),
+        opened => opened.map_err(|error| explained(error, begun).to_string()),
+    };
+    let encrypted = if arguments.endpoint.starts_with("tls/") { "encrypted" } else { "not encrypted" };
+    let opened = visitor.map(|visitor| (visitor, format!("open, {encrypted}; we are let in")));
+    let Some(visitor) = findings.note("session", opened) else { return Ok(()) };
+    let worker = WorkerId { name: format!("doctor-{}", std::process::id()), epoch: clock_ms() };
+    if findings.note("claim", claim(&visitor, &worker)).is_none() {
+        return Ok(());
+    }
+    let asked = clock_ms();
+    let Some(status) = findings.note("status", status(&visitor)) else { return Ok(()) };
+    findings.note("clock", clock(&status, asked, clock_ms()));
+    findings.note("liveliness", liveliness(&visitor, &worker));
+    Ok(())
+}
+
+fn resolve(host: &str, port: u16) -> Result<(Vec<SocketAddr>, String), String> {
+    let addresses: Vec<SocketAddr> = (host, port)
+        .to_socket_addrs()
+        .map_err(|error| {
+            format!("this machine does not know the host {host} ({error}): check its name, DNS or /etc/hosts")
+        })?
+        .collect();
+    let list: Vec<String> = addresses.iter().map(|address| address.ip().to_string()).collect();
+    Ok((addresses, format!("{host} is {}", list.join(", "))))
+}
+
+fn reach(addresses: &[SocketAddr]) -> Result<((), String), String> {
+    let mut last = "it has no address".to_owned();
+    for address in addresses {
+        let begun = Instant::now();
+        match TcpStream::connect_timeout(address, PATIENCE) {
+            Ok(_) => {
+                let took = begun.elapsed().as_secs_f64() * 1e3;
+                return Ok(((), format!("something listens at {address}, {took:.1} ms away")));
+            }
+            Err(error) => last = format!("{address}: {error}"),
+        }
+    }
+    Err(format!(
+        "{last}: is the coordinator running with this --listen (0.0.0.0 or this address, not 127.0.0.1), and does every \
+         firewall between let the port through?"
+    ))
+}
+
+/// A claim of a worker that wants nothing: it disturbs nobody, and needs all that a real one needs.
+fn claim(visitor: &Visitor, worker: &WorkerId) -> Result<((), String), String> {
+    let claim = Claim {
+        worker: worker.clone(),
+        sequence: 1,
+        slots: 0,
+        credits: 0,
+        holding: vec![],
+        finished: vec![],
+        leaving: false,
+    };
+    let begun = Instant::now();
+    match visitor.claim(&claim, PATIENCE) {
+        Ok(_) => {
+            let took = begun.elapsed().as_secs_f64() * 1e3;
+            Ok(((), format!("a coordinator of the same protocol version answers within {took:.1} ms")))
+        }
+        Err(VisitError::Answer { fault: WireError::OtherVersion { theirs, ours }, .. }) => Err(format!(
+            "the coordinator speaks protocol version {theirs}, this program version {ours}: use the same version of the \
+             program on both sides"
+        )),
+        Err(error) => Err(error.to_string()),
+    }
+}
+
+fn status(visitor: &Visitor) -> Result<(Status, String), String> {
+    let status = visitor.status(PATIENCE).map_err(|error| format!("{error}; workers can do without"))?;
+    let (program, scene) = (&status.program, &status.study.scene);
+    let says = format!("Hingewise {program}, study of {scene}, {} workers", status.farm.workers.len());
+    Ok((status, says))
+}
+
+/// The coordinator's clock was read between two readings of this one [ms].
+fn clock(status: &Status, asked: u64, answered: u64) -> Result<((), String), String> {
+    let middle = (asked as f64 + answered as f64) / 2.0;
+    let doubt = (answered as f64 - asked as f64) / 2e3;
+    let ahead = (status.clock_ms as f64 - middle) / 1e3;
+    let says = format!("the coordinator's clock is {ahead:+.3} s from this one, within {doubt:.3} s");
+    if ahead.abs() <= CLOCKS {
+        Ok(((), says))
+    } else {
+        Err(format!("{says}: set both by NTP, certificates depend on it"))
+    }
+}
+
+/// Whether the coordinator sees that a worker lives: without that it gives it no task.
+fn liveliness(visitor: &Visitor, worker: &WorkerId) -> Result<((), String), String> {
+    let _life = visitor.live(worker).map_err(|error| error.to_string())?;
+    let begun = Instant::now();
+    while begun.elapsed() < PATIENCE {
+        let status = visitor.status(PATIENCE).map_err(|error| error.to_string())?;
+        if status.farm.workers.iter().any(|seen| seen.name == worker.name) {
+            return Ok(((), "the coordinator sees that we live; a worker would get tasks".to_owned()));
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    Err("the coordinator does not see that we live, so a worker would get no task: its access_control must allow \
+         liveliness_token on hingewise/alive/*/*"
+        .to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn endpoints_are_read_or_refused() {
+        assert_eq!(host_and_port("tcp/192.168.1.20:7447").unwrap(), ("192.168.1.20", 7447));
+        assert_eq!(host_and_port("tls/[::1]:7#iface=lo").unwrap(), ("::1", 7));
+        for slip in ["localhost:7447", "tcp/localhost", "udp/localhost:7447", "tcp/:7447", "tcp/a:70000"] {
+            assert_eq!(host_and_port(slip).unwrap_err().exit_code(), 2, "{slip}");
+        }
+    }
+
+    #[test]
+    fn clocks_are_compared_in_the_middle_of_the_question() {
+        let status = |clock_ms| Status { clock_ms, ..Status::default() };
+        let (_, says) = clock(&status(1_000_150), 1_000_000, 1_000_200).unwrap();
+        assert!(says.contains("+0.050 s from this one, within 0.100 s"), "{says}");
+        assert!(clock(&status(1_060_000), 1_000_000, 1_000_200).unwrap_err().contains("NTP"));
+    }
+}

@@ -1,0 +1,195 @@
+//! The files of `deploy/`, as tests use them: certificates made by its script, Zenoh's settings with paths that exist here,
+//! and the programs as processes.
+
+use crate::{program, skipped};
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::time::Duration;
+use zenoh::{Config, Session, Wait};
+
+/// The top of the repository.
+pub fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("tests lie in the workspace").to_path_buf()
+}
+
+/// Text of a file of `deploy/`.
+pub fn deployed(name: &str) -> String {
+    std::fs::read_to_string(root().join("deploy").join(name)).expect("the file is there")
+}
+
+/// What a program that may not be installed says; `None`, and a word about it, if it is not.
+pub fn if_installed(what: &str, command: &mut Command) -> Option<Output> {
+    match command.output() {
+        Ok(output) => Some(output),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            skipped(what, &format!("{} is not installed", command.get_program().display()));
+            None
+        }
+        Err(error) => panic!("{command:?}: {error}"),
+    }
+}
+
+/// Whether certificates can be made here; says so if not.
+pub fn has_openssl(what: &str) -> bool {
+    if_installed(what, Command::new("openssl").arg("version")).is_some()
+}
+
+/// Runs `certificates.sh` for `host` (or `worker:NAME`); the folder of its files.
+pub fn certificates(folder: &Path, host: &str) -> PathBuf {
+    let mut script = Command::new("bash");
+    script.arg(root().join("deploy/certificates.sh")).arg(folder).arg(host);
+    let output = script.output().expect("bash starts");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let own = folder.join(host.trim_start_matches("worker:"));
+    assert_eq!(String::from_utf8_lossy(&output.stdout).trim_end(), own.to_str().expect("a plain path"));
+    own
+}
+
+/// A Zenoh configuration of `deploy/` with the certificates and users in `own`, in a file there.
+pub fn configuration(name: &str, own: &Path) -> PathBuf {
+    changed_configuration(name, own, &[])
+}
+
+/// [`configuration`] with pieces of its text replaced, each of which must be there.
+pub fn changed_configuration(name: &str, own: &Path, changes: &[(&str, &str)]) -> PathBuf {
+    let mut text = deployed(name);
+    let here = own.to_str().expect("a plain path");
+    assert!(text.contains("\"/etc/hingewise/tls/"));
+    text = text
+        .replace("/etc/hingewise/tls", here)
+        .replace("/etc/hingewise/users.txt", &format!("{here}/users.txt"));
+    for (from, to) in changes {
+        assert!(text.contains(from), "{name} has no {from}");
+        text = text.replace(from, to);
+    }
+    let file = own.join(name);
+    std::fs::write(&file, text).expect("the folder is there");
+    file
+}
+
+/// The only host name in certificates of tests that can be connected to.
+pub const HOST: &str = "127.0.0.1";
+
+/// Names in `zenoh-tls-coordinator.json5` of those who may work.
+pub const NAMED: &str = "\"coordinator.example\", \"worker-1.example\", \"worker-2.example\"";
+
+/// Users of a coordinator with passwords, and its certificate; the folder.
+pub fn with_users(folder: &Path) -> PathBuf {
+    let own = certificates(folder, HOST);
+    std::fs::write(
+        own.join("users.txt"),
+        "local:change-me-too\nworker:change-me\nlooker:look\nvisitor:visit\n",
+    )
+    .unwrap();
+    own
+}
+
+/// The settings of a user.
+pub fn user(own: &Path, name: &str, password: &str) -> PathBuf {
+    let folder = own.join(format!("{name}-{password}"));
+    std::fs::create_dir_all(&folder).expect("it can be made");
+    std::fs::copy(own.join("ca.pem"), folder.join("ca.pem")).expect("it is there");
+    let (name, password) = (format!("user: \"{name}\""), format!("password: \"{password}\""));
+    let changes = [("user: \"worker\"", name.as_str()), ("password: \"change-me\"", password.as_str())];
+    changed_configuration("zenoh-password-worker.json5", &folder, &changes)
+}
+
+/// A session that speaks no protocol of ours.
+pub fn session(config: &Path, endpoint: &str) -> Session {
+    let mut settings = Config::from_file(config).expect("the configuration is sound");
+    for (key, value) in [
+        ("mode", "\"client\""),
+        ("scouting/multicast/enabled", "false"),
+        ("scouting/gossip/enabled", "false"),
+        ("listen/endpoints", "[]"),
+        ("connect/endpoints", &format!("[\"{endpoint}\"]")),
+    ] {
+        settings.insert_json5(key, value).expect("the key exists");
+    }
+    zenoh::open(settings).wait().expect("somebody listens there")
+}
+
+/// The four-bar with a study of so many evaluations.
+pub fn small_scene(evaluations: usize) -> String {
+    let scene = std::fs::read_to_string(root().join("common/scenes/four-bar.toml")).expect("it is built in");
+    let (before, _) = scene.split_once("[study]").expect("it has a study");
+    let (_, variables) = scene.split_once("seed = 1\n").expect("it has a seed");
+    let study = format!(
+        "[study]\npopulation = 1000\ninitial = 8\nbatch = 4\nmax_evaluations = {evaluations}\nseed = 1\n"
+    );
+    format!("{before}{study}{variables}")
+}
+
+/// Ends a process with the test, however it ends.
+pub struct Process(pub Child);
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        // It may have ended already.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// A program of the workspace at work, and what it says on standard error.
+pub struct Talking {
+    process: Process,
+    said: Arc<(Mutex<String>, Condvar)>,
+}
+
+/// Longest wait for a word: only a defect waits so long.
+const PATIENCE: Duration = Duration::from_secs(25);
+
+impl Talking {
+    /// Starts a program; its standard output is not kept.
+    pub fn start(name: &str, arguments: &[&str]) -> Self {
+        Self::listen(Command::new(program(name)).args(arguments))
+    }
+
+    /// Starts a command; its standard output is not kept.
+    pub fn listen(command: &mut Command) -> Self {
+        command.stdout(Stdio::null()).stderr(Stdio::piped()).env_remove("RUST_LOG");
+        let mut child = command.spawn().expect("the program starts");
+        let lines = BufReader::new(child.stderr.take().expect("it is piped")).lines();
+        let said = Arc::new((Mutex::new(String::new()), Condvar::new()));
+        let heard = Arc::clone(&said);
+        std::thread::spawn(move || {
+            for line in lines.map_while(Result::ok) {
+                let mut text = heard.0.lock().unwrap_or_else(PoisonError::into_inner);
+                text.push_str(&line);
+                text.push('\n');
+                heard.1.notify_all();
+            }
+        });
+        Talking { process: Process(child), said }
+    }
+
+    /// Everything it has said.
+    pub fn said(&self) -> String {
+        self.said.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Waits until it says a line that contains `part`; what stands behind that in the line.
+    pub fn hear(&self, part: &str) -> String {
+        let found =
+            |said: &str| said.lines().find_map(|line| line.split_once(part)).map(|(_, rest)| rest.to_owned());
+        let (text, changed) = &*self.said;
+        let text = text.lock().unwrap_or_else(PoisonError::into_inner);
+        let (text, _) = changed
+            .wait_timeout_while(text, PATIENCE, |said| found(said).is_none())
+            .unwrap_or_else(PoisonError::into_inner);
+        found(&text).unwrap_or_else(|| panic!("it does not say \"{part}\" but:\n{text}"))
+    }
+
+    /// Waits for its end; its exit code.
+    pub fn end(&mut self) -> Option<i32> {
+        self.process.0.wait().expect("it can be waited for").code()
+    }
+
+    /// Its process.
+    pub fn id(&self) -> u32 {
+        self.process.0.id()
+    }
+}

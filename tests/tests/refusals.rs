@@ -1,0 +1,155 @@
+//! What both sides say of a connection or a worker that is refused.
+
+use common::wire::{self, Notice, PROTOCOL_VERSION, keys};
+use std::path::Path;
+use tests::deployed::{
+    HOST, NAMED, Talking, certificates, changed_configuration, configuration, has_openssl, session, user,
+    with_users,
+};
+use tests::{PATIENCE, in_time};
+use zenoh::Wait;
+
+/// A coordinator as a process, and the endpoint under which it says that it waits.
+fn talking(folder: &Path, name: &str, endpoint: &str, config: Option<&Path>) -> (Talking, String) {
+    let out = folder.join(name);
+    let mut arguments = vec!["run", "--scene", "four-bar", "--workers", "0", "--listen", endpoint, "--out"];
+    arguments.push(out.to_str().unwrap());
+    if let Some(config) = config {
+        arguments.extend(["--config", config.to_str().unwrap()]);
+    }
+    let coordinator = Talking::start("coordinator", &arguments);
+    let endpoint = coordinator.hear("waiting for workers: worker --connect ");
+    (coordinator, endpoint)
+}
+
+/// Workers that are refused, with what they and the coordinator say.
+fn refused(coordinator: &(Talking, String), cases: &[(&Path, &str, &str, &str)]) {
+    let (listening, endpoint) = coordinator;
+    let workers: Vec<Talking> = cases
+        .iter()
+        .map(|(config, protocol, ..)| {
+            let endpoint =
+                format!("{protocol}{}", endpoint.trim_start_matches("tls").trim_start_matches("tcp"));
+            let config = config.to_str().unwrap();
+            let arguments =
+                ["--connect", &endpoint, "--slots", "1", "--give-up-after", "2", "--config", config];
+            Talking::start("worker", &arguments)
+        })
+        .collect();
+    for (mut worker, (_, _, worker_says, coordinator_says)) in workers.into_iter().zip(cases) {
+        let end = worker.hear("worker: no coordinator answered at ");
+        assert!(end.contains(worker_says), "no \"{worker_says}\" in: {end}");
+        assert_eq!(worker.end(), Some(1));
+        if !coordinator_says.is_empty() {
+            listening.hear(coordinator_says);
+        }
+    }
+}
+
+#[test]
+fn refusals_are_explained_on_both_sides() {
+    if !has_openssl("refusals of TLS") {
+        return;
+    }
+    in_time(|| {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path();
+        let own = certificates(&path.join("ours"), HOST);
+        let other_name = certificates(&path.join("ours"), "other.example");
+        let visitor = certificates(&path.join("ours"), "worker:visitor.example");
+        let theirs = certificates(&path.join("theirs"), HOST);
+        let mixed = certificates(&path.join("mixed"), HOST);
+        std::fs::copy(own.join("ca.pem"), mixed.join("ca.pem")).unwrap();
+        let tls = |own: &Path| configuration("zenoh-tls.json5", own);
+        let users = with_users(&path.join("users"));
+        let no_certificate = user(&own, "worker", "change-me");
+        let plain = path.join("plain.json5");
+        std::fs::write(&plain, "{}").unwrap();
+        let dictionary = configuration("zenoh-password-coordinator.json5", &users);
+
+        let mutual = talking(path, "mutual", "tls/127.0.0.1:0", Some(&tls(&own)));
+        let named = talking(path, "named", "tls/127.0.0.1:0", Some(&tls(&other_name)));
+        let password = talking(path, "password", "tls/127.0.0.1:0", Some(&dictionary));
+        let denying = changed_configuration("zenoh-tls-coordinator.json5", &own, &[(NAMED, "\"127.0.0.1\"")]);
+        let denying = talking(path, "denying", "tls/127.0.0.1:0", Some(&denying));
+        let open = talking(path, "open", "tcp/127.0.0.1:0", None);
+
+        refused(
+            &mutual,
+            &[
+                (
+                    &tls(&theirs),
+                    "tls",
+                    "signed by another authority than root_ca_certificate",
+                    "its authority is another one",
+                ),
+                (
+                    &tls(&mixed),
+                    "tls",
+                    "does not accept our certificate",
+                    "its certificate was signed by another authority",
+                ),
+                (
+                    &no_certificate,
+                    "tls",
+                    "asks for a certificate and --config shows none",
+                    "it showed no certificate",
+                ),
+                (&plain, "tcp", "does the coordinator listen with tls/", "it does not speak TLS"),
+            ],
+        );
+        refused(
+            &named,
+            &[(
+                &tls(&own),
+                "tls",
+                "certificate is for another name",
+                "the name it connects to does not stand in it",
+            )],
+        );
+        let nobody = path.join("nobody");
+        std::fs::create_dir_all(&nobody).unwrap();
+        std::fs::copy(users.join("ca.pem"), nobody.join("ca.pem")).unwrap();
+        let no_user = [("user: \"worker\",", ""), ("password: \"change-me\",", "")];
+        let no_user = changed_configuration("zenoh-password-worker.json5", &nobody, &no_user);
+        let says = "refuses our user and password";
+        refused(
+            &password,
+            &[
+                (&user(&users, "worker", "guess"), "tls", says, "it gave a wrong password"),
+                (
+                    &user(&users, "guest", "guess"),
+                    "tls",
+                    says,
+                    "it gave a user that is not in the dictionary",
+                ),
+                (&no_user, "tls", says, "it gave no user and password"),
+            ],
+        );
+        // Let in by the authority, and then heard by nobody: the registration comes to an end that says so.
+        refused(
+            &denying,
+            &[(&tls(&visitor), "tls", "access_control does not let us ask", "connected without access")],
+        );
+        refused(&open, &[(&tls(&own), "tls", "tls/ where the coordinator listens with tcp/", "")]);
+    });
+}
+
+/// The version stands in every frame: what the worker says of another one, and the coordinator of it, is told in words.
+#[test]
+fn another_version_is_named_on_both_sides() {
+    in_time(|| {
+        let folder = tempfile::tempdir().unwrap();
+        let (coordinator, endpoint) = talking(folder.path(), "study", "tcp/127.0.0.1:0", None);
+        let plain = folder.path().join("plain.json5");
+        std::fs::write(&plain, "{}").unwrap();
+        let newer = session(&plain, &endpoint);
+        let mut frame = wire::encode(&Notice::Ended { campaign: 1 }).unwrap();
+        frame[4..6].copy_from_slice(&(PROTOCOL_VERSION + 1).to_le_bytes());
+        let replies =
+            newer.get(format!("{}?worker=newer", keys::CLAIM)).payload(frame).timeout(PATIENCE).wait();
+        assert!(replies.unwrap().recv().unwrap().result().is_ok());
+        let says = format!("worker newer is refused: it speaks protocol version {}", PROTOCOL_VERSION + 1);
+        coordinator.hear(&says);
+    });
+}
