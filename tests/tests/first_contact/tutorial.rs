@@ -26,7 +26,12 @@ fn commands() -> Vec<&'static str> {
 pub fn followed() -> &'static Path {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
     FOLDER.get_or_init(|| {
-        let folder = tempfile::tempdir().expect("a folder").keep();
+        // Nothing static is ever dropped: a folder of the build's own, emptied at the next time.
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("tutorial");
+        if folder.exists() {
+            std::fs::remove_dir_all(&folder).expect("the folder of the last time goes");
+        }
+        std::fs::create_dir_all(&folder).expect("a folder");
         let programs = program("coordinator").parent().expect("a folder").to_path_buf();
         let path = std::env::var_os("PATH").unwrap_or_default();
         let path = std::env::join_paths(std::iter::once(programs).chain(std::env::split_paths(&path)));
