@@ -63,13 +63,14 @@ const COMMON: [&str; 7] = ["random", "scene", "accuracy", "failure", "outputs", 
 const LONGEST: usize = 400;
 
 /// Crates that only the named places of a crate's sources may use.
-const KEPT_TO: [(&str, &str, &[&str]); 10] = [
+const KEPT_TO: [(&str, &str, &[&str]); 11] = [
     ("zenoh", "worker", &["service/link.rs"]),
     ("zenoh", "coordinator", &["dispatch/transport/"]),
     ("bincode", "common", &["wire/codec.rs"]),
     ("rusqlite", "coordinator", &["store/"]),
     ("worker", "coordinator", &["cli/", "main.rs"]),
     ("rustix", "coordinator", &["evaluate/process.rs"]),
+    ("rustix", "worker", &["service/slots.rs"]),
     ("ureq", "coordinator", &["evaluate/umbridge.rs"]),
     ("axum", "worker", &["umbridge/"]),
     ("clap", "coordinator", &["cli/"]),

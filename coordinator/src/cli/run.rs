@@ -47,7 +47,7 @@ pub fn run(arguments: &RunArguments, talk: Talk) -> Result<(), CommandError> {
         version: env!("CARGO_PKG_VERSION").to_owned(),
     };
     // An address that cannot be listened on must not leave a folder behind that holds a study.
-    let ready = Ready::to_study(&source, || announced(&source, &options), &arguments.farm)?;
+    let ready = Ready::to_study(&source, || announced(&source, &options, false), &arguments.farm)?;
     let campaign = CampaignFile::create(&dir, &meta, scene)?;
     if !talk.quiet {
         eprintln!("results go to {}", dir.display());
@@ -73,7 +73,7 @@ pub fn resume(arguments: &ResumeArguments, talk: Talk) -> Result<(), CommandErro
     if !talk.quiet {
         eprintln!("{} evaluations are done already", campaign.count()?);
     }
-    let ready = Ready::to_study(&source, || announced(&source, &options), &arguments.farm)?;
+    let ready = Ready::to_study(&source, || announced(&source, &options, true), &arguments.farm)?;
     study(campaign, &source, &options, ready.hire(&arguments.farm)?, talk)
 }
 
@@ -105,7 +105,7 @@ fn study(
 }
 
 /// What workers are told. A study has the same number whenever it is resumed.
-fn announced(source: &SceneSource, options: &StudyOptions) -> Result<Campaign, CommandError> {
+fn announced(source: &SceneSource, options: &StudyOptions, resumed: bool) -> Result<Campaign, CommandError> {
     let settings = serde_json::to_string(options)?;
     let digest = common::scene::source::digest(&format!("{settings}\n{}", source.text()));
     Ok(Campaign {
@@ -114,6 +114,7 @@ fn announced(source: &SceneSource, options: &StudyOptions) -> Result<Campaign, C
         scene: source.text().to_owned(),
         accuracy: options.accuracy.setting.accuracy,
         accuracy_name: options.accuracy.setting.name.clone(),
+        resumed,
     })
 }
 

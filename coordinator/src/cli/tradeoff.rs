@@ -69,6 +69,7 @@ fn announced(source: &SceneSource, plan: &Plan) -> Campaign {
         scene: source.text().to_owned(),
         accuracy,
         accuracy_name: "tradeoff".into(),
+        resumed: false,
     }
 }
 

@@ -29,8 +29,8 @@ pub(super) enum Input {
     Liveness(WorkerId, bool),
     /// The study asks for these; outcomes go to the sender.
     Submit(Vec<Request>, Sender<Delivery>),
-    /// An outcome is durable.
-    Recorded(u64),
+    /// Outcomes are durable.
+    Recorded(Vec<u64>),
     /// The study does not want the rest.
     Cancel,
     /// The campaign has ended.
@@ -80,14 +80,10 @@ impl Attendance {
         !waited.unwrap_or_else(PoisonError::into_inner).1.timed_out()
     }
 
-    fn set<'a>(&self, workers: impl Iterator<Item = (&'a WorkerId, u32)> + Clone) {
-        let mut seen = self.workers();
-        // Asked after every message, so it must cost nothing while nothing changes.
-        let known = seen.iter().map(|worker| (worker.name.as_str(), worker.slots));
-        if !known.eq(workers.clone().map(|(id, slots)| (id.name.as_str(), slots))) {
-            *seen = workers.map(|(id, slots)| ConnectedWorker { name: id.name.clone(), slots }).collect();
-            self.changed.notify_all();
-        }
+    fn set<'a>(&self, workers: impl Iterator<Item = (&'a WorkerId, u32)>) {
+        *self.workers() =
+            workers.map(|(id, slots)| ConnectedWorker { name: id.name.clone(), slots }).collect();
+        self.changed.notify_all();
     }
 }
 
@@ -125,6 +121,8 @@ pub(super) struct Desk {
     deliveries: Option<Sender<Delivery>>,
     refused: BTreeSet<(String, u16)>,
     garbage: u64,
+    /// State of the attendance that was passed on.
+    attended: u64,
 }
 
 impl Desk {
@@ -148,6 +146,7 @@ impl Desk {
             deliveries: None,
             refused: BTreeSet::new(),
             garbage: 0,
+            attended: 0,
         }
     }
 
@@ -187,7 +186,9 @@ impl Desk {
                 self.deliveries = Some(deliveries);
                 self.event(Event::Submit(requests));
             }
-            Input::Recorded(task) => self.event(Event::Recorded { task }),
+            Input::Recorded(tasks) => {
+                tasks.into_iter().for_each(|task| self.event(Event::Recorded { task }));
+            }
             Input::Cancel => {
                 self.deliveries = None;
                 self.event(Event::Cancel);
@@ -195,7 +196,11 @@ impl Desk {
             Input::Finish => self.event(Event::Finish),
             Input::Close => {}
         }
-        self.attendance.set(self.scheduler.workers());
+        // Asked after every message, so it must cost nothing while nothing changes.
+        if self.attended != self.scheduler.changes() {
+            self.attended = self.scheduler.changes();
+            self.attendance.set(self.scheduler.workers());
+        }
     }
 
     fn take_claim(&mut self, asker: Asker) {
