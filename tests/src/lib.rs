@@ -2,6 +2,11 @@
 //! end.
 
 pub mod command_line;
+pub mod faults;
+pub mod journaled;
+pub mod practice_study;
+pub mod process;
+pub mod simulated_farm;
 
 use common::accuracy::{Accuracy, Tier};
 use common::failure::SimulationFailure;

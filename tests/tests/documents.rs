@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use tests::command_line::{objection, words};
 use tests::program;
 
-const DOCUMENTS: [&str; 10] = [
+const DOCUMENTS: [&str; 11] = [
     "README.md",
     "deploy/README.md",
+    "coordinator/doc/farm.md",
     "coordinator/doc/reliability.md",
     "coordinator/doc/scenes.md",
     "coordinator/doc/simulators.md",
@@ -93,6 +94,11 @@ fn ours(line: &str) -> Option<(PathBuf, Vec<String>)> {
     if words.starts_with(&["cargo".into(), "run".into()]) {
         let package = words.iter().position(|word| word == "-p").expect("cargo run names a package") + 1;
         assert!(words.iter().any(|word| word == "--release"), "{line}: an unoptimised build takes for ever");
+        if let Some(at) = words.iter().position(|word| word == "--example") {
+            let example = format!("{}/examples/{}.rs", words[package], words[at + 1]);
+            assert!(root().join(&example).exists(), "{line}: {example} does not exist");
+            return None;
+        }
         let own = words.iter().position(|word| word == "--").map_or(words.len(), |at| at + 1);
         return Some((program(&words[package].clone()), words.split_off(own)));
     }

@@ -64,24 +64,29 @@ pub struct ConnectedWorker {
 
 /// Who is connected, as last seen by the desk.
 #[derive(Debug, Default)]
-pub(super) struct Attendance {
+pub struct Attendance {
     workers: Mutex<Vec<ConnectedWorker>>,
     changed: Condvar,
 }
 
 impl Attendance {
-    pub fn workers(&self) -> MutexGuard<'_, Vec<ConnectedWorker>> {
+    /// Workers that are connected now.
+    pub fn workers(&self) -> Vec<ConnectedWorker> {
+        self.seen().clone()
+    }
+
+    fn seen(&self) -> MutexGuard<'_, Vec<ConnectedWorker>> {
         self.workers.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Waits until `enough` is true; false if it did not become so in time.
     pub fn wait_for(&self, timeout: Duration, mut enough: impl FnMut(&[ConnectedWorker]) -> bool) -> bool {
-        let waited = self.changed.wait_timeout_while(self.workers(), timeout, |workers| !enough(workers));
+        let waited = self.changed.wait_timeout_while(self.seen(), timeout, |workers| !enough(workers));
         !waited.unwrap_or_else(PoisonError::into_inner).1.timed_out()
     }
 
     fn set<'a>(&self, workers: impl Iterator<Item = (&'a WorkerId, u32)>) {
-        *self.workers() =
+        *self.seen() =
             workers.map(|(id, slots)| ConnectedWorker { name: id.name.clone(), slots }).collect();
         self.changed.notify_all();
     }

@@ -116,14 +116,19 @@ impl ZenohEvaluator {
         &self.endpoints
     }
 
+    /// Who is connected, to be looked at from elsewhere.
+    pub fn attendance(&self) -> Arc<Attendance> {
+        Arc::clone(&self.attendance)
+    }
+
     /// Workers that are connected now.
     pub fn workers(&self) -> Vec<ConnectedWorker> {
-        self.attendance.workers().clone()
+        self.attendance.workers()
     }
 
     /// Simulations that can run at once now: the slots of all workers.
     pub fn concurrency(&self) -> u32 {
-        self.attendance.workers().iter().map(|worker| worker.slots).sum()
+        self.workers().iter().map(|worker| worker.slots).sum()
     }
 
     /// Waits until `enough` is true of the connected workers; false if it did not become so in time.

@@ -14,7 +14,7 @@ mod evaluator;
 pub mod scheduler;
 mod transport;
 
-pub use desk::ConnectedWorker;
+pub use desk::{Attendance, ConnectedWorker};
 pub use evaluator::{Campaign, ZenohEvaluator};
 pub use transport::Listen;
 

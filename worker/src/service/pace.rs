@@ -24,12 +24,15 @@ pub(super) struct Pace {
     answer: Option<f64>,
     /// From the beginning of a task to its end.
     latest: VecDeque<Duration>,
+    /// Tasks so far.
+    ended: usize,
 }
 
 impl Pace {
     /// A task took a slot `wall` seconds, and was here for `took`.
     pub fn task_ended(&mut self, wall: f64, took: Duration) {
         self.wall = mean(self.wall, wall);
+        self.ended += 1;
         self.latest.truncate(LOOK_BACK - 1);
         self.latest.push_front(took);
     }
@@ -44,14 +47,16 @@ impl Pace {
         self.latest.iter().max().map(|longest| longest.mul_f64(LONGER))
     }
 
-    /// Tasks that `slots` threads work off while a claim is answered; none where they would hardly wait for it.
+    /// Tasks that `slots` threads work off while a claim is answered; none where they would hardly wait for it, and no
+    /// more than have ended so far, as the next ones may be longer.
     pub fn reserve(&self, slots: usize) -> usize {
-        match (self.wall, self.answer) {
+        let reserve = match (self.wall, self.answer) {
             (Some(wall), Some(answer)) if answer > WAITED * wall => {
                 (slots as f64 * answer / wall.max(f64::MIN_POSITIVE)).ceil().min(MOST_IN_RESERVE) as usize
             }
             _ => 0,
-        }
+        };
+        reserve.min(self.ended)
     }
 }
 
@@ -69,9 +74,11 @@ mod tests {
         assert_eq!(pace.reserve(2), 0, "nothing is known");
         pace.answered(Duration::from_millis(1));
         for (wall, reserve) in [(0.1, 0), (0.01, 1), (1e-3, 2), (2.5e-4, 8), (0.0, 256)] {
-            let pace = Pace { wall: Some(wall), answer: pace.answer, ..Pace::default() };
+            let pace = Pace { wall: Some(wall), answer: pace.answer, ended: 1000, ..Pace::default() };
             assert_eq!(pace.reserve(2), reserve, "{wall} s a task");
         }
+        let new = Pace { wall: Some(0.0), answer: pace.answer, ended: 3, ..Pace::default() };
+        assert_eq!(new.reserve(2), 3, "three ended at once; the next ones may not");
     }
 
     #[test]

@@ -86,10 +86,9 @@ impl Shares {
         state.count_use(now);
         state.begin_to_want(k);
         let mut occupied: Vec<usize> = state.members.iter().map(|member| member.occupied(now)).collect();
-        let asking = |member: &Member| member.asked.is_some_and(|(_, since)| now < since + KEPT_FREE);
-        let takers: Vec<usize> = (0..occupied.len())
-            .filter(|j| *j == k || (state.members[*j].wants && !asking(&state.members[*j])))
-            .collect();
+        // Who has been asked, or is silent, gets nothing beyond that.
+        let takes = |j: &usize| *j == k || (state.members[*j].wants && state.members[*j].asked.is_none());
+        let takers: Vec<usize> = (0..occupied.len()).filter(takes).collect();
         let mut mine = 0;
         for _ in 0..places.saturating_sub(occupied.iter().sum()) {
             let used = |j: &usize| state.members[*j].used;
