@@ -98,7 +98,7 @@ impl PracticeStudy {
         Ok((CampaignFile::create(dir, &meta, &self.scene)?, false))
     }
 
-    /// Runs it to its end: the summary without what may differ, times and who worked; and who worked.
+    /// Runs it to its end: the summary as text, without what may differ, times and who worked; and who worked.
     ///
     /// # Errors
     /// Of the study.
@@ -106,17 +106,17 @@ impl PracticeStudy {
         &self,
         evaluator: &mut dyn Evaluator,
         journal: &mut dyn Journal,
-    ) -> Result<(Value, Vec<String>), StudyError> {
+    ) -> Result<(String, Vec<String>), StudyError> {
         let result = study::run(&self.scene, &self.settings, evaluator, journal, &mut Silent)?;
         let workers = result.summary.workers.iter().map(|share| share.name.clone()).collect();
         let mut answer = serde_json::to_value(&result.summary).expect("a summary is JSON");
         let all = answer.as_object_mut().expect("a summary is an object");
         assert!(all.remove("timing_s").is_some() && all.remove("workers").is_some());
-        Ok((answer, workers))
+        Ok((answer.to_string(), workers))
     }
 
     /// What it comes to on one thread, without messages.
-    pub fn alone(&self) -> Value {
+    pub fn alone(&self) -> String {
         let folder = tempfile::tempdir().expect("there is room for a folder");
         let (mut journal, _) = self.journal(folder.path()).expect("an empty folder takes a campaign");
         let mut evaluator = LocalEvaluator::new(1, |request| evaluation(&request.sample));

@@ -38,6 +38,8 @@ pub struct Plan {
     pub flush: Duration,
     /// One in so many tasks takes its worker with it; 0: none.
     pub deaths: usize,
+    /// Whether idle workers take stragglers too.
+    pub stragglers: bool,
 }
 
 /// What came of it.
@@ -146,9 +148,12 @@ impl World {
             asks: false,
             busy: Duration::ZERO,
         };
+        let usual = Settings::new(CAMPAIGN);
+        let straggler_factor = if plan.stragglers { usual.straggler_factor } else { f64::INFINITY };
+        let settings = Settings { losses_allowed: 100, straggler_factor, ..usual };
         World {
             plan,
-            scheduler: Scheduler::new(Settings { losses_allowed: 100, ..Settings::new(CAMPAIGN) }),
+            scheduler: Scheduler::new(settings),
             now: Duration::ZERO,
             order: 0,
             queue: BinaryHeap::new(),

@@ -13,6 +13,7 @@ const PLAN: Plan = Plan {
     claim_cost: Duration::from_micros(50),
     flush: Duration::from_millis(1),
     deaths: 0,
+    stragglers: true,
 };
 
 #[test]
@@ -24,10 +25,11 @@ fn equal_workers_are_busy_almost_all_the_time() {
 
 #[test]
 fn unequal_workers_end_together() {
-    // Without a second worker for stragglers the slowest would take up to 4 x 7.5 s for its last task.
     let figures = simulate(Plan { spread: 16.0, ..PLAN });
-    assert!(figures.efficiency > 0.9, "{figures:?}");
-    assert!(figures.repeated < PLAN.workers, "{figures:?}");
+    let without = simulate(Plan { spread: 16.0, stragglers: false, ..PLAN });
+    assert!(figures.efficiency_before_tail > 0.99, "{figures:?}");
+    assert!(figures.efficiency > without.efficiency, "{figures:?}, but {without:?}");
+    assert!(figures.repeated < PLAN.workers && without.repeated == 0, "{figures:?}");
 }
 
 #[test]

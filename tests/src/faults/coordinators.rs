@@ -1,6 +1,6 @@
 //! Coordinators that are killed and stalled.
 
-use super::{LONGEST, answer_of, coordinator, free_endpoint, spread, undisturbed, wait_for_records, worker};
+use super::{LONGEST, all_kept, check_end, coordinator, free_endpoint, spread, wait_for_records, worker};
 use crate::practice_study::recorded;
 use crate::process::Process;
 use std::collections::{BTreeMap, BTreeSet};
@@ -36,9 +36,9 @@ pub fn killed_coordinator(kills: usize, away: Duration, samples: usize, takes: D
         let journaled: BTreeSet<&String> = before.iter().map(|(_, mark, _)| mark).collect();
         let repeated = started()[begun..].iter().filter(|mark| journaled.contains(mark)).count();
         assert_eq!(repeated, 0, "evaluations of the campaign file were done again");
-        assert_eq!(recorded(folder.path())[..before.len()], before, "the file has changed");
+        all_kept(folder.path(), &before);
     }
-    assert_eq!(answer_of(&mut process, folder.path(), samples), undisturbed(samples));
+    check_end(&mut process, folder.path(), samples);
     let mut times = BTreeMap::new();
     started().into_iter().for_each(|mark| *times.entry(mark).or_insert(0_usize) += 1);
     let twice: usize = times.values().map(|n| n - 1).sum();
@@ -62,7 +62,7 @@ pub fn stalled_coordinator(stalled: Duration, samples: usize, takes: Duration) -
     std::thread::sleep(stalled);
     let meanwhile = begun(&workers) - before;
     process.signal("CONT");
-    assert_eq!(answer_of(&mut process, folder.path(), samples), undisturbed(samples));
+    check_end(&mut process, folder.path(), samples);
     let twice = begun(&workers) - (samples + 1);
     format!("{meanwhile} tasks were begun meanwhile, then the workers waited; {twice} done twice; same answer")
 }

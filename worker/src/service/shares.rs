@@ -1,5 +1,6 @@
-//! Who of several coordinators may have the next free slot: all that ask have as many under way; where that comes out
-//! even, the one that has had less of the slots' time so far is first. What one does not use the others have.
+//! Who of several coordinators may have the next free place: the one that, with what it has under way, has had least of
+//! the slots' time. So all that ask have as many tasks under way, and over time as much time. What one does not use the
+//! others have.
 
 use super::inbox::Inbox;
 use std::sync::mpsc::Sender;
@@ -33,6 +34,8 @@ impl Member {
 struct State {
     members: Vec<Member>,
     counted_until: Instant,
+    /// Tasks that have ended.
+    ended: usize,
     /// When the last task ended, unless there is one.
     idle_since: Instant,
 }
@@ -42,6 +45,12 @@ impl State {
         let past = now.saturating_duration_since(self.counted_until).as_secs_f64();
         self.members.iter_mut().for_each(|member| member.used += past * member.tasks as f64);
         self.counted_until = now;
+    }
+
+    /// What a task takes on average [s].
+    fn usual(&self) -> f64 {
+        let used: f64 = self.members.iter().map(|member| member.used).sum();
+        (used / self.ended.max(1) as f64).max(f64::MIN_POSITIVE)
     }
 
     /// Wakes those that would take what another one leaves.
@@ -76,7 +85,7 @@ impl Shares {
         let member = |inbox| Member { inbox, tasks: 0, asked: None, wants: false, used: 0.0 };
         let now = Instant::now();
         let members = inboxes.into_iter().map(member).collect();
-        Self(Mutex::new(State { members, counted_until: now, idle_since: now }))
+        Self(Mutex::new(State { members, counted_until: now, ended: 0, idle_since: now }))
     }
 
     /// How many tasks coordinator `k` may be asked for, of `places` for tasks in all. It is one of those that want some
@@ -89,13 +98,10 @@ impl Shares {
         // Who has been asked, or is silent, gets nothing beyond that.
         let takes = |j: &usize| *j == k || (state.members[*j].wants && state.members[*j].asked.is_none());
         let takers: Vec<usize> = (0..occupied.len()).filter(takes).collect();
-        let mut mine = 0;
+        let (usual, mut mine) = (state.usual(), 0);
         for _ in 0..places.saturating_sub(occupied.iter().sum()) {
-            let used = |j: &usize| state.members[*j].used;
-            let first = |a: &&usize, b: &&usize| {
-                occupied[**a].cmp(&occupied[**b]).then(used(a).total_cmp(&used(b)))
-            };
-            let Some(&taker) = takers.iter().min_by(first) else { break };
+            let has = |j: &usize| state.members[*j].used + usual * occupied[*j] as f64;
+            let Some(&taker) = takers.iter().min_by(|a, b| has(a).total_cmp(&has(b))) else { break };
             occupied[taker] += 1;
             mine += usize::from(taker == k);
         }
@@ -131,6 +137,7 @@ impl Shares {
         let mut state = self.state();
         state.count_use(now);
         state.members[k].tasks = state.members[k].tasks.saturating_sub(tasks);
+        state.ended += tasks;
         state.idle_since = now;
         state.tell_others(k);
     }
