@@ -302,10 +302,13 @@ impl Claims {
     }
 
     fn claim_if_due(&mut self, now: Instant) -> Result<(), ServiceError> {
-        if self.under_way.is_some() || self.silent_until > now {
+        if self.under_way.is_some() {
             return Ok(());
         }
         let credits = self.credits(now);
+        if self.silent_until > now {
+            return Ok(());
+        }
         let leaving = self.leaving_since.is_some();
         let tells = (leaving && !self.said_farewell) || self.handed_back;
         if credits == 0 && !tells && self.held.next_due().is_none_or(|due| due > now) {
