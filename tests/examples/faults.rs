@@ -19,9 +19,7 @@ const FAULTS: [Fault; 7] = [
     ("coordinator stalled for 10 s", || Some(faults::stalled_coordinator(10 * SECOND, 90, SECOND / 4))),
     ("slow disk, 0.2 s a write", || Some(faults::slow_disk(SECOND / 5, 2000))),
     ("full disk", || faults::full_disk(400, SECOND / 100)),
-    ("network cut for 6 s and for 20 s", || {
-        faults::cut_network(&[6 * SECOND, 20 * SECOND], 400, SECOND / 5)
-    }),
+    ("network cut for 6 s and for 20 s", || faults::cut_network(&[6 * SECOND, 20 * SECOND], 400, SECOND / 5)),
 ];
 
 fn main() {

@@ -89,7 +89,13 @@ pub fn campaign() -> Campaign {
         warm_up: 0.5,
         tier: Tier::Dynamic,
     };
-    Campaign { id: 17, scene: "name = \"practice\"".into(), accuracy, accuracy_name: "draft".into(), resumed: false }
+    Campaign {
+        id: 17,
+        scene: "name = \"practice\"".into(),
+        accuracy,
+        accuracy_name: "draft".into(),
+        resumed: false,
+    }
 }
 
 /// A coordinator on a free loopback port.

@@ -135,9 +135,7 @@ pub fn recorded(dir: &Path) -> Vec<(i64, String, String)> {
             "SELECT e.id, i.wear_coefficient, e.finished_at
              FROM evaluation AS e JOIN input AS i ON i.evaluation = e.id ORDER BY e.id",
         )?;
-        let rows = rows.query_map([], |row| {
-            Ok((row.get(0)?, mark(&[row.get(1)?]), row.get(2)?))
-        })?;
+        let rows = rows.query_map([], |row| Ok((row.get(0)?, mark(&[row.get(1)?]), row.get(2)?)))?;
         rows.collect()
     };
     read().unwrap_or_default()

@@ -3,9 +3,9 @@
 
 use coordinator::dispatch::ZenohEvaluator;
 use coordinator::evaluate::{EvaluateError, Evaluator};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::channel;
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 use tests::{
     Barrier, PATIENCE, Practice, coordinator, coordinator_at, evaluate, expected, in_time, practice_result,
@@ -61,12 +61,13 @@ fn a_worker_leaves_in_time_and_begins_nothing_it_could_not_end() {
         });
         let mut by_it = 0;
         let mut outcomes = tests::Outcomes::new();
-        coordinator.evaluate(&requests(0..20), &mut |finished| {
-            by_it += usize::from(finished.worker.starts_with("batch"));
-            assert!(outcomes.insert(finished.id, finished.outcome).is_none());
-            Ok(())
-        })
-        .unwrap();
+        coordinator
+            .evaluate(&requests(0..20), &mut |finished| {
+                by_it += usize::from(finished.worker.starts_with("batch"));
+                assert!(outcomes.insert(finished.id, finished.outcome).is_none());
+                Ok(())
+            })
+            .unwrap();
         assert_eq!(outcomes, expected(0..20));
         let (left, after, other) = relay.join().unwrap();
         assert_eq!(left, Departure::TimeUp { lost: 0 });
@@ -142,11 +143,12 @@ fn the_last_task_of_a_slow_worker_is_done_by_an_idle_one_too() {
             worker_at(&endpoint, "quick", 1, practice_result)
         });
         let mut names = vec![];
-        coordinator.evaluate(&requests(0..10), &mut |finished| {
-            names.push(finished.worker);
-            Ok(())
-        })
-        .unwrap();
+        coordinator
+            .evaluate(&requests(0..10), &mut |finished| {
+                names.push(finished.worker);
+                Ok(())
+            })
+            .unwrap();
         assert_eq!(names, vec!["quick/0"; 10], "nobody waited for the slow one");
         // What it brings in the end is not counted, and harms nobody.
         hold.open();
@@ -184,19 +186,21 @@ fn two_studies_share_a_worker_and_the_death_of_one_is_the_others_gain() {
             of_the_other
         });
         let mut outcomes = tests::Outcomes::new();
-        second.evaluate(&requests(0..200), &mut |finished| {
-            done.fetch_add(1, Ordering::SeqCst);
-            assert!(outcomes.insert(finished.id, finished.outcome).is_none());
-            Ok(())
-        })
-        .unwrap();
+        second
+            .evaluate(&requests(0..200), &mut |finished| {
+                done.fetch_add(1, Ordering::SeqCst);
+                assert!(outcomes.insert(finished.id, finished.outcome).is_none());
+                Ok(())
+            })
+            .unwrap();
         assert_eq!(outcomes, expected(0..200));
         let of_the_other = dying.join().unwrap();
         assert!((half * 7 / 10..=half * 14 / 10).contains(&of_the_other), "{of_the_other} beside {half}");
         second.finish();
         // It left the one that lives at the end of its campaign, and still looks for the other one.
-        hand.stopper().stop();
-        assert!(hand.join().is_ok());
+        assert!(!hand.has_ended());
+        hand.stopper().abort();
+        assert_eq!(hand.join().unwrap(), Departure::Aborted);
     });
 }
 
@@ -205,7 +209,8 @@ fn a_worker_that_stays_serves_one_campaign_after_the_other() {
     in_time(|| {
         let first = coordinator();
         let endpoint = first.endpoints()[0].clone();
-        let config = ServiceConfig { next_campaign: true, give_up_after: None, ..named("staying", &first, 1) };
+        let config =
+            ServiceConfig { next_campaign: true, give_up_after: None, ..named("staying", &first, 1) };
         let (hand, count) = counting(config, Duration::ZERO);
         let mut campaign = first;
         for round in 1..=3 {

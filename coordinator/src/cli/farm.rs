@@ -120,7 +120,8 @@ impl Farm {
             let zenoh_config = arguments.config.clone();
             // The study thinks and serves the farm in this process: simulations give way to it, and have its cores back when
             // it has done.
-            let config = ServiceConfig { zenoh_config, give_way: true, ..ServiceConfig::new(endpoint, slots) };
+            let config =
+                ServiceConfig { zenoh_config, give_way: true, ..ServiceConfig::new(endpoint, slots) };
             service::spawn(config, simulator())
         };
         let local = endpoint.map(spawn).transpose()?;

@@ -86,8 +86,7 @@ impl Attendance {
     }
 
     fn set<'a>(&self, workers: impl Iterator<Item = (&'a WorkerId, u32)>) {
-        *self.seen() =
-            workers.map(|(id, slots)| ConnectedWorker { name: id.name.clone(), slots }).collect();
+        *self.seen() = workers.map(|(id, slots)| ConnectedWorker { name: id.name.clone(), slots }).collect();
         self.changed.notify_all();
     }
 }

@@ -138,14 +138,7 @@ impl CampaignFile {
         let sql = insert_statement("input", "evaluation", &self.inputs);
         transaction.prepare_cached(&sql)?.execute(params_from_iter(values))?;
         if let Ok(evaluation) = &finished.outcome {
-            write_rows(
-                transaction,
-                "output",
-                &self.outputs,
-                key,
-                &evaluation.cycles,
-                &evaluation.histories,
-            )?;
+            write_rows(transaction, "output", &self.outputs, key, &evaluation.cycles, &evaluation.histories)?;
             write_stated_errors(transaction, &self.outputs, key, evaluation)?;
         }
         Ok(())

@@ -21,7 +21,10 @@ fn main() -> ExitCode {
     let done = match words[..] {
         ["coordinator", folder, endpoint, samples] => coordinate(Path::new(folder), endpoint, samples),
         ["worker", endpoint, name, milliseconds] => work(endpoint, name, milliseconds),
-        _ => Err("practice_study coordinator FOLDER ENDPOINT SAMPLES | worker ENDPOINT NAME MILLISECONDS".into()),
+        _ => {
+            Err("practice_study coordinator FOLDER ENDPOINT SAMPLES | worker ENDPOINT NAME MILLISECONDS"
+                .into())
+        }
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
@@ -67,11 +70,7 @@ fn work(endpoint: &str, name: &str, milliseconds: &str) -> Result<(), Box<dyn Er
         std::thread::sleep(takes);
         evaluation(sample)
     };
-    let config = ServiceConfig {
-        name: name.into(),
-        give_up_after: None,
-        ..ServiceConfig::new(endpoint, 1)
-    };
+    let config = ServiceConfig { name: name.into(), give_up_after: None, ..ServiceConfig::new(endpoint, 1) };
     service::run(config, Arc::new(Practice(simulate)))?;
     Ok(())
 }

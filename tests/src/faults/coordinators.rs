@@ -56,7 +56,8 @@ pub fn stalled_coordinator(stalled: Duration, samples: usize, takes: Duration) -
     let mut process = Process::start(&mut coordinator(folder.path(), &endpoint, samples));
     let workers = NAMES.map(|name| Process::start(&mut worker(&endpoint, name, takes)));
     wait_for_records(folder.path(), samples / 3);
-    let begun = |workers: &[Process]| workers.iter().map(|worker| worker.lines("started").len()).sum::<usize>();
+    let begun =
+        |workers: &[Process]| workers.iter().map(|worker| worker.lines("started").len()).sum::<usize>();
     process.signal("STOP");
     let before = begun(&workers);
     std::thread::sleep(stalled);
@@ -64,5 +65,7 @@ pub fn stalled_coordinator(stalled: Duration, samples: usize, takes: Duration) -
     process.signal("CONT");
     check_end(&mut process, folder.path(), samples);
     let twice = begun(&workers) - (samples + 1);
-    format!("{meanwhile} tasks were begun meanwhile, then the workers waited; {twice} done twice; same answer")
+    format!(
+        "{meanwhile} tasks were begun meanwhile, then the workers waited; {twice} done twice; same answer"
+    )
 }

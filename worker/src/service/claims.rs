@@ -12,9 +12,7 @@ use super::patience::Patience;
 use super::slots::Slots;
 use super::stay::Stay;
 use super::{Departure, Job, ServiceConfig, ServiceError};
-use common::wire::{
-    self, Claim, Next, Notice, Reply, Task, TaskKey, WireError, WorkOrder, WorkerId,
-};
+use common::wire::{self, Claim, Next, Notice, Reply, Task, TaskKey, WireError, WorkOrder, WorkerId};
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
@@ -217,7 +215,10 @@ impl Claims {
             }
             Next::Idle { ask_again } => {
                 self.slots.shares().answered(self.place, 0, now);
-                self.ask_at = now + self.spread(Duration::from_millis(u64::from(ask_again)));
+                // One that was asked for nothing has not said that it has nothing.
+                if credits > 0 {
+                    self.ask_at = now + self.spread(Duration::from_millis(u64::from(ask_again)));
+                }
             }
             Next::Leave => return Ok(self.campaign_ended(now)),
         }

@@ -42,8 +42,9 @@ pub(super) fn evaluate(
     match (together, left.len()) {
         (Err(panic), 1) => {
             let failure = SimulationFailure::Panicked { message: said(&*panic) };
-            left.drain(..)
-                .for_each(|job| done(job.place, outcome_of(job, worker, Duration::ZERO, Err(failure.clone()))));
+            left.drain(..).for_each(|job| {
+                done(job.place, outcome_of(job, worker, Duration::ZERO, Err(failure.clone())))
+            });
         }
         // Whoever was beside is evaluated again: only the cause of the panic has it as its outcome.
         _ => left.drain(..).for_each(|job| done(job.place, by_itself(simulator, worker, job))),

@@ -35,10 +35,15 @@ impl Queue {
     pub fn withdraw(&self, unwanted: impl Fn(&Job) -> bool) -> Vec<Job> {
         let mut state = self.state();
         let all = std::mem::take(&mut state.waiting).into_iter();
-        let (out, kept): (Vec<Job>, VecDeque<Job>) = all.fold(Default::default(), |(mut out, mut kept), job| {
-            if unwanted(&job) { out.push(job) } else { kept.push_back(job) }
-            (out, kept)
-        });
+        let (out, kept): (Vec<Job>, VecDeque<Job>) =
+            all.fold(Default::default(), |(mut out, mut kept), job| {
+                if unwanted(&job) {
+                    out.push(job)
+                } else {
+                    kept.push_back(job)
+                }
+                (out, kept)
+            });
         state.waiting = kept;
         out
     }

@@ -79,13 +79,7 @@ impl Drop for Slots {
     }
 }
 
-fn work(
-    queue: &Queue,
-    shares: &Shares,
-    simulator: &dyn Simulator,
-    name: &str,
-    inboxes: &[Sender<Inbox>],
-) {
+fn work(queue: &Queue, shares: &Shares, simulator: &dyn Simulator, name: &str, inboxes: &[Sender<Inbox>]) {
     while let Some(first) = queue.first() {
         guard::evaluate(simulator, name, first, &mut |mine| queue.another(mine), &mut |place, outcome| {
             queue.ended();

@@ -76,8 +76,12 @@ impl WorkerHandle {
 fn both(a: Departure, b: Departure) -> Departure {
     match (a, b) {
         (Departure::CampaignEnded, other) | (other, Departure::CampaignEnded) => other,
-        (Departure::Stopped { lost }, Departure::Stopped { lost: more }) => Departure::Stopped { lost: lost + more },
-        (Departure::TimeUp { lost }, Departure::TimeUp { lost: more }) => Departure::TimeUp { lost: lost + more },
+        (Departure::Stopped { lost }, Departure::Stopped { lost: more }) => {
+            Departure::Stopped { lost: lost + more }
+        }
+        (Departure::TimeUp { lost }, Departure::TimeUp { lost: more }) => {
+            Departure::TimeUp { lost: lost + more }
+        }
         (a, _) => a,
     }
 }
@@ -90,7 +94,10 @@ fn both(a: Departure, b: Departure) -> Departure {
 pub fn spawn(config: ServiceConfig, simulator: Arc<dyn Simulator>) -> Result<WorkerHandle, ServiceError> {
     for (missing, setting) in [(config.slots == 0, "slots"), (config.connect.is_empty(), "endpoints")] {
         if missing {
-            return Err(ServiceError::Settings { setting: setting.into(), reason: "at least 1 is needed".into() });
+            return Err(ServiceError::Settings {
+                setting: setting.into(),
+                reason: "at least 1 is needed".into(),
+            });
         }
     }
     let worker = WorkerId { name: keys::worker_name(&config.name), epoch: new_epoch() };

@@ -42,7 +42,13 @@ impl Attendance {
     }
 
     /// Looks whether somebody is there for the open tasks.
-    pub fn check(&mut self, now: Duration, anybody: bool, open: usize, settings: &Settings) -> Option<Warning> {
+    pub fn check(
+        &mut self,
+        now: Duration,
+        anybody: bool,
+        open: usize,
+        settings: &Settings,
+    ) -> Option<Warning> {
         if anybody || open == 0 {
             self.unattended = None;
             return None;

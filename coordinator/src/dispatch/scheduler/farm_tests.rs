@@ -58,7 +58,8 @@ impl Farm {
         for command in self.scheduler.on_event(self.now, event) {
             match command {
                 Command::Deliver(finished) => {
-                    let before = self.unrecorded.contains(&finished.id) || self.recorded.contains(&finished.id);
+                    let before =
+                        self.unrecorded.contains(&finished.id) || self.recorded.contains(&finished.id);
                     assert!(!before, "task {} was delivered twice", finished.id);
                     self.unrecorded.push(finished.id);
                 }
