@@ -4,8 +4,9 @@
 use super::{Departure, ServiceConfig};
 use std::time::{Duration, Instant};
 
-/// Before the end of its time a worker begins to leave: handing in takes a moment,
-const HANDING_IN: Duration = Duration::from_secs(5);
+/// Before the end of its time a worker begins to leave: handing in and closing the line may take so long where nobody
+/// answers,
+const HANDING_IN: Duration = Duration::from_secs(8);
 /// but never more than this share of its time.
 const HANDING_IN_SHARE: f64 = 0.1;
 
@@ -121,15 +122,15 @@ mod tests {
     #[test]
     fn nothing_is_begun_that_cannot_end_in_time() {
         let (mut stay, start) = stay(Some(100), None, 0);
-        // 95 s are left for work; what takes 30 s is begun in the first 65.
+        // 92 s are left for work; what takes 30 s is begun in the first 62.
         let longest = Some(30 * SECOND);
-        stay.check(start + 64 * SECOND, longest, Duration::ZERO);
+        stay.check(start + 61 * SECOND, longest, Duration::ZERO);
         assert!(!stay.takes_nothing());
-        assert_eq!(stay.next_look(start, longest, Duration::ZERO), Some(start + 65 * SECOND));
-        stay.check(start + 65 * SECOND, longest, Duration::ZERO);
-        assert!(stay.takes_nothing() && !stay.is_over(start + 94 * SECOND, 1));
-        assert!(stay.is_over(start + 66 * SECOND, 0), "with nothing to end it goes at once");
-        assert!(stay.is_over(start + 95 * SECOND, 1), "with time to hand back what has not ended");
+        assert_eq!(stay.next_look(start, longest, Duration::ZERO), Some(start + 62 * SECOND));
+        stay.check(start + 62 * SECOND, longest, Duration::ZERO);
+        assert!(stay.takes_nothing() && !stay.is_over(start + 91 * SECOND, 1));
+        assert!(stay.is_over(start + 63 * SECOND, 0), "with nothing to end it goes at once");
+        assert!(stay.is_over(start + 92 * SECOND, 1), "with time to hand back what has not ended");
         assert_eq!(stay.departure(0), Departure::TimeUp { lost: 0 });
     }
 

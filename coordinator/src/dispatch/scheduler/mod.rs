@@ -29,6 +29,8 @@ mod tasks;
 #[cfg(test)]
 mod tests;
 mod workers;
+#[cfg(test)]
+mod workers_tests;
 
 pub use event::{Assignment, Command, Event, Token, Warning};
 pub use settings::Settings;
