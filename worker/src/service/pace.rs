@@ -11,7 +11,7 @@ const LOOK_BACK: usize = 32;
 /// By how much the next evaluation may be longer than the longest of those.
 const LONGER: f64 = 1.25;
 /// Share of its time that a slot may wait for an answer before tasks are held in reserve.
-const WAITED: f64 = 0.02;
+const WAITED: f64 = 0.005;
 /// Most tasks in reserve: what is here cannot be done elsewhere.
 const MOST_IN_RESERVE: f64 = 256.0;
 
@@ -73,7 +73,7 @@ mod tests {
         let mut pace = Pace::default();
         assert_eq!(pace.reserve(2), 0, "nothing is known");
         pace.answered(Duration::from_millis(1));
-        for (wall, reserve) in [(0.1, 0), (0.01, 1), (1e-3, 2), (2.5e-4, 8), (0.0, 256)] {
+        for (wall, reserve) in [(1.0, 0), (0.01, 1), (1e-3, 2), (2.5e-4, 8), (0.0, 256)] {
             let pace = Pace { wall: Some(wall), answer: pace.answer, ended: 1000, ..Pace::default() };
             assert_eq!(pace.reserve(2), reserve, "{wall} s a task");
         }
