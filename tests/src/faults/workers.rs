@@ -39,6 +39,8 @@ pub fn killed_workers(kills: usize, samples: usize) -> String {
     let takes = Duration::from_millis(40);
     let (_, (mut noticed, _steady)) = beside_study(samples, |endpoint, attendance| {
         let steady = Process::start(&mut worker(endpoint, "steady", takes));
+        // Without it the same task would be lost again and again, and given up after the third time.
+        steady.line("started", 2, LONGEST).expect("it works");
         let mut noticed = Vec::new();
         for k in 0..kills {
             let name = format!("doomed{k}");
