@@ -3,6 +3,7 @@
 use super::{LONGEST, all_recorded, free_endpoint, spread, undisturbed, worker};
 use crate::practice_study::PracticeStudy;
 use crate::process::Process;
+use coordinator::dispatch::scheduler::Settings;
 use coordinator::dispatch::{Listen, ZenohEvaluator};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -18,8 +19,11 @@ fn beside_study<T: Send>(
     let (mut journal, _) = study.journal(folder.path()).expect("an empty folder takes a campaign");
     let endpoint = free_endpoint();
     let listen = Listen { endpoint: Some(endpoint.clone()), config: None, insecure: false };
+    let campaign = study.campaign(false);
+    // A task that is lost three times would end the study: here that is nobody's fault but the test's.
+    let settings = Settings { losses_allowed: 1000, ..Settings::new(campaign.id) };
     let mut evaluator =
-        ZenohEvaluator::open(study.campaign(false), &listen, Arc::default()).expect("it can listen");
+        ZenohEvaluator::open_with(settings, campaign, &listen, Arc::default()).expect("it can listen");
     let attendance = evaluator.attendance();
     let (ran, came_to) = std::thread::scope(|scope| {
         let beside = scope.spawn(|| beside(&endpoint, &attendance));
@@ -39,7 +43,7 @@ pub fn killed_workers(kills: usize, samples: usize) -> String {
     let takes = Duration::from_millis(40);
     let (_, (mut noticed, _steady)) = beside_study(samples, |endpoint, attendance| {
         let steady = Process::start(&mut worker(endpoint, "steady", takes));
-        // Without it the same task would be lost again and again, and given up after the third time.
+        // Without it the same task would be lost again and again.
         steady.line("started", 2, LONGEST).expect("it works");
         let mut noticed = Vec::new();
         for k in 0..kills {
