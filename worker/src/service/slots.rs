@@ -10,9 +10,10 @@ use std::sync::Arc;
 use std::sync::mpsc::Sender;
 use std::time::Instant;
 
-/// Priority of threads that give way, on the scale of `nice`: one that wants a core has nine tenths of it beside them.
+/// Priority of threads that give way, on the scale of `nice`: another one that wants the same core has three quarters of
+/// it. With 10 it would have nine tenths, but on a machine that others use too nothing would be left.
 #[cfg(target_os = "linux")]
-const GIVING_WAY: i32 = 10;
+const GIVING_WAY: i32 = 5;
 
 /// The slots of a worker. When dropped, what waits is forgotten; what runs comes to its end unheard.
 pub(super) struct Slots {
