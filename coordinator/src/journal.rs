@@ -20,6 +20,14 @@ pub trait Journal {
     /// [`EvaluateError::Record`] if it cannot be written.
     fn record(&mut self, request: &Request, finished: &Finished) -> Result<(), EvaluateError>;
 
+    /// Makes several outcomes durable, in less time than one by one where it can.
+    ///
+    /// # Errors
+    /// [`EvaluateError::Record`] if they cannot be written; some of them may be durable.
+    fn record_all(&mut self, outcomes: &[(Request, Finished)]) -> Result<(), EvaluateError> {
+        outcomes.iter().try_for_each(|(request, finished)| self.record(request, finished))
+    }
+
     /// Notes a finished round of learning (for people who open the file; not needed to resume).
     ///
     /// # Errors

@@ -1,41 +1,47 @@
-//! What a task costs beside its simulation: an empty simulator, recorded in memory, one worker in a process of
-//! its own. `cargo run --release -p tests --example overhead`.
+//! What a task costs beside its simulation: an empty simulator, each outcome durable in a campaign file, one worker in a
+//! process of its own. `cargo run --release -p tests --example overhead [FOLDER]`; the campaign files lie in the folder,
+//! or in the present one. `tests/examples/dask/run.sh` has the same of Dask, which keeps its results in memory.
 
 use coordinator::evaluate::Evaluator;
+use std::path::PathBuf;
 use std::time::Instant;
-use tests::{coordinator, practice_result, requests};
+use tests::coordinator;
+use tests::journaled::Journaled;
+use tests::practice_study::evaluation;
 use worker::service::{self, ServiceConfig, ServiceError};
 
+const TASKS: u64 = 5000;
+
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    if let Some(endpoint) = std::env::args().nth(1) {
-        let setting = |n: usize| std::env::args().nth(n).and_then(|text| text.parse().ok()).unwrap_or(0);
-        let config = ServiceConfig { prefetch: setting(3), ..ServiceConfig::new(endpoint, setting(2)) };
-        service::run(config, std::sync::Arc::new(tests::Practice(practice_result)))?;
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    if let [word, endpoint, slots] = &arguments[..]
+        && word == "worker"
+    {
+        let config = ServiceConfig::new(endpoint, slots.parse()?);
+        service::run(config, std::sync::Arc::new(tests::Practice(evaluation)))?;
         return Ok(());
     }
-    println!("slots prefetch  microseconds a task");
-    for (slots, prefetch) in [(1, 0), (2, 0), (4, 0), (1, 3), (8, 8)] {
-        println!("{slots:5} {prefetch:8}  {:.0}", measure(slots, prefetch)?);
+    let folder = PathBuf::from(arguments.first().map_or(".", String::as_str));
+    println!("| slots | tasks | microseconds a task | tasks a transaction |\n|---|---|---|---|");
+    for slots in [1, 2, 4] {
+        let mut coordinator = coordinator();
+        let mut worker = std::process::Command::new(std::env::current_exe()?)
+            .args(["worker", &coordinator.endpoints()[0], &slots.to_string()])
+            .spawn()?;
+        let connected =
+            coordinator.wait_for_workers(tests::PATIENCE, |workers| workers.iter().any(|w| w.slots > 0));
+        if !connected {
+            return Err(ServiceError::Messaging("the worker did not connect".into()).into());
+        }
+        let mut journaled = Journaled::new(TASKS, &folder);
+        let started = Instant::now();
+        coordinator.pursue(&mut journaled)?;
+        let each = 1e6 * started.elapsed().as_secs_f64() / TASKS as f64;
+        coordinator.finish();
+        worker.wait()?;
+        let (recorded, writes) = journaled.recorded();
+        assert_eq!(recorded as u64, TASKS, "every outcome is in the file");
+        println!("| {slots} | {TASKS} | {each:.0} | {:.0} |", TASKS as f64 / writes as f64);
     }
     Ok(())
-}
-
-/// Microseconds a task.
-fn measure(slots: usize, prefetch: usize) -> Result<f64, Box<dyn std::error::Error>> {
-    const TASKS: u64 = 5000;
-    let mut coordinator = coordinator();
-    let mut worker = std::process::Command::new(std::env::current_exe()?)
-        .args([&coordinator.endpoints()[0], &slots.to_string(), &prefetch.to_string()])
-        .spawn()?;
-    let connected =
-        coordinator.wait_for_workers(tests::PATIENCE, |workers| workers.iter().any(|w| w.slots > 0));
-    if !connected {
-        return Err(ServiceError::Messaging("the worker did not connect".into()).into());
-    }
-    let started = Instant::now();
-    coordinator.evaluate(&requests(0..TASKS), &mut |_| Ok(()))?;
-    let each = started.elapsed().as_secs_f64() / TASKS as f64;
-    coordinator.finish();
-    worker.wait()?;
-    Ok(1e6 * each)
 }

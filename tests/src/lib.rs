@@ -3,6 +3,11 @@
 
 pub mod command_line;
 pub mod deployed;
+pub mod faults;
+pub mod journaled;
+pub mod practice_study;
+pub mod process;
+pub mod simulated_farm;
 
 use common::accuracy::{Accuracy, Tier};
 use common::failure::SimulationFailure;
@@ -86,7 +91,13 @@ pub fn campaign() -> Campaign {
         warm_up: 0.5,
         tier: Tier::Dynamic,
     };
-    Campaign { id: 17, scene: "name = \"practice\"".into(), accuracy, accuracy_name: "draft".into() }
+    Campaign {
+        id: 17,
+        scene: "name = \"practice\"".into(),
+        accuracy,
+        accuracy_name: "draft".into(),
+        resumed: false,
+    }
 }
 
 /// A coordinator on a free loopback port.

@@ -66,13 +66,14 @@ const COMMON: [&str; 7] = ["random", "scene", "accuracy", "failure", "outputs", 
 const LONGEST: usize = 400;
 
 /// Crates that only the named places of a crate's sources may use.
-const KEPT_TO: [(&str, &str, &[&str]); 11] = [
+const KEPT_TO: [(&str, &str, &[&str]); 12] = [
     ("zenoh", "worker", &["service/link.rs"]),
     ("zenoh", "coordinator", &["dispatch/transport/"]),
     ("bincode", "common", &["wire/codec.rs"]),
     ("rusqlite", "coordinator", &["store/"]),
     ("worker", "coordinator", &["cli/", "main.rs"]),
     ("rustix", "coordinator", &["evaluate/process.rs"]),
+    ("rustix", "worker", &["service/slots.rs"]),
     ("ureq", "coordinator", &["evaluate/umbridge.rs"]),
     ("axum", "worker", &["umbridge/"]),
     ("axum", "coordinator", &["sight/server.rs"]),

@@ -10,7 +10,7 @@ use tests::command_line::objection;
 use tests::deployed::{
     Talking, certificates, configuration, deployed, has_openssl, if_installed, root, small_scene,
 };
-use tests::{in_time, program, skipped};
+use tests::{in_time, program};
 
 const SCRIPTS: [&str; 4] =
     ["certificates.sh", "ssh-workers.sh", "slurm/coordinator.sbatch", "slurm/workers.sbatch"];
@@ -74,12 +74,7 @@ fn a_worker_in_a_batch_job_knows_how_long_it_may_take() {
             let at = arguments.iter().position(|word| *word == option).unwrap();
             assert_eq!(arguments[at + 1], value, "{left}: {option}");
         }
-        let help = Command::new(program("worker")).arg("--help").output().unwrap().stdout;
-        if String::from_utf8(help).unwrap().contains("--walltime") {
-            assert_eq!(objection(&program("worker"), &arguments), None);
-        } else {
-            skipped("the worker's command line in Slurm's script", "this worker has no --walltime");
-        }
+        assert_eq!(objection(&program("worker"), &arguments), None);
     }
     assert!(noted(path, "squeue").lines().all(|line| line.contains("30_4")));
 }

@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 use tests::command_line::{objection, words};
 use tests::program;
 
-const DOCUMENTS: [&str; 12] = [
+const DOCUMENTS: [&str; 13] = [
     "README.md",
     "deploy/README.md",
     "coordinator/doc/calibration.md",
+    "coordinator/doc/farm.md",
     "coordinator/doc/reliability.md",
     "coordinator/doc/scenes.md",
     "coordinator/doc/simulators.md",

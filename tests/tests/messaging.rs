@@ -150,7 +150,8 @@ fn a_user_who_stops_gets_the_terminal_back_at_once() {
             Ok(())
         });
         assert!(matches!(error, Err(EvaluateError::Interrupted)), "{error:?}");
-        assert_eq!(recorded, [0, 1]);
+        // The outcome of 1 may still be on its way: then it stays with its worker.
+        assert!(recorded == [0] || recorded == [0, 1], "{recorded:?}");
         hold.open();
         hand.stopper().stop();
         // Evaluation 2 may have been finished meanwhile; nobody wants it any more.

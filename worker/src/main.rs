@@ -19,6 +19,9 @@ const FAILURE: u8 = 1;
 const BAD_INPUT: u8 = 2;
 const INTERRUPTED: u8 = 130;
 
+/// Longest time that can be asked for [s]: a hundred years.
+const LONGEST: u64 = 100 * 366 * 24 * 3600;
+
 /// The scene offered unless another one is named.
 const DEFAULT_SCENE: &str = "flapping-wing";
 
@@ -29,9 +32,9 @@ const DEFAULT_SCENE: &str = "flapping-wing";
 #[derive(Debug, Parser)]
 #[command(name = "worker", version, after_help = EXAMPLES)]
 struct Arguments {
-    /// Where the coordinator listens, e.g. tcp/192.168.1.20:7447
+    /// Where the coordinator listens, e.g. tcp/192.168.1.20:7447; several, if repeated, share the slots fairly
     #[arg(long, value_name = "ENDPOINT", required_unless_present = "serve_umbridge")]
-    connect: Option<String>,
+    connect: Vec<String>,
     /// Offer evaluations of a scene to any client of the UM-Bridge protocol instead, on this port of this machine alone
     #[arg(long, value_name = "PORT|ADDRESS:PORT", conflicts_with_all = ["connect", "config", "name", "give_up_after"])]
     serve_umbridge: Option<String>,
@@ -61,6 +64,18 @@ struct Arguments {
     /// Give up when no coordinator answers for so long; 0: never
     #[arg(long, value_name = "SECONDS", default_value_t = 30)]
     give_up_after: u64,
+    /// Leave when there was nothing to do for so long
+    #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u64).range(1..=LONGEST), conflicts_with = "serve_umbridge")]
+    idle_timeout: Option<u64>,
+    /// Have left so long after the start: begin nothing that would not end in time, hand back what has not ended
+    #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u64).range(1..=LONGEST), conflicts_with = "serve_umbridge")]
+    walltime: Option<u64>,
+    /// When stopped (SIGTERM, Ctrl-C), let what runs go on for so long; what has not ended then is handed back
+    #[arg(long, value_name = "SECONDS", default_value_t = 0, value_parser = clap::value_parser!(u64).range(..=LONGEST), conflicts_with = "serve_umbridge")]
+    drain: u64,
+    /// Where a campaign has ended, wait for the next one there for as long as it takes
+    #[arg(long, conflicts_with_all = ["serve_umbridge", "give_up_after"])]
+    stay: bool,
     /// Say more (twice: everything)
     #[arg(short, long, action = clap::ArgAction::Count, conflicts_with = "quiet")]
     verbose: u8,
@@ -81,6 +96,10 @@ Examples:
       on four threads; waits for the coordinator for ever
   worker --connect tls/farm.example:7447 --config worker.json5
       encrypted, with the certificates named in worker.json5
+  worker --connect tcp/127.0.0.1:7447 --walltime 3600 --idle-timeout 120 --drain 30
+      in a batch job of an hour: leaves in time, or after two idle minutes; 30 s to finish when it is stopped
+  worker --connect tcp/127.0.0.1:7447 --connect tcp/127.0.0.1:7448 --stay
+      for whatever study runs at either address, half of the slots each while both do
   worker --serve-umbridge 4242 --scene four-bar --accuracy draft
       model `forward` at http://127.0.0.1:4242: random variables in, outputs over life out
 
@@ -89,10 +108,9 @@ Exit codes: 0 the campaign ended or the worker was stopped (SIGTERM), 1 failure,
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     start_log(arguments.verbose, arguments.quiet, arguments.log_format);
-    let done = match (&arguments.serve_umbridge, &arguments.connect) {
-        (Some(given), _) => offer(given, &arguments),
-        (None, Some(endpoint)) => serve(endpoint.clone(), arguments).map_err(Failed::Service),
-        (None, None) => unreachable!("one of the two is required"),
+    let done = match &arguments.serve_umbridge {
+        Some(given) => offer(given, &arguments),
+        None => serve(arguments).map_err(Failed::Service),
     };
     match done {
         Ok(code) => code,
@@ -156,16 +174,23 @@ fn ended(interrupted: &AtomicBool) -> ExitCode {
     if interrupted.load(Ordering::Relaxed) { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS }
 }
 
-fn serve(endpoint: String, arguments: Arguments) -> Result<ExitCode, ServiceError> {
+fn serve(arguments: Arguments) -> Result<ExitCode, ServiceError> {
     let slots = slots(&arguments);
-    let mut config = ServiceConfig::new(endpoint, slots);
-    config.zenoh_config = arguments.config;
-    config.give_up_after =
-        (arguments.give_up_after > 0).then(|| Duration::from_secs(arguments.give_up_after));
+    let wanted = |seconds: u64| (seconds > 0).then(|| Duration::from_secs(seconds));
+    let mut config = ServiceConfig {
+        connect: arguments.connect,
+        zenoh_config: arguments.config,
+        give_up_after: wanted(arguments.give_up_after).filter(|_| !arguments.stay),
+        drain: Duration::from_secs(arguments.drain),
+        idle_timeout: arguments.idle_timeout.and_then(wanted),
+        walltime: arguments.walltime.and_then(wanted),
+        next_campaign: arguments.stay,
+        ..ServiceConfig::new("", slots)
+    };
     if let Some(name) = arguments.name {
         config.name = name;
     }
-    tracing::info!("{slots} slots for the coordinator at {}", config.connect);
+    tracing::info!("{slots} slots for the coordinator at {}", config.connect.join(", "));
     let worker = service::spawn(config, simulator())?;
     let stopper = worker.stopper();
     let interrupted = listen_to_signals(move || {
@@ -178,6 +203,11 @@ fn serve(endpoint: String, arguments: Arguments) -> Result<ExitCode, ServiceErro
         Departure::Stopped { lost: 0 } => tracing::info!("stopped, everything finished was handed in"),
         Departure::Stopped { lost } => {
             tracing::warn!("stopped; {lost} finished simulations could not be handed in");
+        }
+        Departure::Idle => tracing::info!("there was nothing to do for too long"),
+        Departure::TimeUp { lost: 0 } => tracing::info!("the time is up, everything finished was handed in"),
+        Departure::TimeUp { lost } => {
+            tracing::warn!("the time is up; {lost} finished simulations could not be handed in");
         }
         Departure::Aborted => tracing::info!("aborted"),
     }

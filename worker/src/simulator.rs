@@ -6,6 +6,7 @@ use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
 use common::scene::SceneSource;
+use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
@@ -18,21 +19,27 @@ pub fn simulator() -> Arc<dyn Simulator> {
     Arc::new(Mechanism::default())
 }
 
-/// Simulates scenes; remembers the last one parsed, which is the next one asked for in all but name. What it
+/// Scenes that are remembered: one for each of the coordinators that share a worker, as a rule.
+const REMEMBERED: usize = 4;
+
+/// Simulates scenes; remembers the last ones parsed, one of which is the next one asked for in all but name. What it
 /// remembers is a function of the task, so a task does not depend on the tasks before it.
 #[derive(Default)]
 struct Mechanism {
-    last: Mutex<Option<Arc<SceneSource>>>,
+    /// The latest used first.
+    last: Mutex<VecDeque<Arc<SceneSource>>>,
 }
 
 impl Mechanism {
     fn source(&self, text: &str) -> Result<Arc<SceneSource>, SimulationFailure> {
         let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(source) = last.as_ref().filter(|s| s.text() == text) {
-            return Ok(source.clone());
-        }
-        let source = SceneSource::parse(text, "task").map(Arc::new).map_err(invalid)?;
-        *last = Some(source.clone());
+        let known = last.iter().position(|source| source.text() == text).and_then(|at| last.remove(at));
+        let source = match known {
+            Some(source) => source,
+            None => SceneSource::parse(text, "task").map(Arc::new).map_err(invalid)?,
+        };
+        last.truncate(REMEMBERED - 1);
+        last.push_front(Arc::clone(&source));
         Ok(source)
     }
 

@@ -60,6 +60,10 @@ fn bad_input_exits_2_and_names_it() {
     for (arguments, named) in [
         (&["--slots", "2"][..], "--connect"),
         (&["--connect", "tcp/127.0.0.1:1", "--slots", "0"], "--slots"),
+        (&["--connect", "tcp/127.0.0.1:1", "--walltime", "0"], "--walltime"),
+        (&["--connect", "tcp/127.0.0.1:1", "--idle-timeout", "soon"], "--idle-timeout"),
+        (&["--connect", "tcp/127.0.0.1:1", "--stay", "--give-up-after", "9"], "--give-up-after"),
+        (&["--connect", "tcp/127.0.0.1:1", "--connect", "there"], "\"there\""),
         (&["--connect", "nowhere"], "\"nowhere\""),
         (&["--connect", "tcp/127.0.0.1:1", "--config", "/missing/zenoh.json5"], "/missing/zenoh.json5"),
     ] {

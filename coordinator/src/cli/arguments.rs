@@ -14,7 +14,6 @@ use super::status::StatusArguments;
 use super::tradeoff::TradeoffArguments;
 use super::verify::VerifyArguments;
 use clap::{Args, Parser, Subcommand};
-use common::accuracy::NamedAccuracy;
 use std::path::PathBuf;
 
 /// The scene studied unless another one is named.

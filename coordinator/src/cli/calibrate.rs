@@ -67,6 +67,7 @@ pub fn calibrate(arguments: &CalibrateArguments, talk: Talk) -> Result<(), Comma
         scene: space.source.text().to_owned(),
         accuracy: accuracy.accuracy,
         accuracy_name: accuracy.name,
+        resumed: false,
     };
     let mut farm = Farm::hire(listen(campaign, &arguments.farm)?, &arguments.farm)?;
     if !talk.quiet {

@@ -5,10 +5,12 @@ use super::error::CommandError;
 use super::output::{check_destination, deliver, to_json};
 use super::scenes::check_linkage;
 use clap::Args;
+use common::accuracy::NamedAccuracy;
 use common::scene::{ContactLaw, Scene, SceneSource};
 use coordinator::output_unit::OutputUnit;
 use serde::Serialize;
 use std::fmt::Write;
+use std::path::PathBuf;
 use worker::extremes::{Outcome, Row, cases, run_all};
 
 /// A row as printed; the names are a contract with scripts.

@@ -131,7 +131,11 @@ impl Farm {
         let endpoint = evaluator.endpoints().first().filter(|_| slots > 0).cloned();
         let spawn = |endpoint| {
             let zenoh_config = arguments.config.clone();
-            service::spawn(ServiceConfig { zenoh_config, ..ServiceConfig::new(endpoint, slots) }, simulator())
+            // The study thinks and serves the farm in this process: simulations give way to it, and have its cores back when
+            // it has done.
+            let config =
+                ServiceConfig { zenoh_config, give_way: true, ..ServiceConfig::new(endpoint, slots) };
+            service::spawn(config, simulator())
         };
         let local = endpoint.map(spawn).transpose()?;
         Ok(Farm { evaluator, local })

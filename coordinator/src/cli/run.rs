@@ -48,7 +48,7 @@ pub fn run(arguments: &RunArguments, talk: Talk) -> Result<(), CommandError> {
         version: env!("CARGO_PKG_VERSION").to_owned(),
     };
     // An address that cannot be listened on must not leave a folder behind that holds a study.
-    let ready = Ready::to_study(&source, || announced(&source, &options), &arguments.farm)?;
+    let ready = Ready::to_study(&source, || announced(&source, &options, false), &arguments.farm)?;
     let sight = Sight::open(&arguments.sight, arguments.farm.insecure, &ready, (&dir, &source, &options))?;
     let campaign = CampaignFile::create(&dir, &meta, scene)?;
     if !talk.quiet {
@@ -75,7 +75,7 @@ pub fn resume(arguments: &ResumeArguments, talk: Talk) -> Result<(), CommandErro
     if !talk.quiet {
         eprintln!("{} evaluations are done already", campaign.count()?);
     }
-    let ready = Ready::to_study(&source, || announced(&source, &options), &arguments.farm)?;
+    let ready = Ready::to_study(&source, || announced(&source, &options, true), &arguments.farm)?;
     let about = (arguments.dir.as_path(), &source, &options);
     let sight = Sight::open(&arguments.sight, arguments.farm.insecure, &ready, about)?;
     study(campaign, &source, &options, ready.hire(&arguments.farm)?, sight, talk)
@@ -113,7 +113,7 @@ fn study(
 }
 
 /// What workers are told. A study has the same number whenever it is resumed.
-fn announced(source: &SceneSource, options: &StudyOptions) -> Result<Campaign, CommandError> {
+fn announced(source: &SceneSource, options: &StudyOptions, resumed: bool) -> Result<Campaign, CommandError> {
     let settings = serde_json::to_string(options)?;
     let digest = common::scene::source::digest(&format!("{settings}\n{}", source.text()));
     Ok(Campaign {
@@ -122,6 +122,7 @@ fn announced(source: &SceneSource, options: &StudyOptions) -> Result<Campaign, C
         scene: source.text().to_owned(),
         accuracy: options.accuracy.setting.accuracy,
         accuracy_name: options.accuracy.setting.name.clone(),
+        resumed,
     })
 }
 

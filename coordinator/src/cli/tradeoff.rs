@@ -17,7 +17,7 @@ use coordinator::tradeoff::{
     Measurement, Plan, Progress, QUICK, compare, csv, figures, full, reference_row, settings, table,
     values_csv,
 };
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A measurement of accuracy settings.
 #[derive(Debug, Clone, Args)]
@@ -93,6 +93,7 @@ fn announced(source: &SceneSource, plan: &Plan) -> Campaign {
         scene: source.text().to_owned(),
         accuracy,
         accuracy_name: "tradeoff".into(),
+        resumed: false,
     }
 }
 

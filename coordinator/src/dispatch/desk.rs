@@ -37,8 +37,8 @@ pub(super) enum Input {
     Liveness(WorkerId, bool),
     /// The study asks for these; outcomes go to the sender.
     Submit(Vec<Request>, Sender<Delivery>),
-    /// An outcome is durable.
-    Recorded(u64),
+    /// Outcomes are durable.
+    Recorded(Vec<u64>),
     /// The study does not want the rest.
     Cancel,
     /// The campaign has ended.
@@ -72,30 +72,30 @@ pub struct ConnectedWorker {
 
 /// Who is connected, as last seen by the desk.
 #[derive(Debug, Default)]
-pub(super) struct Attendance {
+pub struct Attendance {
     workers: Mutex<Vec<ConnectedWorker>>,
     changed: Condvar,
 }
 
 impl Attendance {
-    pub fn workers(&self) -> MutexGuard<'_, Vec<ConnectedWorker>> {
+    /// Workers that are connected now.
+    pub fn workers(&self) -> Vec<ConnectedWorker> {
+        self.seen().clone()
+    }
+
+    fn seen(&self) -> MutexGuard<'_, Vec<ConnectedWorker>> {
         self.workers.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Waits until `enough` is true; false if it did not become so in time.
     pub fn wait_for(&self, timeout: Duration, mut enough: impl FnMut(&[ConnectedWorker]) -> bool) -> bool {
-        let waited = self.changed.wait_timeout_while(self.workers(), timeout, |workers| !enough(workers));
+        let waited = self.changed.wait_timeout_while(self.seen(), timeout, |workers| !enough(workers));
         !waited.unwrap_or_else(PoisonError::into_inner).1.timed_out()
     }
 
-    fn set<'a>(&self, workers: impl Iterator<Item = (&'a WorkerId, u32)> + Clone) {
-        let mut seen = self.workers();
-        // Asked after every message, so it must cost nothing while nothing changes.
-        let known = seen.iter().map(|worker| (worker.name.as_str(), worker.slots));
-        if !known.eq(workers.clone().map(|(id, slots)| (id.name.as_str(), slots))) {
-            *seen = workers.map(|(id, slots)| ConnectedWorker { name: id.name.clone(), slots }).collect();
-            self.changed.notify_all();
-        }
+    fn set<'a>(&self, workers: impl Iterator<Item = (&'a WorkerId, u32)>) {
+        *self.seen() = workers.map(|(id, slots)| ConnectedWorker { name: id.name.clone(), slots }).collect();
+        self.changed.notify_all();
     }
 }
 
@@ -135,6 +135,8 @@ pub(super) struct Desk {
     deliveries: Option<Sender<Delivery>>,
     refused: BTreeSet<(String, u16)>,
     garbage: u64,
+    /// State of the attendance that was passed on.
+    attended: u64,
 }
 
 impl Desk {
@@ -161,6 +163,7 @@ impl Desk {
             deliveries: None,
             refused: BTreeSet::new(),
             garbage: 0,
+            attended: 0,
         }
     }
 
@@ -209,7 +212,9 @@ impl Desk {
                 self.deliveries = Some(deliveries);
                 self.event(Event::Submit(requests));
             }
-            Input::Recorded(task) => self.event(Event::Recorded { task }),
+            Input::Recorded(tasks) => {
+                tasks.into_iter().for_each(|task| self.event(Event::Recorded { task }));
+            }
             Input::Cancel => {
                 self.deliveries = None;
                 self.event(Event::Cancel);
@@ -217,7 +222,11 @@ impl Desk {
             Input::Finish => self.event(Event::Finish),
             Input::Close => {}
         }
-        self.attendance.set(self.scheduler.workers());
+        // Asked after every message, so it must cost nothing while nothing changes.
+        if self.attended != self.scheduler.changes() {
+            self.attended = self.scheduler.changes();
+            self.attendance.set(self.scheduler.workers());
+        }
     }
 
     fn status(&mut self) -> Status {

@@ -17,6 +17,11 @@ use std::time::Duration;
 
 /// How long workers may take to leave at the end of a campaign.
 const FAREWELL: Duration = Duration::from_secs(2);
+/// Outcomes that are recorded together at most.
+const MOST_TOGETHER: usize = 256;
+/// How long the tasks of a resumed campaign wait for workers of the coordinator before, which try to reach it again about
+/// twice a second.
+const SETTLE: Duration = Duration::from_secs(1);
 /// Largest scene text [bytes]: it travels with every reply that carries tasks.
 const MAX_SCENE: usize = 4 << 20;
 
@@ -33,6 +38,9 @@ pub struct Campaign {
     pub accuracy: Accuracy,
     /// Their name, for people.
     pub accuracy_name: String,
+    /// Whether it goes on from an earlier coordinator, whose workers may come back with what they are running: tasks wait
+    /// a second for them, where they can find the new one.
+    pub resumed: bool,
 }
 
 /// Listens for workers from its opening until it is dropped or finished; batch after batch.
@@ -57,7 +65,9 @@ impl ZenohEvaluator {
         listen: &Listen,
         interrupted: Arc<AtomicBool>,
     ) -> Result<Self, DispatchError> {
-        Self::open_with(Settings::new(campaign.id), campaign, listen, interrupted)
+        let known_address = listen.endpoint.is_some() || listen.config.is_some();
+        let settle = if campaign.resumed && known_address { SETTLE } else { Duration::ZERO };
+        Self::open_with(Settings { settle, ..Settings::new(campaign.id) }, campaign, listen, interrupted)
     }
 
     /// [`ZenohEvaluator::open`] with other constants of the scheduler.
@@ -125,14 +135,19 @@ impl ZenohEvaluator {
         Look(self.inputs.clone())
     }
 
+    /// Who is connected, to be looked at from elsewhere.
+    pub fn attendance(&self) -> Arc<Attendance> {
+        Arc::clone(&self.attendance)
+    }
+
     /// Workers that are connected now.
     pub fn workers(&self) -> Vec<ConnectedWorker> {
-        self.attendance.workers().clone()
+        self.attendance.workers()
     }
 
     /// Simulations that can run at once now: the slots of all workers.
     pub fn concurrency(&self) -> u32 {
-        self.attendance.workers().iter().map(|worker| worker.slots).sum()
+        self.workers().iter().map(|worker| worker.slots).sum()
     }
 
     /// Waits until `enough` is true of the connected workers; false if it did not become so in time.
@@ -185,19 +200,26 @@ impl ZenohEvaluator {
                     Err(_) => Err(desk_ended()),
                 }
             };
-            match next? {
-                Delivery::Outcome(finished) => {
-                    let id = finished.id;
-                    pursuit.record(*finished)?;
-                    self.send(Input::Recorded(id))?;
-                    open.remove(&id);
+            // What has arrived by now is made durable together: the disk takes as long for many as for one.
+            let mut arrived = Vec::new();
+            for delivery in std::iter::once(next?).chain(deliveries.try_iter()).take(MOST_TOGETHER) {
+                match delivery {
+                    Delivery::Outcome(finished) => arrived.push(*finished),
+                    Delivery::GivenUp { task, reason } => {
+                        open.remove(&task);
+                        given_up.get_or_insert(EvaluateError::GivenUp { id: task, reason });
+                        // What would come of it can no longer be told: nothing more is begun.
+                        beginnings.end();
+                    }
                 }
-                Delivery::GivenUp { task, reason } => {
-                    open.remove(&task);
-                    given_up.get_or_insert(EvaluateError::GivenUp { id: task, reason });
-                    // What would come of it can no longer be told: nothing more is begun.
-                    beginnings.end();
+            }
+            if !arrived.is_empty() {
+                let ids: Vec<u64> = arrived.iter().map(|finished| finished.id).collect();
+                pursuit.record_all(arrived)?;
+                for id in &ids {
+                    open.remove(id);
                 }
+                self.send(Input::Recorded(ids))?;
             }
         }
     }

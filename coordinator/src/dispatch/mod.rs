@@ -17,7 +17,7 @@ mod tally;
 mod transport;
 
 pub use board::{Board, clock_ms};
-pub use desk::ConnectedWorker;
+pub use desk::{Attendance, ConnectedWorker};
 pub use evaluator::{Campaign, Look, ZenohEvaluator};
 pub use transport::{Life, Listen, VisitError, Visitor};
 

@@ -98,6 +98,14 @@ pub trait Pursuit {
     /// # Errors
     /// Why the evaluator is to end.
     fn record(&mut self, finished: Finished) -> Result<(), EvaluateError>;
+
+    /// Takes several outcomes, all of them durable once this returns `Ok`.
+    ///
+    /// # Errors
+    /// Why the evaluator is to end; some of them may be durable.
+    fn record_all(&mut self, finished: Vec<Finished>) -> Result<(), EvaluateError> {
+        finished.into_iter().try_for_each(|finished| self.record(finished))
+    }
 }
 
 /// How often an evaluator looks what to begin, and whether the user wants to stop.

@@ -5,8 +5,6 @@ mod mechanism;
 
 pub use mechanism::{eccentricity, first_cycle};
 
-use mechanism::{PINS, depth, worn};
-
 use super::input::{DISTRIBUTIONS_DOCUMENT, OutputDistribution, ReportInput, SUMMARY_DOCUMENT};
 use crate::evaluate::{Finished, Request};
 use crate::journal::Journal;
@@ -17,6 +15,7 @@ use common::failure::SimulationFailure;
 use common::outputs::{Diagnostics, Evaluation, JointSummary};
 use common::random::{Distribution, RandomVariable};
 use common::scene::*;
+use mechanism::{PINS, depth, worn};
 use statrs::distribution::{Continuous, ContinuousCDF, Normal};
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};

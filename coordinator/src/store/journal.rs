@@ -15,7 +15,11 @@ impl Journal for CampaignFile {
     }
 
     fn record(&mut self, request: &Request, finished: &Finished) -> Result<(), EvaluateError> {
-        Ok(self.insert(request, finished)?)
+        Ok(self.insert([(request, finished)])?)
+    }
+
+    fn record_all(&mut self, outcomes: &[(Request, Finished)]) -> Result<(), EvaluateError> {
+        Ok(self.insert(outcomes.iter().map(|(request, finished)| (request, finished)))?)
     }
 
     fn note_round(&mut self, round: &Round) -> Result<(), EvaluateError> {
@@ -66,13 +70,28 @@ impl CampaignFile {
         Ok(Some(Finished { id: request.id, outcome, worker, wall }))
     }
 
-    /// One transaction per evaluation; a second outcome of the same request is harmless, the first one stays.
-    fn insert(&mut self, request: &Request, finished: &Finished) -> Result<(), StoreError> {
+    /// All in one transaction, or none; a second outcome of the same request is harmless, the first one stays.
+    fn insert<'a>(
+        &mut self,
+        outcomes: impl IntoIterator<Item = (&'a Request, &'a Finished)>,
+    ) -> Result<(), StoreError> {
+        let failed = |source| StoreError::Database { path: self.path(), source };
+        let transaction = self.connection.unchecked_transaction().map_err(failed)?;
+        for (request, finished) in outcomes {
+            if let Some(outcome) = self.checked(request, finished)? {
+                self.write(&transaction, request, finished, &outcome).map_err(failed)?;
+            }
+        }
+        transaction.commit().map_err(failed)
+    }
+
+    /// The outcome's exact bytes, if it fits the scene; `None` where there is one already.
+    fn checked(&self, request: &Request, finished: &Finished) -> Result<Option<Vec<u8>>, StoreError> {
         if request.id != finished.id {
             return Err(StoreError::WrongNumber { request: request.id, outcome: finished.id });
         }
         if self.find(request)?.is_some() {
-            return Ok(());
+            return Ok(None);
         }
         let what = || format!("evaluation {}", request.id);
         if request.sample.len() != self.inputs.len() {
@@ -90,15 +109,17 @@ impl CampaignFile {
                 return Err(self.encoding(what(), "its stated errors do not fit its histories"));
             }
         }
-        let outcome =
-            exact::outcome_to_bytes(&finished.outcome).map_err(|reason| self.encoding(what(), reason))?;
-        self.write(request, finished, &outcome)
-            .map_err(|source| StoreError::Database { path: self.dir.join(super::FILE_NAME), source })
+        exact::outcome_to_bytes(&finished.outcome).map(Some).map_err(|reason| self.encoding(what(), reason))
     }
 
-    fn write(&mut self, request: &Request, finished: &Finished, outcome: &[u8]) -> rusqlite::Result<()> {
+    fn write(
+        &self,
+        transaction: &Transaction<'_>,
+        request: &Request,
+        finished: &Finished,
+        outcome: &[u8],
+    ) -> rusqlite::Result<()> {
         let key = to_key(request.id);
-        let transaction = self.connection.transaction()?;
         transaction
             .prepare_cached(
                 "INSERT INTO evaluation (id, failure, worker, wall_s, finished_at, with_first_cycle, sample, outcome)
@@ -117,17 +138,10 @@ impl CampaignFile {
         let sql = insert_statement("input", "evaluation", &self.inputs);
         transaction.prepare_cached(&sql)?.execute(params_from_iter(values))?;
         if let Ok(evaluation) = &finished.outcome {
-            write_rows(
-                &transaction,
-                "output",
-                &self.outputs,
-                key,
-                &evaluation.cycles,
-                &evaluation.histories,
-            )?;
-            write_stated_errors(&transaction, &self.outputs, key, evaluation)?;
+            write_rows(transaction, "output", &self.outputs, key, &evaluation.cycles, &evaluation.histories)?;
+            write_stated_errors(transaction, &self.outputs, key, evaluation)?;
         }
-        transaction.commit()
+        Ok(())
     }
 
     /// Stores a result document as JSON under a name, e.g. `summary`; a document of that name is replaced.

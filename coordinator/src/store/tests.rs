@@ -196,6 +196,21 @@ fn values_that_do_not_fit_the_scene_are_refused() {
 }
 
 #[test]
+fn outcomes_recorded_together_are_all_there_or_none() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut file = CampaignFile::create(dir.path(), &meta(), &scene()).unwrap();
+    let mut all: Vec<_> = (0..5).map(|id| (request(id), finished(id))).collect();
+    all[4].1.id = 5;
+    assert!(file.record_all(&all).is_err());
+    assert_eq!(file.count().unwrap(), 0);
+    all[4].1.id = 4;
+    file.record_all(&all).unwrap();
+    for (request, finished) in &all {
+        assert_same_bits(&file.finished(request).unwrap().unwrap(), finished);
+    }
+}
+
+#[test]
 fn folders_in_use_taken_or_empty_are_told_apart() {
     let parent = tempfile::tempdir().unwrap();
     let dir = parent.path().join("a/b");

@@ -150,11 +150,13 @@ impl<'a> Dispatcher<'a> {
 }
 
 impl Record<'_> {
-    /// Makes an outcome durable and tells the observer.
-    fn keep(&mut self, request: &Request, finished: &Finished) -> Result<(), EvaluateError> {
-        self.journal.record(request, finished)?;
-        self.done += 1;
-        notice(self.observer, self.done, finished, false);
+    /// Makes outcomes durable and tells the observer.
+    fn keep(&mut self, outcomes: &[(Request, Finished)]) -> Result<(), EvaluateError> {
+        self.journal.record_all(outcomes)?;
+        for (_, finished) in outcomes {
+            self.done += 1;
+            notice(self.observer, self.done, finished, false);
+        }
         Ok(())
     }
 
@@ -209,13 +211,22 @@ impl Pursuit for Stage<'_, '_> {
     }
 
     fn record(&mut self, finished: Finished) -> Result<(), EvaluateError> {
-        let Some(request) = self.requests.remove(&finished.id) else {
-            let what = format!("an outcome of evaluation {} that is not being waited for", finished.id);
-            return Err(EvaluateError::Transport(what));
-        };
-        self.record.keep(&request, &finished)?;
+        self.record_all(vec![finished])
+    }
+
+    fn record_all(&mut self, finished: Vec<Finished>) -> Result<(), EvaluateError> {
+        let mut outcomes = Vec::with_capacity(finished.len());
+        for finished in finished {
+            let Some(request) = self.requests.remove(&finished.id) else {
+                let what = format!("an outcome of evaluation {} that is not being waited for", finished.id);
+                return Err(EvaluateError::Transport(what));
+            };
+            outcomes.push((request, finished));
+        }
+        self.record.keep(&outcomes)?;
         self.looked = Instant::now();
-        self.settle(finished).map_err(|error| self.fail(error))
+        let settled = outcomes.into_iter().try_for_each(|(_, finished)| self.settle(finished));
+        settled.map_err(|error| self.fail(error))
     }
 }
 

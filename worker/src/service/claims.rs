@@ -1,18 +1,19 @@
-//! The claims of a worker: what it asks for and hands in, and when. One claim is under way at a time, so that
-//! the list of what it holds is exact and a lost reply is noticed by the coordinator.
+//! The claims of a worker at one coordinator: what it asks for and hands in, and when. One claim is under way at a time,
+//! so that the list of what it holds is exact and a lost reply is noticed by the coordinator.
 //!
 //! Three answers stay apart: work; "idle, ask again in T" (a notice ends the wait early); nothing, after which
 //! the worker backs off, with a spread so that many workers do not come back at the same instant.
 
 use super::held::Held;
+use super::inbox::Inbox;
 use super::link::Link;
+use super::pace::Pace;
 use super::patience::Patience;
 use super::slots::Slots;
+use super::stay::Stay;
 use super::{Departure, Job, ServiceConfig, ServiceError};
 use crate::log::refusal;
-use common::wire::{
-    self, Claim, Next, Notice, Outcome, Reply, Task, TaskKey, WireError, WorkOrder, WorkerId,
-};
+use common::wire::{self, Claim, Next, Notice, Reply, Task, TaskKey, WireError, WorkOrder, WorkerId};
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
@@ -20,38 +21,17 @@ use std::time::{Duration, Instant};
 
 /// Outcomes that may wait for their acknowledgement before the worker takes no more tasks [bytes].
 const MOST_HELD: usize = 64 << 20;
-/// Pauses between claims that nobody answers.
+/// Pauses between claims that nobody answers: short enough that a restarted coordinator has its workers within a second.
 const FIRST_BACKOFF: Duration = Duration::from_millis(50);
-const LONGEST_BACKOFF: Duration = Duration::from_secs(1);
+const LONGEST_BACKOFF: Duration = Duration::from_millis(400);
+/// Pause after an answer with fewer tasks than asked for, unless a notice ends it.
+const NO_MORE: Duration = Duration::from_secs(1);
 /// How long leaving may take.
 const FAREWELL: Duration = Duration::from_secs(5);
 /// Beyond the timeout of the query, after which Zenoh itself has forgotten it.
 const QUERY_MARGIN: Duration = Duration::from_secs(5);
-
-/// What reaches the claims.
-#[derive(Debug)]
-pub(super) enum Inbox {
-    /// A slot has finished a task.
-    Finished(Box<Outcome>),
-    /// The coordinator's answer to a claim, or why it could not read it.
-    Answer {
-        /// Number of the claim.
-        sequence: u64,
-        /// Frame of the reply.
-        frame: Result<Vec<u8>, String>,
-    },
-    /// No more answers to this claim will come.
-    QueryEnded {
-        /// Number of the claim.
-        sequence: u64,
-    },
-    /// Frame of a notice.
-    Notice(Vec<u8>),
-    /// Hand in and leave.
-    Stop,
-    /// Leave at once.
-    Abort,
-}
+/// Longest sleep.
+const LOOK_UP: Duration = Duration::from_millis(500);
 
 /// A claim under way.
 struct UnderWay {
@@ -65,10 +45,14 @@ struct UnderWay {
 pub(super) struct Claims {
     config: ServiceConfig,
     worker: WorkerId,
+    /// Which of the worker's coordinators this is.
+    place: usize,
     link: Link,
-    slots: Slots,
-    running: Vec<Task>,
+    slots: Arc<Slots>,
+    /// Tasks begun or waiting, and since when they are here.
+    running: Vec<(Task, Instant)>,
     held: Held,
+    pace: Pace,
     sequence: u64,
     under_way: Option<UnderWay>,
     /// When free slots ask again.
@@ -77,6 +61,9 @@ pub(super) struct Claims {
     silent_until: Instant,
     backoff: Duration,
     patience: Patience,
+    stay: Stay,
+    /// Tasks were handed back, which the coordinator does not know yet.
+    handed_back: bool,
     leaving_since: Option<Instant>,
     /// A claim that says the worker leaves was answered.
     said_farewell: bool,
@@ -86,24 +73,30 @@ impl Claims {
     pub fn new(
         config: ServiceConfig,
         worker: WorkerId,
+        place: usize,
         link: Link,
-        slots: Slots,
+        slots: Arc<Slots>,
         patience: Patience,
+        stay: Stay,
     ) -> Self {
         let now = Instant::now();
         Self {
             config,
             worker,
+            place,
             link,
             slots,
             running: Vec::new(),
             held: Held::default(),
+            pace: Pace::default(),
             sequence: 0,
             under_way: None,
             ask_at: now,
             silent_until: now,
             backoff: FIRST_BACKOFF,
             patience,
+            stay,
+            handed_back: false,
             leaving_since: None,
             said_farewell: false,
         }
@@ -112,6 +105,8 @@ impl Claims {
     /// Serves until the end.
     pub fn run(mut self, inbox: &Receiver<Inbox>) -> Result<Departure, ServiceError> {
         let departure = self.serve(inbox);
+        self.slots.shares().is_content(self.place);
+        self.withdraw(|_| true);
         self.link.close();
         departure
     }
@@ -143,10 +138,14 @@ impl Claims {
         let now = Instant::now();
         match message {
             Inbox::Finished(outcome) => {
-                self.running.retain(|task| !task.same_work(&outcome.task));
+                if let Some(at) = self.running.iter().position(|(task, _)| task.same_work(&outcome.task)) {
+                    let (_, since) = self.running.swap_remove(at);
+                    self.pace.task_ended(outcome.wall, now.saturating_duration_since(since));
+                }
                 self.held.push(*outcome, now);
                 self.ask_at = now;
             }
+            Inbox::PlaceFree => {}
             Inbox::Answer { sequence, frame } if self.is_under_way(sequence) => {
                 return self.answered(now, frame);
             }
@@ -162,10 +161,14 @@ impl Claims {
                     // What the coordinator did not know so far may be among them.
                     self.held.offer_again(now);
                 }
-                Ok(Notice::Ended { .. }) => return Ok(Some(Departure::CampaignEnded)),
+                Ok(Notice::Ended { .. }) => return Ok(self.campaign_ended(now)),
                 Err(error) => tracing::warn!("a notice of the coordinator could not be read: {error}"),
             },
-            Inbox::Stop => self.leaving_since = self.leaving_since.or(Some(now)),
+            Inbox::Stop => {
+                self.stay.asked(now);
+                // What waits for a slot others can do at once.
+                self.handed_back |= self.withdraw(|_| true) > 0;
+            }
             Inbox::Abort => return Ok(Some(Departure::Aborted)),
         }
         Ok(None)
@@ -183,11 +186,8 @@ impl Claims {
         let reply = match frame.map(|frame| wire::decode::<Reply>(&frame)) {
             Ok(Ok(reply)) => reply,
             Ok(Err(WireError::OtherVersion { theirs, ours })) => {
-                return Err(ServiceError::OtherVersion {
-                    endpoint: self.config.connect.clone(),
-                    theirs,
-                    ours,
-                });
+                let endpoint = self.config.connect[self.place].clone();
+                return Err(ServiceError::OtherVersion { endpoint, theirs, ours });
             }
             Ok(Err(error)) => {
                 tracing::warn!("an answer of the coordinator could not be read: {error}");
@@ -199,42 +199,78 @@ impl Claims {
                 return Ok(None);
             }
         };
-        let Some(UnderWay { credits, leaving, .. }) = self.under_way.take() else { return Ok(None) };
+        let Some(UnderWay { credits, leaving, since, .. }) = self.under_way.take() else { return Ok(None) };
         self.said_farewell |= leaving;
         self.patience.heard();
         self.backoff = FIRST_BACKOFF;
         self.held.forget(&reply.acknowledged);
+        // What others have done meanwhile need not be begun.
+        self.withdraw(|task| reply.acknowledged.contains(&task.key));
         match reply.next {
             Next::Work(order) => {
                 let got = order.tasks.len();
+                self.pace.answered(now.saturating_duration_since(since));
                 self.begin(order, now);
                 // Fewer than asked for: there are no more for now; a notice tells when.
-                self.ask_at = if got < credits { now + LONGEST_BACKOFF } else { now };
+                self.ask_at = if got < credits { now + NO_MORE } else { now };
             }
             Next::Idle { ask_again } => {
-                self.ask_at = now + self.spread(Duration::from_millis(u64::from(ask_again)));
+                self.slots.shares().answered(self.place, 0, now);
+                // One that was asked for nothing has not said that it has nothing.
+                if credits > 0 {
+                    self.ask_at = now + self.spread(Duration::from_millis(u64::from(ask_again)));
+                }
             }
-            Next::Leave => return Ok(Some(Departure::CampaignEnded)),
+            Next::Leave => return Ok(self.campaign_ended(now)),
         }
         Ok(None)
     }
 
+    /// Leaves, or waits for the next campaign there.
+    fn campaign_ended(&mut self, now: Instant) -> Option<Departure> {
+        if !self.config.next_campaign || self.stay.takes_nothing() {
+            return Some(Departure::CampaignEnded);
+        }
+        tracing::info!("the campaign at {} has ended", self.config.connect[self.place]);
+        self.under_way = None;
+        self.slots.shares().answered(self.place, 0, now);
+        self.withdraw(|_| true);
+        self.held = Held::default();
+        (self.ask_at, self.silent_until) = (now + NO_MORE, now + NO_MORE);
+        None
+    }
+
     fn begin(&mut self, mut order: WorkOrder, now: Instant) {
-        let tasks = std::mem::take(&mut order.tasks);
+        let mut tasks = std::mem::take(&mut order.tasks);
+        tasks.retain(|task| {
+            let runs = self.running.iter().any(|(other, _)| other.same_work(task));
+            !(runs || self.held.has(task, now))
+        });
+        // What arrives after the decision to leave is handed back.
+        if self.leaving_since.is_some() {
+            tasks.clear();
+        }
+        self.slots.shares().answered(self.place, tasks.len(), now);
         let order = Arc::new(order);
         for task in tasks {
-            let here = self.running.iter().any(|other| other.same_work(&task)) || self.held.has(&task, now);
-            if !here {
-                self.running.push(task.clone());
-                if self.leaving_since.is_none() {
-                    self.slots.start_job(Job { order: Arc::clone(&order), task });
-                }
-            }
+            self.running.push((task.clone(), now));
+            self.slots.start_job(Job { order: Arc::clone(&order), task, place: self.place });
         }
+    }
+
+    /// Drops tasks that wait for a slot; how many.
+    fn withdraw(&mut self, unwanted: impl Fn(&Task) -> bool) -> usize {
+        if !self.running.iter().any(|(task, _)| unwanted(task)) {
+            return 0;
+        }
+        let dropped = self.slots.withdraw(self.place, unwanted);
+        self.running.retain(|(task, _)| !dropped.iter().any(|other| other.same_work(task)));
+        dropped.len()
     }
 
     fn unanswered(&mut self, now: Instant, reason: String) {
         let since = self.under_way.take().map_or(now, |claim| claim.since);
+        self.slots.shares().answered(self.place, 0, now);
         self.patience.failed(since, reason);
         self.held.offer_again(now);
         let pause = self.spread(self.backoff);
@@ -251,32 +287,39 @@ impl Claims {
         pause.mul_f64(1.0 - 0.25 * share)
     }
 
-    fn credits(&self) -> usize {
-        if self.leaving_since.is_some() || self.held.bytes() > MOST_HELD {
-            return 0;
-        }
-        (self.slots.at_once() + self.config.prefetch).saturating_sub(self.running.len())
+    /// Whether it takes tasks at all.
+    fn takes_tasks(&self) -> bool {
+        !self.stay.takes_nothing() && self.held.bytes() <= MOST_HELD
     }
 
-    /// When the next claim is due, if there is one to make.
-    fn claim_due(&self) -> Option<Instant> {
-        if self.under_way.is_some() {
-            return None;
+    /// How many tasks to ask for now.
+    fn credits(&self, now: Instant) -> usize {
+        let shares = self.slots.shares();
+        if !self.takes_tasks() || self.ask_at.max(self.silent_until) > now {
+            shares.is_content(self.place);
+            return 0;
         }
-        let ask = (self.credits() > 0).then_some(self.ask_at);
-        let farewell = self.leaving_since.filter(|_| !self.said_farewell);
-        let due = [ask, farewell, self.held.next_due()].into_iter().flatten().min()?;
-        Some(due.max(self.silent_until))
+        let reserve = self.config.prefetch.max(self.pace.reserve(self.config.slots));
+        shares.may_ask(self.place, self.slots.at_once() + reserve, now)
     }
 
     fn claim_if_due(&mut self, now: Instant) -> Result<(), ServiceError> {
-        if self.claim_due().is_none_or(|due| due > now) {
+        if self.under_way.is_some() {
             return Ok(());
         }
-        let credits = self.credits();
+        let credits = self.credits(now);
+        if self.silent_until > now {
+            return Ok(());
+        }
+        let leaving = self.leaving_since.is_some();
+        let tells = (leaving && !self.said_farewell) || self.handed_back;
+        if credits == 0 && !tells && self.held.next_due().is_none_or(|due| due > now) {
+            return Ok(());
+        }
         self.sequence += 1;
-        let holding: Vec<TaskKey> =
-            self.running.iter().map(|task| task.key).chain(self.held.keys()).collect();
+        self.handed_back = false;
+        let running = self.running.iter().map(|(task, _)| task.key);
+        let holding: Vec<TaskKey> = running.chain(self.held.keys()).collect();
         let claim = Claim {
             worker: self.worker.clone(),
             sequence: self.sequence,
@@ -284,15 +327,11 @@ impl Claims {
             credits: as_u32(credits),
             holding,
             finished: self.held.offer(now),
-            leaving: self.leaving_since.is_some(),
+            leaving,
         };
         let frame = wire::encode(&claim).map_err(|e| ServiceError::Messaging(format!("a claim: {e}")))?;
-        self.under_way = Some(UnderWay {
-            sequence: self.sequence,
-            credits,
-            leaving: self.leaving_since.is_some(),
-            since: now,
-        });
+        self.slots.shares().ask(self.place, credits, now);
+        self.under_way = Some(UnderWay { sequence: self.sequence, credits, leaving, since: now });
         if let Err(reason) = self.link.ask(self.sequence, frame) {
             self.unanswered(now, reason);
         }
@@ -300,11 +339,14 @@ impl Claims {
     }
 
     fn next_wake(&self, now: Instant) -> Instant {
-        let mut wake = now + Duration::from_secs(1);
-        if let Some(due) = self.claim_due() {
-            wake = wake.min(due);
+        let idle = self.slots.shares().idle_for(now);
+        let mut wake = now + LOOK_UP;
+        if self.under_way.is_none() {
+            let ask = Some(self.ask_at).filter(|at| self.takes_tasks() && *at > now);
+            let due = [ask, self.held.next_due()].into_iter().flatten().min();
+            wake = due.map_or(wake, |due| wake.min(due.max(self.silent_until)));
         }
-        wake
+        self.stay.next_look(now, self.pace.longest(), idle).map_or(wake, |look| wake.min(look.max(now)))
     }
 
     /// What the clock alone brings about.
@@ -313,11 +355,15 @@ impl Claims {
         if self.under_way.as_ref().is_some_and(|claim| now.duration_since(claim.since) > patience) {
             self.unanswered(now, "the claim was forgotten".into());
         }
+        self.stay.check(now, self.pace.longest(), self.slots.shares().idle_for(now));
+        if self.leaving_since.is_none() && self.stay.is_over(now, self.running.len()) {
+            self.leaving_since = Some(now);
+        }
         if let Some(since) = self.leaving_since {
             // What the coordinator has not taken by then (outcomes it does not know of) it will not take.
             let handed_in = self.said_farewell && self.held.next_due().is_none_or(|due| due > now);
             if handed_in || now.duration_since(since) > FAREWELL {
-                return Ok(Some(Departure::Stopped { lost: self.held.len() }));
+                return Ok(Some(self.stay.departure(self.held.len())));
             }
         }
         self.patience.check(now)?;

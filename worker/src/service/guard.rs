@@ -14,13 +14,13 @@ use std::time::{Duration, Instant};
 const MAX_OUTCOME: usize = 4 << 20;
 
 /// Evaluates `first` and what `more` gives beside as many as are under way, under the name `worker`; every job comes to
-/// one outcome.
+/// one outcome, `done` with the place of the coordinator that asked for it.
 pub(super) fn evaluate(
     simulator: &dyn Simulator,
     worker: &str,
     first: Job,
     more: &mut dyn FnMut(usize) -> Option<Job>,
-    done: &mut dyn FnMut(Outcome),
+    done: &mut dyn FnMut(usize, Outcome),
 ) {
     let under_way: RefCell<BTreeMap<usize, Job>> = RefCell::default();
     let (mut first, mut begun) = (Some(first), 0);
@@ -34,7 +34,7 @@ pub(super) fn evaluate(
         simulator.simulate_together(&mut next, &mut |number, result, took| {
             let ended = under_way.borrow_mut().remove(&number);
             if let Some(job) = ended {
-                done(outcome_of(job, worker, took, result));
+                done(job.place, outcome_of(job, worker, took, result));
             }
         });
     }));
@@ -42,11 +42,12 @@ pub(super) fn evaluate(
     match (together, left.len()) {
         (Err(panic), 1) => {
             let failure = SimulationFailure::Panicked { message: said(&*panic) };
-            left.drain(..)
-                .for_each(|job| done(outcome_of(job, worker, Duration::ZERO, Err(failure.clone()))));
+            left.drain(..).for_each(|job| {
+                done(job.place, outcome_of(job, worker, Duration::ZERO, Err(failure.clone())))
+            });
         }
         // Whoever was beside is evaluated again: only the cause of the panic has it as its outcome.
-        _ => left.drain(..).for_each(|job| done(by_itself(simulator, worker, job))),
+        _ => left.drain(..).for_each(|job| done(job.place, by_itself(simulator, worker, job))),
     }
 }
 
@@ -114,7 +115,9 @@ mod tests {
         let mut outcomes = vec![];
         let mut waiting = (1..jobs).map(|k| job(3.0 + k as f64));
         let mut more = |_| waiting.next();
-        evaluate(&Practice(simulate), "w/0", job(3.0), &mut more, &mut |outcome| outcomes.push(outcome));
+        evaluate(&Practice(simulate), "w/0", job(3.0), &mut more, &mut |_, outcome| {
+            outcomes.push(outcome);
+        });
         outcomes.sort_by(|a, b| a.task.sample[0].total_cmp(&b.task.sample[0]));
         outcomes
     }

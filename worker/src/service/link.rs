@@ -1,6 +1,6 @@
 //! The worker's connection: the only place of the worker that knows Zenoh.
 
-use super::claims::Inbox;
+use super::inbox::Inbox;
 use super::patience::Patience;
 use super::{Departure, ServiceConfig, ServiceError};
 use crate::log::refusal;
@@ -13,8 +13,8 @@ use zenoh::query::ConsolidationMode;
 use zenoh::{Config, Session, Wait};
 
 /// What the worker needs, as Zenoh settings. A hang of the worker is seen within its lease; reconnection is
-/// tried for ever and by the second, so that a restarted coordinator has its workers back at once (measured:
-/// 0.45 s against 4 s with Zenoh's own settings). The timeout bounds the first connection only: opening a client
+/// tried for ever and twice a second, so that a restarted coordinator has its workers back at once (4 s with Zenoh's own
+/// settings). The timeout bounds the first connection only: opening a client
 /// session waits for it, and without a bound it could neither give up nor be stopped.
 const SETTINGS: [(&str, &str); 10] = [
     ("mode", "\"client\""),
@@ -26,7 +26,7 @@ const SETTINGS: [(&str, &str); 10] = [
     ("transport/link/rx/max_message_size", wire::MAX_MESSAGE),
     ("connect/timeout_ms", "1000"),
     ("connect/exit_on_failure", "false"),
-    ("connect/retry", "{period_init_ms: 200, period_max_ms: 1000, period_increase_factor: 1.5}"),
+    ("connect/retry", "{period_init_ms: 200, period_max_ms: 400, period_increase_factor: 1.5}"),
 ];
 
 /// Pause between attempts to open the session.
@@ -46,25 +46,29 @@ pub(super) struct Link {
 }
 
 impl Link {
-    /// Opens the session as soon as the coordinator can be reached; `Ok(Err(_))` if told to stop before.
+    /// Opens the session as soon as the coordinator can be reached; `Ok(Err(_))` if told to stop before, or it is `over`.
     ///
     /// # Errors
     /// [`ServiceError::Unreachable`] when it was not for too long.
     pub fn connect(
-        settings: &Config,
+        settings: &LinkSettings,
         service: &ServiceConfig,
         worker: &WorkerId,
         inbox: &Sender<Inbox>,
         received: &Receiver<Inbox>,
         patience: &mut Patience,
+        over: impl Fn(Instant) -> Option<Departure>,
     ) -> Result<Result<Self, Departure>, ServiceError> {
         loop {
             let started = Instant::now();
-            match zenoh::open(settings.clone()).wait() {
+            match zenoh::open(settings.0.clone()).wait() {
                 Ok(session) => return Self::declare(session, service, worker, inbox).map(Ok),
                 Err(error) => patience.failed(started, refusal::explain(&reason(error), started)),
             }
             patience.check(Instant::now())?;
+            if let Some(departure) = over(Instant::now()) {
+                return Ok(Err(departure));
+            }
             match received.recv_timeout(RETRY) {
                 Ok(Inbox::Stop) => return Ok(Err(Departure::Stopped { lost: 0 })),
                 Ok(Inbox::Abort) | Err(RecvTimeoutError::Disconnected) => return Ok(Err(Departure::Aborted)),
@@ -145,11 +149,14 @@ impl Drop for Ended {
     }
 }
 
-/// Zenoh settings of a worker.
+/// Zenoh settings of a worker for one coordinator.
+pub(super) struct LinkSettings(Config);
+
+/// Those for the coordinator at `endpoint`.
 ///
 /// # Errors
 /// [`ServiceError::Settings`].
-pub(super) fn settings(service: &ServiceConfig) -> Result<Config, ServiceError> {
+pub(super) fn settings(service: &ServiceConfig, endpoint: &str) -> Result<LinkSettings, ServiceError> {
     let mut config = match &service.zenoh_config {
         None => Config::default(),
         Some(file) => Config::from_file(file).map_err(|error| ServiceError::Settings {
@@ -161,16 +168,16 @@ pub(super) fn settings(service: &ServiceConfig) -> Result<Config, ServiceError> 
         config.insert_json5(key, value).map_err(messaging)?;
     }
     let wrong = |reason: String| ServiceError::Settings {
-        setting: format!("endpoint {:?}", service.connect),
+        setting: format!("endpoint {endpoint:?}"),
         reason: format!("{reason}; expected e.g. tcp/192.168.1.20:7447 or tls/host.example:7447"),
     };
-    if !service.connect.contains('/') || service.connect.contains(['"', '\\']) {
+    if !endpoint.contains('/') || endpoint.contains(['"', '\\']) {
         return Err(wrong("not an endpoint".into()));
     }
     config
-        .insert_json5("connect/endpoints", &format!("[\"{}\"]", service.connect))
+        .insert_json5("connect/endpoints", &format!("[\"{endpoint}\"]"))
         .map_err(|error| wrong(reason(error)))?;
-    Ok(config)
+    Ok(LinkSettings(config))
 }
 
 fn messaging(error: zenoh::Error) -> ServiceError {

@@ -1,11 +1,13 @@
-//! Offers a simulator to a coordinator: claims tasks, evaluates them on its slots, hands the outcomes in.
+//! Offers a simulator to coordinators: claims tasks, evaluates them on its slots, hands the outcomes in.
 //!
 //! ```text
-//! claims (thread: one claim under way at a time) --job--> slots (threads: simulations side by side)
-//!        ^  |                                    <--outcome--
+//! claims (a thread a coordinator: one claim under way at a time) --job--> slots (threads: simulations side by side)
+//!        ^  |                                                    <--outcome--
 //!        |  v
 //!       link (the only place of the worker that knows Zenoh)
 //! ```
+//!
+//! Several coordinators share the slots fairly (`shares`); the end or death of one does not touch the others.
 //!
 //! The worker keeps no state between orders: a reply carries the scene with its tasks. It forgets an outcome
 //! only when it was acknowledged, so a coordinator may stop, or the line may break, at any moment. Nothing here
@@ -14,30 +16,36 @@
 mod claims;
 mod guard;
 mod held;
+mod inbox;
 mod link;
+mod pace;
 mod patience;
 #[cfg(test)]
 mod practice;
 mod queue;
+mod shares;
 mod slots;
+mod stay;
+mod together;
 
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
-use common::wire::{Task, WorkOrder, WorkerId, keys};
+use common::wire::{Task, WorkOrder};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::mpsc::{Sender, channel};
-use std::thread::JoinHandle;
 use std::time::{Duration, Instant, SystemTime};
 use thiserror::Error;
+pub use together::{Stopper, WorkerHandle, run, spawn};
 
 /// One task with the order it came in.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Job {
     order: Arc<WorkOrder>,
     task: Task,
+    /// Which of the worker's coordinators wants it.
+    place: usize,
 }
 
 impl Job {
@@ -101,13 +109,14 @@ pub trait Simulator: Send + Sync {
 /// How a worker serves.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ServiceConfig {
-    /// Where the coordinator is, e.g. `tcp/192.168.1.20:7447`.
-    pub connect: String,
+    /// Where the coordinators are, e.g. `tcp/192.168.1.20:7447`; they share the slots.
+    pub connect: Vec<String>,
     /// More Zenoh settings (JSON5 file), e.g. certificates; what the service needs stands above them.
     pub zenoh_config: Option<PathBuf>,
     /// Threads that simulate.
     pub slots: usize,
-    /// Tasks to hold in reserve beyond the slots. Zero: the last tasks of a batch wait for nobody.
+    /// Tasks to hold in reserve beyond the slots at least; more where tasks are so short that slots would wait for
+    /// answers.
     pub prefetch: usize,
     /// Name, unique where people look at it; what cannot stand in a key becomes `-`.
     pub name: String,
@@ -115,19 +124,34 @@ pub struct ServiceConfig {
     pub give_up_after: Option<Duration>,
     /// How long an answer to a claim may take.
     pub answer_timeout: Duration,
+    /// How long what runs may go on once the worker is asked to stop; what has not ended by then is handed back.
+    pub drain: Duration,
+    /// How long there may be nothing to do before the worker leaves; `None`: for ever.
+    pub idle_timeout: Option<Duration>,
+    /// Time after which the worker has left. It begins nothing that, by what it has measured, would not end before.
+    pub walltime: Option<Duration>,
+    /// Whether it waits for the next campaign where one has ended.
+    pub next_campaign: bool,
+    /// Whether its slots give way to other threads of the process that want a core (on Linux).
+    pub give_way: bool,
 }
 
 impl ServiceConfig {
     /// `slots` threads for the coordinator at `connect`, under the name `<host>-<process>`.
     pub fn new(connect: impl Into<String>, slots: usize) -> Self {
         Self {
-            connect: connect.into(),
+            connect: vec![connect.into()],
             zenoh_config: None,
             slots,
             prefetch: 0,
             name: format!("{}-{}", host_name(), std::process::id()),
             give_up_after: Some(Duration::from_secs(30)),
             answer_timeout: Duration::from_secs(10),
+            drain: Duration::ZERO,
+            idle_timeout: None,
+            walltime: None,
+            next_campaign: false,
+            give_way: false,
         }
     }
 }
@@ -139,6 +163,13 @@ pub enum Departure {
     CampaignEnded,
     /// It was asked to stop, and what it had finished was handed in.
     Stopped {
+        /// Outcomes that could not be handed in.
+        lost: usize,
+    },
+    /// It had nothing to do for too long.
+    Idle,
+    /// Its time was up.
+    TimeUp {
         /// Outcomes that could not be handed in.
         lost: usize,
     },
@@ -189,90 +220,6 @@ pub enum ServiceError {
     /// The thread of the service broke: a defect of the program.
     #[error("the service of the worker panicked")]
     Panicked,
-}
-
-/// Asks a worker to stop; may be kept by a signal handler.
-#[derive(Debug, Clone)]
-pub struct Stopper(Sender<claims::Inbox>);
-
-impl Stopper {
-    /// Take nothing new, hand in what is finished, leave. What runs is dropped; the coordinator gives it to others.
-    pub fn stop(&self) {
-        // A service that has ended needs no stop.
-        let _ = self.0.send(claims::Inbox::Stop);
-    }
-
-    /// Drop everything at once, as if the process had died.
-    pub fn abort(&self) {
-        let _ = self.0.send(claims::Inbox::Abort);
-    }
-}
-
-/// A worker that serves in its own thread.
-#[derive(Debug)]
-pub struct WorkerHandle {
-    stopper: Stopper,
-    thread: JoinHandle<Result<Departure, ServiceError>>,
-}
-
-impl WorkerHandle {
-    /// To stop it from elsewhere.
-    pub fn stopper(&self) -> Stopper {
-        self.stopper.clone()
-    }
-
-    /// Whether it has ended.
-    pub fn has_ended(&self) -> bool {
-        self.thread.is_finished()
-    }
-
-    /// Waits for its end.
-    ///
-    /// # Errors
-    /// [`ServiceError`].
-    pub fn join(self) -> Result<Departure, ServiceError> {
-        self.thread.join().unwrap_or(Err(ServiceError::Panicked))
-    }
-}
-
-/// Starts a worker in its own threads.
-///
-/// # Errors
-/// [`ServiceError::Settings`] and [`ServiceError::Messaging`], before anything is started; all else by
-/// [`WorkerHandle::join`].
-pub fn spawn(config: ServiceConfig, simulator: Arc<dyn Simulator>) -> Result<WorkerHandle, ServiceError> {
-    if config.slots == 0 {
-        return Err(ServiceError::Settings {
-            setting: "slots".into(),
-            reason: "at least 1 is needed".into(),
-        });
-    }
-    let worker = WorkerId { name: keys::worker_name(&config.name), epoch: new_epoch() };
-    let (inbox, received) = channel();
-    let settings = link::settings(&config)?;
-    let slots = slots::Slots::start(config.slots, &worker.name, simulator, &inbox)
-        .map_err(|e| ServiceError::Messaging(format!("cannot start a thread: {e}")))?;
-    let to_claims = inbox.clone();
-    let serve = move || {
-        let mut patience = patience::Patience::new(&config.connect, config.give_up_after);
-        match link::Link::connect(&settings, &config, &worker, &to_claims, &received, &mut patience)? {
-            Ok(link) => claims::Claims::new(config, worker, link, slots, patience).run(&received),
-            Err(departure) => Ok(departure),
-        }
-    };
-    let thread = std::thread::Builder::new()
-        .name("worker-claims".into())
-        .spawn(serve)
-        .map_err(|e| ServiceError::Messaging(format!("cannot start a thread: {e}")))?;
-    Ok(WorkerHandle { stopper: Stopper(inbox), thread })
-}
-
-/// Serves until the end, in this thread's sight.
-///
-/// # Errors
-/// [`ServiceError`].
-pub fn run(config: ServiceConfig, simulator: Arc<dyn Simulator>) -> Result<Departure, ServiceError> {
-    spawn(config, simulator)?.join()
 }
 
 /// Rises with every start on this machine.

@@ -40,7 +40,7 @@ pub fn job(x: f64) -> Job {
     let order = WorkOrder { scene: String::new(), accuracy, accuracy_name: String::new(), tasks: vec![] };
     let key = TaskKey { campaign: 1, task: 2 };
     let task = Task { key, attempt: 1, sample: vec![x], with_first_cycle: false, accuracy: None };
-    Job { order: Arc::new(order), task }
+    Job { order: Arc::new(order), task, place: 0 }
 }
 
 /// An evaluation of one output.

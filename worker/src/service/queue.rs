@@ -31,6 +31,23 @@ impl Queue {
         self.changed.notify_one();
     }
 
+    /// Takes out what waits and is `unwanted`.
+    pub fn withdraw(&self, unwanted: impl Fn(&Job) -> bool) -> Vec<Job> {
+        let mut state = self.state();
+        let all = std::mem::take(&mut state.waiting).into_iter();
+        let (out, kept): (Vec<Job>, VecDeque<Job>) =
+            all.fold(Default::default(), |(mut out, mut kept), job| {
+                if unwanted(&job) {
+                    out.push(job)
+                } else {
+                    kept.push_back(job)
+                }
+                (out, kept)
+            });
+        state.waiting = kept;
+        out
+    }
+
     /// Forgets what waits; nobody gets a job any more.
     pub fn close(&self) {
         let mut state = self.state();
@@ -93,6 +110,16 @@ mod tests {
         queue.push(job(5.0));
         assert!(queue.another(2).is_none());
         assert_eq!(queue.another(1).expect("four in all, two each").sample(), [5.0]);
+    }
+
+    #[test]
+    fn what_is_withdrawn_is_not_given() {
+        let queue = Queue::new(1);
+        (0..3).for_each(|k| queue.push(job(f64::from(k))));
+        let out = queue.withdraw(|job| job.sample() == [1.0]);
+        assert_eq!(out.iter().map(|job| job.sample()[0]).collect::<Vec<_>>(), [1.0]);
+        assert_eq!(queue.first().expect("waits").sample(), [0.0]);
+        assert_eq!(queue.another(0).expect("waits").sample(), [2.0]);
     }
 
     #[test]

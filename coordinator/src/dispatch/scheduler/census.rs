@@ -17,12 +17,12 @@ impl Scheduler {
     /// The workers and the queue now.
     pub fn census(&self) -> Census {
         Census {
-            queued: self.tasks.queued(),
+            queued: self.tasks.waiting(),
             open: self.tasks.open(),
             workers: self
                 .workers
                 .iter()
-                .map(|(id, worker)| (id.name.clone(), worker.slots, worker.leases.len()))
+                .map(|(id, worker)| (id.name.clone(), worker.slots, worker.has()))
                 .collect(),
         }
     }

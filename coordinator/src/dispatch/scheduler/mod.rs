@@ -3,7 +3,7 @@
 //! ```text
 //! Submit -> queued -> leased -> delivered -> recorded (ended)
 //!             ^          |
-//!             +----------+  worker lost, reply lost, overdue
+//!             +----------+  last worker that had it lost, reply lost, overdue
 //! ```
 //!
 //! Rules it keeps, whatever is lost, doubled, late or out of order:
@@ -12,97 +12,53 @@
 //! - An outcome of this campaign that nobody asked for yet is not acknowledged: after a restart the study asks
 //!   for it again, and the worker still has it.
 //! - A claim lists all its worker holds; a lease that is not in the list was lost on the way and goes back to
-//!   the front of the queue.
+//!   the front of the queue. What is in the list and was given by an earlier coordinator is adopted: nobody else gets it.
 //! - Tasks go only to workers whose liveliness token is seen: a death always has an event.
+//! - How many tasks a worker gets follows its speed. Where slots are idle and nothing waits, what one worker has had for
+//!   much longer than usual goes to a second one too; the first outcome counts.
 
+mod answers;
+mod attendance;
 mod census;
 mod event;
 #[cfg(test)]
 mod farm_tests;
+#[cfg(test)]
+mod recovery_tests;
+mod settings;
 mod tasks;
 #[cfg(test)]
 mod tests;
 mod workers;
+#[cfg(test)]
+mod workers_tests;
 
 pub use census::Census;
 pub use event::{Assignment, Command, Event, Token, Warning};
+pub use settings::Settings;
 
-use crate::evaluate::Finished;
+use crate::evaluate::{Finished, Request};
+use answers::{Answers, Pending};
+use attendance::Attendance;
 use common::wire::{Claim, Outcome, TaskKey, WorkerId};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::time::Duration;
-use tasks::{Accepted, TaskTable};
-use workers::Worker;
-
-/// Constants of the scheduler.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Settings {
-    /// Campaign its tasks belong to.
-    pub campaign: u64,
-    /// Workers (or deadlines) a task may outlive before it is given up.
-    pub losses_allowed: u32,
-    /// Deadline of a task while no simulation has ended yet.
-    pub first_deadline: Duration,
-    /// Deadline as a multiple of the longest simulation seen.
-    pub deadline_factor: f64,
-    /// Deadline at least.
-    pub shortest_deadline: Duration,
-    /// How long tasks may wait without any worker before the user is told, and told that their number changed.
-    pub unattended: Duration,
-    /// When the user is told again although nothing changed.
-    pub still_unattended: Duration,
-    /// Most tasks in one reply.
-    pub most_tasks: u32,
-}
-
-impl Settings {
-    /// The usual constants.
-    pub fn new(campaign: u64) -> Self {
-        Self {
-            campaign,
-            losses_allowed: 3,
-            first_deadline: Duration::from_secs(3600),
-            deadline_factor: 10.0,
-            shortest_deadline: Duration::from_secs(120),
-            unattended: Duration::from_secs(5),
-            still_unattended: Duration::from_secs(60),
-            most_tasks: 1024,
-        }
-    }
-}
-
-/// Claims without a liveliness token until the user is told: a token may be a moment late.
-const STRANGE_CLAIMS: u32 = 10;
-/// Workers without a liveliness token that are remembered.
-const STRANGERS: usize = 1000;
-
-/// A claim whose reply waits until its outcomes are durable.
-#[derive(Debug)]
-struct Pending {
-    worker: WorkerId,
-    credits: u32,
-    acknowledged: Vec<TaskKey>,
-    waiting: BTreeSet<u64>,
-}
-
-/// Tasks wait and nobody is there.
-#[derive(Debug)]
-struct Unattended {
-    since: Duration,
-    /// When the user was told last, and of how many tasks.
-    told: Option<(Duration, usize)>,
-}
+use tasks::{Accepted, Standing, TaskTable};
+use workers::Workforce;
 
 /// The state machine.
 #[derive(Debug)]
 pub struct Scheduler {
     settings: Settings,
     tasks: TaskTable,
-    workers: BTreeMap<WorkerId, Worker>,
-    pending: BTreeMap<Token, Pending>,
-    strangers: BTreeMap<WorkerId, u32>,
+    workers: Workforce,
+    answers: Answers,
+    attendance: Attendance,
     longest_wall: Option<f64>,
-    unattended: Option<Unattended>,
+    /// Until when tasks wait for workers that return with what they are running; `None` before the first event.
+    settled_at: Option<Duration>,
+    /// Tasks wait to be announced until then.
+    unsettled: bool,
     finishing: bool,
 }
 
@@ -111,12 +67,13 @@ impl Scheduler {
     pub fn new(settings: Settings) -> Self {
         Self {
             tasks: TaskTable::new(settings.campaign),
+            unsettled: !settings.settle.is_zero(),
             settings,
-            workers: BTreeMap::new(),
-            pending: BTreeMap::new(),
-            strangers: BTreeMap::new(),
+            workers: Workforce::default(),
+            answers: Answers::default(),
+            attendance: Attendance::default(),
             longest_wall: None,
-            unattended: None,
+            settled_at: None,
             finishing: false,
         }
     }
@@ -124,14 +81,12 @@ impl Scheduler {
     /// Takes one event at time `now` (since any fixed moment) and says what is to be done about it.
     pub fn on_event(&mut self, now: Duration, event: Event) -> Vec<Command> {
         let mut commands = Vec::new();
+        self.settled_at.get_or_insert(now + self.settings.settle);
         match event {
-            Event::Submit(requests) => {
-                let points = requests.into_iter().filter_map(|request| self.tasks.submit(request)).collect();
-                commands.push(Command::Announce(points));
-            }
+            Event::Submit(requests) => self.submit(now, requests, &mut commands),
             Event::Appeared(worker) => {
-                self.strangers.remove(&worker);
-                self.workers.entry(worker).or_default();
+                self.attendance.appeared(&worker);
+                self.workers.join(worker);
             }
             Event::Gone(worker) => self.lose(worker, &mut commands),
             Event::Claimed { token, claim } => self.claimed(now, token, claim, &mut commands),
@@ -143,16 +98,24 @@ impl Scheduler {
                 self.cancel(now, &mut commands);
             }
             Event::Tick => {
+                self.settle(now, &mut commands);
                 self.check_deadlines(now, &mut commands);
-                self.check_attendance(now, &mut commands);
+                let anybody = !self.workers.is_empty();
+                let warning = self.attendance.check(now, anybody, self.tasks.open(), &self.settings);
+                commands.extend(warning.map(Command::Warn));
             }
         }
         commands
     }
 
     /// Workers that are there and the slots they have said to have (0 until their first claim).
-    pub fn workers(&self) -> impl Iterator<Item = (&WorkerId, u32)> + Clone {
+    pub fn workers(&self) -> impl Iterator<Item = (&WorkerId, u32)> {
         self.workers.iter().map(|(id, worker)| (id, worker.slots))
+    }
+
+    /// Rises whenever [`Scheduler::workers`] changes.
+    pub fn changes(&self) -> u64 {
+        self.workers.changes()
     }
 
     /// Tasks submitted that have not ended.
@@ -160,14 +123,33 @@ impl Scheduler {
         self.tasks.open()
     }
 
-    /// How long a task may take at a worker of one slot per lease.
-    fn deadline(&self) -> Duration {
-        match self.longest_wall {
-            None => self.settings.first_deadline,
-            Some(wall) => Duration::try_from_secs_f64(wall * self.settings.deadline_factor)
-                .unwrap_or(Duration::MAX)
-                .max(self.settings.shortest_deadline),
+    fn submit(&mut self, now: Duration, requests: Vec<Request>, commands: &mut Vec<Command>) {
+        let mut points = Vec::new();
+        for request in requests {
+            let task = request.id;
+            let Some(point) = self.tasks.submit(request) else { continue };
+            points.push(point);
+            if let Some(holder) = self.workers.take_unasked(task) {
+                self.tasks.adopt(task);
+                self.workers.lease(&holder, task, now);
+            }
         }
+        commands.push(Command::Announce(points));
+    }
+
+    /// From now on tasks go to whoever asks; those that have asked in vain are told.
+    fn settle(&mut self, now: Duration, commands: &mut Vec<Command>) {
+        if self.unsettled && self.is_settled(now) {
+            self.unsettled = false;
+            let points = self.tasks.queued();
+            if !points.is_empty() {
+                commands.push(Command::Announce(points));
+            }
+        }
+    }
+
+    fn is_settled(&self, now: Duration) -> bool {
+        !self.unsettled || self.settled_at.is_some_and(|at| now >= at)
     }
 
     fn claimed(&mut self, now: Duration, token: Token, claim: Claim, commands: &mut Vec<Command>) {
@@ -180,42 +162,55 @@ impl Scheduler {
         let mut pending =
             Pending { worker: id.clone(), credits, acknowledged: Vec::new(), waiting: BTreeSet::new() };
         for outcome in finished {
-            self.take(outcome, &mut pending, commands);
+            self.take(now, outcome, &mut pending, commands);
         }
 
-        // Then what the worker is believed to hold and does not.
-        let strange = !self.workers.contains_key(&id);
-        if strange {
-            pending.credits = 0;
-            self.note_stranger(&id, commands);
-        }
-        if let Some(worker) = self.workers.get_mut(&id) {
-            worker.slots = slots;
-            if worker.last_sequence.is_some_and(|last| sequence <= last) {
-                pending.credits = 0;
-            } else {
-                worker.last_sequence = Some(sequence);
-                let lost: Vec<u64> =
-                    worker.leases.keys().filter(|t| leaving || !kept.contains(t)).copied().collect();
-                for task in &lost {
-                    worker.leases.remove(task);
-                }
-                // An answer that still waits would reach a worker that no longer listens to it.
-                for older in self.pending.values_mut().filter(|p| p.worker == id) {
-                    older.credits = 0;
-                }
-                self.requeue(lost, commands);
-            }
-        }
+        // Then what the worker is believed to hold and does not, and what it holds and was not believed to.
         if leaving {
             pending.credits = 0;
         }
-        self.pending.insert(token, pending);
+        if self.workers.get(&id).is_none() {
+            pending.credits = 0;
+            commands.extend(self.attendance.strange_claim(&id).map(Command::Warn));
+        } else if self.workers.claims(&id, sequence, slots) {
+            let lost = self.workers.lost(&id, &kept, leaving);
+            let free = lost.into_iter().filter(|task| !self.workers.release(&id, *task)).collect();
+            self.answers.withdraw_credits(&id);
+            self.requeue(free, commands);
+            if !leaving {
+                self.adopt(now, &id, &kept, &mut pending);
+            }
+        } else {
+            pending.credits = 0;
+        }
+        self.answers.add(token, pending);
         self.answer_if_ready(now, token, commands);
     }
 
+    /// What a worker says to have: what has ended it may forget, the rest nobody else needs to do.
+    fn adopt(&mut self, now: Duration, id: &WorkerId, kept: &BTreeSet<u64>, pending: &mut Pending) {
+        let mut unasked = Vec::new();
+        for &task in kept {
+            match self.tasks.standing(task) {
+                Standing::Open if self.workers.is_news(id, task) => {
+                    self.tasks.adopt(task);
+                    self.workers.lease(id, task, now);
+                }
+                Standing::Open | Standing::Delivered => {}
+                Standing::Ended => {
+                    let key = TaskKey { campaign: self.settings.campaign, task };
+                    if !pending.acknowledged.contains(&key) {
+                        pending.acknowledged.push(key);
+                    }
+                }
+                Standing::NotAskedYet => unasked.push(task),
+            }
+        }
+        self.workers.note_unasked(id, &unasked);
+    }
+
     /// Sorts one outcome: acknowledge now, deliver and acknowledge when durable, or leave it with the worker.
-    fn take(&mut self, outcome: Outcome, pending: &mut Pending, commands: &mut Vec<Command>) {
+    fn take(&mut self, now: Duration, outcome: Outcome, pending: &mut Pending, commands: &mut Vec<Command>) {
         let Outcome { task, worker, wall, result } = outcome;
         let key = task.key;
         match self.tasks.accept(&task) {
@@ -234,9 +229,8 @@ impl Scheduler {
             Accepted::First => {
                 pending.waiting.insert(key.task);
                 self.longest_wall = Some(self.longest_wall.map_or(wall, |longest| longest.max(wall)));
-                for other in self.workers.values_mut() {
-                    other.leases.remove(&key.task);
-                }
+                self.workers.measure(&pending.worker, key.task, wall, now);
+                self.workers.release_from_all(key.task);
                 commands.push(Command::Deliver(Box::new(Finished {
                     id: key.task,
                     outcome: result,
@@ -252,34 +246,32 @@ impl Scheduler {
             return;
         }
         let key = TaskKey { campaign: self.settings.campaign, task };
-        let mut touched = Vec::new();
-        for (&token, pending) in &mut self.pending {
-            if pending.waiting.remove(&task) {
-                pending.acknowledged.push(key);
-                touched.push(token);
-            }
-        }
-        for token in touched {
+        for token in self.answers.recorded(key) {
             self.answer_if_ready(now, token, commands);
         }
     }
 
     fn answer_if_ready(&mut self, now: Duration, token: Token, commands: &mut Vec<Command>) {
-        if self.pending.get(&token).is_none_or(|pending| !pending.waiting.is_empty()) {
-            return;
-        }
-        let Some(Pending { worker: id, credits, acknowledged, .. }) = self.pending.remove(&token) else {
+        let Some(Pending { worker: id, credits, acknowledged, .. }) = self.answers.take_ready(token) else {
             return;
         };
-        let share = workers::share(&self.workers, &id, self.tasks.open());
-        let assignment = match self.workers.get_mut(&id) {
+        let assignment = match self.workers.get(&id).map(workers::Worker::has) {
             _ if self.finishing => Assignment::Leave,
             // Lost since it asked: what it would get would be lost too.
             None => Assignment::Idle,
-            Some(worker) => {
-                let room = share.saturating_sub(worker.leases.len());
-                let tasks = self.tasks.lease(room.min(credits.min(self.settings.most_tasks) as usize));
-                worker.leases.extend(tasks.iter().map(|task| (task.key.task, now)));
+            Some(_) if !self.is_settled(now) => Assignment::Idle,
+            Some(has) => {
+                let room = self.workers.share(&id, self.tasks.open()).saturating_sub(has);
+                let wanted = room.min(credits.min(self.settings.most_tasks) as usize);
+                let mut tasks = self.tasks.lease(wanted);
+                if tasks.len() < wanted {
+                    let Settings { straggler_factor, straggler_least, .. } = self.settings;
+                    let late = self.workers.stragglers(&id, now, straggler_factor, straggler_least);
+                    tasks.extend(late.filter_map(|task| self.tasks.copy(task)).take(wanted - tasks.len()));
+                }
+                for task in &tasks {
+                    self.workers.lease(&id, task.key.task, now);
+                }
                 if tasks.is_empty() { Assignment::Idle } else { Assignment::Work(tasks) }
             }
         };
@@ -287,8 +279,7 @@ impl Scheduler {
     }
 
     fn lose(&mut self, id: WorkerId, commands: &mut Vec<Command>) {
-        let Some(worker) = self.workers.remove(&id) else { return };
-        let tasks: Vec<u64> = worker.leases.into_keys().collect();
+        let tasks = self.workers.leave(&id);
         if tasks.is_empty() {
             return;
         }
@@ -296,17 +287,14 @@ impl Scheduler {
         self.count_losses(tasks, "workers were lost while they had it", commands);
     }
 
-    /// Back to the queue, or given up where it was lost too often.
+    /// Back to the queue where nobody else has it, or given up where it was lost too often.
     fn count_losses(&mut self, tasks: Vec<u64>, what: &str, commands: &mut Vec<Command>) {
         let mut again = Vec::new();
         for task in tasks {
-            match self.tasks.count_loss(task) {
+            let losses = self.tasks.count_loss(task);
+            match losses.filter(|_| !self.workers.is_held(task)) {
                 Some(losses) if losses >= self.settings.losses_allowed => {
                     self.tasks.end(task);
-                    // Another worker may still have it from an earlier deadline.
-                    for worker in self.workers.values_mut() {
-                        worker.leases.remove(&task);
-                    }
                     commands.push(Command::GiveUp { task, reason: format!("{losses} {what}") });
                 }
                 Some(_) => again.push(task),
@@ -326,64 +314,18 @@ impl Scheduler {
 
     fn cancel(&mut self, now: Duration, commands: &mut Vec<Command>) {
         self.tasks.clear();
-        for worker in self.workers.values_mut() {
-            worker.leases.clear();
-        }
+        self.workers.release_everything();
         // Outcomes that were not recorded stay with their workers.
-        for pending in self.pending.values_mut() {
-            pending.waiting.clear();
-        }
-        let tokens: Vec<Token> = self.pending.keys().copied().collect();
-        for token in tokens {
+        for token in self.answers.give_up_waiting() {
             self.answer_if_ready(now, token, commands);
         }
     }
 
     fn check_deadlines(&mut self, now: Duration, commands: &mut Vec<Command>) {
-        let deadline = self.deadline();
-        let mut overdue = Vec::new();
-        for (id, worker) in &mut self.workers {
-            // A worker that took more than its slots can do at once works them off one after the other.
-            let turns = worker.leases.len().div_ceil(worker.slots.max(1) as usize);
-            let allowed = deadline.saturating_mul(u32::try_from(turns).unwrap_or(u32::MAX));
-            worker.leases.retain(|&task, &mut since| {
-                let after = now.saturating_sub(since);
-                if after > allowed {
-                    overdue.push(task);
-                    commands.push(Command::Warn(Warning::Overdue { worker: id.clone(), task, after }));
-                }
-                after <= allowed
-            });
-        }
-        self.count_losses(overdue, "deadlines have passed", commands);
-    }
-
-    fn check_attendance(&mut self, now: Duration, commands: &mut Vec<Command>) {
-        let open = self.tasks.open();
-        if !self.workers.is_empty() || open == 0 {
-            self.unattended = None;
-            return;
-        }
-        let Unattended { since, told } = self.unattended.get_or_insert(Unattended { since: now, told: None });
-        let (last, patience) = match *told {
-            Some((last, of)) if of == open => (last, self.settings.still_unattended),
-            Some((last, _)) => (last, self.settings.unattended),
-            None => (*since, self.settings.unattended),
-        };
-        if now.saturating_sub(last) >= patience {
-            *told = Some((now, open));
-            commands.push(Command::Warn(Warning::NoWorker { open, since: now.saturating_sub(*since) }));
-        }
-    }
-
-    fn note_stranger(&mut self, id: &WorkerId, commands: &mut Vec<Command>) {
-        if self.strangers.len() >= STRANGERS && !self.strangers.contains_key(id) {
-            return;
-        }
-        let claims = self.strangers.entry(id.clone()).or_default();
-        *claims = claims.saturating_add(1);
-        if *claims == STRANGE_CLAIMS {
-            commands.push(Command::Warn(Warning::NoLiveliness { worker: id.clone() }));
-        }
+        let overdue = self.workers.take_overdue(now, self.settings.deadline(self.longest_wall));
+        let tasks = overdue.iter().map(|(_, task, _)| *task).collect();
+        let warning = |(worker, task, after)| Command::Warn(Warning::Overdue { worker, task, after });
+        commands.extend(overdue.into_iter().map(warning));
+        self.count_losses(tasks, "deadlines have passed", commands);
     }
 }

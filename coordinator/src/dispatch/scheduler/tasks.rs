@@ -19,6 +19,22 @@ struct Entry {
     losses: u32,
 }
 
+impl Entry {
+    fn point(&self) -> CandidatePoint {
+        CandidatePoint { task: self.request.id, sample: self.request.sample.clone() }
+    }
+
+    fn task(&self, campaign: u64) -> Task {
+        Task {
+            key: TaskKey { campaign, task: self.request.id },
+            attempt: self.attempts,
+            sample: self.request.sample.clone(),
+            with_first_cycle: self.request.with_first_cycle,
+            accuracy: self.request.accuracy,
+        }
+    }
+}
+
 /// What an outcome is to the campaign.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Accepted {
@@ -34,6 +50,19 @@ pub(super) enum Accepted {
     First,
 }
 
+/// How a task stands that a worker says to have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Standing {
+    /// Without an outcome.
+    Open,
+    /// Its outcome is on its way to the study.
+    Delivered,
+    /// It has ended, or was found in the campaign file.
+    Ended,
+    /// Not asked for by this coordinator so far.
+    NotAskedYet,
+}
+
 /// All tasks of a campaign.
 #[derive(Debug)]
 pub(super) struct TaskTable {
@@ -43,11 +72,14 @@ pub(super) struct TaskTable {
     /// the phase decides.
     queue: VecDeque<u64>,
     ended: BTreeSet<u64>,
+    /// Numbers below were asked for, or found in the campaign file: a study asks in the order of its numbers.
+    passed: u64,
 }
 
 impl TaskTable {
     pub fn new(campaign: u64) -> Self {
-        Self { campaign, entries: BTreeMap::new(), queue: VecDeque::new(), ended: BTreeSet::new() }
+        let (entries, queue, ended) = Default::default();
+        Self { campaign, entries, queue, ended, passed: 0 }
     }
 
     pub fn open(&self) -> usize {
@@ -55,7 +87,7 @@ impl TaskTable {
     }
 
     /// Tasks that nobody works on.
-    pub fn queued(&self) -> usize {
+    pub fn waiting(&self) -> usize {
         self.entries.values().filter(|entry| entry.phase == Phase::Queued).count()
     }
 
@@ -66,8 +98,10 @@ impl TaskTable {
             return None;
         }
         self.ended.remove(&id);
-        let point = CandidatePoint { task: id, sample: request.sample.clone() };
-        self.entries.insert(id, Entry { request, phase: Phase::Queued, attempts: 0, losses: 0 });
+        self.passed = self.passed.max(id.saturating_add(1));
+        let entry = Entry { request, phase: Phase::Queued, attempts: 0, losses: 0 };
+        let point = entry.point();
+        self.entries.insert(id, entry);
         self.queue.push_back(id);
         Some(point)
     }
@@ -82,15 +116,25 @@ impl TaskTable {
             };
             entry.phase = Phase::Leased;
             entry.attempts += 1;
-            tasks.push(Task {
-                key: TaskKey { campaign: self.campaign, task: id },
-                attempt: entry.attempts,
-                sample: entry.request.sample.clone(),
-                with_first_cycle: entry.request.with_first_cycle,
-                accuracy: entry.request.accuracy,
-            });
+            tasks.push(entry.task(self.campaign));
         }
         tasks
+    }
+
+    /// The same task once more, for a second worker, if it is out.
+    pub fn copy(&mut self, id: u64) -> Option<Task> {
+        let campaign = self.campaign;
+        let entry = self.entries.get_mut(&id).filter(|entry| entry.phase == Phase::Leased)?;
+        entry.attempts += 1;
+        Some(entry.task(campaign))
+    }
+
+    /// A worker has it already, whoever gave it: it leaves the queue.
+    pub fn adopt(&mut self, id: u64) {
+        if let Some(entry) = self.entries.get_mut(&id).filter(|entry| entry.phase == Phase::Queued) {
+            entry.phase = Phase::Leased;
+            entry.attempts += 1;
+        }
     }
 
     /// Back to the front of the queue, if it is out and has no outcome.
@@ -98,7 +142,13 @@ impl TaskTable {
         let entry = self.entries.get_mut(&id).filter(|entry| entry.phase == Phase::Leased)?;
         entry.phase = Phase::Queued;
         self.queue.push_front(id);
-        Some(CandidatePoint { task: id, sample: entry.request.sample.clone() })
+        Some(entry.point())
+    }
+
+    /// What waits for a worker.
+    pub fn queued(&self) -> Vec<CandidatePoint> {
+        let queued = |entry: &&Entry| entry.phase == Phase::Queued;
+        self.entries.values().filter(queued).map(Entry::point).collect()
     }
 
     /// Counts the loss of a task that is out; how many there were.
@@ -108,19 +158,27 @@ impl TaskTable {
         Some(entry.losses)
     }
 
+    pub fn standing(&self, id: u64) -> Standing {
+        match self.entries.get(&id) {
+            Some(Entry { phase: Phase::Delivered, .. }) => Standing::Delivered,
+            Some(_) => Standing::Open,
+            None if self.ended.contains(&id) || id < self.passed => Standing::Ended,
+            None => Standing::NotAskedYet,
+        }
+    }
+
     pub fn accept(&mut self, done: &Task) -> Accepted {
-        if done.key.campaign != self.campaign || self.ended.contains(&done.key.task) {
+        if done.key.campaign != self.campaign {
             return Accepted::NotWanted;
         }
+        match self.standing(done.key.task) {
+            Standing::Ended => return Accepted::NotWanted,
+            Standing::NotAskedYet => return Accepted::NotAskedYet,
+            Standing::Open | Standing::Delivered => {}
+        }
+        let campaign = self.campaign;
         let Some(entry) = self.entries.get_mut(&done.key.task) else { return Accepted::NotAskedYet };
-        let asked = Task {
-            key: done.key,
-            attempt: done.attempt,
-            sample: entry.request.sample.clone(),
-            with_first_cycle: entry.request.with_first_cycle,
-            accuracy: entry.request.accuracy,
-        };
-        if !asked.same_work(done) {
+        if !entry.task(campaign).same_work(done) {
             return Accepted::OtherSample;
         }
         match std::mem::replace(&mut entry.phase, Phase::Delivered) {
@@ -138,9 +196,10 @@ impl TaskTable {
         was_open
     }
 
-    /// Forgets what is open, without ending it.
+    /// Forgets what is open, without ending it: it may be asked for again.
     pub fn clear(&mut self) {
         self.entries.clear();
         self.queue.clear();
+        self.passed = 0;
     }
 }

@@ -33,7 +33,7 @@ pub(super) fn outcome(task: &Task, who: &WorkerId) -> Outcome {
     Outcome { task: task.clone(), worker: format!("{}/0", who.name), wall: 1.0, result }
 }
 
-fn scheduler(workers: &[&WorkerId], tasks: u64) -> Scheduler {
+pub(super) fn scheduler(workers: &[&WorkerId], tasks: u64) -> Scheduler {
     let mut scheduler = Scheduler::new(Settings::new(CAMPAIGN));
     for id in workers {
         scheduler.on_event(START, Event::Appeared((*id).clone()));
@@ -43,7 +43,7 @@ fn scheduler(workers: &[&WorkerId], tasks: u64) -> Scheduler {
 }
 
 /// The reply in the commands: acknowledged numbers and tasks.
-fn reply(commands: &[Command]) -> Option<(Vec<u64>, Vec<Task>)> {
+pub(super) fn reply(commands: &[Command]) -> Option<(Vec<u64>, Vec<Task>)> {
     commands.iter().find_map(|command| match command {
         Command::Reply { acknowledged, assignment, .. } => {
             let tasks = if let Assignment::Work(tasks) = assignment { tasks.clone() } else { vec![] };
@@ -53,11 +53,11 @@ fn reply(commands: &[Command]) -> Option<(Vec<u64>, Vec<Task>)> {
     })
 }
 
-fn numbers(tasks: &[Task]) -> Vec<u64> {
+pub(super) fn numbers(tasks: &[Task]) -> Vec<u64> {
     tasks.iter().map(|task| task.key.task).collect()
 }
 
-fn ask(scheduler: &mut Scheduler, now: Duration, claim: Claim) -> Vec<Command> {
+pub(super) fn ask(scheduler: &mut Scheduler, now: Duration, claim: Claim) -> Vec<Command> {
     scheduler.on_event(now, Event::Claimed { token: claim.sequence, claim })
 }
 

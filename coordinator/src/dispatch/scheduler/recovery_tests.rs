@@ -1,0 +1,143 @@
+//! Workers that come back to a new coordinator, tasks at two workers, tasks by speed.
+
+use super::tests::{CAMPAIGN, START, ask, claim, numbers, outcome, reply, requests, scheduler, worker};
+use super::*;
+use common::wire::Task;
+
+const SECOND: Duration = Duration::from_secs(1);
+
+/// The task as an earlier coordinator gave it.
+fn given(task: u64) -> Task {
+    Task {
+        key: TaskKey { campaign: CAMPAIGN, task },
+        attempt: 1,
+        sample: vec![task as f64, 0.5],
+        with_first_cycle: false,
+        accuracy: None,
+    }
+}
+
+#[test]
+fn a_worker_is_adopted_with_what_it_runs_whoever_is_first() {
+    let (a, b) = (worker("a"), worker("b"));
+    for before in [true, false] {
+        let mut s = scheduler(&[&a, &b], if before { 0 } else { 4 });
+        // It runs 1, and has an outcome of 2 that it does not offer right now.
+        ask(&mut s, START, claim(&a, 1, 0, vec![], &[1, 2]));
+        if before {
+            s.on_event(START, Event::Submit(requests(0..4)));
+        }
+        let (_, tasks) = reply(&ask(&mut s, START, claim(&b, 1, 4, vec![], &[]))).unwrap();
+        assert_eq!(numbers(&tasks), [0, 3]);
+        // Both are the worker's: its outcomes count, and where it dies they go to others.
+        let commands = ask(&mut s, SECOND, claim(&a, 2, 0, vec![outcome(&given(2), &a)], &[1]));
+        assert!(matches!(&commands[..], [Command::Deliver(finished)] if finished.id == 2), "{commands:?}");
+        s.on_event(SECOND, Event::Gone(a.clone()));
+        let (_, tasks) = reply(&ask(&mut s, SECOND, claim(&b, 2, 4, vec![], &[0, 3]))).unwrap();
+        assert_eq!(numbers(&tasks), [1]);
+    }
+}
+
+#[test]
+fn what_a_worker_had_and_took_with_it_before_it_was_asked_for_goes_to_others() {
+    let (a, b) = (worker("a"), worker("b"));
+    let mut s = scheduler(&[&a, &b], 0);
+    ask(&mut s, START, claim(&a, 1, 0, vec![], &[0]));
+    s.on_event(START, Event::Gone(a));
+    s.on_event(START, Event::Submit(requests(0..1)));
+    let (_, tasks) = reply(&ask(&mut s, START, claim(&b, 1, 1, vec![], &[]))).unwrap();
+    assert_eq!(numbers(&tasks), [0]);
+}
+
+#[test]
+fn after_a_restart_tasks_wait_a_moment_for_those_who_have_them() {
+    let (a, b) = (worker("a"), worker("b"));
+    let mut s = Scheduler::new(Settings { settle: SECOND, ..Settings::new(CAMPAIGN) });
+    s.on_event(START, Event::Appeared(b.clone()));
+    s.on_event(START, Event::Submit(requests(0..2)));
+    assert_eq!(reply(&ask(&mut s, START, claim(&b, 1, 2, vec![], &[]))), Some((vec![], vec![])));
+    s.on_event(SECOND / 2, Event::Appeared(a.clone()));
+    ask(&mut s, SECOND / 2, claim(&a, 1, 0, vec![], &[0]));
+    assert_eq!(s.on_event(SECOND / 2, Event::Tick), vec![]);
+    // Those who asked in vain are told, of what is left.
+    let commands = s.on_event(SECOND, Event::Tick);
+    assert!(matches!(&commands[..], [Command::Announce(points)] if points.len() == 1 && points[0].task == 1));
+    assert_eq!(s.on_event(2 * SECOND, Event::Tick), vec![]);
+    let (_, tasks) = reply(&ask(&mut s, 2 * SECOND, claim(&b, 2, 2, vec![], &[]))).unwrap();
+    assert_eq!(numbers(&tasks), [1]);
+}
+
+#[test]
+fn what_the_campaign_file_had_is_not_wanted_again() {
+    let a = worker("a");
+    let mut s = scheduler(&[&a], 0);
+    // The study found 0 and 1 in its file and asks for the rest.
+    s.on_event(START, Event::Submit(requests(2..4)));
+    let commands = ask(&mut s, START, claim(&a, 1, 0, vec![outcome(&given(0), &a)], &[1, 2, 7]));
+    assert_eq!(reply(&commands), Some((vec![0, 1], vec![])));
+}
+
+#[test]
+fn a_straggler_goes_to_an_idle_worker_too_and_the_first_outcome_counts() {
+    let (a, b, c) = (worker("a"), worker("b"), worker("c"));
+    let mut s = scheduler(&[&a, &b, &c], 2);
+    let (_, at_a) = reply(&ask(&mut s, START, claim(&a, 1, 1, vec![], &[]))).unwrap();
+    let (_, at_b) = reply(&ask(&mut s, START, claim(&b, 1, 1, vec![], &[]))).unwrap();
+    assert_eq!([numbers(&at_a), numbers(&at_b)], [[0], [1]]);
+    // b takes 2 s; a is late after twice that.
+    ask(&mut s, 2 * SECOND, claim(&b, 2, 1, vec![outcome(&at_b[0], &b)], &[]));
+    let (acknowledged, tasks) = reply(&s.on_event(2 * SECOND, Event::Recorded { task: 1 })).unwrap();
+    assert_eq!((acknowledged, tasks), (vec![1], vec![]), "not late yet");
+    assert_eq!(reply(&ask(&mut s, 4 * SECOND, claim(&a, 2, 1, vec![], &[0]))).unwrap().1, [], "it has it");
+    let (_, copy) = reply(&ask(&mut s, 4 * SECOND, claim(&b, 3, 1, vec![], &[]))).unwrap();
+    assert_eq!((numbers(&copy), copy[0].attempt), (vec![0], 2));
+    assert_eq!(
+        reply(&ask(&mut s, 9 * SECOND, claim(&c, 1, 1, vec![], &[]))).unwrap().1,
+        [],
+        "two are enough"
+    );
+    // The death of one of the two loses nothing.
+    assert_eq!(s.on_event(9 * SECOND, Event::Gone(c)), vec![], "it had nothing");
+    let commands = ask(&mut s, 9 * SECOND, claim(&b, 4, 1, vec![outcome(&copy[0], &b)], &[]));
+    assert!(matches!(&commands[0], Command::Deliver(finished) if finished.worker == "b/0"));
+    s.on_event(9 * SECOND, Event::Recorded { task: 0 });
+    // The other one may drop its copy, or hand it in: it is not counted.
+    assert_eq!(reply(&ask(&mut s, 9 * SECOND, claim(&a, 3, 0, vec![], &[0]))), Some((vec![0], vec![])));
+    let late = ask(&mut s, 9 * SECOND, claim(&a, 4, 0, vec![outcome(&at_a[0], &a)], &[]));
+    assert_eq!((late.len(), reply(&late)), (1, Some((vec![0], vec![]))));
+}
+
+#[test]
+fn a_straggler_survives_either_of_its_workers() {
+    for first in [true, false] {
+        let (a, b) = (worker("a"), worker("b"));
+        let mut s = scheduler(&[&a, &b], 2);
+        ask(&mut s, START, claim(&a, 1, 1, vec![], &[]));
+        let (_, at_b) = reply(&ask(&mut s, START, claim(&b, 1, 1, vec![], &[]))).unwrap();
+        ask(&mut s, SECOND, claim(&b, 2, 0, vec![outcome(&at_b[0], &b)], &[]));
+        s.on_event(SECOND, Event::Recorded { task: 1 });
+        ask(&mut s, 9 * SECOND, claim(&b, 3, 1, vec![], &[]));
+        let (dies, stays) = if first { (&a, &b) } else { (&b, &a) };
+        let commands = s.on_event(9 * SECOND, Event::Gone(dies.clone()));
+        assert!(!commands.iter().any(|c| matches!(c, Command::Announce(_))), "{commands:?}");
+        let commands = s.on_event(9 * SECOND, Event::Gone(stays.clone()));
+        assert!(commands.iter().any(|c| matches!(c, Command::Announce(points) if points[0].task == 0)));
+    }
+}
+
+#[test]
+fn a_worker_twice_as_fast_gets_twice_as_many() {
+    let (a, b) = (worker("a"), worker("b"));
+    let mut s = scheduler(&[&a, &b], 32);
+    for (id, wall) in [(&a, 1.0), (&b, 2.0)] {
+        let (_, tasks) = reply(&ask(&mut s, START, claim(id, 1, 1, vec![], &[]))).unwrap();
+        let done = Outcome { wall, ..outcome(&tasks[0], id) };
+        ask(&mut s, START, claim(id, 2, 0, vec![done], &[]));
+        s.on_event(START, Event::Recorded { task: tasks[0].key.task });
+    }
+    let mut got = |id| {
+        let all = Claim { slots: 1, ..claim(id, 3, 100, vec![], &[]) };
+        reply(&ask(&mut s, START, all)).unwrap().1.len()
+    };
+    assert_eq!((got(&a), got(&b)), (20, 10));
+}

@@ -1,0 +1,34 @@
+//! What can befall a farm, in full: prints a table. `cargo run --release -p tests --example faults`, some five minutes;
+//! as root, or the full disk and the cut network are left out. The programs of this package are needed beside it:
+//! `cargo build --release -p tests`.
+
+use std::time::{Duration, Instant};
+use tests::faults;
+
+/// A fault and what it does; `None` where it cannot be done here.
+type Fault = (&'static str, fn() -> Option<String>);
+
+const SECOND: Duration = Duration::from_secs(1);
+
+const FAULTS: [Fault; 7] = [
+    ("kill -9 of a worker in mid-task, 100 times", || Some(faults::killed_workers(100, 3000))),
+    ("SIGSTOP of a worker for twice its lease", || Some(faults::frozen_worker(4 * SECOND, 120))),
+    ("kill -9 of the coordinator, back after 3 s, 10 times", || {
+        Some(faults::killed_coordinator(10, 3 * SECOND, 330, SECOND / 4))
+    }),
+    ("coordinator stalled for 10 s", || Some(faults::stalled_coordinator(10 * SECOND, 90, SECOND / 4))),
+    ("slow disk, 0.2 s a write", || Some(faults::slow_disk(SECOND / 5, 2000))),
+    ("full disk", || faults::full_disk(400, SECOND / 100)),
+    ("network cut for 6 s and for 20 s", || faults::cut_network(&[6 * SECOND, 20 * SECOND], 400, SECOND / 5)),
+];
+
+fn main() {
+    let wanted = std::env::args().nth(1).unwrap_or_default();
+    println!("| fault | measured |\n|---|---|");
+    for (name, befall) in FAULTS.into_iter().filter(|(name, _)| name.contains(&wanted)) {
+        let started = Instant::now();
+        let measured = befall().unwrap_or_else(|| "not possible here".into());
+        println!("| {name} | {measured} |");
+        eprintln!("{name}: {:.0} s", started.elapsed().as_secs_f64());
+    }
+}

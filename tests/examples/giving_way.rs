@@ -1,0 +1,65 @@
+//! What learning in the coordinator's process costs beside local workers on every core: a computation by itself, beside
+//! slots that give way to it (as those of `--workers auto` do), and beside slots that do not.
+//! `cargo run --release -p tests --example giving_way`.
+
+use coordinator::evaluate::Evaluator;
+use std::hint::black_box;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant};
+use tests::{PATIENCE, Practice, coordinator_at, practice_result, requests};
+use worker::service::{self, ServiceConfig};
+
+/// Something to compute for a second or two.
+fn think() -> Duration {
+    let started = Instant::now();
+    let mut x = 0.5_f64;
+    for _ in 0..300_000_000_u64 {
+        x = black_box(3.7 * x * (1.0 - x));
+    }
+    started.elapsed()
+}
+
+/// The same beside simulations on every core; the time, and how many simulations ended meanwhile.
+fn beside(give_way: bool) -> (Duration, usize) {
+    let stopped = Arc::default();
+    let mut coordinator = coordinator_at(None, Arc::clone(&stopped));
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let config = ServiceConfig { give_way, ..ServiceConfig::new(&coordinator.endpoints()[0], cores) };
+    let simulate = |sample: &[f64]| {
+        let started = Instant::now();
+        while started.elapsed() < Duration::from_millis(20) {
+            black_box(sample);
+        }
+        practice_result(sample)
+    };
+    let worker = service::spawn(config, Arc::new(Practice(simulate))).expect("a loopback endpoint opens");
+    assert!(coordinator.wait_for_workers(PATIENCE, |here| here.iter().any(|worker| worker.slots > 0)));
+    let (mut ended, mut took) = (0, Duration::ZERO);
+    std::thread::scope(|scope| {
+        let thinking = scope.spawn(|| {
+            let took = think();
+            stopped.store(true, Ordering::Relaxed);
+            took
+        });
+        // It ends when the thinking has.
+        let _ = coordinator.evaluate(&requests(0..1_000_000), &mut |_| {
+            ended += 1;
+            Ok(())
+        });
+        took = thinking.join().expect("thinking does not panic");
+    });
+    worker.stopper().abort();
+    (took, ended)
+}
+
+fn main() {
+    println!("| beside | thinking takes [s] | times as long | simulations meanwhile |\n|---|---|---|---|");
+    let alone = think();
+    println!("| nothing | {:.2} | 1.00 | 0 |", alone.as_secs_f64());
+    for (name, give_way) in [("slots that give way", true), ("slots that do not", false)] {
+        let (took, ended) = beside(give_way);
+        let times = took.as_secs_f64() / alone.as_secs_f64();
+        println!("| {name} | {:.2} | {times:.2} | {ended} |", took.as_secs_f64());
+    }
+}

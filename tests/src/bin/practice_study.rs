@@ -1,0 +1,76 @@
+//! The two sides of a practice study as processes, to be killed, stopped and cut off by tests.
+//!
+//! `practice_study coordinator FOLDER ENDPOINT SAMPLES`: starts the study in the folder or goes on with it; says
+//! `listening`, `there NAME SECONDS` for each worker that comes, and at last `answer JSON`.
+//!
+//! `practice_study worker ENDPOINT NAME MILLISECONDS`: one slot, a simulation takes so long; says `started MARK`.
+
+use coordinator::dispatch::{Listen, ZenohEvaluator};
+use std::error::Error;
+use std::path::Path;
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+use tests::Practice;
+use tests::practice_study::{PracticeStudy, evaluation, mark};
+use worker::service::{self, ServiceConfig};
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let done = match words[..] {
+        ["coordinator", folder, endpoint, samples] => coordinate(Path::new(folder), endpoint, samples),
+        ["worker", endpoint, name, milliseconds] => work(endpoint, name, milliseconds),
+        _ => {
+            Err("practice_study coordinator FOLDER ENDPOINT SAMPLES | worker ENDPOINT NAME MILLISECONDS"
+                .into())
+        }
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("{error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn coordinate(folder: &Path, endpoint: &str, samples: &str) -> Result<(), Box<dyn Error>> {
+    let study = PracticeStudy::monte_carlo(samples.parse()?);
+    let (mut journal, resumed) = study.journal(folder)?;
+    // In a network of its own the coordinator must be reached from outside.
+    let listen = Listen { endpoint: Some(endpoint.into()), config: None, insecure: true };
+    let mut evaluator = ZenohEvaluator::open(study.campaign(resumed), &listen, Arc::default())?;
+    println!("listening");
+    let (started, attendance) = (Instant::now(), evaluator.attendance());
+    std::thread::spawn(move || {
+        let mut known: Vec<String> = Vec::new();
+        loop {
+            let here = |workers: &[coordinator::dispatch::ConnectedWorker]| -> Vec<String> {
+                workers.iter().map(|worker| worker.name.clone()).collect()
+            };
+            attendance.wait_for(Duration::MAX, |workers| here(workers) != known);
+            let now = here(&attendance.workers());
+            for name in now.iter().filter(|name| !known.contains(name)) {
+                println!("there {name} {:.3}", started.elapsed().as_secs_f64());
+            }
+            known = now;
+        }
+    });
+    let (answer, _) = study.run(&mut evaluator, &mut journal)?;
+    evaluator.finish();
+    println!("answer {answer}");
+    Ok(())
+}
+
+fn work(endpoint: &str, name: &str, milliseconds: &str) -> Result<(), Box<dyn Error>> {
+    let takes = Duration::from_millis(milliseconds.parse()?);
+    let simulate = move |sample: &[f64]| {
+        println!("started {}", mark(sample));
+        std::thread::sleep(takes);
+        evaluation(sample)
+    };
+    let config = ServiceConfig { name: name.into(), give_up_after: None, ..ServiceConfig::new(endpoint, 1) };
+    service::run(config, Arc::new(Practice(simulate)))?;
+    Ok(())
+}

@@ -1,0 +1,143 @@
+//! A whole study whose simulations are a formula: the learning, the campaign file, the messages and the processes are
+//! those of every study, and what is measured of them is not drowned in simulation.
+
+use common::accuracy::NamedAccuracy;
+use common::failure::SimulationFailure;
+use common::outputs::{Diagnostics, Evaluation};
+use common::scene::{Scene, SceneSource};
+use coordinator::dispatch::Campaign;
+use coordinator::evaluate::Evaluator;
+use coordinator::evaluate::local::LocalEvaluator;
+use coordinator::journal::Journal;
+use coordinator::progress::Silent;
+use coordinator::store::{CampaignFile, CampaignMeta, FILE_NAME};
+use coordinator::study::{self, Method, Settings, StudyError};
+use rusqlite::{Connection, OpenFlags};
+use serde_json::Value;
+use std::path::Path;
+
+/// Means of the variables of the built-in scene `four-bar`, SI.
+const MEANS: [f64; 4] = [1e-13, -0.8, 30e-6, 0.05];
+
+/// An evaluation of the scene `four-bar`, of its shape and depending on the sample in every bit: wear that grows with all
+/// variables, through the limit of 8 um towards the end of the life of 8000 cycles.
+///
+/// # Errors
+/// None: every sample comes out well.
+pub fn evaluation(sample: &[f64]) -> Result<Evaluation, SimulationFailure> {
+    let cycles: Vec<u32> = (1..=8).map(|k| 1000 * k).collect();
+    let relative: f64 = sample.iter().zip(MEANS).map(|(x, mean)| x / mean).product();
+    let wear = cycles.iter().map(|n| 8.2e-6 * relative * (f64::from(*n) / 8000.0).powf(0.8)).collect();
+    let speed = cycles.iter().map(|n| 10.0 + relative * f64::from(*n) / 8000.0).collect();
+    Ok(Evaluation {
+        errors: vec![vec![0.0; cycles.len()]; 2],
+        histories: vec![wear, speed],
+        cycles,
+        joints: vec![],
+        first_cycle: None,
+        worn: None,
+        diagnostics: Diagnostics::default(),
+    })
+}
+
+/// What tells one sample of a study from all others.
+pub fn mark(sample: &[f64]) -> String {
+    format!("{:016x}", sample[0].to_bits())
+}
+
+/// See the module.
+pub struct PracticeStudy {
+    source: SceneSource,
+    scene: Scene,
+    settings: Settings,
+}
+
+impl PracticeStudy {
+    /// By direct simulation of so many samples beside the nominal one.
+    pub fn monte_carlo(samples: usize) -> Self {
+        let source = SceneSource::builtin("four-bar").expect("it is built in");
+        let scene = source.nominal().clone();
+        let mut settings = Settings::of(&scene, NamedAccuracy::default());
+        settings.method = Method::MonteCarlo { samples };
+        Self { source, scene, settings }
+    }
+
+    /// By surrogates that learn: an initial design, then rounds up to so many evaluations.
+    pub fn learning(initial: usize, evaluations: usize) -> Self {
+        let mut study = Self::monte_carlo(1);
+        study.settings.method = Method::ActiveLearning;
+        let sizes = &mut study.settings.study;
+        (sizes.population, sizes.initial, sizes.max_evaluations) = (2000, initial, evaluations);
+        study.scene.study = study.settings.study;
+        study
+    }
+
+    /// What its workers are told.
+    pub fn campaign(&self, resumed: bool) -> Campaign {
+        let accuracy = self.settings.accuracy.accuracy;
+        Campaign {
+            id: 4711,
+            scene: self.source.text().to_owned(),
+            accuracy,
+            accuracy_name: "balanced".into(),
+            resumed,
+        }
+    }
+
+    /// Its campaign file in `dir`; whether it was there already.
+    pub fn journal(&self, dir: &Path) -> Result<(CampaignFile, bool), coordinator::store::StoreError> {
+        if dir.join(FILE_NAME).exists() {
+            return Ok((CampaignFile::open(dir)?, true));
+        }
+        let meta = CampaignMeta {
+            scene: self.scene.name.clone(),
+            scene_source: self.source.text().to_owned(),
+            settings: Value::Null,
+            command: "practice".into(),
+            version: env!("CARGO_PKG_VERSION").into(),
+        };
+        Ok((CampaignFile::create(dir, &meta, &self.scene)?, false))
+    }
+
+    /// Runs it to its end: the summary as text, without what may differ, times and who worked; and who worked.
+    ///
+    /// # Errors
+    /// Of the study.
+    pub fn run(
+        &self,
+        evaluator: &mut dyn Evaluator,
+        journal: &mut dyn Journal,
+    ) -> Result<(String, Vec<String>), StudyError> {
+        let result = study::run(&self.scene, &self.settings, evaluator, journal, &mut Silent)?;
+        let workers = result.summary.workers.iter().map(|share| share.name.clone()).collect();
+        let mut answer = serde_json::to_value(&result.summary).expect("a summary is JSON");
+        let all = answer.as_object_mut().expect("a summary is an object");
+        assert!(all.remove("timing_s").is_some() && all.remove("workers").is_some());
+        Ok((answer.to_string(), workers))
+    }
+
+    /// What it comes to on one thread, without messages.
+    pub fn alone(&self) -> String {
+        let folder = tempfile::tempdir().expect("there is room for a folder");
+        let (mut journal, _) = self.journal(folder.path()).expect("an empty folder takes a campaign");
+        let mut evaluator = LocalEvaluator::new(1, |request| evaluation(&request.sample));
+        self.run(&mut evaluator, &mut journal).expect("nothing goes wrong").0
+    }
+}
+
+/// The evaluations in the campaign file of `dir`, by number: the mark of the sample and when it was recorded. Empty while
+/// there is no file.
+pub fn recorded(dir: &Path) -> Vec<(i64, String, String)> {
+    let read = || -> rusqlite::Result<Vec<_>> {
+        let flags = OpenFlags::SQLITE_OPEN_READ_ONLY;
+        let file = Connection::open_with_flags(dir.join(FILE_NAME), flags)?;
+        file.busy_timeout(crate::PATIENCE)?;
+        let mut rows = file.prepare(
+            "SELECT e.id, i.wear_coefficient, e.finished_at
+             FROM evaluation AS e JOIN input AS i ON i.evaluation = e.id ORDER BY e.id",
+        )?;
+        let rows = rows.query_map([], |row| Ok((row.get(0)?, mark(&[row.get(1)?]), row.get(2)?)))?;
+        rows.collect()
+    };
+    read().unwrap_or_default()
+}

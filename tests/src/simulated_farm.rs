@@ -1,0 +1,357 @@
+//! Thousands of workers around the real scheduler, in simulated time: messages take a while, the coordinator is busy with
+//! each for a moment, records become durable in groups, workers differ in speed and some die.
+//!
+//! ```text
+//! worker --claim--> (latency) --> coordinator (one event after the other) --> scheduler
+//!        <--reply-- (latency) <--
+//! ```
+
+use common::failure::SimulationFailure;
+use common::wire::{Claim, Outcome, Task, TaskKey, WorkerId};
+use coordinator::dispatch::scheduler::{Assignment, Command, Event, Scheduler, Settings, Token};
+use coordinator::evaluate::Request;
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, BinaryHeap};
+use std::time::{Duration, Instant};
+
+const CAMPAIGN: u64 = 1;
+/// When an idle worker asks again.
+const ASK_AGAIN: Duration = Duration::from_secs(1);
+const TICK: Duration = Duration::from_millis(500);
+
+/// What is simulated.
+#[derive(Debug, Clone, Copy)]
+pub struct Plan {
+    /// Workers, of one slot each.
+    pub workers: usize,
+    /// Tasks a worker, on average.
+    pub tasks_each: usize,
+    /// Mean time of a task on a worker of mean speed; single ones take from half to one and a half of it.
+    pub takes: Duration,
+    /// The fastest worker is so many times as fast as the slowest.
+    pub spread: f64,
+    /// One way of a message.
+    pub latency: Duration,
+    /// What a claim costs the coordinator.
+    pub claim_cost: Duration,
+    /// What making records durable takes, for all that have come meanwhile.
+    pub flush: Duration,
+    /// One in so many tasks takes its worker with it; 0: none.
+    pub deaths: usize,
+    /// Whether idle workers take stragglers too.
+    pub stragglers: bool,
+}
+
+/// What came of it.
+#[derive(Debug, Clone, Copy)]
+pub struct Figures {
+    /// Time until the last record.
+    pub makespan: Duration,
+    /// That time if all workers had worked all the time, over the time it took.
+    pub efficiency: f64,
+    /// The same until the first worker found nothing more to do.
+    pub efficiency_before_tail: f64,
+    /// Tasks evaluated more than once.
+    pub repeated: usize,
+    /// Workers that died.
+    pub deaths: usize,
+    /// Events the scheduler took.
+    pub events: usize,
+    /// What the scheduler itself took for one, on this machine.
+    pub per_event: Duration,
+}
+
+enum Happening {
+    Claim(usize, u64),
+    Reply(usize, u64, Vec<TaskKey>, Assignment),
+    TaskEnds(usize, u64, u64),
+    Notice(usize),
+    AskAgain(usize, u64),
+    Flushed(Vec<u64>),
+    Gone(WorkerId),
+    Tick,
+}
+
+struct Hand {
+    id: WorkerId,
+    speed: f64,
+    sequence: u64,
+    running: Option<Task>,
+    finished: Vec<Outcome>,
+    /// A claim is under way.
+    asks: bool,
+    busy: Duration,
+}
+
+struct World {
+    plan: Plan,
+    scheduler: Scheduler,
+    now: Duration,
+    order: u64,
+    queue: BinaryHeap<Reverse<(Duration, u64)>>,
+    happenings: BTreeMap<u64, Happening>,
+    hands: Vec<Hand>,
+    claims: BTreeMap<(usize, u64), Claim>,
+    tokens: BTreeMap<Token, (usize, u64)>,
+    coordinator_free: Duration,
+    to_flush: Vec<u64>,
+    flushing: bool,
+    recorded: Vec<u32>,
+    evaluated: Vec<u32>,
+    open: usize,
+    first_idle: Option<Duration>,
+    work: f64,
+    work_before_tail: f64,
+    deaths: usize,
+    events: usize,
+    spent: Duration,
+}
+
+/// A number in [0, 1) that belongs to `n`.
+fn chance(n: u64) -> f64 {
+    let mut x = n.wrapping_add(0x9E37_79B9_7F4A_7C15).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    x = (x ^ (x >> 29)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    ((x ^ (x >> 32)) >> 11) as f64 / (1_u64 << 53) as f64
+}
+
+/// Runs the plan until every task is recorded.
+///
+/// # Panics
+/// If a task is recorded twice, is given up, or never ends.
+pub fn simulate(plan: Plan) -> Figures {
+    let tasks = plan.workers * plan.tasks_each;
+    let mut world = World::new(plan, tasks);
+    let requests = |k| Request { id: k, sample: vec![k as f64], with_first_cycle: false, accuracy: None };
+    for k in 0..plan.workers {
+        world.event(Event::Appeared(world.hands[k].id.clone()));
+        world.at(plan.latency.mul_f64(chance(k as u64)), Happening::Notice(k));
+    }
+    world.event(Event::Submit((0..tasks as u64).map(requests).collect()));
+    world.at(TICK, Happening::Tick);
+    while world.open > 0 {
+        let Reverse((now, order)) = world.queue.pop().expect("a farm with open tasks goes on");
+        world.now = now;
+        let happening = world.happenings.remove(&order).expect("each happens once");
+        world.happen(happening);
+    }
+    world.figures()
+}
+
+impl World {
+    fn new(plan: Plan, tasks: usize) -> Self {
+        let hand = |k: usize| Hand {
+            id: WorkerId { name: format!("w{k}"), epoch: 1 },
+            speed: plan.spread.powf(chance(k as u64) - 0.5),
+            sequence: 0,
+            running: None,
+            finished: vec![],
+            asks: false,
+            busy: Duration::ZERO,
+        };
+        let usual = Settings::new(CAMPAIGN);
+        let straggler_factor = if plan.stragglers { usual.straggler_factor } else { f64::INFINITY };
+        let settings = Settings { losses_allowed: 100, straggler_factor, ..usual };
+        World {
+            plan,
+            scheduler: Scheduler::new(settings),
+            now: Duration::ZERO,
+            order: 0,
+            queue: BinaryHeap::new(),
+            happenings: BTreeMap::new(),
+            hands: (0..plan.workers).map(hand).collect(),
+            claims: BTreeMap::new(),
+            tokens: BTreeMap::new(),
+            coordinator_free: Duration::ZERO,
+            to_flush: vec![],
+            flushing: false,
+            recorded: vec![0; tasks],
+            evaluated: vec![0; tasks],
+            open: tasks,
+            first_idle: None,
+            work: 0.0,
+            work_before_tail: 0.0,
+            deaths: 0,
+            events: 0,
+            spent: Duration::ZERO,
+        }
+    }
+
+    fn at(&mut self, when: Duration, happening: Happening) {
+        self.order += 1;
+        self.queue.push(Reverse((when, self.order)));
+        self.happenings.insert(self.order, happening);
+    }
+
+    fn soon(&mut self, happening: Happening) {
+        self.at(self.now + self.plan.latency, happening);
+    }
+
+    fn happen(&mut self, happening: Happening) {
+        match happening {
+            Happening::Claim(k, sequence) => {
+                // The coordinator takes one after the other.
+                if self.coordinator_free > self.now {
+                    self.at(self.coordinator_free, Happening::Claim(k, sequence));
+                    return;
+                }
+                self.coordinator_free = self.now + self.plan.claim_cost;
+                let claim = self.claims.remove(&(k, sequence)).expect("each claim arrives once");
+                let token = self.events as Token;
+                self.tokens.insert(token, (k, sequence));
+                self.event(Event::Claimed { token, claim });
+            }
+            Happening::Reply(k, sequence, acknowledged, assignment) => {
+                self.replied(k, sequence, &acknowledged, assignment);
+            }
+            Happening::TaskEnds(k, task, epoch) if self.hands[k].id.epoch == epoch => self.task_ends(k, task),
+            Happening::TaskEnds(..) => {}
+            Happening::Notice(k) => self.ask(k),
+            Happening::AskAgain(k, sequence) if self.hands[k].sequence == sequence => self.ask(k),
+            Happening::AskAgain(..) => {}
+            Happening::Flushed(tasks) => {
+                self.flushing = false;
+                for task in tasks {
+                    self.recorded[task as usize] += 1;
+                    assert_eq!(self.recorded[task as usize], 1, "task {task} was recorded twice");
+                    self.open -= 1;
+                    self.event(Event::Recorded { task });
+                }
+                self.flush();
+            }
+            Happening::Gone(id) => self.event(Event::Gone(id)),
+            Happening::Tick => {
+                self.event(Event::Tick);
+                self.at(self.now + TICK, Happening::Tick);
+            }
+        }
+    }
+
+    fn event(&mut self, event: Event) {
+        self.events += 1;
+        let started = Instant::now();
+        let commands = self.scheduler.on_event(self.now, event);
+        self.spent += started.elapsed();
+        for command in commands {
+            match command {
+                Command::Deliver(finished) => self.to_flush.push(finished.id),
+                Command::Reply { token, acknowledged, assignment } => {
+                    let (k, sequence) = self.tokens.remove(&token).expect("each claim is answered once");
+                    self.soon(Happening::Reply(k, sequence, acknowledged, assignment));
+                }
+                Command::Announce(_) => {
+                    let idle: Vec<usize> =
+                        (0..self.hands.len()).filter(|k| self.hands[*k].running.is_none()).collect();
+                    idle.into_iter().for_each(|k| self.soon(Happening::Notice(k)));
+                }
+                Command::GiveUp { task, reason } => panic!("task {task} was given up: {reason}"),
+                Command::AnnounceEnd | Command::Warn(_) => {}
+            }
+        }
+        self.flush();
+    }
+
+    fn flush(&mut self) {
+        if !self.flushing && !self.to_flush.is_empty() {
+            self.flushing = true;
+            let tasks = std::mem::take(&mut self.to_flush);
+            self.at(self.now + self.plan.flush, Happening::Flushed(tasks));
+        }
+    }
+
+    fn ask(&mut self, k: usize) {
+        let hand = &mut self.hands[k];
+        if hand.asks || (hand.running.is_some() && hand.finished.is_empty()) {
+            return;
+        }
+        hand.asks = true;
+        hand.sequence += 1;
+        let held = hand.running.iter().chain(hand.finished.iter().map(|outcome| &outcome.task));
+        let claim = Claim {
+            worker: hand.id.clone(),
+            sequence: hand.sequence,
+            slots: 1,
+            credits: u32::from(hand.running.is_none()),
+            holding: held.map(|task| task.key).collect(),
+            finished: hand.finished.clone(),
+            leaving: false,
+        };
+        let sequence = hand.sequence;
+        self.claims.insert((k, sequence), claim);
+        self.soon(Happening::Claim(k, sequence));
+    }
+
+    fn replied(&mut self, k: usize, sequence: u64, acknowledged: &[TaskKey], assignment: Assignment) {
+        let now = self.now;
+        let hand = &mut self.hands[k];
+        if hand.sequence != sequence {
+            return;
+        }
+        hand.asks = false;
+        hand.finished.retain(|outcome| !acknowledged.contains(&outcome.task.key));
+        let Assignment::Work(mut tasks) = assignment else {
+            self.first_idle.get_or_insert(now);
+            let again = now + ASK_AGAIN.mul_f64(1.0 - 0.25 * chance(sequence));
+            self.at(again, Happening::AskAgain(k, sequence));
+            return;
+        };
+        let task = tasks.pop().expect("an order has a task");
+        assert!(tasks.is_empty() && hand.running.is_none(), "more than was asked for");
+        let number = task.key.task;
+        let takes = self.plan.takes.mul_f64((0.5 + chance(number)) / hand.speed);
+        let (ends, epoch) = (now + takes, hand.id.epoch);
+        let dies = self.plan.deaths > 0
+            && task.attempt == 1
+            && chance(number ^ 0xDEAD) * (self.plan.deaths as f64) < 1.0;
+        hand.running = Some(task);
+        hand.busy = takes;
+        if dies {
+            // It is gone in the middle of the task, and another one takes its place at once.
+            self.deaths += 1;
+            let gone = std::mem::replace(&mut self.hands[k].id.epoch, epoch + 1);
+            let id = WorkerId { epoch: gone, ..self.hands[k].id.clone() };
+            let hand = &mut self.hands[k];
+            (hand.running, hand.asks) = (None, false);
+            hand.finished.clear();
+            let new = hand.id.clone();
+            self.at(now + takes / 2, Happening::Gone(id));
+            self.event(Event::Appeared(new));
+            self.at(now + takes / 2, Happening::Notice(k));
+        } else {
+            self.at(ends, Happening::TaskEnds(k, number, epoch));
+        }
+    }
+
+    fn task_ends(&mut self, k: usize, number: u64) {
+        let hand = &mut self.hands[k];
+        let Some(task) = hand.running.take() else { return };
+        assert_eq!(task.key.task, number, "one task at a time");
+        let done = hand.busy.as_secs_f64() * hand.speed;
+        let result = Err(SimulationFailure::NotModelled { what: String::new() });
+        let wall = hand.busy.as_secs_f64();
+        hand.finished.push(Outcome { task, worker: hand.id.name.clone(), wall, result });
+        self.evaluated[number as usize] += 1;
+        if self.evaluated[number as usize] == 1 {
+            self.work += done;
+            if self.first_idle.is_none() {
+                self.work_before_tail += done;
+            }
+        }
+        self.ask(k);
+    }
+
+    fn figures(&self) -> Figures {
+        let speed: f64 = self.hands.iter().map(|hand| hand.speed).sum();
+        let until = self.first_idle.unwrap_or(self.now).as_secs_f64();
+        // What runs when the tail begins is half done on average.
+        let under_way = 0.5 * self.plan.takes.as_secs_f64() * self.plan.workers as f64;
+        Figures {
+            makespan: self.now,
+            efficiency: self.work / speed / self.now.as_secs_f64(),
+            efficiency_before_tail: (self.work_before_tail + under_way) / speed / until,
+            repeated: self.evaluated.iter().filter(|n| **n > 1).count(),
+            deaths: self.deaths,
+            events: self.events,
+            per_event: self.spent / u32::try_from(self.events).unwrap_or(u32::MAX),
+        }
+    }
+}

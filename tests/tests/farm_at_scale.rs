@@ -1,0 +1,40 @@
+//! The scheduler with many workers, in simulated time; `cargo run --release -p tests --example simulated_farm` prints the
+//! table for thousands.
+
+use std::time::Duration;
+use tests::simulated_farm::{Plan, simulate};
+
+const PLAN: Plan = Plan {
+    workers: 200,
+    tasks_each: 40,
+    takes: Duration::from_secs(5),
+    spread: 1.0,
+    latency: Duration::from_micros(300),
+    claim_cost: Duration::from_micros(50),
+    flush: Duration::from_millis(1),
+    deaths: 0,
+    stragglers: true,
+};
+
+#[test]
+fn equal_workers_are_busy_almost_all_the_time() {
+    let figures = simulate(PLAN);
+    assert!(figures.efficiency_before_tail > 0.99, "{figures:?}");
+    assert!(figures.efficiency > 0.95, "{figures:?}");
+}
+
+#[test]
+fn unequal_workers_end_together() {
+    let figures = simulate(Plan { spread: 16.0, ..PLAN });
+    let without = simulate(Plan { spread: 16.0, stragglers: false, ..PLAN });
+    assert!(figures.efficiency_before_tail > 0.99, "{figures:?}");
+    assert!(figures.efficiency > without.efficiency, "{figures:?}, but {without:?}");
+    assert!(figures.repeated < PLAN.workers && without.repeated == 0, "{figures:?}");
+}
+
+#[test]
+fn deaths_cost_what_was_lost_and_no_more() {
+    let figures = simulate(Plan { deaths: 20, ..PLAN });
+    assert!(figures.deaths > 300, "{figures:?}");
+    assert!(figures.efficiency > 0.9, "{figures:?}");
+}
