@@ -3,8 +3,6 @@
 
 mod mechanism;
 
-pub use mechanism::{eccentricity, first_cycle};
-
 use super::input::{DISTRIBUTIONS_DOCUMENT, OutputDistribution, ReportInput, SUMMARY_DOCUMENT};
 use crate::evaluate::{Finished, Request};
 use crate::journal::Journal;
@@ -16,6 +14,7 @@ use common::outputs::{Diagnostics, Evaluation, JointSummary};
 use common::random::{Distribution, RandomVariable};
 use common::scene::*;
 use mechanism::{PINS, depth, worn};
+pub use mechanism::{eccentricity, first_cycle};
 use statrs::distribution::{Continuous, ContinuousCDF, Normal};
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
