@@ -60,7 +60,7 @@ const COORDINATOR: [&str; 23] = [
 ];
 
 /// And of what both share.
-const COMMON: [&str; 7] = ["random", "scene", "accuracy", "failure", "outputs", "umbridge", "wire"];
+const COMMON: [&str; 7] = ["random", "accuracy", "scene", "failure", "outputs", "umbridge", "wire"];
 
 /// Longest source file [lines].
 const LONGEST: usize = 400;

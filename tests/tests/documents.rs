@@ -158,7 +158,7 @@ fn every_option_named_in_prose_exists() {
         let output = std::process::Command::new(program(program_name)).args(command).arg("--help").output();
         String::from_utf8(output.unwrap().stdout).unwrap()
     };
-    let commands = ["run", "resume", "simulate", "tradeoff", "scenes", "status", "doctor"];
+    let commands = ["run", "resume", "simulate", "tradeoff", "calibrate", "scenes", "status", "doctor"];
     let mut known: String = commands.iter().map(|command| help("coordinator", &[command])).collect();
     known += &help("worker", &[]);
     let known: BTreeSet<&str> = known
