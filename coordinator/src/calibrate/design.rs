@@ -50,7 +50,7 @@ pub fn calibrate(
     space: &Space,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Outcome, CalibrationError> {
-    let dimension = space.inputs.dimension() + free.len();
+    let dimension = space.dimension();
     let first = if plan.simulations == 0 { (4 * dimension).max(40) } else { plan.simulations };
     let mut simulated: Vec<Simulated> = Vec::new();
     let mut asked = 0;

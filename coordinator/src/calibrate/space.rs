@@ -67,6 +67,11 @@ impl Space {
         Ok(Self { inputs: InputModel::of(scene), source, free })
     }
 
+    /// The nominal scene.
+    pub fn scene(&self) -> &Scene {
+        self.source.nominal()
+    }
+
     /// Number of random variables and free parameters, d + p.
     pub fn dimension(&self) -> usize {
         self.inputs.dimension() + self.free.len()
@@ -146,12 +151,4 @@ fn with_parameters(source: &SceneSource, free: &[Free]) -> Result<SceneSource, C
     }
     let text = toml::to_string(&document).map_err(|error| syntax(error.to_string()))?;
     Ok(SceneSource::parse(&text, source.origin())?)
-}
-
-/// The checked scene of a space.
-impl Space {
-    /// The nominal scene.
-    pub fn scene(&self) -> &Scene {
-        self.source.nominal()
-    }
 }
