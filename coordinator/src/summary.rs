@@ -263,6 +263,13 @@ pub struct Round {
     pub repairs: usize,
 }
 
+impl Round {
+    /// Standard error of [`Round::reliability_total`]: of the surrogates (at most) and of counting.
+    pub fn standard_error(&self) -> f64 {
+        self.surrogate_error.hypot(self.cov_pf * (1.0 - self.reliability_total))
+    }
+}
+
 /// The surrogate of one limit state at the end of a study.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SurrogateRow {

@@ -111,7 +111,7 @@ fn current_reliability(round: &Round) -> String {
         "R({}) = {} ± {}",
         count(round.cycles.into()),
         fixed(round.reliability_total, 4),
-        fixed(round.surrogate_error, 4)
+        fixed(round.standard_error(), 4)
     )
 }
 
@@ -247,9 +247,9 @@ mod tests {
         assert_eq!(lines.len(), 9);
         assert_eq!(
             lines[1],
-            "round 1: 132 evaluations, R(66 000) = 0.2990 ± 0.0225, changed by 6.0 %, uncertain 18.6 %, min U 0.180"
+            "round 1: 132 evaluations, R(66 000) = 0.2990 ± 0.0227, changed by 6.0 %, uncertain 18.6 %, min U 0.180"
         );
-        assert!(narrator.state(at(5)).ends_with("± 0.0030"), "{}", narrator.state(at(5)));
+        assert!(narrator.state(at(5)).ends_with("± 0.0040"), "{}", narrator.state(at(5)));
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! What can befall a farm, in full: prints a table. `cargo run --release -p tests --example faults`, some five minutes;
+//! What can befall a farm, in full: prints a table. `cargo run --release -p tests --example faults`, some ten minutes;
 //! as root, or the full disk and the cut network are left out. The programs of this package are needed beside it:
 //! `cargo build --release -p tests`.
 
@@ -10,7 +10,7 @@ type Fault = (&'static str, fn() -> Option<String>);
 
 const SECOND: Duration = Duration::from_secs(1);
 
-const FAULTS: [Fault; 7] = [
+const FAULTS: [Fault; 8] = [
     ("kill -9 of a worker in mid-task, 100 times", || Some(faults::killed_workers(100, 3000))),
     ("SIGSTOP of a worker for twice its lease", || Some(faults::frozen_worker(4 * SECOND, 120))),
     ("kill -9 of the coordinator, back after 3 s, 10 times", || {
@@ -19,6 +19,7 @@ const FAULTS: [Fault; 7] = [
     ("coordinator stalled for 10 s", || Some(faults::stalled_coordinator(10 * SECOND, 90, SECOND / 4))),
     ("slow disk, 0.2 s a write", || Some(faults::slow_disk(SECOND / 5, 2000))),
     ("full disk", || faults::full_disk(400, SECOND / 100)),
+    ("100 000 tasks, faults by lot", || Some(faults::soak(100_000))),
     ("network cut for 6 s and for 20 s", || faults::cut_network(&[6 * SECOND, 20 * SECOND], 400, SECOND / 5)),
 ];
 

@@ -129,9 +129,7 @@ impl PracticeStudy {
 /// there is no file.
 pub fn recorded(dir: &Path) -> Vec<(i64, String, String)> {
     let read = || -> rusqlite::Result<Vec<_>> {
-        let flags = OpenFlags::SQLITE_OPEN_READ_ONLY;
-        let file = Connection::open_with_flags(dir.join(FILE_NAME), flags)?;
-        file.busy_timeout(crate::PATIENCE)?;
+        let file = file(dir)?;
         let mut rows = file.prepare(
             "SELECT e.id, i.wear_coefficient, e.finished_at
              FROM evaluation AS e JOIN input AS i ON i.evaluation = e.id ORDER BY e.id",
@@ -140,4 +138,18 @@ pub fn recorded(dir: &Path) -> Vec<(i64, String, String)> {
         rows.collect()
     };
     read().unwrap_or_default()
+}
+
+/// How many evaluations there are in it; zero while there is no file.
+pub fn count_recorded(dir: &Path) -> usize {
+    let count = || -> rusqlite::Result<i64> {
+        file(dir)?.query_row("SELECT count(*) FROM evaluation", [], |row| row.get(0))
+    };
+    count().ok().and_then(|count| usize::try_from(count).ok()).unwrap_or(0)
+}
+
+fn file(dir: &Path) -> rusqlite::Result<Connection> {
+    let file = Connection::open_with_flags(dir.join(FILE_NAME), OpenFlags::SQLITE_OPEN_READ_ONLY)?;
+    file.busy_timeout(crate::PATIENCE)?;
+    Ok(file)
 }

@@ -74,6 +74,13 @@ impl Process {
         }
     }
 
+    /// Its resident memory [MiB]; `None` of one that has ended, or where there is no /proc.
+    pub fn resident(&self) -> Option<f64> {
+        let status = std::fs::read_to_string(format!("/proc/{}/status", self.child.id())).ok()?;
+        let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
+        line.trim().strip_suffix(" kB")?.parse::<f64>().ok().map(|kib| kib / 1024.0)
+    }
+
     /// Kills it at once.
     pub fn kill(&mut self) {
         self.child.kill().expect("it is a child of this process");

@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 use tests::command_line::{objection, words};
 use tests::program;
 
-const DOCUMENTS: [&str; 13] = [
+const DOCUMENTS: [&str; 14] = [
     "README.md",
     "deploy/README.md",
     "coordinator/doc/calibration.md",
     "coordinator/doc/farm.md",
     "coordinator/doc/reliability.md",
+    "coordinator/doc/reproduction.md",
     "coordinator/doc/scenes.md",
     "coordinator/doc/simulators.md",
     "coordinator/doc/tradeoff.md",

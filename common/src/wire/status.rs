@@ -81,7 +81,7 @@ pub struct ReliabilitySoFar {
     pub cycles: u32,
     /// Reliability there [1].
     pub total: f64,
-    /// Estimated error of the surrogates there [1].
+    /// Its standard error, of surrogates and of counting [1].
     pub standard_error: f64,
 }
 

@@ -67,19 +67,7 @@ impl ZenohEvaluator {
     ) -> Result<Self, DispatchError> {
         let known_address = listen.endpoint.is_some() || listen.config.is_some();
         let settle = if campaign.resumed && known_address { SETTLE } else { Duration::ZERO };
-        Self::open_with(Settings { settle, ..Settings::new(campaign.id) }, campaign, listen, interrupted)
-    }
-
-    /// [`ZenohEvaluator::open`] with other constants of the scheduler.
-    ///
-    /// # Errors
-    /// [`DispatchError`].
-    pub fn open_with(
-        settings: Settings,
-        campaign: Campaign,
-        listen: &Listen,
-        interrupted: Arc<AtomicBool>,
-    ) -> Result<Self, DispatchError> {
+        let settings = Settings { settle, ..Settings::new(campaign.id) };
         let Campaign { scene, accuracy, accuracy_name, .. } = campaign;
         if scene.len() > MAX_SCENE {
             return Err(DispatchError::SceneTooLarge { bytes: scene.len(), limit: MAX_SCENE });

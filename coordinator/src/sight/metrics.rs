@@ -37,7 +37,11 @@ pub fn metrics_text(status: &Status) -> String {
         let at = so_far.cycles.to_string();
         for (name, help, value) in [
             ("reliability", "Reliability so far, where in life it is nearest one half.", so_far.total),
-            ("reliability_error", "Estimated error of the surrogates there.", so_far.standard_error),
+            (
+                "reliability_error",
+                "Its standard error, of surrogates and of counting.",
+                so_far.standard_error,
+            ),
         ] {
             page.family(name, "gauge", help);
             page.sample(name, &[("cycles", &at)], value);

@@ -59,7 +59,7 @@ fn post(study: &mut StudyStatus, progress: &Progress) {
             study.reliability = Some(ReliabilitySoFar {
                 cycles: round.cycles,
                 total: round.reliability_total,
-                standard_error: round.surrogate_error,
+                standard_error: round.standard_error(),
             });
         }
         Progress::Warning(_) => study.warnings += 1,

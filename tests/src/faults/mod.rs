@@ -5,11 +5,13 @@
 mod coordinators;
 mod disk;
 mod network;
+mod soak;
 mod workers;
 
 pub use coordinators::{killed_coordinator, stalled_coordinator};
 pub use disk::{full_disk, slow_disk};
 pub use network::cut_network;
+pub use soak::soak;
 pub use workers::{frozen_worker, killed_workers};
 
 use crate::practice_study::{PracticeStudy, recorded};

@@ -3,7 +3,6 @@
 use super::{LONGEST, all_recorded, free_endpoint, spread, undisturbed, worker};
 use crate::practice_study::PracticeStudy;
 use crate::process::Process;
-use coordinator::dispatch::scheduler::Settings;
 use coordinator::dispatch::{Listen, ZenohEvaluator};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -20,10 +19,7 @@ fn beside_study<T: Send>(
     let endpoint = free_endpoint();
     let listen = Listen { endpoint: Some(endpoint.clone()), config: None, insecure: false };
     let campaign = study.campaign(false);
-    // A task that is lost three times would end the study: here that is nobody's fault but the test's.
-    let settings = Settings { losses_allowed: 1000, ..Settings::new(campaign.id) };
-    let mut evaluator =
-        ZenohEvaluator::open_with(settings, campaign, &listen, Arc::default()).expect("it can listen");
+    let mut evaluator = ZenohEvaluator::open(campaign, &listen, Arc::default()).expect("it can listen");
     let attendance = evaluator.attendance();
     let (ran, came_to) = std::thread::scope(|scope| {
         let beside = scope.spawn(|| beside(&endpoint, &attendance));

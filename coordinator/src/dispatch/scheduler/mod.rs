@@ -14,6 +14,8 @@
 //! - A claim lists all its worker holds; a lease that is not in the list was lost on the way and goes back to
 //!   the front of the queue. What is in the list and was given by an earlier coordinator is adopted: nobody else gets it.
 //! - Tasks go only to workers whose liveliness token is seen: a death always has an event.
+//! - A task that would be given up at its next loss goes only to workers that have finished one, where there are any: what killed
+//!   the others may have been their own affair.
 //! - How many tasks a worker gets follows its speed. Where slots are idle and nothing waits, what one worker has had for
 //!   much longer than usual goes to a second one too; the first outcome counts.
 
@@ -263,11 +265,14 @@ impl Scheduler {
             Some(has) => {
                 let room = self.workers.share(&id, self.tasks.open()).saturating_sub(has);
                 let wanted = room.min(credits.min(self.settings.most_tasks) as usize);
-                let mut tasks = self.tasks.lease(wanted);
+                let losses = self.losses_entrusted(&id);
+                let mut tasks = self.tasks.lease(wanted, losses);
                 if tasks.len() < wanted {
                     let Settings { straggler_factor, straggler_least, .. } = self.settings;
                     let late = self.workers.stragglers(&id, now, straggler_factor, straggler_least);
-                    tasks.extend(late.filter_map(|task| self.tasks.copy(task)).take(wanted - tasks.len()));
+                    tasks.extend(
+                        late.filter_map(|task| self.tasks.copy(task, losses)).take(wanted - tasks.len()),
+                    );
                 }
                 for task in &tasks {
                     self.workers.lease(&id, task.key.task, now);
@@ -276,6 +281,12 @@ impl Scheduler {
             }
         };
         commands.push(Command::Reply { token, acknowledged, assignment });
+    }
+
+    /// Below how many losses a task may go to this worker.
+    fn losses_entrusted(&self, id: &WorkerId) -> u32 {
+        let last_chance = self.settings.losses_allowed.saturating_sub(1).max(1);
+        if self.workers.has_finished(id) || !self.workers.any_has_finished() { u32::MAX } else { last_chance }
     }
 
     fn lose(&mut self, id: WorkerId, commands: &mut Vec<Command>) {

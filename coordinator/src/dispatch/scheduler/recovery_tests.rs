@@ -68,6 +68,43 @@ fn after_a_restart_tasks_wait_a_moment_for_those_who_have_them() {
 }
 
 #[test]
+fn a_task_on_its_last_chance_goes_to_a_worker_that_has_finished_one() {
+    let steady = worker("steady");
+    let mut s = scheduler(&[&steady], 3);
+    let (_, tasks) = reply(&ask(&mut s, START, claim(&steady, 1, 1, vec![], &[]))).unwrap();
+    // Two that have finished nothing die with 1, and one that comes later gets what was not lost twice.
+    for name in ["first", "second"] {
+        let doomed = worker(name);
+        s.on_event(START, Event::Appeared(doomed.clone()));
+        let (_, got) = reply(&ask(&mut s, START, claim(&doomed, 1, 1, vec![], &[]))).unwrap();
+        assert_eq!(numbers(&got), [1]);
+        s.on_event(START, Event::Gone(doomed));
+    }
+    ask(&mut s, SECOND, claim(&steady, 2, 0, vec![outcome(&tasks[0], &steady)], &[]));
+    let third = worker("third");
+    s.on_event(SECOND, Event::Appeared(third.clone()));
+    let (_, got) = reply(&ask(&mut s, SECOND, claim(&third, 1, 5, vec![], &[]))).unwrap();
+    assert_eq!(numbers(&got), [2]);
+    let (_, got) = reply(&ask(&mut s, SECOND, claim(&steady, 3, 5, vec![], &[]))).unwrap();
+    assert_eq!(numbers(&got), [1]);
+    // With that one gone too it was the task, and not the workers.
+    let commands = s.on_event(SECOND, Event::Gone(steady));
+    assert!(commands.iter().any(|c| matches!(c, Command::GiveUp { task: 1, .. })), "{commands:?}");
+}
+
+#[test]
+fn a_task_on_its_last_chance_goes_to_anybody_where_nobody_has_finished_one() {
+    let mut s = scheduler(&[], 1);
+    for name in ["first", "second", "third"] {
+        let doomed = worker(name);
+        s.on_event(START, Event::Appeared(doomed.clone()));
+        let (_, got) = reply(&ask(&mut s, START, claim(&doomed, 1, 1, vec![], &[]))).unwrap();
+        assert_eq!(numbers(&got), [0], "{name}");
+        s.on_event(START, Event::Gone(doomed));
+    }
+}
+
+#[test]
 fn what_the_campaign_file_had_is_not_wanted_again() {
     let a = worker("a");
     let mut s = scheduler(&[&a], 0);

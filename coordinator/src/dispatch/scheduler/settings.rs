@@ -7,7 +7,8 @@ use std::time::Duration;
 pub struct Settings {
     /// Campaign its tasks belong to.
     pub campaign: u64,
-    /// Workers (or deadlines) a task may outlive before it is given up.
+    /// Workers (or deadlines) a task may outlive before it is given up; the last of them one that has finished others, where there
+    /// is any.
     pub losses_allowed: u32,
     /// Deadline of a task while no simulation has ended yet.
     pub first_deadline: Duration,

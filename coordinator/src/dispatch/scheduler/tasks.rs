@@ -106,25 +106,34 @@ impl TaskTable {
         Some(point)
     }
 
-    /// Up to `count` tasks from the front of the queue.
-    pub fn lease(&mut self, count: usize) -> Vec<Task> {
+    /// Up to `count` tasks from the front of the queue, of those that were lost fewer than `losses` times.
+    pub fn lease(&mut self, count: usize, losses: u32) -> Vec<Task> {
         let mut tasks = Vec::new();
+        let mut withheld = Vec::new();
         while tasks.len() < count {
             let Some(id) = self.queue.pop_front() else { break };
             let Some(entry) = self.entries.get_mut(&id).filter(|e| e.phase == Phase::Queued) else {
                 continue;
             };
+            if entry.losses >= losses {
+                withheld.push(id);
+                continue;
+            }
             entry.phase = Phase::Leased;
             entry.attempts += 1;
             tasks.push(entry.task(self.campaign));
         }
+        for id in withheld.into_iter().rev() {
+            self.queue.push_front(id);
+        }
         tasks
     }
 
-    /// The same task once more, for a second worker, if it is out.
-    pub fn copy(&mut self, id: u64) -> Option<Task> {
+    /// The same task once more, for a second worker, if it is out and was lost fewer than `losses` times.
+    pub fn copy(&mut self, id: u64, losses: u32) -> Option<Task> {
         let campaign = self.campaign;
-        let entry = self.entries.get_mut(&id).filter(|entry| entry.phase == Phase::Leased)?;
+        let out = |entry: &&mut Entry| entry.phase == Phase::Leased && entry.losses < losses;
+        let entry = self.entries.get_mut(&id).filter(out)?;
         entry.attempts += 1;
         Some(entry.task(campaign))
     }

@@ -208,6 +208,16 @@ impl Workforce {
         });
     }
 
+    /// Whether a worker has finished a task.
+    pub fn has_finished(&self, id: &WorkerId) -> bool {
+        self.workers.get(id).is_some_and(|worker| worker.wall.is_some())
+    }
+
+    /// Whether any of the workers that are there has.
+    pub fn any_has_finished(&self) -> bool {
+        self.measured.0 > 0.5
+    }
+
     /// Tasks that worker `id` may have at once: of all that are `open` the share that its speed (slots over time of an
     /// evaluation, as measured; the mean of the others before that) is of the speed of all, but one for each of its slots
     /// in any case. A slot gains by several side by side, as long as none idles elsewhere.

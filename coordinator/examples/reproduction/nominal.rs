@@ -1,0 +1,152 @@
+//! The mechanism with every random variable at its mean, as it stands and with one choice of the model changed.
+
+use common::accuracy::NamedAccuracy;
+use common::outputs::Evaluation;
+use common::scene::{Clearance, ContactLaw, JointKind, SceneSource};
+use std::error::Error;
+use worker::simulate::simulate;
+
+/// One choice.
+#[derive(Debug, Clone, Copy)]
+pub struct Variant {
+    /// In the table.
+    pub name: &'static str,
+    change: Change,
+    /// Numerical effort, other than the scene's.
+    pub accuracy: Option<&'static str>,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Change {
+    Nothing,
+    Hinges(fn(&mut Clearance)),
+    Value(&'static str),
+}
+
+pub const AS_IT_STANDS: Variant = Variant { name: "as it stands", change: Change::Nothing, accuracy: None };
+
+/// The experiment ran a little faster.
+pub const EXPERIMENT: Variant = Variant {
+    name: "500 r/min, as in the experiment",
+    change: Change::Value("parameters.crank_speed=500 r/min"),
+    accuracy: None,
+};
+
+const fn changed(name: &'static str, change: Change) -> Variant {
+    Variant { name, change, accuracy: None }
+}
+
+const fn computed(name: &'static str, accuracy: &'static str) -> Variant {
+    Variant { name, change: Change::Nothing, accuracy: Some(accuracy) }
+}
+
+/// What the table shows.
+pub const VARIANTS: [Variant; 15] = [
+    changed("contact law `foundation`", Change::Hinges(|hinge| hinge.contact_law = ContactLaw::Foundation)),
+    changed("film damping 5 % less", Change::Hinges(|hinge| hinge.film_damping *= 0.95)),
+    changed("film damping 1 % less", Change::Hinges(|hinge| hinge.film_damping *= 0.99)),
+    changed("film damping 1 % more", Change::Hinges(|hinge| hinge.film_damping *= 1.01)),
+    changed("film damping 5 % more", Change::Hinges(|hinge| hinge.film_damping *= 1.05)),
+    changed("friction 20 % less", Change::Hinges(|hinge| hinge.friction *= 0.8)),
+    changed("friction 20 % more", Change::Hinges(|hinge| hinge.friction *= 1.2)),
+    EXPERIMENT,
+    computed("`draft`", "draft"),
+    computed("`balanced`", "balanced"),
+    computed("`balanced`, blocks of 1000 cycles", "balanced+jump-1000"),
+    computed("as it stands, time steps 0.5 times as long", "balanced+jump-2000+step-x0.5"),
+    computed("as it stands, time steps 0.25 times as long", "balanced+jump-2000+step-x0.25"),
+    computed("as it stands, 1200 instants of wear a cycle", "balanced+jump-2000+samples-1200"),
+    computed("`reference`", "reference"),
+];
+
+/// A variant's life.
+pub struct Run {
+    pub variant: Variant,
+    pub evaluation: Evaluation,
+    /// Outputs and their limits [SI].
+    limits: Vec<(usize, f64)>,
+}
+
+impl Run {
+    pub fn of(variant: Variant) -> Result<Self, Box<dyn Error>> {
+        let source = SceneSource::builtin("flapping-wing")?;
+        let mut scene = source.nominal().clone();
+        match variant.change {
+            Change::Nothing => {}
+            Change::Hinges(change) => {
+                for joint in &mut scene.joints {
+                    if let JointKind::Clearance(hinge) = &mut joint.kind {
+                        change(hinge);
+                    }
+                }
+            }
+            Change::Value(setting) => scene = source.resolve_with(&[source.parse_setting(setting)?])?,
+        }
+        let accuracy = match variant.accuracy {
+            None => scene.accuracy.clone(),
+            Some(name) => name.parse::<NamedAccuracy>()?,
+        };
+        let evaluation = simulate(&scene, &accuracy.accuracy, true)
+            .map_err(|failure| format!("{}: {failure}", variant.name))?;
+        eprintln!("{}", variant.name);
+        let limits = scene.limit_states.iter().map(|limit| (limit.output, limit.threshold)).collect();
+        Ok(Self { variant, evaluation, limits })
+    }
+
+    /// An output at a life [SI].
+    pub fn value(&self, output: usize, cycles: u32) -> f64 {
+        let column = self.evaluation.cycles.iter().position(|at| *at == cycles).expect("a checkpoint");
+        self.evaluation.histories[output][column]
+    }
+
+    /// First checkpoint at which an output has reached its limit [cycles].
+    pub fn first_limit(&self) -> Option<u32> {
+        let reached = |n: &usize| {
+            self.limits.iter().any(|&(output, limit)| self.evaluation.histories[output][*n] >= limit)
+        };
+        (0..self.evaluation.cycles.len()).find(reached).map(|n| self.evaluation.cycles[n])
+    }
+
+    /// Largest force peak of these joints in the unworn mechanism [N].
+    pub fn peak_force(&self, joints: &[&str]) -> f64 {
+        let chosen = self.evaluation.joints.iter().filter(|joint| joints.contains(&joint.name.as_str()));
+        chosen.map(|joint| joint.peak_force).fold(0.0, f64::max)
+    }
+
+    /// Time of the force peak in a joint [s].
+    pub fn time_of_peak(&self, joint: &str) -> Option<f64> {
+        let cycle = self.evaluation.first_cycle.as_ref()?;
+        let (_, force) = cycle.joint_force.iter().find(|(name, _)| name == joint)?;
+        let at = (0..force.len()).max_by(|&a, &b| force[a].total_cmp(&force[b]))?;
+        cycle.time.get(at).copied()
+    }
+
+    /// Least and largest angle of a rocker in the unworn mechanism [rad].
+    pub fn extremes(&self, label: &str) -> Option<(f64, f64)> {
+        let cycle = self.evaluation.first_cycle.as_ref()?;
+        let angle = &cycle.bodies.iter().find(|body| body.label == label)?.angle;
+        let least = angle.iter().copied().fold(f64::INFINITY, f64::min);
+        Some((least, angle.iter().copied().fold(f64::NEG_INFINITY, f64::max)))
+    }
+
+    /// Deepest points of each bore at the end of life, and the second-deepest local maximum where there is one: joint, angle in the
+    /// bushing's frame [deg], depth [m].
+    pub fn bores(&self) -> Vec<(&str, Vec<(f64, f64)>)> {
+        self.evaluation
+            .joints
+            .iter()
+            .map(|joint| {
+                let depth = &joint.wear_depth;
+                let m = depth.len();
+                let peak = |&i: &usize| {
+                    depth[i] > depth[(i + m - 1) % m] && depth[i] >= depth[(i + 1) % m] && depth[i] > 1e-7
+                };
+                let mut peaks: Vec<(f64, f64)> =
+                    (0..m).filter(peak).map(|i| (360.0 * i as f64 / m as f64, depth[i])).collect();
+                peaks.sort_by(|a, b| b.1.total_cmp(&a.1));
+                peaks.truncate(2);
+                (joint.name.as_str(), peaks)
+            })
+            .collect()
+    }
+}
