@@ -1,8 +1,8 @@
 //! Published problems with reference values. Failure is g <= 0; the output is -g and fails at 0.
 //!
 //! Source: four-branch system and oscillator, Echard, Gayton, Lemaire (2011); the sum of lognormals, Rackwitz (2001); RP8 to
-//! RP89, the black-box reliability challenge of TNO, as coded in openturns/otbenchmark. References are exact
-//! (quadrature) or from direct simulation of 2e7 samples, with the relative standard error given.
+//! RP89, the black-box reliability challenge of TNO, as coded in openturns/otbenchmark; rare events are RP22's parabola further out, and the outside of a circle, whose probability
+//! is exp(-r^2 / 2). References are exact (quadrature) or from direct simulation of 2e7 samples, with the relative standard error given.
 
 use common::random::Distribution;
 
@@ -53,6 +53,10 @@ fn four_branch(x: &[f64], k: f64) -> f64 {
     let (sum, difference) = ((x[0] + x[1]) / 2.0_f64.sqrt(), x[0] - x[1]);
     let bowl = 3.0 + 0.1 * difference * difference;
     (bowl - sum).min(bowl + sum).min(difference + k / 2.0_f64.sqrt()).min(k / 2.0_f64.sqrt() - difference)
+}
+
+fn parabola(x: &[f64], distance: f64) -> f64 {
+    distance - (x[0] + x[1]) / 2.0_f64.sqrt() + 0.1 * (x[0] - x[1]).powi(2)
 }
 
 fn oscillator(x: &[f64]) -> f64 {
@@ -123,11 +127,14 @@ pub fn published_problems() -> Vec<PublishedProblem> {
             7.90e-4,
             6.4e-3,
         ),
+        problem("rp22", standard(2), |x| single(parabola(x, 2.5)), 4.207_305_51e-3, 0.0),
+        problem("parabola-8", standard(2), |x| single(parabola(x, 5.4)), 1.844_038_200e-8, 0.0),
+        problem("parabola-9", standard(2), |x| single(parabola(x, 5.8)), 1.793_156_133e-9, 0.0),
         problem(
-            "rp22",
+            "circle-9",
             standard(2),
-            |x| single(2.5 - (x[0] + x[1]) / 2.0_f64.sqrt() + 0.1 * (x[0] - x[1]).powi(2)),
-            4.207_305_51e-3,
+            |x| single(2.0 * 1e9_f64.ln() - x[0] * x[0] - x[1] * x[1]),
+            1e-9,
             0.0,
         ),
         problem(

@@ -6,6 +6,7 @@ use common::random::Distribution;
 use faer::MatRef;
 use rand::{Rng, RngExt};
 use rand_chacha::ChaCha12Rng;
+use rayon::prelude::*;
 use std::ops::Range;
 
 /// Monte Carlo samples of random variables.
@@ -51,13 +52,11 @@ impl Population {
     /// result is what [`Population::draw`] would have given for `n` at once.
     pub fn grow_to(&mut self, n: usize) {
         let d = self.dimension();
-        self.z.reserve((n * d).saturating_sub(self.z.len()));
-        let mut p = vec![0.0; d];
-        while self.z.len() < n * d {
-            p.fill_with(|| uniform(&mut self.rng));
-            let x = self.inputs.from_uniforms(&p);
-            self.z.extend(self.inputs.standardise(&x));
-        }
+        let missing = (n * d).saturating_sub(self.z.len());
+        let uniforms: Vec<f64> = (0..missing).map(|_| uniform(&mut self.rng)).collect();
+        let inputs = &self.inputs;
+        let point = |p: &[f64]| inputs.standardise(&inputs.from_uniforms(p));
+        self.z.par_extend(uniforms.par_chunks_exact(d).flat_map_iter(point));
     }
 
     /// Number of points n.

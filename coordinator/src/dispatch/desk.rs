@@ -1,6 +1,7 @@
 //! The thread between messages and scheduler: feeds events in, does what the commands say.
 
 use super::board::Board;
+use super::gate::Gate;
 use super::scheduler::{Assignment, Command, Event, Scheduler, Settings, Token, Warning};
 use super::tally::Tally;
 use super::transport::{Asker, Transport};
@@ -9,7 +10,6 @@ use common::wire::{
     self, CandidatePoint, Claim, Next, Notice, Reply, Status, WireError, WorkOrder, WorkerId,
 };
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -18,8 +18,6 @@ use std::time::{Duration, Instant};
 const ASK_AGAIN: u32 = 1000;
 /// How often the scheduler looks at the clock.
 const TICK: Duration = Duration::from_millis(500);
-/// Claims and questions that may wait to be read; more are dropped, and their workers back off.
-const MOST_WAITING: usize = 4096;
 /// Points in one notice.
 const POINTS_PER_NOTICE: usize = 1000;
 /// Workers of other versions that are remembered, so that each is named once.
@@ -99,25 +97,6 @@ impl Attendance {
     }
 }
 
-/// Bounds the claims that wait to be read; liveness and the study's own messages are never dropped.
-#[derive(Debug, Default)]
-pub(super) struct Gate(AtomicUsize);
-
-impl Gate {
-    /// Whether one more claim may wait.
-    pub fn enter(&self) -> bool {
-        let entered = self.0.fetch_add(1, Ordering::Relaxed) < MOST_WAITING;
-        if !entered {
-            self.0.fetch_sub(1, Ordering::Relaxed);
-        }
-        entered
-    }
-
-    fn leave(&self) {
-        self.0.fetch_sub(1, Ordering::Relaxed);
-    }
-}
-
 /// See the module.
 pub(super) struct Desk {
     scheduler: Scheduler,
@@ -188,11 +167,11 @@ impl Desk {
     fn take(&mut self, input: Input) {
         match input {
             Input::Claim(asker) => {
-                self.gate.leave();
+                self.gate.leave(asker.size());
                 self.take_claim(asker);
             }
             Input::Asked(asker) => {
-                self.gate.leave();
+                self.gate.leave(asker.size());
                 match wire::encode(&self.status()) {
                     Ok(frame) => self.transport.tell_status(asker, frame),
                     Err(error) => self.transport.refuse(asker, error.to_string()),

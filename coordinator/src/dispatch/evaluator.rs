@@ -2,7 +2,8 @@
 
 use super::DispatchError;
 use super::board::Board;
-use super::desk::{Attendance, ConnectedWorker, Delivery, Desk, Gate, Input};
+use super::desk::{Attendance, ConnectedWorker, Delivery, Desk, Input};
+use super::gate::Gate;
 use super::scheduler::Settings;
 use super::transport::{Listen, Transport};
 use crate::evaluate::{Beginnings, EvaluateError, Evaluator, LOOK_UP, Pursuit};
@@ -83,12 +84,12 @@ impl ZenohEvaluator {
         let transport = Transport::open(
             listen,
             move |asker| {
-                if entrance.enter() {
+                if entrance.enter(asker.size()) {
                     let _ = claims.send(Input::Claim(asker));
                 }
             },
             move |asker| {
-                if other_entrance.enter() {
+                if other_entrance.enter(asker.size()) {
                     let _ = questions.send(Input::Asked(asker));
                 }
             },

@@ -12,6 +12,7 @@
 mod board;
 mod desk;
 mod evaluator;
+mod gate;
 pub mod scheduler;
 mod tally;
 mod transport;

@@ -31,6 +31,11 @@ impl Asker {
         self.0.payload().map(|payload| payload.to_bytes().into_owned()).unwrap_or_default()
     }
 
+    /// Length of the claim [bytes].
+    pub fn size(&self) -> usize {
+        self.0.payload().map_or(0, |payload| payload.len())
+    }
+
     /// The worker's name, in plain text, whatever its version.
     pub fn name(&self) -> String {
         let name = self.0.parameters().get("worker").unwrap_or_default();

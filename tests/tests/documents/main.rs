@@ -1,5 +1,7 @@
 //! What the documents name exists: paths, links, and command lines that the programs take.
 
+mod reproduction;
+
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use tests::command_line::{objection, words};
@@ -97,8 +99,9 @@ fn ours(line: &str) -> Option<(PathBuf, Vec<String>)> {
     if words.starts_with(&["cargo".into(), "run".into()]) {
         let package = words.iter().position(|word| word == "-p").expect("cargo run names a package") + 1;
         if let Some(at) = words.iter().position(|word| word == "--example") {
-            let example = format!("{}/examples/{}.rs", words[package], words[at + 1]);
-            assert!(root().join(&example).is_file(), "{line}: there is no {example}");
+            let example = format!("{}/examples/{}", words[package], words[at + 1]);
+            let files = [format!("{example}.rs"), format!("{example}/main.rs")];
+            assert!(files.iter().any(|file| root().join(file).is_file()), "{line}: there is no {example}");
             return None;
         }
         assert!(words.iter().any(|word| word == "--release"), "{line}: an unoptimised build takes for ever");
