@@ -45,7 +45,7 @@ const FIGURES: [Figure; 4] = [
             ("rocker_front_length", -1.0),
         ],
         why: "A wider spread lowers the failure probability where R is below a half and raises it above: the sign belongs to the life, not to the \
-              variable. The rest is smaller than its error.",
+              variable. What is left is no more than thirty estimates differ from zero by luck.",
     },
     Figure {
         limit_state: "asymmetry",

@@ -2,7 +2,7 @@
 //! threads, journal included.
 //!
 //! ```sh
-//! cargo run --release -p coordinator --example overhead
+//! cargo run --release -p coordinator --example learning_overhead
 //! ```
 //!
 //! Overhead is (wall time - evaluations * 0.1 s / 2) / (evaluations * 0.1 s / 2). The first scene is the flapping-wing drive
