@@ -318,7 +318,7 @@ pub struct Timing {
     pub simulation: f64,
     /// Fitting, prediction, selection.
     pub surrogate: f64,
-    /// Worker slots waiting while the coordinator computed, summed over slots.
+    /// Time in which nothing was under way, so that all slots waited.
     pub idle: f64,
 }
 

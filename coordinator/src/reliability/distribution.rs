@@ -10,8 +10,9 @@ pub const PROBABILITIES: [f64; 11] = [0.001, 0.01, 0.05, 0.1, 0.25, 0.5, 0.75, 0
 /// Bins of the histogram.
 const BINS: usize = 40;
 
-/// Checkpoints predicted together: bounds memory at 8 columns of the population.
-const COLUMNS: usize = 8;
+/// Values that are kept at once, points times checkpoints [128 MiB]: the correlations of the population with the design are
+/// computed anew for every set of checkpoints, so they are few sets.
+const VALUES: usize = 1 << 24;
 
 /// Points predicted together.
 const BLOCK: usize = 512;
@@ -49,8 +50,9 @@ pub fn predict_distributions(model: &Kriging, population: &Population) -> Vec<Ou
     let factors = model.predict(population.columns(0..part)).variance_factor;
     let factor = factors.iter().sum::<f64>() / part.max(1) as f64;
     let mut distributions = Vec::with_capacity(m);
-    for first in (0..m).step_by(COLUMNS) {
-        let count = COLUMNS.min(m - first);
+    let columns = (VALUES / population.len().max(1)).max(1);
+    for first in (0..m).step_by(columns) {
+        let count = columns.min(m - first);
         let mut values = vec![0.0; population.len() * count];
         values.par_chunks_mut(BLOCK * count).enumerate().for_each(|(block, values)| {
             let start = block * BLOCK;

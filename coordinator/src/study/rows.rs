@@ -17,12 +17,13 @@ pub(super) fn sobol(scene: &Scene, learned: &Learned) -> Vec<SobolRow> {
         return Vec::new();
     }
     let grid = &learned.assessment.grid;
+    let (Some(&first), Some(&last)) = (grid.first(), grid.last()) else { return Vec::new() };
     let mut rows = Vec::new();
     for (limit, surrogate) in scene.limit_states.iter().zip(&learned.assessment.surrogates) {
         let (model, dual) = (&surrogate.model, surrogate.model.dual());
         let predict = |points: MatRef<'_, f64>| {
-            let all = model.predict_means(points, &dual, 0..cycles.len());
-            Mat::from_fn(grid.len(), points.ncols(), |o, j| all[(grid[o], j)])
+            let all = model.predict_means(points, &dual, first..last + 1);
+            Mat::from_fn(grid.len(), points.ncols(), |o, j| all[(grid[o] - first, j)])
         };
         let indices = sobol_indices(population, grid.len(), &predict);
         for (n, variables) in grid.iter().zip(indices) {
