@@ -1,11 +1,13 @@
 //! The `worker` command: offers this machine to a coordinator.
 
+mod signals;
+
 use clap::Parser;
 use common::accuracy::NamedAccuracy;
 use common::scene::{Faults, SceneSource};
+use signals::Signals;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use thiserror::Error;
@@ -156,18 +158,24 @@ fn offer(given: &str, arguments: &Arguments) -> Result<ExitCode, Failed> {
     }
     let scene = source.nominal().name.clone();
     let model = Model::new(source, arguments.accuracy.clone().unwrap_or_default());
+    let signals = Signals::catch().map_err(no_signals)?;
     let server = Server::start(model, slots(arguments), address)?;
     tracing::info!("model \"{NAME}\", an evaluation of {scene}, at http://{}", server.address());
     let (stop, stopped) = std::sync::mpsc::channel();
-    let interrupted = listen_to_signals(move || {
-        // Whoever waits for it has left: the process is about to end.
+    let whoever_waits = move || {
+        // It may have left: the process is about to end.
         let _ = stop.send(());
-    })?;
+    };
+    let interrupted = signals.listen(whoever_waits).map_err(no_signals)?;
     // The sender lives with the thread of the signals, as long as the process.
     let _ = stopped.recv();
     tracing::info!("stopping: answering what was asked");
     server.finish();
     Ok(ended(&interrupted))
+}
+
+fn no_signals(error: std::io::Error) -> ServiceError {
+    ServiceError::Messaging(format!("signals: {error}"))
 }
 
 fn ended(interrupted: &AtomicBool) -> ExitCode {
@@ -191,12 +199,14 @@ fn serve(arguments: Arguments) -> Result<ExitCode, ServiceError> {
         config.name = name;
     }
     tracing::info!("{slots} slots for the coordinator at {}", config.connect.join(", "));
+    let signals = Signals::catch().map_err(no_signals)?;
     let worker = service::spawn(config, simulator())?;
     let stopper = worker.stopper();
-    let interrupted = listen_to_signals(move || {
+    let stop = move || {
         tracing::info!("stopping: handing in what is finished");
         stopper.stop();
-    })?;
+    };
+    let interrupted = signals.listen(stop).map_err(no_signals)?;
     let departure = worker.join()?;
     match departure {
         Departure::CampaignEnded => tracing::info!("the coordinator has finished"),
@@ -212,36 +222,6 @@ fn serve(arguments: Arguments) -> Result<ExitCode, ServiceError> {
         Departure::Aborted => tracing::info!("aborted"),
     }
     Ok(ended(&interrupted))
-}
-
-/// Calls `stop` at SIGTERM or Ctrl-C; a second signal ends the process at once. The flag says whether it was Ctrl-C.
-fn listen_to_signals(stop: impl Fn() + Send + 'static) -> Result<Arc<AtomicBool>, ServiceError> {
-    use tokio::signal::unix::{SignalKind, signal};
-    let failed = |error: std::io::Error| ServiceError::Messaging(format!("signals: {error}"));
-    let interrupted = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&interrupted);
-    // Its own small runtime: the service itself needs none, and Zenoh brings its own.
-    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(failed)?;
-    let (mut interrupt, mut terminate) = {
-        let _inside = runtime.enter();
-        (signal(SignalKind::interrupt()).map_err(failed)?, signal(SignalKind::terminate()).map_err(failed)?)
-    };
-    let wait = move || {
-        runtime.block_on(async move {
-            for first in [true, false] {
-                tokio::select! {
-                    _ = interrupt.recv() => flag.store(true, Ordering::Relaxed),
-                    _ = terminate.recv() => {}
-                }
-                if first {
-                    stop();
-                }
-            }
-            std::process::exit(i32::from(INTERRUPTED));
-        });
-    };
-    std::thread::Builder::new().name("signals".into()).spawn(wait).map_err(failed)?;
-    Ok(interrupted)
 }
 
 fn start_log(verbose: u8, quiet: bool, format: log::Format) {

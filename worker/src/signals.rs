@@ -1,0 +1,58 @@
+//! SIGTERM and Ctrl-C stop a worker gently; a second one ends the process at once.
+
+use super::INTERRUPTED;
+use std::io;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use tokio::runtime::Runtime;
+use tokio::signal::unix::{Signal, SignalKind, signal};
+
+/// Signals that are caught from now on: those that come before anybody listens are kept. To be made before others can know that
+/// the process is there.
+pub struct Signals {
+    /// Its own small runtime: the service itself needs none, and Zenoh brings its own.
+    runtime: Runtime,
+    interrupt: Signal,
+    terminate: Signal,
+}
+
+impl Signals {
+    /// Catches both.
+    ///
+    /// # Errors
+    /// The system refuses a handler.
+    pub fn catch() -> io::Result<Self> {
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+        let (interrupt, terminate) = {
+            let _inside = runtime.enter();
+            (signal(SignalKind::interrupt())?, signal(SignalKind::terminate())?)
+        };
+        Ok(Self { runtime, interrupt, terminate })
+    }
+
+    /// Calls `stop` at the first of them. The flag says whether it was Ctrl-C.
+    ///
+    /// # Errors
+    /// The system refuses a thread.
+    pub fn listen(self, stop: impl Fn() + Send + 'static) -> io::Result<Arc<AtomicBool>> {
+        let interrupted = Arc::new(AtomicBool::new(false));
+        let flag = Arc::clone(&interrupted);
+        let Self { runtime, mut interrupt, mut terminate } = self;
+        let wait = move || {
+            runtime.block_on(async move {
+                for first in [true, false] {
+                    tokio::select! {
+                        _ = interrupt.recv() => flag.store(true, Ordering::Relaxed),
+                        _ = terminate.recv() => {}
+                    }
+                    if first {
+                        stop();
+                    }
+                }
+                std::process::exit(i32::from(INTERRUPTED));
+            });
+        };
+        std::thread::Builder::new().name("signals".into()).spawn(wait)?;
+        Ok(interrupted)
+    }
+}
