@@ -5,7 +5,7 @@ mod signals;
 use clap::Parser;
 use common::accuracy::NamedAccuracy;
 use common::scene::{Faults, SceneSource};
-use signals::Signals;
+use signals::{INTERRUPTED, Signals};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -19,7 +19,6 @@ use worker::umbridge::{self, Model, NAME, Server, UmBridgeError};
 
 const FAILURE: u8 = 1;
 const BAD_INPUT: u8 = 2;
-const INTERRUPTED: u8 = 130;
 
 /// Longest time that can be asked for [s]: a hundred years.
 const LONGEST: u64 = 100 * 366 * 24 * 3600;

@@ -1,11 +1,13 @@
 //! SIGTERM and Ctrl-C stop a worker gently; a second one ends the process at once.
 
-use super::INTERRUPTED;
 use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use tokio::runtime::Runtime;
 use tokio::signal::unix::{Signal, SignalKind, signal};
+
+/// Exit code after Ctrl-C, and after a second signal.
+pub const INTERRUPTED: u8 = 130;
 
 /// Signals that are caught from now on: those that come before anybody listens are kept. To be made before others can know that
 /// the process is there.
