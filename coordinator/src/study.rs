@@ -8,6 +8,7 @@
 mod campaign;
 mod dispatching;
 mod failures;
+mod learned;
 mod monte_carlo;
 mod observations;
 mod plan;
@@ -29,8 +30,9 @@ mod campaign_tests;
 #[cfg(test)]
 mod life_tests;
 
-pub use campaign::{Campaign, Learned};
+pub use campaign::Campaign;
 pub use failures::{Failed, Feasibility};
+pub use learned::Learned;
 pub use observations::{Observations, Observed};
 pub use plan::{Plan, Problem};
 pub use populations::LookedAt;

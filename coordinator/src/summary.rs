@@ -277,6 +277,14 @@ pub struct SurrogateRow {
     pub limit_state: String,
     /// Least leave-one-out Q2 over the checkpoints that matter [1].
     pub q2: f64,
+    /// Least Q2 of cross-validation with the lengths found anew [1]; absent with fewer than ten results, and in studies made
+    /// before it was told.
+    #[serde(default)]
+    pub q2_cross_validated: Option<f64>,
+    /// Factor by which the predicted variances were multiplied, since cross-validation or leaving one out showed them too
+    /// small [1]; likewise.
+    #[serde(default)]
+    pub variance_factor: Option<f64>,
     /// Variance of the noise that is the same at every point over the process variance [1].
     pub nugget: f64,
     /// Mean variance of the noise that goes with the stated errors over the process variance [1].

@@ -39,7 +39,8 @@ pub struct ReplayedRound {
     pub error_ratio: f64,
     /// Share of the population with U_c < 2.
     pub uncertain: f64,
-    /// Per limit state: kernel, trend and smallest leave-one-out Q2.
+    /// Per limit state: kernel, trend, smallest Q2 by leaving one out and by cross-validation, and the factor on the predicted
+    /// variances.
     pub surrogates: Vec<String>,
 }
 
@@ -121,7 +122,9 @@ fn round_of(campaign: &Campaign, truth: &[Vec<f64>]) -> Option<ReplayedRound> {
     let of = |surrogate: &Surrogate| {
         let model = &surrogate.model;
         let q2 = surrogate.leave_one_out.iter().map(|l| l.q2).fold(1.0, f64::min);
-        format!("{} {} {q2:.4}", model.correlation().kernel.name(), model.trend().name())
+        let crossed = surrogate.cross_validation.as_ref().map_or(q2, |crossed| crossed.q2);
+        let (kernel, trend) = (model.correlation().kernel.name(), model.trend().name());
+        format!("{kernel} {trend} {q2:.4} {crossed:.4} {:.2}", surrogate.inflation())
     };
     Some(ReplayedRound {
         evaluations: campaign.evaluations(),

@@ -83,7 +83,7 @@ fn write_words(out: &mut String, found: &Replayed) -> std::fmt::Result {
     )?;
     writeln!(
         out,
-        "{:>11} {:>13} {:>11} {:>12} {:>10}  surrogates: kernel, trend, leave-one-out Q2",
+        "{:>11} {:>13} {:>11} {:>12} {:>10}  surrogates: kernel, trend, Q2 by leaving one out, by cross-validation, factor on variances",
         "evaluations", "stated error", "true error", "true/stated", "uncertain"
     )?;
     for round in &found.rounds {

@@ -10,7 +10,7 @@
 //! where `rest` bounds the certain points' part by their mean Phi(-U). If the pool is a sample of p of the a uncertain
 //! points, the variance of the share over all of them follows from that over the sample:
 //! Var_a = c (1 - 1/a) + v / a with c = (Var_p - v / p) / (1 - 1/p), v the mean variance of one point's indicator.
-//! Predicted variances are multiplied by the leave-one-out ratio where that shows them too small.
+//! Predicted variances are multiplied by the factor that cross-validation shows them to be too small by.
 
 use super::{Classification, Coupled, Pool};
 use crate::design::{Stream, open_stream};

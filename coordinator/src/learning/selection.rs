@@ -67,6 +67,13 @@ impl Selection {
         self.posteriors.iter_mut().for_each(|posterior| posterior.believe(i));
     }
 
+    /// Believes a point of the population that is asked for otherwise, if it is a member.
+    pub fn leave(&mut self, point: usize) {
+        if let Some(place) = self.pool.members.iter().position(|member| *member == point) {
+            self.believe(place);
+        }
+    }
+
     /// The next `count` members, as indices into the population, in order of choice; fewer if no more are free.
     pub fn choose(&mut self, modes: &[Classification], count: usize) -> Vec<usize> {
         let mut chosen = Vec::with_capacity(count);

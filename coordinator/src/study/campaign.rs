@@ -1,15 +1,16 @@
 //! Ask and tell: which points to simulate next, and what is known once they are. No scene, no evaluator, no clock.
 
 use super::failures::{Failed, check_failures};
+use super::learned::Learned;
 use super::observations::{Observations, Observed};
 use super::plan::{Plan, Problem};
 use super::populations::LookedAt;
 use super::round::{Assessment, Known, assess};
 use super::so_far::SoFar;
 use super::step::{Ask, CampaignError, Step, Stop};
-use super::surrogates::Surrogate;
+use super::surrogates::{Results, Surrogate};
 use crate::design::{Population, choose_by_latin_hypercube};
-use crate::learning::{Rule, Stopping};
+use crate::learning::{Mode, Rule, Stopping};
 use crate::summary::Round;
 use crate::surrogate::{Effort, PredictionCache};
 use common::failure::SimulationFailure;
@@ -20,6 +21,8 @@ use std::collections::VecDeque;
 const REFIT: f64 = 1.1;
 /// Growth after which they are fitted from several starts, and forms compared, against a lasting local optimum.
 const FRESH_FIT: f64 = 1.3;
+/// Error in predicted standard deviations from which a result counts as a surprise while a stopping rule holds.
+const SURPRISED: f64 = 4.0;
 
 /// A simulation that is under way.
 #[derive(Debug, Clone)]
@@ -208,8 +211,10 @@ impl Campaign {
 
     fn ask_chunk(&mut self) -> Step {
         let count = self.plan.chunk().min(self.left());
+        let exploring = self.stopping.exploring(self.observations.len(), count);
         let assessment = self.assessment.as_mut().expect("everything told was looked at");
-        let chosen = assessment.selection.choose(&assessment.modes, count);
+        let mut chosen = assessment.explore((&self.looked_at.population, &self.asked), exploring);
+        chosen.extend(assessment.selection.choose(&assessment.modes, count - chosen.len()));
         if chosen.is_empty() {
             // Every point of the population was simulated or is under way.
             if self.under_way.is_empty() {
@@ -244,7 +249,7 @@ impl Campaign {
                     self.asked = vec![false; self.looked_at.population.len()];
                     self.caches.fill(PredictionCache::default());
                     self.previous = None;
-                    self.stopping.reset();
+                    self.stopping.go_on();
                     continue;
                 }
                 self.stop = met.map(Stop::Rule);
@@ -266,11 +271,26 @@ impl Campaign {
         }
     }
 
+    /// Of the surrogates by what was told since they were made, the largest.
+    fn surprise(&self) -> f64 {
+        let points = self.observations.points();
+        let of = |(surrogate, mode): (&Surrogate, &Mode)| {
+            let values = self.observations.running_maxima(mode.output);
+            let errors = self.observations.errors_of_running_maxima(mode.output);
+            surrogate.surprise(&Results { points: &points, values: &values, errors: &errors })
+        };
+        self.surrogates.iter().zip(&self.problem.modes).map(of).fold(0.0, f64::max)
+    }
+
     /// Assesses; where a stopping rule is met and the last fit from several starts is of fewer results than that by more than
     /// [`REFIT`], again after one.
     fn assess_until_fresh(&mut self) -> Result<(Assessment, Option<Rule>), CampaignError> {
         let mut effort = self.effort();
         let mut repairs = 0;
+        if self.stopping.holding() && self.surprise() > SURPRISED {
+            self.stopping.reset();
+            effort = Effort::MultiStart;
+        }
         let under_way: Vec<usize> =
             self.under_way.iter().flatten().filter_map(|asked| asked.member).collect();
         loop {
@@ -372,23 +392,4 @@ impl Campaign {
             stop,
         })
     }
-}
-
-/// What a campaign learned.
-#[derive(Debug)]
-pub struct Learned {
-    /// The population that was classified at the end, and what it is conditional on.
-    pub looked_at: LookedAt,
-    /// All results.
-    pub observations: Observations,
-    /// The last round's surrogates and classification.
-    pub assessment: Assessment,
-    /// All rounds.
-    pub rounds: Vec<Round>,
-    /// Evaluations, failed ones included.
-    pub evaluations: usize,
-    /// Simulations that failed for good.
-    pub failed: Vec<Failed>,
-    /// Why it ended.
-    pub stop: Stop,
 }

@@ -105,6 +105,19 @@ fn issue_false_stop_with_twelve_starting_points() {
 }
 
 #[test]
+fn issue_false_stop_with_a_branch_missing() {
+    // Nothing near the mean tells of the two branches beyond the kink: a rule that need not hold, with no point spent where
+    // the surrogate knows least, stops with a fifth of the failures missing.
+    let unguarded = Targets { hold: 1, hold_points: 0, ..Targets::default() };
+    for seed in [4, 5, 6] {
+        let (truth, found) = shares(&learn_until(100_000, 12, seed, unguarded));
+        assert!(found / truth < 0.85, "the trap of this test is gone: seed {seed}, {found} {truth}");
+        let (truth, found) = shares(&learn(100_000, 12, seed));
+        assert!((found / truth - 1.0).abs() < 0.02, "seed {seed}: {found} {truth}");
+    }
+}
+
+#[test]
 fn the_population_grows_until_the_coefficient_of_variation_is_met() {
     let learned = learn(20_000, 30, 5);
     let last = learned.rounds.last().unwrap();
@@ -142,7 +155,7 @@ fn a_rare_event_is_found_through_conditional_populations() {
         );
         assert!(condition.levels >= 5 && cov < 0.1, "seed {seed}: {condition:?} {cov}");
         assert!((pf / exact - 1.0).abs() < 3.5 * cov, "seed {seed}: {pf} {exact} {cov}");
-        assert!(learned.evaluations <= 80, "seed {seed}: {} calls", learned.evaluations);
+        assert!(learned.evaluations <= 100, "seed {seed}: {} calls", learned.evaluations);
         assert_eq!(learned.looked_at.unconditional().len(), 20_000);
     }
 }

@@ -63,6 +63,8 @@ impl SurrogateReport {
         SurrogateRow {
             limit_state: self.limit_state.clone(),
             q2: self.leave_one_out.iter().map(|l| l.q2).fold(1.0, f64::min),
+            q2_cross_validated: surrogate.cross_validation.as_ref().map(|crossed| crossed.q2),
+            variance_factor: Some(surrogate.inflation()),
             nugget: self.correlation.nugget,
             stated_noise: self.correlation.stated,
             kernel: self.correlation.kernel.name().to_owned(),

@@ -8,11 +8,11 @@ use super::surrogates::{Results, Surrogate};
 use crate::design::Population;
 use crate::learning::{
     Classification, CurveErrors, Figures, Selection, checkpoints_that_matter, choose_pool, classify,
-    classify_cached, coupled_criterion, curves, dominance, estimate_errors, noise_shifts,
+    classify_cached, coupled_criterion, curves, dominance, estimate_errors, explore, noise_shifts,
 };
 use crate::reliability::governing_checkpoint;
-use crate::surrogate::{Effort, Posterior, PredictionCache};
-use faer::Mat;
+use crate::surrogate::{Effort, Kriging, Posterior, PredictionCache};
+use faer::{Mat, MatRef};
 use rayon::prelude::*;
 
 /// Most checkpoints on which learning looks at one mode, and at all of them.
@@ -54,6 +54,18 @@ impl Assessment {
     /// Failure share of the system at the governing checkpoint.
     pub fn governing_failed(&self) -> f64 {
         self.curves[self.curves.len() - 1][self.governing]
+    }
+
+    /// So many points of the population where the surrogates know least, to be asked for; the selection knows of them.
+    pub(super) fn explore(&mut self, population: (&Population, &[bool]), count: usize) -> Vec<usize> {
+        if count == 0 {
+            return vec![];
+        }
+        let models: Vec<&Kriging> = self.surrogates.iter().map(|surrogate| &surrogate.model).collect();
+        let feasible = |points: MatRef<'_, f64>| self.feasibility.probability(points);
+        let chosen = explore(&models, &self.modes, population, feasible, count);
+        chosen.iter().for_each(|point| self.selection.leave(*point));
+        chosen
     }
 
     /// Surrogate error and simulator noise per curve, at the checkpoints of the grid.

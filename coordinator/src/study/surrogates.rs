@@ -1,8 +1,8 @@
 //! The surrogate of one limit state: fitted anew, or grown by what was simulated since.
 
 use crate::surrogate::{
-    Effort, Form, FormSettings, Incumbent, Kriging, LeaveOneOut, NoiseShape, Sharing, StatedErrors,
-    SurrogateError, TrainingSet, compare_sharing, fit_surrogate,
+    CrossValidation, Effort, Form, FormSettings, Incumbent, Kriging, LeaveOneOut, NoiseShape, Sharing,
+    StatedErrors, SurrogateError, TrainingSet, compare_sharing, fit_surrogate,
 };
 use faer::{Mat, MatRef};
 
@@ -25,6 +25,8 @@ pub struct Surrogate {
     pub fitted_on: Vec<usize>,
     /// Leave-one-out figures at those.
     pub leave_one_out: Vec<LeaveOneOut>,
+    /// What the last fit of several starts was worth at points left out of it.
+    pub cross_validation: Option<CrossValidation>,
     /// Whether one correlation for all checkpoints does as well as separate ones, when that was compared.
     pub sharing: Option<Sharing>,
     /// Standard deviation of the noise that goes with the stated errors over the stated errors themselves (root mean
@@ -61,19 +63,21 @@ impl Surrogate {
         let incumbent = before.map(|before| before.model.incumbent());
         let found = fit_surrogate(training, forms, incumbent.as_ref(), effort)?;
         let mut model = found.model;
-        let mut sharing = None;
+        let (mut sharing, mut cross_validation) = (None, found.cross_validation);
         if effort == Effort::MultiStart {
             let Incumbent { correlation, trend } = model.incumbent();
             let form = Form { kernel: correlation.kernel, trend };
             sharing = compare_sharing(training, form, &correlation)?;
         } else if let Some(before) = before {
             sharing = before.sharing;
+            cross_validation = before.cross_validation.clone();
         }
         model.set_values(results.values.as_ref());
         let mut surrogate = Self {
             model,
             fitted_on,
             leave_one_out: vec![],
+            cross_validation,
             sharing,
             share_of_stated: None,
             noise_share: 0.0,
@@ -118,11 +122,31 @@ impl Surrogate {
         self.noise_share = self.fitted_on.iter().map(share).fold(0.0, f64::max);
     }
 
-    /// Factor on the predicted variances: the leave-one-out ratio where it shows them too small, averaged over the
-    /// checkpoints, never below 1.
-    pub(super) fn inflation(&self) -> f64 {
+    /// Largest error of the predictions of results that are not in the surrogate yet, in predicted standard deviations with the
+    /// [`Surrogate::inflation`] (root mean square over the fitted checkpoints); 0 if there are none [1].
+    pub(super) fn surprise(&self, results: &Results<'_>) -> f64 {
+        let (n, all) = (self.model.points(), results.points.ncols());
+        if all == n {
+            return 0.0;
+        }
+        let prediction = self.model.predict(results.points.subcols(n, all - n));
+        let (noise, inflation) = (self.model.correlation().noise(), self.inflation());
+        let square = |i: usize, o: &usize| {
+            let error = results.values[(n + i, *o)] - prediction.mean[(*o, i)];
+            let variance = self.model.sigma2()[*o] * (prediction.variance_factor[i] + noise) * inflation;
+            if error == 0.0 { 0.0 } else { error * error / variance.max(f64::MIN_POSITIVE) }
+        };
+        let mean = |i| self.fitted_on.iter().map(|o| square(i, o)).sum::<f64>() / self.fitted_on.len() as f64;
+        (0..all - n).map(mean).fold(0.0, f64::max).sqrt()
+    }
+
+    /// Factor on the predicted variances: what cross-validation or leaving one out shows them to be too small by, averaged over
+    /// the checkpoints, never below 1.
+    pub fn inflation(&self) -> f64 {
         let ratios = self.leave_one_out.iter().map(|l| l.variance_ratio);
-        (ratios.sum::<f64>() / self.leave_one_out.len() as f64).max(1.0)
+        let left_out = ratios.sum::<f64>() / self.leave_one_out.len() as f64;
+        let crossed = self.cross_validation.as_ref().map_or(1.0, |crossed| crossed.variance_ratio);
+        left_out.max(crossed).max(1.0)
     }
 }
 

@@ -1,16 +1,17 @@
-//! Which form a surrogate takes, by leave-one-out cross-validation.
+//! Which form a surrogate takes, by cross-validation.
 //!
-//! Every candidate (kernel and trend) is fitted by maximum likelihood and judged by the logarithm of its leave-one-out
-//! predictive density, the mean over points and outputs: learning lives on predicted variances as much as on means, and Q2
-//! looks at the means alone. The incumbent (at first the Gaussian kernel with a constant trend, or the first allowed) gives
+//! Every candidate (kernel and trend) is fitted by maximum likelihood and judged by the logarithm of its predictive density
+//! at points left out of the fit ([`CrossValidation`]; of fewer than ten points one is left out at fixed lengths), the mean
+//! over points and outputs: learning lives on predicted variances as much as on means, and Q2 looks at the means alone. The incumbent (at first the Gaussian kernel with a constant trend, or the first allowed) gives
 //! way only to a candidate that is better by more than one standard error of the paired differences over the points
 //! and by more than [`LEAST_GAIN`]: so the form does not flip from round to round for nothing.
 //!
 //! Source: Rasmussen, Williams (2006), section 5.4.2.
 
+use super::cross_validation::cross_validate;
 use super::{
-    Correlation, Effort, Fitted, Form, FormSettings, Kriging, SurrogateError, TrainingSet, Trend,
-    fit_correlation,
+    Correlation, CrossValidation, Effort, Fitted, Form, FormSettings, Kriging, SurrogateError, TrainingSet,
+    Trend, fit_correlation,
 };
 
 /// Gain in mean log density [1] below which two forms count as equal: 1 % of density at a point.
@@ -37,11 +38,9 @@ impl Incumbent {
 pub struct Candidate {
     /// The form.
     pub form: Form,
-    /// Mean over points and outputs of the logarithm of the leave-one-out predictive density, outputs in units of their
-    /// standard deviations [1].
+    /// Mean over points and outputs of the logarithm of the predictive density where points are left out, outputs in units of
+    /// their standard deviations [1].
     pub log_density: f64,
-    /// Mean of the outputs' leave-one-out Q2 [1].
-    pub q2: f64,
 }
 
 /// A surrogate of the form that was chosen.
@@ -51,6 +50,8 @@ pub struct Chosen {
     pub model: Kriging,
     /// Its fit.
     pub fitted: Fitted,
+    /// What it is worth where it was not fitted; absent after a fit of little effort, and where there are too few points.
+    pub cross_validation: Option<CrossValidation>,
     /// All forms compared, in the order of [`FormSettings::candidates`]; empty where there was nothing to compare.
     pub candidates: Vec<Candidate>,
     /// Repairs: starts of all fits that gave nothing usable, forms that could not be conditioned, the nugget raised.
@@ -78,10 +79,14 @@ pub fn fit_surrogate(
     let forms = settings.candidates(training.points.nrows(), training.points.ncols());
     let standing = incumbent.map(Incumbent::form).filter(|form| forms.contains(form)).unwrap_or(forms[0]);
     let previous = incumbent.map(|incumbent| &incumbent.correlation);
-    let first = conditioned(training, standing, previous, effort)?;
+    let mut first = conditioned(training, standing, previous, effort)?;
     let mut repairs = first.repairs();
-    if effort == Effort::Warm && incumbent.is_some() || forms.len() == 1 {
-        return Ok(Chosen { model: first.model, fitted: first.fitted, candidates: vec![], repairs });
+    let warm = effort == Effort::Warm && incumbent.is_some();
+    if !warm {
+        first.cross_validate(training);
+    }
+    if warm || forms.len() == 1 {
+        return Ok(first.chosen(vec![], repairs));
     }
 
     // The others begin at the incumbent's optimum, as a length means much the same to all kernels, but not there alone:
@@ -92,18 +97,21 @@ pub fn fit_surrogate(
     let mut compared = vec![first];
     for form in forms.iter().filter(|form| **form != standing) {
         match conditioned(training, *form, Some(&from), effort) {
-            Ok(attempt) => {
+            Ok(mut attempt) => {
                 repairs += attempt.repairs();
-                compared.push(attempt);
+                attempt.cross_validate(training);
+                // What was judged by points left out is not compared with what could not be.
+                if attempt.cross_validation.is_some() == compared[0].cross_validation.is_some() {
+                    compared.push(attempt);
+                }
             }
             Err(_) => repairs += 1,
         }
     }
     let best = challenger(&compared).unwrap_or(0);
-    let mut candidates: Vec<Candidate> = compared.iter().map(|attempt| attempt.judged(training)).collect();
+    let mut candidates: Vec<Candidate> = compared.iter().map(Attempt::judged).collect();
     candidates.sort_by_key(|candidate| forms.iter().position(|form| *form == candidate.form));
-    let Attempt { model, fitted, .. } = compared.swap_remove(best);
-    Ok(Chosen { model, fitted, candidates, repairs })
+    Ok(compared.swap_remove(best).chosen(candidates, repairs))
 }
 
 /// One form, fitted and conditioned.
@@ -111,7 +119,9 @@ struct Attempt {
     form: Form,
     fitted: Fitted,
     model: Kriging,
-    densities: Vec<f64>,
+    /// Log densities with one point left out at fixed lengths, in the place of a cross-validation.
+    left_out: Vec<f64>,
+    cross_validation: Option<CrossValidation>,
 }
 
 fn conditioned(
@@ -124,30 +134,41 @@ fn conditioned(
     let TrainingSet { points, values, .. } = training;
     let model =
         Kriging::condition_noisy(points, values, &fitted.correlation, form.trend, training.weights())?;
-    let densities = model.log_densities(values);
-    Ok(Attempt { form, fitted, model, densities })
+    let left_out = model.log_densities(values);
+    Ok(Attempt { form, fitted, model, left_out, cross_validation: None })
 }
 
 impl Attempt {
+    fn cross_validate(&mut self, training: TrainingSet<'_>) {
+        self.cross_validation = cross_validate(training, self.form, &self.fitted.correlation);
+    }
+
+    fn densities(&self) -> &[f64] {
+        self.cross_validation.as_ref().map_or(&self.left_out, |cross| &cross.log_densities)
+    }
+
     fn log_density(&self) -> f64 {
-        self.densities.iter().sum::<f64>() / self.densities.len() as f64
+        self.densities().iter().sum::<f64>() / self.densities().len() as f64
     }
 
     fn repairs(&self) -> usize {
         self.fitted.failed_starts + self.model.raised()
     }
 
-    fn judged(&self, training: TrainingSet<'_>) -> Candidate {
-        let figures = self.model.leave_one_out(training.values);
-        let q2 = figures.iter().map(|figure| figure.q2).sum::<f64>() / figures.len() as f64;
-        Candidate { form: self.form, log_density: self.log_density(), q2 }
+    fn judged(&self) -> Candidate {
+        Candidate { form: self.form, log_density: self.log_density() }
+    }
+
+    fn chosen(self, candidates: Vec<Candidate>, repairs: usize) -> Chosen {
+        let Self { model, fitted, cross_validation, .. } = self;
+        Chosen { model, fitted, cross_validation, candidates, repairs }
     }
 }
 
 /// The attempt that replaces the first, if any does.
 fn challenger(compared: &[Attempt]) -> Option<usize> {
     let standing = &compared[0];
-    let clearly = |i: &usize| Gain::of(&standing.densities, &compared[*i].densities).clear(LEAST_GAIN);
+    let clearly = |i: &usize| Gain::of(standing.densities(), compared[*i].densities()).clear(LEAST_GAIN);
     let denser = |a: &usize, b: &usize| compared[*a].log_density().total_cmp(&compared[*b].log_density());
     (1..compared.len()).filter(clearly).max_by(denser)
 }

@@ -16,6 +16,10 @@ const RACE_POINTS: usize = 250;
 const RACE: u64 = 25;
 const LAST: u64 = 60;
 
+/// Least theta and nugget at which the fit to a part of the points begins: where the whole left a variable or the noise
+/// without any influence, the likelihood is flat and the part could not find otherwise.
+const REFIT_FROM: (f64, f64) = (1e-4, 1e-6);
+
 /// How much to spend on a fit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Effort {
@@ -120,6 +124,23 @@ pub fn fit_correlation(
         best = last.best.filter(|last| !whole || last.1 < *value).or(best.filter(|_| whole));
     }
     finish(bounds, best, evaluations, failed_starts, best_start)
+}
+
+/// Correlation of greatest likelihood for a part of the points, by one descent from that for all of them.
+pub(super) fn refit(part: TrainingSet<'_>, form: Form, whole: &Correlation) -> Correlation {
+    let values = standardise(part.values);
+    let weights = part.weights();
+    let likelihood = Likelihood { points: part.points, values: values.as_ref(), trend: form.trend, weights };
+    let bounds = Bounds::new(form.kernel, part.points.nrows(), part.noise);
+    let theta = whole.theta.iter().map(|theta| theta.max(REFIT_FROM.0)).collect();
+    let start = Correlation { theta, nugget: whole.nugget.max(REFIT_FROM.1), ..whole.clone() };
+    match values.ncols() {
+        0 => start,
+        _ => {
+            finish(bounds, descend(&likelihood, bounds, bounds.free(&start), RACE).best, 0, 0, None)
+                .correlation
+        }
+    }
 }
 
 fn finish(

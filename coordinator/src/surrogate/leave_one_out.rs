@@ -13,7 +13,7 @@ use faer::MatRef;
 
 /// Least predictive variance over the variance of the values: an error that small is rounding, and a density without a
 /// bound would prefer whichever surrogate happens to round best.
-const ROUNDING: f64 = 1e-24;
+pub(super) const ROUNDING: f64 = 1e-24;
 
 /// Leave-one-out figures of one output.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,9 +61,7 @@ impl Kriging {
             outputs += 1.0;
             for (i, (density, s)) in densities.iter_mut().zip(&kept).enumerate() {
                 let error = dual[(i, o)] / s;
-                let variance = self.sigma2()[o] / (s * spread) + ROUNDING;
-                *density -=
-                    0.5 * ((std::f64::consts::TAU * variance).ln() + error * error / (spread * variance));
+                *density += log_density(error * error, self.sigma2()[o] / s, spread);
             }
         }
         densities.iter_mut().for_each(|density| *density = ratio(*density, outputs));
@@ -82,8 +80,15 @@ impl Kriging {
     }
 }
 
+/// Logarithm of the predictive density of a value whose squared error and predicted variance are these, in units of the
+/// standard deviation of all values.
+pub(super) fn log_density(square: f64, variance: f64, spread: f64) -> f64 {
+    let variance = variance / spread + ROUNDING;
+    -0.5 * ((std::f64::consts::TAU * variance).ln() + square / (spread * variance))
+}
+
 /// Variance of values `(n,)`.
-fn spread(values: faer::ColRef<'_, f64>) -> f64 {
+pub(super) fn spread(values: faer::ColRef<'_, f64>) -> f64 {
     let n = values.nrows() as f64;
     let mean = values.iter().sum::<f64>() / n;
     values.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / n

@@ -82,6 +82,11 @@ impl NoiseShape {
         Some(shape)
     }
 
+    /// That of some of the points.
+    pub(super) fn of(&self, points: &[usize]) -> Self {
+        Self { weights: points.iter().map(|i| self.weights[*i]).collect(), ..self.clone() }
+    }
+
     #[cfg(test)]
     pub(super) fn between(levels: (f64, f64)) -> Self {
         Self { weights: vec![], levels, mean: 1.0, variances: vec![] }

@@ -4,6 +4,7 @@ use super::details;
 use crate::report::format::{UNKNOWN, count, escape, percent};
 use crate::report::input::ReportInput;
 use crate::report::tables;
+use crate::summary::SurrogateRow;
 use std::fmt::Write;
 
 /// Failed evaluations listed one by one.
@@ -12,6 +13,28 @@ const FAILURES_LISTED: usize = 50;
 /// Work and failures, then everything needed to repeat the study.
 pub fn end(input: &ReportInput) -> String {
     numerics(input) + &repeat(input)
+}
+
+/// What the surrogates are worth where they were not fitted.
+fn surrogates(input: &ReportInput) -> String {
+    let of = |row: &SurrogateRow| {
+        let (q2, factor) = (row.q2_cross_validated?, row.variance_factor?);
+        Some(format!(
+            "for {} with Q<sup>2</sup> = {q2:.4} ({} kernel, {} trend; predicted variances multiplied by {factor:.2})",
+            escape(&row.limit_state),
+            row.kernel,
+            row.trend
+        ))
+    };
+    let rows: Vec<String> = input.summary.surrogates.iter().filter_map(of).collect();
+    if rows.is_empty() {
+        return String::new();
+    }
+    format!(
+        "<p>The surrogates predict simulations that were left out of their fits {}. The factor makes the predicted variances \
+         those of the errors seen, and is part of every standard error.</p>\n",
+        rows.join("; ")
+    )
 }
 
 /// Work, times, repairs and failed runs.
@@ -26,6 +49,7 @@ fn numerics(input: &ReportInput) -> String {
     html += &tables::timing(input);
     html += "</div></div>\n";
     let _ = writeln!(html, "<p>Repairs of the surrogates over all rounds: {}.</p>", count(repairs as u64));
+    html += &surrogates(input);
     if input.failures.is_empty() {
         html += "<p>Every evaluation has a result.</p>\n";
     } else {
