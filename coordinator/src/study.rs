@@ -21,6 +21,7 @@ mod rows;
 mod settings;
 mod so_far;
 mod step;
+mod surprise;
 mod surrogates;
 mod thinking;
 mod verification;

@@ -15,9 +15,10 @@ use faer::{Mat, MatRef};
 const CANDIDATES: usize = 128;
 
 /// The next `count` points of the population not asked for, as indices in the order of choice: each the one whose
-/// variance factor (largest over the modes) times probability of a result is largest, those before it believed.
+/// variance factor (largest over the modes) times probability of a result is largest, those before it believed, and
+/// with them the standardised points `known` beside the data of the models.
 pub fn explore(
-    models: &[&Kriging],
+    (models, known): (&[&Kriging], &[Vec<f64>]),
     modes: &[Classification],
     (population, asked): (&Population, &[bool]),
     feasible: impl Fn(MatRef<'_, f64>) -> Vec<f64>,
@@ -32,12 +33,15 @@ pub fn explore(
     }
     candidates.sort_unstable_by(by_variance);
 
-    let points = Mat::from_fn(population.dimension(), candidates.len(), |k, i| {
-        population.standardised(candidates[i])[k]
+    let points = Mat::from_fn(population.dimension(), candidates.len() + known.len(), |k, i| {
+        candidates.get(i).map_or_else(|| known[i - candidates.len()][k], |j| population.standardised(*j)[k])
     });
     let feasible = feasible(points.as_ref());
     let mut posteriors: Vec<Posterior> =
         models.iter().map(|model| Posterior::new(model, points.as_ref())).collect();
+    for place in candidates.len()..points.ncols() {
+        posteriors.iter_mut().for_each(|posterior| posterior.believe(place));
+    }
     let mut chosen = Vec::with_capacity(count);
     let mut free: Vec<usize> = (0..candidates.len()).collect();
     while chosen.len() < count {
@@ -71,7 +75,7 @@ mod tests {
         let model = Kriging::condition(data.as_ref(), values.as_ref(), &correlation).unwrap();
         let modes = [classify(&model, &population, 20.0, &[0])];
         let explored = |asked: &[bool], feasible: fn(MatRef<'_, f64>) -> Vec<f64>| {
-            explore(&[&model], &modes, (&population, asked), feasible, 4)
+            explore((&[&model], &[]), &modes, (&population, asked), feasible, 4)
         };
         let everywhere = |points: MatRef<'_, f64>| vec![1.0; points.ncols()];
         let first = explored(&vec![false; 2000], everywhere);

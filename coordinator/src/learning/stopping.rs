@@ -8,7 +8,7 @@
 //!     for ever though their sum is known.
 //!
 //! Guards: at least 30 evaluated points; the rule is met with a fit from several starts to all but a tenth of the results; and in every round until at
-//! least two have passed and eight new points have been simulated (four where the population was replaced), half of them where the surrogates know least ([`super::explore`]), none of which
+//! least two have passed and eight new points have been simulated (four where the population only grew), half of them where the surrogates know least ([`super::explore`]), none of which
 //! surprised them. Whether any failure is predicted at all is said in words by whoever reports the stop.
 
 /// Bounds of the stopping rules.
@@ -30,7 +30,7 @@ pub struct Targets {
     pub least_points: usize,
     /// Rounds a rule must hold.
     pub hold: usize,
-    /// New results over which it must hold, and half as many over each population that follows the first.
+    /// New results over which it must hold; half as many for a population that only grew.
     pub hold_points: usize,
     /// Coefficient of variation of P_f above which the population is enlarged [1].
     pub cov: f64,
@@ -99,7 +99,7 @@ impl Targets {
 pub struct Stopping {
     held: usize,
     since: usize,
-    /// Whether the rules have held before, over another population.
+    /// Whether the rules have held before, over a smaller population.
     held_before: bool,
 }
 
@@ -132,13 +132,12 @@ impl Stopping {
         (since + count).div_ceil(2) - since.div_ceil(2)
     }
 
-    /// Begins counting anew, after a surprise.
+    /// Begins counting anew, after a surprise and for a population of rarer events.
     pub fn reset(&mut self) {
         *self = Self::default();
     }
 
-    /// Begins counting anew for another population, over half as many results: it is a larger one or a part of the one over
-    /// which the rules have held.
+    /// Begins counting anew for a larger population, over half as many results.
     pub fn go_on(&mut self) {
         *self = Self { held_before: true, ..Self::default() };
     }
@@ -185,7 +184,7 @@ mod tests {
         assert_eq!([56, 57, 58].map(|points| stopping.exploring(points, 1)), [1, 0, 1]);
         assert_eq!((stopping.exploring(56, 5), stopping.exploring(57, 4)), (3, 2));
         assert!(stopping.note(Some(Rule::Learning), 64, &targets));
-        // Over the next population half as many; after a surprise all of them.
+        // Over a larger population half as many; after a surprise all of them.
         stopping.go_on();
         assert!(!stopping.holding() && !stopping.note(Some(Rule::Error), 64, &targets));
         assert!(stopping.note(Some(Rule::Error), 68, &targets));

@@ -6,10 +6,18 @@
 //! chains from those of the one before that passed it, u' = rho u + sqrt(1 - rho^2) xi accepted where y(u') >= b_i: stationary under the
 //! condition, whatever the number of variables. The scale sqrt(1 - rho^2) follows the acceptance, towards 0.44.
 //!
-//! The coefficient of variation of p0^k is sqrt(sum_i (1 - p0) / (p0 N) (1 + gamma_i)), with gamma_i from the correlation of the
-//! indicator along the chains of level i (0 at the first); levels count as independent.
+//! The coefficient of variation of the estimate follows from the descent of the samples: with S_j the number of those beyond the
+//! limit that descend from sample j of the first level and S = sum_j S_j,
 //!
-//! Source: Au, Beck (2001), eqs. 12 to 29; the chains, Papaioannou et al. (2015), section 3.3.
+//!   cov^2 = sum_j (S_j / S)^2,
+//!
+//! which has the correlation of the levels in it. That of the last share alone, (1 - p) / (p N) (1 + gamma) with gamma from the
+//! correlation of the indicator along the chains, is taken off for that of p0^k, since the share is counted anew as surrogates
+//! learn. With levels that count as independent, sum_i (1 - p0) / (p0 N) (1 + gamma_i), it came out 0.058 for a true 0.075
+//! (`parabola-8` among the published problems, 100 seeds), by descent 0.071.
+//!
+//! Source: Au, Beck (2001), eqs. 12 to 29; the chains, Papaioannou et al. (2015), section 3.3; the variance, Lee, Whiteley (2018),
+//! Variance estimation in the particle filter.
 
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -51,7 +59,9 @@ pub fn subset_simulation(
 ) -> Subset {
     let mut u: Vec<f64> = (0..n * d).map(|_| StandardNormal.sample(rng)).collect();
     let mut y = respond(&u);
-    let (mut probability, mut variance, mut levels) = (1.0, 0.0, Vec::new());
+    let (mut probability, mut levels) = (1.0, Vec::new());
+    // The sample of the first level that each descends from.
+    let mut origin: Vec<usize> = (0..n).collect();
     // Samples of the level by chain, for the correlation of the indicator; independent at first.
     let mut length = 1;
     let mut scale: f64 = 0.6;
@@ -65,11 +75,9 @@ pub fn subset_simulation(
         let mut order: Vec<usize> = (0..n).collect();
         order.sort_by(|a, b| y[*b].total_cmp(&y[*a]).then(a.cmp(b)));
         let level = 0.5 * (y[order[seeds - 1]] + y[order[seeds]]);
-        let gamma = chain_correlation(&y, level, length);
         let mut from: Vec<usize> = order[..seeds].to_vec();
         from.sort_unstable();
         probability *= SHARE;
-        variance += (1.0 - SHARE) / (SHARE * n as f64) * (1.0 + gamma);
         levels.push(level);
 
         // One chain a seed; step t of all chains side by side.
@@ -99,9 +107,26 @@ pub fn subset_simulation(
             next_y.extend_from_slice(&state_y);
         }
         (u, y) = (next_u, next_y);
+        let parents: Vec<usize> = from.iter().map(|j| origin[*j]).collect();
+        origin = parents.iter().copied().cycle().take(length * seeds).collect();
     }
     let gamma = chain_correlation(&y, 0.0, length).max(0.0);
-    Subset { u, y, probability, cov: variance.sqrt(), levels, gamma }
+    let cov = if levels.is_empty() { 0.0 } else { level_variation(&y, &origin, gamma) };
+    Subset { u, y, probability, cov, levels, gamma }
+}
+
+/// Coefficient of variation of the last level's probability, from the descent of the samples beyond the limit, or where there are
+/// none of all samples.
+fn level_variation(y: &[f64], origin: &[usize], gamma: f64) -> f64 {
+    let any = y.iter().any(|y| *y >= 0.0);
+    let mut descendants = vec![0.0; y.len()];
+    let counted = origin.iter().zip(y).filter(|(_, y)| !any || **y >= 0.0);
+    counted.for_each(|(j, _)| descendants[*j] += 1.0);
+    let sum: f64 = descendants.iter().sum();
+    let all = descendants.iter().map(|s| (s / sum).powi(2)).sum::<f64>();
+    let (share, n) = (sum / y.len() as f64, y.len() as f64);
+    let last = (1.0 - share) / (share * n) * (1.0 + gamma);
+    (all - last).max(0.0).sqrt()
 }
 
 /// gamma = 2 sum_t (1 - t / length) rho(t), with rho(t) the correlation of the indicator y >= level at t steps' distance along the chains;
@@ -155,9 +180,8 @@ mod tests {
                 assert!(distance.abs() < 4.0, "{d} {beta} {seed}: {pf} {exact} {cov}");
                 squares += distance * distance / 10.0;
             }
-            // Ten standardised squares: 1 on the average; the neglected correlation of the levels is allowed
-            // for.
-            assert!(squares < 3.0, "{d} {beta}: {squares}");
+            // Ten standardised squares: 1 on the average, with a standard deviation of 0.45.
+            assert!(squares < 2.0, "{d} {beta}: {squares}");
         }
     }
 

@@ -8,9 +8,10 @@ use super::populations::LookedAt;
 use super::round::{Assessment, Known, assess};
 use super::so_far::SoFar;
 use super::step::{Ask, CampaignError, Step, Stop};
-use super::surrogates::{Results, Surrogate};
+use super::surprise::{largest_surprise, matters_to};
+use super::surrogates::Surrogate;
 use crate::design::{Population, choose_by_latin_hypercube};
-use crate::learning::{Mode, Rule, Stopping};
+use crate::learning::{Rule, Stopping};
 use crate::summary::Round;
 use crate::surrogate::{Effort, PredictionCache};
 use common::failure::SimulationFailure;
@@ -33,6 +34,8 @@ struct Asked {
     /// Its place in the population, if it has one.
     member: Option<usize>,
     stricter: bool,
+    /// Whether it was chosen for how little is known there.
+    exploring: bool,
 }
 
 /// A campaign of active learning.
@@ -52,6 +55,8 @@ pub struct Campaign {
     /// Failed once, to be asked for again, and why.
     retries: VecDeque<(Asked, SimulationFailure)>,
     observations: Observations,
+    /// Standardised points where exploring results were as predicted, and not taken up.
+    confirmed: Vec<Vec<f64>>,
     failed: Vec<Failed>,
     /// Simulations asked for and told.
     total: usize,
@@ -79,6 +84,7 @@ impl Campaign {
             under_way: VecDeque::new(),
             retries: VecDeque::new(),
             observations: Observations::new(problem.inputs.dimension(), problem.outputs),
+            confirmed: Vec::new(),
             failed: Vec::new(),
             total: 0,
             told: 0,
@@ -145,6 +151,12 @@ impl Campaign {
         self.told += chunk.len();
         for (asked, outcome) in chunk.into_iter().zip(outcomes) {
             match outcome {
+                Ok(observed)
+                    if asked.exploring
+                        && !matters_to(&self.surrogates, &self.problem.modes, &asked.z, &observed) =>
+                {
+                    self.confirmed.push(asked.z);
+                }
                 Ok(observed) => self.observations.add(&asked.z, observed),
                 Err(cause) if self.plan.retry && !asked.stricter => {
                     self.retries.push_back((Asked { stricter: true, ..asked }, cause));
@@ -185,6 +197,11 @@ impl Campaign {
         Ok(self.finish().expect("a campaign that is done has learned something"))
     }
 
+    /// Results so far.
+    fn results(&self) -> usize {
+        self.observations.len() + self.confirmed.len()
+    }
+
     /// Simulations the budget leaves.
     fn left(&self) -> usize {
         self.plan.max_evaluations.saturating_sub(self.total)
@@ -204,16 +221,18 @@ impl Campaign {
             choose_by_latin_hypercube(&self.looked_at.population, count.saturating_sub(1), self.plan.seed);
         let sample = self.problem.inputs.means();
         let nominal = self.problem.inputs.standardise(&sample);
-        let mut chunk = vec![Asked { z: nominal, sample, member: None, stricter: false }];
+        let mut chunk = vec![Asked { z: nominal, sample, member: None, stricter: false, exploring: false }];
         chunk.extend(chosen.into_iter().map(|j| self.take(j)));
         self.ask(chunk)
     }
 
     fn ask_chunk(&mut self) -> Step {
         let count = self.plan.chunk().min(self.left());
-        let exploring = self.stopping.exploring(self.observations.len(), count);
+        let exploring = self.stopping.exploring(self.results(), count);
         let assessment = self.assessment.as_mut().expect("everything told was looked at");
-        let mut chosen = assessment.explore((&self.looked_at.population, &self.asked), exploring);
+        let mut chosen =
+            assessment.explore((&self.looked_at.population, &self.asked), &self.confirmed, exploring);
+        let exploring = chosen.len();
         chosen.extend(assessment.selection.choose(&assessment.modes, count - chosen.len()));
         if chosen.is_empty() {
             // Every point of the population was simulated or is under way.
@@ -223,7 +242,8 @@ impl Campaign {
             }
             return Step::Wait;
         }
-        let chunk = chosen.into_iter().map(|j| self.take(j)).collect();
+        let mut chunk: Vec<Asked> = chosen.into_iter().map(|j| self.take(j)).collect();
+        chunk[..exploring].iter_mut().for_each(|asked| asked.exploring = true);
         self.ask(chunk)
     }
 
@@ -231,7 +251,8 @@ impl Campaign {
     fn take(&mut self, j: usize) -> Asked {
         self.asked[j] = true;
         let z = self.looked_at.population.standardised(j).to_vec();
-        Asked { z, sample: self.looked_at.population.physical(j), member: Some(j), stricter: false }
+        let sample = self.looked_at.population.physical(j);
+        Asked { z, sample, member: Some(j), stricter: false, exploring: false }
     }
 
     /// Looks at all that was told, and decides whether learning may stop.
@@ -240,16 +261,24 @@ impl Campaign {
             let (assessment, met) = self.assess_until_fresh()?;
             let failed = assessment.governing_failed();
             let cov = self.looked_at.coefficient_of_variation(failed);
-            self.note(&assessment, cov);
+            let population = self.looked_at.population.len();
+            let mut row = assessment.row(self.looked_at.condition.probability, population);
+            (row.round, row.evaluations, row.cov_pf) = (self.rounds.len(), self.told, cov);
+            row.cycles = self.problem.checkpoints[assessment.governing];
+            self.rounds.push(row);
             self.previous = Some(assessment.curves.clone());
-            let points = self.observations.len();
+            let points = self.results();
             if self.stopping.note(met, points, &self.plan.targets) && self.under_way.is_empty() {
                 let surrogates = &assessment.surrogates;
                 if self.looked_at.changes(&self.problem, &self.plan, surrogates, failed, cov) {
                     self.asked = vec![false; self.looked_at.population.len()];
                     self.caches.fill(PredictionCache::default());
                     self.previous = None;
-                    self.stopping.go_on();
+                    if self.looked_at.condition.levels == 0 {
+                        self.stopping.go_on();
+                    } else {
+                        self.stopping.reset();
+                    }
                     continue;
                 }
                 self.stop = met.map(Stop::Rule);
@@ -271,23 +300,13 @@ impl Campaign {
         }
     }
 
-    /// Of the surrogates by what was told since they were made, the largest.
-    fn surprise(&self) -> f64 {
-        let points = self.observations.points();
-        let of = |(surrogate, mode): (&Surrogate, &Mode)| {
-            let values = self.observations.running_maxima(mode.output);
-            let errors = self.observations.errors_of_running_maxima(mode.output);
-            surrogate.surprise(&Results { points: &points, values: &values, errors: &errors })
-        };
-        self.surrogates.iter().zip(&self.problem.modes).map(of).fold(0.0, f64::max)
-    }
-
     /// Assesses; where a stopping rule is met and the last fit from several starts is of fewer results than that by more than
     /// [`REFIT`], again after one.
     fn assess_until_fresh(&mut self) -> Result<(Assessment, Option<Rule>), CampaignError> {
         let mut effort = self.effort();
         let mut repairs = 0;
-        if self.stopping.holding() && self.surprise() > SURPRISED {
+        let surprise = || largest_surprise(&self.surrogates, &self.problem.modes, &self.observations);
+        if self.stopping.holding() && surprise() > SURPRISED {
             self.stopping.reset();
             effort = Effort::MultiStart;
         }
@@ -323,27 +342,6 @@ impl Campaign {
             }
             effort = Effort::MultiStart;
         }
-    }
-
-    fn note(&mut self, assessment: &Assessment, cov: f64) {
-        let figures = &assessment.figures;
-        let governing = assessment.governing;
-        let relative =
-            |change: f64| change / figures.governing_share.max(1.0 / self.looked_at.population.len() as f64);
-        self.rounds.push(Round {
-            round: self.rounds.len(),
-            evaluations: self.told,
-            // Beyond 100 the figure says nothing more, and JSON has no infinity.
-            min_u: figures.min_u.min(100.0),
-            share_uncertain: assessment.share_uncertain,
-            change_of_r: figures.change.map(relative),
-            surrogate_error: figures.error,
-            cov_pf: cov,
-            dominance: assessment.dominance,
-            cycles: self.problem.checkpoints[governing],
-            reliability_total: 1.0 - self.looked_at.condition.probability * assessment.governing_failed(),
-            repairs: assessment.repairs,
-        });
     }
 
     /// The rounds so far.

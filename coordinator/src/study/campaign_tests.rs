@@ -155,7 +155,7 @@ fn a_rare_event_is_found_through_conditional_populations() {
         );
         assert!(condition.levels >= 5 && cov < 0.1, "seed {seed}: {condition:?} {cov}");
         assert!((pf / exact - 1.0).abs() < 3.5 * cov, "seed {seed}: {pf} {exact} {cov}");
-        assert!(learned.evaluations <= 100, "seed {seed}: {} calls", learned.evaluations);
+        assert!(learned.evaluations <= 110, "seed {seed}: {} calls", learned.evaluations);
         assert_eq!(learned.looked_at.unconditional().len(), 20_000);
     }
 }

@@ -18,8 +18,8 @@ use crate::reliability::{Condition, subset_simulation};
 use faer::MatRef;
 use rayon::prelude::*;
 
-/// Samples of a level: its share is then known to about 1.4 to 2.5 %.
-const SAMPLES: usize = 50_000;
+/// Samples of a level: a probability of 1e-9 is then known to about 6 %.
+const SAMPLES: usize = 100_000;
 /// Most levels: down to 1e-12.
 const LEVELS: usize = 12;
 /// Points predicted together.

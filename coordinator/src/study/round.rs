@@ -11,6 +11,7 @@ use crate::learning::{
     classify_cached, coupled_criterion, curves, dominance, estimate_errors, explore, noise_shifts,
 };
 use crate::reliability::governing_checkpoint;
+use crate::summary::Round;
 use crate::surrogate::{Effort, Kriging, Posterior, PredictionCache};
 use faer::{Mat, MatRef};
 use rayon::prelude::*;
@@ -57,15 +58,39 @@ impl Assessment {
     }
 
     /// So many points of the population where the surrogates know least, to be asked for; the selection knows of them.
-    pub(super) fn explore(&mut self, population: (&Population, &[bool]), count: usize) -> Vec<usize> {
+    /// The `known` points `(d,)` were explored before and are in no surrogate.
+    pub(super) fn explore(
+        &mut self,
+        population: (&Population, &[bool]),
+        known: &[Vec<f64>],
+        count: usize,
+    ) -> Vec<usize> {
         if count == 0 {
             return vec![];
         }
         let models: Vec<&Kriging> = self.surrogates.iter().map(|surrogate| &surrogate.model).collect();
         let feasible = |points: MatRef<'_, f64>| self.feasibility.probability(points);
-        let chosen = explore(&models, &self.modes, population, feasible, count);
+        let chosen = explore((&models, known), &self.modes, population, feasible, count);
         chosen.iter().for_each(|point| self.selection.leave(*point));
         chosen
+    }
+
+    /// What the round shows, over a population of so many points of a condition of this probability; its number, the evaluations,
+    /// the governing cycle and the coefficient of variation are the campaign's to tell.
+    pub(super) fn row(&self, condition: f64, population: usize) -> Round {
+        let figures = &self.figures;
+        let relative = |change: f64| change / figures.governing_share.max(1.0 / population as f64);
+        Round {
+            // Beyond 100 the figure says nothing more, and JSON has no infinity.
+            min_u: figures.min_u.min(100.0),
+            share_uncertain: self.share_uncertain,
+            change_of_r: figures.change.map(relative),
+            surrogate_error: figures.error,
+            dominance: self.dominance,
+            reliability_total: 1.0 - condition * self.governing_failed(),
+            repairs: self.repairs,
+            ..Round::default()
+        }
     }
 
     /// Surrogate error and simulator noise per curve, at the checkpoints of the grid.
@@ -124,7 +149,8 @@ pub(super) fn assess(
             let share = observations.design_share(&values, mode.threshold);
             let fitted_on = checkpoints_that_matter(&share, previous.map(|p| p[s].as_slice()), GRID);
             let errors = observations.errors_of_running_maxima(mode.output);
-            let observed = Results { points: &points, values: &values, errors: &errors };
+            let observed =
+                Results { points: &points, values: &values, errors: &errors, threshold: mode.threshold };
             let before = known.surrogates.get(s);
             Surrogate::fit(&observed, fitted_on, before, effort, (plan.forms, plan.stated_errors))
                 .map_err(|source| CampaignError::Surrogate { mode: s, source })

@@ -14,6 +14,8 @@ pub(super) struct Results<'a> {
     pub values: &'a Mat<f64>,
     /// Errors stated of them, likewise.
     pub errors: &'a Mat<f64>,
+    /// Threshold of the limit state, likewise.
+    pub threshold: f64,
 }
 
 /// The surrogate of one mode.
@@ -27,6 +29,8 @@ pub struct Surrogate {
     pub leave_one_out: Vec<LeaveOneOut>,
     /// What the last fit of several starts was worth at points left out of it.
     pub cross_validation: Option<CrossValidation>,
+    /// Mean of squared errors over predicted variances there, at the results nearest to the threshold [1].
+    variance_ratio: Option<f64>,
     /// Whether one correlation for all checkpoints does as well as separate ones, when that was compared.
     pub sharing: Option<Sharing>,
     /// Standard deviation of the noise that goes with the stated errors over the stated errors themselves (root mean
@@ -63,7 +67,10 @@ impl Surrogate {
         let incumbent = before.map(|before| before.model.incumbent());
         let found = fit_surrogate(training, forms, incumbent.as_ref(), effort)?;
         let mut model = found.model;
-        let (mut sharing, mut cross_validation) = (None, found.cross_validation);
+        let mut cross_validation = found.cross_validation;
+        let near =
+            |crossed: &CrossValidation| crossed.variance_ratio_near(results.threshold, chosen.as_ref());
+        let (mut sharing, mut variance_ratio) = (None, cross_validation.as_ref().map(near));
         if effort == Effort::MultiStart {
             let Incumbent { correlation, trend } = model.incumbent();
             let form = Form { kernel: correlation.kernel, trend };
@@ -71,6 +78,7 @@ impl Surrogate {
         } else if let Some(before) = before {
             sharing = before.sharing;
             cross_validation = before.cross_validation.clone();
+            variance_ratio = before.variance_ratio;
         }
         model.set_values(results.values.as_ref());
         let mut surrogate = Self {
@@ -78,6 +86,7 @@ impl Surrogate {
             fitted_on,
             leave_one_out: vec![],
             cross_validation,
+            variance_ratio,
             sharing,
             share_of_stated: None,
             noise_share: 0.0,
@@ -122,31 +131,12 @@ impl Surrogate {
         self.noise_share = self.fitted_on.iter().map(share).fold(0.0, f64::max);
     }
 
-    /// Largest error of the predictions of results that are not in the surrogate yet, in predicted standard deviations with the
-    /// [`Surrogate::inflation`] (root mean square over the fitted checkpoints); 0 if there are none [1].
-    pub(super) fn surprise(&self, results: &Results<'_>) -> f64 {
-        let (n, all) = (self.model.points(), results.points.ncols());
-        if all == n {
-            return 0.0;
-        }
-        let prediction = self.model.predict(results.points.subcols(n, all - n));
-        let (noise, inflation) = (self.model.correlation().noise(), self.inflation());
-        let square = |i: usize, o: &usize| {
-            let error = results.values[(n + i, *o)] - prediction.mean[(*o, i)];
-            let variance = self.model.sigma2()[*o] * (prediction.variance_factor[i] + noise) * inflation;
-            if error == 0.0 { 0.0 } else { error * error / variance.max(f64::MIN_POSITIVE) }
-        };
-        let mean = |i| self.fitted_on.iter().map(|o| square(i, o)).sum::<f64>() / self.fitted_on.len() as f64;
-        (0..all - n).map(mean).fold(0.0, f64::max).sqrt()
-    }
-
-    /// Factor on the predicted variances: what cross-validation or leaving one out shows them to be too small by, averaged over
-    /// the checkpoints, never below 1.
+    /// Factor on the predicted variances: what cross-validation, or without one leaving one out, shows them to be too small by,
+    /// averaged over the checkpoints, never below 1.
     pub fn inflation(&self) -> f64 {
         let ratios = self.leave_one_out.iter().map(|l| l.variance_ratio);
         let left_out = ratios.sum::<f64>() / self.leave_one_out.len() as f64;
-        let crossed = self.cross_validation.as_ref().map_or(1.0, |crossed| crossed.variance_ratio);
-        left_out.max(crossed).max(1.0)
+        self.variance_ratio.unwrap_or(left_out).max(1.0)
     }
 }
 

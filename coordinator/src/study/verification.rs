@@ -107,7 +107,8 @@ pub fn verify(
             let errors = learned.errors_of_running_maxima(mode.output);
             let share = learned.design_share(&values, mode.threshold);
             let fitted_on = checkpoints_that_matter(&share, None, GRID);
-            let results = Results { points: &points, values: &values, errors: &errors };
+            let results =
+                Results { points: &points, values: &values, errors: &errors, threshold: mode.threshold };
             let reading = (settings.forms, settings.stated_errors);
             Surrogate::fit(&results, fitted_on, None, Effort::MultiStart, reading)
                 .map_err(|source| CampaignError::Surrogate { mode: s, source })
