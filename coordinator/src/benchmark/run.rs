@@ -36,7 +36,7 @@ pub struct Run {
 pub fn run(
     problem: &PublishedProblem,
     (population, batch): (usize, usize),
-    learning: LearningFunction,
+    (learning, targets): (LearningFunction, Targets),
     seed: u64,
 ) -> Result<Run, CampaignError> {
     let started = Instant::now();
@@ -49,7 +49,7 @@ pub fn run(
         max_evaluations: problem.max_evaluations,
         seed,
         learning,
-        targets: Targets::default(),
+        targets,
         forms: FormSettings::default(),
         stated_errors: StatedErrors::Ignored,
         retry: false,

@@ -248,6 +248,9 @@ pub struct RunArguments {
     /// Share of failed simulations above which the study ends, e.g. 20% [default: 20%]
     #[arg(long, value_name = "SHARE", value_parser = super::accuracy::share)]
     pub max_failed: Option<f64>,
+    /// Surrogate error of any R at which learning may stop (ak) [default: 0.006, and 2 % of P_f; both follow]
+    #[arg(long, value_name = "SHARE", value_parser = super::accuracy::share)]
+    pub target_error: Option<f64>,
     /// Seed of every random draw; the same seed gives the same result, whatever the workers
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,

@@ -3,7 +3,7 @@
 use super::arguments::{Talk, positive};
 use super::error::CommandError;
 use super::names::LearningName;
-use super::options::learning_function;
+use super::options::{learning_function, targets};
 use super::output::{check_destination, deliver, to_json};
 use clap::Args;
 use coordinator::benchmark::{PublishedProblem, Row, markdown, published_problems, row, run};
@@ -27,6 +27,9 @@ pub struct BenchmarkArguments {
     /// Which points are evaluated next [default: gain]
     #[arg(long, value_enum)]
     pub learning: Option<LearningName>,
+    /// Surrogate error of any R at which learning may stop [default: 0.006, and 2 % of P_f; both follow]
+    #[arg(long, value_name = "SHARE", value_parser = super::accuracy::share)]
+    pub target_error: Option<f64>,
     /// Write the table to this file instead of standard output
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
@@ -36,12 +39,12 @@ pub struct BenchmarkArguments {
 pub fn benchmark(arguments: &BenchmarkArguments, talk: Talk) -> Result<(), CommandError> {
     check_destination(arguments.out.as_deref())?;
     let problems = chosen(&arguments.problem)?;
-    let learning = learning_function(arguments.learning.unwrap_or_default());
+    let how = (learning_function(arguments.learning.unwrap_or_default()), targets(arguments.target_error));
     let mut rows: Vec<Row> = Vec::new();
     for problem in &problems {
         let mut runs = Vec::new();
         for seed in 1..=arguments.seeds as u64 {
-            let found = run(problem, (arguments.samples, arguments.batch), learning, seed)
+            let found = run(problem, (arguments.samples, arguments.batch), how, seed)
                 .map_err(|error| CommandError::Benchmark { problem: problem.name, seed, error })?;
             if !talk.quiet {
                 eprintln!(

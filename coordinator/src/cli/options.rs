@@ -43,6 +43,9 @@ pub struct StudyOptions {
     /// Share of failed simulations above which the study ends [1].
     #[serde(default = "default_failed_share")]
     pub max_failed: f64,
+    /// Surrogate error at which learning may stop [1]; campaigns begun before there was a choice have the default.
+    #[serde(default)]
+    pub target_error: Option<f64>,
 }
 
 fn default_failed_share() -> f64 {
@@ -81,6 +84,7 @@ impl StudyOptions {
             kernel: arguments.kernel.unwrap_or_default(),
             trend: arguments.trend.unwrap_or_default(),
             max_failed: arguments.max_failed.unwrap_or(FAILED_SHARE),
+            target_error: arguments.target_error,
         };
         if !direct {
             let at_least = format!("at least the initial design, --initial {}", options.initial);
@@ -122,11 +126,16 @@ impl StudyOptions {
             max_error,
             learning,
             failed_share: self.max_failed,
-            targets: Targets::default(),
+            targets: targets(self.target_error),
             forms: forms(self.kernel, self.trend),
             stated_errors,
         }
     }
+}
+
+/// Stopping rules for this surrogate error, the usual ones for none.
+pub fn targets(error: Option<f64>) -> Targets {
+    error.map_or_else(Targets::default, Targets::of_error)
 }
 
 /// What these names leave open of a surrogate's form.
@@ -170,6 +179,8 @@ mod tests {
         let found = options(RunArguments { initial: Some(20), seed: Some(9), ..Default::default() }).unwrap();
         assert_eq!((found.initial, found.seed, found.samples), (20, 9, scene.population));
         assert_eq!(found.settings().study.max_evaluations, scene.max_evaluations);
+        let found = options(RunArguments { target_error: Some(0.003), ..Default::default() }).unwrap();
+        assert_eq!(found.settings().targets.relative_error, 0.01);
         let method = Some(MethodName::MonteCarlo);
         assert_eq!(
             options(RunArguments { method, ..Default::default() }).unwrap().samples,

@@ -80,6 +80,12 @@ pub enum Rule {
 }
 
 impl Targets {
+    /// The usual ones with another surrogate error [1]; that relative to P_f follows in proportion.
+    pub fn of_error(error: f64) -> Self {
+        let usual = Self::default();
+        Self { error, relative_error: usual.relative_error * (error / usual.error), ..usual }
+    }
+
     /// The rule these figures meet, if any.
     pub fn met(&self, figures: &Figures) -> Option<Rule> {
         let change = figures.change.filter(|_| figures.points >= self.least_points)?;
