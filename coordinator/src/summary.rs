@@ -271,7 +271,7 @@ impl Round {
 }
 
 /// The surrogate of one limit state at the end of a study.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct SurrogateRow {
     /// Limit state.
     pub limit_state: String,
