@@ -13,8 +13,7 @@
 //!
 //! which has the correlation of the levels in it. That of the last share alone, (1 - p) / (p N) (1 + gamma) with gamma from the
 //! correlation of the indicator along the chains, is taken off for that of p0^k, since the share is counted anew as surrogates
-//! learn. With levels that count as independent, sum_i (1 - p0) / (p0 N) (1 + gamma_i), it came out 0.058 for a true 0.075
-//! (`parabola-8` among the published problems, 100 seeds), by descent 0.071.
+//! learn. Levels that count as independent, sum_i (1 - p0) / (p0 N) (1 + gamma_i), make it too small.
 //!
 //! Source: Au, Beck (2001), eqs. 12 to 29; the chains, Papaioannou et al. (2015), section 3.3; the variance, Lee, Whiteley (2018),
 //! Variance estimation in the particle filter.

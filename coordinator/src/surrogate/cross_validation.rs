@@ -2,8 +2,7 @@
 //!
 //! Leaving one point out of a factor keeps the lengths that this very point helped to find. With 30 lengths from 136
 //! results that flatters: on the flapping-wing drive's asymmetry it gives a Q2 of 0.99 and right variances to a surrogate
-//! whose squared errors at unseen samples are 2.5 times the predicted variance (`coordinator verify`), and it ranks the forms
-//! in nearly the reverse order. So the points are dealt out in turn to [`FOLDS`] folds, each is predicted by a
+//! whose squared errors at unseen samples are 2.5 times the predicted variance (`coordinator verify`). So the points are dealt out in turn to [`FOLDS`] folds, each is predicted by a
 //! surrogate whose lengths were fitted without it, and the errors are held against the predicted variances.
 //!
 //! Source: Stone (1974), Cross-validatory choice and assessment of statistical predictions; for Kriging, Bachoc (2013),
