@@ -5,8 +5,8 @@
 //! times: compare within one run. Counted items are points predicted.
 
 use common::random::Distribution;
-use coordinator::design::Population;
-use coordinator::surrogate::{
+use coordinator::statistics::design::Population;
+use coordinator::statistics::surrogate::{
     Correlation, Effort, Form, FormSettings, Kernel, Kriging, Likelihood, PredictionCache, TrainingSet,
     Trend, fit_correlation, fit_surrogate,
 };

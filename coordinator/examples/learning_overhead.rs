@@ -12,10 +12,10 @@
 use common::accuracy::NamedAccuracy;
 use common::outputs::{Diagnostics, Evaluation};
 use common::scene::{Scene, SceneSource};
-use coordinator::evaluate::Request;
-use coordinator::evaluate::local::LocalEvaluator;
-use coordinator::progress::Silent;
-use coordinator::store::{CampaignFile, CampaignMeta};
+use coordinator::farm::evaluate::Request;
+use coordinator::farm::evaluate::local::LocalEvaluator;
+use coordinator::results::progress::Silent;
+use coordinator::results::store::{CampaignFile, CampaignMeta};
 use coordinator::study::{Settings, run};
 use std::error::Error;
 use std::sync::{Arc, Mutex};

@@ -45,11 +45,11 @@ pub use step::{Ask, CampaignError, Step, Stop};
 pub use surrogates::Surrogate;
 pub use verification::{Simulated, Verification, Verified, VerifiedRow, as_told, first_failures, verify};
 
-use crate::design::InputModel;
-use crate::evaluate::{EvaluateError, Evaluator};
-use crate::journal::Journal;
-use crate::progress::{Observer, Progress};
-use crate::summary::Round;
+use crate::farm::evaluate::{EvaluateError, Evaluator};
+use crate::results::journal::Journal;
+use crate::results::progress::{Observer, Progress};
+use crate::results::summary::Round;
+use crate::statistics::design::InputModel;
 use common::scene::Scene;
 use dispatching::{Dispatcher, Outcome};
 use monte_carlo::DirectSimulation;

@@ -4,8 +4,8 @@
 //! `study/reliability.csv`.
 
 use common::accuracy::Accuracy;
-use coordinator::report::{reliability_figure, standalone};
-use coordinator::summary::StudySummary;
+use coordinator::presentation::report::{reliability_figure, standalone};
+use coordinator::results::summary::StudySummary;
 use serde_json::{Map, Value, json};
 
 const PICTURE: &str = include_str!("../doc/reliability.svg");

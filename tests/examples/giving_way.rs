@@ -2,7 +2,7 @@
 //! slots that give way to it (as those of `--workers auto` do), and beside slots that do not.
 //! `cargo run --release -p tests --example giving_way`.
 
-use coordinator::evaluate::Evaluator;
+use coordinator::farm::evaluate::Evaluator;
 use std::hint::black_box;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;

@@ -2,7 +2,7 @@
 //! process of its own. `cargo run --release -p tests --example overhead [FOLDER]`; the campaign files lie in the folder,
 //! or in the present one. `tests/examples/dask/run.sh` has the same of Dask, which keeps its results in memory.
 
-use coordinator::evaluate::Evaluator;
+use coordinator::farm::evaluate::Evaluator;
 use std::path::PathBuf;
 use std::time::Instant;
 use tests::coordinator;

@@ -1,7 +1,7 @@
 //! Throughput against the ideal: 1 to 256 workers in this process, each with a simulation that sleeps for 50 ms, each
 //! outcome durable in a campaign file. `cargo run --release -p tests --example throughput [FOLDER]`.
 
-use coordinator::evaluate::Evaluator;
+use coordinator::farm::evaluate::Evaluator;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 use tests::journaled::Journaled;
@@ -25,7 +25,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 })
             })
             .collect();
-        let ready = |here: &[coordinator::dispatch::ConnectedWorker]| {
+        let ready = |here: &[coordinator::farm::dispatch::ConnectedWorker]| {
             here.iter().filter(|worker| worker.slots > 0).count() == workers
         };
         assert!(coordinator.wait_for_workers(PATIENCE, ready), "the workers connect");

@@ -1,9 +1,9 @@
 //! Requests evaluated with each outcome durable in a campaign file, and nothing else around them: for measurements.
 
 use crate::practice_study::PracticeStudy;
-use coordinator::evaluate::{EvaluateError, Finished, Next, Pursuit, Request};
-use coordinator::journal::Journal;
-use coordinator::store::CampaignFile;
+use coordinator::farm::evaluate::{EvaluateError, Finished, Next, Pursuit, Request};
+use coordinator::results::journal::Journal;
+use coordinator::results::store::CampaignFile;
 use std::collections::BTreeMap;
 use tempfile::TempDir;
 

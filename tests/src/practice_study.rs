@@ -5,12 +5,12 @@ use common::accuracy::NamedAccuracy;
 use common::failure::SimulationFailure;
 use common::outputs::{Diagnostics, Evaluation};
 use common::scene::{Scene, SceneSource};
-use coordinator::dispatch::Campaign;
-use coordinator::evaluate::Evaluator;
-use coordinator::evaluate::local::LocalEvaluator;
-use coordinator::journal::Journal;
-use coordinator::progress::Silent;
-use coordinator::store::{CampaignFile, CampaignMeta, FILE_NAME};
+use coordinator::farm::dispatch::Campaign;
+use coordinator::farm::evaluate::Evaluator;
+use coordinator::farm::evaluate::local::LocalEvaluator;
+use coordinator::results::journal::Journal;
+use coordinator::results::progress::Silent;
+use coordinator::results::store::{CampaignFile, CampaignMeta, FILE_NAME};
 use coordinator::study::{self, Method, Settings, StudyError};
 use rusqlite::{Connection, OpenFlags};
 use serde_json::Value;
@@ -85,7 +85,10 @@ impl PracticeStudy {
     }
 
     /// Its campaign file in `dir`; whether it was there already.
-    pub fn journal(&self, dir: &Path) -> Result<(CampaignFile, bool), coordinator::store::StoreError> {
+    pub fn journal(
+        &self,
+        dir: &Path,
+    ) -> Result<(CampaignFile, bool), coordinator::results::store::StoreError> {
         if dir.join(FILE_NAME).exists() {
             return Ok((CampaignFile::open(dir)?, true));
         }

@@ -8,8 +8,8 @@
 
 use common::failure::SimulationFailure;
 use common::wire::{Claim, Outcome, Task, TaskKey, WorkerId};
-use coordinator::dispatch::scheduler::{Assignment, Command, Event, Scheduler, Settings, Token};
-use coordinator::evaluate::Request;
+use coordinator::farm::dispatch::scheduler::{Assignment, Command, Event, Scheduler, Settings, Token};
+use coordinator::farm::evaluate::Request;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 use std::time::{Duration, Instant};

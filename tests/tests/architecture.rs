@@ -32,33 +32,9 @@ const WORKER: [&str; 17] = [
     "main",
 ];
 
-/// The same of the coordinator: first what all of it speaks of, then the stations of a study, then what puts
-/// them together. `cli` belongs to the binary.
-const COORDINATOR: [&str; 23] = [
-    "output_unit",
-    "summary",
-    "design",
-    "evaluate",
-    "budget",
-    "dispatch",
-    "surrogate",
-    "learning",
-    "reliability",
-    "sensitivity",
-    "journal",
-    "progress",
-    "store",
-    "result_files",
-    "report",
-    "tradeoff",
-    "calibrate",
-    "study",
-    "benchmark",
-    "sight",
-    "terminal",
-    "cli",
-    "main",
-];
+/// The layers of the coordinator's library; `cli` and `main` belong to its binary.
+const COORDINATOR: [&str; 8] =
+    ["statistics", "farm", "results", "study", "presentation", "analyses", "cli", "main"];
 
 /// And of what both share.
 const COMMON: [&str; 7] = ["random", "accuracy", "scene", "failure", "outputs", "umbridge", "wire"];
@@ -69,15 +45,15 @@ const LONGEST: usize = 400;
 /// Crates that only the named places of a crate's sources may use.
 const KEPT_TO: [(&str, &str, &[&str]); 12] = [
     ("zenoh", "worker", &["service/link.rs"]),
-    ("zenoh", "coordinator", &["dispatch/transport/"]),
+    ("zenoh", "coordinator", &["farm/dispatch/transport/"]),
     ("bincode", "common", &["wire/codec.rs"]),
-    ("rusqlite", "coordinator", &["store/"]),
+    ("rusqlite", "coordinator", &["results/store/"]),
     ("worker", "coordinator", &["cli/", "main.rs"]),
-    ("rustix", "coordinator", &["evaluate/process.rs"]),
+    ("rustix", "coordinator", &["farm/evaluate/process.rs"]),
     ("rustix", "worker", &["service/slots.rs"]),
-    ("ureq", "coordinator", &["evaluate/umbridge.rs"]),
+    ("ureq", "coordinator", &["farm/evaluate/umbridge.rs"]),
     ("axum", "worker", &["umbridge/"]),
-    ("axum", "coordinator", &["sight/server.rs"]),
+    ("axum", "coordinator", &["presentation/monitor/server.rs"]),
     ("clap", "coordinator", &["cli/"]),
     ("pulp", "worker", &["lanes/", "simulate/pool.rs", "simulate/together.rs"]),
 ];

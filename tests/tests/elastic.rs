@@ -1,8 +1,8 @@
 //! Workers that come and go by their own rules: idle, out of time, asked to stop; slow ones; and one worker for several
 //! coordinators.
 
-use coordinator::dispatch::ZenohEvaluator;
-use coordinator::evaluate::{EvaluateError, Evaluator};
+use coordinator::farm::dispatch::ZenohEvaluator;
+use coordinator::farm::evaluate::{EvaluateError, Evaluator};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::channel;

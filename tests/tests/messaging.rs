@@ -2,8 +2,8 @@
 //! joins late gets a share, who is refused is told.
 
 use common::wire::{self, Claim, Next, PROTOCOL_VERSION, Reply, WireError, WorkerId, keys};
-use coordinator::dispatch::{DispatchError, Listen, ZenohEvaluator};
-use coordinator::evaluate::{EvaluateError, Evaluator};
+use coordinator::farm::dispatch::{DispatchError, Listen, ZenohEvaluator};
+use coordinator::farm::evaluate::{EvaluateError, Evaluator};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::channel;

@@ -1,7 +1,7 @@
 //! Workers that die or leave, coordinators that stop acknowledging or restart: nothing is lost, nothing counted
 //! twice, and what was finished is not done again.
 
-use coordinator::evaluate::{EvaluateError, Evaluator};
+use coordinator::farm::evaluate::{EvaluateError, Evaluator};
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};

@@ -1,7 +1,7 @@
 //! Who gets in, who does not, and who may do what: certificates, users and passwords, access control, routers, sizes.
 
 use common::wire::{self, MAX_PAYLOAD, Notice, WorkerId, keys};
-use coordinator::dispatch::{Listen, ZenohEvaluator};
+use coordinator::farm::dispatch::{Listen, ZenohEvaluator};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -3,7 +3,7 @@
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
-use coordinator::tradeoff::{Plan, settings};
+use coordinator::analyses::tradeoff::{Plan, settings};
 use std::sync::Arc;
 use tests::{coordinator, in_time, practice_result, requests};
 use worker::service::{self, ServiceConfig, Simulator};

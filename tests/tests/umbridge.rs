@@ -2,8 +2,8 @@
 //! `umbridge`, for which `.ci/run` makes an environment of its own.
 
 use common::scene::{Scene, SceneSource};
-use coordinator::evaluate::external::{SimulatorError, open};
-use coordinator::evaluate::{EvaluateError, Evaluator, Finished, Outcome, Request};
+use coordinator::farm::evaluate::external::{SimulatorError, open};
+use coordinator::farm::evaluate::{EvaluateError, Evaluator, Finished, Outcome, Request};
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader};
 use std::path::PathBuf;

@@ -7,9 +7,9 @@
 //! `surrogate_hingewise memory`          1e6 points in the cache, 150 data; prints JSON
 
 use common::random::Distribution;
-use coordinator::design::Population;
-use coordinator::learning::classify_cached;
-use coordinator::surrogate::{
+use coordinator::statistics::design::Population;
+use coordinator::statistics::learning::classify_cached;
+use coordinator::statistics::surrogate::{
     Correlation, Effort, Form, FormSettings, Kernel, Kriging, Likelihood, PredictionCache, TrainingSet,
     Trend, Update, fit_correlation, fit_surrogate,
 };

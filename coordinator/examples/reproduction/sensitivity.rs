@@ -1,7 +1,7 @@
 //! Signs and order of the sensitivities.
 
 use super::study::Finished;
-use coordinator::summary::SensitivityRow;
+use coordinator::results::summary::SensitivityRow;
 use std::fmt::Write;
 
 /// A figure of the publication: which variables mattered, and which way failure goes when their mean or their spread grows.

@@ -1,8 +1,8 @@
 //! What is read from finished studies.
 
-use coordinator::report::SUMMARY_DOCUMENT;
-use coordinator::store::CampaignFile;
-use coordinator::summary::{ReliabilityRow, SensitivityRow, StudySummary};
+use coordinator::presentation::report::SUMMARY_DOCUMENT;
+use coordinator::results::store::CampaignFile;
+use coordinator::results::summary::{ReliabilityRow, SensitivityRow, StudySummary};
 use std::error::Error;
 use std::path::Path;
 

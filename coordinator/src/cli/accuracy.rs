@@ -5,10 +5,11 @@ use clap::Args;
 use common::accuracy::{Accuracy, NamedAccuracy};
 use common::failure::SimulationFailure;
 use common::scene::{Faults, Scene, SceneSource};
-use coordinator::budget::{Attempt, LADDER, RANDOM_POINTS, choose, percent};
-use coordinator::design::nominal_and_random;
-use coordinator::evaluate::local::LocalEvaluator;
-use coordinator::evaluate::{Evaluator, Request};
+use coordinator::analyses::budget::{Attempt, LADDER, RANDOM_POINTS, choose};
+use coordinator::farm::evaluate::local::LocalEvaluator;
+use coordinator::farm::evaluate::{Evaluator, Request};
+use coordinator::presentation::report::format::short_percent;
+use coordinator::statistics::design::nominal_and_random;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -111,7 +112,7 @@ impl AccuracyArguments {
             eprintln!(
                 "accuracy {}: the cheapest tried that states errors below {} at {}",
                 choice.setting.name,
-                percent(budget),
+                short_percent(budget),
                 if points.len() == 1 { "this point".to_owned() } else { format!("{} points", points.len()) }
             );
         }
@@ -126,9 +127,9 @@ fn told(attempt: &Attempt, budget: f64) -> String {
             let verdict = if worst.error <= budget { "within" } else { "over" };
             format!(
                 "tried {name}: {} of {}, {verdict} {}",
-                percent(worst.error),
+                short_percent(worst.error),
                 worst.output,
-                percent(budget)
+                short_percent(budget)
             )
         }
         Err(failure) => format!("tried {name}: {failure}"),

@@ -7,9 +7,9 @@ use super::compare::CompareArguments;
 use super::doctor::DoctorArguments;
 use super::extremes::ExtremesArguments;
 use super::init::InitArguments;
+use super::monitor::MonitorArguments;
 use super::names::{KernelName, LearningName, MethodName, StatedErrorsName, TrendName};
 use super::replay::ReplayArguments;
-use super::sight::SightArguments;
 use super::status::StatusArguments;
 use super::tradeoff::TradeoffArguments;
 use super::verify::VerifyArguments;
@@ -220,7 +220,7 @@ pub struct RunArguments {
     pub farm: FarmArguments,
     /// Who may look
     #[command(flatten)]
-    pub sight: SightArguments,
+    pub monitor: MonitorArguments,
     /// Numerical effort
     #[command(flatten)]
     pub accuracy: AccuracyArguments,
@@ -279,7 +279,7 @@ pub struct ResumeArguments {
     pub farm: FarmArguments,
     /// Who may look
     #[command(flatten)]
-    pub sight: SightArguments,
+    pub monitor: MonitorArguments,
 }
 
 /// Who works, and where they meet.

@@ -6,7 +6,7 @@ use super::names::LearningName;
 use super::options::{learning_function, targets};
 use super::output::{check_destination, deliver, to_json};
 use clap::Args;
-use coordinator::benchmark::{PublishedProblem, Row, markdown, published_problems, row, run};
+use coordinator::analyses::benchmark::{PublishedProblem, Row, markdown, published_problems, row, run};
 use std::path::PathBuf;
 
 /// Published problems.

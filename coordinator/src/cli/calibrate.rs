@@ -8,8 +8,10 @@ use super::output::{check_destination, deliver, to_json};
 use super::scenes::check_linkage;
 use clap::Args;
 use common::scene::SceneSource;
-use coordinator::calibrate::{Calibration, Progress, Space, calibrate as fit, markdown, read_targets};
-use coordinator::dispatch::Campaign;
+use coordinator::analyses::calibrate::{
+    Calibration, Progress, Space, calibrate as fit, markdown, read_targets,
+};
+use coordinator::farm::dispatch::Campaign;
 use std::path::PathBuf;
 
 /// What is calibrated, to what.

@@ -3,10 +3,10 @@
 use super::error::CommandError;
 use super::output::{check_destination, print, to_json};
 use clap::Args;
-use coordinator::report::compare::{Compared, check, csv, html};
-use coordinator::report::{ReportError, SUMMARY_DOCUMENT};
-use coordinator::result_files::write_text;
-use coordinator::store::CampaignFile;
+use coordinator::presentation::report::compare::{Compared, check, csv, html};
+use coordinator::presentation::report::{ReportError, SUMMARY_DOCUMENT};
+use coordinator::results::result_files::write_text;
+use coordinator::results::store::CampaignFile;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 

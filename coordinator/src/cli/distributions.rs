@@ -1,7 +1,7 @@
 //! The distributions a study found, as the report reads them: one entry per output and checkpoint.
 
-use coordinator::reliability::{Histogram, PROBABILITIES};
-use coordinator::report::OutputDistribution;
+use coordinator::presentation::report::OutputDistribution;
+use coordinator::statistics::reliability::{Histogram, PROBABILITIES};
 use coordinator::study::OutputHistory;
 
 /// Flattens the histories.

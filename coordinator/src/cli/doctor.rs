@@ -5,7 +5,7 @@ use super::output::{print, to_json};
 use super::status::explained;
 use clap::Args;
 use common::wire::{Claim, Status, WireError, WorkerId};
-use coordinator::dispatch::{VisitError, Visitor, clock_ms};
+use coordinator::farm::dispatch::{VisitError, Visitor, clock_ms};
 use serde::Serialize;
 use std::fmt::Write;
 use std::net::{SocketAddr, TcpStream, ToSocketAddrs};

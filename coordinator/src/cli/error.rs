@@ -3,17 +3,17 @@
 use super::signals::INTERRUPTED;
 use common::failure::SimulationFailure;
 use common::scene::{Faults, Motion, Scene};
-use coordinator::benchmark::ReplayError;
-use coordinator::budget::BudgetError;
-use coordinator::calibrate::CalibrationError;
-use coordinator::dispatch::{DispatchError, VisitError};
-use coordinator::evaluate::EvaluateError;
-use coordinator::evaluate::external::SimulatorError;
-use coordinator::report::ReportError;
-use coordinator::report::compare::Incomparable;
-use coordinator::result_files::ResultFileError;
-use coordinator::sight::SightError;
-use coordinator::store::StoreError;
+use coordinator::analyses::benchmark::ReplayError;
+use coordinator::analyses::budget::BudgetError;
+use coordinator::analyses::calibrate::CalibrationError;
+use coordinator::farm::dispatch::{DispatchError, VisitError};
+use coordinator::farm::evaluate::EvaluateError;
+use coordinator::farm::evaluate::external::SimulatorError;
+use coordinator::presentation::monitor::MonitorError;
+use coordinator::presentation::report::ReportError;
+use coordinator::presentation::report::compare::Incomparable;
+use coordinator::results::result_files::ResultFileError;
+use coordinator::results::store::StoreError;
 use coordinator::study::{CampaignError, StudyError};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -252,7 +252,7 @@ pub enum CommandError {
     Dispatch(#[from] DispatchError),
     /// Nobody else can look.
     #[error(transparent)]
-    Sight(#[from] SightError),
+    Monitor(#[from] MonitorError),
     /// A coordinator does not tell how it is.
     #[error("{0}")]
     Visit(#[from] VisitError),
@@ -322,7 +322,7 @@ impl CommandError {
             Self::Study { error: StudyError::Setting { .. }, .. } => BAD_INPUT,
             Self::Store(error) if error.is_bad_input() => BAD_INPUT,
             Self::Dispatch(error) if error.is_bad_input() => BAD_INPUT,
-            Self::Sight(error) if error.is_bad_input() => BAD_INPUT,
+            Self::Monitor(error) if error.is_bad_input() => BAD_INPUT,
             Self::Visit(error) if error.is_bad_input() => BAD_INPUT,
             Self::Worker(ServiceError::Settings { .. }) => BAD_INPUT,
             // Whoever closed the pipe has read all it wanted.

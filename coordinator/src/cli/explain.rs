@@ -11,7 +11,7 @@ use super::model::Model;
 use super::output::{print, to_json};
 use super::scenes::count;
 use common::scene::*;
-use coordinator::output_unit::OutputUnit;
+use coordinator::results::output_unit::OutputUnit;
 use std::fmt::Write;
 use std::sync::Arc;
 use variables::variables;

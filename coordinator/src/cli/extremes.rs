@@ -7,7 +7,7 @@ use super::scenes::check_linkage;
 use clap::Args;
 use common::accuracy::NamedAccuracy;
 use common::scene::{ContactLaw, Scene, SceneSource};
-use coordinator::output_unit::OutputUnit;
+use coordinator::results::output_unit::OutputUnit;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::PathBuf;

@@ -3,7 +3,7 @@
 use super::error::CommandError;
 use super::options::StudyOptions;
 use common::scene::{Scene, SceneSource};
-use coordinator::store::{CampaignFile, FILE_NAME, StoreError};
+use coordinator::results::store::{CampaignFile, FILE_NAME, StoreError};
 use coordinator::study::{Observed, Simulated};
 use std::path::Path;
 

@@ -6,9 +6,9 @@ use super::arguments::RunArguments;
 use super::error::CommandError;
 use super::names::{KernelName, LearningName, MethodName, StatedErrorsName, TrendName};
 use common::scene::{Scene, StudySettings};
-use coordinator::learning::{LearningFunction, Targets};
+use coordinator::statistics::learning::{LearningFunction, Targets};
+use coordinator::statistics::surrogate::{FormSettings, Kernel, StatedErrors, Trend};
 use coordinator::study::{FAILED_SHARE, Method, Settings};
-use coordinator::surrogate::{FormSettings, Kernel, StatedErrors, Trend};
 use serde::{Deserialize, Serialize};
 
 /// Settings of a study; each of them may change its result.

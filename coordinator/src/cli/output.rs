@@ -1,7 +1,7 @@
 //! Where results go: standard output or a file.
 
 use super::error::CommandError;
-use coordinator::result_files::write_text;
+use coordinator::results::result_files::write_text;
 use serde::Serialize;
 use std::io::Write;
 use std::path::Path;

@@ -7,7 +7,7 @@ use super::opened::Opened;
 use super::options::{forms, learning_function};
 use super::output::{print, to_json};
 use clap::Args;
-use coordinator::benchmark::{Replayed, replay as learn_again};
+use coordinator::analyses::benchmark::{Replayed, replay as learn_again};
 use coordinator::study::{Method, Settings};
 use std::fmt::Write;
 use std::path::PathBuf;

@@ -3,9 +3,9 @@
 use super::error::CommandError;
 use super::output::{print, to_json};
 use common::scene::SceneSource;
-use coordinator::report::{self, SUMMARY_DOCUMENT};
-use coordinator::store::{CampaignFile, FILE_NAME};
-use coordinator::summary::{SensitivityRow, SobolRow, StudySummary};
+use coordinator::presentation::report::{self, SUMMARY_DOCUMENT};
+use coordinator::results::store::{CampaignFile, FILE_NAME};
+use coordinator::results::summary::{SensitivityRow, SobolRow, StudySummary};
 use serde_json::json;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};

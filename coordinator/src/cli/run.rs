@@ -7,18 +7,18 @@ use super::distributions::for_report;
 use super::error::CommandError;
 use super::external;
 use super::farm::{Crew, Ready, cores, local_slots};
+use super::monitor::Monitor;
 use super::options::StudyOptions;
 use super::output::{print, to_json};
 use super::results::write_results;
 use super::scenes::check_linkage;
-use super::sight::Sight;
 use super::signals::interruption;
 use common::scene::{Scene, SceneSource};
-use coordinator::dispatch::Campaign;
-use coordinator::report::{DISTRIBUTIONS_DOCUMENT, SUMMARY_DOCUMENT};
-use coordinator::store::{CampaignFile, CampaignMeta, FILE_NAME};
-use coordinator::summary::StudySummary;
-use coordinator::terminal::{Terminal, final_text};
+use coordinator::farm::dispatch::Campaign;
+use coordinator::presentation::report::{DISTRIBUTIONS_DOCUMENT, SUMMARY_DOCUMENT};
+use coordinator::presentation::terminal::{Terminal, final_text};
+use coordinator::results::store::{CampaignFile, CampaignMeta, FILE_NAME};
+use coordinator::results::summary::StudySummary;
 use std::path::{Path, PathBuf};
 
 /// Starts a study.
@@ -49,12 +49,13 @@ pub fn run(arguments: &RunArguments, talk: Talk) -> Result<(), CommandError> {
     };
     // An address that cannot be listened on must not leave a folder behind that holds a study.
     let ready = Ready::to_study(&source, || announced(&source, &options, false), &arguments.farm)?;
-    let sight = Sight::open(&arguments.sight, arguments.farm.insecure, &ready, (&dir, &source, &options))?;
+    let monitor =
+        Monitor::open(&arguments.monitor, arguments.farm.insecure, &ready, (&dir, &source, &options))?;
     let campaign = CampaignFile::create(&dir, &meta, scene)?;
     if !talk.quiet {
         eprintln!("results go to {}", dir.display());
     }
-    study(campaign, &source, &options, ready.hire(&arguments.farm)?, sight, talk)
+    study(campaign, &source, &options, ready.hire(&arguments.farm)?, monitor, talk)
 }
 
 /// Goes on with a study.
@@ -77,8 +78,8 @@ pub fn resume(arguments: &ResumeArguments, talk: Talk) -> Result<(), CommandErro
     }
     let ready = Ready::to_study(&source, || announced(&source, &options, true), &arguments.farm)?;
     let about = (arguments.dir.as_path(), &source, &options);
-    let sight = Sight::open(&arguments.sight, arguments.farm.insecure, &ready, about)?;
-    study(campaign, &source, &options, ready.hire(&arguments.farm)?, sight, talk)
+    let monitor = Monitor::open(&arguments.monitor, arguments.farm.insecure, &ready, about)?;
+    study(campaign, &source, &options, ready.hire(&arguments.farm)?, monitor, talk)
 }
 
 fn study(
@@ -86,7 +87,7 @@ fn study(
     source: &SceneSource,
     options: &StudyOptions,
     mut crew: Crew,
-    sight: Sight,
+    monitor: Monitor,
     talk: Talk,
 ) -> Result<(), CommandError> {
     let settings = options.settings();
@@ -94,10 +95,10 @@ fn study(
     let dir = campaign.dir().to_path_buf();
     if !talk.quiet {
         crew.say_where();
-        sight.say_where();
+        monitor.say_where();
     }
     let mut terminal = Terminal::new(talk.quiet);
-    let mut watch = sight.watch(&scene.name, &mut terminal);
+    let mut watch = monitor.watch(&scene.name, &mut terminal);
     let result = coordinator::study::run(&scene, &settings, crew.evaluator(), &mut campaign, &mut watch);
     terminal.finish();
     let mut result = result.map_err(|error| CommandError::of_study(error, &dir))?;
@@ -108,7 +109,7 @@ fn study(
     // The summary comes last: with it, the study counts as finished.
     campaign.put_document(SUMMARY_DOCUMENT, &result.summary)?;
     write_results(&campaign)?;
-    sight.end();
+    monitor.end();
     tell(&result.summary, &dir, talk)
 }
 

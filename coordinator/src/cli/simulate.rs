@@ -9,7 +9,7 @@ use common::outputs::{
     BodyMotion, BodyTrace, CycleHistory, Diagnostics, EnergyBalance, Evaluation, JointSummary, WornLife,
 };
 use common::scene::{Faults, Scene, SceneSource};
-use coordinator::output_unit::OutputUnit;
+use coordinator::results::output_unit::OutputUnit;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::time::Instant;

@@ -9,14 +9,14 @@ use super::scenes::check_linkage;
 use clap::Args;
 use common::accuracy::NamedAccuracy;
 use common::scene::SceneSource;
-use coordinator::design::nominal_and_random;
-use coordinator::dispatch::Campaign;
-use coordinator::report::ReportError;
-use coordinator::result_files::write_text;
-use coordinator::tradeoff::{
+use coordinator::analyses::tradeoff::{
     Measurement, Plan, Progress, QUICK, compare, csv, figures, full, reference_row, settings, table,
     values_csv,
 };
+use coordinator::farm::dispatch::Campaign;
+use coordinator::presentation::report::ReportError;
+use coordinator::results::result_files::write_text;
+use coordinator::statistics::design::nominal_and_random;
 use std::path::{Path, PathBuf};
 
 /// A measurement of accuracy settings.

@@ -10,10 +10,10 @@ use super::so_far::SoFar;
 use super::step::{Ask, CampaignError, Step, Stop};
 use super::surprise::{largest_surprise, matters_to};
 use super::surrogates::Surrogate;
-use crate::design::{Population, choose_by_latin_hypercube};
-use crate::learning::{Rule, Stopping};
-use crate::summary::Round;
-use crate::surrogate::{Effort, PredictionCache};
+use crate::results::summary::Round;
+use crate::statistics::design::{Population, choose_by_latin_hypercube};
+use crate::statistics::learning::{Rule, Stopping};
+use crate::statistics::surrogate::{Effort, PredictionCache};
 use common::failure::SimulationFailure;
 use std::collections::VecDeque;
 

@@ -1,9 +1,9 @@
 //! Campaigns on a published static case: the series system of four branches.
 
 use super::{Campaign, FAILED_SHARE, Learned, LookedAt, Observed, Plan, Problem};
-use crate::design::InputModel;
-use crate::learning::{LearningFunction, Mode, Targets};
-use crate::surrogate::{FormSettings, StatedErrors};
+use crate::statistics::design::InputModel;
+use crate::statistics::learning::{LearningFunction, Mode, Targets};
+use crate::statistics::surrogate::{FormSettings, StatedErrors};
 use common::random::{Correlation, Distribution, GaussianCopula, standard_normal_cdf, standard_normal_pdf};
 
 /// Four-branch system, k = 7, as an output that fails at 0: minus the limit state. Echard, Gayton, Lemaire (2011).

@@ -7,8 +7,8 @@
 //! Source: an indicator kriged as a probability, Journel (1983), Nonparametric estimation of spatial distributions.
 
 use super::CampaignError;
-use crate::design::Population;
-use crate::surrogate::{Correlation, Kriging};
+use crate::statistics::design::Population;
+use crate::statistics::surrogate::{Correlation, Kriging};
 use common::failure::SimulationFailure;
 use faer::{Mat, MatRef};
 use rayon::prelude::*;
@@ -107,7 +107,7 @@ impl Feasibility {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::surrogate::Kernel;
+    use crate::statistics::surrogate::Kernel;
     use common::random::Distribution;
 
     #[test]

@@ -5,7 +5,7 @@ use super::observations::Observations;
 use super::populations::LookedAt;
 use super::round::Assessment;
 use super::step::Stop;
-use crate::summary::Round;
+use crate::results::summary::Round;
 
 /// What a campaign learned.
 #[derive(Debug)]

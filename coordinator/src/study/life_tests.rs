@@ -1,11 +1,11 @@
 //! Whole studies of a made-up two-mode life in 30 variables, through the scene, evaluator and journal interfaces.
 
 use super::{Method, Settings, StudyError, StudyResult, run};
-use crate::design::Population;
-use crate::evaluate::{EvaluateError, Evaluator, Finished, Next, Pursuit, Request};
-use crate::journal::Journal;
-use crate::progress::Silent;
-use crate::summary::Round;
+use crate::farm::evaluate::{EvaluateError, Evaluator, Finished, Next, Pursuit, Request};
+use crate::results::journal::Journal;
+use crate::results::progress::Silent;
+use crate::results::summary::Round;
+use crate::statistics::design::Population;
 use common::accuracy::NamedAccuracy;
 use common::failure::SimulationFailure;
 use common::outputs::{Diagnostics, Evaluation};
@@ -211,7 +211,7 @@ fn study(
 
 /// A result without its clock readings.
 fn timeless(mut result: StudyResult) -> StudyResult {
-    result.summary.timing_s = crate::summary::Timing::default();
+    result.summary.timing_s = crate::results::summary::Timing::default();
     result
 }
 

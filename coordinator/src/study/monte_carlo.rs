@@ -6,14 +6,14 @@ use super::result::{self, Curves};
 use super::so_far::SoFar;
 use super::thinking::Learner;
 use super::{Ask, CampaignError, Method, Observed, Problem, Settings, Step, StudyError, StudyResult};
-use crate::design::Population;
-use crate::learning::{curves, running_maximum};
-use crate::reliability::{
+use crate::results::summary::{Convergence, EvaluationCounts, Round};
+use crate::statistics::design::Population;
+use crate::statistics::learning::{curves, running_maximum};
+use crate::statistics::reliability::{
     Condition, NumericalBand, Shifted, coefficient_of_variation, distributions_from_samples,
     first_failure_with, governing_checkpoint, killers,
 };
-use crate::sensitivity::{Sampled, sensitivities};
-use crate::summary::{Convergence, EvaluationCounts, Round};
+use crate::statistics::sensitivity::{Sampled, sensitivities};
 use common::failure::SimulationFailure;
 use common::scene::Scene;
 use std::collections::VecDeque;

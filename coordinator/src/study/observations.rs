@@ -1,6 +1,6 @@
 //! What the simulations gave so far, as the surrogates want it.
 
-use crate::learning::running_maximum;
+use crate::statistics::learning::running_maximum;
 use common::outputs::Evaluation;
 use faer::Mat;
 

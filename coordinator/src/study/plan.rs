@@ -1,8 +1,8 @@
 //! What a campaign is to learn, and how.
 
-use crate::design::InputModel;
-use crate::learning::{LearningFunction, Mode, Targets};
-use crate::surrogate::{FormSettings, StatedErrors};
+use crate::statistics::design::InputModel;
+use crate::statistics::learning::{LearningFunction, Mode, Targets};
+use crate::statistics::surrogate::{FormSettings, StatedErrors};
 
 /// What is to be learned.
 #[derive(Debug, Clone, PartialEq)]

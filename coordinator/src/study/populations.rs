@@ -4,8 +4,8 @@
 use super::plan::{Plan, Problem};
 use super::rare::conditional_population;
 use super::surrogates::Surrogate;
-use crate::design::Population;
-use crate::reliability::Condition;
+use crate::statistics::design::Population;
+use crate::statistics::reliability::Condition;
 
 /// Relative change of a failure probability between two conditional populations below which it counts as settled.
 const SETTLED: f64 = 0.1;

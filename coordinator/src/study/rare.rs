@@ -12,9 +12,9 @@
 
 use super::plan::Problem;
 use super::surrogates::Surrogate;
-use crate::design::{Population, Stream, open_stream};
-use crate::learning::UNCERTAIN;
-use crate::reliability::{Condition, subset_simulation};
+use crate::statistics::design::{Population, Stream, open_stream};
+use crate::statistics::learning::UNCERTAIN;
+use crate::statistics::reliability::{Condition, subset_simulation};
 use faer::MatRef;
 use rayon::prelude::*;
 

@@ -2,7 +2,7 @@
 //! so that failing always means reaching a threshold from below.
 
 use super::Observed;
-use crate::learning::Mode;
+use crate::statistics::learning::Mode;
 use common::scene::{Fails, LimitState, Scene};
 
 /// Which rows the statistics see, and which of them each limit state watches.

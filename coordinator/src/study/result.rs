@@ -4,17 +4,17 @@ use super::responses::Responses;
 use super::rows::{failures, first_failure, sobol};
 use super::so_far::SoFar;
 use super::{Learned, LookedAt, Settings, Stop, Surrogate};
-use crate::learning::Rule;
-use crate::output_unit::OutputUnit;
-use crate::reliability::{
-    NumericalBand, OutputDistribution, killers, predict_distributions, shift_population,
-};
-use crate::sensitivity::{Sampled, Sensitivity, sensitivities};
-use crate::summary::{
+use crate::results::output_unit::OutputUnit;
+use crate::results::summary::{
     ConditionRow, Convergence, EvaluationCounts, Failures, MomentsRow, NumericalRange, SensitivityError,
     SensitivityRow, StudySummary, SurrogateRow, Timing,
 };
-use crate::surrogate::{Correlation, LeaveOneOut, Sharing, Trend};
+use crate::statistics::learning::Rule;
+use crate::statistics::reliability::{
+    NumericalBand, OutputDistribution, killers, predict_distributions, shift_population,
+};
+use crate::statistics::sensitivity::{Sampled, Sensitivity, sensitivities};
+use crate::statistics::surrogate::{Correlation, LeaveOneOut, Sharing, Trend};
 use common::scene::Scene;
 use std::collections::BTreeMap;
 

@@ -5,14 +5,14 @@ use super::observations::Observations;
 use super::plan::{Plan, Problem};
 use super::step::CampaignError;
 use super::surrogates::{Results, Surrogate};
-use crate::design::Population;
-use crate::learning::{
+use crate::results::summary::Round;
+use crate::statistics::design::Population;
+use crate::statistics::learning::{
     Classification, CurveErrors, Figures, Selection, checkpoints_that_matter, choose_pool, classify,
     classify_cached, coupled_criterion, curves, dominance, estimate_errors, explore, noise_shifts,
 };
-use crate::reliability::governing_checkpoint;
-use crate::summary::Round;
-use crate::surrogate::{Effort, Kriging, Posterior, PredictionCache};
+use crate::statistics::reliability::governing_checkpoint;
+use crate::statistics::surrogate::{Effort, Kriging, Posterior, PredictionCache};
 use faer::{Mat, MatRef};
 use rayon::prelude::*;
 
@@ -212,7 +212,7 @@ pub(super) fn assess(
         governing_error: errors.by_curve[system][on_grid],
         governing_share: failed.min(1.0 - failed),
     };
-    let uncertain = free().filter(|c| c.system < crate::learning::UNCERTAIN).count();
+    let uncertain = free().filter(|c| c.system < crate::statistics::learning::UNCERTAIN).count();
     let weights: Vec<f64> = pool.members.iter().filter_map(|j| dominance(&modes, *j, on_grid)).collect();
     let feasibility = Feasibility::new(points.as_ref(), known.failed, surrogates[0].model.correlation());
     let feasible = feasibility.probability(members.as_ref());

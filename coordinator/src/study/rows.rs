@@ -1,9 +1,9 @@
 //! Parts of a result that are read off what was learned: Sobol indices, what fails first, simulations without a result.
 
 use super::{Failed, Learned};
-use crate::reliability::Condition;
-use crate::sensitivity::sobol_indices;
-use crate::summary::{FailureRow, Failures, FirstFailureRow, SobolError, SobolRow};
+use crate::results::summary::{FailureRow, Failures, FirstFailureRow, SobolError, SobolRow};
+use crate::statistics::reliability::Condition;
+use crate::statistics::sensitivity::sobol_indices;
 use common::scene::Scene;
 use faer::{Mat, MatRef};
 use std::collections::BTreeMap;

@@ -1,8 +1,8 @@
 //! What a study is asked to do.
 
 use super::{Plan, StudyError};
-use crate::learning::{LearningFunction, Targets};
-use crate::surrogate::{FormSettings, StatedErrors};
+use crate::statistics::learning::{LearningFunction, Targets};
+use crate::statistics::surrogate::{FormSettings, StatedErrors};
 use common::accuracy::{Accuracy, NamedAccuracy};
 use common::scene::{Scene, StudySettings};
 

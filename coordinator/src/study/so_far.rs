@@ -1,7 +1,7 @@
 //! What is known of the reliability while a study runs, and the rows in which it is told then and at the end.
 
-use crate::reliability::{Condition, CurvePoint, reliability_curve};
-use crate::summary::{PerLimitState, ReliabilityRow};
+use crate::results::summary::{PerLimitState, ReliabilityRow};
+use crate::statistics::reliability::{Condition, CurvePoint, reliability_curve};
 use std::collections::BTreeMap;
 
 /// Failure shares and how far they can be trusted.

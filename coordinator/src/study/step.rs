@@ -1,7 +1,7 @@
 //! What a campaign asks for, and why it ends.
 
-use crate::learning::Rule;
-use crate::surrogate::SurrogateError;
+use crate::statistics::learning::Rule;
+use crate::statistics::surrogate::SurrogateError;
 use common::failure::SimulationFailure;
 use thiserror::Error;
 

@@ -7,7 +7,7 @@
 
 use super::observations::{Observations, Observed};
 use super::surrogates::{Results, Surrogate};
-use crate::learning::{Mode, running_maximum};
+use crate::statistics::learning::{Mode, running_maximum};
 use faer::{Mat, MatRef};
 
 impl Surrogate {

@@ -1,6 +1,6 @@
 //! The surrogate of one limit state: fitted anew, or grown by what was simulated since.
 
-use crate::surrogate::{
+use crate::statistics::surrogate::{
     CrossValidation, Effort, Form, FormSettings, Incumbent, Kriging, LeaveOneOut, NoiseShape, Sharing,
     StatedErrors, SurrogateError, TrainingSet, compare_sharing, fit_surrogate,
 };

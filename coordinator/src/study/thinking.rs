@@ -4,7 +4,7 @@
 use super::dispatching::Outcome;
 use super::so_far::SoFar;
 use super::{CampaignError, Step};
-use crate::summary::Round;
+use crate::results::summary::Round;
 use std::sync::mpsc::{Receiver, Sender};
 use std::time::{Duration, Instant};
 

@@ -5,7 +5,7 @@
 //!
 //! `practice_study worker ENDPOINT NAME MILLISECONDS`: one slot, a simulation takes so long; says `started MARK`.
 
-use coordinator::dispatch::{Listen, ZenohEvaluator};
+use coordinator::farm::dispatch::{Listen, ZenohEvaluator};
 use std::error::Error;
 use std::path::Path;
 use std::process::ExitCode;
@@ -46,7 +46,7 @@ fn coordinate(folder: &Path, endpoint: &str, samples: &str) -> Result<(), Box<dy
     std::thread::spawn(move || {
         let mut known: Vec<String> = Vec::new();
         loop {
-            let here = |workers: &[coordinator::dispatch::ConnectedWorker]| -> Vec<String> {
+            let here = |workers: &[coordinator::farm::dispatch::ConnectedWorker]| -> Vec<String> {
                 workers.iter().map(|worker| worker.name.clone()).collect()
             };
             attendance.wait_for(Duration::MAX, |workers| here(workers) != known);

@@ -4,11 +4,11 @@ use super::{LONGEST, all_kept, all_recorded, check_end, coordinator, free_endpoi
 use crate::practice_study::{PracticeStudy, evaluation, recorded};
 use crate::process::Process;
 use crate::{Practice, skipped};
-use coordinator::dispatch::{Listen, ZenohEvaluator};
-use coordinator::evaluate::{EvaluateError, Finished, Request};
-use coordinator::journal::Journal;
-use coordinator::store::CampaignFile;
-use coordinator::summary::Round;
+use coordinator::farm::dispatch::{Listen, ZenohEvaluator};
+use coordinator::farm::evaluate::{EvaluateError, Finished, Request};
+use coordinator::results::journal::Journal;
+use coordinator::results::store::CampaignFile;
+use coordinator::results::summary::Round;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::sync::Arc;

@@ -3,7 +3,7 @@
 use super::{LONGEST, all_recorded, free_endpoint, spread, undisturbed, worker};
 use crate::practice_study::PracticeStudy;
 use crate::process::Process;
-use coordinator::dispatch::{Listen, ZenohEvaluator};
+use coordinator::farm::dispatch::{Listen, ZenohEvaluator};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 /// `beside` came to.
 fn beside_study<T: Send>(
     samples: usize,
-    beside: impl FnOnce(&str, &coordinator::dispatch::Attendance) -> T + Send,
+    beside: impl FnOnce(&str, &coordinator::farm::dispatch::Attendance) -> T + Send,
 ) -> (Vec<String>, T) {
     let folder = tempfile::tempdir().expect("there is room for a folder");
     let study = PracticeStudy::monte_carlo(samples);

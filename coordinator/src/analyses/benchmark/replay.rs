@@ -1,0 +1,137 @@
+//! Learning from simulations that are all there already: a direct Monte Carlo run stands in for the simulator, and its
+//! samples are the population. So the error of every round is known, not estimated, and a change of the engine is
+//! judged on a real mechanism in seconds.
+
+use crate::statistics::learning::curves;
+use crate::study::{Campaign, CampaignError, Observed, Plan, Simulated, Stop, Surrogate, problem_of};
+use crate::study::{Settings, as_told, first_failures};
+use common::failure::SimulationFailure;
+use common::scene::Scene;
+use serde::Serialize;
+use std::collections::HashMap;
+use std::time::Instant;
+use thiserror::Error;
+
+/// Why simulations cannot be replayed.
+#[derive(Debug, Error)]
+pub enum ReplayError {
+    /// Not the first points of the population of this seed.
+    #[error(
+        "sample {0} is not that of the study's seed; expected a direct Monte Carlo run (--method monte-carlo) without failed \
+         simulations"
+    )]
+    Foreign(usize),
+    /// Learning cannot go on.
+    #[error(transparent)]
+    Campaign(#[from] CampaignError),
+}
+
+/// One round and its true error.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ReplayedRound {
+    /// Evaluations told.
+    pub evaluations: usize,
+    /// Largest error of any curve at any checkpoint that the surrogates state [1].
+    pub stated_error: f64,
+    /// Largest difference of any curve at any checkpoint from the simulated one [1].
+    pub true_error: f64,
+    /// Root mean square over curves and checkpoints of the grid of (difference / stated error) [1].
+    pub error_ratio: f64,
+    /// Share of the population with U_c < 2.
+    pub uncertain: f64,
+    /// Per limit state: kernel, trend, smallest Q2 by leaving one out and by cross-validation, and the factor on the predicted
+    /// variances.
+    pub surrogates: Vec<String>,
+}
+
+/// A study from beginning to end.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Replayed {
+    /// Points of the population.
+    pub population: usize,
+    /// Rounds.
+    pub rounds: Vec<ReplayedRound>,
+    /// Why it ended.
+    pub stopped_by: String,
+    /// Time of learning [s].
+    pub seconds: f64,
+}
+
+/// Learns from the nominal evaluation and those of the population's first points, in its order, as a study with
+/// these settings would learn whose population they are.
+///
+/// # Errors
+/// [`ReplayError`].
+pub fn replay(
+    scene: &Scene,
+    settings: &Settings,
+    nominal: &Simulated,
+    samples: &[Simulated],
+) -> Result<Replayed, ReplayError> {
+    let problem = problem_of(scene);
+    let plan = Plan {
+        population: samples.len(),
+        largest_population: samples.len(),
+        retry: false,
+        ..settings.plan(scene)
+    };
+    let simulated: Vec<Vec<u32>> = first_failures(scene, samples);
+    let views: Vec<&[u32]> = simulated.iter().map(Vec::as_slice).collect();
+    let truth = curves(&views, problem.checkpoints.len());
+    let points: Vec<Simulated> = samples.iter().chain([nominal]).cloned().collect();
+    let told = as_told(scene, &points);
+    let known: HashMap<Vec<u64>, &Observed> =
+        points.iter().map(|point| bits(&point.sample)).zip(&told).collect();
+    let campaign = Campaign::new(problem, plan);
+    if let Some(foreign) = (0..samples.len()).find(|j| !known.contains_key(&bits(&campaign.sample(*j)))) {
+        return Err(ReplayError::Foreign(foreign));
+    }
+    let started = Instant::now();
+    let mut rounds: Vec<ReplayedRound> = Vec::new();
+    let simulate =
+        |sample: &[f64]| -> Result<Observed, SimulationFailure> { Ok((*known[&bits(sample)]).clone()) };
+    let learned = campaign.learn_from(simulate, |campaign| {
+        if campaign.rounds().len() > rounds.len()
+            && let Some(round) = round_of(campaign, &truth)
+        {
+            rounds.push(round);
+        }
+    })?;
+    let stopped_by = match learned.stop {
+        Stop::Budget => "budget".to_owned(),
+        Stop::Rule(rule) => format!("{rule:?}").to_lowercase(),
+    };
+    Ok(Replayed { population: samples.len(), rounds, stopped_by, seconds: started.elapsed().as_secs_f64() })
+}
+
+fn bits(sample: &[f64]) -> Vec<u64> {
+    sample.iter().map(|x| x.to_bits()).collect()
+}
+
+fn round_of(campaign: &Campaign, truth: &[Vec<f64>]) -> Option<ReplayedRound> {
+    let assessment = campaign.assessment()?;
+    let pairs = assessment.curves.iter().flatten().zip(truth.iter().flatten());
+    let true_error = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let (mut squares, mut count) = (0.0, 0.0);
+    for ((found, truth), errors) in assessment.curves.iter().zip(truth).zip(&assessment.errors.by_curve) {
+        for (n, error) in assessment.grid.iter().zip(errors).filter(|(_, error)| **error > 1e-4) {
+            squares += ((found[*n] - truth[*n]) / error).powi(2);
+            count += 1.0;
+        }
+    }
+    let of = |surrogate: &Surrogate| {
+        let model = &surrogate.model;
+        let q2 = surrogate.leave_one_out.iter().map(|l| l.q2).fold(1.0, f64::min);
+        let crossed = surrogate.cross_validation.as_ref().map_or(q2, |crossed| crossed.q2);
+        let (kernel, trend) = (model.correlation().kernel.name(), model.trend().name());
+        format!("{kernel} {trend} {q2:.4} {crossed:.4} {:.2}", surrogate.inflation())
+    };
+    Some(ReplayedRound {
+        evaluations: campaign.evaluations(),
+        stated_error: assessment.errors.largest(),
+        true_error,
+        error_ratio: if count > 0.0 { f64::sqrt(squares / count) } else { 0.0 },
+        uncertain: assessment.share_uncertain,
+        surrogates: assessment.surrogates.iter().map(of).collect(),
+    })
+}

@@ -1,0 +1,207 @@
+//! Surrogates of every response that a target looks at, and the targets' values they give at any parameters.
+
+use super::space::Space;
+use super::targets::{Looks, Target};
+use crate::statistics::design::Population;
+use crate::statistics::learning::running_maximum;
+use crate::statistics::surrogate::{
+    Effort, FormSettings, Kriging, Prediction, SurrogateError, TrainingSet, fit_surrogate,
+};
+use common::outputs::Evaluation;
+use common::random::standard_normal_cdf;
+use common::scene::LimitState;
+use faer::Mat;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+
+/// Samples over which statistics are taken.
+const POPULATION: usize = 1000;
+
+/// Responses that share a surrogate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Group {
+    /// Running maximum of an output, at the checkpoints asked for.
+    Largest(usize),
+    /// Values of an output.
+    Value(usize),
+    /// Force peaks.
+    Forces,
+    /// Wear depths of a joint.
+    Bore(usize),
+}
+
+/// One response: where in its group.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Column {
+    Checkpoint(usize),
+    Joint(usize),
+    Angle(f64),
+}
+
+/// A simulated sample.
+pub(super) struct Simulated {
+    pub sample: Vec<f64>,
+    pub evaluation: Evaluation,
+}
+
+/// Surrogates and what is looked at through them.
+pub(super) struct Responses<'a> {
+    space: &'a Space,
+    targets: &'a [Target],
+    surrogates: BTreeMap<Group, (Vec<Column>, Kriging)>,
+    /// Standardised variables `(POPULATION)(d,)`.
+    population: Population,
+    /// Least leave-one-out Q2 of each group's responses.
+    q2: BTreeMap<Group, f64>,
+}
+
+impl<'a> Responses<'a> {
+    /// Fits them. Depends on its arguments only.
+    pub fn fit(
+        space: &'a Space,
+        targets: &'a [Target],
+        simulated: &[Simulated],
+        seed: u64,
+    ) -> Result<Self, SurrogateError> {
+        let mut columns: BTreeMap<Group, Vec<Column>> = BTreeMap::new();
+        for (group, column) in
+            targets.iter().flat_map(|target| needed(&target.looks, &space.scene().limit_states))
+        {
+            let all = columns.entry(group).or_default();
+            if !all.contains(&column) {
+                all.push(column);
+            }
+        }
+        let features: Vec<Vec<f64>> = simulated.iter().map(|point| space.features(&point.sample)).collect();
+        let d = features.first().map_or(0, Vec::len);
+        let points = Mat::from_fn(d, features.len(), |k, i| features[i][k]);
+        let fitted = columns
+            .into_par_iter()
+            .map(|(group, columns)| {
+                let rows: Vec<Vec<f64>> =
+                    simulated.iter().map(|point| values(group, &columns, &point.evaluation)).collect();
+                let table = Mat::from_fn(rows.len(), columns.len(), |i, o| rows[i][o]);
+                let training = TrainingSet { points: points.as_ref(), values: table.as_ref(), noise: None };
+                let model = fit_surrogate(training, FormSettings::default(), None, Effort::MultiStart)?.model;
+                let q2 = model.leave_one_out(table.as_ref()).iter().map(|l| l.q2).fold(1.0, f64::min);
+                Ok((group, columns, model, q2))
+            })
+            .collect::<Result<Vec<_>, SurrogateError>>()?;
+        let q2 = fitted.iter().map(|(group, _, _, q2)| (*group, *q2)).collect();
+        let surrogates =
+            fitted.into_iter().map(|(group, columns, model, _)| (group, (columns, model))).collect();
+        let population = Population::draw(space.inputs.clone(), POPULATION, seed);
+        Ok(Self { space, targets, surrogates, population, q2 })
+    }
+
+    /// The targets' values at these parameters `(p,)`, in the targets' order [SI].
+    pub fn at(&self, parameters: &[f64]) -> Vec<f64> {
+        let nominal = vec![0.0; self.space.inputs.dimension()];
+        let samples = (0..POPULATION).map(|j| self.population.standardised(j)).chain([nominal.as_slice()]);
+        let features: Vec<Vec<f64>> =
+            samples.map(|z| self.space.features(&self.space.sample(z, parameters))).collect();
+        let points = Mat::from_fn(features[0].len(), features.len(), |k, j| features[j][k]);
+        let predictions: BTreeMap<Group, Prediction> = self
+            .surrogates
+            .iter()
+            .map(|(group, (_, model))| (*group, model.predict(points.as_ref())))
+            .collect();
+        self.targets.iter().map(|target| self.value(&target.looks, &predictions)).collect()
+    }
+
+    /// Least leave-one-out Q2 of the surrogates a target is seen through.
+    pub fn q2(&self, target: &Target) -> f64 {
+        let groups = needed(&target.looks, &self.space.scene().limit_states);
+        groups.iter().map(|(group, _)| self.q2[group]).fold(1.0, f64::min)
+    }
+
+    fn value(&self, looks: &Looks, predictions: &BTreeMap<Group, Prediction>) -> f64 {
+        let row = |group: Group, column: Column| -> (Vec<f64>, Group, usize) {
+            let place =
+                self.surrogates[&group].0.iter().position(|other| *other == column).expect("a needed column");
+            let mean = &predictions[&group].mean;
+            ((0..=POPULATION).map(|j| mean[(place, j)]).collect(), group, place)
+        };
+        match looks {
+            Looks::Mean { output, n } => {
+                let (values, ..) = row(Group::Value(*output), Column::Checkpoint(*n));
+                mean(&values[..POPULATION])
+            }
+            Looks::Std { output, n } => {
+                let (values, ..) = row(Group::Value(*output), Column::Checkpoint(*n));
+                let centre = mean(&values[..POPULATION]);
+                let squares: f64 = values[..POPULATION].iter().map(|y| (y - centre).powi(2)).sum();
+                (squares / (POPULATION - 1) as f64).sqrt()
+            }
+            Looks::Nominal { output, n } => row(Group::Value(*output), Column::Checkpoint(*n)).0[POPULATION],
+            Looks::PeakForce { joint } => row(Group::Forces, Column::Joint(*joint)).0[POPULATION],
+            Looks::Depth { joint, angle } => row(Group::Bore(*joint), Column::Angle(*angle)).0[POPULATION],
+            Looks::Reliability { limit_state, n } => {
+                let limits = &self.space.scene().limit_states;
+                let chosen = |s: &usize| limit_state.is_none_or(|chosen| chosen == *s);
+                let mut survival = vec![1.0; POPULATION];
+                for limit in (0..limits.len()).filter(chosen).map(|s| &limits[s]) {
+                    let (values, group, place) = row(Group::Largest(limit.output), Column::Checkpoint(*n));
+                    let (model, prediction) = (&self.surrogates[&group].1, &predictions[&group]);
+                    // Smooth in the parameters, and right on average where the surrogate is uncertain.
+                    let noise = model.correlation().noise();
+                    for (j, survives) in survival.iter_mut().enumerate() {
+                        let variance = model.sigma2()[place] * (prediction.variance_factor[j] + noise);
+                        *survives *= standard_normal_cdf(
+                            (limit.threshold - values[j]) / variance.sqrt().max(f64::MIN_POSITIVE),
+                        );
+                    }
+                }
+                mean(&survival)
+            }
+        }
+    }
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+/// The responses that a target is made of.
+fn needed(looks: &Looks, limits: &[LimitState]) -> Vec<(Group, Column)> {
+    match looks {
+        Looks::Mean { output, n } | Looks::Std { output, n } | Looks::Nominal { output, n } => {
+            vec![(Group::Value(*output), Column::Checkpoint(*n))]
+        }
+        Looks::Reliability { limit_state, n } => {
+            let chosen =
+                limits.iter().enumerate().filter(|(s, _)| limit_state.is_none_or(|chosen| chosen == *s));
+            chosen.map(|(_, limit)| (Group::Largest(limit.output), Column::Checkpoint(*n))).collect()
+        }
+        Looks::PeakForce { joint } => vec![(Group::Forces, Column::Joint(*joint))],
+        Looks::Depth { joint, angle } => vec![(Group::Bore(*joint), Column::Angle(*angle))],
+    }
+}
+
+/// Values of a group's columns `(c,)` in one evaluation.
+fn values(group: Group, columns: &[Column], evaluation: &Evaluation) -> Vec<f64> {
+    let history = match group {
+        Group::Largest(output) => running_maximum(&evaluation.histories[output]),
+        Group::Value(output) => evaluation.histories[output].clone(),
+        Group::Forces | Group::Bore(_) => Vec::new(),
+    };
+    let value = |column: &Column| match (group, column) {
+        (_, Column::Checkpoint(n)) => history[*n],
+        (_, Column::Joint(joint)) => evaluation.joints[*joint].peak_force,
+        (Group::Bore(joint), Column::Angle(angle)) => depth(&evaluation.joints[joint].wear_depth, *angle),
+        (_, Column::Angle(_)) => 0.0,
+    };
+    columns.iter().map(value).collect()
+}
+
+/// Depth at an angle between control points at equal angles from zero on, linearly; zero of a joint that does not wear.
+pub(super) fn depth(depths: &[f64], angle: f64) -> f64 {
+    if depths.is_empty() {
+        return 0.0;
+    }
+    let place = angle.rem_euclid(TAU) / TAU * depths.len() as f64;
+    let (left, share) = (place.floor(), place.fract());
+    let at = |k: f64| depths[k as usize % depths.len()];
+    at(left) * (1.0 - share) + at(left + 1.0) * share
+}

@@ -1,0 +1,189 @@
+//! Calibrations of the four-bar with a stand-in in closed form for its simulation, so that the right answer is known.
+
+use super::responses::depth;
+use super::{Calibration, CalibrationError, Outcome, Space, calibrate, markdown, parse_targets};
+use crate::farm::evaluate::Request;
+use crate::farm::evaluate::local::LocalEvaluator;
+use common::accuracy::Accuracy;
+use common::failure::SimulationFailure;
+use common::outputs::{Diagnostics, Evaluation, JointSummary};
+use common::random::standard_normal_cdf;
+use common::scene::{Scene, SceneSource};
+use std::path::Path;
+
+const PARAMETERS: &str = r#"
+[[parameters]]
+name = "width"
+changes = ["parameters.width"]
+lower = "5 mm"
+upper = "15 mm"
+
+[[parameters]]
+name = "wear"
+mean_of = ["wear_coefficient"]
+lower = 0.5
+upper = 2.0
+
+[[parameters]]
+name = "spread of wear"
+spread_of = ["wear_coefficient"]
+lower = 0.5
+upper = 2.0
+"#;
+
+fn four_bar() -> SceneSource {
+    SceneSource::builtin("four-bar").unwrap()
+}
+
+/// Wear in proportion to coefficient and life, over the width; a peak force that grows with the width; a bore deepest at 90
+/// degrees.
+fn stand_in(scene: &Scene, request: &Request) -> Result<Evaluation, SimulationFailure> {
+    let (coefficient, width) = (request.sample[0], request.sample[scene.variables.len()]);
+    let nominal = scene.variables[0].distribution.mean();
+    let end = 8e-6 * coefficient / nominal * 0.01 / width;
+    let cycles = scene.life.checkpoints();
+    let last = f64::from(scene.life.cycles);
+    let history = cycles.iter().map(|n| end * f64::from(*n) / last).collect();
+    let bore = |k: usize| end * 0.5 * (1.0 + (k as f64 * 10.0_f64.to_radians()).sin());
+    let joint = |joint: &common::scene::Joint| JointSummary {
+        name: joint.name.clone(),
+        peak_force: 20.0 + 1000.0 * width,
+        wear_depth: (0..36).map(bore).collect(),
+    };
+    Ok(Evaluation {
+        histories: vec![history, vec![1.0; cycles.len()]],
+        cycles,
+        errors: vec![],
+        joints: scene.joints.iter().map(joint).collect(),
+        first_cycle: None,
+        worn: None,
+        diagnostics: Diagnostics::default(),
+    })
+}
+
+fn fitted(targets: &str) -> Result<Outcome, CalibrationError> {
+    let source = four_bar();
+    let scene = source.nominal();
+    let targets = parse_targets(&format!("{PARAMETERS}{targets}"), Path::new("targets.toml"), scene)?;
+    let space = Space::new(&source, &targets.free)?;
+    let plan = Calibration { simulations: 60, rounds: 1, seed: 1, accuracy: Accuracy::draft() };
+    let mut evaluator = LocalEvaluator::new(2, |request: &Request| stand_in(scene, request));
+    calibrate(&targets, &plan, &mut evaluator, &space, &mut |_| {})
+}
+
+#[test]
+fn known_parameters_are_found_with_their_uncertainties() {
+    let source = four_bar();
+    let law = source.nominal().variables[0].distribution;
+    // Width 8 mm, wear 1.2, spread 1.5: mean wear 8 um * 1.2 / 0.8 at the end, and R there.
+    let (mean, std) = (12e-6, 8e-6 * 1.5 * law.std() / law.mean() / 0.8);
+    let reliability = standard_normal_cdf((8e-6 * 8.0 / 6.0 - mean) / std);
+    let targets = format!(
+        r#"
+        [[targets]]
+        output = "max_wear_depth"
+        cycles = 8000
+        statistic = "mean"
+        value = "12 um"
+        tolerance = "0.1 um"
+        [[targets]]
+        name = "spread"
+        output = "max_wear_depth"
+        cycles = 8000
+        statistic = "std"
+        value = "{std} m"
+        tolerance = "0.05 um"
+        [[targets]]
+        joint = "crank"
+        statistic = "peak-force"
+        value = "28 N"
+        tolerance = "0.1 N"
+        "#
+    );
+    assert!(reliability > 0.0);
+    let found = fitted(&targets).unwrap();
+    for (parameter, right) in found.parameters.iter().zip([8e-3, 1.2, 1.5]) {
+        let off = (parameter.value - right).abs();
+        assert!(off < parameter.uncertainty && off < 0.04 * right, "{parameter:?} {right}");
+        assert!(parameter.determined && !parameter.on_bound, "{parameter:?}");
+    }
+    // The force says the width to 0.1 mm; so the wear is known to 0.1 / 12 and 0.1 / 8 of it together.
+    assert!((found.parameters[0].uncertainty / 1e-4 - 1.0).abs() < 0.1, "{found:?}");
+    assert!((found.parameters[1].uncertainty / 0.018 - 1.0).abs() < 0.2, "{found:?}");
+    assert!(found.correlation[0][1] > 0.5 && found.conflicts.is_empty(), "{found:?}");
+    assert_eq!((found.simulations, found.failed), (80, 0));
+    let text = markdown(&found);
+    assert!(text.contains("| mean of max_wear_depth at 8000 | 12.00 um |"), "{text}");
+}
+
+#[test]
+fn targets_that_contradict_each_other_are_named() {
+    let wear = |name: &str, value: &str| {
+        format!(
+            "[[targets]]\nname = \"{name}\"\noutput = \"max_wear_depth\"\ncycles = 8000\nstatistic = \"nominal\"\n\
+             value = \"{value}\"\ntolerance = \"0.2 um\"\n"
+        )
+    };
+    let found = fitted(&(wear("bench one", "8 um") + &wear("bench two", "10 um"))).unwrap();
+    let names: Vec<&str> = found.conflicts.iter().map(|conflict| conflict.target.as_str()).collect();
+    assert_eq!(names, ["bench one", "bench two"]);
+    let first = &found.conflicts[0];
+    assert!(first.alone.abs() < 0.1 && first.costs[0].0 == "bench two", "{first:?}");
+    // Nothing here depends on the spread, and wear alone cannot tell width from coefficient.
+    assert!(!found.parameters[2].determined, "{found:?}");
+    assert!(found.correlation[0][1] > 0.8, "{found:?}");
+    // Far outside of what the bounds allow.
+    let found = fitted(&wear("bench three", "100 um")).unwrap();
+    assert!(found.conflicts[0].alone.abs() > 100.0 && found.parameters[1].on_bound, "{found:?}");
+    assert!(markdown(&found).contains("No parameters within the bounds meet it"));
+}
+
+#[test]
+fn a_measured_profile_is_read_from_a_file() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("bore.csv"), "angle,depth\n0,5\n90,10\n270,0\n").unwrap();
+    let text = format!(
+        "{PARAMETERS}[[targets]]\njoint = \"rocker\"\nprofile = \"bore.csv\"\ntolerance = \"0.1 um\"\n"
+    );
+    let source = four_bar();
+    let read = |text: &str| parse_targets(text, &folder.path().join("targets.toml"), source.nominal());
+    let targets = read(&text).unwrap().targets;
+    let values: Vec<f64> = targets.iter().map(|target| (target.value * 1e9).round()).collect();
+    assert_eq!(values, [5000.0, 10_000.0, 0.0]);
+    assert_eq!(targets[1].name, "bore rocker at 90 deg");
+    let bore = [0.0, 1.0, 2.0, 1.0];
+    assert_eq!(
+        [0.0, 45.0, 180.0, 315.0, -45.0].map(|a: f64| (depth(&bore, a.to_radians()) * 1e9).round()),
+        [0.0, 0.5e9, 2e9, 0.5e9, 0.5e9]
+    );
+    std::fs::write(folder.path().join("bore.csv"), "0,five\n").unwrap();
+    let error = read(&text).unwrap_err().to_string();
+    assert!(error.contains("bore.csv, line 1: expected an angle in degrees and a depth in um"), "{error}");
+}
+
+#[test]
+fn faults_of_the_file_are_named_with_their_key() {
+    let target = "[[targets]]\noutput = \"max_wear_depth\"\ncycles = 8000\nstatistic = \"mean\"\nvalue = \"12 um\"\ntolerance = \"1 um\"\n";
+    for (from, to, expected) in [
+        ("12 um", "12 N", "targets[1].value: \"12 N\" is a force, expected a length"),
+        ("cycles = 8000", "cycles = 8001", "targets[1].cycles: expected a checkpoint of the life"),
+        (
+            "max_wear_depth",
+            "wear",
+            "targets[1].output: there is no output \"wear\"; there are max_wear_depth",
+        ),
+        ("\"mean\"", "\"median\"", "\"median\": allowed are mean, std, nominal"),
+        ("\"1 um\"", "\"0 um\"", "targets[1].tolerance: expected above zero"),
+        ("lower = 0.5", "lower = 3", "expected 0 < lower < upper"),
+        ("mean_of", "means_of", "unknown field `means_of`"),
+        ("[\"parameters.width\"]", "[\"parameters.widht\"]", "widht"),
+    ] {
+        let text = format!("{PARAMETERS}{target}");
+        assert!(text.contains(from), "{from}");
+        let source = four_bar();
+        let found = parse_targets(&text.replacen(from, to, 1), Path::new("t.toml"), source.nominal())
+            .and_then(|targets| Space::new(&source, &targets.free));
+        let error = found.err().map(|error| error.to_string()).unwrap_or_default();
+        assert!(error.contains(expected), "{to}: {error}");
+    }
+}

@@ -1,0 +1,170 @@
+//! Evaluations of several settings at several points, by whoever evaluates.
+
+use super::settings::REFERENCE;
+use crate::farm::evaluate::{EvaluateError, Evaluator, Finished, Request};
+use common::accuracy::NamedAccuracy;
+use common::failure::SimulationFailure;
+use common::outputs::Evaluation;
+
+/// One setting at one point.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measured {
+    /// Time on one core, as the worker measured it [s].
+    pub seconds: f64,
+    /// What came of it.
+    pub outcome: Result<Evaluation, SimulationFailure>,
+}
+
+/// What is to be measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plan {
+    /// The settings; `reference` is measured besides and need not be among them.
+    pub settings: Vec<NamedAccuracy>,
+    /// Values of the random variables `(points)(d,)` [SI]: first the nominal point, then random ones.
+    pub points: Vec<Vec<f64>>,
+}
+
+/// What was measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measurement {
+    /// The points at which everything was evaluated: the first ones of the plan.
+    pub points: usize,
+    /// `reference` at these points `(points,)`.
+    pub reference: Vec<Measured>,
+    /// Every setting of the plan at these points `(settings)(points,)`.
+    pub settings: Vec<Vec<Measured>>,
+}
+
+/// How far a measurement has come.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Progress<'a> {
+    /// Evaluations done.
+    pub done: usize,
+    /// Evaluations in all.
+    pub all: usize,
+    /// Setting that was evaluated.
+    pub setting: &'a str,
+    /// At which point, from 0.
+    pub point: usize,
+    /// How long it took [s].
+    pub seconds: f64,
+}
+
+impl Plan {
+    /// The requests of the plan, one point after the other, so that what was done by an interruption can be compared:
+    /// number (1 + settings) point + k is `reference` for k = 0, else setting k - 1.
+    fn requests(&self) -> Vec<Request> {
+        let reference = common::accuracy::Accuracy::reference();
+        let accuracies: Vec<_> =
+            std::iter::once(reference).chain(self.settings.iter().map(|s| s.accuracy)).collect();
+        let one = |point: &Vec<f64>, accuracy| (point.clone(), accuracy);
+        let jobs = self.points.iter().flat_map(|point| accuracies.iter().map(move |a| one(point, *a)));
+        (0..)
+            .zip(jobs)
+            .map(|(id, (sample, accuracy))| Request {
+                id,
+                sample,
+                with_first_cycle: false,
+                accuracy: Some(accuracy),
+            })
+            .collect()
+    }
+
+    /// Evaluates it all. What is complete when the evaluator ends early is returned beside its error.
+    pub fn measure(
+        &self,
+        evaluator: &mut dyn Evaluator,
+        progress: &mut dyn FnMut(Progress<'_>),
+    ) -> (Measurement, Result<(), EvaluateError>) {
+        let requests = self.requests();
+        let per_point = 1 + self.settings.len();
+        let mut measured: Vec<Option<Measured>> = vec![None; requests.len()];
+        let mut done = 0;
+        let end = evaluator.evaluate(&requests, &mut |finished: Finished| {
+            let k = finished.id as usize;
+            let Some(place) = measured.get_mut(k) else {
+                let what = format!("an outcome of evaluation {k} that nobody asked for");
+                return Err(EvaluateError::Transport(what));
+            };
+            done += 1;
+            let setting = (k % per_point).checked_sub(1).map_or(REFERENCE, |s| &self.settings[s].name);
+            let (point, seconds) = (k / per_point, finished.wall);
+            progress(Progress { done, all: requests.len(), setting, point, seconds });
+            *place = Some(Measured { seconds, outcome: finished.outcome });
+            Ok(())
+        });
+        let mut points: Vec<Vec<Measured>> = Vec::new();
+        let mut rest = measured.into_iter();
+        while let Some(point) = rest.by_ref().take(per_point).collect::<Option<Vec<_>>>() {
+            if point.is_empty() {
+                break;
+            }
+            points.push(point);
+        }
+        let column = |k: usize| points.iter().map(|point| point[k].clone()).collect();
+        let measurement = Measurement {
+            points: points.len(),
+            reference: column(0),
+            settings: (1..per_point).map(column).collect(),
+        };
+        (measurement, end)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::farm::evaluate::local::LocalEvaluator;
+    use std::sync::Arc;
+    use std::sync::atomic::{AtomicBool, Ordering};
+
+    fn plan() -> Plan {
+        let settings = super::super::settings(["draft", "jump-250"]).expect("names of settings");
+        Plan { settings, points: vec![vec![1.0], vec![2.0], vec![3.0]] }
+    }
+
+    /// Says in the outcome what it was asked.
+    fn echo(request: &Request) -> Result<Evaluation, SimulationFailure> {
+        let jump = request.accuracy.expect("every request says how").cycle_jump;
+        Err(SimulationFailure::NotModelled { what: format!("{jump} at {}", request.sample[0]) })
+    }
+
+    fn said(measured: &[Measured]) -> Vec<String> {
+        measured.iter().map(|m| m.outcome.as_ref().unwrap_err().to_string()).collect()
+    }
+
+    #[test]
+    fn every_setting_meets_every_point() {
+        let mut seen = Vec::new();
+        let (found, end) = plan().measure(&mut LocalEvaluator::new(2, echo), &mut |p| {
+            seen.push((p.setting.to_owned(), p.point));
+            assert_eq!((p.done, p.all), (seen.len(), 9));
+        });
+        assert!(end.is_ok());
+        assert_eq!(found.points, 3);
+        for (measured, jump) in [
+            (&found.reference, common::accuracy::Accuracy::reference().cycle_jump),
+            (&found.settings[0], common::accuracy::Accuracy::draft().cycle_jump),
+            (&found.settings[1], 250),
+        ] {
+            for (point, said) in said(measured).iter().enumerate() {
+                assert!(said.contains(&format!("{jump} at {}", point + 1)), "{said}");
+            }
+        }
+        seen.sort();
+        seen.dedup();
+        assert_eq!(seen.len(), 9);
+    }
+
+    #[test]
+    fn an_interruption_leaves_the_points_that_are_complete() {
+        let interrupted = Arc::new(AtomicBool::new(false));
+        let mut evaluator = LocalEvaluator::new(1, echo).interrupted_by(Arc::clone(&interrupted));
+        // Five of nine evaluations: one point, and a part of the second.
+        let (found, end) = plan().measure(&mut evaluator, &mut |p| {
+            interrupted.store(p.done == 5, Ordering::Relaxed);
+        });
+        assert!(matches!(end, Err(EvaluateError::Interrupted)));
+        assert_eq!((found.points, found.reference.len(), found.settings[1].len()), (1, 1, 1));
+    }
+}

@@ -1,0 +1,342 @@
+//! Who evaluates what: a pure state machine. No clock, no messages, no threads; events in, commands out.
+//!
+//! ```text
+//! Submit -> queued -> leased -> delivered -> recorded (ended)
+//!             ^          |
+//!             +----------+  last worker that had it lost, reply lost, overdue
+//! ```
+//!
+//! Rules it keeps, whatever is lost, doubled, late or out of order:
+//! - Every task ends exactly once: one outcome delivered to the study, or given up with a reason.
+//! - An outcome is acknowledged only when it is durable ([`Event::Recorded`]) or not wanted.
+//! - An outcome of this campaign that nobody asked for yet is not acknowledged: after a restart the study asks
+//!   for it again, and the worker still has it.
+//! - A claim lists all its worker holds; a lease that is not in the list was lost on the way and goes back to
+//!   the front of the queue. What is in the list and was given by an earlier coordinator is adopted: nobody else gets it.
+//! - Tasks go only to workers whose liveliness token is seen: a death always has an event.
+//! - A task that would be given up at its next loss goes only to workers that have finished one, where there are any: what killed
+//!   the others may have been their own affair.
+//! - How many tasks a worker gets follows its speed. Where slots are idle and nothing waits, what one worker has had for
+//!   much longer than usual goes to a second one too; the first outcome counts.
+
+mod answers;
+mod attendance;
+mod census;
+mod event;
+#[cfg(test)]
+mod farm_tests;
+#[cfg(test)]
+mod recovery_tests;
+mod settings;
+mod tasks;
+#[cfg(test)]
+mod tests;
+mod workers;
+#[cfg(test)]
+mod workers_tests;
+
+pub use census::Census;
+pub use event::{Assignment, Command, Event, Token, Warning};
+pub use settings::Settings;
+
+use crate::farm::evaluate::{Finished, Request};
+use answers::{Answers, Pending};
+use attendance::Attendance;
+use common::wire::{Claim, Outcome, TaskKey, WorkerId};
+use std::collections::BTreeSet;
+use std::time::Duration;
+use tasks::{Accepted, Standing, TaskTable};
+use workers::Workforce;
+
+/// The state machine.
+#[derive(Debug)]
+pub struct Scheduler {
+    settings: Settings,
+    tasks: TaskTable,
+    workers: Workforce,
+    answers: Answers,
+    attendance: Attendance,
+    longest_wall: Option<f64>,
+    /// Until when tasks wait for workers that return with what they are running; `None` before the first event.
+    settled_at: Option<Duration>,
+    /// Tasks wait to be announced until then.
+    unsettled: bool,
+    finishing: bool,
+}
+
+impl Scheduler {
+    /// Nothing to do, nobody there.
+    pub fn new(settings: Settings) -> Self {
+        Self {
+            tasks: TaskTable::new(settings.campaign),
+            unsettled: !settings.settle.is_zero(),
+            settings,
+            workers: Workforce::default(),
+            answers: Answers::default(),
+            attendance: Attendance::default(),
+            longest_wall: None,
+            settled_at: None,
+            finishing: false,
+        }
+    }
+
+    /// Takes one event at time `now` (since any fixed moment) and says what is to be done about it.
+    pub fn on_event(&mut self, now: Duration, event: Event) -> Vec<Command> {
+        let mut commands = Vec::new();
+        self.settled_at.get_or_insert(now + self.settings.settle);
+        match event {
+            Event::Submit(requests) => self.submit(now, requests, &mut commands),
+            Event::Appeared(worker) => {
+                self.attendance.appeared(&worker);
+                self.workers.join(worker);
+            }
+            Event::Gone(worker) => self.lose(worker, &mut commands),
+            Event::Claimed { token, claim } => self.claimed(now, token, claim, &mut commands),
+            Event::Recorded { task } => self.recorded(now, task, &mut commands),
+            Event::Cancel => self.cancel(now, &mut commands),
+            Event::Finish => {
+                self.finishing = true;
+                commands.push(Command::AnnounceEnd);
+                self.cancel(now, &mut commands);
+            }
+            Event::Tick => {
+                self.settle(now, &mut commands);
+                self.check_deadlines(now, &mut commands);
+                let anybody = !self.workers.is_empty();
+                let warning = self.attendance.check(now, anybody, self.tasks.open(), &self.settings);
+                commands.extend(warning.map(Command::Warn));
+            }
+        }
+        commands
+    }
+
+    /// Workers that are there and the slots they have said to have (0 until their first claim).
+    pub fn workers(&self) -> impl Iterator<Item = (&WorkerId, u32)> {
+        self.workers.iter().map(|(id, worker)| (id, worker.slots))
+    }
+
+    /// Rises whenever [`Scheduler::workers`] changes.
+    pub fn changes(&self) -> u64 {
+        self.workers.changes()
+    }
+
+    /// Tasks submitted that have not ended.
+    pub fn open(&self) -> usize {
+        self.tasks.open()
+    }
+
+    fn submit(&mut self, now: Duration, requests: Vec<Request>, commands: &mut Vec<Command>) {
+        let mut points = Vec::new();
+        for request in requests {
+            let task = request.id;
+            let Some(point) = self.tasks.submit(request) else { continue };
+            points.push(point);
+            if let Some(holder) = self.workers.take_unasked(task) {
+                self.tasks.adopt(task);
+                self.workers.lease(&holder, task, now);
+            }
+        }
+        commands.push(Command::Announce(points));
+    }
+
+    /// From now on tasks go to whoever asks; those that have asked in vain are told.
+    fn settle(&mut self, now: Duration, commands: &mut Vec<Command>) {
+        if self.unsettled && self.is_settled(now) {
+            self.unsettled = false;
+            let points = self.tasks.queued();
+            if !points.is_empty() {
+                commands.push(Command::Announce(points));
+            }
+        }
+    }
+
+    fn is_settled(&self, now: Duration) -> bool {
+        !self.unsettled || self.settled_at.is_some_and(|at| now >= at)
+    }
+
+    fn claimed(&mut self, now: Duration, token: Token, claim: Claim, commands: &mut Vec<Command>) {
+        let Claim { worker: id, sequence, slots, credits, holding, finished, leaving } = claim;
+        let campaign = self.settings.campaign;
+        let held = holding.into_iter().chain(finished.iter().map(|outcome| outcome.task.key));
+        let kept: BTreeSet<u64> = held.filter(|key| key.campaign == campaign).map(|key| key.task).collect();
+
+        // Outcomes first: whoever brings them, they count.
+        let mut pending =
+            Pending { worker: id.clone(), credits, acknowledged: Vec::new(), waiting: BTreeSet::new() };
+        for outcome in finished {
+            self.take(now, outcome, &mut pending, commands);
+        }
+
+        // Then what the worker is believed to hold and does not, and what it holds and was not believed to.
+        if leaving {
+            pending.credits = 0;
+        }
+        if self.workers.get(&id).is_none() {
+            pending.credits = 0;
+            commands.extend(self.attendance.strange_claim(&id).map(Command::Warn));
+        } else if self.workers.claims(&id, sequence, slots) {
+            let lost = self.workers.lost(&id, &kept, leaving);
+            let free = lost.into_iter().filter(|task| !self.workers.release(&id, *task)).collect();
+            self.answers.withdraw_credits(&id);
+            self.requeue(free, commands);
+            if !leaving {
+                self.adopt(now, &id, &kept, &mut pending);
+            }
+        } else {
+            pending.credits = 0;
+        }
+        self.answers.add(token, pending);
+        self.answer_if_ready(now, token, commands);
+    }
+
+    /// What a worker says to have: what has ended it may forget, the rest nobody else needs to do.
+    fn adopt(&mut self, now: Duration, id: &WorkerId, kept: &BTreeSet<u64>, pending: &mut Pending) {
+        let mut unasked = Vec::new();
+        for &task in kept {
+            match self.tasks.standing(task) {
+                Standing::Open if self.workers.is_news(id, task) => {
+                    self.tasks.adopt(task);
+                    self.workers.lease(id, task, now);
+                }
+                Standing::Open | Standing::Delivered => {}
+                Standing::Ended => {
+                    let key = TaskKey { campaign: self.settings.campaign, task };
+                    if !pending.acknowledged.contains(&key) {
+                        pending.acknowledged.push(key);
+                    }
+                }
+                Standing::NotAskedYet => unasked.push(task),
+            }
+        }
+        self.workers.note_unasked(id, &unasked);
+    }
+
+    /// Sorts one outcome: acknowledge now, deliver and acknowledge when durable, or leave it with the worker.
+    fn take(&mut self, now: Duration, outcome: Outcome, pending: &mut Pending, commands: &mut Vec<Command>) {
+        let Outcome { task, worker, wall, result } = outcome;
+        let key = task.key;
+        match self.tasks.accept(&task) {
+            Accepted::NotWanted => pending.acknowledged.push(key),
+            Accepted::OtherSample => {
+                pending.acknowledged.push(key);
+                commands.push(Command::Warn(Warning::OtherSample {
+                    worker: pending.worker.clone(),
+                    task: key.task,
+                }));
+            }
+            Accepted::NotAskedYet => {}
+            Accepted::OnItsWay => {
+                pending.waiting.insert(key.task);
+            }
+            Accepted::First => {
+                pending.waiting.insert(key.task);
+                self.longest_wall = Some(self.longest_wall.map_or(wall, |longest| longest.max(wall)));
+                self.workers.measure(&pending.worker, key.task, wall, now);
+                self.workers.release_from_all(key.task);
+                commands.push(Command::Deliver(Box::new(Finished {
+                    id: key.task,
+                    outcome: result,
+                    worker,
+                    wall,
+                })));
+            }
+        }
+    }
+
+    fn recorded(&mut self, now: Duration, task: u64, commands: &mut Vec<Command>) {
+        if !self.tasks.end(task) {
+            return;
+        }
+        let key = TaskKey { campaign: self.settings.campaign, task };
+        for token in self.answers.recorded(key) {
+            self.answer_if_ready(now, token, commands);
+        }
+    }
+
+    fn answer_if_ready(&mut self, now: Duration, token: Token, commands: &mut Vec<Command>) {
+        let Some(Pending { worker: id, credits, acknowledged, .. }) = self.answers.take_ready(token) else {
+            return;
+        };
+        let assignment = match self.workers.get(&id).map(workers::Worker::has) {
+            _ if self.finishing => Assignment::Leave,
+            // Lost since it asked: what it would get would be lost too.
+            None => Assignment::Idle,
+            Some(_) if !self.is_settled(now) => Assignment::Idle,
+            Some(has) => {
+                let room = self.workers.share(&id, self.tasks.open()).saturating_sub(has);
+                let wanted = room.min(credits.min(self.settings.most_tasks) as usize);
+                let losses = self.losses_entrusted(&id);
+                let mut tasks = self.tasks.lease(wanted, losses);
+                if tasks.len() < wanted {
+                    let Settings { straggler_factor, straggler_least, .. } = self.settings;
+                    let late = self.workers.stragglers(&id, now, straggler_factor, straggler_least);
+                    tasks.extend(
+                        late.filter_map(|task| self.tasks.copy(task, losses)).take(wanted - tasks.len()),
+                    );
+                }
+                for task in &tasks {
+                    self.workers.lease(&id, task.key.task, now);
+                }
+                if tasks.is_empty() { Assignment::Idle } else { Assignment::Work(tasks) }
+            }
+        };
+        commands.push(Command::Reply { token, acknowledged, assignment });
+    }
+
+    /// Below how many losses a task may go to this worker.
+    fn losses_entrusted(&self, id: &WorkerId) -> u32 {
+        let last_chance = self.settings.losses_allowed.saturating_sub(1).max(1);
+        if self.workers.has_finished(id) || !self.workers.any_has_finished() { u32::MAX } else { last_chance }
+    }
+
+    fn lose(&mut self, id: WorkerId, commands: &mut Vec<Command>) {
+        let tasks = self.workers.leave(&id);
+        if tasks.is_empty() {
+            return;
+        }
+        commands.push(Command::Warn(Warning::WorkerLost { worker: id, tasks: tasks.clone() }));
+        self.count_losses(tasks, "workers were lost while they had it", commands);
+    }
+
+    /// Back to the queue where nobody else has it, or given up where it was lost too often.
+    fn count_losses(&mut self, tasks: Vec<u64>, what: &str, commands: &mut Vec<Command>) {
+        let mut again = Vec::new();
+        for task in tasks {
+            let losses = self.tasks.count_loss(task);
+            match losses.filter(|_| !self.workers.is_held(task)) {
+                Some(losses) if losses >= self.settings.losses_allowed => {
+                    self.tasks.end(task);
+                    commands.push(Command::GiveUp { task, reason: format!("{losses} {what}") });
+                }
+                Some(_) => again.push(task),
+                None => {}
+            }
+        }
+        self.requeue(again, commands);
+    }
+
+    /// Back to the front of the queue, in the order of their numbers; idle workers are told.
+    fn requeue(&mut self, tasks: Vec<u64>, commands: &mut Vec<Command>) {
+        let points: Vec<_> = tasks.into_iter().rev().filter_map(|task| self.tasks.requeue(task)).collect();
+        if !points.is_empty() {
+            commands.push(Command::Announce(points));
+        }
+    }
+
+    fn cancel(&mut self, now: Duration, commands: &mut Vec<Command>) {
+        self.tasks.clear();
+        self.workers.release_everything();
+        // Outcomes that were not recorded stay with their workers.
+        for token in self.answers.give_up_waiting() {
+            self.answer_if_ready(now, token, commands);
+        }
+    }
+
+    fn check_deadlines(&mut self, now: Duration, commands: &mut Vec<Command>) {
+        let overdue = self.workers.take_overdue(now, self.settings.deadline(self.longest_wall));
+        let tasks = overdue.iter().map(|(_, task, _)| *task).collect();
+        let warning = |(worker, task, after)| Command::Warn(Warning::Overdue { worker, task, after });
+        commands.extend(overdue.into_iter().map(warning));
+        self.count_losses(tasks, "deadlines have passed", commands);
+    }
+}

@@ -1,0 +1,261 @@
+//! The scheduler's rules, one by one; `farm_tests` has them under everything that can go wrong.
+
+use super::*;
+use crate::farm::evaluate::Request;
+use common::failure::SimulationFailure;
+use common::wire::Task;
+
+pub(super) const CAMPAIGN: u64 = 7;
+pub(super) const START: Duration = Duration::ZERO;
+
+pub(super) fn worker(name: &str) -> WorkerId {
+    WorkerId { name: name.into(), epoch: 1 }
+}
+
+pub(super) fn requests(ids: std::ops::Range<u64>) -> Vec<Request> {
+    ids.map(|id| Request { id, sample: vec![id as f64, 0.5], with_first_cycle: false, accuracy: None })
+        .collect()
+}
+
+pub(super) fn claim(
+    who: &WorkerId,
+    sequence: u64,
+    credits: u32,
+    finished: Vec<Outcome>,
+    holding: &[u64],
+) -> Claim {
+    let holding = holding.iter().map(|&task| TaskKey { campaign: CAMPAIGN, task }).collect();
+    Claim { worker: who.clone(), sequence, slots: credits, credits, holding, finished, leaving: false }
+}
+
+pub(super) fn outcome(task: &Task, who: &WorkerId) -> Outcome {
+    let result = Err(SimulationFailure::NotModelled { what: format!("{}", task.key.task) });
+    Outcome { task: task.clone(), worker: format!("{}/0", who.name), wall: 1.0, result }
+}
+
+pub(super) fn scheduler(workers: &[&WorkerId], tasks: u64) -> Scheduler {
+    let mut scheduler = Scheduler::new(Settings::new(CAMPAIGN));
+    for id in workers {
+        scheduler.on_event(START, Event::Appeared((*id).clone()));
+    }
+    scheduler.on_event(START, Event::Submit(requests(0..tasks)));
+    scheduler
+}
+
+/// The reply in the commands: acknowledged numbers and tasks.
+pub(super) fn reply(commands: &[Command]) -> Option<(Vec<u64>, Vec<Task>)> {
+    commands.iter().find_map(|command| match command {
+        Command::Reply { acknowledged, assignment, .. } => {
+            let tasks = if let Assignment::Work(tasks) = assignment { tasks.clone() } else { vec![] };
+            Some((acknowledged.iter().map(|key| key.task).collect(), tasks))
+        }
+        _ => None,
+    })
+}
+
+pub(super) fn numbers(tasks: &[Task]) -> Vec<u64> {
+    tasks.iter().map(|task| task.key.task).collect()
+}
+
+pub(super) fn ask(scheduler: &mut Scheduler, now: Duration, claim: Claim) -> Vec<Command> {
+    scheduler.on_event(now, Event::Claimed { token: claim.sequence, claim })
+}
+
+#[test]
+fn an_outcome_is_acknowledged_only_when_it_is_durable() {
+    let a = worker("a");
+    let mut s = scheduler(&[&a], 2);
+    let (_, tasks) = reply(&ask(&mut s, START, claim(&a, 1, 1, vec![], &[]))).unwrap();
+    let commands = ask(&mut s, START, claim(&a, 2, 1, vec![outcome(&tasks[0], &a)], &[]));
+    assert!(matches!(&commands[..], [Command::Deliver(finished)] if finished.id == 0), "{commands:?}");
+    let (acknowledged, tasks) = reply(&s.on_event(START, Event::Recorded { task: 0 })).unwrap();
+    assert_eq!((acknowledged, numbers(&tasks)), (vec![0], vec![1]));
+}
+
+#[test]
+fn a_doubled_outcome_is_acknowledged_and_not_counted() {
+    let (a, b) = (worker("a"), worker("b"));
+    let mut s = scheduler(&[&a, &b], 1);
+    let (_, tasks) = reply(&ask(&mut s, START, claim(&a, 1, 1, vec![], &[]))).unwrap();
+    ask(&mut s, START, claim(&a, 2, 0, vec![outcome(&tasks[0], &a)], &[]));
+    // A second one while the first is being recorded waits with it; a third one after that is acknowledged.
+    let second = ask(&mut s, START, claim(&b, 3, 0, vec![outcome(&tasks[0], &b)], &[]));
+    assert_eq!(second, vec![]);
+    let replies = s.on_event(START, Event::Recorded { task: 0 });
+    assert_eq!(replies.len(), 2);
+    let third = ask(&mut s, START, claim(&b, 4, 0, vec![outcome(&tasks[0], &b)], &[]));
+    assert_eq!(reply(&third), Some((vec![0], vec![])));
+    assert_eq!(third.len(), 1);
+}
+
+#[test]
+fn what_a_lost_worker_held_goes_to_the_front_and_idle_workers_are_told() {
+    let (a, b) = (worker("a"), worker("b"));
+    let mut s = scheduler(&[&a, &b], 5);
+    let (_, tasks) = reply(&ask(&mut s, START, claim(&a, 1, 2, vec![], &[]))).unwrap();
+    assert_eq!(numbers(&tasks), [0, 1]);
+    let commands = s.on_event(START, Event::Gone(a.clone()));
+    assert!(commands.contains(&Command::Warn(Warning::WorkerLost { worker: a, tasks: vec![0, 1] })));
+    assert!(commands.iter().any(|c| matches!(c, Command::Announce(points) if points.len() == 2)));
+    let (_, tasks) = reply(&ask(&mut s, START, claim(&b, 2, 3, vec![], &[]))).unwrap();
+    assert_eq!(numbers(&tasks), [0, 1, 2]);
+    assert_eq!(tasks.iter().map(|task| task.attempt).collect::<Vec<_>>(), [2, 2, 1]);
+}
+
+#[test]
+fn a_task_that_three_workers_did_not_survive_is_given_up_by_name() {
+    let mut s = scheduler(&[], 1);
+    let mut last = vec![];
+    for k in 0..3 {
+        let id = worker(&format!("w{k}"));
+        s.on_event(START, Event::Appeared(id.clone()));
+        ask(&mut s, START, claim(&id, 1, 1, vec![], &[]));
+        last = s.on_event(START, Event::Gone(id));
+    }
+    let given_up = last.iter().any(
+        |c| matches!(c, Command::GiveUp { task: 0, reason } if reason == "3 workers were lost while they had it"),
+    );
+    assert!(given_up, "{last:?}");
+    assert_eq!(s.open(), 0);
+}
+
+#[test]
+fn a_worker_that_leaves_gives_its_tasks_back_without_blame() {
+    let a = worker("a");
+    let mut s = scheduler(&[&a], 1);
+    for sequence in 1..10 {
+        let (_, tasks) = reply(&ask(&mut s, START, claim(&a, 2 * sequence, 1, vec![], &[]))).unwrap();
+        assert_eq!(numbers(&tasks), [0]);
+        let leaving = Claim { leaving: true, ..claim(&a, 2 * sequence + 1, 1, vec![], &[0]) };
+        assert_eq!(reply(&ask(&mut s, START, leaving)), Some((vec![], vec![])));
+    }
+}
+
+#[test]
+fn a_lease_the_worker_does_not_know_of_was_lost_on_the_way() {
+    let a = worker("a");
+    let mut s = scheduler(&[&a], 3);
+    ask(&mut s, START, claim(&a, 1, 2, vec![], &[]));
+    // The reply to claim 1 never came; task 1 did by a miracle.
+    let (_, tasks) = reply(&ask(&mut s, START, claim(&a, 2, 1, vec![], &[1]))).unwrap();
+    assert_eq!(numbers(&tasks), [0]);
+    // An outdated claim gets nothing and changes nothing.
+    let (_, tasks) = reply(&ask(&mut s, START, claim(&a, 1, 3, vec![], &[]))).unwrap();
+    assert_eq!(numbers(&tasks), [] as [u64; 0]);
+}
+
+#[test]
+fn a_claim_its_worker_no_longer_waits_for_gets_no_tasks() {
+    let a = worker("a");
+    let mut s = scheduler(&[&a], 3);
+    let (_, tasks) = reply(&ask(&mut s, START, claim(&a, 1, 1, vec![], &[]))).unwrap();
+    // Claim 2 waits for its record too long; the worker asks again without an answer.
+    ask(&mut s, START, claim(&a, 2, 1, vec![outcome(&tasks[0], &a)], &[0]));
+    let (_, tasks) = reply(&ask(&mut s, START, claim(&a, 3, 1, vec![], &[0]))).unwrap();
+    assert_eq!(numbers(&tasks), [1]);
+    assert_eq!(reply(&s.on_event(START, Event::Recorded { task: 0 })), Some((vec![0], vec![])));
+}
+
+#[test]
+fn an_outcome_nobody_asked_for_yet_stays_with_its_worker() {
+    let a = worker("a");
+    let mut s = scheduler(&[&a], 0);
+    let early = Task {
+        key: TaskKey { campaign: CAMPAIGN, task: 0 },
+        attempt: 1,
+        sample: vec![0.0, 0.5],
+        with_first_cycle: false,
+        accuracy: None,
+    };
+    let commands = ask(&mut s, START, claim(&a, 1, 0, vec![outcome(&early, &a)], &[]));
+    assert_eq!(reply(&commands), Some((vec![], vec![])));
+    s.on_event(START, Event::Submit(requests(0..1)));
+    let commands = ask(&mut s, START, claim(&a, 2, 0, vec![outcome(&early, &a)], &[]));
+    assert!(matches!(&commands[..], [Command::Deliver(_)]));
+}
+
+#[test]
+fn an_outcome_of_another_campaign_or_sample_is_forgotten() {
+    let a = worker("a");
+    let mut s = scheduler(&[&a], 1);
+    let (_, tasks) = reply(&ask(&mut s, START, claim(&a, 1, 1, vec![], &[]))).unwrap();
+    let mut foreign = outcome(&tasks[0], &a);
+    foreign.task.key.campaign = 8;
+    assert_eq!(
+        ask(&mut s, START, claim(&a, 2, 0, vec![foreign], &[0])),
+        vec![Command::Reply {
+            token: 2,
+            acknowledged: vec![TaskKey { campaign: 8, task: 0 }],
+            assignment: Assignment::Idle
+        }]
+    );
+    let mut other = outcome(&tasks[0], &a);
+    other.task.sample[1] = -0.5;
+    let commands = ask(&mut s, START, claim(&a, 3, 0, vec![other], &[0]));
+    assert_eq!(commands[0], Command::Warn(Warning::OtherSample { worker: a.clone(), task: 0 }));
+    assert_eq!(reply(&commands), Some((vec![0], vec![])));
+    let mut otherwise = outcome(&tasks[0], &a);
+    otherwise.task.accuracy = Some(common::accuracy::Accuracy::draft());
+    let commands = ask(&mut s, START, claim(&a, 4, 0, vec![otherwise], &[0]));
+    assert_eq!(commands[0], Command::Warn(Warning::OtherSample { worker: a, task: 0 }));
+    assert_eq!(s.open(), 1);
+}
+
+#[test]
+fn a_deadline_follows_the_longest_simulation() {
+    let (a, b) = (worker("a"), worker("b"));
+    let mut s = scheduler(&[&a, &b], 3);
+    let (_, tasks) = reply(&ask(&mut s, START, claim(&a, 1, 2, vec![], &[]))).unwrap();
+    let hour = Duration::from_secs(3600);
+    assert_eq!(s.on_event(hour, Event::Tick), vec![]);
+    // One ends after 60 s of simulation: the other one is overdue after 600 s.
+    let slow = Outcome { wall: 60.0, ..outcome(&tasks[0], &a) };
+    ask(&mut s, START, claim(&a, 2, 0, vec![slow], &[1]));
+    s.on_event(START, Event::Recorded { task: 0 });
+    let late = Duration::from_secs(601);
+    assert_eq!(s.on_event(Duration::from_secs(600), Event::Tick), vec![]);
+    let commands = s.on_event(late, Event::Tick);
+    assert_eq!(commands[0], Command::Warn(Warning::Overdue { worker: a.clone(), task: 1, after: late }));
+    let (_, again) = reply(&ask(&mut s, late, claim(&b, 3, 1, vec![], &[]))).unwrap();
+    assert_eq!(numbers(&again), [1]);
+    // The first worker's outcome still counts when it comes first.
+    let commands = ask(&mut s, late, claim(&a, 4, 0, vec![outcome(&tasks[1], &a)], &[]));
+    assert!(matches!(&commands[..], [Command::Deliver(finished)] if finished.worker == "a/0"));
+}
+
+#[test]
+fn nobody_there_and_nobody_alive_are_told_to_the_user() {
+    let mut s = scheduler(&[], 4);
+    let second = Duration::from_secs(1);
+    assert_eq!(s.on_event(second, Event::Tick), vec![]);
+    let commands = s.on_event(6 * second, Event::Tick);
+    assert_eq!(commands, vec![Command::Warn(Warning::NoWorker { open: 4, since: 5 * second })]);
+    // Only a minute later the same is said again, with all the time that has passed; at once if it is another number.
+    let until = |s: &mut Scheduler, range: std::ops::RangeInclusive<u32>| -> Vec<(u32, Command)> {
+        range.flat_map(|t| s.on_event(t * second, Event::Tick).into_iter().map(move |c| (t, c))).collect()
+    };
+    let warning = |open, since| Command::Warn(Warning::NoWorker { open, since: since * second });
+    assert_eq!(until(&mut s, 7..=100), vec![(66, warning(4, 65))]);
+    s.on_event(100 * second, Event::Submit(requests(4..6)));
+    assert_eq!(until(&mut s, 101..=160), vec![(101, warning(6, 100))]);
+    // A worker without a liveliness token gets nothing, and is named once.
+    let a = worker("a");
+    let warnings: Vec<Command> = (1..40)
+        .flat_map(|sequence| ask(&mut s, second, claim(&a, sequence, 1, vec![], &[])))
+        .filter(|command| !matches!(command, Command::Reply { assignment: Assignment::Idle, .. }))
+        .collect();
+    assert_eq!(warnings, vec![Command::Warn(Warning::NoLiveliness { worker: a })]);
+}
+
+#[test]
+fn cancelled_tasks_stay_with_their_workers_and_finish_sends_them_home() {
+    let a = worker("a");
+    let mut s = scheduler(&[&a], 2);
+    let (_, tasks) = reply(&ask(&mut s, START, claim(&a, 1, 2, vec![], &[]))).unwrap();
+    ask(&mut s, START, claim(&a, 2, 0, vec![outcome(&tasks[0], &a)], &[0, 1]));
+    assert_eq!(reply(&s.on_event(START, Event::Cancel)), Some((vec![], vec![])));
+    assert_eq!(s.on_event(START, Event::Recorded { task: 0 }), vec![]);
+    assert_eq!(s.on_event(START, Event::Finish), vec![Command::AnnounceEnd]);
+    let commands = ask(&mut s, START, claim(&a, 3, 2, vec![], &[0, 1]));
+    assert!(matches!(&commands[..], [Command::Reply { assignment: Assignment::Leave, .. }]));
+}

@@ -1,0 +1,136 @@
+//! A status for people.
+
+use crate::presentation::report::format::{count, duration, fixed};
+use common::wire::{Phase, Status};
+use std::fmt::Write;
+
+/// A few lines: what is done, who works, how fast, R so far.
+pub fn status_text(status: &Status) -> String {
+    let mut text = String::new();
+    // Writing to a String cannot fail.
+    let _ = write_status(&mut text, status);
+    text.replace('\u{a0}', " ")
+}
+
+/// What a coordinator is at, in a few words.
+fn at(phase: Phase) -> &'static str {
+    match phase {
+        Phase::Waiting => "waiting for workers",
+        Phase::Simulating => "simulating",
+        Phase::Learning => "learning, nothing is under way",
+        Phase::Ending => "everything is evaluated, working out the results",
+    }
+}
+
+fn write_status(text: &mut String, status: &Status) -> std::fmt::Result {
+    let (study, farm) = (&status.study, &status.farm);
+    let purpose =
+        if study.purpose.is_empty() { String::new() } else { format!(", {}", printable(&study.purpose)) };
+    writeln!(
+        text,
+        "{}{purpose}: {} (for {})",
+        printable(&study.scene),
+        at(status.phase),
+        duration(status.up)
+    )?;
+    write!(text, "evaluations: {} of {} planned", count(study.done), count(study.planned))?;
+    if study.budget > 0 {
+        write!(text, ", budget {}", count(study.budget))?;
+    }
+    for (number, what) in [(study.failed, "failed"), (study.recalled, "from the campaign file")] {
+        if number > 0 {
+            write!(text, ", {} {what}", count(number))?;
+        }
+    }
+    writeln!(text)?;
+    let (queued, under_way, slots) = (count(farm.queued), count(farm.under_way), count(farm.slots()));
+    writeln!(text, "queue: {queued} waiting, {under_way} under way on {slots} slots")?;
+    if farm.rate > 0.0 {
+        let left = study.planned.saturating_sub(study.done) as f64 / farm.rate;
+        let then =
+            if left > 0.0 { format!(", planned ones done in {}", duration(left)) } else { String::new() };
+        writeln!(text, "rate: {}/s in the last minute{then}", rate(farm.rate))?;
+    }
+    if let Some(so_far) = &study.reliability {
+        writeln!(
+            text,
+            "reliability so far: R({}) = {} ± {}, after {} rounds",
+            count(so_far.cycles.into()),
+            fixed(so_far.total, 4),
+            fixed(so_far.standard_error, 4),
+            count(study.rounds)
+        )?;
+    }
+    if farm.workers.is_empty() {
+        return writeln!(text, "no worker is connected");
+    }
+    let longest = farm.workers.iter().map(|worker| worker.name.chars().count()).max().unwrap_or(0).max(6);
+    writeln!(text, "\n{:longest$}  {:>5}  {:>5}  {:>8}  {:>9}", "worker", "slots", "has", "done", "rate")?;
+    for worker in &farm.workers {
+        writeln!(
+            text,
+            "{:longest$}  {:>5}  {:>5}  {:>8}  {:>9}",
+            printable(&worker.name),
+            worker.slots,
+            worker.under_way,
+            count(worker.done),
+            format!("{}/s", rate(worker.rate))
+        )?;
+    }
+    Ok(())
+}
+
+fn rate(rate: f64) -> String {
+    fixed(rate, if rate < 10.0 { 2 } else { 0 })
+}
+
+/// What came over the line, without anything that could steer a terminal.
+fn printable(text: &str) -> String {
+    text.chars().filter(|c| !c.is_control()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use common::wire::{FarmStatus, ReliabilitySoFar, StudyStatus, WorkerStatus};
+
+    #[test]
+    fn a_status_says_who_works_how_fast_and_r_so_far() {
+        let worker =
+            |name: &str| WorkerStatus { name: name.into(), slots: 2, under_way: 3, done: 40, rate: 0.65 };
+        let status = Status {
+            up: 130.0,
+            phase: Phase::Simulating,
+            study: StudyStatus {
+                scene: "four-\u{1b}bar".into(),
+                purpose: "round 3".into(),
+                done: 84,
+                planned: 120,
+                budget: 400,
+                failed: 1,
+                rounds: 2,
+                reliability: Some(ReliabilitySoFar { cycles: 66_000, total: 0.347, standard_error: 0.006 }),
+                ..StudyStatus::default()
+            },
+            farm: FarmStatus {
+                queued: 30,
+                under_way: 6,
+                rate: 1.3,
+                workers: vec![worker("host-1"), worker("b")],
+            },
+            ..Status::default()
+        };
+        let text = status_text(&status);
+        for part in [
+            "four-bar, round 3: simulating (for 2 min 10 s)\n",
+            "evaluations: 84 of 120 planned, budget 400, 1 failed\n",
+            "queue: 30 waiting, 6 under way on 4 slots\n",
+            "rate: 1.30/s in the last minute, planned ones done in 27.7 s\n",
+            "R(66 000) = 0.3470 ± 0.0060, after 2 rounds",
+            "host-1      2      3        40     0.65/s",
+        ] {
+            assert!(text.contains(part), "no \"{part}\" in:\n{text}");
+        }
+        assert!(status_text(&Status::default()).ends_with("no worker is connected\n"));
+    }
+}

@@ -1,0 +1,160 @@
+//! The nominal mechanism in motion, and under it every journal in its bore, magnified: a still picture in SVG, and what a
+//! script needs to move it.
+
+mod data;
+mod drawing;
+
+use super::figure::{Figure, csv};
+use super::format::{count, fixed};
+use super::input::ReportInput;
+use super::mechanism::Mechanism;
+use crate::results::result_files::number;
+use common::outputs::CycleHistory;
+
+/// The script that moves the picture.
+pub const SCRIPT: &str = include_str!("play.js");
+
+/// Name of the figure.
+pub const NAME: &str = "mechanism";
+
+/// Instants of a cycle that are shown.
+const FRAMES: usize = 120;
+
+/// A picture and what moves it.
+pub struct Animation {
+    /// The still picture.
+    pub figure: Figure,
+    /// Cycles with every frame, JSON for [`SCRIPT`].
+    pub data: String,
+}
+
+/// One cycle to show.
+struct Shown<'a> {
+    name: &'static str,
+    /// Whether the bores are those at the end of life.
+    worn: bool,
+    cycle: &'a CycleHistory,
+}
+
+/// The animation; `None` where the nominal evaluation does not tell how every body moves.
+pub fn animation(input: &ReportInput) -> Option<Animation> {
+    let nominal = input.nominal.as_ref()?;
+    let mechanism = &input.mechanism;
+    let last = nominal.worn.as_ref().and_then(|worn| worn.last_cycle.as_ref());
+    let cycles =
+        [("last cycle, worn", true, last), ("first cycle, unworn", false, nominal.first_cycle.as_ref())];
+    let shown: Vec<Shown<'_>> = cycles
+        .into_iter()
+        .filter_map(|(name, worn, cycle)| {
+            Some(Shown { name, worn, cycle: cycle.filter(|c| whole(mechanism, c))? })
+        })
+        .collect();
+    let first = shown.first()?;
+    let wear: Vec<&[f64]> = nominal.joints.iter().map(|joint| joint.wear_depth.as_slice()).collect();
+    let layout = drawing::Layout::new(mechanism, &shown, &wear)?;
+    let caption = format!(
+        "Nominal mechanism; above in true proportions, below every journal in its bore, turned as in the mechanism, \
+         clearance and wear {} times as large. {}",
+        count(layout.magnification().round() as u64),
+        if first.worn {
+            format!(
+                "Bores worn for {} cycles; the thin circle is the unworn bore.",
+                count(nominal.cycles.last().copied().unwrap_or(0).into())
+            )
+        } else {
+            "Bores unworn.".to_string()
+        }
+    );
+    let rows = shown.iter().flat_map(|shown| {
+        shown.cycle.motion.iter().flat_map(move |motion| {
+            shown.cycle.time.iter().zip(motion.position.iter().zip(&motion.angle)).map(
+                move |(time, (at, angle))| {
+                    vec![
+                        shown.name.to_string(),
+                        motion.body.clone(),
+                        number(1e3 * time),
+                        number(1e3 * at[0]),
+                        number(1e3 * at[1]),
+                        number(angle.to_degrees()),
+                    ]
+                },
+            )
+        })
+    });
+    let figure = Figure {
+        name: NAME.into(),
+        title: "The mechanism in motion".into(),
+        caption,
+        svg: drawing::picture(mechanism, &layout, first, &wear),
+        csv: csv(&["cycle", "body", "time [ms]", "x [mm]", "y [mm]", "angle [deg]"], rows),
+    };
+    Some(Animation { figure, data: data::json(mechanism, &layout, &shown) })
+}
+
+/// Whether a cycle tells the motion of every body.
+fn whole(mechanism: &Mechanism, cycle: &CycleHistory) -> bool {
+    cycle.time.len() > 1
+        && !mechanism.joints.is_empty()
+        && (0..mechanism.bodies.len()).all(|body| {
+            let at = |k: usize| mechanism.pose(cycle, body, k);
+            (0..cycle.time.len()).all(|k| {
+                at(k).is_some_and(|([x, y], angle)| x.is_finite() && y.is_finite() && angle.is_finite())
+            })
+        })
+}
+
+/// Places in a cycle of the frames, evenly spread.
+fn frames(cycle: &CycleHistory) -> impl Iterator<Item = usize> {
+    let last = cycle.time.len() - 1;
+    (0..FRAMES).map(move |frame| frame * last / FRAMES)
+}
+
+/// A number of the drawing.
+fn short(value: f64) -> String {
+    let text = fixed(value, 2).replace('\u{2212}', "-");
+    text.trim_end_matches('0').trim_end_matches('.').to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::presentation::report::synthetic;
+
+    #[test]
+    fn the_picture_has_every_body_and_joint_and_the_data_move_them() {
+        let input = synthetic::input();
+        let animation = animation(&input).unwrap();
+        let document = roxmltree::Document::parse(&animation.figure.svg).unwrap();
+        let with =
+            |attribute: &str| document.descendants().filter(|node| node.has_attribute(attribute)).count();
+        assert_eq!((with("data-body"), with("data-joint"), with("data-bore")), (2, 6, 6));
+        let data: serde_json::Value = serde_json::from_str(&animation.data).unwrap();
+        let cycles = data.as_array().unwrap();
+        assert_eq!(cycles.len(), 2);
+        for cycle in cycles {
+            for (key, numbers) in [("bodies", 3), ("joints", 2), ("bores", 4)] {
+                for of in cycle[key].as_array().unwrap() {
+                    assert_eq!(of.as_array().unwrap().len(), numbers * FRAMES, "{key}");
+                }
+            }
+        }
+        // The rod turns once, its journals stay within the magnified clearance of the largest joint.
+        let rod = cycles[1]["bodies"][1].as_array().unwrap();
+        let half = rod[3 * (FRAMES / 2) + 2].as_f64().unwrap();
+        assert!((half + 180.0).abs() < 2.0, "{half}");
+        let bore = cycles[1]["bores"][0].as_array().unwrap();
+        let far =
+            bore.chunks(4).map(|f| f[0].as_f64().unwrap().hypot(f[1].as_f64().unwrap())).fold(0.0, f64::max);
+        assert!(far > 1.0 && far < drawing::ROOM, "{far}");
+    }
+
+    #[test]
+    fn an_unknown_motion_is_not_shown() {
+        let mut input = synthetic::input();
+        input.nominal.as_mut().unwrap().worn = None;
+        let unworn = animation(&input).unwrap();
+        assert!(unworn.figure.caption.ends_with("Bores unworn."));
+        input.nominal.as_mut().unwrap().first_cycle.as_mut().unwrap().motion[1].angle[3] = f64::NAN;
+        assert!(animation(&input).is_none());
+    }
+}

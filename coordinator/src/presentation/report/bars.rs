@@ -1,0 +1,159 @@
+//! Pairs of horizontal bars with their errors, one pair per variable.
+
+use super::figure::{Figure, csv};
+use super::palette::Ink;
+use super::plot::{PlotError, draw, letters, px, short, stroke};
+use crate::results::result_files::number;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+/// Height of one variable's two bars [CSS pixels].
+const ROW: f64 = 26.0;
+
+/// Room for the names [CSS pixels].
+const NAMES: f64 = 168.0;
+
+/// Letters of a name that fit there.
+const LONGEST: usize = 22;
+
+/// Standard errors to either side that a thin line shows.
+const REACH: f64 = 1.96;
+
+/// One variable.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pair {
+    /// Its name, as shown.
+    pub name: String,
+    /// Lengths of its bars.
+    pub values: [f64; 2],
+    /// Their standard errors.
+    pub errors: [f64; 2],
+}
+
+/// A chart of bars.
+pub struct Bars<'a> {
+    /// Name of the figure.
+    pub figure: &'a str,
+    /// What the first and the second bar of each pair are.
+    pub labels: [&'a str; 2],
+    /// What lengths are.
+    pub axis: &'a str,
+    /// Whether bars go both ways.
+    pub signed: bool,
+    /// The pairs from top to bottom.
+    pub all: Vec<Pair>,
+    /// How many of them are drawn; the CSV holds all.
+    pub shown: usize,
+}
+
+impl Bars<'_> {
+    /// The chart with its numbers.
+    ///
+    /// # Errors
+    /// [`PlotError`].
+    pub fn figure(&self, title: &str, caption: &str) -> Result<Figure, PlotError> {
+        let [first, second] = self.labels;
+        let errors = self.labels.map(|label| format!("{label}, standard error"));
+        let row = |pair: &Pair| {
+            let ([a, b], [da, db]) = (pair.values.map(number), pair.errors.map(number));
+            vec![pair.name.clone(), a, da, b, db]
+        };
+        Ok(Figure {
+            name: self.figure.into(),
+            title: title.into(),
+            caption: caption.into(),
+            svg: self.svg()?,
+            csv: csv(&["variable", first, &errors[0], second, &errors[1]], self.all.iter().map(row)),
+        })
+    }
+
+    fn svg(&self) -> Result<String, PlotError> {
+        let rows = &self.all[..self.shown.min(self.all.len())];
+        let longest = rows.iter().flat_map(|pair| pair.values).map(f64::abs).fold(0.0, f64::max);
+        let longest = if longest > 0.0 { 1.12 * longest } else { 1.0 };
+        let count = rows.len() as f64;
+        let inks = [Ink::Series(0), Ink::Series(1)];
+        draw(self.figure, ROW * count + 76.0, |root| {
+            let mut chart = ChartBuilder::on(root)
+                .margin_top(px(28.0))
+                .margin_right(px(18.0))
+                .margin_left(px(NAMES))
+                .x_label_area_size(px(44.0))
+                .build_cartesian_2d(if self.signed { -longest } else { 0.0 }..longest, 0.0..count)?;
+            chart
+                .configure_mesh()
+                .disable_y_mesh()
+                .disable_y_axis()
+                .x_labels(6)
+                .max_light_lines(0)
+                .bold_line_style(stroke(Ink::Grid, 1.0))
+                .axis_style(stroke(Ink::Muted, 1.0))
+                .label_style(letters(13.5, Ink::Muted))
+                .axis_desc_style(letters(13.5, Ink::Ink))
+                .set_all_tick_mark_size(px(4.0))
+                .x_label_formatter(&|value| short(*value))
+                .x_desc(self.axis)
+                .draw()?;
+            let right = letters(13.5, Ink::Ink).pos(Pos::new(HPos::Right, VPos::Center));
+            for (k, pair) in rows.iter().enumerate() {
+                let top = (rows.len() - k) as f64;
+                for (bar, ink) in inks.into_iter().enumerate() {
+                    let (from, to) = (top - 0.12 - 0.4 * bar as f64, top - 0.46 - 0.4 * bar as f64);
+                    let (value, reach) = (pair.values[bar], REACH * pair.errors[bar]);
+                    chart.draw_series([Rectangle::new([(0.0, from), (value, to)], ink.rgb().filled())])?;
+                    let ends = [value - reach, value + reach].map(|x| x.clamp(-longest, longest));
+                    let ends = if self.signed { ends } else { ends.map(|x| x.max(0.0)) };
+                    let middle = 0.5 * (from + to);
+                    let line = ends.map(|x| (x, middle)).to_vec();
+                    chart.draw_series([PathElement::new(line, stroke(Ink::Ink, 1.0))])?;
+                }
+                let middle = px(28.0 + ROW * (k as f64 + 0.5));
+                root.draw(&Text::new(shortened(&pair.name), (px(NAMES - 6.0), middle), right.clone()))?;
+            }
+            chart.draw_series([PathElement::new([(0.0, 0.0), (0.0, count)], stroke(Ink::Muted, 1.0))])?;
+            for (bar, ink) in inks.into_iter().enumerate() {
+                let x = NAMES + 150.0 * bar as f64;
+                root.draw(&Rectangle::new([(px(x), px(8.0)), (px(x + 18.0), px(18.0))], ink.rgb().filled()))?;
+                root.draw(&Text::new(self.labels[bar], (px(x + 23.0), px(6.5)), letters(13.5, Ink::Ink)))?;
+            }
+            Ok(())
+        })
+    }
+}
+
+/// A name cut to what fits, with a mark where something was left out.
+fn shortened(name: &str) -> String {
+    if name.chars().count() <= LONGEST {
+        return name.to_string();
+    }
+    name.chars().take(LONGEST - 1).chain(['…']).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_numbers_hold_all_and_the_drawing_the_first() {
+        let pair = |k: usize| Pair {
+            name: format!("variable {k}, {}", "long".repeat(k)),
+            values: [0.1 / (k + 1) as f64, -0.2],
+            errors: [0.01, 0.0],
+        };
+        let bars = Bars {
+            figure: "f",
+            labels: ["a", "b"],
+            axis: "x",
+            signed: true,
+            all: (0..5).map(pair).collect(),
+            shown: 3,
+        };
+        let figure = bars.figure("t", "c").unwrap();
+        assert_eq!(figure.csv.lines().count(), 6);
+        assert!(figure.csv.contains("\"variable 1, long\",0.05,0.01,-0.2,0.0\n"), "{}", figure.csv);
+        let document = roxmltree::Document::parse(&figure.svg).unwrap();
+        let text: Vec<&str> = document.descendants().filter_map(|node| node.text()).map(str::trim).collect();
+        assert!(text.contains(&"variable 2, longlong") && !text.iter().any(|t| t.contains("variable 3")));
+        assert_eq!(shortened("a name that is far too long").chars().count(), LONGEST);
+    }
+}

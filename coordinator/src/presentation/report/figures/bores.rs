@@ -1,0 +1,106 @@
+//! The worn bores of the nominal mechanism in polar form, through life where that was kept.
+
+use super::file_name;
+use crate::presentation::report::figure::{Figure, csv};
+use crate::presentation::report::format::{count, fixed};
+use crate::presentation::report::input::ReportInput;
+use crate::presentation::report::palette::Ink;
+use crate::presentation::report::polar::{Polar, Stroke, freest, full_scale};
+use crate::results::result_files::number;
+
+/// Radius of the unworn bore, as a share of the outermost ring's.
+const BORE: f64 = 0.5;
+
+/// Curves per bore.
+const LIVES: u32 = 6;
+
+/// One polar figure per joint with wear: depth outward from the unworn bore, on one scale for all joints.
+pub fn bores(input: &ReportInput) -> Vec<Figure> {
+    let Some(nominal) = &input.nominal else { return vec![] };
+    let deepest = |wear: &[f64]| wear.iter().copied().fold(0.0, f64::max);
+    let largest = nominal.joints.iter().map(|joint| deepest(&joint.wear_depth)).fold(0.0, f64::max);
+    let full = full_scale(largest, 1e-6);
+    let worn = nominal.joints.iter().enumerate().filter(|(_, joint)| !joint.wear_depth.is_empty());
+    worn.map(|(index, joint)| {
+        let end = (nominal.cycles.last().copied().unwrap_or(0), joint.wear_depth.as_slice());
+        let mut lives = through_life(input, index);
+        if lives.is_empty() {
+            lives.push(end);
+        }
+        let mut polar = Polar::new(BORE, full);
+        for (k, (_, wear)) in lives.iter().enumerate() {
+            let last = k + 1 == lives.len();
+            let opacity = 0.35 + 0.65 * (k + 1) as f64 / lives.len() as f64;
+            let stroke = Stroke { ink: Ink::Series(0), width: if last { 2.2 } else { 1.2 }, opacity };
+            polar.closed(wear, stroke, last);
+        }
+        polar.circle(0.0, Stroke { ink: Ink::Muted, width: 1.2, opacity: 1.0 });
+        let wear = end.1;
+        let place = (0..wear.len()).max_by(|a, b| wear[*a].total_cmp(&wear[*b])).unwrap_or(0);
+        let degrees = |k: usize| 360.0 * k as f64 / wear.len() as f64;
+        let caption = format!(
+            "Deepest {} µm at {}°; peak force {} N.",
+            fixed(1e6 * deepest(wear), 2),
+            fixed(degrees(place), 0),
+            fixed(joint.peak_force, 2)
+        );
+        let rows = lives.iter().flat_map(|(cycles, wear)| {
+            wear.iter()
+                .enumerate()
+                .map(move |(k, depth)| vec![cycles.to_string(), number(degrees(k)), number(1e6 * depth)])
+        });
+        Figure {
+            name: format!("bore-{}", file_name(&joint.name)),
+            title: format!("Bore of joint {}", joint.name),
+            caption,
+            svg: polar.finish(&format!("joint {}", joint.name), freest(wear)),
+            csv: csv(&["cycles", "angle [deg]", "wear depth [um]"], rows),
+        }
+    })
+    .collect()
+}
+
+/// Bores of a joint at about equal steps through life, the last at its end, as (cycles, depths); empty where the nominal
+/// evaluation does not tell.
+fn through_life(input: &ReportInput, joint: usize) -> Vec<(u32, &[f64])> {
+    let Some(worn) = input.nominal.as_ref().and_then(|nominal| nominal.worn.as_ref()) else { return vec![] };
+    lives(&worn.cycles)
+        .into_iter()
+        .filter_map(|k| Some((worn.cycles[k], worn.wear_depth.get(k)?.get(joint)?.as_slice())))
+        .collect()
+}
+
+/// Places in `cycles`, increasing from zero, nearest to equal steps of its last one.
+fn lives(cycles: &[u32]) -> Vec<usize> {
+    let Some(end) = cycles.last() else { return vec![] };
+    let nearest = |step: u32| {
+        let wanted = u64::from(*end) * u64::from(step) / u64::from(LIVES);
+        (0..cycles.len()).min_by_key(|k| u64::from(cycles[*k]).abs_diff(wanted)).unwrap_or(0)
+    };
+    let mut found: Vec<usize> = (1..=LIVES).map(nearest).filter(|k| cycles[*k] > 0).collect();
+    found.dedup();
+    found
+}
+
+/// At which lives before its end the curves are drawn, in words; empty where only the end is known.
+pub fn lives_in_words(input: &ReportInput) -> String {
+    let cycles =
+        input.nominal.as_ref().and_then(|nominal| nominal.worn.as_ref()).map(|worn| &worn.cycles[..]);
+    let cycles = cycles.unwrap_or_default();
+    let mut all: Vec<String> = lives(cycles).into_iter().map(|k| count(cycles[k].into())).collect();
+    all.pop();
+    all.join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lives_are_about_equally_far_apart_and_end_with_the_last() {
+        let cycles = [0, 250, 500, 1000, 2000, 4000, 8000, 12_000, 16_000, 20_000, 24_000];
+        assert_eq!(lives(&cycles), [5, 6, 7, 8, 9, 10]);
+        assert_eq!(lives(&[0, 10]), [1]);
+        assert!(lives(&[]).is_empty() && lives(&[0]).is_empty());
+    }
+}

@@ -1,0 +1,210 @@
+//! Figures of the nominal mechanism over a cycle: forces and motion, on the unworn and on the worn bores.
+
+use super::{file_name, range, words};
+use crate::presentation::report::figure::Figure;
+use crate::presentation::report::format::fixed;
+use crate::presentation::report::input::ReportInput;
+use crate::presentation::report::palette::Ink;
+use crate::presentation::report::plot::{Axis, Plot, PlotError, Points, Series, Shape};
+use common::outputs::{BodyTrace, CycleHistory};
+use common::scene::OutputKind;
+
+/// Degrees per radian.
+const DEGREES: f64 = 180.0 / std::f64::consts::PI;
+
+/// r/min per rad/s.
+const RPM: f64 = 30.0 / std::f64::consts::PI;
+
+/// Named curves over time [ms].
+type Traces = Vec<(String, Points)>;
+
+/// What of two bodies an output compares.
+struct Compared {
+    of: fn(&BodyTrace) -> &[f64],
+    factor: f64,
+    what: &'static str,
+    unit: &'static str,
+}
+
+const SPEED: Compared =
+    Compared { of: |body| &body.speed, factor: RPM, what: "angular velocity", unit: "r/min" };
+const ANGLE: Compared = Compared { of: |body| &body.angle, factor: DEGREES, what: "angle", unit: "°" };
+
+/// Joint forces, angles and angular velocities of the settled first cycle of the unworn nominal mechanism.
+///
+/// # Errors
+/// [`PlotError`].
+pub fn first_cycle(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
+    let Some(cycle) = input.nominal.as_ref().and_then(|nominal| nominal.first_cycle.as_ref()) else {
+        return Ok(vec![]);
+    };
+    let extremes: Vec<String> = cycle
+        .bodies
+        .iter()
+        .map(|body| {
+            let (low, high) = range(body.angle.iter().map(|angle| angle * DEGREES));
+            format!("{}: {}° to {}°", body.label, fixed(low, 3), fixed(high, 3))
+        })
+        .collect();
+    let of = |shown: &Compared| -> Traces {
+        let trace = |body: &BodyTrace| (body.label.clone(), trace(cycle, (shown.of)(body), shown.factor));
+        cycle.bodies.iter().map(trace).collect()
+    };
+    let figures = [
+        forces(
+            cycle,
+            "joint-forces",
+            "Joint forces of the first cycle",
+            "Unworn nominal mechanism, settled.",
+        )?,
+        over_time(
+            cycle,
+            ["angles", "Angles of the first cycle", "angle [°]"],
+            of(&ANGLE),
+            &format!("{}.", extremes.join("; ")),
+        )?,
+        over_time(
+            cycle,
+            ["angular-velocities", "Angular velocities of the first cycle", "angular velocity [r/min]"],
+            of(&SPEED),
+            "Of the bodies above, in the same sense.",
+        )?,
+    ];
+    Ok(figures.into_iter().flatten().collect())
+}
+
+/// What wear makes of it: the joint forces of the last cycle, and for every output that compares two bodies their
+/// difference in the first and in the last cycle.
+///
+/// # Errors
+/// [`PlotError`].
+pub fn last_cycle(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
+    let Some(nominal) = &input.nominal else { return Ok(vec![]) };
+    let (Some(first), Some(worn)) = (&nominal.first_cycle, &nominal.worn) else { return Ok(vec![]) };
+    let Some(last) = &worn.last_cycle else { return Ok(vec![]) };
+    let mut figures = Vec::new();
+    for output in &input.outputs {
+        let (a, b, compared) = match &output.kind {
+            OutputKind::AngularVelocityDifference { a, b } => (a, b, &SPEED),
+            OutputKind::AngleDifference { a, b } => (a, b, &ANGLE),
+            _ => continue,
+        };
+        let difference = |cycle: &CycleHistory| -> Option<Points> {
+            let of = |label: &str| cycle.bodies.iter().find(|body| body.label == label).map(compared.of);
+            let apart: Vec<f64> = of(&a.label)?.iter().zip(of(&b.label)?).map(|(a, b)| a - b).collect();
+            Some(trace(cycle, &apart, compared.factor))
+        };
+        let cycles = [("first cycle", first), ("last cycle", last)];
+        let traces: Traces = cycles
+            .into_iter()
+            .filter_map(|(name, cycle)| Some((name.to_string(), difference(cycle)?)))
+            .collect();
+        let caption = format!(
+            "{} of {} less that of {}, on the unworn bores and on those at the end of life. The output {} is the              largest size of it.",
+            compared.what,
+            a.label,
+            b.label,
+            words(&output.name)
+        );
+        figures.extend(over_time(
+            first,
+            [
+                &format!("difference-{}", file_name(&output.name)),
+                &format!("{} against {}", super::capital(&a.label), b.label),
+                &format!("difference [{}]", compared.unit),
+            ],
+            traces,
+            &super::capital(&caption),
+        )?);
+    }
+    figures.extend(forces(
+        last,
+        "joint-forces-worn",
+        "Joint forces of the last cycle",
+        "Nominal mechanism, bores worn to the end of life.",
+    )?);
+    Ok(figures)
+}
+
+/// Force of every joint over a cycle, with their peaks.
+fn forces(cycle: &CycleHistory, name: &str, title: &str, of: &str) -> Result<Option<Figure>, PlotError> {
+    let forces =
+        cycle.joint_force.iter().map(|(n, f)| (format!("joint {n}"), trace(cycle, f, 1.0))).collect();
+    let peak = |(name, force): &(String, Vec<f64>)| {
+        format!("{name}: {} N", fixed(force.iter().copied().fold(0.0, f64::max), 2))
+    };
+    let peaks: Vec<String> = cycle.joint_force.iter().map(peak).collect();
+    let caption = format!("{of} Peaks of joints {}.", peaks.join(", "));
+    over_time(cycle, [name, title, "joint force [N]"], forces, &caption)
+}
+
+fn trace(cycle: &CycleHistory, values: &[f64], factor: f64) -> Points {
+    thinned(cycle.time.iter().zip(values).map(|(t, v)| (t * 1e3, v * factor)).collect())
+}
+
+/// Curves over the time of a cycle; `[name, title, label of the vertical axis]`.
+fn over_time(
+    cycle: &CycleHistory,
+    [name, title, label]: [&str; 3],
+    traces: Traces,
+    caption: &str,
+) -> Result<Option<Figure>, PlotError> {
+    let time = &cycle.time;
+    if traces.is_empty() || time.len() < 2 {
+        return Ok(None);
+    }
+    let (low, high) = range(traces.iter().flat_map(|(_, points)| points.iter().map(|p| p.1)));
+    // Traces of mirrored halves nearly coincide: every second one is broken, so that both are seen.
+    let series: Vec<_> = traces
+        .into_iter()
+        .enumerate()
+        .map(|(k, (label, points))| {
+            let shape = if k % 2 == 1 { Shape::Dashed(points) } else { Shape::Line(points) };
+            Series::new(label, Ink::Series(k), shape)
+        })
+        .collect();
+    let margin = 0.04 * (high - low);
+    let plot = Plot {
+        figure: name,
+        x: Axis::linear("time [ms]", (time[0] * 1e3, time[time.len() - 1] * 1e3)),
+        y: Axis::linear(label, (if low >= 0.0 { 0.0 } else { low - margin }, high + margin)),
+        series: &series,
+    };
+    plot.figure(title, caption).map(Some)
+}
+
+/// Buckets a dense trace is thinned to: more than a figure has pixels across.
+const BUCKETS: usize = 700;
+
+/// A trace with its lowest and highest point of every bucket alone, so that no peak is lost; traces of few points
+/// stay as they are.
+fn thinned(points: Points) -> Points {
+    let size = points.len().div_ceil(BUCKETS);
+    if size <= 2 {
+        return points;
+    }
+    let mut kept = Vec::with_capacity(2 * BUCKETS + 2);
+    for bucket in points.chunks(size) {
+        let by_value = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
+        let ends = [bucket.iter().min_by(by_value), bucket.iter().max_by(by_value)];
+        let mut ends: Vec<_> = ends.into_iter().flatten().copied().collect();
+        ends.sort_by(|a, b| a.0.total_cmp(&b.0));
+        kept.extend(ends);
+    }
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_dense_trace_keeps_its_peaks() {
+        let mut points: Vec<_> = (0..100_000).map(|k| (f64::from(k), 1.0)).collect();
+        points[54_321].1 = 9.0;
+        points[54_322].1 = -9.0;
+        let kept = thinned(points);
+        assert!(kept.len() <= 2 * BUCKETS && kept.is_sorted_by(|a, b| a.0 <= b.0));
+        assert_eq!(range(kept.iter().map(|p| p.1)), (-9.0, 9.0));
+    }
+}

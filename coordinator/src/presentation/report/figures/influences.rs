@@ -1,0 +1,113 @@
+//! Figures of what the variables do: derivatives of the failure probabilities, and shares of the outputs' variance.
+
+use super::{capital, file_name, words};
+use crate::presentation::report::bars::{Bars, Pair};
+use crate::presentation::report::figure::Figure;
+use crate::presentation::report::format::count;
+use crate::presentation::report::input::ReportInput;
+use crate::presentation::report::life::governing;
+use crate::presentation::report::plot::PlotError;
+use crate::results::summary::{SensitivityRow, SobolRow};
+
+/// Bars shown per figure.
+const SHOWN: usize = 12;
+
+/// The checkpoint of `all` nearest to the governing one.
+fn nearest_to_governing(input: &ReportInput, all: impl Iterator<Item = u32>) -> Option<u32> {
+    let governing = governing(&input.summary).map_or(0, |row| row.cycles);
+    all.min_by_key(|cycles| cycles.abs_diff(governing))
+}
+
+fn finite(value: f64) -> f64 {
+    if value.is_finite() { value } else { 0.0 }
+}
+
+/// The rows of one limit state at the checkpoint nearest to the governing one, longest bar first.
+pub fn rows_at_governing<'a>(input: &'a ReportInput, limit_state: &str) -> Vec<&'a SensitivityRow> {
+    let all = input.summary.sensitivity.iter().filter(|row| row.limit_state == limit_state);
+    let Some(cycles) = nearest_to_governing(input, all.clone().map(|row| row.cycles)) else { return vec![] };
+    let length = |row: &SensitivityRow| finite(row.scaled.d_pf_d_mean.abs().max(row.scaled.d_pf_d_std.abs()));
+    let mut rows: Vec<_> = all.filter(|row| row.cycles == cycles).collect();
+    rows.sort_by(|a, b| length(b).total_cmp(&length(a)));
+    rows
+}
+
+/// One figure per limit state with derivatives of its failure probability.
+///
+/// # Errors
+/// [`PlotError`].
+pub fn sensitivities(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
+    let mut figures = Vec::new();
+    for state in &input.limit_states {
+        let rows = rows_at_governing(input, &state.name);
+        let Some(first) = rows.first() else { continue };
+        let caption = format!(
+            "Change of the probability of failure by {} at {} cycles when the mean, or the standard deviation, of a variable \
+             grows by one standard deviation; to the right: more failures. Thin lines: 1.96 standard errors. The {} \
+             largest of {}.",
+            state.name,
+            count(first.cycles.into()),
+            rows.len().min(SHOWN),
+            rows.len()
+        );
+        // The errors of the derivatives, on the scale of the scaled derivatives.
+        let error = |derivative: f64, scaled: f64, error: f64| {
+            if derivative == 0.0 { 0.0 } else { finite((scaled / derivative * error).abs()) }
+        };
+        let pair = |row: &&SensitivityRow| Pair {
+            name: words(&row.variable),
+            values: [finite(row.scaled.d_pf_d_mean), finite(row.scaled.d_pf_d_std)],
+            errors: [
+                error(row.d_pf_d_mean, row.scaled.d_pf_d_mean, row.standard_error.d_pf_d_mean),
+                error(row.d_pf_d_std, row.scaled.d_pf_d_std, row.standard_error.d_pf_d_std),
+            ],
+        };
+        let bars = Bars {
+            figure: &format!("sensitivity-{}", file_name(&state.name)),
+            labels: ["mean + 1 std", "std + 1 std"],
+            axis: "change of failure probability",
+            signed: true,
+            all: rows.iter().map(pair).collect(),
+            shown: SHOWN,
+        };
+        figures.push(bars.figure(&format!("What drives failure by {}", state.name), &caption)?);
+    }
+    Ok(figures)
+}
+
+/// One figure per limit state with Sobol indices of its output.
+///
+/// # Errors
+/// [`PlotError`].
+pub fn shares_of_variance(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
+    let mut figures = Vec::new();
+    for state in &input.limit_states {
+        let all = input.summary.sobol.iter().filter(|row| row.limit_state == state.name);
+        let Some(cycles) = nearest_to_governing(input, all.clone().map(|row| row.cycles)) else { continue };
+        let mut rows: Vec<&SobolRow> = all.filter(|row| row.cycles == cycles).collect();
+        rows.sort_by(|a, b| finite(b.total).total_cmp(&finite(a.total)));
+        let output = words(&input.outputs[state.output].name);
+        let caption = format!(
+            "Sobol indices of the surrogate at {} cycles: the share of the variance of the {output} that a variable makes \
+             alone (first order), and together with others (total). Thin lines: 1.96 standard errors. The {} largest of {}.",
+            count(cycles.into()),
+            rows.len().min(SHOWN),
+            rows.len()
+        );
+        let pair = |row: &&SobolRow| Pair {
+            name: words(&row.variable),
+            values: [finite(row.first_order), finite(row.total)],
+            errors: [finite(row.standard_error.first_order), finite(row.standard_error.total)],
+        };
+        let bars = Bars {
+            figure: &format!("sobol-{}", file_name(&state.name)),
+            labels: ["first order", "total"],
+            axis: "share of the variance",
+            signed: false,
+            all: rows.iter().map(pair).collect(),
+            shown: SHOWN,
+        };
+        figures.push(bars.figure(&capital(&format!("what makes {output} scatter")), &caption)?);
+    }
+    Ok(figures)
+}

@@ -1,0 +1,72 @@
+//! The figures of a report, from its input. Each function gives no figure where the input holds nothing to show.
+
+mod bores;
+mod cycle;
+mod influences;
+mod learning;
+mod numerical;
+mod orbits;
+mod outputs;
+mod reliability;
+
+pub use bores::{bores, lives_in_words};
+pub use cycle::{first_cycle, last_cycle};
+pub use influences::{rows_at_governing, sensitivities, shares_of_variance};
+pub use learning::learning;
+pub use numerical::numerical;
+pub use orbits::orbits;
+pub use outputs::{distributions, histories};
+pub use reliability::{curve, first_failure, reliability, shares_of_failures};
+
+use super::palette::Ink;
+use crate::results::summary::StudySummary;
+
+/// Cycles as the axes count them, and how the axes say so.
+pub(in crate::presentation::report) struct LifeAxis {
+    divisor: f64,
+    pub(in crate::presentation::report) label: &'static str,
+}
+
+impl LifeAxis {
+    pub(in crate::presentation::report) fn of(summary: &StudySummary) -> Self {
+        let last = summary.reliability.last().map_or(0, |row| row.cycles);
+        if last >= 10_000 {
+            Self { divisor: 1000.0, label: "life [1000 cycles]" }
+        } else {
+            Self { divisor: 1.0, label: "life [cycles]" }
+        }
+    }
+
+    pub(in crate::presentation::report) fn at(&self, cycles: u32) -> f64 {
+        f64::from(cycles) / self.divisor
+    }
+}
+
+/// Colour of a limit state, the same in every figure.
+pub(in crate::presentation::report) fn ink_of(summary: &StudySummary, name: &str) -> Ink {
+    summary.limit_states.iter().position(|state| state == name).map_or(Ink::Ink, Ink::Series)
+}
+
+/// Smallest and largest finite value; (0, 1) if there is none.
+fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let both = values.filter(|v| v.is_finite()).fold(None, |range: Option<(f64, f64)>, v| {
+        Some(range.map_or((v, v), |(low, high)| (low.min(v), high.max(v))))
+    });
+    both.unwrap_or((0.0, 1.0))
+}
+
+/// A name of a scene as part of a file's name.
+pub(in crate::presentation::report) fn file_name(name: &str) -> String {
+    name.chars().map(|c| if c.is_ascii_alphanumeric() || c == '-' { c } else { '-' }).collect()
+}
+
+/// An identifier as words.
+pub(in crate::presentation::report) fn words(name: &str) -> String {
+    name.replace('_', " ")
+}
+
+/// With a capital first letter.
+pub(in crate::presentation::report) fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}

@@ -1,0 +1,89 @@
+//! Figures of the numerical errors: R under them, and their size over life.
+
+use super::{LifeAxis, capital, file_name, ink_of, words};
+use crate::presentation::report::figure::Figure;
+use crate::presentation::report::input::ReportInput;
+use crate::presentation::report::life::rows_that_matter;
+use crate::presentation::report::palette::Ink;
+use crate::presentation::report::plot::{Axis, Plot, PlotError, Series, Shape};
+
+/// The range of R under the stated errors per limit state and in total, and per limit state the size of the errors
+/// over life.
+///
+/// # Errors
+/// [`PlotError`].
+pub fn numerical(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
+    Ok(range_of_reliability(input)?.into_iter().chain(sizes(input)?).collect())
+}
+
+fn range_of_reliability(input: &ReportInput) -> Result<Option<Figure>, PlotError> {
+    if input.summary.is_static() {
+        return Ok(None);
+    }
+    let rows = rows_that_matter(&input.summary, 6);
+    let (Some(first), Some(last)) = (rows.first(), rows.last()) else { return Ok(None) };
+    let axis = LifeAxis::of(&input.summary);
+    let (mut bands, mut lines) = (Vec::new(), Vec::new());
+    for state in &input.limit_states {
+        let name = state.name.as_str();
+        let ink = ink_of(&input.summary, name);
+        let band: Vec<_> = rows
+            .iter()
+            .filter_map(|row| {
+                let range = row.numerical.get(name)?;
+                Some((axis.at(row.cycles), range.lower, range.upper))
+            })
+            .collect();
+        if band.is_empty() {
+            return Ok(None);
+        }
+        bands.push(Series::unlisted(format!("{name}, range"), ink, Shape::Band(band)));
+        let r = |row: &crate::results::summary::ReliabilityRow| {
+            Some((axis.at(row.cycles), *row.reliability.get(name)?))
+        };
+        lines.push(Series::new(name, ink, Shape::Line(rows.iter().filter_map(r).collect())));
+    }
+    let plot = Plot {
+        figure: "reliability-numerical",
+        x: Axis::linear(axis.label, (axis.at(first.cycles), axis.at(last.cycles))),
+        y: Axis::linear("reliability R", (0.0, 1.0)),
+        series: &[bands, lines].concat(),
+    };
+    let caption = "R with every response larger, and with every one smaller, by the error its simulation states. The \
+                   worst and the best direction for all at once, not a standard error.";
+    plot.figure("Reliability under numerical errors", caption).map(Some)
+}
+
+fn sizes(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
+    if input.summary.is_static() {
+        return Ok(vec![]);
+    }
+    let axis = LifeAxis::of(&input.summary);
+    let mut figures = Vec::new();
+    // Of a limit at zero nothing is a share.
+    for state in input.limit_states.iter().filter(|state| state.threshold != 0.0) {
+        let stated = input.stated.get(state.output).map_or(&[][..], Vec::as_slice);
+        let Some(last) = stated.last() else { continue };
+        let of_limit = |error: f64| 100.0 * (error / state.threshold).abs();
+        let line = |of: &dyn Fn(&crate::presentation::report::stated::StatedAt) -> f64| -> Vec<(f64, f64)> {
+            stated.iter().map(|at| (axis.at(at.cycles), of_limit(of(at)))).collect()
+        };
+        let (typical, largest) = (line(&|at| at.typical), line(&|at| at.largest));
+        let top = largest.iter().map(|p| p.1).filter(|y| y.is_finite()).fold(0.0, f64::max);
+        let series = [
+            Series::new("typical (median)", ink_of(&input.summary, &state.name), Shape::Line(typical)),
+            Series::new("largest", Ink::Ink, Shape::Dashed(largest)),
+        ];
+        let name = format!("stated-error-{}", file_name(&state.name));
+        let output = words(&input.outputs[state.output].name);
+        let plot = Plot {
+            figure: &name,
+            x: Axis::linear(axis.label, (0.0, axis.at(last.cycles))),
+            y: Axis::linear("stated error [% of the limit]", (0.0, if top > 0.0 { 1.1 * top } else { 1.0 })),
+            series: &series,
+        };
+        let caption = "Over all simulations of the study, as a share of the limit that means failure.";
+        figures.push(plot.figure(&capital(&format!("stated error of {output}")), caption)?);
+    }
+    Ok(figures)
+}

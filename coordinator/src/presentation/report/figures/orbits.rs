@@ -1,0 +1,91 @@
+//! Orbits of the journals in their bores over a cycle, unworn and worn.
+
+use super::file_name;
+use crate::presentation::report::figure::{Figure, csv};
+use crate::presentation::report::format::fixed;
+use crate::presentation::report::input::ReportInput;
+use crate::presentation::report::palette::Ink;
+use crate::presentation::report::polar::{Polar, Stroke, freest, full_scale};
+use crate::results::result_files::number;
+use common::outputs::CycleHistory;
+use common::scene::{Joint, JointKind};
+
+/// Directions in which the orbit's reach is looked at, to find room for words.
+const DIRECTIONS: usize = 36;
+
+/// One joint's orbits.
+struct Orbits<'a> {
+    joint: &'a Joint,
+    /// Radial clearance [m].
+    clearance: f64,
+    /// Wear depth at the end of life at equal angles `(control_points,)` [m].
+    wear: &'a [f64],
+    /// By cycle, the first or the last.
+    cycles: Vec<(&'static str, &'a CycleHistory, Vec<[f64; 2]>)>,
+}
+
+/// One polar figure per joint with clearance whose motion the nominal evaluation tells, all on one scale.
+pub fn orbits(input: &ReportInput) -> Vec<Figure> {
+    let Some(nominal) = &input.nominal else { return vec![] };
+    let last = nominal.worn.as_ref().and_then(|worn| worn.last_cycle.as_ref());
+    let cycles = [("first", nominal.first_cycle.as_ref()), ("last", last)];
+    let mut all = Vec::new();
+    for (index, joint) in input.mechanism.joints.iter().enumerate() {
+        let JointKind::Clearance(clearance) = &joint.kind else { continue };
+        let known = cycles.into_iter().filter_map(|(name, cycle)| Some((name, cycle?)));
+        let cycles: Vec<_> = known
+            .filter_map(|(name, cycle)| Some((name, cycle, input.mechanism.orbit(cycle, joint)?)))
+            .collect();
+        if !cycles.is_empty() {
+            let wear = nominal.joints.get(index).map_or(&[][..], |joint| &joint.wear_depth);
+            all.push(Orbits { joint, clearance: clearance.radial_clearance(), wear, cycles });
+        }
+    }
+    let reach = |orbits: &Orbits<'_>| {
+        let far = orbits.cycles.iter().flat_map(|(.., orbit)| orbit).map(|e| e[0].hypot(e[1]));
+        far.chain(orbits.wear.iter().map(|depth| orbits.clearance + depth)).fold(orbits.clearance, f64::max)
+    };
+    let full = full_scale(all.iter().map(reach).fold(0.0, f64::max), 1e-6);
+    all.iter().map(|orbits| figure(orbits, full)).collect()
+}
+
+fn figure(orbits: &Orbits<'_>, full: f64) -> Figure {
+    let name = &orbits.joint.name;
+    let mut polar = Polar::new(0.0, full);
+    polar.circle(orbits.clearance, Stroke { ink: Ink::Muted, width: 1.4, opacity: 1.0 });
+    let worn: Vec<f64> = orbits.wear.iter().map(|depth| orbits.clearance + depth).collect();
+    polar.closed(&worn, Stroke { ink: Ink::Muted, width: 1.4, opacity: 0.6 }, false);
+    let mut reached = vec![orbits.clearance; DIRECTIONS];
+    for (cycle, _, orbit) in &orbits.cycles {
+        let ink = Ink::Series(usize::from(*cycle == "last"));
+        polar.curve(orbit, Stroke { ink, width: 3.0, opacity: 1.0 });
+        for [x, y] in orbit.iter().filter(|[x, y]| x.is_finite() && y.is_finite()) {
+            let turn = y.atan2(*x).rem_euclid(std::f64::consts::TAU) / std::f64::consts::TAU;
+            let at = &mut reached[(turn * DIRECTIONS as f64) as usize % DIRECTIONS];
+            *at = at.max(x.hypot(*y));
+        }
+    }
+    let farthest = |cycle: &str| {
+        let orbit = orbits.cycles.iter().find(|(name, ..)| *name == cycle)?;
+        let far = orbit.2.iter().map(|e| e[0].hypot(e[1])).fold(0.0, f64::max);
+        Some(format!("{cycle} cycle {} µm", fixed(1e6 * far, 1)))
+    };
+    let far: Vec<String> = ["first", "last"].into_iter().filter_map(farthest).collect();
+    let caption = format!(
+        "Radial clearance {} µm; farthest in the {}.",
+        fixed(1e6 * orbits.clearance, 1),
+        far.join(", in the ")
+    );
+    let rows = orbits.cycles.iter().flat_map(|(cycle, history, orbit)| {
+        history.time.iter().zip(orbit).map(move |(time, [x, y])| {
+            vec![cycle.to_string(), number(1e3 * time), number(1e6 * x), number(1e6 * y)]
+        })
+    });
+    Figure {
+        name: format!("orbit-{}", file_name(name)),
+        title: format!("Orbit of journal {name}"),
+        caption,
+        svg: polar.finish(&format!("joint {name}"), freest(&reached)),
+        csv: csv(&["cycle", "time [ms]", "x [um]", "y [um]"], rows),
+    }
+}

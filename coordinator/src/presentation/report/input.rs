@@ -1,0 +1,320 @@
+//! Everything a report is made from, and where it comes from: the scene's source and every evaluation from the
+//! tables of the campaign file, the study's results from its documents `summary` and `distributions`. So a
+//! report of a finished study needs its folder alone and no evaluation.
+
+use super::mechanism::Mechanism;
+use super::stated::{StatedAt, StatedErrors};
+use crate::results::output_unit::OutputUnit;
+use crate::results::store::{CampaignFile, StoreError};
+use crate::results::summary::StudySummary;
+use common::outputs::{Diagnostics, Evaluation};
+use common::scene::{ContactLaw, Fails, JointKind, OutputKind, Scene};
+use serde::{Deserialize, Serialize};
+
+/// Name of the document that holds the [`StudySummary`].
+pub const SUMMARY_DOCUMENT: &str = "summary";
+
+/// Name of the document that holds the [`OutputDistribution`]s.
+pub const DISTRIBUTIONS_DOCUMENT: &str = "distributions";
+
+/// Distribution of one output at one checkpoint over the population, in SI.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct OutputDistribution {
+    /// Name of the output.
+    pub output: String,
+    /// Checkpoint [cycles].
+    pub cycles: u32,
+    /// Mean [SI unit of the output].
+    pub mean: f64,
+    /// Standard deviation [SI unit of the output].
+    pub std: f64,
+    /// Edges of the bins, increasing `(bins + 1,)` [SI unit of the output].
+    pub edges: Vec<f64>,
+    /// Points of the population in each bin `(bins,)`.
+    pub counts: Vec<u64>,
+    /// Pairs of probability and quantile, increasing [1, SI unit of the output].
+    pub quantiles: Vec<(f64, f64)>,
+}
+
+/// Edges of `bins` equal bins from `from` to `to` `(bins + 1,)`, the last one exactly `to`.
+pub fn equal_edges(from: f64, to: f64, bins: usize) -> Vec<f64> {
+    (0..=bins).map(|k| if k == bins { to } else { from + (to - from) * k as f64 / bins as f64 }).collect()
+}
+
+/// A limit state, as the report shows it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LimitStateInfo {
+    /// Name, a key of the summary.
+    pub name: String,
+    /// Index into [`ReportInput::outputs`].
+    pub output: usize,
+    /// Threshold [SI unit of the output].
+    pub threshold: f64,
+    /// On which side of it failure lies.
+    pub fails: Fails,
+}
+
+/// An output, as the report shows it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OutputInfo {
+    /// Name.
+    pub name: String,
+    /// What it is.
+    pub kind: OutputKind,
+    /// Unit.
+    pub unit: OutputUnit,
+}
+
+/// A random variable, as the report shows it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VariableInfo {
+    /// Name.
+    pub name: String,
+    /// Mean; of the parent for a truncated normal [SI].
+    pub mean: f64,
+    /// Standard deviation, likewise [SI].
+    pub std: f64,
+}
+
+/// An evaluation without a result.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FailedRun {
+    /// Number.
+    pub id: u64,
+    /// What the physics reported.
+    pub failure: String,
+}
+
+/// Work of all evaluations with a result, summed.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct WorkTotals {
+    /// Evaluations with a result.
+    pub evaluations: u64,
+    /// Their simulation time [s].
+    pub wall: f64,
+    /// Longest simulation time [s].
+    pub longest: f64,
+    /// Sums of counters; `free_flight_fraction` is left empty.
+    pub sum: Diagnostics,
+}
+
+/// Everything a report is made from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReportInput {
+    /// Title of the scene.
+    pub title: String,
+    /// Result of the study.
+    pub summary: StudySummary,
+    /// Limit states, in the scene's order.
+    pub limit_states: Vec<LimitStateInfo>,
+    /// Outputs, in the scene's order.
+    pub outputs: Vec<OutputInfo>,
+    /// Random variables, in the scene's order.
+    pub variables: Vec<VariableInfo>,
+    /// Bodies and joints, every variable at its mean.
+    pub mechanism: Mechanism,
+    /// The evaluation at the variables' means, with its first cycle.
+    pub nominal: Option<Evaluation>,
+    /// Distributions of the outputs over the population.
+    pub distributions: Vec<OutputDistribution>,
+    /// Numerical errors that the evaluations state, per output and checkpoint `(outputs)(m,)`; empty if none do.
+    pub stated: Vec<Vec<StatedAt>>,
+    /// Evaluations without a result.
+    pub failures: Vec<FailedRun>,
+    /// Work done.
+    pub work: WorkTotals,
+    /// What a reader must know to judge the result.
+    pub notes: Vec<String>,
+    /// Source text of the scene.
+    pub scene_source: String,
+    /// Settings of the study, JSON.
+    pub settings: serde_json::Value,
+    /// Command line.
+    pub command: String,
+}
+
+impl ReportInput {
+    /// Gathers everything from the file of a finished study; `scene` is the resolved `scene_source` of the file.
+    /// `None` if the study has not been finished.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub fn from_campaign(campaign: &CampaignFile, scene: &Scene) -> Result<Option<Self>, StoreError> {
+        let Some(summary) = campaign.document(SUMMARY_DOCUMENT)? else { return Ok(None) };
+        let distributions = campaign.document(DISTRIBUTIONS_DOCUMENT)?.unwrap_or_default();
+        let mut input = Self::new(scene, summary, distributions);
+        input.scene_source = campaign.meta().scene_source.clone();
+        input.settings = campaign.meta().settings.clone();
+        input.command = campaign.meta().command.clone();
+        let mut stated = StatedErrors::default();
+        campaign.for_each(|stored| {
+            match stored.outcome {
+                Ok(evaluation) => {
+                    input.work.add(&evaluation.diagnostics, stored.wall);
+                    stated.add(&evaluation);
+                    if stored.id == 0 {
+                        input.nominal = Some(evaluation);
+                    }
+                }
+                Err(failure) => {
+                    input.failures.push(FailedRun { id: stored.id, failure: failure.to_string() });
+                }
+            }
+            Ok::<(), StoreError>(())
+        })?;
+        input.stated = stated.over_life();
+        Ok(Some(input))
+    }
+
+    /// What scene and results alone give.
+    fn new(scene: &Scene, summary: StudySummary, distributions: Vec<OutputDistribution>) -> Self {
+        Self {
+            title: scene.title.clone(),
+            notes: [unfinished(&summary), rough(&summary), notes(scene)].concat(),
+            summary,
+            limit_states: scene
+                .limit_states
+                .iter()
+                .map(|state| LimitStateInfo {
+                    name: state.name.clone(),
+                    output: state.output,
+                    threshold: state.threshold,
+                    fails: state.fails,
+                })
+                .collect(),
+            outputs: scene
+                .outputs
+                .iter()
+                .map(|output| OutputInfo {
+                    name: output.name.clone(),
+                    kind: output.kind.clone(),
+                    unit: OutputUnit::of(&output.kind),
+                })
+                .collect(),
+            variables: scene
+                .variables
+                .iter()
+                .map(|variable| VariableInfo {
+                    name: variable.name.clone(),
+                    mean: variable.distribution.parent_mean(),
+                    std: variable.distribution.given_std(),
+                })
+                .collect(),
+            mechanism: Mechanism::of(scene),
+            nominal: None,
+            distributions,
+            stated: vec![],
+            failures: vec![],
+            work: WorkTotals::default(),
+            scene_source: String::new(),
+            settings: serde_json::Value::Null,
+            command: String::new(),
+        }
+    }
+
+    /// What is studied, in the singular.
+    pub fn subject(&self) -> &'static str {
+        self.summary.subject()
+    }
+
+    /// The unit a limit state's output is shown in.
+    pub fn unit_of(&self, state: &LimitStateInfo) -> &OutputUnit {
+        &self.outputs[state.output].unit
+    }
+}
+
+impl WorkTotals {
+    fn add(&mut self, diagnostics: &Diagnostics, wall: f64) {
+        self.evaluations += 1;
+        self.wall += wall;
+        self.longest = self.longest.max(wall);
+        let sum = &mut self.sum;
+        sum.steps += diagnostics.steps;
+        sum.rejected_steps += diagnostics.rejected_steps;
+        sum.newton_iterations += diagnostics.newton_iterations;
+        sum.force_evaluations += diagnostics.force_evaluations;
+        sum.simulated_cycles += diagnostics.simulated_cycles;
+        sum.wear_stages += diagnostics.wear_stages;
+        sum.rejected_wear_steps += diagnostics.rejected_wear_steps;
+    }
+}
+
+/// Says so if learning ended before its targets were met.
+fn unfinished(summary: &StudySummary) -> Vec<String> {
+    let why = &summary.convergence.stopped_because;
+    let note = format!(
+        "This study ended before its targets were met, so its errors may be larger than stated: {why}."
+    );
+    if summary.convergence.targets_met { vec![] } else { vec![note] }
+}
+
+/// Says so if the evaluations were only meant for a first look.
+fn rough(summary: &StudySummary) -> Vec<String> {
+    if !summary.accuracy.starts_with("draft") || summary.max_error.is_some() {
+        return vec![];
+    }
+    vec![
+        "The accuracy draft is for a first look: its time and wear steps move the curves by more than the standard \
+         errors say. Decide with balanced or reference."
+            .to_string(),
+    ]
+}
+
+/// Properties of the model that colour its answer.
+fn notes(scene: &Scene) -> Vec<String> {
+    let local_hertz = scene.joints.iter().any(|joint| match &joint.kind {
+        JointKind::Clearance(clearance) => clearance.contact_law == ContactLaw::LocalHertz,
+        _ => false,
+    });
+    let watches_speed = scene.limit_states.iter().any(|state| {
+        scene.outputs.get(state.output).map(|output| OutputUnit::of(&output.kind))
+            == Some(OutputUnit::AngularVelocity)
+    });
+    if local_hertz && watches_speed {
+        return vec![
+            "The contact law local-hertz measures penetration in one direction only. On a worn bore it does not \
+             conserve energy and can feed a vibration, which raises angular-velocity differences late in life; the \
+             conformal law foundation shows no such growth in the flapping-wing drive. A failure by asymmetry found \
+             with local-hertz is a property of that law."
+                .to_string(),
+        ];
+    }
+    vec![]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::presentation::report::synthetic;
+
+    #[test]
+    fn equal_bins_end_where_they_should() {
+        assert_eq!(equal_edges(1.0, 2.0, 4), [1.0, 1.25, 1.5, 1.75, 2.0]);
+        assert_eq!(equal_edges(0.1, 0.3, 7)[7], 0.3);
+    }
+
+    #[test]
+    fn a_rough_or_unfinished_study_says_so() {
+        let mut summary = synthetic::study().summary;
+        assert!(rough(&summary).is_empty() && unfinished(&summary).is_empty());
+        summary.accuracy = "draft".into();
+        summary.convergence.targets_met = false;
+        assert!(rough(&summary)[0].contains("first look"));
+        assert!(unfinished(&summary)[0].contains(&summary.convergence.stopped_because));
+    }
+
+    #[test]
+    fn the_note_on_the_contact_law_stands_only_where_it_applies() {
+        let mut scene = synthetic::scene();
+        assert_eq!(notes(&scene).len(), 1);
+        for joint in &mut scene.joints {
+            if let JointKind::Clearance(clearance) = &mut joint.kind {
+                clearance.contact_law = ContactLaw::Foundation;
+            }
+        }
+        assert!(notes(&scene).is_empty());
+        let mut scene = synthetic::scene();
+        scene.limit_states.truncate(1);
+        assert!(notes(&scene).is_empty());
+    }
+}

@@ -1,0 +1,143 @@
+//! The report of a study: `report.html`, one file without any reference to the network or to other files, and
+//! every figure of it as an SVG file of its own in `figures/`, with its numbers as CSV.
+
+mod animation;
+mod bars;
+pub mod compare;
+mod figure;
+mod figures;
+pub mod format;
+mod input;
+pub mod life;
+mod mechanism;
+mod page;
+pub mod palette;
+mod plot;
+mod polar;
+mod stated;
+#[cfg(test)]
+pub(crate) mod synthetic;
+mod tables;
+#[cfg(test)]
+mod tests;
+mod words;
+
+pub use figure::Figure;
+pub use figures::reliability as reliability_figure;
+pub use input::{
+    DISTRIBUTIONS_DOCUMENT, FailedRun, LimitStateInfo, OutputDistribution, OutputInfo, ReportInput,
+    SUMMARY_DOCUMENT, VariableInfo, WorkTotals, equal_edges,
+};
+pub use mechanism::Mechanism;
+pub use page::standalone;
+pub use plot::{Axis, Plot, PlotError, Series, Shape};
+pub use stated::StatedAt;
+pub use words::failure_probability;
+
+use crate::results::result_files::{
+    ResultFileError, reliability_csv, summary_json, write_samples_csv, write_text,
+};
+use crate::results::store::{CampaignFile, StoreError};
+use crate::results::summary::StudySummary;
+use common::scene::Scene;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// A report that cannot be written.
+#[derive(Debug, Error)]
+pub enum ReportError {
+    /// A figure cannot be drawn.
+    #[error(transparent)]
+    Plot(#[from] PlotError),
+    /// A file cannot be written.
+    #[error(transparent)]
+    File(#[from] ResultFileError),
+    /// The campaign file cannot be read or written.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+}
+
+/// A report in memory.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Report {
+    /// The page.
+    pub html: String,
+    /// Its figures.
+    pub figures: Vec<Figure>,
+}
+
+/// Makes the report. The same input gives the same text.
+///
+/// # Errors
+/// [`PlotError`].
+pub fn render(input: &ReportInput) -> Result<Report, PlotError> {
+    let reliability = [figures::reliability(&input.summary)?, figures::first_failure(input)?];
+    let sections = page::Sections {
+        reliability: reliability.into_iter().flatten().collect(),
+        outputs: [figures::distributions(input)?, figures::histories(input)?].concat(),
+        sensitivity: figures::sensitivities(input)?,
+        variance: figures::shares_of_variance(input)?,
+        motion: animation::animation(input),
+        bores: figures::bores(input),
+        orbits: figures::orbits(input),
+        first_cycle: figures::first_cycle(input)?,
+        last_cycle: figures::last_cycle(input)?,
+        learning: figures::learning(input)?,
+        numerical: figures::numerical(input)?,
+    };
+    let html = page::html(input, &sections);
+    Ok(Report { html, figures: sections.into_figures() })
+}
+
+/// Writes `report.html`, and every figure of it as `figures/*.svg` with its numbers as `figures/*.csv`, into `dir`; the
+/// path of the page.
+///
+/// # Errors
+/// [`ReportError`].
+pub fn write(dir: &Path, input: &ReportInput) -> Result<PathBuf, ReportError> {
+    let report = render(input)?;
+    let folder = dir.join("figures");
+    std::fs::create_dir_all(&folder)
+        .map_err(|source| ResultFileError::Write { path: folder.clone(), source })?;
+    for figure in &report.figures {
+        write_text(&folder.join(format!("{}.svg", figure.name)), &page::standalone(figure))?;
+        write_text(&folder.join(format!("{}.csv", figure.name)), &figure.csv)?;
+    }
+    let path = dir.join("report.html");
+    write_text(&path, &report.html)?;
+    Ok(path)
+}
+
+/// Ends a study: keeps its results in the campaign file, then writes every file of its folder ([`write_all`]).
+/// The path of the page.
+///
+/// # Errors
+/// [`ReportError`].
+pub fn deliver(
+    campaign: &mut CampaignFile,
+    scene: &Scene,
+    summary: &StudySummary,
+    distributions: &[OutputDistribution],
+) -> Result<PathBuf, ReportError> {
+    // Refused before anything is kept: what JSON cannot hold could not be read back.
+    summary_json(summary)?;
+    campaign.put_document(DISTRIBUTIONS_DOCUMENT, &distributions)?;
+    campaign.put_document(SUMMARY_DOCUMENT, summary)?;
+    let written = write_all(campaign, scene)?;
+    Ok(written.expect("the summary was stored two statements ago"))
+}
+
+/// Writes `summary.json`, `reliability.csv`, `samples.csv`, `scene.toml`, `report.html` and `figures/` of a finished study from
+/// its campaign file alone; the path of the page, or `None` if the study has not been finished.
+///
+/// # Errors
+/// [`ReportError`].
+pub fn write_all(campaign: &CampaignFile, scene: &Scene) -> Result<Option<PathBuf>, ReportError> {
+    let Some(input) = ReportInput::from_campaign(campaign, scene)? else { return Ok(None) };
+    let dir = campaign.dir();
+    write_text(&dir.join("summary.json"), &summary_json(&input.summary)?)?;
+    write_text(&dir.join("reliability.csv"), &reliability_csv(&input.summary))?;
+    write_samples_csv(&dir.join("samples.csv"), campaign, scene)?;
+    write_text(&dir.join("scene.toml"), &input.scene_source)?;
+    write(dir, &input).map(Some)
+}

@@ -1,0 +1,280 @@
+use super::*;
+use crate::results::summary::Convergence;
+
+/// Checks that hold for every report: no reference outside, figures that are XML and have their numbers, no number
+/// that is none, no word of the program's own for what is missing.
+fn assert_sound(report: &Report) {
+    // What the page says, without its script.
+    let html = &match report.html.split_once("<script") {
+        Some((said, _)) => said.to_string() + "</main>\n</body>\n</html>",
+        None => report.html.clone(),
+    };
+    for outside in ["http", "src=", "@import", "url(", "<link", "//www"] {
+        assert!(!report.html.contains(outside), "{outside}");
+    }
+    for outside in ["onclick", "style=\"", "href"] {
+        assert!(!html.contains(outside), "{outside}");
+    }
+    let words: Vec<&str> = html.split(|c: char| !c.is_ascii_alphanumeric()).collect();
+    for bad in ["NaN", "nan", "None", "inf", "Some", "null"] {
+        assert!(!words.contains(&bad), "{bad}");
+    }
+    for figure in &report.figures {
+        let name = &figure.name;
+        assert!(html.contains(&format!("<figure id=\"{name}\"")), "{name}");
+        let mut lines = figure.csv.lines();
+        let columns = lines.next().unwrap().split(',').count();
+        assert!(columns >= 3 && lines.count() > 1, "{name}: {}", figure.csv);
+        assert!(!figure.csv.contains("NaN") && !figure.csv.contains("inf"), "{name}");
+        let alone = page::standalone(figure);
+        let document = roxmltree::Document::parse(&alone).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let root = document.root_element();
+        assert!(
+            root.has_tag_name(("http://www.w3.org/2000/svg", "svg")) && root.has_attribute("viewBox"),
+            "{name}"
+        );
+        assert!(!alone.contains("NaN") && !alone.contains("inf\""), "{name}");
+    }
+    // HTML that closes what it opens: the body is well-formed XML too, but for the elements that have no end.
+    let body = &html[html.find("<body>").unwrap()..html.find("</html>").unwrap()];
+    let body = body.replace("<br>", "<br/>");
+    roxmltree::Document::parse(&body).unwrap();
+}
+
+fn names(report: &Report) -> Vec<&str> {
+    report.figures.iter().map(|figure| figure.name.as_str()).collect()
+}
+
+#[test]
+fn a_whole_study_has_every_figure_and_says_its_lives() {
+    let report = render(&synthetic::input()).unwrap();
+    assert_sound(&report);
+    let mut expected = vec!["reliability", "first-failure"];
+    expected.extend(["distribution-wear", "distribution-asymmetry", "history-wear", "history-asymmetry"]);
+    expected.extend([
+        "sensitivity-wear",
+        "sensitivity-asymmetry",
+        "sobol-wear",
+        "sobol-asymmetry",
+        "mechanism",
+    ]);
+    expected.extend(["bore-1", "bore-2", "bore-3", "bore-4", "bore-5", "bore-6"]);
+    expected.extend(["orbit-1", "orbit-2", "orbit-3", "orbit-4", "orbit-5", "orbit-6"]);
+    expected.extend(["joint-forces", "angles", "angular-velocities"]);
+    expected.extend(["difference-angular-velocity-difference", "joint-forces-worn"]);
+    expected.extend(["learning-reliability", "learning-shares", "learning-min-u"]);
+    expected.extend(["reliability-numerical", "stated-error-wear", "stated-error-asymmetry"]);
+    assert_eq!(names(&report), expected);
+    let html = report.html.replace('\u{a0}', " ");
+    for text in [
+        "Hingewise",
+        "50 % of the mechanisms reach",
+        "First to fail: wear (max wear depth reaching 30 µm)",
+        "64 000 cycles",
+        "68 000 cycles",
+        "seed 20260101",
+        "coordinator run --scene flapping-wing --workers auto --out study",
+        "six &lt; seven &amp; more",
+        "the bound of 200000 steps per cycle was reached",
+        "local-hertz",
+        "stayed below 0.006",
+        "nominal at 72 000 cycles",
+        "<td>0.250 µm</td>",
+        "<td>0.8 %</td>",
+        "<th>numerical</th>",
+        "If all simulations erred by their stated errors",
+        "<td>0.100 r/min</td>",
+        "1 of 216 simulations gave no result; they are left out, and simulations are estimated to fail in 0.4 % of the",
+        "Of these failures the first cause was: 5",
+        "left out of their fits for wear with Q<sup>2</sup> = 0.9700",
+        "the thin lines before: 12 000, 24 000, 36 000, 48 000, 60 000.",
+        "as the surrogates predict it for the population of 100 000 mechanisms",
+        "<td>R = 0.99</td>",
+        "farthest in the first cycle 24.0 µm, in the last cycle 24.0 µm",
+        "<code>scene.toml</code>",
+    ] {
+        assert!(html.contains(text), "{text}");
+    }
+}
+
+#[test]
+fn the_sentences_carry_the_numbers_of_the_curves() {
+    let input = synthetic::input();
+    let text = words::sentences(&input).join(" ").replace('\u{a0}', " ");
+    let life::LifeAt::Cycles { life, .. } = life::life_at(&input.summary, "total", 0.5) else { panic!() };
+    let whole = format::count(life.round() as u64).replace('\u{a0}', " ");
+    assert!(text.contains(&format!("50 % of the mechanisms reach {whole} cycles")), "{text}");
+    assert!(text.contains("216 simulations (1 without a result), 96 of them placed by learning"), "{text}");
+    assert!(text.contains("3 min 41 s in all"), "{text}");
+}
+
+#[test]
+fn the_same_input_gives_the_same_text() {
+    let input = synthetic::input();
+    assert_eq!(render(&input).unwrap(), render(&input).unwrap());
+}
+
+#[test]
+fn a_study_without_extras_is_reported_all_the_same() {
+    let mut input = synthetic::input();
+    input.nominal = None;
+    input.distributions.clear();
+    input.stated.clear();
+    input.summary.surrogates.clear();
+    input.summary.reliability.iter_mut().for_each(|row| row.numerical.clear());
+    input.summary.sensitivity.clear();
+    input.summary.sobol.clear();
+    input.summary.first_failure.clear();
+    input.summary.failures = crate::results::summary::Failures::default();
+    input.summary.moments.clear();
+    input.summary.workers.clear();
+    input.summary.convergence = Convergence::default();
+    input.failures.clear();
+    input.settings = serde_json::Value::Null;
+    input.command.clear();
+    let report = render(&input).unwrap();
+    assert_sound(&report);
+    assert_eq!(names(&report), ["reliability"]);
+    assert!(report.html.contains("The nominal evaluation holds no first cycle."));
+    assert!(
+        report.html.contains("The simulations state no numerical errors.")
+            && !report.html.contains("<th>numerical")
+    );
+    assert!(report.html.contains("Every evaluation has a result."));
+}
+
+/// What evaluations told before they told their bores through life and their last cycle is reported all the same.
+#[test]
+fn an_old_campaign_has_what_it_kept_and_says_what_it_lacks() {
+    let mut input = synthetic::input();
+    let nominal = input.nominal.as_mut().unwrap();
+    nominal.worn = None;
+    nominal.first_cycle.as_mut().unwrap().motion.clear();
+    let report = render(&input).unwrap();
+    assert_sound(&report);
+    let found = names(&report);
+    assert!(found.contains(&"bore-6") && found.contains(&"joint-forces"));
+    for missing in ["mechanism", "orbit-1", "joint-forces-worn", "difference-angular-velocity-difference"] {
+        assert!(!found.contains(&missing), "{missing}");
+    }
+    for said in [
+        "The nominal evaluation does not tell how every body moves.",
+        "this campaign kept the bores at the end alone",
+        "The nominal evaluation does not tell how journals and bushings move.",
+        "The nominal evaluation holds no last cycle.",
+    ] {
+        assert!(report.html.contains(said), "{said}");
+    }
+    assert!(!report.html.contains("<script"));
+}
+
+#[test]
+fn one_limit_state_needs_no_total() {
+    let mut input = synthetic::input();
+    input.limit_states.truncate(1);
+    input.summary.limit_states.truncate(1);
+    for row in &mut input.summary.reliability {
+        row.reliability.remove("asymmetry");
+        row.standard_error.remove("asymmetry");
+        let wear = row.reliability["wear"];
+        row.reliability.insert("total".into(), wear);
+    }
+    let report = render(&input).unwrap();
+    assert_sound(&report);
+    assert!(report.html.contains("The mechanism fails by wear"));
+    assert!(!report.html.contains("asymmetry-"));
+}
+
+#[test]
+fn numbers_that_are_none_become_dashes() {
+    let mut input = synthetic::input();
+    for row in &mut input.summary.reliability {
+        row.standard_error.values_mut().for_each(|error| *error = f64::NAN);
+    }
+    input.summary.reliability[40].reliability.insert("wear".into(), f64::NAN);
+    for row in &mut input.summary.sensitivity {
+        row.d_pf_d_std = f64::NAN;
+        row.scaled.d_pf_d_std = f64::INFINITY;
+    }
+    for round in &mut input.summary.convergence.rounds {
+        round.min_u = f64::INFINITY;
+        round.cov_pf = f64::NAN;
+    }
+    let nominal = input.nominal.as_mut().unwrap();
+    nominal.joints[0].wear_depth.fill(f64::NAN);
+    nominal.histories[0].fill(f64::NAN);
+    nominal.first_cycle.as_mut().unwrap().bodies[0].angle.fill(f64::NAN);
+    assert_sound(&render(&input).unwrap());
+}
+
+#[test]
+fn nothing_fails_and_nothing_at_all() {
+    let mut input = synthetic::input();
+    for row in &mut input.summary.reliability {
+        row.reliability.values_mut().for_each(|r| *r = 1.0);
+    }
+    let report = render(&input).unwrap();
+    assert_sound(&report);
+    assert!(report.html.contains("No limit state is reached within the life studied."));
+    input.summary.reliability.clear();
+    assert_sound(&render(&input).unwrap());
+}
+
+/// Writes the report for the eye: with `HINGEWISE_REPORT_SAMPLE` set to a folder it stays there.
+#[test]
+fn page_and_figures_are_written_from_the_campaign_file_alone() {
+    let temporary = tempfile::tempdir().unwrap();
+    let kept = std::env::var_os("HINGEWISE_REPORT_SAMPLE").map(PathBuf::from);
+    let dir = kept.as_deref().unwrap_or(temporary.path());
+    let study = tempfile::tempdir().unwrap();
+    drop(synthetic::campaign(study.path()));
+    let campaign = CampaignFile::open(study.path()).unwrap();
+    let input = ReportInput::from_campaign(&campaign, &synthetic::scene()).unwrap().unwrap();
+    assert_eq!((input.work.evaluations, input.failures.len()), (11, 1));
+    let path = write(dir, &input).unwrap();
+    let report = render(&input).unwrap();
+    assert_eq!(std::fs::read_to_string(path).unwrap(), report.html);
+    for figure in &report.figures {
+        let text = std::fs::read_to_string(dir.join("figures").join(format!("{}.svg", figure.name))).unwrap();
+        assert_eq!(text, page::standalone(figure));
+        let numbers =
+            std::fs::read_to_string(dir.join("figures").join(format!("{}.csv", figure.name))).unwrap();
+        assert_eq!(numbers, figure.csv);
+    }
+}
+
+#[test]
+fn a_delivered_study_has_every_file_and_they_can_be_made_anew() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut campaign = synthetic::campaign(dir.path());
+    let study = synthetic::study();
+    let mut broken = study.summary.clone();
+    broken.convergence.rounds[0].min_u = f64::INFINITY;
+    assert!(deliver(&mut campaign, &synthetic::scene(), &broken, &[]).is_err());
+    let page = deliver(&mut campaign, &synthetic::scene(), &study.summary, &study.distributions).unwrap();
+    let names = [
+        "summary.json",
+        "reliability.csv",
+        "samples.csv",
+        "scene.toml",
+        "report.html",
+        "figures/reliability.svg",
+        "figures/reliability.csv",
+    ];
+    let read = || names.map(|name| std::fs::read_to_string(dir.path().join(name)).unwrap());
+    let first = read();
+    names.iter().for_each(|name| std::fs::remove_file(dir.path().join(name)).unwrap());
+    drop(campaign);
+    let campaign = CampaignFile::open(dir.path()).unwrap();
+    assert_eq!(write_all(&campaign, &synthetic::scene()).unwrap(), Some(page));
+    assert_eq!(read(), first);
+}
+
+#[test]
+fn an_unfinished_study_has_no_report_yet() {
+    let dir = tempfile::tempdir().unwrap();
+    let meta = synthetic::campaign(&dir.path().join("finished")).meta().clone();
+    let scene = synthetic::scene();
+    let campaign = CampaignFile::create(&dir.path().join("new"), &meta, &scene).unwrap();
+    assert_eq!(ReportInput::from_campaign(&campaign, &scene).unwrap(), None);
+}

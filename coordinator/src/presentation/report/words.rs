@@ -1,0 +1,190 @@
+//! What a study says, in sentences.
+
+use super::figures::shares_of_failures;
+use super::format::{count, duration, fixed, percent, short_percent, three_digits};
+use super::input::ReportInput;
+use super::life::{LifeAt, governing, leaders, life_at};
+use super::plot::short;
+use super::tables::whole;
+use crate::results::summary::{PerLimitState, ReliabilityRow, StudySummary};
+use common::scene::Fails;
+
+/// Reliability levels whose lives are named.
+pub const LEVELS: [f64; 3] = [0.99, 0.9, 0.5];
+
+/// A life with its bounds, e.g. `63 400 cycles (63 200 to 63 500)`.
+pub fn life(life: LifeAt) -> (String, String) {
+    match life {
+        LifeAt::Beyond(last) => (format!("beyond {}", count(last.into())), "end of the life studied".into()),
+        LifeAt::Cycles { life, lower, upper } => {
+            (whole(life), format!("95 % interval {} to {}", whole(lower), whole(upper)))
+        }
+    }
+}
+
+/// The accuracy of a study, e.g. `balanced`, `draft+step-x0.71 (stated errors below 1 % at the points tried)`.
+pub fn accuracy(summary: &StudySummary) -> String {
+    let name = &summary.accuracy;
+    summary.max_error.map_or_else(
+        || name.clone(),
+        |share| format!("{name} (stated errors below {} at the points tried)", short_percent(share)),
+    )
+}
+
+/// The sentences at the head of the report.
+pub fn sentences(input: &ReportInput) -> Vec<String> {
+    let summary = &input.summary;
+    let mut text = Vec::new();
+    if summary.is_static() {
+        text.extend(failure_probabilities(input));
+        text.push(effort(summary));
+        text.extend(failed_runs(summary));
+        return text;
+    }
+    let lives: Vec<String> = LEVELS
+        .iter()
+        .map(|level| {
+            format!(
+                "{} of the {}s reach {}",
+                percent0(*level),
+                input.subject(),
+                cycles(life_at(summary, "total", *level))
+            )
+        })
+        .collect();
+    text.push(format!("{}.", lives.join("; ")));
+    text.extend(who_fails_first(input));
+    text.push(effort(summary));
+    text.extend(failed_runs(summary));
+    text.extend(super::stated::meaning(input));
+    text
+}
+
+/// How probable failure is where there is no life to follow.
+fn failure_probabilities(input: &ReportInput) -> Option<String> {
+    let row = input.summary.reliability.first()?;
+    let mut names: Vec<&str> = input.summary.limit_states.iter().map(String::as_str).collect();
+    if names.len() > 1 {
+        names.push("total");
+    }
+    let each: Vec<String> =
+        names.iter().map(|name| format!("{} ({name})", failure_probability(row, name))).collect();
+    Some(format!("The probability of failure is {}.", each.join(", ")))
+}
+
+/// The failure probability of a limit state with its standard error, e.g. `1.97e-3 ± 3.1e-5`.
+pub fn failure_probability(row: &ReliabilityRow, name: &str) -> String {
+    let of = |values: &PerLimitState| values.get(name).copied().unwrap_or(f64::NAN);
+    format!("{} ± {}", three_digits(1.0 - of(&row.reliability)), three_digits(of(&row.standard_error)))
+}
+
+fn percent0(share: f64) -> String {
+    format!("{}\u{a0}%", fixed(100.0 * share, 0))
+}
+
+fn cycles(at: LifeAt) -> String {
+    match at {
+        LifeAt::Beyond(last) => format!("more than the {} cycles studied", count(last.into())),
+        known @ LifeAt::Cycles { .. } => format!("{} cycles", life(known).0),
+    }
+}
+
+/// Which limit state leads to failure, when that changes, and what has failed at the governing checkpoint.
+fn who_fails_first(input: &ReportInput) -> Vec<String> {
+    let summary = &input.summary;
+    let mut text = Vec::new();
+    let means = |name: &str| {
+        let state = input.limit_states.iter().find(|state| state.name == name)?;
+        let unit = input.unit_of(state);
+        let output = super::figures::words(&input.outputs[state.output].name);
+        let threshold = unit.after(&short(unit.to_shown(state.threshold)));
+        let reaching = if state.fails == Fails::Above { "reaching" } else { "falling to" };
+        Some(format!("{output} {reaching} {threshold}"))
+    };
+    let named = |name: &str| means(name).map_or(name.to_string(), |means| format!("{name} ({means})"));
+    match leaders(summary).as_slice() {
+        [] => text.push("No limit state is reached within the life studied.".to_string()),
+        [(from, only)] if summary.limit_states.len() == 1 => {
+            text.push(format!(
+                "The {} fails by {}, noticeably (more than 0.1 %) from {} cycles on.",
+                input.subject(),
+                named(only),
+                count((*from).into())
+            ));
+        }
+        [(from, first), rest @ ..] => {
+            let always = if rest.is_empty() { "; it leads over the whole life studied" } else { "" };
+            text.push(format!(
+                "First to fail: {}, noticeably (more than 0.1 % of the {}s ahead) from {} cycles on{always}.",
+                named(first),
+                input.subject(),
+                count((*from).into())
+            ));
+            for (from, next) in rest {
+                text.push(format!(
+                    "From {} cycles on {} has caused more failures.",
+                    count((*from).into()),
+                    named(next)
+                ));
+            }
+        }
+    }
+    if let Some(row) = governing(summary).filter(|_| summary.limit_states.len() > 1) {
+        let failed = |name: &str| row.reliability.get(name).map_or(f64::NAN, |r| 1.0 - r);
+        let parts: Vec<String> =
+            summary.limit_states.iter().map(|name| format!("{} by {name}", percent(failed(name)))).collect();
+        if failed("total") > 5e-4 {
+            text.push(format!(
+                "At {} cycles {} have failed: {} (a {} that has failed by both counts in both).",
+                count(row.cycles.into()),
+                percent(failed("total")),
+                parts.join(", "),
+                input.subject()
+            ));
+            let causes = shares_of_failures(summary, row.cycles);
+            text.extend(
+                causes.map(|shares| format!("Of these failures the first cause was: {}.", shares.join(", "))),
+            );
+        }
+    }
+    text
+}
+
+/// Runs without a result, how much of the population they stand for, and why; `None` if there are none.
+fn failed_runs(summary: &StudySummary) -> Option<String> {
+    let first = summary.failures.simulations.first()?;
+    let counts = summary.evaluations;
+    Some(format!(
+        "{} of {} simulations gave no result; they are left out, and simulations are estimated to fail in {} of the \
+         population. The first of them: {}.",
+        count(counts.failed as u64),
+        count(counts.total as u64),
+        percent(summary.failures.barred_share),
+        first.cause.trim_end_matches('.')
+    ))
+}
+
+/// What the answer cost.
+pub fn effort(summary: &StudySummary) -> String {
+    let counts = summary.evaluations;
+    let failed = match counts.failed {
+        0 => "none without a result".to_string(),
+        1 => "1 without a result".to_string(),
+        n => format!("{} without a result", count(n as u64)),
+    };
+    let surrogate = if counts.added > 0 || !summary.convergence.rounds.is_empty() {
+        format!(
+            ", {} of them placed by learning, stand for a population of {} {}",
+            count(counts.added as u64),
+            count(summary.population as u64),
+            if summary.of_mechanism() { "mechanisms" } else { "systems" }
+        )
+    } else {
+        String::new()
+    };
+    format!(
+        "{} simulations ({failed}){surrogate}; {} in all.",
+        count(counts.total as u64),
+        duration(summary.timing_s.total)
+    )
+}

@@ -1,0 +1,294 @@
+//! What a study shows on the terminal: a progress bar where standard error is one, plain lines elsewhere,
+//! nothing when quiet. What is said and when is decided by [`Narrator`], which knows
+//! no terminal and no clock.
+
+mod ending;
+
+pub use ending::final_text;
+
+use crate::presentation::report::format::{count, duration, fixed, percent};
+use crate::results::progress::{Observer, Progress};
+use crate::results::summary::Round;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::IsTerminal;
+use std::time::{Duration, Instant};
+
+/// Least time between two lines about evaluations where there is no terminal.
+const LINE_EVERY: Duration = Duration::from_secs(10);
+
+/// Decides what to say; times are since the start of the study.
+#[derive(Debug, Default)]
+pub struct Narrator {
+    done: usize,
+    failed: usize,
+    recalled: usize,
+    planned: usize,
+    purpose: String,
+    round: Option<Round>,
+    /// Evaluations that were simulated, and when the first batch began.
+    started: Option<Duration>,
+    last_line: Option<Duration>,
+}
+
+impl Narrator {
+    /// Takes notice; the line to print where there is no terminal, if any: one per round, one per warning, and
+    /// one about evaluations each ten seconds at most.
+    pub fn line(&mut self, now: Duration, progress: &Progress) -> Option<String> {
+        self.notice(now, progress);
+        match progress {
+            Progress::Warning(text) => Some(format!("warning: {text}")),
+            Progress::RoundFinished(round) => {
+                self.last_line = Some(now);
+                Some(round_line(round))
+            }
+            // What is recalled takes no time; the line of its batch, which follows, counts it.
+            Progress::Evaluated { recalled: true, .. } | Progress::Reliability { .. } | Progress::Ending => {
+                None
+            }
+            Progress::BatchStarted { .. } | Progress::Evaluated { .. } => {
+                let due = self.last_line.is_none_or(|last| now >= last + LINE_EVERY);
+                due.then(|| {
+                    self.last_line = Some(now);
+                    self.state(now)
+                })
+            }
+        }
+    }
+
+    fn notice(&mut self, now: Duration, progress: &Progress) {
+        match progress {
+            Progress::BatchStarted { planned, purpose, .. } => {
+                self.planned = *planned;
+                self.purpose.clone_from(purpose);
+                self.started.get_or_insert(now);
+            }
+            Progress::Evaluated { done, failed, recalled, .. } => {
+                self.done = *done;
+                self.failed += usize::from(*failed);
+                self.recalled += usize::from(*recalled);
+            }
+            Progress::RoundFinished(round) => self.round = Some(round.clone()),
+            Progress::Reliability { .. } | Progress::Ending | Progress::Warning(_) => {}
+        }
+    }
+
+    /// Simulations per second, not counting what came from the campaign file; `None` before the first.
+    fn rate(&self, now: Duration) -> Option<f64> {
+        let elapsed = now.saturating_sub(self.started?).as_secs_f64();
+        let simulated = self.done.saturating_sub(self.recalled);
+        (simulated > 0 && elapsed > 0.0).then(|| simulated as f64 / elapsed)
+    }
+
+    /// Evaluations, rate, when the planned ones will be done, current R; e.g.
+    /// `84/120 evaluations (initial design), 1.3/s, planned ones done in 27.7 s, R(66 000) = 0.347 ± 0.006`.
+    pub fn state(&self, now: Duration) -> String {
+        let mut text = format!("{}/{} evaluations", self.done, self.planned.max(self.done));
+        if !self.purpose.is_empty() {
+            text += &format!(" ({})", self.purpose);
+        }
+        if let Some(rate) = self.rate(now) {
+            text += &format!(", {}/s", fixed(rate, if rate < 10.0 { 2 } else { 0 }));
+            let left = self.planned.saturating_sub(self.done);
+            if left > 0 {
+                text += &format!(", planned ones done in {}", duration(left as f64 / rate));
+            }
+        }
+        if self.recalled > 0 {
+            text += &format!(", {} from the campaign file", self.recalled);
+        }
+        if self.failed > 0 {
+            text += &format!(", {} failed", self.failed);
+        }
+        if let Some(round) = &self.round {
+            text += &format!(", {}", current_reliability(round));
+        }
+        text.replace('\u{a0}', " ")
+    }
+}
+
+fn current_reliability(round: &Round) -> String {
+    format!(
+        "R({}) = {} ± {}",
+        count(round.cycles.into()),
+        fixed(round.reliability_total, 4),
+        fixed(round.standard_error(), 4)
+    )
+}
+
+/// A finished round in one line.
+fn round_line(round: &Round) -> String {
+    let change =
+        round.change_of_r.map_or(String::new(), |change| format!(", changed by {}", percent(change)));
+    format!(
+        "round {}: {} evaluations, {}{change}, uncertain {}, min U {}",
+        round.round,
+        round.evaluations,
+        current_reliability(round),
+        percent(round.share_uncertain),
+        fixed(round.min_u, 3)
+    )
+    .replace('\u{a0}', " ")
+}
+
+enum Voice {
+    Quiet,
+    Lines,
+    Bar(ProgressBar),
+}
+
+/// Look of the progress bar.
+fn style() -> ProgressStyle {
+    ProgressStyle::with_template("{spinner} [{elapsed_precise}] {bar:24} {wide_msg}")
+        .expect("the template is a constant, made once in the tests")
+}
+
+/// Shows a study on standard error.
+pub struct Terminal {
+    narrator: Narrator,
+    start: Instant,
+    voice: Voice,
+}
+
+impl Terminal {
+    /// A progress bar if standard error is a terminal, plain lines if not, nothing if `quiet`.
+    pub fn new(quiet: bool) -> Self {
+        let voice = if quiet {
+            Voice::Quiet
+        } else if std::io::stderr().is_terminal() {
+            let bar = ProgressBar::with_draw_target(Some(0), ProgressDrawTarget::stderr());
+            bar.set_style(style());
+            bar.enable_steady_tick(Duration::from_millis(250));
+            Voice::Bar(bar)
+        } else {
+            Voice::Lines
+        };
+        Self { narrator: Narrator::default(), start: Instant::now(), voice }
+    }
+
+    /// Takes the bar away, so that what follows starts on a clean line.
+    pub fn finish(&mut self) {
+        if let Voice::Bar(bar) = &self.voice {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+impl Drop for Terminal {
+    fn drop(&mut self) {
+        self.finish();
+    }
+}
+
+impl Observer for Terminal {
+    fn notice(&mut self, progress: &Progress) {
+        let now = self.start.elapsed();
+        let line = self.narrator.line(now, progress);
+        match &self.voice {
+            Voice::Quiet => {}
+            Voice::Lines => {
+                if let Some(line) = line {
+                    eprintln!("{line}");
+                }
+            }
+            Voice::Bar(bar) => {
+                bar.set_length(self.narrator.planned as u64);
+                bar.set_position(self.narrator.done as u64);
+                bar.set_message(self.narrator.state(now));
+                if let (Progress::Warning(_), Some(line)) = (progress, line) {
+                    bar.println(line);
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::presentation::report::synthetic;
+
+    fn batch(size: usize, planned: usize, purpose: &str) -> Progress {
+        Progress::BatchStarted { size, planned, budget: 400, purpose: purpose.into() }
+    }
+
+    fn evaluated(done: usize, recalled: bool) -> Progress {
+        Progress::Evaluated { done, failed: done == 3, recalled, wall: 1.0 }
+    }
+
+    fn at(seconds: u64) -> Duration {
+        Duration::from_secs(seconds)
+    }
+
+    #[test]
+    fn at_most_one_line_in_ten_seconds_tells_of_evaluations() {
+        let mut narrator = Narrator::default();
+        let first = narrator.line(at(0), &batch(120, 120, "initial design")).unwrap();
+        assert_eq!(first, "0/120 evaluations (initial design)");
+        let lines: Vec<String> =
+            (1..=60).filter_map(|k| narrator.line(at(k), &evaluated(k as usize, false))).collect();
+        assert_eq!(lines.len(), 6);
+        assert_eq!(
+            lines[5],
+            "60/120 evaluations (initial design), 1.00/s, planned ones done in 1 min 00 s, 1 failed"
+        );
+    }
+
+    #[test]
+    fn every_round_has_its_line() {
+        let mut narrator = Narrator::default();
+        narrator.line(at(0), &batch(1, 1, "round 3"));
+        let lines: Vec<String> = synthetic::study()
+            .summary
+            .convergence
+            .rounds
+            .into_iter()
+            .filter_map(|round| narrator.line(at(0), &Progress::RoundFinished(round)))
+            .collect();
+        assert_eq!(lines.len(), 9);
+        assert_eq!(
+            lines[1],
+            "round 1: 132 evaluations, R(66 000) = 0.2990 ± 0.0227, changed by 6.0 %, uncertain 18.6 %, min U 0.180"
+        );
+        assert!(narrator.state(at(5)).ends_with("± 0.0040"), "{}", narrator.state(at(5)));
+    }
+
+    #[test]
+    fn what_came_from_the_campaign_file_does_not_count_for_the_rate() {
+        let mut narrator = Narrator::default();
+        for done in 1..=100 {
+            assert_eq!(narrator.line(at(0), &evaluated(done, true)), None);
+        }
+        // The first line of a resumed study does not begin at 0.
+        let first = narrator.line(at(0), &batch(20, 120, "initial design")).unwrap();
+        assert_eq!(first, "100/120 evaluations (initial design), 100 from the campaign file, 1 failed");
+        assert!(!narrator.state(at(1)).contains("/s"));
+        narrator.line(at(10), &evaluated(101, false));
+        let state = narrator.state(at(10));
+        assert!(
+            state.contains("0.10/s, planned ones done in 3 min 10 s, 100 from the campaign file"),
+            "{state}"
+        );
+    }
+
+    #[test]
+    fn the_bar_shows_what_the_narrator_says() {
+        let bar = ProgressBar::with_draw_target(Some(0), ProgressDrawTarget::hidden());
+        bar.set_style(style());
+        let voice = Voice::Bar(bar.clone());
+        let mut terminal = Terminal { narrator: Narrator::default(), start: Instant::now(), voice };
+        terminal.notice(&batch(120, 120, "initial design"));
+        terminal.notice(&evaluated(7, true));
+        assert_eq!((bar.length(), bar.position()), (Some(120), 7));
+        assert!(bar.message().starts_with("7/120 evaluations (initial design)"), "{}", bar.message());
+        drop(terminal);
+        assert!(bar.is_finished());
+    }
+
+    #[test]
+    fn warnings_are_said_at_once() {
+        let mut narrator = Narrator::default();
+        narrator.line(at(0), &batch(1, 1, ""));
+        let line = narrator.line(at(1), &Progress::Warning("no worker".into()));
+        assert_eq!(line.unwrap(), "warning: no worker");
+    }
+}

@@ -1,0 +1,295 @@
+//! The files of a finished study beside its campaign file: `summary.json`, `reliability.csv`, `samples.csv`. Each is
+//! written whole under another name and renamed, so that nobody reads half a file.
+
+use crate::results::output_unit::OutputUnit;
+use crate::results::store::{CampaignFile, StoreError};
+use crate::results::summary::StudySummary;
+use common::scene::Scene;
+use std::fs::File;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// A result file that cannot be written.
+#[derive(Debug, Error)]
+pub enum ResultFileError {
+    /// The file system refused.
+    #[error("{}: {source}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// The result has a number that JSON cannot hold.
+    #[error("summary.json: a result is not a finite number: {0}")]
+    NotFinite(serde_json::Error),
+    /// The campaign cannot be read.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+}
+
+/// Writes a file whole or not at all: a temporary file in the same folder, flushed to the disk, then renamed.
+///
+/// # Errors
+/// [`ResultFileError::Write`].
+pub fn write_atomically(
+    path: &Path,
+    fill: impl FnOnce(&mut dyn Write) -> Result<(), ResultFileError>,
+) -> Result<(), ResultFileError> {
+    let failed = |source| ResultFileError::Write { path: path.into(), source };
+    let mut name = std::ffi::OsString::from(".");
+    name.push(path.file_name().unwrap_or_default());
+    name.push(".part");
+    let part = path.with_file_name(name);
+    let write = || {
+        let mut file = std::io::BufWriter::new(File::create(&part).map_err(failed)?);
+        fill(&mut file)?;
+        let file = file.into_inner().map_err(|error| failed(error.into_error()))?;
+        file.sync_all().map_err(failed)?;
+        std::fs::rename(&part, path).map_err(failed)
+    };
+    let written = write();
+    if written.is_err() {
+        // What is left of a failed attempt is of no use; that it cannot be removed says nothing new.
+        let _ = std::fs::remove_file(&part);
+    }
+    written
+}
+
+/// Writes text to a file, whole or not at all.
+///
+/// # Errors
+/// [`ResultFileError::Write`].
+pub fn write_text(path: &Path, text: &str) -> Result<(), ResultFileError> {
+    write_atomically(path, |file| {
+        file.write_all(text.as_bytes()).map_err(|source| ResultFileError::Write { path: path.into(), source })
+    })
+}
+
+/// `summary.json` as text.
+///
+/// # Errors
+/// [`ResultFileError::NotFinite`]: JSON turns infinity into `null`, which no reader of numbers expects.
+pub fn summary_json(summary: &StudySummary) -> Result<String, ResultFileError> {
+    let mut text = serde_json::to_string_pretty(summary).map_err(ResultFileError::NotFinite)?;
+    serde_json::from_str::<StudySummary>(&text).map_err(ResultFileError::NotFinite)?;
+    text.push('\n');
+    Ok(text)
+}
+
+/// `reliability.csv` as text: `cycles`, then `R_<limit state>, se_<limit state>` in the scene's order, then
+/// `R_total, se_total`; then, in the same order, `numerical_low_<limit state>, numerical_high_<limit state>`: R with all
+/// responses moved by the numerical errors that the simulations state.
+pub fn reliability_csv(summary: &StudySummary) -> String {
+    let keys: Vec<&str> = summary.limit_states.iter().map(String::as_str).chain(["total"]).collect();
+    let mut text = String::from("cycles");
+    for key in &keys {
+        text += &format!(",{},{}", field(&format!("R_{key}")), field(&format!("se_{key}")));
+    }
+    for key in &keys {
+        text += &format!(
+            ",{},{}",
+            field(&format!("numerical_low_{key}")),
+            field(&format!("numerical_high_{key}"))
+        );
+    }
+    text.push('\n');
+    for row in &summary.reliability {
+        text += &row.cycles.to_string();
+        for key in &keys {
+            let value = |values: &crate::results::summary::PerLimitState| {
+                values.get(*key).map_or(String::new(), |value| number(*value))
+            };
+            text += &format!(",{},{}", value(&row.reliability), value(&row.standard_error));
+        }
+        for key in &keys {
+            let range = row.numerical.get(*key).map(|range| (number(range.lower), number(range.upper)));
+            let (lower, upper) = range.unwrap_or_default();
+            text += &format!(",{lower},{upper}");
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// Writes `samples.csv`: one row per recorded evaluation with `id`, every random variable by name (SI), every
+/// output at every checkpoint as `<output>_<unit>@<cycles>` (empty if the evaluation failed), `failure`,
+/// `worker`, `wall_s`, `finished_at`.
+///
+/// # Errors
+/// [`ResultFileError`].
+pub fn write_samples_csv(path: &Path, campaign: &CampaignFile, scene: &Scene) -> Result<(), ResultFileError> {
+    let checkpoints = scene.life.checkpoints();
+    write_atomically(path, |file| {
+        let mut put = |line: String| {
+            file.write_all(line.as_bytes())
+                .map_err(|source| ResultFileError::Write { path: path.into(), source })
+        };
+        let mut header = String::from("id");
+        for variable in &scene.variables {
+            header += &format!(",{}", field(&variable.name));
+        }
+        for output in &scene.outputs {
+            let key = OutputUnit::of(&output.kind).key(&output.name);
+            for cycles in &checkpoints {
+                header += &format!(",{}", field(&format!("{key}@{cycles}")));
+            }
+        }
+        put(header + ",failure,worker,wall_s,finished_at\n")?;
+        campaign.for_each(|stored| {
+            let mut line = stored.id.to_string();
+            for value in &stored.sample {
+                line += &format!(",{}", number(*value));
+            }
+            for (row, output) in scene.outputs.iter().enumerate() {
+                let unit = OutputUnit::of(&output.kind);
+                for cycles in &checkpoints {
+                    let value = stored.outcome.as_ref().ok().and_then(|evaluation| {
+                        let column = evaluation.cycles.iter().position(|at| at == cycles)?;
+                        Some(*evaluation.histories.get(row)?.get(column)?)
+                    });
+                    line += &format!(",{}", value.map_or(String::new(), |si| number(unit.to_file(si))));
+                }
+            }
+            let failure = stored.outcome.err().map_or(String::new(), |failure| failure.to_string());
+            let (worker, wall) = (field(&stored.worker), number(stored.wall));
+            put(format!("{line},{},{worker},{wall},{}\n", field(&failure), stored.finished_at))
+        })
+    })
+}
+
+/// Shortest decimal that reads back as the same f64; empty where there is no number.
+pub(crate) fn number(value: f64) -> String {
+    if value.is_finite() { format!("{value:?}") } else { String::new() }
+}
+
+/// A CSV field, quoted where RFC 4180 asks for it.
+pub(crate) fn field(text: &str) -> String {
+    if text.contains(['"', ',', '\n', '\r']) {
+        format!("\"{}\"", text.replace('"', "\"\""))
+    } else {
+        text.to_string()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::presentation::report::synthetic;
+
+    #[test]
+    fn the_summary_has_the_keys_of_the_contract_and_reads_back() {
+        let summary = synthetic::study().summary;
+        let text = summary_json(&summary).unwrap();
+        let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+        for key in [
+            "scene",
+            "seed",
+            "method",
+            "accuracy",
+            "evaluations",
+            "limit_states",
+            "reliability",
+            "moments",
+            "sensitivity",
+            "convergence",
+            "timing_s",
+            "workers",
+        ] {
+            assert!(json.get(key).is_some(), "{key}");
+        }
+        let keys = |value: &serde_json::Value| value.as_object().unwrap().keys().cloned().collect::<Vec<_>>();
+        assert_eq!(keys(&json["evaluations"]), ["added", "failed", "initial", "total"]);
+        assert_eq!(
+            keys(&json["reliability"][0]),
+            ["asymmetry", "cycles", "numerical", "standard_error", "total", "wear"]
+        );
+        assert_eq!(
+            keys(&json["moments"][0]),
+            ["asymmetry_mean_rpm", "asymmetry_std_rpm", "cycles", "wear_mean_m", "wear_std_m"]
+        );
+        for key in ["cycles", "limit_state", "variable", "d_pf_d_mean", "d_pf_d_std", "standard_error"] {
+            assert!(json["sensitivity"][0].get(key).is_some(), "{key}");
+        }
+        for key in ["total", "simulation", "surrogate", "idle"] {
+            assert!(json["timing_s"][key].is_number(), "{key}");
+        }
+        assert!(json["convergence"]["stopped_because"].is_string());
+        assert_eq!(serde_json::from_str::<StudySummary>(&text).unwrap().reliability.len(), 72);
+    }
+
+    #[test]
+    fn a_summary_with_an_infinite_number_is_refused() {
+        let mut summary = synthetic::study().summary;
+        summary.convergence.rounds[0].min_u = f64::INFINITY;
+        assert!(matches!(summary_json(&summary), Err(ResultFileError::NotFinite(_))));
+    }
+
+    #[test]
+    fn reliability_csv_reads_back_exactly() {
+        let summary = synthetic::study().summary;
+        let text = reliability_csv(&summary);
+        let mut lines = text.lines();
+        assert_eq!(
+            lines.next().unwrap(),
+            "cycles,R_wear,se_wear,R_asymmetry,se_asymmetry,R_total,se_total,numerical_low_wear,\
+             numerical_high_wear,numerical_low_asymmetry,numerical_high_asymmetry,numerical_low_total,\
+             numerical_high_total"
+        );
+        for (line, row) in lines.by_ref().zip(&summary.reliability) {
+            let values: Vec<f64> = line.split(',').map(|value| value.parse().unwrap()).collect();
+            assert_eq!(values[0], f64::from(row.cycles));
+            assert_eq!(values[1], row.reliability["wear"]);
+            assert_eq!(values[6], row.standard_error["total"]);
+            assert_eq!(
+                (values[9], values[12]),
+                (row.numerical["asymmetry"].lower, row.numerical["total"].upper)
+            );
+        }
+        assert_eq!(text.lines().count(), 73);
+    }
+
+    #[test]
+    fn samples_csv_has_a_column_for_every_value_and_a_row_for_every_evaluation() {
+        let dir = tempfile::tempdir().unwrap();
+        let scene = synthetic::scene();
+        let campaign = synthetic::campaign(dir.path());
+        let path = dir.path().join("samples.csv");
+        write_samples_csv(&path, &campaign, &scene).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        let header: Vec<&str> = text.lines().next().unwrap().split(',').collect();
+        assert_eq!(header.len(), 1 + scene.variables.len() + 2 * 72 + 4);
+        let at = |name: &str| header.iter().position(|column| *column == name).unwrap();
+        let first: Vec<&str> = text.lines().nth(1).unwrap().split(',').collect();
+        let stored = campaign.evaluation(0).unwrap().unwrap();
+        let evaluation = stored.outcome.unwrap();
+        assert_eq!(first[at("rod_length")].parse::<f64>().unwrap(), stored.sample[1]);
+        assert_eq!(first[at("max_wear_depth_m@64000")].parse::<f64>().unwrap(), evaluation.histories[0][63]);
+        let rpm = first[at("angular_velocity_difference_rpm@64000")].parse::<f64>().unwrap();
+        assert!((rpm * std::f64::consts::PI / 30.0 - evaluation.histories[1][63]).abs() < 1e-12);
+        assert_eq!(text.lines().count() - 1, campaign.count().unwrap());
+        assert!(
+            text.contains("\"at cycle 61000, t = 0.05 s, the bound of 200000 steps per cycle was reached\"")
+        );
+        // Nothing of the temporary file remains.
+        let parts = std::fs::read_dir(dir.path())
+            .unwrap()
+            .filter(|entry| entry.as_ref().unwrap().file_name().to_string_lossy().ends_with(".part"));
+        assert_eq!(parts.count(), 0);
+    }
+
+    #[test]
+    fn a_failed_write_leaves_the_old_file_and_no_rest() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("summary.json");
+        write_text(&path, "old").unwrap();
+        let failed = write_atomically(&path, |file| {
+            file.write_all(b"half").unwrap();
+            Err(ResultFileError::Write { path: path.clone(), source: std::io::Error::other("disk full") })
+        });
+        assert!(failed.is_err());
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "old");
+        assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 1);
+    }
+}

@@ -1,0 +1,211 @@
+//! Writing a campaign: the study's journal, and the results at its end.
+
+use super::{CampaignFile, StoreError, exact};
+use crate::farm::evaluate::{EvaluateError, Finished, Request};
+use crate::results::journal::Journal;
+use crate::results::summary::Round;
+use common::outputs::Evaluation;
+use rusqlite::types::Value;
+use rusqlite::{OptionalExtension, Transaction, params, params_from_iter};
+use serde::Serialize;
+
+impl Journal for CampaignFile {
+    fn finished(&self, request: &Request) -> Result<Option<Finished>, EvaluateError> {
+        Ok(self.find(request)?)
+    }
+
+    fn record(&mut self, request: &Request, finished: &Finished) -> Result<(), EvaluateError> {
+        Ok(self.insert([(request, finished)])?)
+    }
+
+    fn record_all(&mut self, outcomes: &[(Request, Finished)]) -> Result<(), EvaluateError> {
+        Ok(self.insert(outcomes.iter().map(|(request, finished)| (request, finished)))?)
+    }
+
+    fn note_round(&mut self, round: &Round) -> Result<(), EvaluateError> {
+        let json = serde_json::to_string(round)
+            .map_err(|error| self.encoding(format!("round {}", round.round), error))?;
+        self.connection
+            .execute(
+                "INSERT OR REPLACE INTO learning_round (round, evaluations, noted_at, json)
+                 VALUES (?1, ?2, strftime('%Y-%m-%dT%H:%M:%fZ', 'now'), ?3)",
+                params![round.round as i64, round.evaluations as i64, json],
+            )
+            .map_err(|source| self.database(source))?;
+        Ok(())
+    }
+}
+
+impl CampaignFile {
+    fn find(&self, request: &Request) -> Result<Option<Finished>, StoreError> {
+        let found = self
+            .connection
+            .prepare_cached(
+                "SELECT sample, with_first_cycle, outcome, worker, coalesce(wall_s, 0.0) FROM evaluation WHERE id = ?1",
+            )
+            .and_then(|mut statement| {
+                statement
+                    .query_row([to_key(request.id)], |row| {
+                        Ok((
+                            row.get::<_, Vec<u8>>(0)?,
+                            row.get::<_, bool>(1)?,
+                            row.get::<_, Vec<u8>>(2)?,
+                            row.get(3)?,
+                            row.get(4)?,
+                        ))
+                    })
+                    .optional()
+            })
+            .map_err(|source| self.database(source))?;
+        let Some((sample, with_first_cycle, outcome, worker, wall)) = found else { return Ok(None) };
+        let another = |difference| StoreError::AnotherStudy { path: self.path(), id: request.id, difference };
+        if sample != exact::sample_to_bytes(&request.sample) {
+            return Err(another("sample"));
+        }
+        if with_first_cycle != request.with_first_cycle {
+            return Err(another("wish for the first cycle"));
+        }
+        let outcome = exact::outcome_from_bytes(&outcome)
+            .map_err(|reason| self.encoding(format!("outcome of evaluation {}", request.id), reason))?;
+        Ok(Some(Finished { id: request.id, outcome, worker, wall }))
+    }
+
+    /// All in one transaction, or none; a second outcome of the same request is harmless, the first one stays.
+    fn insert<'a>(
+        &mut self,
+        outcomes: impl IntoIterator<Item = (&'a Request, &'a Finished)>,
+    ) -> Result<(), StoreError> {
+        let failed = |source| StoreError::Database { path: self.path(), source };
+        let transaction = self.connection.unchecked_transaction().map_err(failed)?;
+        for (request, finished) in outcomes {
+            if let Some(outcome) = self.checked(request, finished)? {
+                self.write(&transaction, request, finished, &outcome).map_err(failed)?;
+            }
+        }
+        transaction.commit().map_err(failed)
+    }
+
+    /// The outcome's exact bytes, if it fits the scene; `None` where there is one already.
+    fn checked(&self, request: &Request, finished: &Finished) -> Result<Option<Vec<u8>>, StoreError> {
+        if request.id != finished.id {
+            return Err(StoreError::WrongNumber { request: request.id, outcome: finished.id });
+        }
+        if self.find(request)?.is_some() {
+            return Ok(None);
+        }
+        let what = || format!("evaluation {}", request.id);
+        if request.sample.len() != self.inputs.len() {
+            let reason = format!("{} values for {} variables", request.sample.len(), self.inputs.len());
+            return Err(self.encoding(what(), reason));
+        }
+        if let Ok(evaluation) = &finished.outcome {
+            let histories = &evaluation.histories;
+            let fits = histories.len() == self.outputs.len()
+                && histories.iter().all(|history| history.len() == evaluation.cycles.len());
+            if !fits {
+                return Err(self.encoding(what(), "its histories do not fit the scene's outputs"));
+            }
+            if !states_errors(evaluation) && !evaluation.errors.is_empty() {
+                return Err(self.encoding(what(), "its stated errors do not fit its histories"));
+            }
+        }
+        exact::outcome_to_bytes(&finished.outcome).map(Some).map_err(|reason| self.encoding(what(), reason))
+    }
+
+    fn write(
+        &self,
+        transaction: &Transaction<'_>,
+        request: &Request,
+        finished: &Finished,
+        outcome: &[u8],
+    ) -> rusqlite::Result<()> {
+        let key = to_key(request.id);
+        transaction
+            .prepare_cached(
+                "INSERT INTO evaluation (id, failure, worker, wall_s, finished_at, with_first_cycle, sample, outcome)
+                 VALUES (?1, ?2, ?3, ?4, strftime('%Y-%m-%dT%H:%M:%fZ', 'now'), ?5, ?6, ?7)",
+            )?
+            .execute(params![
+                key,
+                finished.outcome.as_ref().err().map(ToString::to_string),
+                finished.worker,
+                finished.wall,
+                request.with_first_cycle,
+                exact::sample_to_bytes(&request.sample),
+                outcome,
+            ])?;
+        let values = std::iter::once(Value::from(key)).chain(request.sample.iter().map(|v| Value::from(*v)));
+        let sql = insert_statement("input", "evaluation", &self.inputs);
+        transaction.prepare_cached(&sql)?.execute(params_from_iter(values))?;
+        if let Ok(evaluation) = &finished.outcome {
+            write_rows(transaction, "output", &self.outputs, key, &evaluation.cycles, &evaluation.histories)?;
+            write_stated_errors(transaction, &self.outputs, key, evaluation)?;
+        }
+        Ok(())
+    }
+
+    /// Stores a result document as JSON under a name, e.g. `summary`; a document of that name is replaced.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub fn put_document<T: Serialize>(&mut self, name: &str, document: &T) -> Result<(), StoreError> {
+        let json = serde_json::to_string(document).map_err(|error| self.encoding(name, error))?;
+        self.connection
+            .execute(
+                "INSERT OR REPLACE INTO document (name, written_at, json)
+                 VALUES (?1, strftime('%Y-%m-%dT%H:%M:%fZ', 'now'), ?2)",
+                (name, json),
+            )
+            .map_err(|source| self.database(source))?;
+        Ok(())
+    }
+}
+
+/// Whether an evaluation states an error of every value.
+fn states_errors(evaluation: &Evaluation) -> bool {
+    let lengths = |rows: &[Vec<f64>]| rows.iter().map(Vec::len).collect::<Vec<_>>();
+    lengths(&evaluation.errors) == lengths(&evaluation.histories)
+}
+
+/// Repeats the stated errors of evaluation `key` in table `output_error`; nothing where there are none.
+pub(super) fn write_stated_errors(
+    transaction: &Transaction<'_>,
+    outputs: &[String],
+    key: i64,
+    evaluation: &Evaluation,
+) -> rusqlite::Result<()> {
+    if !states_errors(evaluation) {
+        return Ok(());
+    }
+    write_rows(transaction, "output_error", outputs, key, &evaluation.cycles, &evaluation.errors)
+}
+
+/// One row per checkpoint, from values `(outputs, m)`.
+fn write_rows(
+    transaction: &Transaction<'_>,
+    table: &str,
+    outputs: &[String],
+    key: i64,
+    cycles: &[u32],
+    values: &[Vec<f64>],
+) -> rusqlite::Result<()> {
+    let sql = insert_statement(table, "evaluation, cycles", outputs);
+    let mut statement = transaction.prepare_cached(&sql)?;
+    for (row, cycles) in cycles.iter().enumerate() {
+        let own = [key.into(), i64::from(*cycles).into()].into_iter();
+        statement.execute(params_from_iter(own.chain(values.iter().map(|of| Value::from(of[row])))))?;
+    }
+    Ok(())
+}
+
+/// Names by position, values by parameter: `own` columns of the table first, then `columns`.
+fn insert_statement(table: &str, own: &str, columns: &[String]) -> String {
+    let names: Vec<&str> = own.split(", ").chain(columns.iter().map(String::as_str)).collect();
+    let places: Vec<String> = (1..=names.len()).map(|k| format!("?{k}")).collect();
+    format!("INSERT INTO {table} ({}) VALUES ({})", names.join(", "), places.join(", "))
+}
+
+/// SQLite's integers are signed; numbers of evaluations start at 0 and never come near the sign.
+fn to_key(id: u64) -> i64 {
+    i64::try_from(id).expect("evaluations are numbered from 0 upwards, one by one")
+}

@@ -1,0 +1,274 @@
+//! The campaign file `DIR/campaign.db` (SQLite): scene, settings, every evaluation, results. It is the study's
+//! [`Journal`](crate::results::journal::Journal) and all that `resume`, `report` and `sensitivity` need of a study.
+//!
+//! Durability: write-ahead log with `synchronous = FULL`, so that a commit returns only after the log was
+//! flushed to the disk; kill -9 and loss of power lose nothing that was recorded, at the price of one flush per
+//! evaluation (milliseconds against seconds of simulation). Exclusion: a lock on `DIR/campaign.lock` that the
+//! operating system lets go when the process ends, however it ends. Readers may open the database meanwhile.
+
+mod error;
+mod exact;
+mod journal;
+mod migration;
+mod read;
+mod schema;
+#[cfg(test)]
+mod tests;
+
+pub use error::StoreError;
+pub use exact::Outcome;
+pub use read::StoredEvaluation;
+
+use common::scene::Scene;
+use rusqlite::{Connection, OpenFlags};
+use serde::{Deserialize, Serialize};
+use std::fs::{File, TryLockError};
+use std::path::{Path, PathBuf};
+
+/// Name of the campaign file in its folder.
+pub const FILE_NAME: &str = "campaign.db";
+
+/// Name of the lock in its folder.
+const LOCK_NAME: &str = "campaign.lock";
+
+/// What a campaign was started with; enough to repeat it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CampaignMeta {
+    /// Name of the scene.
+    pub scene: String,
+    /// Source text of the scene (TOML).
+    pub scene_source: String,
+    /// Settings of the study.
+    pub settings: serde_json::Value,
+    /// Command line.
+    pub command: String,
+    /// Version of the program.
+    pub version: String,
+}
+
+/// An open campaign file. The folder stays locked while this lives.
+#[derive(Debug)]
+pub struct CampaignFile {
+    connection: Connection,
+    dir: PathBuf,
+    meta: CampaignMeta,
+    created_at: String,
+    inputs: Vec<String>,
+    outputs: Vec<String>,
+    /// None of somebody who only looks.
+    _lock: Option<File>,
+}
+
+impl CampaignFile {
+    /// Starts a campaign in `dir`, which is made if missing.
+    ///
+    /// # Errors
+    /// [`StoreError::InUse`], [`StoreError::AlreadyHoldsCampaign`], or what the file system or SQLite report.
+    pub fn create(dir: &Path, meta: &CampaignMeta, scene: &Scene) -> Result<Self, StoreError> {
+        std::fs::create_dir_all(dir).map_err(|source| StoreError::Folder { dir: dir.into(), source })?;
+        let lock = lock(dir)?;
+        let path = dir.join(FILE_NAME);
+        // A process killed before its first commit leaves an empty file, which holds no campaign.
+        if path.exists() && !is_empty_database(&path)? {
+            return Err(StoreError::AlreadyHoldsCampaign { dir: dir.into() });
+        }
+        let mut connection =
+            connect(&path, OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_CREATE)?;
+        make_durable(&connection)
+            .and_then(|()| start(&mut connection, meta, scene))
+            .map_err(|source| StoreError::Database { path: path.clone(), source })?;
+        Self::from_connection(dir, connection, lock)
+    }
+
+    /// Opens the campaign in `dir`; a file of an earlier layout is brought up to the present one.
+    ///
+    /// # Errors
+    /// [`StoreError::InUse`], [`StoreError::NoCampaign`], [`StoreError::NotACampaign`],
+    /// [`StoreError::SchemaVersion`], [`StoreError::Migration`], or what the file system or SQLite report.
+    pub fn open(dir: &Path) -> Result<Self, StoreError> {
+        let path = dir.join(FILE_NAME);
+        if !path.is_file() {
+            return Err(StoreError::NoCampaign { dir: dir.into() });
+        }
+        let lock = lock(dir)?;
+        if is_empty_database(&path)? {
+            return Err(StoreError::NoCampaign { dir: dir.into() });
+        }
+        let connection = connect(&path, OpenFlags::SQLITE_OPEN_READ_WRITE)?;
+        Self::from_connection(dir, connection, lock)
+    }
+
+    /// Looks at the campaign in `dir`, which somebody else may be writing: nothing in the file is locked or changed.
+    /// Documents that are put into it stay with this value, and lie over those of the file.
+    ///
+    /// # Errors
+    /// Those of [`CampaignFile::open`], but for a file in use; one of an earlier layout is
+    /// [`StoreError::SchemaVersion`].
+    pub fn look(dir: &Path) -> Result<Self, StoreError> {
+        let path = dir.join(FILE_NAME);
+        if !path.is_file() {
+            return Err(StoreError::NoCampaign { dir: dir.into() });
+        }
+        let connection = connect(&path, OpenFlags::SQLITE_OPEN_READ_ONLY)?;
+        let found = version(&path, &connection)?;
+        if found != schema::SCHEMA_VERSION {
+            return Err(StoreError::SchemaVersion { path, found, supported: schema::SCHEMA_VERSION });
+        }
+        // A temporary table goes before one of the file.
+        let own = format!(
+            "PRAGMA temp_store = MEMORY; CREATE TEMP TABLE {}; INSERT INTO temp.document SELECT * FROM main.document;",
+            schema::DOCUMENT
+        );
+        connection.execute_batch(&own).map_err(|source| StoreError::Database { path, source })?;
+        Self::read(dir, connection, None)
+    }
+
+    fn from_connection(dir: &Path, mut connection: Connection, lock: File) -> Result<Self, StoreError> {
+        let path = dir.join(FILE_NAME);
+        if version(&path, &connection)? == migration::FROM {
+            migration::migrate(&path, &mut connection)?;
+        }
+        make_durable(&connection).map_err(|source| StoreError::Database { path, source })?;
+        Self::read(dir, connection, Some(lock))
+    }
+
+    fn read(dir: &Path, connection: Connection, lock: Option<File>) -> Result<Self, StoreError> {
+        let path = dir.join(FILE_NAME);
+        let failed = |source| StoreError::Database { path: path.clone(), source };
+        let value = |key: &str| -> Result<String, StoreError> {
+            connection
+                .query_row("SELECT value FROM campaign WHERE key = ?1", [key], |row| row.get(0))
+                .map_err(failed)
+        };
+        let settings = value("settings")?;
+        let meta = CampaignMeta {
+            scene: value("scene")?,
+            scene_source: value("scene_source")?,
+            settings: serde_json::from_str(&settings).map_err(|error| StoreError::Encoding {
+                path: path.clone(),
+                what: "settings".into(),
+                reason: error.to_string(),
+            })?,
+            command: value("command")?,
+            version: value("version")?,
+        };
+        let created_at = value("created_at")?;
+        let inputs = table_columns(&connection, "input").map_err(failed)?;
+        let outputs = table_columns(&connection, "output").map_err(failed)?;
+        Ok(Self { connection, dir: dir.into(), meta, created_at, inputs, outputs, _lock: lock })
+    }
+
+    /// The folder.
+    pub fn dir(&self) -> &Path {
+        &self.dir
+    }
+
+    /// What the campaign was started with.
+    pub fn meta(&self) -> &CampaignMeta {
+        &self.meta
+    }
+
+    /// When it was started (UTC, ISO 8601).
+    pub fn created_at(&self) -> &str {
+        &self.created_at
+    }
+
+    fn path(&self) -> PathBuf {
+        self.dir.join(FILE_NAME)
+    }
+
+    fn database(&self, source: rusqlite::Error) -> StoreError {
+        StoreError::Database { path: self.path(), source }
+    }
+
+    fn encoding(&self, what: impl Into<String>, reason: impl ToString) -> StoreError {
+        StoreError::Encoding { path: self.path(), what: what.into(), reason: reason.to_string() }
+    }
+}
+
+/// Locks the folder for this process, without waiting.
+fn lock(dir: &Path) -> Result<File, StoreError> {
+    let folder = |source| StoreError::Folder { dir: dir.into(), source };
+    let file =
+        File::options().create(true).truncate(false).write(true).open(dir.join(LOCK_NAME)).map_err(folder)?;
+    match file.try_lock() {
+        Ok(()) => Ok(file),
+        Err(TryLockError::WouldBlock) => Err(StoreError::InUse { dir: dir.into() }),
+        Err(TryLockError::Error(source)) => Err(folder(source)),
+    }
+}
+
+fn connect(path: &Path, flags: OpenFlags) -> Result<Connection, StoreError> {
+    let failed = |source| StoreError::Database { path: path.into(), source };
+    let connection =
+        Connection::open_with_flags(path, flags | OpenFlags::SQLITE_OPEN_NO_MUTEX).map_err(failed)?;
+    // A reader may hold the file for a moment.
+    connection.busy_timeout(std::time::Duration::from_secs(10)).map_err(failed)?;
+    Ok(connection)
+}
+
+/// Some network file systems have no write-ahead log; SQLite then stays with its rollback journal, which is as
+/// durable under FULL and only slower.
+fn make_durable(connection: &Connection) -> rusqlite::Result<()> {
+    connection.query_row("PRAGMA journal_mode = WAL", [], |row| row.get::<_, String>(0))?;
+    connection.execute_batch("PRAGMA synchronous = FULL;")
+}
+
+/// Whether the file is a database without any table, which a process killed in [`CampaignFile::create`] leaves.
+fn is_empty_database(path: &Path) -> Result<bool, StoreError> {
+    let connection = connect(path, OpenFlags::SQLITE_OPEN_READ_WRITE)?;
+    connection.query_row("SELECT count(*) = 0 FROM sqlite_schema", [], |row| row.get(0)).map_err(|source| {
+        if source.sqlite_error_code() == Some(rusqlite::ErrorCode::NotADatabase) {
+            return StoreError::NotACampaign { path: path.into() };
+        }
+        StoreError::Database { path: path.into(), source }
+    })
+}
+
+/// Tables and metadata in one transaction: a campaign exists whole or not at all.
+fn start(connection: &mut Connection, meta: &CampaignMeta, scene: &Scene) -> rusqlite::Result<()> {
+    let transaction = connection.transaction()?;
+    transaction.execute_batch(&schema::statements(scene))?;
+    let settings = meta.settings.to_string();
+    for (key, value) in [
+        ("scene", &meta.scene),
+        ("scene_source", &meta.scene_source),
+        ("settings", &settings),
+        ("command", &meta.command),
+        ("version", &meta.version),
+    ] {
+        transaction.execute("INSERT INTO campaign (key, value) VALUES (?1, ?2)", (key, value))?;
+    }
+    transaction.execute(
+        "INSERT INTO campaign (key, value) VALUES ('created_at', strftime('%Y-%m-%dT%H:%M:%fZ', 'now'))",
+        [],
+    )?;
+    transaction.commit()
+}
+
+/// Version of the layout, one that this program reads.
+fn version(path: &Path, connection: &Connection) -> Result<i64, StoreError> {
+    let pragma = |name: &str| {
+        connection
+            .query_row(&format!("PRAGMA {name}"), [], |row| row.get::<_, i64>(0))
+            .map_err(|source| StoreError::Database { path: path.into(), source })
+    };
+    if pragma("application_id")? != schema::APPLICATION_ID {
+        return Err(StoreError::NotACampaign { path: path.into() });
+    }
+    match pragma("user_version")? {
+        known @ migration::FROM..=schema::SCHEMA_VERSION => Ok(known),
+        found => {
+            Err(StoreError::SchemaVersion { path: path.into(), found, supported: schema::SCHEMA_VERSION })
+        }
+    }
+}
+
+/// Quoted names of a table's columns of values, in order.
+fn table_columns(connection: &Connection, table: &str) -> rusqlite::Result<Vec<String>> {
+    let mut statement = connection.prepare(
+        "SELECT name FROM pragma_table_info(?1) WHERE name NOT IN ('evaluation', 'cycles') ORDER BY cid",
+    )?;
+    let names = statement.query_map([table], |row| row.get::<_, String>(0))?;
+    names.map(|name| name.map(|name| format!("\"{}\"", name.replace('"', "\"\"")))).collect()
+}

@@ -1,0 +1,184 @@
+//! What one mode's surrogate says of every point of the population.
+
+use crate::statistics::design::Population;
+use crate::statistics::surrogate::{Kriging, PredictionCache};
+use faer::Mat;
+use rayon::prelude::*;
+
+/// Points predicted together.
+const BLOCK: usize = PredictionCache::BLOCK;
+
+/// Prediction of one mode over N points.
+#[derive(Debug, Clone)]
+pub struct Classification {
+    /// Running maximum of the predicted mean at the a checkpoints of the grid `(N, a)`, row-major [unit of output].
+    pub mean: Vec<f64>,
+    /// Variance of the prediction over sigma2 `(N,)` [1].
+    pub variance_factor: Vec<f64>,
+    /// Process standard deviation at the checkpoints of the grid `(a,)` [unit of output].
+    pub sigma: Vec<f64>,
+    /// Index of the first checkpoint by which the point is predicted to have failed, m if never `(N,)`.
+    pub first_failure: Vec<u32>,
+    /// The mode's threshold.
+    pub threshold: f64,
+}
+
+impl Classification {
+    /// Number of checkpoints of the grid, a.
+    pub fn grid(&self) -> usize {
+        self.sigma.len()
+    }
+
+    /// Running maximum of the predicted mean of point `j` `(a,)`.
+    pub fn means_of(&self, j: usize) -> &[f64] {
+        &self.mean[j * self.grid()..(j + 1) * self.grid()]
+    }
+
+    /// U = |mean - threshold| / standard deviation of point `j` at grid checkpoint `n`; infinite where the standard
+    /// deviation is zero.
+    pub fn u(&self, j: usize, n: usize) -> f64 {
+        distance_over_std(
+            self.means_of(j)[n] - self.threshold,
+            self.sigma[n] * self.variance_factor[j].sqrt(),
+        )
+    }
+}
+
+/// |distance| / std; a certain prediction (std zero) is infinitely far from its limit.
+pub(super) fn distance_over_std(distance: f64, std: f64) -> f64 {
+    if std > 0.0 { distance.abs() / std } else { f64::INFINITY }
+}
+
+/// Classifies the population by a model whose m outputs are the checkpoints of one mode; `grid` holds the checkpoints
+/// at which means are kept. The result does not depend on the number of threads: blocks are fixed and independent.
+pub fn classify(model: &Kriging, population: &Population, threshold: f64, grid: &[usize]) -> Classification {
+    let sigma = sigma_on(model, grid);
+    classify_blocks(population.len(), sigma, threshold, grid, |block| {
+        let start = block * BLOCK;
+        let prediction = model.predict(population.columns(start..population.len().min(start + BLOCK)));
+        (prediction.mean, prediction.variance_factor)
+    })
+}
+
+/// The same through a cache of this mode's predictions, which is brought to the model first: where the model is that of the
+/// last time with more points at the same lengths ([`Kriging::extended`]), only those cost anything.
+pub fn classify_cached(
+    cache: &mut PredictionCache,
+    model: &Kriging,
+    population: &Population,
+    threshold: f64,
+    grid: &[usize],
+) -> Classification {
+    cache.update(model, population);
+    let sigma = sigma_on(model, grid);
+    classify_blocks(population.len(), sigma, threshold, grid, |block| {
+        let prediction = cache.block(block).expect("the cache was brought to this population");
+        (prediction.mean, prediction.variance_factor)
+    })
+}
+
+fn sigma_on(model: &Kriging, grid: &[usize]) -> Vec<f64> {
+    grid.iter().map(|n| model.sigma2()[*n].sqrt()).collect()
+}
+
+/// Classifies `points` points from the means `(m, b)` and variance factors `(b,)` of their blocks.
+fn classify_blocks(
+    points: usize,
+    sigma: Vec<f64>,
+    threshold: f64,
+    grid: &[usize],
+    predict: impl Fn(usize) -> (Mat<f64>, Vec<f64>) + Sync,
+) -> Classification {
+    let a = grid.len();
+    let mut mean = vec![0.0; points * a];
+    let mut variance_factor = vec![0.0; points];
+    let mut first_failure = vec![0; points];
+    mean.par_chunks_mut(BLOCK * a)
+        .zip(variance_factor.par_chunks_mut(BLOCK))
+        .zip(first_failure.par_chunks_mut(BLOCK))
+        .enumerate()
+        .for_each(|(block, ((mean, variance_factor), first_failure))| {
+            let (means, factors) = predict(block);
+            variance_factor.copy_from_slice(&factors);
+            for (j, first) in first_failure.iter_mut().enumerate() {
+                let history = means.col_as_slice(j);
+                let failed = history.iter().position(|y| *y >= threshold).unwrap_or(history.len());
+                *first = u32::try_from(failed).expect("a life has fewer than 2^32 checkpoints");
+                let (mut largest, mut next) = (f64::NEG_INFINITY, 0);
+                for (n, kept) in grid.iter().zip(&mut mean[j * a..(j + 1) * a]) {
+                    largest = history[next..=*n].iter().copied().fold(largest, f64::max);
+                    next = n + 1;
+                    *kept = largest;
+                }
+            }
+        });
+    Classification { mean, variance_factor, sigma, first_failure, threshold }
+}
+
+/// Failure shares by checkpoint, `(modes + 1, m)`: each mode alone, then the system, from the first failures of the
+/// modes `(modes, N)`.
+pub fn curves(first_failures: &[&[u32]], m: usize) -> Vec<Vec<f64>> {
+    let points = first_failures[0].len();
+    let share = |first: &mut dyn Iterator<Item = u32>| {
+        let mut counts = vec![0usize; m + 1];
+        first.for_each(|n| counts[n as usize] += 1);
+        let mut failed = 0;
+        let cumulate = |count: &usize| {
+            failed += count;
+            failed as f64 / points as f64
+        };
+        counts[..m].iter().map(cumulate).collect::<Vec<f64>>()
+    };
+    let mut curves: Vec<Vec<f64>> =
+        first_failures.iter().map(|first| share(&mut first.iter().copied())).collect();
+    let earliest = |j: usize| first_failures.iter().map(|first| first[j]).min().unwrap_or(0);
+    curves.push(share(&mut (0..points).map(earliest)));
+    curves
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::statistics::surrogate::{Correlation, Kernel};
+    use common::random::Distribution;
+
+    #[test]
+    fn curves_count_each_mode_and_the_first_of_them() {
+        let (a, b) = ([0, 2, 3, 3], [3, 1, 3, 2]);
+        let curves = curves(&[&a, &b], 3);
+        assert_eq!(curves[0], vec![0.25, 0.25, 0.5]);
+        assert_eq!(curves[1], vec![0.0, 0.25, 0.5]);
+        assert_eq!(curves[2], vec![0.25, 0.5, 0.75]);
+    }
+
+    #[test]
+    fn through_the_cache_every_point_is_classified_as_from_scratch() {
+        let variable = Distribution::TruncatedNormal { mean: 0.0, std: 1.0, lower: -5.0, upper: 5.0 };
+        let population = Population::draw(&[variable; 4], 20_000, 11);
+        let n = 60;
+        let x = population.columns(0..n).to_owned();
+        // A history of five checkpoints that passes its limit at some of them.
+        let y = Mat::from_fn(n, 5, |i, o| {
+            let x = population.standardised(i);
+            (0.2 + 0.2 * o as f64) * (1.0 + 0.3 * x[0] + 0.2 * (x[1] * x[2]).sin() + 0.05 * x[3] * x[3])
+        });
+        let theta = vec![0.02, 0.1, 0.1, 0.03];
+        let correlation = Correlation { kernel: Kernel::Gaussian, theta, nugget: 1e-9, stated: 0.0 };
+        let (threshold, grid) = (1.0, [1, 3, 4]);
+        let mut cache = PredictionCache::default();
+        let mut model = Kriging::condition(x.subcols(0, 40), y.subrows(0, 40), &correlation).unwrap();
+        for (from, to) in [(40, 41), (41, 48), (48, 60)] {
+            classify_cached(&mut cache, &model, &population, threshold, &grid);
+            model = model.extended(x.subcols(from, to - from), y.subrows(from, to - from), None).unwrap();
+        }
+        let cached = classify_cached(&mut cache, &model, &population, threshold, &grid);
+        let whole = Kriging::condition(x.as_ref(), y.as_ref(), &correlation).unwrap();
+        let fresh = classify(&whole, &population, threshold, &grid);
+        assert_eq!(cached.first_failure, fresh.first_failure);
+        assert!(fresh.first_failure.iter().any(|n| *n < 5) && fresh.first_failure.contains(&5));
+        for j in 0..population.len() {
+            let (a, b) = (cached.u(j, 1), fresh.u(j, 1));
+            assert!((a - b).abs() < 1e-3 * (1.0 + b) || b > 50.0, "{j} {a} {b}");
+        }
+    }
+}

@@ -1,0 +1,202 @@
+//! How wrong the curves may be because the surrogates are: the posterior spread of the failure counts.
+//!
+//! Joint realisations of the surrogates are drawn at the pool (modes independent; the checkpoints of one mode with the
+//! same deviation in units of their sigma, since neighbouring checkpoints err together). Each realisation is
+//! classified like the mean, giving a failure share F_r of the uncertain points. The error of a curve at a checkpoint
+//! is the root mean square difference between the shares by means and by realisations,
+//!
+//!   error = (uncertain / N) sqrt(Var_r F_r + (F_mean - E_r F_r)^2) + rest,
+//!
+//! where `rest` bounds the certain points' part by their mean Phi(-U). If the pool is a sample of p of the a uncertain
+//! points, the variance of the share over all of them follows from that over the sample:
+//! Var_a = c (1 - 1/a) + v / a with c = (Var_p - v / p) / (1 - 1/p), v the mean variance of one point's indicator.
+//! Predicted variances are multiplied by the factor that cross-validation shows them to be too small by.
+
+use super::{Classification, Coupled, Pool};
+use crate::statistics::design::{Stream, open_stream};
+use crate::statistics::surrogate::Posterior;
+use common::random::standard_normal_cdf;
+use faer::Mat;
+use rand_distr::{Distribution, StandardNormal};
+
+/// Realisations: the standard deviation is then known to 1 / sqrt(2 * 128) = 6 %.
+const REALISATIONS: usize = 128;
+
+/// Estimated surrogate errors of the failure shares at the grid checkpoints.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CurveErrors {
+    /// `(modes + 1, a)`: each mode alone, then the system [1].
+    pub by_curve: Vec<Vec<f64>>,
+}
+
+impl CurveErrors {
+    /// Largest over curves and checkpoints.
+    pub fn largest(&self) -> f64 {
+        self.by_curve.iter().flatten().copied().fold(0.0, f64::max)
+    }
+}
+
+/// Estimates the errors. `posteriors` are those of the modes at the pool's members, `inflation` the factor (>= 1) on
+/// each mode's variances.
+pub fn estimate_errors(
+    modes: &[Classification],
+    coupled: &[Coupled],
+    pool: &Pool,
+    posteriors: &[Posterior],
+    inflation: &[f64],
+    seed: u64,
+    round: u32,
+) -> CurveErrors {
+    let (a, points) = (modes[0].grid(), coupled.len());
+    let mut rng = open_stream(seed, Stream::Realisations(round));
+    let deviations: Vec<Mat<f64>> = posteriors
+        .iter()
+        .map(|posterior| {
+            let normals = Mat::from_fn(posterior.len(), REALISATIONS, |_, _| {
+                Distribution::<f64>::sample(&StandardNormal, &mut rng)
+            });
+            posterior.realise(normals.as_ref()).0
+        })
+        .collect();
+
+    let curves = modes.len() + 1;
+    let mut tallies = vec![Tally::new(a); curves];
+    let mut by_mean = vec![0; curves];
+    let mut firsts = vec![[0usize; REALISATIONS]; curves];
+    for (i, j) in pool.members[..pool.sampled].iter().enumerate() {
+        by_mean[curves - 1] = a;
+        firsts[curves - 1] = [a; REALISATIONS];
+        for (s, mode) in modes.iter().enumerate() {
+            let scale = inflation[s].sqrt();
+            let margins: Vec<f64> = mode
+                .means_of(*j)
+                .iter()
+                .zip(&mode.sigma)
+                .map(|(mean, sigma)| (mode.threshold - mean) / (sigma * scale).max(f64::MIN_POSITIVE))
+                .collect();
+            by_mean[s] = first_reached(&margins, 0.0);
+            by_mean[curves - 1] = by_mean[curves - 1].min(by_mean[s]);
+            for r in 0..REALISATIONS {
+                firsts[s][r] = first_reached(&margins, deviations[s][(i, r)]);
+                firsts[curves - 1][r] = firsts[curves - 1][r].min(firsts[s][r]);
+            }
+        }
+        for (curve, tally) in tallies.iter_mut().enumerate() {
+            tally.add(by_mean[curve], &firsts[curve]);
+        }
+    }
+
+    let uncertain_share = pool.uncertain as f64 / points as f64;
+    let certain = |c: &&Coupled| c.any >= 3.0 && c.any.is_finite();
+    let rest: f64 =
+        coupled.iter().filter(certain).map(|c| standard_normal_cdf(-c.any)).sum::<f64>() / points as f64;
+    let errors = |tally: &Tally| {
+        let error = |n| uncertain_share * tally.mean_square(n, pool).sqrt() + rest;
+        (0..a).map(error).collect()
+    };
+    CurveErrors { by_curve: tallies.iter().map(errors).collect() }
+}
+
+/// First checkpoint whose margin the deviation reaches, `margins.len()` if none.
+fn first_reached(margins: &[f64], deviation: f64) -> usize {
+    margins.iter().position(|margin| deviation >= *margin).unwrap_or(margins.len())
+}
+
+/// Failure counts of one curve over the sampled points of the pool.
+#[derive(Clone)]
+struct Tally {
+    /// First failures by realisation and checkpoint `(REALISATIONS, a + 1)`.
+    realised: Vec<usize>,
+    /// First failures of the means `(a + 1,)`.
+    by_mean: Vec<usize>,
+    /// Sum over points of the variance of the indicator, by checkpoint `(a,)`.
+    indicator_variance: Vec<f64>,
+    a: usize,
+}
+
+impl Tally {
+    fn new(a: usize) -> Self {
+        let realised = vec![0; REALISATIONS * (a + 1)];
+        Self { realised, by_mean: vec![0; a + 1], indicator_variance: vec![0.0; a], a }
+    }
+
+    fn add(&mut self, by_mean: usize, firsts: &[usize; REALISATIONS]) {
+        self.by_mean[by_mean] += 1;
+        let mut failures = vec![0usize; self.a + 1];
+        for (r, first) in firsts.iter().enumerate() {
+            self.realised[r * (self.a + 1) + first] += 1;
+            failures[*first] += 1;
+        }
+        let mut failed = 0;
+        for (variance, failures) in self.indicator_variance.iter_mut().zip(&failures) {
+            failed += failures;
+            let share = failed as f64 / REALISATIONS as f64;
+            *variance += share * (1.0 - share);
+        }
+    }
+
+    /// Mean square difference between realised shares and the share by means at checkpoint `n`.
+    fn mean_square(&self, n: usize, pool: &Pool) -> f64 {
+        if pool.sampled == 0 {
+            return 0.0;
+        }
+        let p = pool.sampled as f64;
+        let share = |counts: &[usize]| counts[..=n].iter().sum::<usize>() as f64 / p;
+        let shares: Vec<f64> = self.realised.chunks_exact(self.a + 1).map(share).collect();
+        let mean = shares.iter().sum::<f64>() / shares.len() as f64;
+        let spread = shares.iter().map(|f| (f - mean).powi(2)).sum::<f64>() / (shares.len() - 1) as f64;
+        let bias = share(&self.by_mean) - mean;
+        let variance = if pool.sampled < pool.uncertain {
+            let (v, all) = (self.indicator_variance[n] / p, pool.uncertain as f64);
+            let between = ((spread - v / p) / (1.0 - 1.0 / p)).max(0.0);
+            between * (1.0 - 1.0 / all) + v / all
+        } else {
+            spread
+        };
+        variance + bias * bias
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::statistics::learning::criterion::tests::mode;
+    use crate::statistics::surrogate::{Correlation, Kernel, Kriging};
+
+    /// Posteriors of points so far apart (or together) that they err independently (or as one).
+    fn posterior(points: usize, distance: f64) -> Posterior {
+        let data = Mat::from_fn(1, 3, |_, i| 1e6 + 1e3 * i as f64);
+        let correlation =
+            Correlation { kernel: Kernel::Gaussian, theta: vec![1.0], nugget: 1e-9, stated: 0.0 };
+        let values = Mat::from_fn(3, 1, |i, _| i as f64);
+        let model = Kriging::condition(data.as_ref(), values.as_ref(), &correlation).unwrap();
+        let at = Mat::from_fn(1, points, |_, i| distance * i as f64);
+        Posterior::new(&model, at.as_ref())
+    }
+
+    #[test]
+    fn independent_points_err_less_than_points_that_err_together() {
+        let n = 400;
+        let modes = [mode(&vec![1.0; n], &vec![1.0; n], 1.0)];
+        let coupled = vec![Coupled { system: 0.0, any: 0.0 }; n];
+        let pool = Pool { members: (0..n).collect(), sampled: n, uncertain: n };
+        let error = |distance| {
+            estimate_errors(&modes, &coupled, &pool, &[posterior(n, distance)], &[1.0], 1, 0).by_curve[0][0]
+        };
+        // All points sit on the limit and count as failed; a realisation has half of them failed. Together: the share is
+        // 0 or 1, the root mean square difference sqrt(1/2). The trend's variance of 1/3 is common to all.
+        assert!((error(0.0) - 0.5_f64.sqrt()).abs() < 0.1, "{}", error(0.0));
+        // Apart: correlation 0.25 through the trend; the arcsine law gives Var = asin(0.25) / (2 pi) = 0.0402.
+        let expected = (0.25 + (0.25_f64).asin() / (2.0 * std::f64::consts::PI)).sqrt();
+        assert!((error(50.0) - expected).abs() < 0.05, "{} {expected}", error(50.0));
+    }
+
+    #[test]
+    fn certain_points_leave_no_error() {
+        let modes = [mode(&[0.0, 2.0], &[0.0, 0.0], 1.0)];
+        let coupled = super::super::coupled_criterion(&modes);
+        let pool = super::super::choose_pool(&coupled, &[false, false], 0, 1, 0);
+        let errors = estimate_errors(&modes, &coupled, &pool, &[posterior(0, 1.0)], &[1.0], 1, 0);
+        assert_eq!(errors.largest(), 0.0);
+    }
+}

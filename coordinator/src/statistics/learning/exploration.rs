@@ -1,0 +1,107 @@
+//! Which points to simulate while a stopping rule is met: those of which the surrogates know least.
+//!
+//! A surrogate that has seen no sign of a region of failures is sure of there being none, and a rule that asks it alone
+//! stops with that region missing: of the four branches of Echard's example two lie beyond a kink, and nothing near the mean
+//! tells of them. More points beside the limits that are known change nothing in that. So part of the results over which
+//! a rule must hold are taken where the population's predicted variance is largest, which is at its rim, where rare
+//! failures are; a surrogate that is surprised there is fitted anew, one that is confirmed has been tested.
+
+use super::Classification;
+use crate::statistics::design::Population;
+use crate::statistics::surrogate::{Kriging, Posterior};
+use faer::{Mat, MatRef};
+
+/// Points of largest variance among which to choose; each pick lowers the variance of its neighbours.
+const CANDIDATES: usize = 128;
+
+/// The next `count` points of the population not asked for, as indices in the order of choice: each the one whose
+/// variance factor (largest over the modes) times probability of a result is largest, those before it believed, and
+/// with them the standardised points `known` beside the data of the models.
+pub fn explore(
+    (models, known): (&[&Kriging], &[Vec<f64>]),
+    modes: &[Classification],
+    (population, asked): (&Population, &[bool]),
+    feasible: impl Fn(MatRef<'_, f64>) -> Vec<f64>,
+    count: usize,
+) -> Vec<usize> {
+    let variance = |j: usize| modes.iter().map(|mode| mode.variance_factor[j]).fold(0.0, f64::max);
+    let mut candidates: Vec<usize> = (0..population.len()).filter(|j| !asked[*j]).collect();
+    let by_variance = |a: &usize, b: &usize| variance(*b).total_cmp(&variance(*a)).then(a.cmp(b));
+    if candidates.len() > CANDIDATES {
+        candidates.select_nth_unstable_by(CANDIDATES, by_variance);
+        candidates.truncate(CANDIDATES);
+    }
+    candidates.sort_unstable_by(by_variance);
+
+    let points = Mat::from_fn(population.dimension(), candidates.len() + known.len(), |k, i| {
+        candidates.get(i).map_or_else(|| known[i - candidates.len()][k], |j| population.standardised(*j)[k])
+    });
+    let feasible = feasible(points.as_ref());
+    let mut posteriors: Vec<Posterior> =
+        models.iter().map(|model| Posterior::new(model, points.as_ref())).collect();
+    for place in candidates.len()..points.ncols() {
+        posteriors.iter_mut().for_each(|posterior| posterior.believe(place));
+    }
+    let mut chosen = Vec::with_capacity(count);
+    let mut free: Vec<usize> = (0..candidates.len()).collect();
+    while chosen.len() < count {
+        let score = |i: &usize| posteriors.iter().map(|p| p.variance(*i)).fold(0.0, f64::max) * feasible[*i];
+        // The first at a tie: the one of largest variance to begin with.
+        let Some(pick) = free.iter().copied().reduce(|a, b| if score(&b) > score(&a) { b } else { a }) else {
+            break;
+        };
+        posteriors.iter_mut().for_each(|posterior| posterior.believe(pick));
+        free.retain(|i| *i != pick);
+        chosen.push(candidates[pick]);
+    }
+    chosen
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::statistics::learning::classify;
+    use crate::statistics::surrogate::{Correlation, Kernel};
+    use common::random::Distribution;
+
+    #[test]
+    fn the_rim_is_explored_in_every_direction_and_never_what_was_asked_for() {
+        let normal = Distribution::TruncatedNormal { mean: 0.0, std: 1.0, lower: -8.0, upper: 8.0 };
+        let population = Population::draw(&[normal; 2], 2000, 1);
+        let data = Mat::from_fn(2, 9, |k, i| [i % 3, i / 3][k] as f64 - 1.0);
+        let values = Mat::from_fn(9, 1, |i, _| i as f64);
+        let correlation =
+            Correlation { kernel: Kernel::Gaussian, theta: vec![0.3; 2], nugget: 1e-8, stated: 0.0 };
+        let model = Kriging::condition(data.as_ref(), values.as_ref(), &correlation).unwrap();
+        let modes = [classify(&model, &population, 20.0, &[0])];
+        let explored = |asked: &[bool], known: &[Vec<f64>], feasible: fn(MatRef<'_, f64>) -> Vec<f64>| {
+            explore((&[&model], known), &modes, (&population, asked), feasible, 4)
+        };
+        let everywhere = |points: MatRef<'_, f64>| vec![1.0; points.ncols()];
+        let first = explored(&vec![false; 2000], &[], everywhere);
+        let angle = |j: usize| {
+            let z = population.standardised(j);
+            assert!(z[0].hypot(z[1]) > 2.0, "{z:?}");
+            z[1].atan2(z[0])
+        };
+        for (a, b) in first.iter().zip(&first[1..]) {
+            assert!((angle(*a) - angle(*b)).abs() > 0.3, "{first:?}");
+        }
+        let mut asked = vec![false; 2000];
+        first.iter().for_each(|j| asked[*j] = true);
+        // What was explored and confirmed is no data of the model, but known.
+        let known: Vec<Vec<f64>> = first.iter().map(|j| population.standardised(*j).to_vec()).collect();
+        let distance = |j: usize, z: &[f64]| {
+            let at = population.standardised(j);
+            (at[0] - z[0]).hypot(at[1] - z[1])
+        };
+        for j in explored(&asked, &known, everywhere) {
+            assert!(!asked[j] && known.iter().all(|z| distance(j, z) > 0.5));
+        }
+        // To the left no simulation gives a result.
+        let right = |points: MatRef<'_, f64>| {
+            (0..points.ncols()).map(|j| if points[(0, j)] > 0.0 { 1.0 } else { 0.0 }).collect()
+        };
+        assert!(explored(&asked, &[], right).iter().all(|j| population.standardised(*j)[0] > 0.0));
+    }
+}

@@ -1,0 +1,18 @@
+//! The statistics of a study: which points are simulated, what surrogates learn from them, and what follows for
+//! reliability and sensitivity.
+//!
+//! Nothing here knows a scene file, a worker or the campaign file: numbers in, numbers out.
+//!
+//! | module | computes |
+//! |---|---|
+//! | [`design`] | input model, Monte Carlo population, Latin hypercube |
+//! | [`surrogate`] | Kriging models of the responses |
+//! | [`learning`] | which point is simulated next, and when to stop |
+//! | [`reliability`] | R(n) with its standard error, subset simulation |
+//! | [`sensitivity`] | derivatives of the failure probability, Sobol indices |
+
+pub mod design;
+pub mod learning;
+pub mod reliability;
+pub mod sensitivity;
+pub mod surrogate;

@@ -1,0 +1,144 @@
+//! Distribution of an output at every checkpoint: moments, quantiles, histogram.
+
+use crate::statistics::design::Population;
+use crate::statistics::surrogate::Kriging;
+use rayon::prelude::*;
+
+/// Probabilities of the reported quantiles.
+pub const PROBABILITIES: [f64; 11] = [0.001, 0.01, 0.05, 0.1, 0.25, 0.5, 0.75, 0.9, 0.95, 0.99, 0.999];
+
+/// Bins of the histogram.
+const BINS: usize = 40;
+
+/// Values that are kept at once, points times checkpoints [128 MiB]: the correlations of the population with the design are
+/// computed anew for every set of checkpoints, so they are few sets.
+const VALUES: usize = 1 << 24;
+
+/// Points predicted together.
+const BLOCK: usize = 512;
+
+/// An output at one checkpoint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OutputDistribution {
+    /// Mean [unit of output].
+    pub mean: f64,
+    /// Standard deviation; from surrogates their mean variance is included [unit of output].
+    pub std: f64,
+    /// Quantiles at [`PROBABILITIES`] `(11,)` [unit of output].
+    pub quantiles: Vec<f64>,
+    /// Counts between the least and the largest value.
+    pub histogram: Histogram,
+}
+
+/// Counts in equal bins.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Histogram {
+    /// Lower edge of the first bin [unit of output].
+    pub from: f64,
+    /// Upper edge of the last bin [unit of output].
+    pub to: f64,
+    /// Counts `(40,)`; all in the first bin if every value is the same.
+    pub counts: Vec<u64>,
+}
+
+/// Distributions `(m,)` of the predicted means of a model's m outputs over the population.
+pub fn predict_distributions(model: &Kriging, population: &Population) -> Vec<OutputDistribution> {
+    let m = model.sigma2().len();
+    let dual = model.dual();
+    // Mean variance factor over a fixed part of the population: it enters the spread only.
+    let part = population.len().min(2000);
+    let factors = model.predict(population.columns(0..part)).variance_factor;
+    let factor = factors.iter().sum::<f64>() / part.max(1) as f64;
+    let mut distributions = Vec::with_capacity(m);
+    let columns = (VALUES / population.len().max(1)).max(1);
+    for first in (0..m).step_by(columns) {
+        let count = columns.min(m - first);
+        let mut values = vec![0.0; population.len() * count];
+        values.par_chunks_mut(BLOCK * count).enumerate().for_each(|(block, values)| {
+            let start = block * BLOCK;
+            let points = population.columns(start..start + values.len() / count);
+            let means = model.predict_means(points, &dual, first..first + count);
+            for (j, values) in values.chunks_exact_mut(count).enumerate() {
+                values.copy_from_slice(means.col_as_slice(j));
+            }
+        });
+        let column = |o: usize| values.iter().skip(o).step_by(count).copied().collect::<Vec<f64>>();
+        let of_checkpoint = |o: usize| distribution(column(o), model.sigma2()[first + o] * factor);
+        distributions.extend((0..count).into_par_iter().map(of_checkpoint).collect::<Vec<_>>());
+    }
+    distributions
+}
+
+/// Distributions `(m,)` of simulated histories `(samples)(m,)`, at least one.
+pub fn distributions_from_samples(histories: &[&[f64]]) -> Vec<OutputDistribution> {
+    let m = histories.first().map_or(0, |history| history.len());
+    (0..m).map(|n| distribution(histories.iter().map(|history| history[n]).collect(), 0.0)).collect()
+}
+
+fn distribution(mut values: Vec<f64>, extra_variance: f64) -> OutputDistribution {
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    let variance = values.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / count;
+    values.sort_unstable_by(f64::total_cmp);
+    let quantile = |p: f64| {
+        let place = p * (count - 1.0);
+        let (low, high) = (values[place.floor() as usize], values[place.ceil() as usize]);
+        low + (high - low) * place.fract()
+    };
+    let quantiles = PROBABILITIES.map(quantile).to_vec();
+    let (from, to) = (values[0], values[values.len() - 1]);
+    let mut counts = vec![0; BINS];
+    for y in &values {
+        let place = if to > from { (y - from) / (to - from) * BINS as f64 } else { 0.0 };
+        counts[(place as usize).min(BINS - 1)] += 1;
+    }
+    OutputDistribution {
+        mean,
+        std: (variance + extra_variance).sqrt(),
+        quantiles,
+        histogram: Histogram { from, to, counts },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::statistics::surrogate::{Correlation, Kernel};
+    use common::random::Distribution;
+    use faer::Mat;
+
+    #[test]
+    fn equal_steps_have_their_closed_form() {
+        let histories: Vec<Vec<f64>> = (0..=1000).map(|i| vec![i as f64, 5.0]).collect();
+        let rows: Vec<&[f64]> = histories.iter().map(Vec::as_slice).collect();
+        let d = distributions_from_samples(&rows);
+        assert!(
+            (d[0].mean - 500.0).abs() < 1e-9 && (d[0].std - (1001.0f64.powi(2) / 12.0).sqrt()).abs() < 1e-3
+        );
+        assert!((d[0].quantiles[3] - 100.0).abs() < 1e-9);
+        assert_eq!(d[0].histogram.counts.iter().sum::<u64>(), 1001);
+        assert!(d[0].histogram.counts.iter().all(|c| (25..=26).contains(c)));
+        assert_eq!((d[1].std, d[1].histogram.counts[0]), (0.0, 1001));
+    }
+
+    #[test]
+    fn a_linear_output_keeps_its_moments() {
+        let variables =
+            vec![Distribution::TruncatedNormal { mean: 3.0, std: 0.5, lower: 1.5, upper: 4.5 }; 2];
+        let population = Population::draw(&variables, 20_000, 1);
+        let x = Mat::from_fn(2, 40, |k, i| population.standardised(i)[k]);
+        // Nine checkpoints, more than are predicted together.
+        let y = Mat::from_fn(40, 9, |i, o| 10.0 + (1.0 + o as f64) * (x[(0, i)] + 2.0 * x[(1, i)]));
+        let correlation =
+            Correlation { kernel: Kernel::Gaussian, theta: vec![1e-3, 1e-3], nugget: 1e-10, stated: 0.0 };
+        let model = Kriging::condition(x.as_ref(), y.as_ref(), &correlation).unwrap();
+        let distributions = predict_distributions(&model, &population);
+        let std = 5.0_f64.sqrt() * variables[0].std() / 0.5;
+        for (o, d) in distributions.iter().enumerate() {
+            let expected = (1.0 + o as f64) * std;
+            // Standard errors: std / sqrt(N) of the mean, std / sqrt(2 N) of the standard deviation.
+            assert!((d.mean - 10.0).abs() < 4.0 * expected / 20_000_f64.sqrt());
+            assert!((d.std / expected - 1.0).abs() < 4.0 / 40_000_f64.sqrt());
+        }
+    }
+}

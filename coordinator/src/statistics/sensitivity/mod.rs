@@ -1,0 +1,163 @@
+//! Derivatives of failure probabilities to the means and standard deviations of the random variables, from the
+//! classified population alone.
+//!
+//! With I the failure indicator and s = d ln f(x) / dp the score of variable k for its parameter p,
+//! dP_f/dp = E[I s] = E[(I - P_f) s], since a score has mean zero; the second form has the smaller variance, above all
+//! where P_f is near 1. Its standard error is sqrt(Var[(I - P_f) s] / N): sampling only, the surrogates' doubt is not
+//! in it. The bounds of bounded variables are held fixed.
+//!
+//! The score of independent variables is that of x_k alone. With a Gaussian copula, f(x) = c(u) prod_j f_j(x_j),
+//! u_j = Phi^-1(F_j(x_j)), the parameter of variable k moves u_k at a fixed x as well:
+//!
+//! s = d ln f_k(x_k) / dp + (d ln c / du_k) (dF_k(x_k) / dp) / phi(u_k), d ln c / du_k = -((R^-1 - I) u)_k.
+//!
+//! R, and with it the dependence, stays as it is.
+//!
+//! Source: Wu (1994); Song, Lu, Qiao (2009); the copula's term by the chain rule.
+
+mod sobol;
+
+pub use sobol::{Sobol, sobol_indices};
+
+use crate::statistics::design::Population;
+use common::random::{Distribution, standard_normal_pdf};
+use rayon::prelude::*;
+
+/// Derivatives of one curve at one checkpoint to the parameters of one variable.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sensitivity {
+    /// Index of the curve: the modes in order, then the system.
+    pub curve: usize,
+    /// Index of the checkpoint.
+    pub checkpoint: usize,
+    /// Index of the variable.
+    pub variable: usize,
+    /// dP_f / dmean [1/unit of the variable].
+    pub to_mean: Estimate,
+    /// dP_f / dstd [1/unit of the variable].
+    pub to_std: Estimate,
+}
+
+/// A value and its standard error.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Estimate {
+    /// The estimate.
+    pub value: f64,
+    /// Its standard error.
+    pub standard_error: f64,
+}
+
+impl Estimate {
+    fn times(self, factor: f64) -> Self {
+        Self { value: factor * self.value, standard_error: factor * self.standard_error }
+    }
+}
+
+/// Normals of points that rounding has put on a bound are infinite; no draw of a population lies further out.
+const LARGEST_NORMAL: f64 = 9.0;
+
+/// Sums of a score and of its square, over failed points by first failure and over all.
+struct ScoreSums {
+    /// `(m + 1, 2)`.
+    by_first_failure: Vec<[f64; 2]>,
+}
+
+impl ScoreSums {
+    fn new(scores: &[f64], first_failure: &[u32], m: usize) -> Self {
+        let mut by_first_failure = vec![[0.0; 2]; m + 1];
+        for (s, first) in scores.iter().zip(first_failure) {
+            let sums = &mut by_first_failure[*first as usize];
+            sums[0] += s;
+            sums[1] += s * s;
+        }
+        Self { by_first_failure }
+    }
+
+    /// Estimate at checkpoint `n`, where the share `pf` of `points` has failed.
+    fn estimate(&self, n: usize, pf: f64, points: usize) -> Estimate {
+        let sum = |range: &[[f64; 2]]| range.iter().fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
+        let (failed, all) = (sum(&self.by_first_failure[..=n]), sum(&self.by_first_failure));
+        let count = points as f64;
+        let value = (failed[0] - pf * all[0]) / count;
+        let square = ((1.0 - 2.0 * pf) * failed[1] + pf * pf * all[1]) / count;
+        Estimate { value, standard_error: ((square - value * value).max(0.0) / count).sqrt() }
+    }
+}
+
+/// Samples of known state.
+#[derive(Debug, Clone, Copy)]
+pub struct Sampled<'a> {
+    /// The population they are of.
+    pub population: &'a Population,
+    /// Which of its points `(N,)`.
+    pub points: &'a [usize],
+    /// Probability of the event the population is conditional on [1]; 1: none.
+    pub probability: f64,
+}
+
+/// Derivatives of every curve at the given checkpoints to every variable, ordered by checkpoint, curve, variable.
+///
+/// `first_failures` holds, per curve, the index of the checkpoint by which each sample has failed, m if never `(curves)(N,)`. Under a
+/// condition C that every failure implies dP_f/dp = P(C) E[I s | C]; scores have no mean zero there, so nothing is
+/// taken off them.
+pub fn sensitivities(
+    sampled: &Sampled<'_>,
+    first_failures: &[Vec<u32>],
+    checkpoints: &[usize],
+    m: usize,
+) -> Vec<Sensitivity> {
+    let Sampled { population, points, probability } = *sampled;
+    let count = points.len();
+    let failed_share = |first: &[u32], n: usize| {
+        first.iter().filter(|first| **first as usize <= n).count() as f64 / count as f64
+    };
+    // Sums per variable, parameter and curve.
+    let sums: Vec<[Vec<ScoreSums>; 2]> = population
+        .variables()
+        .par_iter()
+        .enumerate()
+        .map(|(k, variable)| {
+            let scores: Vec<[f64; 2]> = points.iter().map(|j| scores(population, variable, *j, k)).collect();
+            [0, 1].map(|parameter| -> Vec<ScoreSums> {
+                let scores: Vec<f64> = scores.iter().map(|s| s[parameter]).collect();
+                first_failures.iter().map(|first| ScoreSums::new(&scores, first, m)).collect()
+            })
+        })
+        .collect();
+    let mut rows = Vec::new();
+    for checkpoint in checkpoints {
+        for (curve, first) in first_failures.iter().enumerate() {
+            let pf = if probability < 1.0 { 0.0 } else { failed_share(first, *checkpoint) };
+            for (variable, [mean, std]) in sums.iter().enumerate() {
+                rows.push(Sensitivity {
+                    curve,
+                    checkpoint: *checkpoint,
+                    variable,
+                    to_mean: mean[curve].estimate(*checkpoint, pf, count).times(probability),
+                    to_std: std[curve].estimate(*checkpoint, pf, count).times(probability),
+                });
+            }
+        }
+    }
+    rows
+}
+
+/// Scores of point `j` for mean and standard deviation of variable `k` `(2,)` [1/unit of the variable].
+fn scores(population: &Population, variable: &Distribution, j: usize, k: usize) -> [f64; 2] {
+    let x = population.physical_value(j, k);
+    let own = variable.scores(x);
+    let copula = population.inputs().copula();
+    if !copula.is_correlated(k) {
+        return own;
+    }
+    let normal = |i: usize| {
+        let u = population.variables()[i].to_standard_normal(population.physical_value(j, i));
+        u.clamp(-LARGEST_NORMAL, LARGEST_NORMAL)
+    };
+    let slope = copula.score(k, normal) / standard_normal_pdf(normal(k));
+    let moved = variable.cdf_derivatives(x);
+    [0, 1].map(|p| own[p] + slope * moved[p])
+}
+
+#[cfg(test)]
+mod tests;

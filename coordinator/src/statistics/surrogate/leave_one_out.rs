@@ -1,0 +1,151 @@
+//! Leave-one-out check of a surrogate from its factor alone, without refitting.
+//!
+//! With S = C^-1 - L'^-1 Q D^-1 Q' L^-1 (C^-1 without what the trend takes), leaving point i out changes the prediction
+//! there by e_i = (S y)_i / S_ii, with variance sigma2 / S_ii (simulator noise included).
+//!
+//! Source: Dubrule (1983), Cross validation of kriging in a unique neighborhood; the predictive density,
+//! Rasmussen, Williams (2006), eqs. 5.10 to 5.12.
+
+use super::Kriging;
+use super::factor::{inverse_below, solve_lower_transposed};
+use super::trend::ratio;
+use faer::MatRef;
+
+/// Least predictive variance over the variance of the values: an error that small is rounding, and a density without a
+/// bound would prefer whichever surrogate happens to round best.
+pub(super) const ROUNDING: f64 = 1e-24;
+
+/// Leave-one-out figures of one output.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LeaveOneOut {
+    /// Q2 = 1 - sum e_i^2 / sum (y_i - mean)^2 [1]; 1 for an output without variance.
+    pub q2: f64,
+    /// Mean of e_i^2 over its predicted variance [1]; 1 if the predicted variances are right.
+    pub variance_ratio: f64,
+}
+
+impl Kriging {
+    /// Leave-one-out figures per output `(m,)`, for the values `(n, m)` the model was conditioned on.
+    pub fn leave_one_out(&self, values: MatRef<'_, f64>) -> Vec<LeaveOneOut> {
+        let n = self.points();
+        let (kept, dual) = (self.kept_precision(), self.dual());
+        (0..values.ncols())
+            .map(|o| {
+                let total = spread(values.col(o)) * n as f64;
+                if total == 0.0 || self.sigma2()[o] == 0.0 {
+                    return LeaveOneOut { q2: 1.0, variance_ratio: 1.0 };
+                }
+                let (mut squares, mut of_predicted) = (0.0, 0.0);
+                for (i, s) in kept.iter().enumerate() {
+                    let error = dual[(i, o)] / s;
+                    squares += error * error;
+                    of_predicted += error * error * s / (self.sigma2()[o] * n as f64);
+                }
+                LeaveOneOut { q2: 1.0 - squares / total, variance_ratio: of_predicted }
+            })
+            .collect()
+    }
+
+    /// Logarithm of the predictive density of each point's values when it is left out `(n,)`, the mean over the
+    /// outputs, with every output in units of the standard deviation of its values `(n, m)` and those that have none
+    /// left out.
+    pub fn log_densities(&self, values: MatRef<'_, f64>) -> Vec<f64> {
+        let (kept, dual) = (self.kept_precision(), self.dual());
+        let mut densities = vec![0.0; self.points()];
+        let mut outputs = 0.0;
+        for o in 0..values.ncols() {
+            let spread = spread(values.col(o));
+            if spread == 0.0 {
+                continue;
+            }
+            outputs += 1.0;
+            for (i, (density, s)) in densities.iter_mut().zip(&kept).enumerate() {
+                let error = dual[(i, o)] / s;
+                *density += log_density(error * error, self.sigma2()[o] / s, spread);
+            }
+        }
+        densities.iter_mut().for_each(|density| *density = ratio(*density, outputs));
+        densities
+    }
+
+    /// S_ii `(n,)`.
+    fn kept_precision(&self) -> Vec<f64> {
+        let mut q = self.trend.q.clone();
+        solve_lower_transposed(self.l.as_ref(), q.as_mut());
+        let c_inverse = inverse_below(self.l.as_ref());
+        let taken = |i: usize| -> f64 {
+            q.row(i).iter().zip(&self.trend.squares).map(|(q, square)| ratio(q * q, *square)).sum()
+        };
+        (0..self.points()).map(|i| c_inverse[(i, i)] - taken(i)).collect()
+    }
+}
+
+/// Logarithm of the predictive density of a value whose squared error and predicted variance are these, in units of the
+/// standard deviation of all values.
+pub(super) fn log_density(square: f64, variance: f64, spread: f64) -> f64 {
+    let variance = variance / spread + ROUNDING;
+    -0.5 * ((std::f64::consts::TAU * variance).ln() + square / (spread * variance))
+}
+
+/// Variance of values `(n,)`.
+pub(super) fn spread(values: faer::ColRef<'_, f64>) -> f64 {
+    let n = values.nrows() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    values.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / n
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::statistics::surrogate::{Correlation, Kernel, Trend};
+    use faer::Mat;
+
+    #[test]
+    fn equals_leaving_each_point_out_in_turn() {
+        for (kernel, trend) in [
+            (Kernel::Gaussian, Trend::Constant),
+            (Kernel::Matern52, Trend::Linear),
+            (Kernel::Matern32, Trend::Linear),
+        ] {
+            compare_with_refits(kernel, trend);
+        }
+    }
+
+    fn compare_with_refits(kernel: Kernel, trend: Trend) {
+        let n = 18;
+        let x = Mat::from_fn(2, n, |k, i| (i as f64 * [1.3, 2.1][k]).sin() * 1.5);
+        let y = Mat::from_fn(n, 1, |i, _| (2.0 * x[(0, i)]).sin() + x[(1, i)] * x[(1, i)]);
+        let correlation = Correlation { kernel, theta: vec![0.4, 0.4], nugget: 1e-4, stated: 0.02 };
+        let weights: Vec<f64> = (0..n).map(|i| 0.5 + (i % 2) as f64).collect();
+        let model =
+            Kriging::condition_noisy(x.as_ref(), y.as_ref(), &correlation, trend, Some(&weights)).unwrap();
+        assert_eq!(model.trend(), trend);
+        let densities = model.log_densities(y.as_ref());
+        let spread = spread(y.col(0));
+        let mut squares = 0.0;
+        for out in 0..n {
+            let keep: Vec<usize> = (0..n).filter(|i| *i != out).collect();
+            let xs = Mat::from_fn(2, n - 1, |k, i| x[(k, keep[i])]);
+            let ys = Mat::from_fn(n - 1, 1, |i, _| y[(keep[i], 0)]);
+            let kept: Vec<f64> = keep.iter().map(|i| weights[*i]).collect();
+            let reduced =
+                Kriging::condition_noisy(xs.as_ref(), ys.as_ref(), &correlation, trend, Some(&kept)).unwrap();
+            let at = Mat::from_fn(2, 1, |k, _| x[(k, out)]);
+            let prediction = reduced.predict(at.as_ref());
+            let error = prediction.mean[(0, 0)] - y[(out, 0)];
+            squares += error * error;
+            // The process variance is that of all points; the noise is in the left-out value too.
+            let noise = correlation.nugget + correlation.stated * weights[out];
+            let variance = model.sigma2()[0] * (prediction.variance_factor[0] + noise);
+            let density = -0.5 * ((std::f64::consts::TAU * variance).ln() + error * error / variance)
+                + 0.5 * spread.ln();
+            assert!(
+                (densities[out] - density).abs() < 1e-6,
+                "{kernel:?} {out}: {density} {}",
+                densities[out]
+            );
+        }
+        let q2 = model.leave_one_out(y.as_ref())[0].q2;
+        assert!((q2 - (1.0 - squares / (spread * n as f64))).abs() < 1e-8, "{kernel:?} {q2}");
+    }
+}

@@ -1,0 +1,301 @@
+//! A running study seen from elsewhere: `status`, metrics, the live page in a browser, `doctor` and what it finds.
+
+use common::wire::{self, Next, PROTOCOL_VERSION, Phase, Reply, Status, WireError, keys};
+use coordinator::farm::dispatch::{VisitError, Visitor, clock_ms};
+use std::io::{Read, Write};
+use std::net::{TcpListener, TcpStream};
+use std::path::Path;
+use std::process::Command;
+use std::sync::Arc;
+use tests::deployed::{
+    NAMED, Talking, certificates, changed_configuration, configuration, has_openssl, if_installed,
+    small_scene,
+};
+use tests::{
+    Barrier, PATIENCE, coordinator, evaluate, expected, in_time, practice_result, program, requests, worker,
+};
+use worker::service::Departure;
+use zenoh::{Config, Session, Wait};
+
+#[test]
+fn a_status_counts_what_waits_what_runs_and_who_works() {
+    in_time(|| {
+        let mut coordinator = coordinator();
+        let endpoint = coordinator.endpoints()[0].clone();
+        let visitor = Visitor::open(&endpoint, None).unwrap();
+        let before = visitor.status(PATIENCE).unwrap();
+        assert_eq!((before.phase, before.farm.workers.len()), (Phase::Learning, 0));
+        assert!(before.clock_ms.abs_diff(clock_ms()) < 10_000);
+
+        coordinator.board().post(|study| study.scene = "practice".into());
+        let hold = Arc::new(Barrier::default());
+        let held = Arc::clone(&hold);
+        let (begun, begins) = std::sync::mpsc::channel();
+        let hand = worker(&coordinator, "hand", 2, move |sample| {
+            let _ = begun.send(());
+            held.pass();
+            practice_result(sample)
+        });
+        let looker = std::thread::spawn(move || {
+            for _ in 0..2 {
+                begins.recv_timeout(PATIENCE).unwrap();
+            }
+            let status = visitor.status(PATIENCE).unwrap();
+            hold.open();
+            (status, visitor)
+        });
+        assert_eq!(evaluate(&mut coordinator, &requests(0..10)).unwrap(), expected(0..10));
+        let (during, visitor) = looker.join().unwrap();
+        assert_eq!((during.phase, during.study.scene.as_str()), (Phase::Simulating, "practice"));
+        let at_worker = during.farm.workers[0].clone();
+        assert_eq!((at_worker.name.as_str(), at_worker.slots, at_worker.done), ("hand", 2, 0));
+        assert_eq!(
+            (during.farm.queued + during.farm.under_way, u64::from(at_worker.under_way)),
+            (10, during.farm.under_way)
+        );
+        let after = visitor.status(PATIENCE).unwrap();
+        assert_eq!((after.phase, after.farm.workers[0].done), (Phase::Learning, 10));
+        assert!(after.farm.rate > 0.0);
+        coordinator.finish();
+        assert_eq!(hand.join().unwrap(), Departure::CampaignEnded);
+    });
+}
+
+/// A Zenoh session that passes for a coordinator: answers claims and questions with these frames, where there are any.
+fn false_coordinator(claim: Option<Vec<u8>>, status: Option<Vec<u8>>) -> (Session, String) {
+    let mut config = Config::default();
+    for (key, value) in [
+        ("mode", "\"peer\""),
+        ("scouting/multicast/enabled", "false"),
+        ("scouting/gossip/enabled", "false"),
+        ("listen/endpoints", "[\"tcp/127.0.0.1:0\"]"),
+    ] {
+        config.insert_json5(key, value).unwrap();
+    }
+    let session = zenoh::open(config).wait().unwrap();
+    for (key, frame) in [(keys::CLAIM, claim), (keys::STATUS, status)] {
+        let Some(frame) = frame else { continue };
+        session
+            .declare_queryable(key)
+            .callback(move |query| query.reply(key, frame.clone()).wait().unwrap())
+            .background()
+            .wait()
+            .unwrap();
+    }
+    let endpoint = session.info().locators().wait()[0].to_string();
+    (session, endpoint)
+}
+
+fn of_version(version: u16, mut frame: Vec<u8>) -> Vec<u8> {
+    frame[4..6].copy_from_slice(&version.to_le_bytes());
+    frame
+}
+
+fn idle() -> Vec<u8> {
+    wire::encode(&Reply { acknowledged: vec![], next: Next::Idle { ask_again: 10 } }).unwrap()
+}
+
+#[test]
+fn a_status_of_another_version_is_named() {
+    in_time(|| {
+        let frame = of_version(PROTOCOL_VERSION + 1, wire::encode(&Status::default()).unwrap());
+        let (_session, endpoint) = false_coordinator(None, Some(frame));
+        let error = Visitor::open(&endpoint, None).unwrap().status(PATIENCE).unwrap_err();
+        let theirs = PROTOCOL_VERSION + 1;
+        assert!(
+            matches!(&error, VisitError::Answer { fault: WireError::OtherVersion { theirs: found, .. }, .. } if *found == theirs),
+            "{error}"
+        );
+        // Whoever answers nothing is told from whoever is not there.
+        let (_session, endpoint) = false_coordinator(None, None);
+        let error = Visitor::open(&endpoint, None).unwrap().status(PATIENCE).unwrap_err();
+        assert!(matches!(error, VisitError::Silent { .. }), "{error}");
+        assert!(matches!(Visitor::open("tcp/127.0.0.1:1", None), Err(VisitError::Unreachable { .. })));
+    });
+}
+
+/// Exit code and output of a command of the coordinator.
+fn command(arguments: &[&str]) -> (Option<i32>, String, String) {
+    let output = Command::new(program("coordinator")).args(arguments).output().unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    (output.status.code(), text(output.stdout), text(output.stderr))
+}
+
+#[track_caller]
+fn finds(arguments: &[&str], code: i32, failed: &[(&str, &str)]) {
+    let (found, lines, error) = command(&[&["doctor"], arguments].concat());
+    assert_eq!(found, Some(code), "{lines}{error}");
+    let faults: Vec<&str> = lines.lines().filter(|line| line.starts_with("failed")).collect();
+    assert_eq!(faults.len(), failed.len(), "{lines}");
+    for (line, (check, says)) in faults.iter().zip(failed) {
+        assert!(line.contains(check) && line.contains(says), "no \"{says}\" of {check} in: {line}");
+    }
+}
+
+#[test]
+fn the_doctor_finds_what_is_wrong() {
+    in_time(|| {
+        let healthy = coordinator();
+        finds(&[&healthy.endpoints()[0]], 0, &[]);
+        assert_eq!(command(&["doctor", "nowhere"]).0, Some(2));
+        assert_eq!(command(&["doctor", "tcp/127.0.0.1:1", "--config", "/none.json5"]).0, Some(1));
+        finds(&["tcp/no-such-host.invalid:7447"], 1, &[("name", "does not know the host")]);
+        let free = TcpListener::bind("127.0.0.1:0").unwrap();
+        let address = free.local_addr().unwrap();
+        // Somebody who is no coordinator and hangs up, until the test ends.
+        std::thread::spawn(move || free.incoming().for_each(drop));
+        finds(&[&format!("tcp/{address}")], 1, &[("session", "speak something else")]);
+        let freed = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+        finds(&[&format!("tcp/{freed}")], 1, &[("reach", "is the coordinator running")]);
+
+        let (_session, mute) = false_coordinator(None, None);
+        finds(&[&mute], 1, &[("claim", "access_control does not let us ask")]);
+        let (_session, newer) = false_coordinator(Some(of_version(PROTOCOL_VERSION + 1, idle())), None);
+        finds(&[&newer], 1, &[("claim", "use the same version of the program on both sides")]);
+        let late = Status { clock_ms: clock_ms() - 3_600_000, ..Status::default() };
+        let (_session, late) = false_coordinator(Some(idle()), Some(wire::encode(&late).unwrap()));
+        // That one does not see that we live, either.
+        let unseen = ("liveliness", "liveliness_token on hingewise/alive/*/*");
+        finds(&[&late], 1, &[("clock", "set both by NTP"), unseen]);
+        let (code, _, error) = command(&["status", "tcp/127.0.0.1:1"]);
+        assert!(code == Some(1) && error.contains("nothing listens there"), "{error}");
+    });
+}
+
+#[test]
+fn the_doctor_examines_certificates_and_access() {
+    if !has_openssl("the doctor's view of TLS") {
+        return;
+    }
+    in_time(|| {
+        let folder = tempfile::tempdir().unwrap();
+        let own = certificates(&folder.path().join("ours"), "127.0.0.1");
+        let theirs = certificates(&folder.path().join("theirs"), "127.0.0.1");
+        let named = [
+            (NAMED, "\"127.0.0.1\""),
+            // A rule that somebody has forgotten.
+            ("\"claims\", \"life\", \"hearing\"", "\"claims\", \"hearing\""),
+        ];
+        let forgetful = changed_configuration("zenoh-tls-coordinator.json5", &own, &named);
+        let out = folder.path().join("study");
+        let arguments =
+            ["run", "--scene", "four-bar", "--workers", "0", "--listen", "tls/127.0.0.1:0", "--config"];
+        let rest = [forgetful.to_str().unwrap(), "--out", out.to_str().unwrap()];
+        let coordinator = Talking::start("coordinator", &[&arguments[..], &rest[..]].concat());
+        let endpoint = coordinator.hear("waiting for workers: worker --connect ");
+        let [own, theirs] = [&own, &theirs].map(|own| configuration("zenoh-tls.json5", own));
+        let with = |config: &Path| [endpoint.clone(), "--config".into(), config.to_str().unwrap().to_owned()];
+        let finds = |config: &Path, failed: &[(&str, &str)]| {
+            let arguments = with(config);
+            finds(&arguments.each_ref().map(String::as_str), 1, failed);
+        };
+        finds(&theirs, &[("session", "another authority than root_ca_certificate")]);
+        finds(&own, &[("liveliness", "liveliness_token on hingewise/alive/*/*")]);
+    });
+}
+
+/// What an HTTP server of this machine answers.
+fn get(address: &str, path: &str, host: &str) -> String {
+    let mut line = TcpStream::connect(address).unwrap();
+    write!(line, "GET {path} HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n").unwrap();
+    let mut answer = String::new();
+    line.read_to_string(&mut answer).unwrap();
+    answer
+}
+
+/// A study of the four-bar with metrics and live page, whose workers are still to come: the process, and where its
+/// coordinator, page and metrics are.
+fn visible_study(folder: &Path, evaluations: usize) -> (Talking, [String; 3]) {
+    let scene = folder.join("small.toml");
+    std::fs::write(&scene, small_scene(evaluations)).unwrap();
+    let (scene, out) = (scene.to_str().unwrap(), folder.join("study"));
+    let what =
+        ["run", "--scene", scene, "--accuracy", "draft", "--workers", "0", "--out", out.to_str().unwrap()];
+    let study =
+        Talking::start("coordinator", &[&what[..], &["--live", "0", "--metrics", "0", "-v"]].concat());
+    let endpoint = study.hear("waiting for workers: worker --connect ");
+    let live = study.hear("live report: http://");
+    let metrics = study.hear("metrics: http://");
+    (study, [endpoint, live, metrics.trim_end_matches("/metrics").to_owned()])
+}
+
+#[test]
+fn metrics_and_status_tell_of_a_running_study() {
+    in_time(|| {
+        let folder = tempfile::tempdir().unwrap();
+        let (mut study, [endpoint, live, metrics]) = visible_study(folder.path(), 12);
+        let visitor = Visitor::open(&endpoint, None).unwrap();
+        while visitor.status(PATIENCE).unwrap().phase != Phase::Waiting {
+            std::thread::yield_now();
+        }
+        let page = get(&metrics, "/metrics", &metrics);
+        assert!(page.starts_with("HTTP/1.1 200") && page.contains("text/plain; version=0.0.4"), "{page}");
+        for line in
+            ["hingewise_phase{phase=\"waiting\"} 1", "hingewise_tasks_queued 8", "hingewise_workers 0"]
+        {
+            assert!(page.lines().any(|l| l == line), "no {line} in {page}");
+        }
+        let (code, json, error) = command(&["status", &endpoint, "--json"]);
+        assert_eq!(code, Some(0), "{error}");
+        let status: serde_json::Value = serde_json::from_str(&json).unwrap();
+        assert_eq!((&status["study"]["planned"], &status["study"]["budget"]), (&8.into(), &12.into()));
+        let (_, text, _) = command(&["status", &endpoint]);
+        assert!(text.contains("waiting for workers") && text.contains("no worker is connected"), "{text}");
+
+        // The page is for this machine's own names, read-only, and loads nothing of others.
+        let page = get(&live, "/", &live);
+        assert!(
+            page.starts_with("HTTP/1.1 200") && page.contains("content-security-policy: default-src 'none'")
+        );
+        assert!(page.contains("Running study: 0 of 8 planned evaluations"), "{page}");
+        assert!(get(&live, "/", "evil.example").starts_with("HTTP/1.1 403"));
+        let news = get(&live, "/news/1", &live);
+        assert!(news.contains("\"ended\":false") && news.contains("Running study"), "{news}");
+        let mut worker =
+            Talking::start("worker", &["--connect", &endpoint, "--slots", "1", "--log-format", "json"]);
+        assert_eq!((study.end(), worker.end()), (Some(0), Some(0)));
+        for line in worker.said().lines() {
+            let line: serde_json::Value = serde_json::from_str(line).unwrap();
+            assert!(line["level"].is_string() && line["message"].is_string(), "{line}");
+        }
+    });
+}
+
+/// In a real browser: the page of a study that has not begun becomes the report by itself, while the study runs.
+#[test]
+fn the_live_page_follows_its_study_in_a_browser() {
+    let found = ["chromium", "chromium-browser", "google-chrome"]
+        .into_iter()
+        .find(|name| Command::new(name).arg("--version").output().is_ok());
+    let Some(browser) = found else {
+        if_installed("the live page in a browser", &mut Command::new("chromium"));
+        return;
+    };
+    in_time(move || {
+        let folder = tempfile::tempdir().unwrap();
+        let (mut study, [endpoint, live, _]) = visible_study(folder.path(), 12);
+        let profile = folder.path().join("profile");
+        let mut chromium = Command::new(browser);
+        // Its own time stands still while it waits for news, so it sees the study to its end, however long that takes.
+        chromium.args([
+            "--headless",
+            "--no-sandbox",
+            "--disable-gpu",
+            "--virtual-time-budget=600000",
+            "--dump-dom",
+        ]);
+        chromium.arg(format!("--user-data-dir={}", profile.display())).arg(format!("http://{live}/"));
+        let seen = std::thread::spawn(move || chromium.output().unwrap());
+        study.hear("the live page is being watched");
+        let mut worker = Talking::start("worker", &["--connect", &endpoint, "--slots", "1"]);
+        assert_eq!((study.end(), worker.end()), (Some(0), Some(0)));
+        let output = seen.join().unwrap();
+        let dom = String::from_utf8_lossy(&output.stdout);
+        let bar =
+            dom.split("id=\"live\"").nth(1).and_then(|rest| rest.split("</p>").next()).unwrap_or_default();
+        assert!(bar.contains("The study has ended") || bar.contains("no longer answers"), "{bar}\n{dom}");
+        // The report, with its figures, in the place of the sentence that stood there first.
+        assert!(!dom.contains("before the first round of learning"), "the page did not change");
+        assert!(dom.contains("<h2>Reliability</h2>") && dom.contains("<svg"), "{dom}");
+    });
+}
