@@ -1,7 +1,8 @@
 //! The paths a source file names, read from its tokens: comments and strings do not count, and of macros what
 //! stands in them does.
 
-use proc_macro2::{Delimiter, TokenStream, TokenTree};
+use proc_macro2::{Delimiter, Punct, Spacing, TokenStream, TokenTree};
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// A path such as `crate::wear::Profile`, where it stands.
@@ -9,8 +10,13 @@ use std::path::Path;
 pub struct Named {
     /// Segments; `self` and `super` are resolved to `crate`.
     pub segments: Vec<String>,
-    /// Line, from 1.
+    /// The first line, from 1, that has its last segment outside of comments. (Positions of tokens would need a
+    /// feature of `proc-macro2` with which every procedural macro, and so nearly every crate, is compiled anew.)
     pub line: usize,
+    /// True for a `pub use`, which passes a name on without using it.
+    pub reexport: bool,
+    /// The name it has in the file: the last segment, or what stands after `as`.
+    pub alias: String,
 }
 
 /// What a file names.
@@ -22,6 +28,12 @@ pub struct SourceFile {
     pub test_paths: Vec<Named>,
     /// Modules in files of their own that exist only for tests.
     pub test_modules: Vec<String>,
+    /// Other modules in files of their own.
+    pub modules: Vec<String>,
+    /// Names of the items that the file defines.
+    pub defined: BTreeSet<String>,
+    /// Names of the types and traits among them, outside of functions and implementations.
+    pub types: BTreeSet<String>,
 }
 
 /// Segments of the module a file holds: `src/wear/step.rs` is `[wear, step]`, `src/wear/mod.rs` is `[wear]`.
@@ -38,11 +50,31 @@ pub fn module_of(file: &Path) -> Vec<String> {
 pub fn read(text: &str, module: &[String]) -> SourceFile {
     let tokens: TokenStream = text.parse().expect("the sources compile");
     let mut source = SourceFile::default();
-    walk(tokens, module, false, &mut source);
+    walk(tokens, module, Place::default(), &mut source);
+    for path in source.paths.iter_mut().chain(&mut source.test_paths) {
+        path.line =
+            line_of(text, path.segments.iter().rfind(|segment| *segment != "*").map_or("", String::as_str));
+    }
     source
 }
 
-fn walk(tokens: TokenStream, module: &[String], in_test: bool, out: &mut SourceFile) {
+/// The first line, from 1, with `word` outside of comments; 0 if there is none.
+fn line_of(text: &str, word: &str) -> usize {
+    let has_word = |line: &str| line.split(|c: char| !(c.is_alphanumeric() || c == '_')).any(|w| w == word);
+    text.lines().position(|line| !line.trim_start().starts_with("//") && has_word(line)).map_or(0, |k| k + 1)
+}
+
+/// Where tokens stand.
+#[derive(Debug, Default, Clone, Copy)]
+struct Place {
+    /// In an item that exists only for tests.
+    in_test: bool,
+    /// In the body of an item that is no module.
+    inside: bool,
+}
+
+fn walk(tokens: TokenStream, module: &[String], place: Place, out: &mut SourceFile) {
+    let Place { in_test, inside } = place;
     let tokens: Vec<TokenTree> = tokens.into_iter().collect();
     // Whether the item that begins here, or began before, is for tests only.
     let mut marked = false;
@@ -56,7 +88,8 @@ fn walk(tokens: TokenStream, module: &[String], in_test: bool, out: &mut SourceF
                 if attribute && is_cfg_test(group.stream()) {
                     marked = true;
                 } else {
-                    walk(group.stream(), module, in_test || marked, out);
+                    let body = Place { in_test: in_test || marked, inside: true };
+                    walk(group.stream(), module, body, out);
                     // An item with a body ends with it.
                     marked &= attribute || group.delimiter() != Delimiter::Brace;
                 }
@@ -65,9 +98,11 @@ fn walk(tokens: TokenStream, module: &[String], in_test: bool, out: &mut SourceF
                 if let (Some(TokenTree::Ident(name)), Some(next)) = (tokens.get(at + 1), tokens.get(at + 2)) {
                     if let TokenTree::Group(body) = next {
                         let inner = [module, &[name.to_string()]].concat();
-                        walk(body.stream(), &inner, in_test || marked, out);
+                        walk(body.stream(), &inner, Place { in_test: in_test || marked, inside }, out);
                     } else if marked {
                         out.test_modules.push(name.to_string());
+                    } else if !in_test {
+                        out.modules.push(name.to_string());
                     }
                     marked = false;
                     at += 2;
@@ -75,7 +110,15 @@ fn walk(tokens: TokenStream, module: &[String], in_test: bool, out: &mut SourceF
             }
             TokenTree::Ident(word) => {
                 let begin = at;
-                let imports = begin > 0 && matches!(&tokens[begin - 1], TokenTree::Ident(u) if u == "use");
+                let imports = begin > 0 && is_word(&tokens[begin - 1], &["use"]);
+                let reexport = imports && is_public(&tokens[..begin - 1]);
+                if begin > 0 && is_word(&tokens[begin - 1], &DEFINING) {
+                    out.defined.insert(word.to_string());
+                    let counts = !(in_test || marked) && is_word(&tokens[begin - 1], &TYPES);
+                    if counts && !inside {
+                        out.types.insert(word.to_string());
+                    }
+                }
                 let mut segments = vec![word.to_string()];
                 while is_colons(&tokens, at + 1) {
                     match tokens.get(at + 3) {
@@ -86,20 +129,26 @@ fn walk(tokens: TokenStream, module: &[String], in_test: bool, out: &mut SourceF
                         _ => break,
                     }
                 }
-                let line = word.span().start().line;
                 let group = if is_colons(&tokens, at + 1) { tokens.get(at + 3) } else { None };
                 let paths = if in_test || marked { &mut out.test_paths } else { &mut out.paths };
                 match group {
                     Some(TokenTree::Group(group)) => {
-                        tree(group.stream(), &segments, module, paths);
+                        tree(group.stream(), &segments, (module, reexport), paths);
                         at += 3;
                     }
                     Some(TokenTree::Punct(star)) if star.as_char() == '*' => {
                         segments.push("*".into());
-                        paths.push(Named { segments: resolved(&segments, module), line });
+                        paths.push(named(&segments, (module, reexport)));
                     }
                     _ if imports || segments.len() > 1 => {
-                        paths.push(Named { segments: resolved(&segments, module), line });
+                        let mut path = named(&segments, (module, reexport));
+                        if let (true, [a, TokenTree::Ident(alias)]) =
+                            (imports, tokens.get(at + 1..at + 3).unwrap_or(&[]))
+                            && is_word(a, &["as"])
+                        {
+                            path.alias = alias.to_string();
+                        }
+                        paths.push(path);
                     }
                     _ => {}
                 }
@@ -110,41 +159,65 @@ fn walk(tokens: TokenStream, module: &[String], in_test: bool, out: &mut SourceF
     }
 }
 
-/// The leaves of `{a, b::c, d::{e, f}}` after `prefix::`.
-fn tree(tokens: TokenStream, prefix: &[String], module: &[String], paths: &mut Vec<Named>) {
+/// The leaves of `{a, b::c, d::{e, f}}` after `prefix::`; `from`: the module, and whether it is a re-export.
+fn tree(tokens: TokenStream, prefix: &[String], from: (&[String], bool), paths: &mut Vec<Named>) {
     let mut segments = prefix.to_vec();
-    let mut line = 0;
-    let mut skip = false;
-    let flush = |segments: &mut Vec<String>, line: usize, paths: &mut Vec<Named>| {
-        if segments.len() > prefix.len() {
-            paths.push(Named { segments: resolved(segments, module), line });
-        }
-        segments.truncate(prefix.len());
-    };
-    for token in tokens {
+    let mut alias = None;
+    let mut renamed = false;
+    for token in tokens.into_iter().chain([TokenTree::Punct(Punct::new(',', Spacing::Alone))]) {
         match token {
             TokenTree::Punct(comma) if comma.as_char() == ',' => {
-                flush(&mut segments, line, paths);
-                skip = false;
+                if segments.len() > prefix.len() {
+                    let path = named(&segments, from);
+                    paths.push(Named { alias: alias.take().unwrap_or(path.alias), ..path });
+                }
+                segments.truncate(prefix.len());
+                renamed = false;
             }
             TokenTree::Group(group) => {
-                tree(group.stream(), &segments, module, paths);
+                tree(group.stream(), &segments, from, paths);
                 segments.truncate(prefix.len());
             }
-            // What a name is called here does not matter.
-            TokenTree::Ident(word) if word == "as" => skip = true,
-            TokenTree::Ident(word) if !skip => {
-                line = word.span().start().line;
+            TokenTree::Ident(word) if word == "as" => renamed = true,
+            TokenTree::Ident(word) if renamed => alias = Some(word.to_string()),
+            TokenTree::Ident(word) => {
                 if word != "self" || segments.is_empty() {
                     segments.push(word.to_string());
                 } else {
-                    paths.push(Named { segments: resolved(&segments, module), line });
+                    paths.push(named(&segments, from));
                 }
             }
+            TokenTree::Punct(star) if star.as_char() == '*' => segments.push("*".into()),
             _ => {}
         }
     }
-    flush(&mut segments, line, paths);
+}
+
+/// A path as it is kept; `from`: the module, and whether it is a re-export.
+fn named(segments: &[String], from: (&[String], bool)) -> Named {
+    let alias = segments.last().cloned().unwrap_or_default();
+    Named { segments: resolved(segments, from.0), line: 0, reexport: from.1, alias }
+}
+
+/// Words before the name of an item that a file defines.
+const DEFINING: [&str; 8] = ["struct", "enum", "trait", "fn", "type", "const", "static", "union"];
+
+/// Those of them before the name of a type.
+const TYPES: [&str; 5] = ["struct", "enum", "trait", "type", "union"];
+
+fn is_word(token: &TokenTree, words: &[&str]) -> bool {
+    matches!(token, TokenTree::Ident(word) if words.iter().any(|w| word == w))
+}
+
+/// Whether an item begins with `pub` or `pub(...)` right before the end of `tokens`.
+fn is_public(tokens: &[TokenTree]) -> bool {
+    match tokens {
+        [.., TokenTree::Ident(word)] => word == "pub",
+        [.., TokenTree::Ident(word), TokenTree::Group(group)] => {
+            word == "pub" && group.delimiter() == Delimiter::Parenthesis
+        }
+        _ => false,
+    }
 }
 
 /// `super::x` and `self::x`, seen from `module`, as `crate::...::x`.

@@ -1,8 +1,9 @@
 //! Replays and verifications of a simulator in closed form.
 
 use super::{ReplayError, replay};
+use crate::statistics::design::Population;
+use crate::statistics::surrogate::Kernel;
 use crate::study::{Observed, Settings, Simulated, problem_of, verify};
-use crate::{design::Population, surrogate::Kernel};
 use common::accuracy::NamedAccuracy;
 use common::scene::{Scene, SceneSource};
 

@@ -1,7 +1,6 @@
 //! The one way data flows, and the rooms of the house: who may name whom. A back reference fails here with its
 //! file and line.
 
-#[path = "architecture/paths.rs"]
 mod paths;
 
 use paths::{Named, SourceFile, module_of, read};
