@@ -81,10 +81,7 @@ fn a_study_of_a_program_is_read() {
     let limits: Vec<_> = scene.limit_states.iter().map(|l| (l.output, l.threshold, l.fails)).collect();
     assert_eq!(limits, [(0, 12.5, Fails::Above), (1, -0.5, Fails::Below)]);
     let [span, temperature] = source.variables() else { panic!() };
-    assert_eq!(
-        span.distribution,
-        Distribution::TruncatedNormal { mean: 1.0, std: 0.01, lower: 0.97, upper: 1.03 }
-    );
+    assert_eq!(span.distribution, Distribution::truncated_normal(1.0, 0.01, 0.97, 1.03).unwrap());
     assert_eq!((span.unit.as_str(), temperature.unit.as_str()), ("mm", "K"));
     assert!(span.changes.is_empty());
     assert_eq!(source.means(), [1.0, 293.0]);

@@ -22,7 +22,7 @@ fn main() {
 }
 
 fn population(d: usize, points: usize) -> Population {
-    let variable = Distribution::TruncatedNormal { mean: 0.0, std: 1.0, lower: -4.0, upper: 4.0 };
+    let variable = Distribution::truncated_normal(0.0, 1.0, -4.0, 4.0).unwrap();
     Population::draw(&vec![variable; d], points, 1)
 }
 

@@ -1,93 +1,102 @@
-//! A distribution of a random variable: which law, and what every law answers.
+//! Distributions of one continuous random variable, by name, and the functions that each of them has.
 //!
-//! Laws are given by the mean and the standard deviation of the variable itself, of the parent for the truncated
-//! normal, with bounds and mode where they need them. Derivatives refer to the same two parameters.
+//! A distribution is given by the mean and the standard deviation of the variable itself (of the parent for the
+//! truncated normal), with bounds and mode where it needs them. Derivatives refer to the same two parameters. Each
+//! distribution has a file below, which states its density, parameters, support and moments with their source.
+//!
+//! A new one takes three files: its own with `impl Law`, this one (module, variant, constructor, `law`), and
+//! `scene/variable_law.rs` (its word and keys in a scene).
 
-use super::law::{Law, LawError};
-use super::truncated_normal::TruncatedNormal;
-use super::{Beta, Constant, Exponential, Extreme, Gumbel, Lognormal, Normal, Triangular, Uniform, Weibull};
+mod beta;
+mod constant;
+mod exponential;
+mod gumbel;
+mod law;
+mod lognormal;
+mod normal;
+#[cfg(test)]
+mod tests;
+mod tilted;
+mod triangular;
+mod truncated_normal;
+mod uniform;
+mod weibull;
+
+pub use beta::Beta;
+pub use constant::Constant;
+pub use exponential::Exponential;
+pub use gumbel::{Extreme, Gumbel};
+pub use law::LawError;
+pub use lognormal::Lognormal;
+pub use normal::Normal;
+pub use triangular::Triangular;
+pub use truncated_normal::TruncatedNormal;
+pub use uniform::Uniform;
+pub use weibull::Weibull;
+
+use law::Law;
 use serde::{Deserialize, Serialize};
 
-/// A distribution.
+/// A distribution of one continuous random variable; x, bounds, mean and standard deviation are in the variable's
+/// unit.
+///
+/// ```
+/// use common::random::Distribution;
+///
+/// // The radius of a bore: normal, cut at three standard deviations [m].
+/// let radius = Distribution::truncated_normal(1.5e-3, 2e-6, 1.494e-3, 1.506e-3)?;
+/// assert!((radius.quantile(0.5) - 1.5e-3).abs() < 1e-12);
+/// // The quantile function inverts the distribution function.
+/// let x = radius.quantile(0.9);
+/// assert!((radius.cdf(x) - 0.9).abs() < 1e-12);
+/// # Ok::<(), common::random::LawError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Distribution {
-    /// Normal(mean, std) of the untruncated parent, cut to [lower, upper].
-    TruncatedNormal {
-        /// Mean of the parent.
-        mean: f64,
-        /// Standard deviation of the parent.
-        std: f64,
-        /// Lower bound.
-        lower: f64,
-        /// Upper bound.
-        upper: f64,
-    },
-    /// Normal.
+    /// A normal distribution, the parent, restricted to an interval.
+    TruncatedNormal(TruncatedNormal),
+    /// Normal, without bounds.
     Normal(Normal),
-    /// Lognormal.
+    /// The logarithm of the variable is normal.
     Lognormal(Lognormal),
-    /// Uniform.
+    /// Constant density between two bounds.
     Uniform(Uniform),
-    /// Gumbel, of maxima or minima.
+    /// Extreme value distribution of type I, of maxima or of minima.
     Gumbel(Gumbel),
-    /// Weibull of minima, two parameters.
+    /// Extreme value distribution of minima that are bounded by zero, with two parameters.
     Weibull(Weibull),
-    /// Exponential, from a lower end on.
+    /// Exponential, shifted to begin at a lower bound.
     Exponential(Exponential),
-    /// Beta between bounds.
+    /// Beta between two bounds.
     Beta(Beta),
-    /// Triangular.
+    /// Density that rises linearly to the mode and falls linearly from it.
     Triangular(Triangular),
-    /// No distribution at all: always the same value.
+    /// One value with probability one: a variable held fixed.
     Constant(Constant),
 }
 
-/// Runs an expression with the law of a distribution.
-macro_rules! with_law {
-    ($distribution:expr, $law:ident => $answer:expr) => {
-        match $distribution {
-            Distribution::TruncatedNormal { mean, std, lower, upper } => {
-                let $law = TruncatedNormal { mean, std, lower, upper };
-                $answer
-            }
-            Distribution::Normal($law) => $answer,
-            Distribution::Lognormal($law) => $answer,
-            Distribution::Uniform($law) => $answer,
-            Distribution::Gumbel($law) => $answer,
-            Distribution::Weibull($law) => $answer,
-            Distribution::Exponential($law) => $answer,
-            Distribution::Beta($law) => $answer,
-            Distribution::Triangular($law) => $answer,
-            Distribution::Constant($law) => $answer,
-        }
-    };
-}
-
-/// Making one.
-///
-/// Arguments are in the unit of the variable.
+/// Constructors. Arguments are in the unit of the variable.
 ///
 /// # Errors
-/// [`LawError`]: a standard deviation that is not positive, bounds that do not enclose the mean, or what else the law
-/// does not allow.
+/// [`LawError`]: a standard deviation that is not positive, bounds that do not enclose the mean, or what else the
+/// distribution does not allow.
 impl Distribution {
-    /// Normal(mean, std) of the parent cut to [lower, upper]; the mean lies strictly between the bounds.
+    /// A normal parent with `mean` and `std`, cut to [lower, upper]; the mean lies strictly between the bounds.
     pub fn truncated_normal(mean: f64, std: f64, lower: f64, upper: f64) -> Result<Self, LawError> {
-        TruncatedNormal::new(mean, std, lower, upper)?;
-        Ok(Self::TruncatedNormal { mean, std, lower, upper })
+        TruncatedNormal::new(mean, std, lower, upper).map(Self::TruncatedNormal)
     }
 
-    /// Normal.
+    /// Normal with `mean` and `std`.
     pub fn normal(mean: f64, std: f64) -> Result<Self, LawError> {
         Normal::new(mean, std).map(Self::Normal)
     }
 
-    /// Lognormal; mean > 0.
+    /// Lognormal with the `mean` > 0 and `std` of the variable, not of its logarithm.
     pub fn lognormal(mean: f64, std: f64) -> Result<Self, LawError> {
         Lognormal::new(mean, std).map(Self::Lognormal)
     }
 
-    /// Uniform between two bounds.
+    /// Uniform between `lower` and `upper`.
     pub fn uniform(lower: f64, upper: f64) -> Result<Self, LawError> {
         Uniform::new(lower, upper).map(Self::Uniform)
     }
@@ -97,7 +106,7 @@ impl Distribution {
         Uniform::by_moments(mean, std).map(Self::Uniform)
     }
 
-    /// Gumbel of maxima or of minima.
+    /// Gumbel of maxima or of minima with `mean` and `std`.
     pub fn gumbel(mean: f64, std: f64, extreme: Extreme) -> Result<Self, LawError> {
         Gumbel::new(mean, std, extreme).map(Self::Gumbel)
     }
@@ -117,7 +126,7 @@ impl Distribution {
         Exponential::by_lower(mean, lower).map(Self::Exponential)
     }
 
-    /// Beta on [lower, upper]; std so that both its exponents lie between 0.05 and 10000.
+    /// Beta on [lower, upper]; `std` such that both shape parameters lie between 0.05 and 10000.
     pub fn beta(mean: f64, std: f64, lower: f64, upper: f64) -> Result<Self, LawError> {
         Beta::new(mean, std, lower, upper).map(Self::Beta)
     }
@@ -127,30 +136,34 @@ impl Distribution {
         Triangular::new(lower, mode, upper).map(Self::Triangular)
     }
 
-    /// Always `value`.
+    /// The finite `value` with probability one.
     pub fn constant(value: f64) -> Result<Self, LawError> {
         Constant::new(value).map(Self::Constant)
     }
 }
 
 impl Distribution {
-    /// The law in words, e.g. `truncated normal`.
-    pub fn law(&self) -> &'static str {
+    fn law(&self) -> &dyn Law {
         match self {
-            Self::TruncatedNormal { .. } => "truncated normal",
-            Self::Normal(_) => "normal",
-            Self::Lognormal(_) => "lognormal",
-            Self::Uniform(_) => "uniform",
-            Self::Gumbel(gumbel) => gumbel.law(),
-            Self::Weibull(_) => "Weibull",
-            Self::Exponential(_) => "exponential",
-            Self::Beta(_) => "beta",
-            Self::Triangular(_) => "triangular",
-            Self::Constant(_) => "constant",
+            Self::TruncatedNormal(law) => law,
+            Self::Normal(law) => law,
+            Self::Lognormal(law) => law,
+            Self::Uniform(law) => law,
+            Self::Gumbel(law) => law,
+            Self::Weibull(law) => law,
+            Self::Exponential(law) => law,
+            Self::Beta(law) => law,
+            Self::Triangular(law) => law,
+            Self::Constant(law) => law,
         }
     }
 
-    /// Whether the variable never changes.
+    /// The name of the distribution for people, e.g. `truncated normal`.
+    pub fn name(&self) -> &'static str {
+        self.law().name()
+    }
+
+    /// True if the variable has one value only.
     pub fn is_constant(&self) -> bool {
         matches!(self, Self::Constant(_))
     }
@@ -158,113 +171,94 @@ impl Distribution {
     /// Location by which the variable is standardised: the mean, of the parent for the truncated normal [unit of the
     /// variable].
     pub fn parent_mean(&self) -> f64 {
-        match self {
-            Self::TruncatedNormal { mean, .. } => *mean,
-            _ => self.mean(),
-        }
+        self.law().parent_mean()
     }
 
     /// Scale by which the variable is standardised: the standard deviation, of the parent for the truncated normal;
     /// 1 for a constant, whose distance from its location is 0 whatever divides it [unit of the variable].
     pub fn parent_std(&self) -> f64 {
-        match self {
-            Self::TruncatedNormal { std, .. } => *std,
-            Self::Constant(_) => 1.0,
-            _ => self.std(),
-        }
+        if self.is_constant() { 1.0 } else { self.law().given_std() }
     }
 
     /// The standard deviation that derivatives refer to: of the parent for the truncated normal, else of the variable;
     /// 0 for a constant [unit of the variable].
     pub fn given_std(&self) -> f64 {
-        match self {
-            Self::TruncatedNormal { std, .. } => *std,
-            _ => self.std(),
-        }
+        self.law().given_std()
     }
 
     /// Density f(x) [1/unit of the variable]; zero outside the support, infinite at the value of a constant.
     pub fn pdf(&self, x: f64) -> f64 {
-        with_law!(*self, law => law.pdf(x))
+        self.law().pdf(x)
     }
 
-    /// Distribution function F(x) [1].
+    /// Distribution function F(x) = P(X <= x) [1], relative accuracy kept in the lower tail.
     pub fn cdf(&self, x: f64) -> f64 {
-        with_law!(*self, law => law.cdf(x))
+        self.law().cdf(x)
     }
 
     /// 1 - F(x) [1], relative accuracy kept in the upper tail.
     pub fn survival(&self, x: f64) -> f64 {
-        with_law!(*self, law => law.survival(x))
+        self.law().survival(x)
     }
 
     /// Quantile F^-1(p) for p in [0, 1] [unit of the variable], never outside the support; infinite at the ends of an
-    /// unbounded law.
+    /// unbounded distribution.
     ///
     /// With p uniform this is sampling by inverse transform.
     pub fn quantile(&self, p: f64) -> f64 {
-        with_law!(*self, law => law.quantile(p))
+        self.law().quantile(p)
     }
 
     /// Quantile F^-1(1 - q) for q in [0, 1] [unit of the variable], with the digits that 1 - q has lost.
     pub fn upper_quantile(&self, q: f64) -> f64 {
-        with_law!(*self, law => law.upper_quantile(q))
+        self.law().upper_quantile(q)
     }
 
     /// The value x with F(x) = Phi(u), u a standard normal [unit of the variable]; digits are kept in both tails.
     pub fn from_standard_normal(&self, u: f64) -> f64 {
-        with_law!(*self, law => law.at_standard_normal(u))
+        self.law().at_standard_normal(u)
     }
 
-    /// The standard normal u with Phi(u) = F(x) [1]; infinite at the bounds of a bounded law, 0 for a constant.
+    /// The standard normal u with Phi(u) = F(x) [1]; infinite at the bounds of a bounded distribution, 0 for a
+    /// constant.
     pub fn to_standard_normal(&self, x: f64) -> f64 {
-        with_law!(*self, law => law.to_standard_normal(x))
+        self.law().to_standard_normal(x)
     }
 
-    /// Mean of the variable [unit of the variable].
+    /// Mean E[X] [unit of the variable].
     pub fn mean(&self) -> f64 {
-        with_law!(*self, law => law.mean())
+        self.law().mean()
     }
 
-    /// Standard deviation of the variable [unit of the variable].
+    /// Standard deviation sqrt(Var[X]) [unit of the variable].
     pub fn std(&self) -> f64 {
-        with_law!(*self, law => law.std())
+        self.law().std()
     }
 
-    /// Closed interval outside of which the variable never is; infinite ends where there is none [unit of the
-    /// variable].
+    /// Closed interval of the values that are possible, `(lower, upper)`; infinite where there is no bound [unit of
+    /// the variable].
     pub fn support(&self) -> (f64, f64) {
-        with_law!(*self, law => law.support())
+        self.law().support()
     }
 
-    /// The least and the largest value to count with: a bound that somebody set, else the quantile of one in a
-    /// million [unit of the variable].
+    /// The smallest and the largest value that a scene must admit, `(lower, upper)`: a bound that was chosen, else the
+    /// 1e-6 or 1 - 1e-6 quantile [unit of the variable].
     pub fn limits(&self) -> (f64, f64) {
-        with_law!(*self, law => law.limits())
+        self.law().limits()
     }
 
     /// Scores d ln f(x) / d mean and d ln f(x) / d std `(2,)` [1/unit of the variable], bounds held fixed.
     ///
-    /// Of uniform, exponential and triangular laws, whose bounds would move with the mean: the score of the least
-    /// change of the density, at fixed bounds, that moves the mean or the standard deviation alone (the module `tilted`
-    /// derives it). 0 for a constant.
+    /// For uniform, exponential and triangular distributions, whose bounds would move with the mean: the score of the
+    /// least change of the density, at fixed bounds, that moves the mean or the standard deviation alone (the module
+    /// `tilted` derives it). 0 for a constant.
     pub fn scores(&self, x: f64) -> [f64; 2] {
-        with_law!(*self, law => law.scores(x))
-    }
-
-    /// d ln f(x) / d mean [1/unit of the variable], the first of [`Distribution::scores`].
-    pub fn score_mean(&self, x: f64) -> f64 {
-        self.scores(x)[0]
-    }
-
-    /// d ln f(x) / d std [1/unit of the variable], the second of [`Distribution::scores`].
-    pub fn score_std(&self, x: f64) -> f64 {
-        self.scores(x)[1]
+        self.law().scores(x)
     }
 
     /// dF(x) / d mean and dF(x) / d std `(2,)` [1/unit of the variable], in the same sense as the scores: the
     /// integrals of score times density from the lower end to x.
     pub fn cdf_derivatives(&self, x: f64) -> [f64; 2] {
-        with_law!(*self, law => law.cdf_derivatives(x))
+        self.law().cdf_derivatives(x)
     }
 }

@@ -1,38 +1,21 @@
-//! Random variables: distributions, and what in the scene each variable changes.
+//! Random variables: their distributions, their dependence, and tolerances of manufacture.
+//!
+//! | module | content |
+//! |---|---|
+//! | [`distribution`] | ten distributions, each a file with density, moments and source |
+//! | `standard_normal` | density, distribution function and quantile of the standard normal |
+//! | `copula` | dependence of several variables: the Gaussian copula |
+//! | `iso286` | limits, clearances and their spread from tolerance classes such as `H7/e8` |
 
-mod beta;
-mod constant;
 mod copula;
-mod distribution;
-mod exponential;
-mod gumbel;
+pub mod distribution;
 mod iso286;
-mod law;
-mod lognormal;
-mod normal;
 mod standard_normal;
-#[cfg(test)]
-mod tests;
-mod tilted;
-mod triangular;
-mod truncated_normal;
-mod uniform;
-mod weibull;
 
-pub use beta::Beta;
-pub use constant::Constant;
 pub use copula::{Correlation, GaussianCopula, NotPositiveDefinite, normal_from_rank_correlation};
-pub use distribution::Distribution;
-pub use exponential::Exponential;
-pub use gumbel::{Extreme, Gumbel};
+pub use distribution::{Distribution, Extreme, LawError};
 pub use iso286::{Feature, Fit, ToleranceClass, ToleranceError};
-pub use law::LawError;
-pub use lognormal::Lognormal;
-pub use normal::Normal;
 pub use standard_normal::{standard_normal_cdf, standard_normal_pdf, standard_normal_quantile};
-pub use triangular::Triangular;
-pub use uniform::Uniform;
-pub use weibull::Weibull;
 
 use serde::{Deserialize, Serialize};
 
@@ -45,6 +28,6 @@ pub struct RandomVariable {
     pub distribution: Distribution,
     /// Keys of the scene it sets, e.g. `parameters.rod_length`; none if it is an input of an external simulator.
     pub changes: Vec<String>,
-    /// Unit a person reads it in, e.g. `mm`; an input that is a plain number may have one that is only shown.
+    /// Unit in which a person reads it, e.g. `mm`; the unit of an input that is a plain number is only displayed.
     pub unit: String,
 }

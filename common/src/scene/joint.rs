@@ -1,6 +1,6 @@
 //! Joints between bodies: ideal ones and those with clearance.
 
-use super::model::Attachment;
+use super::attachment::Attachment;
 use serde::{Deserialize, Serialize};
 
 /// A joint between two bodies.

@@ -1,6 +1,6 @@
 //! Reads joints: ideal ones between two places, and those with clearance between journal and bushing.
 
-use super::bodies::{BodyRow, place};
+use super::body_row::{BodyRow, place};
 use super::clearance::{MaterialRow, clearance};
 use super::faults::FaultKind;
 use super::joint::{Joint, JointKind};

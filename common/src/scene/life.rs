@@ -1,13 +1,13 @@
 //! Reads `[life]`: the cycle, how often it is run, and whether what repeats itself fits into it.
 
-use super::bodies::{BodyRow, MotionWord};
+use super::body_row::{BodyRow, MotionWord};
 use super::drive::{Drive, Over};
 use super::faults::{FaultKind, in_first_unit};
+use super::limits::COUNT_LIMIT;
 use super::load::Load;
 use super::model::{Life, Motion};
 use super::quantity::{ANGLE, TIME};
 use super::read::{Context, Range};
-use super::resolve::COUNT_LIMIT;
 use super::section::Section;
 use super::tables::{repetitions, span};
 use std::f64::consts::TAU;

@@ -1,7 +1,7 @@
 //! Loads on bodies.
 
+use super::attachment::Attachment;
 use super::drive::Curve;
-use super::model::Attachment;
 use serde::{Deserialize, Serialize};
 
 /// A load.

@@ -1,6 +1,6 @@
 //! Reads loads: springs, forces, torques, motors.
 
-use super::bodies::{BodyRow, body, place};
+use super::body_row::{BodyRow, body, place};
 use super::faults::FaultKind;
 use super::load::Load;
 use super::quantity::*;

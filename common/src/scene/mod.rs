@@ -3,7 +3,9 @@
 //! A [`Scene`] only comes out of validation ([`SceneSource`]), so the simulation need not check again what it
 //! reads here.
 
+mod attachment;
 mod bodies;
+mod body_row;
 mod builtin;
 mod clearance;
 mod correlations;
@@ -14,6 +16,7 @@ mod fits;
 mod joint;
 mod joints;
 mod life;
+mod limits;
 mod load;
 mod loads;
 mod merge;
@@ -31,6 +34,7 @@ mod tables;
 mod variable_law;
 mod variables;
 
+pub use attachment::Attachment;
 pub use drive::*;
 pub use faults::{Fault, FaultKind, Faults};
 pub use joint::*;

@@ -2,6 +2,7 @@
 //!
 //! Planar, SI units, angles counter-clockwise from +x. Bodies are referred to by index into [`Scene::bodies`].
 
+use super::attachment::Attachment;
 use super::drive::Drive;
 use super::joint::Joint;
 use super::load::Load;
@@ -84,6 +85,14 @@ pub struct UmBridgeModel {
     pub config: toml::Table,
 }
 
+impl Scene {
+    /// Lever arm of a place: its vector from the base point of its body, in the body's frame `(2,)` [m].
+    pub fn arm(&self, place: &Attachment) -> [f64; 2] {
+        let origin = self.bodies[place.body].motion.base_point();
+        [place.position[0] - origin[0], place.position[1] - origin[1]]
+    }
+}
+
 /// A rigid body.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Body {
@@ -138,6 +147,17 @@ pub enum Motion {
     },
 }
 
+impl Motion {
+    /// The point whose coordinates describe the body in the equations of motion, in the body's frame `(2,)` [m]: the
+    /// centre of mass of a free body, else the reference point.
+    pub fn base_point(&self) -> [f64; 2] {
+        match self {
+            Motion::Free { centre_of_mass, .. } => *centre_of_mass,
+            Motion::Fixed | Motion::Driven { .. } => [0.0; 2],
+        }
+    }
+}
+
 /// Inertia of a driven body.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct DrivenInertia {
@@ -147,15 +167,6 @@ pub struct DrivenInertia {
     pub inertia: f64,
     /// Centre of mass in the body's frame, whose origin is the axis `(2,)` [m].
     pub centre_of_mass: [f64; 2],
-}
-
-/// A point of a body, by position in the body's frame.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Attachment {
-    /// Index into [`Scene::bodies`].
-    pub body: usize,
-    /// Position in that body's frame `(2,)` [m].
-    pub position: [f64; 2],
 }
 
 /// Failure when the output has reached the threshold, g = threshold - output <= 0; or has fallen to it,

@@ -1,6 +1,6 @@
 //! Quantities that an evaluation returns.
 
-use super::model::Attachment;
+use super::attachment::Attachment;
 use serde::{Deserialize, Serialize};
 
 /// A quantity returned at every checkpoint of life.

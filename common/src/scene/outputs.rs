@@ -1,6 +1,6 @@
 //! Reads the outputs of a scene, and the limit states over them.
 
-use super::bodies::{BodyRow, MotionWord, body, place};
+use super::body_row::{BodyRow, MotionWord, body, place};
 use super::faults::FaultKind;
 use super::joint::JointKind;
 use super::joints::JointRow;

@@ -1,11 +1,13 @@
 //! Turns the tables of a scene file into a [`Scene`]: one pass, every fault, overrides applied.
 
-use super::bodies::{BodyRow, bodies};
+use super::bodies::bodies;
+use super::body_row::BodyRow;
 use super::clearance::materials;
 use super::correlations::{CorrelationRow, correlation_rows};
 use super::faults::{Fault, FaultKind};
 use super::joints::{JointRow, joints};
 use super::life::life;
+use super::limits::COUNT_LIMIT;
 use super::load::Load;
 use super::loads::loads;
 use super::model::{Life, Scene, StudySettings};
@@ -32,9 +34,6 @@ pub(super) struct Resolved {
     /// Parameters that something depends on.
     pub(super) used: BTreeSet<String>,
 }
-
-/// Largest count or life a scene may ask for; beyond it a slip of the hand is likelier than a wish.
-pub(super) const COUNT_LIMIT: i64 = 100_000_000;
 
 /// Reads a whole scene.
 ///

@@ -2,12 +2,12 @@
 //! model behind the UM-Bridge protocol. Its random variables are the inputs, its outputs and life are declared.
 
 use super::faults::FaultKind;
+use super::limits::COUNT_LIMIT;
 use super::model::{ExternalSimulator, Life, Program, SimulatorKind, UmBridgeModel};
 use super::output::{Output, OutputKind};
 use super::outputs::OutputRow;
 use super::quantity::TIME;
 use super::read::{Context, Range};
-use super::resolve::COUNT_LIMIT;
 use super::section::Section;
 use std::path::Path;
 use toml::{Table, Value};

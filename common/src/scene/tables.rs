@@ -1,6 +1,6 @@
 //! Reads tables of a quantity over time or over the angle of a body: `{ over, at, value, repeat }`.
 
-use super::bodies::{BodyRow, MotionWord, body};
+use super::body_row::{BodyRow, MotionWord, body};
 use super::drive::{Curve, Over, Table};
 use super::faults::{FaultKind, in_first_unit};
 use super::quantity::{ANGLE, Kind, TIME};

@@ -29,7 +29,7 @@ fn learn_of(
     seed: u64,
     targets: Targets,
 ) -> Learned {
-    let normal = Distribution::TruncatedNormal { mean: 0.0, std: 1.0, lower: -8.0, upper: 8.0 };
+    let normal = Distribution::truncated_normal(0.0, 1.0, -8.0, 8.0).unwrap();
     let inputs = InputModel::from(&[normal; 2]);
     learn_from(inputs, output, (0.0, populations), initial, seed, targets)
 }

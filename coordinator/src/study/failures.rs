@@ -113,7 +113,7 @@ mod tests {
     #[test]
     fn a_region_of_failures_is_found_and_its_share_of_the_population() {
         // Whatever lies beyond 1 in the first variable fails: 15.9 % of a standard normal population.
-        let normal = Distribution::TruncatedNormal { mean: 0.0, std: 1.0, lower: -8.0, upper: 8.0 };
+        let normal = Distribution::truncated_normal(0.0, 1.0, -8.0, 8.0).unwrap();
         let population = Population::draw(&[normal; 2], 20_000, 3);
         let (mut points, mut failed) = (vec![], vec![]);
         for j in 0..120 {

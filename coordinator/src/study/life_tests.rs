@@ -19,7 +19,7 @@ const D: usize = 30;
 fn scene() -> Scene {
     let variable = |k| RandomVariable {
         name: format!("x{k}"),
-        distribution: Distribution::TruncatedNormal { mean: 100.0, std: 2.0, lower: 94.0, upper: 106.0 },
+        distribution: Distribution::truncated_normal(100.0, 2.0, 94.0, 106.0).unwrap(),
         changes: vec![],
         unit: "mm".into(),
     };

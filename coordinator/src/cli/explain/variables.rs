@@ -30,7 +30,7 @@ pub(super) fn variables(out: &mut String, scene: &Scene) -> std::fmt::Result {
             _ => String::new(),
         };
         let spread = if law.is_constant() { String::new() } else { format!(", std {std}") };
-        writeln!(out, "  {:width$}  {}, mean {mean}{spread}{bounds}{unit}", variable.name, law.law())?;
+        writeln!(out, "  {:width$}  {}, mean {mean}{spread}{bounds}{unit}", variable.name, law.name())?;
     }
     let name = |k: usize| &scene.variables[k].name;
     for Correlation { first, second, coefficient } in &scene.correlations {

@@ -48,7 +48,7 @@ pub fn scene() -> Scene {
     let body = |name: &str, motion| Body { name: name.into(), motion, points: vec![] };
     let variable = |name: &&str| RandomVariable {
         name: name.to_string(),
-        distribution: Distribution::TruncatedNormal { mean: 1.0, std: 0.01, lower: 0.97, upper: 1.03 },
+        distribution: Distribution::truncated_normal(1.0, 0.01, 0.97, 1.03).unwrap(),
         changes: vec![],
         unit: "1".into(),
     };

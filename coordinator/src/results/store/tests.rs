@@ -13,7 +13,7 @@ use std::process::{Command, Stdio};
 fn scene() -> Scene {
     let variable = |name: &str| RandomVariable {
         name: name.into(),
-        distribution: Distribution::TruncatedNormal { mean: 1.0, std: 0.1, lower: 0.7, upper: 1.3 },
+        distribution: Distribution::truncated_normal(1.0, 0.1, 0.7, 1.3).unwrap(),
         changes: vec![],
         unit: "mm".into(),
     };

@@ -90,7 +90,7 @@ mod tests {
     use common::random::{Correlation, Distribution, GaussianCopula};
 
     fn variables(d: usize) -> Vec<Distribution> {
-        vec![Distribution::TruncatedNormal { mean: 1.0, std: 2.0, lower: -5.0, upper: 7.0 }; d]
+        vec![Distribution::truncated_normal(1.0, 2.0, -5.0, 7.0).unwrap(); d]
     }
 
     /// Every variable correlated to the one before it.
@@ -107,7 +107,7 @@ mod tests {
     #[test]
     fn every_stratum_holds_one_point() {
         let (n, d) = (50, 4);
-        let unit = Distribution::TruncatedNormal { mean: 0.0, std: 1.0, lower: -3.0, upper: 3.0 };
+        let unit = Distribution::truncated_normal(0.0, 1.0, -3.0, 3.0).unwrap();
         for inputs in [InputModel::from(&variables(d)), chained(d)] {
             let z = latin_hypercube(&inputs, n, 11);
             for k in 0..d {

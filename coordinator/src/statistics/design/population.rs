@@ -114,8 +114,8 @@ mod tests {
 
     fn variables() -> Vec<Distribution> {
         vec![
-            Distribution::TruncatedNormal { mean: 5.0, std: 0.1, lower: 4.7, upper: 5.3 },
-            Distribution::TruncatedNormal { mean: -2.0, std: 3.0, lower: -3.0, upper: 7.0 },
+            Distribution::truncated_normal(5.0, 0.1, 4.7, 5.3).unwrap(),
+            Distribution::truncated_normal(-2.0, 3.0, -3.0, 7.0).unwrap(),
             Distribution::lognormal(1.0, 0.2).unwrap(),
             Distribution::triangular(0.0, 1.0, 5.0).unwrap(),
         ]

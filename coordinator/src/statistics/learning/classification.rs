@@ -153,7 +153,7 @@ mod tests {
 
     #[test]
     fn through_the_cache_every_point_is_classified_as_from_scratch() {
-        let variable = Distribution::TruncatedNormal { mean: 0.0, std: 1.0, lower: -5.0, upper: 5.0 };
+        let variable = Distribution::truncated_normal(0.0, 1.0, -5.0, 5.0).unwrap();
         let population = Population::draw(&[variable; 4], 20_000, 11);
         let n = 60;
         let x = population.columns(0..n).to_owned();

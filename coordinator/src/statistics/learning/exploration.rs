@@ -66,7 +66,7 @@ mod tests {
 
     #[test]
     fn the_rim_is_explored_in_every_direction_and_never_what_was_asked_for() {
-        let normal = Distribution::TruncatedNormal { mean: 0.0, std: 1.0, lower: -8.0, upper: 8.0 };
+        let normal = Distribution::truncated_normal(0.0, 1.0, -8.0, 8.0).unwrap();
         let population = Population::draw(&[normal; 2], 2000, 1);
         let data = Mat::from_fn(2, 9, |k, i| [i % 3, i / 3][k] as f64 - 1.0);
         let values = Mat::from_fn(9, 1, |i, _| i as f64);

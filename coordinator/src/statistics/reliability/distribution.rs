@@ -123,8 +123,7 @@ mod tests {
 
     #[test]
     fn a_linear_output_keeps_its_moments() {
-        let variables =
-            vec![Distribution::TruncatedNormal { mean: 3.0, std: 0.5, lower: 1.5, upper: 4.5 }; 2];
+        let variables = vec![Distribution::truncated_normal(3.0, 0.5, 1.5, 4.5).unwrap(); 2];
         let population = Population::draw(&variables, 20_000, 1);
         let x = Mat::from_fn(2, 40, |k, i| population.standardised(i)[k]);
         // Nine checkpoints, more than are predicted together.

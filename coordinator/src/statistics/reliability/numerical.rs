@@ -133,7 +133,7 @@ mod tests {
     fn a_linear_response_is_shifted_by_its_error() {
         // One standard normal variable, response z + n at checkpoints n = 0, 1, 2, limit 1, error 0.5:
         // P_f = Phi(n - 1 +- 0.5).
-        let normal = Distribution::TruncatedNormal { mean: 0.0, std: 1.0, lower: -8.0, upper: 8.0 };
+        let normal = Distribution::truncated_normal(0.0, 1.0, -8.0, 8.0).unwrap();
         let population = Population::draw(&[normal], 40_000, 1);
         let x = Mat::from_fn(1, 30, |_, i| population.standardised(i)[0]);
         let y = Mat::from_fn(30, 3, |i, n| x[(0, i)] + n as f64);

@@ -108,7 +108,7 @@ mod tests {
     #[test]
     fn a_function_with_an_interaction_has_its_closed_form() {
         // y = 2 x1 + x2 + x2 x3 of standard normals: V = 4 + 1 + 1; S = 4/6, 1/6, 0; T = 4/6, 2/6, 1/6. And a constant.
-        let normal = Distribution::TruncatedNormal { mean: 0.0, std: 1.0, lower: -8.0, upper: 8.0 };
+        let normal = Distribution::truncated_normal(0.0, 1.0, -8.0, 8.0).unwrap();
         let population = Population::draw(&[normal; 3], 10_000, 5);
         let predict = |x: MatRef<'_, f64>| {
             Mat::from_fn(2, x.ncols(), |o, j| {

@@ -16,7 +16,7 @@ fn exact(a: Distribution, b: Distribution, limit: f64) -> f64 {
 
 #[test]
 fn a_linear_limit_state_agrees_with_finite_differences_of_the_exact_probability() {
-    let tn = |mean, std| Distribution::TruncatedNormal { mean, std, lower: -1.5, upper: 3.5 };
+    let tn = |mean, std| Distribution::truncated_normal(mean, std, -1.5, 3.5).unwrap();
     let (a, b) = (tn(1.0, 0.9), tn(0.5, 0.6));
     let points = 200_000;
     let population = Population::draw(&[a, b], points, 17);
@@ -137,6 +137,6 @@ fn other_correlated_laws_agree_with_quadrature() {
     let weibull = |mean, std| Distribution::weibull(mean, std).unwrap();
     check_correlated([&lognormal, &weibull], [(1.0, 0.3), (0.8, 0.3)], -0.5, 3.2);
     let beta = |mean, std| Distribution::beta(mean, std, -1.0, 4.0).unwrap();
-    let truncated = |mean, std| Distribution::TruncatedNormal { mean, std, lower: -1.5, upper: 2.0 };
+    let truncated = |mean, std| Distribution::truncated_normal(mean, std, -1.5, 2.0).unwrap();
     check_correlated([&beta, &truncated], [(1.0, 0.8), (0.4, 0.6)], 0.7, 3.5);
 }

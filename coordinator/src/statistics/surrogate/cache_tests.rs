@@ -6,7 +6,7 @@ use common::random::Distribution;
 use faer::Mat;
 
 fn population(points: usize) -> Population {
-    let variable = Distribution::TruncatedNormal { mean: 0.0, std: 1.0, lower: -5.0, upper: 5.0 };
+    let variable = Distribution::truncated_normal(0.0, 1.0, -5.0, 5.0).unwrap();
     Population::draw(&[variable; 3], points, 3)
 }
 

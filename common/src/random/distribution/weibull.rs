@@ -1,19 +1,26 @@
-//! The Weibull distribution of minima with two parameters: the law of strengths and lives.
+//! The Weibull distribution of minima with two parameters, as used for strengths and lives.
 //!
-//! With shape k and scale l: F(x) = 1 - exp(-(x / l)^k) for x > 0. With w = 1 / k the moments are
-//! mean = l Gamma(1 + w) and ln(1 + (std / mean)^2) = ln Gamma(1 + 2 w) - 2 ln Gamma(1 + w), which rises with w and
-//! is solved for it once.
+//! | | |
+//! |---|---|
+//! | parameters | mean > 0 and std of X, 0.001 < std / mean < 10, in the unit of the variable: the moments |
+//! | support | x > 0 |
+//! | density | f(x) = (k / l) (x / l)^(k - 1) exp(-(x / l)^k), shape k [1], scale l [unit of the variable] |
+//! | distribution function | F(x) = 1 - exp(-(x / l)^k) |
+//! | moments | with w = 1 / k: mean = l Gamma(1 + w), ln(1 + (std / mean)^2) = ln Gamma(1 + 2 w) - 2 ln Gamma(1 + w) |
 //!
-//! Source: Johnson, Kotz, Balakrishnan (1994), Continuous Univariate Distributions, vol. 1, chapter 21.
+//! The last equation rises with w and is solved for it once.
+//!
+//! # Source
+//! Johnson, Kotz, Balakrishnan (1994), Continuous Univariate Distributions, vol. 1, chapter 21.
 
 use super::law::{Law, LawError, between, chain};
 use serde::{Deserialize, Serialize};
 use statrs::function::gamma::digamma;
 
-/// Coefficients of variation that give a shape; beyond, powers lose their digits (shapes of 1282 and 0.24).
+/// Range of the coefficient of variation; beyond, powers lose their digits (shapes of 1282 and 0.24).
 const COEFFICIENT_OF_VARIATION: (f64, f64) = (1e-3, 10.0);
 
-/// Weibull by the mean and standard deviation of the variable.
+/// Weibull distribution of minima with a mean and a standard deviation.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Weibull {
     mean: f64,
@@ -22,10 +29,10 @@ pub struct Weibull {
     shape: f64,
 }
 
-/// ln Gamma(1 + 2 w) - 2 ln Gamma(1 + w).
+/// ln Gamma(1 + 2 w) - 2 ln Gamma(1 + w) = ln(E[X^2] / E[X]^2) [1].
 ///
-/// Below w = 0.01 by its series, the sum over n >= 2 of zeta(n) (-w)^n (2^n - 2) / n, where the difference has lost
-/// its digits.
+/// Below w = 0.01, where the difference loses its digits, from its series: the sum over n >= 2 of
+/// zeta(n) (-w)^n (2^n - 2) / n.
 fn log_second_moment(w: f64) -> f64 {
     // zeta(2), ..., zeta(8).
     const ZETA: [f64; 7] = [
@@ -53,7 +60,7 @@ impl Weibull {
         let (least, most) = COEFFICIENT_OF_VARIATION;
         let std = between("std", std, least * mean, most * mean)?;
         let target = libm::log1p((std / mean) * (std / mean));
-        // The interval holds every w allowed: bisection halves it until it cannot be halved.
+        // The interval contains every w allowed; bisection to the last bit.
         let (mut low, mut high) = (5e-4, 5.0);
         loop {
             let middle = 0.5 * (low + high);
@@ -66,17 +73,17 @@ impl Weibull {
         Ok(Self { mean, std, scale: mean / libm::tgamma(1.0 + w), shape: 1.0 / w })
     }
 
-    /// x / scale.
+    /// x / l [1].
     fn ratio(&self, x: f64) -> f64 {
         x.max(f64::MIN_POSITIVE) / self.scale
     }
 
-    /// (x / scale)^shape = -ln(1 - F).
+    /// Cumulative hazard (x / l)^k = -ln(1 - F) [1].
     fn hazard(&self, x: f64) -> f64 {
         libm::pow(self.ratio(x), self.shape)
     }
 
-    /// Rows d scale and d shape by mean and std.
+    /// Rows d scale and d shape, each by mean and std `(2, 2)`.
     fn own(&self) -> [[f64; 2]; 2] {
         let (w, cv) = (1.0 / self.shape, self.std / self.mean);
         let moment_slope = 2.0 * (digamma(1.0 + 2.0 * w) - digamma(1.0 + w));
@@ -89,6 +96,10 @@ impl Weibull {
 }
 
 impl Law for Weibull {
+    fn name(&self) -> &'static str {
+        "Weibull"
+    }
+
     fn pdf(&self, x: f64) -> f64 {
         if x <= 0.0 {
             return 0.0;

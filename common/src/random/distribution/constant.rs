@@ -1,9 +1,11 @@
-//! A variable that does not vary: a value held fixed without being taken out of a study.
+//! A variable with one value: it is held fixed without being removed from a study.
+//!
+//! P(X = value) = 1: the mean is the value [unit of the variable], the variance 0, all derivatives 0.
 
 use super::law::{Law, LawError, between};
 use serde::{Deserialize, Serialize};
 
-/// One value with probability one.
+/// Distribution with one value.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Constant {
     value: f64,
@@ -16,7 +18,11 @@ impl Constant {
 }
 
 impl Law for Constant {
-    /// All mass in one point: infinite there.
+    fn name(&self) -> &'static str {
+        "constant"
+    }
+
+    /// Infinite at the value, else zero.
     fn pdf(&self, x: f64) -> f64 {
         if x == self.value { f64::INFINITY } else { 0.0 }
     }
@@ -49,7 +55,7 @@ impl Law for Constant {
         (self.value, self.value)
     }
 
-    /// Nothing to change it by.
+    /// Zero: no density to change.
     fn scores(&self, _: f64) -> [f64; 2] {
         [0.0; 2]
     }

@@ -1,19 +1,27 @@
-//! The triangular distribution: a density that rises from `lower` to `mode` and falls to `upper`.
+//! The triangular distribution: a density that rises linearly to the mode and falls linearly from it.
 //!
-//! f(x) = 2 (x - a) / ((b - a) (c - a)) for a <= x <= c, 2 (b - x) / ((b - a) (b - c)) for c <= x <= b, with
-//! a = lower, c = mode, b = upper; the mode may be one of the bounds. mean = (a + b + c) / 3,
-//! var = (a^2 + b^2 + c^2 - a b - a c - b c) / 18. Its scores hold the bounds fixed: see `tilted`.
+//! | | |
+//! |---|---|
+//! | parameters | a = lower <= c = mode <= b = upper, a < b, in the unit of the variable |
+//! | support | [a, b] |
+//! | density | f(x) = 2 (x - a) / ((b - a) (c - a)) for x <= c, 2 (b - x) / ((b - a) (b - c)) for x >= c |
+//! | distribution function | (x - a)^2 / ((b - a) (c - a)) for x <= c, 1 - (b - x)^2 / ((b - a) (b - c)) for x >= c |
+//! | mean, variance | (a + b + c) / 3, (a^2 + b^2 + c^2 - a b - a c - b c) / 18; E[t^4] = 12/5 of the standardised t |
 //!
-//! Source: Kotz, van Dorp (2004), Beyond Beta, chapter 1.
+//! Its scores hold the bounds fixed: see `tilted`.
+//!
+//! # Source
+//! Kotz, van Dorp (2004), Beyond Beta: Other Continuous Families of Distributions with Bounded Support and
+//! Applications, chapter 1.
 
 use super::law::{Law, LawError, between};
 use super::tilted::tilted;
 use serde::{Deserialize, Serialize};
 
-/// E[t^4].
+/// E[t^4] of the standardised variable.
 const KURTOSIS: f64 = 2.4;
 
-/// Triangular between two bounds with a mode.
+/// Triangular distribution between two bounds with a mode.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Triangular {
     lower: f64,
@@ -31,12 +39,12 @@ impl Triangular {
         Ok(Self { lower, mode, upper })
     }
 
-    /// Lengths of the rising part, the falling part and both.
+    /// Lengths of the rising part, the falling part and both [unit of the variable].
     fn parts(&self) -> (f64, f64, f64) {
         (self.mode - self.lower, self.upper - self.mode, self.upper - self.lower)
     }
 
-    /// E[t^3], with the rising part r and the falling part l of the density:
+    /// Skewness E[t^3] [1], with r the length of the rising and l that of the falling part of the density:
     /// sqrt(2) (l - r) (2 r + l) (r + 2 l) / (5 (r^2 + r l + l^2)^(3/2)).
     fn skewness(&self) -> f64 {
         let (r, l, _) = self.parts();
@@ -46,6 +54,10 @@ impl Triangular {
 }
 
 impl Law for Triangular {
+    fn name(&self) -> &'static str {
+        "triangular"
+    }
+
     fn pdf(&self, x: f64) -> f64 {
         let (r, l, both) = self.parts();
         if x < self.lower || x > self.upper {

@@ -1,15 +1,26 @@
-//! The uniform distribution on [lower, upper].
+//! The uniform distribution between two bounds.
 //!
-//! f(x) = 1 / (upper - lower). Its scores hold the bounds fixed: see `tilted`.
+//! | | |
+//! |---|---|
+//! | parameters | lower < upper, in the unit of the variable |
+//! | support | [lower, upper] |
+//! | density | f(x) = 1 / (upper - lower) |
+//! | distribution function | F(x) = (x - lower) / (upper - lower) |
+//! | mean, variance | (lower + upper) / 2, (upper - lower)^2 / 12; E[t^4] = 9/5 of the standardised t |
+//!
+//! Its scores hold the bounds fixed: see `tilted`.
+//!
+//! # Source
+//! Johnson, Kotz, Balakrishnan (1995), Continuous Univariate Distributions, vol. 2, chapter 26.
 
 use super::law::{Law, LawError, between, moments};
 use super::tilted::tilted;
 use serde::{Deserialize, Serialize};
 
-/// E[t^4].
+/// E[t^4] of the standardised variable.
 const KURTOSIS: f64 = 1.8;
 
-/// Uniform between two bounds.
+/// Uniform distribution between two bounds.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Uniform {
     lower: f64,
@@ -22,7 +33,7 @@ impl Uniform {
         Ok(Self { lower, upper: between("upper", upper, lower, f64::INFINITY)? })
     }
 
-    /// Bounds at mean -+ sqrt(3) std.
+    /// The one with bounds at mean -+ sqrt(3) std.
     pub(super) fn by_moments(mean: f64, std: f64) -> Result<Self, LawError> {
         let (mean, std) = moments(mean, std)?;
         let half = 3.0_f64.sqrt() * std;
@@ -33,12 +44,17 @@ impl Uniform {
         self.upper - self.lower
     }
 
+    /// t = (x - mean) / std [1].
     fn t(&self, x: f64) -> f64 {
         (x - self.mean()) / self.std()
     }
 }
 
 impl Law for Uniform {
+    fn name(&self) -> &'static str {
+        "uniform"
+    }
+
     fn pdf(&self, x: f64) -> f64 {
         if x < self.lower || x > self.upper { 0.0 } else { 1.0 / self.width() }
     }

@@ -1,29 +1,35 @@
-//! Density, distribution function, quantile, moments and score functions of the truncated normal.
+//! The truncated normal distribution: a normal one, the parent, restricted to [lower, upper].
 //!
-//! X = N(mean, std) restricted to [lower, upper]; with z = (x - mean) / std, a and b the standardised bounds and
-//! Z = Phi(b) - Phi(a): f(x) = phi(z) / (std Z). The parameters `mean` and `std` are those of the untruncated
-//! parent; the moments of the law are those of X itself.
+//! | | |
+//! |---|---|
+//! | parameters | mean and std > 0 of the parent, lower < mean < upper, all in the unit of the variable |
+//! | support | [lower, upper]; a bound may be infinite |
+//! | density | f(x) = phi(z) / (std Z) with z = (x - mean) / std, Z = Phi(b) - Phi(a), a and b the standardised bounds |
+//! | distribution function | F(x) = (Phi(z) - Phi(a)) / Z |
+//! | mean | mean + std (phi(a) - phi(b)) / Z |
+//! | variance | std^2 (1 + (a phi(a) - b phi(b)) / Z - ((phi(a) - phi(b)) / Z)^2) |
 //!
-//! Source: Johnson, Kotz, Balakrishnan (1994), Continuous Univariate Distributions, vol. 1, section 13.10.1.
+//! # Source
+//! Johnson, Kotz, Balakrishnan (1994), Continuous Univariate Distributions, vol. 1, section 13.10.1.
 
 use super::law::{Law, LawError, moments};
-use super::standard_normal::{standard_normal_cdf, standard_normal_pdf, standard_normal_quantile};
+use crate::random::standard_normal::{standard_normal_cdf, standard_normal_pdf, standard_normal_quantile};
+use serde::{Deserialize, Serialize};
 
-/// The parent's mean and standard deviation, and the bounds.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct TruncatedNormal {
+/// Normal distribution restricted to an interval, with the mean and standard deviation of its parent.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct TruncatedNormal {
     pub(super) mean: f64,
     pub(super) std: f64,
     pub(super) lower: f64,
     pub(super) upper: f64,
 }
 
-/// A truncated normal in standardised form: bounds a, b, sign-flipped when it lies in the upper tail so that
-/// differences of Phi keep their digits.
+/// A truncated normal in standardised form.
 struct Standardised {
     a: f64,
     b: f64,
-    /// Z = Phi(b) - Phi(a).
+    /// Z = Phi(b) - Phi(a) [1].
     mass: f64,
 }
 
@@ -32,23 +38,23 @@ impl Standardised {
         Self { a, b, mass: interval_mass(a, b) }
     }
 
-    /// phi at the bounds; zero at infinity.
+    /// phi(a) and phi(b) [1]; zero at infinity.
     fn bound_densities(&self) -> (f64, f64) {
         (standard_normal_pdf(self.a), standard_normal_pdf(self.b))
     }
 
-    /// a phi(a) and b phi(b), zero at infinity.
+    /// a phi(a) and b phi(b) [1]; zero at infinity.
     fn bound_moments(&self) -> (f64, f64) {
         (moment(self.a), moment(self.b))
     }
 }
 
-/// z phi(z), zero at infinity.
+/// z phi(z) [1]; zero at infinity.
 fn moment(z: f64) -> f64 {
     if z.is_finite() { z * standard_normal_pdf(z) } else { 0.0 }
 }
 
-/// Phi(b) - Phi(a), taken in the tail where it has most digits.
+/// Phi(b) - Phi(a) [1], computed in the tail where it has most digits.
 fn interval_mass(a: f64, b: f64) -> f64 {
     if a > 0.0 {
         standard_normal_cdf(-a) - standard_normal_cdf(-b)
@@ -76,6 +82,10 @@ impl TruncatedNormal {
 }
 
 impl Law for TruncatedNormal {
+    fn name(&self) -> &'static str {
+        "truncated normal"
+    }
+
     fn pdf(&self, x: f64) -> f64 {
         if x < self.lower || x > self.upper {
             return 0.0;
@@ -132,13 +142,21 @@ impl Law for TruncatedNormal {
         self.mean + self.std * (phi_a - phi_b) / s.mass
     }
 
-    /// std^2 (1 + (a phi(a) - b phi(b)) / Z - ((phi(a) - phi(b)) / Z)^2), rooted.
+    /// The root of std^2 (1 + (a phi(a) - b phi(b)) / Z - ((phi(a) - phi(b)) / Z)^2).
     fn std(&self) -> f64 {
         let s = self.standardised();
         let (phi_a, phi_b) = s.bound_densities();
         let (moment_a, moment_b) = s.bound_moments();
         let shift = (phi_a - phi_b) / s.mass;
         self.std * (1.0 + (moment_a - moment_b) / s.mass - shift * shift).max(0.0).sqrt()
+    }
+
+    fn parent_mean(&self) -> f64 {
+        self.mean
+    }
+
+    fn given_std(&self) -> f64 {
+        self.std
     }
 
     fn support(&self) -> (f64, f64) {
@@ -149,12 +167,12 @@ impl Law for TruncatedNormal {
         self.support()
     }
 
-    /// By the parent's mean and standard deviation, the bounds held fixed: z / std + (phi(b) - phi(a)) / (std Z) and
-    /// (z^2 - 1) / std + (b phi(b) - a phi(a)) / (std Z).
+    /// z / std + (phi(b) - phi(a)) / (std Z) and (z^2 - 1) / std + (b phi(b) - a phi(a)) / (std Z), for the parent's
+    /// mean and standard deviation at fixed bounds.
     ///
-    /// The bounds do not move with the parameter, although a scene may have set them at mean +- 3 std: a bound
-    /// that moves would add a boundary term which a score function cannot carry, and at three standard
-    /// deviations fixed bounds change the derivative by less than 3 phi(3) = 1.3 % of itself.
+    /// The bounds do not move with the parameter, although a scene may have set them at mean +- 3 std: a moving
+    /// bound would add a boundary term which a score function cannot carry, and at three standard deviations fixed
+    /// bounds change the derivative by less than 3 phi(3) = 1.3 % of itself.
     fn scores(&self, x: f64) -> [f64; 2] {
         let s = self.standardised();
         let (phi_a, phi_b) = s.bound_densities();
@@ -163,15 +181,15 @@ impl Law for TruncatedNormal {
         [(z + (phi_b - phi_a) / s.mass) / self.std, (z * z - 1.0 + (moment_b - moment_a) / s.mass) / self.std]
     }
 
-    /// (phi(a) - phi(z) - F (phi(a) - phi(b))) / (std Z) and the same of z phi(z).
+    /// (phi(a) - phi(z) - F (phi(a) - phi(b))) / (std Z), and this with z phi(z) in place of phi(z).
     fn cdf_derivatives(&self, x: f64) -> [f64; 2] {
         let s = self.standardised();
         let z = self.z(x.clamp(self.lower, self.upper));
         let (below, above) = (self.cdf(x), self.survival(x));
         let (phi_a, phi_b) = s.bound_densities();
         let (moment_a, moment_b) = s.bound_moments();
-        let of = |a: f64, z: f64, b: f64| (above * a + below * b - z) / (self.std * s.mass);
-        [of(phi_a, standard_normal_pdf(z), phi_b), of(moment_a, moment(z), moment_b)]
+        let integral = |a: f64, z: f64, b: f64| (above * a + below * b - z) / (self.std * s.mass);
+        [integral(phi_a, standard_normal_pdf(z), phi_b), integral(moment_a, moment(z), moment_b)]
     }
 }
 

@@ -1,22 +1,28 @@
 //! The lognormal distribution: ln X is normal.
 //!
-//! With zeta^2 = ln(1 + (std / mean)^2), lambda = ln mean - zeta^2 / 2 and z = (ln x - lambda) / zeta:
-//! f(x) = phi(z) / (zeta x) for x > 0.
+//! | | |
+//! |---|---|
+//! | parameters | mean > 0 and std > 0 of X, in the unit of the variable: the moments |
+//! | support | x > 0 |
+//! | of ln X | zeta^2 = ln(1 + (std / mean)^2), lambda = ln mean - zeta^2 / 2: its variance and mean [1] |
+//! | density | f(x) = phi(z) / (zeta x) with z = (ln x - lambda) / zeta |
+//! | distribution function | F(x) = Phi(z) |
 //!
-//! Source: Johnson, Kotz, Balakrishnan (1994), Continuous Univariate Distributions, vol. 1, chapter 14.
+//! # Source
+//! Johnson, Kotz, Balakrishnan (1994), Continuous Univariate Distributions, vol. 1, chapter 14.
 
 use super::law::{Law, LawError, between, chain};
-use super::standard_normal::{standard_normal_cdf, standard_normal_pdf, standard_normal_quantile};
+use crate::random::standard_normal::{standard_normal_cdf, standard_normal_pdf, standard_normal_quantile};
 use serde::{Deserialize, Serialize};
 
-/// Lognormal with the mean and standard deviation of the variable itself, not of its logarithm.
+/// Lognormal distribution with the mean and standard deviation of the variable itself, not of its logarithm.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Lognormal {
     mean: f64,
     std: f64,
-    /// Mean of ln X.
+    /// Mean of ln X [1].
     lambda: f64,
-    /// Standard deviation of ln X.
+    /// Standard deviation of ln X [1].
     zeta: f64,
 }
 
@@ -32,11 +38,12 @@ impl Lognormal {
         (libm::log(x.max(f64::MIN_POSITIVE)) - self.lambda) / self.zeta
     }
 
-    fn at(&self, z: f64) -> f64 {
+    /// The x of a z [unit of the variable].
+    fn value_of_z(&self, z: f64) -> f64 {
         libm::exp(self.lambda + self.zeta * z)
     }
 
-    /// Rows d lambda and d zeta by mean and std.
+    /// Rows d lambda and d zeta, each by mean and std `(2, 2)`.
     fn own(&self) -> [[f64; 2]; 2] {
         let cv = self.std / self.mean;
         let by_cv = 2.0 * cv / (1.0 + cv * cv);
@@ -46,6 +53,10 @@ impl Lognormal {
 }
 
 impl Law for Lognormal {
+    fn name(&self) -> &'static str {
+        "lognormal"
+    }
+
     fn pdf(&self, x: f64) -> f64 {
         if x <= 0.0 { 0.0 } else { standard_normal_pdf(self.z(x)) / (self.zeta * x) }
     }
@@ -59,11 +70,11 @@ impl Law for Lognormal {
     }
 
     fn quantile(&self, p: f64) -> f64 {
-        self.at(standard_normal_quantile(p))
+        self.value_of_z(standard_normal_quantile(p))
     }
 
     fn upper_quantile(&self, q: f64) -> f64 {
-        self.at(-standard_normal_quantile(q))
+        self.value_of_z(-standard_normal_quantile(q))
     }
 
     fn mean(&self) -> f64 {
@@ -90,7 +101,7 @@ impl Law for Lognormal {
     }
 
     fn at_standard_normal(&self, u: f64) -> f64 {
-        self.at(u)
+        self.value_of_z(u)
     }
 
     fn to_standard_normal(&self, x: f64) -> f64 {

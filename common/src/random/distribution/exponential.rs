@@ -1,17 +1,28 @@
-//! The exponential distribution from a lower end on.
+//! The exponential distribution, shifted to begin at a lower bound.
 //!
-//! f(x) = exp(-(x - lower) / std) / std for x >= lower, with mean = lower + std. Its scores hold the lower end fixed:
-//! see `tilted`.
+//! | | |
+//! |---|---|
+//! | parameters | lower, std > 0, in the unit of the variable |
+//! | support | x >= lower |
+//! | density | f(x) = exp(-e) / std with e = (x - lower) / std |
+//! | distribution function | F(x) = 1 - exp(-e) |
+//! | moments | mean = lower + std, variance = std^2; E[t^3] = 2 and E[t^4] = 9 of the standardised t = e - 1 |
+//!
+//! Its scores hold the lower bound fixed: see `tilted`.
+//!
+//! # Source
+//! Johnson, Kotz, Balakrishnan (1994), Continuous Univariate Distributions, vol. 1, chapter 19.
 
 use super::law::{Law, LawError, REMOTE, between, moments};
 use super::tilted::tilted;
 use serde::{Deserialize, Serialize};
 
-/// E[t^3] and E[t^4].
+/// E[t^3] of the standardised variable.
 const SKEWNESS: f64 = 2.0;
+/// E[t^4] of the standardised variable.
 const KURTOSIS: f64 = 9.0;
 
-/// Exponential, shifted to begin at `lower`.
+/// Exponential distribution that begins at a lower bound.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Exponential {
     lower: f64,
@@ -19,26 +30,30 @@ pub struct Exponential {
 }
 
 impl Exponential {
-    /// It begins at mean - std.
+    /// The one that begins at mean - std.
     pub(super) fn by_moments(mean: f64, std: f64) -> Result<Self, LawError> {
         let (mean, std) = moments(mean, std)?;
         Ok(Self { lower: mean - std, std })
     }
 
-    /// Its standard deviation is mean - lower.
+    /// The one that begins at `lower`; its standard deviation is mean - lower.
     pub(super) fn by_lower(mean: f64, lower: f64) -> Result<Self, LawError> {
         let mean = between("mean", mean, f64::NEG_INFINITY, f64::INFINITY)?;
         let lower = between("lower", lower, f64::NEG_INFINITY, mean)?;
         Ok(Self { lower, std: mean - lower })
     }
 
-    /// (x - lower) / std, not below zero.
+    /// e = (x - lower) / std [1], not below zero.
     fn e(&self, x: f64) -> f64 {
         ((x - self.lower) / self.std).max(0.0)
     }
 }
 
 impl Law for Exponential {
+    fn name(&self) -> &'static str {
+        "exponential"
+    }
+
     fn pdf(&self, x: f64) -> f64 {
         if x < self.lower { 0.0 } else { libm::exp(-self.e(x)) / self.std }
     }

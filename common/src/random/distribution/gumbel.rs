@@ -1,15 +1,23 @@
-//! The Gumbel distribution: extreme value type I, of maxima or of minima.
+//! The Gumbel distribution: extreme value distribution of type I, of maxima or of minima.
 //!
-//! Of maxima, with scale s = sqrt(6) std / pi, location l = mean - gamma s (gamma: Euler's constant) and
-//! z = (x - l) / s: F(x) = exp(-exp(-z)). X is Gumbel of minima if -X is Gumbel of maxima.
+//! | | |
+//! |---|---|
+//! | parameters | mean, std > 0, in the unit of the variable: the moments |
+//! | support | all real numbers |
+//! | scale, location | s = sqrt(6) std / pi, l = mean - gamma s, gamma Euler's constant |
+//! | density of maxima | f(x) = exp(-z - exp(-z)) / s with z = (x - l) / s |
+//! | distribution function of maxima | F(x) = exp(-exp(-z)) |
 //!
-//! Source: Johnson, Kotz, Balakrishnan (1995), Continuous Univariate Distributions, vol. 2, chapter 22.
+//! X is Gumbel of minima if -X is Gumbel of maxima.
+//!
+//! # Source
+//! Johnson, Kotz, Balakrishnan (1995), Continuous Univariate Distributions, vol. 2, chapter 22.
 
 use super::law::{Law, LawError, moments};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::EULER_GAMMA;
 
-/// Which extremes are meant.
+/// The extremes that a Gumbel distribution describes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Extreme {
     /// Largest values: the long tail is the upper one.
@@ -18,7 +26,7 @@ pub enum Extreme {
     Minima,
 }
 
-/// Gumbel by mean and standard deviation.
+/// Gumbel distribution with a mean and a standard deviation.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Gumbel {
     mean: f64,
@@ -26,21 +34,13 @@ pub struct Gumbel {
     extreme: Extreme,
 }
 
-/// scale / std.
+/// s / std = sqrt(6) / pi [1].
 const SCALE: f64 = 0.779_696_801_233_675_7;
 
 impl Gumbel {
     pub(super) fn new(mean: f64, std: f64, extreme: Extreme) -> Result<Self, LawError> {
         let (mean, std) = moments(mean, std)?;
         Ok(Self { mean, std, extreme })
-    }
-
-    /// The law in words.
-    pub(super) fn law(&self) -> &'static str {
-        match self.extreme {
-            Extreme::Maxima => "Gumbel",
-            Extreme::Minima => "Gumbel of minima",
-        }
     }
 
     /// +1 for maxima, -1 for minima.
@@ -55,23 +55,24 @@ impl Gumbel {
         SCALE * self.std
     }
 
-    /// z of x, or of -x for minima.
+    /// z of x, of -x for minima [1].
     fn z(&self, x: f64) -> f64 {
         self.sign() * (x - self.mean) / self.scale() + EULER_GAMMA
     }
 
-    fn at(&self, z: f64) -> f64 {
+    /// The x of a z [unit of the variable].
+    fn value_of_z(&self, z: f64) -> f64 {
         self.mean + self.sign() * self.scale() * (z - EULER_GAMMA)
     }
 
-    /// x by the probability that it, or -x for minima, is not exceeded.
+    /// The x [unit of the variable] with probability p that X <= x, for minima that X >= x.
     fn by_probability(&self, p: f64) -> f64 {
-        self.at(-libm::log(-libm::log(p)))
+        self.value_of_z(-libm::log(-libm::log(p)))
     }
 
-    /// x by the probability that it, or -x for minima, is exceeded.
+    /// The x [unit of the variable] with probability q that X > x, for minima that X < x.
     fn by_exceedance(&self, q: f64) -> f64 {
-        self.at(-libm::log(-libm::log1p(-q)))
+        self.value_of_z(-libm::log(-libm::log1p(-q)))
     }
 
     fn not_exceeded(&self, x: f64) -> f64 {
@@ -84,6 +85,13 @@ impl Gumbel {
 }
 
 impl Law for Gumbel {
+    fn name(&self) -> &'static str {
+        match self.extreme {
+            Extreme::Maxima => "Gumbel",
+            Extreme::Minima => "Gumbel of minima",
+        }
+    }
+
     fn pdf(&self, x: f64) -> f64 {
         let z = self.z(x);
         libm::exp(-z - libm::exp(-z)) / self.scale()
@@ -154,7 +162,7 @@ mod tests {
         assert!((SCALE - 6.0_f64.sqrt() / PI).abs() < 1e-15);
         // The location is the mode, F there is 1/e, and the median is l - s ln ln 2.
         let g = Gumbel::new(10.0, 2.0, Extreme::Maxima).unwrap();
-        let (s, l) = (g.scale(), g.at(0.0));
+        let (s, l) = (g.scale(), g.value_of_z(0.0));
         assert!((l - (10.0 - EULER_GAMMA * s)).abs() < 1e-14);
         assert!((g.cdf(l) - (-1.0_f64).exp()).abs() < 1e-15);
         assert!((g.quantile(0.5) - (l - s * 2.0_f64.ln().ln())).abs() < 1e-13);

@@ -1,12 +1,20 @@
 //! The normal distribution.
 //!
-//! f(x) = phi(z) / std with z = (x - mean) / std.
+//! | | |
+//! |---|---|
+//! | parameters | mean, std > 0, in the unit of the variable: the moments |
+//! | support | all real numbers |
+//! | density | f(x) = phi(z) / std with z = (x - mean) / std |
+//! | distribution function | F(x) = Phi(z) |
+//!
+//! # Source
+//! Johnson, Kotz, Balakrishnan (1994), Continuous Univariate Distributions, vol. 1, chapter 13.
 
 use super::law::{Law, LawError, moments};
-use super::standard_normal::{standard_normal_cdf, standard_normal_pdf, standard_normal_quantile};
+use crate::random::standard_normal::{standard_normal_cdf, standard_normal_pdf, standard_normal_quantile};
 use serde::{Deserialize, Serialize};
 
-/// Normal(mean, std).
+/// Normal distribution with a mean and a standard deviation.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Normal {
     mean: f64,
@@ -25,6 +33,10 @@ impl Normal {
 }
 
 impl Law for Normal {
+    fn name(&self) -> &'static str {
+        "normal"
+    }
+
     fn pdf(&self, x: f64) -> f64 {
         standard_normal_pdf(self.z(x)) / self.std
     }

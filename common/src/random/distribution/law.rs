@@ -1,17 +1,19 @@
-//! What every law of a random variable answers, and what parameters it refuses.
+//! The functions that every distribution implements, and the parameters that it rejects.
 
-use super::standard_normal::{standard_normal_cdf, standard_normal_quantile};
+use crate::random::standard_normal::{standard_normal_cdf, standard_normal_quantile};
 use thiserror::Error;
 
-/// Probability beyond which an unbounded law is not looked at when a scene is checked: fewer than one point of a
-/// population of a million lies there.
+/// Tail probability at which unbounded distributions are cut when a scene is checked: one point of a population of a
+/// million lies beyond.
 pub(super) const REMOTE: f64 = 1e-6;
 
-/// A law of one continuous random variable X; probabilities keep their digits in the tail they are small in.
+/// The law of one continuous random variable X; a probability keeps its digits in the tail where it is small.
 ///
-/// The parameters that derivatives refer to are the mean and the standard deviation of X (of the parent for the
-/// truncated normal).
+/// Derivatives refer to the mean and the standard deviation of X (of the parent for the truncated normal).
 pub(super) trait Law {
+    /// Name for people, e.g. `truncated normal`.
+    fn name(&self) -> &'static str;
+
     /// Density f(x) [1/unit of the variable]; zero outside the support.
     fn pdf(&self, x: f64) -> f64;
 
@@ -33,7 +35,18 @@ pub(super) trait Law {
     /// sqrt(Var[X]) [unit of the variable].
     fn std(&self) -> f64;
 
-    /// Closed interval outside of which X never is [unit of the variable].
+    /// Location that X is standardised by: its mean, of the parent for the truncated normal [unit of the variable].
+    fn parent_mean(&self) -> f64 {
+        self.mean()
+    }
+
+    /// Standard deviation that derivatives refer to: of X, of the parent for the truncated normal [unit of the
+    /// variable].
+    fn given_std(&self) -> f64 {
+        self.std()
+    }
+
+    /// Closed interval of the possible values of X, `(lower, upper)` [unit of the variable].
     fn support(&self) -> (f64, f64);
 
     /// Scores d ln f(x) / dp for the mean and the standard deviation `(2,)` [1/unit of the variable].
@@ -42,12 +55,13 @@ pub(super) trait Law {
     /// dF(x) / dp for the mean and the standard deviation `(2,)` [1/unit of the variable].
     fn cdf_derivatives(&self, x: f64) -> [f64; 2];
 
-    /// The extreme values to count with: a bound that the law reaches, else where 1e-6 of X lies beyond.
+    /// The smallest and largest value that a scene must admit: a bound, else the 1e-6 or 1 - 1e-6 quantile [unit of
+    /// the variable].
     fn limits(&self) -> (f64, f64) {
         (self.quantile(REMOTE), self.upper_quantile(REMOTE))
     }
 
-    /// x with F(x) = Phi(u).
+    /// The x with F(x) = Phi(u) [unit of the variable].
     fn at_standard_normal(&self, u: f64) -> f64 {
         if u <= 0.0 {
             self.quantile(standard_normal_cdf(u))
@@ -56,7 +70,7 @@ pub(super) trait Law {
         }
     }
 
-    /// u with Phi(u) = F(x).
+    /// The u with Phi(u) = F(x) [1].
     fn to_standard_normal(&self, x: f64) -> f64 {
         let below = self.cdf(x);
         if below <= 0.5 {
@@ -67,31 +81,31 @@ pub(super) trait Law {
     }
 }
 
-/// Parameters that make no distribution.
+/// Parameters for which a distribution does not exist.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum LawError {
     /// A parameter outside the open interval that it may have.
     #[error("{parameter} = {value} is out of range, allowed: {}", interval(*.above, *.below))]
     OutOfRange {
-        /// Its name: `mean`, `std`, ...
+        /// Name of the parameter: `mean`, `std`, ...
         parameter: &'static str,
-        /// Its value.
+        /// Value given [unit of the variable].
         value: f64,
-        /// The value must be larger.
+        /// Lower end of the allowed interval, excluded [unit of the variable].
         above: f64,
-        /// The value must be smaller.
+        /// Upper end of the allowed interval, excluded [unit of the variable].
         below: f64,
     },
-    /// Bounds that do not enclose what they should.
+    /// Bounds that do not enclose the mean or the mode.
     #[error("the bounds {lower} and {upper} do not enclose the {parameter} {value}")]
     NotEnclosed {
-        /// What they should enclose: `mean` or `mode`.
+        /// Parameter that they should enclose: `mean` or `mode`.
         parameter: &'static str,
-        /// Its value.
+        /// Value of that parameter [unit of the variable].
         value: f64,
-        /// Lower bound.
+        /// Lower bound [unit of the variable].
         lower: f64,
-        /// Upper bound.
+        /// Upper bound [unit of the variable].
         upper: f64,
     },
 }
@@ -105,7 +119,7 @@ fn interval(above: f64, below: f64) -> String {
     }
 }
 
-/// `value`, if it lies strictly between `above` and `below`.
+/// Returns `value` if it is finite and lies strictly between `above` and `below`.
 pub(super) fn between(parameter: &'static str, value: f64, above: f64, below: f64) -> Result<f64, LawError> {
     if value.is_finite() && above < value && value < below {
         Ok(value)
@@ -114,14 +128,14 @@ pub(super) fn between(parameter: &'static str, value: f64, above: f64, below: f6
     }
 }
 
-/// A finite mean and a positive standard deviation.
+/// Returns mean and std if the mean is finite and the standard deviation positive and finite.
 pub(super) fn moments(mean: f64, std: f64) -> Result<(f64, f64), LawError> {
     let mean = between("mean", mean, f64::NEG_INFINITY, f64::INFINITY)?;
     Ok((mean, between("std", std, 0.0, f64::INFINITY)?))
 }
 
-/// Chain rule: d/dp = sum_q d/dq dq/dp, with `by_own` the derivatives to a law's own two parameters q and `own` the
-/// rows dq/dmean, dq/dstd.
+/// Chain rule d/dp = sum_q d/dq dq/dp from the two natural parameters q of a distribution to p = (mean, std): `by_own`
+/// has the derivatives by q `(2,)`, `own` the rows dq/dmean, dq/dstd `(2, 2)`.
 pub(super) fn chain(by_own: [f64; 2], own: [[f64; 2]; 2]) -> [f64; 2] {
     [0, 1].map(|p| by_own[0] * own[0][p] + by_own[1] * own[1][p])
 }

@@ -1,26 +1,35 @@
-//! The beta distribution on [lower, upper].
+//! The beta distribution between two bounds.
 //!
-//! With y = (x - lower) / (upper - lower): f(x) = y^(alpha - 1) (1 - y)^(beta - 1) / (B(alpha, beta) (upper - lower)).
-//! With m and v the mean and variance of y, nu = m (1 - m) / v - 1, alpha = m nu, beta = (1 - m) nu. Mean and standard
-//! deviation change at fixed bounds.
+//! | | |
+//! |---|---|
+//! | parameters | lower < mean < upper and std, in the unit of the variable: the moments and the bounds |
+//! | support | [lower, upper] |
+//! | standardised | y = (x - lower) / (upper - lower), with mean m and variance v |
+//! | density | f(x) = y^(alpha - 1) (1 - y)^(beta - 1) / (B(alpha, beta) (upper - lower)) |
+//! | distribution function | F(x) = I_y(alpha, beta), the regularised incomplete beta function |
+//! | shape parameters | alpha = m nu, beta = (1 - m) nu, nu = m (1 - m) / v - 1 [1] |
+//! | limits | 0.05 < alpha, beta < 10000 |
 //!
-//! Source: Johnson, Kotz, Balakrishnan (1995), Continuous Univariate Distributions, vol. 2, chapter 25.
+//! Mean and standard deviation change at fixed bounds.
+//!
+//! # Source
+//! Johnson, Kotz, Balakrishnan (1995), Continuous Univariate Distributions, vol. 2, chapter 25.
 
 use super::law::{Law, LawError, between, chain};
 use serde::{Deserialize, Serialize};
 use statrs::function::beta::beta_reg;
 use statrs::function::gamma::digamma;
 
-/// Largest alpha and beta: beyond, the continued fraction of the distribution function is too long, and a law so
-/// narrow does not feel its bounds.
+/// Largest alpha and beta: beyond, the continued fraction of the distribution function is too long, and the bounds of
+/// so narrow a distribution have no effect.
 const LARGEST: f64 = 1e4;
-/// Smallest alpha and beta: below, all but a few samples lie on the bounds themselves.
+/// Smallest alpha and beta: below, almost all samples equal one of the bounds.
 const SMALLEST: f64 = 0.05;
 /// Relative step of the central difference for the derivatives of the distribution function; truncation and rounding
 /// are both about 1e-10 of it.
 const STEP: f64 = 1e-5;
 
-/// Beta by the mean and standard deviation of the variable and its bounds.
+/// Beta distribution between two bounds with a mean and a standard deviation.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Beta {
     mean: f64,
@@ -42,8 +51,8 @@ impl Beta {
         let m = (mean - lower) / width;
         // std at which the smaller of alpha and beta is the smallest allowed, the larger the largest.
         let (small, large) = (m.min(1.0 - m), m.max(1.0 - m));
-        let at = |nu: f64| width * (m * (1.0 - m) / (nu + 1.0)).sqrt();
-        let std = between("std", std, at(LARGEST / large), at(SMALLEST / small))?;
+        let std_of_nu = |nu: f64| width * (m * (1.0 - m) / (nu + 1.0)).sqrt();
+        let std = between("std", std, std_of_nu(LARGEST / large), std_of_nu(SMALLEST / small))?;
         let s = std / width;
         let nu = m * (1.0 - m) / (s * s) - 1.0;
         Ok(Self { mean, std, lower, upper, alpha: m * nu, beta: (1.0 - m) * nu })
@@ -53,20 +62,20 @@ impl Beta {
         self.upper - self.lower
     }
 
-    /// y and 1 - y, each with its digits.
+    /// y and 1 - y [1], each computed from its own bound so that neither loses digits.
     fn y(&self, x: f64) -> (f64, f64) {
         let width = self.width();
         (((x - self.lower) / width).clamp(0.0, 1.0), ((self.upper - x) / width).clamp(0.0, 1.0))
     }
 
-    /// x at y, from the nearer bound.
+    /// x [unit of the variable] for y and 1 - y = `rest` [1], measured from the nearer bound.
     fn place(&self, y: f64, rest: f64) -> f64 {
         let width = self.width();
         let x = if y <= 0.5 { self.lower + width * y } else { self.upper - width * rest };
         x.clamp(self.lower, self.upper)
     }
 
-    /// Rows d alpha and d beta by mean and std.
+    /// Rows d alpha and d beta, each by mean and std `(2, 2)`.
     fn own(&self) -> [[f64; 2]; 2] {
         let (width, nu) = (self.width(), self.alpha + self.beta);
         let m = self.alpha / nu;
@@ -79,7 +88,7 @@ impl Beta {
     }
 }
 
-/// y, and 1 - y, with I_y(a, b) = p <= 1/2.
+/// The y with I_y(a, b) = p <= 1/2, and 1 - y [1].
 ///
 /// Newton's method on ln I over t = ln(y / (1 - y)): the density y^a (1 - y)^b of t is log-concave, hence ln I is
 /// concave in t, and from any start every iterate but the first lies below the root and rises to it.
@@ -107,7 +116,7 @@ fn inverse(a: f64, b: f64, p: f64) -> (f64, f64) {
     logistic(t)
 }
 
-/// 1 / (1 + exp(-t)) and its complement.
+/// 1 / (1 + exp(-t)) and 1 / (1 + exp(t)).
 fn logistic(t: f64) -> (f64, f64) {
     (1.0 / (1.0 + libm::exp(-t)), 1.0 / (1.0 + libm::exp(t)))
 }
@@ -117,6 +126,10 @@ fn log_logistic(t: f64) -> f64 {
 }
 
 impl Law for Beta {
+    fn name(&self) -> &'static str {
+        "beta"
+    }
+
     fn pdf(&self, x: f64) -> f64 {
         if x < self.lower || x > self.upper {
             return 0.0;
@@ -189,7 +202,7 @@ impl Law for Beta {
     fn cdf_derivatives(&self, x: f64) -> [f64; 2] {
         let (a, b) = (self.alpha, self.beta);
         let (y, rest) = self.y(x);
-        // Of the tail that is small, so that its digits are kept.
+        // The smaller tail, which keeps its digits.
         let lower_tail = y <= a / (a + b);
         let tail = |a: f64, b: f64| if lower_tail { beta_reg(a, b, y) } else { -beta_reg(b, a, rest) };
         let by = |h: f64, tail: &dyn Fn(f64) -> f64| (tail(h) - tail(-h)) / (2.0 * h);
