@@ -40,10 +40,12 @@ pub use populations::LookedAt;
 pub use result::blank;
 pub use result::{OutputHistory, StudyResult, SurrogateReport};
 pub use round::Assessment;
-pub use settings::{FAILED_SHARE, Method, Settings};
+pub use settings::{LARGEST_POPULATION, Method, SettingError, Settings, StudyAccuracy};
 pub use step::{Ask, CampaignError, Step, Stop};
 pub use surrogates::Surrogate;
-pub use verification::{Simulated, Verification, Verified, VerifiedRow, as_told, first_failures, verify};
+pub use verification::{
+    SimulatedPoint, Verification, Verified, VerifiedRow, completed, first_failures, verify,
+};
 
 use crate::farm::evaluate::{EvaluateError, Evaluator};
 use crate::results::journal::Journal;
@@ -63,15 +65,8 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 pub enum StudyError {
     /// The settings do not make a study.
-    #[error("study setting {key} = {value}: {allowed}")]
-    Setting {
-        /// Which.
-        key: &'static str,
-        /// What it is.
-        value: String,
-        /// What is allowed.
-        allowed: String,
-    },
+    #[error(transparent)]
+    Setting(#[from] SettingError),
     /// An evaluation could not be had or recorded.
     #[error(transparent)]
     Evaluate(#[from] EvaluateError),
@@ -116,8 +111,8 @@ pub fn run(
     let mut dispatcher = Dispatcher::new(scene, stricter, settings.budget(), evaluator, journal, observer);
     let mut result = match settings.method {
         Method::ActiveLearning => learn(scene, settings, problem.clone(), &mut dispatcher)?,
-        Method::MonteCarlo { samples } | Method::LatinHypercube { samples } => {
-            let mut direct = DirectSimulation::new(&problem, settings, samples);
+        Method::MonteCarlo | Method::LatinHypercube => {
+            let mut direct = DirectSimulation::new(&problem, settings);
             dispatcher.pursue(&mut direct)?;
             dispatcher.notice(&Progress::Ending);
             direct.result(scene, settings)?
@@ -176,7 +171,7 @@ fn learn(
     problem: Problem,
     dispatcher: &mut Dispatcher<'_>,
 ) -> Result<StudyResult, StudyError> {
-    let mut campaign = Campaign::new(problem, settings.plan(scene));
+    let mut campaign = Campaign::new(problem, Plan::new(settings, scene));
     dispatcher.pursue(&mut campaign)?;
     dispatcher.notice(&Progress::Ending);
     let learned = campaign.finish().expect("a campaign that is done has learned something");

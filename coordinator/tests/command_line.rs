@@ -148,9 +148,9 @@ fn explain_says_what_is_modelled() {
     let found = text(&["explain"]);
     for part in [
         "crank: turns at 480.0 r/min, prescribed",
-        "2 bodies whose motion is given cost nothing",
-        "island 1, with time steps of its own: right_rod + right_rocker; 6 unknowns",
-        "island 2, with time steps of its own: left_rod + left_rocker; 6 unknowns",
+        "2 bodies with prescribed motion cost nothing",
+        "island 1, with its own time steps: right_rod + right_rocker; 6 unknowns",
+        "island 2, with its own time steps: left_rod + left_rocker; 6 unknowns",
         "Every cycle is simulated dynamically: output angular_velocity_difference needs the dynamics",
         "clearance 23.50 um",
         "local-hertz",

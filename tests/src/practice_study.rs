@@ -57,8 +57,8 @@ impl PracticeStudy {
     pub fn monte_carlo(samples: usize) -> Self {
         let source = SceneSource::builtin("four-bar").expect("it is built in");
         let scene = source.nominal().clone();
-        let mut settings = Settings::of(&scene, NamedAccuracy::default());
-        settings.method = Method::MonteCarlo { samples };
+        let settings = Settings::new(&scene, NamedAccuracy::default());
+        let settings = Settings { method: Method::MonteCarlo, samples, ..settings };
         Self { source, scene, settings }
     }
 
@@ -66,15 +66,14 @@ impl PracticeStudy {
     pub fn learning(initial: usize, evaluations: usize) -> Self {
         let mut study = Self::monte_carlo(1);
         study.settings.method = Method::ActiveLearning;
-        let sizes = &mut study.settings.study;
-        (sizes.population, sizes.initial, sizes.max_evaluations) = (2000, initial, evaluations);
-        study.scene.study = study.settings.study;
+        let settings = &mut study.settings;
+        (settings.samples, settings.initial, settings.max_evaluations) = (2000, initial, evaluations);
         study
     }
 
     /// What its workers are told.
     pub fn campaign(&self, resumed: bool) -> Campaign {
-        let accuracy = self.settings.accuracy.accuracy;
+        let accuracy = self.settings.accuracy.setting.accuracy;
         Campaign {
             id: 4711,
             scene: self.source.text().to_owned(),

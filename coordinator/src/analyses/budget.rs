@@ -40,7 +40,7 @@ pub struct OutputShare {
 
 /// A setting that was tried.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Attempt {
+pub struct TriedSetting {
     /// The setting.
     pub setting: NamedAccuracy,
     /// The output with the largest error, or why a point has no result.
@@ -51,11 +51,11 @@ pub struct Attempt {
 
 /// The setting found, and what was tried on the way.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Choice {
+pub struct ChosenSetting {
     /// Cheapest setting within the budget.
     pub setting: NamedAccuracy,
     /// All that was tried, from the cheapest; the last is the one chosen.
-    pub attempts: Vec<Attempt>,
+    pub attempts: Vec<TriedSetting>,
 }
 
 /// Why there is no setting within the budget.
@@ -103,18 +103,18 @@ pub enum BudgetError {
 ///
 /// # Errors
 /// [`BudgetError`].
-pub fn choose(
+pub fn choose_setting(
     scene: &Scene,
     budget: f64,
     ladder: &[&str],
     points: &[Vec<f64>],
     evaluator: &mut dyn Evaluator,
-    tried: &mut dyn FnMut(&Attempt),
-) -> Result<Choice, BudgetError> {
+    tried: &mut dyn FnMut(&TriedSetting),
+) -> Result<ChosenSetting, BudgetError> {
     if scene.outputs.is_empty() {
         return Err(BudgetError::NothingToHold);
     }
-    let mut attempts: Vec<Attempt> = Vec::new();
+    let mut attempts: Vec<TriedSetting> = Vec::new();
     for name in ladder {
         let setting: NamedAccuracy = name.parse()?;
         if attempts.last().is_some_and(|last| cannot_be_enough(last, &setting.accuracy, budget)) {
@@ -126,7 +126,7 @@ pub fn choose(
         attempts.push(attempt);
         if fits {
             let setting = attempts[attempts.len() - 1].setting.clone();
-            return Ok(Choice { setting, attempts });
+            return Ok(ChosenSetting { setting, attempts });
         }
     }
     Err(refusal(budget, attempts))
@@ -149,7 +149,7 @@ fn least_remainder(from: &Accuracy, to: &Accuracy) -> f64 {
     .fold(1.0, f64::min)
 }
 
-fn cannot_be_enough(last: &Attempt, next: &Accuracy, budget: f64) -> bool {
+fn cannot_be_enough(last: &TriedSetting, next: &Accuracy, budget: f64) -> bool {
     let error = last.worst.as_ref().map_or(0.0, |worst| worst.error);
     error * least_remainder(&last.setting.accuracy, next) > budget
 }
@@ -161,7 +161,7 @@ fn attempt(
     setting: NamedAccuracy,
     points: &[Vec<f64>],
     evaluator: &mut dyn Evaluator,
-) -> Result<Attempt, BudgetError> {
+) -> Result<TriedSetting, BudgetError> {
     let mut worst = OutputShare { output: scene.outputs[0].name.clone(), error: 0.0 };
     let mut longest = 0.0_f64;
     let (nominal, others) = points.split_at(points.len().min(1));
@@ -190,17 +190,17 @@ fn attempt(
                         worst = if found.error > worst.error { found } else { worst };
                     }
                 }
-                Err(failure) => return Ok(Attempt { setting, worst: Err(failure), seconds: longest }),
+                Err(failure) => return Ok(TriedSetting { setting, worst: Err(failure), seconds: longest }),
             }
         }
         if worst.error > budget {
             break;
         }
     }
-    Ok(Attempt { setting, worst: Ok(worst), seconds: longest })
+    Ok(TriedSetting { setting, worst: Ok(worst), seconds: longest })
 }
 
-/// Stated error of every output that is held to a budget; see [`choose`].
+/// Stated error of every output that is held to a budget; see [`choose_setting`].
 pub fn shares(scene: &Scene, evaluation: &Evaluation) -> Vec<OutputShare> {
     let of = |k: usize, scale: f64, counted: usize| OutputShare {
         output: scene.outputs[k].name.clone(),
@@ -219,7 +219,7 @@ pub fn shares(scene: &Scene, evaluation: &Evaluation) -> Vec<OutputShare> {
     limits.map(|limit| of(limit.output, limit.threshold, passed(limit.output, limit.threshold))).collect()
 }
 
-fn refusal(budget: f64, attempts: Vec<Attempt>) -> BudgetError {
+fn refusal(budget: f64, attempts: Vec<TriedSetting>) -> BudgetError {
     let results = attempts.iter().filter_map(|a| Some((a.worst.as_ref().ok()?, &a.setting.name)));
     let best = results.min_by(|a, b| a.0.error.total_cmp(&b.0.error));
     if let Some((worst, setting)) = best {
@@ -231,7 +231,7 @@ fn refusal(budget: f64, attempts: Vec<Attempt>) -> BudgetError {
         };
     }
     match attempts.into_iter().next_back() {
-        Some(Attempt { setting, worst: Err(failure), .. }) => {
+        Some(TriedSetting { setting, worst: Err(failure), .. }) => {
             BudgetError::Failed { setting: setting.name, failure }
         }
         _ => BudgetError::NothingToHold,

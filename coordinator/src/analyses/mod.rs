@@ -1,7 +1,15 @@
-//! Analyses besides the study itself: the trade of speed for accuracy, calibration to measurements, the accuracy
-//! that an error budget needs, and published reliability problems.
+//! Analyses besides the study itself.
+//!
+//! | module | content |
+//! |---|---|
+//! | [`budget`] | the cheapest accuracy within an error budget |
+//! | [`tradeoff`] | time against error of the accuracy settings |
+//! | [`calibrate`] | free parameters fitted to measurements |
+//! | [`replay`] | learning from a finished direct Monte Carlo study, with the true error of every round |
 
-pub mod benchmark;
 pub mod budget;
 pub mod calibrate;
+pub mod replay;
+#[cfg(test)]
+mod replay_tests;
 pub mod tradeoff;

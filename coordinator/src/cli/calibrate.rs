@@ -1,11 +1,11 @@
-//! `coordinator calibrate`: free parameters of a scene fitted to measured or published targets, over the workers.
+//! `coordinator calibrate`: fits free parameters of a scene to measured or published targets, with the workers of a study.
 
 use super::accuracy::AccuracyArguments;
-use super::arguments::{DEFAULT_SCENE, FarmArguments, Talk, positive};
 use super::error::CommandError;
-use super::farm::{Farm, listen};
+use super::farm::WorkerFarm;
 use super::output::{check_destination, deliver, to_json};
 use super::scenes::check_linkage;
+use super::shared::{DEFAULT_SCENE, FarmArguments, Verbosity, positive};
 use clap::Args;
 use common::scene::SceneSource;
 use coordinator::analyses::calibrate::{
@@ -14,7 +14,7 @@ use coordinator::analyses::calibrate::{
 use coordinator::farm::dispatch::Campaign;
 use std::path::PathBuf;
 
-/// What is calibrated, to what.
+/// Arguments of `coordinator calibrate`.
 #[derive(Debug, Clone, Args)]
 pub struct CalibrateArguments {
     /// Scene file, or name of a built-in scene
@@ -23,16 +23,14 @@ pub struct CalibrateArguments {
     /// Free parameters and targets, TOML
     #[arg(long, value_name = "FILE")]
     pub targets: PathBuf,
-    /// Where and how to work
     #[command(flatten)]
     pub farm: FarmArguments,
-    /// Numerical effort
     #[command(flatten)]
     pub accuracy: AccuracyArguments,
-    /// Simulations of the first round [default: four for each random variable and free parameter, at least 40]
+    /// Simulations of the first round [default: four per random variable and free parameter, at least 40]
     #[arg(long, value_name = "N", value_parser = positive)]
     pub simulations: Option<usize>,
-    /// Further rounds around the optimum, of a third as many simulations
+    /// Further rounds around the optimum, each with a third as many simulations
     #[arg(long, value_name = "N", default_value = "2")]
     pub rounds: usize,
     /// Seed of every random draw
@@ -44,7 +42,10 @@ pub struct CalibrateArguments {
 }
 
 /// Runs the command.
-pub fn calibrate(arguments: &CalibrateArguments, talk: Talk) -> Result<(), CommandError> {
+///
+/// # Errors
+/// [`CommandError`].
+pub fn calibrate(arguments: &CalibrateArguments, verbosity: Verbosity) -> Result<(), CommandError> {
     check_destination(arguments.out.as_deref())?;
     let source = SceneSource::load(&arguments.scene)?;
     let scene = source.nominal();
@@ -54,7 +55,7 @@ pub fn calibrate(arguments: &CalibrateArguments, talk: Talk) -> Result<(), Comma
     check_linkage(source.origin(), scene)?;
     let targets = read_targets(&arguments.targets, scene)?;
     let space = Space::new(&source, &targets.free)?;
-    let accuracy = arguments.accuracy.for_one(scene, talk.quiet)?.setting;
+    let accuracy = arguments.accuracy.for_one(scene, verbosity.quiet)?.setting;
     let plan = Calibration {
         simulations: arguments.simulations.unwrap_or(0),
         rounds: arguments.rounds,
@@ -71,17 +72,17 @@ pub fn calibrate(arguments: &CalibrateArguments, talk: Talk) -> Result<(), Comma
         accuracy_name: accuracy.name,
         resumed: false,
     };
-    let mut farm = Farm::hire(listen(campaign, &arguments.farm)?, &arguments.farm)?;
-    if !talk.quiet {
-        farm.say_where();
+    let mut farm = WorkerFarm::start(campaign, &arguments.farm)?;
+    if !verbosity.quiet {
+        farm.print_endpoints();
     }
-    let told = &mut |Progress { round, done, all }: Progress| {
-        if !talk.quiet && (done == all || done % 10 == 0) {
+    let report_progress = &mut |Progress { round, done, all }: Progress| {
+        if !verbosity.quiet && (done == all || done % 10 == 0) {
             eprintln!("round {round}: {done}/{all} simulations");
         }
     };
-    let found = fit(&targets, &plan, &mut farm.evaluator, &space, told)?;
+    let found = fit(&targets, &plan, &mut farm.evaluator, &space, report_progress)?;
     farm.close();
-    let text = if talk.json { to_json(&found)? } else { markdown(&found) };
+    let text = if verbosity.json { to_json(&found)? } else { markdown(&found) };
     deliver(&text, arguments.out.as_deref())
 }

@@ -1,11 +1,11 @@
-//! Why a command ended early, in one message, with its exit code.
+//! Errors of commands: one message and an exit code each.
 
 use super::signals::INTERRUPTED;
 use common::failure::SimulationFailure;
 use common::scene::{Faults, Motion, Scene};
-use coordinator::analyses::benchmark::ReplayError;
 use coordinator::analyses::budget::BudgetError;
 use coordinator::analyses::calibrate::CalibrationError;
+use coordinator::analyses::replay::ReplayError;
 use coordinator::farm::dispatch::{DispatchError, VisitError};
 use coordinator::farm::evaluate::EvaluateError;
 use coordinator::farm::evaluate::external::SimulatorError;
@@ -14,7 +14,7 @@ use coordinator::presentation::report::ReportError;
 use coordinator::presentation::report::compare::Incomparable;
 use coordinator::results::result_files::ResultFileError;
 use coordinator::results::store::StoreError;
-use coordinator::study::{CampaignError, StudyError};
+use coordinator::study::{SettingError, StudyError};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 use worker::mechanism::Prescribed;
@@ -23,15 +23,15 @@ use worker::service::ServiceError;
 const FAILURE: u8 = 1;
 const BAD_INPUT: u8 = 2;
 
-/// What ended a command.
+/// An error that ends a command.
 #[derive(Debug, Error)]
 pub enum CommandError {
     /// The scene or a setting is faulty.
     #[error(transparent)]
     Scene(#[from] Faults),
-    /// The ideal linkage cannot be put together where the cycle starts.
+    /// The ideal linkage cannot be assembled at the start of the cycle.
     #[error(
-        "{origin}: the linkage cannot be assembled: joint {joint} stays open by {gap} mm where the cycle starts; \
+        "{origin}: the linkage cannot be assembled: joint {joint} stays open by {gap} mm at the start of the cycle; \
          check lengths and start positions"
     )]
     OpenLinkage {
@@ -52,45 +52,45 @@ pub enum CommandError {
         origin: String,
         /// Joint that opens first beyond it.
         joint: String,
-        /// Where the drive stands, in words.
+        /// Position of the drive, in words.
         angle: String,
     },
-    /// Ideal joints forbid a motion twice.
-    #[error("{origin}: {failure}; give one of the joints a clearance or take it away")]
+    /// Redundant ideal constraints.
+    #[error("{origin}: {failure}; give one of the joints a clearance or remove it")]
     OverConstrained {
         /// File or name of the scene.
         origin: String,
-        /// Which joint.
+        /// The failure with the name of the joint.
         failure: SimulationFailure,
     },
-    /// A command that looks at mechanisms, and a scene without one.
-    #[error("{origin}: the scene names a simulator of its own; this command is for mechanisms")]
+    /// A command on mechanisms, and a scene without one.
+    #[error("{origin}: the scene names its own simulator; this command is for mechanisms")]
     NoMechanism {
         /// File or name of the scene.
         origin: String,
     },
-    /// An option for mechanisms, and a scene that names a simulator of its own.
+    /// An option on mechanisms, and a scene that names its own simulator.
     #[error("{option} is not for {origin}: {reason}")]
     NotForSimulators {
         /// File or name of the scene.
         origin: String,
-        /// Which.
+        /// The option.
         option: &'static str,
-        /// Why not.
+        /// The reason.
         reason: &'static str,
     },
     /// The simulator that the scene names cannot be used.
     #[error(transparent)]
     Simulator(#[from] SimulatorError),
-    /// A folder that cannot be made.
+    /// A folder that cannot be created.
     #[error("{}: {error}", path.display())]
     Folder {
-        /// Folder.
+        /// The folder.
         path: PathBuf,
-        /// Why.
+        /// The error of the operating system.
         error: std::io::Error,
     },
-    /// A measurement did not come to its end.
+    /// The evaluations were interrupted or cannot be distributed.
     #[error(transparent)]
     Evaluate(EvaluateError),
     /// No accuracy keeps the error budget.
@@ -101,167 +101,142 @@ pub enum CommandError {
     NotModelled {
         /// File or name of the scene.
         origin: String,
-        /// What.
+        /// The missing feature.
         what: String,
     },
-    /// The simulation has no result.
+    /// The simulation failed.
     #[error("{origin}: the simulation failed: {failure}")]
     Simulation {
         /// File or name of the scene.
         origin: String,
-        /// Why.
+        /// The failure.
         failure: SimulationFailure,
     },
-    /// A table of extremes with a number that nobody should have been given.
+    /// Extreme cases outside of their stated error.
     #[error(
         "{origin}: {unsound} of {cases} extremes differ from half the step by more than their stated error"
     )]
     Disagreement {
         /// File or name of the scene.
         origin: String,
-        /// Cases that are not sound.
+        /// Number of these cases.
         unsound: usize,
-        /// All cases.
+        /// Number of all cases.
         cases: usize,
     },
-    /// A published problem that could not be learned.
-    #[error("{problem}, seed {seed}: {error}")]
-    Benchmark {
-        /// Which.
-        problem: &'static str,
-        /// Seed of the run.
-        seed: u64,
-        /// Why.
-        error: CampaignError,
-    },
-    /// A published problem that nobody knows.
-    #[error("--problem {name}: unknown, allowed: {allowed}")]
-    UnknownProblem {
-        /// As given.
-        name: String,
-        /// Those there are.
-        allowed: String,
-    },
-    /// A scene without anything random, or without a limit state.
+    /// A scene without random variables or without limit states.
     #[error(
-        "{origin}: a study needs at least one random variable and one limit state; `simulate` does without"
+        "{origin}: a study needs at least one random variable and one limit state; `simulate` needs neither"
     )]
     NothingToStudy {
         /// File or name of the scene.
         origin: String,
     },
-    /// An option that does not fit the others.
-    #[error("{option} {value} is out of range, allowed: {allowed}")]
-    Option {
-        /// Which.
-        option: &'static str,
-        /// Its value.
-        value: usize,
-        /// What is allowed.
-        allowed: String,
-    },
-    /// A file that cannot be written where it is to go.
+    /// A setting of the study that is out of range.
+    #[error("{} {} is out of range, allowed: {}", option_of(.0.key), .0.value, .0.allowed)]
+    Setting(#[from] SettingError),
+    /// A file that cannot be written at its destination.
     #[error("--out {}: {fault}", file.display())]
     Destination {
         /// The file.
         file: PathBuf,
-        /// What is wrong with its place.
+        /// The fault of the destination.
         fault: String,
     },
-    /// The campaign file has settings of another version.
+    /// The campaign file has settings of another version of the program.
     #[error("{file}: the settings of this study cannot be read: {reason}")]
     ForeignSettings {
         /// The campaign file.
         file: String,
-        /// Why.
+        /// The reason.
         reason: String,
     },
-    /// Studies that cannot be laid over each other.
+    /// Studies that cannot be compared.
     #[error(transparent)]
     Incomparable(#[from] Incomparable),
-    /// A file that is there already.
-    #[error("{}: is there already; give another place by --out, or move it away", file.display())]
+    /// A file that exists already.
+    #[error("{}: file exists; choose another name with --out, or move the file", file.display())]
     Existing {
         /// The file.
         file: PathBuf,
     },
-    /// A name that a scene cannot have.
+    /// A name that is not allowed for a scene.
     #[error(
         "name {name}: allowed are letters, digits, hyphens and underscores, at least one, and no built-in scene's name"
     )]
     SceneName {
-        /// As given.
+        /// The name as given.
         name: String,
     },
-    /// A study without an end.
-    #[error("{}: this study is not finished; go on with `coordinator resume {}`", dir.display(), dir.display())]
+    /// A study that is not finished.
+    #[error("{}: this study is not finished; continue it with `coordinator resume {}`", dir.display(), dir.display())]
     NotFinished {
         /// Its folder.
         dir: PathBuf,
     },
-    /// Two studies of different things.
-    #[error("{} and {} differ in their {difference}; compared are studies of the same scene at the same accuracy", dir.display(), against.display())]
+    /// Two studies that differ in the scene or the accuracy.
+    #[error("{} and {} differ in their {difference}; expected are studies of the same scene at the same accuracy", dir.display(), against.display())]
     NotComparable {
-        /// Folder of the one.
+        /// Folder of the first study.
         dir: PathBuf,
-        /// Folder of the other.
+        /// Folder of the second study.
         against: PathBuf,
-        /// In what.
+        /// The property in which they differ.
         difference: &'static str,
     },
-    /// A study with too little to compare.
-    #[error("{}: {points} simulations to compare, expected at least {least}", dir.display())]
+    /// A study with too few simulations.
+    #[error("{}: {points} usable simulations, expected at least {least}", dir.display())]
     TooFewSimulations {
         /// Its folder.
         dir: PathBuf,
-        /// How many it has.
+        /// Number of usable simulations.
         points: usize,
-        /// How many it takes.
+        /// Smallest allowed number.
         least: usize,
     },
     /// Parameters that could not be fitted.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
-    /// Simulations that cannot be learned from again.
+    /// Simulations that cannot be replayed.
     #[error("{}: {error}", dir.display())]
     Replay {
         /// Folder of the study.
         dir: PathBuf,
-        /// Why not.
+        /// The error.
         error: ReplayError,
     },
     /// The user stopped the study.
-    #[error("interrupted; everything done so far is saved, go on with `coordinator resume {}`", dir.display())]
+    #[error("interrupted; everything done so far is saved, continue with `coordinator resume {}`", dir.display())]
     Interrupted {
         /// Its folder.
         dir: PathBuf,
     },
-    /// The study cannot come to an end.
+    /// The study ended with an error.
     #[error("{error}; everything done so far is saved in {}", dir.display())]
     Study {
         /// Its folder.
         dir: PathBuf,
-        /// Why.
+        /// The error.
         error: StudyError,
     },
-    /// The campaign file cannot be made, read or written.
+    /// The campaign file cannot be created, read or written.
     #[error(transparent)]
     Store(#[from] StoreError),
     /// The coordinator cannot listen.
     #[error(transparent)]
     Dispatch(#[from] DispatchError),
-    /// Nobody else can look.
+    /// The live page or the metrics cannot be served.
     #[error(transparent)]
     Monitor(#[from] MonitorError),
-    /// A coordinator does not tell how it is.
+    /// A coordinator does not report its status.
     #[error("{0}")]
     Visit(#[from] VisitError),
-    /// Something that a worker needs does not work.
+    /// Checks of `coordinator doctor` failed.
     #[error("{failed} of {tried} checks failed")]
     Unhealthy {
-        /// So many.
+        /// Number of failed checks.
         failed: usize,
-        /// Of so many.
+        /// Number of all checks.
         tried: usize,
     },
     /// A local worker cannot be started.
@@ -273,13 +248,13 @@ pub enum CommandError {
     /// The report cannot be written.
     #[error(transparent)]
     Report(#[from] ReportError),
-    /// The system refuses a signal handler.
+    /// The operating system refused a signal handler.
     #[error("signals: {0}")]
     Signals(#[source] std::io::Error),
     /// Options of a study before a command.
     #[error("options of a study go after `run`: coordinator run --workers ...")]
     MisplacedOptions,
-    /// A result that JSON cannot hold.
+    /// A result that cannot be represented in JSON.
     #[error("the result cannot be written as JSON: {0}")]
     Json(#[from] serde_json::Error),
     /// Standard output is closed.
@@ -301,8 +276,7 @@ impl CommandError {
             | Self::Folder { .. }
             | Self::NotModelled { .. }
             | Self::NothingToStudy { .. }
-            | Self::Option { .. }
-            | Self::UnknownProblem { .. }
+            | Self::Setting(_)
             | Self::Destination { .. }
             | Self::ForeignSettings { .. }
             | Self::Incomparable(_)
@@ -319,19 +293,19 @@ impl CommandError {
             | Self::Evaluate(EvaluateError::Interrupted)
             | Self::Budget(BudgetError::Evaluate(EvaluateError::Interrupted)) => INTERRUPTED,
             Self::Budget(BudgetError::OutOfReach { .. } | BudgetError::NothingToHold) => BAD_INPUT,
-            Self::Study { error: StudyError::Setting { .. }, .. } => BAD_INPUT,
+            Self::Study { error: StudyError::Setting(_), .. } => BAD_INPUT,
             Self::Store(error) if error.is_bad_input() => BAD_INPUT,
             Self::Dispatch(error) if error.is_bad_input() => BAD_INPUT,
             Self::Monitor(error) if error.is_bad_input() => BAD_INPUT,
             Self::Visit(error) if error.is_bad_input() => BAD_INPUT,
             Self::Worker(ServiceError::Settings { .. }) => BAD_INPUT,
-            // Whoever closed the pipe has read all it wanted.
+            // A reader that closes the pipe has what it needs.
             Self::Output(error) if error.kind() == std::io::ErrorKind::BrokenPipe => 0,
             _ => FAILURE,
         }
     }
 
-    /// How a study ended early; `dir` is its folder.
+    /// The error of the study in the folder `dir`.
     pub fn of_study(error: StudyError, dir: &Path) -> Self {
         match error {
             StudyError::Evaluate(EvaluateError::Interrupted) => Self::Interrupted { dir: dir.to_path_buf() },
@@ -339,7 +313,7 @@ impl CommandError {
         }
     }
 
-    /// A failure of the physics, told apart from an input that cannot work.
+    /// The failure of a simulation; a linkage that cannot work is bad input.
     pub fn of_simulation(origin: &str, scene: &Scene, failure: SimulationFailure) -> Self {
         let origin = origin.to_owned();
         match failure {
@@ -356,7 +330,12 @@ impl CommandError {
     }
 }
 
-/// Where the driven bodies stand at a time, e.g. `crank angle 123.4 deg`.
+/// The command-line option of a setting, e.g. `--max-evaluations`.
+fn option_of(key: &str) -> String {
+    format!("--{}", key.replace('_', "-"))
+}
+
+/// Angles of the driven bodies at a time [s], e.g. `crank angle 123.4 deg`.
 fn drive_at(scene: &Scene, time: f64) -> String {
     let angles: Vec<String> = scene
         .bodies

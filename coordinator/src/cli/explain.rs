@@ -1,15 +1,14 @@
-//! `coordinator explain`: what will be modelled, and why.
+//! `coordinator explain`: the model of a scene, the reasons for it, and its expected cost.
 
 mod variables;
 
 use super::accuracy::AccuracyArguments;
-use super::arguments::Talk;
 use super::error::CommandError;
 use super::external;
 use super::farm::cores;
 use super::model::Model;
-use super::output::{print, to_json};
-use super::scenes::count;
+use super::output::{count, print, to_json};
+use super::shared::Verbosity;
 use common::scene::*;
 use coordinator::results::output_unit::OutputUnit;
 use std::fmt::Write;
@@ -17,21 +16,24 @@ use std::sync::Arc;
 use variables::variables;
 
 /// Runs the command.
-pub fn explain(name: &str, accuracy: &AccuracyArguments, talk: Talk) -> Result<(), CommandError> {
+///
+/// # Errors
+/// [`CommandError`].
+pub fn explain(name: &str, accuracy: &AccuracyArguments, verbosity: Verbosity) -> Result<(), CommandError> {
     let source = SceneSource::load(name)?;
     let scene = source.nominal();
     if let Some(simulator) = &scene.simulator {
         external::check_accuracy(source.origin(), accuracy)?;
-        let json = talk.json.then(|| serde_json::to_value(scene)).transpose()?;
+        let json = verbosity.json.then(|| serde_json::to_value(scene)).transpose()?;
         return print(
             &json.map_or_else(|| Ok(without_mechanism(scene, simulator)), |value| to_json(&value))?,
         );
     }
     worker::mechanism::islands(scene)
         .map_err(|failure| CommandError::of_simulation(source.origin(), scene, failure))?;
-    let accuracy = accuracy.for_study(&source, scene, cores(), talk.quiet, Arc::default())?;
-    let model = Model::of(scene, &accuracy.setting);
-    if talk.json {
+    let accuracy = accuracy.for_study(&source, scene.study.seed, cores(), verbosity.quiet, Arc::default())?;
+    let model = Model::new(scene, &accuracy.setting);
+    if verbosity.json {
         let mut value = serde_json::to_value(scene)?;
         value["model"] = model.to_json();
         return print(&to_json(&value)?);
@@ -61,7 +63,7 @@ fn explain_into(out: &mut String, scene: &Scene, model: &Model) -> std::fmt::Res
     study(out, scene)
 }
 
-/// The same of a scene that names a simulator of its own.
+/// The description of a scene that names its own simulator.
 fn without_mechanism(scene: &Scene, simulator: &ExternalSimulator) -> String {
     let mut out = format!("{}: {}\n\n", scene.name, scene.title);
     // Writing to a String cannot fail.
@@ -94,7 +96,7 @@ fn motion(out: &mut String, scene: &Scene) -> std::fmt::Result {
             Motion::Driven { ref drive, .. } => {
                 let how = match drive {
                     Drive::ConstantSpeed { speed, .. } => {
-                        format!("turns at {:.1} r/min", speed * 30.0 / std::f64::consts::PI)
+                        format!("turns at {:.1} r/min", OutputUnit::AngularVelocity.to_shown(*speed))
                     }
                     Drive::Angle(_) => "angle by a table over time".to_owned(),
                     Drive::Speed { .. } => "speed by a table over time".to_owned(),
@@ -223,7 +225,7 @@ fn loads(out: &mut String, scene: &Scene) -> std::fmt::Result {
                 out,
                 "  {name}: motor on {}, {stall_torque} N m at rest, none at {:.1} r/min",
                 named(*body),
-                no_load_speed * 30.0 / std::f64::consts::PI
+                OutputUnit::AngularVelocity.to_shown(*no_load_speed)
             )?,
         }
     }
@@ -233,7 +235,7 @@ fn loads(out: &mut String, scene: &Scene) -> std::fmt::Result {
     }
 }
 
-/// What a load's table runs over, and between which values.
+/// The variable and the range of a load's table.
 fn curve(scene: &Scene, curve: &Curve, unit: &str) -> String {
     let over = match curve.over {
         Over::Time => "time".to_owned(),
@@ -242,12 +244,12 @@ fn curve(scene: &Scene, curve: &Curve, unit: &str) -> String {
     let values = &curve.table.value;
     let least = values.iter().copied().fold(f64::INFINITY, f64::min);
     let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let repeat = if curve.table.repeat { "again and again" } else { "once" };
+    let repeat = if curve.table.repeat { "repeated" } else { "once" };
     format!("{least} to {most} {unit} by a table over {over}, {repeat}")
 }
 
 fn outputs(out: &mut String, scene: &Scene) -> std::fmt::Result {
-    writeln!(out, "Outputs at every checkpoint, and what counts as failure")?;
+    writeln!(out, "Outputs at every checkpoint, and the limit states")?;
     for (i, output) in scene.outputs.iter().enumerate() {
         let of_joints = |joints: &[usize]| match joints {
             [one] => format!("joint {}", scene.joints[*one].name),
@@ -263,13 +265,13 @@ fn outputs(out: &mut String, scene: &Scene) -> std::fmt::Result {
             }
             OutputKind::PeakJointForce { joints } => format!("largest force in {}", of_joints(joints)),
             OutputKind::PositionError { at } => format!(
-                "largest distance of a point of {} from where ideal joints have it",
+                "largest distance of a point of {} from its position with ideal joints",
                 scene.bodies[at.body].name
             ),
             OutputKind::DrivingTorque { body } => {
                 format!("largest torque that drives {}", scene.bodies[*body].name)
             }
-            OutputKind::External { .. } => "whatever the simulator returns".to_owned(),
+            OutputKind::External { .. } => "as the simulator returns it".to_owned(),
         };
         let unit = OutputUnit::of(&output.kind);
         // As scenes write it.
@@ -292,12 +294,12 @@ mod tests {
     use super::*;
     use common::accuracy::NamedAccuracy;
 
-    /// A scene with every word of the language: each joint, load and output is said in a line of its own.
+    /// A scene with every key of the language: each joint, load and output has its own line.
     #[test]
     fn every_part_of_a_scene_is_explained() {
         let source = include_str!("../../../common/tests/scenes/everything.toml");
         let source = SceneSource::parse(source, "everything").unwrap();
-        let found = text(source.nominal(), &Model::of(source.nominal(), &NamedAccuracy::default()));
+        let found = text(source.nominal(), &Model::new(source.nominal(), &NamedAccuracy::default()));
         for line in [
             "wheel: speed by a table over time, prescribed, no unknowns",
             "hinge: rod turns on crank, ideal, no wear",
@@ -307,14 +309,14 @@ mod tests {
             "damping for a restitution of 0.9 (Lankarani-Nikravesh)",
             "spring: spring of 2000 N/m, 4 N s/m between rod and frame, slack at 30.000 mm",
             "torsion: torsion spring of 0.5 N m/rad, 0.01 N m s/rad between rod and frame, slack at 20.000 deg",
-            "push: force on slider along (0.6, 0.8), 1 to 5.5 N by a table over time, again and again",
+            "push: force on slider along (0.6, 0.8), 1 to 5.5 N by a table over time, repeated",
             "twist: torque on slider, 0 to 2 N m by a table over the angle of rod, once",
             "motor: motor on rod, -0.3 N m at rest, none at -3000.0 r/min",
             "wear: largest wear depth of joint worn",
             "all_wear: largest wear depth of 3 joints",
             "angle: largest difference of angle, rod against slider",
             "hinge_force: largest force in 2 joints",
-            "error: largest distance of a point of slider from where ideal joints have it",
+            "error: largest distance of a point of slider from its position with ideal joints",
             "torque: largest torque that drives crank",
             "limit state too_askew: failed from 3.0000 deg on",
             "limit state too_far: failed from 500.0000 um on",

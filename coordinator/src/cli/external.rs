@@ -1,10 +1,9 @@
-//! Commands on a scene that names a simulator of its own: what fits them, one evaluation, and what they explain.
+//! Scenes that name their own simulator: the options that they allow, one evaluation, and their description.
 
 use super::accuracy::AccuracyArguments;
-use super::arguments::{FarmArguments, SimulateArguments, Slots};
 use super::error::CommandError;
-use super::output::{deliver, to_json};
-use super::scenes::count;
+use super::output::{count, to_json};
+use super::shared::{FarmArguments, Slots};
 use super::signals::interruption;
 use common::scene::{ExternalSimulator, Fails, OutputKind, Scene, SceneSource, SimulatorKind};
 use coordinator::farm::evaluate::external::open;
@@ -14,11 +13,11 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-/// What is printed of one evaluation; names as for a mechanism.
+/// The evaluation as printed; names as for a mechanism.
 #[derive(Debug, Serialize)]
-struct Printed<'r> {
+struct PrintedReply<'r> {
     scene: &'r str,
-    /// What `--set` changed.
+    /// Values changed by `--set`, in SI units.
     settings: BTreeMap<&'r str, f64>,
     cycles: &'r [u32],
     /// Each output under its name and unit.
@@ -29,8 +28,11 @@ struct Printed<'r> {
     wall_s: f64,
 }
 
-/// Makes the simulator ready on `slots` slots; Ctrl-C and SIGTERM end its batches.
-pub fn ready(
+/// Starts the simulator on `slots` slots; Ctrl-C and SIGTERM end its batches.
+///
+/// # Errors
+/// [`CommandError::Signals`], [`CommandError::Simulator`].
+pub fn open_simulator(
     simulator: &ExternalSimulator,
     scene: &Scene,
     slots: usize,
@@ -39,13 +41,19 @@ pub fn ready(
     Ok(open(simulator, scene, slots, interrupted)?)
 }
 
-/// Options on accuracy are about mechanisms.
+/// Refuses options on accuracy: they are for mechanisms.
+///
+/// # Errors
+/// [`CommandError::NotForSimulators`].
 pub fn check_accuracy(origin: &str, accuracy: &AccuracyArguments) -> Result<(), CommandError> {
     let given = [("--accuracy", accuracy.accuracy.is_some()), ("--max-error", accuracy.max_error.is_some())];
-    refuse(origin, &given, "its simulator decides how accurate it is")
+    refuse(origin, &given, "the simulator determines its own accuracy")
 }
 
-/// Programs run on this machine alone, and servers are asked from it: nobody else can join.
+/// Refuses options on remote workers: programs run on this machine, and servers are queried from it.
+///
+/// # Errors
+/// [`CommandError::NotForSimulators`].
 pub fn check_farm(origin: &str, farm: &FarmArguments) -> Result<(), CommandError> {
     let given = [
         ("--listen", farm.listen.is_some()),
@@ -53,7 +61,7 @@ pub fn check_farm(origin: &str, farm: &FarmArguments) -> Result<(), CommandError
         ("--insecure", farm.insecure),
         ("--workers 0", farm.workers == Some(Slots::Count(0))),
     ];
-    refuse(origin, &given, "its simulator is run or asked by this process alone")
+    refuse(origin, &given, "this process alone runs or queries the simulator")
 }
 
 fn refuse(origin: &str, given: &[(&'static str, bool)], reason: &'static str) -> Result<(), CommandError> {
@@ -65,19 +73,20 @@ fn refuse(origin: &str, given: &[(&'static str, bool)], reason: &'static str) ->
     }
 }
 
-/// `coordinator simulate` of such a scene.
+/// Runs one evaluation; its JSON text.
+///
+/// # Errors
+/// [`CommandError`] if the simulator cannot be used, or the evaluation fails.
 pub fn simulate(
     source: &SceneSource,
     simulator: &ExternalSimulator,
     settings: &[(String, f64)],
-    arguments: &SimulateArguments,
-) -> Result<(), CommandError> {
+) -> Result<String, CommandError> {
     let scene = source.nominal();
-    check_accuracy(source.origin(), &arguments.accuracy)?;
     let sample = source.sample_with(settings)?;
     let request = Request { id: 0, sample, with_first_cycle: false, accuracy: None };
     let mut found = None;
-    ready(simulator, scene, 1)?
+    open_simulator(simulator, scene, 1)?
         .evaluate(&[request], &mut |finished| {
             found = Some(finished);
             Ok(())
@@ -87,7 +96,7 @@ pub fn simulate(
     let Finished { outcome, wall, .. } = found.ok_or_else(lost)?;
     let evaluation = outcome
         .map_err(|failure| CommandError::Simulation { origin: source.origin().to_owned(), failure })?;
-    let printed = Printed {
+    let printed = PrintedReply {
         scene: &scene.name,
         settings: settings.iter().map(|(name, value)| (name.as_str(), *value)).collect(),
         cycles: &evaluation.cycles,
@@ -95,7 +104,7 @@ pub fn simulate(
         numerical_error: by_name(scene, &evaluation.errors),
         wall_s: wall,
     };
-    deliver(&to_json(&printed)?, arguments.out.as_deref())
+    to_json(&printed)
 }
 
 fn by_name<'r>(scene: &Scene, rows: &'r [Vec<f64>]) -> BTreeMap<String, &'r [f64]> {
@@ -103,7 +112,7 @@ fn by_name<'r>(scene: &Scene, rows: &'r [Vec<f64>]) -> BTreeMap<String, &'r [f64
     keys.zip(rows.iter().map(Vec::as_slice)).collect()
 }
 
-/// What is evaluated, for people: the part of `coordinator explain` that describes a mechanism otherwise.
+/// Writes the description of the simulator for `coordinator explain`, in place of that of a mechanism.
 pub fn explain(out: &mut String, scene: &Scene, simulator: &ExternalSimulator) -> std::fmt::Result {
     writeln!(out, "Simulator")?;
     match &simulator.kind {
@@ -120,7 +129,7 @@ pub fn explain(out: &mut String, scene: &Scene, simulator: &ExternalSimulator) -
         )?,
     }
     writeln!(out, "  an evaluation may take {} s\n", simulator.timeout)?;
-    writeln!(out, "Outputs at every checkpoint, and what counts as failure")?;
+    writeln!(out, "Outputs at every checkpoint, and the limit states")?;
     for (i, output) in scene.outputs.iter().enumerate() {
         let unit = OutputUnit::of(&output.kind);
         let single = matches!(output.kind, OutputKind::External { single: true, .. });
@@ -138,7 +147,7 @@ pub fn explain(out: &mut String, scene: &Scene, simulator: &ExternalSimulator) -
     writeln!(out)
 }
 
-/// What such a scene has, for `coordinator check`.
+/// Counts of the scene's entries for `coordinator check`.
 pub fn counts(scene: &Scene) -> String {
     [
         count(scene.outputs.len(), "output"),

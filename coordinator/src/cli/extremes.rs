@@ -1,9 +1,9 @@
 //! `coordinator extremes`: a scene at the edges of its model, as a table.
 
-use super::arguments::{DEFAULT_SCENE, Talk};
 use super::error::CommandError;
 use super::output::{check_destination, deliver, to_json};
 use super::scenes::check_linkage;
+use super::shared::{DEFAULT_SCENE, Verbosity};
 use clap::Args;
 use common::accuracy::NamedAccuracy;
 use common::scene::{ContactLaw, Scene, SceneSource};
@@ -51,7 +51,7 @@ pub struct ExtremesArguments {
 }
 
 /// Runs the command.
-pub fn extremes(arguments: &ExtremesArguments, talk: Talk) -> Result<(), CommandError> {
+pub fn extremes(arguments: &ExtremesArguments, verbosity: Verbosity) -> Result<(), CommandError> {
     check_destination(arguments.out.as_deref())?;
     let source = SceneSource::load(&arguments.scene)?;
     let scene = source.nominal();
@@ -59,12 +59,12 @@ pub fn extremes(arguments: &ExtremesArguments, talk: Talk) -> Result<(), Command
     let cases = cases(scene, &arguments.accuracy.accuracy);
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let rows = run_all(&cases, threads, |row| {
-        if !talk.quiet {
+        if !verbosity.quiet {
             eprintln!("{}, {}: {}", row.case, name_of(row.law), verdict(&row.outcome));
         }
     });
     let printed: Vec<PrintedRow> = rows.iter().map(|row| printed(scene, row)).collect();
-    let text = if talk.json { to_json(&printed)? } else { table(&printed) };
+    let text = if verbosity.json { to_json(&printed)? } else { table(&printed) };
     deliver(&text, arguments.out.as_deref())?;
     let unsound = rows.iter().filter(|row| !row.outcome.is_sound()).count();
     if unsound > 0 {

@@ -1,8 +1,9 @@
-//! Who evaluates for a command: a coordinator that listens, and its local workers.
+//! The evaluators of a command: a coordinator that listens for workers, with local workers in this process, or the
+//! simulator that a scene names.
 
-use super::arguments::{FarmArguments, Slots};
 use super::error::CommandError;
 use super::external;
+use super::shared::{FarmArguments, Slots};
 use super::signals::interruption;
 use common::scene::SceneSource;
 use coordinator::farm::dispatch::{Board, Campaign, Listen, ZenohEvaluator};
@@ -12,15 +13,7 @@ use std::time::Instant;
 use worker::service::{self, ServiceConfig, WorkerHandle};
 use worker::simulator::simulator;
 
-/// Starts to listen for workers of a campaign; Ctrl-C and SIGTERM end its batches.
-pub fn listen(campaign: Campaign, arguments: &FarmArguments) -> Result<ZenohEvaluator, CommandError> {
-    let FarmArguments { listen, config, insecure, .. } = arguments.clone();
-    let listen = Listen { endpoint: listen, config, insecure };
-    let interrupted = interruption().map_err(CommandError::Signals)?;
-    Ok(ZenohEvaluator::open(campaign, &listen, interrupted)?)
-}
-
-/// How many local slots the arguments ask for.
+/// Number of local slots that the arguments ask for.
 pub fn local_slots(arguments: &FarmArguments) -> usize {
     match arguments.workers.unwrap_or(Slots::Auto) {
         Slots::Auto => cores(),
@@ -28,39 +21,43 @@ pub fn local_slots(arguments: &FarmArguments) -> usize {
     }
 }
 
-/// Cores of this machine.
+/// Number of cores of this machine.
 pub fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
-/// Who is ready to evaluate a study's samples, before there is a folder for its results.
-pub enum Ready {
-    /// A coordinator that listens.
-    Listening(ZenohEvaluator),
-    /// The simulator that the scene names, on so many slots.
+/// The evaluator of a command.
+pub enum CommandEvaluator {
+    /// Workers, local and remote.
+    Workers(WorkerFarm),
+    /// The simulator that the scene names, and its number of slots.
     Simulator(Box<dyn Evaluator>, u32),
 }
 
-impl Ready {
-    /// For a scene; `campaign` is what workers are told.
-    pub fn to_study(
+impl CommandEvaluator {
+    /// Opens the evaluator of a scene: starts its simulator, or listens for workers of `campaign`. Local workers are
+    /// not started yet, so that a failure here leaves no results folder behind.
+    ///
+    /// # Errors
+    /// [`CommandError`] if the simulator cannot be used, or the address cannot be listened on.
+    pub fn open(
         source: &SceneSource,
         campaign: impl FnOnce() -> Result<Campaign, CommandError>,
         arguments: &FarmArguments,
     ) -> Result<Self, CommandError> {
         let scene = source.nominal();
         let Some(simulator) = &scene.simulator else {
-            return Ok(Self::Listening(listen(campaign()?, arguments)?));
+            return Ok(Self::Workers(WorkerFarm::listen(campaign()?, arguments)?));
         };
         external::check_farm(source.origin(), arguments)?;
         let slots = local_slots(arguments);
-        Ok(Self::Simulator(external::ready(simulator, scene, slots)?, slots as u32))
+        Ok(Self::Simulator(external::open_simulator(simulator, scene, slots)?, slots as u32))
     }
 
-    /// Where the study is to post how far it is, and where to look for it.
-    pub fn source(&self) -> (Board, Source) {
+    /// The status board of the study, and the source of its metrics.
+    pub fn status(&self) -> (Board, Source) {
         match self {
-            Self::Listening(evaluator) => (evaluator.board(), Source::Farm(evaluator.look())),
+            Self::Workers(farm) => (farm.evaluator.board(), Source::Farm(farm.evaluator.look())),
             Self::Simulator(_, slots) => {
                 let board = Board::default();
                 (board.clone(), Source::Alone { board, slots: *slots, since: Instant::now() })
@@ -68,81 +65,91 @@ impl Ready {
         }
     }
 
-    /// Starts the local workers, if workers are to work.
-    pub fn hire(self, arguments: &FarmArguments) -> Result<Crew, CommandError> {
+    /// Starts the local workers, if there are any.
+    ///
+    /// # Errors
+    /// [`CommandError::Worker`].
+    pub fn start_workers(&mut self) -> Result<(), CommandError> {
         match self {
-            Self::Listening(evaluator) => Ok(Crew::Farm(Farm::hire(evaluator, arguments)?)),
-            Self::Simulator(evaluator, slots) => Ok(Crew::Simulator(evaluator, slots)),
+            Self::Workers(farm) => farm.start_workers(),
+            Self::Simulator(..) => Ok(()),
         }
     }
-}
 
-/// Who evaluates a study's samples.
-pub enum Crew {
-    /// Workers.
-    Farm(Farm),
-    /// The simulator that the scene names, on so many slots.
-    Simulator(Box<dyn Evaluator>, u32),
-}
-
-impl Crew {
-    /// The evaluator.
+    /// The evaluator as a study uses it.
     pub fn evaluator(&mut self) -> &mut dyn Evaluator {
         match self {
-            Self::Farm(farm) => &mut farm.evaluator,
+            Self::Workers(farm) => &mut farm.evaluator,
             Self::Simulator(evaluator, _) => &mut **evaluator,
         }
     }
 
-    /// Simulations that can run at once now.
-    pub fn concurrency(&self) -> u32 {
-        match self {
-            Self::Farm(farm) => farm.evaluator.concurrency(),
-            Self::Simulator(_, slots) => *slots,
+    /// Prints the addresses for remote workers if there are no local ones.
+    pub fn print_endpoints(&self) {
+        if let Self::Workers(farm) = self {
+            farm.print_endpoints();
         }
     }
 
-    /// Says where remote workers may join if there are no local ones.
-    pub fn say_where(&self) {
-        if let Self::Farm(farm) = self {
-            farm.say_where();
-        }
-    }
-
-    /// Tells workers and programs to leave.
+    /// Disconnects the workers.
     pub fn close(self) {
-        if let Self::Farm(farm) = self {
+        if let Self::Workers(farm) = self {
             farm.close();
         }
     }
 }
 
-/// A coordinator that listens, and its local workers, `None` if remote ones are to do it all.
-pub struct Farm {
+/// A coordinator that listens for workers, and the workers of this process.
+pub struct WorkerFarm {
     /// The coordinator's end.
     pub evaluator: ZenohEvaluator,
+    arguments: FarmArguments,
     local: Option<WorkerHandle>,
 }
 
-impl Farm {
-    /// Starts the local workers.
-    pub fn hire(evaluator: ZenohEvaluator, arguments: &FarmArguments) -> Result<Self, CommandError> {
-        let slots = local_slots(arguments);
-        let endpoint = evaluator.endpoints().first().filter(|_| slots > 0).cloned();
+impl WorkerFarm {
+    /// Listens for workers of a campaign and starts the local ones.
+    ///
+    /// # Errors
+    /// Those of [`WorkerFarm::listen`] and [`WorkerFarm::start_workers`].
+    pub fn start(campaign: Campaign, arguments: &FarmArguments) -> Result<Self, CommandError> {
+        let mut farm = Self::listen(campaign, arguments)?;
+        farm.start_workers()?;
+        Ok(farm)
+    }
+
+    /// Listens for workers of a campaign; Ctrl-C and SIGTERM end its batches.
+    ///
+    /// # Errors
+    /// [`CommandError::Signals`], [`CommandError::Dispatch`].
+    pub fn listen(campaign: Campaign, arguments: &FarmArguments) -> Result<Self, CommandError> {
+        let FarmArguments { listen, config, insecure, .. } = arguments.clone();
+        let listen = Listen { endpoint: listen, config, insecure };
+        let interrupted = interruption().map_err(CommandError::Signals)?;
+        let evaluator = ZenohEvaluator::open(campaign, &listen, interrupted)?;
+        Ok(Self { evaluator, arguments: arguments.clone(), local: None })
+    }
+
+    /// Starts the local workers, if the arguments ask for any.
+    ///
+    /// # Errors
+    /// [`CommandError::Worker`].
+    pub fn start_workers(&mut self) -> Result<(), CommandError> {
+        let slots = local_slots(&self.arguments);
+        let endpoint = self.evaluator.endpoints().first().filter(|_| slots > 0).cloned();
         let spawn = |endpoint| {
-            let zenoh_config = arguments.config.clone();
-            // The study thinks and serves the farm in this process: simulations give way to it, and have its cores back when
-            // it has done.
+            let zenoh_config = self.arguments.config.clone();
+            // The learner and the dispatch run in this process too: simulations give way to them.
             let config =
                 ServiceConfig { zenoh_config, give_way: true, ..ServiceConfig::new(endpoint, slots) };
             service::spawn(config, simulator())
         };
-        let local = endpoint.map(spawn).transpose()?;
-        Ok(Farm { evaluator, local })
+        self.local = endpoint.map(spawn).transpose()?;
+        Ok(())
     }
 
-    /// Says where remote workers may join if there are no local ones.
-    pub fn say_where(&self) {
+    /// Prints the addresses for remote workers if there are no local ones.
+    pub fn print_endpoints(&self) {
         if self.local.is_none() {
             for endpoint in self.evaluator.endpoints() {
                 eprintln!("waiting for workers: worker --connect {endpoint}");
@@ -150,11 +157,11 @@ impl Farm {
         }
     }
 
-    /// Tells the workers to leave.
+    /// Disconnects the workers and waits for the local ones to end.
     pub fn close(self) {
         self.evaluator.finish();
         if let Some(Err(error)) = self.local.map(WorkerHandle::join) {
-            // The command has its results; how a local worker ended only matters to whoever looks for a reason.
+            // The command has its results; the end of a local worker only matters for diagnosis.
             tracing::warn!("local worker: {error}");
         }
     }

@@ -1,10 +1,9 @@
-//! The command line: what the binary does with its arguments. Results go to standard output, all else to standard
-//! error; a command ends with one message and an exit code.
+//! The command line of the binary, one file per command. Results go to standard output, messages and logs to standard
+//! error; a command ends with at most one error message and an exit code.
 
 mod accuracy;
-mod arguments;
-mod benchmark;
 mod calibrate;
+mod command;
 mod compare;
 mod distributions;
 mod doctor;
@@ -16,34 +15,34 @@ mod farm;
 mod init;
 mod model;
 mod monitor;
-mod names;
-mod opened;
-mod options;
 mod output;
-mod replay;
 mod results;
 mod run;
 mod scenes;
+mod shared;
 mod signals;
 mod simulate;
 mod status;
+mod stored_study;
+mod study_options;
 mod tradeoff;
 mod verify;
 
-use arguments::{Arguments, Command, RunArguments, Talk};
-use clap::Parser;
+use command::{Arguments, Command};
 use error::CommandError;
+use shared::Verbosity;
 use std::process::ExitCode;
+use study_options::RunArguments;
 use worker::log;
 
-/// Environment variable that overrides what is logged, in the syntax of `tracing`.
+/// Environment variable that overrides the log levels, in the syntax of `tracing`.
 const LOG_VARIABLE: &str = "HINGEWISE_LOG";
 
-/// Parses the arguments and does what they ask.
+/// Reads the command line and runs the command; the exit code of the process.
 pub fn main() -> ExitCode {
-    let arguments = Arguments::parse();
-    start_log(arguments.talk);
-    match command(arguments) {
+    let arguments = Arguments::read();
+    start_log(arguments.verbosity);
+    match run_command(arguments) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             if error.exit_code() != 0 {
@@ -54,42 +53,42 @@ pub fn main() -> ExitCode {
     }
 }
 
-fn command(arguments: Arguments) -> Result<(), CommandError> {
-    let json = arguments.talk.json;
-    if arguments.command.is_some() && arguments.run != RunArguments::default() {
+fn run_command(arguments: Arguments) -> Result<(), CommandError> {
+    let Arguments { verbosity, run: options, command } = arguments;
+    let json = verbosity.json;
+    let Some(command) = command else { return run::run(&options, verbosity) };
+    if options != RunArguments::default() {
         return Err(CommandError::MisplacedOptions);
     }
-    match arguments.command {
-        None => run::run(&arguments.run, arguments.talk),
-        Some(Command::Run(study)) => run::run(&study, arguments.talk),
-        Some(Command::Resume(study)) => run::resume(&study, arguments.talk),
-        Some(Command::Sensitivity(study)) => results::sensitivity(&study.dir, json),
-        Some(Command::Report(study)) => results::report(&study.dir, json),
-        Some(Command::Compare(studies)) => compare::compare(&studies, json),
-        Some(Command::Init(scene)) => init::init(&scene, json),
-        Some(Command::Extremes(table)) => extremes::extremes(&table, arguments.talk),
-        Some(Command::Tradeoff(measurement)) => tradeoff::tradeoff(&measurement, arguments.talk),
-        Some(Command::Benchmark(benchmark)) => benchmark::benchmark(&benchmark, arguments.talk),
-        Some(Command::Calibrate(calibration)) => calibrate::calibrate(&calibration, arguments.talk),
-        Some(Command::Replay(study)) => replay::replay(&study, json),
-        Some(Command::Verify(verification)) => verify::verify(&verification, json),
-        Some(Command::Simulate(simulation)) => simulate::simulate(&simulation, arguments.talk),
-        Some(Command::Status(look)) => status::status(&look, json),
-        Some(Command::Doctor(patient)) => doctor::doctor(&patient, json),
-        Some(Command::Scenes { show }) => scenes::scenes(show.as_deref(), json),
-        Some(Command::Check { file }) => scenes::check(&file, json),
-        Some(Command::Explain { scene, accuracy }) => explain::explain(&scene, &accuracy, arguments.talk),
+    match command {
+        Command::Run(options) => run::run(&options, verbosity),
+        Command::Resume(options) => run::resume(&options, verbosity),
+        Command::Sensitivity(study) => results::sensitivity(&study.dir, json),
+        Command::Report(study) => results::report(&study.dir, json),
+        Command::Compare(options) => compare::compare(&options, json),
+        Command::Init(options) => init::init(&options, json),
+        Command::Extremes(options) => extremes::extremes(&options, verbosity),
+        Command::Tradeoff(options) => tradeoff::tradeoff(&options, verbosity),
+        Command::Calibrate(options) => calibrate::calibrate(&options, verbosity),
+        Command::Replay(options) => verify::rounds(&options.dir, &options.rounds, json),
+        Command::Verify(options) => verify::verify(&options, json),
+        Command::Simulate(options) => simulate::simulate(&options, verbosity),
+        Command::Status(options) => status::status(&options, json),
+        Command::Doctor(options) => doctor::doctor(&options, json),
+        Command::Scenes { show } => scenes::scenes(show.as_deref(), json),
+        Command::Check { file } => scenes::check(&file, json),
+        Command::Explain { scene, accuracy } => explain::explain(&scene, &accuracy, verbosity),
     }
 }
 
-/// Logs go to standard error.
-fn start_log(talk: Talk) {
-    // Zenoh reports the comings and goings of workers as errors; what matters of them is said here anyway.
-    let level = match (talk.quiet, talk.verbose) {
+/// Starts the log on standard error.
+fn start_log(verbosity: Verbosity) {
+    // Zenoh logs the connections and disconnections of workers as errors; the coordinator reports them itself.
+    let level = match (verbosity.quiet, verbosity.verbose) {
         (true, _) => "error,zenoh=off",
         (false, 0) => "warn,zenoh=off",
         (false, 1) => "info,zenoh=warn",
         (false, _) => "debug,zenoh=info,rustls=info",
     };
-    log::start(level, LOG_VARIABLE, talk.log_format, true);
+    log::start(level, LOG_VARIABLE, verbosity.log_format, true);
 }

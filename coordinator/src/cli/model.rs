@@ -1,6 +1,6 @@
-//! The model that an evaluation of a scene uses, and what it is expected to cost: part of `coordinator explain`.
+//! The model of a scene and its expected cost: part of `coordinator explain`.
 
-use super::scenes::count;
+use super::output::count;
 use common::accuracy::NamedAccuracy;
 use common::scene::{Motion, Scene};
 use serde_json::{Value, json};
@@ -8,32 +8,32 @@ use std::fmt::Write;
 use std::time::Instant;
 use worker::simulate::{FirstLook, IslandModel, first_look};
 
-/// A first look at a scene, or why there is none; with the time it took.
+/// The first cycle of a scene, or the failure of its simulation, with the time it took.
 pub struct Model {
     look: Result<FirstLook, String>,
     accuracy: String,
-    /// Dynamic cycles simulated for the look, and the time that took [s].
+    /// Dynamic cycles simulated for this, and their time [s].
     looked: (f64, f64),
 }
 
 impl Model {
-    /// Simulates the settled first cycle at the accuracy that a study is to use.
-    pub fn of(scene: &Scene, accuracy: &NamedAccuracy) -> Self {
+    /// Simulates the settled first cycle at the accuracy of the study.
+    pub fn new(scene: &Scene, accuracy: &NamedAccuracy) -> Self {
         let start = Instant::now();
         let look = first_look(scene, &accuracy.accuracy).map_err(|failure| failure.to_string());
         let cycles = f64::from(scene.life.settle_cycles) + 1.0;
         Model { look, accuracy: accuracy.name.clone(), looked: (cycles, start.elapsed().as_secs_f64()) }
     }
 
-    /// Seconds that one evaluation is expected to take. The look at the quasi-static tier, a cycle of it, counts as
-    /// dynamic: the estimate is on the safe side.
+    /// Expected time of one evaluation [s]. The one trial cycle of the quasi-static tier counts as dynamic, so the
+    /// estimate is conservative.
     fn seconds(&self, look: &FirstLook) -> f64 {
         let per_cycle = self.looked.1 / self.looked.0;
         // Measured on the built-in scenes: a quasi-static cycle takes a tenth of a dynamic one.
         per_cycle * (look.dynamic_cycles + 0.1 * look.quasi_static_cycles)
     }
 
-    /// For programs.
+    /// The model as JSON.
     pub fn to_json(&self) -> Value {
         let look = match &self.look {
             Ok(look) => look,
@@ -56,7 +56,7 @@ impl Model {
         })
     }
 
-    /// For people.
+    /// Writes the model as text.
     pub fn write(&self, out: &mut String, scene: &Scene) -> std::fmt::Result {
         writeln!(out, "Model")?;
         let look = match &self.look {
@@ -65,15 +65,15 @@ impl Model {
         };
         let given = scene.bodies.iter().filter(|b| !matches!(b.motion, Motion::Free { .. })).count();
         let given = if given == 1 {
-            "1 body whose motion is given costs".to_owned()
+            "1 body with prescribed motion costs".to_owned()
         } else {
-            format!("{given} bodies whose motion is given cost")
+            format!("{given} bodies with prescribed motion cost")
         };
         writeln!(out, "  {given} nothing.")?;
         for (k, i) in look.islands.iter().enumerate() {
             writeln!(
                 out,
-                "  island {}, with time steps of its own: {}; {} unknowns, {} of {}, {}",
+                "  island {}, with its own time steps: {}; {} unknowns, {} of {}, {}",
                 k + 1,
                 i.bodies.join(" + "),
                 i.unknowns,
@@ -95,12 +95,12 @@ impl Model {
     }
 }
 
-/// The tier chosen, and why.
+/// The chosen tier and the reason.
 fn why(look: &FirstLook) -> String {
     match &look.tier {
-        _ if !look.wears => "Nothing wears: one cycle stands for the whole life".to_owned(),
+        _ if !look.wears => "No wear: one cycle represents the whole life".to_owned(),
         Ok(share) => format!(
-            "Wear alone is asked for, and quasi-static wear rates are within {:.2} % of the dynamics: the cycles between the \
+            "Only wear is requested, and quasi-static wear rates are within {:.2} % of the dynamics: the cycles between the \
              first and the last follow the gaps on the ideal motion",
             share * 100.0
         ),
@@ -115,7 +115,7 @@ mod tests {
 
     fn text(scene: &Scene) -> String {
         let mut out = String::new();
-        Model::of(scene, &NamedAccuracy::default()).write(&mut out, scene).expect("a text takes everything");
+        Model::new(scene, &NamedAccuracy::default()).write(&mut out, scene).expect("a text takes everything");
         out
     }
 
@@ -132,7 +132,7 @@ mod tests {
         scene.outputs.truncate(1);
         let wear = text(&scene);
         assert!(wear.contains("quasi-static wear rates are within"), "{wear}");
-        let json = Model::of(&scene, &NamedAccuracy::default()).to_json();
+        let json = Model::new(&scene, &NamedAccuracy::default()).to_json();
         assert_eq!((&json["tier"], &json["islands"][0]["unknowns"]), (&json!("quasi-static"), &json!(6)));
         assert!(json["expected_s"].as_f64().expect("a number") > 0.0);
     }
@@ -142,6 +142,6 @@ mod tests {
         let source = SceneSource::builtin("pendulum").expect("built in");
         let found = text(source.nominal());
         assert!(found.contains("3 unknowns, 2 constraints of 1 ideal joint, 0 contacts"), "{found}");
-        assert!(found.contains("Nothing wears"), "{found}");
+        assert!(found.contains("No wear"), "{found}");
     }
 }

@@ -1,28 +1,39 @@
-//! Who may look at a running study: `--metrics` and `--live`.
+//! Access to a running study: `--metrics` and `--live`.
 
 use super::error::CommandError;
-use super::farm::Ready;
-use super::options::StudyOptions;
+use super::farm::CommandEvaluator;
 use clap::Args;
-use common::scene::{Scene, SceneSource};
+use common::scene::Scene;
 use coordinator::farm::dispatch::Board;
 use coordinator::presentation::monitor::{Live, Server, Watch, address};
 use coordinator::results::progress::Observer;
+use coordinator::study::Settings;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Options for those who watch.
+/// Options on the access to a running study.
 #[derive(Debug, Clone, Default, Args, PartialEq)]
+#[command(next_help_heading = "Output")]
 pub struct MonitorArguments {
-    /// Offer metrics of the running study to Prometheus, at http://ADDRESS:PORT/metrics
+    /// Serve metrics of the running study for Prometheus at http://ADDRESS:PORT/metrics
     #[arg(long, value_name = "PORT|ADDRESS:PORT")]
     pub metrics: Option<String>,
-    /// Show the report while the study runs, to browsers of this machine, at http://127.0.0.1:PORT
+    /// Serve the report of the running study to browsers of this machine at http://127.0.0.1:PORT
     #[arg(long, value_name = "PORT")]
     pub live: Option<String>,
 }
 
-/// Those who look, and where.
+/// The study that a monitor shows.
+pub struct WatchedStudy<'a> {
+    /// Its folder.
+    pub dir: &'a Path,
+    /// Its scene.
+    pub scene: &'a Scene,
+    /// Its settings.
+    pub settings: &'a Settings,
+}
+
+/// The servers of a running study.
 pub struct Monitor {
     board: Board,
     live: Option<(Arc<Live>, Server)>,
@@ -30,15 +41,17 @@ pub struct Monitor {
 }
 
 impl Monitor {
-    /// Opens what the arguments ask for; `study` is its folder, scene and options.
+    /// Starts the servers that the arguments ask for; `insecure` allows metrics on an address of a network.
+    ///
+    /// # Errors
+    /// [`CommandError::Monitor`] if an address is not allowed or cannot be used.
     pub fn open(
         arguments: &MonitorArguments,
         insecure: bool,
-        ready: &Ready,
-        study: (&Path, &SceneSource, &StudyOptions),
+        evaluator: &CommandEvaluator,
+        study: &WatchedStudy<'_>,
     ) -> Result<Self, CommandError> {
-        let (dir, source, options) = study;
-        let (board, look) = ready.source();
+        let (board, look) = evaluator.status();
         let trusted = if insecure {
             Ok(())
         } else {
@@ -51,16 +64,14 @@ impl Monitor {
         let live = arguments.live.as_deref().map(|given| address("--live", given, only_here)).transpose()?;
         let metrics = metrics.map(|address| Server::metrics(address, look)).transpose()?;
         let page = |address| {
-            let settings = options.settings();
-            let scene = Scene { study: settings.study, ..source.nominal().clone() };
-            let live = Arc::new(Live::new(dir, &scene, &settings));
+            let live = Arc::new(Live::new(study.dir, study.scene, study.settings));
             Ok::<_, CommandError>((Arc::clone(&live), Server::live(address, live)?))
         };
         Ok(Monitor { board, live: live.map(page).transpose()?, metrics })
     }
 
-    /// Says where to look.
-    pub fn say_where(&self) {
+    /// Prints the addresses of the servers.
+    pub fn print_addresses(&self) {
         if let Some((_, server)) = &self.live {
             eprintln!("live report: http://{}", server.address());
         }
@@ -69,12 +80,12 @@ impl Monitor {
         }
     }
 
-    /// An observer that passes on to `next`.
+    /// An observer that serves the monitor and forwards to `next`.
     pub fn watch<'a>(&self, scene: &str, next: &'a mut dyn Observer) -> Watch<'a> {
         Watch::new(scene, next, self.board.clone(), self.live.as_ref().map(|(live, _)| Arc::clone(live)))
     }
 
-    /// Tells those who look that the study has ended.
+    /// Shows the end of the study and stops the servers.
     pub fn end(self) {
         if let Some((live, _server)) = &self.live {
             live.end();

@@ -6,6 +6,11 @@ use serde::Serialize;
 use std::io::Write;
 use std::path::Path;
 
+/// A count with its noun, e.g. `1 joint`, `0 loads`.
+pub fn count(n: usize, noun: &str) -> String {
+    format!("{n} {noun}{}", if n == 1 { "" } else { "s" })
+}
+
 /// A result as JSON text with its last newline.
 pub fn to_json(result: &impl Serialize) -> Result<String, CommandError> {
     let mut text = serde_json::to_string_pretty(result)?;

@@ -1,19 +1,30 @@
-//! `coordinator sensitivity` and `coordinator report`: what a finished study says, without a new evaluation.
+//! `coordinator sensitivity` and `coordinator report`: results of a finished study, without a new evaluation.
 
 use super::error::CommandError;
 use super::output::{print, to_json};
-use common::scene::SceneSource;
+use super::stored_study::scene_of;
+use clap::Args;
 use coordinator::presentation::report::{self, SUMMARY_DOCUMENT};
-use coordinator::results::store::{CampaignFile, FILE_NAME};
+use coordinator::results::store::CampaignFile;
 use coordinator::results::summary::{SensitivityRow, SobolRow, StudySummary};
 use serde_json::json;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// Variables shown per limit state.
+/// Number of variables shown per limit state.
 const SHOWN: usize = 10;
 
+/// Arguments of commands on a finished study.
+#[derive(Debug, Clone, Args)]
+pub struct StudyFolder {
+    /// Folder of the study
+    pub dir: PathBuf,
+}
+
 /// Writes the result files and the report of a finished study again.
+///
+/// # Errors
+/// [`CommandError::Store`], [`CommandError::NotFinished`], or the error of a file that cannot be written.
 pub fn report(dir: &Path, as_json: bool) -> Result<(), CommandError> {
     let campaign = CampaignFile::open(dir)?;
     let page = write_results(&campaign)?;
@@ -23,16 +34,20 @@ pub fn report(dir: &Path, as_json: bool) -> Result<(), CommandError> {
     print(&format!("{}\n", page.display()))
 }
 
-/// Writes every file of a finished study's folder; the path of the page.
+/// Writes every result file of a finished study; returns the path of the report.
+///
+/// # Errors
+/// [`CommandError::NotFinished`], or the error of a file that cannot be written.
 pub fn write_results(campaign: &CampaignFile) -> Result<PathBuf, CommandError> {
-    let dir = campaign.dir();
-    let origin = dir.join(FILE_NAME).display().to_string();
-    let source = SceneSource::parse(&campaign.meta().scene_source, &origin)?;
+    let source = scene_of(campaign)?;
     report::write_all(campaign, source.nominal())?
-        .ok_or_else(|| CommandError::NotFinished { dir: dir.to_path_buf() })
+        .ok_or_else(|| CommandError::NotFinished { dir: campaign.dir().to_path_buf() })
 }
 
-/// Shows what the failure probabilities of a finished study depend on.
+/// Prints the sensitivities of the failure probabilities of a finished study.
+///
+/// # Errors
+/// [`CommandError::Store`], [`CommandError::NotFinished`].
 pub fn sensitivity(dir: &Path, as_json: bool) -> Result<(), CommandError> {
     let campaign = CampaignFile::open(dir)?;
     let summary: StudySummary = campaign
@@ -54,7 +69,7 @@ fn table(summary: &StudySummary) -> String {
 fn table_into(out: &mut String, summary: &StudySummary) -> std::fmt::Result {
     let total = "total".to_owned();
     for state in summary.limit_states.iter().chain([&total]) {
-        let Some(cycles) = telling_checkpoint(summary, state) else {
+        let Some(cycles) = checkpoint_nearest_one_half(summary, state) else {
             writeln!(
                 out,
                 "{state}: no sensitivity, the failure probability is 0 or 1 at every checkpoint\n"
@@ -96,7 +111,7 @@ fn table_into(out: &mut String, summary: &StudySummary) -> std::fmt::Result {
 }
 
 /// Of the checkpoints with derivatives, the one where the reliability is nearest one half.
-fn telling_checkpoint(summary: &StudySummary, state: &str) -> Option<u32> {
+fn checkpoint_nearest_one_half(summary: &StudySummary, state: &str) -> Option<u32> {
     let has_derivatives =
         |cycles: u32| summary.sensitivity.iter().any(|row| row.cycles == cycles && row.limit_state == state);
     summary

@@ -1,28 +1,33 @@
 //! `coordinator run` and `coordinator resume`: a study from its scene to its report.
 //!
-//! scene -> checks -> folder -> listen -> local workers -> study -> result files -> report
+//! scene -> checks -> listen -> folder -> local workers -> study -> result files -> report
 
-use super::arguments::{DEFAULT_SCENE, ResumeArguments, RunArguments, Talk};
 use super::distributions::for_report;
 use super::error::CommandError;
 use super::external;
-use super::farm::{Crew, Ready, cores, local_slots};
-use super::monitor::Monitor;
-use super::options::StudyOptions;
+use super::farm::{CommandEvaluator, cores, local_slots};
+use super::monitor::{Monitor, WatchedStudy};
 use super::output::{print, to_json};
 use super::results::write_results;
 use super::scenes::check_linkage;
+use super::shared::{DEFAULT_SCENE, Verbosity};
 use super::signals::interruption;
-use common::scene::{Scene, SceneSource};
+use super::stored_study::StoredStudy;
+use super::study_options::{ResumeArguments, RunArguments};
+use common::scene::SceneSource;
 use coordinator::farm::dispatch::Campaign;
 use coordinator::presentation::report::{DISTRIBUTIONS_DOCUMENT, SUMMARY_DOCUMENT};
 use coordinator::presentation::terminal::{Terminal, final_text};
-use coordinator::results::store::{CampaignFile, CampaignMeta, FILE_NAME};
+use coordinator::results::store::{CampaignFile, CampaignMeta};
 use coordinator::results::summary::StudySummary;
+use coordinator::study::Settings;
 use std::path::{Path, PathBuf};
 
-/// Starts a study.
-pub fn run(arguments: &RunArguments, talk: Talk) -> Result<(), CommandError> {
+/// Starts a study and runs it to its end.
+///
+/// # Errors
+/// [`CommandError`].
+pub fn run(arguments: &RunArguments, verbosity: Verbosity) -> Result<(), CommandError> {
     let source = SceneSource::load(arguments.scene.as_deref().unwrap_or(DEFAULT_SCENE))?;
     let scene = source.nominal();
     if scene.variables.is_empty() || scene.limit_states.is_empty() {
@@ -33,101 +38,102 @@ pub fn run(arguments: &RunArguments, talk: Talk) -> Result<(), CommandError> {
     } else {
         check_linkage(source.origin(), scene)?;
     }
-    let mut options = StudyOptions::new(arguments, scene)?;
-    // The points at which accuracies are tried are those of the study's seed.
-    let seeded = Scene { study: options.settings().study, ..scene.clone() };
+    let mut settings = arguments.settings(scene);
+    settings.check(scene)?;
     let threads = Some(local_slots(&arguments.farm)).filter(|slots| *slots > 0).unwrap_or_else(cores);
     let interrupted = interruption().map_err(CommandError::Signals)?;
-    options.accuracy = arguments.accuracy.for_study(&source, &seeded, threads, talk.quiet, interrupted)?;
+    let accuracy = &arguments.accuracy;
+    settings.accuracy = accuracy.for_study(&source, settings.seed, threads, verbosity.quiet, interrupted)?;
     let dir = arguments.out.clone().unwrap_or_else(|| free_folder(&scene.name));
     let meta = CampaignMeta {
         scene: scene.name.clone(),
         scene_source: source.text().to_owned(),
-        settings: serde_json::to_value(&options)?,
+        settings: serde_json::to_value(&settings)?,
         command: std::env::args().collect::<Vec<_>>().join(" "),
         version: env!("CARGO_PKG_VERSION").to_owned(),
     };
-    // An address that cannot be listened on must not leave a folder behind that holds a study.
-    let ready = Ready::to_study(&source, || announced(&source, &options, false), &arguments.farm)?;
-    let monitor =
-        Monitor::open(&arguments.monitor, arguments.farm.insecure, &ready, (&dir, &source, &options))?;
+    // Listen first: an address that cannot be used must not leave a folder behind.
+    let campaign = || announced(&source, &settings, false);
+    let evaluator = CommandEvaluator::open(&source, campaign, &arguments.farm)?;
+    let watched = WatchedStudy { dir: &dir, scene, settings: &settings };
+    let monitor = Monitor::open(&arguments.monitor, arguments.farm.insecure, &evaluator, &watched)?;
     let campaign = CampaignFile::create(&dir, &meta, scene)?;
-    if !talk.quiet {
+    if !verbosity.quiet {
         eprintln!("results go to {}", dir.display());
     }
-    study(campaign, &source, &options, ready.hire(&arguments.farm)?, monitor, talk)
+    finish(StoredStudy { campaign, source, settings }, evaluator, monitor, verbosity)
 }
 
-/// Goes on with a study.
-pub fn resume(arguments: &ResumeArguments, talk: Talk) -> Result<(), CommandError> {
-    let campaign = CampaignFile::open(&arguments.dir)?;
+/// Continues a study to its end.
+///
+/// # Errors
+/// [`CommandError`].
+pub fn resume(arguments: &ResumeArguments, verbosity: Verbosity) -> Result<(), CommandError> {
+    let ResumeArguments { dir, farm, monitor } = arguments;
+    let campaign = CampaignFile::open(dir)?;
     if let Some(summary) = campaign.document::<StudySummary>(SUMMARY_DOCUMENT)? {
-        if !talk.quiet {
+        if !verbosity.quiet {
             eprintln!("this study is finished; writing its results again");
         }
         write_results(&campaign)?;
-        return tell(&summary, campaign.dir(), talk);
+        return print_summary(&summary, campaign.dir(), verbosity);
     }
-    let origin = arguments.dir.join(FILE_NAME).display().to_string();
-    let source = SceneSource::parse(&campaign.meta().scene_source, &origin)?;
-    let mut options: StudyOptions = serde_json::from_value(campaign.meta().settings.clone())
-        .map_err(|error| CommandError::ForeignSettings { file: origin, reason: error.to_string() })?;
-    options.accuracy = options.accuracy.exact();
-    if !talk.quiet {
-        eprintln!("{} evaluations are done already", campaign.count()?);
+    let study = StoredStudy::read(campaign)?;
+    if !verbosity.quiet {
+        eprintln!("{} evaluations are done already", study.campaign.count()?);
     }
-    let ready = Ready::to_study(&source, || announced(&source, &options, true), &arguments.farm)?;
-    let about = (arguments.dir.as_path(), &source, &options);
-    let monitor = Monitor::open(&arguments.monitor, arguments.farm.insecure, &ready, about)?;
-    study(campaign, &source, &options, ready.hire(&arguments.farm)?, monitor, talk)
+    let campaign = || announced(&study.source, &study.settings, true);
+    let evaluator = CommandEvaluator::open(&study.source, campaign, farm)?;
+    let watched = WatchedStudy { dir, scene: study.scene(), settings: &study.settings };
+    let monitor = Monitor::open(monitor, farm.insecure, &evaluator, &watched)?;
+    finish(study, evaluator, monitor, verbosity)
 }
 
-fn study(
-    mut campaign: CampaignFile,
-    source: &SceneSource,
-    options: &StudyOptions,
-    mut crew: Crew,
+/// Runs a study to its end and writes its results.
+fn finish(
+    mut study: StoredStudy,
+    mut evaluator: CommandEvaluator,
     monitor: Monitor,
-    talk: Talk,
+    verbosity: Verbosity,
 ) -> Result<(), CommandError> {
-    let settings = options.settings();
-    let scene = Scene { study: settings.study, ..source.nominal().clone() };
+    evaluator.start_workers()?;
+    let StoredStudy { campaign, source, settings } = &mut study;
+    let scene = source.nominal();
     let dir = campaign.dir().to_path_buf();
-    if !talk.quiet {
-        crew.say_where();
-        monitor.say_where();
+    if !verbosity.quiet {
+        evaluator.print_endpoints();
+        monitor.print_addresses();
     }
-    let mut terminal = Terminal::new(talk.quiet);
+    let mut terminal = Terminal::new(verbosity.quiet);
     let mut watch = monitor.watch(&scene.name, &mut terminal);
-    let result = coordinator::study::run(&scene, &settings, crew.evaluator(), &mut campaign, &mut watch);
+    let result = coordinator::study::run(scene, settings, evaluator.evaluator(), campaign, &mut watch);
     terminal.finish();
-    let mut result = result.map_err(|error| CommandError::of_study(error, &dir))?;
-    let timing = &mut result.summary.timing_s;
-    timing.idle *= f64::from(crew.concurrency());
-    crew.close();
+    let result = result.map_err(|error| CommandError::of_study(error, &dir))?;
+    evaluator.close();
     campaign.put_document(DISTRIBUTIONS_DOCUMENT, &for_report(&result.distributions))?;
     // The summary comes last: with it, the study counts as finished.
     campaign.put_document(SUMMARY_DOCUMENT, &result.summary)?;
-    write_results(&campaign)?;
+    write_results(campaign)?;
     monitor.end();
-    tell(&result.summary, &dir, talk)
+    print_summary(&result.summary, &dir, verbosity)
 }
 
-/// What workers are told. A study has the same number whenever it is resumed.
-fn announced(source: &SceneSource, options: &StudyOptions, resumed: bool) -> Result<Campaign, CommandError> {
-    let settings = serde_json::to_string(options)?;
-    let digest = common::scene::source::digest(&format!("{settings}\n{}", source.text()));
+/// The campaign as announced to workers. A study has the same id whenever it is resumed.
+fn announced(source: &SceneSource, settings: &Settings, resumed: bool) -> Result<Campaign, CommandError> {
+    let stored = serde_json::to_string(settings)?;
+    let digest = common::scene::source::digest(&format!("{stored}\n{}", source.text()));
+    let accuracy = settings.accuracy.setting.clone();
     Ok(Campaign {
         // The low half of a 128-bit hash is a 64-bit hash.
         id: digest as u64,
         scene: source.text().to_owned(),
-        accuracy: options.accuracy.setting.accuracy,
-        accuracy_name: options.accuracy.setting.name.clone(),
+        accuracy: accuracy.accuracy,
+        accuracy_name: accuracy.name,
         resumed,
     })
 }
 
-/// `hingewise-SCENE`, or that with the next number that is free.
+/// `hingewise-SCENE`, or that with the next free number.
 fn free_folder(scene: &str) -> PathBuf {
     let tame = |c: char| if c.is_alphanumeric() || "-_".contains(c) { c } else { '-' };
     let name = format!("hingewise-{}", scene.chars().map(tame).collect::<String>());
@@ -137,7 +143,7 @@ fn free_folder(scene: &str) -> PathBuf {
     PathBuf::from(found.unwrap_or(name))
 }
 
-/// The answer, for people or programs.
-fn tell(summary: &StudySummary, dir: &Path, talk: Talk) -> Result<(), CommandError> {
-    if talk.json { print(&to_json(summary)?) } else { print(&final_text(summary, dir)) }
+/// Prints the summary, as text or JSON.
+fn print_summary(summary: &StudySummary, dir: &Path, verbosity: Verbosity) -> Result<(), CommandError> {
+    if verbosity.json { print(&to_json(summary)?) } else { print(&final_text(summary, dir)) }
 }

@@ -2,11 +2,14 @@
 
 use super::error::CommandError;
 use super::external;
-use super::output::{print, to_json};
+use super::output::{count, print, to_json};
 use common::scene::{Scene, SceneSource};
 use serde_json::json;
 
-/// Lists the built-in scenes, or prints the text of one.
+/// Lists the built-in scenes, or prints the text of the one named by `show`.
+///
+/// # Errors
+/// [`CommandError::Scene`] for an unknown name.
 pub fn scenes(show: Option<&str>, as_json: bool) -> Result<(), CommandError> {
     if let Some(name) = show {
         return print(SceneSource::builtin(name)?.text());
@@ -27,8 +30,11 @@ pub fn scenes(show: Option<&str>, as_json: bool) -> Result<(), CommandError> {
     print(&list.map(|scene| format!("{:width$}  {}\n", scene.name, scene.title)).collect::<String>())
 }
 
-/// Checks a scene: its text, its bounds, and the ideal linkage through a whole cycle. Parameters that nothing reads are
-/// listed; they are no fault.
+/// Checks a scene: its text, its bounds, and the ideal linkage through a whole cycle. Unused parameters are listed but
+/// are no fault.
+///
+/// # Errors
+/// [`CommandError::Scene`] with all faults, or the errors of [`check_linkage`].
 pub fn check(file: &str, as_json: bool) -> Result<(), CommandError> {
     let source = SceneSource::load(file)?;
     let scene = source.nominal();
@@ -45,7 +51,10 @@ pub fn check(file: &str, as_json: bool) -> Result<(), CommandError> {
     print(&format!("{file}: valid; {}\n{unused}", counts(scene)))
 }
 
-/// There must be a mechanism; its ideal linkage must close through its cycle, and hold nothing that is not modelled.
+/// Checks that the scene has a mechanism that can be modelled, and that its ideal linkage closes through the cycle.
+///
+/// # Errors
+/// [`CommandError::NoMechanism`], or what the linkage does not allow.
 pub fn check_linkage(origin: &str, scene: &Scene) -> Result<(), CommandError> {
     if scene.simulator.is_some() {
         return Err(CommandError::NoMechanism { origin: origin.to_owned() });
@@ -54,11 +63,6 @@ pub fn check_linkage(origin: &str, scene: &Scene) -> Result<(), CommandError> {
     worker::mechanism::islands(scene).map_err(failed)?;
     worker::mechanism::ideal_cycle(scene, 2, &mut 0).map_err(failed)?;
     Ok(())
-}
-
-/// A number of things, e.g. `1 joint`, `0 loads`.
-pub fn count(n: usize, what: &str) -> String {
-    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }
 
 fn counts(scene: &Scene) -> String {

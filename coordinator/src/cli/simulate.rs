@@ -1,10 +1,12 @@
-//! `coordinator simulate`: one evaluation in this process, printed as JSON.
+//! `coordinator simulate`: runs one evaluation in this process and prints it as JSON.
 
-use super::arguments::{SimulateArguments, Talk};
+use super::accuracy::AccuracyArguments;
 use super::error::CommandError;
 use super::external;
 use super::output::{check_destination, deliver, to_json};
 use super::scenes::check_linkage;
+use super::shared::{DEFAULT_SCENE, Verbosity};
+use clap::Args;
 use common::outputs::{
     BodyMotion, BodyTrace, CycleHistory, Diagnostics, EnergyBalance, Evaluation, JointSummary, WornLife,
 };
@@ -12,11 +14,28 @@ use common::scene::{Faults, Scene, SceneSource};
 use coordinator::results::output_unit::OutputUnit;
 use serde::Serialize;
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 use std::time::Instant;
 
-/// What is printed; the names are a contract with scripts and notebooks.
+/// Arguments of `coordinator simulate`.
+#[derive(Debug, Clone, Args)]
+pub struct SimulateArguments {
+    /// Scene file, or name of a built-in scene
+    #[arg(long, default_value = DEFAULT_SCENE, value_name = "NAME-or-FILE")]
+    pub scene: String,
+    /// Set a random variable, or any quantity by its key, e.g. rod_length=40.05mm
+    #[arg(long, value_name = "variable=value")]
+    pub set: Vec<String>,
+    #[command(flatten)]
+    pub accuracy: AccuracyArguments,
+    /// Write the JSON to this file instead of standard output
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+}
+
+/// The evaluation as printed; the names are a contract with scripts and notebooks.
 #[derive(Debug, Serialize)]
-struct Printed<'r> {
+struct PrintedEvaluation<'r> {
     scene: &'r str,
     accuracy: &'r str,
     /// What `--set` changed, SI.
@@ -104,16 +123,21 @@ struct PrintedDiagnostics<'r> {
 }
 
 /// Runs the command.
-pub fn simulate(arguments: &SimulateArguments, talk: Talk) -> Result<(), CommandError> {
+///
+/// # Errors
+/// [`CommandError`].
+pub fn simulate(arguments: &SimulateArguments, verbosity: Verbosity) -> Result<(), CommandError> {
     check_destination(arguments.out.as_deref())?;
     let source = SceneSource::load(&arguments.scene)?;
     let settings = settings(&source, &arguments.set)?;
     if let Some(simulator) = &source.nominal().simulator {
-        return external::simulate(&source, simulator, &settings, arguments);
+        external::check_accuracy(source.origin(), &arguments.accuracy)?;
+        let text = external::simulate(&source, simulator, &settings)?;
+        return deliver(&text, arguments.out.as_deref());
     }
     let scene = source.resolve_with(&settings)?;
     check_linkage(source.origin(), &scene)?;
-    let accuracy = arguments.accuracy.for_one(&scene, talk.quiet)?.setting;
+    let accuracy = arguments.accuracy.for_one(&scene, verbosity.quiet)?.setting;
     let start = Instant::now();
     let evaluation = worker::simulate::simulate(&scene, &accuracy.accuracy, true)
         .map_err(|failure| CommandError::of_simulation(source.origin(), &scene, failure))?;
@@ -122,7 +146,7 @@ pub fn simulate(arguments: &SimulateArguments, talk: Talk) -> Result<(), Command
     deliver(&text, arguments.out.as_deref())
 }
 
-/// Reads every `--set`; all slips at once.
+/// Reads every `--set`; reports all faults at once.
 fn settings(source: &SceneSource, all: &[String]) -> Result<Vec<(String, f64)>, CommandError> {
     let mut faults = Vec::new();
     let mut settings = Vec::new();
@@ -141,7 +165,7 @@ fn printed<'r>(
     settings: &'r [(String, f64)],
     evaluation: &'r Evaluation,
     wall_s: f64,
-) -> Printed<'r> {
+) -> PrintedEvaluation<'r> {
     let by_name = |rows: &[Vec<f64>]| -> BTreeMap<String, Vec<f64>> {
         let named = scene.outputs.iter().zip(rows).map(|(output, row)| {
             let unit = OutputUnit::of(&output.kind);
@@ -150,7 +174,7 @@ fn printed<'r>(
         });
         named.collect()
     };
-    Printed {
+    PrintedEvaluation {
         scene: &scene.name,
         accuracy,
         settings: settings.iter().map(|(name, value)| (name.as_str(), *value)).collect(),

@@ -1,12 +1,11 @@
-//! `coordinator tradeoff`: time against error of the accuracy settings of a scene, by whatever workers there are.
+//! `coordinator tradeoff`: time against error of the accuracy settings of a scene, with the workers of a study.
 
-use super::arguments::{DEFAULT_SCENE, FarmArguments, Talk, positive};
 use super::error::CommandError;
-use super::farm::{Farm, listen};
-use super::names::GridName;
+use super::farm::WorkerFarm;
 use super::output::print;
 use super::scenes::check_linkage;
-use clap::Args;
+use super::shared::{DEFAULT_SCENE, FarmArguments, Verbosity, positive};
+use clap::{Args, ValueEnum};
 use common::accuracy::NamedAccuracy;
 use common::scene::SceneSource;
 use coordinator::analyses::tradeoff::{
@@ -19,44 +18,59 @@ use coordinator::results::result_files::write_text;
 use coordinator::statistics::design::nominal_and_random;
 use std::path::{Path, PathBuf};
 
-/// A measurement of accuracy settings.
+/// Set of accuracy settings to measure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum SettingsGrid {
+    /// Ten settings that trade time for error well
+    Quick,
+    /// All settings
+    Full,
+}
+
+/// Arguments of `coordinator tradeoff`.
 #[derive(Debug, Clone, Args)]
 pub struct TradeoffArguments {
     /// Scene file, or name of a built-in scene
     #[arg(long, default_value = DEFAULT_SCENE, value_name = "NAME-or-FILE")]
     pub scene: String,
-    /// Where and how to work
     #[command(flatten)]
     pub farm: FarmArguments,
-    /// Points of the variables, the nominal one among them
+    /// Number of points of the variables, the nominal one included
     #[arg(long, default_value = "3", value_name = "N", value_parser = positive)]
     pub points: usize,
-    /// Which settings: those that have proved themselves, or all
+    /// Settings to measure
     #[arg(long, value_enum, default_value = "full")]
-    pub settings: GridName,
-    /// Only this setting, and others given likewise: a preset, with knobs turned or not, e.g. draft+step-x0.71+jump-4000
+    pub settings: SettingsGrid,
+    /// Measure this setting, and others by repeating the option: a preset, or one with changed parameters, e.g.
+    /// draft+step-x0.71+jump-4000
     #[arg(long, value_name = "NAME", conflicts_with = "settings")]
     pub setting: Vec<NamedAccuracy>,
-    /// Folder for the results, made if missing
+    /// Folder for the results, created if missing
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
 }
 
 /// Runs the command.
-pub fn tradeoff(arguments: &TradeoffArguments, talk: Talk) -> Result<(), CommandError> {
+///
+/// # Errors
+/// [`CommandError`].
+pub fn tradeoff(arguments: &TradeoffArguments, verbosity: Verbosity) -> Result<(), CommandError> {
     let source = SceneSource::load(&arguments.scene)?;
     let scene = source.nominal();
     check_linkage(source.origin(), scene)?;
     std::fs::create_dir_all(&arguments.out)
         .map_err(|error| CommandError::Folder { path: arguments.out.clone(), error })?;
-    let plan = Plan { settings: chosen(arguments), points: nominal_and_random(scene, arguments.points - 1) };
-    let mut farm = Farm::hire(listen(announced(&source, &plan), &arguments.farm)?, &arguments.farm)?;
-    if !talk.quiet {
-        farm.say_where();
+    let plan = Plan {
+        settings: chosen(arguments),
+        points: nominal_and_random(scene, scene.study.seed, arguments.points - 1),
+    };
+    let mut farm = WorkerFarm::start(announced(&source, &plan), &arguments.farm)?;
+    if !verbosity.quiet {
+        farm.print_endpoints();
     }
     let (measurement, end) =
         plan.measure(&mut farm.evaluator, &mut |Progress { done, all, setting, point, seconds }| {
-            if !talk.quiet {
+            if !verbosity.quiet {
                 eprintln!("{done}/{all} evaluations: {setting} at point {point}, {seconds:.2} s");
             }
         });
@@ -71,19 +85,19 @@ pub fn tradeoff(arguments: &TradeoffArguments, talk: Talk) -> Result<(), Command
     end.map_err(CommandError::Evaluate)
 }
 
-/// The settings asked for.
+/// The settings that the arguments select.
 fn chosen(arguments: &TradeoffArguments) -> Vec<NamedAccuracy> {
     if !arguments.setting.is_empty() {
         return arguments.setting.clone();
     }
     let names: Vec<&str> = match arguments.settings {
-        GridName::Quick => QUICK.to_vec(),
-        GridName::Full => full().collect(),
+        SettingsGrid::Quick => QUICK.to_vec(),
+        SettingsGrid::Full => full().collect(),
     };
-    settings(names).expect("the names of the grid stand for settings, as its test says")
+    settings(names).expect("every name of the grid is a setting")
 }
 
-/// Every task brings its accuracy; the number of the campaign is a digest of what is measured.
+/// The campaign as announced to workers: every task carries its own accuracy; the id is a digest of the plan.
 fn announced(source: &SceneSource, plan: &Plan) -> Campaign {
     let NamedAccuracy { accuracy, .. } = NamedAccuracy::default();
     let digest = common::scene::source::digest(&format!("tradeoff {plan:?}\n{}", source.text()));
@@ -97,7 +111,7 @@ fn announced(source: &SceneSource, plan: &Plan) -> Campaign {
     }
 }
 
-/// Writes the files; the page.
+/// Writes the files; returns the text of the page.
 fn write(
     dir: &Path,
     source: &SceneSource,

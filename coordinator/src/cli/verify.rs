@@ -1,67 +1,130 @@
-//! `coordinator verify`: surrogates of a study against simulations they have not seen.
+//! `coordinator verify`: validates the surrogates of a study against simulations that they were not fitted to, or round
+//! by round against a direct Monte Carlo study.
 
 use super::error::CommandError;
-use super::opened::Opened;
 use super::output::{print, to_json};
+use super::shared::positive;
+use super::stored_study::StoredStudy;
+use super::study_options::LearnerArguments;
 use clap::Args;
-use coordinator::study::{Simulated, StudyError, Verification, verify as hold_against};
+use coordinator::analyses::replay::{Replayed, replay};
+use coordinator::study::{Method, Settings, SimulatedPoint, StudyError, Verification, verify as compare};
 use std::collections::HashSet;
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-/// A study and the simulations it is held against.
+/// Fewest simulations of either study: surrogates need three, and a share of fewer than ten has no meaning.
+const LEAST: usize = 10;
+
+/// Arguments of `coordinator verify`.
 #[derive(Debug, Clone, Args)]
 pub struct VerifyArguments {
     /// Folder of the study
     pub dir: PathBuf,
-    /// Folder of a study whose simulations the first one has not seen
-    #[arg(long, value_name = "DIR")]
-    pub against: PathBuf,
-    /// Learn from the first N evaluations of the study only [default: all]
-    #[arg(long, value_name = "N", value_parser = super::arguments::positive)]
+    /// Folder of a study whose simulations are compared with the surrogates of the first one
+    #[arg(long, value_name = "DIR", required_unless_present = "rounds")]
+    pub against: Option<PathBuf>,
+    /// Fit the surrogates to the first N evaluations of the study only [default: all]
+    #[arg(long, value_name = "N", value_parser = positive, conflicts_with = "rounds")]
     pub evaluations: Option<usize>,
+    /// Learn again from the simulations of a direct Monte Carlo study (--method monte-carlo), its samples being the
+    /// population, and print the stated and the true error of every round
+    #[arg(long = "rounds", id = "rounds", conflicts_with = "against")]
+    pub by_rounds: bool,
+    #[command(flatten)]
+    pub rounds: RoundsArguments,
+}
+
+/// Settings of the learning that `--rounds` repeats; the defaults are those of the scene.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Learning with --rounds")]
+pub struct RoundsArguments {
+    /// Use the first N samples only [default: all]
+    #[arg(long, value_name = "N", value_parser = positive)]
+    pub samples: Option<usize>,
+    #[command(flatten)]
+    pub learner: LearnerArguments,
+}
+
+/// Arguments of `coordinator replay`, an earlier name of `coordinator verify DIR --rounds`.
+#[derive(Debug, Clone, Args)]
+pub struct ReplayArguments {
+    /// Folder of a study with --method monte-carlo
+    pub dir: PathBuf,
+    #[command(flatten)]
+    pub rounds: RoundsArguments,
 }
 
 /// Runs the command.
+///
+/// # Errors
+/// [`CommandError`] if a study cannot be read, or the two are of different scenes or too small.
 pub fn verify(arguments: &VerifyArguments, as_json: bool) -> Result<(), CommandError> {
-    let study = Opened::new(&arguments.dir)?;
-    let other = Opened::new(&arguments.against)?;
+    match &arguments.against {
+        Some(against) => verify_against(arguments, against, as_json),
+        None => rounds(&arguments.dir, &arguments.rounds, as_json),
+    }
+}
+
+fn verify_against(arguments: &VerifyArguments, against: &Path, as_json: bool) -> Result<(), CommandError> {
+    let dir = &arguments.dir;
+    let (study, other) = (StoredStudy::open(dir)?, StoredStudy::open(against)?);
     if let Some(difference) = study.difference(&other) {
-        let (dir, against) = (arguments.dir.clone(), arguments.against.clone());
+        let (dir, against) = (dir.clone(), against.to_path_buf());
         return Err(CommandError::NotComparable { dir, against, difference });
     }
     let mut learned = study.simulated()?;
     learned.truncate(arguments.evaluations.unwrap_or(usize::MAX));
-    let bits = |point: &Simulated| point.sample.iter().map(|x| x.to_bits()).collect::<Vec<u64>>();
+    let bits = |point: &SimulatedPoint| point.sample.iter().map(|x| x.to_bits()).collect::<Vec<u64>>();
     let seen: HashSet<Vec<u64>> = learned.iter().map(bits).collect();
     let mut unseen = other.simulated()?;
     unseen.retain(|point| !seen.contains(&bits(point)));
-    for (dir, points) in [(&arguments.dir, learned.len()), (&arguments.against, unseen.len())] {
+    for (dir, points) in [(dir.as_path(), learned.len()), (against, unseen.len())] {
         if points < LEAST {
-            return Err(CommandError::TooFewSimulations { dir: dir.clone(), points, least: LEAST });
+            return Err(CommandError::TooFewSimulations { dir: dir.to_path_buf(), points, least: LEAST });
         }
     }
-    let found =
-        hold_against(&study.scene, &study.options.settings(), &learned, &unseen).map_err(|error| {
-            CommandError::Study { error: StudyError::Campaign(error), dir: arguments.dir.clone() }
-        })?;
-    if as_json { print(&to_json(&found)?) } else { print(&in_words(&found)) }
+    let found = compare(study.scene(), &study.settings, &learned, &unseen)
+        .map_err(|error| CommandError::Study { error: StudyError::Campaign(error), dir: dir.clone() })?;
+    if as_json { print(&to_json(&found)?) } else { print(&verification_text(&found)) }
 }
 
-/// Fewest simulations on either side: surrogates need three, and a share of fewer than ten says nothing.
-const LEAST: usize = 10;
+/// Learns again from the simulations of a direct Monte Carlo study and prints the errors of every round.
+///
+/// # Errors
+/// [`CommandError`] if the study cannot be read, or its samples are not those of its seed.
+pub fn rounds(dir: &Path, arguments: &RoundsArguments, as_json: bool) -> Result<(), CommandError> {
+    let study = StoredStudy::open(dir)?;
+    let mut samples = study.simulated()?;
+    if samples.len() < 2 {
+        return Err(CommandError::TooFewSimulations { dir: dir.to_path_buf(), points: 0, least: 2 });
+    }
+    let nominal = samples.remove(0);
+    samples.truncate(arguments.samples.unwrap_or(usize::MAX));
+    let mut settings = Settings::new(study.scene(), study.settings.accuracy.setting.clone());
+    settings.method = Method::ActiveLearning;
+    settings.seed = study.settings.seed;
+    arguments.learner.apply_to(&mut settings);
+    if samples.len() < settings.initial {
+        let (points, least) = (samples.len(), settings.initial);
+        return Err(CommandError::TooFewSimulations { dir: dir.to_path_buf(), points, least });
+    }
+    let found = replay(study.scene(), &settings, &nominal, &samples)
+        .map_err(|error| CommandError::Replay { dir: dir.to_path_buf(), error })?;
+    if as_json { print(&to_json(&found)?) } else { print(&rounds_text(&found)) }
+}
 
-fn in_words(found: &Verification) -> String {
+fn verification_text(found: &Verification) -> String {
     let mut out = String::new();
     // Writing to a String cannot fail.
-    let _ = write_words(&mut out, found);
+    let _ = write_verification(&mut out, found);
     out
 }
 
-fn write_words(out: &mut String, found: &Verification) -> std::fmt::Result {
+fn write_verification(out: &mut String, found: &Verification) -> std::fmt::Result {
     writeln!(
         out,
-        "surrogates of {} simulations against {} that they have not seen\n",
+        "surrogates fitted to {} simulations, compared with {} others\n",
         found.learned_from, found.points
     )?;
     for surrogate in &found.surrogates {
@@ -91,4 +154,37 @@ fn write_words(out: &mut String, found: &Verification) -> std::fmt::Result {
         writeln!(out)?;
     }
     writeln!(out, "\nlargest difference of any curve: {:.4}", found.largest_difference())
+}
+
+fn rounds_text(found: &Replayed) -> String {
+    let mut out = String::new();
+    // Writing to a String cannot fail.
+    let _ = write_rounds(&mut out, found);
+    out
+}
+
+fn write_rounds(out: &mut String, found: &Replayed) -> std::fmt::Result {
+    writeln!(
+        out,
+        "learning from a population of {} simulated samples; errors are the largest of any R(n)\n",
+        found.population
+    )?;
+    writeln!(
+        out,
+        "{:>11} {:>13} {:>11} {:>12} {:>10}  surrogates: kernel, trend, leave-one-out Q2, cross-validated Q2, factor on variances",
+        "evaluations", "stated error", "true error", "true/stated", "uncertain"
+    )?;
+    for round in &found.rounds {
+        writeln!(
+            out,
+            "{:>11} {:>13.4} {:>11.4} {:>12.2} {:>8.1} %  {}",
+            round.evaluations,
+            round.stated_error,
+            round.true_error,
+            round.error_ratio,
+            100.0 * round.uncertain,
+            round.surrogates.join("; ")
+        )?;
+    }
+    writeln!(out, "\nstopped by {}, {:.1} s of learning", found.stopped_by, found.seconds)
 }

@@ -1,26 +1,27 @@
-//! What a study needs of its campaign file: every outcome durable before it counts, every finished evaluation
-//! found again on `resume`. The study is deterministic, so a resumed study asks for the same requests by the
-//! same numbers and only what is missing is evaluated.
+//! The journal of a study: every outcome is recorded before it is used, and found again on `resume`. The study is
+//! deterministic: a resumed study makes the same requests under the same numbers, and only those without a recorded
+//! outcome are evaluated.
 
 use crate::farm::evaluate::{EvaluateError, Finished, Request};
 use crate::results::summary::Round;
+use std::collections::BTreeMap;
 
-/// Durable memory of a campaign.
+/// Record of the evaluations of a study.
 pub trait Journal {
     /// The recorded outcome of this request, if it was finished before. A recorded request with another sample
-    /// under the same number is an error: the file belongs to another study.
+    /// under the same number is an error: the journal belongs to another study.
     ///
     /// # Errors
-    /// [`EvaluateError::Record`] if the file cannot be read or does not fit.
+    /// [`EvaluateError::Record`] if the journal cannot be read or belongs to another study.
     fn finished(&self, request: &Request) -> Result<Option<Finished>, EvaluateError>;
 
-    /// Makes an outcome durable.
+    /// Records an outcome; it is durable when this returns.
     ///
     /// # Errors
     /// [`EvaluateError::Record`] if it cannot be written.
     fn record(&mut self, request: &Request, finished: &Finished) -> Result<(), EvaluateError>;
 
-    /// Makes several outcomes durable, in less time than one by one where it can.
+    /// Records several outcomes, if possible in less time than one by one.
     ///
     /// # Errors
     /// [`EvaluateError::Record`] if they cannot be written; some of them may be durable.
@@ -28,9 +29,53 @@ pub trait Journal {
         outcomes.iter().try_for_each(|(request, finished)| self.record(request, finished))
     }
 
-    /// Notes a finished round of learning (for people who open the file; not needed to resume).
+    /// Records a finished round of learning. `resume` does not need it.
     ///
     /// # Errors
     /// [`EvaluateError::Record`] if it cannot be written.
     fn note_round(&mut self, round: &Round) -> Result<(), EvaluateError>;
+}
+
+/// A journal without a file: for studies that need not be resumed after the process has ended, and for tests.
+#[derive(Debug, Clone, Default)]
+pub struct InMemoryJournal {
+    /// Sample and outcome by the number of the request.
+    outcomes: BTreeMap<u64, (Vec<f64>, Finished)>,
+    rounds: Vec<Round>,
+}
+
+impl InMemoryJournal {
+    /// Sample `(d,)` and outcome of every recorded evaluation, by the number of its request.
+    pub fn outcomes(&self) -> &BTreeMap<u64, (Vec<f64>, Finished)> {
+        &self.outcomes
+    }
+
+    /// The recorded rounds of learning.
+    pub fn rounds(&self) -> &[Round] {
+        &self.rounds
+    }
+}
+
+impl Journal for InMemoryJournal {
+    fn finished(&self, request: &Request) -> Result<Option<Finished>, EvaluateError> {
+        match self.outcomes.get(&request.id) {
+            Some((sample, _)) if *sample != request.sample => {
+                Err(EvaluateError::Record(format!("evaluation {} has another sample", request.id)))
+            }
+            known => Ok(known.map(|(_, finished)| finished.clone())),
+        }
+    }
+
+    fn record(&mut self, request: &Request, finished: &Finished) -> Result<(), EvaluateError> {
+        let entry = (request.sample.clone(), finished.clone());
+        if self.outcomes.insert(request.id, entry).is_some() {
+            return Err(EvaluateError::Record(format!("evaluation {} was recorded before", request.id)));
+        }
+        Ok(())
+    }
+
+    fn note_round(&mut self, round: &Round) -> Result<(), EvaluateError> {
+        self.rounds.push(round.clone());
+        Ok(())
+    }
 }

@@ -10,9 +10,13 @@
 //! | [`learning`] | which point is simulated next, and when to stop |
 //! | [`reliability`] | R(n) with its standard error, subset simulation |
 //! | [`sensitivity`] | derivatives of the failure probability, Sobol indices |
+//! | [`models`] | published problems with reference failure probabilities |
+//! | [`named`] | names of the values of settings |
 
 pub mod design;
 pub mod learning;
+pub mod models;
+pub mod named;
 pub mod reliability;
 pub mod sensitivity;
 pub mod surrogate;

@@ -78,7 +78,7 @@ pub struct Campaign {
 impl Campaign {
     /// Draws the population. The plan must have `initial` >= 3 and `batch` >= 1; one mode at least.
     pub fn new(problem: Problem, plan: Plan) -> Self {
-        let population = Population::draw(&problem.inputs, plan.population, plan.seed);
+        let population = Population::draw(&problem.inputs, plan.settings.samples, plan.settings.seed);
         Self {
             asked: vec![false; population.len()],
             under_way: VecDeque::new(),
@@ -133,7 +133,7 @@ impl Campaign {
         if self.stop.is_some()
             || settling
             || self.left() == 0
-            || waiting + self.plan.chunk() > self.plan.batch
+            || waiting + self.plan.settings.chunk() > self.plan.settings.batch
         {
             return Ok(if waiting == 0 && self.stop.is_some() { Step::Done } else { Step::Wait });
         }
@@ -168,7 +168,7 @@ impl Campaign {
             self.observations.close_design();
         }
         self.assessment = None;
-        check_failures(self.failed.iter().map(|f| &f.cause), self.told, self.plan.failed_share)
+        check_failures(self.failed.iter().map(|f| &f.cause), self.told, self.plan.settings.max_failed)
     }
 
     /// Learns to the end from simulations that are made here and now, one after the other. `look` sees the campaign after
@@ -204,7 +204,7 @@ impl Campaign {
 
     /// Simulations the budget leaves.
     fn left(&self) -> usize {
-        self.plan.max_evaluations.saturating_sub(self.total)
+        self.plan.settings.max_evaluations.saturating_sub(self.total)
     }
 
     fn ask(&mut self, chunk: Vec<Asked>) -> Step {
@@ -216,9 +216,12 @@ impl Campaign {
 
     /// The nominal point first, then the population's points nearest a Latin hypercube.
     fn ask_initial_design(&mut self) -> Step {
-        let count = self.plan.initial.min(self.plan.max_evaluations);
-        let chosen =
-            choose_by_latin_hypercube(&self.looked_at.population, count.saturating_sub(1), self.plan.seed);
+        let count = self.plan.settings.initial.min(self.plan.settings.max_evaluations);
+        let chosen = choose_by_latin_hypercube(
+            &self.looked_at.population,
+            count.saturating_sub(1),
+            self.plan.settings.seed,
+        );
         let sample = self.problem.inputs.means();
         let nominal = self.problem.inputs.standardise(&sample);
         let mut chunk = vec![Asked { z: nominal, sample, member: None, stricter: false, exploring: false }];
@@ -227,7 +230,7 @@ impl Campaign {
     }
 
     fn ask_chunk(&mut self) -> Step {
-        let count = self.plan.chunk().min(self.left());
+        let count = self.plan.settings.chunk().min(self.left());
         let exploring = self.stopping.exploring(self.results(), count);
         let assessment = self.assessment.as_mut().expect("everything told was looked at");
         let mut chosen =

@@ -1,9 +1,8 @@
 //! Campaigns on a published static case: the series system of four branches.
 
-use super::{Campaign, FAILED_SHARE, Learned, LookedAt, Observed, Plan, Problem};
+use super::{Campaign, Learned, LookedAt, Observed, Plan, Problem, Settings};
 use crate::statistics::design::InputModel;
-use crate::statistics::learning::{LearningFunction, Mode, Targets};
-use crate::statistics::surrogate::{FormSettings, StatedErrors};
+use crate::statistics::learning::{Mode, Targets};
 use common::random::{Correlation, Distribution, GaussianCopula, standard_normal_cdf, standard_normal_pdf};
 
 /// Four-branch system, k = 7, as an output that fails at 0: minus the limit state. Echard, Gayton, Lemaire (2011).
@@ -44,20 +43,15 @@ fn learn_from(
 ) -> Learned {
     let problem =
         Problem { inputs, outputs: 1, modes: vec![Mode { output: 0, threshold }], checkpoints: vec![1] };
-    let plan = Plan {
-        population,
-        largest_population,
+    let settings = Settings {
+        samples: population,
         initial,
         batch: 4,
         max_evaluations: 300,
         seed,
-        learning: LearningFunction::default(),
-        targets,
-        forms: FormSettings::default(),
-        stated_errors: StatedErrors::default(),
-        retry: false,
-        failed_share: FAILED_SHARE,
+        ..Settings::default()
     };
+    let plan = Plan { settings, targets, largest_population, retry: false };
     let simulate = |x: &[f64]| Ok(Observed::exact(vec![vec![output(x)]]));
     Campaign::new(problem, plan).learn_from(simulate, |_| {}).unwrap()
 }

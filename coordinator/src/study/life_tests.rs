@@ -2,16 +2,15 @@
 
 use super::{Method, Settings, StudyError, StudyResult, run};
 use crate::farm::evaluate::{EvaluateError, Evaluator, Finished, Next, Pursuit, Request};
-use crate::results::journal::Journal;
+use crate::results::journal::InMemoryJournal;
 use crate::results::progress::Silent;
-use crate::results::summary::Round;
 use crate::statistics::design::Population;
 use common::accuracy::NamedAccuracy;
 use common::failure::SimulationFailure;
 use common::outputs::{Diagnostics, Evaluation};
 use common::random::{Distribution, RandomVariable};
 use common::scene::{Fails, Life, LimitState, Output, OutputKind, Scene, SignedBody, StudySettings};
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::VecDeque;
 
 const D: usize = 30;
 
@@ -87,7 +86,7 @@ fn histories(x: &[f64], noise: f64) -> Vec<Vec<f64>> {
 fn truth(settings: &Settings, count: usize, noise: f64) -> [Vec<f64>; 3] {
     let scene = scene();
     let variables: Vec<Distribution> = scene.variables.iter().map(|v| v.distribution).collect();
-    let population = Population::draw(&variables, count, settings.study.seed);
+    let population = Population::draw(&variables, count, settings.seed);
     let mut failed = [vec![0.0; 72], vec![0.0; 72], vec![0.0; 72]];
     for j in 0..count {
         let outputs = histories(&population.physical(j), noise);
@@ -165,46 +164,22 @@ impl Evaluator for MadeUp {
     }
 }
 
-/// A campaign file in memory.
-#[derive(Default)]
-struct Memory {
-    known: BTreeMap<u64, (Vec<f64>, Finished)>,
-    rounds: usize,
-}
-
-impl Journal for Memory {
-    fn finished(&self, request: &Request) -> Result<Option<Finished>, EvaluateError> {
-        match self.known.get(&request.id) {
-            Some((sample, _)) if *sample != request.sample => {
-                Err(EvaluateError::Record(format!("another sample under {}", request.id)))
-            }
-            known => Ok(known.map(|(_, finished)| finished.clone())),
-        }
-    }
-
-    fn record(&mut self, request: &Request, finished: &Finished) -> Result<(), EvaluateError> {
-        let entry = (request.sample.clone(), finished.clone());
-        assert!(self.known.insert(request.id, entry).is_none(), "evaluation {} repeated", request.id);
-        Ok(())
-    }
-
-    fn note_round(&mut self, _round: &Round) -> Result<(), EvaluateError> {
-        self.rounds += 1;
-        Ok(())
-    }
-}
-
 /// A small study for the properties that don't need a large one.
 fn small() -> Settings {
-    let mut settings = Settings::of(&scene(), NamedAccuracy::default());
-    settings.study = StudySettings { population: 4000, initial: 40, batch: 8, max_evaluations: 64, seed: 3 };
-    settings
+    Settings {
+        samples: 4000,
+        initial: 40,
+        batch: 8,
+        max_evaluations: 64,
+        seed: 3,
+        ..Settings::new(&scene(), NamedAccuracy::default())
+    }
 }
 
 fn study(
     settings: &Settings,
     evaluator: &mut MadeUp,
-    journal: &mut Memory,
+    journal: &mut InMemoryJournal,
 ) -> Result<StudyResult, StudyError> {
     run(&scene(), settings, evaluator, journal, &mut Silent)
 }
@@ -217,10 +192,10 @@ fn timeless(mut result: StudyResult) -> StudyResult {
 
 #[test]
 fn two_modes_in_thirty_variables_are_found_within_300_calls() {
-    let settings = Settings::of(&scene(), NamedAccuracy::default());
+    let settings = Settings::new(&scene(), NamedAccuracy::default());
     let mut evaluator = MadeUp::new();
-    let result = study(&settings, &mut evaluator, &mut Memory::default()).unwrap();
-    let truth = truth(&settings, settings.study.population, evaluator.noise);
+    let result = study(&settings, &mut evaluator, &mut InMemoryJournal::default()).unwrap();
+    let truth = truth(&settings, settings.samples, evaluator.noise);
     let mut worst = 0.0_f64;
     for (n, row) in result.summary.reliability.iter().enumerate() {
         for (curve, name) in ["wear", "asymmetry", "total"].iter().enumerate() {
@@ -253,20 +228,20 @@ fn two_modes_in_thirty_variables_are_found_within_300_calls() {
 
 #[test]
 fn the_order_of_replies_does_not_change_a_bit() {
-    let forward = study(&small(), &mut MadeUp::new(), &mut Memory::default()).unwrap();
+    let forward = study(&small(), &mut MadeUp::new(), &mut InMemoryJournal::default()).unwrap();
     let mut backwards = MadeUp { backwards: true, ..MadeUp::new() };
-    let backward = study(&small(), &mut backwards, &mut Memory::default()).unwrap();
+    let backward = study(&small(), &mut backwards, &mut InMemoryJournal::default()).unwrap();
     assert_eq!(timeless(forward), timeless(backward));
 }
 
 #[test]
 fn an_interrupted_study_goes_on_where_it_was_and_repeats_nothing() {
-    let whole = study(&small(), &mut MadeUp::new(), &mut Memory::default()).unwrap();
-    let mut journal = Memory::default();
+    let whole = study(&small(), &mut MadeUp::new(), &mut InMemoryJournal::default()).unwrap();
+    let mut journal = InMemoryJournal::default();
     let mut first = MadeUp { interrupt_after: Some(51), backwards: true, ..MadeUp::new() };
     let interrupted = study(&small(), &mut first, &mut journal);
     assert!(matches!(interrupted, Err(StudyError::Evaluate(EvaluateError::Interrupted))));
-    assert_eq!(journal.known.len(), 51);
+    assert_eq!(journal.outcomes().len(), 51);
     let mut second = MadeUp::new();
     let resumed = study(&small(), &mut second, &mut journal).unwrap();
     assert_eq!(first.calls + second.calls, whole.summary.evaluations.total);
@@ -278,7 +253,7 @@ fn failed_simulations_are_repeated_and_then_left_out_and_counted() {
     // A tenth of the population fails at first; what lies beyond 1.9 does so for good.
     let fails = |x: &[f64], second| z(x, 3) > if second { 1.9 } else { 1.28 };
     let mut evaluator = MadeUp { fails, ..MadeUp::new() };
-    let result = study(&small(), &mut evaluator, &mut Memory::default()).unwrap();
+    let result = study(&small(), &mut evaluator, &mut InMemoryJournal::default()).unwrap();
     let (counts, failures) = (result.summary.evaluations, &result.summary.failures);
     assert!(counts.total > 40 && counts.total <= 64 && counts.initial == 40, "{counts:?}");
     assert!(counts.failed >= 1 && counts.failed == failures.simulations.len(), "{failures:?}");
@@ -292,28 +267,27 @@ fn failed_simulations_are_repeated_and_then_left_out_and_counted() {
 #[test]
 fn too_many_failures_end_the_study_and_name_the_cause() {
     let mut evaluator = MadeUp { fails: |x, _| z(x, 0) > 0.3, ..MadeUp::new() };
-    let error = study(&small(), &mut evaluator, &mut Memory::default()).unwrap_err();
+    let error = study(&small(), &mut evaluator, &mut InMemoryJournal::default()).unwrap_err();
     let text = error.to_string();
     assert!(text.contains("simulations failed") && text.contains("steps per cycle"), "{text}");
     // Told to bear it, it goes on.
     let mut patient = small();
-    patient.failed_share = 0.9;
+    patient.max_failed = 0.9;
     let mut evaluator = MadeUp { fails: |x, _| z(x, 0) > 0.3, ..MadeUp::new() };
-    let result = study(&patient, &mut evaluator, &mut Memory::default()).unwrap();
+    let result = study(&patient, &mut evaluator, &mut InMemoryJournal::default()).unwrap();
     assert!(result.summary.failures.barred_share > 0.05, "{}", result.summary.failures.barred_share);
 }
 
 #[test]
 fn half_a_batch_is_simulated_while_the_other_is_learned_from() {
     let mut evaluator = MadeUp::new();
-    study(&small(), &mut evaluator, &mut Memory::default()).unwrap();
-    let (batch, initial) = (small().study.batch, small().study.initial);
+    study(&small(), &mut evaluator, &mut InMemoryJournal::default()).unwrap();
+    let (batch, initial) = (small().batch, small().initial);
     assert_eq!(evaluator.most_open, initial);
     // One point at a time is nothing under way while learning.
-    let mut settings = small();
-    settings.study = StudySettings { initial: 10, batch, ..settings.study };
+    let settings = Settings { initial: 10, ..small() };
     let mut evaluator = MadeUp::new();
-    study(&settings, &mut evaluator, &mut Memory::default()).unwrap();
+    study(&settings, &mut evaluator, &mut InMemoryJournal::default()).unwrap();
     assert_eq!(evaluator.most_open, initial.min(10).max(batch));
 }
 
@@ -340,7 +314,8 @@ fn a_wrong_shape_or_value_is_refused_by_number_and_worker() {
             MadeUp::new().pursue(&mut Spoilt(pursuit))
         }
     }
-    let error = run(&scene(), &small(), &mut Broken, &mut Memory::default(), &mut Silent).unwrap_err();
+    let error =
+        run(&scene(), &small(), &mut Broken, &mut InMemoryJournal::default(), &mut Silent).unwrap_err();
     assert_eq!(
         error.to_string(),
         "evaluation 5 by test/0 does not fit the scene: output 1 is NaN at 8000 cycles"
@@ -350,16 +325,19 @@ fn a_wrong_shape_or_value_is_refused_by_number_and_worker() {
 #[test]
 fn settings_that_make_no_study_are_refused() {
     let mut settings = small();
-    settings.study.max_evaluations = 10;
-    let error = study(&settings, &mut MadeUp::new(), &mut Memory::default()).unwrap_err();
-    assert_eq!(error.to_string(), "study setting max_evaluations = 10: at least initial = 40");
+    settings.max_evaluations = 10;
+    let error = study(&settings, &mut MadeUp::new(), &mut InMemoryJournal::default()).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "study setting max_evaluations = 10: at least the initial design, initial = 40"
+    );
 }
 
 #[test]
 fn a_latin_hypercube_is_simulated_whole() {
     let mut settings = small();
-    settings.method = Method::LatinHypercube { samples: 150 };
-    let result = study(&settings, &mut MadeUp::new(), &mut Memory::default()).unwrap();
+    (settings.method, settings.samples) = (Method::LatinHypercube, 150);
+    let result = study(&settings, &mut MadeUp::new(), &mut InMemoryJournal::default()).unwrap();
     assert_eq!((result.summary.method.as_str(), result.summary.population), ("latin-hypercube", 150));
     // Of the mean wear it knows more than 150 independent samples: 0.7 um of spread over sqrt(150) would be 0.06 um.
     let exact = 30e-6;
@@ -369,7 +347,7 @@ fn a_latin_hypercube_is_simulated_whole() {
 
 #[test]
 fn what_fails_first_adds_up_to_all_failures() {
-    let result = study(&small(), &mut MadeUp::new(), &mut Memory::default()).unwrap();
+    let result = study(&small(), &mut MadeUp::new(), &mut InMemoryJournal::default()).unwrap();
     for (first, row) in result.summary.first_failure.iter().zip(&result.summary.reliability) {
         let sum = first.first.values().sum::<f64>() + first.together;
         assert!((sum + row.reliability["total"] - 1.0).abs() < 1e-12 && first.cycles == row.cycles);
@@ -380,8 +358,8 @@ fn what_fails_first_adds_up_to_all_failures() {
 #[test]
 fn monte_carlo_counts_what_it_simulated() {
     let mut settings = small();
-    settings.method = Method::MonteCarlo { samples: 150 };
-    let result = study(&settings, &mut MadeUp::new(), &mut Memory::default()).unwrap();
+    (settings.method, settings.samples) = (Method::MonteCarlo, 150);
+    let result = study(&settings, &mut MadeUp::new(), &mut InMemoryJournal::default()).unwrap();
     let truth = truth(&settings, 150, 1e-3);
     for (n, row) in result.summary.reliability.iter().enumerate() {
         for (curve, name) in ["wear", "asymmetry", "total"].iter().enumerate() {

@@ -5,7 +5,9 @@ use super::failures::check_failures;
 use super::result::{self, Curves};
 use super::so_far::SoFar;
 use super::thinking::Learner;
-use super::{Ask, CampaignError, Method, Observed, Problem, Settings, Step, StudyError, StudyResult};
+use super::{
+    Ask, CampaignError, Method, Observed, Problem, SettingError, Settings, Step, StudyError, StudyResult,
+};
 use crate::results::summary::{Convergence, EvaluationCounts, Round};
 use crate::statistics::design::Population;
 use crate::statistics::learning::{curves, running_maximum};
@@ -44,16 +46,16 @@ pub(super) struct DirectSimulation<'a> {
 
 impl<'a> DirectSimulation<'a> {
     /// Of the first points of the Monte Carlo population, or of a Latin hypercube of as many.
-    pub fn new(problem: &'a Problem, settings: &Settings, samples: usize) -> Self {
-        let seed = settings.study.seed;
+    pub fn new(problem: &'a Problem, settings: &Settings) -> Self {
+        let (samples, seed) = (settings.samples, settings.seed);
         let population = match settings.method {
-            Method::LatinHypercube { .. } => Population::latin_hypercube(&problem.inputs, samples, seed),
+            Method::LatinHypercube => Population::latin_hypercube(&problem.inputs, samples, seed),
             _ => Population::draw(&problem.inputs, samples, seed),
         };
         Self {
             problem,
             population,
-            failed_share: settings.failed_share,
+            failed_share: settings.max_failed,
             asked: 0,
             told: 0,
             chunks: VecDeque::new(),
@@ -71,11 +73,12 @@ impl<'a> DirectSimulation<'a> {
     pub fn result(self, scene: &Scene, settings: &Settings) -> Result<StudyResult, StudyError> {
         let samples = self.population.len();
         let Some(failed) = self.curves else {
-            return Err(StudyError::Setting {
+            let error = SettingError {
                 key: "samples",
                 value: samples.to_string(),
                 allowed: "none of these simulations gave a result".to_owned(),
-            });
+            };
+            return Err(error.into());
         };
         let m = self.problem.checkpoints.len();
         let grid: Vec<usize> = undecided(&failed);

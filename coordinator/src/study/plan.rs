@@ -1,13 +1,14 @@
-//! What a campaign is to learn, and how.
+//! What an active-learning campaign works on.
 
+use super::{LARGEST_POPULATION, Settings};
 use crate::statistics::design::InputModel;
-use crate::statistics::learning::{LearningFunction, Mode, Targets};
-use crate::statistics::surrogate::{FormSettings, StatedErrors};
+use crate::statistics::learning::{Mode, Targets};
+use common::scene::Scene;
 
-/// What is to be learned.
+/// The reliability problem to be learned.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Problem {
-    /// The d random variables and how they depend on each other.
+    /// The d random variables and their dependence.
     pub inputs: InputModel,
     /// Number of outputs of an evaluation.
     pub outputs: usize,
@@ -17,41 +18,27 @@ pub struct Problem {
     pub checkpoints: Vec<u32>,
 }
 
-/// How it is to be learned.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// Settings of a campaign, and what follows from them and the problem.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
-    /// Monte Carlo population to begin with.
-    pub population: usize,
-    /// Size to which the population may grow for the coefficient of variation.
-    pub largest_population: usize,
-    /// Initial design, the nominal point included.
-    pub initial: usize,
-    /// Points under way at once after the initial design; half of them are proposed together, see [`Plan::chunk`].
-    pub batch: usize,
-    /// Budget of evaluations, failed ones included.
-    pub max_evaluations: usize,
-    /// Seed of every draw.
-    pub seed: u64,
-    /// Which points are the most wanted.
-    pub learning: LearningFunction,
-    /// Stopping rules.
+    /// Settings of the study; `samples` is the size of the population at first.
+    pub settings: Settings,
+    /// Bounds of the stopping rules.
     pub targets: Targets,
-    /// What is left open of the surrogates' form.
-    pub forms: FormSettings,
-    /// What the surrogates make of the numerical errors that simulations state.
-    pub stated_errors: StatedErrors,
-    /// Whether a failed simulation is repeated once at a stricter setting.
+    /// Size to which the population may grow until the coefficient of variation of P_f is small enough.
+    pub largest_population: usize,
+    /// Whether a failed evaluation is repeated once at a stricter accuracy.
     pub retry: bool,
-    /// Share of failed simulations above which the campaign ends [1].
-    pub failed_share: f64,
 }
 
 impl Plan {
-    /// Points proposed together: half a batch, so that one half is simulated while the other is learned from.
-    ///
-    /// That is the look-ahead: chunk k + 2 is proposed from the outcomes up to chunk k and the points, not the
-    /// outcomes, of chunk k + 1. It is fixed by the plan, so the points do not depend on who is quick.
-    pub fn chunk(&self) -> usize {
-        self.batch.div_ceil(2)
+    /// Plan of a study of `scene`.
+    pub fn new(settings: &Settings, scene: &Scene) -> Self {
+        Self {
+            settings: settings.clone(),
+            targets: settings.targets(),
+            largest_population: LARGEST_POPULATION,
+            retry: settings.stricter(scene).is_some(),
+        }
     }
 }

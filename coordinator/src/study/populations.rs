@@ -69,7 +69,7 @@ impl LookedAt {
             }
             self.pf_before = Some(pf);
         }
-        let draw = (plan.seed, self.draws);
+        let draw = (plan.settings.seed, self.draws);
         let (drawn, condition) = conditional_population(problem, self.unconditional(), surrogates, draw);
         let replaced = std::mem::replace(&mut self.population, drawn);
         self.unconditional.get_or_insert(replaced);

@@ -95,11 +95,15 @@ pub fn blank(scene: &Scene, settings: &Settings) -> StudySummary {
     StudySummary {
         scene: scene.name.clone(),
         version: env!("CARGO_PKG_VERSION").to_owned(),
-        seed: settings.study.seed,
+        seed: settings.seed,
         method: settings.method.name().to_owned(),
-        accuracy: if mechanism { settings.accuracy.name.clone() } else { "the simulator's own".to_owned() },
-        accuracy_settings: mechanism.then_some(settings.accuracy.accuracy),
-        max_error: settings.max_error,
+        accuracy: if mechanism {
+            settings.accuracy.setting.name.clone()
+        } else {
+            "the simulator's own".to_owned()
+        },
+        accuracy_settings: mechanism.then_some(settings.accuracy.setting.accuracy),
+        max_error: settings.accuracy.max_error,
         population: 0,
         evaluations: EvaluationCounts::default(),
         limit_states: scene.limit_states.iter().map(|limit| limit.name.clone()).collect(),
@@ -143,8 +147,8 @@ pub(super) fn from_learning(scene: &Scene, settings: &Settings, learned: &Learne
 
     let counts = EvaluationCounts {
         total: learned.evaluations,
-        initial: settings.study.initial.min(learned.evaluations),
-        added: learned.evaluations.saturating_sub(settings.study.initial),
+        initial: settings.initial.min(learned.evaluations),
+        added: learned.evaluations.saturating_sub(settings.initial),
         failed: learned.failed.len(),
     };
     let convergence = Convergence {
@@ -218,12 +222,12 @@ fn output_distributions(scene: &Scene, learned: &Learned) -> Vec<Vec<OutputDistr
 
 /// Whether learning ended by a rule and with failures enough for the coefficient of variation asked for.
 fn targets_met(learned: &Learned, settings: &Settings) -> bool {
-    let enough = learned.rounds.last().is_some_and(|round| round.cov_pf <= settings.targets.cov);
+    let enough = learned.rounds.last().is_some_and(|round| round.cov_pf <= settings.targets().cov);
     enough && matches!(learned.stop, Stop::Rule(_))
 }
 
 fn stop_in_words(learned: &Learned, settings: &Settings) -> String {
-    let targets = &settings.targets;
+    let targets = settings.targets();
     let figures = &learned.assessment.figures;
     let reason = match learned.stop {
         Stop::Rule(Rule::Learning) => format!(
@@ -236,7 +240,7 @@ fn stop_in_words(learned: &Learned, settings: &Settings) -> String {
         ),
         Stop::Budget => format!(
             "the budget of {} evaluations is spent; the estimated surrogate error is {:.2e} (target {})",
-            settings.study.max_evaluations, figures.error, targets.error
+            settings.max_evaluations, figures.error, targets.error
         ),
     };
     let system = &learned.assessment.curves[learned.assessment.curves.len() - 1];

@@ -137,7 +137,7 @@ pub(super) fn assess(
     effort: Effort,
 ) -> Result<Assessment, CampaignError> {
     let Known { problem, plan, population, asked, observations, previous, round, .. } = *known;
-    let seed = plan.seed;
+    let seed = plan.settings.seed;
     // Surrogates, one per mode, beside each other.
     let points = observations.points();
     let surrogates = problem
@@ -152,8 +152,14 @@ pub(super) fn assess(
             let observed =
                 Results { points: &points, values: &values, errors: &errors, threshold: mode.threshold };
             let before = known.surrogates.get(s);
-            Surrogate::fit(&observed, fitted_on, before, effort, (plan.forms, plan.stated_errors))
-                .map_err(|source| CampaignError::Surrogate { mode: s, source })
+            Surrogate::fit(
+                &observed,
+                fitted_on,
+                before,
+                effort,
+                (plan.settings.forms, plan.settings.stated_errors),
+            )
+            .map_err(|source| CampaignError::Surrogate { mode: s, source })
         })
         .collect::<Result<Vec<Surrogate>, CampaignError>>()?;
 
@@ -185,7 +191,7 @@ pub(super) fn assess(
     let coupled = coupled_criterion(&modes);
 
     // The pool, its posterior, and the error of the curves.
-    let mut pool = choose_pool(&coupled, asked, POOL_PER_BATCH * plan.batch, seed, round);
+    let mut pool = choose_pool(&coupled, asked, POOL_PER_BATCH * plan.settings.batch, seed, round);
     let under_way = pool.members.len()..pool.members.len() + known.under_way.len();
     pool.members.extend(known.under_way);
     let d = population.dimension();
@@ -216,7 +222,7 @@ pub(super) fn assess(
     let weights: Vec<f64> = pool.members.iter().filter_map(|j| dominance(&modes, *j, on_grid)).collect();
     let feasibility = Feasibility::new(points.as_ref(), known.failed, surrogates[0].model.correlation());
     let feasible = feasibility.probability(members.as_ref());
-    let choice = (on_grid, plan.learning);
+    let choice = (on_grid, plan.settings.learning);
     let selection = Selection::new(&modes, pool, posteriors, feasible, under_way, choice);
     Ok(Assessment {
         governing,

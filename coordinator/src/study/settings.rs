@@ -1,149 +1,302 @@
-//! What a study is asked to do.
+//! Settings of one study: the scene's defaults, changed by the command line, checked here, and stored in the campaign
+//! file, so that `resume` repeats the same study.
 
-use super::{Plan, StudyError};
 use crate::statistics::learning::{LearningFunction, Targets};
+use crate::statistics::named::named;
 use crate::statistics::surrogate::{FormSettings, StatedErrors};
 use common::accuracy::{Accuracy, NamedAccuracy};
 use common::scene::{Scene, StudySettings};
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
 
-/// Most points of a population: 480 MB at 30 variables.
-const LARGEST_POPULATION: usize = 2_000_000;
+/// Largest Monte Carlo population: 480 MB at 30 variables.
+pub const LARGEST_POPULATION: usize = 2_000_000;
 
-/// Share of failed simulations that ends a study unless it is told otherwise.
-pub const FAILED_SHARE: f64 = 0.2;
+/// Fewest evaluations from which a surrogate is fitted.
+const SMALLEST_DESIGN: usize = 3;
 
-/// Factor by which the time steps of a second attempt are shorter.
+/// Default share of failed evaluations above which a study ends [1].
+const MAX_FAILED: f64 = 0.2;
+
+/// Factor by which the time steps of a second attempt are shorter [1].
 const STRICTER: f64 = 1.5;
 
-/// How reliability is computed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// How the reliability is computed.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Method {
     /// Surrogates and active learning over a Monte Carlo population.
+    #[default]
     ActiveLearning,
-    /// Direct simulation of the population's first points.
-    MonteCarlo {
-        /// How many.
-        samples: usize,
-    },
-    /// Direct simulation of a Latin hypercube.
-    LatinHypercube {
-        /// How many.
-        samples: usize,
-    },
+    /// Direct simulation of every point of a Monte Carlo population.
+    MonteCarlo,
+    /// Direct simulation of every point of a Latin hypercube.
+    LatinHypercube,
 }
 
-impl Method {
-    /// The name in the summary and on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::ActiveLearning => "ak",
-            Self::MonteCarlo { .. } => "monte-carlo",
-            Self::LatinHypercube { .. } => "latin-hypercube",
+named!(Method { ActiveLearning = "ak", MonteCarlo = "monte-carlo", LatinHypercube = "latin-hypercube" });
+
+/// Accuracy of a study's evaluations, and the error budget it was chosen for.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct StudyAccuracy {
+    /// The accuracy, by name and with all its parameters.
+    pub setting: NamedAccuracy,
+    /// Error budget as a share of the limits [1]; `None` if the accuracy was given by name.
+    pub max_error: Option<f64>,
+}
+
+impl StudyAccuracy {
+    /// Restores the last bits of an accuracy that was read from JSON: its name defines it exactly. If the name stands
+    /// for other parameters by now, those of the file are kept.
+    fn exact(self) -> Self {
+        let kept = self.setting.accuracy;
+        let near = |a: f64, b: f64| (a - b).abs() <= 1e-12 * a.abs();
+        let named = self.setting.name.parse::<NamedAccuracy>().ok().filter(|named| {
+            let a = named.accuracy;
+            let rounded = Accuracy {
+                step_tolerance: a.step_tolerance,
+                largest_step: a.largest_step,
+                jump_tolerance: a.jump_tolerance,
+                wear_tolerance: a.wear_tolerance,
+                warm_up: a.warm_up,
+                ..kept
+            };
+            near(a.step_tolerance, kept.step_tolerance)
+                && near(a.largest_step, kept.largest_step)
+                && near(a.jump_tolerance, kept.jump_tolerance)
+                && near(a.wear_tolerance, kept.wear_tolerance)
+                && near(a.warm_up, kept.warm_up)
+                && rounded == a
+        });
+        StudyAccuracy { setting: named.unwrap_or(self.setting), ..self }
+    }
+}
+
+/// Settings of one study; each of them may change its result. The fields are the keys of the campaign file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Settings {
+    /// Method.
+    pub method: Method,
+    /// Accuracy of the evaluations.
+    pub accuracy: StudyAccuracy,
+    /// Points of the Monte Carlo population (active learning), or evaluations (the other methods).
+    pub samples: usize,
+    /// Evaluations of the initial design, the nominal point included.
+    pub initial: usize,
+    /// Evaluations under way at once after the initial design; half of them are proposed together, see
+    /// [`Settings::chunk`].
+    pub batch: usize,
+    /// Budget of evaluations, failed ones included.
+    pub max_evaluations: usize,
+    /// Seed of every random draw.
+    pub seed: u64,
+    /// Use of the numerical errors that evaluations state. Campaign files written before this setting existed
+    /// ignored them.
+    #[serde(default = "ignored")]
+    pub stated_errors: StatedErrors,
+    /// Learning function.
+    #[serde(default)]
+    pub learning: LearningFunction,
+    /// Kernel and trend of the surrogates, as far as they are fixed.
+    #[serde(flatten)]
+    pub forms: FormSettings,
+    /// Share of failed evaluations above which the study ends [1].
+    #[serde(default = "max_failed")]
+    pub max_failed: f64,
+    /// Surrogate error of any R(n) at which learning may stop [1]; `None` for that of [`Targets::default`].
+    #[serde(default)]
+    pub target_error: Option<f64>,
+}
+
+fn ignored() -> StatedErrors {
+    StatedErrors::Ignored
+}
+
+fn max_failed() -> f64 {
+    MAX_FAILED
+}
+
+impl Default for Settings {
+    /// Settings of a scene without a section `[study]`.
+    fn default() -> Self {
+        Self::from(StudySettings::default())
+    }
+}
+
+impl From<StudySettings> for Settings {
+    fn from(study: StudySettings) -> Self {
+        Self {
+            method: Method::default(),
+            accuracy: StudyAccuracy::default(),
+            samples: study.population,
+            initial: study.initial,
+            batch: study.batch,
+            max_evaluations: study.max_evaluations,
+            seed: study.seed,
+            stated_errors: StatedErrors::default(),
+            learning: LearningFunction::default(),
+            forms: FormSettings::default(),
+            max_failed: MAX_FAILED,
+            target_error: None,
         }
     }
 }
 
-/// Settings of one study.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Settings {
-    /// Sizes and seed; defaults are the scene's.
-    pub study: StudySettings,
-    /// Method.
-    pub method: Method,
-    /// Accuracy of the evaluations, for the summary: whoever evaluates has it already.
-    pub accuracy: NamedAccuracy,
-    /// Error budget that the accuracy was found for, if it was, as a share of the limits [1].
-    pub max_error: Option<f64>,
-    /// Which points are the most wanted.
-    pub learning: LearningFunction,
-    /// Share of failed simulations above which the study ends [1].
-    pub failed_share: f64,
-    /// Stopping rules of active learning.
-    pub targets: Targets,
-    /// What is left open of the surrogates' form.
-    pub forms: FormSettings,
-    /// What the surrogates make of the numerical errors that simulations state.
-    pub stated_errors: StatedErrors,
+/// A setting that makes no study.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("study setting {key} = {value}: {allowed}")]
+pub struct SettingError {
+    /// Key of the setting.
+    pub key: &'static str,
+    /// Its value.
+    pub value: String,
+    /// Allowed values, in words.
+    pub allowed: String,
 }
 
 impl Settings {
-    /// The scene's own defaults with active learning.
-    pub fn of(scene: &Scene, accuracy: NamedAccuracy) -> Self {
-        Self {
-            study: scene.study,
-            method: Method::ActiveLearning,
-            accuracy,
-            max_error: None,
-            learning: LearningFunction::default(),
-            failed_share: FAILED_SHARE,
-            targets: Targets::default(),
-            forms: FormSettings::default(),
-            stated_errors: StatedErrors::default(),
-        }
+    /// The scene's defaults with active learning at `accuracy`.
+    pub fn new(scene: &Scene, accuracy: NamedAccuracy) -> Self {
+        Self { accuracy: StudyAccuracy { setting: accuracy, max_error: None }, ..Self::from(scene.study) }
     }
 
-    /// The plan of the campaign.
-    pub fn plan(&self, scene: &Scene) -> Plan {
-        Plan {
-            population: self.study.population,
-            largest_population: LARGEST_POPULATION,
-            initial: self.study.initial,
-            batch: self.study.batch,
-            max_evaluations: self.study.max_evaluations,
-            seed: self.study.seed,
-            learning: self.learning,
-            targets: self.targets,
-            forms: self.forms,
-            stated_errors: self.stated_errors,
-            retry: self.stricter(scene).is_some(),
-            failed_share: self.failed_share,
-        }
+    /// The settings stored in a campaign file, with the exact parameters of the accuracy.
+    ///
+    /// # Errors
+    /// The error of a missing key or an unknown value.
+    pub fn from_stored(stored: &serde_json::Value) -> serde_json::Result<Self> {
+        let settings = Self::deserialize(stored)?;
+        Ok(Self { accuracy: settings.accuracy.exact(), ..settings })
     }
 
-    /// Setting at which a failed simulation is repeated: time steps shorter by half. Simulators that a scene names have
-    /// no settings.
+    /// Bounds of the stopping rules.
+    pub fn targets(&self) -> Targets {
+        self.target_error.map_or_else(Targets::default, Targets::of_error)
+    }
+
+    /// Points proposed together: half a batch, so that one half is simulated while the other is learned from.
+    ///
+    /// Chunk k + 2 is proposed from the outcomes up to chunk k and the points, not the outcomes, of chunk k + 1. This
+    /// look-ahead is fixed by the settings, so the proposed points do not depend on the order of the outcomes.
+    pub fn chunk(&self) -> usize {
+        self.batch.div_ceil(2)
+    }
+
+    /// Accuracy at which a failed evaluation is repeated: time steps shorter by [`STRICTER`]. `None` with direct
+    /// simulation and with a scene's own simulator, which has no such setting.
     pub(super) fn stricter(&self, scene: &Scene) -> Option<Accuracy> {
         let repeats = self.method == Method::ActiveLearning && scene.simulator.is_none();
-        repeats.then(|| self.accuracy.accuracy.refined(STRICTER))
+        repeats.then(|| self.accuracy.setting.accuracy.refined(STRICTER))
     }
 
-    /// Bound on evaluations.
+    /// Bound on evaluations; direct simulation adds the nominal point to its samples.
     pub(super) fn budget(&self) -> usize {
         match self.method {
-            Method::ActiveLearning => self.study.max_evaluations,
-            Method::MonteCarlo { samples } | Method::LatinHypercube { samples } => samples + 1,
+            Method::ActiveLearning => self.max_evaluations,
+            Method::MonteCarlo | Method::LatinHypercube => self.samples + 1,
         }
     }
 
-    /// Refuses settings that do not make a study.
-    pub(super) fn check(&self, scene: &Scene) -> Result<(), StudyError> {
-        let refuse = |key, value: usize, allowed: String| {
-            Err(StudyError::Setting { key, value: value.to_string(), allowed })
-        };
-        let s = &self.study;
+    /// Checks that the settings and the scene make a study.
+    ///
+    /// # Errors
+    /// The first [`SettingError`].
+    pub fn check(&self, scene: &Scene) -> Result<(), SettingError> {
+        let refuse =
+            |key, value: String, allowed: &str| Err(SettingError { key, value, allowed: allowed.to_owned() });
         if scene.limit_states.is_empty() || scene.variables.is_empty() {
             let value = format!("{} and {}", scene.limit_states.len(), scene.variables.len());
-            let allowed = "a study needs at least one limit state and one random variable".to_owned();
-            return Err(StudyError::Setting { key: "limit_states and variables", value, allowed });
+            let allowed = "a study needs at least one limit state and one random variable";
+            return refuse("limit_states and variables", value, allowed);
         }
-        if let Method::MonteCarlo { samples } | Method::LatinHypercube { samples } = self.method {
-            return if samples == 0 { refuse("samples", 0, "at least 1".to_owned()) } else { Ok(()) };
+        if self.samples == 0 {
+            return refuse("samples", "0".to_owned(), "at least 1");
         }
-        if s.initial < 3 {
-            return refuse("initial", s.initial, "at least 3".to_owned());
+        if self.method != Method::ActiveLearning {
+            return Ok(());
         }
-        if s.population < s.initial {
-            return refuse("population", s.population, format!("at least initial = {}", s.initial));
+        if self.initial < SMALLEST_DESIGN {
+            return refuse("initial", self.initial.to_string(), &format!("at least {SMALLEST_DESIGN}"));
         }
-        if s.population > LARGEST_POPULATION {
-            return refuse("population", s.population, format!("at most {LARGEST_POPULATION}"));
+        let design = format!("at least the initial design, initial = {}", self.initial);
+        for (key, value) in [("samples", self.samples), ("max_evaluations", self.max_evaluations)] {
+            if value < self.initial {
+                return refuse(key, value.to_string(), &design);
+            }
         }
-        if s.batch == 0 {
-            return refuse("batch", 0, "at least 1".to_owned());
+        if self.samples > LARGEST_POPULATION {
+            return refuse("samples", self.samples.to_string(), &format!("at most {LARGEST_POPULATION}"));
         }
-        if s.max_evaluations < s.initial {
-            return refuse("max_evaluations", s.max_evaluations, format!("at least initial = {}", s.initial));
+        if self.batch == 0 {
+            return refuse("batch", "0".to_owned(), "at least 1");
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::statistics::surrogate::Kernel;
+    use common::scene::SceneSource;
+
+    /// Settings as campaign files have held them since target errors were introduced.
+    const STORED: &str = r#"{"method":"ak","accuracy":ACCURACY,"samples":4000,"initial":16,"batch":12,"max_evaluations":40,"seed":3,"stated_errors":"fitted","learning":"gain","kernel":"matern52","trend":"auto","max_failed":0.2,"target_error":null}"#;
+
+    fn settings() -> Settings {
+        let source = SceneSource::builtin("four-bar").unwrap();
+        let mut settings = Settings::new(source.nominal(), "draft+step-x1.41".parse().unwrap());
+        settings.accuracy.max_error = Some(0.01);
+        (settings.samples, settings.initial, settings.max_evaluations) = (4000, 16, 40);
+        (settings.batch, settings.seed) = (12, 3);
+        settings.forms.kernel = Some(Kernel::Matern52);
+        settings
+    }
+
+    fn read(text: &str) -> Settings {
+        Settings::from_stored(&serde_json::from_str(text).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn stored_settings_are_read_to_the_last_bit() {
+        // JSON returns the tolerance of this accuracy with another last bit.
+        let settings = settings();
+        let stored = serde_json::to_string(&settings).unwrap();
+        assert_eq!(read(&stored), settings);
+        // A name that stands for another accuracy by now does not change a study.
+        let other = read(&stored.replace("\"cycle_jump\":8000", "\"cycle_jump\":4001"));
+        assert_eq!(other.accuracy.setting.accuracy.cycle_jump, 4001);
+    }
+
+    #[test]
+    fn the_stored_form_does_not_change_and_that_of_early_files_is_read() {
+        let settings = settings();
+        let accuracy = serde_json::to_string(&settings.accuracy).unwrap();
+        let stored = STORED.replace("ACCURACY", &accuracy);
+        assert_eq!(serde_json::to_string(&settings).unwrap(), stored);
+        let (before, _) = stored.split_once(",\"stated_errors\"").unwrap();
+        let early = read(&format!("{before}}}"));
+        let expected =
+            Settings { stated_errors: StatedErrors::Ignored, forms: FormSettings::default(), ..settings };
+        assert_eq!(early, expected);
+    }
+
+    #[test]
+    fn budgets_below_the_initial_design_are_refused() {
+        let source = SceneSource::builtin("four-bar").unwrap();
+        let refused = |settings: Settings| settings.check(source.nominal()).unwrap_err();
+        let error = refused(Settings { initial: 200, ..settings() });
+        assert_eq!((error.key, error.value.as_str()), ("max_evaluations", "40"));
+        assert_eq!(refused(Settings { initial: 2, ..settings() }).key, "initial");
+        assert_eq!(refused(Settings { batch: 0, ..settings() }).key, "batch");
+        let direct = Settings { method: Method::MonteCarlo, samples: 5, ..settings() };
+        assert_eq!(direct.check(source.nominal()), Ok(()));
+        assert_eq!(refused(Settings { samples: 0, ..direct }).key, "samples");
+    }
+
+    #[test]
+    fn method_names_are_read_back() {
+        for method in Method::ALL {
+            assert_eq!(method.name().parse(), Ok(method));
+        }
     }
 }

@@ -1,10 +1,15 @@
-//! Surrogates held against simulations they have not seen, point by point.
+//! Validation of surrogates against simulations that they were not fitted to, point by point.
 //!
-//! A study states R(n) over its population; direct Monte Carlo counts it over samples of its own. The difference of the
-//! two is mostly the luck of the draw: 5000 samples leave a standard error of 0.007 where R = 1/2. Here the surrogates
-//! classify the very points that were simulated, so that the draw cancels and what is left is theirs:
+//! A study estimates R(n) over its population, direct Monte Carlo over other samples. The difference of the two
+//! estimates is mostly sampling error: 5000 samples leave a standard error of 0.007 where R = 1/2. Here the surrogates
+//! classify the very points that were simulated, so that the sampling error cancels and the error of the surrogates
+//! remains. With N points and the indicator 1(.), both [1]:
 //!
 //!   D_j = 1(simulated not failed) - 1(predicted not failed),   difference = mean D_j,   standard error = sqrt(Var D_j / N).
+//!
+//! # Source
+//! The standard error of paired differences is that of common random numbers: Glasserman (2003), Monte Carlo Methods in
+//! Financial Engineering, Springer.
 
 use super::observations::{Observations, Observed};
 use super::responses::Responses;
@@ -18,52 +23,52 @@ use faer::Mat;
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// Most checkpoints on which a surrogate's lengths are fitted, as in learning.
+/// Largest number of checkpoints on which a surrogate's correlation lengths are fitted, as in learning.
 const GRID: usize = 24;
 
-/// A point and what was simulated there.
+/// A simulated point.
 #[derive(Debug, Clone)]
-pub struct Simulated {
+pub struct SimulatedPoint {
     /// Values of the random variables `(d,)`, SI.
     pub sample: Vec<f64>,
-    /// What came of it, per output of the scene.
+    /// Simulated histories, per output of the scene.
     pub observed: Observed,
 }
 
-/// What surrogates and simulations make of the same points.
+/// Comparison of surrogates and simulations at the same points.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Verification {
     /// Simulations the surrogates were fitted to.
     pub learned_from: usize,
-    /// Simulations they were held against.
+    /// Simulations they were compared with.
     pub points: usize,
-    /// Per limit state.
+    /// Accuracy of the surrogate of each limit state.
     pub surrogates: Vec<Verified>,
     /// Limit states, in the scene's order, and the system last as `total`; the order of the arrays in `rows`.
     pub curves: Vec<String>,
-    /// Checkpoints at which anything has failed and not everything.
+    /// Checkpoints at which some points have failed, but not all.
     pub rows: Vec<VerifiedRow>,
 }
 
-/// One surrogate on points it has not seen.
+/// Accuracy of one surrogate at points that it was not fitted to.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Verified {
     /// Name of the limit state.
     pub limit_state: String,
-    /// Kernel and trend.
+    /// Names of kernel and trend.
     pub form: String,
     /// Q2 = 1 - sum of squared errors / sum of squared deviations, smallest over the checkpoints it was fitted on [1].
     pub q2: f64,
-    /// The same by leaving out one of the points it was fitted to.
+    /// Smallest leave-one-out Q2 over the points and checkpoints it was fitted to [1].
     pub q2_leave_one_out: f64,
     /// Mean over those checkpoints and the points of (error / predicted standard deviation, noise included)^2 [1].
     pub variance_ratio: f64,
 }
 
-/// One checkpoint.
+/// Reliabilities by simulation and by surrogate at one checkpoint.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct VerifiedRow {
-    /// Checkpoint [cycles].
+    /// Checkpoint of life [cycles].
     pub cycles: u32,
     /// R by simulation, per curve [1].
     pub simulated: Vec<f64>,
@@ -76,27 +81,27 @@ pub struct VerifiedRow {
 impl Verification {
     /// Largest difference of any curve at any checkpoint [1].
     pub fn largest_difference(&self) -> f64 {
-        let of_row = |row: &VerifiedRow| {
+        let largest_of_row = |row: &VerifiedRow| {
             row.simulated.iter().zip(&row.predicted).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
         };
-        self.rows.iter().map(of_row).fold(0.0, f64::max)
+        self.rows.iter().map(largest_of_row).fold(0.0, f64::max)
     }
 }
 
-/// Fits surrogates to `learned`, as a study does at its end, and holds them against `unseen`.
+/// Fits surrogates to `learned`, as a study does at its end, and compares them with `unseen`.
 ///
 /// # Errors
 /// [`CampaignError::Surrogate`].
 pub fn verify(
     scene: &Scene,
     settings: &Settings,
-    learned: &[Simulated],
-    unseen: &[Simulated],
+    learned: &[SimulatedPoint],
+    unseen: &[SimulatedPoint],
 ) -> Result<Verification, CampaignError> {
     let responses = Responses::of(scene);
     let (learned, unseen) =
         (observations(scene, &responses, learned), observations(scene, &responses, unseen));
-    let (points, at) = (learned.points(), unseen.points());
+    let (points, unseen_points) = (learned.points(), unseen.points());
     let m = scene.life.checkpoints().len();
     let fitted = responses
         .modes
@@ -118,7 +123,7 @@ pub fn verify(
     let mut predicted: Vec<Vec<u32>> = Vec::new();
     let mut surrogates = Vec::new();
     for ((mode, surrogate), limit) in responses.modes.iter().zip(&fitted).zip(&scene.limit_states) {
-        let prediction = surrogate.model.predict(at.as_ref());
+        let prediction = surrogate.model.predict(unseen_points.as_ref());
         let values = unseen.running_maxima(mode.output);
         predicted.push(firsts(unseen.len(), m, |j, n| prediction.mean[(n, j)] >= mode.threshold));
         surrogates.push(verified(
@@ -141,25 +146,25 @@ pub fn verify(
     })
 }
 
-/// What a campaign is told of simulations, `(N,)`.
-pub fn as_told(scene: &Scene, simulated: &[Simulated]) -> Vec<Observed> {
+/// The simulations in the form that a campaign receives, `(N,)`.
+pub fn completed(scene: &Scene, simulated: &[SimulatedPoint]) -> Vec<Observed> {
     let responses = Responses::of(scene);
     simulated.iter().map(|point| responses.complete(point.observed.clone())).collect()
 }
 
 /// Index of the first checkpoint by which each simulation has failed, m if never, `(limit states)(N,)`.
-pub fn first_failures(scene: &Scene, simulated: &[Simulated]) -> Vec<Vec<u32>> {
+pub fn first_failures(scene: &Scene, simulated: &[SimulatedPoint]) -> Vec<Vec<u32>> {
     let responses = Responses::of(scene);
     let all = observations(scene, &responses, simulated);
     first_failures_of(&responses, &all, scene.life.checkpoints().len())
 }
 
 fn first_failures_of(responses: &Responses, simulated: &Observations, m: usize) -> Vec<Vec<u32>> {
-    let of = |mode: &Mode| {
+    let first_failures_of_mode = |mode: &Mode| {
         let values = simulated.running_maxima(mode.output);
         firsts(simulated.len(), m, |j, n| values[(j, n)] >= mode.threshold)
     };
-    responses.modes.iter().map(of).collect()
+    responses.modes.iter().map(first_failures_of_mode).collect()
 }
 
 /// First checkpoint by which each point has failed.
@@ -168,8 +173,8 @@ fn firsts(points: usize, m: usize, failed: impl Fn(usize, usize) -> bool) -> Vec
     (0..points).map(first).collect()
 }
 
-/// As the statistics see them; all count as initial design, since nothing is learned from.
-fn observations(scene: &Scene, responses: &Responses, simulated: &[Simulated]) -> Observations {
+/// The simulations as observations; all count as initial design, since no learning follows.
+fn observations(scene: &Scene, responses: &Responses, simulated: &[SimulatedPoint]) -> Observations {
     let inputs = InputModel::of(scene);
     let mut all = Observations::new(inputs.dimension(), responses.count());
     for point in simulated {
@@ -222,8 +227,8 @@ fn rows(cycles: &[u32], simulated: &[Vec<u32>], predicted: &[Vec<u32>]) -> Vec<V
     let survives = |first: u32, n: usize| f64::from(u8::from(first as usize > n));
     let row = |n: usize| {
         let reliability = |firsts: &[Vec<u32>]| -> Vec<f64> {
-            let of = |first: &Vec<u32>| first.iter().map(|f| survives(*f, n)).sum::<f64>() / points;
-            firsts.iter().map(of).collect()
+            let share = |first: &Vec<u32>| first.iter().map(|f| survives(*f, n)).sum::<f64>() / points;
+            firsts.iter().map(share).collect()
         };
         let standard_error = |(a, b): (&Vec<u32>, &Vec<u32>)| {
             let differences = || a.iter().zip(b).map(|(a, b)| survives(*a, n) - survives(*b, n));

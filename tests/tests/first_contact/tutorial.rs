@@ -118,7 +118,7 @@ fn a_scene_is_never_overwritten_and_its_name_is_checked() {
     assert_eq!(init(&["press"]).0, Some(0));
     std::fs::write(folder.path().join("press.toml"), "mine").unwrap();
     let (code, said) = init(&["press"]);
-    assert!(code == Some(2) && said.contains("press.toml: is there already"), "{said}");
+    assert!(code == Some(2) && said.contains("press.toml: file exists"), "{said}");
     assert_eq!(std::fs::read_to_string(folder.path().join("press.toml")).unwrap(), "mine");
     for name in ["", "a b", "../up", "four-bar"] {
         let (code, said) = init(&[name]);

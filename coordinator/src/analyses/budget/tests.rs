@@ -28,9 +28,9 @@ fn evaluation(scene: &Scene, shares: &[(f64, f64)]) -> Evaluation {
 
 /// Climbs with an error that is the sum of a time part of fourth and a wear part of second order, `factor` at
 /// `balanced`, and `random` times that off the nominal point; with the names of all that was evaluated.
-fn climb(budget: f64, factor: f64, random: f64) -> (Result<Choice, BudgetError>, Vec<usize>) {
+fn climb(budget: f64, factor: f64, random: f64) -> (Result<ChosenSetting, BudgetError>, Vec<usize>) {
     let scene = scene();
-    let points = nominal_and_random(&scene, RANDOM_POINTS);
+    let points = nominal_and_random(&scene, scene.study.seed, RANDOM_POINTS);
     let balanced = Accuracy::balanced();
     let seen = Mutex::new(Vec::new());
     let simulate = |request: &Request| {
@@ -42,7 +42,7 @@ fn climb(budget: f64, factor: f64, random: f64) -> (Result<Choice, BudgetError>,
         Ok(evaluation(&scene, &[(0.5, 0.0), (0.9, factor * off_nominal * (0.8 * time + 0.2 * wear))]))
     };
     let mut evaluator = LocalEvaluator::new(2, simulate);
-    let found = choose(&scene, budget, &LADDER, &points, &mut evaluator, &mut |_| {});
+    let found = choose_setting(&scene, budget, &LADDER, &points, &mut evaluator, &mut |_| {});
     drop(evaluator);
     (found, seen.into_inner().expect("no panic"))
 }
@@ -93,7 +93,8 @@ fn a_budget_out_of_reach_names_the_output_and_the_best_error() {
 fn where_everything_fails_the_failure_is_told() {
     let scene = scene();
     let fail = |_: &Request| Err(SimulationFailure::NotModelled { what: "that".into() });
-    let found = choose(&scene, 0.01, &LADDER, &[vec![]], &mut LocalEvaluator::new(1, fail), &mut |_| {});
+    let found =
+        choose_setting(&scene, 0.01, &LADDER, &[vec![]], &mut LocalEvaluator::new(1, fail), &mut |_| {});
     assert!(matches!(found, Err(BudgetError::Failed { setting, .. }) if setting == "reference"));
 }
 

@@ -1,4 +1,4 @@
-//! The random variables in words: each with its law, mean, standard deviation and bounds, in the unit it is read in.
+//! The random variables: distribution, mean, standard deviation and bounds, in the unit of the scene file.
 
 use common::random::Correlation;
 use common::scene::Scene;
@@ -17,7 +17,7 @@ pub(super) fn variables(out: &mut String, scene: &Scene) -> std::fmt::Result {
         let law = &variable.distribution;
         // The unit was read when the scene was checked; "1" stands for a plain number.
         let scale = read_unit(&variable.unit).map_or(1.0, |unit| unit.multiply / unit.divide);
-        let shown = |value: f64| short(value / scale);
+        let shown = |value: f64| seven_digits(value / scale);
         let unit = if variable.unit == "1" { String::new() } else { format!(" {}", variable.unit) };
         let (mean, std) = (shown(law.parent_mean()), shown(law.given_std()));
         let bounds = match law.support() {
@@ -34,14 +34,14 @@ pub(super) fn variables(out: &mut String, scene: &Scene) -> std::fmt::Result {
     }
     let name = |k: usize| &scene.variables[k].name;
     for Correlation { first, second, coefficient } in &scene.correlations {
-        let coefficient = short(*coefficient);
+        let coefficient = seven_digits(*coefficient);
         writeln!(out, "  correlation of {} and {}, as normals: {coefficient}", name(*first), name(*second))?;
     }
     writeln!(out)
 }
 
-/// Seven digits are enough to read.
-fn short(value: f64) -> String {
+/// The value with seven digits.
+fn seven_digits(value: f64) -> String {
     let rounded: f64 = format!("{value:.6e}").parse().unwrap_or(value);
     if (1e-3..1e6).contains(&rounded.abs()) || rounded == 0.0 {
         rounded.to_string()

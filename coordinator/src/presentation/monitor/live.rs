@@ -91,7 +91,7 @@ impl Live {
             scene: scene.clone(),
             blank: blank(scene, settings),
             started: Instant::now(),
-            told: Mutex::new(Told { initial: settings.study.initial, ..Told::default() }),
+            told: Mutex::new(Told { initial: settings.initial, ..Told::default() }),
             made: Mutex::new(None),
             revision: watch::Sender::new(1),
             watched: AtomicBool::new(false),

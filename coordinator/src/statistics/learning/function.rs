@@ -10,6 +10,7 @@
 //!
 //! Source: U, Echard, Gayton, Lemaire (2011), eq. 7; EFF, Bichon et al. (2008), eq. 17; H, Lv, Lu, Wang (2015), eq. 20.
 
+use crate::statistics::named::named;
 use common::random::{standard_normal_cdf, standard_normal_pdf};
 
 /// Which points are the most wanted.
@@ -26,6 +27,8 @@ pub enum LearningFunction {
     /// Information entropy.
     H,
 }
+
+named!(LearningFunction { Gain = "gain", U = "u", Eff = "eff", H = "h" });
 
 impl LearningFunction {
     /// Score of a point at distance u (in its own standard deviations) and of standard deviation s (in those of the

@@ -1,6 +1,8 @@
 //! What a surrogate is made of: the kernel of its correlation and its trend.
 
 use super::{Kernel, Trend};
+use crate::statistics::named;
+use serde::{Deserialize, Serialize};
 
 /// Kernel and trend of a surrogate; by default the Gaussian kernel and a constant trend.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
@@ -11,12 +13,15 @@ pub struct Form {
     pub trend: Trend,
 }
 
-/// What the user left open of the form; by default all of it.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
+/// Kernel and trend as the user fixed them; in files, `auto` stands for a choice by cross-validation, the default of
+/// both.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct FormSettings {
     /// The kernel; `None`: by cross-validation.
+    #[serde(default, with = "named")]
     pub kernel: Option<Kernel>,
     /// The trend; `None`: by cross-validation.
+    #[serde(default, with = "named")]
     pub trend: Option<Trend>,
 }
 

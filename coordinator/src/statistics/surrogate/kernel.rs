@@ -10,6 +10,7 @@
 //! Source: Rasmussen, Williams (2006), eqs. 4.9 and 4.17.
 
 use super::exponential::exp_nonpositive;
+use crate::statistics::named::named;
 
 /// How smooth the modelled function is taken to be.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
@@ -23,19 +24,10 @@ pub enum Kernel {
     Matern32,
 }
 
+// The smoothest first: the order in which cross-validation tries them.
+named!(Kernel { Gaussian = "gaussian", Matern52 = "matern52", Matern32 = "matern32" });
+
 impl Kernel {
-    /// All, the smoothest first.
-    pub const ALL: [Self; 3] = [Self::Gaussian, Self::Matern52, Self::Matern32];
-
-    /// The name in results and on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Gaussian => "gaussian",
-            Self::Matern52 => "matern52",
-            Self::Matern32 => "matern32",
-        }
-    }
-
     /// Overwrites scaled squared distances (those below zero, which only rounding can give, count as zero) with
     /// correlations [1].
     pub(crate) fn correlate(self, squares: &mut [f64]) {

@@ -22,6 +22,7 @@
 //! Source: a diagonal of its own for every point, Ankenman, Nelson, Staum (2010), Stochastic kriging, eq. 3.
 
 use super::bounds::NUGGET;
+use crate::statistics::named::named;
 use faer::{ColRef, MatRef};
 
 /// Mean stated variance over that of the values below which there is nothing to model: at this level the nugget's
@@ -39,6 +40,8 @@ pub enum StatedErrors {
     /// Standard deviations as they stand, with the variance of the values in the place of the process variance.
     Full,
 }
+
+named!(StatedErrors { Ignored = "ignored", Fitted = "fitted", Full = "full" });
 
 /// How the noise spreads over the points, and between which levels.
 #[derive(Debug, Clone, PartialEq)]

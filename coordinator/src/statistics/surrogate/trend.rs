@@ -12,6 +12,7 @@
 //! section 5.2.
 
 use super::factor::solve_lower;
+use crate::statistics::named::named;
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_inverse::invert_unit_upper_triangular;
 use faer::{Accum, Mat, MatRef, Par};
@@ -29,18 +30,10 @@ pub enum Trend {
     Linear,
 }
 
+// The simplest first: the order in which cross-validation tries them.
+named!(Trend { Constant = "constant", Linear = "linear" });
+
 impl Trend {
-    /// All, the simplest first.
-    pub const ALL: [Self; 2] = [Self::Constant, Self::Linear];
-
-    /// The name in results and on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Constant => "constant",
-            Self::Linear => "linear",
-        }
-    }
-
     /// What `n` points in `d` variables can carry: a linear trend needs d + 1 < n / 2, with fewer it is constant.
     pub fn carried_by(self, d: usize, n: usize) -> Self {
         if self == Self::Linear && 2 * (d + 1) < n { Self::Linear } else { Self::Constant }

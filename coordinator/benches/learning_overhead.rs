@@ -1,13 +1,12 @@
-//! What a study costs beside its simulations: whole studies with a stand-in of 0.1 s for the simulator, busy on both of two
-//! threads, journal included.
+//! Cost of a study besides its simulations: whole studies with a simulator of 0.1 s on each of two threads, journal included.
 //!
 //! ```sh
 //! cargo run --release -p coordinator --example learning_overhead
 //! ```
 //!
 //! Overhead is (wall time - evaluations * 0.1 s / 2) / (evaluations * 0.1 s / 2). The first scene is the flapping-wing drive
-//! with 30 variables, two limit states and 72 checkpoints; the responses are made up with a like shape. The second one has
-//! three variables and ten checkpoints. Run it on a machine that does nothing else.
+//! with 30 variables, two limit states and 72 checkpoints; the responses are formulas of similar shape. The second one has
+//! three variables and ten checkpoints. Run it on an otherwise idle machine.
 
 use common::accuracy::NamedAccuracy;
 use common::outputs::{Diagnostics, Evaluation};
@@ -93,7 +92,7 @@ fn measure(source: &SceneSource, scene: &Scene) -> Result<Measured, Box<dyn Erro
         *seen = Some((first, Instant::now()));
         Ok(evaluation)
     });
-    let settings = Settings::of(scene, NamedAccuracy::default());
+    let settings = Settings::new(scene, NamedAccuracy::default());
     let started = Instant::now();
     let result = run(scene, &settings, &mut evaluator, &mut campaign, &mut Silent)?;
     let (wall, ended) = (started.elapsed().as_secs_f64(), Instant::now());
@@ -102,7 +101,7 @@ fn measure(source: &SceneSource, scene: &Scene) -> Result<Measured, Box<dyn Erro
         evaluations: result.summary.evaluations.total,
         wall,
         before: (first - started).as_secs_f64(),
-        idle: result.summary.timing_s.idle,
+        idle: result.summary.timing_s.idle / THREADS as f64,
         after: (ended - last).as_secs_f64(),
     })
 }

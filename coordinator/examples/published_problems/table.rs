@@ -1,7 +1,8 @@
-//! The runs of a problem as a row of a table.
+//! The runs of a problem as one row of a table.
 
-use super::{PublishedProblem, Run};
-use crate::study::Stop;
+use super::learn::Run;
+use coordinator::statistics::models::PublishedProblem;
+use coordinator::study::Stop;
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -13,21 +14,21 @@ const FALSE: f64 = 0.1;
 /// All runs of one problem.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Row {
-    /// Problem.
+    /// Name of the problem.
     pub problem: &'static str,
-    /// Random variables.
+    /// Number of random variables d.
     pub dimension: usize,
-    /// Runs, one a seed.
+    /// Number of runs, one per seed.
     pub runs: usize,
     /// Least, median and largest number of evaluations.
     pub calls: [usize; 3],
     /// Mean of the failure probabilities.
     pub pf: f64,
-    /// Its published value.
+    /// Published failure probability.
     pub reference: f64,
     /// Largest distance to it in combined standard errors (stated, and of the reference).
     pub worst: f64,
-    /// Runs within three.
+    /// Runs within three combined standard errors.
     pub within: usize,
     /// Runs that a rule ended although they are off by more than three combined standard errors and a tenth of the value.
     pub false_stops: usize,
@@ -45,8 +46,8 @@ pub struct Row {
 
 /// The row of a problem's runs, at least one.
 pub fn row(problem: &PublishedProblem, runs: &[Run]) -> Row {
-    let median = |of: &dyn Fn(&Run) -> f64| {
-        let mut values: Vec<f64> = runs.iter().map(of).collect();
+    let median = |value: &dyn Fn(&Run) -> f64| {
+        let mut values: Vec<f64> = runs.iter().map(value).collect();
         values.sort_unstable_by(f64::total_cmp);
         // The upper one of an even number.
         values[values.len() / 2]
@@ -58,15 +59,14 @@ pub fn row(problem: &PublishedProblem, runs: &[Run]) -> Row {
     let is_false = |run: &&Run| {
         run.stop != Stop::Budget && distance(run) > WITHIN && (run.pf / problem.pf - 1.0).abs() > FALSE
     };
-    let calls = |of: fn(std::slice::Iter<'_, Run>) -> Option<usize>| of(runs.iter()).unwrap_or(0);
     Row {
         problem: problem.name,
         dimension: problem.variables.len(),
         runs: runs.len(),
         calls: [
-            calls(|runs| runs.map(|r| r.calls).min()),
+            runs.iter().map(|run| run.calls).min().unwrap_or(0),
             median(&|run| run.calls as f64) as usize,
-            calls(|runs| runs.map(|r| r.calls).max()),
+            runs.iter().map(|run| run.calls).max().unwrap_or(0),
         ],
         pf: runs.iter().map(|run| run.pf).sum::<f64>() / runs.len() as f64,
         reference: problem.pf,
@@ -119,21 +119,12 @@ pub fn markdown(rows: &[Row]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::published_problems;
     use super::*;
-    use crate::statistics::learning::Rule;
+    use coordinator::statistics::learning::Rule;
+    use coordinator::statistics::models::published_problems;
 
     fn with(calls: usize, pf: f64, stop: Stop) -> Run {
-        Run {
-            seed: 1,
-            calls,
-            pf,
-            standard_error: 1e-4,
-            population: 1000,
-            misclassified: calls,
-            stop,
-            seconds: 1.0,
-        }
+        Run { calls, pf, standard_error: 1e-4, population: 1000, misclassified: calls, stop, seconds: 1.0 }
     }
 
     #[test]

@@ -1,10 +1,10 @@
-//! Learning from simulations that are all there already: a direct Monte Carlo run stands in for the simulator, and its
-//! samples are the population. So the error of every round is known, not estimated, and a change of the engine is
-//! judged on a real mechanism in seconds.
+//! Active learning on the simulations of a direct Monte Carlo study: they take the place of the simulator, and their
+//! samples are the population. The error of every round is therefore known, and a change of the learner can be judged
+//! on a real mechanism in seconds.
 
 use crate::statistics::learning::curves;
-use crate::study::{Campaign, CampaignError, Observed, Plan, Simulated, Stop, Surrogate, problem_of};
-use crate::study::{Settings, as_told, first_failures};
+use crate::study::{Campaign, CampaignError, Observed, Plan, SimulatedPoint, Stop, Surrogate, problem_of};
+use crate::study::{Settings, completed, first_failures};
 use common::failure::SimulationFailure;
 use common::scene::Scene;
 use serde::Serialize;
@@ -12,26 +12,26 @@ use std::collections::HashMap;
 use std::time::Instant;
 use thiserror::Error;
 
-/// Why simulations cannot be replayed.
+/// An error of [`replay`].
 #[derive(Debug, Error)]
 pub enum ReplayError {
-    /// Not the first points of the population of this seed.
+    /// The samples are not the first points of the population of this seed.
     #[error(
         "sample {0} is not that of the study's seed; expected a direct Monte Carlo run (--method monte-carlo) without failed \
          simulations"
     )]
     Foreign(usize),
-    /// Learning cannot go on.
+    /// The surrogates cannot be fitted, or too many simulations failed.
     #[error(transparent)]
     Campaign(#[from] CampaignError),
 }
 
-/// One round and its true error.
+/// One round of learning with its true error.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ReplayedRound {
-    /// Evaluations told.
+    /// Evaluations so far.
     pub evaluations: usize,
-    /// Largest error of any curve at any checkpoint that the surrogates state [1].
+    /// Largest error that the surrogates state for any curve at any checkpoint [1].
     pub stated_error: f64,
     /// Largest difference of any curve at any checkpoint from the simulated one [1].
     pub true_error: f64,
@@ -44,44 +44,40 @@ pub struct ReplayedRound {
     pub surrogates: Vec<String>,
 }
 
-/// A study from beginning to end.
+/// Result of [`replay`].
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Replayed {
     /// Points of the population.
     pub population: usize,
-    /// Rounds.
+    /// Rounds in their order.
     pub rounds: Vec<ReplayedRound>,
-    /// Why it ended.
+    /// The rule or budget that ended the learning.
     pub stopped_by: String,
     /// Time of learning [s].
     pub seconds: f64,
 }
 
-/// Learns from the nominal evaluation and those of the population's first points, in its order, as a study with
-/// these settings would learn whose population they are.
+/// Learns from the nominal evaluation and the evaluations of the population's first points, in its order, as a study
+/// with these settings and this population would.
 ///
 /// # Errors
 /// [`ReplayError`].
 pub fn replay(
     scene: &Scene,
     settings: &Settings,
-    nominal: &Simulated,
-    samples: &[Simulated],
+    nominal: &SimulatedPoint,
+    samples: &[SimulatedPoint],
 ) -> Result<Replayed, ReplayError> {
     let problem = problem_of(scene);
-    let plan = Plan {
-        population: samples.len(),
-        largest_population: samples.len(),
-        retry: false,
-        ..settings.plan(scene)
-    };
+    let settings = Settings { samples: samples.len(), ..settings.clone() };
+    let plan = Plan { largest_population: samples.len(), retry: false, ..Plan::new(&settings, scene) };
     let simulated: Vec<Vec<u32>> = first_failures(scene, samples);
     let views: Vec<&[u32]> = simulated.iter().map(Vec::as_slice).collect();
     let truth = curves(&views, problem.checkpoints.len());
-    let points: Vec<Simulated> = samples.iter().chain([nominal]).cloned().collect();
-    let told = as_told(scene, &points);
+    let points: Vec<SimulatedPoint> = samples.iter().chain([nominal]).cloned().collect();
+    let outcomes = completed(scene, &points);
     let known: HashMap<Vec<u64>, &Observed> =
-        points.iter().map(|point| bits(&point.sample)).zip(&told).collect();
+        points.iter().map(|point| bits(&point.sample)).zip(&outcomes).collect();
     let campaign = Campaign::new(problem, plan);
     if let Some(foreign) = (0..samples.len()).find(|j| !known.contains_key(&bits(&campaign.sample(*j)))) {
         return Err(ReplayError::Foreign(foreign));
@@ -119,7 +115,7 @@ fn round_of(campaign: &Campaign, truth: &[Vec<f64>]) -> Option<ReplayedRound> {
             count += 1.0;
         }
     }
-    let of = |surrogate: &Surrogate| {
+    let describe = |surrogate: &Surrogate| {
         let model = &surrogate.model;
         let q2 = surrogate.leave_one_out.iter().map(|l| l.q2).fold(1.0, f64::min);
         let crossed = surrogate.cross_validation.as_ref().map_or(q2, |crossed| crossed.q2);
@@ -132,6 +128,6 @@ fn round_of(campaign: &Campaign, truth: &[Vec<f64>]) -> Option<ReplayedRound> {
         true_error,
         error_ratio: if count > 0.0 { f64::sqrt(squares / count) } else { 0.0 },
         uncertain: assessment.share_uncertain,
-        surrogates: assessment.surrogates.iter().map(of).collect(),
+        surrogates: assessment.surrogates.iter().map(describe).collect(),
     })
 }

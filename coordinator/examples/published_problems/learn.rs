@@ -1,59 +1,52 @@
-//! One published problem learned once.
+//! One published problem, learned once.
 
-use super::PublishedProblem;
-use crate::statistics::design::InputModel;
-use crate::statistics::learning::{LearningFunction, Mode, Targets};
-use crate::statistics::reliability::reliability_curve;
-use crate::statistics::surrogate::{FormSettings, StatedErrors};
-use crate::study::{Campaign, CampaignError, FAILED_SHARE, Learned, LookedAt, Observed, Plan, Problem, Stop};
+use coordinator::statistics::design::InputModel;
+use coordinator::statistics::learning::Mode;
+use coordinator::statistics::models::PublishedProblem;
+use coordinator::statistics::reliability::reliability_curve;
+use coordinator::statistics::surrogate::StatedErrors;
+use coordinator::study::{
+    Campaign, CampaignError, LARGEST_POPULATION, Learned, LookedAt, Observed, Plan, Problem, Settings, Stop,
+};
 use std::time::Instant;
 
-/// What one run found.
+/// Result of one run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Run {
-    /// Seed.
-    pub seed: u64,
     /// Evaluations spent.
     pub calls: usize,
-    /// Failure probability of the system at the last checkpoint, and its stated standard error.
+    /// Failure probability of the system at the last checkpoint [1].
     pub pf: f64,
-    /// Standard error of it.
+    /// Stated standard error of `pf` [1].
     pub standard_error: f64,
-    /// Points of the population, and how many of them are on the wrong side of the limit at the last checkpoint.
+    /// Points of the population.
     pub population: usize,
-    /// Misclassified points.
+    /// Points of the population that are misclassified at the last checkpoint.
     pub misclassified: usize,
-    /// Why it stopped.
+    /// Reason of the stop.
     pub stop: Stop,
-    /// Time [s].
+    /// Wall time [s].
     pub seconds: f64,
 }
 
-/// Learns a problem with a population of `population` points to begin with, `batch` points under way at once.
+/// Learns a problem; initial design and budget are those of the problem.
 ///
 /// # Errors
 /// [`CampaignError`].
-pub fn run(
-    problem: &PublishedProblem,
-    (population, batch): (usize, usize),
-    (learning, targets): (LearningFunction, Targets),
-    seed: u64,
-) -> Result<Run, CampaignError> {
+pub fn learn(problem: &PublishedProblem, settings: Settings) -> Result<Run, CampaignError> {
     let started = Instant::now();
     let (modes, m) = problem.shape;
-    let plan = Plan {
-        population,
-        largest_population: population.max(2_000_000),
+    let settings = Settings {
         initial: problem.initial,
-        batch,
         max_evaluations: problem.max_evaluations,
-        seed,
-        learning,
-        targets,
-        forms: FormSettings::default(),
         stated_errors: StatedErrors::Ignored,
+        ..settings
+    };
+    let plan = Plan {
+        targets: settings.targets(),
+        largest_population: settings.samples.max(LARGEST_POPULATION),
         retry: false,
-        failed_share: FAILED_SHARE,
+        settings,
     };
     let statistics = Problem {
         inputs: InputModel::from(&problem.variables[..]),
@@ -64,10 +57,10 @@ pub fn run(
     let simulate = |sample: &[f64]| Ok(Observed::exact((problem.evaluate)(sample)));
     let learned = Campaign::new(statistics, plan).learn_from(simulate, |_| {})?;
     let seconds = started.elapsed().as_secs_f64();
-    Ok(found(problem, &learned, seed, seconds))
+    Ok(result(problem, &learned, seconds))
 }
 
-fn found(problem: &PublishedProblem, learned: &Learned, seed: u64, seconds: f64) -> Run {
+fn result(problem: &PublishedProblem, learned: &Learned, seconds: f64) -> Run {
     let assessment = &learned.assessment;
     let system = assessment.curves.len() - 1;
     let m = problem.shape.1;
@@ -82,7 +75,6 @@ fn found(problem: &PublishedProblem, learned: &Learned, seed: u64, seconds: f64)
         truly != predicted
     };
     Run {
-        seed,
         calls: learned.evaluations,
         pf: 1.0 - curve[m - 1].reliability,
         standard_error: curve[m - 1].standard_error,

@@ -1,15 +1,19 @@
-//! Published problems with reference values. Failure is g <= 0; the output is -g and fails at 0.
+//! Published reliability problems with their reference failure probabilities: test models of the learner. Failure is
+//! g <= 0; the output is -g and fails at 0.
 //!
-//! Source: four-branch system and oscillator, Echard, Gayton, Lemaire (2011); the sum of lognormals, Rackwitz (2001); RP8 to
-//! RP89, the black-box reliability challenge of TNO, as coded in openturns/otbenchmark; rare events are RP22's parabola further out, and the outside of a circle, whose probability
-//! is exp(-r^2 / 2). References are exact (quadrature) or from direct simulation of 2e7 samples, with the relative standard error given.
+//! References are exact (quadrature), or from direct simulation of 2e7 samples with the relative standard error given.
+//!
+//! # Source
+//! Four-branch system and oscillator: Echard, Gayton, Lemaire (2011). Sum of lognormals: Rackwitz (2001). RP8 to RP89:
+//! black-box reliability challenge of TNO, as coded in openturns/otbenchmark. Rare events: the parabola of RP22 at a
+//! larger distance, and the outside of a circle, whose probability is exp(-r^2 / 2).
 
 use common::random::Distribution;
 
-/// A published problem.
+/// A published problem with its reference value.
 #[derive(Debug, Clone)]
 pub struct PublishedProblem {
-    /// Short name, as on the command line.
+    /// Short name.
     pub name: &'static str,
     /// Random variables `(d,)`.
     pub variables: Vec<Distribution>,
@@ -88,7 +92,7 @@ fn over_time(x: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// All of them.
+/// All published problems.
 pub fn published_problems() -> Vec<PublishedProblem> {
     let problem = |name, variables: Vec<Distribution>, evaluate, pf, pf_error| {
         let d = variables.len();

@@ -1,9 +1,9 @@
 //! Replays and verifications of a simulator in closed form.
 
-use super::{ReplayError, replay};
+use super::replay::{ReplayError, replay};
 use crate::statistics::design::Population;
 use crate::statistics::surrogate::Kernel;
-use crate::study::{Observed, Settings, Simulated, problem_of, verify};
+use crate::study::{Observed, Settings, SimulatedPoint, problem_of, verify};
 use common::accuracy::NamedAccuracy;
 use common::scene::{Scene, SceneSource};
 
@@ -18,23 +18,21 @@ fn scene() -> Scene {
 }
 
 /// High fails earlier with x + 0.1 x y, low with y; at nine tenths of the life on average.
-fn simulated(sample: Vec<f64>) -> Simulated {
+fn simulated(sample: Vec<f64>) -> SimulatedPoint {
     let (x, y) = (sample[0], sample[1]);
     let life = |bend: f64| (1..=5).map(|n| 5.0 * f64::from(n) / 4.5 + 0.5 * bend).collect::<Vec<f64>>();
     let low = life(y - 0.3 * x).into_iter().map(|value| -value).collect();
-    Simulated { sample, observed: Observed::exact(vec![life(x + 0.1 * x * y), low]) }
+    SimulatedPoint { sample, observed: Observed::exact(vec![life(x + 0.1 * x * y), low]) }
 }
 
 fn settings(scene: &Scene) -> Settings {
-    let mut settings = Settings::of(scene, NamedAccuracy::default());
-    settings.study.initial = 20;
-    settings.study.batch = 4;
-    settings.study.max_evaluations = 60;
+    let mut settings = Settings::new(scene, NamedAccuracy::default());
+    (settings.initial, settings.batch, settings.max_evaluations) = (20, 4, 60);
     settings.forms.kernel = Some(Kernel::Gaussian);
     settings
 }
 
-fn samples(scene: &Scene, count: usize) -> Vec<Simulated> {
+fn samples(scene: &Scene, count: usize) -> Vec<SimulatedPoint> {
     let population = Population::draw(&problem_of(scene).inputs, count, scene.study.seed);
     (0..count).map(|j| simulated(population.physical(j))).collect()
 }
@@ -65,7 +63,7 @@ fn surrogates_agree_with_simulations_of_what_they_learned_and_not_with_others() 
     assert!(found.largest_difference() < 3e-3, "{found:?}");
     // R of high at the checkpoint before its mean life: P(x + 0.1 x y < 1.11), counted.
     let row = found.rows.iter().find(|row| row.cycles == 40).unwrap();
-    let safe = |point: &&Simulated| {
+    let safe = |point: &&SimulatedPoint| {
         40.0 / 9.0 + 0.5 * (point.sample[0] + 0.1 * point.sample[0] * point.sample[1]) < 5.0
     };
     assert_eq!(row.simulated[0], unseen.iter().filter(safe).count() as f64 / 960.0);

@@ -1,0 +1,278 @@
+//! The command line as typed: all commands, their help and their order on the first page of the help.
+
+use super::accuracy::AccuracyArguments;
+use super::calibrate::CalibrateArguments;
+use super::compare::CompareArguments;
+use super::doctor::DoctorArguments;
+use super::extremes::ExtremesArguments;
+use super::init::InitArguments;
+use super::results::StudyFolder;
+use super::shared::{DEFAULT_SCENE, Verbosity};
+use super::simulate::SimulateArguments;
+use super::status::StatusArguments;
+use super::study_options::{ResumeArguments, RunArguments};
+use super::tradeoff::TradeoffArguments;
+use super::verify::{ReplayArguments, VerifyArguments};
+use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
+use std::fmt::Write;
+
+/// Groups of the first page of the help.
+const GROUPS: [(&str, &[&str]); 4] = [
+    ("Study", &["run", "resume", "report", "sensitivity", "compare"]),
+    ("Look", &["simulate", "explain", "status", "scenes"]),
+    ("Check", &["init", "check", "doctor", "extremes"]),
+    ("Measure", &["tradeoff", "calibrate", "verify"]),
+];
+
+const EXAMPLE: &str = "\
+`coordinator --workers auto` runs a study of `flapping-wing`; see `coordinator run --help` for its options.
+Exit codes: 0 done, 2 bad input, 1 failure, 130 interrupted (all finished evaluations are saved).
+
+Example, about 3 s:
+  coordinator run --scene four-bar --accuracy draft --out study";
+
+/// Hingewise: reliability over life of mechanisms with wearing hinges
+///
+/// Without a command, `coordinator` runs a study like `coordinator run`.
+#[derive(Debug, Parser)]
+#[command(name = "coordinator", version, after_help = EXAMPLE)]
+pub struct Arguments {
+    #[command(flatten)]
+    pub verbosity: Verbosity,
+    /// Options of a study, if no command is given.
+    #[command(flatten)]
+    pub run: RunArguments,
+    #[command(subcommand)]
+    pub command: Option<Command>,
+}
+
+impl Arguments {
+    /// Reads the command line of this process; ends the process with a message if it is wrong.
+    pub fn read() -> Self {
+        let matches = grouped().get_matches();
+        Self::from_arg_matches(&matches).unwrap_or_else(|error| error.exit())
+    }
+}
+
+/// The command line, with a first help page on one screen: the commands in groups, and none of the options of `run`.
+fn grouped() -> clap::Command {
+    let command = Arguments::command();
+    let own = Verbosity::augment_args(clap::Command::new("own"));
+    let is_own = |argument: &clap::Arg| own.get_arguments().any(|own| own.get_id() == argument.get_id());
+    let page = format!(
+        "{{about}}\n\n{{usage-heading}} {{usage}}\n\n{}Options:\n{{options}}{{after-help}}",
+        groups(&command)
+    );
+    command
+        .mut_args(|argument| if is_own(&argument) { argument } else { argument.hide(true) })
+        .help_template(page)
+}
+
+/// The commands by group, one line each.
+fn groups(command: &clap::Command) -> String {
+    let mut text = String::new();
+    for (group, names) in GROUPS {
+        // Writing to a String cannot fail.
+        let _ = writeln!(text, "{group}:");
+        for name in names {
+            let about =
+                command.find_subcommand(name).and_then(clap::Command::get_about).map(ToString::to_string);
+            let _ = writeln!(text, "  {name:12} {}", about.unwrap_or_default());
+        }
+    }
+    text.push('\n');
+    text
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Run a reliability study
+    #[command(after_help = "\
+Examples:
+  coordinator run --workers auto
+  coordinator run --scene flapping-wing-tolerances --workers 2 --out tolerances --seed 7
+  coordinator run --scene my.toml --method monte-carlo --samples 500
+  coordinator run --scene four-bar --max-error 1%
+  coordinator run --workers 0 --listen tcp/0.0.0.0:7447 --config tls.json5")]
+    Run(Box<RunArguments>),
+    /// Continue an interrupted study; no finished evaluation is run again
+    #[command(after_help = "Example:\n  coordinator resume hingewise-flapping-wing --workers auto")]
+    Resume(ResumeArguments),
+    /// Run one evaluation in this process and print it as JSON
+    #[command(after_help = "\
+Examples:
+  coordinator simulate --scene flapping-wing --out nominal.json
+  coordinator simulate --scene flapping-wing --set rod_length=40.05mm --set friction=0.03
+  coordinator simulate --scene my.toml --set parameters.crank_speed='500 r/min' --accuracy draft")]
+    Simulate(SimulateArguments),
+    /// Compare extreme cases of a scene with runs at half the time step
+    #[command(after_help = "\
+Each case agrees with half the step within its stated error, or is refused with a reason. Anything else is a
+disagreement, with exit code 1.
+
+Examples:
+  coordinator extremes --scene four-bar
+  coordinator extremes --scene flapping-wing --accuracy draft --out extremes.txt
+  coordinator extremes --scene my.toml --json")]
+    Extremes(ExtremesArguments),
+    /// Measure time against error for the accuracy settings of a scene
+    #[command(after_help = "\
+Runs the presets and settings near them at the nominal point and at random points of the variables, and compares them
+with `reference`: time, error of each output, coverage of the stated errors, and the effect on the reliability.
+Writes tradeoff.md, tradeoff.csv (one line per setting), values.csv (one line per value) and one figure per output to the
+folder, and prints tradeoff.md. If interrupted, it writes the points that are complete.
+
+Examples:
+  coordinator tradeoff --scene four-bar --out four-bar-tradeoff
+  coordinator tradeoff --scene my.toml --settings quick --points 10 --out my-tradeoff
+  coordinator tradeoff --setting balanced --setting draft --points 201 --out stated-errors
+  coordinator tradeoff --workers 0 --listen tcp/127.0.0.1:7447 --out tradeoff")]
+    Tradeoff(TradeoffArguments),
+    /// Fit free parameters of a scene to measured or published targets
+    #[command(after_help = "\
+The file names the free parameters with their bounds (keys of the scene, factors on means or standard deviations of random
+variables) and the targets with their tolerances. The report lists the fit of each target, the uncertainty of each
+parameter, the correlations, and targets that contradict each other.
+
+Examples:
+  coordinator calibrate --scene my.toml --targets measured.toml
+  coordinator calibrate --scene four-bar --targets measured.toml --accuracy draft --rounds 1 --json")]
+    Calibrate(Box<CalibrateArguments>),
+    /// Validate the surrogates of a study against simulations that they were not fitted to
+    #[command(after_help = "\
+With --against, surrogates are fitted to the simulations of the first study and classify the very points that the second
+study simulated, so that the sampling error cancels. With --rounds, a direct Monte Carlo study is learned again with its
+samples as the population: the true error of every round is known. Studies need not be finished; nothing is simulated.
+
+Examples:
+  coordinator run --scene four-bar --out study
+  coordinator run --scene four-bar --method monte-carlo --samples 1000 --out direct
+  coordinator verify study --against direct
+  coordinator verify study --against direct --evaluations 50
+  coordinator verify direct --rounds --initial 40 --max-evaluations 100 --kernel matern52")]
+    Verify(VerifyArguments),
+    /// The same as `verify DIR --rounds`
+    #[command(hide = true, after_help = "Example:\n  coordinator replay direct")]
+    Replay(ReplayArguments),
+    /// Print the sensitivities of the failure probabilities of a finished study
+    #[command(after_help = "Example:\n  coordinator sensitivity hingewise-flapping-wing --json")]
+    Sensitivity(StudyFolder),
+    /// Write the result files and the report of a finished study again
+    #[command(after_help = "Example:\n  coordinator report hingewise-flapping-wing")]
+    Report(StudyFolder),
+    /// Compare the reliability curves of several finished studies on one page
+    #[command(after_help = "\
+Writes a page with curves and bands per limit state and in total, the lives at R = 0.99, 0.9 and 0.5, and the cost of each
+study, and the curves as CSV under the same name. The studies need limit states of the same names and the same
+checkpoints.
+
+Examples:
+  coordinator compare hingewise-four-bar hingewise-four-bar-2 --out compare.html
+  coordinator compare steel bronze polymer --out bushings.html")]
+    Compare(CompareArguments),
+    /// Write a commented scene to start from
+    #[command(after_help = "\
+Examples:
+  coordinator init press
+  coordinator init press --out scenes/press.toml")]
+    Init(InitArguments),
+    /// Show the progress of a running study: workers, queue, rates, R so far
+    #[command(after_help = super::status::EXAMPLES)]
+    Status(StatusArguments),
+    /// Test from this machine what a worker needs to reach a coordinator
+    #[command(after_help = super::doctor::EXAMPLES)]
+    Doctor(DoctorArguments),
+    /// List the built-in scenes
+    #[command(after_help = "Examples:\n  coordinator scenes\n  coordinator scenes --json")]
+    Scenes {
+        /// Print the TOML text of this built-in scene, as a start for a new one
+        #[arg(long, value_name = "NAME")]
+        show: Option<String>,
+    },
+    /// Validate a scene: all faults at once, and the assembly of the linkage through its cycle
+    #[command(after_help = "Example:\n  coordinator check my.toml")]
+    Check {
+        /// Scene file, or name of a built-in scene
+        file: String,
+    },
+    /// Describe the model of a scene, the reasons for it, and its expected cost
+    #[command(after_help = "\
+Examples:
+  coordinator explain --scene flapping-wing
+  coordinator explain --scene my.toml --max-error 1%")]
+    Explain {
+        /// Scene file, or name of a built-in scene
+        #[arg(long, default_value = DEFAULT_SCENE, value_name = "NAME-or-FILE")]
+        scene: String,
+        #[command(flatten)]
+        accuracy: AccuracyArguments,
+    },
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::shared::Slots;
+    use super::*;
+    use coordinator::study::Method;
+    use std::collections::BTreeSet;
+
+    /// Most lines of the first help page: one screen.
+    const SCREEN: usize = 40;
+
+    fn parse(line: &str) -> Result<Arguments, clap::Error> {
+        Arguments::try_parse_from(line.split_whitespace())
+    }
+
+    #[test]
+    fn the_grammar_is_consistent() {
+        Arguments::command().debug_assert();
+        grouped().debug_assert();
+    }
+
+    #[test]
+    fn the_first_help_page_names_every_command_once_on_one_screen() {
+        let page = grouped().render_long_help().to_string();
+        assert!(page.lines().count() <= SCREEN, "{} lines:\n{page}", page.lines().count());
+        assert!(!page.contains("--max-evaluations"), "{page}");
+        let command = Arguments::command();
+        let shown = command.get_subcommands().filter(|command| !command.is_hide_set());
+        let shown: BTreeSet<&str> = shown.map(clap::Command::get_name).collect();
+        let grouped: Vec<&str> = GROUPS.iter().flat_map(|(_, names)| names.iter().copied()).collect();
+        assert_eq!(grouped.iter().copied().collect::<BTreeSet<_>>(), shown);
+        assert_eq!(grouped.len(), shown.len());
+    }
+
+    #[test]
+    fn the_main_job_needs_no_command() {
+        let arguments = parse("coordinator --workers auto").unwrap();
+        assert!(arguments.command.is_none());
+        assert_eq!(arguments.run.farm.workers, Some(Slots::Auto));
+        let arguments = parse("coordinator -v run --workers 0 --seed 7 --method monte-carlo").unwrap();
+        assert_eq!(arguments.verbosity.verbose, 1);
+        let Some(Command::Run(run)) = arguments.command else { panic!() };
+        assert_eq!((run.farm.workers, run.method.seed), (Some(Slots::Count(0)), Some(7)));
+        assert_eq!(run.method.method, Some(Method::MonteCarlo));
+    }
+
+    #[test]
+    fn slips_are_refused() {
+        for line in [
+            "coordinator --workers many",
+            "coordinator --workers 5000",
+            "coordinator run --accuracy exact",
+            "coordinator run --accuracy draft --max-error 1%",
+            "coordinator run --max-error 0",
+            "coordinator simulate --max-error half",
+            "coordinator tradeoff --out x --setting draft+jump-x",
+            "coordinator tradeoff --out x --setting draft --settings quick",
+            "coordinator run --samples 0",
+            "coordinator run --seed -1",
+            "coordinator resume",
+            "coordinator simulate --quiet -v",
+            "coordinator tradeof",
+        ] {
+            assert_eq!(parse(line).unwrap_err().exit_code(), 2, "{line}");
+        }
+    }
+}

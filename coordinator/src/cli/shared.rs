@@ -1,0 +1,126 @@
+//! Options, defaults and value parsers that several commands share.
+
+use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use coordinator::statistics::named::{AUTO, parse_or_auto};
+use std::error::Error;
+use std::path::PathBuf;
+use std::str::FromStr;
+
+/// The scene of a command that names none.
+pub const DEFAULT_SCENE: &str = "flapping-wing";
+
+/// Largest number of local worker slots.
+const MOST_SLOTS: usize = 1024;
+
+/// Amount and form of the output.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct Verbosity {
+    /// Print results as JSON
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// Form of the log on standard error: text, or JSON lines for programs that collect logs
+    #[arg(long, global = true, value_name = "text|json", default_value = "text")]
+    pub log_format: worker::log::Format,
+    /// Print nothing but results and errors
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    pub quiet: bool,
+    /// Log more on standard error (-v: events, -vv: every detail)
+    #[arg(short, long, global = true, action = clap::ArgAction::Count)]
+    pub verbose: u8,
+}
+
+/// Local and remote workers.
+#[derive(Debug, Clone, Default, Args, PartialEq)]
+#[command(next_help_heading = "Machines")]
+pub struct FarmArguments {
+    /// Local worker slots: a number, `auto` for one per core, 0 to use remote workers only [default: auto]
+    #[arg(long, value_name = "auto|N", value_parser = slots)]
+    pub workers: Option<Slots>,
+    /// Address for remote workers [default: tcp/127.0.0.1:0, any free port, this machine only]
+    #[arg(long, value_name = "ENDPOINT")]
+    pub listen: Option<String>,
+    /// Zenoh configuration (JSON5), e.g. for TLS and passwords
+    #[arg(long, value_name = "ZENOH.json5")]
+    pub config: Option<PathBuf>,
+    /// Allow --listen without authentication on an address that other machines can reach
+    #[arg(long)]
+    pub insecure: bool,
+}
+
+/// Number of local worker slots.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Slots {
+    /// One slot per core.
+    Auto,
+    /// A fixed number of slots.
+    Count(usize),
+}
+
+/// Reads a whole number above zero.
+///
+/// # Errors
+/// The allowed values, in words.
+pub fn positive(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(0) | Err(_) => Err("allowed: a whole number >= 1".to_owned()),
+        Ok(n) => Ok(n),
+    }
+}
+
+/// Reads a share: `1%`, `1 %` or `0.01` [1].
+///
+/// # Errors
+/// The allowed values, in words.
+pub fn share(text: &str) -> Result<f64, String> {
+    let (number, scale) = match text.strip_suffix('%') {
+        Some(percent) => (percent.trim_end(), 100.0),
+        None => (text, 1.0),
+    };
+    let share = number.parse::<f64>().map(|x| x / scale);
+    share
+        .ok()
+        .filter(|x| *x > 0.0 && *x <= 1.0)
+        .ok_or_else(|| "allowed: a share above 0 and up to 1, e.g. 1%, 0.5% or 0.01".to_owned())
+}
+
+/// Parser of a setting's named values; `--help` and error messages list `names`.
+pub fn word<T>(names: impl Into<PossibleValuesParser>) -> impl TypedValueParser<Value = T>
+where
+    T: FromStr<Err: Error + Send + Sync + 'static> + Clone + Send + Sync + 'static,
+{
+    names.into().try_map(|name| name.parse())
+}
+
+/// Parser of a setting's named values, or `auto` as `None`.
+pub fn word_or_auto<T>(names: &[&'static str]) -> impl TypedValueParser<Value = Option<T>> + use<T>
+where
+    T: FromStr<Err: Error + Send + Sync + 'static> + Clone + Send + Sync + 'static,
+{
+    let names = std::iter::once(AUTO).chain(names.iter().copied());
+    PossibleValuesParser::new(names.collect::<Vec<_>>()).try_map(|name| parse_or_auto(&name))
+}
+
+fn slots(text: &str) -> Result<Slots, String> {
+    match (text, text.parse()) {
+        ("auto", _) => Ok(Slots::Auto),
+        (_, Ok(n)) if n <= MOST_SLOTS => Ok(Slots::Count(n)),
+        _ => Err(format!("allowed: auto, or a whole number from 0 to {MOST_SLOTS}")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::share;
+
+    #[test]
+    fn shares_are_percent_or_plain() {
+        assert_eq!(
+            [share("1%"), share("1 %"), share("0.01"), share("100%")],
+            [Ok(0.01), Ok(0.01), Ok(0.01), Ok(1.0)]
+        );
+        for slip in ["0", "0%", "-1%", "101%", "1.5", "nan", "inf", "", "%", "one", "1%%"] {
+            assert!(share(slip).is_err(), "{slip}");
+        }
+    }
+}

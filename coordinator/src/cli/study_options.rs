@@ -1,0 +1,171 @@
+//! Options of a study, and the settings they make of a scene's defaults.
+
+use super::accuracy::AccuracyArguments;
+use super::monitor::MonitorArguments;
+use super::shared::{FarmArguments, positive, share, word, word_or_auto};
+use clap::Args;
+use common::scene::Scene;
+use coordinator::statistics::learning::LearningFunction;
+use coordinator::statistics::surrogate::{Kernel, StatedErrors, Trend};
+use coordinator::study::{Method, Settings, StudyAccuracy};
+use std::path::PathBuf;
+
+/// A setting that may be left to the program: `None` for `auto`.
+type OrAuto<T> = Option<T>;
+
+/// Options of `coordinator run`.
+#[derive(Debug, Clone, Default, Args, PartialEq)]
+pub struct RunArguments {
+    /// Scene file, or name of a built-in scene [default: flapping-wing]
+    #[arg(long, value_name = "NAME-or-FILE", help_heading = "Scene")]
+    pub scene: Option<String>,
+    #[command(flatten)]
+    pub method: MethodArguments,
+    #[command(flatten)]
+    pub learner: LearnerArguments,
+    #[command(flatten)]
+    pub accuracy: AccuracyArguments,
+    #[command(flatten)]
+    pub farm: FarmArguments,
+    /// Folder for the results, created if missing [default: hingewise-SCENE, or the next free number after it]
+    #[arg(long, value_name = "DIR", help_heading = "Output")]
+    pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub monitor: MonitorArguments,
+}
+
+/// Options of `coordinator resume`; none of them changes the result of the study.
+#[derive(Debug, Clone, Args, PartialEq)]
+pub struct ResumeArguments {
+    /// Folder of the study
+    pub dir: PathBuf,
+    #[command(flatten)]
+    pub farm: FarmArguments,
+    #[command(flatten)]
+    pub monitor: MonitorArguments,
+}
+
+/// Method of a study and size of its samples.
+#[derive(Debug, Clone, Default, Args, PartialEq)]
+#[command(next_help_heading = "Method")]
+pub struct MethodArguments {
+    /// `ak` learns surrogates by active learning; the others simulate every sample [default: ak]
+    #[arg(long, value_parser = word::<Method>(Method::NAMES))]
+    pub method: Option<Method>,
+    /// Points of the Monte Carlo population that the surrogates classify (ak), or evaluations (the other methods)
+    #[arg(long, value_name = "N", value_parser = positive)]
+    pub samples: Option<usize>,
+    /// Seed of every random draw; the same seed gives the same result with any number of workers
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
+    /// Share of failed evaluations above which the study ends, e.g. 20% [default: 20%]
+    #[arg(long, value_name = "SHARE", value_parser = share)]
+    pub max_failed: Option<f64>,
+}
+
+/// Options of active learning.
+#[derive(Debug, Clone, Default, Args, PartialEq)]
+#[command(next_help_heading = "Method")]
+pub struct LearnerArguments {
+    /// Evaluations of the initial design (ak)
+    #[arg(long, value_name = "N", value_parser = positive)]
+    pub initial: Option<usize>,
+    /// Budget of evaluations (ak)
+    #[arg(long, value_name = "N", value_parser = positive)]
+    pub max_evaluations: Option<usize>,
+    /// Evaluations under way at once after the initial design, half of them proposed together (ak). It changes the
+    /// result, so it does not follow the number of workers
+    #[arg(long, value_name = "N", value_parser = positive)]
+    pub batch: Option<usize>,
+    /// Learning function: the expected gain over all points, or U, EFF or H of one point (ak) [default: gain]
+    #[arg(long, value_parser = word::<LearningFunction>(LearningFunction::NAMES))]
+    pub learning: Option<LearningFunction>,
+    /// Surrogate error of any R(n) at which learning may stop (ak) [default: 0.006, and 2 % of P_f in proportion]
+    #[arg(long, value_name = "SHARE", value_parser = share)]
+    pub target_error: Option<f64>,
+    /// Correlation kernel of the surrogates (ak) [default: auto, by cross-validation]
+    #[arg(long, value_parser = word_or_auto::<Kernel>(&Kernel::NAMES))]
+    pub kernel: Option<OrAuto<Kernel>>,
+    /// Trend of the surrogates (ak) [default: auto, by cross-validation]
+    #[arg(long, value_parser = word_or_auto::<Trend>(&Trend::NAMES))]
+    pub trend: Option<OrAuto<Trend>>,
+    /// Noise of the surrogates from the stated numerical errors: ignored, their shape with a fitted level, or taken in
+    /// full as standard deviations (ak) [default: fitted]
+    #[arg(long, value_parser = word::<StatedErrors>(StatedErrors::NAMES))]
+    pub stated_errors: Option<StatedErrors>,
+}
+
+impl RunArguments {
+    /// Settings of a study of `scene`: its defaults, changed by the options. An accuracy for an error budget is still
+    /// to be found.
+    pub fn settings(&self, scene: &Scene) -> Settings {
+        let mut settings = Settings::from(scene.study);
+        settings.accuracy = StudyAccuracy {
+            setting: self.accuracy.accuracy.clone().unwrap_or_else(|| scene.accuracy.clone()),
+            max_error: self.accuracy.max_error,
+        };
+        let MethodArguments { method, samples, seed, max_failed } = self.method;
+        settings.method = method.unwrap_or_default();
+        if settings.method != Method::ActiveLearning {
+            // Simulating a whole population would take too long: the budget is the default.
+            settings.samples = settings.max_evaluations;
+        }
+        replace(&mut settings.samples, samples);
+        replace(&mut settings.seed, seed);
+        replace(&mut settings.max_failed, max_failed);
+        self.learner.apply_to(&mut settings);
+        settings
+    }
+}
+
+impl LearnerArguments {
+    /// Changes the settings for which an option is given.
+    pub fn apply_to(&self, settings: &mut Settings) {
+        replace(&mut settings.initial, self.initial);
+        replace(&mut settings.max_evaluations, self.max_evaluations);
+        replace(&mut settings.batch, self.batch);
+        replace(&mut settings.learning, self.learning);
+        replace(&mut settings.forms.kernel, self.kernel);
+        replace(&mut settings.forms.trend, self.trend);
+        replace(&mut settings.stated_errors, self.stated_errors);
+        settings.target_error = self.target_error.or(settings.target_error);
+    }
+}
+
+fn replace<T>(setting: &mut T, option: Option<T>) {
+    if let Some(value) = option {
+        *setting = value;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use common::scene::SceneSource;
+
+    #[test]
+    fn options_take_precedence_over_the_scene() {
+        let source = SceneSource::builtin("four-bar").unwrap();
+        let scene = source.nominal();
+        let learner = LearnerArguments {
+            initial: Some(20),
+            kernel: Some(Some(Kernel::Matern52)),
+            target_error: Some(0.003),
+            ..Default::default()
+        };
+        let method = MethodArguments { seed: Some(9), ..Default::default() };
+        let found = RunArguments { learner, method, ..Default::default() }.settings(scene);
+        assert_eq!((found.initial, found.seed, found.samples), (20, 9, scene.study.population));
+        assert_eq!(found.max_evaluations, scene.study.max_evaluations);
+        assert_eq!((found.forms.kernel, found.forms.trend), (Some(Kernel::Matern52), None));
+        assert_eq!(found.targets().relative_error, 0.01);
+    }
+
+    #[test]
+    fn direct_simulation_takes_the_budget_for_its_samples() {
+        let source = SceneSource::builtin("four-bar").unwrap();
+        let method = MethodArguments { method: Some(Method::MonteCarlo), ..Default::default() };
+        let found = RunArguments { method, ..Default::default() }.settings(source.nominal());
+        assert_eq!(found.samples, source.nominal().study.max_evaluations);
+    }
+}
