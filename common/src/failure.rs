@@ -1,5 +1,5 @@
-//! What the physics can report instead of a result. A failure is an outcome of an evaluation, not an error
-//! of the infrastructure.
+//! Failures of an evaluation: what a simulation reports instead of a result. A failure is an outcome that is recorded
+//! with its sample, not an error of the infrastructure, and is not retried.
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -23,16 +23,16 @@ pub enum SimulationFailure {
         /// Remaining gap [m].
         gap: f64,
     },
-    /// The mechanism moves, but not through the whole cycle: its joints' directions become dependent.
+    /// The mechanism cannot move through the whole cycle: its constraints become dependent.
     #[error("the mechanism reaches a dead point at time {time} s, where {body} stands at {} deg: joint {joint} can follow no further", angle.to_degrees())]
     DeadPoint {
         /// Joint that opens first beyond it.
         joint: String,
         /// Time within the cycle [s].
         time: f64,
-        /// The driven body.
+        /// Name of the driven body.
         body: String,
-        /// Its angle [rad].
+        /// Angle of that body [rad].
         angle: f64,
     },
     /// Ideal joints forbid the same motion twice.
@@ -43,10 +43,10 @@ pub enum SimulationFailure {
         /// The first joint, in the order of the file, that depends on those before it.
         joint: String,
     },
-    /// The ideal joints' directions became dependent during the motion.
+    /// The constraints of the ideal joints became dependent during the motion.
     #[error("at cycle {cycle}, t = {time} s, the ideal joints became dependent (a dead point of the motion)")]
     Singular {
-        /// Cycles done.
+        /// Cycle of the life, from 0.
         cycle: u32,
         /// Time within the cycle [s].
         time: f64,
@@ -54,9 +54,9 @@ pub enum SimulationFailure {
     /// The bushing is worn through.
     #[error("at cycle {cycle} joint {joint} is worn through: depth {depth} m, wall {wall} m")]
     WornThrough {
-        /// Cycles done.
+        /// Cycle of the life, from 0.
         cycle: u32,
-        /// Joint.
+        /// Name of the joint.
         joint: String,
         /// Wear depth [m].
         depth: f64,
@@ -66,10 +66,10 @@ pub enum SimulationFailure {
     /// The step size fell below its lower bound.
     #[error(
         "at cycle {cycle}, t = {time} s{}, the time step fell to {step} s (error {error} times its bound)",
-        at(joint)
+        at_joint(joint)
     )]
     StepTooSmall {
-        /// Cycles done when it happened.
+        /// Cycle of the life, from 0.
         cycle: u32,
         /// Time within the cycle [s].
         time: f64,
@@ -82,16 +82,19 @@ pub enum SimulationFailure {
         error: f64,
     },
     /// More steps than the bound of the accuracy setting.
-    #[error("at cycle {cycle}, t = {time} s{}, the bound of {bound} steps per cycle was reached", at(joint))]
+    #[error(
+        "at cycle {cycle}, t = {time} s{}, the bound of {bound} steps per cycle was reached",
+        at_joint(joint)
+    )]
     TooManySteps {
-        /// Cycles done.
+        /// Cycle of the life, from 0.
         cycle: u32,
         /// Time within the cycle [s].
         time: f64,
         /// Joint with the largest force on the body whose error limited the last step; none if it has no joint
         /// with clearance.
         joint: Option<String>,
-        /// Bound on steps.
+        /// Largest number of steps per cycle.
         bound: u64,
     },
     /// The wear step could not reach its tolerance.
@@ -99,65 +102,65 @@ pub enum SimulationFailure {
         "at cycle {cycle} the wear of joint {joint} did not reach its tolerance (error {error} times its bound)"
     )]
     WearStep {
-        /// Cycles done.
+        /// Cycle of the life, from 0.
         cycle: u32,
-        /// Joint.
+        /// Name of the joint.
         joint: String,
         /// Error estimate over tolerance.
         error: f64,
     },
-    /// Contact left the range of the model: wear went through the wall or the journal left the bore.
+    /// A contact left the range of its law: the journal is deeper in the wall than the law admits.
     #[error(
         "at cycle {cycle}, t = {time} s, joint {joint}: penetration {penetration} m is outside the contact law's range"
     )]
     OutOfRange {
-        /// Cycles done.
+        /// Cycle of the life, from 0.
         cycle: u32,
         /// Time within the cycle [s].
         time: f64,
-        /// Joint.
+        /// Name of the joint.
         joint: String,
-        /// Penetration [m].
+        /// Penetration of the journal into the wall [m].
         penetration: f64,
     },
     /// A number stopped being finite.
     #[error("at cycle {cycle}, t = {time} s, {quantity} is not finite")]
     NotFinite {
-        /// Cycles done.
+        /// Cycle of the life, from 0.
         cycle: u32,
         /// Time within the cycle [s].
         time: f64,
-        /// What it was.
+        /// The quantity, in words.
         quantity: String,
     },
-    /// The scene asks for something this worker does not model.
+    /// The scene contains something that the worker does not model.
     #[error("not modelled: {what}")]
     NotModelled {
-        /// What.
+        /// The feature that is not modelled, in words.
         what: String,
     },
     /// The simulation itself broke: a defect of the program, kept as the outcome of this one sample.
     #[error("the simulation panicked: {message}")]
     Panicked {
-        /// What the panic said.
+        /// Message of the panic.
         message: String,
     },
-    /// An external simulator says why it has no result.
+    /// An external simulator reports a failure of its own.
     #[error("the simulator reports: {message}")]
     Reported {
-        /// Its words.
+        /// Message of the simulator.
         message: String,
     },
-    /// An external simulator took longer than it may.
+    /// An external simulator exceeded its time limit.
     #[error("the simulator gave no answer within {seconds} s")]
     TimedOut {
-        /// What it was given [s].
+        /// The time limit [s].
         seconds: f64,
     },
     /// An external simulator ended instead of answering, and a fresh one did so too.
     #[error("the simulator ended with {status}{}", last_words(stderr))]
     Crashed {
-        /// How, e.g. `exit status: 3`.
+        /// Exit status as the system reports it, e.g. `exit status: 3`.
         status: String,
         /// The last lines of its standard error.
         stderr: String,
@@ -165,21 +168,21 @@ pub enum SimulationFailure {
     /// An external simulator returned something that is no finite number.
     #[error("the simulator returned {value} for output {output} at cycle {cycles}")]
     NoNumber {
-        /// The output.
+        /// Name of the output.
         output: String,
-        /// Checkpoint [cycles].
+        /// Checkpoint of the value [cycles].
         cycles: u32,
-        /// What stood there.
+        /// The value as returned.
         value: String,
     },
 }
 
-/// `: LINES`, if there are any.
+/// `: LINES`, or nothing without lines.
 fn last_words(stderr: &str) -> String {
     if stderr.is_empty() { String::new() } else { format!(": {stderr}") }
 }
 
-/// `, joint NAME`, if there is one to be named.
-fn at(joint: &Option<String>) -> String {
+/// `, joint NAME`, or nothing without a joint.
+fn at_joint(joint: &Option<String>) -> String {
     joint.as_ref().map(|name| format!(", joint {name}")).unwrap_or_default()
 }

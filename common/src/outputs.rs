@@ -1,8 +1,8 @@
-//! What one evaluation returns, in SI.
+//! Results of one evaluation, in SI units.
 
 use serde::{Deserialize, Serialize};
 
-/// Result of one evaluation: the whole life of one sample.
+/// Result of one evaluation: the life of the mechanism for one sample of its random variables.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Evaluation {
     /// Checkpoints `(m,)` [cycles]; each value below belongs to the profile worn to that many cycles.
@@ -13,35 +13,35 @@ pub struct Evaluation {
     pub errors: Vec<Vec<f64>>,
     /// Per joint: state at the end of life and force peak of the first cycle.
     pub joints: Vec<JointSummary>,
-    /// The settled first cycle of the unworn mechanism, when asked for.
+    /// The settled first cycle of the unworn mechanism, if it was requested.
     pub first_cycle: Option<CycleHistory>,
-    /// What wear made of the mechanism, when the first cycle was asked for and anything wears.
+    /// Bores over life and the last cycle, if the first cycle was requested and a joint wears.
     #[serde(default)]
     pub worn: Option<WornLife>,
-    /// What the numerics had to do.
+    /// Work counters and repairs of the integration.
     pub diagnostics: Diagnostics,
 }
 
-/// One joint.
+/// Result for one joint.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct JointSummary {
-    /// Name of the joint.
+    /// Name of the joint, as in the scene.
     pub name: String,
     /// Largest contact force magnitude of the settled first cycle [N].
     pub peak_force: f64,
-    /// Wear depth at each control point at the end of life `(control_points,)`; none of an ideal joint [m].
+    /// Wear depth at each control point at the end of life `(control_points,)` [m]; empty for an
+    /// ideal joint.
     pub wear_depth: Vec<f64>,
 }
 
-/// The bores through life, and the motion on them at its end.
+/// Wear of all bores over life, and the motion at its end.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct WornLife {
-    /// Lives at which a cycle was simulated, from zero to the end `(k,)` [cycles].
+    /// Cycle numbers at which a cycle was simulated, from 0 to the end of life `(k,)` [cycles].
     pub cycles: Vec<u32>,
-    /// Wear depth at those lives, per joint at each control point `(k, joints, control_points)`; none of an ideal
-    /// joint [m].
+    /// Wear depth there, per joint at each control point `(k, joints, control_points)` [m]; empty for an ideal joint.
     pub wear_depth: Vec<Vec<Vec<f64>>>,
-    /// The last cycle, on the bores as worn by then.
+    /// The last cycle, on the bores worn to that time.
     pub last_cycle: Option<CycleHistory>,
 }
 
@@ -52,16 +52,16 @@ pub struct CycleHistory {
     pub time: Vec<f64>,
     /// Bodies reported, by label, e.g. `right`, `left`.
     pub bodies: Vec<BodyTrace>,
-    /// Motion of every free and driven body, by name.
+    /// Motion of every free and driven body.
     pub motion: Vec<BodyMotion>,
-    /// Force magnitude per joint, `(n,)` each [N].
+    /// Name of each joint with its force magnitude `(n,)` [N].
     pub joint_force: Vec<(String, Vec<f64>)>,
 }
 
-/// Motion of one body over a cycle.
+/// Rotation of one body over a cycle, as an output reports it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BodyTrace {
-    /// Label, e.g. `right`.
+    /// Label of the body in reports, e.g. `right`.
     pub label: String,
     /// Signed angle `(n,)` [rad].
     pub angle: Vec<f64>,
@@ -72,7 +72,7 @@ pub struct BodyTrace {
 /// Motion of one body in the plane over a cycle.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BodyMotion {
-    /// Name of the body.
+    /// Name of the body, as in the scene.
     pub body: String,
     /// Position of its reference point `(n, 2)` [m].
     pub position: Vec<[f64; 2]>,
@@ -82,8 +82,7 @@ pub struct BodyMotion {
     pub speed: Vec<f64>,
 }
 
-/// Energy over one cycle: what came in, where it went. In exact arithmetic
-/// input + unphysical = stored + dissipated.
+/// Energy balance of one cycle. In exact arithmetic input + unphysical = stored + dissipated.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct EnergyBalance {
     /// Work of the drives and of loads that have no potential [J].
@@ -92,9 +91,9 @@ pub struct EnergyBalance {
     pub stored: f64,
     /// Work lost in friction, contact damping, films and dampers [J].
     pub dissipated: f64,
-    /// Work of elastic contact forces that no potential accounts for: `local-hertz` on a worn bore [J].
+    /// Work of elastic contact forces without a potential: `local-hertz` on a worn bore [J].
     pub unphysical: f64,
-    /// Sum of the sizes of all power that flowed, against which the residual is to be seen [J].
+    /// Integral of the magnitudes of all powers, the scale of the residual [J].
     pub turnover: f64,
 }
 
@@ -105,33 +104,33 @@ impl EnergyBalance {
     }
 }
 
-/// Work and repairs of one evaluation.
+/// Work counters and repairs of one evaluation.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Diagnostics {
-    /// Accepted time steps.
+    /// Number of accepted time steps.
     pub steps: u64,
     /// Steps refused and repeated with a smaller one.
     pub rejected_steps: u64,
     /// Newton iterations (position analysis and contact equilibrium; the linearly implicit step needs none).
     pub newton_iterations: u64,
-    /// Evaluations of the force vector.
+    /// Number of evaluations of the force vector.
     pub force_evaluations: u64,
-    /// Cycles simulated.
+    /// Number of cycles simulated.
     pub simulated_cycles: u64,
-    /// Stages of the wear step.
+    /// Number of stages of the wear steps.
     pub wear_stages: u64,
     /// Wear steps refused and repeated over a smaller block.
     pub rejected_wear_steps: u64,
-    /// Share of the first cycle in free flight, per joint with clearance.
+    /// Fraction of the first cycle in free flight [1], for each joint with clearance by name.
     pub free_flight_fraction: Vec<(String, f64)>,
     /// Largest distance by which an ideal joint drifted open in one step before it was closed again [m].
     pub constraint_drift: f64,
-    /// Control points at which a wear step undershot, within its tolerance, and was held at its start.
+    /// Number of control points at which a wear step would have lowered the depth, within its tolerance, and was held.
     pub held_wear_points: u64,
-    /// Whether the quasi-static tier drove the wear.
+    /// True if the wear was computed from quasi-static motion.
     pub quasi_static: bool,
-    /// Energy of the first cycle, when that cycle was asked for.
+    /// Energy balance of the first cycle, if that cycle was requested.
     pub energy: Option<EnergyBalance>,
-    /// Energy of the last cycle, on the bores as worn by then, likewise.
+    /// Energy balance of the last cycle, on the worn bores, if the first cycle was requested.
     pub worn_energy: Option<EnergyBalance>,
 }

@@ -221,7 +221,7 @@ fn variables() {
             "is a plain number, the others are a length",
         ),
         ("[\"joints.crank.radial_clearance\"]", "[\"parameters.friction\"]", "is_there"),
-        ("[\"joints.crank.radial_clearance\"]", "[]", "changes nothing"),
+        ("[\"joints.crank.radial_clearance\"]", "[]", "would change nothing"),
         (
             "distribution = \"truncated-normal\"",
             "distribution = \"truncated-norm\"",

@@ -122,7 +122,7 @@ fn keys_that_a_law_does_not_take_or_misses() {
         ("distribution = \"nromal\"\nstd = \"1 um\"", "did you mean \"normal\"?"),
         (
             "distribution = \"normal\"\nstd = \"9 um\"",
-            "beyond which lies one in a million values of this variable, the scene is invalid: joints.crank.radial_clearance",
+            "a 1e-6 tail quantile of this variable, the scene is invalid: joints.crank.radial_clearance",
         ),
     ] {
         one_fault(keys, expected);
@@ -143,7 +143,7 @@ fn fits_that_cannot_be() {
         ),
         (
             "fit = \"H7-e8\"\ndiameter = \"8 mm\"",
-            "variables.clearance_crank.fit: \"H7-e8\" is no tolerance class",
+            "variables.clearance_crank.fit: \"H7-e8\" is not a tolerance class",
         ),
         ("fit = \"H7\"\ndiameter = \"8 mm\"", "\"H7\" is the class of one part; a clearance needs both"),
         ("fit = \"H7/e8\"\ndiameter = \"8 mm\"\nstd = \"2 um\"", "fit gives mean and std"),
@@ -233,5 +233,5 @@ fn correlations_that_cannot_be() {
         &format!("{constant}\n{}", row("friction", "load_torque", "rank = 0.1")),
         "my.toml",
     );
-    assert!(found.unwrap_err().to_string().contains("\"load_torque\" is constant: nothing depends on it"));
+    assert!(found.unwrap_err().to_string().contains("\"load_torque\" is constant and cannot be correlated"));
 }

@@ -1,28 +1,87 @@
-//! The reference of the language in the README: it names every word of the language, and no other.
+//! The reference of the scene language, `common/scenes/README.md`: it names every key, every word and every unit that the
+//! readers know, and no other key.
 
+use common::scene::SceneSource;
+use common::scene::quantity::UNITS;
 use std::collections::BTreeSet;
 use toml::{Table, Value};
 
-const README: &str = include_str!("../../README.md");
+const REFERENCE: &str = include_str!("../scenes/README.md");
 const EVERYTHING: &str = include_str!("scenes/everything.toml");
 
-/// What the reference says in backquotes, cut into words.
-fn reference() -> BTreeSet<String> {
-    let (_, section) = README.split_once("\n### The language of scenes\n").unwrap();
-    let (section, _) = section.split_once("\n## ").unwrap();
-    section.split('`').skip(1).step_by(2).flat_map(words).collect()
+/// Every key of a scene with an external simulator, program and server.
+const SIMULATORS: [&str; 2] = [
+    r#"
+    [scene]
+    name = "program"
+    [simulator]
+    program = ["beam"]
+    folder = "."
+    timeout = "10 s"
+    [life]
+    cycles = 2
+    checkpoint_every = 1
+    [[outputs]]
+    name = "deflection"
+    unit = "mm"
+    values = 2
+    [[limit_states]]
+    name = "bent"
+    output = "deflection"
+    threshold = 1
+    fails = "below"
+    "#,
+    r#"
+    [scene]
+    name = "server"
+    [simulator]
+    umbridge = "http://127.0.0.1:4242"
+    model = "forward"
+    config = {}
+    [[outputs]]
+    name = "deflection"
+    "#,
+];
+
+/// Keys whose value is one of a few words.
+const WORD_KEYS: [&str; 8] =
+    ["type", "motion", "law", "contact_law", "contact_damping", "over", "distribution", "fails"];
+
+/// The texts in backquotes of a piece of Markdown without its blocks of code.
+fn quoted(text: &str) -> impl Iterator<Item = &str> {
+    text.split("```").step_by(2).flat_map(|prose| prose.split('`').skip(1).step_by(2))
 }
 
-/// Names and words; neither numbers nor the units that follow them.
-fn words(text: &str) -> Vec<String> {
-    let units = ["s", "m"];
+/// Keys and words in a text: letters, `_` and `-`.
+fn words(text: &str) -> impl Iterator<Item = String> {
     let of_words = |c: char| c.is_ascii_alphabetic() || c == '_' || c == '-';
-    text.split(|c| !of_words(c)).filter(|w| !w.is_empty() && !units.contains(w)).map(str::to_owned).collect()
+    text.split(move |c| !of_words(c)).filter(|word| !word.is_empty()).map(str::to_owned)
 }
 
-/// Keys of the language, and the words that some of them take. Names that an author chooses are left out.
+/// Words in the cells of the columns that list keys, types and distributions.
+fn key_cells() -> BTreeSet<String> {
+    let listed = ["key", "`type`", "`motion`", "`distribution`", "required", "optional"];
+    let mut found = BTreeSet::new();
+    let mut heads: Vec<&str> = Vec::new();
+    for line in REFERENCE.lines().filter(|line| !line.starts_with("|---")) {
+        let Some(row) = line.strip_prefix('|') else {
+            heads.clear();
+            continue;
+        };
+        let cells: Vec<&str> = row.split('|').map(str::trim).collect();
+        if heads.is_empty() {
+            heads = cells;
+            continue;
+        }
+        let keys = heads.iter().zip(&cells).filter(|(head, _)| listed.contains(head)).map(|(_, cell)| *cell);
+        found.extend(keys.flat_map(quoted).flat_map(words));
+    }
+    found
+}
+
+/// Keys of a scene, and the words that some of them take; names that an author chooses are left out.
 fn language(table: &Table, path: &str, found: &mut BTreeSet<String>) {
-    let chosen = ["parameters", "materials", "points"].contains(&path);
+    let chosen = ["parameters", "materials", "points", "config"].contains(&path);
     for (key, value) in table {
         if !chosen {
             found.insert(key.clone());
@@ -32,10 +91,7 @@ fn language(table: &Table, path: &str, found: &mut BTreeSet<String>) {
             Value::Array(rows) => {
                 rows.iter().filter_map(Value::as_table).for_each(|row| language(row, key, found))
             }
-            Value::String(word)
-                if ["type", "motion", "law", "contact_law", "contact_damping", "over", "distribution"]
-                    .contains(&key.as_str()) =>
-            {
+            Value::String(word) if WORD_KEYS.contains(&key.as_str()) => {
                 found.insert(word.clone());
             }
             _ => {}
@@ -43,19 +99,37 @@ fn language(table: &Table, path: &str, found: &mut BTreeSet<String>) {
     }
 }
 
+fn known() -> BTreeSet<String> {
+    let mut known = BTreeSet::from(["extends".to_owned(), "above".to_owned()]);
+    for text in SIMULATORS.into_iter().chain([EVERYTHING]) {
+        SceneSource::parse(text, "scene").unwrap();
+        language(&text.parse().unwrap(), "", &mut known);
+    }
+    known
+}
+
 #[test]
-fn the_reference_names_every_word_of_the_language_and_no_other() {
-    let mut known = BTreeSet::new();
-    language(&EVERYTHING.parse().unwrap(), "", &mut known);
-    // Tables that the reference speaks of without their names in brackets.
-    let in_prose = ["bodies", "loads", "outputs", "limit_states"];
-    let named = reference();
-    let untold: Vec<_> =
-        known.iter().filter(|word| !named.contains(*word) && !in_prose.contains(&word.as_str())).collect();
-    assert!(untold.is_empty(), "the README does not name {untold:?}");
-    // Names and tolerance classes of the examples, and what only a scene that changes another one has.
-    let examples = ["steel", "crank", "push", "false", "extends", "loads", "H", "e"];
-    let unknown: Vec<_> =
-        named.iter().filter(|word| !known.contains(*word) && !examples.contains(&word.as_str())).collect();
-    assert!(unknown.is_empty(), "no scene knows {unknown:?}");
+fn the_reference_names_every_key_and_word_of_the_language() {
+    let named: BTreeSet<String> = quoted(REFERENCE).flat_map(words).collect();
+    let missing: Vec<_> = known().into_iter().filter(|word| !named.contains(word)).collect();
+    assert!(missing.is_empty(), "the reference does not name {missing:?}");
+}
+
+#[test]
+fn the_reference_names_no_other_key() {
+    let (known, cells) = (known(), key_cells());
+    assert!(cells.len() > 70, "{cells:?}");
+    let unknown: Vec<_> = cells.iter().filter(|word| !known.contains(*word)).collect();
+    assert!(unknown.is_empty(), "no scene has {unknown:?}");
+}
+
+#[test]
+fn the_reference_names_every_unit() {
+    let (_, units) = REFERENCE.split_once("\n### Units\n").unwrap();
+    let (units, _) = units.split_once("\n## ").unwrap();
+    let named: BTreeSet<&str> = quoted(units).collect();
+    // The micro sign and the letter mu look alike.
+    let missing: Vec<_> =
+        UNITS.iter().map(|(symbol, _)| *symbol).filter(|s| !named.contains(s) && *s != "\u{3bc}m").collect();
+    assert!(missing.is_empty(), "the reference does not name the units {missing:?}");
 }

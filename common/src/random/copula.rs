@@ -1,11 +1,18 @@
-//! Dependence of random variables by a Gaussian copula: correlated standard normals, each carried over to the
+//! Dependence of random variables by a Gaussian copula: correlated standard normals, each transformed to the
 //! distribution of its variable.
 //!
-//! With u_k = Phi^-1(F_k(x_k)) and R the correlation matrix of u, the density of the variables is
-//! f(x) = c(u) prod_k f_k(x_k), c(u) = |R|^(-1/2) exp(-u' (R^-1 - I) u / 2). Independent standard normals v give
-//! u = L v with R = L L'.
+//! ```text
+//! f(x) = c(u) prod_k f_k(x_k),   c(u) = |R|^(-1/2) exp(-u' (R^-1 - I) u / 2),   u_k = Phi^-1(F_k(x_k))
+//! ```
 //!
-//! Source: Nataf (1962); Lebrun, Dutfoy (2009), where the coefficients of R belong to the normals themselves, as here.
+//! f is the joint density, f_k and F_k the density and the distribution function of variable k, R the correlation
+//! matrix `(d, d)` of the standard normals u `(d,)` [1]. Independent standard normals v give u = L v with R = L L', L
+//! lower triangular. Valid for positive definite R; the coefficients of R belong to the normals, not to the variables.
+//!
+//! # Source
+//! Nataf (1962), Determination des distributions de probabilites dont les marges sont donnees, Comptes Rendus de
+//! l'Academie des Sciences 255; Lebrun, Dutfoy (2009), An innovating analysis of the Nataf transformation from the copula
+//! viewpoint, Probabilistic Engineering Mechanics 24(3).
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -13,36 +20,35 @@ use thiserror::Error;
 /// Correlation of two of the variables.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Correlation {
-    /// Index of the one variable.
+    /// Index of one variable.
     pub first: usize,
-    /// Index of the other one.
+    /// Index of the other variable.
     pub second: usize,
-    /// Coefficient of correlation of their standard normals, between -1 and 1 [1].
+    /// Correlation coefficient of their standard normals, between -1 and 1 [1].
     pub coefficient: f64,
 }
 
-/// The coefficient of the standard normals whose Spearman rank correlation is `rank` [1]: 2 sin(pi rank / 6).
+/// Correlation of two standard normals [1] with Spearman's rank correlation `rank` in [-1, 1] [1]: 2 sin(pi rank / 6).
 ///
-/// A rank correlation is the same for the variables as for their normals.
+/// The rank correlation of two variables equals that of their normals.
 ///
 /// # Source
-/// Kruskal (1958), Ordinal measures of association.
+/// Kruskal (1958), Ordinal measures of association, Journal of the American Statistical Association 53(284).
 pub fn normal_from_rank_correlation(rank: f64) -> f64 {
     2.0 * libm::sin(std::f64::consts::PI * rank / 6.0)
 }
 
-/// Correlations that no variables can have together.
+/// Correlations whose matrix is not positive definite.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[error(
-    "the matrix of the correlations is not positive definite: variable {variable} is determined by those before it, or worse"
+    "the matrix of the correlations is not positive definite: variable {variable} is determined by those before it, or contradicts them"
 )]
 pub struct NotPositiveDefinite {
     /// Index of the variable at which the factorisation ends.
     pub variable: usize,
 }
 
-/// The smallest variance that may be left of a normal once those before it are known; below, the inverse of the matrix
-/// has no digits.
+/// Smallest variance of a normal given those before it [1]; below, the inverse of the matrix has no digits.
 const LEAST_VARIANCE: f64 = 1e-10;
 
 /// Correlation matrix of standard normals with its Cholesky factor and its inverse.
@@ -53,22 +59,22 @@ pub struct GaussianCopula {
     factor: Vec<f64>,
     /// R^-1 `(d, d)` row-major.
     inverse: Vec<f64>,
-    /// Whether a variable is correlated to any other `(d,)`.
+    /// True for each variable that is correlated to any other `(d,)`.
     correlated: Vec<bool>,
 }
 
 impl GaussianCopula {
-    /// No correlation among `d` variables.
+    /// The copula of `d` independent variables.
     pub fn independent(d: usize) -> Self {
         let identity: Vec<f64> = (0..d * d).map(|i| if i / d == i % d { 1.0 } else { 0.0 }).collect();
         Self { d, inverse: identity.clone(), factor: identity, correlated: vec![false; d] }
     }
 
-    /// The correlations of `d` variables, pairs of distinct variables below d, each pair once; pairs without an entry
-    /// are not correlated.
+    /// The copula of `d` variables with correlations of pairs of distinct variables, each pair once; pairs without an
+    /// entry are independent. Panics if an index is not below `d`.
     ///
     /// # Errors
-    /// [`NotPositiveDefinite`].
+    /// [`NotPositiveDefinite`] if no variables can have these correlations together.
     pub fn new(d: usize, correlations: &[Correlation]) -> Result<Self, NotPositiveDefinite> {
         let mut copula = Self::independent(d);
         let mut matrix = copula.factor.clone();
@@ -99,7 +105,7 @@ impl GaussianCopula {
         Ok(copula)
     }
 
-    /// R^-1 column by column: L y = e, L' x = y.
+    /// Computes R^-1 column by column from L y = e, L' x = y.
     fn invert(&mut self) {
         let d = self.d;
         for column in 0..d {
@@ -115,30 +121,30 @@ impl GaussianCopula {
         }
     }
 
-    /// Number of variables.
+    /// Number d of variables.
     pub fn dimension(&self) -> usize {
         self.d
     }
 
-    /// Whether no variable is correlated to another.
+    /// True if no variable is correlated to another.
     pub fn is_independent(&self) -> bool {
         !self.correlated.contains(&true)
     }
 
-    /// Whether variable `k` is correlated to any other.
+    /// True if variable `k` is correlated to any other.
     pub fn is_correlated(&self, k: usize) -> bool {
         self.correlated[k]
     }
 
-    /// Correlated normals u = L v of independent ones `(d,)` [1].
+    /// Correlated normals u = L v `(d,)` [1] from independent ones v `(d,)` [1].
     pub fn correlate(&self, independent: &[f64]) -> Vec<f64> {
         let row = |i: usize| &self.factor[i * self.d..i * self.d + i + 1];
-        // A zero of L keeps away what is not correlated, even if it is infinite.
+        // A zero of L excludes an uncorrelated variable, even if that is infinite.
         let product = |(l, v): (&f64, &f64)| if *l == 0.0 { 0.0 } else { l * v };
         (0..self.d).map(|i| row(i).iter().zip(independent).map(product).sum()).collect()
     }
 
-    /// Independent normals v = L^-1 u of correlated ones `(d,)` [1].
+    /// Independent normals v = L^-1 u `(d,)` [1] from correlated ones u `(d,)` [1].
     pub fn decorrelate(&self, correlated: &[f64]) -> Vec<f64> {
         let mut v = Vec::with_capacity(self.d);
         for (i, u) in correlated.iter().enumerate() {
@@ -149,7 +155,8 @@ impl GaussianCopula {
         v
     }
 
-    /// d ln c / du_k = -((R^-1 - I) u)_k [1], where `u` gives the normals, asked only of variables that k depends on.
+    /// Derivative d ln c / du_k = -((R^-1 - I) u)_k [1]; `u` returns a normal by its index and is called only for variables
+    /// that k depends on.
     pub fn score(&self, k: usize, u: impl Fn(usize) -> f64) -> f64 {
         let row = &self.inverse[k * self.d..(k + 1) * self.d];
         let term = |(j, r): (usize, &f64)| {

@@ -1,18 +1,25 @@
 //! Limits, clearances and their spread from the tolerance classes of ISO 286, e.g. `H7/e8` at a diameter.
 //!
-//! A class gives the limits of a diameter as deviations from the nominal one: its letter the limit nearer to the
-//! nominal diameter, its grade the width of the zone between them. A process whose capability is C_p fills the zone
-//! with 6 C_p standard deviations, its mean in the middle. Hole and shaft are independent: the clearance has the
-//! difference of their means and the sum of their variances.
+//! A class gives the limits of a diameter as deviations from the nominal one [m]: its letter the limit nearer to the
+//! nominal diameter, its grade the width T of the zone between them. For a process of capability C_p the zone is 6 C_p
+//! standard deviations wide, with the mean in its middle. Hole and shaft are independent:
 //!
-//! Source: ISO 286-1:2010, tables 1 (grades), 2 and 3 (holes), 4 and 5 (shafts).
+//! ```text
+//! mean = (lower + upper) / 2,   std = T / (6 C_p)
+//! clearance: mean = mean_hole - mean_shaft,   std^2 = std_hole^2 + std_shaft^2
+//! ```
+//!
+//! Valid for diameters up to 500 mm, grades 5 to 11 and the letters below.
+//!
+//! # Source
+//! ISO 286-1:2010, tables 1 (grades), 2 and 3 (holes), 4 and 5 (shafts).
 
 use thiserror::Error;
 
 /// Upper ends of the ranges of nominal sizes, included [mm].
 const SIZES: [f64; 13] = [3.0, 6.0, 10.0, 18.0, 30.0, 50.0, 80.0, 120.0, 180.0, 250.0, 315.0, 400.0, 500.0];
 
-/// Grades of the table, from IT5 on, by range [um].
+/// Widths of the tolerance zone for the grades IT5 to IT11, by range of sizes [um].
 const GRADES: [[f64; 13]; 7] = [
     [4.0, 5.0, 6.0, 8.0, 9.0, 11.0, 13.0, 15.0, 18.0, 20.0, 23.0, 25.0, 27.0],
     [6.0, 8.0, 9.0, 11.0, 13.0, 16.0, 19.0, 22.0, 25.0, 29.0, 32.0, 36.0, 40.0],
@@ -22,9 +29,10 @@ const GRADES: [[f64; 13]; 7] = [
     [40.0, 48.0, 58.0, 70.0, 84.0, 100.0, 120.0, 140.0, 160.0, 185.0, 210.0, 230.0, 250.0],
     [60.0, 75.0, 90.0, 110.0, 130.0, 160.0, 190.0, 220.0, 250.0, 290.0, 320.0, 360.0, 400.0],
 ];
+/// The first grade of the table.
 const LEAST_GRADE: u8 = 5;
 
-/// Shafts below the nominal size: the upper deviation is minus this [um].
+/// Shafts below the nominal size: minus their upper deviation [um].
 const BELOW: [(&str, [f64; 13]); 5] = [
     ("d", [20.0, 30.0, 40.0, 50.0, 65.0, 80.0, 100.0, 120.0, 145.0, 170.0, 190.0, 210.0, 230.0]),
     ("e", [14.0, 20.0, 25.0, 32.0, 40.0, 50.0, 60.0, 72.0, 85.0, 100.0, 110.0, 125.0, 135.0]),
@@ -33,7 +41,7 @@ const BELOW: [(&str, [f64; 13]); 5] = [
     ("h", [0.0; 13]),
 ];
 
-/// Shafts above the nominal size: the lower deviation is this [um]. That of k holds for IT4 to IT7, else it is 0.
+/// Shafts above the nominal size: their lower deviation [um]. That of k holds for IT4 to IT7; for others it is 0.
 const ABOVE: [(&str, [f64; 13]); 4] = [
     ("k", [0.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 3.0, 3.0, 4.0, 4.0, 4.0, 5.0]),
     ("m", [2.0, 4.0, 6.0, 7.0, 8.0, 9.0, 11.0, 13.0, 15.0, 17.0, 20.0, 21.0, 23.0]),
@@ -41,7 +49,7 @@ const ABOVE: [(&str, [f64; 13]); 4] = [
     ("p", [6.0, 12.0, 15.0, 18.0, 22.0, 26.0, 32.0, 37.0, 43.0, 50.0, 56.0, 62.0, 68.0]),
 ];
 
-/// The ranges of r and s are finer beyond 50 mm [mm].
+/// Upper ends of the ranges of sizes for r and s, which are finer above 50 mm [mm].
 const FINE_SIZES: [f64; 22] = [
     3.0, 6.0, 10.0, 18.0, 30.0, 50.0, 65.0, 80.0, 100.0, 120.0, 140.0, 160.0, 180.0, 200.0, 225.0, 250.0,
     280.0, 315.0, 355.0, 400.0, 450.0, 500.0,
@@ -65,58 +73,60 @@ const FAR_ABOVE: [(&str, [f64; 22]); 2] = [
     ),
 ];
 
-/// Letters of holes, and of shafts.
+/// Letters of holes.
 const HOLES: &str = "D, E, F, G, H, JS";
+/// Letters of shafts.
 const SHAFTS: &str = "d, e, f, g, h, js, k, m, n, p, r, s";
 
-/// Micrometres of a metre, millimetres of a metre.
+/// Micrometres per metre.
 const MICRO: f64 = 1e6;
+/// Millimetres per metre.
 const MILLI: f64 = 1e3;
 
-/// Whether a class is that of a hole or of a shaft.
+/// The part that a tolerance class belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Feature {
-    /// Capital letter.
+    /// A hole; its class has a capital letter.
     Hole,
-    /// Small letter.
+    /// A shaft; its class has a small letter.
     Shaft,
 }
 
-/// What is wrong with a class, a fit or its diameter.
+/// Faults of a class, a fit or a diameter.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum ToleranceError {
-    /// Not a letter and a grade.
+    /// A text that is not a letter and a grade of the tables.
     #[error(
-        "\"{class}\" is no tolerance class, allowed: a letter of a hole ({HOLES}) or of a shaft ({SHAFTS}) and a grade 5 to 11, e.g. H7"
+        "\"{class}\" is not a tolerance class, allowed: a letter of a hole ({HOLES}) or of a shaft ({SHAFTS}) and a grade 5 to 11, e.g. H7"
     )]
     Class {
         /// The class as written.
         class: String,
     },
-    /// Not a hole and a shaft.
-    #[error("\"{fit}\" is no fit, allowed: a hole and a shaft, e.g. H7/e8")]
+    /// A text that is not the classes of a hole and a shaft.
+    #[error("\"{fit}\" is not a fit, allowed: a hole and a shaft, e.g. H7/e8")]
     Fit {
         /// The fit as written.
         fit: String,
     },
-    /// Outside of the tables.
-    #[error("a diameter of {diameter} mm is outside of the tables, allowed: > 0 and <= 500 mm")]
+    /// A diameter outside the tables.
+    #[error("a diameter of {diameter} mm is outside the tables, allowed: > 0 and <= 500 mm")]
     Diameter {
-        /// The diameter [mm].
+        /// Nominal diameter [mm].
         diameter: f64,
     },
-    /// The shaft may be as large as the hole.
+    /// A fit whose shaft may be as large as its hole.
     #[error(
         "{fit} at {diameter} mm has a clearance of {mean:.1} +- {three_std:.1} um (three standard deviations): the shaft may stick, and a joint needs a clearance; take a looser fit, e.g. H7/e8"
     )]
     NoClearance {
-        /// The fit.
+        /// The fit as written.
         fit: String,
         /// Nominal diameter [mm].
         diameter: f64,
         /// Mean diametral clearance [um].
         mean: f64,
-        /// Three of its standard deviations [um].
+        /// Three standard deviations of the diametral clearance [um].
         three_std: f64,
     },
 }
@@ -124,9 +134,9 @@ pub enum ToleranceError {
 /// A tolerance class, e.g. `H7`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ToleranceClass {
-    /// Hole or shaft.
+    /// The part that the class belongs to.
     pub feature: Feature,
-    /// In small letters.
+    /// The letter, in lower case.
     letter: String,
     grade: u8,
 }
@@ -135,7 +145,7 @@ impl ToleranceClass {
     /// Reads a class: D, E, F, G, H or JS for holes, d, e, f, g, h, js, k, m, n, p, r or s for shafts; grades 5 to 11.
     ///
     /// # Errors
-    /// [`ToleranceError::Class`].
+    /// [`ToleranceError::Class`] for any other text.
     pub fn parse(class: &str) -> Result<Self, ToleranceError> {
         let refused = || ToleranceError::Class { class: class.to_owned() };
         let split = class.find(|c: char| c.is_ascii_digit()).ok_or_else(refused)?;
@@ -160,7 +170,7 @@ impl ToleranceClass {
     pub fn deviations(&self, diameter: f64) -> Result<(f64, f64), ToleranceError> {
         let size = diameter * MILLI;
         let outside = || ToleranceError::Diameter { diameter: size };
-        // A size a rounding error beyond the end of its range belongs to it.
+        // A size that exceeds the end of a range by a rounding error belongs to that range.
         let range =
             |ends: &[f64]| ends.iter().position(|end| size <= end * (1.0 + 1e-12)).ok_or_else(outside);
         if !(size > 0.0 && size.is_finite()) {
@@ -168,16 +178,16 @@ impl ToleranceClass {
         }
         let i = range(&SIZES)?;
         let width = GRADES[usize::from(self.grade - LEAST_GRADE)][i];
-        let of =
+        let in_table =
             |table: &[(&str, [f64; 13])]| table.iter().find(|row| row.0 == self.letter).map(|row| row.1[i]);
         let (lower, upper) = if self.letter == "js" {
             (-0.5 * width, 0.5 * width)
-        } else if let Some(gap) = of(&BELOW) {
+        } else if let Some(gap) = in_table(&BELOW) {
             (-gap - width, -gap)
         } else {
             let fine = range(&FINE_SIZES)?;
             let far = FAR_ABOVE.iter().find(|row| row.0 == self.letter).map(|row| row.1[fine]);
-            let above = of(&ABOVE).or(far).expect("every letter of a shaft has a table");
+            let above = in_table(&ABOVE).or(far).expect("every letter of a shaft has a table");
             let above = if self.letter == "k" && self.grade > 7 { 0.0 } else { above };
             (above, above + width)
         };
@@ -188,7 +198,8 @@ impl ToleranceClass {
         })
     }
 
-    /// Mean deviation from the nominal `diameter` [m] and standard deviation [m], of a process of capability C_p.
+    /// Mean deviation from the nominal `diameter` [m] and standard deviation, `(mean, std)` [m], for a process of the
+    /// `capability` C_p [1].
     ///
     /// # Errors
     /// [`ToleranceError::Diameter`].
@@ -207,7 +218,7 @@ pub struct Fit {
 }
 
 impl Fit {
-    /// Reads a fit.
+    /// Reads a fit: the classes of a hole and a shaft, separated by `/`.
     ///
     /// # Errors
     /// [`ToleranceError::Fit`], [`ToleranceError::Class`].
@@ -221,8 +232,8 @@ impl Fit {
         Ok(Self { written: fit.to_owned(), hole, shaft })
     }
 
-    /// Mean and standard deviation of the diametral clearance, hole less shaft, at a nominal `diameter` [m], both made
-    /// by processes of capability C_p: `(mean, std)` [m].
+    /// Mean and standard deviation of the diametral clearance, hole minus shaft, at a nominal `diameter` [m], for
+    /// processes of the `capability` C_p [1]: `(mean, std)` [m].
     ///
     /// # Errors
     /// [`ToleranceError::Diameter`]; [`ToleranceError::NoClearance`] if mean - 3 std <= 0.

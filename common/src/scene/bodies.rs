@@ -1,96 +1,95 @@
 //! Reads bodies: their motion, the drives of those that are driven, their points.
 
 use super::body_row::{BodyRow, MotionWord};
+use super::context::Range;
 use super::drive::Drive;
-use super::faults::FaultKind;
 use super::model::{DrivenInertia, Motion, Point};
 use super::quantity::*;
-use super::read::{Context, Range};
-use super::section::{Section, pair};
+use super::section::Section;
 use super::tables::{Repetition, over_time};
 
-/// Reads `[[bodies]]`.
-pub(super) fn bodies(cx: &mut Context, file: &mut Section) -> Vec<BodyRow> {
+/// Reads `[[bodies]]`; a faulty body keeps its row.
+pub(super) fn bodies(file: &mut Section) -> Vec<BodyRow> {
     let words = [("fixed", MotionWord::Fixed), ("driven", MotionWord::Driven), ("free", MotionWord::Free)];
     let mut bodies = Vec::new();
-    for (name, mut row) in file.rows(cx, "bodies") {
-        let word = row.word(cx, "motion", &words);
+    for (name, mut row) in file.rows("bodies") {
+        let word = row.word("motion", &words);
         let motion = word.and_then(|word| match word {
             MotionWord::Fixed => Some(Motion::Fixed),
-            MotionWord::Driven => driven(cx, &mut row),
-            MotionWord::Free => free(cx, &mut row),
+            MotionWord::Driven => driven(&mut row),
+            MotionWord::Free => free(&mut row),
         });
-        let points = points(cx, &mut row);
-        row.finish(cx);
+        let points = points(&mut row);
+        row.finish();
         bodies.push(BodyRow { name: name.to_owned(), word, motion, points });
     }
     if bodies.is_empty() {
-        cx.fault("bodies", FaultKind::Missing { expected: "at least one body, [[bodies]]".to_owned() });
+        file.missing("bodies", "at least one body, [[bodies]]");
     }
     bodies
 }
 
-fn driven(cx: &mut Context, row: &mut Section) -> Option<Motion> {
-    let position = row.pair(cx, "position", LENGTH);
-    let drive = drive(cx, row);
-    let inertia = driven_inertia(cx, row);
+fn driven(row: &mut Section) -> Option<Motion> {
+    let position = row.pair("position", LENGTH);
+    let drive = drive(row);
+    let inertia = driven_inertia(row);
     Some(Motion::Driven { position: position?, drive: drive?, inertia: inertia? })
 }
 
 /// A body is driven at a speed, constant or by a table, or at an angle by a table.
-fn drive(cx: &mut Context, row: &mut Section) -> Option<Drive> {
+fn drive(row: &mut Section) -> Option<Drive> {
     let (speed, angle) = (row.get("speed"), row.get("angle"));
     let start = row.get("start_angle");
     match (speed, angle) {
         (Some(speed), None) => {
-            let start_angle = row.quantity_or(cx, "start_angle", ANGLE, Range::Any, 0.0);
+            let start_angle = row.quantity_or("start_angle", ANGLE, Range::Any, 0.0);
             if speed.is_table() {
-                let table = over_time(cx, row, "speed", ANGULAR_VELOCITY, Repetition::Closed);
+                let table = over_time(row, "speed", ANGULAR_VELOCITY, Repetition::Closed);
                 return Some(Drive::Speed { start_angle: start_angle?, table: table? });
             }
-            let speed = row.quantity(cx, "speed", ANGULAR_VELOCITY, Range::NotZero);
+            let speed = row.quantity("speed", ANGULAR_VELOCITY, Range::NotZero);
             Some(Drive::ConstantSpeed { start_angle: start_angle?, speed: speed? })
         }
         (None, Some(_)) => {
-            let table = over_time(cx, row, "angle", ANGLE, Repetition::GoesOn);
+            let table = over_time(row, "angle", ANGLE, Repetition::GoesOn);
             if start.is_some() {
                 let message = "goes with speed; a table of the angle says itself where it starts";
-                cx.inconsistent(row.key("start_angle"), message);
+                row.inconsistent("start_angle", message);
             }
             table.map(Drive::Angle)
         }
         (Some(_), Some(_)) => {
-            cx.inconsistent(&row.path, "give either speed or angle, not both");
+            row.inconsistent_table("give either speed or angle, not both");
             None
         }
         (None, None) => {
             let expected = format!("{}, or a table of it, or angle, a table", ANGULAR_VELOCITY.in_words());
-            cx.fault(row.key("speed"), FaultKind::Missing { expected });
+            row.missing("speed", expected);
             None
         }
     }
 }
 
 /// Mass and moment of inertia of a driven body: both or neither.
-fn driven_inertia(cx: &mut Context, row: &mut Section) -> Option<Option<DrivenInertia>> {
+fn driven_inertia(row: &mut Section) -> Option<Option<DrivenInertia>> {
     let given = ["mass", "inertia", "centre_of_mass"].map(|key| row.get(key).is_some());
     if given == [false; 3] {
         return Some(None);
     }
-    let mass = row.quantity(cx, "mass", MASS, Range::Positive);
-    let inertia = row.quantity(cx, "inertia", INERTIA, Range::Positive);
-    let centre_of_mass = row.pair_or(cx, "centre_of_mass", LENGTH, [0.0; 2]);
+    let mass = row.quantity("mass", MASS, Range::Positive);
+    let inertia = row.quantity("inertia", INERTIA, Range::Positive);
+    let centre_of_mass = row.pair_or("centre_of_mass", LENGTH, [0.0; 2]);
     Some(Some(DrivenInertia { mass: mass?, inertia: inertia?, centre_of_mass: centre_of_mass? }))
 }
 
-fn free(cx: &mut Context, row: &mut Section) -> Option<Motion> {
-    let mass = row.quantity(cx, "mass", MASS, Range::Positive);
-    let inertia = row.quantity(cx, "inertia", INERTIA, Range::Positive);
-    let centre_of_mass = row.pair(cx, "centre_of_mass", LENGTH);
-    let start_position = row.pair(cx, "start_position", LENGTH);
-    let start_angle = row.quantity(cx, "start_angle", ANGLE, Range::Any);
-    let start_velocity = row.pair_or(cx, "start_velocity", SPEED, [0.0; 2]);
-    let start_speed = row.quantity_or(cx, "start_speed", ANGULAR_VELOCITY, Range::Any, 0.0);
+fn free(row: &mut Section) -> Option<Motion> {
+    let mass = row.quantity("mass", MASS, Range::Positive);
+    let inertia = row.quantity("inertia", INERTIA, Range::Positive);
+    let centre_of_mass = row.pair("centre_of_mass", LENGTH);
+    let start_position = row.pair("start_position", LENGTH);
+    let start_angle = row.quantity("start_angle", ANGLE, Range::Any);
+    let start_velocity = row.pair_or("start_velocity", SPEED, [0.0; 2]);
+    let start_speed = row.quantity_or("start_speed", ANGULAR_VELOCITY, Range::Any, 0.0);
     Some(Motion::Free {
         mass: mass?,
         inertia: inertia?,
@@ -102,12 +101,12 @@ fn free(cx: &mut Context, row: &mut Section) -> Option<Motion> {
     })
 }
 
-fn points(cx: &mut Context, row: &mut Section) -> Vec<Point> {
-    let Some(section) = row.section_if_any(cx, "points") else { return Vec::new() };
+fn points(row: &mut Section) -> Vec<Point> {
+    let Some(section) = row.section_if_any("points") else { return Vec::new() };
     let mut points = Vec::new();
     for (name, value) in section.entries() {
         // A faulty point keeps its name, so that references to it are not faults as well.
-        let position = pair(cx, &section.key(name), value, LENGTH).unwrap_or_default();
+        let position = section.as_pair(name, value, LENGTH).unwrap_or_default();
         points.push(Point { name: name.clone(), position });
     }
     points

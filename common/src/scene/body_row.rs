@@ -1,63 +1,60 @@
 //! A body while its scene is read, and the references to it: names of bodies, places on them.
 
 use super::attachment::Attachment;
+use super::drive::Drive;
 use super::model::{Body, Motion, Point};
-use super::read::Context;
 use super::section::Section;
 
-/// How a body moves, in one word.
+/// The words of `motion`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum MotionWord {
-    /// Part of the frame.
+    /// `fixed`: part of the frame.
     Fixed,
-    /// Turns as prescribed.
+    /// `driven`: rotates as prescribed.
     Driven,
-    /// Moves as it must.
+    /// `free`: moves under joints and loads.
     Free,
 }
 
-/// A body as far as it could be read. A faulty one keeps its place and points, so that references find them.
+/// A body while its scene is read. A faulty one keeps its place and points, so that references to them are found.
 pub(super) struct BodyRow {
     pub(super) name: String,
-    /// How it moves, unless that is not said.
+    /// Kind of motion; none if it is missing or unknown.
     pub(super) word: Option<MotionWord>,
-    /// Its motion, unless faulty.
+    /// Motion; none if it is faulty.
     pub(super) motion: Option<Motion>,
     pub(super) points: Vec<Point>,
 }
 
 impl BodyRow {
-    /// The body, unless faulty.
+    /// How the body is driven; none if it is not, or if that is faulty.
+    pub(super) fn drive(&self) -> Option<&Drive> {
+        match &self.motion {
+            Some(Motion::Driven { drive, .. }) => Some(drive),
+            _ => None,
+        }
+    }
+
+    /// The body; none if it is faulty.
     pub(super) fn checked(self) -> Option<Body> {
         Some(Body { name: self.name, motion: self.motion?, points: self.points })
     }
 }
 
-/// Reads the name of a body; its index.
-pub(super) fn body(
-    cx: &mut Context,
-    row: &mut Section,
-    key: &'static str,
-    bodies: &[BodyRow],
-) -> Option<usize> {
-    let name = row.text(cx, key, "the name of a body")?;
-    cx.reference(&row.key(key), "body", name, bodies.iter().map(|body| body.name.as_str()))
+/// Reads the name of a body and returns its index.
+pub(super) fn body(row: &mut Section, key: &'static str, bodies: &[BodyRow]) -> Option<usize> {
+    let name = row.text(key, "the name of a body")?;
+    row.reference(key, "body", name, bodies.iter().map(|body| body.name.as_str()))
 }
 
 /// Reads a place `{ body = "...", point = "..." }`.
-pub(super) fn place(
-    cx: &mut Context,
-    row: &mut Section,
-    key: &'static str,
-    bodies: &[BodyRow],
-) -> Option<Attachment> {
-    let mut place = row.section(cx, key, "a place { body, point }")?;
-    let body = body(cx, &mut place, "body", bodies);
-    let point = place.text(cx, "point", "the name of a point of that body");
-    let point_key = place.key("point");
-    place.finish(cx);
+pub(super) fn place(row: &mut Section, key: &'static str, bodies: &[BodyRow]) -> Option<Attachment> {
+    let mut place = row.section(key, "a place { body, point }")?;
+    let body = body(&mut place, "body", bodies);
+    let point = place.text("point", "the name of a point of that body");
+    place.finish();
     let body = body?;
     let points = &bodies[body].points;
-    let point = cx.reference(&point_key, "point", point?, points.iter().map(|point| point.name.as_str()))?;
+    let point = place.reference("point", "point", point?, points.iter().map(|point| point.name.as_str()))?;
     Some(Attachment { body, position: points[point].position })
 }

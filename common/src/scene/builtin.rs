@@ -1,4 +1,4 @@
-//! The scenes that come with the program.
+//! The built-in scenes, embedded in the program.
 
 /// Name and text of each built-in scene.
 pub(super) const SCENES: [(&str, &str); 6] = [

@@ -1,4 +1,4 @@
-//! Prescribed motion, and tables of what varies over time or over a body's angle.
+//! Prescribed motion, and curves over time or over the angle of a body.
 
 use serde::{Deserialize, Serialize};
 
@@ -12,7 +12,7 @@ pub enum Drive {
         /// Angular velocity, counter-clockwise positive [rad/s].
         speed: f64,
     },
-    /// The angle by a table over time: a twice continuously differentiable cubic spline. A repeated table goes on
+    /// The angle by a table over time: a twice continuously differentiable cubic spline. A repeated table continues
     /// from where it ended: its last angle may differ from its first, by whole turns for a crank.
     Angle(Table),
     /// The angular velocity by a table over time [rad/s]; the angle is its integral.
@@ -24,18 +24,18 @@ pub enum Drive {
     },
 }
 
-/// A function given at increasing arguments; between them a cubic.
+/// A function by its values at increasing arguments, cubic between them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Table {
     /// Arguments, increasing, at least two `(n,)` [s or rad].
     pub at: Vec<f64>,
-    /// Values `(n,)`.
+    /// Values `(n,)`, in the unit of the quantity.
     pub value: Vec<f64>,
-    /// Whether the table repeats itself over and over; else its end values hold outside it.
+    /// True if the table repeats periodically; otherwise its end values hold outside it.
     pub repeat: bool,
 }
 
-/// What a load's table runs over.
+/// The argument of a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Over {
     /// Time from the start of the cycle [s].
@@ -48,8 +48,8 @@ pub enum Over {
 /// step in the table does not overshoot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Curve {
-    /// Its argument.
+    /// Argument of the curve.
     pub over: Over,
-    /// Its values.
+    /// Values over the argument.
     pub table: Table,
 }

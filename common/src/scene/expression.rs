@@ -1,5 +1,5 @@
-//! Evaluates what a scene writes for a quantity: a number with its unit, or an expression over parameters and
-//! such numbers, with its dimension.
+//! Evaluates a quantity as written in a scene: a number with its unit, or an expression over parameters and such
+//! numbers, with its dimension.
 //!
 //! Grammar: `sum = product (("+" | "-") product)*`, `product = signed (("*" | "/") signed)*`,
 //! `signed = "-"* power`, `power = primary ("^" integer)?`, `primary = number unit? | name | name "(" sum ")" |
@@ -16,35 +16,35 @@ const DEPTH_LIMIT: usize = 64;
 /// Largest exponent of a power.
 const EXPONENT_LIMIT: f64 = 12.0;
 
-/// Names with a meaning of their own.
+/// Names of the functions and of the constant.
 pub const RESERVED: [&str; 6] = ["sin", "cos", "tan", "sqrt", "abs", "pi"];
 
 /// Why an expression has no value.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum ExpressionError {
-    /// Nothing there.
+    /// The text is empty.
     #[error("is empty, expected a number with its unit")]
     Empty,
-    /// A character that no expression has.
+    /// A character that is not part of the grammar.
     #[error("unexpected character `{0}`")]
     Character(char),
-    /// Something else was expected here.
+    /// A piece that cannot follow what precedes it.
     #[error("unexpected `{found}`, expected {expected}")]
     Unexpected {
-        /// The piece found.
+        /// The piece as written.
         found: String,
-        /// What could follow.
+        /// Pieces that could follow, in words.
         expected: &'static str,
     },
-    /// It stops too early.
+    /// The text ends inside an expression.
     #[error("ends too early, expected {0}")]
     Incomplete(&'static str),
-    /// A name nobody knows.
+    /// A name that is no unit, parameter or function.
     #[error("there is no unit, parameter or function `{name}`{}", hint(.nearest))]
     UnknownName {
-        /// The name.
+        /// The name as written.
         name: String,
-        /// The nearest parameter.
+        /// Parameter nearest to it, if near enough.
         nearest: Option<String>,
     },
     /// A parameter that is itself faulty; its own fault says why.
@@ -53,33 +53,33 @@ pub enum ExpressionError {
     /// Operands of different dimension.
     #[error("cannot {verb} {left} and {right}")]
     Mixed {
-        /// add or subtract.
+        /// `add` or `subtract`.
         verb: &'static str,
-        /// Left operand.
+        /// Dimension of the left operand.
         left: Dimension,
-        /// Right operand.
+        /// Dimension of the right operand.
         right: Dimension,
     },
-    /// A function of something it has no meaning for.
+    /// A function of an argument of the wrong dimension.
     #[error("{function} of {found}, expected {expected}")]
     Argument {
-        /// Which function.
+        /// Name of the function.
         function: &'static str,
-        /// The argument's kind.
+        /// Dimension of the argument.
         found: Dimension,
-        /// What it takes.
+        /// Argument expected, in words.
         expected: &'static str,
     },
-    /// An exponent that is no small integer.
+    /// An exponent that is not a whole number from -12 to 12.
     #[error("exponents are whole numbers from -12 to 12")]
     Exponent,
     /// After `/` in a unit, a further factor could stand above or below.
     #[error("the unit is ambiguous after `/`: write `*` or `/` before `{0}`")]
     AmbiguousUnit(String),
-    /// Too many parentheses.
+    /// Parentheses or signs nested too deeply.
     #[error("is nested deeper than {DEPTH_LIMIT} levels")]
     TooDeep,
-    /// Division by zero, root of a negative number, overflow.
+    /// Division by zero, root of a negative number or overflow.
     #[error("has no finite value")]
     NotFinite,
 }
@@ -111,7 +111,7 @@ pub fn evaluate(
 /// Reads a unit alone, e.g. `N s/m`.
 ///
 /// # Errors
-/// [`ExpressionError`] if it is none.
+/// [`ExpressionError`] if the text is not a unit.
 pub fn read_unit(text: &str) -> Result<Unit, ExpressionError> {
     let one = evaluate(&format!("1 {text}"), &mut |name| {
         Err(ExpressionError::UnknownName { name: name.to_owned(), nearest: None })

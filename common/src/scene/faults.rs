@@ -1,11 +1,29 @@
-//! What can be wrong with a scene, said so that its author can mend it: file, key, value, what is allowed.
+//! The faults of a scene: each names file, key, value and what is allowed.
+//!
+//! All faults of a scene are found in one pass:
+//!
+//! ```
+//! use common::scene::SceneSource;
+//!
+//! let text = r#"
+//!     [scene]
+//!     name = "faulty"
+//!     [life]
+//!     cycles = 0
+//!     checkpoint_every = "10"
+//! "#;
+//! let faults = SceneSource::parse(text, "faulty.toml").unwrap_err();
+//! let keys: Vec<&str> = faults.0.iter().map(|fault| fault.key.as_str()).collect();
+//! assert_eq!(keys, ["bodies", "joints", "life.period", "life.cycles", "life.checkpoint_every"]);
+//! println!("{faults}"); // faulty.toml: life.cycles: 0 is out of range, allowed: 1 to 100000000 ...
+//! ```
 
 use super::expression::read_unit;
 use super::quantity::{Dimension, Kind};
 use crate::accuracy::AccuracyNameError;
 use thiserror::Error;
 
-/// All faults of a scene, found in one pass; said in one line each, after their number if there are several.
+/// All faults of a scene, found in one pass; displayed one per line, after their number if there are several.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[error("{}", in_lines(.0))]
 pub struct Faults(pub Vec<Fault>);
@@ -18,51 +36,51 @@ pub struct Fault {
     pub file: String,
     /// Path of the key, rows of a list by their name, e.g. `joints.1.bushing_radius`; empty for the whole file.
     pub key: String,
-    /// What is wrong.
+    /// Kind of fault, with its values.
     pub kind: FaultKind,
 }
 
-/// What is wrong with a value.
+/// Kinds of fault.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum FaultKind {
     /// The file could not be read.
     #[error("cannot be read: {message}")]
     Unreadable {
-        /// The system's reason.
+        /// Reason given by the operating system.
         message: String,
     },
     /// No built-in scene and no file has this name.
     #[error("no such scene or file{}; built-in scenes: {}", suggestion(nearest), known.join(", "))]
     UnknownScene {
-        /// The nearest built-in name.
+        /// Built-in name nearest to it, if near enough.
         nearest: Option<String>,
-        /// All built-in names.
+        /// Names of all built-in scenes.
         known: Vec<String>,
     },
     /// Scenes extend each other in a circle, or through too many files.
     #[error("`extends` goes through more than {limit} scenes: is it a circle?")]
     ExtendsTooDeep {
-        /// The bound.
+        /// Largest number of scenes in a chain.
         limit: usize,
     },
-    /// Not TOML.
+    /// The text is not valid TOML.
     #[error("{message}")]
     Syntax {
-        /// The parser's message with its line.
+        /// Message of the parser, with the line.
         message: String,
     },
-    /// A key nobody reads.
+    /// A key that the table does not have.
     #[error("unknown key{}; allowed here: {}", suggestion(nearest), known.join(", "))]
     UnknownKey {
-        /// The nearest known key.
+        /// Allowed key nearest to it, if near enough.
         nearest: Option<String>,
-        /// Keys allowed here.
+        /// Keys allowed in this table.
         known: Vec<String>,
     },
-    /// A key that must be there.
+    /// A required key is missing.
     #[error("is missing, expected {expected}")]
     Missing {
-        /// What belongs there.
+        /// Value expected, in words.
         expected: String,
     },
     /// Another type of TOML value.
@@ -70,9 +88,9 @@ pub enum FaultKind {
     WrongType {
         /// The value as written.
         value: String,
-        /// What it is.
+        /// Type of the value.
         found: String,
-        /// What belongs there.
+        /// Type expected, in words.
         expected: String,
     },
     /// A number without a unit where one is needed.
@@ -88,7 +106,7 @@ pub enum FaultKind {
     WrongUnit {
         /// The value as written.
         value: String,
-        /// Its dimension.
+        /// Dimension of the value.
         found: Dimension,
         /// The kind of quantity that belongs there.
         expected: Kind,
@@ -98,7 +116,7 @@ pub enum FaultKind {
     Expression {
         /// The value as written.
         value: String,
-        /// What the evaluator says.
+        /// Message of the evaluator.
         message: String,
     },
     /// A number outside its range.
@@ -106,76 +124,76 @@ pub enum FaultKind {
     OutOfRange {
         /// The value as written, or as a variable set it.
         value: String,
-        /// The allowed range in words.
+        /// Allowed range, in words.
         allowed: String,
     },
-    /// No name of an accuracy.
+    /// A text that is not the name of an accuracy.
     #[error(transparent)]
     Accuracy(AccuracyNameError),
     /// A word that is not one of those known.
     #[error("\"{value}\" is unknown{}; allowed: {}", suggestion(nearest), known.join(", "))]
     UnknownWord {
-        /// The word.
+        /// The word as written.
         value: String,
-        /// The nearest one known.
+        /// Allowed word nearest to it, if near enough.
         nearest: Option<String>,
-        /// All that are allowed.
+        /// All allowed words.
         known: Vec<String>,
     },
-    /// A reference to something the scene does not have.
+    /// A reference to a name that the scene does not have.
     #[error(
         "there is no {what} \"{value}\"{}; there {}",
         suggestion(nearest),
         if known.is_empty() { "is none".to_owned() } else { format!("are: {}", list(known)) }
     )]
     UnknownReference {
-        /// body, point, joint, material, output, variable, key.
+        /// Kind of thing: body, point, joint, material, output, variable, quantity.
         what: &'static str,
-        /// The name.
+        /// The name as written.
         value: String,
-        /// The nearest name.
+        /// Existing name nearest to it, if near enough.
         nearest: Option<String>,
         /// Names that exist.
         known: Vec<String>,
     },
-    /// A name that is taken.
+    /// A name that another row of the list has already.
     #[error("the name \"{value}\" is taken, names of {what} are unique")]
     Duplicate {
-        /// What the list holds.
+        /// Path of the list.
         what: String,
-        /// The name.
+        /// The name as written.
         value: String,
     },
-    /// A name that would be read as something else.
+    /// A text that cannot be a name.
     #[error("\"{value}\" cannot be a name: {reason}")]
     BadName {
-        /// The name.
+        /// The name as written.
         value: String,
-        /// Why not.
+        /// Reason, as a clause.
         reason: String,
     },
     /// Values that contradict each other.
     #[error("{message}")]
     Inconsistent {
-        /// What contradicts what.
+        /// The contradiction, in words.
         message: String,
     },
-    /// A random variable, at one of its bounds or far out in a tail, makes the scene invalid.
+    /// A random variable makes the scene invalid at one of its bounds, or at its 1e-6 or 1 - 1e-6 quantile.
     #[error("at {value}, {} of this variable, the scene is invalid: {fault}; {}", end(*.hard), remedy(*.hard))]
     BoundOutsidePhysics {
-        /// The bound, or where one in a million lies beyond.
+        /// The bound or quantile, with its unit.
         value: String,
-        /// Whether it is a bound.
+        /// True for a bound, false for a quantile.
         hard: bool,
-        /// The fault there.
+        /// The fault of the scene at this value.
         fault: String,
     },
     /// A sample or setting of the wrong length.
     #[error("a sample of {found} values was given, the scene has {expected} random variables")]
     SampleLength {
-        /// Values given.
+        /// Number of values given.
         found: usize,
-        /// Variables of the scene.
+        /// Number of random variables of the scene.
         expected: usize,
     },
 }
@@ -185,7 +203,7 @@ fn suggestion(nearest: &Option<String>) -> String {
 }
 
 fn end(hard: bool) -> &'static str {
-    if hard { "a bound" } else { "beyond which lies one in a million values" }
+    if hard { "a bound" } else { "a 1e-6 tail quantile" }
 }
 
 fn remedy(hard: bool) -> &'static str {
@@ -205,7 +223,7 @@ fn in_lines(faults: &[Fault]) -> String {
     }
 }
 
-/// Names that exist, as many as a reader takes in.
+/// The names that exist, at most twelve of them.
 fn list(names: &[String]) -> String {
     const SHOWN: usize = 12;
     match names.len().checked_sub(SHOWN) {
@@ -218,7 +236,7 @@ fn units(kind: &Kind) -> String {
     if kind.units.is_empty() { "no unit".to_owned() } else { format!("{}, ...", kind.units) }
 }
 
-/// The name of `known` nearest to `name`, if near enough to be a slip of the hand.
+/// The name of `known` nearest to `name`, if near enough for a typing error.
 pub(super) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
     known
         .into_iter()
@@ -230,14 +248,14 @@ pub(super) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) 
         .map(|(_, candidate)| candidate.to_owned())
 }
 
-/// A number in SI to six digits, as a person reads it.
+/// A number to six digits, with an exponent only where needed.
 pub(super) fn six_digits(value: f64) -> String {
     let rounded = format!("{value:.5e}").parse().unwrap_or(value);
     let plain = rounded == 0.0 || (1e-3..1e6).contains(&f64::abs(rounded));
     if plain { format!("{rounded}") } else { format!("{rounded:e}") }
 }
 
-/// A value in SI as a person reads it, in the unit given.
+/// A value in SI, converted to a unit and followed by it.
 pub(super) fn in_unit(value: f64, symbol: &str) -> String {
     match read_unit(symbol) {
         Ok(unit) => format!("{} {symbol}", six_digits(value * unit.divide / unit.multiply)),
@@ -245,7 +263,7 @@ pub(super) fn in_unit(value: f64, symbol: &str) -> String {
     }
 }
 
-/// A value in SI as a person reads it, in the first of the units that its kind suggests.
+/// A value in SI, converted to the first of the units that its kind suggests.
 pub(super) fn in_first_unit(value: f64, kind: Kind) -> String {
     match kind.units.split(',').next() {
         Some(symbol) if !symbol.is_empty() => in_unit(value, symbol),

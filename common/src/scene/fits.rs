@@ -1,46 +1,47 @@
 //! Reads a tolerance fit of a random variable: `fit = "H7/e8"` at a nominal `diameter` gives the mean and standard
 //! deviation of a radial clearance, a single class such as `"H7"` those of the radius of a hole or a shaft.
 
+use super::context::{Context, Range};
 use super::faults::FaultKind;
 use super::quantity::{Dimension, Kind, LENGTH, NUMBER};
-use super::read::{Context, Range};
 use super::section::Section;
 use crate::random::{Feature, Fit, ToleranceClass, ToleranceError};
 
-/// The tolerance zone is +-3 standard deviations unless the scene says otherwise.
+/// Default of the process capability C_p: the tolerance zone is 6 standard deviations wide [1].
 const CAPABILITY: f64 = 1.0;
 
 /// A fit as written.
 pub(super) struct WrittenFit {
     written: String,
-    /// Of a single class; a fit of two gives a clearance.
+    /// Hole or shaft for a single class; none for a fit, which gives a clearance.
     feature: Option<Feature>,
-    /// Of the radius or the radial clearance [m].
+    /// Mean of the radius or the radial clearance [m].
     mean: f64,
+    /// Standard deviation of the radius or the radial clearance [m].
     std: f64,
 }
 
 impl WrittenFit {
     /// Reads `fit`, `diameter` and `capability`.
-    pub(super) fn read(cx: &mut Context, row: &mut Section) -> Option<Self> {
-        let written = row.text(cx, "fit", "a fit, e.g. \"H7/e8\"");
-        let diameter = row.quantity(cx, "diameter", LENGTH, Range::Positive);
-        let capability = row.quantity_or(cx, "capability", NUMBER, Range::Within(0.1, 10.0), CAPABILITY);
+    pub(super) fn read(row: &mut Section) -> Option<Self> {
+        let written = row.text("fit", "a fit, e.g. \"H7/e8\"");
+        let diameter = row.quantity("diameter", LENGTH, Range::Positive);
+        let capability = row.quantity_or("capability", NUMBER, Range::Within(0.1, 10.0), CAPABILITY);
         let (written, diameter, capability) = (written?, diameter?, capability?);
         match moments(written, diameter, capability) {
             Ok((feature, mean, std)) => Some(Self { written: written.to_owned(), feature, mean, std }),
             Err(error) => {
                 let key = if matches!(error, ToleranceError::Diameter { .. }) { "diameter" } else { "fit" };
-                cx.inconsistent(row.key(key), error.to_string());
+                row.inconsistent(key, error.to_string());
                 None
             }
         }
     }
 
-    /// Mean and standard deviation for a variable that changes these keys, all of one dimension [m].
+    /// Mean and standard deviation [m] for a variable that changes these keys, which must be lengths that the fit gives.
     pub(super) fn moments(
         &self,
-        cx: &mut Context,
+        cx: &Context,
         path: &str,
         dimension: Dimension,
         changes: &[String],
@@ -50,7 +51,11 @@ impl WrittenFit {
         if dimension != LENGTH.dimension {
             cx.fault(
                 key,
-                FaultKind::WrongUnit { value, found: LENGTH.dimension, expected: Kind::of(dimension) },
+                FaultKind::WrongUnit {
+                    value,
+                    found: LENGTH.dimension,
+                    expected: Kind::from_dimension(dimension),
+                },
             );
             return None;
         }
@@ -78,8 +83,8 @@ impl WrittenFit {
     }
 }
 
-/// What a fit or a class gives: whose class it is, and mean and standard deviation of the radial clearance or the
-/// radius [m].
+/// Hole or shaft for a single class, and mean and standard deviation of its radius [m]; none and those of the radial
+/// clearance [m] for a fit.
 fn moments(
     written: &str,
     diameter: f64,

@@ -6,13 +6,13 @@ use serde::{Deserialize, Serialize};
 /// A joint between two bodies.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Joint {
-    /// Unique name.
+    /// Name, unique in its scene.
     pub name: String,
     /// Journal side (for an ideal joint: first body).
     pub journal: Attachment,
     /// Bushing side (for an ideal joint: second body). The wear profile lives in this body's frame.
     pub bushing: Attachment,
-    /// What the joint is.
+    /// Ideal or with clearance.
     pub kind: JointKind,
 }
 
@@ -34,7 +34,7 @@ pub enum JointKind {
         /// Angle of the first body minus that of the second [rad].
         angle: f64,
     },
-    /// Journal in a larger bushing.
+    /// A journal in a larger bushing.
     Clearance(Clearance),
 }
 
@@ -51,9 +51,9 @@ pub struct Clearance {
     pub journal_material: Material,
     /// Material of the bushing.
     pub bushing_material: Material,
-    /// Law of the normal force.
+    /// Law of the normal contact force.
     pub contact_law: ContactLaw,
-    /// Dissipation in contact.
+    /// Dissipation of the contact.
     pub contact_damping: ContactDamping,
     /// Viscous film between journal and bushing, on the relative velocity of the centres [N s/m].
     pub film_damping: f64,
@@ -97,32 +97,37 @@ pub enum ContactLaw {
 /// Dissipation of the contact.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum ContactDamping {
-    /// None.
+    /// No dissipation: D = 0.
     None,
     /// F_N = F_el (1 + D delta_dot), never below zero, D given.
     HuntCrossley {
         /// Damping factor D [s/m].
         factor: f64,
     },
-    /// The same with D from a coefficient of restitution and the speed of approach v_0 at which the contact
-    /// began: D = factor(restitution) / max(v_0, least_speed).
+    /// F_N as above with D = C(e) / max(v_0, least_speed), e the coefficient of restitution and v_0 the approach speed at
+    /// which the contact began.
     Restitution {
-        /// How D follows from the restitution.
+        /// The function C(e).
         law: RestitutionLaw,
-        /// Coefficient of restitution in (0, 1] [1].
+        /// Coefficient of restitution e in (0, 1] [1].
         coefficient: f64,
-        /// Smallest speed of approach that counts as an impact [m/s].
+        /// Lower bound of the approach speed in the formula [m/s].
         least_speed: f64,
     },
 }
 
-/// Damping factor of an impact from the coefficient of restitution e: D v_0 =
+/// The damping factor of an impact, C(e) = D v_0 [1], from the coefficient of restitution e.
+///
+/// # Source
+/// Lankarani, Nikravesh (1990), A contact force model with hysteresis damping for impact analysis of multibody systems;
+/// Hunt, Crossley (1975), Coefficient of restitution interpreted as damping in vibroimpact; Flores, Machado, Silva,
+/// Martins (2011), On the continuous contact force models for soft materials in multibody dynamics.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum RestitutionLaw {
-    /// 3 (1 - e^2) / 4 (Lankarani and Nikravesh 1990).
+    /// C(e) = 3 (1 - e^2) / 4.
     LankaraniNikravesh,
-    /// 3 (1 - e) / 2 (Hunt and Crossley 1975).
+    /// C(e) = 3 (1 - e) / 2.
     HuntCrossley,
-    /// 8 (1 - e) / (5 e) (Flores et al. 2011).
+    /// C(e) = 8 (1 - e) / (5 e).
     Flores,
 }

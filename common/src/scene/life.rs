@@ -1,69 +1,67 @@
-//! Reads `[life]`: the cycle, how often it is run, and whether what repeats itself fits into it.
+//! Reads `[life]`: duration and number of the cycles. Everything that repeats in time must fit into a cycle.
 
 use super::body_row::{BodyRow, MotionWord};
+use super::context::Range;
 use super::drive::{Drive, Over};
-use super::faults::{FaultKind, in_first_unit};
+use super::faults::in_first_unit;
 use super::limits::COUNT_LIMIT;
 use super::load::Load;
-use super::model::{Life, Motion};
+use super::model::Life;
 use super::quantity::{ANGLE, TIME};
-use super::read::{Context, Range};
 use super::section::Section;
 use super::tables::{repetitions, span};
 use std::f64::consts::TAU;
 
-/// More cycles to settle in are likelier a slip of the hand than a wish.
+/// Most settling cycles: more are a typing error rather than intent.
 const SETTLE_LIMIT: i64 = 1000;
 /// An angle that advances by whole turns over a cycle does so to within this: six digits of a turn [turns].
 const WHOLE_TURN: f64 = 1e-6;
 
-/// Reads `[life]`.
-pub(super) fn life(cx: &mut Context, file: &mut Section, bodies: &[BodyRow], loads: &[Load]) -> Option<Life> {
-    let mut section = file.section(cx, "life", "a table [life] with cycles and checkpoint_every")?;
-    let period_key = section.key("period");
+/// Reads `[life]`; none if it is faulty.
+pub(super) fn life(file: &mut Section, bodies: &[BodyRow], loads: &[Load]) -> Option<Life> {
+    let mut section = file.section("life", "a table [life] with cycles and checkpoint_every")?;
     let period = match section.get("period") {
-        Some(_) => section.quantity(cx, "period", TIME, Range::Positive),
-        None => period_of_drive(cx, &period_key, bodies),
+        Some(_) => section.quantity("period", TIME, Range::Positive),
+        None => period_of_drive(&section, bodies),
     };
-    let cycles = section.integer(cx, "cycles", 1..=COUNT_LIMIT, None);
-    let every = section.integer(cx, "checkpoint_every", 1..=COUNT_LIMIT, None);
-    let settle = section.integer(cx, "settle_cycles", 0..=SETTLE_LIMIT, Some(1));
-    let key = section.key("cycles");
-    section.finish(cx);
+    let cycles = section.integer("cycles", 1..=COUNT_LIMIT, None);
+    let every = section.integer("checkpoint_every", 1..=COUNT_LIMIT, None);
+    let settle = section.integer("settle_cycles", 0..=SETTLE_LIMIT, Some(1));
+    section.finish();
     if let (Some(cycles), Some(every)) = (cycles, every)
         && cycles % every != 0
     {
-        let (value, allowed) = (cycles.to_string(), format!("a multiple of checkpoint_every = {every}"));
-        cx.fault(key, FaultKind::OutOfRange { value, allowed });
+        section.out_of_range(
+            "cycles",
+            cycles.to_string(),
+            format!("a multiple of checkpoint_every = {every}"),
+        );
         return None;
     }
     let (period, cycles, every, settle) = (period?, cycles?, every?, settle?);
     // A single cycle without any before it is a motion seen once, from its start: it may be cut anywhere.
     if (cycles, settle) != (1, 0) {
-        check_repetitions(cx, &period_key, period, bodies, loads);
+        check_repetitions(&section, period, bodies, loads);
     }
     // All fit: COUNT_LIMIT is below u32::MAX.
     Some(Life { period, cycles: cycles as u32, checkpoint_every: every as u32, settle_cycles: settle as u32 })
 }
 
 /// One turn, or one repetition of the table, of the only driven body.
-fn period_of_drive(cx: &mut Context, key: &str, bodies: &[BodyRow]) -> Option<f64> {
-    // A body that does not say how it moves may be driven; its own fault comes first.
+fn period_of_drive(life: &Section, bodies: &[BodyRow]) -> Option<f64> {
+    // A body without a valid motion may be a driven one; its own fault comes first.
     if bodies.iter().any(|body| body.word.is_none()) {
         return None;
     }
     let driven: Vec<_> = bodies.iter().filter(|body| body.word == Some(MotionWord::Driven)).collect();
     let expected = match driven[..] {
-        [body] => match body.motion.as_ref()? {
-            Motion::Driven { drive, .. } => match repeats_every(drive) {
-                Some(period) => return Some(period),
-                None => format!("a time: the table of \"{}\" does not repeat", body.name),
-            },
-            Motion::Fixed | Motion::Free { .. } => unreachable!("a body called driven is"),
+        [body] => match repeats_every(body.drive()?) {
+            Some(period) => return Some(period),
+            None => format!("a time: the table of \"{}\" does not repeat", body.name),
         },
         _ => format!("a time: the scene has {} driven bodies, not one", driven.len()),
     };
-    cx.fault(key, FaultKind::Missing { expected });
+    life.missing("period", expected);
     None
 }
 
@@ -75,14 +73,14 @@ fn repeats_every(drive: &Drive) -> Option<f64> {
     }
 }
 
-/// Cycles are alike only if everything that repeats itself in time does so a whole number of times in each.
-fn check_repetitions(cx: &mut Context, key: &str, period: f64, bodies: &[BodyRow], loads: &[Load]) {
+/// Checks that everything that repeats in time does so a whole number of times per cycle, so that all cycles are alike.
+fn check_repetitions(life: &Section, period: f64, bodies: &[BodyRow], loads: &[Load]) {
     for body in bodies {
-        let Some(Motion::Driven { drive, .. }) = &body.motion else { continue };
+        let Some(drive) = body.drive() else { continue };
         let Some(every) = repeats_every(drive) else { continue };
         let place = format!("bodies.{}", body.name);
         let Some(times) = repetitions(period, every) else {
-            does_not_fit(cx, key, period, &place, every);
+            does_not_fit(life, period, &place, every);
             continue;
         };
         if let Drive::Angle(table) = drive {
@@ -91,7 +89,7 @@ fn check_repetitions(cx: &mut Context, key: &str, period: f64, bodies: &[BodyRow
                 let advance = in_first_unit(advance, ANGLE);
                 let message =
                     format!("advances by {advance} over a cycle, which is no whole number of turns");
-                cx.inconsistent(format!("{place}.angle.value"), message);
+                life.cx.inconsistent(format!("{place}.angle.value"), message);
             }
         }
     }
@@ -104,15 +102,15 @@ fn check_repetitions(cx: &mut Context, key: &str, period: f64, bodies: &[BodyRow
         if curve.over == Over::Time && curve.table.repeat {
             let every = span(&curve.table);
             if repetitions(period, every).is_none() {
-                does_not_fit(cx, key, period, &format!("loads.{name}.{key_of}"), every);
+                does_not_fit(life, period, &format!("loads.{name}.{key_of}"), every);
             }
         }
     }
 }
 
-fn does_not_fit(cx: &mut Context, key: &str, period: f64, place: &str, every: f64) {
+fn does_not_fit(life: &Section, period: f64, place: &str, every: f64) {
     let [period, every] = [period, every].map(|time| in_first_unit(time, TIME));
     let message =
         format!("a cycle of {period} is no multiple of {every}, after which {place} repeats itself");
-    cx.inconsistent(key, message);
+    life.inconsistent("period", message);
 }

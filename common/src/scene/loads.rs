@@ -1,27 +1,26 @@
 //! Reads loads: springs, forces, torques, motors.
 
 use super::body_row::{BodyRow, body, place};
-use super::faults::FaultKind;
+use super::context::Range;
 use super::load::Load;
 use super::quantity::*;
-use super::read::{Context, Range};
 use super::section::Section;
 use super::tables::curve;
 
 /// Reads `[[loads]]`; faulty ones are left out.
-pub(super) fn loads(cx: &mut Context, file: &mut Section, bodies: &[BodyRow]) -> Vec<Load> {
+pub(super) fn loads(file: &mut Section, bodies: &[BodyRow]) -> Vec<Load> {
     let mut loads = Vec::new();
-    for (name, mut row) in file.rows(cx, "loads") {
-        loads.extend(load(cx, &mut row, name.to_owned(), bodies));
-        row.finish(cx);
+    for (name, mut row) in file.rows("loads") {
+        loads.extend(load(&mut row, name.to_owned(), bodies));
+        row.finish();
     }
     loads
 }
 
 /// Reads the fields of one kind of load.
-type Reader = fn(&mut Context, &mut Section, String, &[BodyRow]) -> Option<Load>;
+type Reader = fn(&mut Section, String, &[BodyRow]) -> Option<Load>;
 
-fn load(cx: &mut Context, row: &mut Section, name: String, bodies: &[BodyRow]) -> Option<Load> {
+fn load(row: &mut Section, name: String, bodies: &[BodyRow]) -> Option<Load> {
     let words: [(&str, Reader); 8] = [
         ("directional-spring", directional_spring),
         ("constant-force", constant_force),
@@ -32,16 +31,16 @@ fn load(cx: &mut Context, row: &mut Section, name: String, bodies: &[BodyRow]) -
         ("torque", torque),
         ("motor", motor),
     ];
-    let read = row.word(cx, "type", &words)?;
-    read(cx, row, name, bodies)
+    let read = row.word("type", &words)?;
+    read(row, name, bodies)
 }
 
-fn directional_spring(cx: &mut Context, row: &mut Section, name: String, bodies: &[BodyRow]) -> Option<Load> {
-    let at = place(cx, row, "at", bodies);
-    let anchor = place(cx, row, "anchor", bodies);
-    let direction = direction(cx, row);
-    let stiffness = row.quantity(cx, "stiffness", STIFFNESS, Range::NonNegative);
-    let free_length = row.quantity(cx, "free_length", LENGTH, Range::Any);
+fn directional_spring(row: &mut Section, name: String, bodies: &[BodyRow]) -> Option<Load> {
+    let at = place(row, "at", bodies);
+    let anchor = place(row, "anchor", bodies);
+    let direction = direction(row);
+    let stiffness = row.quantity("stiffness", STIFFNESS, Range::NonNegative);
+    let free_length = row.quantity("free_length", LENGTH, Range::Any);
     Some(Load::DirectionalSpring {
         name,
         at: at?,
@@ -52,39 +51,39 @@ fn directional_spring(cx: &mut Context, row: &mut Section, name: String, bodies:
     })
 }
 
-fn constant_force(cx: &mut Context, row: &mut Section, name: String, bodies: &[BodyRow]) -> Option<Load> {
-    let at = place(cx, row, "at", bodies);
-    let force = row.pair(cx, "force", FORCE);
+fn constant_force(row: &mut Section, name: String, bodies: &[BodyRow]) -> Option<Load> {
+    let at = place(row, "at", bodies);
+    let force = row.pair("force", FORCE);
     Some(Load::ConstantForce { name, at: at?, force: force? })
 }
 
-fn constant_torque(cx: &mut Context, row: &mut Section, name: String, bodies: &[BodyRow]) -> Option<Load> {
-    let body = body(cx, row, "body", bodies);
-    let torque = row.quantity(cx, "torque", TORQUE, Range::Any);
+fn constant_torque(row: &mut Section, name: String, bodies: &[BodyRow]) -> Option<Load> {
+    let body = body(row, "body", bodies);
+    let torque = row.quantity("torque", TORQUE, Range::Any);
     Some(Load::ConstantTorque { name, body: body?, torque: torque? })
 }
 
-fn spring(cx: &mut Context, row: &mut Section, name: String, bodies: &[BodyRow]) -> Option<Load> {
-    let (a, b) = (place(cx, row, "a", bodies), place(cx, row, "b", bodies));
-    let stiffness = row.quantity(cx, "stiffness", STIFFNESS, Range::NonNegative);
-    let damping = row.quantity_or(cx, "damping", DAMPING, Range::NonNegative, 0.0);
-    let free_length = row.quantity(cx, "free_length", LENGTH, Range::NonNegative);
+fn spring(row: &mut Section, name: String, bodies: &[BodyRow]) -> Option<Load> {
+    let (a, b) = (place(row, "a", bodies), place(row, "b", bodies));
+    let stiffness = row.quantity("stiffness", STIFFNESS, Range::NonNegative);
+    let damping = row.quantity_or("damping", DAMPING, Range::NonNegative, 0.0);
+    let free_length = row.quantity("free_length", LENGTH, Range::NonNegative);
     let (a, b) = (a?, b?);
     if a.body == b.body {
-        cx.inconsistent(&row.path, "a and b are on the same body");
+        row.inconsistent_table("a and b are on the same body");
         return None;
     }
     Some(Load::Spring { name, a, b, stiffness: stiffness?, damping: damping?, free_length: free_length? })
 }
 
-fn torsion_spring(cx: &mut Context, row: &mut Section, name: String, bodies: &[BodyRow]) -> Option<Load> {
-    let (a, b) = (body(cx, row, "a", bodies), body(cx, row, "b", bodies));
-    let stiffness = row.quantity(cx, "stiffness", TORSIONAL_STIFFNESS, Range::NonNegative);
-    let damping = row.quantity_or(cx, "damping", TORSIONAL_DAMPING, Range::NonNegative, 0.0);
-    let free_angle = row.quantity_or(cx, "free_angle", ANGLE, Range::Any, 0.0);
+fn torsion_spring(row: &mut Section, name: String, bodies: &[BodyRow]) -> Option<Load> {
+    let (a, b) = (body(row, "a", bodies), body(row, "b", bodies));
+    let stiffness = row.quantity("stiffness", TORSIONAL_STIFFNESS, Range::NonNegative);
+    let damping = row.quantity_or("damping", TORSIONAL_DAMPING, Range::NonNegative, 0.0);
+    let free_angle = row.quantity_or("free_angle", ANGLE, Range::Any, 0.0);
     let (a, b) = (a?, b?);
     if a == b {
-        cx.inconsistent(&row.path, "a and b are the same body");
+        row.inconsistent_table("a and b are the same body");
         return None;
     }
     Some(Load::TorsionSpring {
@@ -97,40 +96,39 @@ fn torsion_spring(cx: &mut Context, row: &mut Section, name: String, bodies: &[B
     })
 }
 
-fn force(cx: &mut Context, row: &mut Section, name: String, bodies: &[BodyRow]) -> Option<Load> {
-    let at = place(cx, row, "at", bodies);
-    let direction = direction(cx, row);
-    let size = curve(cx, row, "size", FORCE, bodies);
+fn force(row: &mut Section, name: String, bodies: &[BodyRow]) -> Option<Load> {
+    let at = place(row, "at", bodies);
+    let direction = direction(row);
+    let size = curve(row, "size", FORCE, bodies);
     Some(Load::VariableForce { name, at: at?, direction: direction?, size: size? })
 }
 
-fn torque(cx: &mut Context, row: &mut Section, name: String, bodies: &[BodyRow]) -> Option<Load> {
-    let body = body(cx, row, "body", bodies);
-    let torque = curve(cx, row, "torque", TORQUE, bodies);
+fn torque(row: &mut Section, name: String, bodies: &[BodyRow]) -> Option<Load> {
+    let body = body(row, "body", bodies);
+    let torque = curve(row, "torque", TORQUE, bodies);
     Some(Load::VariableTorque { name, body: body?, torque: torque? })
 }
 
-fn motor(cx: &mut Context, row: &mut Section, name: String, bodies: &[BodyRow]) -> Option<Load> {
-    let body = body(cx, row, "body", bodies);
-    let stall_torque = row.quantity(cx, "stall_torque", TORQUE, Range::Any);
-    let no_load_speed = row.quantity(cx, "no_load_speed", ANGULAR_VELOCITY, Range::NotZero);
+fn motor(row: &mut Section, name: String, bodies: &[BodyRow]) -> Option<Load> {
+    let body = body(row, "body", bodies);
+    let stall_torque = row.quantity("stall_torque", TORQUE, Range::Any);
+    let no_load_speed = row.quantity("no_load_speed", ANGULAR_VELOCITY, Range::NotZero);
     let (stall_torque, no_load_speed) = (stall_torque?, no_load_speed?);
     if stall_torque * no_load_speed < 0.0 {
         let message =
             "stall_torque and no_load_speed have opposite signs: the faster, the harder it would push";
-        cx.inconsistent(&row.path, message);
+        row.inconsistent_table(message);
         return None;
     }
     Some(Load::Motor { name, body: body?, stall_torque, no_load_speed })
 }
 
 /// Reads `direction`; of unit length.
-fn direction(cx: &mut Context, row: &mut Section) -> Option<[f64; 2]> {
-    let [x, y] = row.pair(cx, "direction", NUMBER)?;
+fn direction(row: &mut Section) -> Option<[f64; 2]> {
+    let [x, y] = row.pair("direction", NUMBER)?;
     let length = (x * x + y * y).sqrt();
     if length == 0.0 || !length.is_finite() {
-        let (value, allowed) = (format!("[{x}, {y}]"), "a direction, e.g. [0, 1]".to_owned());
-        cx.fault(row.key("direction"), FaultKind::OutOfRange { value, allowed });
+        row.out_of_range("direction", format!("[{x}, {y}]"), "a direction, e.g. [0, 1]");
         return None;
     }
     Some([x / length, y / length])

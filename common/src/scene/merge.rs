@@ -1,11 +1,11 @@
-//! `extends`: a scene that is another one with some tables changed.
+//! `extends`: a scene that changes tables of another one.
 //!
 //! Tables merge key by key; lists of named tables merge row by row, by name, new rows at the end; everything else is
 //! replaced.
 
 use toml::{Table, Value};
 
-/// Lays `over` on top of `base`.
+/// Merges `over` into `base`, in place.
 pub(super) fn merge(base: &mut Table, over: Table) {
     for (key, value) in over {
         match (base.get_mut(&key), value) {

@@ -1,13 +1,24 @@
-//! The mechanism as checked: bodies, joints, drives, loads, random variables and limit states, all in SI.
+//! Scenes: a mechanism or an external simulator with its random variables, limit states and life, as read from TOML.
 //!
-//! A [`Scene`] only comes out of validation ([`SceneSource`]), so the simulation need not check again what it
-//! reads here.
+//! [`SceneSource`] reads a scene, checks it as a whole and resolves it for any sample of its random variables. A
+//! [`Scene`] comes out of that validation, all values in SI, so a simulation need not check again what it reads there.
+//! The language is described in `common/scenes/README.md`.
+//!
+//! | layer | modules | content |
+//! |---|---|---|
+//! | values | [`quantity`], [`expression`] | dimensions and units; evaluation of `"2 * arm + 1 mm"` |
+//! | model | [`model`], `attachment`, `joint`, `drive`, `load`, `output` | the types of a checked scene, all exported here |
+//! | faults | [`faults`] | what is wrong, with file, key, value and allowed range |
+//! | reading | `context`, `parameters`, `section` | one pass over the file that records every fault |
+//! | readers | `bodies`, `joints`, `clearance`, `loads`, `tables`, `outputs`, `life`, `simulator`, `variables`, `variable_law`, `fits`, `correlations` | one part of a file each |
+//! | whole | `resolve`, `merge`, `builtin`, [`source`] | all parts together; `extends`; the built-in scenes; samples |
 
 mod attachment;
 mod bodies;
 mod body_row;
 mod builtin;
 mod clearance;
+mod context;
 mod correlations;
 mod drive;
 pub mod expression;
@@ -25,7 +36,6 @@ mod output;
 mod outputs;
 mod parameters;
 pub mod quantity;
-mod read;
 mod resolve;
 mod section;
 mod simulator;
@@ -35,10 +45,13 @@ mod variable_law;
 mod variables;
 
 pub use attachment::Attachment;
-pub use drive::*;
+pub use drive::{Curve, Drive, Over, Table};
 pub use faults::{Fault, FaultKind, Faults};
-pub use joint::*;
-pub use load::*;
-pub use model::*;
-pub use output::*;
+pub use joint::{Clearance, ContactDamping, ContactLaw, Joint, JointKind, Material, RestitutionLaw};
+pub use load::Load;
+pub use model::{
+    Body, DrivenInertia, ExternalSimulator, Fails, Life, LimitState, Motion, Point, Program, Scene,
+    SimulatorKind, StudySettings, UmBridgeModel,
+};
+pub use output::{Output, OutputKind, SignedBody};
 pub use source::SceneSource;

@@ -1,4 +1,4 @@
-//! The resolved scene: what remains of a scene file after expressions, units, names and ranges were checked.
+//! The resolved scene: a scene file after its expressions, units, names and ranges were checked.
 //!
 //! Planar, SI units, angles counter-clockwise from +x. Bodies are referred to by index into [`Scene::bodies`].
 
@@ -18,11 +18,11 @@ pub struct Scene {
     pub name: String,
     /// One line for people.
     pub title: String,
-    /// All bodies; the fixed frame is one of them.
+    /// All bodies, the fixed frame included.
     pub bodies: Vec<Body>,
     /// All joints, in the order of the file.
     pub joints: Vec<Joint>,
-    /// All loads.
+    /// All loads, in the order of the file.
     pub loads: Vec<Load>,
     /// Acceleration of gravity `(2,)` [m/s^2].
     pub gravity: [f64; 2],
@@ -34,43 +34,43 @@ pub struct Scene {
     pub correlations: Vec<Correlation>,
     /// Limit states over the outputs.
     pub limit_states: Vec<LimitState>,
-    /// Cycle and life.
+    /// Duration and number of the cycles.
     pub life: Life,
-    /// Defaults of a study of this scene.
+    /// Default settings of a study of this scene.
     pub study: StudySettings,
-    /// Setting at which an evaluation is made unless another one is asked for.
+    /// Default accuracy of an evaluation.
     #[serde(default)]
     pub accuracy: NamedAccuracy,
-    /// Whose simulator evaluates a sample, if not this program's own. Such a scene has no bodies, joints or loads, and its
-    /// random variables are the simulator's inputs.
+    /// External simulator that evaluates a sample instead of this program. Such a scene has no bodies, joints or loads,
+    /// and its random variables are the simulator's inputs.
     #[serde(default)]
     pub simulator: Option<ExternalSimulator>,
 }
 
-/// A simulator of somebody else.
+/// An external simulator.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ExternalSimulator {
-    /// How it is asked.
+    /// Program or server, with its address.
     pub kind: SimulatorKind,
-    /// How long one evaluation may take [s].
+    /// Longest time of one evaluation [s].
     pub timeout: f64,
 }
 
-/// How a simulator is asked.
+/// Ways to call an external simulator.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum SimulatorKind {
-    /// A program of this machine, over its standard input and output.
+    /// A program on this machine, by lines of JSON over its standard input and output.
     Program(Program),
     /// A server, by the UM-Bridge protocol.
     UmBridge(UmBridgeModel),
 }
 
-/// A program that answers lines of JSON.
+/// A program that reads requests and writes answers, each a line of JSON.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Program {
-    /// Program and arguments, not empty.
+    /// Program and arguments, at least one entry.
     pub command: Vec<String>,
-    /// Folder it runs in.
+    /// Folder in which the program runs.
     pub folder: String,
 }
 
@@ -79,9 +79,9 @@ pub struct Program {
 pub struct UmBridgeModel {
     /// Address without a `/` at its end, e.g. `http://127.0.0.1:4242`.
     pub url: String,
-    /// Name of the model.
+    /// Name by which the server knows the model.
     pub model: String,
-    /// What the model is told with every request.
+    /// Configuration that is sent with every request.
     pub config: toml::Table,
 }
 
@@ -96,9 +96,9 @@ impl Scene {
 /// A rigid body.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Body {
-    /// Unique name.
+    /// Name, unique in its scene.
     pub name: String,
-    /// How it moves.
+    /// Fixed, driven or free, with what that needs.
     pub motion: Motion,
     /// Named points, in the body's own frame, whose origin is the body's reference point.
     pub points: Vec<Point>,
@@ -113,24 +113,23 @@ pub struct Point {
     pub position: [f64; 2],
 }
 
-/// How a body moves.
+/// The kinds of motion of a body.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Motion {
     /// Part of the frame: its frame coincides with the global one.
     Fixed,
-    /// Turns about its reference point as prescribed; costs no unknowns.
+    /// Rotates about its reference point as prescribed; adds no unknowns.
     Driven {
         /// Position of the reference point `(2,)` [m].
         position: [f64; 2],
-        /// Its angle as a function of time.
+        /// Angle of the body as a function of time.
         drive: Drive,
-        /// What it weighs, if the torque that drives it or its energy are of interest; else it counts as
-        /// massless.
+        /// Mass properties, required for the torque that drives it and for its energy; without them it is massless.
         inertia: Option<DrivenInertia>,
     },
-    /// Three unknowns.
+    /// Moves under its joints and loads; adds three unknowns.
     Free {
-        /// Mass [kg].
+        /// Mass of the body [kg].
         mass: f64,
         /// Moment of inertia about the centre of mass [kg m^2].
         inertia: f64,
@@ -140,9 +139,9 @@ pub enum Motion {
         start_position: [f64; 2],
         /// Approximate angle at time zero [rad].
         start_angle: f64,
-        /// Velocity of the reference point at time zero, as far as drives and joints leave it free `(2,)` [m/s].
+        /// Velocity of the reference point at time zero, before drives and joints correct it `(2,)` [m/s].
         start_velocity: [f64; 2],
-        /// Angular velocity at time zero, likewise [rad/s].
+        /// Angular velocity at time zero, before drives and joints correct it [rad/s].
         start_speed: f64,
     },
 }
@@ -161,7 +160,7 @@ impl Motion {
 /// Inertia of a driven body.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct DrivenInertia {
-    /// Mass [kg].
+    /// Mass of the body [kg].
     pub mass: f64,
     /// Moment of inertia about the centre of mass [kg m^2].
     pub inertia: f64,
@@ -169,8 +168,8 @@ pub struct DrivenInertia {
     pub centre_of_mass: [f64; 2],
 }
 
-/// Failure when the output has reached the threshold, g = threshold - output <= 0; or has fallen to it,
-/// g = output - threshold <= 0.
+/// A limit state g <= 0 of an output: g = threshold - output where large values fail, g = output - threshold where small
+/// ones do.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LimitState {
     /// Unique name, e.g. `wear`.
@@ -179,59 +178,58 @@ pub struct LimitState {
     pub output: usize,
     /// Threshold in the unit of the output (SI).
     pub threshold: f64,
-    /// On which side of the threshold it has failed.
+    /// Side of the threshold on which the mechanism has failed.
     #[serde(default)]
     pub fails: Fails,
 }
 
-/// A side of a threshold.
+/// The side of a threshold that means failure; the threshold itself belongs to it.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Fails {
-    /// At the threshold and above.
+    /// Values at the threshold and above.
     #[default]
     Above,
-    /// At the threshold and below.
+    /// Values at the threshold and below.
     Below,
 }
 
-/// Cycle and life.
+/// The cycle, and the number of cycles of a life.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Life {
-    /// Duration of one cycle; 0 for an external simulator, of which it is not known [s].
+    /// Duration of one cycle; 0 for an external simulator, where it is unknown [s].
     pub period: f64,
-    /// Cycles to simulate.
+    /// Length of the life [cycles].
     pub cycles: u32,
-    /// Outputs are reported every so many cycles; `cycles` is a multiple of it.
+    /// Distance between two checkpoints [cycles]; `cycles` is a multiple of it.
     pub checkpoint_every: u32,
-    /// Cycles run before the first measured one, so that the motion has settled; none for a motion that is to be
-    /// seen from its start.
+    /// Cycles that settle the motion before the first measured one; 0 to measure from the start.
     pub settle_cycles: u32,
 }
 
 impl Life {
-    /// The checkpoints: every, 2 every, ..., cycles.
+    /// The checkpoints `(m,)` [cycles]: `checkpoint_every` and its multiples up to `cycles`.
     pub fn checkpoints(&self) -> Vec<u32> {
         (1..=self.cycles / self.checkpoint_every).map(|k| k * self.checkpoint_every).collect()
     }
 }
 
-/// Defaults of a study.
+/// Default settings of a study.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct StudySettings {
-    /// Monte Carlo population.
+    /// Size of the Monte Carlo population.
     pub population: usize,
-    /// Size of the initial design.
+    /// Number of simulations of the initial design.
     pub initial: usize,
-    /// Points proposed per round; set by the study, never by the number of workers.
+    /// Simulations per round of learning, whatever the number of workers.
     pub batch: usize,
-    /// Budget of evaluations.
+    /// Largest number of evaluations.
     pub max_evaluations: usize,
-    /// Seed of every random draw.
+    /// Seed of all random draws.
     pub seed: u64,
 }
 
 impl Default for StudySettings {
-    /// What a scene without `[study]` gets.
+    /// The settings of a scene without `[study]`.
     fn default() -> Self {
         StudySettings { population: 100_000, initial: 120, batch: 12, max_evaluations: 600, seed: 1 }
     }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 /// A quantity returned at every checkpoint of life.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Output {
-    /// Unique name, e.g. `max_wear_depth`.
+    /// Name, unique in its scene, e.g. `max_wear_depth`.
     pub name: String,
     /// What it is.
     pub kind: OutputKind,
@@ -41,7 +41,7 @@ pub enum OutputKind {
     },
     /// Largest distance over a cycle of a point from where the mechanism with ideal joints has it [m].
     PositionError {
-        /// The point.
+        /// Place on a free body.
         at: Attachment,
     },
     /// Largest size over a cycle of the torque that drives a body [N m].

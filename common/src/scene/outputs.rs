@@ -1,38 +1,39 @@
 //! Reads the outputs of a scene, and the limit states over them.
 
 use super::body_row::{BodyRow, MotionWord, body, place};
+use super::context::Range;
 use super::faults::FaultKind;
 use super::joint::JointKind;
 use super::joints::JointRow;
 use super::model::{Fails, LimitState};
 use super::output::{Output, OutputKind, SignedBody};
 use super::quantity::*;
-use super::read::{Context, Range};
 use super::section::Section;
 
-/// Columns that result files have of their own, beside one for each limit state.
+/// Columns that result files have besides one for each limit state.
 const COLUMNS: [&str; 4] = ["cycles", "total", "standard_error", "numerical"];
 
-/// An output as far as it could be read; a faulty one keeps its name, so that references to it find it.
+/// An output while its scene is read; a faulty one keeps its name, so that references to it are found.
 pub(super) struct OutputRow {
     name: String,
-    /// The kind of its values, unless its type is not known.
+    /// Kind of its values; none if its type is unknown.
     kind: Option<Kind>,
     /// The output, unless faulty.
     pub(super) output: Option<Output>,
-    /// Whether an external simulator returns it: then its values are numbers in its own unit, of any sign.
+    /// True if an external simulator returns it: its values are then plain numbers of any sign.
     declared: bool,
 }
 
 impl OutputRow {
-    /// An output that a scene declares of an external simulator.
+    /// An output that an external simulator returns.
     pub(super) fn declared(name: &str, output: Option<Output>) -> Self {
         OutputRow { name: name.to_owned(), kind: Some(NUMBER), output, declared: true }
     }
 }
 
+/// The words of `type`.
 #[derive(Clone, Copy)]
-enum Word {
+enum OutputWord {
     LargestWear,
     AngularVelocityDifference,
     AngleDifference,
@@ -41,26 +42,21 @@ enum Word {
     DrivingTorque,
 }
 
-/// Reads `[[outputs]]`.
-pub(super) fn outputs(
-    cx: &mut Context,
-    file: &mut Section,
-    bodies: &[BodyRow],
-    joints: &[JointRow],
-) -> Vec<OutputRow> {
+/// Reads `[[outputs]]`; a faulty output keeps its row.
+pub(super) fn outputs(file: &mut Section, bodies: &[BodyRow], joints: &[JointRow]) -> Vec<OutputRow> {
     let words = [
-        ("largest-wear", (Word::LargestWear, LENGTH)),
-        ("angular-velocity-difference", (Word::AngularVelocityDifference, ANGULAR_VELOCITY)),
-        ("angle-difference", (Word::AngleDifference, ANGLE)),
-        ("peak-joint-force", (Word::PeakJointForce, FORCE)),
-        ("position-error", (Word::PositionError, LENGTH)),
-        ("driving-torque", (Word::DrivingTorque, TORQUE)),
+        ("largest-wear", (OutputWord::LargestWear, LENGTH)),
+        ("angular-velocity-difference", (OutputWord::AngularVelocityDifference, ANGULAR_VELOCITY)),
+        ("angle-difference", (OutputWord::AngleDifference, ANGLE)),
+        ("peak-joint-force", (OutputWord::PeakJointForce, FORCE)),
+        ("position-error", (OutputWord::PositionError, LENGTH)),
+        ("driving-torque", (OutputWord::DrivingTorque, TORQUE)),
     ];
     let mut outputs = Vec::new();
-    for (name, mut row) in file.rows(cx, "outputs") {
-        let (word, kind) = row.word(cx, "type", &words).unzip();
-        let output = word.and_then(|word| output(cx, &mut row, word, bodies, joints));
-        row.finish(cx);
+    for (name, mut row) in file.rows("outputs") {
+        let (word, kind) = row.word("type", &words).unzip();
+        let output = word.and_then(|word| output(&mut row, word, bodies, joints));
+        row.finish();
         let output = output.map(|kind| Output { name: name.to_owned(), kind });
         outputs.push(OutputRow { name: name.to_owned(), kind, output, declared: false });
     }
@@ -68,153 +64,146 @@ pub(super) fn outputs(
 }
 
 fn output(
-    cx: &mut Context,
     row: &mut Section,
-    word: Word,
+    word: OutputWord,
     bodies: &[BodyRow],
     joints: &[JointRow],
 ) -> Option<OutputKind> {
-    let mut signed = |key| signed_body(cx, row, key, bodies);
+    let mut signed = |key| signed_body(row, key, bodies);
     match word {
-        Word::LargestWear => largest_wear(cx, row, joints),
-        Word::AngularVelocityDifference => {
+        OutputWord::LargestWear => largest_wear(row, joints),
+        OutputWord::AngularVelocityDifference => {
             let (a, b) = (signed("a"), signed("b"));
             Some(OutputKind::AngularVelocityDifference { a: a?, b: b? })
         }
-        Word::AngleDifference => {
+        OutputWord::AngleDifference => {
             let (a, b) = (signed("a"), signed("b"));
             Some(OutputKind::AngleDifference { a: a?, b: b? })
         }
-        Word::PeakJointForce => {
+        OutputWord::PeakJointForce => {
             let chosen = match row.get("joints") {
                 None => (0..joints.len()).collect(),
-                Some(_) => chosen_joints(cx, row, joints)?,
+                Some(_) => chosen_joints(row, joints)?,
             };
             Some(OutputKind::PeakJointForce { joints: chosen })
         }
-        Word::PositionError => {
-            let at = place(cx, row, "at", bodies)?;
-            moves(cx, row.key("at"), bodies, at.body, MotionWord::Free, "free")?;
+        OutputWord::PositionError => {
+            let at = place(row, "at", bodies)?;
+            moves(row, "at", bodies, at.body, MotionWord::Free, "free")?;
             Some(OutputKind::PositionError { at })
         }
-        Word::DrivingTorque => {
-            let body = body(cx, row, "body", bodies)?;
-            moves(cx, row.key("body"), bodies, body, MotionWord::Driven, "driven")?;
+        OutputWord::DrivingTorque => {
+            let body = body(row, "body", bodies)?;
+            moves(row, "body", bodies, body, MotionWord::Driven, "driven")?;
             Some(OutputKind::DrivingTorque { body })
         }
     }
 }
 
-/// The body must move in the way that the output is about.
+/// Checks that the body moves in the way that the output requires.
 fn moves(
-    cx: &mut Context,
-    key: String,
+    row: &Section,
+    key: &str,
     bodies: &[BodyRow],
     body: usize,
     word: MotionWord,
     in_words: &str,
 ) -> Option<()> {
-    // How a faulty body moves may not be known; that is its own fault.
+    // The motion of a faulty body may be unknown, which is a fault of its own.
     if bodies[body].word? == word {
         return Some(());
     }
     let fitting = bodies.iter().filter(|other| other.word == Some(word)).map(|other| other.name.as_str());
     let there_are = listed(fitting);
-    cx.inconsistent(key, format!("body \"{}\" is not {in_words}{there_are}", bodies[body].name));
+    row.inconsistent(key, format!("body \"{}\" is not {in_words}{there_are}", bodies[body].name));
     None
 }
 
-/// What a reader may choose from instead; nothing if there is nothing.
+/// The names that could be chosen instead, for a message; empty if there are none.
 fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
     let names: Vec<&str> = names.collect();
     if names.is_empty() { String::new() } else { format!("; there are: {}", names.join(", ")) }
 }
 
-fn chosen_joints(cx: &mut Context, row: &mut Section, joints: &[JointRow]) -> Option<Vec<usize>> {
-    let names = row.texts(cx, "joints", "a list of names of joints")?;
-    let key = row.key("joints");
+fn chosen_joints(row: &mut Section, joints: &[JointRow]) -> Option<Vec<usize>> {
+    let names = row.texts("joints", "a list of names of joints")?;
     if names.is_empty() {
-        cx.inconsistent(&key, "is empty: there is nothing to watch");
+        row.inconsistent("joints", "is empty, expected at least one joint");
     }
     let known = joints.iter().map(|joint| joint.name.as_str());
-    let found: Vec<_> = names.iter().map(|name| cx.reference(&key, "joint", name, known.clone())).collect();
+    let found: Vec<_> =
+        names.iter().map(|name| row.reference("joints", "joint", name, known.clone())).collect();
     found.into_iter().collect::<Option<Vec<_>>>().filter(|chosen| !chosen.is_empty())
 }
 
-fn largest_wear(cx: &mut Context, row: &mut Section, joints: &[JointRow]) -> Option<OutputKind> {
-    let key = row.key("joints");
+fn largest_wear(row: &mut Section, joints: &[JointRow]) -> Option<OutputKind> {
     let chosen: Vec<usize> = match row.get("joints") {
         None => (0..joints.len()).filter(|&i| joints[i].unworn.is_none()).collect(),
-        Some(_) => chosen_joints(cx, row, joints)?,
+        Some(_) => chosen_joints(row, joints)?,
     };
-    let faults = cx.faults.len();
+    let faults = row.cx.fault_count();
     for joint in chosen.iter().map(|&i| &joints[i]) {
         if let Some(reason) = joint.unworn {
             let wearing = joints.iter().filter(|other| other.unworn.is_none());
             let there_are = listed(wearing.map(|other| other.name.as_str()));
-            cx.inconsistent(&key, format!("joint \"{}\" {reason} and does not wear{there_are}", joint.name));
+            row.inconsistent(
+                "joints",
+                format!("joint \"{}\" {reason} and does not wear{there_are}", joint.name),
+            );
         }
     }
-    // Somebody may set a wear coefficient to 0 from outside to see the mechanism as it is when new.
+    // An override may set a wear coefficient to 0, to see the mechanism in its new state.
     let no_wear = |&i: &usize| match joints[i].joint.as_ref().map(|joint| &joint.kind) {
-        Some(JointKind::Clearance(clearance)) => clearance.wear_coefficient == 0.0 && cx.as_written(),
+        Some(JointKind::Clearance(clearance)) => clearance.wear_coefficient == 0.0 && row.cx.as_written(),
         _ => false,
     };
     if chosen.is_empty() {
-        cx.inconsistent(key, "there is no joint that wears, i.e. with clearance and without wear = false");
-    } else if cx.faults.len() == faults && chosen.iter().all(no_wear) {
-        cx.inconsistent(key, "every wear_coefficient of these joints is 0: they do not wear");
+        row.inconsistent(
+            "joints",
+            "there is no joint that wears, i.e. with clearance and without wear = false",
+        );
+    } else if row.cx.fault_count() == faults && chosen.iter().all(no_wear) {
+        row.inconsistent("joints", "every wear_coefficient of these joints is 0: they do not wear");
     }
-    (cx.faults.len() == faults).then_some(OutputKind::LargestWear { joints: chosen })
+    (row.cx.fault_count() == faults).then_some(OutputKind::LargestWear { joints: chosen })
 }
 
-fn signed_body(
-    cx: &mut Context,
-    row: &mut Section,
-    key: &'static str,
-    bodies: &[BodyRow],
-) -> Option<SignedBody> {
-    let mut section = row.section(cx, key, "a body { body, sign, label }")?;
-    let name = section.text(cx, "body", "the name of a body");
-    let sign = section.integer(cx, "sign", -1..=1, Some(1));
+fn signed_body(row: &mut Section, key: &'static str, bodies: &[BodyRow]) -> Option<SignedBody> {
+    let mut section = row.section(key, "a body { body, sign, label }")?;
+    let name = section.text("body", "the name of a body");
+    let sign = section.integer("sign", -1..=1, Some(1));
     if sign == Some(0) {
-        let (value, allowed) = ("0".to_owned(), "1 or -1".to_owned());
-        cx.fault(section.key("sign"), FaultKind::OutOfRange { value, allowed });
+        section.out_of_range("sign", "0", "1 or -1");
     }
-    let label = section.text_or(cx, "label", "what a reader calls it", name.unwrap_or_default());
-    let body_key = section.key("body");
-    section.finish(cx);
-    let body = cx.reference(&body_key, "body", name?, bodies.iter().map(|body| body.name.as_str()))?;
+    let label = section.text_or("label", "what a reader calls it", name.unwrap_or_default());
+    section.finish();
+    let body = section.reference("body", "body", name?, bodies.iter().map(|body| body.name.as_str()))?;
     Some(SignedBody { body, sign: sign? as f64, label: label?.to_owned() })
 }
 
 /// Reads `[[limit_states]]`; a threshold is of the kind of its output.
-pub(super) fn limit_states(
-    cx: &mut Context,
-    file: &mut Section,
-    outputs: &[OutputRow],
-) -> Vec<Option<LimitState>> {
+pub(super) fn limit_states(file: &mut Section, outputs: &[OutputRow]) -> Vec<Option<LimitState>> {
     let mut limit_states = Vec::new();
-    for (name, mut row) in file.rows(cx, "limit_states") {
+    for (name, mut row) in file.rows("limit_states") {
         if COLUMNS.contains(&name) {
             let (value, reason) = (name.to_owned(), "it is a column of result files".to_owned());
-            cx.fault(row.key("name"), FaultKind::BadName { value, reason });
+            row.fault("name", FaultKind::BadName { value, reason });
         }
         let known = outputs.iter().map(|output| output.name.as_str());
         let declared = outputs.iter().any(|output| output.declared);
-        let output = row.text(cx, "output", "the name of an output");
-        let output = output.and_then(|output| cx.reference(&row.key("output"), "output", output, known));
+        let output = row.text("output", "the name of an output");
+        let output = output.and_then(|output| row.reference("output", "output", output, known));
         let threshold = match output.and_then(|output| outputs[output].kind) {
             Some(kind) => {
-                row.quantity(cx, "threshold", kind, if declared { Range::Any } else { Range::Positive })
+                row.quantity("threshold", kind, if declared { Range::Any } else { Range::Positive })
             }
             None => row.get("threshold").and(None),
         };
         let fails = match declared.then(|| row.get("fails")).flatten() {
             None => Some(Fails::Above),
-            Some(_) => row.word(cx, "fails", &[("above", Fails::Above), ("below", Fails::Below)]),
+            Some(_) => row.word("fails", &[("above", Fails::Above), ("below", Fails::Below)]),
         };
-        row.finish(cx);
+        row.finish();
         let state =
             |((output, threshold), fails)| LimitState { name: name.to_owned(), output, threshold, fails };
         limit_states.push(output.zip(threshold).zip(fails).map(state));

@@ -1,102 +1,102 @@
-//! The named parameters of a scene: each evaluated once, when somebody asks for it, and who asked.
+//! `[parameters]` while a scene is read: which are defined, evaluated or under evaluation, and which of them
+//! something depends on.
 
-use super::expression::{ExpressionError, RESERVED};
-use super::faults::{FaultKind, nearest};
+use super::expression::RESERVED;
+use super::faults::nearest;
 use super::quantity::{Quantity, unit};
-use super::read::Context;
 use std::collections::{BTreeMap, BTreeSet};
-use toml::Table;
+use toml::{Table, Value};
 
-/// Parameters may refer to each other through this many steps.
-const PARAMETER_DEPTH: usize = 64;
+/// Longest chain of parameters, each defined by the next one.
+const CHAIN_LIMIT: usize = 64;
 
-/// `[parameters]` while a scene is read.
+/// The parameters of a scene: each is evaluated once, on its first use.
 #[derive(Default)]
 pub(super) struct Parameters<'s> {
     definitions: Option<&'s Table>,
+    /// Values of those evaluated so far; none for a faulty one.
     values: BTreeMap<String, Option<Quantity>>,
-    /// Those under evaluation, each asked for by the one before it.
+    /// Names of those under evaluation, each used in the definition of the one before it.
     open: Vec<String>,
-    /// Those that some other part of the scene asked for.
-    asked: BTreeSet<String>,
-    /// What each parameter asked for.
-    reads: BTreeMap<String, BTreeSet<String>>,
+    /// Names that other parts of the scene use.
+    used_directly: BTreeSet<String>,
+    /// Names that the definition of each parameter uses.
+    uses: BTreeMap<String, BTreeSet<String>>,
 }
 
-impl Parameters<'_> {
+/// What is known of a parameter when its value is needed.
+pub(super) enum Lookup<'s> {
+    /// It has been evaluated; none if it is faulty.
+    Known(Option<Quantity>),
+    /// It has not: its definition is to be evaluated, and the result passed to [`Parameters::close`].
+    Open(&'s Value),
+    /// Its definition depends on itself, or on a chain that is too long: `a -> b -> c`.
+    Circular(String),
+    /// It has no definition; the nearest name that has one.
+    Undefined(Option<String>),
+}
+
+impl<'s> Parameters<'s> {
+    /// Sets the table `[parameters]`.
+    pub(super) fn define(&mut self, table: &'s Table) {
+        self.definitions = Some(table);
+    }
+
+    /// Records that `name` is used, by the parameter under evaluation or else by the rest of the scene.
+    pub(super) fn record_use(&mut self, name: &str) {
+        match self.open.last() {
+            Some(user) => self.uses.entry(user.clone()).or_default().insert(name.to_owned()),
+            None => self.used_directly.insert(name.to_owned()),
+        };
+    }
+
+    /// Looks up a parameter, and marks it as under evaluation if it has no value yet.
+    pub(super) fn look_up(&mut self, name: &str) -> Lookup<'s> {
+        if let Some(known) = self.values.get(name) {
+            return Lookup::Known(*known);
+        }
+        let Some(definition) = self.definitions.and_then(|table| table.get(name)) else {
+            let names = self.definitions.into_iter().flat_map(Table::keys).map(String::as_str);
+            return Lookup::Undefined(nearest(name, names));
+        };
+        if self.open.iter().any(|open| open == name) || self.open.len() >= CHAIN_LIMIT {
+            return Lookup::Circular(self.open.join(" -> "));
+        }
+        self.open.push(name.to_owned());
+        Lookup::Open(definition)
+    }
+
+    /// Stores the value of the parameter last marked as under evaluation; none if it is faulty.
+    pub(super) fn close(&mut self, value: Option<Quantity>) {
+        if let Some(name) = self.open.pop() {
+            self.values.insert(name, value);
+        }
+    }
+
     /// Parameters that the rest of the scene depends on, directly or through others.
     pub(super) fn used(&self) -> BTreeSet<String> {
         let mut used = BTreeSet::new();
-        let mut left: Vec<&String> = self.asked.iter().collect();
+        let mut left: Vec<&String> = self.used_directly.iter().collect();
         while let Some(name) = left.pop() {
             if used.insert(name.clone()) {
-                left.extend(self.reads.get(name).into_iter().flatten());
+                left.extend(self.uses.get(name).into_iter().flatten());
             }
         }
         used
     }
 }
 
-impl<'s> Context<'s> {
-    /// Evaluates every parameter, and notes names that cannot be one.
-    pub(super) fn read_parameters(&mut self, table: &'s Table) {
-        self.parameters.definitions = Some(table);
-        for name in table.keys() {
-            let plain = name.chars().all(|c| c.is_alphanumeric() || c == '_')
-                && name.chars().next().is_some_and(|c| !c.is_ascii_digit());
-            let reason = if unit(name).is_some() {
-                Some("it is a unit")
-            } else if RESERVED.contains(&name.as_str()) {
-                Some("it is a function or constant of expressions")
-            } else if !plain {
-                Some("names of parameters have letters, digits and `_`, and start with a letter")
-            } else {
-                None
-            };
-            match reason {
-                Some(reason) => {
-                    let (value, reason) = (name.clone(), reason.to_owned());
-                    self.fault(format!("parameters.{name}"), FaultKind::BadName { value, reason });
-                }
-                None => {
-                    let _ = self.evaluated(name);
-                }
-            }
-        }
-    }
-
-    /// The value of a parameter for the expression that names it.
-    pub(super) fn parameter(&mut self, name: &str) -> Result<Quantity, ExpressionError> {
-        let all = &mut self.parameters;
-        match all.open.last() {
-            Some(reader) => all.reads.entry(reader.clone()).or_default().insert(name.to_owned()),
-            None => all.asked.insert(name.to_owned()),
-        };
-        self.evaluated(name)
-    }
-
-    fn evaluated(&mut self, name: &str) -> Result<Quantity, ExpressionError> {
-        let all = &mut self.parameters;
-        let broken = || ExpressionError::Broken(name.to_owned());
-        if let Some(known) = all.values.get(name) {
-            return known.ok_or_else(broken);
-        }
-        let definition = all.definitions.and_then(|table| table.get(name));
-        let Some(definition) = definition else {
-            let names = all.definitions.into_iter().flat_map(Table::keys).map(String::as_str);
-            let nearest = nearest(name, names);
-            return Err(ExpressionError::UnknownName { name: name.to_owned(), nearest });
-        };
-        let key = format!("parameters.{name}");
-        if all.open.iter().any(|open| open == name) || all.open.len() >= PARAMETER_DEPTH {
-            let chain = all.open.join(" -> ");
-            self.inconsistent(key, format!("depends on itself, or through too many others: {chain}"));
-            return Err(broken());
-        }
-        all.open.push(name.to_owned());
-        let value = self.value(&key, definition, None);
-        self.parameters.open.pop();
-        self.parameters.values.insert(name.to_owned(), value);
-        value.ok_or_else(broken)
+/// Why a name cannot be that of a parameter; none if it can.
+pub(super) fn why_not_a_name(name: &str) -> Option<&'static str> {
+    let plain = name.chars().all(|c| c.is_alphanumeric() || c == '_')
+        && name.chars().next().is_some_and(|c| !c.is_ascii_digit());
+    if unit(name).is_some() {
+        Some("it is a unit")
+    } else if RESERVED.contains(&name) {
+        Some("it is a function or constant of expressions")
+    } else if !plain {
+        Some("names of parameters have letters, digits and `_`, and start with a letter")
+    } else {
+        None
     }
 }

@@ -1,4 +1,4 @@
-//! Physical dimensions, the kinds of quantity a scene speaks of, and the units they may be written in.
+//! Physical dimensions, the kinds of quantity in a scene, and the units in which they may be written.
 //!
 //! Three base dimensions suffice for planar mechanics: kg, m, s. An angle is dimensionless.
 
@@ -62,7 +62,7 @@ impl Dimension {
         }
     }
 
-    /// The SI unit a person expects, e.g. `N` for a force.
+    /// The usual SI unit, e.g. `N` for a force.
     pub fn si_unit(self) -> String {
         KINDS
             .iter()
@@ -72,7 +72,7 @@ impl Dimension {
     }
 }
 
-/// What it is in words, e.g. `a force`.
+/// The kind in words, e.g. `a force`.
 impl fmt::Display for Dimension {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match KINDS.iter().find(|kind| kind.dimension == *self) {
@@ -85,34 +85,34 @@ impl fmt::Display for Dimension {
 /// A value in SI with its dimension.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Quantity {
-    /// Value in SI.
+    /// Value in SI units.
     pub value: f64,
-    /// Its dimension.
+    /// Dimension of the value.
     pub dimension: Dimension,
 }
 
 /// A kind of quantity that a field expects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Kind {
-    /// With its article, e.g. `a length`.
+    /// Name with its article, e.g. `a length`.
     pub name: &'static str,
-    /// Its dimension.
+    /// Dimension of the kind.
     pub dimension: Dimension,
-    /// Units to suggest.
+    /// Units suggested in messages, separated by commas.
     pub units: &'static str,
-    /// Its SI unit.
+    /// SI unit of the kind.
     pub si: &'static str,
 }
 
 impl Kind {
-    /// Its name and the units it may be written in.
+    /// The name, and in parentheses the units suggested.
     pub fn in_words(&self) -> String {
         let name = self.name;
         if self.units.is_empty() { name.to_owned() } else { format!("{name} ({}, ...)", self.units) }
     }
 
-    /// The kind that a dimension stands for; of a dimension without a name, one named after nothing but itself.
-    pub fn of(dimension: Dimension) -> Kind {
+    /// The first kind of a dimension; a dimension without a kind gets one without units.
+    pub fn from_dimension(dimension: Dimension) -> Kind {
         let unnamed = Kind { name: "the quantity that is changed", dimension, units: "", si: "" };
         KINDS.iter().copied().find(|kind| kind.dimension == dimension).unwrap_or(unnamed)
     }
@@ -154,48 +154,57 @@ kinds! {
 /// A unit: SI value = number * multiply / divide. Two numbers, so that decimal prefixes round once.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unit {
-    /// Factor.
+    /// Factor from the unit to SI.
     pub multiply: f64,
-    /// Divisor.
+    /// Divisor from the unit to SI.
     pub divide: f64,
-    /// Dimension.
+    /// Dimension of the unit.
     pub dimension: Dimension,
 }
 
 const TURN: f64 = 2.0 * std::f64::consts::PI;
 
-/// Looks up a unit symbol. `Hz` is left out on purpose: whether it means turns or radians would be a guess.
+/// A factor, a divisor and a dimension.
+const fn unit_of(multiply: f64, divide: f64, dimension: Dimension) -> Unit {
+    Unit { multiply, divide, dimension }
+}
+
+/// Every unit by its symbol. `Hz` is left out on purpose: it could mean turns or radians.
+pub const UNITS: &[(&str, Unit)] = &[
+    ("m", unit_of(1.0, 1.0, LENGTH.dimension)),
+    ("km", unit_of(1e3, 1.0, LENGTH.dimension)),
+    ("cm", unit_of(1.0, 1e2, LENGTH.dimension)),
+    ("mm", unit_of(1.0, 1e3, LENGTH.dimension)),
+    ("um", unit_of(1.0, 1e6, LENGTH.dimension)),
+    ("\u{b5}m", unit_of(1.0, 1e6, LENGTH.dimension)),
+    ("\u{3bc}m", unit_of(1.0, 1e6, LENGTH.dimension)),
+    ("nm", unit_of(1.0, 1e9, LENGTH.dimension)),
+    ("kg", unit_of(1.0, 1.0, MASS.dimension)),
+    ("g", unit_of(1.0, 1e3, MASS.dimension)),
+    ("mg", unit_of(1.0, 1e6, MASS.dimension)),
+    ("s", unit_of(1.0, 1.0, TIME.dimension)),
+    ("ms", unit_of(1.0, 1e3, TIME.dimension)),
+    ("us", unit_of(1.0, 1e6, TIME.dimension)),
+    ("min", unit_of(60.0, 1.0, TIME.dimension)),
+    ("h", unit_of(3600.0, 1.0, TIME.dimension)),
+    ("N", unit_of(1.0, 1.0, FORCE.dimension)),
+    ("mN", unit_of(1.0, 1e3, FORCE.dimension)),
+    ("kN", unit_of(1e3, 1.0, FORCE.dimension)),
+    ("J", unit_of(1.0, 1.0, TORQUE.dimension)),
+    ("Pa", unit_of(1.0, 1.0, PRESSURE.dimension)),
+    ("kPa", unit_of(1e3, 1.0, PRESSURE.dimension)),
+    ("MPa", unit_of(1e6, 1.0, PRESSURE.dimension)),
+    ("GPa", unit_of(1e9, 1.0, PRESSURE.dimension)),
+    ("rad", unit_of(1.0, 1.0, Dimension::NONE)),
+    ("mrad", unit_of(1.0, 1e3, Dimension::NONE)),
+    ("deg", unit_of(std::f64::consts::PI, 180.0, Dimension::NONE)),
+    ("r", unit_of(TURN, 1.0, Dimension::NONE)),
+    ("rev", unit_of(TURN, 1.0, Dimension::NONE)),
+    ("rpm", unit_of(TURN, 60.0, ANGULAR_VELOCITY.dimension)),
+    ("%", unit_of(1.0, 1e2, Dimension::NONE)),
+];
+
+/// The unit with a symbol, e.g. `mm`; none if the symbol is unknown.
 pub fn unit(symbol: &str) -> Option<Unit> {
-    let (multiply, divide, dimension) = match symbol {
-        "m" => (1.0, 1.0, LENGTH.dimension),
-        "km" => (1e3, 1.0, LENGTH.dimension),
-        "cm" => (1.0, 1e2, LENGTH.dimension),
-        "mm" => (1.0, 1e3, LENGTH.dimension),
-        "um" | "\u{b5}m" | "\u{3bc}m" => (1.0, 1e6, LENGTH.dimension),
-        "nm" => (1.0, 1e9, LENGTH.dimension),
-        "kg" => (1.0, 1.0, MASS.dimension),
-        "g" => (1.0, 1e3, MASS.dimension),
-        "mg" => (1.0, 1e6, MASS.dimension),
-        "s" => (1.0, 1.0, TIME.dimension),
-        "ms" => (1.0, 1e3, TIME.dimension),
-        "us" => (1.0, 1e6, TIME.dimension),
-        "min" => (60.0, 1.0, TIME.dimension),
-        "h" => (3600.0, 1.0, TIME.dimension),
-        "N" => (1.0, 1.0, FORCE.dimension),
-        "mN" => (1.0, 1e3, FORCE.dimension),
-        "kN" => (1e3, 1.0, FORCE.dimension),
-        "J" => (1.0, 1.0, TORQUE.dimension),
-        "Pa" => (1.0, 1.0, PRESSURE.dimension),
-        "kPa" => (1e3, 1.0, PRESSURE.dimension),
-        "MPa" => (1e6, 1.0, PRESSURE.dimension),
-        "GPa" => (1e9, 1.0, PRESSURE.dimension),
-        "rad" => (1.0, 1.0, Dimension::NONE),
-        "mrad" => (1.0, 1e3, Dimension::NONE),
-        "deg" => (std::f64::consts::PI, 180.0, Dimension::NONE),
-        "r" | "rev" => (TURN, 1.0, Dimension::NONE),
-        "rpm" => (TURN, 60.0, ANGULAR_VELOCITY.dimension),
-        "%" => (1.0, 1e2, Dimension::NONE),
-        _ => return None,
-    };
-    Some(Unit { multiply, divide, dimension })
+    UNITS.iter().find(|(known, _)| *known == symbol).map(|(_, unit)| *unit)
 }

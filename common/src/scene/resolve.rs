@@ -3,6 +3,7 @@
 use super::bodies::bodies;
 use super::body_row::BodyRow;
 use super::clearance::materials;
+use super::context::{Context, Overrides};
 use super::correlations::{CorrelationRow, correlation_rows};
 use super::faults::{Fault, FaultKind};
 use super::joints::{JointRow, joints};
@@ -10,10 +11,9 @@ use super::life::life;
 use super::limits::COUNT_LIMIT;
 use super::load::Load;
 use super::loads::loads;
-use super::model::{Life, Scene, StudySettings};
+use super::model::{ExternalSimulator, Life, LimitState, Scene, StudySettings};
 use super::outputs::{OutputRow, limit_states, outputs};
 use super::quantity::{ACCELERATION, Quantity};
-use super::read::{Context, Overrides};
 use super::section::Section;
 use super::simulator::{declared_life, declared_outputs, simulator};
 use super::variables::{VariableRow, variable_rows, variables};
@@ -21,7 +21,7 @@ use crate::accuracy::{AccuracyNameError, NamedAccuracy};
 use std::collections::{BTreeMap, BTreeSet};
 use toml::Table;
 
-/// Everything one pass gives.
+/// Result of one pass over a scene.
 pub(super) struct Resolved {
     /// The scene, its `variables` still empty.
     pub(super) scene: Scene,
@@ -40,45 +40,69 @@ pub(super) struct Resolved {
 /// # Errors
 /// Every fault found.
 pub(super) fn resolve(origin: &str, document: &Table, overrides: &Overrides) -> Result<Resolved, Vec<Fault>> {
-    let mut cx = Context::new(origin, overrides);
-    let cx = &mut cx;
-    let mut file = Section::new("", document);
-
+    let cx = Context::new(origin, overrides);
+    let mut file = Section::new(&cx, "", document);
     if let Some(parameters) = file.get("parameters") {
         match parameters.as_table() {
             Some(table) => cx.read_parameters(table),
-            None => cx.wrong_type("parameters", parameters, "a table".to_owned()),
+            None => file.wrong_type("parameters", parameters, "a table"),
         }
     }
-    let names = head(cx, &mut file);
-    let simulator = simulator(cx, &mut file);
-    let Described { bodies, joints, loads, gravity, outputs, life } = match simulator {
-        Some(_) => external(cx, &mut file),
-        None => mechanism(cx, &mut file),
-    };
-    let limit_states = limit_states(cx, &mut file, &outputs);
-    let study = study(cx, &mut file, simulator.is_none());
-    let variables = variable_rows(cx, &mut file, simulator.is_some());
-    let correlations = correlation_rows(cx, &mut file);
-    if !variables.is_empty() && limit_states.is_empty() {
-        cx.fault(
-            "limit_states",
-            FaultKind::Missing { expected: "at least one limit state for a study".to_owned() },
-        );
+    let parts = Parts::read(&mut file);
+    let mut rows = variable_rows(&mut file, parts.simulator.is_some());
+    let correlations = correlation_rows(&mut file);
+    if !rows.is_empty() && parts.limit_states.is_empty() {
+        file.missing("limit_states", "at least one limit state for a study");
     }
-    // What a variable or a correlation is like is no quantity of the scene that something could change.
-    cx.seen.retain(|key, _| !(key.starts_with("variables.") || key.starts_with("correlations[")));
-    file.finish(cx);
-    // With other faults about, a key may only be unread because of them.
-    if cx.faults.is_empty() {
+    // The parameters of a variable or a correlation are no quantities of the scene that an override could set.
+    cx.forget(|key| key.starts_with("variables.") || key.starts_with("correlations["));
+    file.finish();
+    // After another fault, a key may be unread only because of it.
+    if cx.fault_count() == 0 {
         cx.check_overrides();
     }
+    let seen = cx.take_seen();
+    match parts.scene() {
+        Some(scene) if cx.fault_count() == 0 => {
+            Ok(Resolved { scene, correlations, variables: rows, seen, used: cx.used_parameters() })
+        }
+        _ => {
+            // Faults of the variables whose nominal values could be read.
+            rows.retain(|row| row.changes.iter().all(|key| seen.contains_key(key)));
+            variables(&cx, &rows, &seen);
+            Err(cx.take_faults())
+        }
+    }
+}
 
-    let faults = std::mem::take(&mut cx.faults);
-    let seen = std::mem::take(&mut cx.seen);
-    let scene = (|| {
-        let (name, title) = names?;
-        let (study, accuracy) = study?;
+/// The parts of a scene, as far as they could be read.
+struct Parts {
+    name_and_title: Option<(String, String)>,
+    /// The outer `None` for a mechanism, the inner one for a faulty simulator.
+    simulator: Option<Option<ExternalSimulator>>,
+    model: Model,
+    limit_states: Vec<Option<LimitState>>,
+    study: Option<(StudySettings, NamedAccuracy)>,
+}
+
+impl Parts {
+    fn read(file: &mut Section) -> Self {
+        let name_and_title = head(file);
+        let simulator = simulator(file);
+        let model = match simulator {
+            Some(_) => external(file),
+            None => mechanism(file),
+        };
+        let limit_states = limit_states(file, &model.outputs);
+        let study = study(file, simulator.is_none());
+        Parts { name_and_title, simulator, model, limit_states, study }
+    }
+
+    /// The scene, its variables and correlations still empty; none if a part is faulty.
+    fn scene(self) -> Option<Scene> {
+        let (name, title) = self.name_and_title?;
+        let (study, accuracy) = self.study?;
+        let Model { bodies, joints, loads, gravity, outputs, life } = self.model;
         Some(Scene {
             name,
             title,
@@ -89,39 +113,20 @@ pub(super) fn resolve(origin: &str, document: &Table, overrides: &Overrides) -> 
             outputs: outputs.into_iter().map(|row| row.output).collect::<Option<_>>()?,
             variables: Vec::new(),
             correlations: Vec::new(),
-            limit_states: limit_states.into_iter().collect::<Option<_>>()?,
+            limit_states: self.limit_states.into_iter().collect::<Option<_>>()?,
             life: life?,
             study,
             accuracy,
-            simulator: match simulator {
+            simulator: match self.simulator {
                 Some(read) => Some(read?),
                 None => None,
             },
         })
-    })();
-    match scene {
-        Some(scene) if faults.is_empty() => {
-            Ok(Resolved { scene, correlations, variables, seen, used: cx.parameters.used() })
-        }
-        _ => Err(with_variables(cx, faults, variables, &seen)),
     }
 }
 
-/// Adds the faults of those variables whose nominal values could be read all the same.
-fn with_variables(
-    cx: &mut Context,
-    mut faults: Vec<Fault>,
-    mut rows: Vec<VariableRow>,
-    seen: &BTreeMap<String, Quantity>,
-) -> Vec<Fault> {
-    rows.retain(|row| row.changes.iter().all(|key| seen.contains_key(key)));
-    variables(cx, &rows, seen);
-    faults.append(&mut cx.faults);
-    faults
-}
-
-/// What is simulated and what comes of it, as far as it could be read.
-struct Described {
+/// The model that is simulated and its outputs, as far as they could be read.
+struct Model {
     bodies: Vec<BodyRow>,
     joints: Vec<JointRow>,
     loads: Vec<Load>,
@@ -130,57 +135,55 @@ struct Described {
     life: Option<Life>,
 }
 
-/// A mechanism.
-fn mechanism(cx: &mut Context, file: &mut Section) -> Described {
-    let bodies = bodies(cx, file);
-    let materials = materials(cx, file);
-    let joints = joints(cx, file, &bodies, &materials);
-    let loads = loads(cx, file, &bodies);
-    let gravity = file.pair_or(cx, "gravity", ACCELERATION, [0.0; 2]);
-    let outputs = outputs(cx, file, &bodies, &joints);
-    let life = life(cx, file, &bodies, &loads);
-    Described { bodies, joints, loads, gravity, outputs, life }
+/// Reads a mechanism.
+fn mechanism(file: &mut Section) -> Model {
+    let bodies = bodies(file);
+    let materials = materials(file);
+    let joints = joints(file, &bodies, &materials);
+    let loads = loads(file, &bodies);
+    let gravity = file.pair_or("gravity", ACCELERATION, [0.0; 2]);
+    let outputs = outputs(file, &bodies, &joints);
+    let life = life(file, &bodies, &loads);
+    Model { bodies, joints, loads, gravity, outputs, life }
 }
 
-/// An external simulator: nothing is known of it but what it returns.
-fn external(cx: &mut Context, file: &mut Section) -> Described {
-    let life = declared_life(cx, file);
-    let outputs = declared_outputs(cx, file, life.as_ref());
-    Described { bodies: vec![], joints: vec![], loads: vec![], gravity: Some([0.0; 2]), outputs, life }
+/// Reads what an external simulator returns; its inside is not described.
+fn external(file: &mut Section) -> Model {
+    let life = declared_life(file);
+    let outputs = declared_outputs(file, life.as_ref());
+    Model { bodies: vec![], joints: vec![], loads: vec![], gravity: Some([0.0; 2]), outputs, life }
 }
 
-fn head(cx: &mut Context, file: &mut Section) -> Option<(String, String)> {
-    let mut section = file.section(cx, "scene", "a table [scene] with name and title")?;
-    let name = section.text(cx, "name", "a short name");
-    let title = section.text_or(cx, "title", "one line for people", name.unwrap_or_default());
-    section.finish(cx);
+/// Reads `[scene]`: name and title.
+fn head(file: &mut Section) -> Option<(String, String)> {
+    let mut section = file.section("scene", "a table [scene] with name and title")?;
+    let name = section.text("name", "a short name");
+    let title = section.text_or("title", "one line for people", name.unwrap_or_default());
+    section.finish();
     Some((name?.to_owned(), title?.to_owned()))
 }
 
-/// Defaults of a study, and of the accuracy where the simulator is this program's own.
-fn study(cx: &mut Context, file: &mut Section, simulates: bool) -> Option<(StudySettings, NamedAccuracy)> {
+/// Reads `[study]`: defaults of a study, and the accuracy of a mechanism.
+fn study(file: &mut Section, simulates: bool) -> Option<(StudySettings, NamedAccuracy)> {
     let default = StudySettings::default();
-    let Some(mut section) = file.section_if_any(cx, "study") else {
+    let Some(mut section) = file.section_if_any("study") else {
         return Some((default, NamedAccuracy::default()));
     };
-    let mut count = |cx: &mut Context, key, default: usize| {
-        section.integer(cx, key, 1..=COUNT_LIMIT, Some(default as i64))
-    };
-    let population = count(cx, "population", default.population);
-    let initial = count(cx, "initial", default.initial);
-    let batch = count(cx, "batch", default.batch);
-    let max_evaluations = count(cx, "max_evaluations", default.max_evaluations);
-    let seed = section.integer(cx, "seed", 0..=i64::MAX, Some(default.seed as i64));
+    let mut count = |key, default: usize| section.integer(key, 1..=COUNT_LIMIT, Some(default as i64));
+    let population = count("population", default.population);
+    let initial = count("initial", default.initial);
+    let batch = count("batch", default.batch);
+    let max_evaluations = count("max_evaluations", default.max_evaluations);
+    let seed = section.integer("seed", 0..=i64::MAX, Some(default.seed as i64));
     for (key, bound) in [("population", population), ("max_evaluations", max_evaluations)] {
         if let Some((initial, bound)) = initial.zip(bound)
             && bound < initial
         {
-            let (value, allowed) = (bound.to_string(), format!(">= initial = {initial}"));
-            cx.fault(section.key(key), FaultKind::OutOfRange { value, allowed });
+            section.out_of_range(key, bound.to_string(), format!(">= initial = {initial}"));
         }
     }
-    let accuracy = if simulates { accuracy(cx, &mut section) } else { Some(NamedAccuracy::default()) };
-    section.finish(cx);
+    let accuracy = if simulates { accuracy(&mut section) } else { Some(NamedAccuracy::default()) };
+    section.finish();
     let study = StudySettings {
         population: population? as usize,
         initial: initial? as usize,
@@ -191,10 +194,10 @@ fn study(cx: &mut Context, file: &mut Section, simulates: bool) -> Option<(Study
     Some((study, accuracy?))
 }
 
-fn accuracy(cx: &mut Context, section: &mut Section) -> Option<NamedAccuracy> {
+fn accuracy(section: &mut Section) -> Option<NamedAccuracy> {
     const EXPECTED: &str = "the name of an accuracy, e.g. \"balanced\" or \"balanced+jump-2000\"";
-    let name = section.text_or(cx, "accuracy", EXPECTED, "balanced")?;
+    let name = section.text_or("accuracy", EXPECTED, "balanced")?;
     name.parse()
-        .map_err(|error: AccuracyNameError| cx.fault(section.key("accuracy"), FaultKind::Accuracy(error)))
+        .map_err(|error: AccuracyNameError| section.fault("accuracy", FaultKind::Accuracy(error)))
         .ok()
 }

@@ -1,13 +1,14 @@
-//! A scene as its author wrote it: found by name or file, checked as a whole, resolved for any sample.
+//! A scene as its author wrote it: found by name or file, checked as a whole, and resolved for any sample of its random
+//! variables.
 
 use super::builtin;
+use super::context::{Context, Overrides};
 use super::correlations::correlations;
 use super::expression::{ExpressionError, evaluate, read_unit};
 use super::faults::{Fault, FaultKind, Faults, in_unit, nearest};
 use super::merge::merge;
 use super::model::Scene;
 use super::quantity::{Dimension, Kind, Quantity};
-use super::read::{Context, Overrides};
 use super::resolve::resolve;
 use super::simulator::settle_folder;
 use super::variables::variables;
@@ -47,10 +48,10 @@ impl SceneSource {
         }
     }
 
-    /// A built-in scene by name, or the scene in a file.
+    /// Loads a built-in scene by name, or the scene in a file.
     ///
     /// # Errors
-    /// Every fault of the scene, or that it cannot be found or read.
+    /// Every fault of the scene, or one that says that it cannot be found or read.
     pub fn load(name_or_path: &str) -> Result<Self, Faults> {
         if builtin::text(name_or_path).is_some() {
             return Self::builtin(name_or_path);
@@ -89,18 +90,18 @@ impl SceneSource {
         // Values as written, then the variables, then the nominal scene with every variable at its mean.
         let none = Overrides::new();
         let base = resolve(origin, &document, &none).map_err(Faults)?;
-        let mut cx = Context::new(origin, &none);
+        let cx = Context::new(origin, &none);
         let parameters = document.get("parameters").and_then(toml::Value::as_table);
         if let Some(parameters) = parameters {
             cx.read_parameters(parameters);
         }
-        let variables = variables(&mut cx, &base.variables, &base.seen);
+        let variables = variables(&cx, &base.variables, &base.seen);
         let names: Vec<&str> = base.variables.iter().map(|row| row.name.as_str()).collect();
-        let correlations = correlations(&mut cx, &base.correlations, &names, &variables);
-        if !cx.faults.is_empty() {
-            return Err(Faults(cx.faults));
+        let correlations = correlations(&cx, &base.correlations, &names, &variables);
+        if cx.fault_count() > 0 {
+            return Err(Faults(cx.take_faults()));
         }
-        let used = cx.parameters.used();
+        let used = cx.used_parameters();
         let mut unused_parameters: Vec<String> =
             parameters.into_iter().flat_map(Table::keys).cloned().collect();
         unused_parameters.retain(|name| !base.used.contains(name) && !used.contains(name));
@@ -123,12 +124,12 @@ impl SceneSource {
         &self.origin
     }
 
-    /// TOML text that gives this scene wherever it is parsed; a scene that extends another one is written out.
+    /// TOML text of this scene that needs no other file: for a scene that extends another one, both merged.
     pub fn text(&self) -> &str {
         &self.text
     }
 
-    /// FNV-1a hash of the text, 128 bit: the same on every machine and in every version.
+    /// FNV-1a hash of the text, 128 bit, equal on every machine and in every version.
     pub fn digest(&self) -> u128 {
         digest(&self.text)
     }
@@ -143,8 +144,8 @@ impl SceneSource {
         self.variables().iter().map(|variable| variable.distribution.parent_mean()).collect()
     }
 
-    /// Parameters that nothing in the scene depends on, sorted: a slip of the hand more often than not. What a
-    /// random variable changes counts only if something reads it.
+    /// Parameters that nothing in the scene depends on, sorted: usually a typing error. A parameter that a random
+    /// variable changes is unused if nothing else reads it.
     pub fn unused_parameters(&self) -> Vec<String> {
         self.unused_parameters.clone()
     }
@@ -157,7 +158,7 @@ impl SceneSource {
     /// The nominal scene: every random variable at its mean.
     ///
     /// # Errors
-    /// None today, since a source is checked when it is made; the signature is that of its siblings.
+    /// None at present, since a source is checked when it is read; the signature is that of the other `resolve_*`.
     pub fn resolve(&self) -> Result<Scene, Faults> {
         Ok(self.nominal.clone())
     }
@@ -179,7 +180,7 @@ impl SceneSource {
     }
 
     /// The nominal scene with some values changed: `(name, SI value)`, where the name is a random variable or the
-    /// path of a key, e.g. `parameters.rod_length`. A key goes before a variable that changes it too.
+    /// path of a key, e.g. `parameters.rod_length`. A key takes precedence over a variable that changes it too.
     ///
     /// # Errors
     /// An unknown name, or values that give an invalid scene.
@@ -201,8 +202,8 @@ impl SceneSource {
         self.resolve_overridden(&overrides)
     }
 
-    /// The means `(d,)` with some variables set to other values, SI: what an external simulator is asked for, in whose
-    /// scene nothing else can be set.
+    /// The means `(d,)` with some variables set to other values, SI: the inputs of an external simulator, whose scene has
+    /// nothing else to set.
     ///
     /// # Errors
     /// A name that is no random variable.
@@ -215,7 +216,8 @@ impl SceneSource {
         Ok(sample)
     }
 
-    /// Reads `name=quantity`, e.g. `rod_length=40.05mm`, with the dimension of what the name stands for.
+    /// Reads `name=quantity`, e.g. `rod_length=40.05mm`, as name and SI value; the unit must be of the kind of the value
+    /// that the name stands for.
     ///
     /// # Errors
     /// An unknown name, no quantity, or one of another kind.
@@ -228,7 +230,7 @@ impl SceneSource {
         let (name, value) = (name.trim(), value.trim());
         let variable = self.variables().iter().find(|variable| variable.name == name);
         let dimension = match variable.map(|variable| (variable, variable.changes.first())) {
-            // An input of a simulator has the dimension of its unit, if that is known.
+            // An input of a simulator has the dimension of its unit, if that is a known one.
             Some((input, None)) => read_unit(&input.unit).map_or(Dimension::NONE, |unit| unit.dimension),
             Some((_, Some(key))) => self.seen[key].dimension,
             None => self.seen.get(name).ok_or_else(|| self.unknown_setting(name))?.dimension,
@@ -239,7 +241,7 @@ impl SceneSource {
         match evaluate(value, &mut nothing) {
             Err(error) => Err(fault(FaultKind::Expression { value: shown, message: error.to_string() })),
             Ok(found) if found.dimension != dimension => {
-                let expected = Kind::of(dimension);
+                let expected = Kind::from_dimension(dimension);
                 Err(fault(FaultKind::WrongUnit { value: shown, found: found.dimension, expected }))
             }
             Ok(found) => Ok((name.to_owned(), found.value)),
@@ -264,8 +266,8 @@ impl SceneSource {
         Ok(Scene { variables, correlations, ..resolved.scene })
     }
 
-    /// Every variable at each of its bounds, or where one in a million of its values lies beyond, the others at
-    /// their means, must leave the scene valid.
+    /// Checks that the scene is valid with every variable at each of its bounds, or its 1e-6 and 1 - 1e-6 quantiles, and
+    /// the others at their means.
     fn check_bounds(&self) -> Result<(), Faults> {
         let means = self.means();
         let mut faults = Vec::new();
@@ -293,7 +295,7 @@ impl SceneSource {
     }
 }
 
-/// FNV-1a hash of a text, 128 bit: for telling texts apart, not against forgery.
+/// FNV-1a hash of a text, 128 bit: it distinguishes texts but does not resist forgery.
 pub fn digest(text: &str) -> u128 {
     const BASIS: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
     const PRIME: u128 = 0x0000_0000_0100_0000_0000_0000_0000_013b;
@@ -324,7 +326,7 @@ fn document(text: &str, origin: &str) -> Result<Table, Faults> {
     })
 }
 
-/// Replaces `scene.extends` by the scene it names, with this one laid on top.
+/// Replaces `scene.extends` by the scene that it names, merged with this one, through at most `left` scenes.
 fn flatten(mut own: Table, origin: &str, folder: Option<&Path>, left: usize) -> Result<Table, Faults> {
     let extends =
         own.get_mut("scene").and_then(toml::Value::as_table_mut).and_then(|scene| scene.remove("extends"));

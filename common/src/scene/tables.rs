@@ -2,9 +2,8 @@
 
 use super::body_row::{BodyRow, MotionWord, body};
 use super::drive::{Curve, Over, Table};
-use super::faults::{FaultKind, in_first_unit};
+use super::faults::in_first_unit;
 use super::quantity::{ANGLE, Kind, TIME};
-use super::read::Context;
 use super::section::Section;
 use std::f64::consts::TAU;
 
@@ -25,7 +24,7 @@ pub(super) fn span(table: &Table) -> f64 {
     table.at[table.at.len() - 1] - table.at[0]
 }
 
-/// What the repetition of a table asks of its points.
+/// The requirement that a repeated table sets on its points.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Repetition {
     /// It ends with the value it starts with.
@@ -36,54 +35,46 @@ pub(super) enum Repetition {
 
 /// Reads a table over time.
 pub(super) fn over_time(
-    cx: &mut Context,
     row: &mut Section,
     key: &'static str,
     kind: Kind,
     repetition: Repetition,
 ) -> Option<Table> {
-    let mut section = row.section(cx, key, "a table { over, at, value, repeat }")?;
-    let word = section.text(cx, "over", "\"time\"");
-    let over = word.and_then(|word| cx.word(&section.key("over"), word, &[("time", TIME)]));
-    points(cx, section, over, kind, repetition)
+    let mut section = row.section(key, "a table { over, at, value, repeat }")?;
+    let over = section.choice("over", "\"time\"", &[("time", TIME)]);
+    points(&mut section, over, kind, repetition)
 }
 
 /// Reads a table over time or over the angle of a body.
-pub(super) fn curve(
-    cx: &mut Context,
-    row: &mut Section,
-    key: &'static str,
-    kind: Kind,
-    bodies: &[BodyRow],
-) -> Option<Curve> {
-    let mut section = row.section(cx, key, "a table { over, at, value, repeat }")?;
-    let over = over(cx, &mut section, bodies);
+pub(super) fn curve(row: &mut Section, key: &'static str, kind: Kind, bodies: &[BodyRow]) -> Option<Curve> {
+    let mut section = row.section(key, "a table { over, at, value, repeat }")?;
+    let over = over(&mut section, bodies);
     let arguments = over.map(|over| if over == Over::Time { TIME } else { ANGLE });
-    let at = section.key("at");
-    let table = points(cx, section, arguments, kind, Repetition::Closed)?;
+    let table = points(&mut section, arguments, kind, Repetition::Closed)?;
     let over = over?;
     if table.repeat && matches!(over, Over::Angle(_)) && repetitions(TAU, span(&table)).is_none() {
         let span = in_first_unit(span(&table), ANGLE);
         let message = format!("repeats every {span}, and 360 deg is no multiple of that");
-        cx.inconsistent(at, message);
+        section.inconsistent("at", message);
         return None;
     }
     Some(Curve { over, table })
 }
 
 /// Reads `over`: `"time"` or `{ angle = BODY }`.
-fn over(cx: &mut Context, section: &mut Section, bodies: &[BodyRow]) -> Option<Over> {
+fn over(section: &mut Section, bodies: &[BodyRow]) -> Option<Over> {
     if !section.get("over").is_some_and(toml::Value::is_table) {
-        let word = section.text(cx, "over", "\"time\" or { angle = \"BODY\" }")?;
-        return cx.word(&section.key("over"), word, &[("time", Over::Time)]);
+        return section.choice("over", "\"time\" or { angle = \"BODY\" }", &[("time", Over::Time)]);
     }
-    let mut over = section.section_if_any(cx, "over")?;
-    let found = body(cx, &mut over, "angle", bodies);
-    let key = over.key("angle");
-    over.finish(cx);
+    let mut over = section.section_if_any("over")?;
+    let found = body(&mut over, "angle", bodies);
+    over.finish();
     let found = found?;
     if bodies[found].word == Some(MotionWord::Fixed) {
-        cx.inconsistent(key, format!("the angle of \"{}\" does not change: it is fixed", bodies[found].name));
+        over.inconsistent(
+            "angle",
+            format!("the angle of \"{}\" does not change: it is fixed", bodies[found].name),
+        );
         return None;
     }
     Some(Over::Angle(found))
@@ -91,37 +82,35 @@ fn over(cx: &mut Context, section: &mut Section, bodies: &[BodyRow]) -> Option<O
 
 /// Reads the points of a table whose arguments are of a known kind, unless `over` was faulty.
 fn points(
-    cx: &mut Context,
-    mut section: Section,
+    section: &mut Section,
     arguments: Option<Kind>,
     kind: Kind,
     repetition: Repetition,
 ) -> Option<Table> {
     let at = match arguments {
-        Some(arguments) => section.quantities(cx, "at", arguments),
+        Some(arguments) => section.quantities("at", arguments),
         None => section.get("at").and(None),
     };
-    let value = section.quantities(cx, "value", kind);
-    let repeat = section.boolean_or(cx, "repeat", true);
-    let (at_key, value_key) = (section.key("at"), section.key("value"));
-    section.finish(cx);
+    let value = section.quantities("value", kind);
+    let repeat = section.boolean_or("repeat", true);
+    section.finish();
 
     let (arguments, at, mut value, repeat) = (arguments?, at?, value?, repeat?);
-    let faults = cx.faults.len();
+    let faults = section.cx.fault_count();
     let needed = if repeat && repetition == Repetition::GoesOn { 3 } else { 2 };
     if at.len() < needed {
-        cx.inconsistent(&at_key, format!("has {} of the at least {needed} arguments of a table", at.len()));
+        section.inconsistent("at", format!("has {} of the at least {needed} arguments of a table", at.len()));
     }
     if at.len() != value.len() {
         let message = format!("has {} values for {} arguments", value.len(), at.len());
-        cx.inconsistent(&value_key, message);
+        section.inconsistent("value", message);
     }
     for (i, pair) in at.windows(2).enumerate().filter(|(_, pair)| pair[0] >= pair[1]) {
         let [before, here] = [pair[0], pair[1]].map(|x| in_first_unit(x, arguments));
         let allowed = format!("> {before}, the argument before it");
-        cx.fault(format!("{at_key}.{}", i + 2), FaultKind::OutOfRange { value: here, allowed });
+        section.out_of_range(&format!("at.{}", i + 2), here, allowed);
     }
-    if cx.faults.len() > faults {
+    if section.cx.fault_count() > faults {
         return None;
     }
     if repeat && repetition == Repetition::Closed {
@@ -132,7 +121,7 @@ fn points(
             let message = format!(
                 "starts with {first} and ends with {last}: a table that repeats ends with the value it starts with"
             );
-            cx.inconsistent(&value_key, message);
+            section.inconsistent("value", message);
             return None;
         }
         value[end] = first;

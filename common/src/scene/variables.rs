@@ -1,16 +1,16 @@
-//! Reads the random variables of a scene: as written while the scene is read, and as distributions once the
-//! nominal values of what they change are known.
+//! Reads the random variables of a scene: first as written, then, when the nominal values of the keys that they change
+//! are known, as distributions.
 
+use super::context::Context;
 use super::expression::read_unit;
 use super::faults::{FaultKind, in_first_unit};
 use super::quantity::{Dimension, Kind, Quantity};
-use super::read::Context;
 use super::section::Section;
 use super::variable_law::WrittenLaw;
 use crate::random::RandomVariable;
 use std::collections::BTreeMap;
 
-/// A row of `[[variables]]`, its numbers not yet read: their dimension depends on what the variable changes.
+/// A row of `[[variables]]`, its numbers not yet read: their dimension is that of the keys that the variable changes.
 pub(super) struct VariableRow {
     pub(super) name: String,
     pub(super) changes: Vec<String>,
@@ -19,13 +19,13 @@ pub(super) struct VariableRow {
 }
 
 /// Reads `[[variables]]` as written; `inputs` of an external simulator change nothing in the scene.
-pub(super) fn variable_rows(cx: &mut Context, file: &mut Section, inputs: bool) -> Vec<VariableRow> {
+pub(super) fn variable_rows(file: &mut Section, inputs: bool) -> Vec<VariableRow> {
     let mut rows = Vec::new();
-    for (name, mut row) in file.rows(cx, "variables") {
-        let changes = if inputs { Some(vec![]) } else { changes(cx, &mut row) };
-        let unit = row.get("unit").map(|_| row.text(cx, "unit", "a unit, e.g. \"mm\""));
-        let law = WrittenLaw::read(cx, &mut row);
-        row.finish(cx);
+    for (name, mut row) in file.rows("variables") {
+        let changes = if inputs { Some(vec![]) } else { changes(&mut row) };
+        let unit = row.get("unit").map(|_| row.text("unit", "a unit, e.g. \"mm\""));
+        let law = WrittenLaw::read(&mut row);
+        row.finish();
         rows.extend((|| {
             let changes = changes?.into_iter().map(str::to_owned).collect();
             let unit = unit.map(|unit| unit.map(str::to_owned)).map_or(Some(None), |unit| unit.map(Some))?;
@@ -36,17 +36,17 @@ pub(super) fn variable_rows(cx: &mut Context, file: &mut Section, inputs: bool) 
 }
 
 /// The keys that a variable changes.
-fn changes<'s>(cx: &mut Context, row: &mut Section<'s>) -> Option<Vec<&'s str>> {
-    let changes = row.texts(cx, "changes", "a list of keys, e.g. [\"parameters.rod_length\"]");
+fn changes<'s>(row: &mut Section<'s>) -> Option<Vec<&'s str>> {
+    let changes = row.texts("changes", "a list of keys, e.g. [\"parameters.rod_length\"]");
     if changes.as_ref().is_some_and(Vec::is_empty) {
-        cx.inconsistent(row.key("changes"), "is empty: the variable changes nothing");
+        row.inconsistent("changes", "is empty: the variable would change nothing");
     }
     changes.filter(|changes| !changes.is_empty())
 }
 
 /// Gives the variables their distributions, from the nominal values `seen` at the keys they change.
 pub(super) fn variables(
-    cx: &mut Context,
+    cx: &Context,
     rows: &[VariableRow],
     seen: &BTreeMap<String, Quantity>,
 ) -> Vec<RandomVariable> {
@@ -62,11 +62,7 @@ pub(super) fn variables(
     rows.iter().filter_map(|row| variable(cx, row, seen)).collect()
 }
 
-fn variable(
-    cx: &mut Context,
-    row: &VariableRow,
-    seen: &BTreeMap<String, Quantity>,
-) -> Option<RandomVariable> {
+fn variable(cx: &Context, row: &VariableRow, seen: &BTreeMap<String, Quantity>) -> Option<RandomVariable> {
     let path = format!("variables.{}", row.name);
     let nominal = nominal(cx, row, seen)?;
     let distribution = row.law.distribution(cx, &path, nominal, &row.changes)?;
@@ -74,7 +70,7 @@ fn variable(
     let unit = match &row.unit {
         Some(unit) => match read_unit(unit) {
             Ok(found) if found.dimension == dimension => unit.clone(),
-            // A simulator's own unit, which nothing here converts.
+            // A unit of the simulator, which is only displayed.
             Err(_) if row.changes.is_empty() && dimension == Dimension::NONE => unit.clone(),
             found => {
                 let bare = row.changes.is_empty() && dimension == Dimension::NONE && found.is_ok();
@@ -92,8 +88,8 @@ fn variable(
     Some(RandomVariable { name: row.name.clone(), distribution, changes: row.changes.clone(), unit })
 }
 
-/// The value that all keys of the variable share without it; the mean of an input, which has no keys.
-fn nominal(cx: &mut Context, row: &VariableRow, seen: &BTreeMap<String, Quantity>) -> Option<Quantity> {
+/// The common value of all keys of the variable without it; the mean of a simulator's input, which has no keys.
+fn nominal(cx: &Context, row: &VariableRow, seen: &BTreeMap<String, Quantity>) -> Option<Quantity> {
     let place = format!("variables.{}.changes", row.name);
     if row.changes.is_empty() {
         let Some((key, written)) = row.law.located() else {
@@ -117,8 +113,8 @@ fn nominal(cx: &mut Context, row: &VariableRow, seen: &BTreeMap<String, Quantity
             Some(first) if first.value != found.value && row.law.takes_nominal() => {
                 let message = format!(
                     "the nominal values differ ({} and {}), so mean must be given",
-                    in_first_unit(first.value, Kind::of(first.dimension)),
-                    in_first_unit(found.value, Kind::of(found.dimension))
+                    in_first_unit(first.value, Kind::from_dimension(first.dimension)),
+                    in_first_unit(found.value, Kind::from_dimension(found.dimension))
                 );
                 cx.inconsistent(place, message);
                 return None;

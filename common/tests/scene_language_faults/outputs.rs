@@ -21,7 +21,7 @@ fn outputs() {
         "wear",
         "joints = [\"worn\"]",
         "joints = []",
-        "outputs.wear.joints: is empty: there is nothing to watch",
+        "outputs.wear.joints: is empty, expected at least one joint",
     );
     one_fault(
         "worn",

@@ -103,18 +103,18 @@ fn a_fit_has_the_clearance_of_its_limits() {
 #[test]
 fn what_is_no_fit_is_refused() {
     for (fit, expected) in [
-        ("H7", "\"H7\" is no fit"),
-        ("e8/H7", "\"e8/H7\" is no fit"),
-        ("H7/e12", "\"e12\" is no tolerance class"),
-        ("H7/e", "\"e\" is no tolerance class"),
-        ("K7/e8", "\"K7\" is no tolerance class"),
+        ("H7", "\"H7\" is not a fit"),
+        ("e8/H7", "\"e8/H7\" is not a fit"),
+        ("H7/e12", "\"e12\" is not a tolerance class"),
+        ("H7/e", "\"e\" is not a tolerance class"),
+        ("K7/e8", "\"K7\" is not a tolerance class"),
         ("H4/e8", "grade 5 to 11"),
     ] {
         let found = Fit::parse(fit).unwrap_err().to_string();
         assert!(found.contains(expected), "{fit}: {found}");
     }
     for (fit, diameter, expected) in [
-        ("H7/e8", 0.6, "a diameter of 600 mm is outside of the tables"),
+        ("H7/e8", 0.6, "a diameter of 600 mm is outside the tables"),
         ("H7/e8", 0.0, "a diameter of 0 mm"),
         ("H7/p6", 0.1, "H7/p6 at 100 mm has a clearance of -30.5 +- 20.7 um"),
     ] {

@@ -1,13 +1,16 @@
-//! Reads the tables of a scene file field by field, for the modules that know what the fields mean. A faulty
-//! field is noted and reading goes on, so that one pass finds every fault. What a random variable or a user
-//! overrides is looked up here, by the path of the key.
+//! The state of one pass over a scene file: the faults found and the quantities read so far, by the path of their
+//! key, with the values that a random variable or a user sets in place of the written ones.
+//!
+//! A faulty value is recorded and reading continues, so that one pass finds every fault. The readers see the file as
+//! `Section`s, which pass what they read to the context that they share.
 
 use super::expression::{ExpressionError, evaluate, read_unit};
 use super::faults::{Fault, FaultKind, in_first_unit, nearest};
-use super::parameters::Parameters;
+use super::parameters::{Lookup, Parameters, why_not_a_name};
 use super::quantity::{Dimension, Kind, NUMBER, Quantity};
+use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
-use toml::Value;
+use toml::{Table, Value};
 
 /// Values in SI by the path of their key.
 pub(super) type Overrides = BTreeMap<String, f64>;
@@ -17,15 +20,15 @@ pub(super) type Overrides = BTreeMap<String, f64>;
 pub(super) enum Range {
     /// Any finite number.
     Any,
-    /// > 0.
+    /// Any finite number > 0.
     Positive,
-    /// >= 0.
+    /// Any finite number >= 0.
     NonNegative,
-    /// From .. to, both allowed.
+    /// Interval with both ends.
     Within(f64, f64),
-    /// From .. to, only the second allowed.
+    /// Interval without its lower end.
     Above(f64, f64),
-    /// Any but zero.
+    /// Any finite number except 0.
     NotZero,
 }
 
@@ -54,17 +57,16 @@ impl Range {
     }
 }
 
-/// What one pass over a scene has learned.
+/// The state of one pass over a scene.
 pub(super) struct Context<'s> {
     origin: &'s str,
     overrides: &'s Overrides,
-    used: BTreeSet<String>,
-    /// The scene's parameters.
-    pub(super) parameters: Parameters<'s>,
+    /// Keys whose value was overridden.
+    overridden: RefCell<BTreeSet<String>>,
+    parameters: RefCell<Parameters<'s>>,
     /// Every quantity read, by the path of its key.
-    pub(super) seen: BTreeMap<String, Quantity>,
-    /// Every fault found.
-    pub(super) faults: Vec<Fault>,
+    seen: RefCell<BTreeMap<String, Quantity>>,
+    faults: RefCell<Vec<Fault>>,
 }
 
 impl<'s> Context<'s> {
@@ -72,33 +74,103 @@ impl<'s> Context<'s> {
         Context {
             origin,
             overrides,
-            used: BTreeSet::new(),
-            parameters: Parameters::default(),
-            seen: BTreeMap::new(),
-            faults: Vec::new(),
+            overridden: RefCell::default(),
+            parameters: RefCell::default(),
+            seen: RefCell::default(),
+            faults: RefCell::default(),
         }
     }
 
-    pub(super) fn fault(&mut self, key: impl Into<String>, kind: FaultKind) {
-        self.faults.push(Fault { file: self.origin.to_owned(), key: key.into(), kind });
+    /// Records a fault at the path of a key.
+    pub(super) fn fault(&self, key: impl Into<String>, kind: FaultKind) {
+        self.faults.borrow_mut().push(Fault { file: self.origin.to_owned(), key: key.into(), kind });
     }
 
-    pub(super) fn inconsistent(&mut self, key: impl Into<String>, message: impl Into<String>) {
+    /// Records that a value contradicts another one.
+    pub(super) fn inconsistent(&self, key: impl Into<String>, message: impl Into<String>) {
         self.fault(key, FaultKind::Inconsistent { message: message.into() });
     }
 
-    /// The quantity at a key, of the kind expected (or of any kind), overridden if somebody overrides it.
-    pub(super) fn value(&mut self, key: &str, value: &Value, expected: Option<Kind>) -> Option<Quantity> {
+    /// Removes quantities, by the path of their key, from those read so far.
+    pub(super) fn forget(&self, key: impl Fn(&str) -> bool) {
+        self.seen.borrow_mut().retain(|seen, _| !key(seen));
+    }
+
+    /// Number of faults so far.
+    pub(super) fn fault_count(&self) -> usize {
+        self.faults.borrow().len()
+    }
+
+    /// The faults so far; none are left.
+    pub(super) fn take_faults(&self) -> Vec<Fault> {
+        self.faults.take()
+    }
+
+    /// The quantities read so far, by the path of their key; none are left.
+    pub(super) fn take_seen(&self) -> BTreeMap<String, Quantity> {
+        self.seen.take()
+    }
+
+    /// Parameters that the rest of the scene depends on, directly or through others.
+    pub(super) fn used_parameters(&self) -> BTreeSet<String> {
+        self.parameters.borrow().used()
+    }
+
+    /// Evaluates every parameter, and records names that no parameter can have.
+    pub(super) fn read_parameters(&self, table: &'s Table) {
+        self.parameters.borrow_mut().define(table);
+        for name in table.keys() {
+            match why_not_a_name(name) {
+                Some(reason) => {
+                    let (value, reason) = (name.clone(), reason.to_owned());
+                    self.fault(format!("parameters.{name}"), FaultKind::BadName { value, reason });
+                }
+                None => {
+                    let _ = self.evaluated(name);
+                }
+            }
+        }
+    }
+
+    /// The value of a parameter for the expression that names it.
+    fn parameter(&self, name: &str) -> Result<Quantity, ExpressionError> {
+        self.parameters.borrow_mut().record_use(name);
+        self.evaluated(name)
+    }
+
+    fn evaluated(&self, name: &str) -> Result<Quantity, ExpressionError> {
+        let key = format!("parameters.{name}");
+        let found = self.parameters.borrow_mut().look_up(name);
+        let value = match found {
+            Lookup::Known(value) => value,
+            Lookup::Open(definition) => {
+                let value = self.value(&key, definition, None);
+                self.parameters.borrow_mut().close(value);
+                value
+            }
+            Lookup::Circular(chain) => {
+                self.inconsistent(key, format!("depends on itself, or through too many others: {chain}"));
+                None
+            }
+            Lookup::Undefined(nearest) => {
+                return Err(ExpressionError::UnknownName { name: name.to_owned(), nearest });
+            }
+        };
+        value.ok_or_else(|| ExpressionError::Broken(name.to_owned()))
+    }
+
+    /// The quantity at a key, of the kind expected (or of any kind), or the value that overrides it.
+    pub(super) fn value(&self, key: &str, value: &Value, expected: Option<Kind>) -> Option<Quantity> {
         let mut quantity = self.written(key, value, expected)?;
         if let Some(&overridden) = self.overrides.get(key) {
-            self.used.insert(key.to_owned());
+            self.overridden.borrow_mut().insert(key.to_owned());
             quantity.value = overridden;
         }
-        self.seen.insert(key.to_owned(), quantity);
+        self.seen.borrow_mut().insert(key.to_owned(), quantity);
         Some(quantity)
     }
 
-    fn written(&mut self, key: &str, value: &Value, expected: Option<Kind>) -> Option<Quantity> {
+    fn written(&self, key: &str, value: &Value, expected: Option<Kind>) -> Option<Quantity> {
         let bare = |value: f64| Quantity { value, dimension: Dimension::NONE };
         let found = match value {
             Value::Integer(n) => Ok(bare(*n as f64)),
@@ -129,7 +201,7 @@ impl<'s> Context<'s> {
         None
     }
 
-    pub(super) fn wrong_type(&mut self, key: &str, value: &Value, expected: String) {
+    pub(super) fn wrong_type(&self, key: &str, value: &Value, expected: String) {
         let found = match value {
             Value::String(_) => "a text",
             Value::Integer(_) | Value::Float(_) => "a number",
@@ -146,7 +218,7 @@ impl<'s> Context<'s> {
     }
 
     /// A quantity at `key` within its range.
-    pub(super) fn quantity(&mut self, key: &str, value: &Value, kind: Kind, range: Range) -> Option<f64> {
+    pub(super) fn quantity(&self, key: &str, value: &Value, kind: Kind, range: Range) -> Option<f64> {
         let quantity = self.value(key, value, Some(kind))?;
         if range.contains(quantity.value) {
             return Some(quantity.value);
@@ -156,7 +228,7 @@ impl<'s> Context<'s> {
         None
     }
 
-    /// A value as its author wrote it, with what comes of it unless that is plain to see; or as an override set it.
+    /// A value as its author wrote it, followed by its result unless it is a plain number; or as an override set it.
     pub(super) fn shown(&self, key: &str, written: &Value, value: f64, kind: Kind) -> String {
         let result = in_first_unit(value, kind);
         if self.overrides.contains_key(key) {
@@ -168,14 +240,14 @@ impl<'s> Context<'s> {
         }
     }
 
-    /// Whether nothing is overridden: the scene is read as its author wrote it.
+    /// True if nothing is overridden: the scene is read as its author wrote it.
     pub(super) fn as_written(&self) -> bool {
         self.overrides.is_empty()
     }
 
-    /// Index of `name` among `known`, or a fault with the nearest one.
+    /// Index of `name` among `known`, or a fault with the nearest of them.
     pub(super) fn reference<'n>(
-        &mut self,
+        &self,
         key: &str,
         what: &'static str,
         name: &str,
@@ -191,8 +263,8 @@ impl<'s> Context<'s> {
         found
     }
 
-    /// One of a few words.
-    pub(super) fn word<T: Copy>(&mut self, key: &str, word: &str, words: &[(&str, T)]) -> Option<T> {
+    /// The meaning of a word, or a fault with the nearest of `words`.
+    pub(super) fn word<T: Copy>(&self, key: &str, word: &str, words: &[(&str, T)]) -> Option<T> {
         let found = words.iter().find(|(name, _)| *name == word).map(|(_, meaning)| *meaning);
         if found.is_none() {
             let nearest = nearest(word, words.iter().map(|(name, _)| *name));
@@ -202,17 +274,16 @@ impl<'s> Context<'s> {
         found
     }
 
-    /// Overrides that no field consumed become faults.
-    pub(super) fn check_overrides(&mut self) {
-        for key in self.overrides.keys().filter(|key| !self.used.contains(*key)).cloned().collect::<Vec<_>>()
-        {
-            let known: Vec<_> = self.seen.keys().cloned().collect();
-            self.reference(&key, "quantity", &key, known.iter().map(String::as_str));
+    /// Records a fault for each override of a key that no field has.
+    pub(super) fn check_overrides(&self) {
+        let (overridden, seen) = (self.overridden.borrow(), self.seen.borrow());
+        for key in self.overrides.keys().filter(|key| !overridden.contains(*key)) {
+            self.reference(key, "quantity", key, seen.keys().map(String::as_str));
         }
     }
 }
 
-/// Whether a text is one number, with or without a unit, so that nothing had to be computed.
+/// True if a text is one number with or without a unit, not an expression.
 fn is_number_with_unit(text: &str) -> bool {
     let unit = text.trim_start_matches(|c: char| c.is_ascii_digit() || "+-.eE ".contains(c)).trim_end();
     // The only digits of a unit are its exponents.
