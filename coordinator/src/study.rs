@@ -113,7 +113,7 @@ pub fn run(
         Method::ActiveLearning => learn(scene, settings, problem.clone(), &mut dispatcher)?,
         Method::MonteCarlo | Method::LatinHypercube => {
             let mut direct = DirectSimulation::new(&problem, settings);
-            dispatcher.pursue(&mut direct)?;
+            dispatcher.run(&mut direct)?;
             dispatcher.notice(&Progress::Ending);
             direct.result(scene, settings)?
         }
@@ -172,7 +172,7 @@ fn learn(
     dispatcher: &mut Dispatcher<'_>,
 ) -> Result<StudyResult, StudyError> {
     let mut campaign = Campaign::new(problem, Plan::new(settings, scene));
-    dispatcher.pursue(&mut campaign)?;
+    dispatcher.run(&mut campaign)?;
     dispatcher.notice(&Progress::Ending);
     let learned = campaign.finish().expect("a campaign that is done has learned something");
     let result = result::from_learning(scene, settings, &learned);

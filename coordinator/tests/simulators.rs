@@ -229,12 +229,12 @@ fn a_second_signal_leaves_no_orphan_either() {
 #[test]
 fn what_is_no_answer_ends_the_study() {
     for (first, reply, parts) in [
-        ("print('iteration 1')", RIGHT, &["to evaluation 0 is not one", "\"iteration 1\" is no JSON"][..]),
+        ("print('iteration 1')", RIGHT, &["to evaluation 0: ", "\"iteration 1\" is no JSON"][..]),
         ("", "answer(id, output=1)", &["neither \"outputs\" nor \"failure\""]),
         ("", "answer(id + 1, outputs=dict(margin=1))", &["its id is 1, expected 0"]),
         ("", "answer(id, outputs=dict(margins=1))", &["no output \"margin\"; it has: margins"]),
         ("", "answer(id, outputs=dict(margin=[1, 2]))", &["output \"margin\" has 2 values, expected 1"]),
-        ("", "answer(id, outputs=dict(margin='wide'))", &["has \"wide\" where a number belongs"]),
+        ("", "answer(id, outputs=dict(margin='wide'))", &["has \"wide\" instead of a number"]),
         ("", "answer(id, outputs=[1])", &["\"outputs\" is [1], expected values by name"]),
         ("", "sys.exit('no license')", &["ended with exit status: 1 instead of answering: no license"]),
         ("import nothing_of_this_name", RIGHT, &["instead of answering", "ModuleNotFoundError"]),

@@ -35,7 +35,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
         let mut journaled = Journaled::new(TASKS, &folder);
         let started = Instant::now();
-        coordinator.pursue(&mut journaled)?;
+        coordinator.run(&mut journaled)?;
         let each = 1e6 * started.elapsed().as_secs_f64() / TASKS as f64;
         coordinator.finish();
         worker.wait()?;

@@ -32,7 +32,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let tasks = EACH * workers;
         let mut journaled = Journaled::new(tasks as u64, &folder);
         let started = Instant::now();
-        coordinator.pursue(&mut journaled)?;
+        coordinator.run(&mut journaled)?;
         let took = started.elapsed().as_secs_f64();
         coordinator.finish();
         for hand in hands {

@@ -1,7 +1,7 @@
 //! Requests evaluated with each outcome durable in a campaign file, and nothing else around them: for measurements.
 
 use crate::practice_study::PracticeStudy;
-use coordinator::farm::evaluate::{EvaluateError, Finished, Next, Pursuit, Request};
+use coordinator::farm::evaluate::{Demand, EvaluateError, Finished, Request, RequestSource};
 use coordinator::results::journal::Journal;
 use coordinator::results::store::CampaignFile;
 use std::collections::BTreeMap;
@@ -37,9 +37,9 @@ impl Journaled {
     }
 }
 
-impl Pursuit for Journaled {
-    fn next(&mut self) -> Result<Next, EvaluateError> {
-        Ok(self.new.take().map_or(Next::End, Next::Begin))
+impl RequestSource for Journaled {
+    fn next(&mut self) -> Result<Demand, EvaluateError> {
+        Ok(self.new.take().map_or(Demand::End, Demand::Begin))
     }
 
     fn record(&mut self, finished: Finished) -> Result<(), EvaluateError> {

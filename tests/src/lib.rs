@@ -12,7 +12,7 @@ pub mod simulated_farm;
 use common::accuracy::{Accuracy, Tier};
 use common::failure::SimulationFailure;
 use common::outputs::{Diagnostics, Evaluation};
-use coordinator::farm::dispatch::{Campaign, Listen, ZenohEvaluator};
+use coordinator::farm::dispatch::{CampaignSpec, Listen, ZenohEvaluator};
 use coordinator::farm::evaluate::{EvaluateError, Evaluator, Finished, Request};
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -79,7 +79,7 @@ pub fn requests(ids: std::ops::Range<u64>) -> Vec<Request> {
 }
 
 /// Settings that any practice simulator accepts.
-pub fn campaign() -> Campaign {
+pub fn campaign() -> CampaignSpec {
     let accuracy = Accuracy {
         step_tolerance: 1e-4,
         largest_step: 0.01,
@@ -91,7 +91,7 @@ pub fn campaign() -> Campaign {
         warm_up: 0.5,
         tier: Tier::Dynamic,
     };
-    Campaign {
+    CampaignSpec {
         id: 17,
         scene: "name = \"practice\"".into(),
         accuracy,

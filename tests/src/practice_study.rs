@@ -5,7 +5,7 @@ use common::accuracy::NamedAccuracy;
 use common::failure::SimulationFailure;
 use common::outputs::{Diagnostics, Evaluation};
 use common::scene::{Scene, SceneSource};
-use coordinator::farm::dispatch::Campaign;
+use coordinator::farm::dispatch::CampaignSpec;
 use coordinator::farm::evaluate::Evaluator;
 use coordinator::farm::evaluate::local::LocalEvaluator;
 use coordinator::results::journal::Journal;
@@ -72,9 +72,9 @@ impl PracticeStudy {
     }
 
     /// What its workers are told.
-    pub fn campaign(&self, resumed: bool) -> Campaign {
+    pub fn campaign(&self, resumed: bool) -> CampaignSpec {
         let accuracy = self.settings.accuracy.setting.accuracy;
-        Campaign {
+        CampaignSpec {
             id: 4711,
             scene: self.source.text().to_owned(),
             accuracy,

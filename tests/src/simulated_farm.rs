@@ -8,7 +8,9 @@
 
 use common::failure::SimulationFailure;
 use common::wire::{Claim, Outcome, Task, TaskKey, WorkerId};
-use coordinator::farm::dispatch::scheduler::{Assignment, Command, Event, Scheduler, Settings, Token};
+use coordinator::farm::dispatch::scheduler::{
+    Action, Assignment, Event, Scheduler, SchedulerSettings, Token,
+};
 use coordinator::farm::evaluate::Request;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
@@ -123,7 +125,7 @@ pub fn simulate(plan: Plan) -> Figures {
     let mut world = World::new(plan, tasks);
     let requests = |k| Request { id: k, sample: vec![k as f64], with_first_cycle: false, accuracy: None };
     for k in 0..plan.workers {
-        world.event(Event::Appeared(world.hands[k].id.clone()));
+        world.event(Event::WorkerJoined(world.hands[k].id.clone()));
         world.at(plan.latency.mul_f64(chance(k as u64)), Happening::Notice(k));
     }
     world.event(Event::Submit((0..tasks as u64).map(requests).collect()));
@@ -148,9 +150,9 @@ impl World {
             asks: false,
             busy: Duration::ZERO,
         };
-        let usual = Settings::new(CAMPAIGN);
+        let usual = SchedulerSettings::new(CAMPAIGN);
         let straggler_factor = if plan.stragglers { usual.straggler_factor } else { f64::INFINITY };
-        let settings = Settings { losses_allowed: 100, straggler_factor, ..usual };
+        let settings = SchedulerSettings { losses_allowed: 100, straggler_factor, ..usual };
         World {
             plan,
             scheduler: Scheduler::new(settings),
@@ -218,7 +220,7 @@ impl World {
                 }
                 self.flush();
             }
-            Happening::Gone(id) => self.event(Event::Gone(id)),
+            Happening::Gone(id) => self.event(Event::WorkerLost(id)),
             Happening::Tick => {
                 self.event(Event::Tick);
                 self.at(self.now + TICK, Happening::Tick);
@@ -229,22 +231,22 @@ impl World {
     fn event(&mut self, event: Event) {
         self.events += 1;
         let started = Instant::now();
-        let commands = self.scheduler.on_event(self.now, event);
+        let actions = self.scheduler.on_event(self.now, event);
         self.spent += started.elapsed();
-        for command in commands {
-            match command {
-                Command::Deliver(finished) => self.to_flush.push(finished.id),
-                Command::Reply { token, acknowledged, assignment } => {
+        for action in actions {
+            match action {
+                Action::Deliver(finished) => self.to_flush.push(finished.id),
+                Action::Reply { token, acknowledged, assignment } => {
                     let (k, sequence) = self.tokens.remove(&token).expect("each claim is answered once");
                     self.soon(Happening::Reply(k, sequence, acknowledged, assignment));
                 }
-                Command::Announce(_) => {
+                Action::Announce(_) => {
                     let idle: Vec<usize> =
                         (0..self.hands.len()).filter(|k| self.hands[*k].running.is_none()).collect();
                     idle.into_iter().for_each(|k| self.soon(Happening::Notice(k)));
                 }
-                Command::GiveUp { task, reason } => panic!("task {task} was given up: {reason}"),
-                Command::AnnounceEnd | Command::Warn(_) => {}
+                Action::GiveUp { task, reason } => panic!("task {task} was given up: {reason}"),
+                Action::AnnounceEnd | Action::Warn(_) => {}
             }
         }
         self.flush();
@@ -314,7 +316,7 @@ impl World {
             hand.finished.clear();
             let new = hand.id.clone();
             self.at(now + takes / 2, Happening::Gone(id));
-            self.event(Event::Appeared(new));
+            self.event(Event::WorkerJoined(new));
             self.at(now + takes / 2, Happening::Notice(k));
         } else {
             self.at(ends, Happening::TaskEnds(k, number, epoch));

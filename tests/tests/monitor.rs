@@ -1,7 +1,7 @@
 //! A running study seen from elsewhere: `status`, metrics, the live page in a browser, `doctor` and what it finds.
 
 use common::wire::{self, Next, PROTOCOL_VERSION, Phase, Reply, Status, WireError, keys};
-use coordinator::farm::dispatch::{VisitError, Visitor, clock_ms};
+use coordinator::farm::dispatch::{ClientError, ClientSession, clock_ms};
 use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::path::Path;
@@ -22,12 +22,12 @@ fn a_status_counts_what_waits_what_runs_and_who_works() {
     in_time(|| {
         let mut coordinator = coordinator();
         let endpoint = coordinator.endpoints()[0].clone();
-        let visitor = Visitor::open(&endpoint, None).unwrap();
-        let before = visitor.status(PATIENCE).unwrap();
+        let session = ClientSession::open(&endpoint, None).unwrap();
+        let before = session.status(PATIENCE).unwrap();
         assert_eq!((before.phase, before.farm.workers.len()), (Phase::Learning, 0));
         assert!(before.clock_ms.abs_diff(clock_ms()) < 10_000);
 
-        coordinator.board().post(|study| study.scene = "practice".into());
+        coordinator.status_board().post(|study| study.scene = "practice".into());
         let hold = Arc::new(Barrier::default());
         let held = Arc::clone(&hold);
         let (begun, begins) = std::sync::mpsc::channel();
@@ -40,12 +40,12 @@ fn a_status_counts_what_waits_what_runs_and_who_works() {
             for _ in 0..2 {
                 begins.recv_timeout(PATIENCE).unwrap();
             }
-            let status = visitor.status(PATIENCE).unwrap();
+            let status = session.status(PATIENCE).unwrap();
             hold.open();
-            (status, visitor)
+            (status, session)
         });
         assert_eq!(evaluate(&mut coordinator, &requests(0..10)).unwrap(), expected(0..10));
-        let (during, visitor) = looker.join().unwrap();
+        let (during, session) = looker.join().unwrap();
         assert_eq!((during.phase, during.study.scene.as_str()), (Phase::Simulating, "practice"));
         let at_worker = during.farm.workers[0].clone();
         assert_eq!((at_worker.name.as_str(), at_worker.slots, at_worker.done), ("hand", 2, 0));
@@ -53,7 +53,7 @@ fn a_status_counts_what_waits_what_runs_and_who_works() {
             (during.farm.queued + during.farm.under_way, u64::from(at_worker.under_way)),
             (10, during.farm.under_way)
         );
-        let after = visitor.status(PATIENCE).unwrap();
+        let after = session.status(PATIENCE).unwrap();
         assert_eq!((after.phase, after.farm.workers[0].done), (Phase::Learning, 10));
         assert!(after.farm.rate > 0.0);
         coordinator.finish();
@@ -100,17 +100,17 @@ fn a_status_of_another_version_is_named() {
     in_time(|| {
         let frame = of_version(PROTOCOL_VERSION + 1, wire::encode(&Status::default()).unwrap());
         let (_session, endpoint) = false_coordinator(None, Some(frame));
-        let error = Visitor::open(&endpoint, None).unwrap().status(PATIENCE).unwrap_err();
+        let error = ClientSession::open(&endpoint, None).unwrap().status(PATIENCE).unwrap_err();
         let theirs = PROTOCOL_VERSION + 1;
         assert!(
-            matches!(&error, VisitError::Answer { fault: WireError::OtherVersion { theirs: found, .. }, .. } if *found == theirs),
+            matches!(&error, ClientError::Answer { fault: WireError::OtherVersion { theirs: found, .. }, .. } if *found == theirs),
             "{error}"
         );
         // Whoever answers nothing is told from whoever is not there.
         let (_session, endpoint) = false_coordinator(None, None);
-        let error = Visitor::open(&endpoint, None).unwrap().status(PATIENCE).unwrap_err();
-        assert!(matches!(error, VisitError::Silent { .. }), "{error}");
-        assert!(matches!(Visitor::open("tcp/127.0.0.1:1", None), Err(VisitError::Unreachable { .. })));
+        let error = ClientSession::open(&endpoint, None).unwrap().status(PATIENCE).unwrap_err();
+        assert!(matches!(error, ClientError::Silent { .. }), "{error}");
+        assert!(matches!(ClientSession::open("tcp/127.0.0.1:1", None), Err(ClientError::Unreachable { .. })));
     });
 }
 
@@ -224,8 +224,8 @@ fn metrics_and_status_tell_of_a_running_study() {
     in_time(|| {
         let folder = tempfile::tempdir().unwrap();
         let (mut study, [endpoint, live, metrics]) = visible_study(folder.path(), 12);
-        let visitor = Visitor::open(&endpoint, None).unwrap();
-        while visitor.status(PATIENCE).unwrap().phase != Phase::Waiting {
+        let session = ClientSession::open(&endpoint, None).unwrap();
+        while session.status(PATIENCE).unwrap().phase != Phase::Waiting {
             std::thread::yield_now();
         }
         let page = get(&metrics, "/metrics", &metrics);

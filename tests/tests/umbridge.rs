@@ -3,7 +3,7 @@
 
 use common::scene::{Scene, SceneSource};
 use coordinator::farm::evaluate::external::{SimulatorError, open};
-use coordinator::farm::evaluate::{EvaluateError, Evaluator, Finished, Outcome, Request};
+use coordinator::farm::evaluate::{EvaluateError, EvaluationResult, Evaluator, Finished, Request};
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader};
 use std::path::PathBuf;
@@ -35,7 +35,7 @@ fn request(id: u64, sample: &[f64]) -> Request {
     Request { id, sample: sample.to_vec(), with_first_cycle: false, accuracy: None }
 }
 
-fn outcomes(scene: &Scene, batch: &[Request]) -> Result<BTreeMap<u64, Outcome>, EvaluateError> {
+fn outcomes(scene: &Scene, batch: &[Request]) -> Result<BTreeMap<u64, EvaluationResult>, EvaluateError> {
     let mut all = BTreeMap::new();
     evaluator(scene, 2)?.evaluate(batch, &mut |Finished { id, outcome, .. }| {
         assert!(all.insert(id, outcome).is_none());

@@ -11,7 +11,7 @@ use common::scene::SceneSource;
 use coordinator::analyses::calibrate::{
     Calibration, Progress, Space, calibrate as fit, markdown, read_targets,
 };
-use coordinator::farm::dispatch::Campaign;
+use coordinator::farm::dispatch::CampaignSpec;
 use std::path::PathBuf;
 
 /// Arguments of `coordinator calibrate`.
@@ -64,7 +64,7 @@ pub fn calibrate(arguments: &CalibrateArguments, verbosity: Verbosity) -> Result
     };
     let digest =
         common::scene::source::digest(&format!("calibrate {plan:?} {targets:?}\n{}", space.source.text()));
-    let campaign = Campaign {
+    let campaign = CampaignSpec {
         // The low half of a 128-bit hash is a 64-bit hash.
         id: digest as u64,
         scene: space.source.text().to_owned(),

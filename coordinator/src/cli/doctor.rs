@@ -5,7 +5,7 @@ use super::output::{print, to_json};
 use super::status::explained;
 use clap::Args;
 use common::wire::{Claim, Status, WireError, WorkerId};
-use coordinator::farm::dispatch::{VisitError, Visitor, clock_ms};
+use coordinator::farm::dispatch::{ClientError, ClientSession, clock_ms};
 use serde::Serialize;
 use std::fmt::Write;
 use std::net::{SocketAddr, TcpStream, ToSocketAddrs};
@@ -93,7 +93,7 @@ fn host_and_port(endpoint: &str) -> Result<(&str, u16), CommandError> {
     };
     parts().ok_or_else(|| {
         let reason = "not an endpoint of the kind PROTOCOL/HOST:PORT".to_owned();
-        VisitError::Endpoint { endpoint: endpoint.to_owned(), reason }.into()
+        ClientError::Endpoint { endpoint: endpoint.to_owned(), reason }.into()
     })
 }
 
@@ -109,21 +109,21 @@ fn examine(
         return Ok(());
     }
     let begun = Instant::now();
-    let visitor = match Visitor::open(&arguments.endpoint, arguments.config.as_deref()) {
+    let session = match ClientSession::open(&arguments.endpoint, arguments.config.as_deref()) {
         Err(error) if error.is_bad_input() => return Err(error.into()),
         opened => opened.map_err(|error| explained(error, begun).to_string()),
     };
     let encrypted = if arguments.endpoint.starts_with("tls/") { "encrypted" } else { "not encrypted" };
-    let opened = visitor.map(|visitor| (visitor, format!("open, {encrypted}; we are let in")));
-    let Some(visitor) = findings.note("session", opened) else { return Ok(()) };
+    let opened = session.map(|session| (session, format!("open, {encrypted}; we are let in")));
+    let Some(session) = findings.note("session", opened) else { return Ok(()) };
     let worker = WorkerId { name: format!("doctor-{}", std::process::id()), epoch: clock_ms() };
-    if findings.note("claim", claim(&visitor, &worker)).is_none() {
+    if findings.note("claim", claim(&session, &worker)).is_none() {
         return Ok(());
     }
     let asked = clock_ms();
-    let Some(status) = findings.note("status", status(&visitor)) else { return Ok(()) };
+    let Some(status) = findings.note("status", status(&session)) else { return Ok(()) };
     findings.note("clock", clock(&status, asked, clock_ms()));
-    findings.note("liveliness", liveliness(&visitor, &worker));
+    findings.note("liveliness", liveliness(&session, &worker));
     Ok(())
 }
 
@@ -157,7 +157,7 @@ fn reach(addresses: &[SocketAddr]) -> Result<((), String), String> {
 }
 
 /// A claim of a worker that wants nothing: it disturbs nobody, and needs all that a real one needs.
-fn claim(visitor: &Visitor, worker: &WorkerId) -> Result<((), String), String> {
+fn claim(session: &ClientSession, worker: &WorkerId) -> Result<((), String), String> {
     let claim = Claim {
         worker: worker.clone(),
         sequence: 1,
@@ -168,12 +168,12 @@ fn claim(visitor: &Visitor, worker: &WorkerId) -> Result<((), String), String> {
         leaving: false,
     };
     let begun = Instant::now();
-    match visitor.claim(&claim, PATIENCE) {
+    match session.claim(&claim, PATIENCE) {
         Ok(_) => {
             let took = begun.elapsed().as_secs_f64() * 1e3;
             Ok(((), format!("a coordinator of the same protocol version answers within {took:.1} ms")))
         }
-        Err(VisitError::Answer { fault: WireError::OtherVersion { theirs, ours }, .. }) => Err(format!(
+        Err(ClientError::Answer { fault: WireError::OtherVersion { theirs, ours }, .. }) => Err(format!(
             "the coordinator speaks protocol version {theirs}, this program version {ours}: use the same version of the \
              program on both sides"
         )),
@@ -181,8 +181,8 @@ fn claim(visitor: &Visitor, worker: &WorkerId) -> Result<((), String), String> {
     }
 }
 
-fn status(visitor: &Visitor) -> Result<(Status, String), String> {
-    let status = visitor.status(PATIENCE).map_err(|error| format!("{error}; workers can do without"))?;
+fn status(session: &ClientSession) -> Result<(Status, String), String> {
+    let status = session.status(PATIENCE).map_err(|error| format!("{error}; workers can do without"))?;
     let (program, scene) = (&status.program, &status.study.scene);
     let says = format!("Hingewise {program}, study of {scene}, {} workers", status.farm.workers.len());
     Ok((status, says))
@@ -202,11 +202,11 @@ fn clock(status: &Status, asked: u64, answered: u64) -> Result<((), String), Str
 }
 
 /// Whether the coordinator sees that a worker lives: without that it gives it no task.
-fn liveliness(visitor: &Visitor, worker: &WorkerId) -> Result<((), String), String> {
-    let _life = visitor.live(worker).map_err(|error| error.to_string())?;
+fn liveliness(session: &ClientSession, worker: &WorkerId) -> Result<((), String), String> {
+    let _life = session.declare_liveliness(worker).map_err(|error| error.to_string())?;
     let begun = Instant::now();
     while begun.elapsed() < PATIENCE {
-        let status = visitor.status(PATIENCE).map_err(|error| error.to_string())?;
+        let status = session.status(PATIENCE).map_err(|error| error.to_string())?;
         if status.farm.workers.iter().any(|seen| seen.name == worker.name) {
             return Ok(((), "the coordinator sees that we live; a worker would get tasks".to_owned()));
         }

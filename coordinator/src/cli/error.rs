@@ -6,7 +6,7 @@ use common::scene::{Faults, Motion, Scene};
 use coordinator::analyses::budget::BudgetError;
 use coordinator::analyses::calibrate::CalibrationError;
 use coordinator::analyses::replay::ReplayError;
-use coordinator::farm::dispatch::{DispatchError, VisitError};
+use coordinator::farm::dispatch::{DispatchError, ClientError};
 use coordinator::farm::evaluate::EvaluateError;
 use coordinator::farm::evaluate::external::SimulatorError;
 use coordinator::presentation::monitor::MonitorError;
@@ -230,7 +230,7 @@ pub enum CommandError {
     Monitor(#[from] MonitorError),
     /// A coordinator does not report its status.
     #[error("{0}")]
-    Visit(#[from] VisitError),
+    Client(#[from] ClientError),
     /// Checks of `coordinator doctor` failed.
     #[error("{failed} of {tried} checks failed")]
     Unhealthy {
@@ -297,7 +297,7 @@ impl CommandError {
             Self::Store(error) if error.is_bad_input() => BAD_INPUT,
             Self::Dispatch(error) if error.is_bad_input() => BAD_INPUT,
             Self::Monitor(error) if error.is_bad_input() => BAD_INPUT,
-            Self::Visit(error) if error.is_bad_input() => BAD_INPUT,
+            Self::Client(error) if error.is_bad_input() => BAD_INPUT,
             Self::Worker(ServiceError::Settings { .. }) => BAD_INPUT,
             // A reader that closes the pipe has what it needs.
             Self::Output(error) if error.kind() == std::io::ErrorKind::BrokenPipe => 0,

@@ -6,7 +6,7 @@ use super::external;
 use super::shared::{FarmArguments, Slots};
 use super::signals::interruption;
 use common::scene::SceneSource;
-use coordinator::farm::dispatch::{Board, Campaign, Listen, ZenohEvaluator};
+use coordinator::farm::dispatch::{CampaignSpec, StatusBoard, Listen, ZenohEvaluator};
 use coordinator::farm::evaluate::Evaluator;
 use coordinator::presentation::monitor::Source;
 use std::time::Instant;
@@ -42,7 +42,7 @@ impl CommandEvaluator {
     /// [`CommandError`] if the simulator cannot be used, or the address cannot be listened on.
     pub fn open(
         source: &SceneSource,
-        campaign: impl FnOnce() -> Result<Campaign, CommandError>,
+        campaign: impl FnOnce() -> Result<CampaignSpec, CommandError>,
         arguments: &FarmArguments,
     ) -> Result<Self, CommandError> {
         let scene = source.nominal();
@@ -55,11 +55,11 @@ impl CommandEvaluator {
     }
 
     /// The status board of the study, and the source of its metrics.
-    pub fn status(&self) -> (Board, Source) {
+    pub fn status(&self) -> (StatusBoard, Source) {
         match self {
-            Self::Workers(farm) => (farm.evaluator.board(), Source::Farm(farm.evaluator.look())),
+            Self::Workers(farm) => (farm.evaluator.status_board(), Source::Farm(farm.evaluator.status_handle())),
             Self::Simulator(_, slots) => {
-                let board = Board::default();
+                let board = StatusBoard::default();
                 (board.clone(), Source::Alone { board, slots: *slots, since: Instant::now() })
             }
         }
@@ -112,7 +112,7 @@ impl WorkerFarm {
     ///
     /// # Errors
     /// Those of [`WorkerFarm::listen`] and [`WorkerFarm::start_workers`].
-    pub fn start(campaign: Campaign, arguments: &FarmArguments) -> Result<Self, CommandError> {
+    pub fn start(campaign: CampaignSpec, arguments: &FarmArguments) -> Result<Self, CommandError> {
         let mut farm = Self::listen(campaign, arguments)?;
         farm.start_workers()?;
         Ok(farm)
@@ -122,7 +122,7 @@ impl WorkerFarm {
     ///
     /// # Errors
     /// [`CommandError::Signals`], [`CommandError::Dispatch`].
-    pub fn listen(campaign: Campaign, arguments: &FarmArguments) -> Result<Self, CommandError> {
+    pub fn listen(campaign: CampaignSpec, arguments: &FarmArguments) -> Result<Self, CommandError> {
         let FarmArguments { listen, config, insecure, .. } = arguments.clone();
         let listen = Listen { endpoint: listen, config, insecure };
         let interrupted = interruption().map_err(CommandError::Signals)?;

@@ -4,7 +4,7 @@ use super::error::CommandError;
 use super::farm::CommandEvaluator;
 use clap::Args;
 use common::scene::Scene;
-use coordinator::farm::dispatch::Board;
+use coordinator::farm::dispatch::StatusBoard;
 use coordinator::presentation::monitor::{Live, Server, Watch, address};
 use coordinator::results::progress::Observer;
 use coordinator::study::Settings;
@@ -35,7 +35,7 @@ pub struct WatchedStudy<'a> {
 
 /// The servers of a running study.
 pub struct Monitor {
-    board: Board,
+    board: StatusBoard,
     live: Option<(Arc<Live>, Server)>,
     metrics: Option<Server>,
 }

@@ -15,7 +15,7 @@ use super::signals::interruption;
 use super::stored_study::StoredStudy;
 use super::study_options::{ResumeArguments, RunArguments};
 use common::scene::SceneSource;
-use coordinator::farm::dispatch::Campaign;
+use coordinator::farm::dispatch::CampaignSpec;
 use coordinator::presentation::report::{DISTRIBUTIONS_DOCUMENT, SUMMARY_DOCUMENT};
 use coordinator::presentation::terminal::{Terminal, final_text};
 use coordinator::results::store::{CampaignFile, CampaignMeta};
@@ -119,11 +119,11 @@ fn finish(
 }
 
 /// The campaign as announced to workers. A study has the same id whenever it is resumed.
-fn announced(source: &SceneSource, settings: &Settings, resumed: bool) -> Result<Campaign, CommandError> {
+fn announced(source: &SceneSource, settings: &Settings, resumed: bool) -> Result<CampaignSpec, CommandError> {
     let stored = serde_json::to_string(settings)?;
     let digest = common::scene::source::digest(&format!("{stored}\n{}", source.text()));
     let accuracy = settings.accuracy.setting.clone();
-    Ok(Campaign {
+    Ok(CampaignSpec {
         // The low half of a 128-bit hash is a 64-bit hash.
         id: digest as u64,
         scene: source.text().to_owned(),

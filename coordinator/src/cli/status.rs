@@ -4,7 +4,7 @@ use super::error::CommandError;
 use super::output::{print, to_json};
 use clap::Args;
 use common::wire::{Phase, Status};
-use coordinator::farm::dispatch::{VisitError, Visitor};
+use coordinator::farm::dispatch::{ClientError, ClientSession};
 use coordinator::presentation::monitor::text::status_text;
 use std::io::IsTerminal;
 use std::path::PathBuf;
@@ -42,9 +42,9 @@ pub struct StatusArguments {
 /// Runs the command.
 pub fn status(arguments: &StatusArguments, as_json: bool) -> Result<(), CommandError> {
     let begun = Instant::now();
-    let visitor = Visitor::open(&arguments.endpoint, arguments.config.as_deref());
-    let visitor = visitor.map_err(|error| explained(error, begun))?;
-    let mut shown = visitor.status(PATIENCE)?;
+    let session = ClientSession::open(&arguments.endpoint, arguments.config.as_deref());
+    let session = session.map_err(|error| explained(error, begun))?;
+    let mut shown = session.status(PATIENCE)?;
     if !arguments.watch {
         return print(&text(&shown, as_json)?);
     }
@@ -54,10 +54,10 @@ pub fn status(arguments: &StatusArguments, as_json: bool) -> Result<(), CommandE
         // Home, each line to its end, then whatever was below: nothing flickers.
         print(&if draws { format!("\x1b[H{}\x1b[J", text.replace('\n', "\x1b[K\n")) } else { text })?;
         std::thread::sleep(if draws { REDRAW } else { REPEAT });
-        match visitor.status(PATIENCE) {
+        match session.status(PATIENCE) {
             Ok(status) => shown = status,
             // It was about to end.
-            Err(VisitError::Silent { .. }) if shown.phase == Phase::Ending => return Ok(()),
+            Err(ClientError::Silent { .. }) if shown.phase == Phase::Ending => return Ok(()),
             Err(error) => return Err(error.into()),
         }
     }
@@ -68,10 +68,10 @@ fn text(status: &Status, as_json: bool) -> Result<String, CommandError> {
 }
 
 /// An error of a visit with the likely cause of a connection that failed.
-pub fn explained(error: VisitError, since: Instant) -> VisitError {
+pub fn explained(error: ClientError, since: Instant) -> ClientError {
     match error {
-        VisitError::Unreachable { endpoint, reason } => {
-            VisitError::Unreachable { endpoint, reason: refusal::explain(&reason, since) }
+        ClientError::Unreachable { endpoint, reason } => {
+            ClientError::Unreachable { endpoint, reason: refusal::explain(&reason, since) }
         }
         other => other,
     }

@@ -12,7 +12,7 @@ use coordinator::analyses::tradeoff::{
     Measurement, Plan, Progress, QUICK, compare, csv, figures, full, reference_row, settings, table,
     values_csv,
 };
-use coordinator::farm::dispatch::Campaign;
+use coordinator::farm::dispatch::CampaignSpec;
 use coordinator::presentation::report::ReportError;
 use coordinator::results::result_files::write_text;
 use coordinator::statistics::design::nominal_and_random;
@@ -98,11 +98,11 @@ fn chosen(arguments: &TradeoffArguments) -> Vec<NamedAccuracy> {
 }
 
 /// The campaign as announced to workers: every task carries its own accuracy; the id is a digest of the plan.
-fn announced(source: &SceneSource, plan: &Plan) -> Campaign {
+fn announced(source: &SceneSource, plan: &Plan) -> CampaignSpec {
     let NamedAccuracy { accuracy, .. } = NamedAccuracy::default();
     let digest = common::scene::source::digest(&format!("tradeoff {plan:?}\n{}", source.text()));
     // The low half of a 128-bit hash is a 64-bit hash.
-    Campaign {
+    CampaignSpec {
         id: digest as u64,
         scene: source.text().to_owned(),
         accuracy,

@@ -5,7 +5,7 @@ use super::result;
 use super::so_far::SoFar;
 use super::thinking::{Learner, Thought, think};
 use super::{Ask, CampaignError, Observed, Step, StudyError};
-use crate::farm::evaluate::{EvaluateError, Evaluator, Finished, Next, Pursuit, Request};
+use crate::farm::evaluate::{Demand, EvaluateError, Evaluator, Finished, Request, RequestSource};
 use crate::results::journal::Journal;
 use crate::results::progress::{Observer, Progress};
 use crate::results::summary::{Round, WorkerShare};
@@ -88,7 +88,7 @@ impl<'a> Dispatcher<'a> {
     ///
     /// # Errors
     /// [`StudyError`]; whatever was evaluated is in the journal by then.
-    pub fn pursue(&mut self, learner: &mut dyn Learner) -> Result<(), StudyError> {
+    pub fn run(&mut self, learner: &mut dyn Learner) -> Result<(), StudyError> {
         let Self { outputs, responses, names, checkpoints, stricter, budget, evaluator, record } = self;
         let (tell, told) = channel();
         let (sender, thoughts) = channel();
@@ -110,7 +110,7 @@ impl<'a> Dispatcher<'a> {
                 looked: Instant::now(),
                 failed: None,
             };
-            let ended = evaluator.pursue(&mut stage);
+            let ended = evaluator.run(&mut stage);
             let Stage { failed, requests, .. } = stage;
             if let Some(error) = failed {
                 return Err(error);
@@ -199,8 +199,8 @@ struct Stage<'s, 'a> {
     failed: Option<StudyError>,
 }
 
-impl Pursuit for Stage<'_, '_> {
-    fn next(&mut self) -> Result<Next, EvaluateError> {
+impl RequestSource for Stage<'_, '_> {
+    fn next(&mut self) -> Result<Demand, EvaluateError> {
         // With nothing under way everybody waits for the learner.
         let since = std::mem::replace(&mut self.looked, Instant::now());
         if self.requests.is_empty() {
@@ -237,7 +237,7 @@ impl Stage<'_, '_> {
     }
 
     /// Takes up what the learner has come to, and tells it what it waits for.
-    fn heard(&mut self) -> Result<Next, StudyError> {
+    fn heard(&mut self) -> Result<Demand, StudyError> {
         loop {
             self.pass_on();
             match self.thoughts.try_recv() {
@@ -249,19 +249,19 @@ impl Stage<'_, '_> {
                         self.record.tell(&so_far, self.names, self.checkpoints);
                     }
                     match step {
-                        Step::Done => return Ok(Next::End),
+                        Step::Done => return Ok(Demand::End),
                         Step::Wait => self.waits = true,
                         Step::Evaluate(asks) => {
                             let missing = self.begin(asks, &purpose)?;
                             if !missing.is_empty() {
-                                return Ok(Next::Begin(missing));
+                                return Ok(Demand::Begin(missing));
                             }
                         }
                     }
                 }
-                Err(TryRecvError::Empty) => return Ok(Next::Later),
+                Err(TryRecvError::Empty) => return Ok(Demand::Later),
                 // It is done, or has panicked, which the scope reports.
-                Err(TryRecvError::Disconnected) => return Ok(Next::End),
+                Err(TryRecvError::Disconnected) => return Ok(Demand::End),
             }
         }
     }

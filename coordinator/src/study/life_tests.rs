@@ -1,7 +1,7 @@
 //! Whole studies of a made-up two-mode life in 30 variables, through the scene, evaluator and journal interfaces.
 
 use super::{Method, Settings, StudyError, StudyResult, run};
-use crate::farm::evaluate::{EvaluateError, Evaluator, Finished, Next, Pursuit, Request};
+use crate::farm::evaluate::{EvaluateError, Evaluator, Finished, Demand, RequestSource, Request};
 use crate::results::journal::InMemoryJournal;
 use crate::results::progress::Silent;
 use crate::statistics::design::Population;
@@ -121,20 +121,20 @@ impl MadeUp {
 }
 
 impl Evaluator for MadeUp {
-    fn pursue(&mut self, pursuit: &mut dyn Pursuit) -> Result<(), EvaluateError> {
+    fn run(&mut self, source: &mut dyn RequestSource) -> Result<(), EvaluateError> {
         let mut open = VecDeque::new();
         loop {
-            match pursuit.next()? {
-                Next::Begin(requests) => {
+            match source.next()? {
+                Demand::Begin(requests) => {
                     open.extend(requests);
                     continue;
                 }
-                Next::End if open.is_empty() => return Ok(()),
-                Next::Later if open.is_empty() => {
+                Demand::End if open.is_empty() => return Ok(()),
+                Demand::Later if open.is_empty() => {
                     std::thread::yield_now();
                     continue;
                 }
-                Next::End | Next::Later => {}
+                Demand::End | Demand::Later => {}
             }
             self.most_open = self.most_open.max(open.len());
             let request = if self.backwards { open.pop_back() } else { open.pop_front() };
@@ -159,7 +159,7 @@ impl Evaluator for MadeUp {
                     diagnostics: Diagnostics::default(),
                 })
             };
-            pursuit.record(Finished { id: request.id, outcome, worker: "test/0".into(), wall: 1.0 })?;
+            source.record(Finished { id: request.id, outcome, worker: "test/0".into(), wall: 1.0 })?;
         }
     }
 }
@@ -294,9 +294,9 @@ fn half_a_batch_is_simulated_while_the_other_is_learned_from() {
 #[test]
 fn a_wrong_shape_or_value_is_refused_by_number_and_worker() {
     struct Broken;
-    struct Spoilt<'a>(&'a mut dyn Pursuit);
-    impl Pursuit for Spoilt<'_> {
-        fn next(&mut self) -> Result<Next, EvaluateError> {
+    struct Spoilt<'a>(&'a mut dyn RequestSource);
+    impl RequestSource for Spoilt<'_> {
+        fn next(&mut self) -> Result<Demand, EvaluateError> {
             self.0.next()
         }
 
@@ -310,8 +310,8 @@ fn a_wrong_shape_or_value_is_refused_by_number_and_worker() {
         }
     }
     impl Evaluator for Broken {
-        fn pursue(&mut self, pursuit: &mut dyn Pursuit) -> Result<(), EvaluateError> {
-            MadeUp::new().pursue(&mut Spoilt(pursuit))
+        fn run(&mut self, source: &mut dyn RequestSource) -> Result<(), EvaluateError> {
+            MadeUp::new().run(&mut Spoilt(source))
         }
     }
     let error =

@@ -42,15 +42,15 @@ fn coordinate(folder: &Path, endpoint: &str, samples: &str) -> Result<(), Box<dy
     let listen = Listen { endpoint: Some(endpoint.into()), config: None, insecure: true };
     let mut evaluator = ZenohEvaluator::open(study.campaign(resumed), &listen, Arc::default())?;
     println!("listening");
-    let (started, attendance) = (Instant::now(), evaluator.attendance());
+    let (started, connected) = (Instant::now(), evaluator.connected_workers());
     std::thread::spawn(move || {
         let mut known: Vec<String> = Vec::new();
         loop {
             let here = |workers: &[coordinator::farm::dispatch::ConnectedWorker]| -> Vec<String> {
                 workers.iter().map(|worker| worker.name.clone()).collect()
             };
-            attendance.wait_for(Duration::MAX, |workers| here(workers) != known);
-            let now = here(&attendance.workers());
+            connected.wait_for(Duration::MAX, |workers| here(workers) != known);
+            let now = here(&connected.workers());
             for name in now.iter().filter(|name| !known.contains(name)) {
                 println!("there {name} {:.3}", started.elapsed().as_secs_f64());
             }

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 /// `beside` came to.
 fn beside_study<T: Send>(
     samples: usize,
-    beside: impl FnOnce(&str, &coordinator::farm::dispatch::Attendance) -> T + Send,
+    beside: impl FnOnce(&str, &coordinator::farm::dispatch::ConnectedWorkers) -> T + Send,
 ) -> (Vec<String>, T) {
     let folder = tempfile::tempdir().expect("there is room for a folder");
     let study = PracticeStudy::monte_carlo(samples);
@@ -20,9 +20,9 @@ fn beside_study<T: Send>(
     let listen = Listen { endpoint: Some(endpoint.clone()), config: None, insecure: false };
     let campaign = study.campaign(false);
     let mut evaluator = ZenohEvaluator::open(campaign, &listen, Arc::default()).expect("it can listen");
-    let attendance = evaluator.attendance();
+    let connected = evaluator.connected_workers();
     let (ran, came_to) = std::thread::scope(|scope| {
-        let beside = scope.spawn(|| beside(&endpoint, &attendance));
+        let beside = scope.spawn(|| beside(&endpoint, &connected));
         let ran = study.run(&mut evaluator, &mut journal);
         (ran, beside.join())
     });
@@ -37,7 +37,7 @@ fn beside_study<T: Send>(
 /// the task to others.
 pub fn killed_workers(kills: usize, samples: usize) -> String {
     let takes = Duration::from_millis(40);
-    let (_, (mut noticed, _steady)) = beside_study(samples, |endpoint, attendance| {
+    let (_, (mut noticed, _steady)) = beside_study(samples, |endpoint, connected| {
         let steady = Process::start(&mut worker(endpoint, "steady", takes));
         // Without it the same task would be lost again and again.
         steady.line("started", 2, LONGEST).expect("it works");
@@ -48,7 +48,7 @@ pub fn killed_workers(kills: usize, samples: usize) -> String {
             doomed.line("started", 1, LONGEST).expect("it gets a task before the study has ended");
             let killed = Instant::now();
             doomed.kill();
-            let gone = attendance.wait_for(LONGEST, |here| here.iter().all(|worker| worker.name != name));
+            let gone = connected.wait_for(LONGEST, |here| here.iter().all(|worker| worker.name != name));
             assert!(gone, "the death of {name} went unnoticed");
             noticed.push(killed.elapsed());
         }
@@ -61,14 +61,14 @@ pub fn killed_workers(kills: usize, samples: usize) -> String {
 /// A worker is frozen in mid-task for `frozen` (its lease is 2 s), then goes on; whether it worked on afterwards.
 pub fn frozen_worker(frozen: Duration, samples: usize) -> String {
     let takes = Duration::from_millis(100);
-    let (names, (lost_after, _workers)) = beside_study(samples, |endpoint, attendance| {
+    let (names, (lost_after, _workers)) = beside_study(samples, |endpoint, connected| {
         let stopped = Process::start(&mut worker(endpoint, "frozen", takes));
         stopped.line("started", 2, LONGEST).expect("it gets a task");
         let steady = Process::start(&mut worker(endpoint, "steady", takes));
         let since = Instant::now();
         stopped.signal("STOP");
         let here = |there: bool| {
-            attendance.wait_for(LONGEST, |here| here.iter().any(|worker| worker.name == "frozen") == there)
+            connected.wait_for(LONGEST, |here| here.iter().any(|worker| worker.name == "frozen") == there)
         };
         assert!(here(false), "its silence went unnoticed");
         let lost_after = since.elapsed();

@@ -3,7 +3,7 @@
 
 pub mod refusal;
 
-use refusal::Ear;
+use refusal::RefusalLayer;
 use std::io::IsTerminal;
 use tracing_subscriber::filter::Targets;
 use tracing_subscriber::layer::{Layer, SubscriberExt};
@@ -41,6 +41,6 @@ pub fn start(levels: &str, variable: &str, format: Format, with_module: bool) {
         Format::Text => lines.with_ansi(std::io::stderr().is_terminal()).boxed(),
         Format::Json => lines.json().flatten_event(true).boxed(),
     };
-    let heard = Ear::start().with_filter(Targets::new().with_targets(refusal::SOURCES));
+    let heard = RefusalLayer::start().with_filter(Targets::new().with_targets(refusal::SOURCES));
     registry().with(lines.with_filter(filter)).with(heard).init();
 }

@@ -1,5 +1,5 @@
 //! Why connections fail, in words. Zenoh tells its caller only that it is "unable to connect", and tells whoever listens
-//! nothing at all; the reason stands in its log. [`Ear`] listens to that log, whatever of it is shown:
+//! nothing at all; the reason stands in its log. [`RefusalLayer`] listens to that log, whatever of it is shown:
 //!
 //! - what this process could not connect to is kept for [`last_failure`];
 //! - who could not connect to this process is logged as a warning in plain words, each reason at its first, second,
@@ -159,17 +159,17 @@ fn refused(text: &str) -> Option<String> {
 }
 
 /// Hears what Zenoh logs of connections.
-pub(super) struct Ear {
+pub(super) struct RefusalLayer {
     refusals: SyncSender<String>,
 }
 
-impl Ear {
+impl RefusalLayer {
     /// Ready to hear, with a thread that logs refusals: a layer must not log by itself.
     pub fn start() -> Self {
         let (refusals, heard) = sync_channel(MOST_WAITING);
         // Without the thread refusals are not told; that is no reason to do without the program.
         let _ = std::thread::Builder::new().name("refusals".into()).spawn(move || tell(&heard));
-        Ear { refusals }
+        RefusalLayer { refusals }
     }
 }
 
@@ -186,7 +186,7 @@ fn tell(heard: &Receiver<String>) {
     }
 }
 
-impl<S: Subscriber> Layer<S> for Ear {
+impl<S: Subscriber> Layer<S> for RefusalLayer {
     fn on_event(&self, event: &Event<'_>, _context: Context<'_, S>) {
         let mut message = Text(String::new());
         event.record(&mut message);

@@ -1,7 +1,7 @@
 //! The worker's connection: the only place of the worker that knows Zenoh.
 
-use super::inbox::Inbox;
-use super::patience::Patience;
+use super::claim_event::ClaimEvent;
+use super::connection_monitor::ConnectionMonitor;
 use super::{Departure, ServiceConfig, ServiceError};
 use crate::log::refusal;
 use common::wire::{self, WorkerId, keys, reason};
@@ -16,7 +16,7 @@ use zenoh::{Config, Session, Wait};
 /// tried for ever and twice a second, so that a restarted coordinator has its workers back at once (4 s with Zenoh's own
 /// settings). The timeout bounds the first connection only: opening a client
 /// session waits for it, and without a bound it could neither give up nor be stopped.
-const SETTINGS: [(&str, &str); 10] = [
+const ZENOH_SETTINGS: [(&str, &str); 10] = [
     ("mode", "\"client\""),
     ("listen/endpoints", "[]"),
     ("scouting/multicast/enabled", "false"),
@@ -42,7 +42,7 @@ pub(super) struct Link {
     _notices: Subscriber<()>,
     selector: String,
     answer_timeout: Duration,
-    inbox: Sender<Inbox>,
+    inbox: Sender<ClaimEvent>,
 }
 
 impl Link {
@@ -54,24 +54,26 @@ impl Link {
         settings: &LinkSettings,
         service: &ServiceConfig,
         worker: &WorkerId,
-        inbox: &Sender<Inbox>,
-        received: &Receiver<Inbox>,
-        patience: &mut Patience,
+        inbox: &Sender<ClaimEvent>,
+        received: &Receiver<ClaimEvent>,
+        monitor: &mut ConnectionMonitor,
         over: impl Fn(Instant) -> Option<Departure>,
     ) -> Result<Result<Self, Departure>, ServiceError> {
         loop {
             let started = Instant::now();
             match zenoh::open(settings.0.clone()).wait() {
                 Ok(session) => return Self::declare(session, service, worker, inbox).map(Ok),
-                Err(error) => patience.failed(started, refusal::explain(&reason(error), started)),
+                Err(error) => monitor.on_failure(started, refusal::explain(&reason(error), started)),
             }
-            patience.check(Instant::now())?;
+            monitor.check(Instant::now())?;
             if let Some(departure) = over(Instant::now()) {
                 return Ok(Err(departure));
             }
             match received.recv_timeout(RETRY) {
-                Ok(Inbox::Stop) => return Ok(Err(Departure::Stopped { lost: 0 })),
-                Ok(Inbox::Abort) | Err(RecvTimeoutError::Disconnected) => return Ok(Err(Departure::Aborted)),
+                Ok(ClaimEvent::Stop) => return Ok(Err(Departure::Stopped { lost: 0 })),
+                Ok(ClaimEvent::Abort) | Err(RecvTimeoutError::Disconnected) => {
+                    return Ok(Err(Departure::Aborted));
+                }
                 Ok(_) | Err(RecvTimeoutError::Timeout) => {}
             }
         }
@@ -81,14 +83,14 @@ impl Link {
         session: Session,
         service: &ServiceConfig,
         worker: &WorkerId,
-        inbox: &Sender<Inbox>,
+        inbox: &Sender<ClaimEvent>,
     ) -> Result<Self, ServiceError> {
         // Callbacks only feed the inbox: a callback that waits would hold up Zenoh's receiving threads.
         let to_claims = inbox.clone();
         let notices = session
             .declare_subscriber(keys::NOTICE)
             .callback(move |sample| {
-                let _ = to_claims.send(Inbox::Notice(sample.payload().to_bytes().into_owned()));
+                let _ = to_claims.send(ClaimEvent::Notice(sample.payload().to_bytes().into_owned()));
             })
             .wait()
             .map_err(messaging)?;
@@ -118,7 +120,7 @@ impl Link {
                     Ok(sample) => Ok(sample.payload().to_bytes().into_owned()),
                     Err(error) => Err(String::from_utf8_lossy(&error.payload().to_bytes()).into_owned()),
                 };
-                let _ = ended.inbox.send(Inbox::Answer { sequence: ended.sequence, frame });
+                let _ = ended.inbox.send(ClaimEvent::Answer { sequence: ended.sequence, frame });
             });
         query.wait().map_err(reason)
     }
@@ -140,12 +142,12 @@ impl Link {
 /// Lives as long as the query: Zenoh drops the callback when no more answers can come.
 struct Ended {
     sequence: u64,
-    inbox: Sender<Inbox>,
+    inbox: Sender<ClaimEvent>,
 }
 
 impl Drop for Ended {
     fn drop(&mut self) {
-        let _ = self.inbox.send(Inbox::QueryEnded { sequence: self.sequence });
+        let _ = self.inbox.send(ClaimEvent::QueryEnded { sequence: self.sequence });
     }
 }
 
@@ -164,7 +166,7 @@ pub(super) fn settings(service: &ServiceConfig, endpoint: &str) -> Result<LinkSe
             reason: reason(error),
         })?,
     };
-    for (key, value) in SETTINGS {
+    for (key, value) in ZENOH_SETTINGS {
         config.insert_json5(key, value).map_err(messaging)?;
     }
     let wrong = |reason: String| ServiceError::Settings {

@@ -13,20 +13,20 @@
 //! only when it was acknowledged, so a coordinator may stop, or the line may break, at any moment. Nothing here
 //! needs a tokio runtime of the caller; inside one, it must be a multi-threaded one (Zenoh's own condition).
 
-mod claims;
+mod claim_event;
+mod claim_loop;
+mod connection_monitor;
+mod fair_share;
 mod guard;
-mod held;
-mod inbox;
+mod leave_policy;
 mod link;
-mod pace;
-mod patience;
 #[cfg(test)]
 mod practice;
+mod prefetch;
 mod queue;
-mod shares;
 mod slots;
-mod stay;
-mod together;
+mod unacknowledged;
+mod worker_handle;
 
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
@@ -37,7 +37,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant, SystemTime};
 use thiserror::Error;
-pub use together::{Stopper, WorkerHandle, run, spawn};
+pub use worker_handle::{Stopper, WorkerHandle, run, spawn};
 
 /// One task with the order it came in.
 #[derive(Debug, Clone, PartialEq)]

@@ -8,12 +8,12 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 /// See the module.
 pub(super) struct Queue {
     slots: usize,
-    state: Mutex<State>,
+    state: Mutex<QueueState>,
     changed: Condvar,
 }
 
 #[derive(Default)]
-struct State {
+struct QueueState {
     waiting: VecDeque<Job>,
     under_way: usize,
     closed: bool,
@@ -58,7 +58,7 @@ impl Queue {
 
     /// Waits for a job for a slot that has none; `None` once the queue is closed.
     pub fn first(&self) -> Option<Job> {
-        let idle = |state: &mut State| !state.closed && state.waiting.is_empty();
+        let idle = |state: &mut QueueState| !state.closed && state.waiting.is_empty();
         let mut state = self.changed.wait_while(self.state(), idle).unwrap_or_else(PoisonError::into_inner);
         state.take()
     }
@@ -76,12 +76,12 @@ impl Queue {
         state.under_way = state.under_way.saturating_sub(1);
     }
 
-    fn state(&self) -> MutexGuard<'_, State> {
+    fn state(&self) -> MutexGuard<'_, QueueState> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-impl State {
+impl QueueState {
     fn take(&mut self) -> Option<Job> {
         let job = self.waiting.pop_front()?;
         self.under_way += 1;

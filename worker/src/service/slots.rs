@@ -1,9 +1,9 @@
 //! The threads that simulate. They share one queue of jobs, each takes several side by side if its simulator gains by
 //! it; each outcome goes to the claims of the coordinator that wants it.
 
-use super::inbox::Inbox;
+use super::claim_event::ClaimEvent;
+use super::fair_share::FairShare;
 use super::queue::Queue;
-use super::shares::Shares;
 use super::{Job, Simulator, guard};
 use common::wire::Task;
 use std::sync::Arc;
@@ -18,7 +18,7 @@ const GIVING_WAY: i32 = 5;
 /// The slots of a worker. When dropped, what waits is forgotten; what runs comes to its end unheard.
 pub(super) struct Slots {
     queue: Arc<Queue>,
-    shares: Arc<Shares>,
+    shares: Arc<FairShare>,
     at_once: usize,
 }
 
@@ -30,11 +30,11 @@ impl Slots {
         give_way: bool,
         worker: &str,
         simulator: Arc<dyn Simulator>,
-        inboxes: &[Sender<Inbox>],
+        inboxes: &[Sender<ClaimEvent>],
     ) -> std::io::Result<Self> {
         let slots = Slots {
             queue: Arc::new(Queue::new(count)),
-            shares: Arc::new(Shares::new(inboxes.iter().cloned())),
+            shares: Arc::new(FairShare::new(inboxes.iter().cloned())),
             at_once: count * simulator.side_by_side(),
         };
         for slot in 0..count {
@@ -57,7 +57,7 @@ impl Slots {
     }
 
     /// Which coordinator may have how many of them.
-    pub fn shares(&self) -> &Shares {
+    pub fn shares(&self) -> &FairShare {
         &self.shares
     }
 
@@ -80,13 +80,19 @@ impl Drop for Slots {
     }
 }
 
-fn work(queue: &Queue, shares: &Shares, simulator: &dyn Simulator, name: &str, inboxes: &[Sender<Inbox>]) {
+fn work(
+    queue: &Queue,
+    shares: &FairShare,
+    simulator: &dyn Simulator,
+    name: &str,
+    inboxes: &[Sender<ClaimEvent>],
+) {
     while let Some(first) = queue.first() {
         guard::evaluate(simulator, name, first, &mut |mine| queue.another(mine), &mut |place, outcome| {
             queue.ended();
             shares.ended(place, 1, Instant::now());
             // Claims that have ended do not listen any more.
-            let _ = inboxes[place].send(Inbox::Finished(Box::new(outcome)));
+            let _ = inboxes[place].send(ClaimEvent::Finished(Box::new(outcome)));
         });
     }
 }

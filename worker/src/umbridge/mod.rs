@@ -100,8 +100,8 @@ impl Server {
         let listener = runtime.block_on(TcpListener::bind(address)).map_err(refused)?;
         let address = listener.local_addr().map_err(refused)?;
         let (stop, stopped) = oneshot::channel::<()>();
-        let desk = Arc::new(Desk { model, slots: Semaphore::new(slots.max(1)) });
-        let serve = axum::serve(listener, routes(desk)).with_graceful_shutdown(async {
+        let state = Arc::new(ServerState { model, slots: Semaphore::new(slots.max(1)) });
+        let serve = axum::serve(listener, routes(state)).with_graceful_shutdown(async {
             // Stopped, or dropped: either way it is over.
             let _ = stopped.await;
         });
@@ -128,12 +128,12 @@ impl Server {
 }
 
 /// What the handlers share.
-struct Desk {
+struct ServerState {
     model: Model,
     slots: Semaphore,
 }
 
-fn routes(desk: Arc<Desk>) -> Router {
+fn routes(state: Arc<ServerState>) -> Router {
     let mut router = Router::new()
         .route("/Info", get(info))
         .route("/ModelInfo", post(model_info))
@@ -143,44 +143,44 @@ fn routes(desk: Arc<Desk>) -> Router {
     for derivative in ["/Gradient", "/ApplyJacobian", "/ApplyHessian"] {
         router = router.route(derivative, post(unsupported));
     }
-    router.with_state(desk)
+    router.with_state(state)
 }
 
 async fn info() -> Json<Info> {
     Json(Info { protocol_version: PROTOCOL_VERSION, models: vec![NAME.to_owned()] })
 }
 
-async fn model_info(State(desk): State<Arc<Desk>>, body: Bytes) -> Response {
+async fn model_info(State(state): State<Arc<ServerState>>, body: Bytes) -> Response {
     reply((|| {
         let request: ModelInfoRequest = read(&body)?;
-        desk.model.configured(&request.name, None)?;
+        state.model.configured(&request.name, None)?;
         Ok(ModelInfo { support: Support { evaluate: true, ..Support::default() } })
     })())
 }
 
-async fn input_sizes(State(desk): State<Arc<Desk>>, body: Bytes) -> Response {
-    reply(sizes(&desk, &body).map(|()| InputSizes { input_sizes: desk.model.input_sizes() }))
+async fn input_sizes(State(state): State<Arc<ServerState>>, body: Bytes) -> Response {
+    reply(sizes(&state, &body).map(|()| InputSizes { input_sizes: state.model.input_sizes() }))
 }
 
-async fn output_sizes(State(desk): State<Arc<Desk>>, body: Bytes) -> Response {
-    reply(sizes(&desk, &body).map(|()| OutputSizes { output_sizes: desk.model.output_sizes() }))
+async fn output_sizes(State(state): State<Arc<ServerState>>, body: Bytes) -> Response {
+    reply(sizes(&state, &body).map(|()| OutputSizes { output_sizes: state.model.output_sizes() }))
 }
 
 /// Sizes do not depend on the configuration, which must be one all the same.
-fn sizes(desk: &Desk, body: &Bytes) -> Result<(), ErrorBody> {
+fn sizes(state: &ServerState, body: &Bytes) -> Result<(), ErrorBody> {
     let request: SizesRequest<Config> = read(body)?;
-    desk.model.configured(&request.name, request.config.as_ref()).map(drop)
+    state.model.configured(&request.name, request.config.as_ref()).map(drop)
 }
 
-async fn evaluate(State(desk): State<Arc<Desk>>, body: Bytes) -> Response {
-    let checked = read::<EvaluateRequest<Config>>(&body).and_then(|request| desk.model.checked(request));
+async fn evaluate(State(state): State<Arc<ServerState>>, body: Bytes) -> Response {
+    let checked = read::<EvaluateRequest<Config>>(&body).and_then(|request| state.model.check(request));
     let request = match checked {
         Ok(request) => request,
         Err(error) => return reply::<()>(Err(error)),
     };
-    let at_work = Arc::clone(&desk);
+    let at_work = Arc::clone(&state);
     let failed = |message: String| ErrorBody { kind: SIMULATION_FAILED.into(), message };
-    let evaluated = match desk.slots.acquire().await {
+    let evaluated = match state.slots.acquire().await {
         Ok(_slot) => tokio::task::spawn_blocking(move || at_work.model.evaluate(&request)).await,
         Err(closed) => return reply::<()>(Err(failed(closed.to_string()))),
     };

@@ -26,7 +26,7 @@ pub struct Model {
 
 /// A request that passed its checks.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Checked {
+pub struct CheckedRequest {
     sample: Vec<f64>,
     accuracy: NamedAccuracy,
 }
@@ -75,7 +75,7 @@ impl Model {
     ///
     /// # Errors
     /// What the requester is told.
-    pub fn checked(&self, request: EvaluateRequest<Config>) -> Result<Checked, ErrorBody> {
+    pub fn check(&self, request: EvaluateRequest<Config>) -> Result<CheckedRequest, ErrorBody> {
         let accuracy = self.configured(&request.name, request.config.as_ref())?;
         let sizes: Vec<usize> = request.input.iter().map(Vec::len).collect();
         if sizes != self.input_sizes() {
@@ -85,14 +85,14 @@ impl Model {
             )));
         }
         let sample = request.input.into_iter().flatten().collect();
-        Ok(Checked { sample, accuracy })
+        Ok(CheckedRequest { sample, accuracy })
     }
 
     /// Simulates.
     ///
     /// # Errors
     /// Why there is no result, for the requester.
-    pub fn evaluate(&self, request: &Checked) -> Result<Evaluated<f64>, ErrorBody> {
+    pub fn evaluate(&self, request: &CheckedRequest) -> Result<Evaluated<f64>, ErrorBody> {
         let failed = |failure: SimulationFailure| ErrorBody {
             kind: SIMULATION_FAILED.into(),
             message: failure.to_string(),

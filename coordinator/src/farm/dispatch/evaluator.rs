@@ -1,12 +1,12 @@
-//! [`Evaluator`] whose evaluations are done by workers over Zenoh.
+//! Evaluator that dispatches requests to workers over Zenoh.
 
 use super::DispatchError;
-use super::board::Board;
-use super::desk::{Attendance, ConnectedWorker, Delivery, Desk, Input};
-use super::gate::Gate;
-use super::scheduler::Settings;
+use super::backpressure::Backpressure;
+use super::dispatch_loop::{ConnectedWorker, ConnectedWorkers, Delivery, DispatchLoop, Input};
+use super::scheduler::SchedulerSettings;
+use super::status_board::StatusBoard;
 use super::transport::{Listen, Transport};
-use crate::farm::evaluate::{Beginnings, EvaluateError, Evaluator, LOOK_UP, Pursuit};
+use crate::farm::evaluate::{EvaluateError, Evaluator, POLL_INTERVAL, PendingRequests, RequestSource};
 use common::accuracy::Accuracy;
 use common::wire::{self, Message, Next, Reply, Status, WorkOrder};
 use std::collections::BTreeSet;
@@ -16,60 +16,60 @@ use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// How long workers may take to leave at the end of a campaign.
+/// Time for workers to leave at the end of a campaign.
 const FAREWELL: Duration = Duration::from_secs(2);
-/// Outcomes that are recorded together at most.
+/// Most outcomes recorded together.
 const MOST_TOGETHER: usize = 256;
-/// How long the tasks of a resumed campaign wait for workers of the coordinator before, which try to reach it again about
-/// twice a second.
+/// Time that the tasks of a resumed campaign wait for workers of the previous coordinator, which reconnect about twice
+/// a second.
 const SETTLE: Duration = Duration::from_secs(1);
-/// Largest scene text [bytes]: it travels with every reply that carries tasks.
+/// Largest scene text [bytes]: every reply with tasks carries it.
 const MAX_SCENE: usize = 4 << 20;
 
-/// What the workers of a campaign are told.
+/// What workers need to know of a campaign.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Campaign {
-    /// Number of the campaign: the same after a restart that resumes it, different for anything else (a digest
-    /// of scene, accuracy and seed does). A worker that finished an evaluation while the coordinator was away
-    /// hands it in under this number.
+pub struct CampaignSpec {
+    /// Number of the campaign: the same after a restart that resumes it, different otherwise (e.g. a digest of scene,
+    /// accuracy and seed). A worker that finishes an evaluation while the coordinator is down returns it under this
+    /// number.
     pub id: u64,
     /// Source text of the scene, TOML.
     pub scene: String,
-    /// Numerical settings.
+    /// Numerical settings of the evaluations.
     pub accuracy: Accuracy,
-    /// Their name, for people.
+    /// Name of the numerical settings, for display.
     pub accuracy_name: String,
-    /// Whether it goes on from an earlier coordinator, whose workers may come back with what they are running: tasks wait
-    /// a second for them, where they can find the new one.
+    /// Whether an earlier coordinator began the campaign. Its workers may reconnect with running tasks, so new leases wait
+    /// one second for them if the endpoint is a fixed one.
     pub resumed: bool,
 }
 
-/// Listens for workers from its opening until it is dropped or finished; batch after batch.
+/// Evaluator that listens for workers from [`ZenohEvaluator::open`] until it is finished or dropped.
 #[derive(Debug)]
 pub struct ZenohEvaluator {
     inputs: Sender<Input>,
-    desk: Option<JoinHandle<()>>,
-    attendance: Arc<Attendance>,
-    board: Board,
+    dispatch_thread: Option<JoinHandle<()>>,
+    connected: Arc<ConnectedWorkers>,
+    board: StatusBoard,
     endpoints: Vec<String>,
     interrupted: Arc<AtomicBool>,
 }
 
 impl ZenohEvaluator {
-    /// Starts to listen. When `interrupted` becomes true, a batch under way ends with
-    /// [`EvaluateError::Interrupted`] within a tenth of a second.
+    /// Starts to listen. When `interrupted` becomes true, a run ends with [`EvaluateError::Interrupted`] within a tenth of
+    /// a second.
     ///
     /// # Errors
     /// [`DispatchError`].
     pub fn open(
-        campaign: Campaign,
+        campaign: CampaignSpec,
         listen: &Listen,
         interrupted: Arc<AtomicBool>,
     ) -> Result<Self, DispatchError> {
-        let known_address = listen.endpoint.is_some() || listen.config.is_some();
-        let settle = if campaign.resumed && known_address { SETTLE } else { Duration::ZERO };
-        let settings = Settings { settle, ..Settings::new(campaign.id) };
-        let Campaign { scene, accuracy, accuracy_name, .. } = campaign;
+        let fixed_endpoint = listen.endpoint.is_some() || listen.config.is_some();
+        let settle = if campaign.resumed && fixed_endpoint { SETTLE } else { Duration::ZERO };
+        let settings = SchedulerSettings { settle, ..SchedulerSettings::new(campaign.id) };
+        let CampaignSpec { scene, accuracy, accuracy_name, .. } = campaign;
         if scene.len() > MAX_SCENE {
             return Err(DispatchError::SceneTooLarge { bytes: scene.len(), limit: MAX_SCENE });
         }
@@ -77,119 +77,114 @@ impl ZenohEvaluator {
         Reply { acknowledged: vec![], next: Next::Work(order.clone()) }.check()?;
 
         let (inputs, received) = channel();
-        let gate = Arc::new(Gate::default());
-        let (claims, questions, liveness) = (inputs.clone(), inputs.clone(), inputs.clone());
-        let (entrance, other_entrance) = (Arc::clone(&gate), Arc::clone(&gate));
-        // The desk lives as long as the session, so what cannot be passed on comes after its end.
-        let transport = Transport::open(
-            listen,
-            move |asker| {
-                if entrance.enter(asker.size()) {
-                    let _ = claims.send(Input::Claim(asker));
-                }
-            },
-            move |asker| {
-                if other_entrance.enter(asker.size()) {
-                    let _ = questions.send(Input::Asked(asker));
-                }
-            },
-            move |worker, there| {
-                let _ = liveness.send(Input::Liveness(worker, there));
-            },
-        )?;
+        let backpressure = Arc::new(Backpressure::default());
+        let (to_loop, bounds) = (inputs.clone(), Arc::clone(&backpressure));
+        let transport = Transport::open(listen, move |incoming| {
+            if incoming.query_size().is_none_or(|bytes| bounds.try_admit(bytes)) {
+                // The dispatch loop runs as long as the session, so a send fails only after its end.
+                let _ = to_loop.send(Input::Transport(incoming));
+            }
+        })?;
         let endpoints = transport.endpoints().to_vec();
-        let attendance = Arc::new(Attendance::default());
-        let board = Board::default();
-        let desk = Desk::new(settings, order, transport, Arc::clone(&attendance), board.clone(), gate);
-        let desk = std::thread::Builder::new()
-            .name("coordinator-desk".into())
-            .spawn(move || desk.run(&received))
+        let connected = Arc::new(ConnectedWorkers::default());
+        let board = StatusBoard::default();
+        let dispatch_loop = DispatchLoop::new(
+            settings,
+            order,
+            transport,
+            Arc::clone(&connected),
+            board.clone(),
+            backpressure,
+        );
+        let dispatch_thread = std::thread::Builder::new()
+            .name("coordinator-dispatch".into())
+            .spawn(move || dispatch_loop.run(&received))
             .map_err(|error| DispatchError::Messaging(format!("cannot start a thread: {error}")))?;
         tracing::info!("workers can connect to {}", endpoints.join(", "));
-        Ok(Self { inputs, desk: Some(desk), attendance, board, endpoints, interrupted })
+        Ok(Self { inputs, dispatch_thread: Some(dispatch_thread), connected, board, endpoints, interrupted })
     }
 
-    /// Where workers can connect, e.g. `tcp/127.0.0.1:37021`.
+    /// Endpoints to which workers can connect, e.g. `tcp/127.0.0.1:37021`.
     pub fn endpoints(&self) -> &[String] {
         &self.endpoints
     }
 
-    /// Where the study posts how far it is.
-    pub fn board(&self) -> Board {
+    /// The board to which the study posts its progress.
+    pub fn status_board(&self) -> StatusBoard {
         self.board.clone()
     }
 
-    /// To look at the farm from elsewhere in this process.
-    pub fn look(&self) -> Look {
-        Look(self.inputs.clone())
+    /// A handle for status queries from this process.
+    pub fn status_handle(&self) -> StatusHandle {
+        StatusHandle(self.inputs.clone())
     }
 
-    /// Who is connected, to be looked at from elsewhere.
-    pub fn attendance(&self) -> Arc<Attendance> {
-        Arc::clone(&self.attendance)
+    /// The connected workers, shared with the dispatch loop.
+    pub fn connected_workers(&self) -> Arc<ConnectedWorkers> {
+        Arc::clone(&self.connected)
     }
 
-    /// Workers that are connected now.
+    /// Workers connected now.
     pub fn workers(&self) -> Vec<ConnectedWorker> {
-        self.attendance.workers()
+        self.connected.workers()
     }
 
-    /// Simulations that can run at once now: the slots of all workers.
+    /// Simulations that can run concurrently: the slots of all workers.
     pub fn concurrency(&self) -> u32 {
         self.workers().iter().map(|worker| worker.slots).sum()
     }
 
-    /// Waits until `enough` is true of the connected workers; false if it did not become so in time.
+    /// Waits until `enough` returns true for the connected workers; false after `timeout`.
     pub fn wait_for_workers(
         &self,
         timeout: Duration,
         enough: impl FnMut(&[ConnectedWorker]) -> bool,
     ) -> bool {
-        self.attendance.wait_for(timeout, enough)
+        self.connected.wait_for(timeout, enough)
     }
 
-    /// Ends the campaign: tells the workers to leave and stops listening. Dropped without it, the coordinator
-    /// just goes away, and its workers wait for its return.
+    /// Ends the campaign: notifies the workers, waits up to 2 s for them to leave, and stops listening. An evaluator that
+    /// is only dropped stops listening without notice, and its workers keep trying to reconnect.
     pub fn finish(self) {
         if self.inputs.send(Input::Finish).is_ok() && !self.wait_for_workers(FAREWELL, <[_]>::is_empty) {
-            tracing::debug!("{} workers have not left yet", self.workers().len());
+            tracing::debug!("{} workers are still connected", self.workers().len());
         }
     }
 
     fn send(&self, input: Input) -> Result<(), EvaluateError> {
-        self.inputs.send(input).map_err(|_| desk_ended())
+        self.inputs.send(input).map_err(|_| loop_ended())
     }
 
-    /// Begins what comes and takes outcomes until there is no more of either.
-    fn collect(&self, pursuit: &mut dyn Pursuit) -> Result<(), EvaluateError> {
+    /// Submits requests and records outcomes until the source is exhausted and no request is open.
+    fn collect(&self, source: &mut dyn RequestSource) -> Result<(), EvaluateError> {
         let (sender, deliveries) = channel();
-        let (mut beginnings, mut open) = (Beginnings::default(), BTreeSet::new());
+        let (mut pending, mut open) = (PendingRequests::default(), BTreeSet::new());
         let mut given_up = None;
         loop {
-            let requests = beginnings.take(pursuit)?;
+            let requests = pending.drain(source)?;
             if !requests.is_empty() {
                 open.extend(requests.iter().map(|request| request.id));
                 self.send(Input::Submit(requests, sender.clone()))?;
             }
-            if open.is_empty() && beginnings.ended() {
+            if open.is_empty() && pending.is_exhausted() {
                 return given_up.map_or(Ok(()), Err);
             }
             let stopping = self.interrupted.load(Ordering::Relaxed);
-            // What has arrived when the user stops is recorded still.
+            // Outcomes that have arrived before the stop are still recorded.
             let next = if stopping {
                 deliveries.try_recv().map_err(|_| EvaluateError::Interrupted)
             } else {
-                match deliveries.recv_timeout(LOOK_UP) {
+                match deliveries.recv_timeout(POLL_INTERVAL) {
                     Ok(delivery) => Ok(delivery),
                     Err(RecvTimeoutError::Timeout)
-                        if self.desk.as_ref().is_some_and(|d| !d.is_finished()) =>
+                        if self.dispatch_thread.as_ref().is_some_and(|d| !d.is_finished()) =>
                     {
                         continue;
                     }
-                    Err(_) => Err(desk_ended()),
+                    Err(_) => Err(loop_ended()),
                 }
             };
-            // What has arrived by now is made durable together: the disk takes as long for many as for one.
+            // All outcomes received so far are recorded together: one disk flush serves them all.
             let mut arrived = Vec::new();
             for delivery in std::iter::once(next?).chain(deliveries.try_iter()).take(MOST_TOGETHER) {
                 match delivery {
@@ -197,14 +192,14 @@ impl ZenohEvaluator {
                     Delivery::GivenUp { task, reason } => {
                         open.remove(&task);
                         given_up.get_or_insert(EvaluateError::GivenUp { id: task, reason });
-                        // What would come of it can no longer be told: nothing more is begun.
-                        beginnings.end();
+                        // The run ends with this error, so no further request is started.
+                        pending.close();
                     }
                 }
             }
             if !arrived.is_empty() {
                 let ids: Vec<u64> = arrived.iter().map(|finished| finished.id).collect();
-                pursuit.record_all(arrived)?;
+                source.record_all(arrived)?;
                 for id in &ids {
                     open.remove(id);
                 }
@@ -214,23 +209,23 @@ impl ZenohEvaluator {
     }
 }
 
-/// Looks at a farm; costs nothing while nobody does.
+/// Handle for status queries from this process. It costs the study nothing between queries.
 #[derive(Debug, Clone)]
-pub struct Look(Sender<Input>);
+pub struct StatusHandle(Sender<Input>);
 
-impl Look {
-    /// The status now; `None` if the farm has ended or does not answer in time.
+impl StatusHandle {
+    /// The current status; `None` if the dispatch loop has ended or does not reply within `timeout`.
     pub fn status(&self, timeout: Duration) -> Option<Status> {
-        let (whom, told) = channel();
-        self.0.send(Input::Look(whom)).ok()?;
-        told.recv_timeout(timeout).ok()
+        let (reply_to, reply) = channel();
+        self.0.send(Input::Status(reply_to)).ok()?;
+        reply.recv_timeout(timeout).ok()
     }
 }
 
 impl Evaluator for ZenohEvaluator {
-    /// A task that ended several workers is given up; what is under way goes on, and its end is the error.
-    fn pursue(&mut self, pursuit: &mut dyn Pursuit) -> Result<(), EvaluateError> {
-        let done = self.collect(pursuit);
+    /// If a task is given up, the tasks already running are finished, and the run ends with the error.
+    fn run(&mut self, source: &mut dyn RequestSource) -> Result<(), EvaluateError> {
+        let done = self.collect(source);
         if done.is_err() {
             // Outcomes not recorded stay with their workers, unacknowledged.
             self.send(Input::Cancel)?;
@@ -242,17 +237,17 @@ impl Evaluator for ZenohEvaluator {
 impl Drop for ZenohEvaluator {
     fn drop(&mut self) {
         let _ = self.inputs.send(Input::Close);
-        if let Some(desk) = self.desk.take()
-            && desk.join().is_err()
+        if let Some(dispatch_thread) = self.dispatch_thread.take()
+            && dispatch_thread.join().is_err()
         {
             tracing::error!("the dispatch thread panicked");
         }
     }
 }
 
-fn desk_ended() -> EvaluateError {
+fn loop_ended() -> EvaluateError {
     EvaluateError::Transport("the dispatch thread has ended".into())
 }
 
-/// Most that a message may hold, so that the limit of a scene can never be the larger one.
+/// A scene within its limit always fits a message.
 const _: () = assert!(MAX_SCENE < wire::MAX_PAYLOAD / 2);

@@ -1,78 +1,78 @@
 //! Evaluations by workers over Zenoh.
 //!
 //! ```text
-//! study --evaluate--> ZenohEvaluator --Submit--> desk (thread: scheduler) --replies, notices--> transport
-//!       <--record---                <--Deliver--                          <--claims, liveness---
+//! study --requests--> ZenohEvaluator --Submit--> DispatchLoop (thread: scheduler) --replies, notices--> transport
+//!       <--record----               <--Deliver--                                  <--claims, liveliness-
 //! ```
 //!
-//! [`scheduler`] decides, without clock or messages; `transport` is the only place of the coordinator that
-//! knows Zenoh; `desk` is the thread between them. Nothing here needs a tokio runtime of the caller; inside one,
-//! it must be a multi-threaded one (Zenoh's own condition).
+//! [`scheduler`] is a pure state machine without clock and messages. `transport` is the only module of the coordinator
+//! that uses Zenoh. `dispatch_loop` is the thread that connects them. The caller needs no tokio runtime; if it has one,
+//! it must be multi-threaded (a condition of Zenoh).
 
-mod board;
-mod desk;
+mod backpressure;
+mod dispatch_loop;
 mod evaluator;
-mod gate;
 pub mod scheduler;
-mod tally;
+mod status_board;
+mod throughput;
 mod transport;
 
-pub use board::{Board, clock_ms};
-pub use desk::{Attendance, ConnectedWorker};
-pub use evaluator::{Campaign, Look, ZenohEvaluator};
-pub use transport::{Life, Listen, VisitError, Visitor};
+pub use dispatch_loop::{ConnectedWorker, ConnectedWorkers};
+pub use evaluator::{CampaignSpec, StatusHandle, ZenohEvaluator};
+pub use status_board::{StatusBoard, clock_ms};
+pub use transport::{ClientError, ClientSession, Listen, LivelinessGuard};
 
 use common::wire::WireError;
 use std::path::PathBuf;
 use thiserror::Error;
 
-/// Why the coordinator cannot take workers.
+/// Reasons why the coordinator cannot accept workers.
 #[derive(Debug, Error)]
 pub enum DispatchError {
-    /// An address other machines can reach, and nothing that keeps strangers out.
+    /// Other machines can reach the address, and clients are not authenticated.
     #[error(
-        "--listen {endpoint}: other machines could reach this address and nothing asks who they are; allowed are \
-         a loopback address (tcp/127.0.0.1:PORT), tls/ with a Zenoh configuration that asks (enable_mtls, or a usrpwd \
-         dictionary), or --insecure if the network is trusted"
+        "--listen {endpoint}: other machines can reach this address, and clients are not authenticated; allowed are a \
+         loopback address (tcp/127.0.0.1:PORT), tls/ with a Zenoh configuration that authenticates clients \
+         (enable_mtls, or a usrpwd dictionary), or --insecure if the network is trusted"
     )]
     Insecure {
-        /// The endpoint.
+        /// Endpoint to listen on.
         endpoint: String,
     },
-    /// Not an endpoint, or one that cannot be listened on.
+    /// The text is not an endpoint, or the system cannot listen on it.
     #[error("--listen {endpoint}: {reason}; expected e.g. tcp/127.0.0.1:7447")]
     Endpoint {
-        /// The endpoint.
+        /// Endpoint to listen on.
         endpoint: String,
-        /// What is wrong.
+        /// What is wrong with it.
         reason: String,
     },
     /// The Zenoh configuration cannot be used.
     #[error("Zenoh configuration {}: {reason}", file.display())]
     Configuration {
-        /// Which file.
+        /// Configuration file.
         file: PathBuf,
-        /// What is wrong.
+        /// Error of Zenoh.
         reason: String,
     },
-    /// The scene does not fit a message.
-    #[error("the scene has {bytes} bytes, more than the {limit} a message may give it")]
+    /// The scene is too large for a message.
+    #[error("the scene has {bytes} bytes; a message allows {limit}")]
     SceneTooLarge {
-        /// Its size.
+        /// Size of the scene's text [bytes].
         bytes: usize,
-        /// Limit.
+        /// Largest size [bytes].
         limit: usize,
     },
-    /// The settings of the campaign cannot be sent.
+    /// The settings of the campaign cannot be encoded.
     #[error("the campaign cannot be sent to workers: {0}")]
     Wire(#[from] WireError),
-    /// The messaging library failed.
+    /// Zenoh failed.
     #[error("messaging: {0}")]
     Messaging(String),
 }
 
 impl DispatchError {
-    /// Whether the user can mend it (exit code 2).
+    /// True if the user's input causes the error (exit code 2).
     pub fn is_bad_input(&self) -> bool {
         !matches!(self, DispatchError::Messaging(_))
     }

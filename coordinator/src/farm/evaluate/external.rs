@@ -1,15 +1,15 @@
-//! The simulator that a scene names: what is wrong with it, and who evaluates samples by it.
+//! Opens the external simulator named by a scene: a program or an UM-Bridge model server.
 
 use super::Evaluator;
 use super::program::{ProgramSlot, Setup};
 use super::slots::SlotEvaluator;
-use super::umbridge::{ModelSlot, Server};
+use super::umbridge::{ModelSlot, UmBridgeClient};
 use common::scene::{ExternalSimulator, Scene, SimulatorKind};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use thiserror::Error;
 
-/// What keeps a simulator from being used. What it reports of a single sample is a failed simulation instead.
+/// Reasons why a simulator cannot be used. A failure it reports for a single sample is a failed simulation instead.
 #[derive(Debug, Error)]
 pub enum SimulatorError {
     /// The program cannot be started.
@@ -17,12 +17,12 @@ pub enum SimulatorError {
     Start {
         /// The program with its arguments.
         program: String,
-        /// Where it should run.
+        /// Working folder of the program.
         folder: String,
-        /// The system's reason.
+        /// Error of the operating system.
         reason: std::io::Error,
     },
-    /// The program ends without an answer, at the means of the inputs too.
+    /// The program exits without a reply, also at the means of the inputs.
     #[error(
         "simulator.program: \"{program}\" ended with {status} instead of answering{}",
         after_colon(stderr)
@@ -30,71 +30,71 @@ pub enum SimulatorError {
     Dead {
         /// The program with its arguments.
         program: String,
-        /// How it ended.
+        /// Exit status of the program.
         status: String,
         /// The last lines of its standard error.
         stderr: String,
     },
-    /// An answer that is none.
-    #[error("simulator: the answer of {who} to evaluation {id} is not one: {fault}")]
+    /// A reply breaks the protocol.
+    #[error("simulator: invalid reply of {simulator} to evaluation {id}: {fault}")]
     Protocol {
         /// The program, or address and model.
-        who: String,
+        simulator: String,
         /// Number of the evaluation.
         id: u64,
-        /// What is wrong.
+        /// What the reply lacks or has too much.
         fault: String,
     },
-    /// The server cannot be reached, or does not answer as a UM-Bridge server does.
+    /// The server cannot be reached, or its reply is no UM-Bridge reply.
     #[error("simulator.umbridge: {url}: {reason}")]
     Server {
-        /// Its address with the path asked for.
+        /// Address with the requested path.
         url: String,
-        /// Why.
+        /// Error of the connection, or the unexpected reply.
         reason: String,
     },
-    /// The server speaks another version of the protocol.
-    #[error("simulator.umbridge: {url} speaks version {found} of the protocol, expected {expected}")]
+    /// The server uses another version of the protocol.
+    #[error("simulator.umbridge: {url} uses version {found} of the protocol, expected {expected}")]
     Version {
-        /// Its address.
+        /// Address of the server.
         url: String,
-        /// Its version.
+        /// Version of the server.
         found: f64,
-        /// Ours.
+        /// Supported version.
         expected: f64,
     },
     /// The server has no such model.
     #[error("simulator.model: {url} has no model \"{model}\"; it has: {}", known.join(", "))]
     NoModel {
-        /// Its address.
+        /// Address of the server.
         url: String,
-        /// The model asked for.
+        /// Name of the model in the scene.
         model: String,
-        /// The models it has.
+        /// Names of the server's models.
         known: Vec<String>,
     },
-    /// The model offers derivatives at most.
+    /// The model does not support evaluation.
     #[error("simulator.model: model \"{model}\" of {url} does not offer evaluations")]
     NoEvaluation {
         /// Address of the server.
         url: String,
-        /// The model.
+        /// Name of the model.
         model: String,
     },
-    /// The model takes other inputs than the scene has.
+    /// The number of input values differs from the number of random variables.
     #[error("simulator.model: model \"{model}\" takes {} input values {sizes:?}, the scene has {variables} variables", sizes.iter().sum::<usize>())]
     Inputs {
-        /// The model.
+        /// Name of the model.
         model: String,
         /// Lengths of its input vectors.
         sizes: Vec<usize>,
         /// Random variables of the scene.
         variables: usize,
     },
-    /// The model returns other outputs than the scene declares.
+    /// The number of output values differs from the outputs declared by the scene.
     #[error("simulator.model: model \"{model}\" returns {} output values {sizes:?}, the outputs of the scene have {} {lengths:?}", sizes.iter().sum::<usize>(), lengths.iter().sum::<usize>())]
     Outputs {
-        /// The model.
+        /// Name of the model.
         model: String,
         /// Lengths of its output vectors.
         sizes: Vec<usize>,
@@ -107,8 +107,8 @@ fn after_colon(text: &str) -> String {
     if text.is_empty() { String::new() } else { format!(": {text}") }
 }
 
-/// Makes the simulator of a scene ready on so many slots: programs are started when they are needed, but that they can be
-/// is seen here; a server is asked whether its model fits.
+/// Opens the simulator of a scene on `slots` slots. The first program is started here, so that a program that cannot
+/// start is reported at once; the model of a server is checked against the scene.
 ///
 /// # Errors
 /// [`SimulatorError`].
@@ -129,7 +129,7 @@ pub fn open(
             Ok(Box::new(SlotEvaluator::new(all, interrupted)))
         }
         SimulatorKind::UmBridge(model) => {
-            let server = Arc::new(Server::open(model, simulator.timeout, scene)?);
+            let server = Arc::new(UmBridgeClient::open(model, simulator.timeout, scene)?);
             let all = (0..slots).map(|k| ModelSlot::new(Arc::clone(&server), k)).collect();
             Ok(Box::new(SlotEvaluator::<ModelSlot>::new(all, interrupted)))
         }

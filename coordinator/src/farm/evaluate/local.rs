@@ -1,7 +1,7 @@
-//! Evaluations by a closure on threads of this process: for tests and for what needs no messaging.
+//! Evaluates requests by a closure on threads of this process, without messaging.
 
 use super::queue::{CloseAtEnd, Queue};
-use super::{Beginnings, EvaluateError, Evaluator, Finished, LOOK_UP, Pursuit, Request};
+use super::{EvaluateError, Evaluator, Finished, POLL_INTERVAL, PendingRequests, Request, RequestSource};
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
 use std::sync::Arc;
@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Instant;
 
-/// Evaluates with `F` on a number of threads.
+/// Evaluates requests by a closure `F` on a fixed number of threads.
 #[derive(Debug)]
 pub struct LocalEvaluator<F> {
     simulate: F,
@@ -21,12 +21,12 @@ impl<F> LocalEvaluator<F>
 where
     F: Fn(&Request) -> Result<Evaluation, SimulationFailure> + Sync,
 {
-    /// On `threads` threads (at least one).
+    /// An evaluator that calls `simulate` on `threads` threads (at least one).
     pub fn new(threads: usize, simulate: F) -> Self {
         Self { simulate, threads: threads.max(1), interrupted: Arc::default() }
     }
 
-    /// Stops a batch under way when `interrupted` becomes true.
+    /// Ends a run with [`EvaluateError::Interrupted`] when `interrupted` becomes true.
     pub fn interrupted_by(self, interrupted: Arc<AtomicBool>) -> Self {
         Self { interrupted, ..self }
     }
@@ -36,7 +36,7 @@ impl<F> Evaluator for LocalEvaluator<F>
 where
     F: Fn(&Request) -> Result<Evaluation, SimulationFailure> + Sync,
 {
-    fn pursue(&mut self, pursuit: &mut dyn Pursuit) -> Result<(), EvaluateError> {
+    fn run(&mut self, source: &mut dyn RequestSource) -> Result<(), EvaluateError> {
         let (simulate, interrupted) = (&self.simulate, &*self.interrupted);
         let queue = Queue::default();
         let (sender, outcomes) = channel();
@@ -57,22 +57,22 @@ where
                 });
             }
             drop(sender);
-            // Whatever happens here, the threads end.
+            // The threads end on every path out of this scope.
             let _closed = CloseAtEnd(&queue);
-            let (mut beginnings, mut open) = (Beginnings::default(), 0);
+            let (mut pending, mut open) = (PendingRequests::default(), 0);
             loop {
                 if interrupted.load(Ordering::Relaxed) {
                     return Err(EvaluateError::Interrupted);
                 }
-                let requests = beginnings.take(pursuit)?;
+                let requests = pending.drain(source)?;
                 open += requests.len();
                 queue.add(requests);
-                if open == 0 && beginnings.ended() {
+                if open == 0 && pending.is_exhausted() {
                     return Ok(());
                 }
-                match outcomes.recv_timeout(LOOK_UP) {
+                match outcomes.recv_timeout(POLL_INTERVAL) {
                     Ok(finished) => {
-                        pursuit.record(finished)?;
+                        source.record(finished)?;
                         open -= 1;
                     }
                     Err(RecvTimeoutError::Timeout) => {}

@@ -1,5 +1,5 @@
-//! How a study has samples evaluated, whoever does the work: a closure in unit tests, the worker's library in
-//! process, workers over Zenoh, a program or server of somebody else.
+//! The interface between a study and what evaluates its samples: threads of this process, workers over Zenoh, an
+//! external program, or a model server.
 
 pub mod external;
 pub mod local;
@@ -19,128 +19,129 @@ use external::SimulatorError;
 use std::time::Duration;
 use thiserror::Error;
 
-/// What comes of a sample; a failed simulation is an outcome, not an error.
-pub type Outcome = Result<Evaluation, SimulationFailure>;
+/// Result of one sample. A failed simulation is a result, not an error of the evaluator.
+pub type EvaluationResult = Result<Evaluation, SimulationFailure>;
 
-/// One evaluation a study asks for.
+/// One evaluation requested by a study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Request {
-    /// Number of the evaluation in its campaign, from 0, unique; the order of requests, not of replies.
+    /// Number of the evaluation in its campaign, from 0, unique, in the order of requests.
     pub id: u64,
     /// Values of the scene's random variables `(d,)`, SI.
     pub sample: Vec<f64>,
-    /// Whether the settled first cycle is wanted too.
+    /// Whether the settled first cycle is to be returned too.
     pub with_first_cycle: bool,
-    /// Numerical settings, where they are not those the evaluator was made with.
+    /// Numerical settings, if they differ from those of the evaluator.
     pub accuracy: Option<Accuracy>,
 }
 
-/// One evaluation that has ended.
+/// A finished evaluation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Finished {
-    /// The request's number.
+    /// Number of the request.
     pub id: u64,
-    /// What came of it.
-    pub outcome: Outcome,
-    /// Who did it, e.g. `host-4711/0`.
+    /// Evaluation, or the failure of the simulation.
+    pub outcome: EvaluationResult,
+    /// Worker and slot, e.g. `host-4711/0`.
     pub worker: String,
-    /// How long the simulation took there [s].
+    /// Wall time of the simulation [s].
     pub wall: f64,
 }
 
-/// Why a batch could not be evaluated to its end.
+/// Reasons for an evaluator to end before its source is exhausted.
 #[derive(Debug, Error)]
 pub enum EvaluateError {
-    /// The user asked to stop; everything recorded so far is safe.
+    /// The user stopped the study; everything recorded so far is kept.
     #[error("interrupted")]
     Interrupted,
-    /// An evaluation got no outcome although it was tried again and again: an infrastructure failure, or a
-    /// sample that kills its worker.
+    /// An evaluation was tried the allowed number of times without an outcome: an infrastructure failure, or a
+    /// sample that crashes its worker.
     #[error("evaluation {id} was given up: {reason}")]
     GivenUp {
         /// Number of the evaluation.
         id: u64,
-        /// Why.
+        /// Number of attempts and how they ended.
         reason: String,
     },
-    /// The transport broke.
+    /// The transport failed.
     #[error("transport: {0}")]
     Transport(String),
-    /// The simulator that the scene names cannot be used.
+    /// The simulator named by the scene cannot be used.
     #[error(transparent)]
     Simulator(#[from] SimulatorError),
-    /// The caller could not record an outcome.
+    /// The source could not record an outcome.
     #[error("an outcome could not be recorded: {0}")]
     Record(String),
 }
 
-/// What an evaluator is to begin.
+/// What a source wants to be started.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Next {
-    /// These, beside whatever is under way.
+pub enum Demand {
+    /// Start these, in addition to those already running.
     Begin(Vec<Request>),
-    /// Nothing now; more may come.
+    /// Nothing at present; more requests may follow.
     Later,
-    /// Nothing any more.
+    /// No further requests: the source is exhausted.
     End,
 }
 
-/// What an evaluator works on: requests come while others are under way, outcomes go as they arrive.
-pub trait Pursuit {
-    /// What to begin. Asked after every outcome, and at least every [`LOOK_UP`] until it answers [`Next::End`].
+/// Supplies requests to an evaluator, also while others are running, and records their outcomes.
+pub trait RequestSource {
+    /// Requests to start now. Called after every outcome, and at least every [`POLL_INTERVAL`], until it returns
+    /// [`Demand::End`].
     ///
     /// # Errors
-    /// Why the evaluator is to end.
-    fn next(&mut self) -> Result<Next, EvaluateError>;
+    /// An error ends the evaluator, which returns it.
+    fn next(&mut self) -> Result<Demand, EvaluateError>;
 
-    /// Takes an outcome, durable once this returns `Ok`: only then may it be acknowledged to a worker.
+    /// Records one outcome. The outcome is durable when this returns `Ok`; only then is it acknowledged to a worker.
     ///
     /// # Errors
-    /// Why the evaluator is to end.
+    /// An error ends the evaluator, which returns it.
     fn record(&mut self, finished: Finished) -> Result<(), EvaluateError>;
 
-    /// Takes several outcomes, all of them durable once this returns `Ok`.
+    /// Records several outcomes, all durable when this returns `Ok`.
     ///
     /// # Errors
-    /// Why the evaluator is to end; some of them may be durable.
+    /// An error ends the evaluator, which returns it; some of the outcomes may be durable.
     fn record_all(&mut self, finished: Vec<Finished>) -> Result<(), EvaluateError> {
         finished.into_iter().try_for_each(|finished| self.record(finished))
     }
 }
 
-/// How often an evaluator looks what to begin, and whether the user wants to stop.
-pub const LOOK_UP: Duration = Duration::from_millis(10);
+/// Interval at which an evaluator polls its source and the user's stop request.
+pub const POLL_INTERVAL: Duration = Duration::from_millis(10);
 
 /// Evaluates samples.
 pub trait Evaluator {
-    /// Evaluates every request of the pursuit, in any order, each exactly once, until no more come and none is under way.
+    /// Runs until the source is exhausted and every request has been evaluated exactly once, in any order.
     ///
     /// # Errors
     /// [`EvaluateError`]; outcomes recorded before it stay valid.
-    fn pursue(&mut self, pursuit: &mut dyn Pursuit) -> Result<(), EvaluateError>;
+    fn run(&mut self, source: &mut dyn RequestSource) -> Result<(), EvaluateError>;
 
-    /// Evaluates the requests of `batch` and no others; calls `record` on each outcome as it arrives.
+    /// Evaluates the requests of `batch` and calls `record` with each outcome as it arrives.
     ///
     /// # Errors
-    /// Those of [`Evaluator::pursue`].
+    /// Those of [`Evaluator::run`].
     fn evaluate(
         &mut self,
         batch: &[Request],
         record: &mut dyn FnMut(Finished) -> Result<(), EvaluateError>,
     ) -> Result<(), EvaluateError> {
-        self.pursue(&mut Batch { requests: Some(batch.to_vec()), record })
+        self.run(&mut Batch { requests: Some(batch.to_vec()), record })
     }
 }
 
-/// A pursuit of requests that are all known.
+/// A source whose requests are all known at the start.
 struct Batch<'a> {
     requests: Option<Vec<Request>>,
     record: &'a mut dyn FnMut(Finished) -> Result<(), EvaluateError>,
 }
 
-impl Pursuit for Batch<'_> {
-    fn next(&mut self) -> Result<Next, EvaluateError> {
-        Ok(self.requests.take().map_or(Next::End, Next::Begin))
+impl RequestSource for Batch<'_> {
+    fn next(&mut self) -> Result<Demand, EvaluateError> {
+        Ok(self.requests.take().map_or(Demand::End, Demand::Begin))
     }
 
     fn record(&mut self, finished: Finished) -> Result<(), EvaluateError> {
@@ -148,33 +149,33 @@ impl Pursuit for Batch<'_> {
     }
 }
 
-/// What is left to begin of a pursuit, for evaluators: takes all there is now.
+/// Drains the requests currently available from a source.
 #[derive(Debug, Default)]
-pub(crate) struct Beginnings {
-    ended: bool,
+pub(crate) struct PendingRequests {
+    exhausted: bool,
 }
 
-impl Beginnings {
-    /// Requests to begin now.
-    pub fn take(&mut self, pursuit: &mut dyn Pursuit) -> Result<Vec<Request>, EvaluateError> {
+impl PendingRequests {
+    /// Requests that the source wants to be started now; none once it is exhausted.
+    pub fn drain(&mut self, source: &mut dyn RequestSource) -> Result<Vec<Request>, EvaluateError> {
         let mut all = Vec::new();
-        while !self.ended {
-            match pursuit.next()? {
-                Next::Begin(requests) => all.extend(requests),
-                Next::Later => break,
-                Next::End => self.ended = true,
+        while !self.exhausted {
+            match source.next()? {
+                Demand::Begin(requests) => all.extend(requests),
+                Demand::Later => break,
+                Demand::End => self.exhausted = true,
             }
         }
         Ok(all)
     }
 
-    /// Begins nothing more, whatever comes.
-    pub fn end(&mut self) {
-        self.ended = true;
+    /// Stops asking the source for requests.
+    pub fn close(&mut self) {
+        self.exhausted = true;
     }
 
-    /// Whether no more will come.
-    pub fn ended(&self) -> bool {
-        self.ended
+    /// True if no further requests will be returned.
+    pub fn is_exhausted(&self) -> bool {
+        self.exhausted
     }
 }

@@ -1,15 +1,15 @@
-//! Evaluations by a program of this machine: one process per slot, which lives on from request to request.
+//! Evaluations by a program of this machine: one process per slot, which keeps running between requests.
 //!
-//! A request is one line on its standard input, `{"id": 7, "sample": {"width": 0.02, ...}, "cycles": [1, ...]}`, a reply
-//! one line on its standard output: `{"id": 7, "outputs": {"deflection": [0.003]}}`, with numerical errors of the same
-//! shape under `errors` if it knows any, or `{"id": 7, "failure": "..."}`. A process that takes too long is ended and
-//! replaced; one that ends by itself is replaced and asked once more.
+//! A request is one line on its standard input, `{"id": 7, "sample": {"width": 0.02, ...}, "cycles": [1, ...]}`. A reply
+//! is one line on its standard output: `{"id": 7, "outputs": {"deflection": [0.003]}}`, with numerical errors of the
+//! same shape under `errors` if the program estimates any, or `{"id": 7, "failure": "..."}`. A process that exceeds the
+//! time limit is killed and replaced; a process that exits is replaced and gets the request once more.
 
 use super::external::SimulatorError;
-use super::process::{NoLine, Process};
+use super::process::{LineError, Process};
 use super::reply::{Expected, parse, shown};
-use super::slots::{Slot, Stop};
-use super::{EvaluateError, Outcome, Request};
+use super::slots::{Slot, StopSignal};
+use super::{EvaluateError, EvaluationResult, Request};
 use common::failure::SimulationFailure;
 use common::random::Distribution;
 use common::scene::{Program, Scene};
@@ -20,33 +20,33 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// How often a sample is tried at whose evaluation the program ends.
+/// Attempts at a sample at which the program exits.
 const ATTEMPTS: usize = 2;
 
-/// What the slots share.
+/// Command, time limit and expected shape, shared by all slots.
 #[derive(Debug)]
 pub struct Setup {
     command: Vec<String>,
     folder: PathBuf,
-    /// Seconds, as the scene has them, and as the clock does.
+    /// Time limit of one evaluation as stated in the scene [s].
     seconds: f64,
     timeout: Duration,
     expected: Expected,
     /// Means of the inputs `(d,)`.
     nominal: Vec<f64>,
-    /// Whether a process has answered yet: before that, an end says nothing about the sample.
+    /// Whether any process has replied; before the first reply, an exit says nothing about the sample.
     answered: AtomicBool,
 }
 
 impl Setup {
-    /// For a scene; `timeout` is that of one evaluation [s].
+    /// Setup of `program` for `scene`; `timeout` bounds one evaluation [s].
     pub fn new(program: &Program, timeout: f64, scene: &Scene) -> Self {
         Self {
             command: program.command.clone(),
             folder: PathBuf::from(&program.folder),
             seconds: timeout,
             timeout: Duration::try_from_secs_f64(timeout).unwrap_or(Duration::MAX),
-            expected: Expected::of(scene),
+            expected: Expected::from_scene(scene),
             nominal: scene.variables.iter().map(|v| Distribution::mean(&v.distribution)).collect(),
             answered: AtomicBool::new(false),
         }
@@ -69,8 +69,8 @@ impl Setup {
         text + "\n"
     }
 
-    /// The outcome in a line, or what is wrong with it.
-    fn outcome(&self, id: u64, line: &str) -> Result<Outcome, String> {
+    /// Result of a reply line, or what is wrong with the line.
+    fn outcome(&self, id: u64, line: &str) -> Result<EvaluationResult, String> {
         let reply = parse(line).map_err(|error| format!("\"{}\" is no JSON: {error}", shown(line)))?;
         let Value::Object(reply) = reply else {
             return Err(format!("\"{}\" is no object {{\"id\": ..., \"outputs\": ...}}", shown(line)));
@@ -95,7 +95,7 @@ impl Setup {
     }
 }
 
-/// One process, or the place of one.
+/// A slot with at most one running process.
 #[derive(Debug)]
 pub struct ProgramSlot {
     setup: Arc<Setup>,
@@ -103,20 +103,20 @@ pub struct ProgramSlot {
     process: Option<Process>,
 }
 
-/// How an attempt at a line went.
-enum Attempt {
+/// How a process responded to one request.
+enum Reply {
     Line(String),
     Crashed { status: String, stderr: String },
-    TooLate,
+    TimedOut,
 }
 
 impl ProgramSlot {
-    /// Slot `number`; nothing is started yet.
+    /// Slot `number`; the program is started by [`ProgramSlot::start`] or by the first request.
     pub fn new(setup: Arc<Setup>, number: usize) -> Self {
         Self { setup, number, process: None }
     }
 
-    /// Starts the program if it does not run.
+    /// Starts the program if it is not running.
     ///
     /// # Errors
     /// [`SimulatorError::Start`].
@@ -133,69 +133,73 @@ impl ProgramSlot {
         Ok(())
     }
 
-    /// Sends a sample and waits for a line, the program being started if need be.
-    fn attempt(&mut self, id: u64, sample: &[f64], stop: &Stop) -> Result<Attempt, EvaluateError> {
+    /// Sends a sample and waits for the reply line; starts the program if it is not running.
+    fn attempt(&mut self, id: u64, sample: &[f64], stop: &StopSignal) -> Result<Reply, EvaluateError> {
         self.start()?;
         let line = self.setup.line(id, sample);
-        let process = self.process.as_mut().expect("it was started just now");
+        let process = self.process.as_mut().expect("the program was started above");
         let none = match process.ask(line, self.setup.timeout, stop) {
-            Ok(line) => return Ok(Attempt::Line(line)),
+            Ok(line) => return Ok(Reply::Line(line)),
             Err(none) => none,
         };
         if let Some(process) = self.process.take() {
             process.kill();
         }
         match none {
-            NoLine::TooLate => Ok(Attempt::TooLate),
-            NoLine::Ended { status, stderr } => Ok(Attempt::Crashed { status, stderr }),
-            NoLine::Stopped => Err(EvaluateError::Interrupted),
+            LineError::TimedOut => Ok(Reply::TimedOut),
+            LineError::Ended { status, stderr } => Ok(Reply::Crashed { status, stderr }),
+            LineError::Stopped => Err(EvaluateError::Interrupted),
         }
     }
 
-    /// A program that has ended at a sample although no process has answered anything yet is tried at the means: if it
-    /// ends there too, it is the program that is wrong, and not the sample.
-    fn check_program(&mut self, request: &Request, stop: &Stop) -> Result<(), EvaluateError> {
+    /// Distinguishes a broken program from a bad sample: if no process has ever replied, the program is run at the means of the
+    /// inputs. If it exits there too, the program is at fault.
+    ///
+    /// # Errors
+    /// [`SimulatorError::Dead`].
+    fn check_program(&mut self, request: &Request, stop: &StopSignal) -> Result<(), EvaluateError> {
         if self.setup.answered.load(Ordering::Relaxed) {
             return Ok(());
         }
         let nominal = self.setup.nominal.clone();
         match self.attempt(request.id, &nominal, stop)? {
-            Attempt::Crashed { status, stderr } => {
+            Reply::Crashed { status, stderr } => {
                 Err(SimulatorError::Dead { program: self.setup.name(), status, stderr }.into())
             }
-            Attempt::Line(line) => self.taken(request.id, &line).map(drop),
-            Attempt::TooLate => Ok(()),
+            Reply::Line(line) => self.accept(request.id, &line).map(drop),
+            Reply::TimedOut => Ok(()),
         }
     }
 
-    /// What a line says.
-    fn taken(&mut self, id: u64, line: &str) -> Result<Outcome, EvaluateError> {
+    /// Parses a reply line; kills the process if the line breaks the protocol.
+    fn accept(&mut self, id: u64, line: &str) -> Result<EvaluationResult, EvaluateError> {
         match self.setup.outcome(id, line) {
             Ok(outcome) => {
                 self.setup.answered.store(true, Ordering::Relaxed);
                 Ok(outcome)
             }
             Err(fault) => {
-                // Whatever else it has to say would be taken for the next answer.
+                // Further output would be read as the next reply.
                 if let Some(process) = self.process.take() {
                     process.kill();
                 }
-                Err(SimulatorError::Protocol { who: format!("\"{}\"", self.setup.name()), id, fault }.into())
+                Err(SimulatorError::Protocol { simulator: format!("\"{}\"", self.setup.name()), id, fault }
+                    .into())
             }
         }
     }
 }
 
 impl Slot for ProgramSlot {
-    fn evaluate(&mut self, request: &Request, stop: &Stop) -> Result<Outcome, EvaluateError> {
+    fn evaluate(&mut self, request: &Request, stop: &StopSignal) -> Result<EvaluationResult, EvaluateError> {
         let mut crash = None;
         for _ in 0..ATTEMPTS {
             match self.attempt(request.id, &request.sample, stop)? {
-                Attempt::Line(line) => return self.taken(request.id, &line),
-                Attempt::TooLate => {
+                Reply::Line(line) => return self.accept(request.id, &line),
+                Reply::TimedOut => {
                     return Ok(Err(SimulationFailure::TimedOut { seconds: self.setup.seconds }));
                 }
-                Attempt::Crashed { status, stderr } => {
+                Reply::Crashed { status, stderr } => {
                     tracing::debug!("the simulator ended with {status} at evaluation {}", request.id);
                     crash = Some(SimulationFailure::Crashed { status, stderr });
                 }

@@ -1,27 +1,27 @@
-//! What the threads of an evaluator take their work from.
+//! Queue of requests shared by the threads of an evaluator.
 
 use super::Request;
 use std::collections::VecDeque;
 use std::sync::{Condvar, Mutex, PoisonError};
 
-/// Requests that no thread has taken.
+/// Requests that no thread has taken yet.
 #[derive(Debug, Default)]
 pub(super) struct Queue {
-    waiting: Mutex<Waiting>,
+    waiting: Mutex<QueueState>,
     changed: Condvar,
 }
 
 #[derive(Debug, Default)]
-struct Waiting {
+struct QueueState {
     requests: VecDeque<Request>,
     closed: bool,
 }
 
 impl Queue {
-    /// The next request, waited for; `None` once the queue is closed.
+    /// Waits for the next request; `None` once the queue is closed.
     pub(super) fn take(&self) -> Option<Request> {
         let waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
-        let idle = |w: &mut Waiting| w.requests.is_empty() && !w.closed;
+        let idle = |w: &mut QueueState| w.requests.is_empty() && !w.closed;
         let mut waiting = self.changed.wait_while(waiting, idle).unwrap_or_else(PoisonError::into_inner);
         if waiting.closed { None } else { waiting.requests.pop_front() }
     }
@@ -32,7 +32,7 @@ impl Queue {
     }
 }
 
-/// Closes a queue when it goes: at the end, at an error, and where a simulation panics.
+/// Closes a queue when dropped: at the end, after an error, and when a simulation panics.
 pub(super) struct CloseAtEnd<'a>(pub &'a Queue);
 
 impl Drop for CloseAtEnd<'_> {

@@ -1,12 +1,12 @@
-//! What an external simulator answers, as an evaluation: names, shapes and numbers checked against the scene.
+//! Converts the reply of an external simulator into an evaluation; checks names, shapes and numbers against the scene.
 
-use super::Outcome;
+use super::EvaluationResult;
 use common::failure::SimulationFailure;
 use common::outputs::{Diagnostics, Evaluation};
 use common::scene::{OutputKind, Scene};
 use serde_json::{Map, Value};
 
-/// What the scene expects of a simulator.
+/// Inputs and outputs of a simulator as declared by the scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Expected {
     /// Names of the inputs `(d,)`.
@@ -18,8 +18,8 @@ pub struct Expected {
 }
 
 impl Expected {
-    /// By the variables, outputs and life of a scene.
-    pub fn of(scene: &Scene) -> Self {
+    /// Inputs, outputs and checkpoints of a scene.
+    pub fn from_scene(scene: &Scene) -> Self {
         let single = |kind: &OutputKind| matches!(kind, OutputKind::External { single: true, .. });
         Self {
             inputs: scene.variables.iter().map(|variable| variable.name.clone()).collect(),
@@ -33,21 +33,22 @@ impl Expected {
         self.outputs.iter().map(|(_, single)| if *single { 1 } else { self.cycles.len() }).collect()
     }
 
-    /// An evaluation from values by name and, where they are stated, numerical errors.
+    /// Builds an evaluation from values by name and, if stated, numerical errors of the same shape.
     ///
     /// # Errors
-    /// What does not fit the scene. A value that is no finite number is a failed simulation.
+    /// A message for the user if a name or shape does not fit the scene. A value that is not a finite number makes a
+    /// failed simulation instead.
     pub fn evaluation(
         &self,
         values: &Map<String, Value>,
         errors: Option<&Map<String, Value>>,
-    ) -> Result<Outcome, String> {
+    ) -> Result<EvaluationResult, String> {
         let mut histories = Vec::new();
         for (name, single) in &self.outputs {
             let value = values.get(name).ok_or_else(|| {
-                let there: Vec<&str> = values.keys().map(String::as_str).collect();
-                let there = if there.is_empty() { "none".to_owned() } else { there.join(", ") };
-                format!("it has no output \"{name}\"; it has: {there}")
+                let found: Vec<&str> = values.keys().map(String::as_str).collect();
+                let found = if found.is_empty() { "none".to_owned() } else { found.join(", ") };
+                format!("output \"{name}\" is missing; found: {found}")
             })?;
             match self.history(&format!("output \"{name}\""), value, *single)? {
                 Ok(history) => histories.push(history),
@@ -72,9 +73,9 @@ impl Expected {
         }))
     }
 
-    /// Stated errors of all outputs; those of an output that has none are zero.
+    /// Stated errors of all outputs `(outputs, m)`; zero for an output without stated errors.
     fn errors(&self, errors: &Map<String, Value>) -> Result<Vec<Vec<f64>>, String> {
-        let of = |(name, single): &(String, bool)| {
+        let errors_of_output = |(name, single): &(String, bool)| {
             let Some(value) = errors.get(name) else { return Ok(vec![0.0; self.cycles.len()]) };
             let what = format!("the error of output \"{name}\"");
             match self.history(&what, value, *single)? {
@@ -83,10 +84,10 @@ impl Expected {
                 Err((_, value)) => Err(format!("{what} is {value}")),
             }
         };
-        self.outputs.iter().map(of).collect()
+        self.outputs.iter().map(errors_of_output).collect()
     }
 
-    /// Values `(m,)` of an output, or the place and text of the first one that is no finite number.
+    /// Values `(m,)` of an output, or index and text of the first one that is not a finite number.
     fn history(
         &self,
         what: &str,
@@ -105,8 +106,8 @@ impl Expected {
         for (at, value) in list.iter().enumerate() {
             match value.as_f64() {
                 Some(number) if number.is_finite() => values.push(number),
-                _ if is_odd(value) => return Ok(Err((at, plain(value)))),
-                _ => return Err(format!("{what} has {value} where a number belongs")),
+                _ if is_non_finite(value) => return Ok(Err((at, plain(value)))),
+                _ => return Err(format!("{what} has {value} instead of a number")),
             }
         }
         if single {
@@ -116,13 +117,13 @@ impl Expected {
     }
 }
 
-/// JSON as simulators write it: with `NaN`, `Infinity` and the like, which become texts.
+/// Parses JSON as simulators write it; the words `NaN`, `Infinity` and `inf`, which JSON lacks, become strings.
 ///
 /// # Errors
-/// What is wrong with it.
+/// The message of the JSON parser.
 pub fn parse(text: &str) -> Result<Value, String> {
     serde_json::from_str(text).or_else(|error| {
-        let quoted = with_odd_numbers_quoted(text);
+        let quoted = quote_non_finite(text);
         if quoted == text {
             Err(error.to_string())
         } else {
@@ -131,7 +132,7 @@ pub fn parse(text: &str) -> Result<Value, String> {
     })
 }
 
-/// The start of a text, as a message shows it.
+/// The first 120 characters of a text, for messages.
 pub fn shown(text: &str) -> String {
     const SHOWN: usize = 120;
     match text.char_indices().nth(SHOWN) {
@@ -140,21 +141,21 @@ pub fn shown(text: &str) -> String {
     }
 }
 
-/// Words that stand for numbers which are not finite.
-fn is_odd_word(word: &str) -> bool {
+/// True for `NaN`, `inf` and `infinity` in any case, with or without sign.
+fn is_non_finite_word(word: &str) -> bool {
     let bare = word.trim_start_matches(['-', '+']);
-    ["nan", "inf", "infinity"].iter().any(|odd| bare.eq_ignore_ascii_case(odd))
+    ["nan", "inf", "infinity"].iter().any(|word| bare.eq_ignore_ascii_case(word))
 }
 
-fn is_odd(value: &Value) -> bool {
-    value.is_null() || value.as_str().is_some_and(is_odd_word)
+fn is_non_finite(value: &Value) -> bool {
+    value.is_null() || value.as_str().is_some_and(is_non_finite_word)
 }
 
 fn plain(value: &Value) -> String {
     value.as_str().map_or_else(|| value.to_string(), str::to_owned)
 }
 
-fn with_odd_numbers_quoted(text: &str) -> String {
+fn quote_non_finite(text: &str) -> String {
     let mut out = String::new();
     let mut rest = text;
     while let Some(c) = rest.chars().next() {
@@ -167,7 +168,7 @@ fn with_odd_numbers_quoted(text: &str) -> String {
             other => other.len_utf8(),
         };
         let (word, after) = rest.split_at(length);
-        if is_odd_word(word) {
+        if is_non_finite_word(word) {
             out.extend(["\"", word, "\""]);
         } else {
             out.push_str(word);
@@ -177,7 +178,7 @@ fn with_odd_numbers_quoted(text: &str) -> String {
     out
 }
 
-/// Length of the JSON string that `text` begins with.
+/// Length of the JSON string at the start of `text` [bytes].
 fn quoted_length(text: &str) -> usize {
     let mut escaped = false;
     for (at, c) in text.char_indices().skip(1) {
@@ -203,7 +204,7 @@ mod tests {
         }
     }
 
-    fn evaluation(outputs: Value, errors: Option<Value>) -> Result<Outcome, String> {
+    fn evaluation(outputs: Value, errors: Option<Value>) -> Result<EvaluationResult, String> {
         let errors = errors.as_ref().map(|errors| errors.as_object().unwrap());
         expected().evaluation(outputs.as_object().unwrap(), errors)
     }
@@ -221,12 +222,12 @@ mod tests {
     #[test]
     fn what_does_not_fit_is_named() {
         for (outputs, errors, said) in [
-            (json!({}), None, "it has no output \"g\"; it has: none"),
-            (json!({ "G": 1, "h": 1 }), None, "it has no output \"g\"; it has: G, h"),
+            (json!({}), None, "output \"g\" is missing; found: none"),
+            (json!({ "G": 1, "h": 1 }), None, "output \"g\" is missing; found: G, h"),
             (json!({ "g": [1], "h": 1 }), None, "output \"g\" has 1 values, expected 2"),
             (json!({ "g": [1, 2], "h": [1, 2] }), None, "output \"h\" has 2 values, expected 1"),
-            (json!({ "g": [1, "two"], "h": 1 }), None, "output \"g\" has \"two\" where a number belongs"),
-            (json!({ "g": [1, [2]], "h": 1 }), None, "output \"g\" has [2] where a number belongs"),
+            (json!({ "g": [1, "two"], "h": 1 }), None, "output \"g\" has \"two\" instead of a number"),
+            (json!({ "g": [1, [2]], "h": 1 }), None, "output \"g\" has [2] instead of a number"),
             (
                 json!({ "g": [1, 2], "h": 1 }),
                 Some(json!({ "g": [0, -1] })),

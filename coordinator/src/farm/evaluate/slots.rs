@@ -1,43 +1,43 @@
-//! Evaluations on a fixed number of slots, each with something of its own that lives on from batch to batch, e.g. a
-//! process. A slot at work looks up often enough to stop at once when the user wants to.
+//! Evaluates requests on a fixed number of slots, one thread each. A slot keeps its state between batches, e.g. a
+//! running process, and polls the stop signal while it waits.
 
 use super::queue::{CloseAtEnd, Queue};
-use super::{Beginnings, EvaluateError, Evaluator, Finished, Outcome, Pursuit, Request};
+use super::{EvaluateError, EvaluationResult, Evaluator, Finished, PendingRequests, Request, RequestSource};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
-/// How often anybody who waits looks whether to stop.
-pub(super) const LOOK_UP: Duration = Duration::from_millis(50);
+/// Interval at which a waiting slot polls the stop signal.
+pub(super) const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
-/// Tells a slot to stop: the user wants to, or its batch has ended early.
+/// Set when the user stops the study or the batch has ended early.
 #[derive(Debug, Clone, Default)]
-pub struct Stop {
+pub struct StopSignal {
     user: Arc<AtomicBool>,
     batch: Arc<AtomicBool>,
 }
 
-impl Stop {
-    /// Whether to stop.
-    pub fn asked(&self) -> bool {
+impl StopSignal {
+    /// True if the slot is to stop.
+    pub fn is_set(&self) -> bool {
         self.user.load(Ordering::Relaxed) || self.batch.load(Ordering::Relaxed)
     }
 
-    /// Waits for a message, at most `patience`; looks up meanwhile.
+    /// Waits for a message for at most `timeout` and polls the stop signal.
     ///
     /// # Errors
     /// Why there is none.
-    pub fn wait<T>(&self, messages: &Receiver<T>, patience: Duration) -> Result<T, NoMessage> {
+    pub fn wait<T>(&self, messages: &Receiver<T>, timeout: Duration) -> Result<T, WaitError> {
         let started = Instant::now();
         loop {
-            let left = patience.saturating_sub(started.elapsed());
-            match messages.recv_timeout(left.min(LOOK_UP)) {
+            let left = timeout.saturating_sub(started.elapsed());
+            match messages.recv_timeout(left.min(POLL_INTERVAL)) {
                 Ok(message) => return Ok(message),
-                Err(RecvTimeoutError::Disconnected) => return Err(NoMessage::Ended),
-                Err(RecvTimeoutError::Timeout) if self.asked() => return Err(NoMessage::Stopped),
-                Err(RecvTimeoutError::Timeout) if started.elapsed() >= patience => {
-                    return Err(NoMessage::TooLate);
+                Err(RecvTimeoutError::Disconnected) => return Err(WaitError::Disconnected),
+                Err(RecvTimeoutError::Timeout) if self.is_set() => return Err(WaitError::Stopped),
+                Err(RecvTimeoutError::Timeout) if started.elapsed() >= timeout => {
+                    return Err(WaitError::TimedOut);
                 }
                 Err(RecvTimeoutError::Timeout) => {}
             }
@@ -45,30 +45,30 @@ impl Stop {
     }
 }
 
-/// Why there is no message.
+/// Reasons for a wait to end without a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum NoMessage {
-    /// Patience has come to its end.
-    TooLate,
-    /// Nobody sends any more.
-    Ended,
-    /// [`Stop`].
+pub enum WaitError {
+    /// No message arrived within the timeout.
+    TimedOut,
+    /// The sender was dropped.
+    Disconnected,
+    /// The [`StopSignal`] is set.
     Stopped,
 }
 
-/// Evaluates one sample after another.
+/// Evaluates one request at a time.
 pub trait Slot: Send {
-    /// One evaluation.
+    /// Evaluates one request.
     ///
     /// # Errors
-    /// What ends the whole batch; [`EvaluateError::Interrupted`] soon after `stop` asks for it.
-    fn evaluate(&mut self, request: &Request, stop: &Stop) -> Result<Outcome, EvaluateError>;
+    /// An error ends the whole batch; [`EvaluateError::Interrupted`] once `stop` is set.
+    fn evaluate(&mut self, request: &Request, stop: &StopSignal) -> Result<EvaluationResult, EvaluateError>;
 
-    /// Name in results, e.g. `program/0`.
+    /// Name of the slot in results, e.g. `program/0`.
     fn name(&self) -> String;
 }
 
-/// Evaluates batches on slots, one thread each.
+/// Evaluator with one thread per slot.
 #[derive(Debug)]
 pub struct SlotEvaluator<S> {
     slots: Vec<S>,
@@ -76,15 +76,15 @@ pub struct SlotEvaluator<S> {
 }
 
 impl<S: Slot> SlotEvaluator<S> {
-    /// With these slots; a batch under way stops when `interrupted` becomes true.
+    /// An evaluator with these slots. A run ends with [`EvaluateError::Interrupted`] when `interrupted` becomes true.
     pub fn new(slots: Vec<S>, interrupted: Arc<AtomicBool>) -> Self {
         Self { slots, interrupted }
     }
 }
 
 impl<S: Slot> Evaluator for SlotEvaluator<S> {
-    fn pursue(&mut self, pursuit: &mut dyn Pursuit) -> Result<(), EvaluateError> {
-        let stop = Stop { user: Arc::clone(&self.interrupted), batch: Arc::default() };
+    fn run(&mut self, source: &mut dyn RequestSource) -> Result<(), EvaluateError> {
+        let stop = StopSignal { user: Arc::clone(&self.interrupted), batch: Arc::default() };
         let queue = Queue::default();
         let (sender, outcomes) = channel();
         std::thread::scope(|scope| {
@@ -92,7 +92,7 @@ impl<S: Slot> Evaluator for SlotEvaluator<S> {
                 let (sender, queue, stop) = (sender.clone(), &queue, &stop);
                 scope.spawn(move || {
                     let _closed = CloseAtEnd(queue);
-                    while !stop.asked()
+                    while !stop.is_set()
                         && let Some(request) = queue.take()
                     {
                         let started = Instant::now();
@@ -107,41 +107,41 @@ impl<S: Slot> Evaluator for SlotEvaluator<S> {
                 });
             }
             drop(sender);
-            // Whatever happens here, the threads end.
+            // The threads end on every path out of this scope.
             let _closed = CloseAtEnd(&queue);
-            let collected = collect(pursuit, &queue, &outcomes, &stop);
+            let collected = collect(source, &queue, &outcomes, &stop);
             stop.batch.store(true, Ordering::Relaxed);
             collected
         })
     }
 }
 
-/// Begins what comes and records what is done until there is no more of either.
+/// Queues requests and records outcomes until the source is exhausted and nothing is running.
 fn collect(
-    pursuit: &mut dyn Pursuit,
+    source: &mut dyn RequestSource,
     queue: &Queue,
     outcomes: &Receiver<Result<Finished, EvaluateError>>,
-    stop: &Stop,
+    stop: &StopSignal,
 ) -> Result<(), EvaluateError> {
-    let (mut beginnings, mut open) = (Beginnings::default(), 0);
+    let (mut pending, mut open) = (PendingRequests::default(), 0);
     loop {
-        let requests = beginnings.take(pursuit)?;
+        let requests = pending.drain(source)?;
         open += requests.len();
         queue.add(requests);
-        if open == 0 && beginnings.ended() {
+        if open == 0 && pending.is_exhausted() {
             return Ok(());
         }
-        if stop.asked() {
+        if stop.is_set() {
             return Err(EvaluateError::Interrupted);
         }
-        match outcomes.recv_timeout(super::LOOK_UP) {
+        match outcomes.recv_timeout(super::POLL_INTERVAL) {
             Ok(finished) => {
-                pursuit.record(finished?)?;
+                source.record(finished?)?;
                 open -= 1;
             }
             Err(RecvTimeoutError::Timeout) => {}
-            // They leave when asked to; a thread that panics is reported by the scope.
-            Err(RecvTimeoutError::Disconnected) if stop.asked() => return Err(EvaluateError::Interrupted),
+            // The slots end when the stop signal is set; a panic of a thread is reported by the scope.
+            Err(RecvTimeoutError::Disconnected) if stop.is_set() => return Err(EvaluateError::Interrupted),
             Err(RecvTimeoutError::Disconnected) => return Ok(()),
         }
     }
@@ -153,18 +153,23 @@ mod tests {
     use common::failure::SimulationFailure;
     use std::collections::BTreeSet;
 
-    /// Fails every sample in its own words, `broken` with an error; waits for `stop` at sample `stuck`.
-    struct Practice {
+    /// Fails every sample with its number as message; returns an error at sample `broken`; waits for `stop` at sample
+    /// `stuck`.
+    struct TestSlot {
         broken: u64,
         stuck: u64,
         calls: u64,
     }
 
-    impl Slot for Practice {
-        fn evaluate(&mut self, request: &Request, stop: &Stop) -> Result<Outcome, EvaluateError> {
+    impl Slot for TestSlot {
+        fn evaluate(
+            &mut self,
+            request: &Request,
+            stop: &StopSignal,
+        ) -> Result<EvaluationResult, EvaluateError> {
             self.calls += 1;
             if request.id == self.stuck {
-                while !stop.asked() {
+                while !stop.is_set() {
                     std::thread::yield_now();
                 }
                 return Err(EvaluateError::Interrupted);
@@ -176,12 +181,12 @@ mod tests {
         }
 
         fn name(&self) -> String {
-            "practice/0".into()
+            "test/0".into()
         }
     }
 
-    fn evaluator(count: usize, broken: u64, stuck: u64) -> SlotEvaluator<Practice> {
-        let slot = |_| Practice { broken, stuck, calls: 0 };
+    fn evaluator(count: usize, broken: u64, stuck: u64) -> SlotEvaluator<TestSlot> {
+        let slot = |_| TestSlot { broken, stuck, calls: 0 };
         SlotEvaluator::new((0..count).map(slot).collect(), Arc::default())
     }
 
@@ -197,7 +202,7 @@ mod tests {
             let mut seen = BTreeSet::new();
             evaluator
                 .evaluate(&batch(50), &mut |finished| {
-                    assert!(seen.insert(finished.id) && finished.worker == "practice/0");
+                    assert!(seen.insert(finished.id) && finished.worker == "test/0");
                     Ok(())
                 })
                 .unwrap();

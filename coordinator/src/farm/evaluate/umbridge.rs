@@ -1,12 +1,15 @@
-//! Evaluations by a model behind the UM-Bridge protocol, as many requests at once as there are slots.
+//! Evaluations by a model server with the UM-Bridge protocol, one concurrent request per slot.
 //!
-//! The random variables fill the model's input vectors one after another, and the outputs of the scene are cut from its
-//! output vectors likewise: an output has a value per checkpoint, or one.
+//! The random variables fill the input vectors of the model in order. The output vectors, concatenated, are cut into
+//! the outputs of the scene in order: each output has one value per checkpoint, or a single value.
+//!
+//! # Source
+//! See [`common::umbridge`].
 
 use super::external::SimulatorError;
 use super::reply::{Expected, parse, shown};
-use super::slots::{NoMessage, Slot, Stop};
-use super::{EvaluateError, Outcome, Request};
+use super::slots::{Slot, StopSignal, WaitError};
+use super::{EvaluateError, EvaluationResult, Request};
 use common::failure::SimulationFailure;
 use common::scene::{Scene, UmBridgeModel};
 use common::umbridge as protocol;
@@ -17,15 +20,15 @@ use std::sync::mpsc::channel;
 use std::time::Duration;
 use ureq::Agent;
 
-/// How long a server may take to say what it is.
-const GREETING: Duration = Duration::from_secs(30);
-/// How often a request is sent that gets no answer, or only that the server is in trouble.
+/// Timeout of requests for name, sizes and support of a model.
+const INFO_TIMEOUT: Duration = Duration::from_secs(30);
+/// Attempts at a request that gets no reply, or a server error (HTTP 5xx) that is no UM-Bridge reply.
 const ATTEMPTS: u32 = 3;
-/// Time between two of them.
+/// Pause between two attempts.
 const PAUSE: Duration = Duration::from_secs(1);
-/// Longest answer [bytes].
-const LONGEST_ANSWER: u64 = 256 << 20;
-/// Errors by which a server says that the request is wrong, not the sample.
+/// Longest reply [bytes].
+const LONGEST_REPLY: u64 = 256 << 20;
+/// Kinds of error that blame the request, not the sample.
 const REFUSALS: [&str; 4] = [
     protocol::INVALID_INPUT,
     protocol::INVALID_OUTPUT,
@@ -33,13 +36,13 @@ const REFUSALS: [&str; 4] = [
     protocol::UNSUPPORTED_FEATURE,
 ];
 
-/// A server whose model fits the scene.
+/// Client of a server whose model fits the scene.
 #[derive(Debug)]
-pub struct Server {
+pub struct UmBridgeClient {
     agent: Agent,
     model: UmBridgeModel,
     config: Value,
-    /// Seconds that an evaluation may take, as the scene has them, and as the clock does.
+    /// Time limit of one evaluation as stated in the scene [s].
     seconds: f64,
     timeout: Duration,
     expected: Expected,
@@ -47,40 +50,40 @@ pub struct Server {
     output_sizes: Vec<usize>,
 }
 
-/// An HTTP answer.
-struct Answer {
+/// Status and body of an HTTP reply.
+struct HttpReply {
     status: u16,
     text: String,
 }
 
-/// Why there is no answer.
-enum NoAnswer {
-    TooLate,
-    Broken(String),
+/// Reasons for a request without a reply.
+enum HttpError {
+    TimedOut,
+    Failed(String),
 }
 
-impl Server {
-    /// Asks a server for its models, what the one named offers, and which sizes it has.
+impl UmBridgeClient {
+    /// Connects to a server; checks protocol version, model name, support of evaluation, and sizes against the scene.
     ///
     /// # Errors
-    /// [`SimulatorError`]: it does not answer, or not what the scene needs.
+    /// [`SimulatorError`]: the server cannot be reached, or its model does not fit the scene.
     pub fn open(model: &UmBridgeModel, timeout: f64, scene: &Scene) -> Result<Self, SimulatorError> {
         let agent = Agent::new_with_config(
             Agent::config_builder().http_status_as_error(false).user_agent("hingewise").build(),
         );
         let config = serde_json::to_value(&model.config).unwrap_or_else(|_| json!({}));
-        let mut server = Self {
+        let mut client = Self {
             agent,
             config,
             seconds: timeout,
             timeout: Duration::try_from_secs_f64(timeout).unwrap_or(Duration::MAX),
-            expected: Expected::of(scene),
+            expected: Expected::from_scene(scene),
             model: model.clone(),
             input_sizes: vec![],
             output_sizes: vec![],
         };
         let url = || model.url.clone();
-        let info: protocol::Info = server.told("Info", None)?;
+        let info: protocol::Info = client.query("Info", None)?;
         if info.protocol_version != protocol::PROTOCOL_VERSION {
             let (found, expected) = (info.protocol_version, protocol::PROTOCOL_VERSION);
             return Err(SimulatorError::Version { url: url(), found, expected });
@@ -89,65 +92,65 @@ impl Server {
         if !info.models.contains(name) {
             return Err(SimulatorError::NoModel { url: url(), model: name.clone(), known: info.models });
         }
-        let about: protocol::ModelInfo = server.told("ModelInfo", Some(json!({ "name": name })))?;
+        let about: protocol::ModelInfo = client.query("ModelInfo", Some(json!({ "name": name })))?;
         if !about.support.evaluate {
             return Err(SimulatorError::NoEvaluation { url: url(), model: name.clone() });
         }
-        let sizes = json!({ "name": name, "config": server.config });
-        let inputs: protocol::InputSizes = server.told("InputSizes", Some(sizes.clone()))?;
-        let outputs: protocol::OutputSizes = server.told("OutputSizes", Some(sizes))?;
-        let variables = server.expected.inputs.len();
+        let sizes = json!({ "name": name, "config": client.config });
+        let inputs: protocol::InputSizes = client.query("InputSizes", Some(sizes.clone()))?;
+        let outputs: protocol::OutputSizes = client.query("OutputSizes", Some(sizes))?;
+        let variables = client.expected.inputs.len();
         if inputs.input_sizes.iter().sum::<usize>() != variables {
             let (model, sizes) = (name.clone(), inputs.input_sizes);
             return Err(SimulatorError::Inputs { model, sizes, variables });
         }
-        let lengths = server.expected.lengths();
+        let lengths = client.expected.lengths();
         if outputs.output_sizes.iter().sum::<usize>() != lengths.iter().sum::<usize>() {
             let (model, sizes) = (name.clone(), outputs.output_sizes);
             return Err(SimulatorError::Outputs { model, sizes, lengths });
         }
-        (server.input_sizes, server.output_sizes) = (inputs.input_sizes, outputs.output_sizes);
-        Ok(server)
+        (client.input_sizes, client.output_sizes) = (inputs.input_sizes, outputs.output_sizes);
+        Ok(client)
     }
 
-    /// What the server tells of itself at a path.
-    fn told<T: DeserializeOwned>(&self, path: &str, body: Option<Value>) -> Result<T, SimulatorError> {
+    /// Queries name, sizes or support of the model.
+    fn query<T: DeserializeOwned>(&self, path: &str, body: Option<Value>) -> Result<T, SimulatorError> {
         let wrong = |reason| SimulatorError::Server { url: format!("{}/{path}", self.model.url), reason };
-        let answer = self.ask(path, body.as_ref(), GREETING).map_err(|none| match none {
-            NoAnswer::TooLate => wrong(format!("no answer within {} s", GREETING.as_secs())),
-            NoAnswer::Broken(reason) => wrong(reason),
+        let reply = self.send(path, body.as_ref(), INFO_TIMEOUT).map_err(|none| match none {
+            HttpError::TimedOut => wrong(format!("no reply within {} s", INFO_TIMEOUT.as_secs())),
+            HttpError::Failed(reason) => wrong(reason),
         })?;
-        match serde_json::from_str(&answer.text) {
-            Ok(told) if answer.status == 200 => Ok(told),
-            _ => Err(wrong(match serde_json::from_str(&answer.text) {
+        match serde_json::from_str(&reply.text) {
+            Ok(body) if reply.status == 200 => Ok(body),
+            _ => Err(wrong(match serde_json::from_str(&reply.text) {
                 Ok(protocol::ErrorReply { error }) => format!("{}: {}", error.kind, error.message),
-                Err(_) => format!("HTTP status {}: \"{}\"", answer.status, shown(&answer.text)),
+                Err(_) => format!("HTTP status {}: \"{}\"", reply.status, shown(&reply.text)),
             })),
         }
     }
 
     /// Sends one request: `POST` with a body, `GET` without.
-    fn ask(&self, path: &str, body: Option<&Value>, patience: Duration) -> Result<Answer, NoAnswer> {
+    fn send(&self, path: &str, body: Option<&Value>, timeout: Duration) -> Result<HttpReply, HttpError> {
         let url = format!("{}/{path}", self.model.url);
         let sent = match body {
-            None => self.agent.get(url).config().timeout_global(Some(patience)).build().call(),
+            None => self.agent.get(url).config().timeout_global(Some(timeout)).build().call(),
             Some(body) => {
                 let request = self.agent.post(url).header("content-type", "application/json");
-                request.config().timeout_global(Some(patience)).build().send(body.to_string())
+                request.config().timeout_global(Some(timeout)).build().send(body.to_string())
             }
         };
         let read = sent.and_then(|mut response| {
             let text =
-                response.body_mut().with_config().limit(LONGEST_ANSWER).lossy_utf8(true).read_to_string()?;
-            Ok(Answer { status: response.status().as_u16(), text })
+                response.body_mut().with_config().limit(LONGEST_REPLY).lossy_utf8(true).read_to_string()?;
+            Ok(HttpReply { status: response.status().as_u16(), text })
         });
         read.map_err(|error| match error {
-            ureq::Error::Timeout(_) => NoAnswer::TooLate,
-            other => NoAnswer::Broken(other.to_string()),
+            ureq::Error::Timeout(_) => HttpError::TimedOut,
+            other => HttpError::Failed(other.to_string()),
         })
     }
 
-    /// The body of an evaluation: the sample cut into the model's input vectors.
+    /// Body of an evaluation request: the sample cut into the model's input vectors.
     fn body(&self, sample: &[f64]) -> Value {
         let mut rest = sample;
         let input: Vec<&[f64]> = self
@@ -162,17 +165,17 @@ impl Server {
         json!({ "name": self.model.model, "input": input, "config": self.config })
     }
 
-    /// What an answer says: an outcome, or what is wrong with it.
-    fn outcome(&self, answer: &Answer) -> Result<Outcome, String> {
-        let reply = parse(&answer.text)
-            .map_err(|_| format!("HTTP status {}: \"{}\"", answer.status, shown(&answer.text)))?;
+    /// Result stated by a reply, or what is wrong with the reply.
+    fn outcome(&self, http: &HttpReply) -> Result<EvaluationResult, String> {
+        let reply = parse(&http.text)
+            .map_err(|_| format!("HTTP status {}: \"{}\"", http.status, shown(&http.text)))?;
         if let Ok(protocol::ErrorReply { error }) = serde_json::from_value(reply.clone()) {
-            let told = format!("{}: {}", error.kind, error.message);
+            let message = format!("{}: {}", error.kind, error.message);
             let refused = REFUSALS.contains(&error.kind.as_str());
-            return if refused { Err(told) } else { Ok(Err(SimulationFailure::Reported { message: told })) };
+            return if refused { Err(message) } else { Ok(Err(SimulationFailure::Reported { message })) };
         }
         let protocol::Evaluated::<Value> { output } =
-            serde_json::from_value(reply).map_err(|_| format!("\"{}\"", shown(&answer.text)))?;
+            serde_json::from_value(reply).map_err(|_| format!("\"{}\"", shown(&http.text)))?;
         let sizes: Vec<usize> = output.iter().map(Vec::len).collect();
         if sizes != self.output_sizes {
             return Err(format!(
@@ -190,76 +193,76 @@ impl Server {
     }
 }
 
-/// One request at a time.
+/// A slot that sends one evaluation request at a time.
 #[derive(Debug)]
 pub struct ModelSlot {
-    server: Arc<Server>,
+    client: Arc<UmBridgeClient>,
     number: usize,
 }
 
 impl ModelSlot {
-    /// Slot `number`.
-    pub fn new(server: Arc<Server>, number: usize) -> Self {
-        Self { server, number }
+    /// Slot `number` of the client.
+    pub fn new(client: Arc<UmBridgeClient>, number: usize) -> Self {
+        Self { client, number }
     }
 
-    /// Sends an evaluation from a thread of its own, which is left to itself if the user stops.
-    fn ask(&self, body: &Value, stop: &Stop) -> Result<Result<Answer, NoAnswer>, EvaluateError> {
-        let (sender, answers) = channel();
-        let (server, body) = (Arc::clone(&self.server), body.clone());
-        let ask = move || {
-            // Nobody listens any more after a stop.
-            let _ = sender.send(server.ask("Evaluate", Some(&body), server.timeout));
+    /// Sends an evaluation request from a separate thread, which is abandoned if the stop signal is set.
+    fn send(&self, body: &Value, stop: &StopSignal) -> Result<Result<HttpReply, HttpError>, EvaluateError> {
+        let (sender, replies) = channel();
+        let (client, body) = (Arc::clone(&self.client), body.clone());
+        let send = move || {
+            // After a stop the receiver is gone.
+            let _ = sender.send(client.send("Evaluate", Some(&body), client.timeout));
         };
-        let thread = std::thread::Builder::new().name("umbridge".into()).spawn(ask);
+        let thread = std::thread::Builder::new().name("umbridge".into()).spawn(send);
         thread.map_err(|error| EvaluateError::Transport(format!("cannot start a thread: {error}")))?;
-        stop.wait(&answers, Duration::MAX).map_err(|none| match none {
-            NoMessage::Stopped => EvaluateError::Interrupted,
-            NoMessage::Ended | NoMessage::TooLate => {
-                EvaluateError::Transport("a request has vanished".into())
+        stop.wait(&replies, Duration::MAX).map_err(|none| match none {
+            WaitError::Stopped => EvaluateError::Interrupted,
+            WaitError::Disconnected | WaitError::TimedOut => {
+                EvaluateError::Transport("the thread of a request ended without a reply".into())
             }
         })
     }
 
-    fn pause(stop: &Stop) -> Result<(), EvaluateError> {
+    fn pause(stop: &StopSignal) -> Result<(), EvaluateError> {
         let (_sender, nothing) = channel::<()>();
         match stop.wait(&nothing, PAUSE) {
-            Err(NoMessage::Stopped) => Err(EvaluateError::Interrupted),
+            Err(WaitError::Stopped) => Err(EvaluateError::Interrupted),
             _ => Ok(()),
         }
     }
 }
 
 impl Slot for ModelSlot {
-    /// A server that cannot be reached ends the batch; one whose model breaks at the sample, without a reason that the
-    /// protocol knows, has failed to simulate it.
-    fn evaluate(&mut self, request: &Request, stop: &Stop) -> Result<Outcome, EvaluateError> {
-        let body = self.server.body(&request.sample);
-        let url = format!("{}/Evaluate", self.server.model.url);
+    /// A server that cannot be reached ends the batch. A server error (HTTP 5xx) that is no UM-Bridge reply counts as a
+    /// failed simulation of the sample.
+    fn evaluate(&mut self, request: &Request, stop: &StopSignal) -> Result<EvaluationResult, EvaluateError> {
+        let body = self.client.body(&request.sample);
+        let url = format!("{}/Evaluate", self.client.model.url);
         for attempt in 1.. {
             let last = attempt == ATTEMPTS;
-            match self.ask(&body, stop)? {
-                Err(NoAnswer::TooLate) => {
-                    return Ok(Err(SimulationFailure::TimedOut { seconds: self.server.seconds }));
+            match self.send(&body, stop)? {
+                Err(HttpError::TimedOut) => {
+                    return Ok(Err(SimulationFailure::TimedOut { seconds: self.client.seconds }));
                 }
-                Err(NoAnswer::Broken(reason)) if last => {
+                Err(HttpError::Failed(reason)) if last => {
                     return Err(SimulatorError::Server { url, reason }.into());
                 }
-                Ok(answer) if answer.status >= 500 && parse(&answer.text).is_err() => {
+                Ok(reply) if reply.status >= 500 && parse(&reply.text).is_err() => {
                     if last {
-                        let text = answer.text.split_whitespace().collect::<Vec<_>>().join(" ");
-                        let message = format!("HTTP status {}: {}", answer.status, shown(&text));
+                        let text = reply.text.split_whitespace().collect::<Vec<_>>().join(" ");
+                        let message = format!("HTTP status {}: {}", reply.status, shown(&text));
                         return Ok(Err(SimulationFailure::Reported { message }));
                     }
                 }
-                Ok(answer) => {
-                    return self.server.outcome(&answer).map_err(|fault| {
-                        let who =
-                            format!("model \"{}\" of {}", self.server.model.model, self.server.model.url);
-                        SimulatorError::Protocol { who, id: request.id, fault }.into()
+                Ok(reply) => {
+                    return self.client.outcome(&reply).map_err(|fault| {
+                        let simulator =
+                            format!("model \"{}\" of {}", self.client.model.model, self.client.model.url);
+                        SimulatorError::Protocol { simulator, id: request.id, fault }.into()
                     });
                 }
-                Err(NoAnswer::Broken(reason)) => tracing::debug!("{url}: {reason}"),
+                Err(HttpError::Failed(reason)) => tracing::debug!("{url}: {reason}"),
             }
             Self::pause(stop)?;
         }

@@ -1,7 +1,7 @@
 //! Who watches a study for others, and where they look.
 
 use super::live::Live;
-use crate::farm::dispatch::{Board, Look};
+use crate::farm::dispatch::{StatusBoard, StatusHandle};
 use crate::results::progress::{Observer, Progress};
 use common::wire::{FarmStatus, ReliabilitySoFar, Status, StudyStatus, WorkerStatus};
 use std::sync::Arc;
@@ -13,13 +13,13 @@ const PATIENCE: Duration = Duration::from_secs(2);
 /// Passes notices on, and posts them for whoever looks.
 pub struct Watch<'a> {
     next: &'a mut dyn Observer,
-    board: Board,
+    board: StatusBoard,
     live: Option<Arc<Live>>,
 }
 
 impl<'a> Watch<'a> {
     /// Passes on to `next`; posts on `board`, and to the live page if there is one.
-    pub fn new(scene: &str, next: &'a mut dyn Observer, board: Board, live: Option<Arc<Live>>) -> Self {
+    pub fn new(scene: &str, next: &'a mut dyn Observer, board: StatusBoard, live: Option<Arc<Live>>) -> Self {
         board.post(|study| scene.clone_into(&mut study.scene));
         Self { next, board, live }
     }
@@ -71,11 +71,11 @@ fn post(study: &mut StudyStatus, progress: &Progress) {
 #[derive(Debug, Clone)]
 pub enum Source {
     /// At a farm.
-    Farm(Look),
+    Farm(StatusHandle),
     /// At a study whose simulator runs on slots of this process.
     Alone {
         /// What the study has posted.
-        board: Board,
+        board: StatusBoard,
         /// Its slots.
         slots: u32,
         /// Since when it runs.
@@ -119,7 +119,7 @@ mod tests {
 
     #[test]
     fn what_a_study_tells_stands_in_its_status() {
-        let board = Board::default();
+        let board = StatusBoard::default();
         let mut silent = Silent;
         let mut watch = Watch::new("four-bar", &mut silent, board.clone(), None);
         let source = Source::Alone { board, slots: 2, since: Instant::now() };

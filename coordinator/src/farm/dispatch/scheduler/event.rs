@@ -13,9 +13,9 @@ pub enum Event {
     /// The study asks for these.
     Submit(Vec<Request>),
     /// A worker's liveliness token is there.
-    Appeared(WorkerId),
+    WorkerJoined(WorkerId),
     /// A worker's liveliness token is gone: it died, hangs, was cut off or left.
-    Gone(WorkerId),
+    WorkerLost(WorkerId),
     /// A worker asks for tasks and hands in outcomes.
     Claimed {
         /// To answer it by.
@@ -38,7 +38,7 @@ pub enum Event {
 
 /// What is to be done, in this order.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Command {
+pub enum Action {
     /// Hand the outcome to the study; [`Event::Recorded`] answers it.
     Deliver(Box<Finished>),
     /// Answer a claim.

@@ -41,7 +41,11 @@ impl Farm {
             finished: vec![],
         };
         Self {
-            scheduler: Scheduler::new(Settings { losses_allowed, settle, ..Settings::new(CAMPAIGN) }),
+            scheduler: Scheduler::new(SchedulerSettings {
+                losses_allowed,
+                settle,
+                ..SchedulerSettings::new(CAMPAIGN)
+            }),
             hands: (0..hands).map(hand).collect(),
             claims: vec![],
             replies: vec![],
@@ -55,16 +59,16 @@ impl Farm {
     }
 
     fn event(&mut self, event: Event) {
-        for command in self.scheduler.on_event(self.now, event) {
-            match command {
-                Command::Deliver(finished) => {
+        for action in self.scheduler.on_event(self.now, event) {
+            match action {
+                Action::Deliver(finished) => {
                     let before =
                         self.unrecorded.contains(&finished.id) || self.recorded.contains(&finished.id);
                     assert!(!before, "task {} was delivered twice", finished.id);
                     self.unrecorded.push(finished.id);
                 }
-                Command::GiveUp { task, .. } => self.given_up.push(task),
-                Command::Reply { token, acknowledged, assignment } => {
+                Action::GiveUp { task, .. } => self.given_up.push(task),
+                Action::Reply { token, acknowledged, assignment } => {
                     for key in &acknowledged {
                         let ended = self.recorded.contains(&key.task) || self.given_up.contains(&key.task);
                         assert!(ended, "task {} was acknowledged before it was durable", key.task);
@@ -72,7 +76,7 @@ impl Farm {
                     let (id, sequence) = self.tokens.remove(&token).expect("each claim is answered once");
                     self.replies.push((id, sequence, acknowledged, assignment));
                 }
-                Command::Announce(_) | Command::AnnounceEnd | Command::Warn(_) => {}
+                Action::Announce(_) | Action::AnnounceEnd | Action::Warn(_) => {}
             }
         }
     }
@@ -138,9 +142,9 @@ impl Farm {
         let alive: Vec<WorkerId> = self.hands.iter().filter(|h| h.alive).map(|h| h.id.clone()).collect();
         // Some are there before the study asks, some after.
         let early = alive.len() / 2;
-        alive[..early].iter().for_each(|id| self.event(Event::Appeared(id.clone())));
+        alive[..early].iter().for_each(|id| self.event(Event::WorkerJoined(id.clone())));
         self.ask_again();
-        alive[early..].iter().for_each(|id| self.event(Event::Appeared(id.clone())));
+        alive[early..].iter().for_each(|id| self.event(Event::WorkerJoined(id.clone())));
     }
 
     fn step(&mut self, op: u8, choice: usize) {
@@ -165,22 +169,22 @@ impl Farm {
             }
             14 => {
                 self.hands[k].alive = true;
-                self.event(Event::Appeared(self.hands[k].id.clone()));
+                self.event(Event::WorkerJoined(self.hands[k].id.clone()));
             }
             // Cut off, and perhaps back later with all it had.
             15 => {
                 self.hands[k].alive = false;
-                self.event(Event::Gone(self.hands[k].id.clone()));
+                self.event(Event::WorkerLost(self.hands[k].id.clone()));
             }
             // Dead, and started again with nothing.
             16 => {
-                self.event(Event::Gone(self.hands[k].id.clone()));
+                self.event(Event::WorkerLost(self.hands[k].id.clone()));
                 let hand = &mut self.hands[k];
                 hand.id.epoch += 1;
                 (hand.alive, hand.sequence) = (true, 0);
                 hand.running.clear();
                 hand.finished.clear();
-                self.event(Event::Appeared(self.hands[k].id.clone()));
+                self.event(Event::WorkerJoined(self.hands[k].id.clone()));
             }
             17 => {
                 self.now += Duration::from_secs(50 * (choice as u64 % 30));
@@ -203,7 +207,7 @@ impl Farm {
     /// From here on nothing more goes wrong: everybody is there and every message arrives.
     fn run_out(&mut self) {
         for k in 0..self.hands.len() {
-            self.event(Event::Appeared(self.hands[k].id.clone()));
+            self.event(Event::WorkerJoined(self.hands[k].id.clone()));
         }
         for _ in 0..10_000 {
             while !self.unrecorded.is_empty() {

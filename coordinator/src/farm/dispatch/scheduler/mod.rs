@@ -1,4 +1,4 @@
-//! Who evaluates what: a pure state machine. No clock, no messages, no threads; events in, commands out.
+//! Who evaluates what: a pure state machine. No clock, no messages, no threads; events in, actions out.
 //!
 //! ```text
 //! Submit -> queued -> leased -> delivered -> recorded (ended)
@@ -19,43 +19,43 @@
 //! - How many tasks a worker gets follows its speed. Where slots are idle and nothing waits, what one worker has had for
 //!   much longer than usual goes to a second one too; the first outcome counts.
 
-mod answers;
-mod attendance;
-mod census;
 mod event;
 #[cfg(test)]
 mod farm_tests;
+mod pending_replies;
 #[cfg(test)]
 mod recovery_tests;
 mod settings;
+mod snapshot;
 mod tasks;
 #[cfg(test)]
 mod tests;
+mod worker_warnings;
 mod workers;
 #[cfg(test)]
 mod workers_tests;
 
-pub use census::Census;
-pub use event::{Assignment, Command, Event, Token, Warning};
-pub use settings::Settings;
+pub use event::{Action, Assignment, Event, Token, Warning};
+pub use settings::SchedulerSettings;
+pub use snapshot::FarmSnapshot;
 
 use crate::farm::evaluate::{Finished, Request};
-use answers::{Answers, Pending};
-use attendance::Attendance;
 use common::wire::{Claim, Outcome, TaskKey, WorkerId};
+use pending_replies::{PendingReplies, PendingReply};
 use std::collections::BTreeSet;
 use std::time::Duration;
-use tasks::{Accepted, Standing, TaskTable};
+use tasks::{OutcomeStatus, TaskStatus, TaskTable};
+use worker_warnings::WorkerWarnings;
 use workers::Workforce;
 
 /// The state machine.
 #[derive(Debug)]
 pub struct Scheduler {
-    settings: Settings,
+    settings: SchedulerSettings,
     tasks: TaskTable,
     workers: Workforce,
-    answers: Answers,
-    attendance: Attendance,
+    pending_replies: PendingReplies,
+    warnings: WorkerWarnings,
     longest_wall: Option<f64>,
     /// Until when tasks wait for workers that return with what they are running; `None` before the first event.
     settled_at: Option<Duration>,
@@ -66,14 +66,14 @@ pub struct Scheduler {
 
 impl Scheduler {
     /// Nothing to do, nobody there.
-    pub fn new(settings: Settings) -> Self {
+    pub fn new(settings: SchedulerSettings) -> Self {
         Self {
             tasks: TaskTable::new(settings.campaign),
             unsettled: !settings.settle.is_zero(),
             settings,
             workers: Workforce::default(),
-            answers: Answers::default(),
-            attendance: Attendance::default(),
+            pending_replies: PendingReplies::default(),
+            warnings: WorkerWarnings::default(),
             longest_wall: None,
             settled_at: None,
             finishing: false,
@@ -81,33 +81,33 @@ impl Scheduler {
     }
 
     /// Takes one event at time `now` (since any fixed moment) and says what is to be done about it.
-    pub fn on_event(&mut self, now: Duration, event: Event) -> Vec<Command> {
-        let mut commands = Vec::new();
+    pub fn on_event(&mut self, now: Duration, event: Event) -> Vec<Action> {
+        let mut actions = Vec::new();
         self.settled_at.get_or_insert(now + self.settings.settle);
         match event {
-            Event::Submit(requests) => self.submit(now, requests, &mut commands),
-            Event::Appeared(worker) => {
-                self.attendance.appeared(&worker);
-                self.workers.join(worker);
+            Event::Submit(requests) => self.on_submit(now, requests, &mut actions),
+            Event::WorkerJoined(worker) => {
+                self.warnings.appeared(&worker);
+                self.workers.add(worker);
             }
-            Event::Gone(worker) => self.lose(worker, &mut commands),
-            Event::Claimed { token, claim } => self.claimed(now, token, claim, &mut commands),
-            Event::Recorded { task } => self.recorded(now, task, &mut commands),
-            Event::Cancel => self.cancel(now, &mut commands),
+            Event::WorkerLost(worker) => self.on_worker_lost(worker, &mut actions),
+            Event::Claimed { token, claim } => self.on_claim(now, token, claim, &mut actions),
+            Event::Recorded { task } => self.on_recorded(now, task, &mut actions),
+            Event::Cancel => self.on_cancel(now, &mut actions),
             Event::Finish => {
                 self.finishing = true;
-                commands.push(Command::AnnounceEnd);
-                self.cancel(now, &mut commands);
+                actions.push(Action::AnnounceEnd);
+                self.on_cancel(now, &mut actions);
             }
             Event::Tick => {
-                self.settle(now, &mut commands);
-                self.check_deadlines(now, &mut commands);
+                self.settle(now, &mut actions);
+                self.check_deadlines(now, &mut actions);
                 let anybody = !self.workers.is_empty();
-                let warning = self.attendance.check(now, anybody, self.tasks.open(), &self.settings);
-                commands.extend(warning.map(Command::Warn));
+                let warning = self.warnings.check(now, anybody, self.tasks.open(), &self.settings);
+                actions.extend(warning.map(Action::Warn));
             }
         }
-        commands
+        actions
     }
 
     /// Workers that are there and the slots they have said to have (0 until their first claim).
@@ -116,8 +116,8 @@ impl Scheduler {
     }
 
     /// Rises whenever [`Scheduler::workers`] changes.
-    pub fn changes(&self) -> u64 {
-        self.workers.changes()
+    pub fn revision(&self) -> u64 {
+        self.workers.revision()
     }
 
     /// Tasks submitted that have not ended.
@@ -125,27 +125,27 @@ impl Scheduler {
         self.tasks.open()
     }
 
-    fn submit(&mut self, now: Duration, requests: Vec<Request>, commands: &mut Vec<Command>) {
+    fn on_submit(&mut self, now: Duration, requests: Vec<Request>, actions: &mut Vec<Action>) {
         let mut points = Vec::new();
         for request in requests {
             let task = request.id;
             let Some(point) = self.tasks.submit(request) else { continue };
             points.push(point);
-            if let Some(holder) = self.workers.take_unasked(task) {
+            if let Some(holder) = self.workers.take_unrequested(task) {
                 self.tasks.adopt(task);
                 self.workers.lease(&holder, task, now);
             }
         }
-        commands.push(Command::Announce(points));
+        actions.push(Action::Announce(points));
     }
 
     /// From now on tasks go to whoever asks; those that have asked in vain are told.
-    fn settle(&mut self, now: Duration, commands: &mut Vec<Command>) {
+    fn settle(&mut self, now: Duration, actions: &mut Vec<Action>) {
         if self.unsettled && self.is_settled(now) {
             self.unsettled = false;
             let points = self.tasks.queued();
             if !points.is_empty() {
-                commands.push(Command::Announce(points));
+                actions.push(Action::Announce(points));
             }
         }
     }
@@ -154,7 +154,7 @@ impl Scheduler {
         !self.unsettled || self.settled_at.is_some_and(|at| now >= at)
     }
 
-    fn claimed(&mut self, now: Duration, token: Token, claim: Claim, commands: &mut Vec<Command>) {
+    fn on_claim(&mut self, now: Duration, token: Token, claim: Claim, actions: &mut Vec<Action>) {
         let Claim { worker: id, sequence, slots, credits, holding, finished, leaving } = claim;
         let campaign = self.settings.campaign;
         let held = holding.into_iter().chain(finished.iter().map(|outcome| outcome.task.key));
@@ -162,9 +162,9 @@ impl Scheduler {
 
         // Outcomes first: whoever brings them, they count.
         let mut pending =
-            Pending { worker: id.clone(), credits, acknowledged: Vec::new(), waiting: BTreeSet::new() };
+            PendingReply { worker: id.clone(), credits, acknowledged: Vec::new(), waiting: BTreeSet::new() };
         for outcome in finished {
-            self.take(now, outcome, &mut pending, commands);
+            self.on_outcome(now, outcome, &mut pending, actions);
         }
 
         // Then what the worker is believed to hold and does not, and what it holds and was not believed to.
@@ -173,67 +173,73 @@ impl Scheduler {
         }
         if self.workers.get(&id).is_none() {
             pending.credits = 0;
-            commands.extend(self.attendance.strange_claim(&id).map(Command::Warn));
-        } else if self.workers.claims(&id, sequence, slots) {
-            let lost = self.workers.lost(&id, &kept, leaving);
+            actions.extend(self.warnings.strange_claim(&id).map(Action::Warn));
+        } else if self.workers.register_claim(&id, sequence, slots) {
+            let lost = self.workers.missing_leases(&id, &kept, leaving);
             let free = lost.into_iter().filter(|task| !self.workers.release(&id, *task)).collect();
-            self.answers.withdraw_credits(&id);
-            self.requeue(free, commands);
+            self.pending_replies.withdraw_credits(&id);
+            self.requeue(free, actions);
             if !leaving {
                 self.adopt(now, &id, &kept, &mut pending);
             }
         } else {
             pending.credits = 0;
         }
-        self.answers.add(token, pending);
-        self.answer_if_ready(now, token, commands);
+        self.pending_replies.add(token, pending);
+        self.answer_if_ready(now, token, actions);
     }
 
     /// What a worker says to have: what has ended it may forget, the rest nobody else needs to do.
-    fn adopt(&mut self, now: Duration, id: &WorkerId, kept: &BTreeSet<u64>, pending: &mut Pending) {
-        let mut unasked = Vec::new();
+    fn adopt(&mut self, now: Duration, id: &WorkerId, kept: &BTreeSet<u64>, pending: &mut PendingReply) {
+        let mut unrequested = Vec::new();
         for &task in kept {
-            match self.tasks.standing(task) {
-                Standing::Open if self.workers.is_news(id, task) => {
+            match self.tasks.status(task) {
+                TaskStatus::Open if self.workers.is_unknown_task(id, task) => {
                     self.tasks.adopt(task);
                     self.workers.lease(id, task, now);
                 }
-                Standing::Open | Standing::Delivered => {}
-                Standing::Ended => {
+                TaskStatus::Open | TaskStatus::Delivered => {}
+                TaskStatus::Ended => {
                     let key = TaskKey { campaign: self.settings.campaign, task };
                     if !pending.acknowledged.contains(&key) {
                         pending.acknowledged.push(key);
                     }
                 }
-                Standing::NotAskedYet => unasked.push(task),
+                TaskStatus::NotRequested => unrequested.push(task),
             }
         }
-        self.workers.note_unasked(id, &unasked);
+        self.workers.set_unrequested(id, &unrequested);
     }
 
     /// Sorts one outcome: acknowledge now, deliver and acknowledge when durable, or leave it with the worker.
-    fn take(&mut self, now: Duration, outcome: Outcome, pending: &mut Pending, commands: &mut Vec<Command>) {
+    fn on_outcome(
+        &mut self,
+        now: Duration,
+        outcome: Outcome,
+        pending: &mut PendingReply,
+        actions: &mut Vec<Action>,
+    ) {
         let Outcome { task, worker, wall, result } = outcome;
         let key = task.key;
         match self.tasks.accept(&task) {
-            Accepted::NotWanted => pending.acknowledged.push(key),
-            Accepted::OtherSample => {
+            OutcomeStatus::NotWanted => pending.acknowledged.push(key),
+            OutcomeStatus::OtherSample => {
                 pending.acknowledged.push(key);
-                commands.push(Command::Warn(Warning::OtherSample {
+                actions.push(Action::Warn(Warning::OtherSample {
                     worker: pending.worker.clone(),
                     task: key.task,
                 }));
             }
-            Accepted::NotAskedYet => {}
-            Accepted::OnItsWay => {
+            OutcomeStatus::NotRequested => {}
+            OutcomeStatus::Duplicate => {
                 pending.waiting.insert(key.task);
             }
-            Accepted::First => {
+            OutcomeStatus::First => {
                 pending.waiting.insert(key.task);
                 self.longest_wall = Some(self.longest_wall.map_or(wall, |longest| longest.max(wall)));
                 self.workers.measure(&pending.worker, key.task, wall, now);
                 self.workers.release_from_all(key.task);
-                commands.push(Command::Deliver(Box::new(Finished {
+                actions.push(Action::Deliver(Box::new(Finished {
                     id: key.task,
                     outcome: result,
                     worker,
@@ -243,32 +249,34 @@ impl Scheduler {
         }
     }
 
-    fn recorded(&mut self, now: Duration, task: u64, commands: &mut Vec<Command>) {
+    fn on_recorded(&mut self, now: Duration, task: u64, actions: &mut Vec<Action>) {
         if !self.tasks.end(task) {
             return;
         }
         let key = TaskKey { campaign: self.settings.campaign, task };
-        for token in self.answers.recorded(key) {
-            self.answer_if_ready(now, token, commands);
+        for token in self.pending_replies.recorded(key) {
+            self.answer_if_ready(now, token, actions);
         }
     }
 
-    fn answer_if_ready(&mut self, now: Duration, token: Token, commands: &mut Vec<Command>) {
-        let Some(Pending { worker: id, credits, acknowledged, .. }) = self.answers.take_ready(token) else {
+    fn answer_if_ready(&mut self, now: Duration, token: Token, actions: &mut Vec<Action>) {
+        let Some(PendingReply { worker: id, credits, acknowledged, .. }) =
+            self.pending_replies.take_ready(token)
+        else {
             return;
         };
-        let assignment = match self.workers.get(&id).map(workers::Worker::has) {
+        let assignment = match self.workers.get(&id).map(workers::Worker::leased) {
             _ if self.finishing => Assignment::Leave,
             // Lost since it asked: what it would get would be lost too.
             None => Assignment::Idle,
             Some(_) if !self.is_settled(now) => Assignment::Idle,
-            Some(has) => {
-                let room = self.workers.share(&id, self.tasks.open()).saturating_sub(has);
+            Some(leased) => {
+                let room = self.workers.share(&id, self.tasks.open()).saturating_sub(leased);
                 let wanted = room.min(credits.min(self.settings.most_tasks) as usize);
                 let losses = self.losses_entrusted(&id);
                 let mut tasks = self.tasks.lease(wanted, losses);
                 if tasks.len() < wanted {
-                    let Settings { straggler_factor, straggler_least, .. } = self.settings;
+                    let SchedulerSettings { straggler_factor, straggler_least, .. } = self.settings;
                     let late = self.workers.stragglers(&id, now, straggler_factor, straggler_least);
                     tasks.extend(
                         late.filter_map(|task| self.tasks.copy(task, losses)).take(wanted - tasks.len()),
@@ -280,7 +288,7 @@ impl Scheduler {
                 if tasks.is_empty() { Assignment::Idle } else { Assignment::Work(tasks) }
             }
         };
-        commands.push(Command::Reply { token, acknowledged, assignment });
+        actions.push(Action::Reply { token, acknowledged, assignment });
     }
 
     /// Below how many losses a task may go to this worker.
@@ -289,54 +297,54 @@ impl Scheduler {
         if self.workers.has_finished(id) || !self.workers.any_has_finished() { u32::MAX } else { last_chance }
     }
 
-    fn lose(&mut self, id: WorkerId, commands: &mut Vec<Command>) {
-        let tasks = self.workers.leave(&id);
+    fn on_worker_lost(&mut self, id: WorkerId, actions: &mut Vec<Action>) {
+        let tasks = self.workers.remove(&id);
         if tasks.is_empty() {
             return;
         }
-        commands.push(Command::Warn(Warning::WorkerLost { worker: id, tasks: tasks.clone() }));
-        self.count_losses(tasks, "workers were lost while they had it", commands);
+        actions.push(Action::Warn(Warning::WorkerLost { worker: id, tasks: tasks.clone() }));
+        self.count_losses(tasks, "workers were lost while they had it", actions);
     }
 
     /// Back to the queue where nobody else has it, or given up where it was lost too often.
-    fn count_losses(&mut self, tasks: Vec<u64>, what: &str, commands: &mut Vec<Command>) {
+    fn count_losses(&mut self, tasks: Vec<u64>, what: &str, actions: &mut Vec<Action>) {
         let mut again = Vec::new();
         for task in tasks {
             let losses = self.tasks.count_loss(task);
             match losses.filter(|_| !self.workers.is_held(task)) {
                 Some(losses) if losses >= self.settings.losses_allowed => {
                     self.tasks.end(task);
-                    commands.push(Command::GiveUp { task, reason: format!("{losses} {what}") });
+                    actions.push(Action::GiveUp { task, reason: format!("{losses} {what}") });
                 }
                 Some(_) => again.push(task),
                 None => {}
             }
         }
-        self.requeue(again, commands);
+        self.requeue(again, actions);
     }
 
     /// Back to the front of the queue, in the order of their numbers; idle workers are told.
-    fn requeue(&mut self, tasks: Vec<u64>, commands: &mut Vec<Command>) {
+    fn requeue(&mut self, tasks: Vec<u64>, actions: &mut Vec<Action>) {
         let points: Vec<_> = tasks.into_iter().rev().filter_map(|task| self.tasks.requeue(task)).collect();
         if !points.is_empty() {
-            commands.push(Command::Announce(points));
+            actions.push(Action::Announce(points));
         }
     }
 
-    fn cancel(&mut self, now: Duration, commands: &mut Vec<Command>) {
+    fn on_cancel(&mut self, now: Duration, actions: &mut Vec<Action>) {
         self.tasks.clear();
         self.workers.release_everything();
         // Outcomes that were not recorded stay with their workers.
-        for token in self.answers.give_up_waiting() {
-            self.answer_if_ready(now, token, commands);
+        for token in self.pending_replies.give_up_waiting() {
+            self.answer_if_ready(now, token, actions);
         }
     }
 
-    fn check_deadlines(&mut self, now: Duration, commands: &mut Vec<Command>) {
+    fn check_deadlines(&mut self, now: Duration, actions: &mut Vec<Action>) {
         let overdue = self.workers.take_overdue(now, self.settings.deadline(self.longest_wall));
         let tasks = overdue.iter().map(|(_, task, _)| *task).collect();
-        let warning = |(worker, task, after)| Command::Warn(Warning::Overdue { worker, task, after });
-        commands.extend(overdue.into_iter().map(warning));
-        self.count_losses(tasks, "deadlines have passed", commands);
+        let warning = |(worker, task, after)| Action::Warn(Warning::Overdue { worker, task, after });
+        actions.extend(overdue.into_iter().map(warning));
+        self.count_losses(tasks, "deadlines have passed", actions);
     }
 }

@@ -30,9 +30,9 @@ fn a_worker_is_adopted_with_what_it_runs_whoever_is_first() {
         let (_, tasks) = reply(&ask(&mut s, START, claim(&b, 1, 4, vec![], &[]))).unwrap();
         assert_eq!(numbers(&tasks), [0, 3]);
         // Both are the worker's: its outcomes count, and where it dies they go to others.
-        let commands = ask(&mut s, SECOND, claim(&a, 2, 0, vec![outcome(&given(2), &a)], &[1]));
-        assert!(matches!(&commands[..], [Command::Deliver(finished)] if finished.id == 2), "{commands:?}");
-        s.on_event(SECOND, Event::Gone(a.clone()));
+        let actions = ask(&mut s, SECOND, claim(&a, 2, 0, vec![outcome(&given(2), &a)], &[1]));
+        assert!(matches!(&actions[..], [Action::Deliver(finished)] if finished.id == 2), "{actions:?}");
+        s.on_event(SECOND, Event::WorkerLost(a.clone()));
         let (_, tasks) = reply(&ask(&mut s, SECOND, claim(&b, 2, 4, vec![], &[0, 3]))).unwrap();
         assert_eq!(numbers(&tasks), [1]);
     }
@@ -43,7 +43,7 @@ fn what_a_worker_had_and_took_with_it_before_it_was_asked_for_goes_to_others() {
     let (a, b) = (worker("a"), worker("b"));
     let mut s = scheduler(&[&a, &b], 0);
     ask(&mut s, START, claim(&a, 1, 0, vec![], &[0]));
-    s.on_event(START, Event::Gone(a));
+    s.on_event(START, Event::WorkerLost(a));
     s.on_event(START, Event::Submit(requests(0..1)));
     let (_, tasks) = reply(&ask(&mut s, START, claim(&b, 1, 1, vec![], &[]))).unwrap();
     assert_eq!(numbers(&tasks), [0]);
@@ -52,16 +52,16 @@ fn what_a_worker_had_and_took_with_it_before_it_was_asked_for_goes_to_others() {
 #[test]
 fn after_a_restart_tasks_wait_a_moment_for_those_who_have_them() {
     let (a, b) = (worker("a"), worker("b"));
-    let mut s = Scheduler::new(Settings { settle: SECOND, ..Settings::new(CAMPAIGN) });
-    s.on_event(START, Event::Appeared(b.clone()));
+    let mut s = Scheduler::new(SchedulerSettings { settle: SECOND, ..SchedulerSettings::new(CAMPAIGN) });
+    s.on_event(START, Event::WorkerJoined(b.clone()));
     s.on_event(START, Event::Submit(requests(0..2)));
     assert_eq!(reply(&ask(&mut s, START, claim(&b, 1, 2, vec![], &[]))), Some((vec![], vec![])));
-    s.on_event(SECOND / 2, Event::Appeared(a.clone()));
+    s.on_event(SECOND / 2, Event::WorkerJoined(a.clone()));
     ask(&mut s, SECOND / 2, claim(&a, 1, 0, vec![], &[0]));
     assert_eq!(s.on_event(SECOND / 2, Event::Tick), vec![]);
     // Those who asked in vain are told, of what is left.
-    let commands = s.on_event(SECOND, Event::Tick);
-    assert!(matches!(&commands[..], [Command::Announce(points)] if points.len() == 1 && points[0].task == 1));
+    let actions = s.on_event(SECOND, Event::Tick);
+    assert!(matches!(&actions[..], [Action::Announce(points)] if points.len() == 1 && points[0].task == 1));
     assert_eq!(s.on_event(2 * SECOND, Event::Tick), vec![]);
     let (_, tasks) = reply(&ask(&mut s, 2 * SECOND, claim(&b, 2, 2, vec![], &[]))).unwrap();
     assert_eq!(numbers(&tasks), [1]);
@@ -75,21 +75,21 @@ fn a_task_on_its_last_chance_goes_to_a_worker_that_has_finished_one() {
     // Two that have finished nothing die with 1, and one that comes later gets what was not lost twice.
     for name in ["first", "second"] {
         let doomed = worker(name);
-        s.on_event(START, Event::Appeared(doomed.clone()));
+        s.on_event(START, Event::WorkerJoined(doomed.clone()));
         let (_, got) = reply(&ask(&mut s, START, claim(&doomed, 1, 1, vec![], &[]))).unwrap();
         assert_eq!(numbers(&got), [1]);
-        s.on_event(START, Event::Gone(doomed));
+        s.on_event(START, Event::WorkerLost(doomed));
     }
     ask(&mut s, SECOND, claim(&steady, 2, 0, vec![outcome(&tasks[0], &steady)], &[]));
     let third = worker("third");
-    s.on_event(SECOND, Event::Appeared(third.clone()));
+    s.on_event(SECOND, Event::WorkerJoined(third.clone()));
     let (_, got) = reply(&ask(&mut s, SECOND, claim(&third, 1, 5, vec![], &[]))).unwrap();
     assert_eq!(numbers(&got), [2]);
     let (_, got) = reply(&ask(&mut s, SECOND, claim(&steady, 3, 5, vec![], &[]))).unwrap();
     assert_eq!(numbers(&got), [1]);
     // With that one gone too it was the task, and not the workers.
-    let commands = s.on_event(SECOND, Event::Gone(steady));
-    assert!(commands.iter().any(|c| matches!(c, Command::GiveUp { task: 1, .. })), "{commands:?}");
+    let actions = s.on_event(SECOND, Event::WorkerLost(steady));
+    assert!(actions.iter().any(|c| matches!(c, Action::GiveUp { task: 1, .. })), "{actions:?}");
 }
 
 #[test]
@@ -97,10 +97,10 @@ fn a_task_on_its_last_chance_goes_to_anybody_where_nobody_has_finished_one() {
     let mut s = scheduler(&[], 1);
     for name in ["first", "second", "third"] {
         let doomed = worker(name);
-        s.on_event(START, Event::Appeared(doomed.clone()));
+        s.on_event(START, Event::WorkerJoined(doomed.clone()));
         let (_, got) = reply(&ask(&mut s, START, claim(&doomed, 1, 1, vec![], &[]))).unwrap();
         assert_eq!(numbers(&got), [0], "{name}");
-        s.on_event(START, Event::Gone(doomed));
+        s.on_event(START, Event::WorkerLost(doomed));
     }
 }
 
@@ -110,8 +110,8 @@ fn what_the_campaign_file_had_is_not_wanted_again() {
     let mut s = scheduler(&[&a], 0);
     // The study found 0 and 1 in its file and asks for the rest.
     s.on_event(START, Event::Submit(requests(2..4)));
-    let commands = ask(&mut s, START, claim(&a, 1, 0, vec![outcome(&given(0), &a)], &[1, 2, 7]));
-    assert_eq!(reply(&commands), Some((vec![0, 1], vec![])));
+    let actions = ask(&mut s, START, claim(&a, 1, 0, vec![outcome(&given(0), &a)], &[1, 2, 7]));
+    assert_eq!(reply(&actions), Some((vec![0, 1], vec![])));
 }
 
 #[test]
@@ -134,9 +134,9 @@ fn a_straggler_goes_to_an_idle_worker_too_and_the_first_outcome_counts() {
         "two are enough"
     );
     // The death of one of the two loses nothing.
-    assert_eq!(s.on_event(9 * SECOND, Event::Gone(c)), vec![], "it had nothing");
-    let commands = ask(&mut s, 9 * SECOND, claim(&b, 4, 1, vec![outcome(&copy[0], &b)], &[]));
-    assert!(matches!(&commands[0], Command::Deliver(finished) if finished.worker == "b/0"));
+    assert_eq!(s.on_event(9 * SECOND, Event::WorkerLost(c)), vec![], "it had nothing");
+    let actions = ask(&mut s, 9 * SECOND, claim(&b, 4, 1, vec![outcome(&copy[0], &b)], &[]));
+    assert!(matches!(&actions[0], Action::Deliver(finished) if finished.worker == "b/0"));
     s.on_event(9 * SECOND, Event::Recorded { task: 0 });
     // The other one may drop its copy, or hand it in: it is not counted.
     assert_eq!(reply(&ask(&mut s, 9 * SECOND, claim(&a, 3, 0, vec![], &[0]))), Some((vec![0], vec![])));
@@ -155,10 +155,10 @@ fn a_straggler_survives_either_of_its_workers() {
         s.on_event(SECOND, Event::Recorded { task: 1 });
         ask(&mut s, 9 * SECOND, claim(&b, 3, 1, vec![], &[]));
         let (dies, stays) = if first { (&a, &b) } else { (&b, &a) };
-        let commands = s.on_event(9 * SECOND, Event::Gone(dies.clone()));
-        assert!(!commands.iter().any(|c| matches!(c, Command::Announce(_))), "{commands:?}");
-        let commands = s.on_event(9 * SECOND, Event::Gone(stays.clone()));
-        assert!(commands.iter().any(|c| matches!(c, Command::Announce(points) if points[0].task == 0)));
+        let actions = s.on_event(9 * SECOND, Event::WorkerLost(dies.clone()));
+        assert!(!actions.iter().any(|c| matches!(c, Action::Announce(_))), "{actions:?}");
+        let actions = s.on_event(9 * SECOND, Event::WorkerLost(stays.clone()));
+        assert!(actions.iter().any(|c| matches!(c, Action::Announce(points) if points[0].task == 0)));
     }
 }
 

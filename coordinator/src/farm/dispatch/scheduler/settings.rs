@@ -4,7 +4,7 @@ use std::time::Duration;
 
 /// See the module.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Settings {
+pub struct SchedulerSettings {
     /// Campaign its tasks belong to.
     pub campaign: u64,
     /// Workers (or deadlines) a task may outlive before it is given up; the last of them one that has finished others, where there
@@ -30,7 +30,7 @@ pub struct Settings {
     pub settle: Duration,
 }
 
-impl Settings {
+impl SchedulerSettings {
     /// The usual constants.
     pub fn new(campaign: u64) -> Self {
         Self {

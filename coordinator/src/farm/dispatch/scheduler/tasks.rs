@@ -37,22 +37,22 @@ impl Entry {
 
 /// What an outcome is to the campaign.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Accepted {
+pub(super) enum OutcomeStatus {
     /// Of another campaign, or of a task that has ended.
     NotWanted,
     /// Under the number of a task, but of another sample.
     OtherSample,
     /// Of this campaign, but not asked for by this coordinator so far.
-    NotAskedYet,
+    NotRequested,
     /// The first outcome is delivered and not durable yet.
-    OnItsWay,
+    Duplicate,
     /// The first outcome: it counts.
     First,
 }
 
 /// How a task stands that a worker says to have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Standing {
+pub(super) enum TaskStatus {
     /// Without an outcome.
     Open,
     /// Its outcome is on its way to the study.
@@ -60,7 +60,7 @@ pub(super) enum Standing {
     /// It has ended, or was found in the campaign file.
     Ended,
     /// Not asked for by this coordinator so far.
-    NotAskedYet,
+    NotRequested,
 }
 
 /// All tasks of a campaign.
@@ -167,32 +167,32 @@ impl TaskTable {
         Some(entry.losses)
     }
 
-    pub fn standing(&self, id: u64) -> Standing {
+    pub fn status(&self, id: u64) -> TaskStatus {
         match self.entries.get(&id) {
-            Some(Entry { phase: Phase::Delivered, .. }) => Standing::Delivered,
-            Some(_) => Standing::Open,
-            None if self.ended.contains(&id) || id < self.passed => Standing::Ended,
-            None => Standing::NotAskedYet,
+            Some(Entry { phase: Phase::Delivered, .. }) => TaskStatus::Delivered,
+            Some(_) => TaskStatus::Open,
+            None if self.ended.contains(&id) || id < self.passed => TaskStatus::Ended,
+            None => TaskStatus::NotRequested,
         }
     }
 
-    pub fn accept(&mut self, done: &Task) -> Accepted {
+    pub fn accept(&mut self, done: &Task) -> OutcomeStatus {
         if done.key.campaign != self.campaign {
-            return Accepted::NotWanted;
+            return OutcomeStatus::NotWanted;
         }
-        match self.standing(done.key.task) {
-            Standing::Ended => return Accepted::NotWanted,
-            Standing::NotAskedYet => return Accepted::NotAskedYet,
-            Standing::Open | Standing::Delivered => {}
+        match self.status(done.key.task) {
+            TaskStatus::Ended => return OutcomeStatus::NotWanted,
+            TaskStatus::NotRequested => return OutcomeStatus::NotRequested,
+            TaskStatus::Open | TaskStatus::Delivered => {}
         }
         let campaign = self.campaign;
-        let Some(entry) = self.entries.get_mut(&done.key.task) else { return Accepted::NotAskedYet };
+        let Some(entry) = self.entries.get_mut(&done.key.task) else { return OutcomeStatus::NotRequested };
         if !entry.task(campaign).same_work(done) {
-            return Accepted::OtherSample;
+            return OutcomeStatus::OtherSample;
         }
         match std::mem::replace(&mut entry.phase, Phase::Delivered) {
-            Phase::Delivered => Accepted::OnItsWay,
-            Phase::Queued | Phase::Leased => Accepted::First,
+            Phase::Delivered => OutcomeStatus::Duplicate,
+            Phase::Queued | Phase::Leased => OutcomeStatus::First,
         }
     }
 

@@ -34,18 +34,18 @@ pub(super) fn outcome(task: &Task, who: &WorkerId) -> Outcome {
 }
 
 pub(super) fn scheduler(workers: &[&WorkerId], tasks: u64) -> Scheduler {
-    let mut scheduler = Scheduler::new(Settings::new(CAMPAIGN));
+    let mut scheduler = Scheduler::new(SchedulerSettings::new(CAMPAIGN));
     for id in workers {
-        scheduler.on_event(START, Event::Appeared((*id).clone()));
+        scheduler.on_event(START, Event::WorkerJoined((*id).clone()));
     }
     scheduler.on_event(START, Event::Submit(requests(0..tasks)));
     scheduler
 }
 
-/// The reply in the commands: acknowledged numbers and tasks.
-pub(super) fn reply(commands: &[Command]) -> Option<(Vec<u64>, Vec<Task>)> {
-    commands.iter().find_map(|command| match command {
-        Command::Reply { acknowledged, assignment, .. } => {
+/// The reply in the actions: acknowledged numbers and tasks.
+pub(super) fn reply(actions: &[Action]) -> Option<(Vec<u64>, Vec<Task>)> {
+    actions.iter().find_map(|action| match action {
+        Action::Reply { acknowledged, assignment, .. } => {
             let tasks = if let Assignment::Work(tasks) = assignment { tasks.clone() } else { vec![] };
             Some((acknowledged.iter().map(|key| key.task).collect(), tasks))
         }
@@ -57,7 +57,7 @@ pub(super) fn numbers(tasks: &[Task]) -> Vec<u64> {
     tasks.iter().map(|task| task.key.task).collect()
 }
 
-pub(super) fn ask(scheduler: &mut Scheduler, now: Duration, claim: Claim) -> Vec<Command> {
+pub(super) fn ask(scheduler: &mut Scheduler, now: Duration, claim: Claim) -> Vec<Action> {
     scheduler.on_event(now, Event::Claimed { token: claim.sequence, claim })
 }
 
@@ -66,8 +66,8 @@ fn an_outcome_is_acknowledged_only_when_it_is_durable() {
     let a = worker("a");
     let mut s = scheduler(&[&a], 2);
     let (_, tasks) = reply(&ask(&mut s, START, claim(&a, 1, 1, vec![], &[]))).unwrap();
-    let commands = ask(&mut s, START, claim(&a, 2, 1, vec![outcome(&tasks[0], &a)], &[]));
-    assert!(matches!(&commands[..], [Command::Deliver(finished)] if finished.id == 0), "{commands:?}");
+    let actions = ask(&mut s, START, claim(&a, 2, 1, vec![outcome(&tasks[0], &a)], &[]));
+    assert!(matches!(&actions[..], [Action::Deliver(finished)] if finished.id == 0), "{actions:?}");
     let (acknowledged, tasks) = reply(&s.on_event(START, Event::Recorded { task: 0 })).unwrap();
     assert_eq!((acknowledged, numbers(&tasks)), (vec![0], vec![1]));
 }
@@ -94,9 +94,9 @@ fn what_a_lost_worker_held_goes_to_the_front_and_idle_workers_are_told() {
     let mut s = scheduler(&[&a, &b], 5);
     let (_, tasks) = reply(&ask(&mut s, START, claim(&a, 1, 2, vec![], &[]))).unwrap();
     assert_eq!(numbers(&tasks), [0, 1]);
-    let commands = s.on_event(START, Event::Gone(a.clone()));
-    assert!(commands.contains(&Command::Warn(Warning::WorkerLost { worker: a, tasks: vec![0, 1] })));
-    assert!(commands.iter().any(|c| matches!(c, Command::Announce(points) if points.len() == 2)));
+    let actions = s.on_event(START, Event::WorkerLost(a.clone()));
+    assert!(actions.contains(&Action::Warn(Warning::WorkerLost { worker: a, tasks: vec![0, 1] })));
+    assert!(actions.iter().any(|c| matches!(c, Action::Announce(points) if points.len() == 2)));
     let (_, tasks) = reply(&ask(&mut s, START, claim(&b, 2, 3, vec![], &[]))).unwrap();
     assert_eq!(numbers(&tasks), [0, 1, 2]);
     assert_eq!(tasks.iter().map(|task| task.attempt).collect::<Vec<_>>(), [2, 2, 1]);
@@ -108,12 +108,12 @@ fn a_task_that_three_workers_did_not_survive_is_given_up_by_name() {
     let mut last = vec![];
     for k in 0..3 {
         let id = worker(&format!("w{k}"));
-        s.on_event(START, Event::Appeared(id.clone()));
+        s.on_event(START, Event::WorkerJoined(id.clone()));
         ask(&mut s, START, claim(&id, 1, 1, vec![], &[]));
-        last = s.on_event(START, Event::Gone(id));
+        last = s.on_event(START, Event::WorkerLost(id));
     }
     let given_up = last.iter().any(
-        |c| matches!(c, Command::GiveUp { task: 0, reason } if reason == "3 workers were lost while they had it"),
+        |c| matches!(c, Action::GiveUp { task: 0, reason } if reason == "3 workers were lost while they had it"),
     );
     assert!(given_up, "{last:?}");
     assert_eq!(s.open(), 0);
@@ -167,11 +167,11 @@ fn an_outcome_nobody_asked_for_yet_stays_with_its_worker() {
         with_first_cycle: false,
         accuracy: None,
     };
-    let commands = ask(&mut s, START, claim(&a, 1, 0, vec![outcome(&early, &a)], &[]));
-    assert_eq!(reply(&commands), Some((vec![], vec![])));
+    let actions = ask(&mut s, START, claim(&a, 1, 0, vec![outcome(&early, &a)], &[]));
+    assert_eq!(reply(&actions), Some((vec![], vec![])));
     s.on_event(START, Event::Submit(requests(0..1)));
-    let commands = ask(&mut s, START, claim(&a, 2, 0, vec![outcome(&early, &a)], &[]));
-    assert!(matches!(&commands[..], [Command::Deliver(_)]));
+    let actions = ask(&mut s, START, claim(&a, 2, 0, vec![outcome(&early, &a)], &[]));
+    assert!(matches!(&actions[..], [Action::Deliver(_)]));
 }
 
 #[test]
@@ -183,7 +183,7 @@ fn an_outcome_of_another_campaign_or_sample_is_forgotten() {
     foreign.task.key.campaign = 8;
     assert_eq!(
         ask(&mut s, START, claim(&a, 2, 0, vec![foreign], &[0])),
-        vec![Command::Reply {
+        vec![Action::Reply {
             token: 2,
             acknowledged: vec![TaskKey { campaign: 8, task: 0 }],
             assignment: Assignment::Idle
@@ -191,13 +191,13 @@ fn an_outcome_of_another_campaign_or_sample_is_forgotten() {
     );
     let mut other = outcome(&tasks[0], &a);
     other.task.sample[1] = -0.5;
-    let commands = ask(&mut s, START, claim(&a, 3, 0, vec![other], &[0]));
-    assert_eq!(commands[0], Command::Warn(Warning::OtherSample { worker: a.clone(), task: 0 }));
-    assert_eq!(reply(&commands), Some((vec![0], vec![])));
+    let actions = ask(&mut s, START, claim(&a, 3, 0, vec![other], &[0]));
+    assert_eq!(actions[0], Action::Warn(Warning::OtherSample { worker: a.clone(), task: 0 }));
+    assert_eq!(reply(&actions), Some((vec![0], vec![])));
     let mut otherwise = outcome(&tasks[0], &a);
     otherwise.task.accuracy = Some(common::accuracy::Accuracy::draft());
-    let commands = ask(&mut s, START, claim(&a, 4, 0, vec![otherwise], &[0]));
-    assert_eq!(commands[0], Command::Warn(Warning::OtherSample { worker: a, task: 0 }));
+    let actions = ask(&mut s, START, claim(&a, 4, 0, vec![otherwise], &[0]));
+    assert_eq!(actions[0], Action::Warn(Warning::OtherSample { worker: a, task: 0 }));
     assert_eq!(s.open(), 1);
 }
 
@@ -214,13 +214,13 @@ fn a_deadline_follows_the_longest_simulation() {
     s.on_event(START, Event::Recorded { task: 0 });
     let late = Duration::from_secs(601);
     assert_eq!(s.on_event(Duration::from_secs(600), Event::Tick), vec![]);
-    let commands = s.on_event(late, Event::Tick);
-    assert_eq!(commands[0], Command::Warn(Warning::Overdue { worker: a.clone(), task: 1, after: late }));
+    let actions = s.on_event(late, Event::Tick);
+    assert_eq!(actions[0], Action::Warn(Warning::Overdue { worker: a.clone(), task: 1, after: late }));
     let (_, again) = reply(&ask(&mut s, late, claim(&b, 3, 1, vec![], &[]))).unwrap();
     assert_eq!(numbers(&again), [1]);
     // The first worker's outcome still counts when it comes first.
-    let commands = ask(&mut s, late, claim(&a, 4, 0, vec![outcome(&tasks[1], &a)], &[]));
-    assert!(matches!(&commands[..], [Command::Deliver(finished)] if finished.worker == "a/0"));
+    let actions = ask(&mut s, late, claim(&a, 4, 0, vec![outcome(&tasks[1], &a)], &[]));
+    assert!(matches!(&actions[..], [Action::Deliver(finished)] if finished.worker == "a/0"));
 }
 
 #[test]
@@ -228,23 +228,23 @@ fn nobody_there_and_nobody_alive_are_told_to_the_user() {
     let mut s = scheduler(&[], 4);
     let second = Duration::from_secs(1);
     assert_eq!(s.on_event(second, Event::Tick), vec![]);
-    let commands = s.on_event(6 * second, Event::Tick);
-    assert_eq!(commands, vec![Command::Warn(Warning::NoWorker { open: 4, since: 5 * second })]);
+    let actions = s.on_event(6 * second, Event::Tick);
+    assert_eq!(actions, vec![Action::Warn(Warning::NoWorker { open: 4, since: 5 * second })]);
     // Only a minute later the same is said again, with all the time that has passed; at once if it is another number.
-    let until = |s: &mut Scheduler, range: std::ops::RangeInclusive<u32>| -> Vec<(u32, Command)> {
+    let until = |s: &mut Scheduler, range: std::ops::RangeInclusive<u32>| -> Vec<(u32, Action)> {
         range.flat_map(|t| s.on_event(t * second, Event::Tick).into_iter().map(move |c| (t, c))).collect()
     };
-    let warning = |open, since| Command::Warn(Warning::NoWorker { open, since: since * second });
+    let warning = |open, since| Action::Warn(Warning::NoWorker { open, since: since * second });
     assert_eq!(until(&mut s, 7..=100), vec![(66, warning(4, 65))]);
     s.on_event(100 * second, Event::Submit(requests(4..6)));
     assert_eq!(until(&mut s, 101..=160), vec![(101, warning(6, 100))]);
     // A worker without a liveliness token gets nothing, and is named once.
     let a = worker("a");
-    let warnings: Vec<Command> = (1..40)
+    let warnings: Vec<Action> = (1..40)
         .flat_map(|sequence| ask(&mut s, second, claim(&a, sequence, 1, vec![], &[])))
-        .filter(|command| !matches!(command, Command::Reply { assignment: Assignment::Idle, .. }))
+        .filter(|action| !matches!(action, Action::Reply { assignment: Assignment::Idle, .. }))
         .collect();
-    assert_eq!(warnings, vec![Command::Warn(Warning::NoLiveliness { worker: a })]);
+    assert_eq!(warnings, vec![Action::Warn(Warning::NoLiveliness { worker: a })]);
 }
 
 #[test]
@@ -255,7 +255,7 @@ fn cancelled_tasks_stay_with_their_workers_and_finish_sends_them_home() {
     ask(&mut s, START, claim(&a, 2, 0, vec![outcome(&tasks[0], &a)], &[0, 1]));
     assert_eq!(reply(&s.on_event(START, Event::Cancel)), Some((vec![], vec![])));
     assert_eq!(s.on_event(START, Event::Recorded { task: 0 }), vec![]);
-    assert_eq!(s.on_event(START, Event::Finish), vec![Command::AnnounceEnd]);
-    let commands = ask(&mut s, START, claim(&a, 3, 2, vec![], &[0, 1]));
-    assert!(matches!(&commands[..], [Command::Reply { assignment: Assignment::Leave, .. }]));
+    assert_eq!(s.on_event(START, Event::Finish), vec![Action::AnnounceEnd]);
+    let actions = ask(&mut s, START, claim(&a, 3, 2, vec![], &[0, 1]));
+    assert!(matches!(&actions[..], [Action::Reply { assignment: Assignment::Leave, .. }]));
 }

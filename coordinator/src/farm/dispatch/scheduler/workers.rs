@@ -28,7 +28,7 @@ pub(super) struct Worker {
 
 impl Worker {
     /// How many tasks it has.
-    pub fn has(&self) -> usize {
+    pub fn leased(&self) -> usize {
         self.leases.len()
     }
 
@@ -51,7 +51,7 @@ pub(super) struct Workforce {
     /// Tasks that one worker alone has, the longest first.
     alone: BTreeSet<(Duration, u64)>,
     /// Tasks that workers say to have and nobody has asked for so far.
-    unasked: BTreeMap<u64, WorkerId>,
+    unrequested: BTreeMap<u64, WorkerId>,
     /// Slots and evaluations per second of the workers whose speed is known.
     measured: (f64, f64),
     /// Slots of the others.
@@ -59,7 +59,7 @@ pub(super) struct Workforce {
     /// Mean time from lease to outcome lately [s].
     turnaround: Option<f64>,
     /// Rises whenever somebody comes, goes, or says other slots.
-    changes: u64,
+    revision: u64,
 }
 
 impl Workforce {
@@ -71,8 +71,8 @@ impl Workforce {
         self.workers.is_empty()
     }
 
-    pub fn changes(&self) -> u64 {
-        self.changes
+    pub fn revision(&self) -> u64 {
+        self.revision
     }
 
     pub fn get(&self, id: &WorkerId) -> Option<&Worker> {
@@ -80,34 +80,34 @@ impl Workforce {
     }
 
     /// A worker has come.
-    pub fn join(&mut self, id: WorkerId) {
+    pub fn add(&mut self, id: WorkerId) {
         if !self.workers.contains_key(&id) {
             let worker = Worker::default();
             self.count(worker.strength(), 1.0);
             self.workers.insert(id, worker);
-            self.changes += 1;
+            self.revision += 1;
         }
     }
 
     /// A worker has gone; what it had.
-    pub fn leave(&mut self, id: &WorkerId) -> Vec<u64> {
+    pub fn remove(&mut self, id: &WorkerId) -> Vec<u64> {
         let Some(worker) = self.workers.get(id) else { return Vec::new() };
         let tasks: Vec<u64> = worker.leases.keys().copied().collect();
         for task in &tasks {
             self.release(id, *task);
         }
-        self.unasked.retain(|_, holder| holder != id);
+        self.unrequested.retain(|_, holder| holder != id);
         if let Some(worker) = self.workers.remove(id) {
             self.count(worker.strength(), -1.0);
         }
-        self.changes += 1;
+        self.revision += 1;
         tasks
     }
 
     /// Takes note of a claim of a worker that is there; false if it is outdated.
-    pub fn claims(&mut self, id: &WorkerId, sequence: u64, slots: u32) -> bool {
+    pub fn register_claim(&mut self, id: &WorkerId, sequence: u64, slots: u32) -> bool {
         if self.workers.get(id).is_some_and(|worker| worker.slots != slots) {
-            self.changes += 1;
+            self.revision += 1;
         }
         let mut newest = false;
         self.remeasure(id, |worker| {
@@ -170,28 +170,28 @@ impl Workforce {
     }
 
     /// Tasks this worker has that are not among `kept`, or all.
-    pub fn lost(&self, id: &WorkerId, kept: &BTreeSet<u64>, all: bool) -> Vec<u64> {
+    pub fn missing_leases(&self, id: &WorkerId, kept: &BTreeSet<u64>, all: bool) -> Vec<u64> {
         let leases = self.workers.get(id).map(|worker| worker.leases.keys());
         leases.into_iter().flatten().filter(|task| all || !kept.contains(task)).copied().collect()
     }
 
     /// Whether what a worker says to have is news: not leased to it, nor taken from it as overdue.
-    pub fn is_news(&self, id: &WorkerId, task: u64) -> bool {
+    pub fn is_unknown_task(&self, id: &WorkerId, task: u64) -> bool {
         let known = |worker: &Worker| worker.leases.contains_key(&task) || worker.overdue.contains(&task);
         self.workers.get(id).is_some_and(|worker| !known(worker))
     }
 
     /// Notes what a worker has that nobody has asked for so far.
-    pub fn note_unasked(&mut self, id: &WorkerId, tasks: &[u64]) {
-        if !self.unasked.is_empty() {
-            self.unasked.retain(|_, holder| holder != id);
+    pub fn set_unrequested(&mut self, id: &WorkerId, tasks: &[u64]) {
+        if !self.unrequested.is_empty() {
+            self.unrequested.retain(|_, holder| holder != id);
         }
-        self.unasked.extend(tasks.iter().map(|&task| (task, id.clone())));
+        self.unrequested.extend(tasks.iter().map(|&task| (task, id.clone())));
     }
 
     /// The worker that has this task already, which is asked for now.
-    pub fn take_unasked(&mut self, task: u64) -> Option<WorkerId> {
-        self.unasked.remove(&task)
+    pub fn take_unrequested(&mut self, task: u64) -> Option<WorkerId> {
+        self.unrequested.remove(&task)
     }
 
     /// Takes note of an evaluation that took a slot `wall` seconds.
@@ -233,21 +233,21 @@ impl Workforce {
         (worker.slots.max(1) as usize).max(share as usize)
     }
 
-    /// Tasks that one worker alone, other than `asker`, has had for longer than `factor` of the mean and than `least`,
-    /// the longest first. An asker of less than half the mean speed gets those that are out for four times as long: a
+    /// Tasks that one worker alone, other than `requester`, has had for longer than `factor` of the mean and than `least`,
+    /// the longest first. A requester of less than half the mean speed gets those that are out for four times as long: a
     /// faster one is likely to come first.
     pub fn stragglers(
         &self,
-        asker: &WorkerId,
+        requester: &WorkerId,
         now: Duration,
         factor: f64,
         least: Duration,
     ) -> impl Iterator<Item = u64> {
         let usual = self.turnaround.and_then(|mean| Duration::try_from_secs_f64(factor * mean).ok());
-        let patience = if self.is_slow(asker) { 4 } else { 1 };
+        let patience = if self.is_slow(requester) { 4 } else { 1 };
         let until = usual.and_then(|usual| now.checked_sub(patience * usual.max(least)));
         let late = until.into_iter().flat_map(|until| self.alone.range(..=(until, u64::MAX)));
-        let elsewhere = move |task: &u64| self.holders[task].iter().all(|holder| holder != asker);
+        let elsewhere = move |task: &u64| self.holders[task].iter().all(|holder| holder != requester);
         late.map(|(_, task)| *task).filter(elsewhere)
     }
 

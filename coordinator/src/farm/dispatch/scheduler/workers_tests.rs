@@ -11,8 +11,8 @@ fn id(name: &str) -> WorkerId {
 fn workforce(slots: &[(&str, u32)]) -> Workforce {
     let mut all = Workforce::default();
     for (name, slots) in slots {
-        all.join(id(name));
-        assert!(all.claims(&id(name), 1, *slots));
+        all.add(id(name));
+        assert!(all.register_claim(&id(name), 1, *slots));
     }
     all
 }
@@ -37,9 +37,9 @@ fn shares_follow_the_measured_speed() {
     all.measure(&id("slow"), 0, 4.0, Duration::ZERO);
     // Speeds 2, 0.5 and 4 * 2.5/4.
     assert_eq!(["fast", "slow", "new"].map(|name| all.share(&id(name), 100)), [40, 10, 50], "of 100 tasks");
-    all.leave(&id("fast"));
+    all.remove(&id("fast"));
     assert_eq!(all.share(&id("slow"), 90), 30);
-    all.leave(&id("slow"));
+    all.remove(&id("slow"));
     assert_eq!(all.share(&id("new"), 90), 90);
 }
 
@@ -49,8 +49,8 @@ fn a_task_at_two_workers_is_held_until_both_have_lost_it() {
     let second = Duration::from_secs(1);
     all.lease(&id("a"), 7, second);
     all.measure(&id("a"), 7, 1.0, 2 * second);
-    let late = |all: &Workforce, asker: &str, at| -> Vec<u64> {
-        all.stragglers(&id(asker), at, 2.0, second).collect()
+    let late = |all: &Workforce, requester: &str, at| -> Vec<u64> {
+        all.stragglers(&id(requester), at, 2.0, second).collect()
     };
     assert_eq!(late(&all, "b", 2 * second), [] as [u64; 0], "not late yet");
     assert_eq!(late(&all, "b", 3 * second), [7]);
@@ -59,7 +59,7 @@ fn a_task_at_two_workers_is_held_until_both_have_lost_it() {
     assert_eq!(late(&all, "c", 9 * second), [] as [u64; 0], "two are enough");
     assert!(all.release(&id("a"), 7), "b has it");
     assert_eq!(late(&all, "c", 9 * second), [7]);
-    assert_eq!(all.leave(&id("b")), [7]);
+    assert_eq!(all.remove(&id("b")), [7]);
     assert!(!all.is_held(7));
 }
 
@@ -72,7 +72,7 @@ fn a_slow_worker_takes_a_straggler_only_when_nobody_faster_has() {
     all.measure(&id("b"), 8, 1.0, second);
     all.release_from_all(8);
     all.measure(&id("slow"), 9, 10.0, second);
-    let late = |asker: &str, at: u32| all.stragglers(&id(asker), at * second, 2.0, second).count();
+    let late = |requester: &str, at: u32| all.stragglers(&id(requester), at * second, 2.0, second).count();
     assert_eq!(
         [late("b", 1), late("b", 2), late("slow", 2), late("slow", 7), late("slow", 8)],
         [0, 1, 0, 0, 1]

@@ -1,16 +1,17 @@
-//! The coordinator's connection: the only place of the coordinator that knows Zenoh.
+//! The coordinator's Zenoh session: the only module of the coordinator that uses Zenoh.
 //!
-//! Callbacks only pass on what they get: one that waits would hold up Zenoh's receiving threads. Whatever may
-//! wait for a slow line (replies, notices) is sent by a thread of its own.
+//! Callbacks only pass messages on: a callback that waits would block Zenoh's receiving threads. Replies and notices,
+//! which may wait for a slow connection, are sent by a separate thread.
 
+mod client_session;
 mod settings;
-mod visitor;
 
+pub use client_session::{ClientError, ClientSession, LivelinessGuard};
 pub use settings::Listen;
-pub use visitor::{Life, VisitError, Visitor};
 
 use super::DispatchError;
 use common::wire::{WorkerId, keys, reason};
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::Duration;
 use zenoh::liveliness::LivelinessToken;
@@ -19,69 +20,97 @@ use zenoh::query::{Query, Queryable};
 use zenoh::sample::SampleKind;
 use zenoh::{Session, Wait};
 
-/// A dead line may never let go.
+/// Time limit for closing the session: closing may block on a broken connection.
 const CLOSE_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// A claim that waits for its answer. Dropped without one, the worker hears at once that there is none.
-pub(super) struct Asker(Query);
+/// A message received by the coordinator.
+pub(super) enum Incoming {
+    /// A worker's claim.
+    Claim(IncomingQuery),
+    /// A query for the status.
+    StatusQuery(IncomingQuery),
+    /// The liveliness token of a worker appeared.
+    WorkerJoined(WorkerId),
+    /// The liveliness token of a worker disappeared.
+    WorkerLost(WorkerId),
+}
 
-impl Asker {
-    /// What the claim says.
+impl Incoming {
+    /// Length of a query [bytes]; `None` for a change of liveliness.
+    pub fn query_size(&self) -> Option<usize> {
+        match self {
+            Self::Claim(query) | Self::StatusQuery(query) => Some(query.size()),
+            Self::WorkerJoined(_) | Self::WorkerLost(_) => None,
+        }
+    }
+}
+
+/// A query that waits for its reply. If it is dropped without one, Zenoh notifies the sender at once.
+pub(super) struct IncomingQuery(Query);
+
+impl IncomingQuery {
+    /// Frame of the query.
     pub fn frame(&self) -> Vec<u8> {
         self.0.payload().map(|payload| payload.to_bytes().into_owned()).unwrap_or_default()
     }
 
-    /// Length of the claim [bytes].
-    pub fn size(&self) -> usize {
+    /// Length of the frame [bytes].
+    fn size(&self) -> usize {
         self.0.payload().map_or(0, |payload| payload.len())
     }
 
-    /// The worker's name, in plain text, whatever its version.
+    /// Name of the worker from the selector: plain text, readable for every protocol version.
     pub fn name(&self) -> String {
         let name = self.0.parameters().get("worker").unwrap_or_default();
-        if keys::is_worker_name(name) { name.to_owned() } else { "without a name".to_owned() }
+        if keys::is_worker_name(name) { name.to_owned() } else { "(no name)".to_owned() }
     }
 }
 
-/// What is to be sent.
-enum Parcel {
-    Answer(Asker, Vec<u8>),
-    Refusal(Asker, String),
-    Status(Asker, Vec<u8>),
+/// A message to be sent.
+enum Outgoing {
+    Answer(IncomingQuery, Vec<u8>),
+    Refusal(IncomingQuery, String),
+    Status(IncomingQuery, Vec<u8>),
     Notice(Vec<u8>),
 }
 
-/// See the module.
+/// The session with its declarations; they end when it is dropped.
 pub(super) struct Transport {
     session: Session,
     endpoints: Vec<String>,
-    parcels: Sender<Parcel>,
+    outgoing: Sender<Outgoing>,
     _claims: Queryable<()>,
-    _looks: Queryable<()>,
-    _liveness: Subscriber<()>,
+    _status_queries: Queryable<()>,
+    _liveliness: Subscriber<()>,
     _token: LivelinessToken,
 }
 
 impl Transport {
-    /// Listens; `on_claim`, `on_look` (somebody asks for the status) and `on_liveness` (true: there) must not wait.
+    /// Opens the session and passes every message to `on_incoming`, which must not block.
+    ///
+    /// # Errors
+    /// [`DispatchError`].
     pub fn open(
         listen: &Listen,
-        on_claim: impl Fn(Asker) + Send + Sync + 'static,
-        on_look: impl Fn(Asker) + Send + Sync + 'static,
-        on_liveness: impl Fn(WorkerId, bool) + Send + Sync + 'static,
+        on_incoming: impl Fn(Incoming) + Send + Sync + 'static,
     ) -> Result<Self, DispatchError> {
-        let settings = settings::settings(listen)?;
+        let on_incoming = Arc::new(on_incoming);
+        let (on_claim, on_status_query) = (Arc::clone(&on_incoming), Arc::clone(&on_incoming));
+        let settings = settings::transport_settings(listen)?;
         let session = zenoh::open(settings.config).wait().map_err(|error| DispatchError::Endpoint {
             endpoint: settings.endpoints.join(", "),
             reason: reason(error),
         })?;
-        let liveness = session
+        let liveliness = session
             .liveliness()
             .declare_subscriber(keys::ALIVE_ALL)
             .history(true)
             .callback(move |sample| {
                 if let Some(worker) = keys::worker_of(sample.key_expr().as_str()) {
-                    on_liveness(worker, sample.kind() == SampleKind::Put);
+                    on_incoming(match sample.kind() {
+                        SampleKind::Put => Incoming::WorkerJoined(worker),
+                        SampleKind::Delete => Incoming::WorkerLost(worker),
+                    });
                 }
             })
             .wait()
@@ -89,20 +118,20 @@ impl Transport {
         let claims = session
             .declare_queryable(keys::CLAIM)
             .complete(true)
-            .callback(move |query| on_claim(Asker(query)))
+            .callback(move |query| on_claim(Incoming::Claim(IncomingQuery(query))))
             .wait()
             .map_err(messaging)?;
-        let looks = session
+        let status_queries = session
             .declare_queryable(keys::STATUS)
             .complete(true)
-            .callback(move |query| on_look(Asker(query)))
+            .callback(move |query| on_status_query(Incoming::StatusQuery(IncomingQuery(query))))
             .wait()
             .map_err(messaging)?;
-        // Seen by tools that list what is there.
+        // For tools that list liveliness tokens.
         let token = session.liveliness().declare_token(keys::COORDINATOR).wait().map_err(messaging)?;
         let endpoints: Vec<String> =
             session.info().locators().wait().iter().map(ToString::to_string).collect();
-        let (parcels, to_send) = channel();
+        let (outgoing, to_send) = channel();
         let sender = session.clone();
         std::thread::Builder::new()
             .name("coordinator-send".into())
@@ -111,48 +140,48 @@ impl Transport {
         Ok(Self {
             session,
             endpoints,
-            parcels,
+            outgoing,
             _claims: claims,
-            _looks: looks,
-            _liveness: liveness,
+            _status_queries: status_queries,
+            _liveliness: liveliness,
             _token: token,
         })
     }
 
-    /// Where workers can connect; with port 0 asked for, the port given.
+    /// Endpoints to which workers can connect, with the port assigned where port 0 was requested.
     pub fn endpoints(&self) -> &[String] {
         &self.endpoints
     }
 
     /// Answers a claim.
-    pub fn answer(&self, asker: Asker, frame: Vec<u8>) {
-        self.post(Parcel::Answer(asker, frame));
+    pub fn answer(&self, query: IncomingQuery, frame: Vec<u8>) {
+        self.post(Outgoing::Answer(query, frame));
     }
 
-    /// Answers a claim that cannot be understood.
-    pub fn refuse(&self, asker: Asker, reason: String) {
-        self.post(Parcel::Refusal(asker, reason));
+    /// Replies with an error to a query that cannot be decoded.
+    pub fn refuse(&self, query: IncomingQuery, reason: String) {
+        self.post(Outgoing::Refusal(query, reason));
     }
 
-    /// Answers whoever asked for the status.
-    pub fn tell_status(&self, asker: Asker, frame: Vec<u8>) {
-        self.post(Parcel::Status(asker, frame));
+    /// Answers a query for the status.
+    pub fn answer_status(&self, query: IncomingQuery, frame: Vec<u8>) {
+        self.post(Outgoing::Status(query, frame));
     }
 
-    /// Tells all workers.
+    /// Publishes a notice to all workers.
     pub fn publish(&self, frame: Vec<u8>) {
-        self.post(Parcel::Notice(frame));
+        self.post(Outgoing::Notice(frame));
     }
 
-    fn post(&self, parcel: Parcel) {
-        // The sending thread ends only when this value is gone.
-        let _ = self.parcels.send(parcel);
+    fn post(&self, message: Outgoing) {
+        // The sending thread runs until this value is dropped.
+        let _ = self.outgoing.send(message);
     }
 
-    /// Closes the session, or leaves it after a while if a line is dead.
+    /// Closes the session; gives up after [`CLOSE_TIMEOUT`].
     pub fn close(self) {
-        let Self { session, parcels, .. } = self;
-        drop(parcels);
+        let Self { session, outgoing, .. } = self;
+        drop(outgoing);
         let (done, finished) = channel();
         let closing = std::thread::Builder::new().name("coordinator-close".into()).spawn(move || {
             let closed = session.close().wait();
@@ -164,14 +193,14 @@ impl Transport {
     }
 }
 
-fn send(session: &Session, parcels: &Receiver<Parcel>) {
-    while let Ok(parcel) = parcels.recv() {
-        let sent = match parcel {
-            Parcel::Answer(Asker(query), frame) => query.reply(keys::CLAIM, frame).wait(),
-            Parcel::Refusal(Asker(query), reason) => query.reply_err(reason).wait(),
-            Parcel::Status(Asker(query), frame) => query.reply(keys::STATUS, frame).wait(),
-            // A hint only: workers ask again by themselves, so a congested line may lose it.
-            Parcel::Notice(frame) => session.put(keys::NOTICE, frame).wait(),
+fn send(session: &Session, outgoing: &Receiver<Outgoing>) {
+    while let Ok(message) = outgoing.recv() {
+        let sent = match message {
+            Outgoing::Answer(IncomingQuery(query), frame) => query.reply(keys::CLAIM, frame).wait(),
+            Outgoing::Refusal(IncomingQuery(query), reason) => query.reply_err(reason).wait(),
+            Outgoing::Status(IncomingQuery(query), frame) => query.reply(keys::STATUS, frame).wait(),
+            // Only a hint: workers claim again after a pause, so a congested connection may drop it.
+            Outgoing::Notice(frame) => session.put(keys::NOTICE, frame).wait(),
         };
         if let Err(error) = sent {
             tracing::debug!("a message could not be sent: {error}");

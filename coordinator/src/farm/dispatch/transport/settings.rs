@@ -1,5 +1,5 @@
-//! Where and how the coordinator listens: loopback unless told otherwise, nothing open to strangers unless told
-//! so in so many words.
+//! Endpoint and Zenoh configuration of the coordinator: loopback by default; other addresses require authenticated
+//! clients or `--insecure`.
 
 use super::super::DispatchError;
 use common::wire::{MAX_MESSAGE, reason};
@@ -7,12 +7,12 @@ use std::net::IpAddr;
 use std::path::PathBuf;
 use zenoh::Config;
 
-/// Loopback, any free port.
+/// Loopback address with any free port.
 const DEFAULT_ENDPOINT: &str = "tcp/127.0.0.1:0";
 
-/// What the coordinator needs, as Zenoh settings: it is the only listener, and workers do not talk among
-/// themselves (64 meshed peers took 369 MB and 15 s to close).
-const SETTINGS: [(&str, &str); 5] = [
+/// Zenoh settings the coordinator requires: it is the only listener, and workers do not connect to each other (64 meshed
+/// peers took 369 MB and 15 s to close).
+const ZENOH_SETTINGS: [(&str, &str); 5] = [
     ("mode", "\"peer\""),
     ("scouting/multicast/enabled", "false"),
     ("scouting/gossip/enabled", "false"),
@@ -20,28 +20,30 @@ const SETTINGS: [(&str, &str); 5] = [
     ("transport/link/rx/max_message_size", MAX_MESSAGE),
 ];
 
-/// Where the coordinator listens.
+/// Where and how the coordinator listens.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Listen {
-    /// Endpoint, e.g. `tcp/192.168.1.20:7447`; `None`: those of the configuration file, else loopback with a
+    /// Endpoint, e.g. `tcp/192.168.1.20:7447`; `None`: the endpoints of the configuration file, otherwise loopback with a
     /// free port.
     pub endpoint: Option<String>,
-    /// More Zenoh settings (JSON5 file), e.g. certificates; what the coordinator needs stands above them.
+    /// File with further Zenoh settings (JSON5), e.g. certificates; the settings required here override it.
     pub config: Option<PathBuf>,
-    /// Whether an address that other machines can reach may do without authentication.
+    /// Whether unauthenticated clients may connect from other machines.
     pub insecure: bool,
 }
 
-/// Settings of the session.
+/// Zenoh configuration and endpoints of the coordinator's session.
 #[derive(Debug)]
-pub(super) struct Settings {
+pub(super) struct TransportSettings {
     pub config: Config,
     pub endpoints: Vec<String>,
 }
 
+/// Builds the configuration of the session.
+///
 /// # Errors
 /// [`DispatchError::Configuration`], [`DispatchError::Endpoint`], [`DispatchError::Insecure`].
-pub(super) fn settings(listen: &Listen) -> Result<Settings, DispatchError> {
+pub(super) fn transport_settings(listen: &Listen) -> Result<TransportSettings, DispatchError> {
     let mut config = match &listen.config {
         None => Config::default(),
         Some(file) => Config::from_file(file)
@@ -52,7 +54,7 @@ pub(super) fn settings(listen: &Listen) -> Result<Settings, DispatchError> {
         None => endpoints_of(&config).unwrap_or_else(|| vec![DEFAULT_ENDPOINT.into()]),
     };
     for endpoint in &endpoints {
-        if !listen.insecure && !is_loopback(endpoint)? && !asks_who(&config, endpoint) {
+        if !listen.insecure && !is_loopback(endpoint)? && !authenticates_clients(&config, endpoint) {
             return Err(DispatchError::Insecure { endpoint: endpoint.clone() });
         }
     }
@@ -60,13 +62,13 @@ pub(super) fn settings(listen: &Listen) -> Result<Settings, DispatchError> {
     config
         .insert_json5("listen/endpoints", &json)
         .map_err(|error| DispatchError::Endpoint { endpoint: endpoints.join(", "), reason: reason(error) })?;
-    for (key, value) in SETTINGS {
+    for (key, value) in ZENOH_SETTINGS {
         config.insert_json5(key, value).map_err(super::messaging)?;
     }
-    Ok(Settings { config, endpoints })
+    Ok(TransportSettings { config, endpoints })
 }
 
-/// Endpoints a configuration file lists for all modes; Zenoh's own default lists them by mode.
+/// Endpoints that a configuration file lists for all modes; Zenoh's default lists them by mode.
 fn endpoints_of(config: &Config) -> Option<Vec<String>> {
     let json = config.get_json("listen/endpoints").ok()?;
     serde_json::from_str::<Vec<String>>(&json).ok().filter(|endpoints| !endpoints.is_empty())
@@ -81,8 +83,9 @@ fn is_loopback(endpoint: &str) -> Result<bool, DispatchError> {
     Ok(host == "localhost" || host.parse::<IpAddr>().is_ok_and(|address| address.is_loopback()))
 }
 
-/// Whether a listener asks its clients who they are, on an encrypted line: a dictionary of users or certificates, on TLS.
-fn asks_who(config: &Config, endpoint: &str) -> bool {
+/// True if a listener authenticates its clients on an encrypted connection: TLS with client certificates or with a
+/// dictionary of users.
+fn authenticates_clients(config: &Config, endpoint: &str) -> bool {
     let set = |key: &str| config.get_json(key).is_ok_and(|value| value != "null");
     let users = set("transport/auth/usrpwd/dictionary_file");
     let certificates = config.get_json("transport/link/tls/enable_mtls").is_ok_and(|value| value == "true");
@@ -94,20 +97,20 @@ mod tests {
     use super::*;
     use std::io::Write;
 
-    fn with_config(text: &str, endpoint: Option<&str>) -> Result<Settings, DispatchError> {
+    fn with_config(text: &str, endpoint: Option<&str>) -> Result<TransportSettings, DispatchError> {
         let mut file = tempfile::Builder::new().suffix(".json5").tempfile().unwrap();
         file.write_all(text.as_bytes()).unwrap();
         let config = Some(file.path().to_owned());
-        settings(&Listen { endpoint: endpoint.map(Into::into), config, insecure: false })
+        transport_settings(&Listen { endpoint: endpoint.map(Into::into), config, insecure: false })
     }
 
-    fn listen(endpoint: &str, insecure: bool) -> Result<Settings, DispatchError> {
-        settings(&Listen { endpoint: Some(endpoint.into()), config: None, insecure })
+    fn listen(endpoint: &str, insecure: bool) -> Result<TransportSettings, DispatchError> {
+        transport_settings(&Listen { endpoint: Some(endpoint.into()), config: None, insecure })
     }
 
     #[test]
     fn the_default_is_loopback_with_a_free_port() {
-        let settings = settings(&Listen::default()).unwrap();
+        let settings = transport_settings(&Listen::default()).unwrap();
         assert_eq!(settings.endpoints, ["tcp/127.0.0.1:0"]);
         assert_eq!(settings.config.get_json("listen/endpoints").unwrap(), r#"["tcp/127.0.0.1:0"]"#);
         assert_eq!(settings.config.get_json("mode").unwrap(), r#""peer""#);
@@ -130,7 +133,7 @@ mod tests {
     fn authentication_opens_other_addresses() {
         let users = r#"{ transport: { auth: { usrpwd: { dictionary_file: "users.txt" } } } }"#;
         assert!(with_config(users, Some("tls/0.0.0.0:7447")).is_ok());
-        // Whoever listens on the line could take over what users and workers say.
+        // Without encryption, an eavesdropper could take over the session of an authenticated user.
         assert!(matches!(with_config(users, Some("tcp/0.0.0.0:7447")), Err(DispatchError::Insecure { .. })));
         let mtls = r#"{ transport: { link: { tls: { enable_mtls: true } } } }"#;
         assert!(with_config(mtls, Some("tls/0.0.0.0:7447")).is_ok());
@@ -149,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn nonsense_is_named() {
+    fn invalid_endpoints_and_configurations_are_refused() {
         for endpoint in ["127.0.0.1:0", "tcp/nowhere"] {
             assert!(matches!(listen(endpoint, false), Err(DispatchError::Endpoint { .. })), "{endpoint}");
         }

@@ -1,12 +1,12 @@
-//! Where the study posts how far it is, for the desk to tell whoever asks.
+//! Progress of the study, written by the study and read by status queries.
 
 use common::wire::{FarmStatus, Phase, Status, StudyStatus};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, SystemTime};
 
-/// What the study has posted; clones share it.
+/// Progress posted by the study; clones share it.
 #[derive(Debug, Clone, Default)]
-pub struct Board(Arc<Mutex<Posted>>);
+pub struct StatusBoard(Arc<Mutex<Posted>>);
 
 #[derive(Debug, Default)]
 struct Posted {
@@ -14,22 +14,22 @@ struct Posted {
     ending: bool,
 }
 
-impl Board {
+impl StatusBoard {
     fn posted(&self) -> MutexGuard<'_, Posted> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Posts a change.
+    /// Changes the posted progress.
     pub fn post(&self, change: impl FnOnce(&mut StudyStatus)) {
         change(&mut self.posted().study);
     }
 
-    /// Posts that everything is evaluated.
+    /// Posts that all evaluations have ended.
     pub fn post_ending(&self) {
         self.posted().ending = true;
     }
 
-    /// The whole status, with those who work; `up` is how long the coordinator has been there.
+    /// The status with the workers of `farm`; `up` is the time since the coordinator started.
     pub fn status(&self, farm: FarmStatus, up: Duration) -> Status {
         let posted = self.posted();
         let phase = match (posted.ending, farm.queued + farm.under_way, farm.slots()) {
@@ -49,7 +49,7 @@ impl Board {
     }
 }
 
-/// This machine's clock: time since 1970 in UTC [ms].
+/// Time of this machine's clock since 1970-01-01 UTC [ms].
 pub fn clock_ms() -> u64 {
     let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
     u64::try_from(since.as_millis()).unwrap_or(u64::MAX)
@@ -62,7 +62,7 @@ mod tests {
 
     #[test]
     fn the_phase_follows_from_queue_workers_and_study() {
-        let board = Board::default();
+        let board = StatusBoard::default();
         let phase = |queued, under_way, slots| {
             let worker = WorkerStatus { slots, ..WorkerStatus::default() };
             let farm = FarmStatus { queued, under_way, workers: vec![worker], ..FarmStatus::default() };

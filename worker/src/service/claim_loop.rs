@@ -4,13 +4,13 @@
 //! Three answers stay apart: work; "idle, ask again in T" (a notice ends the wait early); nothing, after which
 //! the worker backs off, with a spread so that many workers do not come back at the same instant.
 
-use super::held::Held;
-use super::inbox::Inbox;
+use super::claim_event::ClaimEvent;
+use super::connection_monitor::ConnectionMonitor;
+use super::leave_policy::LeavePolicy;
 use super::link::Link;
-use super::pace::Pace;
-use super::patience::Patience;
+use super::prefetch::PrefetchEstimator;
 use super::slots::Slots;
-use super::stay::Stay;
+use super::unacknowledged::UnacknowledgedResults;
 use super::{Departure, Job, ServiceConfig, ServiceError};
 use crate::log::refusal;
 use common::wire::{self, Claim, Next, Notice, Reply, Task, TaskKey, WireError, WorkOrder, WorkerId};
@@ -34,7 +34,7 @@ const QUERY_MARGIN: Duration = Duration::from_secs(5);
 const LOOK_UP: Duration = Duration::from_millis(500);
 
 /// A claim under way.
-struct UnderWay {
+struct PendingClaim {
     sequence: u64,
     credits: usize,
     leaving: bool,
@@ -42,7 +42,7 @@ struct UnderWay {
 }
 
 /// See the module.
-pub(super) struct Claims {
+pub(super) struct ClaimLoop {
     config: ServiceConfig,
     worker: WorkerId,
     /// Which of the worker's coordinators this is.
@@ -51,17 +51,17 @@ pub(super) struct Claims {
     slots: Arc<Slots>,
     /// Tasks begun or waiting, and since when they are here.
     running: Vec<(Task, Instant)>,
-    held: Held,
-    pace: Pace,
+    unacknowledged: UnacknowledgedResults,
+    prefetch: PrefetchEstimator,
     sequence: u64,
-    under_way: Option<UnderWay>,
+    under_way: Option<PendingClaim>,
     /// When free slots ask again.
     ask_at: Instant,
     /// No claim before this, whatever there is to say.
     silent_until: Instant,
     backoff: Duration,
-    patience: Patience,
-    stay: Stay,
+    monitor: ConnectionMonitor,
+    leave_policy: LeavePolicy,
     /// Tasks were handed back, which the coordinator does not know yet.
     handed_back: bool,
     leaving_since: Option<Instant>,
@@ -69,15 +69,15 @@ pub(super) struct Claims {
     said_farewell: bool,
 }
 
-impl Claims {
+impl ClaimLoop {
     pub fn new(
         config: ServiceConfig,
         worker: WorkerId,
         place: usize,
         link: Link,
         slots: Arc<Slots>,
-        patience: Patience,
-        stay: Stay,
+        monitor: ConnectionMonitor,
+        leave_policy: LeavePolicy,
     ) -> Self {
         let now = Instant::now();
         Self {
@@ -87,15 +87,15 @@ impl Claims {
             link,
             slots,
             running: Vec::new(),
-            held: Held::default(),
-            pace: Pace::default(),
+            unacknowledged: UnacknowledgedResults::default(),
+            prefetch: PrefetchEstimator::default(),
             sequence: 0,
             under_way: None,
             ask_at: now,
             silent_until: now,
             backoff: FIRST_BACKOFF,
-            patience,
-            stay,
+            monitor,
+            leave_policy,
             handed_back: false,
             leaving_since: None,
             said_farewell: false,
@@ -103,15 +103,15 @@ impl Claims {
     }
 
     /// Serves until the end.
-    pub fn run(mut self, inbox: &Receiver<Inbox>) -> Result<Departure, ServiceError> {
+    pub fn run(mut self, inbox: &Receiver<ClaimEvent>) -> Result<Departure, ServiceError> {
         let departure = self.serve(inbox);
-        self.slots.shares().is_content(self.place);
+        self.slots.shares().stop_competing(self.place);
         self.withdraw(|_| true);
         self.link.close();
         departure
     }
 
-    fn serve(&mut self, inbox: &Receiver<Inbox>) -> Result<Departure, ServiceError> {
+    fn serve(&mut self, inbox: &Receiver<ClaimEvent>) -> Result<Departure, ServiceError> {
         loop {
             let now = Instant::now();
             self.claim_if_due(now)?;
@@ -122,8 +122,8 @@ impl Claims {
                 Err(RecvTimeoutError::Disconnected) => return Ok(Departure::Aborted),
             };
             // Everything that is there already is heard before the next claim: outcomes travel together.
-            while let Some(heard) = message {
-                if let Some(departure) = self.hear(heard)? {
+            while let Some(event) = message {
+                if let Some(departure) = self.handle(event)? {
                     return Ok(departure);
                 }
                 message = inbox.try_recv().ok();
@@ -134,42 +134,42 @@ impl Claims {
         }
     }
 
-    fn hear(&mut self, message: Inbox) -> Result<Option<Departure>, ServiceError> {
+    fn handle(&mut self, message: ClaimEvent) -> Result<Option<Departure>, ServiceError> {
         let now = Instant::now();
         match message {
-            Inbox::Finished(outcome) => {
+            ClaimEvent::Finished(outcome) => {
                 if let Some(at) = self.running.iter().position(|(task, _)| task.same_work(&outcome.task)) {
                     let (_, since) = self.running.swap_remove(at);
-                    self.pace.task_ended(outcome.wall, now.saturating_duration_since(since));
+                    self.prefetch.task_ended(outcome.wall, now.saturating_duration_since(since));
                 }
-                self.held.push(*outcome, now);
+                self.unacknowledged.push(*outcome, now);
                 self.ask_at = now;
             }
-            Inbox::PlaceFree => {}
-            Inbox::Answer { sequence, frame } if self.is_under_way(sequence) => {
+            ClaimEvent::SlotFree => {}
+            ClaimEvent::Answer { sequence, frame } if self.is_under_way(sequence) => {
                 return self.answered(now, frame);
             }
-            Inbox::QueryEnded { sequence } if self.is_under_way(sequence) => {
+            ClaimEvent::QueryEnded { sequence } if self.is_under_way(sequence) => {
                 self.unanswered(now, refusal::no_answer(now));
             }
-            Inbox::Answer { .. } | Inbox::QueryEnded { .. } => {}
-            Inbox::Notice(frame) => match wire::decode::<Notice>(&frame) {
+            ClaimEvent::Answer { .. } | ClaimEvent::QueryEnded { .. } => {}
+            ClaimEvent::Notice(frame) => match wire::decode::<Notice>(&frame) {
                 Ok(Notice::Batch { points, .. }) => {
                     tracing::debug!("the coordinator announces {} points", points.len());
                     self.ask_at = now;
                     self.silent_until = now;
                     // What the coordinator did not know so far may be among them.
-                    self.held.offer_again(now);
+                    self.unacknowledged.resend_all(now);
                 }
                 Ok(Notice::Ended { .. }) => return Ok(self.campaign_ended(now)),
                 Err(error) => tracing::warn!("a notice of the coordinator could not be read: {error}"),
             },
-            Inbox::Stop => {
-                self.stay.asked(now);
+            ClaimEvent::Stop => {
+                self.leave_policy.request_stop(now);
                 // What waits for a slot others can do at once.
                 self.handed_back |= self.withdraw(|_| true) > 0;
             }
-            Inbox::Abort => return Ok(Some(Departure::Aborted)),
+            ClaimEvent::Abort => return Ok(Some(Departure::Aborted)),
         }
         Ok(None)
     }
@@ -199,17 +199,19 @@ impl Claims {
                 return Ok(None);
             }
         };
-        let Some(UnderWay { credits, leaving, since, .. }) = self.under_way.take() else { return Ok(None) };
+        let Some(PendingClaim { credits, leaving, since, .. }) = self.under_way.take() else {
+            return Ok(None);
+        };
         self.said_farewell |= leaving;
-        self.patience.heard();
+        self.monitor.on_answer();
         self.backoff = FIRST_BACKOFF;
-        self.held.forget(&reply.acknowledged);
+        self.unacknowledged.forget(&reply.acknowledged);
         // What others have done meanwhile need not be begun.
         self.withdraw(|task| reply.acknowledged.contains(&task.key));
         match reply.next {
             Next::Work(order) => {
                 let got = order.tasks.len();
-                self.pace.answered(now.saturating_duration_since(since));
+                self.prefetch.answered(now.saturating_duration_since(since));
                 self.begin(order, now);
                 // Fewer than asked for: there are no more for now; a notice tells when.
                 self.ask_at = if got < credits { now + NO_MORE } else { now };
@@ -228,14 +230,14 @@ impl Claims {
 
     /// Leaves, or waits for the next campaign there.
     fn campaign_ended(&mut self, now: Instant) -> Option<Departure> {
-        if !self.config.next_campaign || self.stay.takes_nothing() {
+        if !self.config.next_campaign || self.leave_policy.is_draining() {
             return Some(Departure::CampaignEnded);
         }
         tracing::info!("the campaign at {} has ended", self.config.connect[self.place]);
         self.under_way = None;
         self.slots.shares().answered(self.place, 0, now);
         self.withdraw(|_| true);
-        self.held = Held::default();
+        self.unacknowledged = UnacknowledgedResults::default();
         (self.ask_at, self.silent_until) = (now + NO_MORE, now + NO_MORE);
         None
     }
@@ -244,7 +246,7 @@ impl Claims {
         let mut tasks = std::mem::take(&mut order.tasks);
         tasks.retain(|task| {
             let runs = self.running.iter().any(|(other, _)| other.same_work(task));
-            !(runs || self.held.has(task, now))
+            !(runs || self.unacknowledged.resend_if_held(task, now))
         });
         // What arrives after the decision to leave is handed back.
         if self.leaving_since.is_some() {
@@ -271,8 +273,8 @@ impl Claims {
     fn unanswered(&mut self, now: Instant, reason: String) {
         let since = self.under_way.take().map_or(now, |claim| claim.since);
         self.slots.shares().answered(self.place, 0, now);
-        self.patience.failed(since, reason);
-        self.held.offer_again(now);
+        self.monitor.on_failure(since, reason);
+        self.unacknowledged.resend_all(now);
         let pause = self.spread(self.backoff);
         self.backoff = (2 * self.backoff).min(LONGEST_BACKOFF);
         self.ask_at = now + pause;
@@ -289,18 +291,18 @@ impl Claims {
 
     /// Whether it takes tasks at all.
     fn takes_tasks(&self) -> bool {
-        !self.stay.takes_nothing() && self.held.bytes() <= MOST_HELD
+        !self.leave_policy.is_draining() && self.unacknowledged.bytes() <= MOST_HELD
     }
 
     /// How many tasks to ask for now.
     fn credits(&self, now: Instant) -> usize {
         let shares = self.slots.shares();
         if !self.takes_tasks() || self.ask_at.max(self.silent_until) > now {
-            shares.is_content(self.place);
+            shares.stop_competing(self.place);
             return 0;
         }
-        let reserve = self.config.prefetch.max(self.pace.reserve(self.config.slots));
-        shares.may_ask(self.place, self.slots.at_once() + reserve, now)
+        let reserve = self.config.prefetch.max(self.prefetch.reserve(self.config.slots));
+        shares.allowance(self.place, self.slots.at_once() + reserve, now)
     }
 
     fn claim_if_due(&mut self, now: Instant) -> Result<(), ServiceError> {
@@ -313,25 +315,25 @@ impl Claims {
         }
         let leaving = self.leaving_since.is_some();
         let tells = (leaving && !self.said_farewell) || self.handed_back;
-        if credits == 0 && !tells && self.held.next_due().is_none_or(|due| due > now) {
+        if credits == 0 && !tells && self.unacknowledged.next_due().is_none_or(|due| due > now) {
             return Ok(());
         }
         self.sequence += 1;
         self.handed_back = false;
         let running = self.running.iter().map(|(task, _)| task.key);
-        let holding: Vec<TaskKey> = running.chain(self.held.keys()).collect();
+        let holding: Vec<TaskKey> = running.chain(self.unacknowledged.keys()).collect();
         let claim = Claim {
             worker: self.worker.clone(),
             sequence: self.sequence,
             slots: as_u32(self.config.slots),
             credits: as_u32(credits),
             holding,
-            finished: self.held.offer(now),
+            finished: self.unacknowledged.offer(now),
             leaving,
         };
         let frame = wire::encode(&claim).map_err(|e| ServiceError::Messaging(format!("a claim: {e}")))?;
         self.slots.shares().ask(self.place, credits, now);
-        self.under_way = Some(UnderWay { sequence: self.sequence, credits, leaving, since: now });
+        self.under_way = Some(PendingClaim { sequence: self.sequence, credits, leaving, since: now });
         if let Err(reason) = self.link.ask(self.sequence, frame) {
             self.unanswered(now, reason);
         }
@@ -343,10 +345,12 @@ impl Claims {
         let mut wake = now + LOOK_UP;
         if self.under_way.is_none() {
             let ask = Some(self.ask_at).filter(|at| self.takes_tasks() && *at > now);
-            let due = [ask, self.held.next_due()].into_iter().flatten().min();
+            let due = [ask, self.unacknowledged.next_due()].into_iter().flatten().min();
             wake = due.map_or(wake, |due| wake.min(due.max(self.silent_until)));
         }
-        self.stay.next_look(now, self.pace.longest(), idle).map_or(wake, |look| wake.min(look.max(now)))
+        self.leave_policy
+            .next_look(now, self.prefetch.longest(), idle)
+            .map_or(wake, |look| wake.min(look.max(now)))
     }
 
     /// What the clock alone brings about.
@@ -355,18 +359,18 @@ impl Claims {
         if self.under_way.as_ref().is_some_and(|claim| now.duration_since(claim.since) > patience) {
             self.unanswered(now, "the claim was forgotten".into());
         }
-        self.stay.check(now, self.pace.longest(), self.slots.shares().idle_for(now));
-        if self.leaving_since.is_none() && self.stay.is_over(now, self.running.len()) {
+        self.leave_policy.check(now, self.prefetch.longest(), self.slots.shares().idle_for(now));
+        if self.leaving_since.is_none() && self.leave_policy.is_over(now, self.running.len()) {
             self.leaving_since = Some(now);
         }
         if let Some(since) = self.leaving_since {
             // What the coordinator has not taken by then (outcomes it does not know of) it will not take.
-            let handed_in = self.said_farewell && self.held.next_due().is_none_or(|due| due > now);
+            let handed_in = self.said_farewell && self.unacknowledged.next_due().is_none_or(|due| due > now);
             if handed_in || now.duration_since(since) > FAREWELL {
-                return Ok(Some(self.stay.departure(self.held.len())));
+                return Ok(Some(self.leave_policy.departure(self.unacknowledged.len())));
             }
         }
-        self.patience.check(now)?;
+        self.monitor.check(now)?;
         Ok(None)
     }
 }

@@ -4,11 +4,11 @@ use common::wire::Outcome;
 
 /// See the module.
 #[derive(Debug)]
-pub(super) enum Inbox {
+pub(super) enum ClaimEvent {
     /// A slot has finished a task.
     Finished(Box<Outcome>),
     /// A place for a task may be free that another coordinator's task had.
-    PlaceFree,
+    SlotFree,
     /// The coordinator's answer to a claim, or why it could not read it.
     Answer {
         /// Number of the claim.

@@ -2,7 +2,7 @@
 //! the slots' time. So all that ask have as many tasks under way, and over time as much time. What one does not use the
 //! others have.
 
-use super::inbox::Inbox;
+use super::claim_event::ClaimEvent;
 use std::sync::mpsc::Sender;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -13,7 +13,7 @@ const KEPT_FREE: Duration = Duration::from_millis(200);
 /// What one coordinator has of the slots.
 #[derive(Debug)]
 struct Member {
-    inbox: Sender<Inbox>,
+    inbox: Sender<ClaimEvent>,
     /// Tasks begun or waiting.
     tasks: usize,
     /// Places for tasks it is asked for.
@@ -31,7 +31,7 @@ impl Member {
 }
 
 #[derive(Debug)]
-struct State {
+struct ShareState {
     members: Vec<Member>,
     counted_until: Instant,
     /// Tasks that have ended.
@@ -40,7 +40,7 @@ struct State {
     idle_since: Instant,
 }
 
-impl State {
+impl ShareState {
     fn count_use(&mut self, now: Instant) {
         let past = now.saturating_duration_since(self.counted_until).as_secs_f64();
         self.members.iter_mut().for_each(|member| member.used += past * member.tasks as f64);
@@ -58,7 +58,7 @@ impl State {
         for (k, member) in self.members.iter().enumerate() {
             if k != but && member.wants {
                 // One that has left wants nothing; one that is leaving hears nothing.
-                let _ = member.inbox.send(Inbox::PlaceFree);
+                let _ = member.inbox.send(ClaimEvent::SlotFree);
             }
         }
     }
@@ -77,20 +77,20 @@ impl State {
 
 /// See the module.
 #[derive(Debug)]
-pub(super) struct Shares(Mutex<State>);
+pub(super) struct FairShare(Mutex<ShareState>);
 
-impl Shares {
+impl FairShare {
     /// For coordinators whose claims have these inboxes.
-    pub fn new(inboxes: impl IntoIterator<Item = Sender<Inbox>>) -> Self {
+    pub fn new(inboxes: impl IntoIterator<Item = Sender<ClaimEvent>>) -> Self {
         let member = |inbox| Member { inbox, tasks: 0, asked: None, wants: false, used: 0.0 };
         let now = Instant::now();
         let members = inboxes.into_iter().map(member).collect();
-        Self(Mutex::new(State { members, counted_until: now, ended: 0, idle_since: now }))
+        Self(Mutex::new(ShareState { members, counted_until: now, ended: 0, idle_since: now }))
     }
 
     /// How many tasks coordinator `k` may be asked for, of `places` for tasks in all. It is one of those that want some
-    /// until [`Shares::is_content`].
-    pub fn may_ask(&self, k: usize, places: usize, now: Instant) -> usize {
+    /// until [`FairShare::stop_competing`].
+    pub fn allowance(&self, k: usize, places: usize, now: Instant) -> usize {
         let mut state = self.state();
         state.count_use(now);
         state.begin_to_want(k);
@@ -125,7 +125,7 @@ impl Shares {
     }
 
     /// It wants nothing now.
-    pub fn is_content(&self, k: usize) {
+    pub fn stop_competing(&self, k: usize) {
         let mut state = self.state();
         if std::mem::replace(&mut state.members[k].wants, false) {
             state.tell_others(k);
@@ -149,7 +149,7 @@ impl Shares {
         if busy { Duration::ZERO } else { now.saturating_duration_since(state.idle_since) }
     }
 
-    fn state(&self) -> MutexGuard<'_, State> {
+    fn state(&self) -> MutexGuard<'_, ShareState> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -159,14 +159,14 @@ mod tests {
     use super::*;
     use std::sync::mpsc::{Receiver, channel};
 
-    fn shares(members: usize) -> (Shares, Vec<Receiver<Inbox>>) {
+    fn shares(members: usize) -> (FairShare, Vec<Receiver<ClaimEvent>>) {
         let (inboxes, received) = (0..members).map(|_| channel()).unzip::<_, _, Vec<_>, Vec<_>>();
-        (Shares::new(inboxes), received)
+        (FairShare::new(inboxes), received)
     }
 
     /// Asks for all it may, and gets it.
-    fn take(shares: &Shares, k: usize, places: usize, now: Instant) -> usize {
-        let mine = shares.may_ask(k, places, now);
+    fn take(shares: &FairShare, k: usize, places: usize, now: Instant) -> usize {
+        let mine = shares.allowance(k, places, now);
         shares.ask(k, mine, now);
         shares.answered(k, mine, now);
         mine
@@ -185,14 +185,14 @@ mod tests {
     fn a_second_one_gets_every_place_that_frees_until_both_have_as_many() {
         let (shares, inboxes) = shares(2);
         let now = Instant::now();
-        assert_eq!([take(&shares, 0, 4, now), shares.may_ask(1, 4, now)], [4, 0]);
+        assert_eq!([take(&shares, 0, 4, now), shares.allowance(1, 4, now)], [4, 0]);
         for _ in 0..2 {
             shares.ended(0, 1, now);
-            assert!(matches!(inboxes[1].try_recv(), Ok(Inbox::PlaceFree)));
-            assert_eq!([shares.may_ask(0, 4, now), take(&shares, 1, 4, now)], [0, 1]);
+            assert!(matches!(inboxes[1].try_recv(), Ok(ClaimEvent::SlotFree)));
+            assert_eq!([shares.allowance(0, 4, now), take(&shares, 1, 4, now)], [0, 1]);
         }
         // One that wants nothing leaves all to the other.
-        shares.is_content(1);
+        shares.stop_competing(1);
         shares.ended(1, 2, now);
         assert_eq!(take(&shares, 0, 4, now), 2);
     }
@@ -203,7 +203,7 @@ mod tests {
         let (start, second) = (Instant::now(), Duration::from_secs(1));
         let mut had = [Duration::ZERO; 2];
         let mut now = start;
-        assert_eq!([shares.may_ask(0, 1, now), shares.may_ask(1, 1, now)], [1, 0]);
+        assert_eq!([shares.allowance(0, 1, now), shares.allowance(1, 1, now)], [1, 0]);
         // Tasks of the one take thrice as long as those of the other; the time is halved all the same.
         while now < start + 100 * second {
             let turn = usize::from(take(&shares, 0, 1, now) == 0);
@@ -213,7 +213,7 @@ mod tests {
             let takes = if turn == 0 { 3 * second } else { second };
             (now, had[turn]) = (now + takes, had[turn] + takes);
             shares.ended(turn, 1, now);
-            shares.may_ask(1 - turn, 1, now);
+            shares.allowance(1 - turn, 1, now);
         }
         assert!(had[0].abs_diff(had[1]) <= 3 * second, "{had:?}");
     }
@@ -222,9 +222,9 @@ mod tests {
     fn places_are_kept_for_a_silent_coordinator_for_a_moment_only() {
         let (shares, _inboxes) = shares(2);
         let now = Instant::now();
-        shares.ask(1, shares.may_ask(1, 2, now), now);
-        assert_eq!(shares.may_ask(0, 2, now), 0);
-        assert_eq!(shares.may_ask(0, 2, now + KEPT_FREE), 2);
+        shares.ask(1, shares.allowance(1, 2, now), now);
+        assert_eq!(shares.allowance(0, 2, now), 0);
+        assert_eq!(shares.allowance(0, 2, now + KEPT_FREE), 2);
     }
 
     #[test]

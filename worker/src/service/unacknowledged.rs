@@ -19,9 +19,9 @@ struct Entry {
 
 /// The outcomes a worker still has.
 #[derive(Default)]
-pub(super) struct Held(Vec<Entry>);
+pub(super) struct UnacknowledgedResults(Vec<Entry>);
 
-impl Held {
+impl UnacknowledgedResults {
     pub fn len(&self) -> usize {
         self.0.len()
     }
@@ -41,7 +41,7 @@ impl Held {
     }
 
     /// Whether the outcome of this very work is there; if so it is due at once.
-    pub fn has(&mut self, task: &Task, now: Instant) -> bool {
+    pub fn resend_if_held(&mut self, task: &Task, now: Instant) -> bool {
         let found = self.0.iter_mut().find(|entry| entry.outcome.task.same_work(task));
         found.map(|entry| entry.due = now).is_some()
     }
@@ -72,7 +72,7 @@ impl Held {
     }
 
     /// Nobody heard the last offer, or somebody new may listen: all are due again.
-    pub fn offer_again(&mut self, now: Instant) {
+    pub fn resend_all(&mut self, now: Instant) {
         for entry in &mut self.0 {
             (entry.due, entry.pause) = (now, FIRST_PAUSE);
         }
@@ -98,7 +98,7 @@ mod tests {
     #[test]
     fn an_outcome_is_offered_again_with_growing_pauses_until_acknowledged() {
         let start = Instant::now();
-        let mut held = Held::default();
+        let mut held = UnacknowledgedResults::default();
         held.push(outcome(1, 10), start);
         let mut offers = vec![];
         for second in 0..100 {
@@ -114,14 +114,14 @@ mod tests {
     #[test]
     fn a_claim_holds_what_fits_and_at_least_one() {
         let start = Instant::now();
-        let mut held = Held::default();
+        let mut held = UnacknowledgedResults::default();
         held.push(outcome(1, 2 * CLAIM_BYTES), start);
         held.push(outcome(2, CLAIM_BYTES / 2), start);
         held.push(outcome(3, CLAIM_BYTES / 3), start);
         assert_eq!(numbers(&held.offer(start)), [1]);
         assert_eq!(numbers(&held.offer(start)), [2, 3]);
         assert_eq!(numbers(&held.offer(start)), [] as [u64; 0]);
-        held.offer_again(start);
+        held.resend_all(start);
         assert_eq!(numbers(&held.offer(start)), [1]);
     }
 }

@@ -1,11 +1,11 @@
 //! A worker as a whole: its slots, and the claims at each of its coordinators.
 
-use super::claims::Claims;
-use super::inbox::Inbox;
+use super::claim_event::ClaimEvent;
+use super::claim_loop::ClaimLoop;
+use super::connection_monitor::ConnectionMonitor;
+use super::leave_policy::LeavePolicy;
 use super::link::{Link, LinkSettings, settings};
-use super::patience::Patience;
 use super::slots::Slots;
-use super::stay::Stay;
 use super::{Departure, ServiceConfig, ServiceError, Simulator, new_epoch};
 use common::wire::{WorkerId, keys};
 use std::sync::Arc;
@@ -15,21 +15,21 @@ use std::time::Instant;
 
 /// Asks a worker to stop; may be kept by a signal handler.
 #[derive(Debug, Clone)]
-pub struct Stopper(Vec<Sender<Inbox>>);
+pub struct Stopper(Vec<Sender<ClaimEvent>>);
 
 impl Stopper {
     /// Take nothing new, end what can be ended within [`ServiceConfig::drain`], hand in what is finished, leave. What has
     /// not ended is dropped; the coordinator gives it to others.
     pub fn stop(&self) {
-        self.tell(|| Inbox::Stop);
+        self.tell(|| ClaimEvent::Stop);
     }
 
     /// Drop everything at once, as if the process had died.
     pub fn abort(&self) {
-        self.tell(|| Inbox::Abort);
+        self.tell(|| ClaimEvent::Abort);
     }
 
-    fn tell(&self, message: impl Fn() -> Inbox) {
+    fn tell(&self, message: impl Fn() -> ClaimEvent) {
         for claims in &self.0 {
             // A service that has ended needs no stop.
             let _ = claims.send(message());
@@ -111,7 +111,8 @@ pub fn spawn(config: ServiceConfig, simulator: Arc<dyn Simulator>) -> Result<Wor
     let mut claims = Vec::new();
     for (place, (received, link)) in received.into_iter().zip(links).enumerate() {
         let (config, worker, slots) = (config.clone(), worker.clone(), Arc::clone(&slots));
-        let seat = Seat { config, worker, place, slots, link, inbox: inboxes[place].clone(), started };
+        let seat =
+            CoordinatorThread { config, worker, place, slots, link, inbox: inboxes[place].clone(), started };
         let thread = std::thread::Builder::new()
             .name(format!("worker-claims-{place}"))
             .spawn(move || seat.serve(&received))
@@ -122,18 +123,18 @@ pub fn spawn(config: ServiceConfig, simulator: Arc<dyn Simulator>) -> Result<Wor
 }
 
 /// A worker at one of its coordinators.
-struct Seat {
+struct CoordinatorThread {
     config: ServiceConfig,
     worker: WorkerId,
     place: usize,
     slots: Arc<Slots>,
     link: LinkSettings,
-    inbox: Sender<Inbox>,
+    inbox: Sender<ClaimEvent>,
     started: Instant,
 }
 
-impl Seat {
-    fn serve(self, received: &Receiver<Inbox>) -> Result<Departure, ServiceError> {
+impl CoordinatorThread {
+    fn serve(self, received: &Receiver<ClaimEvent>) -> Result<Departure, ServiceError> {
         let others = self.config.connect.len() > 1;
         let ended = self.serve_alone(received);
         if let Err(error) = &ended
@@ -145,13 +146,15 @@ impl Seat {
         ended
     }
 
-    fn serve_alone(self, received: &Receiver<Inbox>) -> Result<Departure, ServiceError> {
-        let Seat { config, worker, place, slots, link, inbox, started } = self;
-        let mut patience = Patience::new(&config.connect[place], config.give_up_after);
-        let stay = Stay::new(&config, started);
-        let over = |now: Instant| stay.over_before_work(now, slots.shares().idle_for(now));
-        match Link::connect(&link, &config, &worker, &inbox, received, &mut patience, over)? {
-            Ok(link) => Claims::new(config, worker, place, link, slots, patience, stay).run(received),
+    fn serve_alone(self, received: &Receiver<ClaimEvent>) -> Result<Departure, ServiceError> {
+        let CoordinatorThread { config, worker, place, slots, link, inbox, started } = self;
+        let mut monitor = ConnectionMonitor::new(&config.connect[place], config.give_up_after);
+        let leave_policy = LeavePolicy::new(&config, started);
+        let over = |now: Instant| leave_policy.over_before_work(now, slots.shares().idle_for(now));
+        match Link::connect(&link, &config, &worker, &inbox, received, &mut monitor, over)? {
+            Ok(link) => {
+                ClaimLoop::new(config, worker, place, link, slots, monitor, leave_policy).run(received)
+            }
             Err(departure) => Ok(departure),
         }
     }

@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// A claim to be answered.
 #[derive(Debug)]
-pub(super) struct Pending {
+pub(super) struct PendingReply {
     /// Who asked.
     pub worker: WorkerId,
     /// Tasks it may get.
@@ -19,15 +19,15 @@ pub(super) struct Pending {
 
 /// See the module.
 #[derive(Debug, Default)]
-pub(super) struct Answers {
-    pending: BTreeMap<Token, Pending>,
+pub(super) struct PendingReplies {
+    pending: BTreeMap<Token, PendingReply>,
     of_task: BTreeMap<u64, Vec<Token>>,
     of_worker: BTreeMap<WorkerId, Vec<Token>>,
 }
 
-impl Answers {
+impl PendingReplies {
     /// Adds a claim.
-    pub fn add(&mut self, token: Token, pending: Pending) {
+    pub fn add(&mut self, token: Token, pending: PendingReply) {
         for &task in &pending.waiting {
             self.of_task.entry(task).or_default().push(token);
         }
@@ -66,7 +66,7 @@ impl Answers {
     }
 
     /// Takes a claim out that waits for nothing more.
-    pub fn take_ready(&mut self, token: Token) -> Option<Pending> {
+    pub fn take_ready(&mut self, token: Token) -> Option<PendingReply> {
         if !self.pending.get(&token)?.waiting.is_empty() {
             return None;
         }

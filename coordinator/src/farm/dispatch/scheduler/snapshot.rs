@@ -4,7 +4,7 @@ use super::Scheduler;
 
 /// The workers and the queue at one moment.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Census {
+pub struct FarmSnapshot {
     /// Tasks that nobody works on.
     pub queued: usize,
     /// Tasks submitted that have not ended.
@@ -15,14 +15,14 @@ pub struct Census {
 
 impl Scheduler {
     /// The workers and the queue now.
-    pub fn census(&self) -> Census {
-        Census {
+    pub fn snapshot(&self) -> FarmSnapshot {
+        FarmSnapshot {
             queued: self.tasks.waiting(),
             open: self.tasks.open(),
             workers: self
                 .workers
                 .iter()
-                .map(|(id, worker)| (id.name.clone(), worker.slots, worker.has()))
+                .map(|(id, worker)| (id.name.clone(), worker.slots, worker.leased()))
                 .collect(),
         }
     }

@@ -1,6 +1,6 @@
 //! What the user is told about who is there: nobody while tasks wait, and workers that show no liveliness token.
 
-use super::{Settings, Warning};
+use super::{SchedulerSettings, Warning};
 use common::wire::WorkerId;
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -20,12 +20,12 @@ struct Unattended {
 
 /// See the module.
 #[derive(Debug, Default)]
-pub(super) struct Attendance {
+pub(super) struct WorkerWarnings {
     unattended: Option<Unattended>,
     strangers: BTreeMap<WorkerId, u32>,
 }
 
-impl Attendance {
+impl WorkerWarnings {
     /// A token is seen.
     pub fn appeared(&mut self, id: &WorkerId) {
         self.strangers.remove(id);
@@ -47,7 +47,7 @@ impl Attendance {
         now: Duration,
         anybody: bool,
         open: usize,
-        settings: &Settings,
+        settings: &SchedulerSettings,
     ) -> Option<Warning> {
         if anybody || open == 0 {
             self.unattended = None;

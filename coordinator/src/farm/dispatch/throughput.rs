@@ -1,23 +1,23 @@
-//! What each worker has done, and how fast, as people want to see it; no decision depends on it.
+//! Evaluations and rate of each worker, for display only; no decision depends on them.
 
-use super::scheduler::Census;
+use super::scheduler::FarmSnapshot;
 use common::wire::{FarmStatus, WorkerStatus};
 use std::collections::BTreeMap;
 use std::time::Duration;
 
 /// Length of the window over which rates are counted [s].
 const WINDOW: u64 = 60;
-/// Workers remembered beyond those that are there.
+/// Most workers remembered, including disconnected ones.
 const MOST_REMEMBERED: usize = 1000;
 
-/// Outcomes by worker.
+/// Number and rate of outcomes, of all workers and by worker.
 #[derive(Debug, Default)]
-pub(super) struct Tally {
+pub(super) struct Throughput {
     all: Rate,
     workers: BTreeMap<String, (u64, Rate)>,
 }
 
-impl Tally {
+impl Throughput {
     /// Counts an outcome of `slot`, e.g. `host-4711/0`.
     pub fn count(&mut self, now: Duration, slot: &str) {
         let name = slot.rsplit_once('/').map_or(slot, |(worker, _)| worker);
@@ -30,10 +30,10 @@ impl Tally {
         rate.count(now);
     }
 
-    /// What there is to tell of those who are there.
-    pub fn status(&mut self, now: Duration, census: Census) -> FarmStatus {
+    /// Status of the workers in `snapshot`.
+    pub fn status(&mut self, now: Duration, snapshot: FarmSnapshot) -> FarmStatus {
         if self.workers.len() > MOST_REMEMBERED {
-            self.workers.retain(|name, _| census.workers.iter().any(|(there, _, _)| there == name));
+            self.workers.retain(|name, _| snapshot.workers.iter().any(|(connected, _, _)| connected == name));
         }
         let worker = |(name, slots, leases): (String, u32, usize)| {
             let (done, rate) =
@@ -41,19 +41,19 @@ impl Tally {
             WorkerStatus { name, slots, under_way: u32::try_from(leases).unwrap_or(u32::MAX), done, rate }
         };
         FarmStatus {
-            queued: census.queued as u64,
-            under_way: census.open.saturating_sub(census.queued) as u64,
+            queued: snapshot.queued as u64,
+            under_way: snapshot.open.saturating_sub(snapshot.queued) as u64,
             rate: self.all.per_second(now),
-            workers: census.workers.into_iter().map(worker).collect(),
+            workers: snapshot.workers.into_iter().map(worker).collect(),
         }
     }
 }
 
-/// Events within the last [`WINDOW`], by seconds.
+/// Events within the last [`WINDOW`] seconds, counted by second.
 #[derive(Debug)]
 struct Rate {
     first: Option<Duration>,
-    /// The second of each count, and the count.
+    /// Second and count of events in that second.
     seconds: [(u64, u32); WINDOW as usize],
 }
 
@@ -67,14 +67,14 @@ impl Rate {
     fn count(&mut self, now: Duration) {
         self.first.get_or_insert(now);
         let second = now.as_secs();
-        let (of, count) = &mut self.seconds[(second % WINDOW) as usize];
-        if *of != second {
-            (*of, *count) = (second, 0);
+        let (counted, count) = &mut self.seconds[(second % WINDOW) as usize];
+        if *counted != second {
+            (*counted, *count) = (second, 0);
         }
         *count += 1;
     }
 
-    /// Events per second over the window, or since the first of them.
+    /// Events per second over the window, or since the first event if that is shorter.
     fn per_second(&self, now: Duration) -> f64 {
         let Some(first) = self.first else { return 0.0 };
         let from = (now.as_secs() + 1).saturating_sub(WINDOW);
@@ -92,20 +92,23 @@ mod tests {
     #[test]
     fn rates_are_those_of_the_last_minute() {
         let at = Duration::from_millis;
-        let mut tally = Tally::default();
+        let mut throughput = Throughput::default();
         // Two a second for 100 s, then nothing.
-        (0..200).for_each(|k| tally.count(at(500 * k), "host-1/0"));
-        let census =
-            || Census { queued: 3, open: 5, workers: vec![("host-1".into(), 2, 2), ("new".into(), 1, 0)] };
-        let now = tally.status(at(99_900), census());
+        (0..200).for_each(|k| throughput.count(at(500 * k), "host-1/0"));
+        let snapshot = || FarmSnapshot {
+            queued: 3,
+            open: 5,
+            workers: vec![("host-1".into(), 2, 2), ("new".into(), 1, 0)],
+        };
+        let now = throughput.status(at(99_900), snapshot());
         assert!((now.rate - 2.0).abs() < 0.05, "{}", now.rate);
         assert_eq!((now.queued, now.under_way, now.workers[0].done), (3, 2, 200));
         assert_eq!((now.workers[1].done, now.workers[1].rate), (0, 0.0));
-        assert!((tally.status(at(130_000), census()).rate - 1.0).abs() < 0.05);
-        assert_eq!(tally.status(at(170_000), census()).rate, 0.0);
-        // A young farm is not measured over a minute that was not.
-        let mut young = Tally::default();
+        assert!((throughput.status(at(130_000), snapshot()).rate - 1.0).abs() < 0.05);
+        assert_eq!(throughput.status(at(170_000), snapshot()).rate, 0.0);
+        // A farm younger than the window is measured since its first outcome.
+        let mut young = Throughput::default();
         (0..10).for_each(|k| young.count(at(500 * k), "host-1/0"));
-        assert!((young.status(at(5000), census()).rate - 2.0).abs() < 0.01);
+        assert!((young.status(at(5000), snapshot()).rate - 2.0).abs() < 0.01);
     }
 }

@@ -17,7 +17,7 @@ const MOST_IN_RESERVE: f64 = 256.0;
 
 /// See the module.
 #[derive(Debug, Default)]
-pub(super) struct Pace {
+pub(super) struct PrefetchEstimator {
     /// Mean time that a task took a slot [s].
     wall: Option<f64>,
     /// Mean time from a claim to its answer [s].
@@ -28,7 +28,7 @@ pub(super) struct Pace {
     ended: usize,
 }
 
-impl Pace {
+impl PrefetchEstimator {
     /// A task took a slot `wall` seconds, and was here for `took`.
     pub fn task_ended(&mut self, wall: f64, took: Duration) {
         self.wall = mean(self.wall, wall);
@@ -70,25 +70,35 @@ mod tests {
 
     #[test]
     fn the_reserve_covers_the_time_of_an_answer() {
-        let mut pace = Pace::default();
-        assert_eq!(pace.reserve(2), 0, "nothing is known");
-        pace.answered(Duration::from_millis(1));
+        let mut prefetch = PrefetchEstimator::default();
+        assert_eq!(prefetch.reserve(2), 0, "nothing is known");
+        prefetch.answered(Duration::from_millis(1));
         for (wall, reserve) in [(1.0, 0), (0.01, 1), (1e-3, 2), (2.5e-4, 8), (0.0, 256)] {
-            let pace = Pace { wall: Some(wall), answer: pace.answer, ended: 1000, ..Pace::default() };
-            assert_eq!(pace.reserve(2), reserve, "{wall} s a task");
+            let prefetch = PrefetchEstimator {
+                wall: Some(wall),
+                answer: prefetch.answer,
+                ended: 1000,
+                ..PrefetchEstimator::default()
+            };
+            assert_eq!(prefetch.reserve(2), reserve, "{wall} s a task");
         }
-        let new = Pace { wall: Some(0.0), answer: pace.answer, ended: 3, ..Pace::default() };
+        let new = PrefetchEstimator {
+            wall: Some(0.0),
+            answer: prefetch.answer,
+            ended: 3,
+            ..PrefetchEstimator::default()
+        };
         assert_eq!(new.reserve(2), 3, "three ended at once; the next ones may not");
     }
 
     #[test]
     fn the_longest_is_that_of_late() {
-        let mut pace = Pace::default();
-        assert_eq!(pace.longest(), None);
-        pace.task_ended(1.0, Duration::from_secs(8));
-        pace.task_ended(1.0, Duration::from_secs(4));
-        assert_eq!(pace.longest(), Some(Duration::from_secs(10)));
-        (0..LOOK_BACK).for_each(|_| pace.task_ended(1.0, Duration::from_secs(4)));
-        assert_eq!(pace.longest(), Some(Duration::from_secs(5)));
+        let mut prefetch = PrefetchEstimator::default();
+        assert_eq!(prefetch.longest(), None);
+        prefetch.task_ended(1.0, Duration::from_secs(8));
+        prefetch.task_ended(1.0, Duration::from_secs(4));
+        assert_eq!(prefetch.longest(), Some(Duration::from_secs(10)));
+        (0..LOOK_BACK).for_each(|_| prefetch.task_ended(1.0, Duration::from_secs(4)));
+        assert_eq!(prefetch.longest(), Some(Duration::from_secs(5)));
     }
 }

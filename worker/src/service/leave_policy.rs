@@ -20,7 +20,7 @@ enum Why {
 
 /// See the module.
 #[derive(Debug)]
-pub(super) struct Stay {
+pub(super) struct LeavePolicy {
     /// When what runs is dropped because the time is up.
     time_up: Option<Instant>,
     idle_timeout: Option<Duration>,
@@ -29,7 +29,7 @@ pub(super) struct Stay {
     draining: Option<(Why, Instant)>,
 }
 
-impl Stay {
+impl LeavePolicy {
     /// Counted from `start`.
     pub fn new(config: &ServiceConfig, start: Instant) -> Self {
         let walltime = config.walltime;
@@ -43,7 +43,7 @@ impl Stay {
     }
 
     /// Told to leave.
-    pub fn asked(&mut self, now: Instant) {
+    pub fn request_stop(&mut self, now: Instant) {
         if self.draining.is_none_or(|(why, _)| why != Why::Asked) {
             let until = self.time_up.map_or(now + self.drain, |up| up.min(now + self.drain));
             self.draining = Some((Why::Asked, until));
@@ -51,7 +51,7 @@ impl Stay {
     }
 
     /// Whether it takes nothing new.
-    pub fn takes_nothing(&self) -> bool {
+    pub fn is_draining(&self) -> bool {
         self.draining.is_some()
     }
 
@@ -107,7 +107,7 @@ mod tests {
 
     const SECOND: Duration = Duration::from_secs(1);
 
-    fn stay(walltime: Option<u32>, idle: Option<u32>, drain: u32) -> (Stay, Instant) {
+    fn leave_policy(walltime: Option<u32>, idle: Option<u32>, drain: u32) -> (LeavePolicy, Instant) {
         let seconds = |n: Option<u32>| n.map(|n| n * SECOND);
         let config = ServiceConfig {
             walltime: seconds(walltime),
@@ -116,42 +116,42 @@ mod tests {
             ..ServiceConfig::new("tcp/host:1", 1)
         };
         let start = Instant::now();
-        (Stay::new(&config, start), start)
+        (LeavePolicy::new(&config, start), start)
     }
 
     #[test]
     fn nothing_is_begun_that_cannot_end_in_time() {
-        let (mut stay, start) = stay(Some(100), None, 0);
+        let (mut leave_policy, start) = leave_policy(Some(100), None, 0);
         // 92 s are left for work; what takes 30 s is begun in the first 62.
         let longest = Some(30 * SECOND);
-        stay.check(start + 61 * SECOND, longest, Duration::ZERO);
-        assert!(!stay.takes_nothing());
-        assert_eq!(stay.next_look(start, longest, Duration::ZERO), Some(start + 62 * SECOND));
-        stay.check(start + 62 * SECOND, longest, Duration::ZERO);
-        assert!(stay.takes_nothing() && !stay.is_over(start + 91 * SECOND, 1));
-        assert!(stay.is_over(start + 63 * SECOND, 0), "with nothing to end it goes at once");
-        assert!(stay.is_over(start + 92 * SECOND, 1), "with time to hand back what has not ended");
-        assert_eq!(stay.departure(0), Departure::TimeUp { lost: 0 });
+        leave_policy.check(start + 61 * SECOND, longest, Duration::ZERO);
+        assert!(!leave_policy.is_draining());
+        assert_eq!(leave_policy.next_look(start, longest, Duration::ZERO), Some(start + 62 * SECOND));
+        leave_policy.check(start + 62 * SECOND, longest, Duration::ZERO);
+        assert!(leave_policy.is_draining() && !leave_policy.is_over(start + 91 * SECOND, 1));
+        assert!(leave_policy.is_over(start + 63 * SECOND, 0), "with nothing to end it goes at once");
+        assert!(leave_policy.is_over(start + 92 * SECOND, 1), "with time to hand back what has not ended");
+        assert_eq!(leave_policy.departure(0), Departure::TimeUp { lost: 0 });
     }
 
     #[test]
     fn what_runs_may_end_within_the_drain() {
-        let (mut stay, start) = stay(None, None, 20);
-        stay.asked(start);
-        stay.asked(start + 19 * SECOND);
-        assert!(stay.takes_nothing() && !stay.is_over(start + 19 * SECOND, 1));
-        assert!(stay.is_over(start + SECOND, 0) && stay.is_over(start + 20 * SECOND, 1));
-        assert_eq!(stay.departure(2), Departure::Stopped { lost: 2 });
+        let (mut leave_policy, start) = leave_policy(None, None, 20);
+        leave_policy.request_stop(start);
+        leave_policy.request_stop(start + 19 * SECOND);
+        assert!(leave_policy.is_draining() && !leave_policy.is_over(start + 19 * SECOND, 1));
+        assert!(leave_policy.is_over(start + SECOND, 0) && leave_policy.is_over(start + 20 * SECOND, 1));
+        assert_eq!(leave_policy.departure(2), Departure::Stopped { lost: 2 });
     }
 
     #[test]
     fn it_goes_when_it_was_idle_for_too_long() {
-        let (mut stay, start) = stay(None, Some(60), 0);
-        stay.check(start, None, 59 * SECOND);
-        assert!(!stay.takes_nothing());
-        assert_eq!(stay.next_look(start, None, 59 * SECOND), Some(start + SECOND));
-        stay.check(start, None, 60 * SECOND);
-        assert!(stay.is_over(start, 0));
-        assert_eq!(stay.departure(0), Departure::Idle);
+        let (mut leave_policy, start) = leave_policy(None, Some(60), 0);
+        leave_policy.check(start, None, 59 * SECOND);
+        assert!(!leave_policy.is_draining());
+        assert_eq!(leave_policy.next_look(start, None, 59 * SECOND), Some(start + SECOND));
+        leave_policy.check(start, None, 60 * SECOND);
+        assert!(leave_policy.is_over(start, 0));
+        assert_eq!(leave_policy.departure(0), Departure::Idle);
     }
 }

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 const TELL_EVERY: Duration = Duration::from_secs(5);
 
 /// See the module.
-pub(super) struct Patience {
+pub(super) struct ConnectionMonitor {
     endpoint: String,
     give_up_after: Option<Duration>,
     silent_since: Option<Instant>,
@@ -16,7 +16,7 @@ pub(super) struct Patience {
     was_connected: bool,
 }
 
-impl Patience {
+impl ConnectionMonitor {
     pub fn new(endpoint: &str, give_up_after: Option<Duration>) -> Self {
         Self {
             endpoint: endpoint.to_owned(),
@@ -29,7 +29,7 @@ impl Patience {
     }
 
     /// The coordinator has answered.
-    pub fn heard(&mut self) {
+    pub fn on_answer(&mut self) {
         if !self.was_connected {
             tracing::info!("connected to the coordinator at {}", self.endpoint);
         } else if self.told_at.is_some() {
@@ -40,7 +40,7 @@ impl Patience {
     }
 
     /// An attempt begun at `since` had no answer.
-    pub fn failed(&mut self, since: Instant, reason: String) {
+    pub fn on_failure(&mut self, since: Instant, reason: String) {
         tracing::debug!("no answer from {}: {reason}", self.endpoint);
         self.silent_since = self.silent_since.or(Some(since));
         self.last_reason = reason;
@@ -82,14 +82,14 @@ mod tests {
     fn silence_counts_from_the_first_failure_and_ends_with_an_answer() {
         let start = Instant::now();
         let second = Duration::from_secs(1);
-        let mut patience = Patience::new("tcp/host:1", Some(10 * second));
-        patience.failed(start, "refused".into());
-        patience.failed(start + 8 * second, "refused again".into());
-        assert!(patience.check(start + 9 * second).is_ok());
-        patience.heard();
-        assert!(patience.check(start + 100 * second).is_ok());
-        patience.failed(start + 100 * second, "refused".into());
-        let error = patience.check(start + 110 * second).unwrap_err();
+        let mut monitor = ConnectionMonitor::new("tcp/host:1", Some(10 * second));
+        monitor.on_failure(start, "refused".into());
+        monitor.on_failure(start + 8 * second, "refused again".into());
+        assert!(monitor.check(start + 9 * second).is_ok());
+        monitor.on_answer();
+        assert!(monitor.check(start + 100 * second).is_ok());
+        monitor.on_failure(start + 100 * second, "refused".into());
+        let error = monitor.check(start + 110 * second).unwrap_err();
         assert!(error.to_string().contains("tcp/host:1 for 10 s"), "{error}");
         assert!(error.to_string().contains("refused"), "{error}");
     }
@@ -97,8 +97,8 @@ mod tests {
     #[test]
     fn without_a_bound_it_never_gives_up() {
         let start = Instant::now();
-        let mut patience = Patience::new("tcp/host:1", None);
-        patience.failed(start, "refused".into());
-        assert!(patience.check(start + Duration::from_secs(1_000_000)).is_ok());
+        let mut monitor = ConnectionMonitor::new("tcp/host:1", None);
+        monitor.on_failure(start, "refused".into());
+        assert!(monitor.check(start + Duration::from_secs(1_000_000)).is_ok());
     }
 }

@@ -1,0 +1,65 @@
+//! Back-pressure: bounds on unread queries. Excess queries are dropped, and the sender retries; liveliness changes and
+//! messages of the study are never dropped.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Most unread queries.
+const MOST_WAITING: usize = 4096;
+/// Most bytes of all unread queries together: sixteen of the largest messages.
+const MOST_BYTES: usize = 256 << 20;
+
+/// Unread queries.
+#[derive(Debug, Default, Clone, Copy)]
+struct Backlog {
+    messages: usize,
+    bytes: usize,
+}
+
+/// Counts unread queries.
+#[derive(Debug, Default)]
+pub(super) struct Backpressure(Mutex<Backlog>);
+
+impl Backpressure {
+    /// Counts a query of `bytes` and returns true if it fits the bounds; otherwise the query must be dropped.
+    pub fn try_admit(&self, bytes: usize) -> bool {
+        let mut backlog = self.backlog();
+        let room = backlog.messages < MOST_WAITING && bytes <= MOST_BYTES - backlog.bytes;
+        if room {
+            *backlog = Backlog { messages: backlog.messages + 1, bytes: backlog.bytes + bytes };
+        }
+        room
+    }
+
+    /// Removes an admitted query of `bytes`, which was read.
+    pub fn release(&self, bytes: usize) {
+        let mut backlog = self.backlog();
+        *backlog = Backlog { messages: backlog.messages - 1, bytes: backlog.bytes - bytes };
+    }
+
+    fn backlog(&self) -> MutexGuard<'_, Backlog> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn neither_many_small_messages_nor_few_large_ones_fill_the_memory() {
+        let backpressure = Backpressure::default();
+        assert!((0..MOST_WAITING).all(|_| backpressure.try_admit(100)));
+        assert!(!backpressure.try_admit(0));
+        backpressure.release(100);
+        assert!(backpressure.try_admit(100) && !backpressure.try_admit(100));
+        let backpressure = Backpressure::default();
+        assert!((0..16).all(|_| backpressure.try_admit(16 << 20)));
+        assert!(!backpressure.try_admit(1) && backpressure.try_admit(0));
+        backpressure.release(16 << 20);
+        assert!(
+            backpressure.try_admit(1)
+                && !backpressure.try_admit(16 << 20)
+                && !backpressure.try_admit(usize::MAX)
+        );
+    }
+}

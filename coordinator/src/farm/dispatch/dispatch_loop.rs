@@ -1,0 +1,334 @@
+//! The thread between transport and scheduler: passes messages to the scheduler as events and executes its actions.
+
+use super::backpressure::Backpressure;
+use super::scheduler::{Action, Assignment, Event, Scheduler, SchedulerSettings, Token, Warning};
+use super::status_board::StatusBoard;
+use super::throughput::Throughput;
+use super::transport::{Incoming, IncomingQuery, Transport};
+use crate::farm::evaluate::{Finished, Request};
+use common::wire::{
+    self, CandidatePoint, Claim, Next, Notice, Reply, Status, WireError, WorkOrder, WorkerId,
+};
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Time after which an idle worker claims again, unless a notice arrives first [ms].
+const ASK_AGAIN: u32 = 1000;
+/// Interval of the scheduler's tick events.
+const TICK: Duration = Duration::from_millis(500);
+/// Most points in one notice.
+const POINTS_PER_NOTICE: usize = 1000;
+/// Workers of other versions that are remembered, so that each is logged once.
+const MOST_REFUSED: usize = 1000;
+
+/// Input of the dispatch loop.
+pub(super) enum Input {
+    /// A message of the transport.
+    Transport(Incoming),
+    /// A query for the status from this process.
+    Status(Sender<Status>),
+    /// Requests of the study; outcomes go to the sender.
+    Submit(Vec<Request>, Sender<Delivery>),
+    /// The outcomes of these evaluations are durable.
+    Recorded(Vec<u64>),
+    /// The study cancels all open requests.
+    Cancel,
+    /// The campaign has ended.
+    Finish,
+    /// End of the loop.
+    Close,
+}
+
+/// Output of the dispatch loop for the study.
+#[derive(Debug)]
+pub(super) enum Delivery {
+    /// An outcome to record.
+    Outcome(Box<Finished>),
+    /// The evaluation was given up.
+    GivenUp {
+        /// Number of the evaluation.
+        task: u64,
+        /// Reason for the user.
+        reason: String,
+    },
+}
+
+/// A connected worker.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ConnectedWorker {
+    /// Name of the worker, e.g. `host-4711`.
+    pub name: String,
+    /// Simulation threads; 0 until its first claim.
+    pub slots: u32,
+}
+
+/// The connected workers, updated by the dispatch loop.
+#[derive(Debug, Default)]
+pub struct ConnectedWorkers {
+    workers: Mutex<Vec<ConnectedWorker>>,
+    changed: Condvar,
+}
+
+impl ConnectedWorkers {
+    /// Workers connected now.
+    pub fn workers(&self) -> Vec<ConnectedWorker> {
+        self.lock().clone()
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Vec<ConnectedWorker>> {
+        self.workers.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Waits until `enough` returns true; false after `timeout`.
+    pub fn wait_for(&self, timeout: Duration, mut enough: impl FnMut(&[ConnectedWorker]) -> bool) -> bool {
+        let waited = self.changed.wait_timeout_while(self.lock(), timeout, |workers| !enough(workers));
+        !waited.unwrap_or_else(PoisonError::into_inner).1.timed_out()
+    }
+
+    fn set<'a>(&self, workers: impl Iterator<Item = (&'a WorkerId, u32)>) {
+        *self.lock() = workers.map(|(id, slots)| ConnectedWorker { name: id.name.clone(), slots }).collect();
+        self.changed.notify_all();
+    }
+}
+
+/// State of the dispatch thread.
+pub(super) struct DispatchLoop {
+    scheduler: Scheduler,
+    campaign: u64,
+    /// Scene and settings sent with the tasks.
+    order: WorkOrder,
+    transport: Transport,
+    connected: Arc<ConnectedWorkers>,
+    board: StatusBoard,
+    throughput: Throughput,
+    backpressure: Arc<Backpressure>,
+    started: Instant,
+    unanswered: BTreeMap<Token, IncomingQuery>,
+    next_token: Token,
+    deliveries: Option<Sender<Delivery>>,
+    /// Workers refused for their protocol version: name and version.
+    refused: BTreeSet<(String, u16)>,
+    /// Claims that could not be decoded.
+    malformed: u64,
+    /// Revision of the scheduler's workers last published in `connected`.
+    published_revision: u64,
+}
+
+impl DispatchLoop {
+    pub fn new(
+        settings: SchedulerSettings,
+        order: WorkOrder,
+        transport: Transport,
+        connected: Arc<ConnectedWorkers>,
+        board: StatusBoard,
+        backpressure: Arc<Backpressure>,
+    ) -> Self {
+        Self {
+            campaign: settings.campaign,
+            scheduler: Scheduler::new(settings),
+            order,
+            transport,
+            connected,
+            board,
+            throughput: Throughput::default(),
+            backpressure,
+            started: Instant::now(),
+            unanswered: BTreeMap::new(),
+            next_token: 0,
+            deliveries: None,
+            refused: BTreeSet::new(),
+            malformed: 0,
+            published_revision: 0,
+        }
+    }
+
+    /// Runs until [`Input::Close`].
+    pub fn run(mut self, inputs: &Receiver<Input>) {
+        let mut next_tick = Instant::now() + TICK;
+        loop {
+            match inputs.recv_timeout(next_tick.saturating_duration_since(Instant::now())) {
+                Ok(Input::Close) | Err(RecvTimeoutError::Disconnected) => break,
+                Ok(input) => self.handle(input),
+                Err(RecvTimeoutError::Timeout) => {}
+            }
+            if Instant::now() >= next_tick {
+                next_tick = Instant::now() + TICK;
+                self.event(Event::Tick);
+            }
+        }
+        self.unanswered.clear();
+        self.transport.close();
+    }
+
+    fn handle(&mut self, input: Input) {
+        match input {
+            Input::Transport(incoming) => self.handle_incoming(incoming),
+            // The receiver may have given up.
+            Input::Status(reply_to) => _ = reply_to.send(self.status()),
+            Input::Submit(requests, deliveries) => {
+                self.deliveries = Some(deliveries);
+                self.event(Event::Submit(requests));
+            }
+            Input::Recorded(tasks) => {
+                tasks.into_iter().for_each(|task| self.event(Event::Recorded { task }));
+            }
+            Input::Cancel => {
+                self.deliveries = None;
+                self.event(Event::Cancel);
+            }
+            Input::Finish => self.event(Event::Finish),
+            Input::Close => {}
+        }
+        // Checked after every message, so it must be cheap while nothing changes.
+        if self.published_revision != self.scheduler.revision() {
+            self.published_revision = self.scheduler.revision();
+            self.connected.set(self.scheduler.workers());
+        }
+    }
+
+    fn handle_incoming(&mut self, incoming: Incoming) {
+        if let Some(bytes) = incoming.query_size() {
+            self.backpressure.release(bytes);
+        }
+        match incoming {
+            Incoming::Claim(query) => self.handle_claim(query),
+            Incoming::StatusQuery(query) => match wire::encode(&self.status()) {
+                Ok(frame) => self.transport.answer_status(query, frame),
+                Err(error) => self.transport.refuse(query, error.to_string()),
+            },
+            Incoming::WorkerJoined(worker) => {
+                tracing::info!("worker {} joined", worker.name);
+                self.event(Event::WorkerJoined(worker));
+            }
+            Incoming::WorkerLost(worker) => {
+                tracing::info!("worker {} left", worker.name);
+                self.event(Event::WorkerLost(worker));
+            }
+        }
+    }
+
+    fn status(&mut self) -> Status {
+        let now = self.started.elapsed();
+        let farm = self.throughput.status(now, self.scheduler.snapshot());
+        self.board.status(farm, now)
+    }
+
+    fn handle_claim(&mut self, query: IncomingQuery) {
+        match wire::decode::<Claim>(&query.frame()) {
+            Ok(claim) => {
+                let token = self.next_token;
+                self.next_token += 1;
+                self.unanswered.insert(token, query);
+                self.event(Event::Claimed { token, claim });
+            }
+            Err(WireError::OtherVersion { theirs, ours }) => {
+                let name = query.name();
+                if self.refused.len() < MOST_REFUSED && self.refused.insert((name.clone(), theirs)) {
+                    tracing::warn!(
+                        "worker {name} is refused: it uses protocol version {theirs}, this coordinator version {ours}"
+                    );
+                }
+                // The frame of any reply carries our version, which is all the worker can read.
+                let reply = Reply { acknowledged: vec![], next: Next::Leave };
+                self.answer(query, &reply);
+            }
+            Err(error) => {
+                self.malformed += 1;
+                // Logged at the first, second, fourth, ... time: a flood must not fill the log.
+                if self.malformed.is_power_of_two() {
+                    let (name, count) = (query.name(), self.malformed);
+                    tracing::warn!("a claim of worker {name} is refused ({count} so far): {error}");
+                }
+                self.transport.refuse(query, error.to_string());
+            }
+        }
+    }
+
+    fn event(&mut self, event: Event) {
+        for action in self.scheduler.on_event(self.started.elapsed(), event) {
+            self.execute(action);
+        }
+    }
+
+    fn execute(&mut self, action: Action) {
+        match action {
+            Action::Deliver(finished) => {
+                self.throughput.count(self.started.elapsed(), &finished.worker);
+                self.deliver(Delivery::Outcome(finished));
+            }
+            Action::GiveUp { task, reason } => self.deliver(Delivery::GivenUp { task, reason }),
+            Action::Reply { token, acknowledged, assignment } => {
+                let Some(query) = self.unanswered.remove(&token) else { return };
+                let next = match assignment {
+                    Assignment::Work(tasks) => Next::Work(WorkOrder { tasks, ..self.order.clone() }),
+                    Assignment::Idle => Next::Idle { ask_again: ASK_AGAIN },
+                    Assignment::Leave => Next::Leave,
+                };
+                self.answer(query, &Reply { acknowledged, next });
+            }
+            Action::Announce(points) => {
+                for chunk in points.chunks(POINTS_PER_NOTICE) {
+                    self.announce(chunk);
+                }
+            }
+            Action::AnnounceEnd => self.publish(&Notice::Ended { campaign: self.campaign }),
+            Action::Warn(warning) => warn(&warning),
+        }
+    }
+
+    fn deliver(&self, delivery: Delivery) {
+        // A study that has ended has cancelled, or will: its outcomes stay with the workers.
+        if let Some(deliveries) = &self.deliveries {
+            let _ = deliveries.send(delivery);
+        }
+    }
+
+    fn answer(&self, query: IncomingQuery, reply: &Reply) {
+        match wire::encode(reply) {
+            Ok(frame) => self.transport.answer(query, frame),
+            Err(error) => {
+                tracing::error!("a reply cannot be encoded: {error}");
+                self.transport.refuse(query, error.to_string());
+            }
+        }
+    }
+
+    fn announce(&self, points: &[CandidatePoint]) {
+        self.publish(&Notice::Batch { campaign: self.campaign, points: points.to_vec() });
+    }
+
+    fn publish(&self, notice: &Notice) {
+        match wire::encode(notice) {
+            Ok(frame) => self.transport.publish(frame),
+            Err(error) => tracing::error!("a notice cannot be encoded: {error}"),
+        }
+    }
+}
+
+fn warn(warning: &Warning) {
+    match warning {
+        Warning::NoWorker { open, since } => tracing::warn!(
+            "{open} evaluations are waiting and no worker has been connected for {:.0} s",
+            since.as_secs_f64()
+        ),
+        Warning::NoLiveliness { worker } => tracing::warn!(
+            "worker {} claims tasks but has no liveliness token, so it gets none: does access_control allow \
+             hingewise/alive/**?",
+            worker.name
+        ),
+        Warning::WorkerLost { worker, tasks } => {
+            tracing::warn!("worker {} was lost; its evaluations {tasks:?} are requeued", worker.name);
+        }
+        Warning::Overdue { worker, task, after } => tracing::warn!(
+            "evaluation {task} has been running on worker {} for {:.0} s; another worker gets it too",
+            worker.name,
+            after.as_secs_f64()
+        ),
+        Warning::OtherSample { worker, task } => tracing::warn!(
+            "worker {} returned an outcome of another sample as evaluation {task}; it is not used",
+            worker.name
+        ),
+    }
+}

@@ -1,0 +1,186 @@
+//! A client session with a coordinator, for the commands `status` and `doctor`: queries the status and tries what a
+//! worker does.
+
+use common::wire::{self, Claim, Message, Reply, Status, WireError, WorkerId, keys, reason};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+use thiserror::Error;
+use zenoh::liveliness::LivelinessToken;
+use zenoh::query::ConsolidationMode;
+use zenoh::{Config, Session, Wait};
+
+/// Zenoh settings as for a worker, except that a failed connection is reported at once.
+const SETTINGS: [(&str, &str); 8] = [
+    ("mode", "\"client\""),
+    ("listen/endpoints", "[]"),
+    ("scouting/multicast/enabled", "false"),
+    ("scouting/gossip/enabled", "false"),
+    ("scouting/delay", "0"),
+    ("transport/link/rx/max_message_size", wire::MAX_MESSAGE),
+    ("connect/timeout_ms", "3000"),
+    ("connect/exit_on_failure", "true"),
+];
+
+/// Reasons for a query to a coordinator to fail.
+#[derive(Debug, Error)]
+pub enum ClientError {
+    /// The text is not an endpoint.
+    #[error("{endpoint}: {reason}; expected e.g. tcp/192.168.1.20:7447 or tls/host.example:7447")]
+    Endpoint {
+        /// Text of the endpoint.
+        endpoint: String,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// The Zenoh configuration cannot be used.
+    #[error("--config {}: {reason}", file.display())]
+    Configuration {
+        /// Configuration file.
+        file: PathBuf,
+        /// Error of Zenoh.
+        reason: String,
+    },
+    /// No session could be opened.
+    #[error("no coordinator can be reached at {endpoint} ({reason})")]
+    Unreachable {
+        /// Endpoint of the coordinator.
+        endpoint: String,
+        /// Error of Zenoh.
+        reason: String,
+    },
+    /// A session is open, but the query gets no reply.
+    #[error(
+        "connected to {endpoint}, but queries on {key} get no reply: no coordinator runs behind that address, or its \
+         access_control does not permit the query"
+    )]
+    Silent {
+        /// Endpoint of the coordinator.
+        endpoint: String,
+        /// Key of the query.
+        key: &'static str,
+    },
+    /// The coordinator replied with an error.
+    #[error("the coordinator at {endpoint} refuses the query: {reason}")]
+    Refused {
+        /// Endpoint of the coordinator.
+        endpoint: String,
+        /// Text of the error.
+        reason: String,
+    },
+    /// The reply cannot be decoded, e.g. because it comes from another version of the program.
+    #[error("the reply of {endpoint} cannot be decoded: {fault}")]
+    Answer {
+        /// Endpoint of the coordinator.
+        endpoint: String,
+        /// Error of the decoder.
+        fault: WireError,
+    },
+    /// Zenoh failed.
+    #[error("messaging: {0}")]
+    Messaging(String),
+}
+
+impl ClientError {
+    /// True if the user's input causes the error (exit code 2).
+    pub fn is_bad_input(&self) -> bool {
+        matches!(self, ClientError::Endpoint { .. } | ClientError::Configuration { .. })
+    }
+}
+
+/// An open session with a coordinator.
+pub struct ClientSession {
+    session: Session,
+    endpoint: String,
+}
+
+/// Liveliness token of a worker, withdrawn when dropped.
+pub struct LivelinessGuard(#[allow(dead_code)] LivelinessToken); // kept for its Drop
+
+impl ClientSession {
+    /// Opens a session with the coordinator at `endpoint`; `config` is a file with further Zenoh settings.
+    ///
+    /// # Errors
+    /// [`ClientError::Endpoint`], [`ClientError::Configuration`], [`ClientError::Unreachable`],
+    /// [`ClientError::Messaging`].
+    pub fn open(endpoint: &str, config: Option<&Path>) -> Result<Self, ClientError> {
+        let session = zenoh::open(settings(endpoint, config)?).wait().map_err(|error| {
+            ClientError::Unreachable { endpoint: endpoint.to_owned(), reason: reason(error) }
+        })?;
+        Ok(Self { session, endpoint: endpoint.to_owned() })
+    }
+
+    /// Queries the status of the study.
+    ///
+    /// # Errors
+    /// [`ClientError`].
+    pub fn status(&self, timeout: Duration) -> Result<Status, ClientError> {
+        self.query(keys::STATUS, keys::STATUS, Vec::new(), timeout)
+    }
+
+    /// Sends a claim and returns the coordinator's reply.
+    ///
+    /// # Errors
+    /// [`ClientError`].
+    pub fn claim(&self, claim: &Claim, timeout: Duration) -> Result<Reply, ClientError> {
+        let frame = wire::encode(claim).map_err(|e| ClientError::Messaging(e.to_string()))?;
+        self.query(keys::CLAIM, &format!("{}?worker={}", keys::CLAIM, claim.worker.name), frame, timeout)
+    }
+
+    /// Declares the liveliness token of a worker.
+    ///
+    /// # Errors
+    /// [`ClientError::Messaging`].
+    pub fn declare_liveliness(&self, worker: &WorkerId) -> Result<LivelinessGuard, ClientError> {
+        let token = self.session.liveliness().declare_token(keys::alive(worker)).wait();
+        token.map(LivelinessGuard).map_err(|error| ClientError::Messaging(reason(error)))
+    }
+
+    fn query<M: Message>(
+        &self,
+        key: &'static str,
+        selector: &str,
+        payload: Vec<u8>,
+        timeout: Duration,
+    ) -> Result<M, ClientError> {
+        let query = self.session.get(selector).payload(payload).timeout(timeout);
+        let replies = query
+            .consolidation(ConsolidationMode::None)
+            .wait()
+            .map_err(|error| ClientError::Messaging(reason(error)))?;
+        let endpoint = self.endpoint.clone();
+        // The channel closes with the query, at the latest after its timeout.
+        let Ok(reply) = replies.recv() else { return Err(ClientError::Silent { endpoint, key }) };
+        match reply.into_result() {
+            Ok(sample) => wire::decode(&sample.payload().to_bytes())
+                .map_err(|fault| ClientError::Answer { endpoint, fault }),
+            Err(error) => {
+                let text = String::from_utf8_lossy(&error.payload().to_bytes()).into_owned();
+                // Zenoh's text for a query without a reply.
+                if text == "Timeout" {
+                    return Err(ClientError::Silent { endpoint, key });
+                }
+                Err(ClientError::Refused { endpoint, reason: text })
+            }
+        }
+    }
+}
+
+fn settings(endpoint: &str, config: Option<&Path>) -> Result<Config, ClientError> {
+    let wrong = |reason: String| ClientError::Endpoint { endpoint: endpoint.to_owned(), reason };
+    let mut settings = match config {
+        None => Config::default(),
+        Some(file) => Config::from_file(file)
+            .map_err(|error| ClientError::Configuration { file: file.to_owned(), reason: reason(error) })?,
+    };
+    for (key, value) in SETTINGS {
+        settings
+            .insert_json5(key, value)
+            .map_err(|error| ClientError::Messaging(format!("{key}: {}", reason(error))))?;
+    }
+    if !endpoint.contains('/') || endpoint.contains(['"', '\\']) {
+        return Err(wrong("not an endpoint".into()));
+    }
+    let connect = format!("[\"{endpoint}\"]");
+    settings.insert_json5("connect/endpoints", &connect).map_err(|error| wrong(reason(error)))?;
+    Ok(settings)
+}
