@@ -1,6 +1,6 @@
-//! What client and server of the UM-Bridge protocol, version 1.0, say to each other: JSON over HTTP. `GET /Info`, then
-//! `POST` of `/ModelInfo`, `/InputSizes`, `/OutputSizes`, `/Evaluate`; an error is an answer with `error` in it. `C` is
-//! whatever stands for a JSON object, with which a request configures the model.
+//! Messages of the UM-Bridge protocol, version 1.0: JSON over HTTP. `GET /Info`, then `POST` of `/ModelInfo`,
+//! `/InputSizes`, `/OutputSizes`, `/Evaluate`; an error is a reply with the key `error`. The type parameter `C` is the
+//! JSON object with which a request configures the model.
 //!
 //! # Source
 //! L. Seelinger et al., UM-Bridge: Uncertainty quantification and modeling bridge, Journal of Open Source Software 8
@@ -8,51 +8,51 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Version of the protocol.
+/// Version of the UM-Bridge protocol.
 pub const PROTOCOL_VERSION: f64 = 1.0;
 
-/// Kind of error: the input does not fit the model.
+/// Kind of error: the input does not match the sizes of the model.
 pub const INVALID_INPUT: &str = "InvalidInput";
-/// Kind of error: the model returned what does not fit its own sizes.
+/// Kind of error: the output does not match the sizes of the model.
 pub const INVALID_OUTPUT: &str = "InvalidOutput";
 /// Kind of error: the server has no model of that name.
 pub const MODEL_NOT_FOUND: &str = "ModelNotFound";
-/// Kind of error: the model does not offer what is asked for.
+/// Kind of error: the model does not support the request.
 pub const UNSUPPORTED_FEATURE: &str = "UnsupportedFeature";
-/// Kind of error of our own server: the simulation has no result. The protocol names no kind for that.
+/// Kind of error of the server in this program: the simulation failed. The protocol defines no kind for this.
 pub const SIMULATION_FAILED: &str = "SimulationFailed";
 
-/// Answer to `/Info`.
+/// Reply to `/Info`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Info {
-    /// [`PROTOCOL_VERSION`].
+    /// Protocol version of the server; see [`PROTOCOL_VERSION`].
     pub protocol_version: f64,
-    /// Names of the models.
+    /// Names of the server's models.
     pub models: Vec<String>,
 }
 
-/// Asks for `/ModelInfo`.
+/// Request of `/ModelInfo`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ModelInfoRequest {
     /// Name of the model.
     pub name: String,
 }
 
-/// Answer to `/ModelInfo`.
+/// Reply to `/ModelInfo`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ModelInfo {
-    /// What the model offers.
+    /// Requests that the model supports.
     pub support: Support,
 }
 
-/// What a model offers; what a server does not mention it does not offer.
+/// Requests that a model supports; a request missing in the reply is not supported.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "PascalCase", default)]
 pub struct Support {
-    /// Evaluation.
+    /// Evaluation of the model.
     pub evaluate: bool,
-    /// Gradient of an objective.
+    /// Gradient of an objective, `/Gradient`.
     pub gradient: bool,
     /// Jacobian times a vector.
     pub apply_jacobian: bool,
@@ -60,17 +60,17 @@ pub struct Support {
     pub apply_hessian: bool,
 }
 
-/// Asks for `/InputSizes` or `/OutputSizes`.
+/// Request of `/InputSizes` or `/OutputSizes`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SizesRequest<C> {
     /// Name of the model.
     pub name: String,
-    /// Configuration.
+    /// Configuration of the model.
     #[serde(default = "Option::default")]
     pub config: Option<C>,
 }
 
-/// Answer to `/InputSizes`.
+/// Reply to `/InputSizes`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct InputSizes {
@@ -78,7 +78,7 @@ pub struct InputSizes {
     pub input_sizes: Vec<usize>,
 }
 
-/// Answer to `/OutputSizes`.
+/// Reply to `/OutputSizes`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct OutputSizes {
@@ -86,38 +86,38 @@ pub struct OutputSizes {
     pub output_sizes: Vec<usize>,
 }
 
-/// Asks for `/Evaluate`.
+/// Request of `/Evaluate`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct EvaluateRequest<C> {
     /// Name of the model.
     pub name: String,
     /// Input vectors, of the lengths of [`InputSizes`].
     pub input: Vec<Vec<f64>>,
-    /// Configuration.
+    /// Configuration of the model.
     #[serde(default = "Option::default")]
     pub config: Option<C>,
 }
 
-/// Answer to `/Evaluate`. `V` is a number, or what stands for one that is not finite.
+/// Reply to `/Evaluate`. `V` is the type of a number, which may be written as a string if it is not finite.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Evaluated<V> {
     /// Output vectors, of the lengths of [`OutputSizes`].
     pub output: Vec<Vec<V>>,
 }
 
-/// An answer instead of the one asked for.
+/// Reply to a request that failed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ErrorReply {
-    /// What is wrong.
+    /// Kind and text of the error.
     pub error: ErrorBody,
 }
 
-/// What is wrong.
+/// Kind and text of an error.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ErrorBody {
     /// Kind of error, e.g. [`INVALID_INPUT`].
     #[serde(rename = "type")]
     pub kind: String,
-    /// In words.
+    /// Text of the error.
     pub message: String,
 }

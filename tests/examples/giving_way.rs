@@ -7,7 +7,7 @@ use std::hint::black_box;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
-use tests::{PATIENCE, Practice, coordinator_at, practice_result, requests};
+use tests::{ClosureSimulator, PATIENCE, coordinator_at, practice_result, requests};
 use worker::service::{self, ServiceConfig};
 
 /// Something to compute for a second or two.
@@ -33,7 +33,8 @@ fn beside(give_way: bool) -> (Duration, usize) {
         }
         practice_result(sample)
     };
-    let worker = service::spawn(config, Arc::new(Practice(simulate))).expect("a loopback endpoint opens");
+    let worker =
+        service::spawn(config, Arc::new(ClosureSimulator(simulate))).expect("a loopback endpoint opens");
     assert!(coordinator.wait_for_workers(PATIENCE, |here| here.iter().any(|worker| worker.slots > 0)));
     let (mut ended, mut took) = (0, Duration::ZERO);
     std::thread::scope(|scope| {

@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         && word == "worker"
     {
         let config = ServiceConfig::new(endpoint, slots.parse()?);
-        service::run(config, std::sync::Arc::new(tests::Practice(evaluation)))?;
+        service::run(config, std::sync::Arc::new(tests::ClosureSimulator(evaluation)))?;
         return Ok(());
     }
     let folder = PathBuf::from(arguments.first().map_or(".", String::as_str));

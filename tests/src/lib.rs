@@ -21,7 +21,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::channel;
 use std::sync::{Arc, Condvar, Mutex};
 use std::time::Duration;
-use worker::service::{self, ServiceConfig, Simulator, WorkerHandle};
+use worker::service::{self, Job, ServiceConfig, Simulator, WorkerHandle};
 
 /// Longest wait for anything: only a defect waits so long.
 pub const PATIENCE: Duration = Duration::from_secs(30);
@@ -29,21 +29,15 @@ pub const PATIENCE: Duration = Duration::from_secs(30);
 /// Outcomes by number of the evaluation.
 pub type Outcomes = BTreeMap<u64, Result<Evaluation, SimulationFailure>>;
 
-/// A simulator made of a closure on the sample.
-pub struct Practice<F>(pub F);
+/// A simulator from a closure on the sample.
+pub struct ClosureSimulator<F>(pub F);
 
-impl<F> Simulator for Practice<F>
+impl<F> Simulator for ClosureSimulator<F>
 where
     F: Fn(&[f64]) -> Result<Evaluation, SimulationFailure> + Send + Sync,
 {
-    fn simulate(
-        &self,
-        _scene: &str,
-        sample: &[f64],
-        _accuracy: &Accuracy,
-        _with_first_cycle: bool,
-    ) -> Result<Evaluation, SimulationFailure> {
-        self.0(sample)
+    fn simulate(&self, job: &Job) -> Result<Evaluation, SimulationFailure> {
+        self.0(job.sample())
     }
 }
 
@@ -117,7 +111,8 @@ where
     F: Fn(&[f64]) -> Result<Evaluation, SimulationFailure> + Send + Sync + 'static,
 {
     let config = ServiceConfig { name: name.into(), ..ServiceConfig::new(endpoint, slots) };
-    service::spawn(config, Arc::new(Practice(simulate))).expect("a session to a loopback endpoint opens")
+    service::spawn(config, Arc::new(ClosureSimulator(simulate)))
+        .expect("a session to a loopback endpoint opens")
 }
 
 /// An in-process worker for `coordinator`.

@@ -1,7 +1,7 @@
-//! The files of `deploy/` for clusters: Slurm, ssh, Kubernetes. What there is here is tried, with stand-ins for the batch
-//! system's own commands; the rest is validated.
+//! The files of `deploy/` for clusters: Slurm, ssh, Kubernetes. Scripts run with stand-ins for the commands of the batch
+//! system; manifests are validated.
 
-use serde_yaml::Value;
+use serde_json::Value;
 use std::collections::BTreeSet;
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
@@ -16,7 +16,7 @@ const SCRIPTS: [&str; 4] =
     ["certificates.sh", "ssh-workers.sh", "slurm/coordinator.sbatch", "slurm/workers.sbatch"];
 
 #[test]
-fn scripts_are_sound() {
+fn scripts_pass_bash_and_shellcheck() {
     for name in SCRIPTS {
         let script = root().join("deploy").join(name);
         let parsed = Command::new("bash").arg("-n").arg(&script).status().unwrap();
@@ -29,7 +29,7 @@ fn scripts_are_sound() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stdout));
 }
 
-/// A command of a system that is not here: notes its arguments, and prints what it is to print.
+/// A stand-in for a command of the batch system: records its arguments and executes `prints`.
 fn stand_in(folder: &Path, name: &str, prints: &str) {
     let file = folder.join(name);
     let noted = folder.join(format!("{name}.noted"));
@@ -37,11 +37,12 @@ fn stand_in(folder: &Path, name: &str, prints: &str) {
     std::fs::set_permissions(&file, std::fs::Permissions::from_mode(0o755)).unwrap();
 }
 
+/// Arguments recorded by a stand-in, one call per line.
 fn noted(folder: &Path, name: &str) -> String {
     std::fs::read_to_string(folder.join(format!("{name}.noted"))).unwrap_or_default()
 }
 
-/// A script of Slurm with the stand-ins before everything else.
+/// A Slurm script, run with the stand-ins first on its PATH.
 fn batch(folder: &Path, script: &str) -> Command {
     let mut command = Command::new("bash");
     let path = format!("{}:{}", folder.display(), std::env::var("PATH").unwrap());
@@ -51,7 +52,7 @@ fn batch(folder: &Path, script: &str) -> Command {
 }
 
 #[test]
-fn a_worker_in_a_batch_job_knows_how_long_it_may_take() {
+fn a_worker_in_a_batch_job_gets_the_remaining_time() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
     std::fs::write(path.join("study.endpoint"), "tls/node-7.cluster:7447\n").unwrap();
@@ -105,7 +106,7 @@ fn a_coordinator_in_a_batch_job_is_queued_again_when_its_time_is_over() {
         first.hear("waiting for workers");
         let endpoint = std::fs::read_to_string(path.join("study.endpoint")).unwrap();
         assert_eq!(endpoint, format!("tls/127.0.0.1:{free}\n"));
-        // As Slurm does, two minutes before the end: to the shell alone.
+        // As Slurm does two minutes before the end: a signal to the shell only.
         assert!(Command::new("kill").args(["-TERM", &first.id().to_string()]).status().unwrap().success());
         assert_eq!(first.end(), Some(130), "{}", first.said());
         assert_eq!(noted(path, "scontrol"), "requeue 77\n");
@@ -124,18 +125,16 @@ fn a_coordinator_in_a_batch_job_is_queued_again_when_its_time_is_over() {
 
 /// Every object of the manifests, by kind and name.
 fn manifests() -> Vec<Value> {
-    use serde::Deserialize;
-    let text = deployed("kubernetes/hingewise.yaml");
-    serde_yaml::Deserializer::from_str(&text).map(|part| Value::deserialize(part).unwrap()).collect()
+    serde_saphyr::from_multiple(&deployed("kubernetes/hingewise.yaml")).unwrap()
 }
 
 fn object<'m>(all: &'m [Value], kind: &str, name: &str) -> &'m Value {
-    let is = |value: &&Value| value["kind"] == kind && value["metadata"]["name"] == name;
-    all.iter().find(is).unwrap_or_else(|| panic!("there is no {kind} {name}"))
+    let matches = |value: &&Value| value["kind"] == kind && value["metadata"]["name"] == name;
+    all.iter().find(matches).unwrap_or_else(|| panic!("no {kind} {name}"))
 }
 
 fn texts(value: &Value) -> Vec<String> {
-    value.as_sequence().unwrap().iter().map(|text| text.as_str().unwrap().to_owned()).collect()
+    value.as_array().unwrap().iter().map(|text| text.as_str().unwrap().to_owned()).collect()
 }
 
 #[test]
@@ -164,24 +163,24 @@ fn kubernetes_objects_fit_each_other_and_the_programs() {
         assert_eq!(context["allowPrivilegeEscalation"], false);
         assert_eq!(context["readOnlyRootFilesystem"], true);
         assert_eq!(texts(&context["capabilities"]["drop"]), ["ALL"]);
-        // What is mounted is there: volumes of the pod, or claims of the set.
-        let named = |list: &Value, of: &dyn Fn(&Value) -> Value| -> BTreeSet<String> {
-            let list = list.as_sequence().cloned().unwrap_or_default();
-            list.iter().map(|part| of(part).as_str().unwrap().to_owned()).collect()
+        // Every mounted volume is declared: as a volume of the pod, or as a claim of the set.
+        let named = |list: &Value, name: &dyn Fn(&Value) -> Value| -> BTreeSet<String> {
+            let list = list.as_array().cloned().unwrap_or_default();
+            list.iter().map(|part| name(part).as_str().unwrap().to_owned()).collect()
         };
-        let mut there = named(&pod["volumes"], &|volume| volume["name"].clone());
-        there.extend(named(&owner["spec"]["volumeClaimTemplates"], &|claim| {
+        let mut declared = named(&pod["volumes"], &|volume| volume["name"].clone());
+        declared.extend(named(&owner["spec"]["volumeClaimTemplates"], &|claim| {
             claim["metadata"]["name"].clone()
         }));
-        assert_eq!(named(&container["volumeMounts"], &|mount| mount["name"].clone()), there);
+        assert_eq!(named(&container["volumeMounts"], &|mount| mount["name"].clone()), declared);
     }
     let labels = &set["spec"]["template"]["metadata"]["labels"];
     assert_eq!(&service["spec"]["selector"], labels);
     let port = &service["spec"]["ports"][0]["port"];
     assert_eq!(port, &set["spec"]["template"]["spec"]["containers"][0]["ports"][0]["containerPort"]);
 
-    // Who may reach whom: nobody anybody, but workers the coordinator, on its port, and the names of the cluster.
-    assert!(object(&all, "NetworkPolicy", "nobody")["spec"]["podSelector"].as_mapping().unwrap().is_empty());
+    // Traffic is denied by default; workers may reach the coordinator on its port, and the cluster's DNS.
+    assert!(object(&all, "NetworkPolicy", "deny-all")["spec"]["podSelector"].as_object().unwrap().is_empty());
     let guard = &object(&all, "NetworkPolicy", "coordinator")["spec"];
     assert_eq!(&guard["podSelector"]["matchLabels"], labels);
     let from = &guard["ingress"][0]["from"][0]["podSelector"]["matchLabels"];
@@ -196,7 +195,7 @@ fn kubernetes_objects_fit_each_other_and_the_programs() {
     let connect = format!("--connect=tls/coordinator.hingewise.svc:{}", port.as_u64().unwrap());
     assert!(command.contains(&connect));
 
-    // The coordinator's line is one for a shell: it is tried with what stands in for the programs.
+    // The command of the coordinator is a shell script: it runs with stand-ins for the programs.
     let container = &set["spec"]["template"]["spec"]["containers"][0];
     let command = texts(&container["command"]);
     assert_eq!(command[..2], ["/bin/sh", "-euc"]);
@@ -222,7 +221,7 @@ fn kubernetes_objects_fit_each_other_and_the_programs() {
     for arguments in &started {
         assert_eq!(objection(&program("coordinator"), arguments), None);
     }
-    // What is finished is left alone.
+    // A finished study is not started again.
     std::fs::write(results.join("report.html"), "done").unwrap();
     stand_in(path, "sleep", "exit 0");
     let mut shell = Command::new(&command[0]);

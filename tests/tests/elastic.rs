@@ -8,8 +8,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::channel;
 use std::time::{Duration, Instant};
 use tests::{
-    Barrier, PATIENCE, Practice, coordinator, coordinator_at, evaluate, expected, in_time, practice_result,
-    requests, worker, worker_at,
+    Barrier, ClosureSimulator, PATIENCE, coordinator, coordinator_at, evaluate, expected, in_time,
+    practice_result, requests, worker, worker_at,
 };
 use worker::service::{self, Departure, ServiceConfig, WorkerHandle};
 
@@ -22,7 +22,7 @@ fn counting(config: ServiceConfig, takes: Duration) -> (WorkerHandle, Arc<Atomic
         std::thread::sleep(takes);
         practice_result(sample)
     };
-    (service::spawn(config, Arc::new(Practice(simulate))).unwrap(), count)
+    (service::spawn(config, Arc::new(ClosureSimulator(simulate))).unwrap(), count)
 }
 
 fn named(name: &str, coordinator: &ZenohEvaluator, slots: usize) -> ServiceConfig {
@@ -94,7 +94,7 @@ fn a_worker_asked_to_stop_ends_what_it_runs_if_it_has_the_time() {
             held.pass();
             practice_result(sample)
         };
-        let leaving = service::spawn(config, Arc::new(Practice(simulate))).unwrap();
+        let leaving = service::spawn(config, Arc::new(ClosureSimulator(simulate))).unwrap();
         let others = AtomicUsize::new(0);
         let staying = std::thread::spawn(move || {
             assert_eq!(started.recv_timeout(PATIENCE).unwrap(), 0.0);

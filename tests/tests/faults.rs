@@ -1,40 +1,56 @@
-//! What can befall a farm, in short; `cargo run --release -p tests --example faults` does it in full.
+//! Faults of a farm in short runs; `cargo run --release -p tests --example faults` has the long ones.
 
 use std::time::Duration;
-use tests::faults;
+use tests::faults::{self, MOST_UNRECORDED, Report};
+
+const SECOND: Duration = Duration::from_secs(1);
+
+/// Prints the measured values and returns whether the fault left answer and records unchanged.
+fn is_undisturbed(report: &Report) -> bool {
+    println!("{report}");
+    report.is_undisturbed()
+}
 
 #[test]
 fn workers_are_killed_in_mid_task() {
-    println!("{}", faults::killed_workers(3, 40));
+    let report = faults::killed_workers(3, 40);
+    assert!(is_undisturbed(&report), "{report:?}");
+    assert_eq!(report.times.len(), 3, "each loss is detected");
+    assert!(report.workers.contains(&"steady".to_owned()), "{report:?}");
 }
 
 #[test]
 fn a_worker_is_frozen_for_longer_than_its_lease() {
-    println!("{}", faults::frozen_worker(Duration::from_secs(3), 80));
+    let report = faults::frozen_worker(3 * SECOND, 80);
+    assert!(is_undisturbed(&report), "{report:?}");
+    assert_eq!(report.workers, ["frozen", "steady"], "both finish evaluations");
 }
 
 #[test]
 fn the_coordinator_is_killed_and_started_again() {
-    let second = Duration::from_secs(1);
-    println!("{}", faults::killed_coordinator(1, second, 24, second / 5));
+    let report = faults::killed_coordinator(1, SECOND, 24, SECOND / 5);
+    assert!(is_undisturbed(&report), "{report:?}");
+    assert_eq!((report.records_lost, report.records_repeated, report.times.len()), (0, 0, 1));
 }
 
 #[test]
 fn the_disk_is_slow() {
-    println!("{}", faults::slow_disk(Duration::from_millis(50), 400));
+    let report = faults::slow_disk(Duration::from_millis(50), 400);
+    assert!(is_undisturbed(&report), "{report:?}");
+    assert!(report.unrecorded <= MOST_UNRECORDED, "{report:?}");
 }
 
 #[test]
 fn the_disk_is_full() {
-    if let Some(found) = faults::full_disk(200, Duration::from_millis(5)) {
-        println!("{found}");
+    if let Some(report) = faults::full_disk(200, Duration::from_millis(5)) {
+        assert!(is_undisturbed(&report), "{report:?}");
+        assert!(report.error.contains("full") && report.error.contains("campaign.db"), "{report:?}");
     }
 }
 
 #[test]
 fn the_network_is_cut() {
-    let found = faults::cut_network(&[Duration::from_secs(3)], 60, Duration::from_millis(100));
-    if let Some(found) = found {
-        println!("{found}");
+    if let Some(report) = faults::cut_network(&[3 * SECOND], 60, SECOND / 10) {
+        assert!(is_undisturbed(&report), "{report:?}");
     }
 }

@@ -149,7 +149,7 @@ fn the_doctor_finds_what_is_wrong() {
         finds(&[&format!("tcp/{freed}")], 1, &[("reach", "is the coordinator running")]);
 
         let (_session, mute) = false_coordinator(None, None);
-        finds(&[&mute], 1, &[("claim", "access_control does not let us ask")]);
+        finds(&[&mute], 1, &[("claim", "access_control does not permit the query")]);
         let (_session, newer) = false_coordinator(Some(of_version(PROTOCOL_VERSION + 1, idle())), None);
         finds(&[&newer], 1, &[("claim", "use the same version of the program on both sides")]);
         let late = Status { clock_ms: clock_ms() - 3_600_000, ..Status::default() };

@@ -81,21 +81,21 @@ fn refusals_are_explained_on_both_sides() {
                     &tls(&theirs),
                     "tls",
                     "signed by another authority than root_ca_certificate",
-                    "its authority is another one",
+                    "the client does not accept this coordinator's certificate: it was signed",
                 ),
                 (
                     &tls(&mixed),
                     "tls",
                     "does not accept our certificate",
-                    "its certificate was signed by another authority",
+                    "the client certificate was signed by another authority",
                 ),
                 (
                     &no_certificate,
                     "tls",
-                    "asks for a certificate and --config shows none",
-                    "it showed no certificate",
+                    "requires a client certificate, and --config names none",
+                    "no client certificate given",
                 ),
-                (&plain, "tcp", "does the coordinator listen with tls/", "it does not speak TLS"),
+                (&plain, "tcp", "does the coordinator listen with tls/", "the client does not use TLS"),
             ],
         );
         refused(
@@ -104,7 +104,7 @@ fn refusals_are_explained_on_both_sides() {
                 &tls(&own),
                 "tls",
                 "certificate is for another name",
-                "the name it connects to does not stand in it",
+                "it does not list the name used to connect",
             )],
         );
         let nobody = path.join("nobody");
@@ -116,26 +116,26 @@ fn refusals_are_explained_on_both_sides() {
         refused(
             &password,
             &[
-                (&user(&users, "worker", "guess"), "tls", says, "it gave a wrong password"),
-                (
-                    &user(&users, "guest", "guess"),
-                    "tls",
-                    says,
-                    "it gave a user that is not in the dictionary",
-                ),
-                (&no_user, "tls", says, "it gave no user and password"),
+                (&user(&users, "worker", "guess"), "tls", says, "wrong password"),
+                (&user(&users, "guest", "guess"), "tls", says, "the user is not in the dictionary"),
+                (&no_user, "tls", says, "no user and password given"),
             ],
         );
-        // Let in by the authority, and then heard by nobody: the registration comes to an end that says so.
+        // The certificate is accepted, but access_control drops every message: both sides report it.
         refused(
             &denying,
-            &[(&tls(&visitor), "tls", "access_control does not let us ask", "connected without access")],
+            &[(
+                &tls(&visitor),
+                "tls",
+                "access_control does not permit the query",
+                "connected without access",
+            )],
         );
         refused(&open, &[(&tls(&own), "tls", "tls/ where the coordinator listens with tcp/", "")]);
     });
 }
 
-/// The version stands in every frame: what the worker says of another one, and the coordinator of it, is told in words.
+/// Every frame carries the protocol version; the coordinator names a worker of another version in its log.
 #[test]
 fn another_version_is_named_on_both_sides() {
     in_time(|| {
@@ -149,7 +149,7 @@ fn another_version_is_named_on_both_sides() {
         let replies =
             newer.get(format!("{}?worker=newer", keys::CLAIM)).payload(frame).timeout(PATIENCE).wait();
         assert!(replies.unwrap().recv().unwrap().result().is_ok());
-        let says = format!("worker newer is refused: it speaks protocol version {}", PROTOCOL_VERSION + 1);
+        let says = format!("worker newer is refused: it uses protocol version {}", PROTOCOL_VERSION + 1);
         coordinator.hear(&says);
     });
 }

@@ -10,7 +10,8 @@ use tests::deployed::{
     HOST, NAMED, certificates, changed_configuration, configuration, has_openssl, session, user, with_users,
 };
 use tests::{
-    PATIENCE, Practice, campaign, coordinator, evaluate, expected, in_time, practice_result, requests, worker,
+    ClosureSimulator, PATIENCE, campaign, coordinator, evaluate, expected, in_time, practice_result,
+    requests, worker,
 };
 use worker::service::{self, Departure, ServiceConfig, ServiceError, WorkerHandle};
 use zenoh::{Config, Session, Wait};
@@ -30,7 +31,7 @@ fn worker_with(config: &Path, endpoint: &str, give_up_after: Duration) -> Worker
         give_up_after: Some(give_up_after),
         ..ServiceConfig::new(endpoint, 1)
     };
-    service::spawn(config, Arc::new(Practice(practice_result))).unwrap()
+    service::spawn(config, Arc::new(ClosureSimulator(practice_result))).unwrap()
 }
 
 /// Whether anybody answers a query on this key.

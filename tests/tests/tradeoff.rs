@@ -1,4 +1,4 @@
-//! Several accuracies in one farm: every task reaches its worker with its own.
+//! Several accuracies in one farm: every task reaches its worker with the right one.
 
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
@@ -6,27 +6,21 @@ use common::outputs::Evaluation;
 use coordinator::analyses::tradeoff::{Plan, settings};
 use std::sync::Arc;
 use tests::{coordinator, in_time, practice_result, requests};
-use worker::service::{self, ServiceConfig, Simulator};
+use worker::service::{self, Job, ServiceConfig, Simulator};
 
-/// Says in its outcome which accuracy it was asked for.
+/// States the accuracy of its job in its outcome.
 struct Echo;
 
 impl Simulator for Echo {
-    fn simulate(
-        &self,
-        _scene: &str,
-        sample: &[f64],
-        accuracy: &Accuracy,
-        _with_first_cycle: bool,
-    ) -> Result<Evaluation, SimulationFailure> {
-        let mut evaluation = practice_result(sample)?;
-        evaluation.diagnostics.wear_stages = u64::from(accuracy.cycle_jump);
+    fn simulate(&self, job: &Job) -> Result<Evaluation, SimulationFailure> {
+        let mut evaluation = practice_result(job.sample())?;
+        evaluation.diagnostics.wear_stages = u64::from(job.accuracy().cycle_jump);
         Ok(evaluation)
     }
 }
 
 #[test]
-fn every_task_of_a_measurement_brings_its_own_accuracy() {
+fn every_task_of_a_measurement_has_its_own_accuracy() {
     let (found, end, seen) = in_time(|| {
         let mut farm = coordinator();
         let workers = ["a", "b"].map(|name| {
@@ -39,7 +33,7 @@ fn every_task_of_a_measurement_brings_its_own_accuracy() {
         let (found, end) = plan.measure(&mut farm, &mut |_| seen += 1);
         farm.finish();
         for worker in workers {
-            worker.join().expect("it leaves when told to");
+            worker.join().expect("it leaves at the end of the campaign");
         }
         (found, end, seen)
     });

@@ -1,4 +1,4 @@
-//! The `worker` command: offers this machine to a coordinator.
+//! The `worker` command: runs simulations of a coordinator on this machine.
 
 mod signals;
 
@@ -12,37 +12,36 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use thiserror::Error;
 use tracing_subscriber::EnvFilter;
-use worker::log;
+use worker::log::{self, LogOptions};
 use worker::service::{self, Departure, ServiceConfig, ServiceError};
 use worker::simulator::simulator;
-use worker::umbridge::{self, Model, NAME, Server, UmBridgeError};
+use worker::umbridge::{self, Access, Model, NAME, Server, UmBridgeError};
 
 const FAILURE: u8 = 1;
 const BAD_INPUT: u8 = 2;
 
-/// Longest time that can be asked for [s]: a hundred years.
+/// Largest time accepted by an option [s]: a hundred years.
 const LONGEST: u64 = 100 * 366 * 24 * 3600;
 
-/// The scene offered unless another one is named.
+/// Default scene of `--serve-umbridge`.
 const DEFAULT_SCENE: &str = "flapping-wing";
 
-/// Offers this machine to a Hingewise coordinator: claims simulations, runs them, hands the results in. Or offers
-/// evaluations of a scene to other programs.
+/// Runs simulations of a Hingewise coordinator on this machine, or serves evaluations of a scene to UM-Bridge clients.
 ///
-/// A worker may join and leave at any time; what it had not finished goes to others.
+/// A worker may join and leave at any time; the coordinator gives its unfinished tasks to other workers.
 #[derive(Debug, Parser)]
 #[command(name = "worker", version, after_help = EXAMPLES)]
 struct Arguments {
-    /// Where the coordinator listens, e.g. tcp/192.168.1.20:7447; several, if repeated, share the slots fairly
+    /// Endpoint of the coordinator, e.g. tcp/192.168.1.20:7447; may be repeated: the coordinators share the slots fairly
     #[arg(long, value_name = "ENDPOINT", required_unless_present = "serve_umbridge")]
     connect: Vec<String>,
-    /// Offer evaluations of a scene to any client of the UM-Bridge protocol instead, on this port of this machine alone
+    /// Serve evaluations of a scene by the UM-Bridge protocol instead; a port alone accepts only clients on this machine
     #[arg(long, value_name = "PORT|ADDRESS:PORT", conflicts_with_all = ["connect", "config", "name", "give_up_after"])]
     serve_umbridge: Option<String>,
-    /// Scene file, or name of a built-in scene, to be offered [default: flapping-wing]
+    /// Scene file or name of a built-in scene to serve [default: flapping-wing]
     #[arg(long, value_name = "NAME-or-FILE", requires = "serve_umbridge", conflicts_with = "connect")]
     scene: Option<String>,
-    /// Numerical effort of an evaluation to be offered, unless a request says otherwise [default: balanced]
+    /// Accuracy of served evaluations, unless a request sets it [default: balanced]
     #[arg(
         long,
         value_name = "draft|balanced|reference|NAME",
@@ -50,40 +49,40 @@ struct Arguments {
         conflicts_with = "connect"
     )]
     accuracy: Option<NamedAccuracy>,
-    /// Allow --serve-umbridge on an address that other machines can reach
+    /// Allow --serve-umbridge on an address that other machines can reach, without authentication
     #[arg(long, requires = "serve_umbridge", conflicts_with = "connect")]
     insecure: bool,
-    /// Threads that simulate, each up to three evaluations side by side [default: one per core]
+    /// Simulation threads, each with up to three evaluations side by side [default: one per core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     slots: Option<u16>,
-    /// More Zenoh settings, e.g. certificates (JSON5)
+    /// File with further Zenoh settings, e.g. certificates (JSON5)
     #[arg(long, value_name = "ZENOH.json5")]
     config: Option<PathBuf>,
-    /// Name shown by the coordinator [default: host and process]
+    /// Name of this worker at the coordinator [default: host and process number]
     #[arg(long)]
     name: Option<String>,
-    /// Give up when no coordinator answers for so long; 0: never
+    /// Give up after this time without an answer of a coordinator; 0: never
     #[arg(long, value_name = "SECONDS", default_value_t = 30)]
     give_up_after: u64,
-    /// Leave when there was nothing to do for so long
+    /// Leave after this time without tasks
     #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u64).range(1..=LONGEST), conflicts_with = "serve_umbridge")]
     idle_timeout: Option<u64>,
-    /// Have left so long after the start: begin nothing that would not end in time, hand back what has not ended
+    /// Maximum run time: start no task that cannot finish within it, return unfinished tasks
     #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u64).range(1..=LONGEST), conflicts_with = "serve_umbridge")]
     walltime: Option<u64>,
-    /// When stopped (SIGTERM, Ctrl-C), let what runs go on for so long; what has not ended then is handed back
+    /// After SIGTERM or Ctrl-C, let running tasks continue for this time, then return unfinished tasks
     #[arg(long, value_name = "SECONDS", default_value_t = 0, value_parser = clap::value_parser!(u64).range(..=LONGEST), conflicts_with = "serve_umbridge")]
     drain: u64,
-    /// Where a campaign has ended, wait for the next one there for as long as it takes
+    /// Wait for the next campaign at the same endpoint when a campaign has ended, without a time limit
     #[arg(long, conflicts_with_all = ["serve_umbridge", "give_up_after"])]
     stay: bool,
-    /// Say more (twice: everything)
+    /// Log more details (twice: everything)
     #[arg(short, long, action = clap::ArgAction::Count, conflicts_with = "quiet")]
     verbose: u8,
-    /// Say only what is wrong
+    /// Log errors only
     #[arg(short, long)]
     quiet: bool,
-    /// Log for people, or as lines of JSON for programs that collect logs
+    /// Format of the log: plain text, or one JSON object per line
     #[arg(long, value_name = "text|json", default_value = "text")]
     log_format: log::Format,
 }
@@ -91,16 +90,16 @@ struct Arguments {
 const EXAMPLES: &str = "\
 Examples:
   worker --connect tcp/192.168.1.20:7447
-      all cores of this machine for the coordinator started with
+      all cores of this machine, for a coordinator started with
       `coordinator run --workers 0 --listen tcp/192.168.1.20:7447 --insecure`
   worker --connect tcp/127.0.0.1:7447 --slots 4 --give-up-after 0
-      on four threads; waits for the coordinator for ever
+      four threads; waits for the coordinator without a time limit
   worker --connect tls/farm.example:7447 --config worker.json5
-      encrypted, with the certificates named in worker.json5
+      encrypted connection with the certificates named in worker.json5
   worker --connect tcp/127.0.0.1:7447 --walltime 3600 --idle-timeout 120 --drain 30
-      in a batch job of an hour: leaves in time, or after two idle minutes; 30 s to finish when it is stopped
+      in a batch job of one hour: leaves in time, or after two minutes without tasks; 30 s to finish when stopped
   worker --connect tcp/127.0.0.1:7447 --connect tcp/127.0.0.1:7448 --stay
-      for whatever study runs at either address, half of the slots each while both do
+      for studies at either address; while both run, each gets half of the slots
   worker --serve-umbridge 4242 --scene four-bar --accuracy draft
       model `forward` at http://127.0.0.1:4242: random variables in, outputs over life out
 
@@ -110,8 +109,8 @@ fn main() -> ExitCode {
     let arguments = Arguments::parse();
     start_log(arguments.verbose, arguments.quiet, arguments.log_format);
     let done = match &arguments.serve_umbridge {
-        Some(given) => offer(given, &arguments),
-        None => serve(arguments).map_err(Failed::Service),
+        Some(given) => serve_umbridge(given, &arguments),
+        None => work(arguments).map_err(CommandError::Service),
     };
     match done {
         Ok(code) => code,
@@ -122,9 +121,9 @@ fn main() -> ExitCode {
     }
 }
 
-/// What ended the command.
+/// Errors that end the command.
 #[derive(Debug, Error)]
-enum Failed {
+enum CommandError {
     #[error(transparent)]
     Service(#[from] ServiceError),
     #[error(transparent)]
@@ -133,7 +132,7 @@ enum Failed {
     Scene(#[from] Faults),
 }
 
-impl Failed {
+impl CommandError {
     fn exit_code(&self) -> u8 {
         match self {
             Self::Service(ServiceError::Settings { .. }) | Self::Scene(_) => BAD_INPUT,
@@ -148,9 +147,10 @@ fn slots(arguments: &Arguments) -> usize {
     arguments.slots.map_or(cores, usize::from)
 }
 
-/// Serves until a signal comes.
-fn offer(given: &str, arguments: &Arguments) -> Result<ExitCode, Failed> {
-    let address = umbridge::address(given, arguments.insecure)?;
+/// Serves evaluations by the UM-Bridge protocol until a signal arrives.
+fn serve_umbridge(given: &str, arguments: &Arguments) -> Result<ExitCode, CommandError> {
+    let access = if arguments.insecure { Access::AnyMachine } else { Access::ThisMachine };
+    let address = umbridge::address(given, access)?;
     let source = SceneSource::load(arguments.scene.as_deref().unwrap_or(DEFAULT_SCENE))?;
     if source.nominal().simulator.is_some() {
         return Err(UmBridgeError::NoMechanism { origin: source.origin().to_owned() }.into());
@@ -159,38 +159,39 @@ fn offer(given: &str, arguments: &Arguments) -> Result<ExitCode, Failed> {
     let model = Model::new(source, arguments.accuracy.clone().unwrap_or_default());
     let signals = Signals::catch().map_err(no_signals)?;
     let server = Server::start(model, slots(arguments), address)?;
-    tracing::info!("model \"{NAME}\", an evaluation of {scene}, at http://{}", server.address());
+    tracing::info!("serving evaluations of {scene} as model \"{NAME}\" at http://{}", server.address());
     let (stop, stopped) = std::sync::mpsc::channel();
-    let whoever_waits = move || {
-        // It may have left: the process is about to end.
+    let notify = move || {
+        // The receiver is gone when the process is about to exit.
         let _ = stop.send(());
     };
-    let interrupted = signals.listen(whoever_waits).map_err(no_signals)?;
-    // The sender lives with the thread of the signals, as long as the process.
+    let interrupted = signals.listen(notify).map_err(no_signals)?;
+    // The sender belongs to the signal thread, which runs as long as the process.
     let _ = stopped.recv();
-    tracing::info!("stopping: answering what was asked");
+    tracing::info!("stopping: answering the open requests");
     server.finish();
-    Ok(ended(&interrupted))
+    Ok(exit_code(&interrupted))
 }
 
 fn no_signals(error: std::io::Error) -> ServiceError {
     ServiceError::Messaging(format!("signals: {error}"))
 }
 
-fn ended(interrupted: &AtomicBool) -> ExitCode {
+fn exit_code(interrupted: &AtomicBool) -> ExitCode {
     if interrupted.load(Ordering::Relaxed) { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS }
 }
 
-fn serve(arguments: Arguments) -> Result<ExitCode, ServiceError> {
+/// Evaluates tasks of the coordinators until they end or a signal arrives.
+fn work(arguments: Arguments) -> Result<ExitCode, ServiceError> {
     let slots = slots(&arguments);
-    let wanted = |seconds: u64| (seconds > 0).then(|| Duration::from_secs(seconds));
+    let limit = |seconds: u64| (seconds > 0).then(|| Duration::from_secs(seconds));
     let mut config = ServiceConfig {
         connect: arguments.connect,
         zenoh_config: arguments.config,
-        give_up_after: wanted(arguments.give_up_after).filter(|_| !arguments.stay),
+        give_up_after: limit(arguments.give_up_after).filter(|_| !arguments.stay),
         drain: Duration::from_secs(arguments.drain),
-        idle_timeout: arguments.idle_timeout.and_then(wanted),
-        walltime: arguments.walltime.and_then(wanted),
+        idle_timeout: arguments.idle_timeout.and_then(limit),
+        walltime: arguments.walltime.and_then(limit),
         next_campaign: arguments.stay,
         ..ServiceConfig::new("", slots)
     };
@@ -202,34 +203,36 @@ fn serve(arguments: Arguments) -> Result<ExitCode, ServiceError> {
     let worker = service::spawn(config, simulator())?;
     let stopper = worker.stopper();
     let stop = move || {
-        tracing::info!("stopping: handing in what is finished");
+        tracing::info!("stopping: returning finished outcomes");
         stopper.stop();
     };
     let interrupted = signals.listen(stop).map_err(no_signals)?;
     let departure = worker.join()?;
     match departure {
         Departure::CampaignEnded => tracing::info!("the coordinator has finished"),
-        Departure::Stopped { lost: 0 } => tracing::info!("stopped, everything finished was handed in"),
+        Departure::Stopped { lost: 0 } => tracing::info!("stopped; all finished outcomes were returned"),
         Departure::Stopped { lost } => {
-            tracing::warn!("stopped; {lost} finished simulations could not be handed in");
+            tracing::warn!("stopped; {lost} finished outcomes could not be returned");
         }
-        Departure::Idle => tracing::info!("there was nothing to do for too long"),
-        Departure::TimeUp { lost: 0 } => tracing::info!("the time is up, everything finished was handed in"),
+        Departure::Idle => tracing::info!("left after --idle-timeout without tasks"),
+        Departure::TimeUp { lost: 0 } => {
+            tracing::info!("--walltime is over; all finished outcomes were returned")
+        }
         Departure::TimeUp { lost } => {
-            tracing::warn!("the time is up; {lost} finished simulations could not be handed in");
+            tracing::warn!("--walltime is over; {lost} finished outcomes could not be returned");
         }
         Departure::Aborted => tracing::info!("aborted"),
     }
-    Ok(ended(&interrupted))
+    Ok(exit_code(&interrupted))
 }
 
 fn start_log(verbose: u8, quiet: bool, format: log::Format) {
-    // Zenoh warns at every attempt to connect; what matters of it the service says itself.
-    let usual = match (quiet, verbose) {
+    // Zenoh warns at every failed attempt to connect; the service logs these failures itself.
+    let levels = match (quiet, verbose) {
         (true, _) => "error",
         (_, 0) => "info,zenoh=error",
         (_, 1) => "debug,zenoh=warn,rustls=info",
         _ => "trace,zenoh=debug",
     };
-    log::start(usual, EnvFilter::DEFAULT_ENV, format, false);
+    log::start(LogOptions { levels, variable: EnvFilter::DEFAULT_ENV, format, with_module: false });
 }

@@ -1,4 +1,4 @@
-//! SIGTERM and Ctrl-C stop a worker gently; a second one ends the process at once.
+//! SIGTERM and Ctrl-C: the first signal stops the worker, the second one ends the process at once.
 
 use std::io;
 use std::sync::Arc;
@@ -9,17 +9,17 @@ use tokio::signal::unix::{Signal, SignalKind, signal};
 /// Exit code after Ctrl-C, and after a second signal.
 pub const INTERRUPTED: u8 = 130;
 
-/// Signals that are caught from now on: those that come before anybody listens are kept. To be made before others can know that
-/// the process is there.
+/// Handlers for SIGTERM and SIGINT. Signals that arrive before [`Signals::listen`] are kept, so the handlers are installed
+/// before the process becomes visible to others.
 pub struct Signals {
-    /// Its own small runtime: the service itself needs none, and Zenoh brings its own.
+    /// Runtime for the signal streams only.
     runtime: Runtime,
     interrupt: Signal,
     terminate: Signal,
 }
 
 impl Signals {
-    /// Catches both.
+    /// Installs the handlers.
     ///
     /// # Errors
     /// The system refuses a handler.
@@ -32,7 +32,7 @@ impl Signals {
         Ok(Self { runtime, interrupt, terminate })
     }
 
-    /// Calls `stop` at the first of them. The flag says whether it was Ctrl-C.
+    /// Calls `stop` at the first signal, on a separate thread. The returned flag is true after Ctrl-C.
     ///
     /// # Errors
     /// The system refuses a thread.

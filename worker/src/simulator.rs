@@ -1,8 +1,7 @@
-//! The simulator this program offers to a coordinator: a scene's text and a sample in, one evaluation out.
+//! The simulator of the `worker` command: text of a scene and sample in, one evaluation out.
 
 use crate::service::{Job, Simulator};
 use crate::simulate::{Order, Width, simulate, simulate_together};
-use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
 use common::scene::SceneSource;
@@ -10,61 +9,50 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-/// Evaluations a thread has under way at once. Two, of two islands each, fill four lanes; a third stands in where one of them
-/// wears its bores; more gain nothing, and take 6 MB each.
+/// Evaluations that a thread runs side by side. Two evaluations of two islands each fill four lanes; a third one fills the
+/// lanes of an evaluation that updates its wear. More gain nothing and take 6 MB each.
 const SIDE_BY_SIDE: usize = 3;
 
-/// The simulator of the `worker` command and of local workers.
+/// The simulator of the `worker` command and of the coordinator's local workers.
 pub fn simulator() -> Arc<dyn Simulator> {
     Arc::new(Mechanism::default())
 }
 
-/// Scenes that are remembered: one for each of the coordinators that share a worker, as a rule.
-const REMEMBERED: usize = 4;
+/// Parsed scenes kept: usually one for each coordinator that shares the worker.
+const CACHED_SCENES: usize = 4;
 
-/// Simulates scenes; remembers the last ones parsed, one of which is the next one asked for in all but name. What it
-/// remembers is a function of the task, so a task does not depend on the tasks before it.
+/// Simulates scenes and caches the parsed ones, since consecutive tasks usually have the same scene. A cached scene is a
+/// function of its text, so a result does not depend on previous tasks.
 #[derive(Default)]
 struct Mechanism {
-    /// The latest used first.
+    /// Parsed scenes, the most recently used first.
     last: Mutex<VecDeque<Arc<SceneSource>>>,
 }
 
 impl Mechanism {
+    /// The parsed scene of `text`, from the cache if possible.
     fn source(&self, text: &str) -> Result<Arc<SceneSource>, SimulationFailure> {
         let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
-        let known = last.iter().position(|source| source.text() == text).and_then(|at| last.remove(at));
-        let source = match known {
+        let cached = last.iter().position(|source| source.text() == text).and_then(|at| last.remove(at));
+        let source = match cached {
             Some(source) => source,
             None => SceneSource::parse(text, "task").map(Arc::new).map_err(invalid)?,
         };
-        last.truncate(REMEMBERED - 1);
+        last.truncate(CACHED_SCENES - 1);
         last.push_front(Arc::clone(&source));
         Ok(source)
     }
 
-    fn order(
-        &self,
-        scene: &str,
-        sample: &[f64],
-        accuracy: &Accuracy,
-        with_first_cycle: bool,
-    ) -> Result<Order, SimulationFailure> {
-        let scene = self.source(scene)?.resolve_sample(sample).map_err(invalid)?;
-        Ok(Order { scene, accuracy: *accuracy, with_first_cycle })
+    fn order(&self, job: &Job) -> Result<Order, SimulationFailure> {
+        let scene = self.source(job.scene())?.resolve_sample(job.sample()).map_err(invalid)?;
+        Ok(Order { scene, accuracy: *job.accuracy(), with_first_cycle: job.with_first_cycle() })
     }
 }
 
 impl Simulator for Mechanism {
-    fn simulate(
-        &self,
-        scene: &str,
-        sample: &[f64],
-        accuracy: &Accuracy,
-        with_first_cycle: bool,
-    ) -> Result<Evaluation, SimulationFailure> {
-        let Order { scene, .. } = self.order(scene, sample, accuracy, with_first_cycle)?;
-        simulate(&scene, accuracy, with_first_cycle)
+    fn simulate(&self, job: &Job) -> Result<Evaluation, SimulationFailure> {
+        let Order { scene, accuracy, with_first_cycle } = self.order(job)?;
+        simulate(&scene, &accuracy, with_first_cycle)
     }
 
     fn side_by_side(&self) -> usize {
@@ -76,10 +64,7 @@ impl Simulator for Mechanism {
         next: &mut dyn FnMut() -> Option<Job>,
         done: &mut dyn FnMut(usize, Result<Evaluation, SimulationFailure>, Duration),
     ) {
-        let mut order = || {
-            let job = next()?;
-            Some(self.order(job.scene(), job.sample(), job.accuracy(), job.with_first_cycle()))
-        };
+        let mut order = || next().map(|job| self.order(&job));
         simulate_together(Width::Widest, SIDE_BY_SIDE, &mut order, done);
     }
 }

@@ -7,6 +7,7 @@ use common::accuracy::Accuracy;
 use common::scene::SceneSource;
 use peak::peak_resident;
 use std::sync::Barrier;
+use worker::service::Job;
 use worker::simulator::simulator;
 
 /// The flapping-wing drive at its most exact, with the first cycle, for a short life: what is held of a life does not grow with
@@ -30,7 +31,8 @@ fn one_more_evaluation_takes_less_than_20_mb() {
             for _ in 0..slots {
                 scope.spawn(|| {
                     start.wait();
-                    let found = simulator.simulate(&cut, &means, &Accuracy::reference(), true);
+                    let job = Job::standalone(&cut, &means, Accuracy::reference()).and_first_cycle();
+                    let found = simulator.simulate(&job);
                     assert!(found.is_ok_and(|evaluation| evaluation.first_cycle.is_some()));
                 });
             }

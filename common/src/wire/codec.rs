@@ -1,4 +1,4 @@
-//! Messages to bytes and back: the only place that knows the serialisation format (bincode).
+//! Encodes and decodes messages: the only module that uses the serialisation format (bincode).
 //!
 //! ```text
 //! byte  0..4   magic "HNGW"
@@ -9,9 +9,9 @@
 //!      12..    payload
 //! ```
 //!
-//! Header and length are checked before anything of the payload is read; decoding is limited by the size of what was
-//! received, so that a hostile length inside the payload allocates nothing; trailing bytes are refused, and so are
-//! numbers that are not finite.
+//! Header and length are checked before the payload is read. Memory for decoding is bounded by the size of the received
+//! frame, so that a forged length inside the payload allocates nothing. Trailing bytes and numbers that are not finite
+//! are refused.
 
 use super::PROTOCOL_VERSION;
 use serde::Serialize;
@@ -21,8 +21,8 @@ use thiserror::Error;
 /// Largest payload of a message [bytes]. An outcome with a first cycle of 2000 points takes about 200 kB.
 pub const MAX_PAYLOAD: usize = 16 << 20;
 
-/// Largest message that a session is to put together, as the setting `transport/link/rx/max_message_size` of Zenoh: the
-/// largest frame and what goes with it [bytes]. Zenoh's own limit is 1 GiB, which a hostile peer could make it keep.
+/// Zenoh setting `transport/link/rx/max_message_size`: the largest frame and its Zenoh header [bytes]. Zenoh's default is
+/// 1 GiB, which a hostile peer could make it allocate.
 pub const MAX_MESSAGE: &str = "16908288";
 
 /// Bytes before the payload.
@@ -30,90 +30,90 @@ pub const HEADER: usize = 12;
 
 const MAGIC: [u8; 4] = *b"HNGW";
 
-/// The decoder counts a number at its full width before it knows its encoded one: eight bytes for one at most, and a
-/// margin for the last of them [bytes].
+/// Memory limit of the decoder [bytes]. It counts each number at its full width, at most eight bytes per encoded byte;
+/// the margin is for the last one.
 const fn decode_limit(payload: usize) -> usize {
     8 * payload + 64
 }
 
-/// Sizes of payloads up to which what decoding may allocate is bounded alike [bytes].
+/// Upper sizes of payloads with a common memory limit of the decoder [bytes].
 const SMALL: usize = 1 << 10;
 const MEDIUM: usize = 64 << 10;
 const LARGE: usize = 1 << 20;
 
-/// Why bytes are not a message, or a message cannot become bytes.
+/// Reasons why a frame cannot be decoded or a message cannot be encoded.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum WireError {
-    /// The bytes come from something else.
+    /// The bytes are not a frame of this program.
     #[error("not a message of this program")]
     NotOurs,
-    /// The other side runs another version of the program.
-    #[error("the other side speaks protocol version {theirs}, this side version {ours}")]
+    /// The other side has another protocol version.
+    #[error("the other side uses protocol version {theirs}, this side version {ours}")]
     OtherVersion {
         /// Version in the frame.
         theirs: u16,
         /// [`PROTOCOL_VERSION`].
         ours: u16,
     },
-    /// A message, but not the one expected.
+    /// The message has another kind than expected.
     #[error("expected a {expected}, found a message of kind {found}")]
     OtherKind {
         /// Name of the expected message.
         expected: &'static str,
-        /// Kind found.
+        /// Number of the kind found.
         found: u8,
     },
-    /// The length in the header does not fit the bytes received.
+    /// The length in the header differs from the number of bytes received.
     #[error("the frame states a payload of {stated} bytes and has {found}")]
     Length {
-        /// In the header.
+        /// Length in the header [bytes].
         stated: usize,
-        /// Received.
+        /// Length received [bytes].
         found: usize,
     },
-    /// More than a message may hold.
+    /// The message exceeds [`MAX_PAYLOAD`].
     #[error("a message of {bytes} bytes is larger than the limit of {MAX_PAYLOAD}")]
     TooLarge {
-        /// Size of the payload.
+        /// Size of the payload [bytes].
         bytes: usize,
     },
-    /// The payload cannot be read.
+    /// The payload cannot be decoded.
     #[error("malformed {message}: {reason}")]
     Malformed {
         /// Name of the message.
         message: &'static str,
-        /// What the decoder says.
+        /// Error of the decoder.
         reason: String,
     },
     /// A number is NaN or infinite.
     #[error("{quantity} is not finite")]
     NotFinite {
-        /// Which.
+        /// Name of the quantity.
         quantity: String,
     },
-    /// A worker's name that cannot stand in a key.
+    /// The name of a worker is not allowed in a key.
     #[error("the worker's name is empty, too long or has characters other than letters, digits, - _ .")]
     BadWorkerName,
 }
 
-/// Something that travels.
+/// A message with its kind and its checks.
 pub trait Message: Serialize + DeserializeOwned {
-    /// Its number in the frame.
+    /// Number of the kind in the frame.
     const KIND: u8;
-    /// Its name, for people.
+    /// Name of the kind, for messages to users.
     const NAME: &'static str;
 
-    /// Checks what the types cannot say.
+    /// Checks the conditions that the types do not express.
     ///
     /// # Errors
     /// [`WireError::NotFinite`], [`WireError::BadWorkerName`].
     fn check(&self) -> Result<(), WireError>;
 }
 
-/// The frame of a message.
+/// Encodes a message into a frame.
 ///
 /// # Errors
-/// What [`Message::check`] finds, [`WireError::TooLarge`].
+/// Errors of [`Message::check`], [`WireError::TooLarge`], [`WireError::Malformed`].
 pub fn encode<M: Message>(message: &M) -> Result<Vec<u8>, WireError> {
     message.check()?;
     let mut frame = vec![0; HEADER];
@@ -130,10 +130,10 @@ pub fn encode<M: Message>(message: &M) -> Result<Vec<u8>, WireError> {
     Ok(frame)
 }
 
-/// The message in a frame.
+/// Decodes the message of a frame.
 ///
 /// # Errors
-/// Any [`WireError`]; the version is checked before everything but the magic.
+/// Any [`WireError`]; the version is checked first, right after the magic number.
 pub fn decode<M: Message>(frame: &[u8]) -> Result<M, WireError> {
     let Some((header, payload)) = frame.split_first_chunk::<HEADER>() else {
         return Err(WireError::NotOurs);
@@ -169,13 +169,13 @@ pub fn decode<M: Message>(frame: &[u8]) -> Result<M, WireError> {
     Ok(message)
 }
 
-/// Decodes with room for `LIMIT` bytes; the message and the bytes it took.
+/// Decodes with a memory limit of `LIMIT` bytes; returns the message and the number of bytes read.
 fn limited<M: Message, const LIMIT: usize>(payload: &[u8]) -> Result<(M, usize), WireError> {
     let limit = bincode::config::standard().with_limit::<LIMIT>();
     bincode::serde::decode_from_slice(payload, limit).map_err(|e| malformed::<M>(&e))
 }
 
-/// Size of a part of a message once encoded [bytes].
+/// Encoded size of a part of a message [bytes].
 ///
 /// # Errors
 /// [`WireError::Malformed`] if it cannot be encoded.

@@ -1,48 +1,47 @@
-//! What coordinator and workers say to each other.
+//! The messages between coordinator and workers.
 
 use super::codec::{Message, WireError};
-use super::keys;
 use super::numbers;
 use crate::accuracy::Accuracy;
 use crate::failure::SimulationFailure;
 use crate::outputs::Evaluation;
 use serde::{Deserialize, Serialize};
 
-/// One start of one worker.
+/// Identity of a worker process.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct WorkerId {
-    /// Name, e.g. `host-4711`; see [`keys::is_worker_name`].
+    /// Name, e.g. `host-4711`; see [`is_worker_name`].
     pub name: String,
-    /// Differs with every start, so that a dead worker's messages are told from its successor's.
+    /// Number that differs with every start: it distinguishes the messages of a worker from those of its predecessor.
     pub epoch: u64,
 }
 
-/// Which evaluation of which campaign.
+/// Identity of an evaluation: campaign and number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct TaskKey {
-    /// Campaign; the same after a coordinator's restart.
+    /// Number of the campaign; the same after a restart of the coordinator.
     pub campaign: u64,
     /// Number of the evaluation in the campaign.
     pub task: u64,
 }
 
-/// One evaluation to do.
+/// One evaluation to perform.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Task {
-    /// Which.
+    /// Campaign and number of the evaluation.
     pub key: TaskKey,
-    /// How often it was handed out, this time included; from 1.
+    /// Number of times the task was leased, this one included; from 1.
     pub attempt: u32,
     /// Values of the scene's random variables `(d,)`, SI.
     pub sample: Vec<f64>,
-    /// Whether the settled first cycle is wanted too.
+    /// Whether the settled first cycle is to be returned too.
     pub with_first_cycle: bool,
-    /// Numerical settings of this evaluation, where they are not those of its order.
+    /// Numerical settings of this evaluation, if they differ from those of its work order.
     pub accuracy: Option<Accuracy>,
 }
 
 impl Task {
-    /// Whether both ask for the same evaluation, bit for bit, in whatever attempt.
+    /// True if both tasks specify the same evaluation, bit for bit, regardless of the attempt.
     pub fn same_work(&self, other: &Task) -> bool {
         self.key == other.key
             && self.with_first_cycle == other.with_first_cycle
@@ -52,95 +51,94 @@ impl Task {
     }
 }
 
-/// One evaluation that has ended at a worker. It carries its task, so that the coordinator needs no memory of
-/// what it handed out to know what it is about.
+/// An evaluation finished by a worker. It carries its task, so that a restarted coordinator can match it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
-    /// What was asked.
+    /// The evaluated task.
     pub task: Task,
-    /// Who did it: worker and slot, e.g. `host-4711/0`.
+    /// Worker and slot, e.g. `host-4711/0`.
     pub worker: String,
-    /// Time of the slot that the simulation took; what is side by side shares it [s].
+    /// Slot time of the simulation; simulations side by side share it [s].
     pub wall: f64,
-    /// What came of it.
+    /// Evaluation, or the failure of the simulation.
     pub result: Result<Evaluation, SimulationFailure>,
 }
 
-/// A worker asks for tasks and hands in outcomes. Claims of one worker follow one another: the next is sent
-/// only when the one before was answered or given up.
+/// Request of a worker for tasks, with finished outcomes. A worker sends the next claim only when the previous one was
+/// answered or has timed out.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Claim {
-    /// Who asks.
+    /// The worker that sends the claim.
     pub worker: WorkerId,
-    /// Number of the claim within the epoch, rising. A claim with a lower number than one seen is outdated.
+    /// Number of the claim within the epoch, increasing. A claim with a lower number than a previous one is outdated.
     pub sequence: u64,
-    /// Threads it simulates on.
+    /// Number of simulation threads.
     pub slots: u32,
-    /// Tasks it would take now.
+    /// Most tasks in the reply.
     pub credits: u32,
-    /// Everything it has and was not acknowledged: running, waiting and finished. What the coordinator believes
-    /// to be there and is not in this list was lost on the way.
+    /// All tasks the worker holds, without acknowledged ones: running, waiting and finished. A lease missing from this list
+    /// was lost in transit.
     pub holding: Vec<TaskKey>,
-    /// Finished outcomes, offered until acknowledged.
+    /// Finished outcomes, sent until they are acknowledged.
     pub finished: Vec<Outcome>,
-    /// It is going away on its own accord and drops what it has not finished.
+    /// The worker is leaving and drops its unfinished tasks.
     pub leaving: bool,
 }
 
-/// Answer to a [`Claim`].
+/// Reply to a [`Claim`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Reply {
-    /// Outcomes that are durable (or not wanted): the worker may forget them.
+    /// Outcomes that are durable (or not needed): the worker may discard them.
     pub acknowledged: Vec<TaskKey>,
-    /// What to do next.
+    /// Next step of the worker.
     pub next: Next,
 }
 
-/// What a worker does next. No answer at all is a third thing: back off and ask again.
+/// Next step of a worker. Without any reply, the worker backs off and claims again.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Next {
-    /// Evaluate these.
+    /// Evaluate these tasks.
     Work(WorkOrder),
-    /// Nothing to do now.
+    /// Wait: no task is available.
     Idle {
-        /// When to ask again, unless a notice comes first [ms].
+        /// Time after which to claim again, unless a notice arrives first [ms].
         ask_again: u32,
     },
-    /// The coordinator has finished.
+    /// Leave: the campaign has ended.
     Leave,
 }
 
-/// Tasks with all it takes to do them: workers keep no state between orders.
+/// Tasks with everything needed to evaluate them: workers keep no state between work orders.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct WorkOrder {
     /// Source text of the scene, TOML.
     pub scene: String,
-    /// Numerical settings of every task that does not bring its own.
+    /// Numerical settings of the tasks that state none.
     pub accuracy: Accuracy,
-    /// Name of the settings, for people.
+    /// Name of the numerical settings, for display.
     pub accuracy_name: String,
-    /// What to evaluate.
+    /// Tasks to evaluate.
     pub tasks: Vec<Task>,
 }
 
-/// What the coordinator publishes to all workers.
+/// Announcement of the coordinator to all workers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Notice {
-    /// Candidate points that wait to be claimed.
+    /// Candidate points are waiting to be claimed.
     Batch {
-        /// Campaign.
+        /// Number of the campaign.
         campaign: u64,
-        /// The points.
+        /// Numbers and samples of the points.
         points: Vec<CandidatePoint>,
     },
-    /// The campaign has come to its end; workers may go.
+    /// The campaign has ended; workers may leave.
     Ended {
-        /// Campaign.
+        /// Number of the campaign.
         campaign: u64,
     },
 }
 
-/// A point of the sample space that is to be evaluated.
+/// A point of the sample space to be evaluated.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CandidatePoint {
     /// Number of the evaluation in the campaign.
@@ -149,12 +147,37 @@ pub struct CandidatePoint {
     pub sample: Vec<f64>,
 }
 
+/// Longest name of a worker [bytes].
+pub const LONGEST_NAME: usize = 100;
+
+/// True if `name` is allowed in a key: 1 to [`LONGEST_NAME`] letters, digits, `-`, `_` and `.`.
+pub fn is_worker_name(name: &str) -> bool {
+    (1..=LONGEST_NAME).contains(&name.len()) && name.bytes().all(is_name_byte)
+}
+
+/// A worker name from any text, e.g. a host name: characters not allowed in a key become `-`.
+pub fn worker_name(text: &str) -> String {
+    let mut name: String = text
+        .chars()
+        .map(|c| if c.is_ascii() && is_name_byte(c as u8) { c } else { '-' })
+        .take(LONGEST_NAME)
+        .collect();
+    if name.is_empty() {
+        name.push('-');
+    }
+    name
+}
+
+fn is_name_byte(byte: u8) -> bool {
+    byte.is_ascii_alphanumeric() || matches!(byte, b'-' | b'_' | b'.')
+}
+
 impl Message for Claim {
     const KIND: u8 = 1;
     const NAME: &'static str = "claim";
 
     fn check(&self) -> Result<(), WireError> {
-        if !keys::is_worker_name(&self.worker.name) {
+        if !is_worker_name(&self.worker.name) {
             return Err(WireError::BadWorkerName);
         }
         self.finished.iter().try_for_each(check_outcome)

@@ -1,4 +1,4 @@
-//! Which number of a message is not finite. Workers ask before they send, the codec after it received.
+//! Finds numbers in a message that are not finite. Workers check before sending, the codec after decoding.
 
 use super::codec::WireError;
 use crate::failure::SimulationFailure;
@@ -7,13 +7,13 @@ use crate::outputs::{CycleHistory, Evaluation};
 /// A number that is NaN or infinite.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NonFinite {
-    /// Where it stands, e.g. `histories[0][3]`.
+    /// Name of the quantity, e.g. `histories[0][3]`.
     pub quantity: String,
-    /// The checkpoint it belongs to, where it belongs to one [cycles].
+    /// Its checkpoint, if it belongs to one [cycles].
     pub cycle: Option<u32>,
 }
 
-/// The first number of an evaluation that is not finite.
+/// The first number of an evaluation that is not finite; `None` if all are finite.
 pub fn find_non_finite(evaluation: &Evaluation) -> Option<NonFinite> {
     let Evaluation { cycles, histories, errors, joints, first_cycle, worn, diagnostics } = evaluation;
     for (name, rows) in [("histories", histories), ("errors", errors)] {
@@ -57,7 +57,7 @@ pub fn find_non_finite(evaluation: &Evaluation) -> Option<NonFinite> {
     flight.and_then(|(joint, _)| elsewhere(format!("free flight fraction of joint {joint}")))
 }
 
-/// The first number of a cycle that is not finite; `which` cycle it is.
+/// Name of the first number of a cycle that is not finite; `which` names the cycle.
 fn in_cycle(cycle: &CycleHistory, which: &str) -> Option<String> {
     if let Some(at) = position(&cycle.time) {
         return Some(format!("time {at} of the {which} cycle"));
@@ -80,7 +80,7 @@ fn in_cycle(cycle: &CycleHistory, which: &str) -> Option<String> {
     cycle.joint_force.iter().find_map(force)
 }
 
-/// Whether every number of a failure is finite.
+/// True if every number of a failure is finite.
 pub fn failure_is_finite(failure: &SimulationFailure) -> bool {
     use SimulationFailure as F;
     match failure {
@@ -106,6 +106,8 @@ pub fn failure_is_finite(failure: &SimulationFailure) -> bool {
     }
 }
 
+/// Checks that all `values` are finite.
+///
 /// # Errors
 /// [`WireError::NotFinite`] with the name and index of the first value that is not finite.
 pub(super) fn all_finite(name: &str, values: &[f64]) -> Result<(), WireError> {

@@ -1,9 +1,8 @@
-//! What a messaging error says, without the place in the library's sources where it was made: users cannot open
-//! that file.
+//! Text of a Zenoh error without the source location in Zenoh, which is of no use to users.
 
 use std::fmt::Display;
 
-/// The error's text without its ` at /path/file.rs:line` parts.
+/// Text of an error without its ` at /path/file.rs:line` parts.
 pub fn reason(error: impl Display) -> String {
     let text = error.to_string();
     let mut pieces = text.split(" at /");
@@ -22,7 +21,7 @@ mod tests {
     use super::reason;
 
     #[test]
-    fn the_place_in_the_library_is_left_out() {
+    fn source_locations_are_removed() {
         let error =
             "Unable to connect to any of [tcp/127.0.0.1:9] at /home/a/.cargo/registry/zenoh-1/src/net.rs:42.";
         assert_eq!(reason(error), "Unable to connect to any of [tcp/127.0.0.1:9]");

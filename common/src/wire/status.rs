@@ -1,42 +1,42 @@
-//! How a study is getting on, as a coordinator tells it to whoever asks: workers, queue, evaluations, reliability so far.
+//! Status of a study, as a reply to status queries: workers, queue, evaluations, interim reliability.
 
 use super::codec::{Message, WireError};
 use super::numbers;
 use serde::{Deserialize, Serialize};
 
-/// What a coordinator says of itself.
+/// Status of a coordinator.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Status {
-    /// Version of the program, for people.
+    /// Version of the program.
     pub program: String,
-    /// The coordinator's clock: time since 1970 in UTC [ms].
+    /// The coordinator's clock: time since 1970-01-01 UTC [ms].
     pub clock_ms: u64,
-    /// How long it has been listening [s].
+    /// Time since it started to listen [s].
     pub up: f64,
-    /// What it is at.
+    /// Current phase.
     pub phase: Phase,
-    /// The study.
+    /// Progress of the study.
     pub study: StudyStatus,
-    /// Who works for it.
+    /// Workers and queue.
     pub farm: FarmStatus,
 }
 
-/// What a coordinator is at.
+/// Phase of a coordinator.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Phase {
-    /// Evaluations wait, and nobody is there to do them.
+    /// Evaluations wait, and no worker is connected.
     #[default]
     Waiting,
-    /// Evaluations are under way.
+    /// Evaluations are running.
     Simulating,
-    /// Nothing is under way: the study thinks about what comes next.
+    /// No evaluation is running: the study fits surrogates and selects points.
     Learning,
-    /// Everything is evaluated: the results are worked out and written.
+    /// All evaluations have ended: the results are computed and written.
     Ending,
 }
 
 impl Phase {
-    /// In one word, for people and scripts.
+    /// Name of the phase in one word, for display and scripts.
     pub fn name(self) -> &'static str {
         match self {
             Phase::Waiting => "waiting",
@@ -47,59 +47,59 @@ impl Phase {
     }
 }
 
-/// How far a study is.
+/// Progress of a study.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct StudyStatus {
-    /// Name of its scene.
+    /// Name of the scene.
     pub scene: String,
-    /// What the evaluations under way are for, e.g. `round 3`.
+    /// Purpose of the running evaluations, e.g. `round 3`.
     pub purpose: String,
     /// Evaluations that have ended.
     pub done: u64,
-    /// Of these, without a result.
+    /// Ended evaluations without a result.
     pub failed: u64,
-    /// Of these, found in the campaign file.
+    /// Ended evaluations found in the campaign file.
     pub recalled: u64,
-    /// Evaluations known of so far, those done included.
+    /// Evaluations requested so far, including those that have ended.
     pub planned: u64,
-    /// Bound on evaluations.
+    /// Upper bound of the evaluations.
     pub budget: u64,
-    /// Simulation time of the evaluations that were not recalled [s].
+    /// Simulation time of the evaluations not found in the campaign file [s].
     pub simulation: f64,
-    /// Rounds of learning that have ended.
+    /// Completed learning rounds.
     pub rounds: u64,
-    /// After the last of them.
+    /// Reliability after the last completed round.
     pub reliability: Option<ReliabilitySoFar>,
-    /// Warnings to the user so far.
+    /// Number of warnings to the user so far.
     pub warnings: u64,
 }
 
-/// Reliability of the system as estimated so far.
+/// Interim estimate of the system's reliability.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct ReliabilitySoFar {
-    /// Where in life: where it is nearest one half [cycles].
+    /// Checkpoint with the reliability nearest to one half [cycles].
     pub cycles: u32,
-    /// Reliability there [1].
+    /// Reliability at this checkpoint [1].
     pub total: f64,
-    /// Its standard error, of surrogates and of counting [1].
+    /// Standard error of the reliability, from surrogates and sampling [1].
     pub standard_error: f64,
 }
 
-/// Who works for a study.
+/// Workers and queue of a study.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct FarmStatus {
-    /// Evaluations that nobody has begun.
+    /// Evaluations without a worker.
     pub queued: u64,
-    /// Evaluations at workers.
+    /// Evaluations leased to workers.
     pub under_way: u64,
-    /// Evaluations that ended within the last minute [1/s].
+    /// Rate of ended evaluations over the last minute [1/s].
     pub rate: f64,
-    /// Workers that are connected, by name.
+    /// Connected workers.
     pub workers: Vec<WorkerStatus>,
 }
 
 impl FarmStatus {
-    /// Simulations that can run at once.
+    /// Simulations that can run concurrently.
     pub fn slots(&self) -> u64 {
         self.workers.iter().map(|worker| u64::from(worker.slots)).sum()
     }
@@ -108,15 +108,15 @@ impl FarmStatus {
 /// One connected worker.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct WorkerStatus {
-    /// Name.
+    /// Name of the worker.
     pub name: String,
-    /// Threads that simulate; 0 until its first claim.
+    /// Simulation threads; 0 until the first claim.
     pub slots: u32,
-    /// Evaluations it has.
+    /// Evaluations leased to it.
     pub under_way: u32,
-    /// Evaluations it has ended for this coordinator.
+    /// Evaluations it has finished for this coordinator.
     pub done: u64,
-    /// Those that ended within the last minute [1/s].
+    /// Rate of its finished evaluations over the last minute [1/s].
     pub rate: f64,
 }
 

@@ -33,7 +33,7 @@ use error::CommandError;
 use shared::Verbosity;
 use std::process::ExitCode;
 use study_options::RunArguments;
-use worker::log;
+use worker::log::{self, LogOptions};
 
 /// Environment variable that overrides the log levels, in the syntax of `tracing`.
 const LOG_VARIABLE: &str = "HINGEWISE_LOG";
@@ -90,5 +90,10 @@ fn start_log(verbosity: Verbosity) {
         (false, 1) => "info,zenoh=warn",
         (false, _) => "debug,zenoh=info,rustls=info",
     };
-    log::start(level, LOG_VARIABLE, verbosity.log_format, true);
+    log::start(LogOptions {
+        levels: level,
+        variable: LOG_VARIABLE,
+        format: verbosity.log_format,
+        with_module: true,
+    });
 }

@@ -11,7 +11,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use tests::Practice;
+use tests::ClosureSimulator;
 use tests::practice_study::{PracticeStudy, evaluation, mark};
 use worker::service::{self, ServiceConfig};
 
@@ -71,6 +71,6 @@ fn work(endpoint: &str, name: &str, milliseconds: &str) -> Result<(), Box<dyn Er
         evaluation(sample)
     };
     let config = ServiceConfig { name: name.into(), give_up_after: None, ..ServiceConfig::new(endpoint, 1) };
-    service::run(config, Arc::new(Practice(simulate)))?;
+    service::run(config, Arc::new(ClosureSimulator(simulate)))?;
     Ok(())
 }

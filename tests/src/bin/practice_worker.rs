@@ -5,7 +5,7 @@
 
 use std::process::ExitCode;
 use std::sync::Arc;
-use tests::{Practice, practice_result};
+use tests::{ClosureSimulator, practice_result};
 use worker::service::{self, ServiceConfig};
 
 fn main() -> ExitCode {
@@ -25,7 +25,7 @@ fn main() -> ExitCode {
         practice_result(sample)
     };
     let config = ServiceConfig { name: name.clone(), ..ServiceConfig::new(endpoint, 1) };
-    match service::run(config, Arc::new(Practice(simulate))) {
+    match service::run(config, Arc::new(ClosureSimulator(simulate))) {
         Ok(_) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("{error}");

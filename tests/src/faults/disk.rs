@@ -1,9 +1,9 @@
 //! Disks that are slow or full.
 
-use super::{LONGEST, all_kept, all_recorded, check_end, coordinator, free_endpoint, undisturbed, worker};
+use super::{LONGEST, Report, coordinator, free_endpoint, lost_records, report, report_end, worker};
 use crate::practice_study::{PracticeStudy, evaluation, recorded};
 use crate::process::Process;
-use crate::{Practice, skipped};
+use crate::{ClosureSimulator, skipped};
 use coordinator::farm::dispatch::{Listen, ZenohEvaluator};
 use coordinator::farm::evaluate::{EvaluateError, Finished, Request};
 use coordinator::results::journal::Journal;
@@ -16,8 +16,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 use worker::service::{self, ServiceConfig};
 
-/// A campaign file on a disk that takes its time, and how far simulation has run ahead of it.
-struct Slow {
+/// A campaign file on a slow disk; counts the simulations ahead of it.
+struct SlowJournal {
     file: CampaignFile,
     takes: Duration,
     begun: Arc<AtomicUsize>,
@@ -25,7 +25,7 @@ struct Slow {
     furthest_ahead: usize,
 }
 
-impl Journal for Slow {
+impl Journal for SlowJournal {
     fn finished(&self, request: &Request) -> Result<Option<Finished>, EvaluateError> {
         self.file.finished(request)
     }
@@ -47,15 +47,16 @@ impl Journal for Slow {
     }
 }
 
-/// Every write takes `takes`, a simulation a millisecond: how far the workers run ahead of the disk.
-pub fn slow_disk(takes: Duration, samples: usize) -> String {
-    /// What two workers of one slot may hold: what runs, what is in reserve, and what waits to be acknowledged.
-    const MOST_AHEAD: usize = 2 * 2 * (1 + 256);
+/// Most simulations that two workers of one slot may finish ahead of the disk: running, prefetched, and not acknowledged.
+pub const MOST_UNRECORDED: usize = 2 * 2 * (1 + 256);
+
+/// Every write takes `takes`, a simulation one millisecond. `unrecorded`: most simulations ahead of the disk.
+pub fn slow_disk(takes: Duration, samples: usize) -> Report {
     let folder = tempfile::tempdir().expect("there is room for a folder");
     let study = PracticeStudy::monte_carlo(samples);
     let (file, _) = study.journal(folder.path()).expect("an empty folder takes a campaign");
     let begun = Arc::new(AtomicUsize::new(0));
-    let mut journal = Slow { file, takes, begun: Arc::clone(&begun), recorded: 0, furthest_ahead: 0 };
+    let mut journal = SlowJournal { file, takes, begun: Arc::clone(&begun), recorded: 0, furthest_ahead: 0 };
     let mut evaluator = ZenohEvaluator::open(study.campaign(false), &Listen::default(), Arc::default())
         .expect("a loopback port can be listened on");
     let workers = ["one", "two"].map(|name| {
@@ -66,29 +67,28 @@ pub fn slow_disk(takes: Duration, samples: usize) -> String {
             evaluation(sample)
         };
         let config = ServiceConfig { name: name.into(), ..ServiceConfig::new(&evaluator.endpoints()[0], 1) };
-        service::spawn(config, Arc::new(Practice(simulate))).expect("a session to a loopback endpoint opens")
+        service::spawn(config, Arc::new(ClosureSimulator(simulate)))
+            .expect("a session to a loopback endpoint opens")
     });
-    let (answer, _) = study.run(&mut evaluator, &mut journal).expect("the study comes to its end");
-    assert!(answer == undisturbed(samples), "the answer is another one");
-    all_recorded(folder.path(), samples);
-    let ahead = journal.furthest_ahead;
-    assert!(ahead <= MOST_AHEAD, "{ahead} simulations were ahead of the disk");
+    let (answer, _) = study.run(&mut evaluator, &mut journal).expect("the study ends");
+    let unrecorded = journal.furthest_ahead;
     evaluator.finish();
     workers.into_iter().for_each(|worker| drop(worker.join()));
-    format!("{ahead} of {} simulations at most were ahead of the disk; same answer", samples + 1)
+    let text = format!("{unrecorded} of {} simulations at most were ahead of the disk", samples + 1);
+    Report { text, unrecorded, ..report(&answer, folder.path(), samples) }
 }
 
-/// A file system of limited size, mounted while this lives.
-struct Small<'a>(&'a Path);
+/// A file system of limited size, unmounted when dropped.
+struct SmallDisk<'a>(&'a Path);
 
-impl<'a> Small<'a> {
+impl<'a> SmallDisk<'a> {
     fn mount(at: &'a Path, options: &str) -> Option<Self> {
         let mounted = Command::new("mount")
             .args(["-t", "tmpfs", "-o", options, "hingewise-test"])
             .arg(at)
             .stderr(Stdio::null())
             .status();
-        mounted.is_ok_and(|status| status.success()).then_some(Small(at))
+        mounted.is_ok_and(|status| status.success()).then_some(SmallDisk(at))
     }
 
     fn grow(&self, options: &str) {
@@ -97,17 +97,17 @@ impl<'a> Small<'a> {
     }
 }
 
-impl Drop for Small<'_> {
+impl Drop for SmallDisk<'_> {
     fn drop(&mut self) {
-        // Lazily: a process of the test may still be ending.
+        // Lazily: a process of the test may still be running.
         let _ = Command::new("umount").arg("-l").arg(self.0).status();
     }
 }
 
-/// The disk becomes full in mid-study, then has room again; `None` where nothing can be mounted.
-pub fn full_disk(samples: usize, takes: Duration) -> Option<String> {
+/// Fills the disk during a study, then enlarges it and resumes. `None` if no file system can be mounted.
+pub fn full_disk(samples: usize, takes: Duration) -> Option<Report> {
     let folder = tempfile::tempdir().expect("there is room for a folder");
-    let Some(disk) = Small::mount(folder.path(), "size=512k") else {
+    let Some(disk) = SmallDisk::mount(folder.path(), "size=512k") else {
         skipped("a full disk", "a file system can be mounted by root only");
         return None;
     };
@@ -118,15 +118,16 @@ pub fn full_disk(samples: usize, takes: Duration) -> Option<String> {
         .stderr(Stdio::piped())
         .output()
         .expect("the program starts");
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(!output.status.success() && said.contains("full") && said.contains("campaign.db"), "{said}");
+    let error = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(!output.status.success(), "{error}");
     let before = recorded(folder.path());
     assert!((1..samples).contains(&before.len()), "{} were recorded", before.len());
     disk.grow("size=64m");
     let mut again = Process::start(&mut coordinator(folder.path(), &endpoint, samples));
     assert!(again.line("listening", 1, LONGEST).is_some());
-    check_end(&mut again, folder.path(), samples);
-    all_kept(folder.path(), &before);
-    let said = said.lines().last().unwrap_or_default().replace(&folder.path().display().to_string(), "DIR");
-    Some(format!("\"{said}\" after {} evaluations; all kept, resumed to the same answer", before.len()))
+    let report = report_end(&mut again, folder.path(), samples);
+    let records_lost = lost_records(folder.path(), &before);
+    let last = error.lines().last().unwrap_or_default().replace(&folder.path().display().to_string(), "DIR");
+    let text = format!("\"{last}\" after {} evaluations; {records_lost} lost, resumed", before.len());
+    Some(Report { text, records_lost, error, ..report })
 }

@@ -1,12 +1,12 @@
-//! A network that is cut: a coordinator and two hosts, each in a network namespace of its own.
+//! A network cut between a coordinator and two hosts, each in a separate network namespace.
 
-use super::{LONGEST, check_end, wait_for_records};
+use super::{LONGEST, Report, report_end, wait_for_records};
 use crate::process::Process;
 use crate::{program, skipped};
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-/// The namespaces of this process, gone with this value.
+/// Network namespaces, deleted when dropped.
 struct Network {
     names: [String; 3],
 }
@@ -17,7 +17,7 @@ fn ip(arguments: &str) -> bool {
 }
 
 impl Network {
-    /// The coordinator in the first one, with a line to each host; `None` where this is not allowed.
+    /// Namespaces of the coordinator and of two hosts linked to it; `None` without the permission.
     fn build() -> Option<Self> {
         let process = std::process::id();
         let network = Network { names: ["c", "a", "b"].map(|name| format!("hw{process}{name}")) };
@@ -43,16 +43,16 @@ impl Network {
         built.then_some(network)
     }
 
-    /// A practice study's process at a place.
+    /// Command that runs a process of the study in namespace number `place`.
     fn command(&self, place: usize, arguments: &[&str]) -> Command {
         let mut command = Command::new("ip");
         command.args(["netns", "exec", &self.names[place]]).arg(program("practice_study")).args(arguments);
         command
     }
 
-    /// Cuts the line to host `k`, or mends it.
-    fn set_line(&self, k: usize, state: &str) {
-        assert!(ip(&format!("-n {} link set to{k} {state}", self.names[0])), "the line could not be set");
+    /// Sets the link to host `k` up or down.
+    fn set_link(&self, k: usize, state: &str) {
+        assert!(ip(&format!("-n {} link set to{k} {state}", self.names[0])), "the link could not be set");
     }
 }
 
@@ -64,8 +64,8 @@ impl Drop for Network {
     }
 }
 
-/// The line to one of the hosts is cut for each of these times in turn; `None` where there can be no namespaces.
-pub fn cut_network(cuts: &[Duration], samples: usize, takes: Duration) -> Option<String> {
+/// Cuts the link to one of the hosts for each of these times in turn. `None` if no namespaces can be made.
+pub fn cut_network(cuts: &[Duration], samples: usize, takes: Duration) -> Option<Report> {
     let Some(network) = Network::build() else {
         skipped("a cut network", "network namespaces can be made by root only, with the program ip");
         return None;
@@ -80,22 +80,20 @@ pub fn cut_network(cuts: &[Duration], samples: usize, takes: Duration) -> Option
         let endpoint = format!("tcp/10.77.{k}.1:7447");
         Process::start(&mut network.command(1 + k, &["worker", &endpoint, name, &milliseconds]))
     });
-    centre.line("there", 2, LONGEST).expect("both come");
+    centre.line("there", 2, LONGEST).expect("both connect");
     for (n, cut) in cuts.iter().enumerate() {
         wait_for_records(folder.path(), (n + 1) * samples / (2 * (cuts.len() + 1)));
-        network.set_line(1, "down");
+        network.set_link(1, "down");
         std::thread::sleep(*cut);
         let before = hosts[1].lines("started").len();
-        network.set_line(1, "up");
+        network.set_link(1, "up");
         hosts[1].line("started", before + 1, LONGEST).expect("it works again");
     }
-    check_end(&mut centre, folder.path(), samples);
+    let report = report_end(&mut centre, folder.path(), samples);
     let begun: usize = hosts.iter().map(|host| host.lines("started").len()).sum();
     let seconds: Vec<String> = cuts.iter().map(|cut| format!("{:.0} s", cut.as_secs_f64())).collect();
-    Some(format!(
-        "cut for {}: {} of {} evaluations done twice, nothing lost, same answer",
-        seconds.join(" and "),
-        begun.saturating_sub(samples + 1),
-        samples + 1
-    ))
+    let repeated = begun.saturating_sub(samples + 1);
+    let (seconds, all) = (seconds.join(" and "), samples + 1);
+    let text = format!("cut for {seconds}: {repeated} of {all} evaluations done twice");
+    Some(Report { text, repeated, ..report })
 }

@@ -1,6 +1,6 @@
-//! A long study whose farm has no rest.
+//! A long study with random faults.
 
-use super::{LONGEST, check_end, coordinator, free_endpoint, worker};
+use super::{LONGEST, Report, coordinator, free_endpoint, report_end, worker};
 use crate::practice_study::count_recorded;
 use crate::process::Process;
 use std::fmt::Write;
@@ -8,16 +8,17 @@ use std::time::{Duration, Instant};
 
 const WORKERS: usize = 3;
 const SECOND: Duration = Duration::from_secs(1);
-/// Faults come by lot, one lot a second: of so many lots one kills a worker, one freezes one for longer than its lease,
+/// Faults are drawn once a second: one draw in `KILLS` kills a worker.
 const KILLS: u64 = 10;
+/// One draw in `FREEZES` freezes a worker for longer than its lease.
 const FREEZES: u64 = 20;
-/// and, in the first half, one kills the coordinator: in the second half its memory is watched.
+/// One draw in `RESTARTS` kills the coordinator, in the first half only: in the second half its memory is measured.
 const RESTARTS: u64 = 12;
 
-/// Splitmix64: the same lots each time.
-struct Lots(u64);
+/// Pseudo-random numbers (SplitMix64), the same in every run.
+struct Random(u64);
 
-impl Lots {
+impl Random {
     fn below(&mut self, n: u64) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -27,23 +28,23 @@ impl Lots {
     }
 }
 
-/// Memory of the coordinator and of the largest worker [MiB], and when: evaluations recorded by then.
+/// Memory of the coordinator and of the largest worker [MiB], with the number of evaluations recorded at that time.
 struct Memory {
     recorded: usize,
     coordinator: f64,
     worker: f64,
 }
 
-/// A study of so many tasks of one millisecond at three workers, which are killed and frozen by lot, as is the coordinator; what
-/// befell it, and the memory of the processes at half of the study and at its end.
-pub fn soak(samples: usize) -> String {
+/// A study of `samples` tasks of one millisecond on three workers. Workers and coordinator are killed and frozen at random.
+/// `text` has the number of faults and the memory of the processes at half of the study and at its end.
+pub fn soak(samples: usize) -> Report {
     let folder = tempfile::tempdir().expect("there is room for a folder");
     let endpoint = free_endpoint();
     let takes = Duration::from_millis(1);
     let start = |k: usize| Process::start(&mut worker(&endpoint, &format!("w{k}"), takes));
     let mut workers: Vec<Process> = (0..WORKERS).map(start).collect();
     let mut process = Process::start(&mut coordinator(folder.path(), &endpoint, samples));
-    let mut lots = Lots(1);
+    let mut random = Random(1);
     let (mut killed, mut frozen, mut restarted) = (0, 0, 0);
     let mut memory: Vec<Memory> = Vec::new();
     let started = Instant::now();
@@ -55,8 +56,8 @@ pub fn soak(samples: usize) -> String {
         if let (Some(coordinator), Some(worker)) = now {
             memory.push(Memory { recorded, coordinator, worker });
         }
-        let k = lots.below(WORKERS as u64) as usize;
-        let lot = (lots.below(KILLS), lots.below(FREEZES), lots.below(RESTARTS));
+        let k = random.below(WORKERS as u64) as usize;
+        let lot = (random.below(KILLS), random.below(FREEZES), random.below(RESTARTS));
         if lot.0 == 0 {
             workers[k].kill();
             workers[k] = start(k);
@@ -73,10 +74,9 @@ pub fn soak(samples: usize) -> String {
         }
     }
     let took = started.elapsed();
-    check_end(&mut process, folder.path(), samples);
-    let mut told = format!(
-        "{samples} tasks in {:.0} s; {killed} workers killed, {frozen} frozen, {restarted} coordinators killed; all recorded once, same \
-         answer",
+    let report = report_end(&mut process, folder.path(), samples);
+    let mut text = format!(
+        "{samples} tasks in {:.0} s; {killed} workers killed, {frozen} frozen, {restarted} coordinators killed",
         took.as_secs_f64()
     );
     let half = memory.iter().find(|at| at.recorded > samples / 2 + samples / 20);
@@ -85,10 +85,10 @@ pub fn soak(samples: usize) -> String {
         let growth = (end.coordinator - half.coordinator) * f64::from(1 << 20) / tasks as f64;
         // Writing to a String cannot fail.
         let _ = write!(
-            told,
+            text,
             "; coordinator {:.1} MiB at {} tasks and {:.1} at {} ({growth:.0} bytes a task), largest worker {:.1} and {:.1}",
             half.coordinator, half.recorded, end.coordinator, end.recorded, half.worker, end.worker
         );
     }
-    told
+    Report { text, ..report }
 }

@@ -1,18 +1,18 @@
 //! Workers that are killed and frozen.
 
-use super::{LONGEST, all_recorded, free_endpoint, spread, undisturbed, worker};
+use super::{LONGEST, Report, free_endpoint, report, spread, worker};
 use crate::practice_study::PracticeStudy;
 use crate::process::Process;
 use coordinator::farm::dispatch::{Listen, ZenohEvaluator};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// A practice study in this process, and what `beside` does to its workers meanwhile; the names that worked, and what
-/// `beside` came to.
-fn beside_study<T: Send>(
+/// Runs a study in this process while `disturb` injects faults into its workers. Returns the report and the result of
+/// `disturb`.
+fn disturbed_study<T: Send>(
     samples: usize,
-    beside: impl FnOnce(&str, &coordinator::farm::dispatch::ConnectedWorkers) -> T + Send,
-) -> (Vec<String>, T) {
+    disturb: impl FnOnce(&str, &coordinator::farm::dispatch::ConnectedWorkers) -> T + Send,
+) -> (Report, T) {
     let folder = tempfile::tempdir().expect("there is room for a folder");
     let study = PracticeStudy::monte_carlo(samples);
     let (mut journal, _) = study.journal(folder.path()).expect("an empty folder takes a campaign");
@@ -21,27 +21,26 @@ fn beside_study<T: Send>(
     let campaign = study.campaign(false);
     let mut evaluator = ZenohEvaluator::open(campaign, &listen, Arc::default()).expect("it can listen");
     let connected = evaluator.connected_workers();
-    let (ran, came_to) = std::thread::scope(|scope| {
-        let beside = scope.spawn(|| beside(&endpoint, &connected));
+    let (ran, disturbed) = std::thread::scope(|scope| {
+        let disturb = scope.spawn(|| disturb(&endpoint, &connected));
         let ran = study.run(&mut evaluator, &mut journal);
-        (ran, beside.join())
+        (ran, disturb.join())
     });
-    let (answer, names) = ran.expect("the study comes to its end");
-    assert!(answer == undisturbed(samples), "the answer is another one");
-    all_recorded(folder.path(), samples);
+    let (answer, workers) = ran.expect("the study ends");
     evaluator.finish();
-    (names, came_to.unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+    let report = Report { workers, ..report(&answer, folder.path(), samples) };
+    (report, disturbed.unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
 }
 
-/// `kills` workers are killed with SIGKILL in mid-task, while another one goes on; how soon the coordinator knew, and gave
-/// the task to others.
-pub fn killed_workers(kills: usize, samples: usize) -> String {
+/// Kills `kills` workers with SIGKILL during a task, while another one works on. `times`: until the coordinator detects the
+/// loss and requeues the task.
+pub fn killed_workers(kills: usize, samples: usize) -> Report {
     let takes = Duration::from_millis(40);
-    let (_, (mut noticed, _steady)) = beside_study(samples, |endpoint, connected| {
+    let (report, (times, _steady)) = disturbed_study(samples, |endpoint, connected| {
         let steady = Process::start(&mut worker(endpoint, "steady", takes));
-        // Without it the same task would be lost again and again.
+        // Without it, the same task would be lost at each kill.
         steady.line("started", 2, LONGEST).expect("it works");
-        let mut noticed = Vec::new();
+        let mut times = Vec::new();
         for k in 0..kills {
             let name = format!("doomed{k}");
             let mut doomed = Process::start(&mut worker(endpoint, &name, takes));
@@ -49,19 +48,20 @@ pub fn killed_workers(kills: usize, samples: usize) -> String {
             let killed = Instant::now();
             doomed.kill();
             let gone = connected.wait_for(LONGEST, |here| here.iter().all(|worker| worker.name != name));
-            assert!(gone, "the death of {name} went unnoticed");
-            noticed.push(killed.elapsed());
+            assert!(gone, "the loss of {name} was not detected");
+            times.push(killed.elapsed());
         }
-        // The steady one stays until the study has ended.
-        (noticed, steady)
+        // The steady worker runs until the study has ended.
+        (times, steady)
     });
-    format!("requeued after {}, same answer, every evaluation recorded once", spread(&mut noticed))
+    Report { text: format!("requeued after {}", spread(&times)), times, ..report }
 }
 
-/// A worker is frozen in mid-task for `frozen` (its lease is 2 s), then goes on; whether it worked on afterwards.
-pub fn frozen_worker(frozen: Duration, samples: usize) -> String {
+/// Freezes a worker for `frozen` during a task (its lease is 2 s), then resumes it. `times`: until the coordinator detects
+/// the loss.
+pub fn frozen_worker(frozen: Duration, samples: usize) -> Report {
     let takes = Duration::from_millis(100);
-    let (names, (lost_after, _workers)) = beside_study(samples, |endpoint, connected| {
+    let (report, (lost_after, _workers)) = disturbed_study(samples, |endpoint, connected| {
         let stopped = Process::start(&mut worker(endpoint, "frozen", takes));
         stopped.line("started", 2, LONGEST).expect("it gets a task");
         let steady = Process::start(&mut worker(endpoint, "steady", takes));
@@ -70,19 +70,20 @@ pub fn frozen_worker(frozen: Duration, samples: usize) -> String {
         let here = |there: bool| {
             connected.wait_for(LONGEST, |here| here.iter().any(|worker| worker.name == "frozen") == there)
         };
-        assert!(here(false), "its silence went unnoticed");
+        assert!(here(false), "the loss was not detected");
         let lost_after = since.elapsed();
         std::thread::sleep(frozen.saturating_sub(lost_after));
         let before = stopped.lines("started").len();
         stopped.signal("CONT");
-        assert!(here(true), "it did not come back");
+        assert!(here(true), "it did not return");
         stopped.line("started", before + 1, LONGEST).expect("it gets tasks again");
         (lost_after, [stopped, steady])
     });
-    let workers = names.join(" and ");
-    format!(
-        "lost after {:.1} s, back after {:.0} s, {workers} worked; same answer, every evaluation recorded once",
+    let text = format!(
+        "lost after {:.1} s, back after {:.0} s, {} worked",
         lost_after.as_secs_f64(),
-        frozen.as_secs_f64()
-    )
+        frozen.as_secs_f64(),
+        report.workers.join(" and ")
+    );
+    Report { text, times: vec![lost_after], ..report }
 }

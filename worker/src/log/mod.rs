@@ -1,5 +1,5 @@
-//! Logs of both programs: on standard error, as text or as lines of JSON; and what the messaging library lets fall about
-//! connections that failed or were refused, put in words for users ([`refusal`]).
+//! Log of both programs: on standard error, as text or as lines of JSON. [`refusal`] explains failed and refused
+//! connections from Zenoh's log.
 
 pub mod refusal;
 
@@ -10,13 +10,13 @@ use tracing_subscriber::layer::{Layer, SubscriberExt};
 use tracing_subscriber::util::SubscriberInitExt;
 use tracing_subscriber::{EnvFilter, fmt, registry};
 
-/// How log lines look.
+/// Format of log lines.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Format {
-    /// For people.
+    /// Plain text.
     #[default]
     Text,
-    /// One JSON object a line, for programs that collect logs.
+    /// One JSON object per line, for programs that collect logs.
     Json,
 }
 
@@ -32,15 +32,27 @@ impl std::str::FromStr for Format {
     }
 }
 
-/// Starts to log what `levels` lets through (in the syntax of `tracing`), unless the environment variable `variable` says
-/// otherwise; lines name their module if `with_module`. To be called once, by a program.
-pub fn start(levels: &str, variable: &str, format: Format, with_module: bool) {
-    let filter = EnvFilter::try_from_env(variable).unwrap_or_else(|_| EnvFilter::new(levels));
-    let lines = fmt::layer().with_writer(std::io::stderr).with_target(with_module);
-    let lines = match format {
+/// What a program logs, and how.
+#[derive(Debug, Clone, Copy)]
+pub struct LogOptions<'a> {
+    /// Levels by module, in the syntax of [`EnvFilter`].
+    pub levels: &'a str,
+    /// Environment variable that overrides `levels`.
+    pub variable: &'a str,
+    /// Format of the lines.
+    pub format: Format,
+    /// Whether lines name the module they come from.
+    pub with_module: bool,
+}
+
+/// Starts the log. A program calls this once.
+pub fn start(options: LogOptions<'_>) {
+    let filter = EnvFilter::try_from_env(options.variable).unwrap_or_else(|_| EnvFilter::new(options.levels));
+    let lines = fmt::layer().with_writer(std::io::stderr).with_target(options.with_module);
+    let lines = match options.format {
         Format::Text => lines.with_ansi(std::io::stderr().is_terminal()).boxed(),
         Format::Json => lines.json().flatten_event(true).boxed(),
     };
-    let heard = RefusalLayer::start().with_filter(Targets::new().with_targets(refusal::SOURCES));
-    registry().with(lines.with_filter(filter)).with(heard).init();
+    let refusals = RefusalLayer::start().with_filter(Targets::new().with_targets(refusal::SOURCES));
+    registry().with(lines.with_filter(filter)).with(refusals).init();
 }

@@ -1,11 +1,13 @@
-//! Why connections fail, in words. Zenoh tells its caller only that it is "unable to connect", and tells whoever listens
-//! nothing at all; the reason stands in its log. [`RefusalLayer`] listens to that log, whatever of it is shown:
+//! Explains failed and refused connections by reading Zenoh's log messages. **Check this file at each update of Zenoh**:
+//! the phrases in `CAUSES` and `REFUSALS` are those of the version pinned by the workspace, and the tests in
+//! `tests/tests/refusals.rs` provoke each of them.
 //!
-//! - what this process could not connect to is kept for [`last_failure`];
-//! - who could not connect to this process is logged as a warning in plain words, each reason at its first, second,
-//!   fourth, ... time: a port scan must not fill the log.
+//! Zenoh's error for a failed connection is only "unable to connect", and a listener gets no error at all; the reason
+//! appears in the log alone. [`RefusalLayer`] reads that log, independently of the level shown to the user:
 //!
-//! The texts are those of the very version of Zenoh that the workspace pins; tests provoke each of them.
+//! - The last failed connection of this process is kept for [`last_failure`].
+//! - A refused connection to this process is logged as a warning with its cause, at the first, second, fourth, ... time:
+//!   a port scan must not fill the log.
 
 use common::wire::reason;
 use std::collections::BTreeMap;
@@ -17,7 +19,7 @@ use tracing::field::{Field, Visit};
 use tracing::{Event, Level, Subscriber};
 use tracing_subscriber::layer::{Context, Layer};
 
-/// Modules of Zenoh that say why a connection failed, and the level at which they do.
+/// Modules of Zenoh that log why a connection failed, with the level of these messages.
 pub const SOURCES: [(&str, Level); 4] = [
     ("zenoh::net::runtime::orchestrator", Level::DEBUG),
     ("zenoh::net::routing::interceptor::access_control", Level::INFO),
@@ -25,55 +27,54 @@ pub const SOURCES: [(&str, Level); 4] = [
     ("zenoh_transport::unicast::establishment::accept", Level::DEBUG),
 ];
 
-/// The last connection that could not be made, and when.
+/// The last failed connection: time and message.
 static LAST_FAILURE: Mutex<Option<(Instant, String)>> = Mutex::new(None);
 
-/// Refusals that may wait to be logged; more are dropped.
+/// Most refusals that wait to be logged; more are dropped.
 const MOST_WAITING: usize = 64;
 
-/// What kept this process from connecting since then, as far as the log was heard: Zenoh's own words and, where they are
-/// known, what they mean.
+/// Reason of the last failed connection of this process since `since`: Zenoh's message and, if known, its likely cause.
 pub fn last_failure(since: Instant) -> Option<String> {
     let last = LAST_FAILURE.lock().unwrap_or_else(PoisonError::into_inner);
-    last.as_ref().filter(|(when, _)| *when >= since).map(|(_, text)| in_words(text))
+    last.as_ref().filter(|(when, _)| *when >= since).map(|(_, text)| with_cause(text))
 }
 
-/// Why a session could not be opened since then: what the log says, else `error`.
+/// Reason why a session could not be opened since `since`: the logged one, otherwise `error`.
 pub fn explain(error: &str, since: Instant) -> String {
-    last_failure(since).unwrap_or_else(|| in_words(error))
+    last_failure(since).unwrap_or_else(|| with_cause(error))
 }
 
-/// Why a query found nobody to answer it: the line is down, or there is nobody who would.
+/// Reason why a query got no reply: the connection is down, or no coordinator answers behind the address.
 pub fn no_answer(now: Instant) -> String {
     now.checked_sub(RECENT).and_then(last_failure).unwrap_or_else(|| {
-        "connected, but nobody answers: no coordinator is behind that address, or its access_control does not let us \
-         ask"
+        "connected, but queries get no reply: no coordinator runs behind that address, or its access_control does not \
+         permit the query"
             .to_owned()
     })
 }
 
-/// A failed attempt to connect again is no older while the line is down.
+/// Largest age of the last failed attempt while a connection is down: reconnection is tried more often than that.
 const RECENT: Duration = Duration::from_secs(3);
 
 /// A failure with its likely cause.
-fn in_words(text: &str) -> String {
+fn with_cause(text: &str) -> String {
     match cause(text) {
         Some(cause) => format!("{text}; {cause}"),
         None => text.to_owned(),
     }
 }
 
-/// Parts of what Zenoh says where this process connects, and what they mean.
+/// Phrases in Zenoh's messages for connections of this process, with their likely cause.
 const CAUSES: [(&[&str], &str); 13] = [
     (
         &["connection refused"],
-        "nothing listens there: is the coordinator running, and is this its address and port?",
+        "nothing listens there: is the coordinator running, and are address and port right?",
     ),
-    (&["lookup", "name or service", "resolve"], "this machine does not know that host name"),
-    (&["no route", "unreachable"], "this machine's network has no way there"),
+    (&["lookup", "name or service", "resolve"], "the host name cannot be resolved on this machine"),
+    (&["no route", "unreachable"], "the network of this machine has no route to that address"),
     (
         &["not valid for name"],
-        "the coordinator's certificate is for another name: connect by one that stands in it",
+        "the coordinator's certificate is for another name: connect to a name listed in it",
     ),
     (
         &["peer certificate: badsignature", "peer certificate: unknownissuer"],
@@ -89,7 +90,7 @@ const CAUSES: [(&[&str], &str); 13] = [
     ),
     (
         &["certificaterequired"],
-        "the coordinator asks for a certificate and --config shows none: connect_private_key, connect_certificate, enable_mtls",
+        "the coordinator requires a client certificate, and --config names none: connect_private_key, connect_certificate, enable_mtls",
     ),
     (
         &[
@@ -107,14 +108,14 @@ const CAUSES: [(&[&str], &str); 13] = [
         ],
         "the coordinator refuses our user and password (transport/auth/usrpwd of --config)",
     ),
-    (&["corrupt message"], "there is no TLS at that port: does the coordinator listen with tcp/?"),
+    (&["corrupt message"], "that port does not use TLS: does the coordinator listen with tcp/?"),
     (
         &["early eof", "connection reset"],
-        "whoever listens there hung up: does the coordinator listen with tls/, or speak something else?",
+        "the other side closed the connection: does the coordinator listen with tls/, or does another program use that port?",
     ),
     (
         &["timeout"],
-        "nobody answered in time: a firewall, another program at that port, or tls/ where the coordinator listens with tcp/",
+        "no answer in time: a firewall, another program at that port, or tls/ where the coordinator listens with tcp/",
     ),
 ];
 
@@ -123,59 +124,59 @@ fn cause(text: &str) -> Option<&'static str> {
     CAUSES.iter().find(|(parts, _)| parts.iter().any(|part| text.contains(part))).map(|(_, cause)| *cause)
 }
 
-/// Parts of what Zenoh says where others connect to this process, and what is told of it. What is not here may be a line
-/// that broke, or a program that looks at every port.
+/// Phrases in Zenoh's messages for connections to this process, with their cause. Other messages may come from a broken
+/// connection or a port scan and are not reported.
 const REFUSALS: [(&str, &str); 11] = [
-    ("Invalid password", "it gave a wrong password"),
-    ("Invalid user", "it gave a user that is not in the dictionary"),
-    ("Recv InitSyn. Expected extension", "it gave no user and password"),
-    ("peer sent no certificates", "it showed no certificate (enable_mtls asks for one)"),
-    ("peer certificate: BadSignature", "its certificate was signed by another authority"),
-    ("peer certificate: UnknownIssuer", "its certificate was signed by another authority"),
-    ("peer certificate: Expired", "its certificate has expired, or this machine's clock is wrong"),
+    ("Invalid password", "wrong password"),
+    ("Invalid user", "the user is not in the dictionary"),
+    ("Recv InitSyn. Expected extension", "no user and password given"),
+    ("peer sent no certificates", "no client certificate given (enable_mtls requires one)"),
+    ("peer certificate: BadSignature", "the client certificate was signed by another authority"),
+    ("peer certificate: UnknownIssuer", "the client certificate was signed by another authority"),
+    ("peer certificate: Expired", "the client certificate has expired, or this machine's clock is wrong"),
     (
         "fatal alert: DecryptError",
-        "it does not accept this coordinator's certificate: its authority is another one",
+        "the client does not accept this coordinator's certificate: it was signed by another authority",
     ),
     (
         "fatal alert: UnknownCA",
-        "it does not accept this coordinator's certificate: its authority is another one",
+        "the client does not accept this coordinator's certificate: it was signed by another authority",
     ),
     (
         "fatal alert: BadCertificate",
-        "it does not accept this coordinator's certificate: the name it connects to does not stand in it",
+        "the client does not accept this coordinator's certificate: it does not list the name used to connect",
     ),
-    ("received corrupt message", "it does not speak TLS: workers must connect with tls/ here"),
+    ("received corrupt message", "the client does not use TLS: workers must connect with tls/ here"),
 ];
 
-/// A sentence on somebody who could not connect, if the text is about that.
+/// Warning for a message about a refused connection; `None` for other messages.
 fn refused(text: &str) -> Option<String> {
     if text.contains("did not match any configured ACL subject") {
-        let why = "it is in no subject of access_control in --config, so nothing it says is heard";
-        return Some(format!("somebody has connected without access: {why}"));
+        let why = "no subject of access_control in --config matches it, so its messages are dropped";
+        return Some(format!("a client connected without access: {why}"));
     }
     let (_, why) = REFUSALS.iter().find(|(part, _)| text.contains(part))?;
     Some(format!("a connection was refused: {why}"))
 }
 
-/// Hears what Zenoh logs of connections.
+/// Log layer that reads Zenoh's messages about connections.
 pub(super) struct RefusalLayer {
     refusals: SyncSender<String>,
 }
 
 impl RefusalLayer {
-    /// Ready to hear, with a thread that logs refusals: a layer must not log by itself.
+    /// Creates the layer, with a thread that logs refusals: a layer must not log by itself.
     pub fn start() -> Self {
-        let (refusals, heard) = sync_channel(MOST_WAITING);
-        // Without the thread refusals are not told; that is no reason to do without the program.
-        let _ = std::thread::Builder::new().name("refusals".into()).spawn(move || tell(&heard));
+        let (refusals, received) = sync_channel(MOST_WAITING);
+        // Without the thread refusals are not logged; the program works all the same.
+        let _ = std::thread::Builder::new().name("refusals".into()).spawn(move || log_refusals(&received));
         RefusalLayer { refusals }
     }
 }
 
-fn tell(heard: &Receiver<String>) {
+fn log_refusals(received: &Receiver<String>) {
     let mut counts: BTreeMap<String, u64> = BTreeMap::new();
-    while let Ok(sentence) = heard.recv() {
+    while let Ok(sentence) = received.recv() {
         let count = counts.entry(sentence.clone()).or_default();
         *count += 1;
         if *count == 1 {
@@ -196,22 +197,22 @@ impl<S: Subscriber> Layer<S> for RefusalLayer {
                 *last = Some((Instant::now(), failure));
             }
         } else if let Some(sentence) = refused(&message.0) {
-            // A full queue holds enough to tell.
+            // A full queue contains enough refusals already.
             let _ = self.refusals.try_send(sentence);
         }
     }
 }
 
-/// What went wrong, of a line about a connection that could not be made, without what changes from try to try.
+/// Reason in a message about a failed connection, without the parts that differ between attempts.
 fn failure(line: &str) -> Option<String> {
     let (_, what) = line.strip_prefix("Unable to connect to ")?.split_once('!')?;
     let what = reason(what.split(". Retry in").next()?);
-    // What follows is Zenoh's own state of the link.
+    // The rest is Zenoh's internal state of the link.
     let what = what.split(" on: ").next()?.trim();
     (!what.is_empty()).then(|| what.to_owned())
 }
 
-/// The message of an event.
+/// Text of the field `message` of an event.
 struct Text(String);
 
 impl Visit for Text {
@@ -228,32 +229,32 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_failure_is_told_without_the_state_of_the_link() {
+    fn a_failure_is_reported_without_the_state_of_the_link() {
         let line = "Unable to connect to configured peer tls/127.0.0.1:7! Received a close message (reason GENERIC) in \
                     response to an OpenSyn on: TransportLinkUnicast { link: Link { .. } } at /a/b.rs:5.. Retry in 200ms.";
-        let told = failure(line).unwrap();
-        assert_eq!(told, "Received a close message (reason GENERIC) in response to an OpenSyn");
-        assert!(in_words(&told).contains("user and password"));
+        let reason = failure(line).unwrap();
+        assert_eq!(reason, "Received a close message (reason GENERIC) in response to an OpenSyn");
+        assert!(with_cause(&reason).contains("user and password"));
         assert_eq!(failure("Unable to connect to any of [Single(tls/127.0.0.1:7)]! "), None);
         assert_eq!(failure("Try to connect: tls/127.0.0.1:7"), None);
     }
 
     #[test]
-    fn the_most_telling_cause_is_named() {
+    fn the_most_specific_cause_is_named() {
         for (text, means) in [
             ("Connection refused (os error 111)", "nothing listens there"),
             ("invalid peer certificate: certificate not valid for name \"a\"", "another name"),
-            ("received fatal alert: CertificateRequired", "asks for a certificate"),
+            ("received fatal alert: CertificateRequired", "requires a client certificate"),
             ("received fatal alert: CertificateUnknown", "does not accept our certificate"),
-            ("Read error on TCP link a => b: early eof", "hung up"),
+            ("Read error on TCP link a => b: early eof", "closed the connection"),
         ] {
             assert!(cause(text).unwrap().contains(means), "{text}");
         }
-        assert_eq!(in_words("something new"), "something new");
+        assert_eq!(with_cause("something new"), "something new");
     }
 
     #[test]
-    fn only_refusals_are_told() {
+    fn only_refusals_are_reported() {
         assert!(refused("UsrPwd extension - Recv OpenSyn. Invalid password. at /a.rs:1.").is_some());
         assert!(refused("New transport link accepted from a to b").is_none());
         assert!(refused("tls handshake eof. Hint: increase the system open file limit.").is_none());

@@ -1,30 +1,30 @@
-//! What reaches the claims of a worker.
+//! Events of a claim loop.
 
 use common::wire::Outcome;
 
-/// See the module.
+/// Input of a claim loop, from slots, link and [`Stopper`](super::Stopper).
 #[derive(Debug)]
 pub(super) enum ClaimEvent {
     /// A slot has finished a task.
     Finished(Box<Outcome>),
-    /// A place for a task may be free that another coordinator's task had.
+    /// A slot may be free: a task of another coordinator has ended, or that coordinator needs fewer slots.
     SlotFree,
-    /// The coordinator's answer to a claim, or why it could not read it.
+    /// The coordinator's reply to a claim, or its error text.
     Answer {
-        /// Number of the claim.
+        /// Sequence number of the claim.
         sequence: u64,
-        /// Frame of the reply.
+        /// Frame of the reply, or the text of the error.
         frame: Result<Vec<u8>, String>,
     },
-    /// No more answers to this claim will come.
+    /// No further reply to this claim will arrive.
     QueryEnded {
-        /// Number of the claim.
+        /// Sequence number of the claim.
         sequence: u64,
     },
-    /// Frame of a notice.
+    /// A notice of the coordinator, as a frame.
     Notice(Vec<u8>),
-    /// Drain and leave.
+    /// Stop: finish within the drain time, return outcomes and leave.
     Stop,
-    /// Leave at once.
+    /// Leave at once, without returning outcomes.
     Abort,
 }

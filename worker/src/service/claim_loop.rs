@@ -1,8 +1,8 @@
-//! The claims of a worker at one coordinator: what it asks for and hands in, and when. One claim is under way at a time,
-//! so that the list of what it holds is exact and a lost reply is noticed by the coordinator.
+//! Claims of a worker to one coordinator: when to claim, how many tasks to request, which outcomes to return. Only one
+//! claim is open at a time, so that its list of held tasks is exact and the coordinator detects a lost reply.
 //!
-//! Three answers stay apart: work; "idle, ask again in T" (a notice ends the wait early); nothing, after which
-//! the worker backs off, with a spread so that many workers do not come back at the same instant.
+//! There are three kinds of reply: work; "idle, claim again in T" (a notice ends the wait early); none, after which the
+//! worker backs off, with a spread so that many workers do not return at the same time.
 
 use super::claim_event::ClaimEvent;
 use super::connection_monitor::ConnectionMonitor;
@@ -19,21 +19,23 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
-/// Outcomes that may wait for their acknowledgement before the worker takes no more tasks [bytes].
-const MOST_HELD: usize = 64 << 20;
-/// Pauses between claims that nobody answers: short enough that a restarted coordinator has its workers within a second.
+/// Size of unacknowledged outcomes above which the worker takes no more tasks [bytes].
+const MOST_UNACKNOWLEDGED: usize = 64 << 20;
+/// First pause after a claim without reply; it doubles each time. Short enough that a restarted coordinator has its workers
+/// within a second.
 const FIRST_BACKOFF: Duration = Duration::from_millis(50);
+/// Longest pause after a claim without reply.
 const LONGEST_BACKOFF: Duration = Duration::from_millis(400);
-/// Pause after an answer with fewer tasks than asked for, unless a notice ends it.
-const NO_MORE: Duration = Duration::from_secs(1);
-/// How long leaving may take.
+/// Pause after a reply with fewer tasks than requested, unless a notice ends it.
+const QUEUE_EMPTY_PAUSE: Duration = Duration::from_secs(1);
+/// Time limit for leaving.
 const FAREWELL: Duration = Duration::from_secs(5);
-/// Beyond the timeout of the query, after which Zenoh itself has forgotten it.
+/// Margin over the timeout of a query, after which Zenoh must have ended it.
 const QUERY_MARGIN: Duration = Duration::from_secs(5);
-/// Longest sleep.
-const LOOK_UP: Duration = Duration::from_millis(500);
+/// Longest wait for an event.
+const POLL_INTERVAL: Duration = Duration::from_millis(500);
 
-/// A claim under way.
+/// A claim without reply so far.
 struct PendingClaim {
     sequence: u64,
     credits: usize,
@@ -41,39 +43,40 @@ struct PendingClaim {
     since: Instant,
 }
 
-/// See the module.
+/// State of the claims to one coordinator.
 pub(super) struct ClaimLoop {
     config: ServiceConfig,
     worker: WorkerId,
-    /// Which of the worker's coordinators this is.
-    place: usize,
+    /// Index of the coordinator.
+    coordinator: usize,
     link: Link,
     slots: Arc<Slots>,
-    /// Tasks begun or waiting, and since when they are here.
+    /// Tasks running or waiting for a slot, with the time of their arrival.
     running: Vec<(Task, Instant)>,
     unacknowledged: UnacknowledgedResults,
     prefetch: PrefetchEstimator,
     sequence: u64,
-    under_way: Option<PendingClaim>,
-    /// When free slots ask again.
-    ask_at: Instant,
-    /// No claim before this, whatever there is to say.
+    pending: Option<PendingClaim>,
+    /// Time of the next claim for free slots.
+    claim_at: Instant,
+    /// No claim is sent before this time.
     silent_until: Instant,
     backoff: Duration,
     monitor: ConnectionMonitor,
     leave_policy: LeavePolicy,
-    /// Tasks were handed back, which the coordinator does not know yet.
-    handed_back: bool,
+    /// Tasks were returned, and no claim has reported it yet.
+    returned_tasks: bool,
     leaving_since: Option<Instant>,
-    /// A claim that says the worker leaves was answered.
+    /// A claim with the flag `leaving` was answered.
     said_farewell: bool,
 }
 
 impl ClaimLoop {
+    /// The claims to coordinator number `coordinator`.
     pub fn new(
         config: ServiceConfig,
         worker: WorkerId,
-        place: usize,
+        coordinator: usize,
         link: Link,
         slots: Arc<Slots>,
         monitor: ConnectionMonitor,
@@ -83,29 +86,32 @@ impl ClaimLoop {
         Self {
             config,
             worker,
-            place,
+            coordinator,
             link,
             slots,
             running: Vec::new(),
             unacknowledged: UnacknowledgedResults::default(),
             prefetch: PrefetchEstimator::default(),
             sequence: 0,
-            under_way: None,
-            ask_at: now,
+            pending: None,
+            claim_at: now,
             silent_until: now,
             backoff: FIRST_BACKOFF,
             monitor,
             leave_policy,
-            handed_back: false,
+            returned_tasks: false,
             leaving_since: None,
             said_farewell: false,
         }
     }
 
-    /// Serves until the end.
+    /// Runs until the worker leaves this coordinator.
+    ///
+    /// # Errors
+    /// [`ServiceError`].
     pub fn run(mut self, inbox: &Receiver<ClaimEvent>) -> Result<Departure, ServiceError> {
         let departure = self.serve(inbox);
-        self.slots.shares().stop_competing(self.place);
+        self.slots.shares().stop_competing(self.coordinator);
         self.withdraw(|_| true);
         self.link.close();
         departure
@@ -121,7 +127,7 @@ impl ClaimLoop {
                 Err(RecvTimeoutError::Timeout) => None,
                 Err(RecvTimeoutError::Disconnected) => return Ok(Departure::Aborted),
             };
-            // Everything that is there already is heard before the next claim: outcomes travel together.
+            // All waiting events are handled before the next claim, so that it carries all finished outcomes.
             while let Some(event) = message {
                 if let Some(departure) = self.handle(event)? {
                     return Ok(departure);
@@ -134,29 +140,29 @@ impl ClaimLoop {
         }
     }
 
-    fn handle(&mut self, message: ClaimEvent) -> Result<Option<Departure>, ServiceError> {
+    fn handle(&mut self, event: ClaimEvent) -> Result<Option<Departure>, ServiceError> {
         let now = Instant::now();
-        match message {
+        match event {
             ClaimEvent::Finished(outcome) => {
                 if let Some(at) = self.running.iter().position(|(task, _)| task.same_work(&outcome.task)) {
                     let (_, since) = self.running.swap_remove(at);
                     self.prefetch.task_ended(outcome.wall, now.saturating_duration_since(since));
                 }
                 self.unacknowledged.push(*outcome, now);
-                self.ask_at = now;
+                self.claim_at = now;
             }
             ClaimEvent::SlotFree => {}
-            ClaimEvent::Answer { sequence, frame } if self.is_under_way(sequence) => {
-                return self.answered(now, frame);
+            ClaimEvent::Answer { sequence, frame } if self.is_pending(sequence) => {
+                return self.on_reply(now, frame);
             }
-            ClaimEvent::QueryEnded { sequence } if self.is_under_way(sequence) => {
-                self.unanswered(now, refusal::no_answer(now));
+            ClaimEvent::QueryEnded { sequence } if self.is_pending(sequence) => {
+                self.on_no_reply(now, refusal::no_answer(now));
             }
             ClaimEvent::Answer { .. } | ClaimEvent::QueryEnded { .. } => {}
             ClaimEvent::Notice(frame) => match wire::decode::<Notice>(&frame) {
                 Ok(Notice::Batch { points, .. }) => {
                     tracing::debug!("the coordinator announces {} points", points.len());
-                    self.ask_at = now;
+                    self.claim_at = now;
                     self.silent_until = now;
                     // What the coordinator did not know so far may be among them.
                     self.unacknowledged.resend_all(now);
@@ -167,18 +173,18 @@ impl ClaimLoop {
             ClaimEvent::Stop => {
                 self.leave_policy.request_stop(now);
                 // What waits for a slot others can do at once.
-                self.handed_back |= self.withdraw(|_| true) > 0;
+                self.returned_tasks |= self.withdraw(|_| true) > 0;
             }
             ClaimEvent::Abort => return Ok(Some(Departure::Aborted)),
         }
         Ok(None)
     }
 
-    fn is_under_way(&self, sequence: u64) -> bool {
-        self.under_way.as_ref().is_some_and(|claim| claim.sequence == sequence)
+    fn is_pending(&self, sequence: u64) -> bool {
+        self.pending.as_ref().is_some_and(|claim| claim.sequence == sequence)
     }
 
-    fn answered(
+    fn on_reply(
         &mut self,
         now: Instant,
         frame: Result<Vec<u8>, String>,
@@ -186,41 +192,41 @@ impl ClaimLoop {
         let reply = match frame.map(|frame| wire::decode::<Reply>(&frame)) {
             Ok(Ok(reply)) => reply,
             Ok(Err(WireError::OtherVersion { theirs, ours })) => {
-                let endpoint = self.config.connect[self.place].clone();
+                let endpoint = self.config.connect[self.coordinator].clone();
                 return Err(ServiceError::OtherVersion { endpoint, theirs, ours });
             }
             Ok(Err(error)) => {
-                tracing::warn!("an answer of the coordinator could not be read: {error}");
-                self.unanswered(now, error.to_string());
+                tracing::warn!("a reply of the coordinator cannot be decoded: {error}");
+                self.on_no_reply(now, error.to_string());
                 return Ok(None);
             }
             Err(reason) => {
-                self.unanswered(now, reason);
+                self.on_no_reply(now, reason);
                 return Ok(None);
             }
         };
-        let Some(PendingClaim { credits, leaving, since, .. }) = self.under_way.take() else {
+        let Some(PendingClaim { credits, leaving, since, .. }) = self.pending.take() else {
             return Ok(None);
         };
         self.said_farewell |= leaving;
         self.monitor.on_answer();
         self.backoff = FIRST_BACKOFF;
         self.unacknowledged.forget(&reply.acknowledged);
-        // What others have done meanwhile need not be begun.
+        // Tasks that other workers have finished are not started.
         self.withdraw(|task| reply.acknowledged.contains(&task.key));
         match reply.next {
             Next::Work(order) => {
-                let got = order.tasks.len();
-                self.prefetch.answered(now.saturating_duration_since(since));
-                self.begin(order, now);
-                // Fewer than asked for: there are no more for now; a notice tells when.
-                self.ask_at = if got < credits { now + NO_MORE } else { now };
+                let received = order.tasks.len();
+                self.prefetch.reply_received(now.saturating_duration_since(since));
+                self.start_tasks(order, now);
+                // Fewer than requested: the queue is empty; a notice announces new tasks.
+                self.claim_at = if received < credits { now + QUEUE_EMPTY_PAUSE } else { now };
             }
             Next::Idle { ask_again } => {
-                self.slots.shares().answered(self.place, 0, now);
-                // One that was asked for nothing has not said that it has nothing.
+                self.slots.shares().answered(self.coordinator, 0, now);
+                // Without credits, the reply says nothing about the queue.
                 if credits > 0 {
-                    self.ask_at = now + self.spread(Duration::from_millis(u64::from(ask_again)));
+                    self.claim_at = now + self.spread(Duration::from_millis(u64::from(ask_again)));
                 }
             }
             Next::Leave => return Ok(self.campaign_ended(now)),
@@ -228,60 +234,60 @@ impl ClaimLoop {
         Ok(None)
     }
 
-    /// Leaves, or waits for the next campaign there.
+    /// Handles the end of the campaign: leaves, or waits for the next one at this endpoint.
     fn campaign_ended(&mut self, now: Instant) -> Option<Departure> {
         if !self.config.next_campaign || self.leave_policy.is_draining() {
             return Some(Departure::CampaignEnded);
         }
-        tracing::info!("the campaign at {} has ended", self.config.connect[self.place]);
-        self.under_way = None;
-        self.slots.shares().answered(self.place, 0, now);
+        tracing::info!("the campaign at {} has ended", self.config.connect[self.coordinator]);
+        self.pending = None;
+        self.slots.shares().answered(self.coordinator, 0, now);
         self.withdraw(|_| true);
         self.unacknowledged = UnacknowledgedResults::default();
-        (self.ask_at, self.silent_until) = (now + NO_MORE, now + NO_MORE);
+        (self.claim_at, self.silent_until) = (now + QUEUE_EMPTY_PAUSE, now + QUEUE_EMPTY_PAUSE);
         None
     }
 
-    fn begin(&mut self, mut order: WorkOrder, now: Instant) {
+    fn start_tasks(&mut self, mut order: WorkOrder, now: Instant) {
         let mut tasks = std::mem::take(&mut order.tasks);
         tasks.retain(|task| {
-            let runs = self.running.iter().any(|(other, _)| other.same_work(task));
-            !(runs || self.unacknowledged.resend_if_held(task, now))
+            let is_running = self.running.iter().any(|(other, _)| other.same_work(task));
+            !(is_running || self.unacknowledged.resend_if_held(task, now))
         });
-        // What arrives after the decision to leave is handed back.
+        // Tasks that arrive after the decision to leave are returned.
         if self.leaving_since.is_some() {
             tasks.clear();
         }
-        self.slots.shares().answered(self.place, tasks.len(), now);
+        self.slots.shares().answered(self.coordinator, tasks.len(), now);
         let order = Arc::new(order);
         for task in tasks {
             self.running.push((task.clone(), now));
-            self.slots.start_job(Job { order: Arc::clone(&order), task, place: self.place });
+            self.slots.start_job(Job { order: Arc::clone(&order), task, coordinator: self.coordinator });
         }
     }
 
-    /// Drops tasks that wait for a slot; how many.
+    /// Removes tasks that wait for a slot; returns their number.
     fn withdraw(&mut self, unwanted: impl Fn(&Task) -> bool) -> usize {
         if !self.running.iter().any(|(task, _)| unwanted(task)) {
             return 0;
         }
-        let dropped = self.slots.withdraw(self.place, unwanted);
+        let dropped = self.slots.withdraw(self.coordinator, unwanted);
         self.running.retain(|(task, _)| !dropped.iter().any(|other| other.same_work(task)));
         dropped.len()
     }
 
-    fn unanswered(&mut self, now: Instant, reason: String) {
-        let since = self.under_way.take().map_or(now, |claim| claim.since);
-        self.slots.shares().answered(self.place, 0, now);
+    fn on_no_reply(&mut self, now: Instant, reason: String) {
+        let since = self.pending.take().map_or(now, |claim| claim.since);
+        self.slots.shares().answered(self.coordinator, 0, now);
         self.monitor.on_failure(since, reason);
         self.unacknowledged.resend_all(now);
         let pause = self.spread(self.backoff);
         self.backoff = (2 * self.backoff).min(LONGEST_BACKOFF);
-        self.ask_at = now + pause;
+        self.claim_at = now + pause;
         self.silent_until = now + pause;
     }
 
-    /// `pause` less up to a quarter, differently for each worker and claim.
+    /// `pause` reduced by up to a quarter, by a hash of worker and claim.
     fn spread(&self, pause: Duration) -> Duration {
         let mut hasher = DefaultHasher::new();
         (&self.worker, self.sequence).hash(&mut hasher);
@@ -289,24 +295,24 @@ impl ClaimLoop {
         pause.mul_f64(1.0 - 0.25 * share)
     }
 
-    /// Whether it takes tasks at all.
-    fn takes_tasks(&self) -> bool {
-        !self.leave_policy.is_draining() && self.unacknowledged.bytes() <= MOST_HELD
+    /// True if the worker takes new tasks.
+    fn accepts_tasks(&self) -> bool {
+        !self.leave_policy.is_draining() && self.unacknowledged.bytes() <= MOST_UNACKNOWLEDGED
     }
 
-    /// How many tasks to ask for now.
+    /// Number of tasks to request now.
     fn credits(&self, now: Instant) -> usize {
         let shares = self.slots.shares();
-        if !self.takes_tasks() || self.ask_at.max(self.silent_until) > now {
-            shares.stop_competing(self.place);
+        if !self.accepts_tasks() || self.claim_at.max(self.silent_until) > now {
+            shares.stop_competing(self.coordinator);
             return 0;
         }
-        let reserve = self.config.prefetch.max(self.prefetch.reserve(self.config.slots));
-        shares.allowance(self.place, self.slots.at_once() + reserve, now)
+        let prefetched = self.config.prefetch.max(self.prefetch.tasks(self.config.slots));
+        shares.allowance(self.coordinator, self.slots.at_once() + prefetched, now)
     }
 
     fn claim_if_due(&mut self, now: Instant) -> Result<(), ServiceError> {
-        if self.under_way.is_some() {
+        if self.pending.is_some() {
             return Ok(());
         }
         let credits = self.credits(now);
@@ -314,12 +320,12 @@ impl ClaimLoop {
             return Ok(());
         }
         let leaving = self.leaving_since.is_some();
-        let tells = (leaving && !self.said_farewell) || self.handed_back;
-        if credits == 0 && !tells && self.unacknowledged.next_due().is_none_or(|due| due > now) {
+        let must_report = (leaving && !self.said_farewell) || self.returned_tasks;
+        if credits == 0 && !must_report && self.unacknowledged.next_due().is_none_or(|due| due > now) {
             return Ok(());
         }
         self.sequence += 1;
-        self.handed_back = false;
+        self.returned_tasks = false;
         let running = self.running.iter().map(|(task, _)| task.key);
         let holding: Vec<TaskKey> = running.chain(self.unacknowledged.keys()).collect();
         let claim = Claim {
@@ -328,45 +334,45 @@ impl ClaimLoop {
             slots: as_u32(self.config.slots),
             credits: as_u32(credits),
             holding,
-            finished: self.unacknowledged.offer(now),
+            finished: self.unacknowledged.take_due(now),
             leaving,
         };
         let frame = wire::encode(&claim).map_err(|e| ServiceError::Messaging(format!("a claim: {e}")))?;
-        self.slots.shares().ask(self.place, credits, now);
-        self.under_way = Some(PendingClaim { sequence: self.sequence, credits, leaving, since: now });
-        if let Err(reason) = self.link.ask(self.sequence, frame) {
-            self.unanswered(now, reason);
+        self.slots.shares().request(self.coordinator, credits, now);
+        self.pending = Some(PendingClaim { sequence: self.sequence, credits, leaving, since: now });
+        if let Err(reason) = self.link.send_claim(self.sequence, frame) {
+            self.on_no_reply(now, reason);
         }
         Ok(())
     }
 
     fn next_wake(&self, now: Instant) -> Instant {
         let idle = self.slots.shares().idle_for(now);
-        let mut wake = now + LOOK_UP;
-        if self.under_way.is_none() {
-            let ask = Some(self.ask_at).filter(|at| self.takes_tasks() && *at > now);
-            let due = [ask, self.unacknowledged.next_due()].into_iter().flatten().min();
+        let mut wake = now + POLL_INTERVAL;
+        if self.pending.is_none() {
+            let claim = Some(self.claim_at).filter(|at| self.accepts_tasks() && *at > now);
+            let due = [claim, self.unacknowledged.next_due()].into_iter().flatten().min();
             wake = due.map_or(wake, |due| wake.min(due.max(self.silent_until)));
         }
         self.leave_policy
-            .next_look(now, self.prefetch.longest(), idle)
-            .map_or(wake, |look| wake.min(look.max(now)))
+            .next_check(now, self.prefetch.longest(), idle)
+            .map_or(wake, |check| wake.min(check.max(now)))
     }
 
-    /// What the clock alone brings about.
+    /// Checks timeouts, the leave policy and the connection.
     fn check_time(&mut self, now: Instant) -> Result<Option<Departure>, ServiceError> {
-        let patience = self.config.answer_timeout + QUERY_MARGIN;
-        if self.under_way.as_ref().is_some_and(|claim| now.duration_since(claim.since) > patience) {
-            self.unanswered(now, "the claim was forgotten".into());
+        let limit = self.config.answer_timeout + QUERY_MARGIN;
+        if self.pending.as_ref().is_some_and(|claim| now.duration_since(claim.since) > limit) {
+            self.on_no_reply(now, "the claim got no reply".into());
         }
         self.leave_policy.check(now, self.prefetch.longest(), self.slots.shares().idle_for(now));
-        if self.leaving_since.is_none() && self.leave_policy.is_over(now, self.running.len()) {
+        if self.leaving_since.is_none() && self.leave_policy.must_leave(now, self.running.len()) {
             self.leaving_since = Some(now);
         }
         if let Some(since) = self.leaving_since {
-            // What the coordinator has not taken by then (outcomes it does not know of) it will not take.
-            let handed_in = self.said_farewell && self.unacknowledged.next_due().is_none_or(|due| due > now);
-            if handed_in || now.duration_since(since) > FAREWELL {
+            // Outcomes not acknowledged by then belong to tasks the coordinator has not requested.
+            let returned = self.said_farewell && self.unacknowledged.next_due().is_none_or(|due| due > now);
+            if returned || now.duration_since(since) > FAREWELL {
                 return Ok(Some(self.leave_policy.departure(self.unacknowledged.len())));
             }
         }

@@ -1,70 +1,71 @@
-//! How long the coordinator has been silent, when the user hears of it, and when the worker gives up.
+//! Monitors the connection to a coordinator: warns the user while it is silent, and gives up after a time limit.
 
 use super::ServiceError;
 use std::time::{Duration, Instant};
 
-/// How often the user hears that nobody answers.
-const TELL_EVERY: Duration = Duration::from_secs(5);
+/// Interval of warnings while no coordinator answers.
+const WARN_EVERY: Duration = Duration::from_secs(5);
 
-/// See the module.
+/// Silence of one coordinator.
 pub(super) struct ConnectionMonitor {
     endpoint: String,
     give_up_after: Option<Duration>,
     silent_since: Option<Instant>,
-    told_at: Option<Instant>,
+    warned_at: Option<Instant>,
     last_reason: String,
     was_connected: bool,
 }
 
 impl ConnectionMonitor {
+    /// A monitor for the coordinator at `endpoint`; `give_up_after` bounds the silence, `None`: no bound.
     pub fn new(endpoint: &str, give_up_after: Option<Duration>) -> Self {
         Self {
             endpoint: endpoint.to_owned(),
             give_up_after,
             silent_since: None,
-            told_at: None,
+            warned_at: None,
             last_reason: "no answer".into(),
             was_connected: false,
         }
     }
 
-    /// The coordinator has answered.
+    /// Registers an answer of the coordinator: the silence ends.
     pub fn on_answer(&mut self) {
         if !self.was_connected {
             tracing::info!("connected to the coordinator at {}", self.endpoint);
-        } else if self.told_at.is_some() {
+        } else if self.warned_at.is_some() {
             tracing::info!("the coordinator at {} answers again", self.endpoint);
         }
         self.was_connected = true;
-        (self.silent_since, self.told_at) = (None, None);
+        (self.silent_since, self.warned_at) = (None, None);
     }
 
-    /// An attempt begun at `since` had no answer.
+    /// Registers an attempt without answer, started at `since`.
     pub fn on_failure(&mut self, since: Instant, reason: String) {
         tracing::debug!("no answer from {}: {reason}", self.endpoint);
         self.silent_since = self.silent_since.or(Some(since));
         self.last_reason = reason;
     }
 
-    /// Tells the user from time to time.
+    /// Warns the user every five seconds of silence.
     ///
     /// # Errors
-    /// [`ServiceError::Unreachable`] when it has lasted too long.
+    /// [`ServiceError::Unreachable`] once the silence exceeds `give_up_after`.
     pub fn check(&mut self, now: Instant) -> Result<(), ServiceError> {
         let Some(since) = self.silent_since else { return Ok(()) };
         let silence = now.saturating_duration_since(since);
-        if self.give_up_after.is_some_and(|patience| silence >= patience) {
+        if self.give_up_after.is_some_and(|limit| silence >= limit) {
             return Err(ServiceError::Unreachable {
                 endpoint: self.endpoint.clone(),
                 seconds: silence.as_secs_f64(),
                 last_reason: self.last_reason.clone(),
             });
         }
-        let tell_at = self.told_at.unwrap_or(since) + TELL_EVERY;
-        if now >= tell_at {
-            self.told_at = Some(now);
+        let warn_at = self.warned_at.unwrap_or(since) + WARN_EVERY;
+        if now >= warn_at {
+            self.warned_at = Some(now);
             tracing::warn!(
-                "no coordinator answers at {} (for {:.0} s: {}); trying again",
+                "no coordinator has answered at {} for {:.0} s ({}); trying again",
                 self.endpoint,
                 silence.as_secs_f64(),
                 self.last_reason

@@ -1,32 +1,34 @@
-//! Who of several coordinators may have the next free place: the one that, with what it has under way, has had least of
-//! the slots' time. So all that ask have as many tasks under way, and over time as much time. What one does not use the
-//! others have.
+//! Shares the slots fairly among coordinators. The next free slot goes to the competing coordinator with the least slot
+//! time used, its running tasks included at the mean task time. So competing coordinators get equal slot time over time;
+//! time not used by one is available to the others.
 
 use super::claim_event::ClaimEvent;
 use std::sync::mpsc::Sender;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// How long tasks asked for keep their places free: a coordinator that is silent must not hold up the others.
-const KEPT_FREE: Duration = Duration::from_millis(200);
+/// Time for which requested tasks reserve their slots: a silent coordinator must not block the others.
+const RESERVED_FOR: Duration = Duration::from_millis(200);
 
-/// What one coordinator has of the slots.
+/// One coordinator's use of the slots.
 #[derive(Debug)]
 struct Member {
     inbox: Sender<ClaimEvent>,
-    /// Tasks begun or waiting.
+    /// Tasks running or waiting for a slot.
     tasks: usize,
-    /// Places for tasks it is asked for.
-    asked: Option<(usize, Instant)>,
-    /// It would be asked for tasks now, if there were a place.
-    wants: bool,
-    /// Tasks times the time they were here [s].
+    /// Tasks requested from it, and the time of the request.
+    requested: Option<(usize, Instant)>,
+    /// It competes for free slots.
+    competes: bool,
+    /// Slot time used: tasks times the time they were here [s].
     used: f64,
 }
 
 impl Member {
+    /// Slots occupied by tasks or reserved for requested ones.
     fn occupied(&self, now: Instant) -> usize {
-        self.tasks + self.asked.map_or(0, |(places, since)| if now < since + KEPT_FREE { places } else { 0 })
+        self.tasks
+            + self.requested.map_or(0, |(tasks, since)| if now < since + RESERVED_FOR { tasks } else { 0 })
     }
 }
 
@@ -34,115 +36,118 @@ impl Member {
 struct ShareState {
     members: Vec<Member>,
     counted_until: Instant,
-    /// Tasks that have ended.
+    /// Number of tasks ended.
     ended: usize,
-    /// When the last task ended, unless there is one.
+    /// End of the last task; valid while no task is running.
     idle_since: Instant,
 }
 
 impl ShareState {
+    /// Adds the slot time since the last call to each coordinator.
     fn count_use(&mut self, now: Instant) {
         let past = now.saturating_duration_since(self.counted_until).as_secs_f64();
         self.members.iter_mut().for_each(|member| member.used += past * member.tasks as f64);
         self.counted_until = now;
     }
 
-    /// What a task takes on average [s].
-    fn usual(&self) -> f64 {
+    /// Mean slot time of a task [s].
+    fn mean_task_time(&self) -> f64 {
         let used: f64 = self.members.iter().map(|member| member.used).sum();
         (used / self.ended.max(1) as f64).max(f64::MIN_POSITIVE)
     }
 
-    /// Wakes those that would take what another one leaves.
-    fn tell_others(&self, but: usize) {
-        for (k, member) in self.members.iter().enumerate() {
-            if k != but && member.wants {
-                // One that has left wants nothing; one that is leaving hears nothing.
+    /// Notifies the competing coordinators other than `k` of a free slot.
+    fn notify_others(&self, k: usize) {
+        for (j, member) in self.members.iter().enumerate() {
+            if j != k && member.competes {
+                // The claim loop may have ended.
                 let _ = member.inbox.send(ClaimEvent::SlotFree);
             }
         }
     }
 
-    /// What it had while nobody else wanted anything is not held against it, and nobody saves up.
-    fn begin_to_want(&mut self, k: usize) {
-        let others = self.members.iter().enumerate().filter(|(j, other)| *j != k && other.wants);
+    /// Coordinator `k` starts to compete. Its used time is raised to the least of the other competitors, so that time
+    /// without competition counts for none of them.
+    fn start_competing(&mut self, k: usize) {
+        let others = self.members.iter().enumerate().filter(|(j, other)| *j != k && other.competes);
         let least = others.map(|(_, other)| other.used).min_by(f64::total_cmp);
         let own = &mut self.members[k];
-        if !own.wants {
-            own.wants = true;
+        if !own.competes {
+            own.competes = true;
             own.used = own.used.max(least.unwrap_or(own.used));
         }
     }
 }
 
-/// See the module.
+/// Use of the slots by all coordinators.
 #[derive(Debug)]
 pub(super) struct FairShare(Mutex<ShareState>);
 
 impl FairShare {
-    /// For coordinators whose claims have these inboxes.
+    /// Shares among coordinators; `inboxes` are those of their claim loops.
     pub fn new(inboxes: impl IntoIterator<Item = Sender<ClaimEvent>>) -> Self {
-        let member = |inbox| Member { inbox, tasks: 0, asked: None, wants: false, used: 0.0 };
+        let member = |inbox| Member { inbox, tasks: 0, requested: None, competes: false, used: 0.0 };
         let now = Instant::now();
         let members = inboxes.into_iter().map(member).collect();
         Self(Mutex::new(ShareState { members, counted_until: now, ended: 0, idle_since: now }))
     }
 
-    /// How many tasks coordinator `k` may be asked for, of `places` for tasks in all. It is one of those that want some
+    /// Number of tasks that may be requested from coordinator `k`, of `slots` in all. The coordinator competes for slots
     /// until [`FairShare::stop_competing`].
-    pub fn allowance(&self, k: usize, places: usize, now: Instant) -> usize {
+    pub fn allowance(&self, k: usize, slots: usize, now: Instant) -> usize {
         let mut state = self.state();
         state.count_use(now);
-        state.begin_to_want(k);
+        state.start_competing(k);
         let mut occupied: Vec<usize> = state.members.iter().map(|member| member.occupied(now)).collect();
-        // Who has been asked, or is silent, gets nothing beyond that.
-        let takes = |j: &usize| *j == k || (state.members[*j].wants && state.members[*j].asked.is_none());
+        // A coordinator with an open request gets no more slots.
+        let takes =
+            |j: &usize| *j == k || (state.members[*j].competes && state.members[*j].requested.is_none());
         let takers: Vec<usize> = (0..occupied.len()).filter(takes).collect();
-        let (usual, mut mine) = (state.usual(), 0);
-        for _ in 0..places.saturating_sub(occupied.iter().sum()) {
-            let has = |j: &usize| state.members[*j].used + usual * occupied[*j] as f64;
-            let Some(&taker) = takers.iter().min_by(|a, b| has(a).total_cmp(&has(b))) else { break };
+        let (task_time, mut mine) = (state.mean_task_time(), 0);
+        for _ in 0..slots.saturating_sub(occupied.iter().sum()) {
+            let used = |j: &usize| state.members[*j].used + task_time * occupied[*j] as f64;
+            let Some(&taker) = takers.iter().min_by(|a, b| used(a).total_cmp(&used(b))) else { break };
             occupied[taker] += 1;
             mine += usize::from(taker == k);
         }
         mine
     }
 
-    /// Coordinator `k` is asked for so many tasks.
-    pub fn ask(&self, k: usize, places: usize, now: Instant) {
-        self.state().members[k].asked = Some((places, now));
+    /// Registers a request of `tasks` tasks from coordinator `k`.
+    pub fn request(&self, k: usize, tasks: usize, now: Instant) {
+        self.state().members[k].requested = Some((tasks, now));
     }
 
-    /// It has answered, or will not, with so many tasks.
+    /// Registers the reply of coordinator `k` with `tasks` tasks; zero if there is no reply.
     pub fn answered(&self, k: usize, tasks: usize, now: Instant) {
         let mut state = self.state();
         state.count_use(now);
-        let asked = state.members[k].asked.take();
+        let requested = state.members[k].requested.take();
         state.members[k].tasks += tasks;
-        if asked.is_some_and(|(places, _)| tasks < places) {
-            state.tell_others(k);
+        if requested.is_some_and(|(most, _)| tasks < most) {
+            state.notify_others(k);
         }
     }
 
-    /// It wants nothing now.
+    /// Coordinator `k` stops competing for slots; the others are notified.
     pub fn stop_competing(&self, k: usize) {
         let mut state = self.state();
-        if std::mem::replace(&mut state.members[k].wants, false) {
-            state.tell_others(k);
+        if std::mem::replace(&mut state.members[k].competes, false) {
+            state.notify_others(k);
         }
     }
 
-    /// So many of its tasks have ended, or were dropped.
+    /// Registers that `tasks` tasks of coordinator `k` have ended or were dropped.
     pub fn ended(&self, k: usize, tasks: usize, now: Instant) {
         let mut state = self.state();
         state.count_use(now);
         state.members[k].tasks = state.members[k].tasks.saturating_sub(tasks);
         state.ended += tasks;
         state.idle_since = now;
-        state.tell_others(k);
+        state.notify_others(k);
     }
 
-    /// How long there has been no task of anybody.
+    /// Time without tasks of any coordinator.
     pub fn idle_for(&self, now: Instant) -> Duration {
         let state = self.state();
         let busy = state.members.iter().any(|member| member.tasks > 0);
@@ -164,16 +169,16 @@ mod tests {
         (FairShare::new(inboxes), received)
     }
 
-    /// Asks for all it may, and gets it.
-    fn take(shares: &FairShare, k: usize, places: usize, now: Instant) -> usize {
-        let mine = shares.allowance(k, places, now);
-        shares.ask(k, mine, now);
+    /// Requests the whole allowance, and gets it.
+    fn take(shares: &FairShare, k: usize, slots: usize, now: Instant) -> usize {
+        let mine = shares.allowance(k, slots, now);
+        shares.request(k, mine, now);
         shares.answered(k, mine, now);
         mine
     }
 
     #[test]
-    fn one_coordinator_has_all_places() {
+    fn one_coordinator_gets_all_slots() {
         let (shares, _inboxes) = shares(1);
         let now = Instant::now();
         assert_eq!([take(&shares, 0, 6, now), take(&shares, 0, 6, now)], [6, 0]);
@@ -182,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn a_second_one_gets_every_place_that_frees_until_both_have_as_many() {
+    fn a_second_coordinator_gets_every_free_slot_until_both_have_the_same_number() {
         let (shares, inboxes) = shares(2);
         let now = Instant::now();
         assert_eq!([take(&shares, 0, 4, now), shares.allowance(1, 4, now)], [4, 0]);
@@ -191,20 +196,20 @@ mod tests {
             assert!(matches!(inboxes[1].try_recv(), Ok(ClaimEvent::SlotFree)));
             assert_eq!([shares.allowance(0, 4, now), take(&shares, 1, 4, now)], [0, 1]);
         }
-        // One that wants nothing leaves all to the other.
+        // A coordinator that does not compete leaves all slots to the other.
         shares.stop_competing(1);
         shares.ended(1, 2, now);
         assert_eq!(take(&shares, 0, 4, now), 2);
     }
 
     #[test]
-    fn a_single_place_goes_by_the_time_used() {
+    fn a_single_slot_is_shared_by_time_used() {
         let (shares, _inboxes) = shares(2);
         let (start, second) = (Instant::now(), Duration::from_secs(1));
         let mut had = [Duration::ZERO; 2];
         let mut now = start;
         assert_eq!([shares.allowance(0, 1, now), shares.allowance(1, 1, now)], [1, 0]);
-        // Tasks of the one take thrice as long as those of the other; the time is halved all the same.
+        // Tasks of one coordinator take three times as long; both get half of the time.
         while now < start + 100 * second {
             let turn = usize::from(take(&shares, 0, 1, now) == 0);
             if turn == 1 {
@@ -219,16 +224,16 @@ mod tests {
     }
 
     #[test]
-    fn places_are_kept_for_a_silent_coordinator_for_a_moment_only() {
+    fn a_silent_coordinator_reserves_slots_for_a_short_time_only() {
         let (shares, _inboxes) = shares(2);
         let now = Instant::now();
-        shares.ask(1, shares.allowance(1, 2, now), now);
+        shares.request(1, shares.allowance(1, 2, now), now);
         assert_eq!(shares.allowance(0, 2, now), 0);
-        assert_eq!(shares.allowance(0, 2, now + KEPT_FREE), 2);
+        assert_eq!(shares.allowance(0, 2, now + RESERVED_FOR), 2);
     }
 
     #[test]
-    fn idle_is_who_has_no_task_of_anybody() {
+    fn a_worker_is_idle_without_tasks_of_any_coordinator() {
         let (shares, _inboxes) = shares(2);
         let now = Instant::now();
         assert_eq!(take(&shares, 1, 2, now), 2);

@@ -1,4 +1,4 @@
-//! Tasks evaluated so that whatever happens is an outcome: no panic and no number that is not finite leaves the worker.
+//! Evaluates tasks so that panics and non-finite results become failed outcomes.
 
 use super::{Job, Simulator};
 use common::failure::SimulationFailure;
@@ -10,11 +10,11 @@ use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 
-/// Largest outcome [bytes]; a message carries several.
+/// Largest encoded outcome [bytes]; a message carries several.
 const MAX_OUTCOME: usize = 4 << 20;
 
-/// Evaluates `first` and what `more` gives beside as many as are under way, under the name `worker`; every job comes to
-/// one outcome, `done` with the place of the coordinator that asked for it.
+/// Evaluates `first` and the jobs returned by `more`, which is called with the number of running jobs. Every job ends
+/// with one outcome, passed to `done` with the index of its coordinator; `worker` is the name in the outcome.
 pub(super) fn evaluate(
     simulator: &dyn Simulator,
     worker: &str,
@@ -34,29 +34,28 @@ pub(super) fn evaluate(
         simulator.simulate_together(&mut next, &mut |number, result, took| {
             let ended = under_way.borrow_mut().remove(&number);
             if let Some(job) = ended {
-                done(job.place, outcome_of(job, worker, took, result));
+                done(job.coordinator, outcome_of(job, worker, took, result));
             }
         });
     }));
     let mut left: Vec<Job> = first.into_iter().chain(under_way.into_inner().into_values()).collect();
     match (together, left.len()) {
         (Err(panic), 1) => {
-            let failure = SimulationFailure::Panicked { message: said(&*panic) };
+            let failure = SimulationFailure::Panicked { message: panic_message(&*panic) };
             left.drain(..).for_each(|job| {
-                done(job.place, outcome_of(job, worker, Duration::ZERO, Err(failure.clone())))
+                done(job.coordinator, outcome_of(job, worker, Duration::ZERO, Err(failure.clone())))
             });
         }
-        // Whoever was beside is evaluated again: only the cause of the panic has it as its outcome.
-        _ => left.drain(..).for_each(|job| done(job.place, by_itself(simulator, worker, job))),
+        // Each of the other jobs is evaluated again, alone: only the one that caused the panic fails.
+        _ => left.drain(..).for_each(|job| done(job.coordinator, evaluate_alone(simulator, worker, job))),
     }
 }
 
-fn by_itself(simulator: &dyn Simulator, worker: &str, job: Job) -> Outcome {
+fn evaluate_alone(simulator: &dyn Simulator, worker: &str, job: Job) -> Outcome {
     let begun = Instant::now();
-    let result = catch_unwind(AssertUnwindSafe(|| {
-        simulator.simulate(job.scene(), job.sample(), job.accuracy(), job.with_first_cycle())
-    }));
-    let failed = |panic: Box<dyn Any + Send>| Err(SimulationFailure::Panicked { message: said(&*panic) });
+    let result = catch_unwind(AssertUnwindSafe(|| simulator.simulate(&job)));
+    let failed =
+        |panic: Box<dyn Any + Send>| Err(SimulationFailure::Panicked { message: panic_message(&*panic) });
     outcome_of(job, worker, begun.elapsed(), result.unwrap_or_else(failed))
 }
 
@@ -98,7 +97,7 @@ fn within_size(outcome: Outcome) -> Outcome {
     }
 }
 
-fn said(panic: &(dyn Any + Send)) -> String {
+fn panic_message(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
     text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "no message".into())
 }
@@ -106,7 +105,7 @@ fn said(panic: &(dyn Any + Send)) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::service::practice::{Practice, evaluation, job};
+    use crate::service::practice::{EagerSimulator, evaluation, job};
 
     fn outcomes_of<F>(simulate: F, jobs: usize) -> Vec<Outcome>
     where
@@ -115,7 +114,7 @@ mod tests {
         let mut outcomes = vec![];
         let mut waiting = (1..jobs).map(|k| job(3.0 + k as f64));
         let mut more = |_| waiting.next();
-        evaluate(&Practice(simulate), "w/0", job(3.0), &mut more, &mut |_, outcome| {
+        evaluate(&EagerSimulator(simulate), "w/0", job(3.0), &mut more, &mut |_, outcome| {
             outcomes.push(outcome);
         });
         outcomes.sort_by(|a, b| a.task.sample[0].total_cmp(&b.task.sample[0]));
@@ -127,7 +126,10 @@ mod tests {
     ) -> Result<Evaluation, SimulationFailure> {
         let outcome = outcomes_of(simulate, 1).remove(0);
         assert_eq!((&outcome.task, outcome.worker.as_str()), (&job(3.0).task, "w/0"));
-        assert!([0.0, 0.25].contains(&outcome.wall), "as the simulator says, or nothing");
+        assert!(
+            [0.0, 0.25].contains(&outcome.wall),
+            "the time stated by the simulator, or none after a panic"
+        );
         outcome.result
     }
 
@@ -143,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn a_panic_is_the_outcome_of_nobody_beside() {
+    fn a_panic_fails_only_the_job_that_caused_it() {
         let outcomes = outcomes_of(
             |x| if x == 5.0 { panic!("sample {x} is too much") } else { Ok(evaluation(vec![x])) },
             6,
@@ -158,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_that_is_not_finite_leaves() {
+    fn a_non_finite_number_is_a_failed_outcome() {
         let result = outcome_of(|_| Ok(evaluation(vec![1.0, f64::NAN])));
         let quantity = "histories[0][1]".to_owned();
         assert_eq!(result, Err(SimulationFailure::NotFinite { cycle: 2000, time: 0.0, quantity }));
@@ -172,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn a_result_no_message_can_carry_is_a_failure() {
+    fn a_result_too_large_for_a_message_is_a_failure() {
         let result = outcome_of(|_| Ok(evaluation(vec![0.5; MAX_OUTCOME / 8 + 1])));
         assert!(matches!(result, Err(SimulationFailure::NotModelled { .. })));
     }

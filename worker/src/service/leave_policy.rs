@@ -1,39 +1,39 @@
-//! How long a worker stays: until it is told to leave, has been idle for too long, or its time is up; and what becomes of
-//! what it is running then.
+//! Decides when a worker leaves: after a stop request, without tasks for the idle timeout, or at the end of its run time;
+//! and how long its running tasks may continue.
 
 use super::{Departure, ServiceConfig};
 use std::time::{Duration, Instant};
 
-/// Before the end of its time a worker begins to leave: handing in and closing the line may take so long where nobody
-/// answers,
-const HANDING_IN: Duration = Duration::from_secs(8);
-/// but never more than this share of its time.
-const HANDING_IN_SHARE: f64 = 0.1;
+/// Part of the run time reserved for returning outcomes and closing the connection, which takes this long if no
+/// coordinator answers.
+const RESERVED: Duration = Duration::from_secs(8);
+/// Upper bound of that part as a share of the run time [1].
+const RESERVED_SHARE: f64 = 0.1;
 
-/// Why it leaves.
+/// Reason to leave.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Why {
-    Asked,
+enum Reason {
+    Stopped,
     Idle,
     Walltime,
 }
 
-/// See the module.
+/// Limits of a worker's stay, and whether it is leaving.
 #[derive(Debug)]
 pub(super) struct LeavePolicy {
-    /// When what runs is dropped because the time is up.
+    /// Time at which running tasks are dropped because the run time ends.
     time_up: Option<Instant>,
     idle_timeout: Option<Duration>,
     drain: Duration,
-    /// Why it takes nothing new, and until when what runs may run.
-    draining: Option<(Why, Instant)>,
+    /// Why the worker takes no new tasks, and the time limit of its running tasks.
+    draining: Option<(Reason, Instant)>,
 }
 
 impl LeavePolicy {
-    /// Counted from `start`.
+    /// The policy of a worker that started at `start`.
     pub fn new(config: &ServiceConfig, start: Instant) -> Self {
         let walltime = config.walltime;
-        let working = walltime.map(|t| t - HANDING_IN.min(t.mul_f64(HANDING_IN_SHARE)));
+        let working = walltime.map(|t| t - RESERVED.min(t.mul_f64(RESERVED_SHARE)));
         Self {
             time_up: working.map(|working| start + working),
             idle_timeout: config.idle_timeout,
@@ -42,21 +42,21 @@ impl LeavePolicy {
         }
     }
 
-    /// Told to leave.
+    /// Registers a stop request.
     pub fn request_stop(&mut self, now: Instant) {
-        if self.draining.is_none_or(|(why, _)| why != Why::Asked) {
+        if self.draining.is_none_or(|(reason, _)| reason != Reason::Stopped) {
             let until = self.time_up.map_or(now + self.drain, |up| up.min(now + self.drain));
-            self.draining = Some((Why::Asked, until));
+            self.draining = Some((Reason::Stopped, until));
         }
     }
 
-    /// Whether it takes nothing new.
+    /// True if the worker takes no new tasks.
     pub fn is_draining(&self) -> bool {
         self.draining.is_some()
     }
 
-    /// Looks at the clock. A task that takes up to `longest` is not begun where it could not end in time; `idle` is how
-    /// long there has been nothing to do.
+    /// Starts draining at the end of the run time or of the idle timeout. `longest` is the longest expected task, which must
+    /// not start unless it can finish in time; `idle` is the time without tasks.
     pub fn check(&mut self, now: Instant, longest: Option<Duration>, idle: Duration) {
         if self.draining.is_some() {
             return;
@@ -64,25 +64,25 @@ impl LeavePolicy {
         if let Some(up) = self.time_up
             && now + longest.unwrap_or_default() >= up
         {
-            self.draining = Some((Why::Walltime, up));
+            self.draining = Some((Reason::Walltime, up));
         } else if self.idle_timeout.is_some_and(|timeout| idle >= timeout) {
-            self.draining = Some((Why::Idle, now));
+            self.draining = Some((Reason::Idle, now));
         }
     }
 
-    /// How it leaves, if it is to before it has found its coordinator.
+    /// The departure due before the first connection, if any.
     pub fn over_before_work(&self, now: Instant, idle: Duration) -> Option<Departure> {
         let up = self.time_up.is_some_and(|up| now >= up).then_some(Departure::TimeUp { lost: 0 });
         up.or(self.idle_timeout.is_some_and(|timeout| idle >= timeout).then_some(Departure::Idle))
     }
 
-    /// Whether it is time to go, with so many tasks running.
-    pub fn is_over(&self, now: Instant, running: usize) -> bool {
+    /// True if the worker is to leave now, with `running` tasks.
+    pub fn must_leave(&self, now: Instant, running: usize) -> bool {
         self.draining.is_some_and(|(_, until)| running == 0 || now >= until)
     }
 
-    /// When to look again at the latest.
-    pub fn next_look(&self, now: Instant, longest: Option<Duration>, idle: Duration) -> Option<Instant> {
+    /// Latest time of the next [`LeavePolicy::check`].
+    pub fn next_check(&self, now: Instant, longest: Option<Duration>, idle: Duration) -> Option<Instant> {
         if let Some((_, until)) = self.draining {
             return Some(until);
         }
@@ -91,11 +91,11 @@ impl LeavePolicy {
         [timeout, up].into_iter().flatten().min()
     }
 
-    /// How it has left, with outcomes it could not hand in.
+    /// The departure with `lost` outcomes that could not be returned.
     pub fn departure(&self, lost: usize) -> Departure {
         match self.draining {
-            Some((Why::Idle, _)) if lost == 0 => Departure::Idle,
-            Some((Why::Walltime, _)) => Departure::TimeUp { lost },
+            Some((Reason::Idle, _)) if lost == 0 => Departure::Idle,
+            Some((Reason::Walltime, _)) => Departure::TimeUp { lost },
             _ => Departure::Stopped { lost },
         }
     }
@@ -107,7 +107,7 @@ mod tests {
 
     const SECOND: Duration = Duration::from_secs(1);
 
-    fn leave_policy(walltime: Option<u32>, idle: Option<u32>, drain: u32) -> (LeavePolicy, Instant) {
+    fn policy(walltime: Option<u32>, idle: Option<u32>, drain: u32) -> (LeavePolicy, Instant) {
         let seconds = |n: Option<u32>| n.map(|n| n * SECOND);
         let config = ServiceConfig {
             walltime: seconds(walltime),
@@ -120,38 +120,38 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_begun_that_cannot_end_in_time() {
-        let (mut leave_policy, start) = leave_policy(Some(100), None, 0);
-        // 92 s are left for work; what takes 30 s is begun in the first 62.
+    fn no_task_starts_that_cannot_finish_in_time() {
+        let (mut policy, start) = policy(Some(100), None, 0);
+        // 92 s are left for work; a task of 30 s starts within the first 62 s.
         let longest = Some(30 * SECOND);
-        leave_policy.check(start + 61 * SECOND, longest, Duration::ZERO);
-        assert!(!leave_policy.is_draining());
-        assert_eq!(leave_policy.next_look(start, longest, Duration::ZERO), Some(start + 62 * SECOND));
-        leave_policy.check(start + 62 * SECOND, longest, Duration::ZERO);
-        assert!(leave_policy.is_draining() && !leave_policy.is_over(start + 91 * SECOND, 1));
-        assert!(leave_policy.is_over(start + 63 * SECOND, 0), "with nothing to end it goes at once");
-        assert!(leave_policy.is_over(start + 92 * SECOND, 1), "with time to hand back what has not ended");
-        assert_eq!(leave_policy.departure(0), Departure::TimeUp { lost: 0 });
+        policy.check(start + 61 * SECOND, longest, Duration::ZERO);
+        assert!(!policy.is_draining());
+        assert_eq!(policy.next_check(start, longest, Duration::ZERO), Some(start + 62 * SECOND));
+        policy.check(start + 62 * SECOND, longest, Duration::ZERO);
+        assert!(policy.is_draining() && !policy.must_leave(start + 91 * SECOND, 1));
+        assert!(policy.must_leave(start + 63 * SECOND, 0), "without running tasks it leaves at once");
+        assert!(policy.must_leave(start + 92 * SECOND, 1), "with time to return unfinished tasks");
+        assert_eq!(policy.departure(0), Departure::TimeUp { lost: 0 });
     }
 
     #[test]
-    fn what_runs_may_end_within_the_drain() {
-        let (mut leave_policy, start) = leave_policy(None, None, 20);
-        leave_policy.request_stop(start);
-        leave_policy.request_stop(start + 19 * SECOND);
-        assert!(leave_policy.is_draining() && !leave_policy.is_over(start + 19 * SECOND, 1));
-        assert!(leave_policy.is_over(start + SECOND, 0) && leave_policy.is_over(start + 20 * SECOND, 1));
-        assert_eq!(leave_policy.departure(2), Departure::Stopped { lost: 2 });
+    fn running_tasks_may_finish_within_the_drain_time() {
+        let (mut policy, start) = policy(None, None, 20);
+        policy.request_stop(start);
+        policy.request_stop(start + 19 * SECOND);
+        assert!(policy.is_draining() && !policy.must_leave(start + 19 * SECOND, 1));
+        assert!(policy.must_leave(start + SECOND, 0) && policy.must_leave(start + 20 * SECOND, 1));
+        assert_eq!(policy.departure(2), Departure::Stopped { lost: 2 });
     }
 
     #[test]
-    fn it_goes_when_it_was_idle_for_too_long() {
-        let (mut leave_policy, start) = leave_policy(None, Some(60), 0);
-        leave_policy.check(start, None, 59 * SECOND);
-        assert!(!leave_policy.is_draining());
-        assert_eq!(leave_policy.next_look(start, None, 59 * SECOND), Some(start + SECOND));
-        leave_policy.check(start, None, 60 * SECOND);
-        assert!(leave_policy.is_over(start, 0));
-        assert_eq!(leave_policy.departure(0), Departure::Idle);
+    fn a_worker_leaves_after_the_idle_timeout() {
+        let (mut policy, start) = policy(None, Some(60), 0);
+        policy.check(start, None, 59 * SECOND);
+        assert!(!policy.is_draining());
+        assert_eq!(policy.next_check(start, None, 59 * SECOND), Some(start + SECOND));
+        policy.check(start, None, 60 * SECOND);
+        assert!(policy.must_leave(start, 0));
+        assert_eq!(policy.departure(0), Departure::Idle);
     }
 }

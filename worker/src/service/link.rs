@@ -1,4 +1,4 @@
-//! The worker's connection: the only place of the worker that knows Zenoh.
+//! Zenoh session of a worker with one coordinator: the only module of the worker that uses Zenoh.
 
 use super::claim_event::ClaimEvent;
 use super::connection_monitor::ConnectionMonitor;
@@ -12,10 +12,10 @@ use zenoh::pubsub::Subscriber;
 use zenoh::query::ConsolidationMode;
 use zenoh::{Config, Session, Wait};
 
-/// What the worker needs, as Zenoh settings. A hang of the worker is seen within its lease; reconnection is
-/// tried for ever and twice a second, so that a restarted coordinator has its workers back at once (4 s with Zenoh's own
-/// settings). The timeout bounds the first connection only: opening a client
-/// session waits for it, and without a bound it could neither give up nor be stopped.
+/// Zenoh settings the worker requires. The lease bounds the time in which a hang of the worker is detected. Reconnection
+/// is tried about twice a second without limit, so that a restarted coordinator has its workers back at once (4 s with
+/// Zenoh's default). The timeout bounds the first connection only: opening a client session blocks until then, and
+/// without a bound the worker could neither give up nor be stopped.
 const ZENOH_SETTINGS: [(&str, &str); 10] = [
     ("mode", "\"client\""),
     ("listen/endpoints", "[]"),
@@ -32,10 +32,10 @@ const ZENOH_SETTINGS: [(&str, &str); 10] = [
 /// Pause between attempts to open the session.
 const RETRY: Duration = Duration::from_millis(200);
 
-/// A dead line may never let go.
+/// Time limit for closing the session: closing may block on a broken connection.
 const CLOSE_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// See the module.
+/// An open session with its declarations; they end when it is dropped.
 pub(super) struct Link {
     session: Session,
     _token: LivelinessToken,
@@ -46,10 +46,11 @@ pub(super) struct Link {
 }
 
 impl Link {
-    /// Opens the session as soon as the coordinator can be reached; `Ok(Err(_))` if told to stop before, or it is `over`.
+    /// Opens the session as soon as the coordinator can be reached. `Ok(Err(_))` if the worker is stopped before that, or
+    /// `departure` returns a reason to leave.
     ///
     /// # Errors
-    /// [`ServiceError::Unreachable`] when it was not for too long.
+    /// [`ServiceError::Unreachable`] once `monitor` gives up.
     pub fn connect(
         settings: &LinkSettings,
         service: &ServiceConfig,
@@ -57,7 +58,7 @@ impl Link {
         inbox: &Sender<ClaimEvent>,
         received: &Receiver<ClaimEvent>,
         monitor: &mut ConnectionMonitor,
-        over: impl Fn(Instant) -> Option<Departure>,
+        departure: impl Fn(Instant) -> Option<Departure>,
     ) -> Result<Result<Self, Departure>, ServiceError> {
         loop {
             let started = Instant::now();
@@ -66,8 +67,8 @@ impl Link {
                 Err(error) => monitor.on_failure(started, refusal::explain(&reason(error), started)),
             }
             monitor.check(Instant::now())?;
-            if let Some(departure) = over(Instant::now()) {
-                return Ok(Err(departure));
+            if let Some(left) = departure(Instant::now()) {
+                return Ok(Err(left));
             }
             match received.recv_timeout(RETRY) {
                 Ok(ClaimEvent::Stop) => return Ok(Err(Departure::Stopped { lost: 0 })),
@@ -85,7 +86,7 @@ impl Link {
         worker: &WorkerId,
         inbox: &Sender<ClaimEvent>,
     ) -> Result<Self, ServiceError> {
-        // Callbacks only feed the inbox: a callback that waits would hold up Zenoh's receiving threads.
+        // Callbacks only feed the inbox: a callback that waits would block Zenoh's receiving threads.
         let to_claims = inbox.clone();
         let notices = session
             .declare_subscriber(keys::NOTICE)
@@ -99,16 +100,19 @@ impl Link {
             session,
             _token: token,
             _notices: notices,
-            // In plain text, so that a coordinator of any version can say who it refuses.
+            // In plain text, so that a coordinator of any version can name the worker it refuses.
             selector: format!("{}?worker={}", keys::CLAIM, worker.name),
             answer_timeout: service.answer_timeout,
             inbox: inbox.clone(),
         })
     }
 
-    /// Sends a claim; its answer and its end go to the inbox under `sequence`.
-    pub fn ask(&self, sequence: u64, frame: Vec<u8>) -> Result<(), String> {
-        let ended = Ended { sequence, inbox: self.inbox.clone() };
+    /// Sends a claim; its reply and the end of the query arrive in the inbox as events with `sequence`.
+    ///
+    /// # Errors
+    /// Error text of Zenoh.
+    pub fn send_claim(&self, sequence: u64, frame: Vec<u8>) -> Result<(), String> {
+        let end = QueryEnd { sequence, inbox: self.inbox.clone() };
         let query = self
             .session
             .get(&self.selector)
@@ -120,12 +124,12 @@ impl Link {
                     Ok(sample) => Ok(sample.payload().to_bytes().into_owned()),
                     Err(error) => Err(String::from_utf8_lossy(&error.payload().to_bytes()).into_owned()),
                 };
-                let _ = ended.inbox.send(ClaimEvent::Answer { sequence: ended.sequence, frame });
+                let _ = end.inbox.send(ClaimEvent::Answer { sequence: end.sequence, frame });
             });
         query.wait().map_err(reason)
     }
 
-    /// Closes the session, or leaves it after a while if the line is dead.
+    /// Closes the session; gives up after [`CLOSE_TIMEOUT`].
     pub fn close(&self) {
         let (done, finished) = channel();
         let session = self.session.clone();
@@ -139,26 +143,26 @@ impl Link {
     }
 }
 
-/// Lives as long as the query: Zenoh drops the callback when no more answers can come.
-struct Ended {
+/// Reports the end of a query when dropped: Zenoh drops the callback when no further reply can arrive.
+struct QueryEnd {
     sequence: u64,
     inbox: Sender<ClaimEvent>,
 }
 
-impl Drop for Ended {
+impl Drop for QueryEnd {
     fn drop(&mut self) {
         let _ = self.inbox.send(ClaimEvent::QueryEnded { sequence: self.sequence });
     }
 }
 
-/// Zenoh settings of a worker for one coordinator.
+/// Zenoh configuration of a worker for one coordinator.
 pub(super) struct LinkSettings(Config);
 
-/// Those for the coordinator at `endpoint`.
+/// Builds the configuration for the coordinator at `endpoint`.
 ///
 /// # Errors
-/// [`ServiceError::Settings`].
-pub(super) fn settings(service: &ServiceConfig, endpoint: &str) -> Result<LinkSettings, ServiceError> {
+/// [`ServiceError::Settings`], [`ServiceError::Messaging`].
+pub(super) fn link_settings(service: &ServiceConfig, endpoint: &str) -> Result<LinkSettings, ServiceError> {
     let mut config = match &service.zenoh_config {
         None => Config::default(),
         Some(file) => Config::from_file(file).map_err(|error| ServiceError::Settings {

@@ -1,17 +1,20 @@
-//! Offers a simulator to coordinators: claims tasks, evaluates them on its slots, hands the outcomes in.
+//! The worker service: claims tasks from coordinators, evaluates them on its slots, returns the outcomes.
 //!
 //! ```text
-//! claims (a thread a coordinator: one claim under way at a time) --job--> slots (threads: simulations side by side)
-//!        ^  |                                                    <--outcome--
+//! ClaimLoop (one thread per coordinator, one open claim at a time) --Job--> Slots (threads; simulations side by side)
+//!        ^  |                                                      <--Outcome--
 //!        |  v
-//!       link (the only place of the worker that knows Zenoh)
+//!       Link (the only module of the worker that uses Zenoh)
 //! ```
 //!
-//! Several coordinators share the slots fairly (`shares`); the end or death of one does not touch the others.
+//! Several coordinators share the slots fairly ([`FairShare`]); the end or crash of one does not affect the others.
 //!
-//! The worker keeps no state between orders: a reply carries the scene with its tasks. It forgets an outcome
-//! only when it was acknowledged, so a coordinator may stop, or the line may break, at any moment. Nothing here
-//! needs a tokio runtime of the caller; inside one, it must be a multi-threaded one (Zenoh's own condition).
+//! The worker keeps no state between work orders: a reply carries the scene with its tasks. An outcome is kept until it
+//! is acknowledged ([`UnacknowledgedResults`]), so a coordinator may stop and the connection may break at any time. The
+//! caller needs no tokio runtime; if it has one, it must be multi-threaded (a condition of Zenoh).
+//!
+//! [`FairShare`]: fair_share::FairShare
+//! [`UnacknowledgedResults`]: unacknowledged::UnacknowledgedResults
 
 mod claim_event;
 mod claim_loop;
@@ -31,7 +34,7 @@ mod worker_handle;
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
-use common::wire::{Task, WorkOrder};
+use common::wire::{Task, TaskKey, WorkOrder};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -39,59 +42,74 @@ use std::time::{Duration, Instant, SystemTime};
 use thiserror::Error;
 pub use worker_handle::{Stopper, WorkerHandle, run, spawn};
 
-/// One task with the order it came in.
+/// One task with its work order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Job {
     order: Arc<WorkOrder>,
     task: Task,
-    /// Which of the worker's coordinators wants it.
-    place: usize,
+    /// Index of the coordinator that gets the outcome.
+    coordinator: usize,
 }
 
 impl Job {
-    /// Text of the scene.
+    /// A job outside any campaign, without the first cycle; for tests of a simulator.
+    pub fn standalone(scene: &str, sample: &[f64], accuracy: Accuracy) -> Self {
+        let order =
+            WorkOrder { scene: scene.to_owned(), accuracy, accuracy_name: String::new(), tasks: vec![] };
+        let task = Task {
+            key: TaskKey { campaign: 0, task: 0 },
+            attempt: 1,
+            sample: sample.to_vec(),
+            with_first_cycle: false,
+            accuracy: None,
+        };
+        Self { order: Arc::new(order), task, coordinator: 0 }
+    }
+
+    /// The same job, with the settled first cycle.
+    pub fn and_first_cycle(mut self) -> Self {
+        self.task.with_first_cycle = true;
+        self
+    }
+
+    /// Source text of the scene, TOML.
     pub fn scene(&self) -> &str {
         &self.order.scene
     }
 
-    /// Values of its random variables, SI.
+    /// Values of the scene's random variables `(d,)`, SI.
     pub fn sample(&self) -> &[f64] {
         &self.task.sample
     }
 
-    /// How accurately it is wanted.
+    /// Numerical settings of this evaluation.
     pub fn accuracy(&self) -> &Accuracy {
         self.task.accuracy.as_ref().unwrap_or(&self.order.accuracy)
     }
 
-    /// Whether the settled first cycle is wanted too.
+    /// Whether the settled first cycle is to be returned too.
     pub fn with_first_cycle(&self) -> bool {
         self.task.with_first_cycle
     }
 }
 
-/// What a worker offers.
+/// Evaluates samples; implemented by the program behind a worker.
 pub trait Simulator: Send + Sync {
-    /// Evaluates one sample of a scene.
+    /// Evaluates the sample of one job.
     ///
     /// # Errors
-    /// [`SimulationFailure`]: an outcome like any other, handed in as such.
-    fn simulate(
-        &self,
-        scene: &str,
-        sample: &[f64],
-        accuracy: &Accuracy,
-        with_first_cycle: bool,
-    ) -> Result<Evaluation, SimulationFailure>;
+    /// [`SimulationFailure`], which is returned to the coordinator as the outcome of the task.
+    fn simulate(&self, job: &Job) -> Result<Evaluation, SimulationFailure>;
 
-    /// Evaluations that a thread should have under way at once.
+    /// Number of evaluations a thread runs side by side.
     fn side_by_side(&self) -> usize {
         1
     }
 
-    /// Evaluates what `next` gives until it gives nothing, [`Simulator::side_by_side`] or fewer at a time; `done` takes
-    /// each result with the number of its job, counted from zero as they were given, and the time it took, its share of
-    /// what was done for several at once. A result does not depend on what was beside.
+    /// Evaluates the jobs returned by `next` until it returns `None`, at most [`Simulator::side_by_side`] of them at a
+    /// time. Calls `done` with the index of the job, counted from zero in the order of `next`, its result, and the time
+    /// charged to it: its own, plus its share of the time spent on several jobs at once. A result must not depend on the
+    /// jobs that run side by side with it.
     fn simulate_together(
         &self,
         next: &mut dyn FnMut() -> Option<Job>,
@@ -100,44 +118,44 @@ pub trait Simulator: Send + Sync {
         for number in 0.. {
             let Some(job) = next() else { return };
             let begun = Instant::now();
-            let evaluation = self.simulate(job.scene(), job.sample(), job.accuracy(), job.with_first_cycle());
+            let evaluation = self.simulate(&job);
             done(number, evaluation, begun.elapsed());
         }
     }
 }
 
-/// How a worker serves.
+/// Settings of a worker.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ServiceConfig {
-    /// Where the coordinators are, e.g. `tcp/192.168.1.20:7447`; they share the slots.
+    /// Endpoints of the coordinators, e.g. `tcp/192.168.1.20:7447`; they share the slots.
     pub connect: Vec<String>,
-    /// More Zenoh settings (JSON5 file), e.g. certificates; what the service needs stands above them.
+    /// File with further Zenoh settings (JSON5), e.g. certificates; the settings required by the service override it.
     pub zenoh_config: Option<PathBuf>,
-    /// Threads that simulate.
+    /// Number of simulation threads.
     pub slots: usize,
-    /// Tasks to hold in reserve beyond the slots at least; more where tasks are so short that slots would wait for
-    /// answers.
+    /// Lower bound of the tasks prefetched beyond the slots; more are prefetched if tasks are so short that slots would
+    /// wait for replies.
     pub prefetch: usize,
-    /// Name, unique where people look at it; what cannot stand in a key becomes `-`.
+    /// Name shown by the coordinator, unique among its workers; characters not allowed in a key are replaced by `-`.
     pub name: String,
-    /// How long the coordinator may be out of reach before the worker gives up; `None`: for ever.
+    /// Time without an answer after which the worker gives up; `None`: never.
     pub give_up_after: Option<Duration>,
-    /// How long an answer to a claim may take.
+    /// Time limit for the reply to a claim.
     pub answer_timeout: Duration,
-    /// How long what runs may go on once the worker is asked to stop; what has not ended by then is handed back.
+    /// Time for running tasks to finish after a stop request; unfinished tasks are then returned.
     pub drain: Duration,
-    /// How long there may be nothing to do before the worker leaves; `None`: for ever.
+    /// Time without tasks after which the worker leaves; `None`: never.
     pub idle_timeout: Option<Duration>,
-    /// Time after which the worker has left. It begins nothing that, by what it has measured, would not end before.
+    /// Maximum run time. A task that cannot finish within it, judged by the measured times, is not started.
     pub walltime: Option<Duration>,
-    /// Whether it waits for the next campaign where one has ended.
+    /// Whether the worker waits for the next campaign when one has ended.
     pub next_campaign: bool,
-    /// Whether its slots give way to other threads of the process that want a core (on Linux).
+    /// Whether the slots run at lower priority than the other threads of the process (Linux only).
     pub give_way: bool,
 }
 
 impl ServiceConfig {
-    /// `slots` threads for the coordinator at `connect`, under the name `<host>-<process>`.
+    /// Default settings with `slots` threads for the coordinator at `connect`, and the name `<host>-<process number>`.
     pub fn new(connect: impl Into<String>, slots: usize) -> Self {
         Self {
             connect: vec![connect.into()],
@@ -156,73 +174,73 @@ impl ServiceConfig {
     }
 }
 
-/// Why a worker has ended as it should.
+/// Normal reasons for a worker to exit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Departure {
-    /// The coordinator has finished.
+    /// The campaign of its coordinator has ended.
     CampaignEnded,
-    /// It was asked to stop, and what it had finished was handed in.
+    /// It was stopped and has returned its finished outcomes.
     Stopped {
-        /// Outcomes that could not be handed in.
+        /// Outcomes that could not be returned.
         lost: usize,
     },
-    /// It had nothing to do for too long.
+    /// It had no tasks for [`ServiceConfig::idle_timeout`].
     Idle,
-    /// Its time was up.
+    /// Its [`ServiceConfig::walltime`] is over.
     TimeUp {
-        /// Outcomes that could not be handed in.
+        /// Outcomes that could not be returned.
         lost: usize,
     },
-    /// It was told to drop everything at once.
+    /// It was aborted and has dropped its tasks and outcomes.
     Aborted,
 }
 
-/// Why a worker cannot serve.
+/// Reasons for a worker to fail.
 #[derive(Debug, Error)]
 pub enum ServiceError {
-    /// A setting of its own is wrong.
+    /// A setting of the worker is wrong.
     #[error("{setting}: {reason}")]
     Settings {
-        /// Which.
+        /// Name of the setting.
         setting: String,
-        /// What is wrong.
+        /// What is wrong with it.
         reason: String,
     },
-    /// Nobody answers.
+    /// No coordinator answers.
     #[error(
         "no coordinator answered at {endpoint} for {seconds:.0} s ({last_reason}): is it running, is the address \
          right, does it accept this worker?"
     )]
     Unreachable {
-        /// Where it should be.
+        /// Endpoint of the coordinator.
         endpoint: String,
-        /// How long it was tried [s].
+        /// Time since the first failed attempt [s].
         seconds: f64,
-        /// What the last attempt said.
+        /// Error of the last attempt.
         last_reason: String,
     },
-    /// Coordinator and worker come from different versions of the program.
+    /// Coordinator and worker have different protocol versions.
     #[error(
-        "the coordinator at {endpoint} speaks protocol version {theirs}, this worker version {ours}: use the same \
+        "the coordinator at {endpoint} uses protocol version {theirs}, this worker version {ours}: use the same \
          version of the program on both sides"
     )]
     OtherVersion {
-        /// Where it is.
+        /// Endpoint of the coordinator.
         endpoint: String,
-        /// Its version.
+        /// Protocol version of the coordinator.
         theirs: u16,
-        /// Ours.
+        /// Protocol version of this worker.
         ours: u16,
     },
-    /// The messaging library failed.
+    /// Zenoh failed, or a thread could not be started.
     #[error("messaging: {0}")]
     Messaging(String),
-    /// The thread of the service broke: a defect of the program.
+    /// A thread of the service panicked: a defect of the program.
     #[error("the service of the worker panicked")]
     Panicked,
 }
 
-/// Rises with every start on this machine.
+/// Number that increases with every start on this machine.
 fn new_epoch() -> u64 {
     static STARTS: AtomicU64 = AtomicU64::new(0);
     let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();

@@ -1,25 +1,17 @@
-//! What the tests of the service share.
+//! Simulator, job and evaluation for the tests of the service.
 
 use super::{Job, Simulator};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::{Diagnostics, Evaluation};
-use common::wire::{Task, TaskKey, WorkOrder};
-use std::sync::Arc;
 use std::time::Duration;
 
-/// A simulator made of a closure; of what it has side by side, it begins all before it ends any.
-pub struct Practice<F>(pub F);
+/// A simulator from a closure on the first value of the sample. It takes all available jobs before it ends the first.
+pub struct EagerSimulator<F>(pub F);
 
-impl<F: Fn(f64) -> Result<Evaluation, SimulationFailure> + Send + Sync> Simulator for Practice<F> {
-    fn simulate(
-        &self,
-        _scene: &str,
-        sample: &[f64],
-        _accuracy: &Accuracy,
-        _with_first_cycle: bool,
-    ) -> Result<Evaluation, SimulationFailure> {
-        self.0(sample[0])
+impl<F: Fn(f64) -> Result<Evaluation, SimulationFailure> + Send + Sync> Simulator for EagerSimulator<F> {
+    fn simulate(&self, job: &Job) -> Result<Evaluation, SimulationFailure> {
+        self.0(job.sample()[0])
     }
 
     fn simulate_together(
@@ -29,21 +21,17 @@ impl<F: Fn(f64) -> Result<Evaluation, SimulationFailure> + Send + Sync> Simulato
     ) {
         let jobs: Vec<Job> = std::iter::from_fn(next).collect();
         jobs.iter().enumerate().for_each(|(number, job)| {
-            done(number, self.0(job.sample()[0]), Duration::from_millis(250));
+            done(number, self.simulate(job), Duration::from_millis(250));
         });
     }
 }
 
-/// A job with this sample.
+/// A job with the sample `[x]`.
 pub fn job(x: f64) -> Job {
-    let accuracy = Accuracy::draft();
-    let order = WorkOrder { scene: String::new(), accuracy, accuracy_name: String::new(), tasks: vec![] };
-    let key = TaskKey { campaign: 1, task: 2 };
-    let task = Task { key, attempt: 1, sample: vec![x], with_first_cycle: false, accuracy: None };
-    Job { order: Arc::new(order), task, place: 0 }
+    Job::standalone("", &[x], Accuracy::draft())
 }
 
-/// An evaluation of one output.
+/// An evaluation with one output `history`.
 pub fn evaluation(history: Vec<f64>) -> Evaluation {
     let cycles = (1..=history.len()).map(|k| 1000 * u32::try_from(k).unwrap()).collect();
     let diagnostics = Diagnostics::default();

@@ -1,62 +1,61 @@
-//! How fast tasks end and answers come, as measured: how many tasks to hold in reserve, and whether one can still be ended
-//! in time.
+//! Estimates from measured times how many tasks to prefetch, and how long the next task may take.
 
 use std::collections::VecDeque;
 use std::time::Duration;
 
-/// Weight of the newest in the means.
+/// Weight of the newest value in the running means [1].
 const NEWEST: f64 = 0.2;
-/// Evaluations that are looked back on for the longest.
-const LOOK_BACK: usize = 32;
-/// By how much the next evaluation may be longer than the longest of those.
-const LONGER: f64 = 1.25;
-/// Share of its time that a slot may wait for an answer before tasks are held in reserve.
-const WAITED: f64 = 0.005;
-/// Most tasks in reserve: what is here cannot be done elsewhere.
-const MOST_IN_RESERVE: f64 = 256.0;
+/// Number of recent evaluations considered for the longest one.
+const RECENT: usize = 32;
+/// Margin of the next evaluation over the longest recent one [1].
+const MARGIN: f64 = 1.25;
+/// Share of its time that a slot may wait for a reply before tasks are prefetched [1].
+const WAIT_SHARE: f64 = 0.005;
+/// Most tasks prefetched: a prefetched task is not available to other workers.
+const MOST_PREFETCHED: f64 = 256.0;
 
-/// See the module.
+/// Running means of task and reply times.
 #[derive(Debug, Default)]
 pub(super) struct PrefetchEstimator {
-    /// Mean time that a task took a slot [s].
+    /// Running mean of the slot time of a task [s].
     wall: Option<f64>,
-    /// Mean time from a claim to its answer [s].
-    answer: Option<f64>,
-    /// From the beginning of a task to its end.
+    /// Running mean of the time from a claim to its reply [s].
+    reply: Option<f64>,
+    /// Time from arrival to end of the most recent tasks.
     latest: VecDeque<Duration>,
-    /// Tasks so far.
+    /// Number of tasks ended.
     ended: usize,
 }
 
 impl PrefetchEstimator {
-    /// A task took a slot `wall` seconds, and was here for `took`.
+    /// Registers a task that took a slot `wall` seconds and ended `took` after its arrival.
     pub fn task_ended(&mut self, wall: f64, took: Duration) {
         self.wall = mean(self.wall, wall);
         self.ended += 1;
-        self.latest.truncate(LOOK_BACK - 1);
+        self.latest.truncate(RECENT - 1);
         self.latest.push_front(took);
     }
 
-    /// A claim was answered after so long.
-    pub fn answered(&mut self, after: Duration) {
-        self.answer = mean(self.answer, after.as_secs_f64());
+    /// Registers a reply that arrived `after` its claim.
+    pub fn reply_received(&mut self, after: Duration) {
+        self.reply = mean(self.reply, after.as_secs_f64());
     }
 
-    /// How long a task may take from its beginning to its end; `None` before the first has ended.
+    /// Longest expected time of a task from arrival to end; `None` before the first task has ended.
     pub fn longest(&self) -> Option<Duration> {
-        self.latest.iter().max().map(|longest| longest.mul_f64(LONGER))
+        self.latest.iter().max().map(|longest| longest.mul_f64(MARGIN))
     }
 
-    /// Tasks that `slots` threads work off while a claim is answered; none where they would hardly wait for it, and no
-    /// more than have ended so far, as the next ones may be longer.
-    pub fn reserve(&self, slots: usize) -> usize {
-        let reserve = match (self.wall, self.answer) {
-            (Some(wall), Some(answer)) if answer > WAITED * wall => {
-                (slots as f64 * answer / wall.max(f64::MIN_POSITIVE)).ceil().min(MOST_IN_RESERVE) as usize
+    /// Tasks to prefetch: as many as `slots` threads finish during one reply time. Zero if a slot would wait for less than
+    /// 0.5 % of its time; at most the number of tasks ended so far, since the next ones may be longer.
+    pub fn tasks(&self, slots: usize) -> usize {
+        let tasks = match (self.wall, self.reply) {
+            (Some(wall), Some(reply)) if reply > WAIT_SHARE * wall => {
+                (slots as f64 * reply / wall.max(f64::MIN_POSITIVE)).ceil().min(MOST_PREFETCHED) as usize
             }
             _ => 0,
         };
-        reserve.min(self.ended)
+        tasks.min(self.ended)
     }
 }
 
@@ -69,36 +68,36 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_reserve_covers_the_time_of_an_answer() {
+    fn prefetched_tasks_cover_the_reply_time() {
         let mut prefetch = PrefetchEstimator::default();
-        assert_eq!(prefetch.reserve(2), 0, "nothing is known");
-        prefetch.answered(Duration::from_millis(1));
-        for (wall, reserve) in [(1.0, 0), (0.01, 1), (1e-3, 2), (2.5e-4, 8), (0.0, 256)] {
+        assert_eq!(prefetch.tasks(2), 0, "nothing is measured yet");
+        prefetch.reply_received(Duration::from_millis(1));
+        for (wall, tasks) in [(1.0, 0), (0.01, 1), (1e-3, 2), (2.5e-4, 8), (0.0, 256)] {
             let prefetch = PrefetchEstimator {
                 wall: Some(wall),
-                answer: prefetch.answer,
+                reply: prefetch.reply,
                 ended: 1000,
                 ..PrefetchEstimator::default()
             };
-            assert_eq!(prefetch.reserve(2), reserve, "{wall} s a task");
+            assert_eq!(prefetch.tasks(2), tasks, "{wall} s a task");
         }
         let new = PrefetchEstimator {
             wall: Some(0.0),
-            answer: prefetch.answer,
+            reply: prefetch.reply,
             ended: 3,
             ..PrefetchEstimator::default()
         };
-        assert_eq!(new.reserve(2), 3, "three ended at once; the next ones may not");
+        assert_eq!(new.tasks(2), 3, "three ended at once; the next ones may not");
     }
 
     #[test]
-    fn the_longest_is_that_of_late() {
+    fn the_longest_is_that_of_recent_tasks() {
         let mut prefetch = PrefetchEstimator::default();
         assert_eq!(prefetch.longest(), None);
         prefetch.task_ended(1.0, Duration::from_secs(8));
         prefetch.task_ended(1.0, Duration::from_secs(4));
         assert_eq!(prefetch.longest(), Some(Duration::from_secs(10)));
-        (0..LOOK_BACK).for_each(|_| prefetch.task_ended(1.0, Duration::from_secs(4)));
+        (0..RECENT).for_each(|_| prefetch.task_ended(1.0, Duration::from_secs(4)));
         assert_eq!(prefetch.longest(), Some(Duration::from_secs(5)));
     }
 }

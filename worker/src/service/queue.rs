@@ -1,11 +1,11 @@
-//! The tasks a worker holds and has not begun, shared by its slots: each takes a fair share, so that no slot idles while
-//! another has several side by side.
+//! Queue of a worker's waiting jobs. Each slot takes at most its fair share, so that no slot is idle while another one runs
+//! several jobs side by side.
 
 use super::Job;
 use std::collections::VecDeque;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
-/// See the module.
+/// Waiting jobs, and the number of running ones.
 pub(super) struct Queue {
     slots: usize,
     state: Mutex<QueueState>,
@@ -15,23 +15,23 @@ pub(super) struct Queue {
 #[derive(Default)]
 struct QueueState {
     waiting: VecDeque<Job>,
-    under_way: usize,
+    running: usize,
     closed: bool,
 }
 
 impl Queue {
-    /// For so many slots.
+    /// An empty queue for `slots` slots.
     pub fn new(slots: usize) -> Self {
         Queue { slots, state: Mutex::default(), changed: Condvar::new() }
     }
 
-    /// Puts a job at the end.
+    /// Appends a job.
     pub fn push(&self, job: Job) {
         self.state().waiting.push_back(job);
         self.changed.notify_one();
     }
 
-    /// Takes out what waits and is `unwanted`.
+    /// Removes and returns the waiting jobs that are `unwanted`.
     pub fn withdraw(&self, unwanted: impl Fn(&Job) -> bool) -> Vec<Job> {
         let mut state = self.state();
         let all = std::mem::take(&mut state.waiting).into_iter();
@@ -48,7 +48,7 @@ impl Queue {
         out
     }
 
-    /// Forgets what waits; nobody gets a job any more.
+    /// Removes all waiting jobs; no slot gets a job afterwards.
     pub fn close(&self) {
         let mut state = self.state();
         state.closed = true;
@@ -56,24 +56,24 @@ impl Queue {
         self.changed.notify_all();
     }
 
-    /// Waits for a job for a slot that has none; `None` once the queue is closed.
+    /// Waits for a job for an idle slot; `None` once the queue is closed.
     pub fn first(&self) -> Option<Job> {
         let idle = |state: &mut QueueState| !state.closed && state.waiting.is_empty();
         let mut state = self.changed.wait_while(self.state(), idle).unwrap_or_else(PoisonError::into_inner);
         state.take()
     }
 
-    /// A job beside the `mine` that a slot has under way, if its share of all leaves it one.
+    /// Another job for a slot already running `mine`, unless that exceeds its fair share.
     pub fn another(&self, mine: usize) -> Option<Job> {
         let mut state = self.state();
-        let share = (state.under_way + state.waiting.len()).div_ceil(self.slots);
+        let share = (state.running + state.waiting.len()).div_ceil(self.slots);
         if mine < share { state.take() } else { None }
     }
 
-    /// A job has come to its end.
+    /// Counts the end of a job.
     pub fn ended(&self) {
         let mut state = self.state();
-        state.under_way = state.under_way.saturating_sub(1);
+        state.running = state.running.saturating_sub(1);
     }
 
     fn state(&self) -> MutexGuard<'_, QueueState> {
@@ -84,7 +84,7 @@ impl Queue {
 impl QueueState {
     fn take(&mut self) -> Option<Job> {
         let job = self.waiting.pop_front()?;
-        self.under_way += 1;
+        self.running += 1;
         Some(job)
     }
 }
@@ -105,7 +105,7 @@ mod tests {
         assert_eq!(queue.first().expect("the other slot").sample(), [3.0]);
         assert_eq!(queue.another(1).expect("its second").sample(), [4.0]);
         assert!(queue.another(2).is_none());
-        // Of what comes later too.
+        // The share also bounds jobs that arrive later.
         (0..2).for_each(|_| queue.ended());
         queue.push(job(5.0));
         assert!(queue.another(2).is_none());
@@ -113,7 +113,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_withdrawn_is_not_given() {
+    fn a_withdrawn_job_is_not_taken() {
         let queue = Queue::new(1);
         (0..3).for_each(|k| queue.push(job(f64::from(k))));
         let out = queue.withdraw(|job| job.sample() == [1.0]);
@@ -123,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn a_closed_queue_gives_nothing() {
+    fn a_closed_queue_returns_no_job() {
         let queue = Queue::new(1);
         queue.push(job(0.0));
         queue.close();

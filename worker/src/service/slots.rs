@@ -1,21 +1,21 @@
-//! The threads that simulate. They share one queue of jobs, each takes several side by side if its simulator gains by
-//! it; each outcome goes to the claims of the coordinator that wants it.
+//! The simulation threads. They share one queue of jobs; each runs several side by side if the simulator supports it. Each
+//! outcome goes to the claim loop of its coordinator.
 
 use super::claim_event::ClaimEvent;
 use super::fair_share::FairShare;
 use super::queue::Queue;
-use super::{Job, Simulator, guard};
+use super::{Job, ServiceConfig, Simulator, guard};
 use common::wire::Task;
 use std::sync::Arc;
 use std::sync::mpsc::Sender;
 use std::time::Instant;
 
-/// Priority of threads that give way, on the scale of `nice`: another one that wants the same core has three quarters of
-/// it. With 10 it would have nine tenths, but on a machine that others use too nothing would be left.
+/// Lowered priority of slots, on the scale of `nice`: a competing thread gets three quarters of the core. With 10 it would
+/// get nine tenths, but on a machine with other users the slots would then get almost nothing.
 #[cfg(target_os = "linux")]
-const GIVING_WAY: i32 = 5;
+const LOWERED_PRIORITY: i32 = 5;
 
-/// The slots of a worker. When dropped, what waits is forgotten; what runs comes to its end unheard.
+/// The slots of a worker. When dropped, waiting jobs are removed; the outcomes of running jobs are discarded.
 pub(super) struct Slots {
     queue: Arc<Queue>,
     shares: Arc<FairShare>,
@@ -23,15 +23,15 @@ pub(super) struct Slots {
 }
 
 impl Slots {
-    /// Starts `count` threads for coordinators whose claims have these inboxes; `give_way` to the other threads of this
-    /// process or not.
+    /// Starts the threads of `config` under the name `worker`; `inboxes` are those of the claim loops, in the order of the
+    /// coordinators.
     pub fn start(
-        count: usize,
-        give_way: bool,
+        config: &ServiceConfig,
         worker: &str,
         simulator: Arc<dyn Simulator>,
         inboxes: &[Sender<ClaimEvent>],
     ) -> std::io::Result<Self> {
+        let (count, give_way) = (config.slots, config.give_way);
         let slots = Slots {
             queue: Arc::new(Queue::new(count)),
             shares: Arc::new(FairShare::new(inboxes.iter().cloned())),
@@ -51,25 +51,25 @@ impl Slots {
         Ok(slots)
     }
 
-    /// Tasks that can be under way at once.
+    /// Number of jobs that can run at once.
     pub fn at_once(&self) -> usize {
         self.at_once
     }
 
-    /// Which coordinator may have how many of them.
+    /// How the coordinators share the slots.
     pub fn shares(&self) -> &FairShare {
         &self.shares
     }
 
-    /// Queues a job.
+    /// Appends a job to the queue.
     pub fn start_job(&self, job: Job) {
         self.queue.push(job);
     }
 
-    /// Drops what waits of the coordinator at `place` and is unwanted.
-    pub fn withdraw(&self, place: usize, unwanted: impl Fn(&Task) -> bool) -> Vec<Task> {
-        let jobs = self.queue.withdraw(|job| job.place == place && unwanted(&job.task));
-        self.shares.ended(place, jobs.len(), Instant::now());
+    /// Removes the waiting tasks of a coordinator that are `unwanted`; returns them.
+    pub fn withdraw(&self, coordinator: usize, unwanted: impl Fn(&Task) -> bool) -> Vec<Task> {
+        let jobs = self.queue.withdraw(|job| job.coordinator == coordinator && unwanted(&job.task));
+        self.shares.ended(coordinator, jobs.len(), Instant::now());
         jobs.into_iter().map(|job| job.task).collect()
     }
 }
@@ -88,19 +88,25 @@ fn work(
     inboxes: &[Sender<ClaimEvent>],
 ) {
     while let Some(first) = queue.first() {
-        guard::evaluate(simulator, name, first, &mut |mine| queue.another(mine), &mut |place, outcome| {
-            queue.ended();
-            shares.ended(place, 1, Instant::now());
-            // Claims that have ended do not listen any more.
-            let _ = inboxes[place].send(ClaimEvent::Finished(Box::new(outcome)));
-        });
+        guard::evaluate(
+            simulator,
+            name,
+            first,
+            &mut |mine| queue.another(mine),
+            &mut |coordinator, outcome| {
+                queue.ended();
+                shares.ended(coordinator, 1, Instant::now());
+                // A claim loop that has ended discards outcomes.
+                let _ = inboxes[coordinator].send(ClaimEvent::Finished(Box::new(outcome)));
+            },
+        );
     }
 }
 
-/// Lowers the priority of this thread; elsewhere than on Linux it would be that of the process.
+/// Lowers the priority of this thread. On other systems than Linux the call would affect the whole process.
 fn lower_priority() {
     #[cfg(target_os = "linux")]
-    if let Err(error) = rustix::process::setpriority_process(None, GIVING_WAY) {
-        tracing::debug!("a slot keeps its priority: {error}");
+    if let Err(error) = rustix::process::setpriority_process(None, LOWERED_PRIORITY) {
+        tracing::debug!("the priority of a slot cannot be lowered: {error}");
     }
 }

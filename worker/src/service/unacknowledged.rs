@@ -1,13 +1,15 @@
-//! Finished outcomes that were not acknowledged. Each is offered at once, then again after growing pauses: a
-//! coordinator that does not know the task yet (after its restart) will ask for it later.
+//! Finished outcomes that are not acknowledged yet. Each is sent at once, then again after growing pauses: a coordinator
+//! that has restarted may not have requested the task again yet.
 
 use common::wire::{Outcome, Task, TaskKey, codec};
 use std::time::{Duration, Instant};
 
-/// Outcomes in one claim together, unless a single one is larger [bytes].
+/// Size of the outcomes in one claim [bytes]; a single larger outcome is sent alone.
 const CLAIM_BYTES: usize = 1 << 20;
 
+/// Pause before an outcome is sent for the second time; it doubles each time.
 const FIRST_PAUSE: Duration = Duration::from_secs(1);
+/// Longest pause between two sends of an outcome.
 const LONGEST_PAUSE: Duration = Duration::from_secs(30);
 
 struct Entry {
@@ -17,61 +19,65 @@ struct Entry {
     pause: Duration,
 }
 
-/// The outcomes a worker still has.
+/// Outcomes kept until their acknowledgement.
 #[derive(Default)]
 pub(super) struct UnacknowledgedResults(Vec<Entry>);
 
 impl UnacknowledgedResults {
+    /// Number of outcomes.
     pub fn len(&self) -> usize {
         self.0.len()
     }
 
-    /// Size of all [bytes].
+    /// Encoded size of all outcomes [bytes].
     pub fn bytes(&self) -> usize {
         self.0.iter().map(|entry| entry.bytes).sum()
     }
 
+    /// Tasks of the outcomes.
     pub fn keys(&self) -> impl Iterator<Item = TaskKey> {
         self.0.iter().map(|entry| entry.outcome.task.key)
     }
 
+    /// Adds an outcome, to be sent with the next claim.
     pub fn push(&mut self, outcome: Outcome, now: Instant) {
         let bytes = codec::encoded_size(&outcome).unwrap_or(CLAIM_BYTES);
         self.0.push(Entry { outcome, bytes, due: now, pause: FIRST_PAUSE });
     }
 
-    /// Whether the outcome of this very work is there; if so it is due at once.
+    /// Schedules the outcome of this task to be sent at once; false if there is none.
     pub fn resend_if_held(&mut self, task: &Task, now: Instant) -> bool {
         let found = self.0.iter_mut().find(|entry| entry.outcome.task.same_work(task));
         found.map(|entry| entry.due = now).is_some()
     }
 
-    /// When the next one is to be offered.
+    /// Time of the next send; `None` without outcomes.
     pub fn next_due(&self) -> Option<Instant> {
         self.0.iter().map(|entry| entry.due).min()
     }
 
-    /// What to offer now, within the size of a claim; the rest keeps its turn.
-    pub fn offer(&mut self, now: Instant) -> Vec<Outcome> {
-        let mut offered = Vec::new();
+    /// Outcomes to send now, within the size of a claim; the others stay due.
+    pub fn take_due(&mut self, now: Instant) -> Vec<Outcome> {
+        let mut due = Vec::new();
         let mut bytes = 0;
         for entry in self.0.iter_mut().filter(|entry| entry.due <= now) {
-            if !offered.is_empty() && bytes + entry.bytes > CLAIM_BYTES {
+            if !due.is_empty() && bytes + entry.bytes > CLAIM_BYTES {
                 break;
             }
             bytes += entry.bytes;
             entry.due = now + entry.pause;
             entry.pause = (2 * entry.pause).min(LONGEST_PAUSE);
-            offered.push(entry.outcome.clone());
+            due.push(entry.outcome.clone());
         }
-        offered
+        due
     }
 
+    /// Removes acknowledged outcomes.
     pub fn forget(&mut self, acknowledged: &[TaskKey]) {
         self.0.retain(|entry| !acknowledged.contains(&entry.outcome.task.key));
     }
 
-    /// Nobody heard the last offer, or somebody new may listen: all are due again.
+    /// Schedules all outcomes to be sent at once: the last claim was lost, or the coordinator has restarted.
     pub fn resend_all(&mut self, now: Instant) {
         for entry in &mut self.0 {
             (entry.due, entry.pause) = (now, FIRST_PAUSE);
@@ -96,17 +102,17 @@ mod tests {
     }
 
     #[test]
-    fn an_outcome_is_offered_again_with_growing_pauses_until_acknowledged() {
+    fn an_outcome_is_sent_again_with_growing_pauses_until_acknowledged() {
         let start = Instant::now();
         let mut held = UnacknowledgedResults::default();
         held.push(outcome(1, 10), start);
-        let mut offers = vec![];
+        let mut sent = vec![];
         for second in 0..100 {
-            if !held.offer(start + Duration::from_secs(second)).is_empty() {
-                offers.push(second);
+            if !held.take_due(start + Duration::from_secs(second)).is_empty() {
+                sent.push(second);
             }
         }
-        assert_eq!(offers, [0, 1, 3, 7, 15, 31, 61, 91]);
+        assert_eq!(sent, [0, 1, 3, 7, 15, 31, 61, 91]);
         held.forget(&[TaskKey { campaign: 1, task: 1 }]);
         assert_eq!((held.len(), held.next_due()), (0, None));
     }
@@ -118,10 +124,10 @@ mod tests {
         held.push(outcome(1, 2 * CLAIM_BYTES), start);
         held.push(outcome(2, CLAIM_BYTES / 2), start);
         held.push(outcome(3, CLAIM_BYTES / 3), start);
-        assert_eq!(numbers(&held.offer(start)), [1]);
-        assert_eq!(numbers(&held.offer(start)), [2, 3]);
-        assert_eq!(numbers(&held.offer(start)), [] as [u64; 0]);
+        assert_eq!(numbers(&held.take_due(start)), [1]);
+        assert_eq!(numbers(&held.take_due(start)), [2, 3]);
+        assert_eq!(numbers(&held.take_due(start)), [] as [u64; 0]);
         held.resend_all(start);
-        assert_eq!(numbers(&held.offer(start)), [1]);
+        assert_eq!(numbers(&held.take_due(start)), [1]);
     }
 }

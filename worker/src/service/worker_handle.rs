@@ -1,43 +1,43 @@
-//! A worker as a whole: its slots, and the claims at each of its coordinators.
+//! Starts and stops a worker: its slots, and one claim loop for each of its coordinators.
 
 use super::claim_event::ClaimEvent;
 use super::claim_loop::ClaimLoop;
 use super::connection_monitor::ConnectionMonitor;
 use super::leave_policy::LeavePolicy;
-use super::link::{Link, LinkSettings, settings};
+use super::link::{Link, LinkSettings, link_settings};
 use super::slots::Slots;
 use super::{Departure, ServiceConfig, ServiceError, Simulator, new_epoch};
-use common::wire::{WorkerId, keys};
+use common::wire::{WorkerId, worker_name};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::Instant;
 
-/// Asks a worker to stop; may be kept by a signal handler.
+/// Stops a worker, e.g. from a signal handler.
 #[derive(Debug, Clone)]
 pub struct Stopper(Vec<Sender<ClaimEvent>>);
 
 impl Stopper {
-    /// Take nothing new, end what can be ended within [`ServiceConfig::drain`], hand in what is finished, leave. What has
-    /// not ended is dropped; the coordinator gives it to others.
+    /// Stops the worker: it takes no new tasks, lets running tasks continue for [`ServiceConfig::drain`], returns its
+    /// finished outcomes and leaves. The coordinator gives unfinished tasks to other workers.
     pub fn stop(&self) {
-        self.tell(|| ClaimEvent::Stop);
+        self.send(|| ClaimEvent::Stop);
     }
 
-    /// Drop everything at once, as if the process had died.
+    /// Aborts the worker: it drops tasks and outcomes at once, as after a crash.
     pub fn abort(&self) {
-        self.tell(|| ClaimEvent::Abort);
+        self.send(|| ClaimEvent::Abort);
     }
 
-    fn tell(&self, message: impl Fn() -> ClaimEvent) {
-        for claims in &self.0 {
-            // A service that has ended needs no stop.
-            let _ = claims.send(message());
+    fn send(&self, event: impl Fn() -> ClaimEvent) {
+        for inbox in &self.0 {
+            // The claim loop may have ended already.
+            let _ = inbox.send(event());
         }
     }
 }
 
-/// A worker that serves in threads of its own.
+/// A running worker, on separate threads.
 #[derive(Debug)]
 pub struct WorkerHandle {
     stopper: Stopper,
@@ -45,35 +45,35 @@ pub struct WorkerHandle {
 }
 
 impl WorkerHandle {
-    /// To stop it from elsewhere.
+    /// A handle that stops the worker.
     pub fn stopper(&self) -> Stopper {
         self.stopper.clone()
     }
 
-    /// Whether it has ended.
+    /// True if the worker has ended.
     pub fn has_ended(&self) -> bool {
         self.claims.iter().all(JoinHandle::is_finished)
     }
 
-    /// Waits for its end: how it left its coordinators. Of several, one that it left before the end of its campaign
-    /// counts most.
+    /// Waits for the end of the worker and returns how it left. With several coordinators, a departure before the end of a
+    /// campaign takes precedence.
     ///
     /// # Errors
-    /// [`ServiceError`], if it could serve none of its coordinators to the end.
+    /// [`ServiceError`] if the worker failed at all of its coordinators.
     pub fn join(self) -> Result<Departure, ServiceError> {
         let ends = self.claims.into_iter().map(|claims| claims.join().unwrap_or(Err(ServiceError::Panicked)));
         let (left, failed): (Vec<_>, Vec<_>) = ends.partition(Result::is_ok);
         let mut left = left.into_iter().flatten();
         match (left.next(), failed.into_iter().find_map(Result::err)) {
-            (Some(first), _) => Ok(left.fold(first, both)),
+            (Some(first), _) => Ok(left.fold(first, combine)),
             (None, Some(error)) => Err(error),
             (None, None) => Ok(Departure::Aborted),
         }
     }
 }
 
-/// Two departures of one worker as one.
-fn both(a: Departure, b: Departure) -> Departure {
+/// Combines the departures from two coordinators.
+fn combine(a: Departure, b: Departure) -> Departure {
     match (a, b) {
         (Departure::CampaignEnded, other) | (other, Departure::CampaignEnded) => other,
         (Departure::Stopped { lost }, Departure::Stopped { lost: more }) => {
@@ -86,10 +86,10 @@ fn both(a: Departure, b: Departure) -> Departure {
     }
 }
 
-/// Starts a worker in its own threads.
+/// Starts a worker on separate threads.
 ///
 /// # Errors
-/// [`ServiceError::Settings`] and [`ServiceError::Messaging`], before anything is started; all else by
+/// [`ServiceError::Settings`] and [`ServiceError::Messaging`] before any thread is started; later errors are returned by
 /// [`WorkerHandle::join`].
 pub fn spawn(config: ServiceConfig, simulator: Arc<dyn Simulator>) -> Result<WorkerHandle, ServiceError> {
     for (missing, setting) in [(config.slots == 0, "slots"), (config.connect.is_empty(), "endpoints")] {
@@ -100,33 +100,33 @@ pub fn spawn(config: ServiceConfig, simulator: Arc<dyn Simulator>) -> Result<Wor
             });
         }
     }
-    let worker = WorkerId { name: keys::worker_name(&config.name), epoch: new_epoch() };
+    let worker = WorkerId { name: worker_name(&config.name), epoch: new_epoch() };
     let (inboxes, received): (Vec<_>, Vec<_>) = config.connect.iter().map(|_| channel()).unzip();
     let links: Vec<LinkSettings> =
-        config.connect.iter().map(|endpoint| settings(&config, endpoint)).collect::<Result<_, _>>()?;
-    let slots = Slots::start(config.slots, config.give_way, &worker.name, simulator, &inboxes)
+        config.connect.iter().map(|endpoint| link_settings(&config, endpoint)).collect::<Result<_, _>>()?;
+    let slots = Slots::start(&config, &worker.name, simulator, &inboxes)
         .map_err(|e| ServiceError::Messaging(format!("cannot start a thread: {e}")))?;
     let slots = Arc::new(slots);
     let started = Instant::now();
     let mut claims = Vec::new();
-    for (place, (received, link)) in received.into_iter().zip(links).enumerate() {
+    for (coordinator, (received, link)) in received.into_iter().zip(links).enumerate() {
         let (config, worker, slots) = (config.clone(), worker.clone(), Arc::clone(&slots));
-        let seat =
-            CoordinatorThread { config, worker, place, slots, link, inbox: inboxes[place].clone(), started };
-        let thread = std::thread::Builder::new()
-            .name(format!("worker-claims-{place}"))
-            .spawn(move || seat.serve(&received))
+        let inbox = inboxes[coordinator].clone();
+        let thread = CoordinatorThread { config, worker, coordinator, slots, link, inbox, started };
+        let handle = std::thread::Builder::new()
+            .name(format!("worker-claims-{coordinator}"))
+            .spawn(move || thread.run(&received))
             .map_err(|e| ServiceError::Messaging(format!("cannot start a thread: {e}")))?;
-        claims.push(thread);
+        claims.push(handle);
     }
     Ok(WorkerHandle { stopper: Stopper(inboxes), claims })
 }
 
-/// A worker at one of its coordinators.
+/// The thread that serves one coordinator.
 struct CoordinatorThread {
     config: ServiceConfig,
     worker: WorkerId,
-    place: usize,
+    coordinator: usize,
     slots: Arc<Slots>,
     link: LinkSettings,
     inbox: Sender<ClaimEvent>,
@@ -134,33 +134,33 @@ struct CoordinatorThread {
 }
 
 impl CoordinatorThread {
-    fn serve(self, received: &Receiver<ClaimEvent>) -> Result<Departure, ServiceError> {
-        let others = self.config.connect.len() > 1;
-        let ended = self.serve_alone(received);
+    fn run(self, received: &Receiver<ClaimEvent>) -> Result<Departure, ServiceError> {
+        let has_others = self.config.connect.len() > 1;
+        let ended = self.serve(received);
         if let Err(error) = &ended
-            && others
+            && has_others
         {
-            // The worker stays for them, so nobody else says it.
+            // The worker continues with the other coordinators, so its caller does not report the error.
             tracing::warn!("{error}");
         }
         ended
     }
 
-    fn serve_alone(self, received: &Receiver<ClaimEvent>) -> Result<Departure, ServiceError> {
-        let CoordinatorThread { config, worker, place, slots, link, inbox, started } = self;
-        let mut monitor = ConnectionMonitor::new(&config.connect[place], config.give_up_after);
+    fn serve(self, received: &Receiver<ClaimEvent>) -> Result<Departure, ServiceError> {
+        let CoordinatorThread { config, worker, coordinator, slots, link, inbox, started } = self;
+        let mut monitor = ConnectionMonitor::new(&config.connect[coordinator], config.give_up_after);
         let leave_policy = LeavePolicy::new(&config, started);
-        let over = |now: Instant| leave_policy.over_before_work(now, slots.shares().idle_for(now));
-        match Link::connect(&link, &config, &worker, &inbox, received, &mut monitor, over)? {
+        let departure = |now: Instant| leave_policy.over_before_work(now, slots.shares().idle_for(now));
+        match Link::connect(&link, &config, &worker, &inbox, received, &mut monitor, departure)? {
             Ok(link) => {
-                ClaimLoop::new(config, worker, place, link, slots, monitor, leave_policy).run(received)
+                ClaimLoop::new(config, worker, coordinator, link, slots, monitor, leave_policy).run(received)
             }
             Err(departure) => Ok(departure),
         }
     }
 }
 
-/// Serves until the end, in this thread's sight.
+/// Starts a worker and waits for its end.
 ///
 /// # Errors
 /// [`ServiceError`].

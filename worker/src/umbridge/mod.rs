@@ -1,8 +1,8 @@
-//! `worker --serve-umbridge`: a server of the UM-Bridge protocol, version 1.0, whose one model is the evaluation of a
-//! scene. Evaluations run beside each other up to the number of slots; the others wait for one.
+//! `worker --serve-umbridge`: a server of the UM-Bridge protocol, version 1.0, with one model, the evaluation of a scene.
+//! As many evaluations run concurrently as there are slots; further requests wait.
 //!
 //! # Source
-//! As [`common::umbridge`].
+//! See [`common::umbridge`].
 
 mod model;
 
@@ -28,67 +28,76 @@ use tokio::net::TcpListener;
 use tokio::runtime::Runtime;
 use tokio::sync::{Semaphore, oneshot};
 
-/// Why there is no server.
+/// Reasons for the server not to start.
 #[derive(Debug, Error)]
 pub enum UmBridgeError {
-    /// No address.
+    /// The text is not an address.
     #[error("--serve-umbridge {given}: allowed: a port, or an address with a port such as 127.0.0.1:4242")]
     Address {
-        /// What was given.
+        /// Text of the address.
         given: String,
     },
-    /// An address other machines can reach, and nothing that keeps strangers out.
+    /// Other machines can reach the address, and UM-Bridge does not authenticate clients.
     #[error(
-        "--serve-umbridge {address}: other machines can reach this address, and UM-Bridge asks nobody who they are; \
-         give a port alone (this machine only), or --insecure if the network is trusted"
+        "--serve-umbridge {address}: other machines can reach this address, and UM-Bridge does not authenticate \
+         clients; give a port alone (this machine only), or --insecure if the network is trusted"
     )]
     Insecure {
-        /// The address.
+        /// Address to listen on.
         address: SocketAddr,
     },
-    /// The scene names a simulator of its own.
-    #[error("{origin}: the scene names a simulator of its own; there is no mechanism to offer")]
+    /// The scene names an external simulator, so it has no mechanism.
+    #[error("{origin}: the scene names an external simulator; it has no mechanism to serve")]
     NoMechanism {
         /// File or name of the scene.
         origin: String,
     },
-    /// The system refuses.
+    /// The operating system refuses the address.
     #[error("--serve-umbridge {address}: {reason}")]
     Refused {
-        /// The address.
+        /// Address to listen on.
         address: SocketAddr,
-        /// Why.
+        /// Error of the operating system.
         reason: std::io::Error,
     },
 }
 
-/// The address to listen on: a port of this machine alone, or an address in full.
+/// Machines whose clients may connect to the server.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Access {
+    /// Only this machine: loopback addresses.
+    ThisMachine,
+    /// Any machine that reaches the address, without authentication.
+    AnyMachine,
+}
+
+/// Parses the address to listen on: a port (on the loopback address), or `ADDRESS:PORT`.
 ///
 /// # Errors
-/// [`UmBridgeError::Address`], and [`UmBridgeError::Insecure`] unless that is allowed.
-pub fn address(given: &str, insecure: bool) -> Result<SocketAddr, UmBridgeError> {
+/// [`UmBridgeError::Address`]; [`UmBridgeError::Insecure`] for an address that `access` does not allow.
+pub fn address(given: &str, access: Access) -> Result<SocketAddr, UmBridgeError> {
     let port = given.parse().map(|port| SocketAddr::from((Ipv4Addr::LOCALHOST, port)));
     let address: SocketAddr =
         port.or_else(|_| given.parse()).map_err(|_| UmBridgeError::Address { given: given.to_owned() })?;
-    if address.ip().is_loopback() || insecure {
+    if address.ip().is_loopback() || access == Access::AnyMachine {
         Ok(address)
     } else {
         Err(UmBridgeError::Insecure { address })
     }
 }
 
-/// A server at work. Dropped, it ends at once.
+/// A running server. When dropped, it ends at once.
 #[derive(Debug)]
 pub struct Server {
     address: SocketAddr,
-    /// Keeps the threads that serve.
+    /// Runtime with the threads of the server.
     runtime: Runtime,
     stop: Option<oneshot::Sender<()>>,
     done: Option<tokio::task::JoinHandle<std::io::Result<()>>>,
 }
 
 impl Server {
-    /// Serves a model on so many slots; port 0 is any free one.
+    /// Serves a model with `slots` concurrent evaluations; port 0 selects any free port.
     ///
     /// # Errors
     /// [`UmBridgeError::Refused`].
@@ -102,32 +111,32 @@ impl Server {
         let (stop, stopped) = oneshot::channel::<()>();
         let state = Arc::new(ServerState { model, slots: Semaphore::new(slots.max(1)) });
         let serve = axum::serve(listener, routes(state)).with_graceful_shutdown(async {
-            // Stopped, or dropped: either way it is over.
+            // The sender stops the server, or was dropped: both end it.
             let _ = stopped.await;
         });
         let done = runtime.spawn(serve.into_future());
         Ok(Self { address, runtime, stop: Some(stop), done: Some(done) })
     }
 
-    /// Where it listens.
+    /// Address on which the server listens.
     pub fn address(&self) -> SocketAddr {
         self.address
     }
 
-    /// Takes no more requests, answers those it has, and returns.
+    /// Accepts no further requests, answers the open ones, and returns.
     pub fn finish(mut self) {
         if let (Some(stop), Some(done)) = (self.stop.take(), self.done.take())
             && stop.send(()).is_ok()
             && let Err(error) = self.runtime.block_on(done)
         {
-            tracing::error!("the server ended badly: {error}");
+            tracing::error!("the server ended with an error: {error}");
         }
-        // Only a simulation that nobody waits for can still be at work.
+        // Only simulations whose clients have disconnected can still be running.
         self.runtime.shutdown_background();
     }
 }
 
-/// What the handlers share.
+/// State shared by the request handlers.
 struct ServerState {
     model: Model,
     slots: Semaphore,
@@ -166,7 +175,7 @@ async fn output_sizes(State(state): State<Arc<ServerState>>, body: Bytes) -> Res
     reply(sizes(&state, &body).map(|()| OutputSizes { output_sizes: state.model.output_sizes() }))
 }
 
-/// Sizes do not depend on the configuration, which must be one all the same.
+/// Checks a request for sizes. They do not depend on the configuration, which is checked all the same.
 fn sizes(state: &ServerState, body: &Bytes) -> Result<(), ErrorBody> {
     let request: SizesRequest<Config> = read(body)?;
     state.model.configured(&request.name, request.config.as_ref()).map(drop)
@@ -178,32 +187,33 @@ async fn evaluate(State(state): State<Arc<ServerState>>, body: Bytes) -> Respons
         Ok(request) => request,
         Err(error) => return reply::<()>(Err(error)),
     };
-    let at_work = Arc::clone(&state);
+    let shared = Arc::clone(&state);
     let failed = |message: String| ErrorBody { kind: SIMULATION_FAILED.into(), message };
     let evaluated = match state.slots.acquire().await {
-        Ok(_slot) => tokio::task::spawn_blocking(move || at_work.model.evaluate(&request)).await,
+        Ok(_slot) => tokio::task::spawn_blocking(move || shared.model.evaluate(&request)).await,
         Err(closed) => return reply::<()>(Err(failed(closed.to_string()))),
     };
-    // What panicked is a defect of the program at this one sample.
+    // A panic is a defect of the program at this sample; the server keeps running.
     reply(evaluated.unwrap_or_else(|panic| Err(failed(panic.to_string()))))
 }
 
 async fn unsupported() -> Response {
-    let message = "the model offers evaluations alone, no derivatives".to_owned();
+    let message = "the model supports evaluation only, no derivatives".to_owned();
     reply::<()>(Err(ErrorBody { kind: UNSUPPORTED_FEATURE.into(), message }))
 }
 
-/// A request's body, whatever type it says it has: not every client says so.
+/// Parses the body of a request as JSON, whatever its content type: some clients do not set one.
 fn read<T: DeserializeOwned>(body: &Bytes) -> Result<T, ErrorBody> {
     serde_json::from_slice(body).map_err(|error| invalid(format!("the request: {error}")))
 }
 
-fn reply<T: Serialize>(told: Result<T, ErrorBody>) -> Response {
-    match told {
-        Ok(told) => Json(told).into_response(),
+fn reply<T: Serialize>(result: Result<T, ErrorBody>) -> Response {
+    match result {
+        Ok(body) => Json(body).into_response(),
         Err(error) => {
-            let ours = error.kind == SIMULATION_FAILED;
-            let status = if ours { StatusCode::INTERNAL_SERVER_ERROR } else { StatusCode::BAD_REQUEST };
+            let simulation_failed = error.kind == SIMULATION_FAILED;
+            let status =
+                if simulation_failed { StatusCode::INTERNAL_SERVER_ERROR } else { StatusCode::BAD_REQUEST };
             (status, Json(ErrorReply { error })).into_response()
         }
     }
@@ -214,16 +224,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_port_alone_is_of_this_machine() {
-        assert_eq!(address("4242", false).unwrap(), "127.0.0.1:4242".parse().unwrap());
-        assert_eq!(address("[::1]:7", false).unwrap().port(), 7);
+    fn a_port_alone_is_a_loopback_address() {
+        assert_eq!(address("4242", Access::ThisMachine).unwrap(), "127.0.0.1:4242".parse().unwrap());
+        assert_eq!(address("[::1]:7", Access::ThisMachine).unwrap().port(), 7);
         for open in ["0.0.0.0:4242", "192.168.1.20:4242"] {
-            let error = address(open, false).unwrap_err();
+            let error = address(open, Access::ThisMachine).unwrap_err();
             assert!(error.to_string().contains(open) && error.to_string().contains("--insecure"), "{error}");
-            assert_eq!(address(open, true).unwrap(), open.parse().unwrap());
+            assert_eq!(address(open, Access::AnyMachine).unwrap(), open.parse().unwrap());
         }
         for slip in ["", "70000", "localhost:4242", "http://127.0.0.1:1"] {
-            assert!(matches!(address(slip, true), Err(UmBridgeError::Address { .. })), "{slip}");
+            assert!(
+                matches!(address(slip, Access::AnyMachine), Err(UmBridgeError::Address { .. })),
+                "{slip}"
+            );
         }
     }
 }

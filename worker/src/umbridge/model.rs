@@ -11,13 +11,13 @@ use common::umbridge::{
 use common::wire::find_non_finite;
 use serde_json::{Map, Value};
 
-/// Name of the model, by custom.
+/// Name of the model, as UM-Bridge models are named by convention.
 pub const NAME: &str = "forward";
 
-/// Configuration of a request: `{"accuracy": "draft"}`.
+/// Configuration of a request, e.g. `{"accuracy": "draft"}`.
 pub type Config = Map<String, Value>;
 
-/// A scene, offered.
+/// The evaluation of one scene as a UM-Bridge model.
 #[derive(Debug, Clone)]
 pub struct Model {
     source: SceneSource,
@@ -32,7 +32,7 @@ pub struct CheckedRequest {
 }
 
 impl Model {
-    /// Offers a scene, evaluated with this accuracy unless a request names another one.
+    /// A model of a scene; `accuracy` applies unless a request names another one.
     pub fn new(source: SceneSource, accuracy: NamedAccuracy) -> Self {
         Self { source, accuracy }
     }
@@ -48,13 +48,13 @@ impl Model {
         vec![scene.life.checkpoints().len(); scene.outputs.len()]
     }
 
-    /// Checks the name and the configuration of a request; the accuracy it asks for.
+    /// Checks name and configuration of a request; returns the accuracy to use.
     ///
     /// # Errors
-    /// What the requester is told.
+    /// The error to send to the client.
     pub fn configured(&self, name: &str, config: Option<&Config>) -> Result<NamedAccuracy, ErrorBody> {
         if name != NAME {
-            let message = format!("there is no model \"{name}\"; there is: {NAME}");
+            let message = format!("unknown model \"{name}\"; available: {NAME}");
             return Err(ErrorBody { kind: MODEL_NOT_FOUND.into(), message });
         }
         let mut accuracy = self.accuracy.clone();
@@ -64,34 +64,32 @@ impl Model {
             }
             let text = value
                 .as_str()
-                .ok_or_else(|| invalid(format!("config: accuracy is {value}, expected a text")))?;
+                .ok_or_else(|| invalid(format!("config: accuracy is {value}, expected a string")))?;
             accuracy =
                 text.parse().map_err(|reason| invalid(format!("config: accuracy \"{text}\": {reason}")))?;
         }
         Ok(accuracy)
     }
 
-    /// Checks a request for an evaluation.
+    /// Checks an evaluation request.
     ///
     /// # Errors
-    /// What the requester is told.
+    /// The error to send to the client.
     pub fn check(&self, request: EvaluateRequest<Config>) -> Result<CheckedRequest, ErrorBody> {
         let accuracy = self.configured(&request.name, request.config.as_ref())?;
         let sizes: Vec<usize> = request.input.iter().map(Vec::len).collect();
         if sizes != self.input_sizes() {
             let expected = self.input_sizes();
-            return Err(invalid(format!(
-                "input has vectors of {sizes:?} values, the model's are {expected:?}"
-            )));
+            return Err(invalid(format!("input has vectors of {sizes:?} values, expected {expected:?}")));
         }
         let sample = request.input.into_iter().flatten().collect();
         Ok(CheckedRequest { sample, accuracy })
     }
 
-    /// Simulates.
+    /// Simulates the sample of a request.
     ///
     /// # Errors
-    /// Why there is no result, for the requester.
+    /// The error to send to the client.
     pub fn evaluate(&self, request: &CheckedRequest) -> Result<Evaluated<f64>, ErrorBody> {
         let failed = |failure: SimulationFailure| ErrorBody {
             kind: SIMULATION_FAILED.into(),
@@ -111,7 +109,7 @@ impl Model {
     }
 }
 
-/// A request that does not fit.
+/// The error for an invalid request.
 pub fn invalid(message: String) -> ErrorBody {
     ErrorBody { kind: INVALID_INPUT.into(), message }
 }

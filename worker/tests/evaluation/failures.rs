@@ -4,6 +4,7 @@ use crate::scenes::{RPM, every_joint, scene, short};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::scene::{Clearance, Load, Scene, SceneSource};
+use worker::service::Job;
 use worker::simulate::simulate;
 use worker::simulator::simulator;
 
@@ -77,7 +78,7 @@ fn an_invalid_sample_is_an_outcome() {
     let mut sample = source.means();
     sample[0] = 1.4e-3;
     for sample in [sample, vec![1.0]] {
-        let found = simulator.simulate(source.text(), &sample, &Accuracy::draft(), false);
+        let found = simulator.simulate(&Job::standalone(source.text(), &sample, Accuracy::draft()));
         assert!(matches!(found, Err(SimulationFailure::InvalidSample { .. })), "{found:?}");
     }
 }

@@ -1,26 +1,26 @@
-//! What the scheduler hears and what it wants done.
+//! Events and actions of the scheduler.
 
 use crate::farm::evaluate::{Finished, Request};
 use common::wire::{CandidatePoint, Claim, Task, TaskKey, WorkerId};
 use std::time::Duration;
 
-/// Names one claim that waits for its reply.
+/// Identifies a claim that waits for its reply.
 pub type Token = u64;
 
-/// What happened.
+/// Input of the scheduler.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Event {
-    /// The study asks for these.
+    /// The study requests these evaluations.
     Submit(Vec<Request>),
-    /// A worker's liveliness token is there.
+    /// The liveliness token of a worker appeared.
     WorkerJoined(WorkerId),
-    /// A worker's liveliness token is gone: it died, hangs, was cut off or left.
+    /// The liveliness token of a worker disappeared: it crashed, hangs, lost its connection or left.
     WorkerLost(WorkerId),
-    /// A worker asks for tasks and hands in outcomes.
+    /// A worker claims tasks and returns outcomes.
     Claimed {
-        /// To answer it by.
+        /// Identifies the claim in its reply.
         token: Token,
-        /// What it says.
+        /// Contents of the claim.
         claim: Claim,
     },
     /// The outcome of this task is durable.
@@ -28,91 +28,91 @@ pub enum Event {
         /// Number of the evaluation.
         task: u64,
     },
-    /// The study doesn't want what it asked for any more.
+    /// The study cancels all open requests.
     Cancel,
-    /// The campaign has come to its end: send the workers home.
+    /// The campaign has ended: all workers are to leave.
     Finish,
-    /// Time has passed.
+    /// Periodic check of deadlines and warnings.
     Tick,
 }
 
-/// What is to be done, in this order.
+/// Output of the scheduler, executed in order.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Action {
-    /// Hand the outcome to the study; [`Event::Recorded`] answers it.
+    /// Pass the outcome to the study, which responds with [`Event::Recorded`].
     Deliver(Box<Finished>),
     /// Answer a claim.
     Reply {
-        /// Which claim.
+        /// Identifies the claim.
         token: Token,
-        /// Outcomes the worker may forget.
+        /// Outcomes the worker may discard.
         acknowledged: Vec<TaskKey>,
-        /// What the worker does next.
+        /// Next step of the worker.
         assignment: Assignment,
     },
-    /// Tell all workers of points that wait.
+    /// Announce waiting points to all workers.
     Announce(Vec<CandidatePoint>),
-    /// Tell all workers that the campaign has ended.
+    /// Announce the end of the campaign to all workers.
     AnnounceEnd,
-    /// A task will get no outcome.
+    /// Give a task up without outcome.
     GiveUp {
         /// Number of the evaluation.
         task: u64,
-        /// Why.
+        /// Number and kind of its losses.
         reason: String,
     },
-    /// Tell the user.
+    /// Warn the user.
     Warn(Warning),
 }
 
-/// What a worker does next.
+/// Next step of a worker.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Assignment {
-    /// Evaluate these.
+    /// Evaluate these tasks.
     Work(Vec<Task>),
-    /// Nothing now.
+    /// Wait: no task is available.
     Idle,
     /// The campaign has ended.
     Leave,
 }
 
-/// Something a user should know.
+/// A condition the user should check.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Warning {
-    /// Tasks wait and there is nobody to do them.
+    /// Tasks wait and no worker is connected.
     NoWorker {
         /// Tasks without an outcome.
         open: usize,
-        /// How long there was no worker.
+        /// Time without any worker.
         since: Duration,
     },
-    /// A worker asks for tasks but shows no liveliness token (access rules?), so its death would go unnoticed
-    /// and it gets nothing.
+    /// A worker claims tasks but has no liveliness token (access rules?). Its loss could not be detected, so it gets no
+    /// tasks.
     NoLiveliness {
-        /// Worker.
+        /// The worker concerned.
         worker: WorkerId,
     },
-    /// A worker was lost with tasks in hand, which go to others.
+    /// A worker was lost with leased tasks, which are requeued.
     WorkerLost {
-        /// Worker.
+        /// The worker concerned.
         worker: WorkerId,
-        /// What it had.
+        /// Numbers of its tasks.
         tasks: Vec<u64>,
     },
-    /// A task took so long that it is given to another worker too.
+    /// A task exceeded its deadline; another worker gets it too.
     Overdue {
-        /// Worker.
+        /// The worker concerned.
         worker: WorkerId,
-        /// Task.
+        /// Number of the task.
         task: u64,
-        /// How long it has been there.
+        /// Time since its lease.
         after: Duration,
     },
-    /// An outcome belongs to another sample than the task of this number: the worker did something else.
+    /// An outcome has the number of a task but another sample.
     OtherSample {
-        /// Worker.
+        /// The worker concerned.
         worker: WorkerId,
-        /// Task.
+        /// Number of the task.
         task: u64,
     },
 }

@@ -1,23 +1,23 @@
-//! Who evaluates what: a pure state machine. No clock, no messages, no threads; events in, actions out.
+//! Assigns tasks to workers: a pure state machine without clock, messages and threads. Events in, actions out.
 //!
 //! ```text
 //! Submit -> queued -> leased -> delivered -> recorded (ended)
 //!             ^          |
-//!             +----------+  last worker that had it lost, reply lost, overdue
+//!             +----------+  its last worker was lost, the reply was lost, or the task is overdue
 //! ```
 //!
-//! Rules it keeps, whatever is lost, doubled, late or out of order:
-//! - Every task ends exactly once: one outcome delivered to the study, or given up with a reason.
-//! - An outcome is acknowledged only when it is durable ([`Event::Recorded`]) or not wanted.
-//! - An outcome of this campaign that nobody asked for yet is not acknowledged: after a restart the study asks
-//!   for it again, and the worker still has it.
-//! - A claim lists all its worker holds; a lease that is not in the list was lost on the way and goes back to
-//!   the front of the queue. What is in the list and was given by an earlier coordinator is adopted: nobody else gets it.
-//! - Tasks go only to workers whose liveliness token is seen: a death always has an event.
-//! - A task that would be given up at its next loss goes only to workers that have finished one, where there are any: what killed
-//!   the others may have been their own affair.
-//! - How many tasks a worker gets follows its speed. Where slots are idle and nothing waits, what one worker has had for
-//!   much longer than usual goes to a second one too; the first outcome counts.
+//! Invariants, for messages lost, duplicated, delayed or out of order:
+//! - Every task ends exactly once: one outcome is delivered to the study, or the task is given up with a reason.
+//! - An outcome is acknowledged only when it is durable ([`Event::Recorded`]) or not needed.
+//! - An outcome of this campaign that has not been requested yet is not acknowledged: after a restart the study requests
+//!   it again, and the worker still holds it.
+//! - A claim lists all tasks its worker holds. A lease missing from the list was lost in transit; its task returns to the
+//!   front of the queue. A listed task leased by an earlier coordinator is adopted: no other worker gets it.
+//! - Only workers with a liveliness token get tasks, so the loss of a worker always causes an event.
+//! - A task that would be given up at its next loss goes only to workers that have finished a task, if any exist: the
+//!   earlier losses may have been faults of the workers.
+//! - A worker's share of the tasks follows its measured speed. If slots are idle and the queue is empty, a task that has
+//!   been running much longer than usual goes to a second worker too; the first outcome counts.
 
 mod event;
 #[cfg(test)]
@@ -57,15 +57,15 @@ pub struct Scheduler {
     pending_replies: PendingReplies,
     warnings: WorkerWarnings,
     longest_wall: Option<f64>,
-    /// Until when tasks wait for workers that return with what they are running; `None` before the first event.
+    /// End of the time in which tasks wait for workers that return with running tasks; `None` before the first event.
     settled_at: Option<Duration>,
-    /// Tasks wait to be announced until then.
+    /// Tasks are not announced or leased until `settled_at`.
     unsettled: bool,
     finishing: bool,
 }
 
 impl Scheduler {
-    /// Nothing to do, nobody there.
+    /// A scheduler without tasks and workers.
     pub fn new(settings: SchedulerSettings) -> Self {
         Self {
             tasks: TaskTable::new(settings.campaign),
@@ -80,14 +80,14 @@ impl Scheduler {
         }
     }
 
-    /// Takes one event at time `now` (since any fixed moment) and says what is to be done about it.
+    /// Handles one event at time `now` (since any fixed moment); returns the actions to execute, in order.
     pub fn on_event(&mut self, now: Duration, event: Event) -> Vec<Action> {
         let mut actions = Vec::new();
         self.settled_at.get_or_insert(now + self.settings.settle);
         match event {
             Event::Submit(requests) => self.on_submit(now, requests, &mut actions),
             Event::WorkerJoined(worker) => {
-                self.warnings.appeared(&worker);
+                self.warnings.on_worker_joined(&worker);
                 self.workers.add(worker);
             }
             Event::WorkerLost(worker) => self.on_worker_lost(worker, &mut actions),
@@ -102,25 +102,25 @@ impl Scheduler {
             Event::Tick => {
                 self.settle(now, &mut actions);
                 self.check_deadlines(now, &mut actions);
-                let anybody = !self.workers.is_empty();
-                let warning = self.warnings.check(now, anybody, self.tasks.open(), &self.settings);
+                let open = if self.workers.is_empty() { self.tasks.open() } else { 0 };
+                let warning = self.warnings.check_unattended(now, open, &self.settings);
                 actions.extend(warning.map(Action::Warn));
             }
         }
         actions
     }
 
-    /// Workers that are there and the slots they have said to have (0 until their first claim).
+    /// Connected workers with their slots (0 until their first claim).
     pub fn workers(&self) -> impl Iterator<Item = (&WorkerId, u32)> {
         self.workers.iter().map(|(id, worker)| (id, worker.slots))
     }
 
-    /// Rises whenever [`Scheduler::workers`] changes.
+    /// Number that increases whenever [`Scheduler::workers`] changes.
     pub fn revision(&self) -> u64 {
         self.workers.revision()
     }
 
-    /// Tasks submitted that have not ended.
+    /// Number of tasks submitted and not ended.
     pub fn open(&self) -> usize {
         self.tasks.open()
     }
@@ -139,7 +139,7 @@ impl Scheduler {
         actions.push(Action::Announce(points));
     }
 
-    /// From now on tasks go to whoever asks; those that have asked in vain are told.
+    /// Ends the settling time, once it is over: announces the queued tasks, so that idle workers claim again.
     fn settle(&mut self, now: Duration, actions: &mut Vec<Action>) {
         if self.unsettled && self.is_settled(now) {
             self.unsettled = false;
@@ -160,20 +160,20 @@ impl Scheduler {
         let held = holding.into_iter().chain(finished.iter().map(|outcome| outcome.task.key));
         let kept: BTreeSet<u64> = held.filter(|key| key.campaign == campaign).map(|key| key.task).collect();
 
-        // Outcomes first: whoever brings them, they count.
+        // Outcomes first: they count whichever worker returns them.
         let mut pending =
             PendingReply { worker: id.clone(), credits, acknowledged: Vec::new(), waiting: BTreeSet::new() };
         for outcome in finished {
             self.on_outcome(now, outcome, &mut pending, actions);
         }
 
-        // Then what the worker is believed to hold and does not, and what it holds and was not believed to.
+        // Then the leases missing from the claim, and the tasks in the claim without a lease.
         if leaving {
             pending.credits = 0;
         }
         if self.workers.get(&id).is_none() {
             pending.credits = 0;
-            actions.extend(self.warnings.strange_claim(&id).map(Action::Warn));
+            actions.extend(self.warnings.on_claim_without_token(&id).map(Action::Warn));
         } else if self.workers.register_claim(&id, sequence, slots) {
             let lost = self.workers.missing_leases(&id, &kept, leaving);
             let free = lost.into_iter().filter(|task| !self.workers.release(&id, *task)).collect();
@@ -189,7 +189,7 @@ impl Scheduler {
         self.answer_if_ready(now, token, actions);
     }
 
-    /// What a worker says to have: what has ended it may forget, the rest nobody else needs to do.
+    /// Adopts the tasks that a worker holds without a lease; acknowledges those that have ended.
     fn adopt(&mut self, now: Duration, id: &WorkerId, kept: &BTreeSet<u64>, pending: &mut PendingReply) {
         let mut unrequested = Vec::new();
         for &task in kept {
@@ -211,7 +211,8 @@ impl Scheduler {
         self.workers.set_unrequested(id, &unrequested);
     }
 
-    /// Sorts one outcome: acknowledge now, deliver and acknowledge when durable, or leave it with the worker.
+    /// Handles one outcome: acknowledges it now, delivers it and acknowledges it when durable, or leaves it with the
+    /// worker.
     fn on_outcome(
         &mut self,
         now: Duration,
@@ -222,7 +223,7 @@ impl Scheduler {
         let Outcome { task, worker, wall, result } = outcome;
         let key = task.key;
         match self.tasks.accept(&task) {
-            OutcomeStatus::NotWanted => pending.acknowledged.push(key),
+            OutcomeStatus::NotNeeded => pending.acknowledged.push(key),
             OutcomeStatus::OtherSample => {
                 pending.acknowledged.push(key);
                 actions.push(Action::Warn(Warning::OtherSample {
@@ -237,7 +238,7 @@ impl Scheduler {
             OutcomeStatus::First => {
                 pending.waiting.insert(key.task);
                 self.longest_wall = Some(self.longest_wall.map_or(wall, |longest| longest.max(wall)));
-                self.workers.measure(&pending.worker, key.task, wall, now);
+                self.workers.record_evaluation(&pending.worker, key.task, wall, now);
                 self.workers.release_from_all(key.task);
                 actions.push(Action::Deliver(Box::new(Finished {
                     id: key.task,
@@ -267,13 +268,13 @@ impl Scheduler {
         };
         let assignment = match self.workers.get(&id).map(workers::Worker::leased) {
             _ if self.finishing => Assignment::Leave,
-            // Lost since it asked: what it would get would be lost too.
+            // The worker was lost after its claim; tasks sent to it would be lost too.
             None => Assignment::Idle,
             Some(_) if !self.is_settled(now) => Assignment::Idle,
             Some(leased) => {
                 let room = self.workers.share(&id, self.tasks.open()).saturating_sub(leased);
                 let wanted = room.min(credits.min(self.settings.most_tasks) as usize);
-                let losses = self.losses_entrusted(&id);
+                let losses = self.losses_bound(&id);
                 let mut tasks = self.tasks.lease(wanted, losses);
                 if tasks.len() < wanted {
                     let SchedulerSettings { straggler_factor, straggler_least, .. } = self.settings;
@@ -291,8 +292,8 @@ impl Scheduler {
         actions.push(Action::Reply { token, acknowledged, assignment });
     }
 
-    /// Below how many losses a task may go to this worker.
-    fn losses_entrusted(&self, id: &WorkerId) -> u32 {
+    /// Bound on the losses of a task that may go to this worker (exclusive).
+    fn losses_bound(&self, id: &WorkerId) -> u32 {
         let last_chance = self.settings.losses_allowed.saturating_sub(1).max(1);
         if self.workers.has_finished(id) || !self.workers.any_has_finished() { u32::MAX } else { last_chance }
     }
@@ -303,10 +304,10 @@ impl Scheduler {
             return;
         }
         actions.push(Action::Warn(Warning::WorkerLost { worker: id, tasks: tasks.clone() }));
-        self.count_losses(tasks, "workers were lost while they had it", actions);
+        self.count_losses(tasks, "workers were lost while running it", actions);
     }
 
-    /// Back to the queue where nobody else has it, or given up where it was lost too often.
+    /// Requeues each task that no other worker holds; gives up a task after `losses_allowed` losses.
     fn count_losses(&mut self, tasks: Vec<u64>, what: &str, actions: &mut Vec<Action>) {
         let mut again = Vec::new();
         for task in tasks {
@@ -323,7 +324,7 @@ impl Scheduler {
         self.requeue(again, actions);
     }
 
-    /// Back to the front of the queue, in the order of their numbers; idle workers are told.
+    /// Returns tasks to the front of the queue, in the order of their numbers, and announces them.
     fn requeue(&mut self, tasks: Vec<u64>, actions: &mut Vec<Action>) {
         let points: Vec<_> = tasks.into_iter().rev().filter_map(|task| self.tasks.requeue(task)).collect();
         if !points.is_empty() {
@@ -334,7 +335,7 @@ impl Scheduler {
     fn on_cancel(&mut self, now: Duration, actions: &mut Vec<Action>) {
         self.tasks.clear();
         self.workers.release_everything();
-        // Outcomes that were not recorded stay with their workers.
+        // Outcomes that are not durable stay with their workers.
         for token in self.pending_replies.give_up_waiting() {
             self.answer_if_ready(now, token, actions);
         }

@@ -1,53 +1,53 @@
-//! Claims whose replies wait until the outcomes they brought are durable.
+//! Replies that wait until the outcomes in their claims are durable.
 
 use super::Token;
 use common::wire::{TaskKey, WorkerId};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A claim to be answered.
+/// The reply to one claim.
 #[derive(Debug)]
 pub(super) struct PendingReply {
-    /// Who asked.
+    /// Worker that sent the claim.
     pub worker: WorkerId,
-    /// Tasks it may get.
+    /// Most tasks in the reply.
     pub credits: u32,
-    /// What it may forget.
+    /// Outcomes the worker may discard.
     pub acknowledged: Vec<TaskKey>,
     /// Tasks whose outcomes are not durable yet.
     pub waiting: BTreeSet<u64>,
 }
 
-/// See the module.
+/// All pending replies, by token, task and worker.
 #[derive(Debug, Default)]
 pub(super) struct PendingReplies {
     pending: BTreeMap<Token, PendingReply>,
-    of_task: BTreeMap<u64, Vec<Token>>,
-    of_worker: BTreeMap<WorkerId, Vec<Token>>,
+    by_task: BTreeMap<u64, Vec<Token>>,
+    by_worker: BTreeMap<WorkerId, Vec<Token>>,
 }
 
 impl PendingReplies {
-    /// Adds a claim.
+    /// Adds the reply to a claim.
     pub fn add(&mut self, token: Token, pending: PendingReply) {
         for &task in &pending.waiting {
-            self.of_task.entry(task).or_default().push(token);
+            self.by_task.entry(task).or_default().push(token);
         }
-        self.of_worker.entry(pending.worker.clone()).or_default().push(token);
+        self.by_worker.entry(pending.worker.clone()).or_default().push(token);
         self.pending.insert(token, pending);
     }
 
-    /// The worker has asked again: an answer that still waits would reach a worker that no longer listens to it, so no
-    /// tasks go with it.
+    /// Removes the credits of all replies to a worker, which has sent a newer claim: it ignores replies to older claims,
+    /// so tasks in them would be lost.
     pub fn withdraw_credits(&mut self, worker: &WorkerId) {
-        for token in self.of_worker.get(worker).into_iter().flatten() {
+        for token in self.by_worker.get(worker).into_iter().flatten() {
             if let Some(pending) = self.pending.get_mut(token) {
                 pending.credits = 0;
             }
         }
     }
 
-    /// The outcome of a task is durable; claims that waited for it.
+    /// Acknowledges a durable outcome in all replies that waited for it; returns their tokens.
     pub fn recorded(&mut self, key: TaskKey) -> Vec<Token> {
-        let tokens = self.of_task.remove(&key.task).unwrap_or_default();
+        let tokens = self.by_task.remove(&key.task).unwrap_or_default();
         for token in &tokens {
             if let Some(pending) = self.pending.get_mut(token)
                 && pending.waiting.remove(&key.task)
@@ -58,23 +58,23 @@ impl PendingReplies {
         tokens
     }
 
-    /// Nothing becomes durable any more; all claims.
+    /// Ends all waiting, without acknowledgement; returns all tokens.
     pub fn give_up_waiting(&mut self) -> Vec<Token> {
-        self.of_task.clear();
+        self.by_task.clear();
         self.pending.values_mut().for_each(|pending| pending.waiting.clear());
         self.pending.keys().copied().collect()
     }
 
-    /// Takes a claim out that waits for nothing more.
+    /// Removes a reply that waits for no further outcome; `None` if it still waits.
     pub fn take_ready(&mut self, token: Token) -> Option<PendingReply> {
         if !self.pending.get(&token)?.waiting.is_empty() {
             return None;
         }
         let pending = self.pending.remove(&token)?;
-        if let Some(tokens) = self.of_worker.get_mut(&pending.worker) {
+        if let Some(tokens) = self.by_worker.get_mut(&pending.worker) {
             tokens.retain(|other| *other != token);
             if tokens.is_empty() {
-                self.of_worker.remove(&pending.worker);
+                self.by_worker.remove(&pending.worker);
             }
         }
         Some(pending)

@@ -1,37 +1,39 @@
-//! Constants of the scheduler.
+//! Deadlines and limits of the scheduler.
 
 use std::time::Duration;
 
-/// See the module.
+/// Deadlines and limits of the scheduler.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SchedulerSettings {
-    /// Campaign its tasks belong to.
+    /// Campaign of the tasks.
     pub campaign: u64,
-    /// Workers (or deadlines) a task may outlive before it is given up; the last of them one that has finished others, where there
-    /// is any.
+    /// Losses (of a worker, or by a deadline) after which a task is given up; the last loss counts at a worker that has
+    /// finished other tasks, if any exists.
     pub losses_allowed: u32,
-    /// Deadline of a task while no simulation has ended yet.
+    /// Deadline of a task before the first simulation has ended.
     pub first_deadline: Duration,
-    /// Deadline as a multiple of the longest simulation seen.
+    /// Deadline as a multiple of the longest simulation so far [1].
     pub deadline_factor: f64,
-    /// Deadline at least.
+    /// Lower bound of the deadline.
     pub shortest_deadline: Duration,
-    /// How long tasks may wait without any worker before the user is told, and told that their number changed.
+    /// Time without any worker before a warning, and before a repeated one if the number of tasks has changed.
     pub unattended: Duration,
-    /// When the user is told again although nothing changed.
+    /// Time before the warning is repeated with an unchanged number of tasks.
     pub still_unattended: Duration,
     /// Most tasks in one reply.
     pub most_tasks: u32,
-    /// A task goes to a second, idle worker too once it is out for this multiple of the mean time from lease to outcome,
+    /// A task goes to a second, idle worker once its lease is older than this multiple of the mean time from lease to
+    /// outcome [1].
     pub straggler_factor: f64,
-    /// and at least for so long.
+    /// Lower bound of that age.
     pub straggler_least: Duration,
-    /// How long after the start tasks wait, so that workers of an earlier coordinator can say what they are running.
+    /// Time after the start in which no task is leased, so that workers of an earlier coordinator can claim what they are
+    /// running.
     pub settle: Duration,
 }
 
 impl SchedulerSettings {
-    /// The usual constants.
+    /// The default settings for a campaign.
     pub fn new(campaign: u64) -> Self {
         Self {
             campaign,
@@ -48,7 +50,7 @@ impl SchedulerSettings {
         }
     }
 
-    /// How long a task may take at a worker of one slot per lease, where the longest simulation so far took so long [s].
+    /// Deadline of a task on a worker with one slot per lease; `longest_wall` is the longest simulation so far [s].
     pub(super) fn deadline(&self, longest_wall: Option<f64>) -> Duration {
         match longest_wall {
             None => self.first_deadline,

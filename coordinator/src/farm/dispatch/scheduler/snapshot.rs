@@ -1,15 +1,15 @@
-//! Who has what, for people who look.
+//! Workers and queue at one moment, for status queries.
 
 use super::Scheduler;
 
 /// The workers and the queue at one moment.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct FarmSnapshot {
-    /// Tasks that nobody works on.
+    /// Tasks not leased to any worker.
     pub queued: usize,
-    /// Tasks submitted that have not ended.
+    /// Tasks submitted and not ended.
     pub open: usize,
-    /// Of each worker that is there: name, slots (0 until its first claim), tasks it has.
+    /// Name, slots (0 until the first claim) and leased tasks of each connected worker.
     pub workers: Vec<(String, u32, usize)>,
 }
 

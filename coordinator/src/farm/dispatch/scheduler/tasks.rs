@@ -1,4 +1,4 @@
-//! The tasks of a campaign and the queue of those nobody works on.
+//! The tasks of a campaign and the queue of tasks without a worker.
 
 use crate::farm::evaluate::Request;
 use common::wire::{CandidatePoint, Task, TaskKey};
@@ -35,31 +35,31 @@ impl Entry {
     }
 }
 
-/// What an outcome is to the campaign.
+/// How an outcome relates to the tasks of the campaign.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum OutcomeStatus {
-    /// Of another campaign, or of a task that has ended.
-    NotWanted,
-    /// Under the number of a task, but of another sample.
+    /// It belongs to another campaign, or to a task that has ended.
+    NotNeeded,
+    /// It has the number of a task, but another sample.
     OtherSample,
-    /// Of this campaign, but not asked for by this coordinator so far.
+    /// It belongs to this campaign, but this coordinator has not requested it yet.
     NotRequested,
-    /// The first outcome is delivered and not durable yet.
+    /// An earlier outcome was delivered and is not durable yet.
     Duplicate,
-    /// The first outcome: it counts.
+    /// It is the first outcome, which counts.
     First,
 }
 
-/// How a task stands that a worker says to have.
+/// State of a task that a worker holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum TaskStatus {
-    /// Without an outcome.
+    /// It has no outcome.
     Open,
-    /// Its outcome is on its way to the study.
+    /// Its outcome was delivered and is not durable yet.
     Delivered,
-    /// It has ended, or was found in the campaign file.
+    /// It has ended, or its outcome was in the campaign file.
     Ended,
-    /// Not asked for by this coordinator so far.
+    /// This coordinator has not requested it yet.
     NotRequested,
 }
 
@@ -68,11 +68,10 @@ pub(super) enum TaskStatus {
 pub(super) struct TaskTable {
     campaign: u64,
     entries: BTreeMap<u64, Entry>,
-    /// Numbers of the tasks to hand out. None is missing; some may be outdated (the outcome came meanwhile), so
-    /// the phase decides.
+    /// Numbers of the queued tasks. It is complete, but may list tasks whose outcome has arrived since: the phase decides.
     queue: VecDeque<u64>,
     ended: BTreeSet<u64>,
-    /// Numbers below were asked for, or found in the campaign file: a study asks in the order of its numbers.
+    /// Numbers below this were requested or found in the campaign file: a study requests in the order of its numbers.
     passed: u64,
 }
 
@@ -86,12 +85,12 @@ impl TaskTable {
         self.entries.len()
     }
 
-    /// Tasks that nobody works on.
+    /// Number of queued tasks.
     pub fn waiting(&self) -> usize {
         self.entries.values().filter(|entry| entry.phase == Phase::Queued).count()
     }
 
-    /// Queues a request; a number that is open already is left as it is.
+    /// Queues a request; `None` if a task of this number is open already.
     pub fn submit(&mut self, request: Request) -> Option<CandidatePoint> {
         let id = request.id;
         if self.entries.contains_key(&id) {
@@ -106,7 +105,7 @@ impl TaskTable {
         Some(point)
     }
 
-    /// Up to `count` tasks from the front of the queue, of those that were lost fewer than `losses` times.
+    /// Leases up to `count` tasks from the front of the queue; tasks with `losses` or more losses are skipped.
     pub fn lease(&mut self, count: usize, losses: u32) -> Vec<Task> {
         let mut tasks = Vec::new();
         let mut withheld = Vec::new();
@@ -129,16 +128,16 @@ impl TaskTable {
         tasks
     }
 
-    /// The same task once more, for a second worker, if it is out and was lost fewer than `losses` times.
+    /// A copy of a leased task for a second worker; `None` if it is not leased or has `losses` or more losses.
     pub fn copy(&mut self, id: u64, losses: u32) -> Option<Task> {
         let campaign = self.campaign;
-        let out = |entry: &&mut Entry| entry.phase == Phase::Leased && entry.losses < losses;
-        let entry = self.entries.get_mut(&id).filter(out)?;
+        let eligible = |entry: &&mut Entry| entry.phase == Phase::Leased && entry.losses < losses;
+        let entry = self.entries.get_mut(&id).filter(eligible)?;
         entry.attempts += 1;
         Some(entry.task(campaign))
     }
 
-    /// A worker has it already, whoever gave it: it leaves the queue.
+    /// Marks a queued task as leased: a worker holds it already.
     pub fn adopt(&mut self, id: u64) {
         if let Some(entry) = self.entries.get_mut(&id).filter(|entry| entry.phase == Phase::Queued) {
             entry.phase = Phase::Leased;
@@ -146,7 +145,7 @@ impl TaskTable {
         }
     }
 
-    /// Back to the front of the queue, if it is out and has no outcome.
+    /// Returns a leased task to the front of the queue; `None` if it is not leased.
     pub fn requeue(&mut self, id: u64) -> Option<CandidatePoint> {
         let entry = self.entries.get_mut(&id).filter(|entry| entry.phase == Phase::Leased)?;
         entry.phase = Phase::Queued;
@@ -154,13 +153,13 @@ impl TaskTable {
         Some(entry.point())
     }
 
-    /// What waits for a worker.
+    /// Points of the queued tasks.
     pub fn queued(&self) -> Vec<CandidatePoint> {
         let queued = |entry: &&Entry| entry.phase == Phase::Queued;
         self.entries.values().filter(queued).map(Entry::point).collect()
     }
 
-    /// Counts the loss of a task that is out; how many there were.
+    /// Counts a loss of a leased task; returns its losses, `None` if it is not leased.
     pub fn count_loss(&mut self, id: u64) -> Option<u32> {
         let entry = self.entries.get_mut(&id).filter(|entry| entry.phase == Phase::Leased)?;
         entry.losses += 1;
@@ -178,10 +177,10 @@ impl TaskTable {
 
     pub fn accept(&mut self, done: &Task) -> OutcomeStatus {
         if done.key.campaign != self.campaign {
-            return OutcomeStatus::NotWanted;
+            return OutcomeStatus::NotNeeded;
         }
         match self.status(done.key.task) {
-            TaskStatus::Ended => return OutcomeStatus::NotWanted,
+            TaskStatus::Ended => return OutcomeStatus::NotNeeded,
             TaskStatus::NotRequested => return OutcomeStatus::NotRequested,
             TaskStatus::Open | TaskStatus::Delivered => {}
         }
@@ -196,7 +195,7 @@ impl TaskTable {
         }
     }
 
-    /// Ends a task for good; false if it was not open.
+    /// Ends a task; false if it was not open.
     pub fn end(&mut self, id: u64) -> bool {
         let was_open = self.entries.remove(&id).is_some();
         if was_open {
@@ -205,7 +204,7 @@ impl TaskTable {
         was_open
     }
 
-    /// Forgets what is open, without ending it: it may be asked for again.
+    /// Removes all open tasks without ending them: they may be requested again.
     pub fn clear(&mut self) {
         self.entries.clear();
         self.queue.clear();

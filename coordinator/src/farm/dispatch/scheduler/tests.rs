@@ -113,7 +113,7 @@ fn a_task_that_three_workers_did_not_survive_is_given_up_by_name() {
         last = s.on_event(START, Event::WorkerLost(id));
     }
     let given_up = last.iter().any(
-        |c| matches!(c, Action::GiveUp { task: 0, reason } if reason == "3 workers were lost while they had it"),
+        |c| matches!(c, Action::GiveUp { task: 0, reason } if reason == "3 workers were lost while running it"),
     );
     assert!(given_up, "{last:?}");
     assert_eq!(s.open(), 0);

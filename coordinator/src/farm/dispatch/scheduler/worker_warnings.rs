@@ -1,68 +1,69 @@
-//! What the user is told about who is there: nobody while tasks wait, and workers that show no liveliness token.
+//! Warnings about workers: none connected while tasks wait, or no liveliness token.
 
 use super::{SchedulerSettings, Warning};
 use common::wire::WorkerId;
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-/// Claims without a liveliness token until the user is told: a token may be a moment late.
-const STRANGE_CLAIMS: u32 = 10;
-/// Workers without a liveliness token that are remembered.
-const STRANGERS: usize = 1000;
+/// Claims without a liveliness token before the warning: a token may arrive shortly after the first claim.
+const CLAIMS_WITHOUT_TOKEN: u32 = 10;
+/// Most workers without a liveliness token that are remembered.
+const MOST_WITHOUT_TOKEN: usize = 1000;
 
-/// Tasks wait and nobody is there.
+/// Tasks wait and no worker is connected.
 #[derive(Debug)]
 struct Unattended {
     since: Duration,
-    /// When the user was told last, and of how many tasks.
-    told: Option<(Duration, usize)>,
+    /// Time and number of tasks of the last warning.
+    warned: Option<(Duration, usize)>,
 }
 
-/// See the module.
+/// State of the warnings about workers.
 #[derive(Debug, Default)]
 pub(super) struct WorkerWarnings {
     unattended: Option<Unattended>,
-    strangers: BTreeMap<WorkerId, u32>,
+    without_token: BTreeMap<WorkerId, u32>,
 }
 
 impl WorkerWarnings {
-    /// A token is seen.
-    pub fn appeared(&mut self, id: &WorkerId) {
-        self.strangers.remove(id);
+    /// The liveliness token of a worker appeared.
+    pub fn on_worker_joined(&mut self, id: &WorkerId) {
+        self.without_token.remove(id);
     }
 
-    /// A claim without a token.
-    pub fn strange_claim(&mut self, id: &WorkerId) -> Option<Warning> {
-        if self.strangers.len() >= STRANGERS && !self.strangers.contains_key(id) {
+    /// Counts a claim of a worker without liveliness token; returns a warning at the tenth.
+    pub fn on_claim_without_token(&mut self, id: &WorkerId) -> Option<Warning> {
+        if self.without_token.len() >= MOST_WITHOUT_TOKEN && !self.without_token.contains_key(id) {
             return None;
         }
-        let claims = self.strangers.entry(id.clone()).or_default();
+        let claims = self.without_token.entry(id.clone()).or_default();
         *claims = claims.saturating_add(1);
-        (*claims == STRANGE_CLAIMS).then(|| Warning::NoLiveliness { worker: id.clone() })
+        (*claims == CLAIMS_WITHOUT_TOKEN).then(|| Warning::NoLiveliness { worker: id.clone() })
     }
 
-    /// Looks whether somebody is there for the open tasks.
-    pub fn check(
+    /// Returns a warning if `open` tasks have waited without any worker for `settings.unattended`; `open` is 0 while a
+    /// worker is connected.
+    pub fn check_unattended(
         &mut self,
         now: Duration,
-        anybody: bool,
         open: usize,
         settings: &SchedulerSettings,
     ) -> Option<Warning> {
-        if anybody || open == 0 {
+        if open == 0 {
             self.unattended = None;
             return None;
         }
-        let Unattended { since, told } = self.unattended.get_or_insert(Unattended { since: now, told: None });
-        let (last, patience) = match *told {
-            Some((last, of)) if of == open => (last, settings.still_unattended),
+        let Unattended { since, warned } =
+            self.unattended.get_or_insert(Unattended { since: now, warned: None });
+        let (last, pause) = match *warned {
+            Some((last, number)) if number == open => (last, settings.still_unattended),
             Some((last, _)) => (last, settings.unattended),
             None => (*since, settings.unattended),
         };
-        if now.saturating_sub(last) < patience {
+        if now.saturating_sub(last) < pause {
             return None;
         }
-        *told = Some((now, open));
+        *warned = Some((now, open));
         Some(Warning::NoWorker { open, since: now.saturating_sub(*since) })
     }
 }

@@ -1,33 +1,33 @@
-//! The workers whose liveliness token is there: what each has, how fast each is, and how much of the work each may have.
+//! The connected workers: leases, measured speed, and share of the tasks.
 
 use common::wire::WorkerId;
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
-/// Weight of the newest evaluation in the mean time of a worker's evaluations.
+/// Weight of the newest evaluation in the running mean of a worker's evaluation times [1].
 const NEWEST_WALL: f64 = 0.2;
-/// Weight of the newest task in the mean time from lease to outcome.
+/// Weight of the newest task in the running mean of the time from lease to outcome [1].
 const NEWEST_TURNAROUND: f64 = 0.1;
-/// An evaluation counts as at least so long [s]: a clock that stands still must not make anybody infinitely fast.
+/// Lower bound of a measured evaluation time [s]: a stopped clock must not give an infinite speed.
 const SHORTEST_WALL: f64 = 1e-6;
 
-/// A worker that is there.
+/// A connected worker.
 #[derive(Debug, Default)]
 pub(super) struct Worker {
-    /// Slots it has said to have; 0 until its first claim.
+    /// Slots stated in its claims; 0 until the first claim.
     pub slots: u32,
-    /// Number of its last claim.
+    /// Highest sequence number of its claims.
     pub last_sequence: Option<u64>,
-    /// Tasks it has, and since when.
+    /// Leased tasks with the time of their lease.
     leases: BTreeMap<u64, Duration>,
-    /// Tasks taken from it because it had them for too long; it may still say that it has them.
+    /// Tasks whose lease was revoked after their deadline; the worker may still list them.
     overdue: BTreeSet<u64>,
-    /// Mean time of a slot that its evaluations took lately [s].
+    /// Running mean of the slot time of its evaluations [s].
     wall: Option<f64>,
 }
 
 impl Worker {
-    /// How many tasks it has.
+    /// Number of leased tasks.
     pub fn leased(&self) -> usize {
         self.leases.len()
     }
@@ -36,29 +36,29 @@ impl Worker {
         f64::from(self.slots.max(1))
     }
 
-    /// Its threads and the time an evaluation takes one of them.
+    /// Threads, and mean time of an evaluation on one of them [s].
     fn strength(&self) -> (f64, Option<f64>) {
         (self.threads(), self.wall)
     }
 }
 
-/// All workers and who has what. A task may be at several.
+/// All connected workers and their leases. Several workers may hold a lease of the same task.
 #[derive(Debug, Default)]
 pub(super) struct Workforce {
     workers: BTreeMap<WorkerId, Worker>,
-    /// Who has a task.
+    /// Workers with a lease, by task.
     holders: BTreeMap<u64, Vec<WorkerId>>,
-    /// Tasks that one worker alone has, the longest first.
+    /// Tasks leased to exactly one worker, the oldest lease first.
     alone: BTreeSet<(Duration, u64)>,
-    /// Tasks that workers say to have and nobody has asked for so far.
+    /// Tasks that a worker holds and the study has not requested yet.
     unrequested: BTreeMap<u64, WorkerId>,
-    /// Slots and evaluations per second of the workers whose speed is known.
+    /// Slots [1] and rate [1/s] of the workers with measured speed.
     measured: (f64, f64),
-    /// Slots of the others.
+    /// Slots of the workers without measured speed.
     unmeasured: f64,
-    /// Mean time from lease to outcome lately [s].
+    /// Running mean of the time from lease to outcome [s].
     turnaround: Option<f64>,
-    /// Rises whenever somebody comes, goes, or says other slots.
+    /// Number that increases whenever a worker joins, leaves or changes its slots.
     revision: u64,
 }
 
@@ -79,7 +79,7 @@ impl Workforce {
         self.workers.get(id)
     }
 
-    /// A worker has come.
+    /// Adds a worker without leases.
     pub fn add(&mut self, id: WorkerId) {
         if !self.workers.contains_key(&id) {
             let worker = Worker::default();
@@ -89,7 +89,7 @@ impl Workforce {
         }
     }
 
-    /// A worker has gone; what it had.
+    /// Removes a worker; returns its leased tasks.
     pub fn remove(&mut self, id: &WorkerId) -> Vec<u64> {
         let Some(worker) = self.workers.get(id) else { return Vec::new() };
         let tasks: Vec<u64> = worker.leases.keys().copied().collect();
@@ -104,7 +104,8 @@ impl Workforce {
         tasks
     }
 
-    /// Takes note of a claim of a worker that is there; false if it is outdated.
+    /// Registers a claim: updates slots and sequence number of the worker. False if the claim is older than a previous
+    /// one.
     pub fn register_claim(&mut self, id: &WorkerId, sequence: u64, slots: u32) -> bool {
         if self.workers.get(id).is_some_and(|worker| worker.slots != slots) {
             self.revision += 1;
@@ -118,7 +119,7 @@ impl Workforce {
         newest
     }
 
-    /// Gives a task to a worker.
+    /// Leases a task to a worker.
     pub fn lease(&mut self, id: &WorkerId, task: u64, now: Duration) {
         let Some(worker) = self.workers.get_mut(id) else { return };
         if worker.leases.contains_key(&task) {
@@ -129,7 +130,7 @@ impl Workforce {
         self.sort_by_age(task);
     }
 
-    /// Takes a task from a worker; whether anybody still has it.
+    /// Removes a worker's lease of a task; true if another worker still holds one.
     pub fn release(&mut self, id: &WorkerId, task: u64) -> bool {
         self.forget_age(task);
         if let Some(worker) = self.workers.get_mut(id) {
@@ -145,7 +146,7 @@ impl Workforce {
         true
     }
 
-    /// Takes a task from everybody: it has ended, or nobody wants it.
+    /// Removes all leases of a task that has ended.
     pub fn release_from_all(&mut self, task: u64) {
         self.forget_age(task);
         for holder in self.holders.remove(&task).unwrap_or_default() {
@@ -155,7 +156,7 @@ impl Workforce {
         }
     }
 
-    /// Takes everything from everybody.
+    /// Removes all leases.
     pub fn release_everything(&mut self) {
         self.holders.clear();
         self.alone.clear();
@@ -164,24 +165,24 @@ impl Workforce {
         }
     }
 
-    /// Whether anybody has a task.
+    /// True if any worker holds a lease of the task.
     pub fn is_held(&self, task: u64) -> bool {
         self.holders.contains_key(&task)
     }
 
-    /// Tasks this worker has that are not among `kept`, or all.
-    pub fn missing_leases(&self, id: &WorkerId, kept: &BTreeSet<u64>, all: bool) -> Vec<u64> {
+    /// Tasks leased to this worker that its claim no longer lists (all of them if it is leaving).
+    pub fn missing_leases(&self, id: &WorkerId, claimed: &BTreeSet<u64>, leaving: bool) -> Vec<u64> {
         let leases = self.workers.get(id).map(|worker| worker.leases.keys());
-        leases.into_iter().flatten().filter(|task| all || !kept.contains(task)).copied().collect()
+        leases.into_iter().flatten().filter(|task| leaving || !claimed.contains(task)).copied().collect()
     }
 
-    /// Whether what a worker says to have is news: not leased to it, nor taken from it as overdue.
+    /// True if the worker holds a task that this coordinator neither leased to it nor revoked.
     pub fn is_unknown_task(&self, id: &WorkerId, task: u64) -> bool {
         let known = |worker: &Worker| worker.leases.contains_key(&task) || worker.overdue.contains(&task);
         self.workers.get(id).is_some_and(|worker| !known(worker))
     }
 
-    /// Notes what a worker has that nobody has asked for so far.
+    /// Sets the tasks that a worker holds and the study has not requested yet.
     pub fn set_unrequested(&mut self, id: &WorkerId, tasks: &[u64]) {
         if !self.unrequested.is_empty() {
             self.unrequested.retain(|_, holder| holder != id);
@@ -189,13 +190,13 @@ impl Workforce {
         self.unrequested.extend(tasks.iter().map(|&task| (task, id.clone())));
     }
 
-    /// The worker that has this task already, which is asked for now.
+    /// The worker that already holds this task, which the study requests now.
     pub fn take_unrequested(&mut self, task: u64) -> Option<WorkerId> {
         self.unrequested.remove(&task)
     }
 
-    /// Takes note of an evaluation that took a slot `wall` seconds.
-    pub fn measure(&mut self, id: &WorkerId, task: u64, wall: f64, now: Duration) {
+    /// Updates the running means with an evaluation that took a slot `wall` seconds.
+    pub fn record_evaluation(&mut self, id: &WorkerId, task: u64, wall: f64, now: Duration) {
         let since = self.workers.get(id).and_then(|worker| worker.leases.get(&task));
         if let Some(taken) = since.map(|since| now.saturating_sub(*since).as_secs_f64()) {
             let mean = self.turnaround.unwrap_or(taken);
@@ -208,19 +209,19 @@ impl Workforce {
         });
     }
 
-    /// Whether a worker has finished a task.
+    /// True if a worker has finished a task.
     pub fn has_finished(&self, id: &WorkerId) -> bool {
         self.workers.get(id).is_some_and(|worker| worker.wall.is_some())
     }
 
-    /// Whether any of the workers that are there has.
+    /// True if any connected worker has finished a task.
     pub fn any_has_finished(&self) -> bool {
         self.measured.0 > 0.5
     }
 
-    /// Tasks that worker `id` may have at once: of all that are `open` the share that its speed (slots over time of an
-    /// evaluation, as measured; the mean of the others before that) is of the speed of all, but one for each of its slots
-    /// in any case. A slot gains by several side by side, as long as none idles elsewhere.
+    /// Most tasks that worker `id` may hold: its share `open * r / sum(r)` of the open tasks, at least one per slot. `r` is
+    /// its rate, slots over mean evaluation time; an unmeasured worker counts with the mean rate per slot of the measured
+    /// ones. A slot may run several tasks side by side, which is faster as long as no other slot is idle.
     pub fn share(&self, id: &WorkerId, open: usize) -> usize {
         let Some(worker) = self.workers.get(id) else { return 0 };
         let (slots, rate) = self.measured;
@@ -228,14 +229,14 @@ impl Workforce {
         let own = worker.wall.map_or(worker.threads() * mean, |wall| worker.threads() / wall);
         let known = if slots > 0.5 { rate } else { 0.0 };
         let all = known + self.unmeasured * mean;
-        // Sums that grow and shrink end a little beside what they should be.
+        // Sums updated by addition and subtraction carry rounding errors.
         let share = (open as f64 * own / all.max(own) - 1e-6).ceil();
         (worker.slots.max(1) as usize).max(share as usize)
     }
 
-    /// Tasks that one worker alone, other than `requester`, has had for longer than `factor` of the mean and than `least`,
-    /// the longest first. A requester of less than half the mean speed gets those that are out for four times as long: a
-    /// faster one is likely to come first.
+    /// Tasks leased to exactly one worker other than `requester`, for longer than `factor` times the mean and than
+    /// `least`, the oldest lease first. A requester slower than half the mean speed only gets tasks four times as old: a
+    /// faster worker is likely to finish earlier.
     pub fn stragglers(
         &self,
         requester: &WorkerId,
@@ -244,26 +245,26 @@ impl Workforce {
         least: Duration,
     ) -> impl Iterator<Item = u64> {
         let usual = self.turnaround.and_then(|mean| Duration::try_from_secs_f64(factor * mean).ok());
-        let patience = if self.is_slow(requester) { 4 } else { 1 };
-        let until = usual.and_then(|usual| now.checked_sub(patience * usual.max(least)));
+        let multiple = if self.is_slow(requester) { 4 } else { 1 };
+        let until = usual.and_then(|usual| now.checked_sub(multiple * usual.max(least)));
         let late = until.into_iter().flat_map(|until| self.alone.range(..=(until, u64::MAX)));
         let elsewhere = move |task: &u64| self.holders[task].iter().all(|holder| holder != requester);
         late.map(|(_, task)| *task).filter(elsewhere)
     }
 
-    /// Whether a worker is known to be less than half as fast as the mean of those that are known.
+    /// True if the measured speed of a worker is below half the mean of the measured workers.
     fn is_slow(&self, id: &WorkerId) -> bool {
         let (slots, rate) = self.measured;
         let wall = self.workers.get(id).and_then(|worker| worker.wall);
         wall.is_some_and(|wall| slots > 0.5 && 1.0 / wall < 0.5 * rate / slots)
     }
 
-    /// Takes from each worker what it has had for longer than `deadline`, once for each turn its slots have to take:
-    /// whom, what, and how long.
+    /// Revokes all leases older than `deadline` times the turns that the worker's slots need for its leases. Returns
+    /// worker, task and age of the lease.
     pub fn take_overdue(&mut self, now: Duration, deadline: Duration) -> Vec<(WorkerId, u64, Duration)> {
         let mut overdue = Vec::new();
         for (id, worker) in &mut self.workers {
-            // A worker that took more than its slots can do at once works them off one after the other.
+            // A worker with more leases than slots evaluates them in turns.
             let turns = worker.leases.len().div_ceil(worker.slots.max(1) as usize);
             let allowed = deadline.saturating_mul(u32::try_from(turns).unwrap_or(u32::MAX));
             let late = |since: &Duration| now.saturating_sub(*since) > allowed;
@@ -280,7 +281,7 @@ impl Workforce {
         overdue
     }
 
-    /// Changes a worker, and with it what is known of all.
+    /// Changes a worker and updates the sums over all workers.
     fn remeasure(&mut self, id: &WorkerId, change: impl FnOnce(&mut Worker)) {
         let Some(worker) = self.workers.get_mut(id) else { return };
         let before = worker.strength();
@@ -319,7 +320,7 @@ impl Workforce {
         }
     }
 
-    /// Since when its only holder has a task.
+    /// Time of the lease of a task with exactly one lease, and the task.
     fn age(&self, task: u64) -> Option<(Duration, u64)> {
         match &self.since(task)[..] {
             [since] => Some((*since, task)),

@@ -32,9 +32,9 @@ fn shares_follow_the_slots_and_keep_every_slot_busy() {
 fn shares_follow_the_measured_speed() {
     let mut all = workforce(&[("fast", 2), ("slow", 2), ("new", 4)]);
     // Before anything is known of the slow one it counts as the mean of those that are known.
-    all.measure(&id("fast"), 0, 1.0, Duration::ZERO);
+    all.record_evaluation(&id("fast"), 0, 1.0, Duration::ZERO);
     assert_eq!(all.share(&id("slow"), 80), 20);
-    all.measure(&id("slow"), 0, 4.0, Duration::ZERO);
+    all.record_evaluation(&id("slow"), 0, 4.0, Duration::ZERO);
     // Speeds 2, 0.5 and 4 * 2.5/4.
     assert_eq!(["fast", "slow", "new"].map(|name| all.share(&id(name), 100)), [40, 10, 50], "of 100 tasks");
     all.remove(&id("fast"));
@@ -48,7 +48,7 @@ fn a_task_at_two_workers_is_held_until_both_have_lost_it() {
     let mut all = workforce(&[("a", 1), ("b", 1)]);
     let second = Duration::from_secs(1);
     all.lease(&id("a"), 7, second);
-    all.measure(&id("a"), 7, 1.0, 2 * second);
+    all.record_evaluation(&id("a"), 7, 1.0, 2 * second);
     let late = |all: &Workforce, requester: &str, at| -> Vec<u64> {
         all.stragglers(&id(requester), at, 2.0, second).collect()
     };
@@ -69,9 +69,9 @@ fn a_slow_worker_takes_a_straggler_only_when_nobody_faster_has() {
     let second = Duration::from_secs(1);
     all.lease(&id("a"), 7, Duration::ZERO);
     all.lease(&id("b"), 8, Duration::ZERO);
-    all.measure(&id("b"), 8, 1.0, second);
+    all.record_evaluation(&id("b"), 8, 1.0, second);
     all.release_from_all(8);
-    all.measure(&id("slow"), 9, 10.0, second);
+    all.record_evaluation(&id("slow"), 9, 10.0, second);
     let late = |requester: &str, at: u32| all.stragglers(&id(requester), at * second, 2.0, second).count();
     assert_eq!(
         [late("b", 1), late("b", 2), late("slow", 2), late("slow", 7), late("slow", 8)],

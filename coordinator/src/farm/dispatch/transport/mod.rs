@@ -10,7 +10,7 @@ pub use client_session::{ClientError, ClientSession, LivelinessGuard};
 pub use settings::Listen;
 
 use super::DispatchError;
-use common::wire::{WorkerId, keys, reason};
+use common::wire::{WorkerId, is_worker_name, keys, reason};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::Duration;
@@ -62,7 +62,7 @@ impl IncomingQuery {
     /// Name of the worker from the selector: plain text, readable for every protocol version.
     pub fn name(&self) -> String {
         let name = self.0.parameters().get("worker").unwrap_or_default();
-        if keys::is_worker_name(name) { name.to_owned() } else { "(no name)".to_owned() }
+        if is_worker_name(name) { name.to_owned() } else { "(no name)".to_owned() }
     }
 }
 
