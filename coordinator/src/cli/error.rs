@@ -6,7 +6,7 @@ use common::scene::{Faults, Motion, Scene};
 use coordinator::analyses::budget::BudgetError;
 use coordinator::analyses::calibrate::CalibrationError;
 use coordinator::analyses::replay::ReplayError;
-use coordinator::farm::dispatch::{DispatchError, ClientError};
+use coordinator::farm::dispatch::{ClientError, DispatchError};
 use coordinator::farm::evaluate::EvaluateError;
 use coordinator::farm::evaluate::external::SimulatorError;
 use coordinator::presentation::monitor::MonitorError;

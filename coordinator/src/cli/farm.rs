@@ -6,7 +6,7 @@ use super::external;
 use super::shared::{FarmArguments, Slots};
 use super::signals::interruption;
 use common::scene::SceneSource;
-use coordinator::farm::dispatch::{CampaignSpec, StatusBoard, Listen, ZenohEvaluator};
+use coordinator::farm::dispatch::{CampaignSpec, Listen, StatusBoard, ZenohEvaluator};
 use coordinator::farm::evaluate::Evaluator;
 use coordinator::presentation::monitor::Source;
 use std::time::Instant;
@@ -57,7 +57,9 @@ impl CommandEvaluator {
     /// The status board of the study, and the source of its metrics.
     pub fn status(&self) -> (StatusBoard, Source) {
         match self {
-            Self::Workers(farm) => (farm.evaluator.status_board(), Source::Farm(farm.evaluator.status_handle())),
+            Self::Workers(farm) => {
+                (farm.evaluator.status_board(), Source::Farm(farm.evaluator.status_handle()))
+            }
             Self::Simulator(_, slots) => {
                 let board = StatusBoard::default();
                 (board.clone(), Source::Alone { board, slots: *slots, since: Instant::now() })

@@ -1,7 +1,7 @@
 //! Whole studies of a made-up two-mode life in 30 variables, through the scene, evaluator and journal interfaces.
 
 use super::{Method, Settings, StudyError, StudyResult, run};
-use crate::farm::evaluate::{EvaluateError, Evaluator, Finished, Demand, RequestSource, Request};
+use crate::farm::evaluate::{Demand, EvaluateError, Evaluator, Finished, Request, RequestSource};
 use crate::results::journal::InMemoryJournal;
 use crate::results::progress::Silent;
 use crate::statistics::design::Population;
