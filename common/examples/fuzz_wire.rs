@@ -1,15 +1,14 @@
-//! Throws hostile payloads at the decoder of every message and reports what came of it: nothing may panic, and memory may
-//! not grow.
+//! Fuzz test of the decoder of every message: hostile payloads must neither cause a panic nor let memory grow.
 //!
 //! ```sh
 //! cargo run --release -p common --example fuzz_wire -- 10000000
 //! ```
 //!
-//! A third of the payloads are random bytes, most behind a sound header; a third are sound frames with up to eight bytes
-//! changed, cut off or put in; a third are sound frames with lengths up to 2^64 - 1 written over some place. Every frame
-//! goes to every decoder. The payloads follow from the seed (second argument, 1 unless given). Exit code 1 if the peak
-//! of the memory grows by more than 64 MiB while the payloads are decoded: a hostile message may take what the largest
-//! honest one takes, 16 MiB and what stands in it.
+//! A third of the payloads are random bytes, most of them after a valid header; a third are valid frames with up to eight
+//! bytes changed, removed or inserted; a third are valid frames with a length up to 2^64 - 1 written at a random position.
+//! Every frame is passed to every decoder. The payloads follow from the seed (second argument, default 1). The exit code
+//! is 1 if the peak memory grows by more than 64 MiB during decoding: a hostile message may take as much as the largest
+//! valid one, 16 MiB and its decoded contents.
 
 use common::failure::SimulationFailure;
 use common::outputs::{CycleHistory, Diagnostics, Evaluation, JointSummary};
@@ -18,35 +17,18 @@ use common::wire::{
     CandidatePoint, Claim, FarmStatus, Message, Next, Notice, Outcome, Reply, Status, Task, TaskKey,
     WorkerId, WorkerStatus, decode, encode,
 };
+use rand::{Rng, RngExt};
+use rand_chacha::ChaCha12Rng;
+use rand_chacha::rand_core::SeedableRng;
 use std::process::ExitCode;
 use std::time::Instant;
 
-/// Payloads unless told otherwise.
+/// Default number of payloads.
 const PAYLOADS: u64 = 10_000_000;
-/// By how much the peak of the memory may grow [kB].
+/// Largest growth of the peak memory [kB].
 const GROWTH: u64 = 64 << 10;
 
-/// Splitmix64.
-///
-/// # Source
-/// S. Vigna, 2015, public domain.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, bound: usize) -> usize {
-        (self.next() % bound.max(1) as u64) as usize
-    }
-}
-
-/// One frame of each kind of message, some with much in it.
+/// One frame of each kind of message, some of them large.
 fn sound_frames() -> Vec<Vec<u8>> {
     let task = |task| Task {
         key: TaskKey { campaign: 0xfeed_beef_dead_cafe, task },
@@ -91,55 +73,55 @@ fn sound_frames() -> Vec<Vec<u8>> {
     frames.map(|frame| frame.expect("a sound message can be encoded")).into()
 }
 
-/// States the length that is there, so that the decoder reads what stands behind the header.
+/// Writes the true length into the header, so that the decoder reads the payload.
 fn with_true_length(frame: &mut [u8]) {
     if let Some(payload) = frame.len().checked_sub(HEADER) {
         frame[8..12].copy_from_slice(&(payload as u32).to_le_bytes());
     }
 }
 
-fn random_bytes(random: &mut Random, sound: &[Vec<u8>], frame: &mut Vec<u8>) {
-    let length = random.below(300);
-    frame.extend((0..length).map(|_| random.next() as u8));
-    if random.below(8) > 0 && length >= HEADER {
-        let header = &sound[random.below(sound.len())][..HEADER];
+fn random_bytes(random: &mut ChaCha12Rng, sound: &[Vec<u8>], frame: &mut Vec<u8>) {
+    let length = random.random_range(0..300);
+    frame.extend((0..length).map(|_| random.next_u64() as u8));
+    if random.random_range(0..8) > 0 && length >= HEADER {
+        let header = &sound[random.random_range(0..sound.len())][..HEADER];
         frame[..HEADER].copy_from_slice(header);
         with_true_length(frame);
     }
 }
 
-fn mutated(random: &mut Random, sound: &[Vec<u8>], frame: &mut Vec<u8>) {
-    frame.extend_from_slice(&sound[random.below(sound.len())]);
-    for _ in 0..=random.below(8) {
-        // The header stays as it is most of the time: behind it lies what can go wrong.
-        let from = if random.below(16) == 0 { 0 } else { HEADER };
-        let at = from + random.below(frame.len().saturating_sub(from));
-        match random.below(4) {
+fn mutated(random: &mut ChaCha12Rng, sound: &[Vec<u8>], frame: &mut Vec<u8>) {
+    frame.extend_from_slice(&sound[random.random_range(0..sound.len())]);
+    for _ in 0..=random.random_range(0..8) {
+        // The header is changed rarely, so that most frames reach the decoding of their payload.
+        let from = if random.random_range(0..16) == 0 { 0 } else { HEADER };
+        let at = from + random.random_range(0..frame.len().saturating_sub(from).max(1));
+        match random.random_range(0..4) {
             0 => frame.truncate(at),
-            1 => frame.insert(at.min(frame.len()), random.next() as u8),
-            _ if at < frame.len() => frame[at] = random.next() as u8,
+            1 => frame.insert(at.min(frame.len()), random.next_u64() as u8),
+            _ if at < frame.len() => frame[at] = random.next_u64() as u8,
             _ => {}
         }
     }
-    if random.below(8) > 0 {
+    if random.random_range(0..8) > 0 {
         with_true_length(frame);
     }
 }
 
-fn hostile_lengths(random: &mut Random, sound: &[Vec<u8>], frame: &mut Vec<u8>) {
-    frame.extend_from_slice(&sound[random.below(sound.len())]);
-    let at = HEADER + random.below(frame.len() - HEADER);
-    // The decoder's own marks of integers of two, four and eight bytes.
-    let stated = random.next() >> random.below(64);
+fn hostile_lengths(random: &mut ChaCha12Rng, sound: &[Vec<u8>], frame: &mut Vec<u8>) {
+    frame.extend_from_slice(&sound[random.random_range(0..sound.len())]);
+    let at = HEADER + random.random_range(0..frame.len() - HEADER);
+    // The marks of bincode for integers of two, four and eight bytes.
+    let stated = random.next_u64() >> random.random_range(0..64);
     let bytes = stated.to_le_bytes();
-    let (mark, width) = [(251, 2), (252, 4), (253, 8)][random.below(3)];
+    let (mark, width) = [(251, 2), (252, 4), (253, 8)][random.random_range(0..3)];
     let written = [&[mark], &bytes[..width]].concat();
-    let end = (at + random.below(written.len() + 1)).min(frame.len());
+    let end = (at + random.random_range(0..written.len() + 1)).min(frame.len());
     frame.splice(at..end, written);
     with_true_length(frame);
 }
 
-/// Which decoders take the frame.
+/// Number of decoders that accept the frame.
 fn taken(frame: &[u8]) -> u64 {
     fn one<M: Message>(frame: &[u8]) -> u64 {
         u64::from(decode::<M>(frame).is_ok())
@@ -147,7 +129,7 @@ fn taken(frame: &[u8]) -> u64 {
     one::<Claim>(frame) + one::<Reply>(frame) + one::<Notice>(frame) + one::<Status>(frame)
 }
 
-/// Peak and present size of this process in memory [kB]; `None` where the system does not tell.
+/// Peak and present memory of this process [kB]; `None` on systems without `/proc`.
 fn memory() -> Option<(u64, u64)> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let value = |key: &str| -> Option<u64> {
@@ -168,7 +150,7 @@ fn main() -> ExitCode {
         }
     };
     let sound = sound_frames();
-    let mut random = Random(seed);
+    let mut random = ChaCha12Rng::seed_from_u64(seed);
     let mut frame = Vec::with_capacity(1 << 14);
     let (mut bytes, mut read) = ([0u64; 3], [0u64; 3]);
     let before = memory();
@@ -190,11 +172,11 @@ fn main() -> ExitCode {
         (Some((before, _)), Some((peak, now))) => {
             println!("memory: peak {before} kB before, {peak} kB after ({now} kB now)");
             if peak > before + GROWTH {
-                println!("memory has grown by more than {GROWTH} kB");
+                println!("peak memory grew by more than {GROWTH} kB");
                 return ExitCode::FAILURE;
             }
         }
-        _ => println!("memory: this system does not tell"),
+        _ => println!("memory: not available on this system"),
     }
     ExitCode::SUCCESS
 }

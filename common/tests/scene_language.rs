@@ -65,7 +65,7 @@ fn drives() {
 }
 
 #[test]
-fn free_bodies_start_as_they_are_told_or_at_rest() {
+fn free_bodies_start_with_their_velocities_or_at_rest() {
     let scene = scene();
     let start = |name: &str| match scene.bodies[body(&scene, name)].motion {
         Motion::Free { start_velocity, start_speed, .. } => (start_velocity, start_speed),

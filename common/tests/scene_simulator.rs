@@ -1,4 +1,4 @@
-//! Studies of an external simulator: what is read of them, and what their authors are told.
+//! Studies of an external simulator: how they are read, and their faults.
 
 use common::random::Distribution;
 use common::scene::{Fails, Life, OutputKind, Program, SceneSource, SimulatorKind};
@@ -55,7 +55,7 @@ fn beam(from: &str, to: &str) -> String {
     BEAM.replacen(from, to, 1)
 }
 
-/// What a scene's author is told, one line a fault.
+/// The faults of a scene, one per line.
 fn faults(text: &str) -> String {
     SceneSource::parse(text, "beam.toml").expect_err("a faulty scene").to_string()
 }

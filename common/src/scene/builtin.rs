@@ -10,7 +10,16 @@ pub(super) const SCENES: [(&str, &str); 6] = [
     ("andrews-squeezer", include_str!("../../scenes/andrews-squeezer.toml")),
 ];
 
-/// Text of a built-in scene.
+/// Published results of built-in scenes, by the name of the scene.
+const REFERENCES: [(&str, &str); 1] =
+    [("flapping-wing", include_str!("../../scenes/flapping-wing.reference.toml"))];
+
+/// Text of a built-in scene; none if there is no scene of this name.
 pub(super) fn text(name: &str) -> Option<&'static str> {
     SCENES.iter().find(|(known, _)| *known == name).map(|(_, text)| *text)
+}
+
+/// Text of the published results of a built-in scene; none if there are none.
+pub(super) fn reference(name: &str) -> Option<&'static str> {
+    REFERENCES.iter().find(|(known, _)| *known == name).map(|(_, text)| *text)
 }

@@ -11,7 +11,7 @@
 //! | faults | [`faults`] | what is wrong, with file, key, value and allowed range |
 //! | reading | `context`, `parameters`, `section` | one pass over the file that records every fault |
 //! | readers | `bodies`, `joints`, `clearance`, `loads`, `tables`, `outputs`, `life`, `simulator`, `variables`, `variable_law`, `fits`, `correlations` | one part of a file each |
-//! | whole | `resolve`, `merge`, `builtin`, [`source`] | all parts together; `extends`; the built-in scenes; samples |
+//! | whole | `resolve`, `merge`, `builtin`, `reference`, [`source`] | all parts together; `extends`; the built-in scenes and their published results; samples |
 
 mod attachment;
 mod bodies;
@@ -36,6 +36,7 @@ mod output;
 mod outputs;
 mod parameters;
 pub mod quantity;
+mod reference;
 mod resolve;
 mod section;
 mod simulator;
@@ -54,4 +55,5 @@ pub use model::{
     SimulatorKind, StudySettings, UmBridgeModel,
 };
 pub use output::{Output, OutputKind, SignedBody};
+pub use reference::published_results;
 pub use source::SceneSource;

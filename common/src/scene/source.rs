@@ -320,7 +320,8 @@ fn read(path: &Path) -> Result<String, Faults> {
     })
 }
 
-fn document(text: &str, origin: &str) -> Result<Table, Faults> {
+/// Parses a text as TOML.
+pub(super) fn document(text: &str, origin: &str) -> Result<Table, Faults> {
     text.parse::<Table>().map_err(|error| {
         single(origin, "", FaultKind::Syntax { message: error.to_string().trim_end().to_owned() })
     })

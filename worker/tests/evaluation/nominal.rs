@@ -1,7 +1,7 @@
 //! The nominal evaluation of the flapping-wing drive against the published figures, and its
 //! convergence in time step and wear step.
 
-use crate::scenes::{RPM, at, scene};
+use crate::scenes::{RPM, at, published, scene};
 use common::accuracy::Accuracy;
 use common::outputs::Evaluation;
 use std::sync::OnceLock;
@@ -23,8 +23,8 @@ fn nominal() -> &'static Evaluation {
 fn peak_forces_are_the_published_ones() {
     assert_eq!(nominal().joints.len(), 6);
     for joint in &nominal().joints {
-        let published = if matches!(joint.name.as_str(), "5" | "6") { 9.27 } else { 5.94 };
-        let ratio = joint.peak_force / published;
+        let joints_56 = matches!(joint.name.as_str(), "5" | "6");
+        let ratio = joint.peak_force / published(if joints_56 { "peak_force_56" } else { "peak_force_1234" });
         assert!((ratio - 1.0).abs() < 0.03, "joint {}: {} N", joint.name, joint.peak_force);
     }
 }
@@ -32,7 +32,7 @@ fn peak_forces_are_the_published_ones() {
 #[test]
 fn wear_at_64_000_cycles_is_the_published_one() {
     let depth = at(nominal(), WEAR, 64_000);
-    assert!((depth / 28.8e-6 - 1.0).abs() < 0.05, "{depth} m");
+    assert!((depth / published("wear_mean_64000") - 1.0).abs() < 0.05, "{depth} m");
 }
 
 #[test]

@@ -33,3 +33,8 @@ pub fn at(evaluation: &Evaluation, output: usize, cycles: u32) -> f64 {
     let k = evaluation.cycles.iter().position(|c| *c == cycles).expect("a checkpoint");
     evaluation.histories[output][k]
 }
+
+/// A published result of the flapping-wing drive, SI.
+pub fn published(name: &str) -> f64 {
+    common::scene::published_results("flapping-wing").unwrap()[name]
+}

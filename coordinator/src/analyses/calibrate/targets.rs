@@ -8,7 +8,7 @@ use common::scene::expression::evaluate;
 use common::scene::quantity::{ANGLE, ANGULAR_VELOCITY, Dimension, FORCE, Kind, LENGTH, NUMBER, TORQUE};
 use serde::Deserialize;
 use std::path::Path;
-use toml::Value;
+use toml::{Table, Value};
 
 /// What a target looks at.
 #[derive(Debug, Clone, PartialEq)]
@@ -82,6 +82,8 @@ pub struct Targets {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {
+    /// File with a table `[published]`, whose values targets may name.
+    reference: Option<String>,
     #[serde(default)]
     parameters: Vec<ParameterRow>,
     #[serde(default)]
@@ -136,7 +138,9 @@ pub fn parse(text: &str, path: &Path, scene: &Scene) -> Result<Targets, Calibrat
         let what = "at least one [[parameters]] and one [[targets]] are needed";
         return Err(fault(path, "", what.to_owned()));
     }
-    let reader = Reader { path, scene };
+    let published =
+        file.reference.as_deref().map(|file| published(path, file)).transpose()?.unwrap_or_default();
+    let reader = Reader { path, scene, published };
     let free = file.parameters.iter().map(|row| reader.free(row)).collect::<Result<Vec<_>, _>>()?;
     let targets: Vec<Vec<Target>> = file
         .targets
@@ -152,9 +156,23 @@ fn fault(path: &Path, key: &str, what: String) -> CalibrationError {
     CalibrationError::Targets { file: path.display().to_string(), key, what }
 }
 
+/// Reads the table `[published]` of a reference file beside the file of targets.
+fn published(path: &Path, file: &str) -> Result<Table, CalibrationError> {
+    let refuse = |what: String| fault(path, "reference", format!("{file}: {what}"));
+    let text = std::fs::read_to_string(path.parent().unwrap_or(Path::new(".")).join(file))
+        .map_err(|error| refuse(error.to_string()))?;
+    let mut table: Table = text.parse().map_err(|error: toml::de::Error| refuse(error.to_string()))?;
+    match table.remove("published") {
+        Some(Value::Table(published)) => Ok(published),
+        _ => Err(refuse("has no table [published]".to_owned())),
+    }
+}
+
 struct Reader<'a> {
     path: &'a Path,
     scene: &'a Scene,
+    /// Results that targets may name.
+    published: Table,
 }
 
 impl Reader<'_> {
@@ -350,6 +368,7 @@ impl Reader<'_> {
     /// A quantity in SI, and the unit it was written in with that unit in SI.
     fn number(&self, key: &str, value: &Value, kind: Kind) -> Result<(f64, (String, f64)), CalibrationError> {
         let refuse = |what: String| Err(fault(self.path, key, what));
+        let value = value.as_str().and_then(|name| self.published.get(name)).unwrap_or(value);
         let text = match value {
             Value::Float(_) | Value::Integer(_) if kind.dimension != Dimension::NONE => {
                 return refuse(format!("{value} has no unit, expected {}", kind.in_words()));

@@ -162,6 +162,23 @@ fn a_measured_profile_is_read_from_a_file() {
 }
 
 #[test]
+fn a_target_may_name_a_published_result() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("published.toml"), "[published]\nwear = \"12 um\"\n").unwrap();
+    let target = "[[targets]]\noutput = \"max_wear_depth\"\ncycles = 8000\nstatistic = \"mean\"\nvalue = \"wear\"\ntolerance = \"1 um\"\n";
+    let source = four_bar();
+    let read = |reference: &str| {
+        let text = format!("{reference}\n{PARAMETERS}{target}");
+        parse_targets(&text, &folder.path().join("targets.toml"), source.nominal())
+    };
+    let target = &read("reference = \"published.toml\"").unwrap().targets[0];
+    assert!((target.value - 12e-6).abs() < 1e-20 && target.unit.0 == "um", "{target:?}");
+    assert!(read("").unwrap_err().to_string().contains("no unit, parameter or function `wear`"));
+    let error = read("reference = \"none.toml\"").unwrap_err().to_string();
+    assert!(error.contains("reference: none.toml: "), "{error}");
+}
+
+#[test]
 fn faults_of_the_file_are_named_with_their_key() {
     let target = "[[targets]]\noutput = \"max_wear_depth\"\ncycles = 8000\nstatistic = \"mean\"\nvalue = \"12 um\"\ntolerance = \"1 um\"\n";
     for (from, to, expected) in [

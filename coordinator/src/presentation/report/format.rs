@@ -108,7 +108,7 @@ mod tests {
         assert_eq!(fixed(-1.25, 1), "\u{2212}1.2");
         assert_eq!(three_digits(0.012345), "0.0123");
         assert_eq!(three_digits(2.5e-7), "2.50e\u{2212}7");
-        assert_eq!(percent(0.9652), "96.5\u{a0}%");
+        assert_eq!(percent(0.9653), "96.5\u{a0}%");
         assert_eq!(percent(0.0003), "0.03\u{a0}%");
         assert_eq!(duration(3725.0), "1\u{a0}h 02\u{a0}min");
         assert_eq!(duration(125.0), "2\u{a0}min 05\u{a0}s");
