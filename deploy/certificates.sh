@@ -1,9 +1,9 @@
 #!/bin/bash
-# Makes what the Zenoh configurations name: an authority of your own in FOLDER (kept if it is there already), and for each
-# HOST a folder FOLDER/HOST with ca.pem, certificate.pem and key.pem, to be put in /etc/hingewise/tls on that host.
-# HOST is the name or IPv4 address by which others reach it; it is also the certificate's common name, by which
-# access_control knows it. worker:NAME makes a certificate that can only connect, in FOLDER/NAME: who steals it cannot
-# pose as a coordinator, whatever name workers connect to. FOLDER/ca.key signs all of them: keep it to yourself.
+# Makes the files named by the Zenoh configurations: a certificate authority in FOLDER (an existing one is kept), and for
+# each HOST a folder FOLDER/HOST with ca.pem, certificate.pem and key.pem, to be copied to /etc/hingewise/tls on that host.
+# HOST is the name or IPv4 address by which others reach it; it is also the common name of the certificate, which
+# access_control lists. worker:NAME makes a certificate in FOLDER/NAME that can only connect: if it is stolen, it cannot
+# be used to impersonate a coordinator. FOLDER/ca.key signs all certificates: keep it secret.
 set -euo pipefail
 if [ $# -lt 2 ]; then
     echo "usage: certificates.sh FOLDER HOST|worker:NAME..." >&2
