@@ -1,5 +1,5 @@
-//! What learning in the coordinator's process costs beside local workers on every core: a computation by itself, beside
-//! slots that give way to it (as those of `--workers auto` do), and beside slots that do not.
+//! Slowdown of learning by local workers on every core: a computation alone, with slots of lower priority (as with
+//! `--workers auto`), and with slots of normal priority.
 //! `cargo run --release -p tests --example giving_way`.
 
 use coordinator::farm::evaluate::Evaluator;
@@ -10,8 +10,8 @@ use std::time::{Duration, Instant};
 use tests::{ClosureSimulator, PATIENCE, coordinator_at, practice_result, requests};
 use worker::service::{self, ServiceConfig};
 
-/// Something to compute for a second or two.
-fn think() -> Duration {
+/// A computation of about one second; its wall time.
+fn compute() -> Duration {
     let started = Instant::now();
     let mut x = 0.5_f64;
     for _ in 0..300_000_000_u64 {
@@ -20,8 +20,8 @@ fn think() -> Duration {
     started.elapsed()
 }
 
-/// The same beside simulations on every core; the time, and how many simulations ended meanwhile.
-fn beside(give_way: bool) -> (Duration, usize) {
+/// Wall time of the computation with simulations on every core, and the number of simulations that ended meanwhile.
+fn compute_with_simulations(give_way: bool) -> (Duration, usize) {
     let stopped = Arc::default();
     let mut coordinator = coordinator_at(None, Arc::clone(&stopped));
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
@@ -38,28 +38,28 @@ fn beside(give_way: bool) -> (Duration, usize) {
     assert!(coordinator.wait_for_workers(PATIENCE, |here| here.iter().any(|worker| worker.slots > 0)));
     let (mut ended, mut took) = (0, Duration::ZERO);
     std::thread::scope(|scope| {
-        let thinking = scope.spawn(|| {
-            let took = think();
+        let computation = scope.spawn(|| {
+            let took = compute();
             stopped.store(true, Ordering::Relaxed);
             took
         });
-        // It ends when the thinking has.
+        // It ends with the computation.
         let _ = coordinator.evaluate(&requests(0..1_000_000), &mut |_| {
             ended += 1;
             Ok(())
         });
-        took = thinking.join().expect("thinking does not panic");
+        took = computation.join().expect("the computation does not panic");
     });
     worker.stopper().abort();
     (took, ended)
 }
 
 fn main() {
-    println!("| beside | thinking takes [s] | times as long | simulations meanwhile |\n|---|---|---|---|");
-    let alone = think();
-    println!("| nothing | {:.2} | 1.00 | 0 |", alone.as_secs_f64());
-    for (name, give_way) in [("slots that give way", true), ("slots that do not", false)] {
-        let (took, ended) = beside(give_way);
+    println!("| simulations | computation [s] | slowdown | simulations ended meanwhile |\n|---|---|---|---|");
+    let alone = compute();
+    println!("| none | {:.2} | 1.00 | 0 |", alone.as_secs_f64());
+    for (name, give_way) in [("slots of lower priority", true), ("slots of normal priority", false)] {
+        let (took, ended) = compute_with_simulations(give_way);
         let times = took.as_secs_f64() / alone.as_secs_f64();
         println!("| {name} | {:.2} | {times:.2} | {ended} |", took.as_secs_f64());
     }

@@ -1,6 +1,6 @@
-//! What a task costs beside its simulation: an empty simulator, each outcome durable in a campaign file, one worker in a
-//! process of its own. `cargo run --release -p tests --example overhead [FOLDER]`; the campaign files lie in the folder,
-//! or in the present one. `tests/examples/dask/run.sh` has the same of Dask, which keeps its results in memory.
+//! Cost of a task without its simulation: an empty simulator, each outcome durable in a campaign file, one worker in a
+//! separate process. `cargo run --release -p tests --example overhead [FOLDER]`; the campaign files are in the folder, by
+//! default the current one. `tests/examples/dask/run.sh` measures the same with Dask, which keeps results in memory.
 
 use coordinator::farm::evaluate::Evaluator;
 use std::path::PathBuf;
@@ -8,7 +8,7 @@ use std::time::Instant;
 use tests::coordinator;
 use tests::journaled::Journaled;
 use tests::practice_study::evaluation;
-use worker::service::{self, ServiceConfig, ServiceError};
+use worker::service::{self, ServiceConfig};
 
 const TASKS: u64 = 5000;
 
@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         return Ok(());
     }
     let folder = PathBuf::from(arguments.first().map_or(".", String::as_str));
-    println!("| slots | tasks | microseconds a task | tasks a transaction |\n|---|---|---|---|");
+    println!("| slots | tasks | microseconds per task | tasks per transaction |\n|---|---|---|---|");
     for slots in [1, 2, 4] {
         let mut coordinator = coordinator();
         let mut worker = std::process::Command::new(std::env::current_exe()?)
@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let connected =
             coordinator.wait_for_workers(tests::PATIENCE, |workers| workers.iter().any(|w| w.slots > 0));
         if !connected {
-            return Err(ServiceError::Messaging("the worker did not connect".into()).into());
+            return Err("the worker did not connect".into());
         }
         let mut journaled = Journaled::new(TASKS, &folder);
         let started = Instant::now();

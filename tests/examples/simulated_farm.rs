@@ -6,7 +6,7 @@ use tests::simulated_farm::{Figures, Plan, simulate};
 
 fn main() {
     println!(
-        "| workers | task [s] | fastest / slowest | second worker for stragglers | deaths | busy before the tail | busy in all | done twice | scheduler, a event |"
+        "| workers | task [s] | fastest / slowest | second worker for stragglers | crashes | busy before the tail | busy overall | done twice | scheduler per event |"
     );
     println!("|---|---|---|---|---|---|---|---|---|");
     for (workers, seconds, spread, stragglers, deaths) in [

@@ -1,4 +1,4 @@
-//! Throughput against the ideal: 1 to 256 workers in this process, each with a simulation that sleeps for 50 ms, each
+//! Throughput compared with the ideal: 1 to 256 workers in this process, whose simulations sleep for 50 ms, each
 //! outcome durable in a campaign file. `cargo run --release -p tests --example throughput [FOLDER]`.
 
 use coordinator::farm::evaluate::Evaluator;
@@ -9,15 +9,15 @@ use tests::practice_study::evaluation;
 use tests::{PATIENCE, coordinator, worker};
 
 const TAKES: Duration = Duration::from_millis(50);
-/// Tasks for each worker.
+/// Tasks per worker.
 const EACH: usize = 100;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| ".".into()));
-    println!("| workers | tasks | tasks a second | of the ideal |\n|---|---|---|---|");
+    println!("| workers | tasks | tasks per second | of the ideal |\n|---|---|---|---|");
     for workers in [1, 2, 8, 64, 256] {
         let mut coordinator = coordinator();
-        let hands: Vec<_> = (0..workers)
+        let handles: Vec<_> = (0..workers)
             .map(|k| {
                 worker(&coordinator, &format!("w{k}"), 1, |sample| {
                     std::thread::sleep(TAKES);
@@ -35,8 +35,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         coordinator.run(&mut journaled)?;
         let took = started.elapsed().as_secs_f64();
         coordinator.finish();
-        for hand in hands {
-            hand.join()?;
+        for handle in handles {
+            handle.join()?;
         }
         assert_eq!(journaled.recorded().0, tasks, "every outcome is in the file");
         let ideal = workers as f64 / TAKES.as_secs_f64();

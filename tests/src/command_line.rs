@@ -1,17 +1,17 @@
-//! Command lines that a document or a unit shows, held against the programs.
+//! Checks command lines of documents and unit files with the programs.
 
 use std::path::Path;
 use std::process::Command;
 
-/// What the program says against these arguments, `None` if it takes them: they are parsed, then `--help` ends the
-/// run before anything is done. Commands, options and their values count; that an argument is missing does not.
+/// Error message of the program for these arguments; `None` if it accepts them. The arguments are parsed, then `--help` ends
+/// the program. Commands, options and their values are checked; missing arguments are not.
 pub fn objection(program: &Path, arguments: &[&str]) -> Option<String> {
     let output = Command::new(program).args(arguments).arg("--help").output().expect("the program starts");
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     (!output.status.success()).then(|| format!("{} {}: {said}", program.display(), arguments.join(" ")))
 }
 
-/// Words of a shell line, without what redirects its output. Quotes hold words together.
+/// Words of a shell command, without redirection of its output. Quoted words stay together.
 pub fn words(line: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let mut quote = None;
@@ -35,7 +35,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn words_are_the_shells() {
+    fn words_are_split_as_in_a_shell() {
         let found = words("coordinator simulate --set speed='500 r/min'  --json > \"my file\"");
         assert_eq!(found, ["coordinator", "simulate", "--set", "speed=500 r/min", "--json"]);
     }

@@ -1,5 +1,5 @@
-//! The files of `deploy/`, as tests use them: certificates made by its script, Zenoh's settings with paths that exist here,
-//! and the programs as processes.
+//! The files of `deploy/` for tests: certificates made by its script, Zenoh settings with the paths of the test, and the
+//! programs as processes.
 
 use crate::{program, skipped};
 use std::io::{BufRead, BufReader};
@@ -9,17 +9,17 @@ use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::Duration;
 use zenoh::{Config, Session, Wait};
 
-/// The top of the repository.
+/// Top folder of the repository.
 pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("tests lie in the workspace").to_path_buf()
 }
 
 /// Text of a file of `deploy/`.
 pub fn deployed(name: &str) -> String {
-    std::fs::read_to_string(root().join("deploy").join(name)).expect("the file is there")
+    std::fs::read_to_string(root().join("deploy").join(name)).expect("the file exists")
 }
 
-/// What a program that may not be installed says; `None`, and a word about it, if it is not.
+/// Output of a program that may not be installed; `None`, with a message, if it is not.
 pub fn if_installed(what: &str, command: &mut Command) -> Option<Output> {
     match command.output() {
         Ok(output) => Some(output),
@@ -31,12 +31,12 @@ pub fn if_installed(what: &str, command: &mut Command) -> Option<Output> {
     }
 }
 
-/// Whether certificates can be made here; says so if not.
+/// True if certificates can be made; prints a message if not.
 pub fn has_openssl(what: &str) -> bool {
     if_installed(what, Command::new("openssl").arg("version")).is_some()
 }
 
-/// Runs `certificates.sh` for `host` (or `worker:NAME`); the folder of its files.
+/// Runs `certificates.sh` for `host` (or `worker:NAME`); returns the folder of its files.
 pub fn certificates(folder: &Path, host: &str) -> PathBuf {
     let mut script = Command::new("bash");
     script.arg(root().join("deploy/certificates.sh")).arg(folder).arg(host);
@@ -52,7 +52,7 @@ pub fn configuration(name: &str, own: &Path) -> PathBuf {
     changed_configuration(name, own, &[])
 }
 
-/// [`configuration`] with pieces of its text replaced, each of which must be there.
+/// [`configuration`] with parts of its text replaced; each part must occur.
 pub fn changed_configuration(name: &str, own: &Path, changes: &[(&str, &str)]) -> PathBuf {
     let mut text = deployed(name);
     let here = own.to_str().expect("a plain path");
@@ -65,17 +65,17 @@ pub fn changed_configuration(name: &str, own: &Path, changes: &[(&str, &str)]) -
         text = text.replace(from, to);
     }
     let file = own.join(name);
-    std::fs::write(&file, text).expect("the folder is there");
+    std::fs::write(&file, text).expect("the folder exists");
     file
 }
 
-/// The only host name in certificates of tests that can be connected to.
+/// The only host name in certificates of tests that accepts connections.
 pub const HOST: &str = "127.0.0.1";
 
-/// Names in `zenoh-tls-coordinator.json5` of those who may work.
+/// Names of permitted workers in `zenoh-tls-coordinator.json5`.
 pub const NAMED: &str = "\"coordinator.example\", \"worker-1.example\", \"worker-2.example\"";
 
-/// Users of a coordinator with passwords, and its certificate; the folder.
+/// Makes the user dictionary and the certificate of a coordinator with passwords; returns their folder.
 pub fn with_users(folder: &Path) -> PathBuf {
     let own = certificates(folder, HOST);
     std::fs::write(
@@ -86,19 +86,19 @@ pub fn with_users(folder: &Path) -> PathBuf {
     own
 }
 
-/// The settings of a user.
+/// Zenoh settings of a user.
 pub fn user(own: &Path, name: &str, password: &str) -> PathBuf {
     let folder = own.join(format!("{name}-{password}"));
     std::fs::create_dir_all(&folder).expect("it can be made");
-    std::fs::copy(own.join("ca.pem"), folder.join("ca.pem")).expect("it is there");
+    std::fs::copy(own.join("ca.pem"), folder.join("ca.pem")).expect("the file exists");
     let (name, password) = (format!("user: \"{name}\""), format!("password: \"{password}\""));
     let changes = [("user: \"worker\"", name.as_str()), ("password: \"change-me\"", password.as_str())];
     changed_configuration("zenoh-password-worker.json5", &folder, &changes)
 }
 
-/// A session that speaks no protocol of ours.
+/// A Zenoh client session without the protocol of this program.
 pub fn session(config: &Path, endpoint: &str) -> Session {
-    let mut settings = Config::from_file(config).expect("the configuration is sound");
+    let mut settings = Config::from_file(config).expect("the configuration is valid");
     for (key, value) in [
         ("mode", "\"client\""),
         ("scouting/multicast/enabled", "false"),
@@ -108,10 +108,10 @@ pub fn session(config: &Path, endpoint: &str) -> Session {
     ] {
         settings.insert_json5(key, value).expect("the key exists");
     }
-    zenoh::open(settings).wait().expect("somebody listens there")
+    zenoh::open(settings).wait().expect("a coordinator listens there")
 }
 
-/// The four-bar with a study of so many evaluations.
+/// The scene `four-bar` with a study of at most `evaluations` evaluations.
 pub fn small_scene(evaluations: usize) -> String {
     let scene = std::fs::read_to_string(root().join("common/scenes/four-bar.toml")).expect("it is built in");
     let (before, _) = scene.split_once("[study]").expect("it has a study");
@@ -122,10 +122,10 @@ pub fn small_scene(evaluations: usize) -> String {
     format!("{before}{study}{variables}")
 }
 
-/// Ends a process with the test, however it ends.
-pub struct Process(pub Child);
+/// A child process that is killed when dropped.
+pub struct KilledOnDrop(pub Child);
 
-impl Drop for Process {
+impl Drop for KilledOnDrop {
     fn drop(&mut self) {
         // It may have ended already.
         let _ = self.0.kill();
@@ -133,62 +133,62 @@ impl Drop for Process {
     }
 }
 
-/// A program of the workspace at work, and what it says on standard error.
-pub struct Talking {
-    process: Process,
-    said: Arc<(Mutex<String>, Condvar)>,
+/// A running program of the workspace with its standard error.
+pub struct LoggedProcess {
+    process: KilledOnDrop,
+    log: Arc<(Mutex<String>, Condvar)>,
 }
 
-/// Longest wait for a word: only a defect waits so long.
+/// Longest wait for a log line; only a defect takes longer.
 const PATIENCE: Duration = Duration::from_secs(25);
 
-impl Talking {
+impl LoggedProcess {
     /// Starts a program; its standard output is not kept.
     pub fn start(name: &str, arguments: &[&str]) -> Self {
-        Self::listen(Command::new(program(name)).args(arguments))
+        Self::from_command(Command::new(program(name)).args(arguments))
     }
 
     /// Starts a command; its standard output is not kept.
-    pub fn listen(command: &mut Command) -> Self {
+    pub fn from_command(command: &mut Command) -> Self {
         command.stdout(Stdio::null()).stderr(Stdio::piped()).env_remove("RUST_LOG");
         let mut child = command.spawn().expect("the program starts");
         let lines = BufReader::new(child.stderr.take().expect("it is piped")).lines();
-        let said = Arc::new((Mutex::new(String::new()), Condvar::new()));
-        let heard = Arc::clone(&said);
+        let log = Arc::new((Mutex::new(String::new()), Condvar::new()));
+        let recorded = Arc::clone(&log);
         std::thread::spawn(move || {
             for line in lines.map_while(Result::ok) {
-                let mut text = heard.0.lock().unwrap_or_else(PoisonError::into_inner);
+                let mut text = recorded.0.lock().unwrap_or_else(PoisonError::into_inner);
                 text.push_str(&line);
                 text.push('\n');
-                heard.1.notify_all();
+                recorded.1.notify_all();
             }
         });
-        Talking { process: Process(child), said }
+        LoggedProcess { process: KilledOnDrop(child), log }
     }
 
-    /// Everything it has said.
-    pub fn said(&self) -> String {
-        self.said.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    /// The log so far.
+    pub fn log(&self) -> String {
+        self.log.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Waits until it says a line that contains `part`; what stands behind that in the line.
-    pub fn hear(&self, part: &str) -> String {
+    /// Waits for a log line that contains `part`; returns the rest of the line.
+    pub fn wait_for(&self, part: &str) -> String {
         let found =
-            |said: &str| said.lines().find_map(|line| line.split_once(part)).map(|(_, rest)| rest.to_owned());
-        let (text, changed) = &*self.said;
+            |log: &str| log.lines().find_map(|line| line.split_once(part)).map(|(_, rest)| rest.to_owned());
+        let (text, changed) = &*self.log;
         let text = text.lock().unwrap_or_else(PoisonError::into_inner);
         let (text, _) = changed
-            .wait_timeout_while(text, PATIENCE, |said| found(said).is_none())
+            .wait_timeout_while(text, PATIENCE, |log| found(log).is_none())
             .unwrap_or_else(PoisonError::into_inner);
-        found(&text).unwrap_or_else(|| panic!("it does not say \"{part}\" but:\n{text}"))
+        found(&text).unwrap_or_else(|| panic!("no line with \"{part}\" in:\n{text}"))
     }
 
-    /// Waits for its end; its exit code.
+    /// Waits for the exit of the process; returns its exit code.
     pub fn end(&mut self) -> Option<i32> {
         self.process.0.wait().expect("it can be waited for").code()
     }
 
-    /// Its process.
+    /// Process number.
     pub fn id(&self) -> u32 {
         self.process.0.id()
     }

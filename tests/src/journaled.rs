@@ -1,4 +1,4 @@
-//! Requests evaluated with each outcome durable in a campaign file, and nothing else around them: for measurements.
+//! Requests whose outcomes are recorded in a campaign file, without a study: for measurements.
 
 use crate::practice_study::PracticeStudy;
 use coordinator::farm::evaluate::{Demand, EvaluateError, Finished, Request, RequestSource};
@@ -7,7 +7,7 @@ use coordinator::results::store::CampaignFile;
 use std::collections::BTreeMap;
 use tempfile::TempDir;
 
-/// See the module.
+/// A request source that records outcomes in a campaign file.
 pub struct Journaled {
     new: Option<Vec<Request>>,
     requests: BTreeMap<u64, Request>,
@@ -17,7 +17,7 @@ pub struct Journaled {
 }
 
 impl Journaled {
-    /// `count` requests of the practice study, and a campaign file in a new folder below `at`.
+    /// `count` requests of the practice study, and a campaign file in a new subfolder of `at`.
     pub fn new(count: u64, at: &std::path::Path) -> Self {
         let request = |id: u64| {
             let sample = vec![1e-13 * (1.0 + 1e-6 * id as f64), -0.8, 30e-6, 0.05];
@@ -31,7 +31,7 @@ impl Journaled {
         Self { new: Some(new), requests, file, folder, writes: 0 }
     }
 
-    /// Evaluations in the file, and the transactions that it took.
+    /// Number of evaluations in the file, and of transactions.
     pub fn recorded(&self) -> (usize, usize) {
         (crate::practice_study::recorded(self.folder.path()).len(), self.writes)
     }
@@ -49,7 +49,7 @@ impl RequestSource for Journaled {
     fn record_all(&mut self, finished: Vec<Finished>) -> Result<(), EvaluateError> {
         self.writes += 1;
         let with_request =
-            |finished: Finished| (self.requests.remove(&finished.id).expect("it was asked for"), finished);
+            |finished: Finished| (self.requests.remove(&finished.id).expect("it was requested"), finished);
         let outcomes: Vec<_> = finished.into_iter().map(with_request).collect();
         self.file.record_all(&outcomes)
     }

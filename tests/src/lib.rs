@@ -1,5 +1,5 @@
-//! What the integration tests share: practice simulators, in-process coordinators and workers, waits with an
-//! end.
+//! Shared parts of the integration tests: simulators made of closures, in-process coordinators and workers, waits with a
+//! time limit.
 
 pub mod command_line;
 pub mod deployed;
@@ -23,7 +23,7 @@ use std::sync::{Arc, Condvar, Mutex};
 use std::time::Duration;
 use worker::service::{self, Job, ServiceConfig, Simulator, WorkerHandle};
 
-/// Longest wait for anything: only a defect waits so long.
+/// Time limit of every wait; only a defect takes longer.
 pub const PATIENCE: Duration = Duration::from_secs(30);
 
 /// Outcomes by number of the evaluation.
@@ -41,7 +41,7 @@ where
     }
 }
 
-/// A result that depends on the sample in every bit; every seventh sample fails.
+/// A result that depends on every bit of the sample; every seventh sample fails.
 ///
 /// # Errors
 /// For samples whose first value is 3 modulo 7.
@@ -61,7 +61,7 @@ pub fn practice_result(sample: &[f64]) -> Result<Evaluation, SimulationFailure> 
     })
 }
 
-/// Requests `ids`, with samples that tell them apart.
+/// Requests `ids`, each with a different sample.
 pub fn requests(ids: std::ops::Range<u64>) -> Vec<Request> {
     ids.map(|id| Request {
         id,
@@ -72,7 +72,7 @@ pub fn requests(ids: std::ops::Range<u64>) -> Vec<Request> {
     .collect()
 }
 
-/// Settings that any practice simulator accepts.
+/// The campaign of the tests; their simulators ignore its scene and settings.
 pub fn campaign() -> CampaignSpec {
     let accuracy = Accuracy {
         step_tolerance: 1e-4,
@@ -123,10 +123,10 @@ where
     worker_at(&coordinator.endpoints()[0], name, slots, simulate)
 }
 
-/// Evaluates a batch and returns its outcomes; a doubled one is an error of the test.
+/// Evaluates a batch and returns its outcomes; panics if an evaluation is recorded twice.
 ///
 /// # Errors
-/// Of the evaluator.
+/// Errors of the evaluator.
 pub fn evaluate(coordinator: &mut ZenohEvaluator, batch: &[Request]) -> Result<Outcomes, EvaluateError> {
     let mut outcomes = Outcomes::new();
     coordinator.evaluate(batch, &mut |Finished { id, outcome, .. }| {
@@ -136,12 +136,12 @@ pub fn evaluate(coordinator: &mut ZenohEvaluator, batch: &[Request]) -> Result<O
     Ok(outcomes)
 }
 
-/// What a batch of practice simulations must give.
+/// The expected outcomes of [`practice_result`].
 pub fn expected(ids: std::ops::Range<u64>) -> Outcomes {
     requests(ids).into_iter().map(|request| (request.id, practice_result(&request.sample))).collect()
 }
 
-/// Runs `work` in a thread of its own and ends the test if it takes longer than [`PATIENCE`].
+/// Runs `work` on a separate thread and fails the test if it takes longer than [`PATIENCE`].
 pub fn in_time<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> T {
     let (done, result) = channel();
     let thread = std::thread::spawn(move || done.send(work()));
@@ -152,7 +152,7 @@ pub fn in_time<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> 
     }
 }
 
-/// Holds simulations back until it is opened.
+/// Blocks simulations until it is opened.
 #[derive(Debug, Default)]
 pub struct Barrier {
     open: Mutex<bool>,
@@ -160,13 +160,13 @@ pub struct Barrier {
 }
 
 impl Barrier {
-    /// Lets everything pass from now on.
+    /// Opens the barrier for good.
     pub fn open(&self) {
         *self.open.lock().expect("no holder panics") = true;
         self.changed.notify_all();
     }
 
-    /// Waits until it is open, at most [`PATIENCE`].
+    /// Waits until the barrier is open, at most [`PATIENCE`].
     pub fn pass(&self) {
         let guard = self.open.lock().expect("no holder panics");
         let (_open, timeout) =
@@ -175,22 +175,23 @@ impl Barrier {
     }
 }
 
-/// Asks `coordinator`'s batch to stop when dropped or told to.
+/// Sets the interruption flag of a coordinator.
 pub fn stop(interrupted: &AtomicBool) {
     interrupted.store(true, Ordering::Relaxed);
 }
 
-/// A program of this workspace, built beside the test that asks. `cargo test --workspace` builds them all.
+/// A program of this workspace, built next to the test. `cargo test --workspace` builds all of them.
 pub fn program(name: &str) -> PathBuf {
-    let test = std::env::current_exe().expect("a test knows its own path");
+    let test = std::env::current_exe().expect("the path of the test program is known");
     let folder = test.ancestors().nth(2).expect("tests lie in target/<profile>/deps");
     let program = folder.join(name);
     assert!(program.exists(), "{} is missing: run `cargo test --workspace`", program.display());
     program
 }
 
-/// Says that a check was left out, past the test harness, which keeps what passing tests print to itself.
+/// Reports that a check was skipped. It writes to standard error directly: the test harness captures the output of passing
+/// tests.
 pub fn skipped(what: &str, reason: &str) {
-    // Without standard error there is nobody to tell.
+    // Without standard error there is no reader.
     let _ = writeln!(std::io::stderr(), "not checked: {what}: {reason}");
 }

@@ -1,4 +1,4 @@
-//! Processes of a test: heard line by line, told by signals, and gone with the test.
+//! Child processes of a test: their output is read line by line, and they are killed when dropped.
 
 use crate::PATIENCE;
 use std::io::{BufRead, BufReader};
@@ -6,52 +6,53 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::{Arc, Condvar, Mutex};
 use std::time::{Duration, Instant};
 
-/// See the module.
+/// A child process with its standard output.
 pub struct Process {
     child: Child,
-    said: Arc<Said>,
+    output: Arc<Output>,
 }
 
-/// The lines of a process so far, and when each came.
+/// Lines of standard output with their time, and whether it has ended.
 #[derive(Default)]
-struct Said {
+struct Output {
     lines: Mutex<(Vec<(Instant, String)>, bool)>,
     changed: Condvar,
 }
 
 impl Process {
-    /// Starts it; its standard output is heard, its standard error goes where that of the test goes.
+    /// Starts a command; its standard output is recorded, its standard error is that of the test.
     pub fn start(command: &mut Command) -> Self {
         let mut child = command.stdout(Stdio::piped()).spawn().expect("the program starts");
-        let output = BufReader::new(child.stdout.take().expect("it is piped"));
-        let said = Arc::new(Said::default());
-        let heard = Arc::clone(&said);
+        let pipe = BufReader::new(child.stdout.take().expect("it is piped"));
+        let output = Arc::new(Output::default());
+        let recorded = Arc::clone(&output);
         std::thread::spawn(move || {
-            for line in output.lines().map_while(Result::ok) {
-                heard.lines.lock().expect("no holder panics").0.push((Instant::now(), line));
-                heard.changed.notify_all();
+            for line in pipe.lines().map_while(Result::ok) {
+                recorded.lines.lock().expect("no holder panics").0.push((Instant::now(), line));
+                recorded.changed.notify_all();
             }
-            heard.lines.lock().expect("no holder panics").1 = true;
-            heard.changed.notify_all();
+            recorded.lines.lock().expect("no holder panics").1 = true;
+            recorded.changed.notify_all();
         });
-        Self { child, said }
+        Self { child, output }
     }
 
-    /// All lines so far that begin with `word`, without it.
+    /// All lines so far that begin with `word`, without the word.
     pub fn lines(&self, word: &str) -> Vec<String> {
-        let lines = self.said.lines.lock().expect("no holder panics");
+        let lines = self.output.lines.lock().expect("no holder panics");
         lines.0.iter().filter_map(|(_, line)| Some(line.strip_prefix(word)?.trim().to_owned())).collect()
     }
 
-    /// Waits for the `n`-th line (from 1) that begins with `word`; the line without it. `None` if the process says no more.
-    pub fn line(&self, word: &str, n: usize, patience: Duration) -> Option<String> {
+    /// Waits for the `n`-th line (from 1) that begins with `word`; returns the line without the word. `None` if the output
+    /// ends before.
+    pub fn line(&self, word: &str, n: usize, timeout: Duration) -> Option<String> {
         let missing = |(lines, ended): &mut (Vec<(Instant, String)>, bool)| {
             !*ended && lines.iter().filter(|(_, line)| line.starts_with(word)).count() < n
         };
-        let lines = self.said.lines.lock().expect("no holder panics");
+        let lines = self.output.lines.lock().expect("no holder panics");
         let (lines, waited) =
-            self.said.changed.wait_timeout_while(lines, patience, missing).expect("no holder panics");
-        assert!(!waited.timed_out(), "no line \"{word}\" within {patience:?}");
+            self.output.changed.wait_timeout_while(lines, timeout, missing).expect("no holder panics");
+        assert!(!waited.timed_out(), "no line \"{word}\" within {timeout:?}");
         drop(lines);
         self.lines(word).into_iter().nth(n - 1)
     }
@@ -62,26 +63,26 @@ impl Process {
         assert!(sent.expect("kill runs").success(), "SIG{name} could not be sent");
     }
 
-    /// Its end, waited for at most so long.
-    pub fn end(&mut self, patience: Duration) -> ExitStatus {
+    /// Waits for the exit of the process, at most `timeout`.
+    pub fn end(&mut self, timeout: Duration) -> ExitStatus {
         let started = Instant::now();
         loop {
             if let Some(status) = self.child.try_wait().expect("it is a child of this process") {
                 return status;
             }
-            assert!(started.elapsed() < patience, "the process did not end within {patience:?}");
+            assert!(started.elapsed() < timeout, "the process did not end within {timeout:?}");
             std::thread::sleep(Duration::from_millis(5));
         }
     }
 
-    /// Its resident memory [MiB]; `None` of one that has ended, or where there is no /proc.
+    /// Resident memory [MiB]; `None` after its exit, or without /proc.
     pub fn resident(&self) -> Option<f64> {
         let status = std::fs::read_to_string(format!("/proc/{}/status", self.child.id())).ok()?;
         let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
         line.trim().strip_suffix(" kB")?.parse::<f64>().ok().map(|kib| kib / 1024.0)
     }
 
-    /// Kills it at once.
+    /// Kills the process.
     pub fn kill(&mut self) {
         self.child.kill().expect("it is a child of this process");
         self.end(PATIENCE);

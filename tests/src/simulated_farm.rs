@@ -1,5 +1,5 @@
-//! Thousands of workers around the real scheduler, in simulated time: messages take a while, the coordinator is busy with
-//! each for a moment, records become durable in groups, workers differ in speed and some die.
+//! The real scheduler with thousands of workers in simulated time: messages have a latency, claims cost time of the
+//! coordinator, records become durable in groups, workers differ in speed and some crash.
 //!
 //! ```text
 //! worker --claim--> (latency) --> coordinator (one event after the other) --> scheduler
@@ -17,70 +17,71 @@ use std::collections::{BTreeMap, BinaryHeap};
 use std::time::{Duration, Instant};
 
 const CAMPAIGN: u64 = 1;
-/// When an idle worker asks again.
-const ASK_AGAIN: Duration = Duration::from_secs(1);
+/// Time after which an idle worker claims again.
+const CLAIM_AGAIN_AFTER: Duration = Duration::from_secs(1);
 const TICK: Duration = Duration::from_millis(500);
 
-/// What is simulated.
+/// Parameters of a simulated farm.
 #[derive(Debug, Clone, Copy)]
 pub struct Plan {
     /// Workers, of one slot each.
     pub workers: usize,
-    /// Tasks a worker, on average.
+    /// Mean number of tasks per worker.
     pub tasks_each: usize,
-    /// Mean time of a task on a worker of mean speed; single ones take from half to one and a half of it.
+    /// Mean time of a task on a worker of mean speed; single tasks take 0.5 to 1.5 times as long.
     pub takes: Duration,
-    /// The fastest worker is so many times as fast as the slowest.
+    /// Speed of the fastest worker over that of the slowest [1].
     pub spread: f64,
-    /// One way of a message.
+    /// Latency of a message.
     pub latency: Duration,
-    /// What a claim costs the coordinator.
+    /// Time of the coordinator for a claim.
     pub claim_cost: Duration,
-    /// What making records durable takes, for all that have come meanwhile.
+    /// Time to make records durable, for all that have arrived meanwhile.
     pub flush: Duration,
-    /// One in so many tasks takes its worker with it; 0: none.
+    /// One in `deaths` tasks crashes its worker; 0: none.
     pub deaths: usize,
-    /// Whether idle workers take stragglers too.
+    /// Whether idle workers get stragglers too.
     pub stragglers: bool,
 }
 
-/// What came of it.
+/// Results of a simulated farm.
 #[derive(Debug, Clone, Copy)]
 pub struct Figures {
     /// Time until the last record.
     pub makespan: Duration,
-    /// That time if all workers had worked all the time, over the time it took.
+    /// Ideal makespan, with all workers always busy, over the actual one [1].
     pub efficiency: f64,
-    /// The same until the first worker found nothing more to do.
+    /// Efficiency until the first worker finds no task [1].
     pub efficiency_before_tail: f64,
     /// Tasks evaluated more than once.
     pub repeated: usize,
-    /// Workers that died.
+    /// Workers that crashed.
     pub deaths: usize,
-    /// Events the scheduler took.
+    /// Events handled by the scheduler.
     pub events: usize,
-    /// What the scheduler itself took for one, on this machine.
+    /// Wall time of the scheduler per event, on this machine.
     pub per_event: Duration,
 }
 
+/// An event of the simulated world.
 enum Happening {
     Claim(usize, u64),
     Reply(usize, u64, Vec<TaskKey>, Assignment),
     TaskEnds(usize, u64, u64),
     Notice(usize),
-    AskAgain(usize, u64),
+    ClaimAgain(usize, u64),
     Flushed(Vec<u64>),
-    Gone(WorkerId),
+    Lost(WorkerId),
     Tick,
 }
 
-struct Hand {
+struct SimulatedWorker {
     id: WorkerId,
     speed: f64,
     sequence: u64,
     running: Option<Task>,
     finished: Vec<Outcome>,
-    /// A claim is under way.
+    /// A claim is open.
     asks: bool,
     busy: Duration,
 }
@@ -92,7 +93,7 @@ struct World {
     order: u64,
     queue: BinaryHeap<Reverse<(Duration, u64)>>,
     happenings: BTreeMap<u64, Happening>,
-    hands: Vec<Hand>,
+    hands: Vec<SimulatedWorker>,
     claims: BTreeMap<(usize, u64), Claim>,
     tokens: BTreeMap<Token, (usize, u64)>,
     coordinator_free: Duration,
@@ -109,7 +110,7 @@ struct World {
     spent: Duration,
 }
 
-/// A number in [0, 1) that belongs to `n`.
+/// A pseudo-random number in [0, 1) determined by `n`.
 fn chance(n: u64) -> f64 {
     let mut x = n.wrapping_add(0x9E37_79B9_7F4A_7C15).wrapping_mul(0xBF58_476D_1CE4_E5B9);
     x = (x ^ (x >> 29)).wrapping_mul(0x94D0_49BB_1331_11EB);
@@ -141,7 +142,7 @@ pub fn simulate(plan: Plan) -> Figures {
 
 impl World {
     fn new(plan: Plan, tasks: usize) -> Self {
-        let hand = |k: usize| Hand {
+        let hand = |k: usize| SimulatedWorker {
             id: WorkerId { name: format!("w{k}"), epoch: 1 },
             speed: plan.spread.powf(chance(k as u64) - 0.5),
             sequence: 0,
@@ -191,7 +192,7 @@ impl World {
     fn happen(&mut self, happening: Happening) {
         match happening {
             Happening::Claim(k, sequence) => {
-                // The coordinator takes one after the other.
+                // The coordinator handles one claim at a time.
                 if self.coordinator_free > self.now {
                     self.at(self.coordinator_free, Happening::Claim(k, sequence));
                     return;
@@ -207,9 +208,9 @@ impl World {
             }
             Happening::TaskEnds(k, task, epoch) if self.hands[k].id.epoch == epoch => self.task_ends(k, task),
             Happening::TaskEnds(..) => {}
-            Happening::Notice(k) => self.ask(k),
-            Happening::AskAgain(k, sequence) if self.hands[k].sequence == sequence => self.ask(k),
-            Happening::AskAgain(..) => {}
+            Happening::Notice(k) => self.claim(k),
+            Happening::ClaimAgain(k, sequence) if self.hands[k].sequence == sequence => self.claim(k),
+            Happening::ClaimAgain(..) => {}
             Happening::Flushed(tasks) => {
                 self.flushing = false;
                 for task in tasks {
@@ -220,7 +221,7 @@ impl World {
                 }
                 self.flush();
             }
-            Happening::Gone(id) => self.event(Event::WorkerLost(id)),
+            Happening::Lost(id) => self.event(Event::WorkerLost(id)),
             Happening::Tick => {
                 self.event(Event::Tick);
                 self.at(self.now + TICK, Happening::Tick);
@@ -260,7 +261,7 @@ impl World {
         }
     }
 
-    fn ask(&mut self, k: usize) {
+    fn claim(&mut self, k: usize) {
         let hand = &mut self.hands[k];
         if hand.asks || (hand.running.is_some() && hand.finished.is_empty()) {
             return;
@@ -292,12 +293,12 @@ impl World {
         hand.finished.retain(|outcome| !acknowledged.contains(&outcome.task.key));
         let Assignment::Work(mut tasks) = assignment else {
             self.first_idle.get_or_insert(now);
-            let again = now + ASK_AGAIN.mul_f64(1.0 - 0.25 * chance(sequence));
-            self.at(again, Happening::AskAgain(k, sequence));
+            let again = now + CLAIM_AGAIN_AFTER.mul_f64(1.0 - 0.25 * chance(sequence));
+            self.at(again, Happening::ClaimAgain(k, sequence));
             return;
         };
-        let task = tasks.pop().expect("an order has a task");
-        assert!(tasks.is_empty() && hand.running.is_none(), "more than was asked for");
+        let task = tasks.pop().expect("a work order has a task");
+        assert!(tasks.is_empty() && hand.running.is_none(), "more tasks than requested");
         let number = task.key.task;
         let takes = self.plan.takes.mul_f64((0.5 + chance(number)) / hand.speed);
         let (ends, epoch) = (now + takes, hand.id.epoch);
@@ -307,7 +308,7 @@ impl World {
         hand.running = Some(task);
         hand.busy = takes;
         if dies {
-            // It is gone in the middle of the task, and another one takes its place at once.
+            // The worker crashes halfway through the task, and a new one replaces it at once.
             self.deaths += 1;
             let gone = std::mem::replace(&mut self.hands[k].id.epoch, epoch + 1);
             let id = WorkerId { epoch: gone, ..self.hands[k].id.clone() };
@@ -315,7 +316,7 @@ impl World {
             (hand.running, hand.asks) = (None, false);
             hand.finished.clear();
             let new = hand.id.clone();
-            self.at(now + takes / 2, Happening::Gone(id));
+            self.at(now + takes / 2, Happening::Lost(id));
             self.event(Event::WorkerJoined(new));
             self.at(now + takes / 2, Happening::Notice(k));
         } else {
@@ -338,13 +339,13 @@ impl World {
                 self.work_before_tail += done;
             }
         }
-        self.ask(k);
+        self.claim(k);
     }
 
     fn figures(&self) -> Figures {
         let speed: f64 = self.hands.iter().map(|hand| hand.speed).sum();
         let until = self.first_idle.unwrap_or(self.now).as_secs_f64();
-        // What runs when the tail begins is half done on average.
+        // Tasks running at the start of the tail are half done on average.
         let under_way = 0.5 * self.plan.takes.as_secs_f64() * self.plan.workers as f64;
         Figures {
             makespan: self.now,

@@ -1,24 +1,24 @@
-//! The files of `deploy/`: what can be tried here is tried, the rest is validated.
+//! The files of `deploy/`: tested with the real programs where possible, otherwise validated.
 
 use serde_json::Value;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Command, Stdio};
 use tests::command_line::{objection, words};
-use tests::deployed::{Process, certificates, configuration, deployed, if_installed, root, small_scene};
+use tests::deployed::{KilledOnDrop, certificates, configuration, deployed, if_installed, root, small_scene};
 use tests::{in_time, program};
 
 const UNITS: [&str; 2] = ["hingewise-coordinator.service", "hingewise-worker.service"];
 const INSTALLED: &str = "/opt/hingewise/bin/";
 
-/// Values of a key in a unit, continued lines joined.
+/// Values of a key in a unit file, with continued lines joined.
 fn values(unit: &str, key: &str) -> Vec<String> {
     let joined = unit.replace("\\\n", " ");
     joined.lines().filter_map(|line| line.strip_prefix(key)?.strip_prefix('=')).map(str::to_owned).collect()
 }
 
 #[track_caller]
-fn is_taken(program_name: &str, arguments: &[String]) {
+fn assert_accepted(program_name: &str, arguments: &[String]) {
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
     if let Some(said) = objection(&program(program_name), &arguments) {
         panic!("{said}");
@@ -26,40 +26,40 @@ fn is_taken(program_name: &str, arguments: &[String]) {
 }
 
 #[test]
-fn units_start_what_the_programs_take() {
+fn the_programs_accept_the_command_lines_of_the_units() {
     for (name, lines) in UNITS.into_iter().zip([2, 1]) {
         let start = values(&deployed(name), "ExecStart").join(" ");
         let commands: Vec<&str> = start.split(INSTALLED).skip(1).collect();
         assert_eq!(commands.len(), lines, "{name}: {start}");
         for command in commands {
-            // A command in the shell's line ends at its semicolon.
+            // A command in the shell script ends at its semicolon.
             let command = words(command.split(';').next().unwrap());
-            is_taken(&command[0], &command[1..]);
+            assert_accepted(&command[0], &command[1..]);
         }
     }
 }
 
 #[test]
-fn units_drain_and_run_as_nobody_of_importance() {
+fn units_stop_by_sigterm_and_run_without_privileges() {
     for name in UNITS {
         let unit = deployed(name);
         let only = |key: &str| values(&unit, key).join(" ");
         assert_eq!(only("User"), "hingewise", "{name}");
         assert_eq!(only("KillSignal"), "SIGTERM", "{name}");
         assert!(only("TimeoutStopSec").parse::<u32>().unwrap() >= 10, "{name}");
-        assert_eq!(only("RestartPreventExitStatus"), "2", "{name}: bad input does not mend itself");
+        assert_eq!(only("RestartPreventExitStatus"), "2", "{name}: bad input needs a correction");
         assert_eq!(only("CapabilityBoundingSet"), "", "{name}");
         for on in ["NoNewPrivileges", "ProtectHome", "PrivateTmp", "MemoryDenyWriteExecute"] {
             assert_eq!(only(on), "yes", "{name}: {on}");
         }
     }
-    // An interrupted study is one that stopped as asked.
+    // An interrupted study counts as stopped successfully.
     assert_eq!(values(&deployed(UNITS[0]), "SuccessExitStatus"), ["130"]);
     assert!(values(&deployed(UNITS[1]), "ExecStart")[0].ends_with("--give-up-after 0"));
 }
 
 #[test]
-fn systemd_has_nothing_to_say_about_the_units() {
+fn systemd_reports_no_fault_of_the_units() {
     let folder = tempfile::tempdir().unwrap();
     let installed = program("coordinator").parent().unwrap().display().to_string() + "/";
     for name in UNITS {
@@ -70,7 +70,7 @@ fn systemd_has_nothing_to_say_about_the_units() {
         verify.args(["verify", "--man=no"]).arg(&file);
         let Some(output) = if_installed("the systemd units", &mut verify) else { return };
         let said = String::from_utf8_lossy(&output.stderr);
-        // It reads the units of this machine as well, which may have their own faults.
+        // systemd-analyze also reads the units of this machine, which may have faults.
         let about_ours: Vec<&str> = said.lines().filter(|line| line.contains("hingewise-")).collect();
         assert!(about_ours.is_empty(), "{about_ours:#?}");
     }
@@ -89,8 +89,8 @@ fn the_compose_file_connects_its_services() {
     for (name, service) in services {
         let command = texts(&service["command"]);
         assert_eq!(&command[0], name);
-        is_taken(&command[0], &command[1..]);
-        // What listens without authentication is on networks that nothing else can reach.
+        assert_accepted(&command[0], &command[1..]);
+        // A listener without authentication is only on internal networks.
         for network in texts(&service["networks"]) {
             assert_eq!(compose["networks"][network.as_str()]["internal"], Value::Bool(true));
         }
@@ -103,7 +103,7 @@ fn the_compose_file_connects_its_services() {
     // Workers connect to the coordinator by the name of its service, on its port.
     let listen = option("coordinator", "--listen=tcp/0.0.0.0:");
     assert_eq!(option("worker", "--connect="), format!("tcp/coordinator:{listen}"));
-    // The volume is mounted where the results go.
+    // The results are on the volume.
     let mount = texts(&compose["services"]["coordinator"]["volumes"])[0].clone();
     let (volume, path) = mount.split_once(':').unwrap();
     assert!(compose["volumes"].get(volume).is_some());
@@ -132,21 +132,21 @@ fn the_image_holds_both_programs_and_runs_without_root() {
     assert!(!["USER root", "USER 0"].contains(&user));
 }
 
-/// The coordinator as its unit starts it, and the lines it says.
+/// The coordinator as started by its unit, and the lines of its log.
 fn start_unit(
     line: &str,
     folder: &Path,
     settings: &[(&str, &str)],
-) -> (Process, impl Iterator<Item = String> + use<>) {
+) -> (KilledOnDrop, impl Iterator<Item = String> + use<>) {
     let mut shell = Command::new("sh");
     shell.args(["-eu", "-c", line]).current_dir(folder).envs(settings.iter().copied());
     let mut child = shell.stderr(Stdio::piped()).stdout(Stdio::null()).spawn().unwrap();
     let said = BufReader::new(child.stderr.take().unwrap()).lines().map_while(Result::ok);
-    (Process(child), said)
+    (KilledOnDrop(child), said)
 }
 
 #[test]
-fn the_units_study_goes_on_after_a_restart() {
+fn the_units_study_is_resumed_after_a_restart() {
     if if_installed("the coordinator's unit", Command::new("openssl").arg("version")).is_none() {
         return;
     }
@@ -156,7 +156,7 @@ fn the_units_study_goes_on_after_a_restart() {
         let config = configuration("zenoh-tls.json5", &own);
         std::fs::write(folder.path().join("small.toml"), small_scene(8)).unwrap();
 
-        // The unit's own line, with the programs and certificates of this test.
+        // The start command of the unit, with the programs and certificates of this test.
         let start = values(&deployed(UNITS[0]), "ExecStart").remove(0);
         let (_, line) = start.split_once("-c '").unwrap();
         let programs = program("coordinator").parent().unwrap().display().to_string() + "/";
@@ -166,7 +166,7 @@ fn the_units_study_goes_on_after_a_restart() {
         let settings = [("SCENE", "small.toml"), ("STUDY", "study"), ("LISTEN", listen)];
 
         let (mut first, mut said) = start_unit(&line, folder.path(), &settings);
-        assert!(said.any(|line| line.starts_with("waiting for workers")), "the study does not begin");
+        assert!(said.any(|line| line.starts_with("waiting for workers")), "the study does not start");
         let stopped = Command::new("kill").args(["-TERM", &first.0.id().to_string()]).status().unwrap();
         assert!(stopped.success());
         assert_eq!(first.0.wait().unwrap().code(), Some(130));
@@ -177,8 +177,8 @@ fn the_units_study_goes_on_after_a_restart() {
         let endpoint = said.find_map(|line| line.strip_prefix(waiting).map(str::to_owned)).unwrap();
         let mut worker = Command::new(program("worker"));
         worker.args(["--quiet", "--connect", &endpoint, "--config"]).arg(&config);
-        let mut worker = Process(worker.spawn().unwrap());
-        // Read to its end, so that it is not held up.
+        let mut worker = KilledOnDrop(worker.spawn().unwrap());
+        // Read to the end: a full pipe would block the coordinator.
         let said: Vec<String> = said.collect();
         assert_eq!(second.0.wait().unwrap().code(), Some(0), "{said:#?}");
         assert_eq!(worker.0.wait().unwrap().code(), Some(0));

@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use tests::command_line::objection;
 use tests::deployed::{
-    Talking, certificates, configuration, deployed, has_openssl, if_installed, root, small_scene,
+    LoggedProcess, certificates, configuration, deployed, has_openssl, if_installed, root, small_scene,
 };
 use tests::{in_time, program};
 
@@ -100,24 +100,24 @@ fn a_coordinator_in_a_batch_job_is_queued_again_when_its_time_is_over() {
             let mut job = batch(path, "coordinator.sbatch");
             let endpoint = [("PORT", free.as_str()), ("SCENE", "small.toml"), ("SLURM_JOB_ID", "77")];
             job.envs(endpoint).env("STUDY", &study).env("CONFIG", &config);
-            Talking::listen(&mut job)
+            LoggedProcess::from_command(&mut job)
         };
         let mut first = job();
-        first.hear("waiting for workers");
+        first.wait_for("waiting for workers");
         let endpoint = std::fs::read_to_string(path.join("study.endpoint")).unwrap();
         assert_eq!(endpoint, format!("tls/127.0.0.1:{free}\n"));
         // As Slurm does two minutes before the end: a signal to the shell only.
         assert!(Command::new("kill").args(["-TERM", &first.id().to_string()]).status().unwrap().success());
-        assert_eq!(first.end(), Some(130), "{}", first.said());
+        assert_eq!(first.end(), Some(130), "{}", first.log());
         assert_eq!(noted(path, "scontrol"), "requeue 77\n");
         assert!(!path.join("study.endpoint").exists());
 
         let mut second = job();
-        second.hear("0 evaluations are done already");
-        second.hear("waiting for workers");
+        second.wait_for("0 evaluations are done already");
+        second.wait_for("waiting for workers");
         let config = config.to_str().unwrap();
-        let mut worker = Talking::start("worker", &["--connect", endpoint.trim(), "--config", config]);
-        assert_eq!((second.end(), worker.end()), (Some(0), Some(0)), "{}", second.said());
+        let mut worker = LoggedProcess::start("worker", &["--connect", endpoint.trim(), "--config", config]);
+        assert_eq!((second.end(), worker.end()), (Some(0), Some(0)), "{}", second.log());
         assert!(study.join("report.html").is_file());
         assert_eq!(noted(path, "scontrol"), "requeue 77\n", "a finished study is not queued again");
     });

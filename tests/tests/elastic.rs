@@ -1,4 +1,4 @@
-//! Workers that come and go by their own rules: idle, out of time, asked to stop; slow ones; and one worker for several
+//! Workers that leave: idle, at the end of their run time, after a stop request; slow workers; and one worker for several
 //! coordinators.
 
 use coordinator::farm::dispatch::ZenohEvaluator;
@@ -13,7 +13,7 @@ use tests::{
 };
 use worker::service::{self, Departure, ServiceConfig, WorkerHandle};
 
-/// A worker with settings of its own; each simulation takes `takes` and is counted.
+/// A worker whose simulations take `takes` each, with their number.
 fn counting(config: ServiceConfig, takes: Duration) -> (WorkerHandle, Arc<AtomicUsize>) {
     let count = Arc::new(AtomicUsize::new(0));
     let counted = Arc::clone(&count);
@@ -35,11 +35,11 @@ fn an_idle_worker_leaves_and_a_busy_one_stays() {
         let mut coordinator = coordinator();
         let timeout = Duration::from_millis(400);
         let config = ServiceConfig { idle_timeout: Some(timeout), ..named("brief", &coordinator, 1) };
-        // It has something to do for longer than the timeout.
-        let (hand, count) = counting(config, timeout / 2);
+        // Its tasks take longer than the timeout in total.
+        let (handle, count) = counting(config, timeout / 2);
         assert_eq!(evaluate(&mut coordinator, &requests(0..5)).unwrap(), expected(0..5));
         let idle = Instant::now();
-        assert_eq!(hand.join().unwrap(), Departure::Idle);
+        assert_eq!(handle.join().unwrap(), Departure::Idle);
         assert_eq!(count.load(Ordering::SeqCst), 5);
         assert!(idle.elapsed() < PATIENCE / 2);
         assert!(coordinator.wait_for_workers(PATIENCE, <[_]>::is_empty));
@@ -47,16 +47,16 @@ fn an_idle_worker_leaves_and_a_busy_one_stays() {
 }
 
 #[test]
-fn a_worker_leaves_in_time_and_begins_nothing_it_could_not_end() {
+fn a_worker_leaves_in_time_and_starts_no_task_it_cannot_finish() {
     in_time(|| {
         let mut coordinator = coordinator();
         let walltime = Duration::from_secs(3);
         let config = ServiceConfig { walltime: Some(walltime), ..named("batch", &coordinator, 1) };
         let started = Instant::now();
-        let (hand, count) = counting(config, Duration::from_millis(500));
+        let (handle, count) = counting(config, Duration::from_millis(500));
         let endpoint = coordinator.endpoints()[0].clone();
         let relay = std::thread::spawn(move || {
-            let left = hand.join().unwrap();
+            let left = handle.join().unwrap();
             (left, started.elapsed(), worker_at(&endpoint, "after", 1, practice_result))
         });
         let mut by_it = 0;
@@ -72,7 +72,7 @@ fn a_worker_leaves_in_time_and_begins_nothing_it_could_not_end() {
         let (left, after, other) = relay.join().unwrap();
         assert_eq!(left, Departure::TimeUp { lost: 0 });
         assert!(after < walltime, "{after:?}");
-        // All it began it ended: nothing was thrown away.
+        // Every task it started has finished.
         assert_eq!(count.load(Ordering::SeqCst), by_it);
         assert!(by_it >= 1);
         coordinator.finish();
@@ -81,7 +81,7 @@ fn a_worker_leaves_in_time_and_begins_nothing_it_could_not_end() {
 }
 
 #[test]
-fn a_worker_asked_to_stop_ends_what_it_runs_if_it_has_the_time() {
+fn a_stopped_worker_finishes_its_task_within_the_drain_time() {
     in_time(|| {
         let mut coordinator = coordinator();
         let endpoint = coordinator.endpoints()[0].clone();
@@ -99,17 +99,17 @@ fn a_worker_asked_to_stop_ends_what_it_runs_if_it_has_the_time() {
         let staying = std::thread::spawn(move || {
             assert_eq!(started.recv_timeout(PATIENCE).unwrap(), 0.0);
             leaving.stopper().stop();
-            // Another one does the others meanwhile.
+            // Another worker evaluates the other tasks meanwhile.
             let staying = worker_at(&endpoint, "staying", 1, move |sample| {
                 if others.fetch_add(1, Ordering::SeqCst) == 3 {
                     hold.open();
                 }
                 practice_result(sample)
             });
-            // With its last outcome the campaign may end.
+            // The campaign may end with its last outcome.
             let left = leaving.join().unwrap();
             assert!(matches!(left, Departure::Stopped { lost: 0 } | Departure::CampaignEnded), "{left:?}");
-            assert!(started.try_recv().is_err(), "it began something else");
+            assert!(started.try_recv().is_err(), "it started another task");
             staying
         });
         let mut names = vec![String::new(); 5];
@@ -126,7 +126,7 @@ fn a_worker_asked_to_stop_ends_what_it_runs_if_it_has_the_time() {
 }
 
 #[test]
-fn the_last_task_of_a_slow_worker_is_done_by_an_idle_one_too() {
+fn the_last_task_of_a_slow_worker_goes_to_an_idle_one_too() {
     in_time(|| {
         let mut coordinator = coordinator();
         let endpoint = coordinator.endpoints()[0].clone();
@@ -149,8 +149,8 @@ fn the_last_task_of_a_slow_worker_is_done_by_an_idle_one_too() {
                 Ok(())
             })
             .unwrap();
-        assert_eq!(names, vec!["quick/0"; 10], "nobody waited for the slow one");
-        // What it brings in the end is not counted, and harms nobody.
+        assert_eq!(names, vec!["quick/0"; 10], "no outcome came from the slow worker");
+        // Its late outcome is not counted.
         hold.open();
         assert_eq!(evaluate(&mut coordinator, &requests(10..20)).unwrap(), expected(10..20));
         coordinator.finish();
@@ -160,15 +160,15 @@ fn the_last_task_of_a_slow_worker_is_done_by_an_idle_one_too() {
 }
 
 #[test]
-fn two_studies_share_a_worker_and_the_death_of_one_is_the_others_gain() {
+fn two_studies_share_a_worker_and_one_gets_all_slots_when_the_other_ends() {
     in_time(|| {
         let (mut first, mut second) = (coordinator(), coordinator());
         let connect = vec![first.endpoints()[0].clone(), second.endpoints()[0].clone()];
         let config = ServiceConfig { connect, name: "shared".into(), ..ServiceConfig::new("", 2) };
-        let (hand, _) = counting(config, Duration::from_millis(20));
+        let (handle, _) = counting(config, Duration::from_millis(20));
         let both = |w: &[_]| w.len() == 1;
         assert!(first.wait_for_workers(PATIENCE, both) && second.wait_for_workers(PATIENCE, both));
-        // How far the second one is when the first has half of its own, and how the first one ends.
+        // The progress of the second study when the first has half of its outcomes; then the first one fails.
         let done = Arc::new(AtomicUsize::new(0));
         let (seen, half) = (Arc::clone(&done), 50);
         let dying = std::thread::spawn(move || {
@@ -195,23 +195,26 @@ fn two_studies_share_a_worker_and_the_death_of_one_is_the_others_gain() {
             .unwrap();
         assert_eq!(outcomes, expected(0..200));
         let of_the_other = dying.join().unwrap();
-        assert!((half * 7 / 10..=half * 14 / 10).contains(&of_the_other), "{of_the_other} beside {half}");
+        assert!(
+            (half * 7 / 10..=half * 14 / 10).contains(&of_the_other),
+            "{of_the_other} while the other study had {half}"
+        );
         second.finish();
-        // It left the one that lives at the end of its campaign, and still looks for the other one.
-        assert!(!hand.has_ended());
-        hand.stopper().abort();
-        assert_eq!(hand.join().unwrap(), Departure::Aborted);
+        // It left the second coordinator at the end of its campaign, and still tries to reach the first one.
+        assert!(!handle.has_ended());
+        handle.stopper().abort();
+        assert_eq!(handle.join().unwrap(), Departure::Aborted);
     });
 }
 
 #[test]
-fn a_worker_that_stays_serves_one_campaign_after_the_other() {
+fn a_staying_worker_serves_one_campaign_after_the_other() {
     in_time(|| {
         let first = coordinator();
         let endpoint = first.endpoints()[0].clone();
         let config =
             ServiceConfig { next_campaign: true, give_up_after: None, ..named("staying", &first, 1) };
-        let (hand, count) = counting(config, Duration::ZERO);
+        let (handle, count) = counting(config, Duration::ZERO);
         let mut campaign = first;
         for round in 1..=3 {
             assert_eq!(evaluate(&mut campaign, &requests(0..4)).unwrap(), expected(0..4));
@@ -219,7 +222,7 @@ fn a_worker_that_stays_serves_one_campaign_after_the_other() {
             campaign.finish();
             campaign = coordinator_at(Some(&endpoint), Arc::default());
         }
-        hand.stopper().stop();
-        assert_eq!(hand.join().unwrap(), Departure::Stopped { lost: 0 });
+        handle.stopper().stop();
+        assert_eq!(handle.join().unwrap(), Departure::Stopped { lost: 0 });
     });
 }

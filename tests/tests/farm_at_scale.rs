@@ -1,4 +1,4 @@
-//! The scheduler with many workers, in simulated time; `cargo run --release -p tests --example simulated_farm` prints the
+//! The scheduler with 200 workers in simulated time; `cargo run --release -p tests --example simulated_farm` prints the
 //! table for thousands.
 
 use std::time::Duration;
@@ -24,7 +24,7 @@ fn equal_workers_are_busy_almost_all_the_time() {
 }
 
 #[test]
-fn unequal_workers_end_together() {
+fn unequal_workers_finish_together() {
     let figures = simulate(Plan { spread: 16.0, ..PLAN });
     let without = simulate(Plan { spread: 16.0, stragglers: false, ..PLAN });
     assert!(figures.efficiency_before_tail > 0.99, "{figures:?}");
@@ -33,7 +33,7 @@ fn unequal_workers_end_together() {
 }
 
 #[test]
-fn deaths_cost_what_was_lost_and_no_more() {
+fn crashes_cost_only_the_lost_tasks() {
     let figures = simulate(Plan { deaths: 20, ..PLAN });
     assert!(figures.deaths > 300, "{figures:?}");
     assert!(figures.efficiency > 0.9, "{figures:?}");

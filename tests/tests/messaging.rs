@@ -1,5 +1,5 @@
-//! Coordinator and in-process workers over Zenoh, everything in order: same outcomes whoever does the work, who
-//! joins late gets a share, who is refused is told.
+//! Coordinator and in-process workers over Zenoh, without faults: the outcomes do not depend on the workers, a late worker
+//! gets its share, and a refused worker gets the reason.
 
 use common::wire::{self, Claim, Next, PROTOCOL_VERSION, Reply, WireError, WorkerId, keys};
 use coordinator::farm::dispatch::{DispatchError, Listen, ZenohEvaluator};
@@ -15,7 +15,7 @@ use worker::service::{Departure, ServiceError};
 use zenoh::{Config, Session, Wait};
 
 /// A Zenoh session that is neither coordinator nor worker.
-fn stranger(key: &str, endpoint: &str) -> Session {
+fn foreign_session(key: &str, endpoint: &str) -> Session {
     let mut config = Config::default();
     for (key, value) in [
         ("mode", if key == "connect/endpoints" { "\"client\"" } else { "\"peer\"" }),
@@ -30,7 +30,7 @@ fn stranger(key: &str, endpoint: &str) -> Session {
     zenoh::open(config).wait().unwrap()
 }
 
-/// What the coordinator answers to a claim with this payload.
+/// Reply of the coordinator to a claim with this payload.
 fn answer_to(session: &Session, payload: Vec<u8>) -> Result<Vec<u8>, String> {
     let replies = session.get(keys::CLAIM).payload(payload).timeout(PATIENCE).wait().unwrap();
     let reply = replies.recv_timeout(PATIENCE).unwrap().expect("the coordinator answers");
@@ -62,31 +62,31 @@ fn one_two_or_four_workers_give_the_same_outcomes() {
     in_time(|| {
         for workers in [1, 2, 4] {
             let mut coordinator = coordinator();
-            let hands: Vec<_> = (0..workers)
+            let handles: Vec<_> = (0..workers)
                 .map(|k| worker(&coordinator, &format!("w{k}"), 1 + k % 2, practice_result))
                 .collect();
-            // Two batches: the farm stays open in between.
+            // Two batches with the same coordinator and workers.
             assert_eq!(evaluate(&mut coordinator, &requests(0..60)).unwrap(), expected(0..60));
             assert_eq!(evaluate(&mut coordinator, &requests(60..75)).unwrap(), expected(60..75));
             coordinator.finish();
-            for hand in hands {
-                assert_eq!(hand.join().unwrap(), Departure::CampaignEnded);
+            for handle in handles {
+                assert_eq!(handle.join().unwrap(), Departure::CampaignEnded);
             }
         }
     });
 }
 
 #[test]
-fn the_coordinator_knows_who_is_connected_and_the_real_concurrency() {
+fn the_coordinator_lists_connected_workers_and_their_slots() {
     in_time(|| {
         let coordinator = coordinator();
-        let hands =
+        let handles =
             [worker(&coordinator, "a", 3, practice_result), worker(&coordinator, "b", 2, practice_result)];
         assert!(coordinator.wait_for_workers(PATIENCE, |w| w.iter().map(|w| w.slots).sum::<u32>() == 5));
         assert_eq!(coordinator.concurrency(), 5);
         let names: Vec<String> = coordinator.workers().into_iter().map(|w| w.name).collect();
         assert_eq!(names, ["a", "b"]);
-        let [a, b] = hands;
+        let [a, b] = handles;
         a.stopper().stop();
         assert_eq!(a.join().unwrap(), Departure::Stopped { lost: 0 });
         assert!(coordinator.wait_for_workers(PATIENCE, |w| w.len() == 1));
@@ -104,7 +104,7 @@ fn a_late_joiner_takes_its_share() {
         let (first, joined) = channel();
         let share = Arc::new(AtomicUsize::new(0));
         let enough = Arc::new(Barrier::default());
-        // The early worker does one, then waits until the late one has done ten.
+        // The early worker evaluates one task, then waits until the late one has evaluated ten.
         let wait = Arc::clone(&enough);
         let early = worker(&coordinator, "early", 1, move |sample| {
             if first.send(()).is_err() || sample[0] > 0.0 {
@@ -131,13 +131,13 @@ fn a_late_joiner_takes_its_share() {
 }
 
 #[test]
-fn a_user_who_stops_gets_the_terminal_back_at_once() {
+fn a_stopped_study_ends_at_once() {
     in_time(|| {
         let interrupted = Arc::new(AtomicBool::new(false));
         let mut coordinator = coordinator_at(None, Arc::clone(&interrupted));
         let (hold, flag) = (Arc::new(Barrier::default()), Arc::clone(&interrupted));
         let held = Arc::clone(&hold);
-        let hand = worker(&coordinator, "w", 1, move |sample| {
+        let handle = worker(&coordinator, "w", 1, move |sample| {
             if sample[0] == 2.0 {
                 stop(&flag);
                 held.pass();
@@ -150,22 +150,22 @@ fn a_user_who_stops_gets_the_terminal_back_at_once() {
             Ok(())
         });
         assert!(matches!(error, Err(EvaluateError::Interrupted)), "{error:?}");
-        // The outcome of 1 may still be on its way: then it stays with its worker.
+        // The outcome of 1 may not have arrived yet: then it stays with its worker.
         assert!(recorded == [0] || recorded == [0, 1], "{recorded:?}");
         hold.open();
-        hand.stopper().stop();
-        // Evaluation 2 may have been finished meanwhile; nobody wants it any more.
-        assert!(matches!(hand.join().unwrap(), Departure::Stopped { .. }));
+        handle.stopper().stop();
+        // Evaluation 2 may have ended meanwhile; its outcome is no longer needed.
+        assert!(matches!(handle.join().unwrap(), Departure::Stopped { .. }));
     });
 }
 
 #[test]
-fn a_worker_of_another_version_is_refused_by_name_and_hurts_nobody() {
+fn a_worker_of_another_version_is_refused_without_effect_on_others() {
     in_time(|| {
         let mut coordinator = coordinator();
-        let session = stranger("connect/endpoints", &coordinator.endpoints()[0]);
+        let session = foreign_session("connect/endpoints", &coordinator.endpoints()[0]);
         let frame = as_version(PROTOCOL_VERSION + 1, wire::encode(&claim_of("newer")).unwrap());
-        // The answer's frame says which version the coordinator speaks; to the newer worker that is another one.
+        // The frame of the reply carries the version of the coordinator, which the newer worker refuses.
         let answer = answer_to(&session, frame).unwrap();
         assert_eq!(u16::from_le_bytes([answer[4], answer[5]]), PROTOCOL_VERSION);
         let ours = worker(&coordinator, "ours", 1, practice_result);
@@ -176,9 +176,9 @@ fn a_worker_of_another_version_is_refused_by_name_and_hurts_nobody() {
 }
 
 #[test]
-fn a_worker_refuses_a_coordinator_of_another_version_by_name() {
+fn a_worker_refuses_a_coordinator_of_another_version() {
     in_time(|| {
-        let session = stranger("listen/endpoints", "tcp/127.0.0.1:0");
+        let session = foreign_session("listen/endpoints", "tcp/127.0.0.1:0");
         let endpoint = session.info().locators().wait()[0].to_string();
         let reply = Reply { acknowledged: vec![], next: Next::Idle { ask_again: 10 } };
         let frame = as_version(PROTOCOL_VERSION + 4, wire::encode(&reply).unwrap());
@@ -197,29 +197,29 @@ fn a_worker_refuses_a_coordinator_of_another_version_by_name() {
 }
 
 #[test]
-fn garbage_on_the_claim_key_hurts_nobody() {
+fn malformed_claims_have_no_effect() {
     in_time(|| {
         let mut coordinator = coordinator();
-        let session = stranger("connect/endpoints", &coordinator.endpoints()[0]);
-        let sound = wire::encode(&claim_of("stranger")).unwrap();
-        for length in 0..sound.len() {
-            assert!(answer_to(&session, sound[..length].to_vec()).is_err());
+        let session = foreign_session("connect/endpoints", &coordinator.endpoints()[0]);
+        let valid = wire::encode(&claim_of("stranger")).unwrap();
+        for length in 0..valid.len() {
+            assert!(answer_to(&session, valid[..length].to_vec()).is_err());
         }
         for value in 0..=255u8 {
             assert!(answer_to(&session, vec![value; 3 * usize::from(value)]).is_err());
         }
-        // A sound claim of somebody without a liveliness token gets an answer and no task.
-        let hand = worker(&coordinator, "w", 1, practice_result);
+        // A valid claim without a liveliness token gets a reply and no task.
+        let handle = worker(&coordinator, "w", 1, practice_result);
         assert_eq!(evaluate(&mut coordinator, &requests(0..20)).unwrap(), expected(0..20));
-        let reply: Result<Reply, WireError> = wire::decode(&answer_to(&session, sound).unwrap());
+        let reply: Result<Reply, WireError> = wire::decode(&answer_to(&session, valid).unwrap());
         assert!(matches!(reply.unwrap().next, Next::Idle { .. }));
         coordinator.finish();
-        assert_eq!(hand.join().unwrap(), Departure::CampaignEnded);
+        assert_eq!(handle.join().unwrap(), Departure::CampaignEnded);
     });
 }
 
 #[test]
-fn an_address_open_to_strangers_needs_to_be_asked_for() {
+fn an_address_open_to_other_machines_requires_insecure() {
     let open = |endpoint: &str, insecure| {
         let listen = Listen { endpoint: Some(endpoint.into()), config: None, insecure };
         ZenohEvaluator::open(campaign(), &listen, Arc::default())
@@ -228,7 +228,7 @@ fn an_address_open_to_strangers_needs_to_be_asked_for() {
     assert!(matches!(&error, DispatchError::Insecure { endpoint } if endpoint == "tcp/0.0.0.0:0"));
     assert!(error.is_bad_input());
     assert!(!open("tcp/0.0.0.0:0", true).unwrap().endpoints().is_empty());
-    // An address in use is named too.
+    // An address in use is reported with its endpoint.
     let first = coordinator();
     let error = open(&first.endpoints()[0], false).unwrap_err();
     assert!(matches!(&error, DispatchError::Endpoint { endpoint, .. } if endpoint == &first.endpoints()[0]));

@@ -1,4 +1,4 @@
-//! A running study seen from elsewhere: `status`, metrics, the live page in a browser, `doctor` and what it finds.
+//! Monitoring of a running study: `status`, metrics, the live page in a browser, and the findings of `doctor`.
 
 use common::wire::{self, Next, PROTOCOL_VERSION, Phase, Reply, Status, WireError, keys};
 use coordinator::farm::dispatch::{ClientError, ClientSession, clock_ms};
@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
 use tests::deployed::{
-    NAMED, Talking, certificates, changed_configuration, configuration, has_openssl, if_installed,
+    LoggedProcess, NAMED, certificates, changed_configuration, configuration, has_openssl, if_installed,
     small_scene,
 };
 use tests::{
@@ -18,7 +18,7 @@ use worker::service::Departure;
 use zenoh::{Config, Session, Wait};
 
 #[test]
-fn a_status_counts_what_waits_what_runs_and_who_works() {
+fn a_status_counts_waiting_and_running_evaluations_and_workers() {
     in_time(|| {
         let mut coordinator = coordinator();
         let endpoint = coordinator.endpoints()[0].clone();
@@ -31,12 +31,12 @@ fn a_status_counts_what_waits_what_runs_and_who_works() {
         let hold = Arc::new(Barrier::default());
         let held = Arc::clone(&hold);
         let (begun, begins) = std::sync::mpsc::channel();
-        let hand = worker(&coordinator, "hand", 2, move |sample| {
+        let handle = worker(&coordinator, "handle", 2, move |sample| {
             let _ = begun.send(());
             held.pass();
             practice_result(sample)
         });
-        let looker = std::thread::spawn(move || {
+        let observer = std::thread::spawn(move || {
             for _ in 0..2 {
                 begins.recv_timeout(PATIENCE).unwrap();
             }
@@ -45,10 +45,10 @@ fn a_status_counts_what_waits_what_runs_and_who_works() {
             (status, session)
         });
         assert_eq!(evaluate(&mut coordinator, &requests(0..10)).unwrap(), expected(0..10));
-        let (during, session) = looker.join().unwrap();
+        let (during, session) = observer.join().unwrap();
         assert_eq!((during.phase, during.study.scene.as_str()), (Phase::Simulating, "practice"));
         let at_worker = during.farm.workers[0].clone();
-        assert_eq!((at_worker.name.as_str(), at_worker.slots, at_worker.done), ("hand", 2, 0));
+        assert_eq!((at_worker.name.as_str(), at_worker.slots, at_worker.done), ("handle", 2, 0));
         assert_eq!(
             (during.farm.queued + during.farm.under_way, u64::from(at_worker.under_way)),
             (10, during.farm.under_way)
@@ -57,11 +57,11 @@ fn a_status_counts_what_waits_what_runs_and_who_works() {
         assert_eq!((after.phase, after.farm.workers[0].done), (Phase::Learning, 10));
         assert!(after.farm.rate > 0.0);
         coordinator.finish();
-        assert_eq!(hand.join().unwrap(), Departure::CampaignEnded);
+        assert_eq!(handle.join().unwrap(), Departure::CampaignEnded);
     });
 }
 
-/// A Zenoh session that passes for a coordinator: answers claims and questions with these frames, where there are any.
+/// A Zenoh session in place of a coordinator: replies to claims and status queries with these frames, if given.
 fn false_coordinator(claim: Option<Vec<u8>>, status: Option<Vec<u8>>) -> (Session, String) {
     let mut config = Config::default();
     for (key, value) in [
@@ -106,7 +106,7 @@ fn a_status_of_another_version_is_named() {
             matches!(&error, ClientError::Answer { fault: WireError::OtherVersion { theirs: found, .. }, .. } if *found == theirs),
             "{error}"
         );
-        // Whoever answers nothing is told from whoever is not there.
+        // A session without reply is distinguished from a missing coordinator.
         let (_session, endpoint) = false_coordinator(None, None);
         let error = ClientSession::open(&endpoint, None).unwrap().status(PATIENCE).unwrap_err();
         assert!(matches!(error, ClientError::Silent { .. }), "{error}");
@@ -133,7 +133,7 @@ fn finds(arguments: &[&str], code: i32, failed: &[(&str, &str)]) {
 }
 
 #[test]
-fn the_doctor_finds_what_is_wrong() {
+fn the_doctor_finds_faults() {
     in_time(|| {
         let healthy = coordinator();
         finds(&[&healthy.endpoints()[0]], 0, &[]);
@@ -142,9 +142,9 @@ fn the_doctor_finds_what_is_wrong() {
         finds(&["tcp/no-such-host.invalid:7447"], 1, &[("name", "does not know the host")]);
         let free = TcpListener::bind("127.0.0.1:0").unwrap();
         let address = free.local_addr().unwrap();
-        // Somebody who is no coordinator and hangs up, until the test ends.
+        // A listener that is no coordinator and closes every connection.
         std::thread::spawn(move || free.incoming().for_each(drop));
-        finds(&[&format!("tcp/{address}")], 1, &[("session", "speak something else")]);
+        finds(&[&format!("tcp/{address}")], 1, &[("session", "does another program use that port")]);
         let freed = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
         finds(&[&format!("tcp/{freed}")], 1, &[("reach", "is the coordinator running")]);
 
@@ -154,7 +154,7 @@ fn the_doctor_finds_what_is_wrong() {
         finds(&[&newer], 1, &[("claim", "use the same version of the program on both sides")]);
         let late = Status { clock_ms: clock_ms() - 3_600_000, ..Status::default() };
         let (_session, late) = false_coordinator(Some(idle()), Some(wire::encode(&late).unwrap()));
-        // That one does not see that we live, either.
+        // This one does not report the liveliness token either.
         let unseen = ("liveliness", "liveliness_token on hingewise/alive/*/*");
         finds(&[&late], 1, &[("clock", "set both by NTP"), unseen]);
         let (code, _, error) = command(&["status", "tcp/127.0.0.1:1"]);
@@ -173,16 +173,16 @@ fn the_doctor_examines_certificates_and_access() {
         let theirs = certificates(&folder.path().join("theirs"), "127.0.0.1");
         let named = [
             (NAMED, "\"127.0.0.1\""),
-            // A rule that somebody has forgotten.
+            // The rule for the liveliness token is missing.
             ("\"claims\", \"life\", \"hearing\"", "\"claims\", \"hearing\""),
         ];
-        let forgetful = changed_configuration("zenoh-tls-coordinator.json5", &own, &named);
+        let incomplete = changed_configuration("zenoh-tls-coordinator.json5", &own, &named);
         let out = folder.path().join("study");
         let arguments =
             ["run", "--scene", "four-bar", "--workers", "0", "--listen", "tls/127.0.0.1:0", "--config"];
-        let rest = [forgetful.to_str().unwrap(), "--out", out.to_str().unwrap()];
-        let coordinator = Talking::start("coordinator", &[&arguments[..], &rest[..]].concat());
-        let endpoint = coordinator.hear("waiting for workers: worker --connect ");
+        let rest = [incomplete.to_str().unwrap(), "--out", out.to_str().unwrap()];
+        let coordinator = LoggedProcess::start("coordinator", &[&arguments[..], &rest[..]].concat());
+        let endpoint = coordinator.wait_for("waiting for workers: worker --connect ");
         let [own, theirs] = [&own, &theirs].map(|own| configuration("zenoh-tls.json5", own));
         let with = |config: &Path| [endpoint.clone(), "--config".into(), config.to_str().unwrap().to_owned()];
         let finds = |config: &Path, failed: &[(&str, &str)]| {
@@ -194,7 +194,7 @@ fn the_doctor_examines_certificates_and_access() {
     });
 }
 
-/// What an HTTP server of this machine answers.
+/// Reply of an HTTP server on this machine.
 fn get(address: &str, path: &str, host: &str) -> String {
     let mut line = TcpStream::connect(address).unwrap();
     write!(line, "GET {path} HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n").unwrap();
@@ -203,24 +203,24 @@ fn get(address: &str, path: &str, host: &str) -> String {
     answer
 }
 
-/// A study of the four-bar with metrics and live page, whose workers are still to come: the process, and where its
-/// coordinator, page and metrics are.
-fn visible_study(folder: &Path, evaluations: usize) -> (Talking, [String; 3]) {
+/// A study of the four-bar with metrics and live page, without workers so far: the process, and the addresses of
+/// coordinator, page and metrics.
+fn visible_study(folder: &Path, evaluations: usize) -> (LoggedProcess, [String; 3]) {
     let scene = folder.join("small.toml");
     std::fs::write(&scene, small_scene(evaluations)).unwrap();
     let (scene, out) = (scene.to_str().unwrap(), folder.join("study"));
     let what =
         ["run", "--scene", scene, "--accuracy", "draft", "--workers", "0", "--out", out.to_str().unwrap()];
     let study =
-        Talking::start("coordinator", &[&what[..], &["--live", "0", "--metrics", "0", "-v"]].concat());
-    let endpoint = study.hear("waiting for workers: worker --connect ");
-    let live = study.hear("live report: http://");
-    let metrics = study.hear("metrics: http://");
+        LoggedProcess::start("coordinator", &[&what[..], &["--live", "0", "--metrics", "0", "-v"]].concat());
+    let endpoint = study.wait_for("waiting for workers: worker --connect ");
+    let live = study.wait_for("live report: http://");
+    let metrics = study.wait_for("metrics: http://");
     (study, [endpoint, live, metrics.trim_end_matches("/metrics").to_owned()])
 }
 
 #[test]
-fn metrics_and_status_tell_of_a_running_study() {
+fn metrics_and_status_describe_a_running_study() {
     in_time(|| {
         let folder = tempfile::tempdir().unwrap();
         let (mut study, [endpoint, live, metrics]) = visible_study(folder.path(), 12);
@@ -242,7 +242,7 @@ fn metrics_and_status_tell_of_a_running_study() {
         let (_, text, _) = command(&["status", &endpoint]);
         assert!(text.contains("waiting for workers") && text.contains("no worker is connected"), "{text}");
 
-        // The page is for this machine's own names, read-only, and loads nothing of others.
+        // The page accepts this machine's names only, is read-only, and loads nothing from other hosts.
         let page = get(&live, "/", &live);
         assert!(
             page.starts_with("HTTP/1.1 200") && page.contains("content-security-policy: default-src 'none'")
@@ -252,16 +252,16 @@ fn metrics_and_status_tell_of_a_running_study() {
         let news = get(&live, "/news/1", &live);
         assert!(news.contains("\"ended\":false") && news.contains("Running study"), "{news}");
         let mut worker =
-            Talking::start("worker", &["--connect", &endpoint, "--slots", "1", "--log-format", "json"]);
+            LoggedProcess::start("worker", &["--connect", &endpoint, "--slots", "1", "--log-format", "json"]);
         assert_eq!((study.end(), worker.end()), (Some(0), Some(0)));
-        for line in worker.said().lines() {
+        for line in worker.log().lines() {
             let line: serde_json::Value = serde_json::from_str(line).unwrap();
             assert!(line["level"].is_string() && line["message"].is_string(), "{line}");
         }
     });
 }
 
-/// In a real browser: the page of a study that has not begun becomes the report by itself, while the study runs.
+/// In a browser, the page of a study without results changes to the report while the study runs.
 #[test]
 fn the_live_page_follows_its_study_in_a_browser() {
     let found = ["chromium", "chromium-browser", "google-chrome"]
@@ -276,7 +276,7 @@ fn the_live_page_follows_its_study_in_a_browser() {
         let (mut study, [endpoint, live, _]) = visible_study(folder.path(), 12);
         let profile = folder.path().join("profile");
         let mut chromium = Command::new(browser);
-        // Its own time stands still while it waits for news, so it sees the study to its end, however long that takes.
+        // Virtual time stops while the browser waits for updates, so it follows the study to its end.
         chromium.args([
             "--headless",
             "--no-sandbox",
@@ -286,15 +286,15 @@ fn the_live_page_follows_its_study_in_a_browser() {
         ]);
         chromium.arg(format!("--user-data-dir={}", profile.display())).arg(format!("http://{live}/"));
         let seen = std::thread::spawn(move || chromium.output().unwrap());
-        study.hear("the live page is being watched");
-        let mut worker = Talking::start("worker", &["--connect", &endpoint, "--slots", "1"]);
+        study.wait_for("the live page is being watched");
+        let mut worker = LoggedProcess::start("worker", &["--connect", &endpoint, "--slots", "1"]);
         assert_eq!((study.end(), worker.end()), (Some(0), Some(0)));
         let output = seen.join().unwrap();
         let dom = String::from_utf8_lossy(&output.stdout);
         let bar =
             dom.split("id=\"live\"").nth(1).and_then(|rest| rest.split("</p>").next()).unwrap_or_default();
         assert!(bar.contains("The study has ended") || bar.contains("no longer answers"), "{bar}\n{dom}");
-        // The report, with its figures, in the place of the sentence that stood there first.
+        // The report with its figures replaces the initial sentence.
         assert!(!dom.contains("before the first round of learning"), "the page did not change");
         assert!(dom.contains("<h2>Reliability</h2>") && dom.contains("<svg"), "{dom}");
     });

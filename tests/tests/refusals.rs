@@ -1,31 +1,36 @@
-//! What both sides say of a connection or a worker that is refused.
+//! Log messages of both sides about refused connections and workers.
 
 use common::wire::{self, Notice, PROTOCOL_VERSION, keys};
 use std::path::Path;
 use tests::deployed::{
-    HOST, NAMED, Talking, certificates, changed_configuration, configuration, has_openssl, session, user,
-    with_users,
+    HOST, LoggedProcess, NAMED, certificates, changed_configuration, configuration, has_openssl, session,
+    user, with_users,
 };
 use tests::{PATIENCE, in_time};
 use zenoh::Wait;
 
-/// A coordinator as a process, and the endpoint under which it says that it waits.
-fn talking(folder: &Path, name: &str, endpoint: &str, config: Option<&Path>) -> (Talking, String) {
+/// A coordinator as a process, and the endpoint that it prints.
+fn start_coordinator(
+    folder: &Path,
+    name: &str,
+    endpoint: &str,
+    config: Option<&Path>,
+) -> (LoggedProcess, String) {
     let out = folder.join(name);
     let mut arguments = vec!["run", "--scene", "four-bar", "--workers", "0", "--listen", endpoint, "--out"];
     arguments.push(out.to_str().unwrap());
     if let Some(config) = config {
         arguments.extend(["--config", config.to_str().unwrap()]);
     }
-    let coordinator = Talking::start("coordinator", &arguments);
-    let endpoint = coordinator.hear("waiting for workers: worker --connect ");
+    let coordinator = LoggedProcess::start("coordinator", &arguments);
+    let endpoint = coordinator.wait_for("waiting for workers: worker --connect ");
     (coordinator, endpoint)
 }
 
-/// Workers that are refused, with what they and the coordinator say.
-fn refused(coordinator: &(Talking, String), cases: &[(&Path, &str, &str, &str)]) {
+/// Starts workers that are refused; checks the messages of the workers and of the coordinator.
+fn refused(coordinator: &(LoggedProcess, String), cases: &[(&Path, &str, &str, &str)]) {
     let (listening, endpoint) = coordinator;
-    let workers: Vec<Talking> = cases
+    let workers: Vec<LoggedProcess> = cases
         .iter()
         .map(|(config, protocol, ..)| {
             let endpoint =
@@ -33,15 +38,15 @@ fn refused(coordinator: &(Talking, String), cases: &[(&Path, &str, &str, &str)])
             let config = config.to_str().unwrap();
             let arguments =
                 ["--connect", &endpoint, "--slots", "1", "--give-up-after", "2", "--config", config];
-            Talking::start("worker", &arguments)
+            LoggedProcess::start("worker", &arguments)
         })
         .collect();
     for (mut worker, (_, _, worker_says, coordinator_says)) in workers.into_iter().zip(cases) {
-        let end = worker.hear("worker: no coordinator answered at ");
+        let end = worker.wait_for("worker: no coordinator answered at ");
         assert!(end.contains(worker_says), "no \"{worker_says}\" in: {end}");
         assert_eq!(worker.end(), Some(1));
         if !coordinator_says.is_empty() {
-            listening.hear(coordinator_says);
+            listening.wait_for(coordinator_says);
         }
     }
 }
@@ -67,12 +72,12 @@ fn refusals_are_explained_on_both_sides() {
         std::fs::write(&plain, "{}").unwrap();
         let dictionary = configuration("zenoh-password-coordinator.json5", &users);
 
-        let mutual = talking(path, "mutual", "tls/127.0.0.1:0", Some(&tls(&own)));
-        let named = talking(path, "named", "tls/127.0.0.1:0", Some(&tls(&other_name)));
-        let password = talking(path, "password", "tls/127.0.0.1:0", Some(&dictionary));
+        let mutual = start_coordinator(path, "mutual", "tls/127.0.0.1:0", Some(&tls(&own)));
+        let named = start_coordinator(path, "named", "tls/127.0.0.1:0", Some(&tls(&other_name)));
+        let password = start_coordinator(path, "password", "tls/127.0.0.1:0", Some(&dictionary));
         let denying = changed_configuration("zenoh-tls-coordinator.json5", &own, &[(NAMED, "\"127.0.0.1\"")]);
-        let denying = talking(path, "denying", "tls/127.0.0.1:0", Some(&denying));
-        let open = talking(path, "open", "tcp/127.0.0.1:0", None);
+        let denying = start_coordinator(path, "denying", "tls/127.0.0.1:0", Some(&denying));
+        let open = start_coordinator(path, "open", "tcp/127.0.0.1:0", None);
 
         refused(
             &mutual,
@@ -140,7 +145,7 @@ fn refusals_are_explained_on_both_sides() {
 fn another_version_is_named_on_both_sides() {
     in_time(|| {
         let folder = tempfile::tempdir().unwrap();
-        let (coordinator, endpoint) = talking(folder.path(), "study", "tcp/127.0.0.1:0", None);
+        let (coordinator, endpoint) = start_coordinator(folder.path(), "study", "tcp/127.0.0.1:0", None);
         let plain = folder.path().join("plain.json5");
         std::fs::write(&plain, "{}").unwrap();
         let newer = session(&plain, &endpoint);
@@ -150,6 +155,6 @@ fn another_version_is_named_on_both_sides() {
             newer.get(format!("{}?worker=newer", keys::CLAIM)).payload(frame).timeout(PATIENCE).wait();
         assert!(replies.unwrap().recv().unwrap().result().is_ok());
         let says = format!("worker newer is refused: it uses protocol version {}", PROTOCOL_VERSION + 1);
-        coordinator.hear(&says);
+        coordinator.wait_for(&says);
     });
 }

@@ -1,4 +1,4 @@
-//! Who gets in, who does not, and who may do what: certificates, users and passwords, access control, routers, sizes.
+//! Authentication and permissions: certificates, users and passwords, access control, routers, message sizes.
 
 use common::wire::{self, MAX_PAYLOAD, Notice, WorkerId, keys};
 use coordinator::farm::dispatch::{Listen, ZenohEvaluator};
@@ -16,9 +16,9 @@ use tests::{
 use worker::service::{self, Departure, ServiceConfig, ServiceError, WorkerHandle};
 use zenoh::{Config, Session, Wait};
 
-/// An open coordinator with this configuration; its endpoint under the name in its certificate.
+/// A listening coordinator with this configuration, and its endpoint with the name in its certificate.
 fn open(config: PathBuf) -> (ZenohEvaluator, String) {
-    // Not on loopback alone, and yet not refused.
+    // Not a loopback address: accepted because the configuration authenticates clients.
     let listen = Listen { endpoint: Some("tls/0.0.0.0:0".into()), config: Some(config), insecure: false };
     let coordinator = ZenohEvaluator::open(campaign(), &listen, Arc::default()).unwrap();
     let port = coordinator.endpoints()[0].rsplit(':').next().unwrap().to_owned();
@@ -34,18 +34,18 @@ fn worker_with(config: &Path, endpoint: &str, give_up_after: Duration) -> Worker
     service::spawn(config, Arc::new(ClosureSimulator(practice_result))).unwrap()
 }
 
-/// Whether anybody answers a query on this key.
+/// True if a query on this key gets a reply.
 fn is_answered(session: &Session, key: &str) -> bool {
     let replies = session.get(key).timeout(Duration::from_secs(1)).wait().unwrap();
     replies.into_iter().any(|reply| {
         let refusal = reply.result().err().map(|error| error.payload().to_bytes().into_owned());
-        // Zenoh's own word for a query that nobody has answered.
+        // Zenoh's text for a query without a reply.
         refusal.is_none_or(|text| text != b"Timeout")
     })
 }
 
 #[test]
-fn certificates_let_workers_in_and_keep_strangers_out() {
+fn only_certificates_of_the_authority_are_accepted() {
     if !has_openssl("TLS") {
         return;
     }
@@ -53,7 +53,7 @@ fn certificates_let_workers_in_and_keep_strangers_out() {
         let folder = tempfile::tempdir().unwrap();
         let own = certificates(&folder.path().join("ours"), HOST);
         let stranger = certificates(&folder.path().join("theirs"), HOST);
-        // They know our authority, as everybody may, but it does not know them.
+        // This client trusts the authority, but its certificate comes from another one.
         std::fs::copy(own.join("ca.pem"), stranger.join("ca.pem")).unwrap();
         let (mut coordinator, endpoint) = open(configuration("zenoh-tls.json5", &own));
         let refused =
@@ -66,18 +66,18 @@ fn certificates_let_workers_in_and_keep_strangers_out() {
     });
 }
 
-/// A certificate for a worker cannot listen as a coordinator, even where names are not looked at.
+/// A certificate for a worker is refused for listening, even if host names are not verified.
 #[test]
-fn a_workers_certificate_works_and_makes_no_coordinator() {
+fn a_workers_certificate_can_connect_and_not_listen() {
     if !has_openssl("certificates of workers") {
         return;
     }
     in_time(|| {
         let folder = tempfile::tempdir().unwrap();
         let own = certificates(folder.path(), HOST);
-        let hand = certificates(folder.path(), "worker:hand");
+        let own_worker = certificates(folder.path(), "worker:hand");
         let nameless = [("verify_name_on_connect: true", "verify_name_on_connect: false")];
-        let config = changed_configuration("zenoh-tls.json5", &hand, &nameless);
+        let config = changed_configuration("zenoh-tls.json5", &own_worker, &nameless);
         let (mut coordinator, endpoint) = open(configuration("zenoh-tls.json5", &own));
         let _welcome = worker_with(&config, &endpoint, PATIENCE);
         assert_eq!(evaluate(&mut coordinator, &requests(0..4)).unwrap(), expected(0..4));
@@ -88,8 +88,8 @@ fn a_workers_certificate_works_and_makes_no_coordinator() {
     });
 }
 
-/// Under both configurations with access control: whoever may work works; whoever may not is heard by nobody, on keys of
-/// the protocol or others; and whoever may work may do nothing else.
+/// For both configurations with access control: a permitted worker gets tasks; messages of other clients are dropped, on
+/// keys of the protocol and on others; and a permitted worker can send nothing beyond the protocol.
 #[test]
 fn access_control_lets_through_exactly_the_protocol() {
     if !has_openssl("access control") {
@@ -101,61 +101,65 @@ fn access_control_lets_through_exactly_the_protocol() {
         let stranger = certificates(folder.path(), "worker:visitor.example");
         let named = [(NAMED, "\"127.0.0.1\"")];
         let by_name = changed_configuration("zenoh-tls-coordinator.json5", &own, &named);
-        let hands = [&own, &stranger].map(|folder| configuration("zenoh-tls.json5", folder));
-        only_the_protocol(by_name, &hands[0], &hands[1]);
+        let workers = [&own, &stranger].map(|folder| configuration("zenoh-tls.json5", folder));
+        only_the_protocol(by_name, &workers[0], &workers[1]);
 
         let own = with_users(&folder.path().join("users"));
         let by_user = configuration("zenoh-password-coordinator.json5", &own);
-        let [hand, stranger] = [("worker", "change-me"), ("visitor", "visit")].map(|(n, p)| user(&own, n, p));
-        only_the_protocol(by_user.clone(), &hand, &stranger);
-        // One who may look sees, and nobody sees him.
+        let [permitted, stranger] =
+            [("worker", "change-me"), ("visitor", "visit")].map(|(n, p)| user(&own, n, p));
+        only_the_protocol(by_user.clone(), &permitted, &stranger);
+        // A user with permission for the status can query it, and cannot claim.
         let (_coordinator, endpoint) = open(by_user);
         let looker = session(&user(&own, "looker", "look"), &endpoint);
         assert!(is_answered(&looker, keys::STATUS) && !is_answered(&looker, keys::CLAIM));
     });
 }
 
-fn only_the_protocol(config: PathBuf, hand: &Path, stranger: &Path) {
+fn only_the_protocol(config: PathBuf, permitted: &Path, stranger: &Path) {
     let (mut coordinator, endpoint) = open(config);
     let stranger = session(stranger, &endpoint);
-    let insider = session(hand, &endpoint);
+    let insider = session(permitted, &endpoint);
     for key in [keys::CLAIM, keys::STATUS, "hingewise/other", "elsewhere"] {
         assert!(!is_answered(&stranger, key), "{key}");
     }
     assert!(is_answered(&insider, keys::STATUS) && is_answered(&insider, keys::CLAIM));
 
-    let served = worker_with(hand, &endpoint, PATIENCE);
+    let served = worker_with(permitted, &endpoint, PATIENCE);
     assert!(coordinator.wait_for_workers(PATIENCE, |workers| workers.len() == 1));
-    let false_life = WorkerId { name: "false".into(), epoch: 1 };
-    let _token = stranger.liveliness().declare_token(keys::alive(&false_life)).wait().unwrap();
-    let (told, heard) = std::sync::mpsc::channel();
-    let other_insider = session(hand, &endpoint);
-    let _ear = other_insider
+    let false_worker = WorkerId { name: "false".into(), epoch: 1 };
+    let _token = stranger.liveliness().declare_token(keys::alive(&false_worker)).wait().unwrap();
+    let (sender, received) = std::sync::mpsc::channel();
+    let other_insider = session(permitted, &endpoint);
+    let _subscriber = other_insider
         .declare_subscriber("**")
-        .callback(move |sample| _ = told.send(sample.key_expr().to_string()))
+        .callback(move |sample| _ = sender.send(sample.key_expr().to_string()))
         .wait()
         .unwrap();
-    for speaker in [&stranger, &insider] {
-        // An end of the campaign that only the coordinator may tell, and claims that only it may take.
+    for client in [&stranger, &insider] {
+        // A notice that only the coordinator may publish, and a queryable that only it may declare.
         let end = wire::encode(&Notice::Ended { campaign: campaign().id }).unwrap();
-        speaker.put(keys::NOTICE, end).wait().unwrap();
-        speaker.put("elsewhere", "anything").wait().unwrap();
+        client.put(keys::NOTICE, end).wait().unwrap();
+        client.put("elsewhere", "anything").wait().unwrap();
         let thief =
-            speaker.declare_queryable(keys::CLAIM).callback(|_| panic!("a claim was stolen")).wait().unwrap();
-        // What was said before on the same line has come before the answer.
-        assert_eq!(is_answered(speaker, keys::STATUS), std::ptr::eq(speaker, &insider));
+            client.declare_queryable(keys::CLAIM).callback(|_| panic!("a claim was stolen")).wait().unwrap();
+        // Earlier messages on the same connection have arrived before this reply.
+        assert_eq!(is_answered(client, keys::STATUS), std::ptr::eq(client, &insider));
         assert_eq!(evaluate(&mut coordinator, &requests(0..5)).unwrap(), expected(0..5));
         thief.undeclare().wait().unwrap();
     }
-    assert_eq!(coordinator.workers().len(), 1, "a stranger's sign of life was seen");
+    assert_eq!(coordinator.workers().len(), 1, "a liveliness token without permission was accepted");
     assert!(!served.has_ended());
-    assert_eq!(heard.try_iter().filter(|key| key != keys::NOTICE).collect::<Vec<_>>(), Vec::<String>::new());
+    assert_eq!(
+        received.try_iter().filter(|key| key != keys::NOTICE).collect::<Vec<_>>(),
+        Vec::<String>::new()
+    );
     coordinator.finish();
     assert_eq!(served.join().unwrap(), Departure::CampaignEnded);
 }
 
 #[test]
-fn the_access_rules_name_the_keys_of_the_protocol_and_no_other() {
+fn the_access_rules_name_exactly_the_keys_of_the_protocol() {
     let folder = tempfile::tempdir().unwrap();
     for name in ["zenoh-tls-coordinator.json5", "zenoh-password-coordinator.json5", "zenoh-router.json5"] {
         let config = Config::from_file(configuration(name, folder.path())).unwrap();
@@ -176,7 +180,7 @@ fn the_access_rules_name_the_keys_of_the_protocol_and_no_other() {
 }
 
 #[test]
-fn a_message_larger_than_any_of_ours_is_not_put_together_and_hurts_nobody() {
+fn a_message_above_the_size_limit_is_dropped_without_effect() {
     in_time(|| {
         let mut coordinator = coordinator();
         let folder = tempfile::tempdir().unwrap();
@@ -187,15 +191,15 @@ fn a_message_larger_than_any_of_ours_is_not_put_together_and_hurts_nobody() {
             flood.get(keys::CLAIM).payload(vec![0u8; 4 * MAX_PAYLOAD]).timeout(Duration::from_secs(1));
         let answered = replies.wait().unwrap().into_iter().any(|reply| reply.result().is_ok());
         assert!(!answered);
-        let hand = worker(&coordinator, "w", 1, practice_result);
+        let handle = worker(&coordinator, "w", 1, practice_result);
         assert_eq!(evaluate(&mut coordinator, &requests(0..8)).unwrap(), expected(0..8));
         coordinator.finish();
-        assert_eq!(hand.join().unwrap(), Departure::CampaignEnded);
+        assert_eq!(handle.join().unwrap(), Departure::CampaignEnded);
     });
 }
 
-/// Two sites, each with a router made of the same file: a worker behind the far one gets its work, somebody whom its
-/// router does not name is heard by nobody.
+/// Two sites, each with a router of the same configuration: a worker behind the remote router gets tasks; messages of a
+/// client that its router does not list are dropped.
 #[test]
 fn workers_of_another_site_work_through_routers() {
     if !has_openssl("routers") {
@@ -204,7 +208,7 @@ fn workers_of_another_site_work_through_routers() {
     in_time(|| {
         let folder = tempfile::tempdir().unwrap();
         let own = certificates(folder.path(), HOST);
-        let hand = certificates(folder.path(), "worker:worker-1.example");
+        let handle = certificates(folder.path(), "worker:worker-1.example");
         let stranger = certificates(folder.path(), "worker:visitor.example");
         let trunk = (
             "\"coordinator.example\", \"gateway.site-a.example\", \"gateway.site-b.example\"",
@@ -228,14 +232,14 @@ fn workers_of_another_site_work_through_routers() {
         let (_near, at_near) = router("near", &at_coordinator);
         let (_far, at_far) = router("far", &at_near);
         let stranger = session(&configuration("zenoh-tls.json5", &stranger), &at_far);
-        let hand = worker_with(&configuration("zenoh-tls.json5", &hand), &at_far, PATIENCE);
+        let handle = worker_with(&configuration("zenoh-tls.json5", &handle), &at_far, PATIENCE);
         assert!(
             coordinator.wait_for_workers(PATIENCE, |workers| workers.len() == 1),
-            "no sign of life came through"
+            "the liveliness token did not arrive"
         );
         assert_eq!(evaluate(&mut coordinator, &requests(0..20)).unwrap(), expected(0..20));
         assert!(!is_answered(&stranger, keys::CLAIM) && !is_answered(&stranger, keys::STATUS));
         coordinator.finish();
-        assert_eq!(hand.join().unwrap(), Departure::CampaignEnded);
+        assert_eq!(handle.join().unwrap(), Departure::CampaignEnded);
     });
 }

@@ -1,26 +1,16 @@
-//! A whole study with the real programs: two workers, one of which is killed on its way and replaced, give the
-//! same answer as one local worker.
+//! A complete study with the real programs: two workers, one of which is killed and replaced, give the same answer as one
+//! local worker.
 
 use serde_json::Value;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
+use tests::deployed::KilledOnDrop;
 use tests::program;
 
-/// Longest the study may take.
+/// Time limit of the study.
 const PATIENCE: Duration = Duration::from_secs(240);
-
-/// A process that does not outlive the test.
-struct Process(Child);
-
-impl Drop for Process {
-    fn drop(&mut self) {
-        // It may have ended already.
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
-}
 
 fn study(workers: &str, dir: &str) -> Command {
     let mut command = Command::new(program("coordinator"));
@@ -31,10 +21,10 @@ fn study(workers: &str, dir: &str) -> Command {
     command
 }
 
-fn worker(endpoint: &str) -> Process {
+fn worker(endpoint: &str) -> KilledOnDrop {
     let mut command = Command::new(program("worker"));
     command.args(["--connect", endpoint, "--slots", "1", "--quiet"]);
-    Process(command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap())
+    KilledOnDrop(command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap())
 }
 
 fn summary(dir: &str) -> Value {
@@ -42,7 +32,7 @@ fn summary(dir: &str) -> Value {
     serde_json::from_str(&text).unwrap()
 }
 
-/// The summary without what may differ: times, and who worked.
+/// The summary without times and workers, which may differ.
 fn answer(dir: &str) -> Value {
     let mut summary = summary(dir);
     let all = summary.as_object_mut().unwrap();
@@ -64,14 +54,14 @@ fn a_killed_worker_does_not_change_the_answer() {
     let (alone, farmed) = (at("alone"), at("farmed"));
     assert!(study("1", &alone).stderr(Stdio::null()).status().unwrap().success());
 
-    let mut coordinator = Process(study("0", &farmed).spawn().unwrap());
+    let mut coordinator = KilledOnDrop(study("0", &farmed).spawn().unwrap());
     let start = Instant::now();
     let stderr = BufReader::new(coordinator.0.stderr.take().unwrap());
     let mut lines = stderr.lines().map(Result::unwrap);
     let endpoint = lines
         .find_map(|line| line.split("--connect ").nth(1).map(|rest| rest.trim().to_owned()))
-        .expect("the coordinator says where it listens");
-    // Whoever writes to a full pipe stands still.
+        .expect("the coordinator prints its endpoint");
+    // A full pipe would block the coordinator.
     let drained = std::thread::spawn(move || lines.for_each(drop));
 
     let mut doomed = worker(&endpoint);
@@ -91,5 +81,5 @@ fn a_killed_worker_does_not_change_the_answer() {
 
     assert_eq!(answer(&alone), answer(&farmed));
     let workers = summary(&farmed)["workers"].as_array().unwrap().len();
-    assert!(workers >= 2, "{workers} workers had a share");
+    assert!(workers >= 2, "{workers} workers finished evaluations");
 }

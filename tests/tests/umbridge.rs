@@ -1,5 +1,5 @@
-//! The UM-Bridge protocol over real sockets: our client against our server, and each of them against the Python package
-//! `umbridge`, for which `.ci/run` makes an environment of its own.
+//! The UM-Bridge protocol over real sockets: client and server of this program with each other, and each of them with the
+//! Python package `umbridge`, which `.ci/run` installs in a virtual environment.
 
 use common::scene::{Scene, SceneSource};
 use coordinator::farm::evaluate::external::{SimulatorError, open};
@@ -7,12 +7,13 @@ use coordinator::farm::evaluate::{EvaluateError, EvaluationResult, Evaluator, Fi
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader};
 use std::path::PathBuf;
-use std::process::{Child, Command, Stdio};
+use std::process::{Command, Stdio};
 use std::sync::Arc;
+use tests::deployed::KilledOnDrop;
 use tests::{in_time, skipped};
 use worker::umbridge::{Model, Server};
 
-/// The four-bar as seen from outside: its variables and outputs, behind a server.
+/// A scene with the variables and outputs of the four-bar, evaluated by the server at `url`.
 fn study(url: &str, more: &str) -> Scene {
     let text = format!(
         "simulator = {{ umbridge = \"{url}\", timeout = \"20 s\" {more} }}\n\
@@ -44,12 +45,12 @@ fn outcomes(scene: &Scene, batch: &[Request]) -> Result<BTreeMap<u64, Evaluation
     Ok(all)
 }
 
-/// Numbers that went through JSON may differ in their last digit.
+/// True if the values are equal up to the last digit, which may change in JSON.
 fn near(a: &[f64], b: &[f64]) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-15 * b.abs())
 }
 
-/// The four-bar at a draft, served on a free port of this machine.
+/// A server of the four-bar with accuracy `draft`, on a free loopback port.
 fn server() -> (Server, String) {
     let source = SceneSource::builtin("four-bar").unwrap();
     let model = Model::new(source, "draft".parse().unwrap());
@@ -58,12 +59,12 @@ fn server() -> (Server, String) {
     (server, url)
 }
 
-/// Values whose decimals are short, so that they arrive as they were sent.
+/// Samples with short decimals, which JSON transfers exactly.
 const SAMPLES: [[f64; 4]; 3] =
     [[1e-13, -0.8, 3e-5, 0.05], [1.1e-13, -0.82, 2.8e-5, 0.05], [0.9e-13, -0.75, 3e-5, 0.04]];
 
 #[test]
-fn a_scene_gives_the_same_by_umbridge_as_here() {
+fn a_scene_gives_the_same_values_over_umbridge_as_in_process() {
     in_time(|| {
         let (server, url) = server();
         let batch: Vec<Request> = (0..).zip(SAMPLES).map(|(id, sample)| request(id, &sample)).collect();
@@ -79,7 +80,7 @@ fn a_scene_gives_the_same_by_umbridge_as_here() {
                 assert!(near(a, b), "{a:?} {b:?}");
             }
         }
-        // A configuration travels with every request.
+        // Every request carries the configuration.
         let scene = study(&url, ", config = { accuracy = \"balanced\" }");
         let balanced = outcomes(&scene, &batch[..1]).unwrap();
         assert_ne!(balanced[&0].as_ref().unwrap().histories, found[&0].as_ref().unwrap().histories);
@@ -88,7 +89,7 @@ fn a_scene_gives_the_same_by_umbridge_as_here() {
 }
 
 #[test]
-fn what_does_not_fit_is_explained() {
+fn a_model_that_does_not_fit_the_scene_is_refused_with_the_reason() {
     in_time(|| {
         let (server, url) = server();
         let said = |scene: &Scene| evaluator(scene, 1).err().expect("it does not fit").to_string();
@@ -110,7 +111,7 @@ fn what_does_not_fit_is_explained() {
         other = study(&url, "");
         other.outputs.pop();
         assert!(said(&other).contains("returns 16 output values [8, 8]"), "{}", said(&other));
-        // A sample without a result is a failed simulation; its cause comes through.
+        // A sample without a result is a failed simulation with the cause of the server.
         let failed = outcomes(&study(&url, ""), &[request(0, &[1e-13, -0.8, -1e-5, 0.05])]).unwrap();
         let cause = failed[&0].as_ref().unwrap_err().to_string();
         assert!(cause.contains("SimulationFailed") && cause.contains("radial_clearance"), "{cause}");
@@ -119,12 +120,12 @@ fn what_does_not_fit_is_explained() {
     });
 }
 
-/// Python with the package `umbridge`, beside what was built.
+/// Python with the package `umbridge`, in the target folder.
 fn python() -> Option<PathBuf> {
     let test = std::env::current_exe().unwrap();
     let python = test.ancestors().nth(3).unwrap().join("umbridge/bin/python");
-    let there = Command::new(&python).args(["-c", "import umbridge"]).output();
-    if there.is_ok_and(|output| output.status.success()) {
+    let check = Command::new(&python).args(["-c", "import umbridge"]).output();
+    if check.is_ok_and(|output| output.status.success()) {
         return Some(python);
     }
     skipped(
@@ -132,16 +133,6 @@ fn python() -> Option<PathBuf> {
         &format!("{} has none; .ci/run installs it", python.display()),
     );
     None
-}
-
-/// A Python program that ends with the test.
-struct Running(Child);
-
-impl Drop for Running {
-    fn drop(&mut self) {
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
 }
 
 #[test]
@@ -164,7 +155,7 @@ fn the_python_package_evaluates_our_scene() {
     let values: Vec<Vec<f64>> = serde_json::from_str(values).unwrap();
     let found = outcomes(&study(&url, ""), &[request(0, &SAMPLES[0])]).unwrap();
     assert_eq!(values, found[&0].as_ref().unwrap().histories);
-    assert!(error.contains("InvalidInput") && error.contains("[1] values, the model's are [4]"), "{error}");
+    assert!(error.contains("InvalidInput") && error.contains("[1] values, expected [4]"), "{error}");
     server.finish();
 }
 
@@ -191,9 +182,9 @@ fn a_model_of_the_python_package_is_evaluated() {
         .spawn()
         .unwrap();
     let out = BufReader::new(child.stdout.take().unwrap());
-    let _running = Running(child);
+    let _running = KilledOnDrop(child);
     in_time(move || {
-        // It says so when it listens, and would not survive that nobody listens to it.
+        // It prints a line when it listens; its output must be read, or it would fail.
         let mut lines = out.lines().map_while(Result::ok);
         let listening = lines.any(|line| line.contains("Running on"));
         assert!(listening, "the server ended");

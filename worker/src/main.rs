@@ -110,7 +110,7 @@ fn main() -> ExitCode {
     start_log(arguments.verbose, arguments.quiet, arguments.log_format);
     let done = match &arguments.serve_umbridge {
         Some(given) => serve_umbridge(given, &arguments),
-        None => work(arguments).map_err(CommandError::Service),
+        None => work(arguments),
     };
     match done {
         Ok(code) => code,
@@ -130,13 +130,15 @@ enum CommandError {
     UmBridge(#[from] UmBridgeError),
     #[error(transparent)]
     Scene(#[from] Faults),
+    #[error("signals cannot be caught: {0}")]
+    Signals(std::io::Error),
 }
 
 impl CommandError {
     fn exit_code(&self) -> u8 {
         match self {
             Self::Service(ServiceError::Settings { .. }) | Self::Scene(_) => BAD_INPUT,
-            Self::UmBridge(UmBridgeError::Refused { .. }) | Self::Service(_) => FAILURE,
+            Self::UmBridge(UmBridgeError::Refused { .. }) | Self::Service(_) | Self::Signals(_) => FAILURE,
             Self::UmBridge(_) => BAD_INPUT,
         }
     }
@@ -157,7 +159,7 @@ fn serve_umbridge(given: &str, arguments: &Arguments) -> Result<ExitCode, Comman
     }
     let scene = source.nominal().name.clone();
     let model = Model::new(source, arguments.accuracy.clone().unwrap_or_default());
-    let signals = Signals::catch().map_err(no_signals)?;
+    let signals = Signals::catch().map_err(CommandError::Signals)?;
     let server = Server::start(model, slots(arguments), address)?;
     tracing::info!("serving evaluations of {scene} as model \"{NAME}\" at http://{}", server.address());
     let (stop, stopped) = std::sync::mpsc::channel();
@@ -165,7 +167,7 @@ fn serve_umbridge(given: &str, arguments: &Arguments) -> Result<ExitCode, Comman
         // The receiver is gone when the process is about to exit.
         let _ = stop.send(());
     };
-    let interrupted = signals.listen(notify).map_err(no_signals)?;
+    let interrupted = signals.listen(notify).map_err(CommandError::Signals)?;
     // The sender belongs to the signal thread, which runs as long as the process.
     let _ = stopped.recv();
     tracing::info!("stopping: answering the open requests");
@@ -173,16 +175,12 @@ fn serve_umbridge(given: &str, arguments: &Arguments) -> Result<ExitCode, Comman
     Ok(exit_code(&interrupted))
 }
 
-fn no_signals(error: std::io::Error) -> ServiceError {
-    ServiceError::Messaging(format!("signals: {error}"))
-}
-
 fn exit_code(interrupted: &AtomicBool) -> ExitCode {
     if interrupted.load(Ordering::Relaxed) { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS }
 }
 
 /// Evaluates tasks of the coordinators until they end or a signal arrives.
-fn work(arguments: Arguments) -> Result<ExitCode, ServiceError> {
+fn work(arguments: Arguments) -> Result<ExitCode, CommandError> {
     let slots = slots(&arguments);
     let limit = |seconds: u64| (seconds > 0).then(|| Duration::from_secs(seconds));
     let mut config = ServiceConfig {
@@ -199,14 +197,14 @@ fn work(arguments: Arguments) -> Result<ExitCode, ServiceError> {
         config.name = name;
     }
     tracing::info!("{slots} slots for the coordinator at {}", config.connect.join(", "));
-    let signals = Signals::catch().map_err(no_signals)?;
+    let signals = Signals::catch().map_err(CommandError::Signals)?;
     let worker = service::spawn(config, simulator())?;
     let stopper = worker.stopper();
     let stop = move || {
         tracing::info!("stopping: returning finished outcomes");
         stopper.stop();
     };
-    let interrupted = signals.listen(stop).map_err(no_signals)?;
+    let interrupted = signals.listen(stop).map_err(CommandError::Signals)?;
     let departure = worker.join()?;
     match departure {
         Departure::CampaignEnded => tracing::info!("the coordinator has finished"),

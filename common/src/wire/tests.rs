@@ -1,4 +1,4 @@
-//! Properties of the codec: round trip, no panic and no unbounded allocation on any bytes, refusals by name.
+//! Properties of the codec: round trip, no panic and no unbounded allocation for any bytes, and its errors.
 
 use super::codec::{HEADER, encoded_size};
 use super::*;
@@ -189,24 +189,24 @@ fn frame_with(payload: &[u8]) -> Vec<u8> {
 
 proptest! {
     #[test]
-    fn claims_survive_the_way(message in claim()) {
+    fn claims_are_decoded_unchanged(message in claim()) {
         let frame = encode(&message).unwrap();
         prop_assert_eq!(frame.len() - HEADER, encoded_size(&message).unwrap());
         prop_assert_eq!(decode::<Claim>(&frame).unwrap(), message);
     }
 
     #[test]
-    fn replies_survive_the_way(message in reply()) {
+    fn replies_are_decoded_unchanged(message in reply()) {
         prop_assert_eq!(decode::<Reply>(&encode(&message).unwrap()).unwrap(), message);
     }
 
     #[test]
-    fn notices_survive_the_way(message in notice()) {
+    fn notices_are_decoded_unchanged(message in notice()) {
         prop_assert_eq!(decode::<Notice>(&encode(&message).unwrap()).unwrap(), message);
     }
 
     #[test]
-    fn statuses_survive_the_way(message in status()) {
+    fn statuses_are_decoded_unchanged(message in status()) {
         prop_assert_eq!(decode::<Status>(&encode(&message).unwrap()).unwrap(), message);
     }
 
@@ -218,7 +218,7 @@ proptest! {
         prop_assert!(decode::<Status>(&bytes).is_err());
     }
 
-    /// Behind a sound header: whatever is read has the size of what was sent, within the widening of types.
+    /// With a valid header, a decoded message has the size of the payload, within the widening of types.
     #[test]
     fn any_payload_is_read_or_refused_without_a_panic(payload in vec(any::<u8>(), 0..300)) {
         if let Ok(claim) = decode::<Claim>(&frame_with(&payload)) {
@@ -266,9 +266,9 @@ fn a_hostile_length_allocates_nothing() {
     }
 }
 
-/// A text that states 100 000 bytes in a payload of ten is refused by its size, before room is made for it.
+/// A text that states 100 000 bytes in a payload of ten is refused before memory is allocated.
 #[test]
-fn what_is_stated_is_held_against_what_was_sent() {
+fn a_stated_length_is_checked_against_the_payload() {
     let mut name = vec![252];
     name.extend_from_slice(&100_000_u32.to_le_bytes());
     name.extend_from_slice(b"short");

@@ -92,7 +92,7 @@ pub fn simulate(
             Ok(())
         })
         .map_err(CommandError::Evaluate)?;
-    let lost = || CommandError::Evaluate(EvaluateError::Transport("the evaluation has no outcome".into()));
+    let lost = || CommandError::Evaluate(EvaluateError::NoOutcome { id: 0 });
     let Finished { outcome, wall, .. } = found.ok_or_else(lost)?;
     let evaluation = outcome
         .map_err(|failure| CommandError::Simulation { origin: source.origin().to_owned(), failure })?;

@@ -60,7 +60,7 @@ impl Journal for InMemoryJournal {
     fn finished(&self, request: &Request) -> Result<Option<Finished>, EvaluateError> {
         match self.outcomes.get(&request.id) {
             Some((sample, _)) if *sample != request.sample => {
-                Err(EvaluateError::Record(format!("evaluation {} has another sample", request.id)))
+                Err(EvaluateError::Record(format!("evaluation {} has another sample", request.id).into()))
             }
             known => Ok(known.map(|(_, finished)| finished.clone())),
         }
@@ -69,7 +69,9 @@ impl Journal for InMemoryJournal {
     fn record(&mut self, request: &Request, finished: &Finished) -> Result<(), EvaluateError> {
         let entry = (request.sample.clone(), finished.clone());
         if self.outcomes.insert(request.id, entry).is_some() {
-            return Err(EvaluateError::Record(format!("evaluation {} was recorded before", request.id)));
+            return Err(EvaluateError::Record(
+                format!("evaluation {} was recorded before", request.id).into(),
+            ));
         }
         Ok(())
     }

@@ -218,8 +218,7 @@ impl RequestSource for Stage<'_, '_> {
         let mut outcomes = Vec::with_capacity(finished.len());
         for finished in finished {
             let Some(request) = self.requests.remove(&finished.id) else {
-                let what = format!("an outcome of evaluation {} that is not being waited for", finished.id);
-                return Err(EvaluateError::Transport(what));
+                return Err(EvaluateError::UnrequestedOutcome { id: finished.id });
             };
             outcomes.push((request, finished));
         }

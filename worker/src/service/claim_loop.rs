@@ -337,7 +337,7 @@ impl ClaimLoop {
             finished: self.unacknowledged.take_due(now),
             leaving,
         };
-        let frame = wire::encode(&claim).map_err(|e| ServiceError::Messaging(format!("a claim: {e}")))?;
+        let frame = wire::encode(&claim)?;
         self.slots.shares().request(self.coordinator, credits, now);
         self.pending = Some(PendingClaim { sequence: self.sequence, credits, leaving, since: now });
         if let Err(reason) = self.link.send_claim(self.sequence, frame) {

@@ -34,7 +34,7 @@ mod worker_handle;
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
-use common::wire::{Task, TaskKey, WorkOrder};
+use common::wire::{Task, TaskKey, WireError, WorkOrder};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -232,7 +232,13 @@ pub enum ServiceError {
         /// Protocol version of this worker.
         ours: u16,
     },
-    /// Zenoh failed, or a thread could not be started.
+    /// A claim cannot be encoded.
+    #[error("a claim cannot be sent: {0}")]
+    Wire(#[from] WireError),
+    /// The operating system cannot start a thread.
+    #[error("cannot start a thread: {0}")]
+    Thread(std::io::Error),
+    /// Zenoh failed; the text is its error.
     #[error("messaging: {0}")]
     Messaging(String),
     /// A thread of the service panicked: a defect of the program.

@@ -89,8 +89,8 @@ fn combine(a: Departure, b: Departure) -> Departure {
 /// Starts a worker on separate threads.
 ///
 /// # Errors
-/// [`ServiceError::Settings`] and [`ServiceError::Messaging`] before any thread is started; later errors are returned by
-/// [`WorkerHandle::join`].
+/// [`ServiceError::Settings`], [`ServiceError::Messaging`] and [`ServiceError::Thread`]; errors of the running worker are
+/// returned by [`WorkerHandle::join`].
 pub fn spawn(config: ServiceConfig, simulator: Arc<dyn Simulator>) -> Result<WorkerHandle, ServiceError> {
     for (missing, setting) in [(config.slots == 0, "slots"), (config.connect.is_empty(), "endpoints")] {
         if missing {
@@ -104,8 +104,7 @@ pub fn spawn(config: ServiceConfig, simulator: Arc<dyn Simulator>) -> Result<Wor
     let (inboxes, received): (Vec<_>, Vec<_>) = config.connect.iter().map(|_| channel()).unzip();
     let links: Vec<LinkSettings> =
         config.connect.iter().map(|endpoint| link_settings(&config, endpoint)).collect::<Result<_, _>>()?;
-    let slots = Slots::start(&config, &worker.name, simulator, &inboxes)
-        .map_err(|e| ServiceError::Messaging(format!("cannot start a thread: {e}")))?;
+    let slots = Slots::start(&config, &worker.name, simulator, &inboxes).map_err(ServiceError::Thread)?;
     let slots = Arc::new(slots);
     let started = Instant::now();
     let mut claims = Vec::new();
@@ -116,7 +115,7 @@ pub fn spawn(config: ServiceConfig, simulator: Arc<dyn Simulator>) -> Result<Wor
         let handle = std::thread::Builder::new()
             .name(format!("worker-claims-{coordinator}"))
             .spawn(move || thread.run(&received))
-            .map_err(|e| ServiceError::Messaging(format!("cannot start a thread: {e}")))?;
+            .map_err(ServiceError::Thread)?;
         claims.push(handle);
     }
     Ok(WorkerHandle { stopper: Stopper(inboxes), claims })

@@ -152,8 +152,7 @@ fn simulate(
             .ok()
             .and_then(|place| outcomes.get_mut(place))
         else {
-            let what = format!("an outcome of evaluation {} that nobody asked for", finished.id);
-            return Err(EvaluateError::Transport(what));
+            return Err(EvaluateError::UnrequestedOutcome { id: finished.id });
         };
         *place = finished.outcome.ok();
         done += 1;

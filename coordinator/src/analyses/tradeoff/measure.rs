@@ -83,8 +83,7 @@ impl Plan {
         let end = evaluator.evaluate(&requests, &mut |finished: Finished| {
             let k = finished.id as usize;
             let Some(place) = measured.get_mut(k) else {
-                let what = format!("an outcome of evaluation {k} that nobody asked for");
-                return Err(EvaluateError::Transport(what));
+                return Err(EvaluateError::UnrequestedOutcome { id: finished.id });
             };
             done += 1;
             let setting = (k % per_point).checked_sub(1).map_or(REFERENCE, |s| &self.settings[s].name);

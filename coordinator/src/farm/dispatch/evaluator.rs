@@ -99,7 +99,7 @@ impl ZenohEvaluator {
         let dispatch_thread = std::thread::Builder::new()
             .name("coordinator-dispatch".into())
             .spawn(move || dispatch_loop.run(&received))
-            .map_err(|error| DispatchError::Messaging(format!("cannot start a thread: {error}")))?;
+            .map_err(DispatchError::Thread)?;
         tracing::info!("workers can connect to {}", endpoints.join(", "));
         Ok(Self { inputs, dispatch_thread: Some(dispatch_thread), connected, board, endpoints, interrupted })
     }
@@ -246,7 +246,7 @@ impl Drop for ZenohEvaluator {
 }
 
 fn loop_ended() -> EvaluateError {
-    EvaluateError::Transport("the dispatch thread has ended".into())
+    EvaluateError::ThreadEnded("the dispatch thread")
 }
 
 /// A scene within its limit always fits a message.

@@ -66,7 +66,10 @@ pub enum DispatchError {
     /// The settings of the campaign cannot be encoded.
     #[error("the campaign cannot be sent to workers: {0}")]
     Wire(#[from] WireError),
-    /// Zenoh failed.
+    /// The operating system cannot start a thread.
+    #[error("cannot start a thread: {0}")]
+    Thread(std::io::Error),
+    /// Zenoh failed; the text is its error.
     #[error("messaging: {0}")]
     Messaging(String),
 }
@@ -74,6 +77,6 @@ pub enum DispatchError {
 impl DispatchError {
     /// True if the user's input causes the error (exit code 2).
     pub fn is_bad_input(&self) -> bool {
-        !matches!(self, DispatchError::Messaging(_))
+        !matches!(self, DispatchError::Messaging(_) | DispatchError::Thread(_))
     }
 }

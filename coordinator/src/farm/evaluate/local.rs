@@ -123,7 +123,7 @@ mod tests {
             calls += 1;
             if calls == 3 { Err(EvaluateError::Record("disk full".into())) } else { Ok(()) }
         });
-        assert!(matches!(error, Err(EvaluateError::Record(reason)) if reason == "disk full"));
+        assert!(matches!(error, Err(EvaluateError::Record(reason)) if reason.to_string() == "disk full"));
         assert_eq!(calls, 3);
     }
 

@@ -63,15 +63,30 @@ pub enum EvaluateError {
         /// Number of attempts and how they ended.
         reason: String,
     },
-    /// The transport failed.
-    #[error("transport: {0}")]
-    Transport(String),
+    /// The operating system cannot start a thread.
+    #[error("cannot start a thread: {0}")]
+    Thread(std::io::Error),
+    /// A thread that evaluates or dispatches requests has ended without reporting why: a defect of the program.
+    #[error("{0} has ended unexpectedly")]
+    ThreadEnded(&'static str),
+    /// The evaluator returned an outcome that was not requested.
+    #[error("evaluation {id} was not requested")]
+    UnrequestedOutcome {
+        /// Number of the evaluation.
+        id: u64,
+    },
+    /// The evaluator ended without an outcome of a request.
+    #[error("evaluation {id} has no outcome")]
+    NoOutcome {
+        /// Number of the evaluation.
+        id: u64,
+    },
     /// The simulator named by the scene cannot be used.
     #[error(transparent)]
     Simulator(#[from] SimulatorError),
     /// The source could not record an outcome.
     #[error("an outcome could not be recorded: {0}")]
-    Record(String),
+    Record(Box<dyn std::error::Error + Send + Sync>),
 }
 
 /// What a source wants to be started.

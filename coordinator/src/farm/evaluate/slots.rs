@@ -175,7 +175,7 @@ mod tests {
                 return Err(EvaluateError::Interrupted);
             }
             if request.id == self.broken {
-                return Err(EvaluateError::Transport("broken".into()));
+                return Err(EvaluateError::NoOutcome { id: request.id });
             }
             Ok(Err(SimulationFailure::Reported { message: request.id.to_string() }))
         }
@@ -214,7 +214,7 @@ mod tests {
     #[test]
     fn an_error_of_one_slot_ends_the_batch_and_stops_the_others() {
         let error = evaluator(2, 5, 3).evaluate(&batch(1000), &mut |_| Ok(())).unwrap_err();
-        assert!(matches!(error, EvaluateError::Transport(reason) if reason == "broken"));
+        assert!(matches!(error, EvaluateError::NoOutcome { id: 5 }));
     }
 
     #[test]

@@ -215,11 +215,11 @@ impl ModelSlot {
             let _ = sender.send(client.send("Evaluate", Some(&body), client.timeout));
         };
         let thread = std::thread::Builder::new().name("umbridge".into()).spawn(send);
-        thread.map_err(|error| EvaluateError::Transport(format!("cannot start a thread: {error}")))?;
+        thread.map_err(EvaluateError::Thread)?;
         stop.wait(&replies, Duration::MAX).map_err(|none| match none {
             WaitError::Stopped => EvaluateError::Interrupted,
             WaitError::Disconnected | WaitError::TimedOut => {
-                EvaluateError::Transport("the thread of a request ended without a reply".into())
+                EvaluateError::ThreadEnded("the thread of a request")
             }
         })
     }

@@ -124,6 +124,6 @@ impl StoreError {
 
 impl From<StoreError> for EvaluateError {
     fn from(error: StoreError) -> Self {
-        Self::Record(error.to_string())
+        Self::Record(error.into())
     }
 }

@@ -1,5 +1,5 @@
-//! The scheduler in a farm where messages are lost, doubled, late and out of order, workers die, hang and come back,
-//! and the coordinator dies and goes on.
+//! Property test of the scheduler: messages are lost, duplicated, delayed and out of order, workers crash, hang and return,
+//! and the coordinator restarts.
 
 use super::tests::{CAMPAIGN, START, claim, outcome, requests, worker};
 use super::*;
@@ -7,7 +7,7 @@ use common::wire::Task;
 use proptest::prelude::*;
 use std::collections::BTreeMap;
 
-/// A worker of the simulated farm: what it holds, and the claims under way to the coordinator.
+/// A worker of the simulated farm, with its tasks and outcomes.
 #[derive(Debug, Clone)]
 struct Hand {
     id: WorkerId,
@@ -17,7 +17,7 @@ struct Hand {
     finished: Vec<Outcome>,
 }
 
-/// The farm around the scheduler: messages that may be lost, doubled, late and out of order.
+/// The scheduler with workers and the messages in transit.
 struct Farm {
     scheduler: Scheduler,
     hands: Vec<Hand>,
@@ -105,7 +105,7 @@ impl Farm {
     fn deliver_reply(&mut self, at: usize) {
         let (id, sequence, acknowledged, assignment) = self.replies.swap_remove(at);
         let Some(hand) = self.hands.iter_mut().find(|hand| hand.id == id) else { return };
-        // A worker listens only to the answer of its latest claim.
+        // A worker ignores replies to all but its latest claim.
         if hand.sequence != sequence {
             return;
         }
@@ -127,20 +127,20 @@ impl Farm {
         self.event(Event::Recorded { task });
     }
 
-    /// The study asks for all it has asked for and not got.
+    /// The study requests all evaluations without outcome again.
     fn ask_again(&mut self) {
         let mut open = requests(0..self.submitted);
         open.retain(|request| !self.recorded.contains(&request.id) && !self.given_up.contains(&request.id));
         self.event(Event::Submit(open));
     }
 
-    /// The coordinator dies with all it knew but the campaign file; another one takes its place.
+    /// The coordinator crashes, and a new one starts with the campaign file only.
     fn restart(&mut self) {
         self.scheduler = Scheduler::new(self.scheduler.settings.clone());
         self.tokens.clear();
         self.unrecorded.clear();
         let alive: Vec<WorkerId> = self.hands.iter().filter(|h| h.alive).map(|h| h.id.clone()).collect();
-        // Some are there before the study asks, some after.
+        // Some workers connect before the study requests evaluations, some after.
         let early = alive.len() / 2;
         alive[..early].iter().for_each(|id| self.event(Event::WorkerJoined(id.clone())));
         self.ask_again();
@@ -171,12 +171,12 @@ impl Farm {
                 self.hands[k].alive = true;
                 self.event(Event::WorkerJoined(self.hands[k].id.clone()));
             }
-            // Cut off, and perhaps back later with all it had.
+            // Disconnected; it may return later with its tasks.
             15 => {
                 self.hands[k].alive = false;
                 self.event(Event::WorkerLost(self.hands[k].id.clone()));
             }
-            // Dead, and started again with nothing.
+            // Crashed, and restarted without tasks.
             16 => {
                 self.event(Event::WorkerLost(self.hands[k].id.clone()));
                 let hand = &mut self.hands[k];
@@ -204,7 +204,7 @@ impl Farm {
         }
     }
 
-    /// From here on nothing more goes wrong: everybody is there and every message arrives.
+    /// Runs to the end without further faults: all workers are connected, and every message arrives.
     fn run_out(&mut self) {
         for k in 0..self.hands.len() {
             self.event(Event::WorkerJoined(self.hands[k].id.clone()));
@@ -240,7 +240,7 @@ impl Farm {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
-    /// Whatever happens, in the end each task has ended exactly once and none was lost.
+    /// After any sequence of events, each task ends exactly once and none is lost.
     #[test]
     fn every_task_ends_exactly_once(
         hands in 1usize..4,

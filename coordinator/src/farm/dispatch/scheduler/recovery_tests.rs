@@ -1,4 +1,4 @@
-//! Workers that come back to a new coordinator, tasks at two workers, tasks by speed.
+//! Workers that return to a restarted coordinator, tasks leased to two workers, shares by speed.
 
 use super::tests::{CAMPAIGN, START, ask, claim, numbers, outcome, reply, requests, scheduler, worker};
 use super::*;
@@ -6,7 +6,7 @@ use common::wire::Task;
 
 const SECOND: Duration = Duration::from_secs(1);
 
-/// The task as an earlier coordinator gave it.
+/// A task as leased by an earlier coordinator.
 fn given(task: u64) -> Task {
     Task {
         key: TaskKey { campaign: CAMPAIGN, task },
@@ -18,18 +18,18 @@ fn given(task: u64) -> Task {
 }
 
 #[test]
-fn a_worker_is_adopted_with_what_it_runs_whoever_is_first() {
+fn tasks_of_an_earlier_coordinator_are_adopted() {
     let (a, b) = (worker("a"), worker("b"));
     for before in [true, false] {
         let mut s = scheduler(&[&a, &b], if before { 0 } else { 4 });
-        // It runs 1, and has an outcome of 2 that it does not offer right now.
+        // It runs task 1, and holds an outcome of task 2 that is not in this claim.
         ask(&mut s, START, claim(&a, 1, 0, vec![], &[1, 2]));
         if before {
             s.on_event(START, Event::Submit(requests(0..4)));
         }
         let (_, tasks) = reply(&ask(&mut s, START, claim(&b, 1, 4, vec![], &[]))).unwrap();
         assert_eq!(numbers(&tasks), [0, 3]);
-        // Both are the worker's: its outcomes count, and where it dies they go to others.
+        // Both are leased to the worker: its outcome counts, and its tasks are requeued when it is lost.
         let actions = ask(&mut s, SECOND, claim(&a, 2, 0, vec![outcome(&given(2), &a)], &[1]));
         assert!(matches!(&actions[..], [Action::Deliver(finished)] if finished.id == 2), "{actions:?}");
         s.on_event(SECOND, Event::WorkerLost(a.clone()));
@@ -39,7 +39,7 @@ fn a_worker_is_adopted_with_what_it_runs_whoever_is_first() {
 }
 
 #[test]
-fn what_a_worker_had_and_took_with_it_before_it_was_asked_for_goes_to_others() {
+fn a_task_of_a_worker_lost_before_the_request_goes_to_another_worker() {
     let (a, b) = (worker("a"), worker("b"));
     let mut s = scheduler(&[&a, &b], 0);
     ask(&mut s, START, claim(&a, 1, 0, vec![], &[0]));
@@ -50,7 +50,7 @@ fn what_a_worker_had_and_took_with_it_before_it_was_asked_for_goes_to_others() {
 }
 
 #[test]
-fn after_a_restart_tasks_wait_a_moment_for_those_who_have_them() {
+fn after_a_restart_tasks_wait_for_the_workers_that_hold_them() {
     let (a, b) = (worker("a"), worker("b"));
     let mut s = Scheduler::new(SchedulerSettings { settle: SECOND, ..SchedulerSettings::new(CAMPAIGN) });
     s.on_event(START, Event::WorkerJoined(b.clone()));
@@ -59,7 +59,7 @@ fn after_a_restart_tasks_wait_a_moment_for_those_who_have_them() {
     s.on_event(SECOND / 2, Event::WorkerJoined(a.clone()));
     ask(&mut s, SECOND / 2, claim(&a, 1, 0, vec![], &[0]));
     assert_eq!(s.on_event(SECOND / 2, Event::Tick), vec![]);
-    // Those who asked in vain are told, of what is left.
+    // Idle workers are notified of the remaining task.
     let actions = s.on_event(SECOND, Event::Tick);
     assert!(matches!(&actions[..], [Action::Announce(points)] if points.len() == 1 && points[0].task == 1));
     assert_eq!(s.on_event(2 * SECOND, Event::Tick), vec![]);
@@ -72,7 +72,7 @@ fn a_task_on_its_last_chance_goes_to_a_worker_that_has_finished_one() {
     let steady = worker("steady");
     let mut s = scheduler(&[&steady], 3);
     let (_, tasks) = reply(&ask(&mut s, START, claim(&steady, 1, 1, vec![], &[]))).unwrap();
-    // Two that have finished nothing die with 1, and one that comes later gets what was not lost twice.
+    // Two workers without a finished task are lost with task 1; a third one gets a task that was not lost twice.
     for name in ["first", "second"] {
         let doomed = worker(name);
         s.on_event(START, Event::WorkerJoined(doomed.clone()));
@@ -87,13 +87,13 @@ fn a_task_on_its_last_chance_goes_to_a_worker_that_has_finished_one() {
     assert_eq!(numbers(&got), [2]);
     let (_, got) = reply(&ask(&mut s, SECOND, claim(&steady, 3, 5, vec![], &[]))).unwrap();
     assert_eq!(numbers(&got), [1]);
-    // With that one gone too it was the task, and not the workers.
+    // With a third loss, the task is given up.
     let actions = s.on_event(SECOND, Event::WorkerLost(steady));
     assert!(actions.iter().any(|c| matches!(c, Action::GiveUp { task: 1, .. })), "{actions:?}");
 }
 
 #[test]
-fn a_task_on_its_last_chance_goes_to_anybody_where_nobody_has_finished_one() {
+fn a_task_on_its_last_chance_goes_to_any_worker_if_none_has_finished_one() {
     let mut s = scheduler(&[], 1);
     for name in ["first", "second", "third"] {
         let doomed = worker(name);
@@ -105,10 +105,10 @@ fn a_task_on_its_last_chance_goes_to_anybody_where_nobody_has_finished_one() {
 }
 
 #[test]
-fn what_the_campaign_file_had_is_not_wanted_again() {
+fn tasks_found_in_the_campaign_file_are_acknowledged() {
     let a = worker("a");
     let mut s = scheduler(&[&a], 0);
-    // The study found 0 and 1 in its file and asks for the rest.
+    // The study found 0 and 1 in its file and requests the rest.
     s.on_event(START, Event::Submit(requests(2..4)));
     let actions = ask(&mut s, START, claim(&a, 1, 0, vec![outcome(&given(0), &a)], &[1, 2, 7]));
     assert_eq!(reply(&actions), Some((vec![0, 1], vec![])));
@@ -121,24 +121,28 @@ fn a_straggler_goes_to_an_idle_worker_too_and_the_first_outcome_counts() {
     let (_, at_a) = reply(&ask(&mut s, START, claim(&a, 1, 1, vec![], &[]))).unwrap();
     let (_, at_b) = reply(&ask(&mut s, START, claim(&b, 1, 1, vec![], &[]))).unwrap();
     assert_eq!([numbers(&at_a), numbers(&at_b)], [[0], [1]]);
-    // b takes 2 s; a is late after twice that.
+    // b takes 2 s; the task of a is a straggler after twice that.
     ask(&mut s, 2 * SECOND, claim(&b, 2, 1, vec![outcome(&at_b[0], &b)], &[]));
     let (acknowledged, tasks) = reply(&s.on_event(2 * SECOND, Event::Recorded { task: 1 })).unwrap();
     assert_eq!((acknowledged, tasks), (vec![1], vec![]), "not late yet");
-    assert_eq!(reply(&ask(&mut s, 4 * SECOND, claim(&a, 2, 1, vec![], &[0]))).unwrap().1, [], "it has it");
+    assert_eq!(
+        reply(&ask(&mut s, 4 * SECOND, claim(&a, 2, 1, vec![], &[0]))).unwrap().1,
+        [],
+        "it holds the task already"
+    );
     let (_, copy) = reply(&ask(&mut s, 4 * SECOND, claim(&b, 3, 1, vec![], &[]))).unwrap();
     assert_eq!((numbers(&copy), copy[0].attempt), (vec![0], 2));
     assert_eq!(
         reply(&ask(&mut s, 9 * SECOND, claim(&c, 1, 1, vec![], &[]))).unwrap().1,
         [],
-        "two are enough"
+        "two workers are enough"
     );
-    // The death of one of the two loses nothing.
+    // The loss of an idle worker has no effect.
     assert_eq!(s.on_event(9 * SECOND, Event::WorkerLost(c)), vec![], "it had nothing");
     let actions = ask(&mut s, 9 * SECOND, claim(&b, 4, 1, vec![outcome(&copy[0], &b)], &[]));
     assert!(matches!(&actions[0], Action::Deliver(finished) if finished.worker == "b/0"));
     s.on_event(9 * SECOND, Event::Recorded { task: 0 });
-    // The other one may drop its copy, or hand it in: it is not counted.
+    // The other copy may be dropped or returned: it is not counted.
     assert_eq!(reply(&ask(&mut s, 9 * SECOND, claim(&a, 3, 0, vec![], &[0]))), Some((vec![0], vec![])));
     let late = ask(&mut s, 9 * SECOND, claim(&a, 4, 0, vec![outcome(&at_a[0], &a)], &[]));
     assert_eq!((late.len(), reply(&late)), (1, Some((vec![0], vec![]))));

@@ -1,4 +1,4 @@
-//! The scheduler's rules, one by one; `farm_tests` has them under everything that can go wrong.
+//! The invariants of the scheduler, one by one; `farm_tests` checks them under random faults.
 
 use super::*;
 use crate::farm::evaluate::Request;
@@ -78,7 +78,7 @@ fn a_doubled_outcome_is_acknowledged_and_not_counted() {
     let mut s = scheduler(&[&a, &b], 1);
     let (_, tasks) = reply(&ask(&mut s, START, claim(&a, 1, 1, vec![], &[]))).unwrap();
     ask(&mut s, START, claim(&a, 2, 0, vec![outcome(&tasks[0], &a)], &[]));
-    // A second one while the first is being recorded waits with it; a third one after that is acknowledged.
+    // A second outcome waits while the first is being recorded; a third one after that is acknowledged.
     let second = ask(&mut s, START, claim(&b, 3, 0, vec![outcome(&tasks[0], &b)], &[]));
     assert_eq!(second, vec![]);
     let replies = s.on_event(START, Event::Recorded { task: 0 });
@@ -89,7 +89,7 @@ fn a_doubled_outcome_is_acknowledged_and_not_counted() {
 }
 
 #[test]
-fn what_a_lost_worker_held_goes_to_the_front_and_idle_workers_are_told() {
+fn tasks_of_a_lost_worker_return_to_the_front_and_are_announced() {
     let (a, b) = (worker("a"), worker("b"));
     let mut s = scheduler(&[&a, &b], 5);
     let (_, tasks) = reply(&ask(&mut s, START, claim(&a, 1, 2, vec![], &[]))).unwrap();
@@ -103,7 +103,7 @@ fn what_a_lost_worker_held_goes_to_the_front_and_idle_workers_are_told() {
 }
 
 #[test]
-fn a_task_that_three_workers_did_not_survive_is_given_up_by_name() {
+fn a_task_lost_three_times_is_given_up() {
     let mut s = scheduler(&[], 1);
     let mut last = vec![];
     for k in 0..3 {
@@ -120,7 +120,7 @@ fn a_task_that_three_workers_did_not_survive_is_given_up_by_name() {
 }
 
 #[test]
-fn a_worker_that_leaves_gives_its_tasks_back_without_blame() {
+fn tasks_returned_by_a_leaving_worker_do_not_count_as_losses() {
     let a = worker("a");
     let mut s = scheduler(&[&a], 1);
     for sequence in 1..10 {
@@ -132,11 +132,11 @@ fn a_worker_that_leaves_gives_its_tasks_back_without_blame() {
 }
 
 #[test]
-fn a_lease_the_worker_does_not_know_of_was_lost_on_the_way() {
+fn a_lease_missing_from_the_claim_is_requeued() {
     let a = worker("a");
     let mut s = scheduler(&[&a], 3);
     ask(&mut s, START, claim(&a, 1, 2, vec![], &[]));
-    // The reply to claim 1 never came; task 1 did by a miracle.
+    // Of the reply to claim 1, only task 1 is listed.
     let (_, tasks) = reply(&ask(&mut s, START, claim(&a, 2, 1, vec![], &[1]))).unwrap();
     assert_eq!(numbers(&tasks), [0]);
     // An outdated claim gets nothing and changes nothing.
@@ -145,11 +145,11 @@ fn a_lease_the_worker_does_not_know_of_was_lost_on_the_way() {
 }
 
 #[test]
-fn a_claim_its_worker_no_longer_waits_for_gets_no_tasks() {
+fn a_claim_superseded_by_a_newer_one_gets_no_tasks() {
     let a = worker("a");
     let mut s = scheduler(&[&a], 3);
     let (_, tasks) = reply(&ask(&mut s, START, claim(&a, 1, 1, vec![], &[]))).unwrap();
-    // Claim 2 waits for its record too long; the worker asks again without an answer.
+    // Claim 2 waits too long for its record; the worker sends claim 3.
     ask(&mut s, START, claim(&a, 2, 1, vec![outcome(&tasks[0], &a)], &[0]));
     let (_, tasks) = reply(&ask(&mut s, START, claim(&a, 3, 1, vec![], &[0]))).unwrap();
     assert_eq!(numbers(&tasks), [1]);
@@ -157,7 +157,7 @@ fn a_claim_its_worker_no_longer_waits_for_gets_no_tasks() {
 }
 
 #[test]
-fn an_outcome_nobody_asked_for_yet_stays_with_its_worker() {
+fn an_outcome_not_requested_yet_stays_with_its_worker() {
     let a = worker("a");
     let mut s = scheduler(&[&a], 0);
     let early = Task {
@@ -175,7 +175,7 @@ fn an_outcome_nobody_asked_for_yet_stays_with_its_worker() {
 }
 
 #[test]
-fn an_outcome_of_another_campaign_or_sample_is_forgotten() {
+fn an_outcome_of_another_campaign_or_sample_is_acknowledged_and_not_used() {
     let a = worker("a");
     let mut s = scheduler(&[&a], 1);
     let (_, tasks) = reply(&ask(&mut s, START, claim(&a, 1, 1, vec![], &[]))).unwrap();
@@ -208,7 +208,7 @@ fn a_deadline_follows_the_longest_simulation() {
     let (_, tasks) = reply(&ask(&mut s, START, claim(&a, 1, 2, vec![], &[]))).unwrap();
     let hour = Duration::from_secs(3600);
     assert_eq!(s.on_event(hour, Event::Tick), vec![]);
-    // One ends after 60 s of simulation: the other one is overdue after 600 s.
+    // One simulation takes 60 s: the other task is overdue after 600 s.
     let slow = Outcome { wall: 60.0, ..outcome(&tasks[0], &a) };
     ask(&mut s, START, claim(&a, 2, 0, vec![slow], &[1]));
     s.on_event(START, Event::Recorded { task: 0 });
@@ -224,13 +224,13 @@ fn a_deadline_follows_the_longest_simulation() {
 }
 
 #[test]
-fn nobody_there_and_nobody_alive_are_told_to_the_user() {
+fn missing_workers_and_liveliness_tokens_are_reported() {
     let mut s = scheduler(&[], 4);
     let second = Duration::from_secs(1);
     assert_eq!(s.on_event(second, Event::Tick), vec![]);
     let actions = s.on_event(6 * second, Event::Tick);
     assert_eq!(actions, vec![Action::Warn(Warning::NoWorker { open: 4, since: 5 * second })]);
-    // Only a minute later the same is said again, with all the time that has passed; at once if it is another number.
+    // The warning is repeated after a minute, with the total time, or at once if the number of tasks changes.
     let until = |s: &mut Scheduler, range: std::ops::RangeInclusive<u32>| -> Vec<(u32, Action)> {
         range.flat_map(|t| s.on_event(t * second, Event::Tick).into_iter().map(move |c| (t, c))).collect()
     };
@@ -238,7 +238,7 @@ fn nobody_there_and_nobody_alive_are_told_to_the_user() {
     assert_eq!(until(&mut s, 7..=100), vec![(66, warning(4, 65))]);
     s.on_event(100 * second, Event::Submit(requests(4..6)));
     assert_eq!(until(&mut s, 101..=160), vec![(101, warning(6, 100))]);
-    // A worker without a liveliness token gets nothing, and is named once.
+    // A worker without a liveliness token gets no tasks, and is reported once.
     let a = worker("a");
     let warnings: Vec<Action> = (1..40)
         .flat_map(|sequence| ask(&mut s, second, claim(&a, sequence, 1, vec![], &[])))
@@ -248,7 +248,7 @@ fn nobody_there_and_nobody_alive_are_told_to_the_user() {
 }
 
 #[test]
-fn cancelled_tasks_stay_with_their_workers_and_finish_sends_them_home() {
+fn cancelled_tasks_stay_with_their_workers_and_all_leave_at_the_end() {
     let a = worker("a");
     let mut s = scheduler(&[&a], 2);
     let (_, tasks) = reply(&ask(&mut s, START, claim(&a, 1, 2, vec![], &[]))).unwrap();

@@ -1,4 +1,4 @@
-//! Who has what, and how much each may have.
+//! Leases of the workers and their shares.
 
 use super::workers::Workforce;
 use common::wire::WorkerId;
@@ -31,7 +31,7 @@ fn shares_follow_the_slots_and_keep_every_slot_busy() {
 #[test]
 fn shares_follow_the_measured_speed() {
     let mut all = workforce(&[("fast", 2), ("slow", 2), ("new", 4)]);
-    // Before anything is known of the slow one it counts as the mean of those that are known.
+    // Before its first evaluation, the slow worker counts with the mean speed of the measured ones.
     all.record_evaluation(&id("fast"), 0, 1.0, Duration::ZERO);
     assert_eq!(all.share(&id("slow"), 80), 20);
     all.record_evaluation(&id("slow"), 0, 4.0, Duration::ZERO);
@@ -56,7 +56,7 @@ fn a_task_at_two_workers_is_held_until_both_have_lost_it() {
     assert_eq!(late(&all, "b", 3 * second), [7]);
     assert_eq!(late(&all, "a", 3 * second), [] as [u64; 0], "it has it already");
     all.lease(&id("b"), 7, 3 * second);
-    assert_eq!(late(&all, "c", 9 * second), [] as [u64; 0], "two are enough");
+    assert_eq!(late(&all, "c", 9 * second), [] as [u64; 0], "two workers are enough");
     assert!(all.release(&id("a"), 7), "b has it");
     assert_eq!(late(&all, "c", 9 * second), [7]);
     assert_eq!(all.remove(&id("b")), [7]);
@@ -64,7 +64,7 @@ fn a_task_at_two_workers_is_held_until_both_have_lost_it() {
 }
 
 #[test]
-fn a_slow_worker_takes_a_straggler_only_when_nobody_faster_has() {
+fn a_slow_worker_gets_a_straggler_only_if_no_faster_one_did() {
     let mut all = workforce(&[("a", 1), ("b", 1), ("slow", 1)]);
     let second = Duration::from_secs(1);
     all.lease(&id("a"), 7, Duration::ZERO);

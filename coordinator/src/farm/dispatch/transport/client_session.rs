@@ -75,7 +75,10 @@ pub enum ClientError {
         /// Error of the decoder.
         fault: WireError,
     },
-    /// Zenoh failed.
+    /// The claim cannot be encoded.
+    #[error(transparent)]
+    Wire(#[from] WireError),
+    /// Zenoh failed; the text is its error.
     #[error("messaging: {0}")]
     Messaging(String),
 }
@@ -122,7 +125,7 @@ impl ClientSession {
     /// # Errors
     /// [`ClientError`].
     pub fn claim(&self, claim: &Claim, timeout: Duration) -> Result<Reply, ClientError> {
-        let frame = wire::encode(claim).map_err(|e| ClientError::Messaging(e.to_string()))?;
+        let frame = wire::encode(claim)?;
         self.query(keys::CLAIM, &format!("{}?worker={}", keys::CLAIM, claim.worker.name), frame, timeout)
     }
 

@@ -136,7 +136,7 @@ impl Transport {
         std::thread::Builder::new()
             .name("coordinator-send".into())
             .spawn(move || send(&sender, &to_send))
-            .map_err(|error| DispatchError::Messaging(format!("cannot start a thread: {error}")))?;
+            .map_err(DispatchError::Thread)?;
         Ok(Self {
             session,
             endpoints,

@@ -58,7 +58,7 @@ pub(super) fn transport_settings(listen: &Listen) -> Result<TransportSettings, D
             return Err(DispatchError::Insecure { endpoint: endpoint.clone() });
         }
     }
-    let json = serde_json::to_string(&endpoints).map_err(|e| DispatchError::Messaging(e.to_string()))?;
+    let json = serde_json::Value::from(endpoints.clone()).to_string();
     config
         .insert_json5("listen/endpoints", &json)
         .map_err(|error| DispatchError::Endpoint { endpoint: endpoints.join(", "), reason: reason(error) })?;
