@@ -22,6 +22,22 @@ pub struct Evaluation {
     pub diagnostics: Diagnostics,
 }
 
+impl Evaluation {
+    /// An evaluation by a formula or another program: histories `(outputs, m)` at the checkpoints `(m,)` [cycles],
+    /// without stated errors, motion or joints.
+    pub fn from_histories(cycles: Vec<u32>, histories: Vec<Vec<f64>>) -> Self {
+        Self {
+            cycles,
+            histories,
+            errors: Vec::new(),
+            joints: Vec::new(),
+            first_cycle: None,
+            worn: None,
+            diagnostics: Diagnostics::default(),
+        }
+    }
+}
+
 /// Result for one joint.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct JointSummary {

@@ -8,7 +8,6 @@
 //! with 30 variables, two limit states and 72 checkpoints; the responses are formulas of similar shape. The second one has
 //! three variables and ten checkpoints. Run it on an otherwise idle machine.
 
-use common::accuracy::NamedAccuracy;
 use common::outputs::{Diagnostics, Evaluation};
 use common::scene::{Scene, SceneSource};
 use coordinator::farm::evaluate::Request;
@@ -92,7 +91,7 @@ fn measure(source: &SceneSource, scene: &Scene) -> Result<Measured, Box<dyn Erro
         *seen = Some((first, Instant::now()));
         Ok(evaluation)
     });
-    let settings = Settings::new(scene, NamedAccuracy::default());
+    let settings = Settings::from(scene);
     let started = Instant::now();
     let result = run(scene, &settings, &mut evaluator, &mut campaign, &mut Silent)?;
     let (wall, ended) = (started.elapsed().as_secs_f64(), Instant::now());

@@ -1,16 +1,62 @@
-//! The coordinator: reliability studies of mechanisms with worn hinges.
+//! The coordinator: reliability studies of mechanisms with wearing hinges, with any simulator.
 //!
-//! Data flows one way: design -> evaluate (dispatch) -> surrogate -> learning -> reliability -> sensitivity ->
-//! report; `study` is the campaign as one page.
+//! A study estimates the time-dependent reliability R(n): the probability that after n cycles no limit state has been
+//! reached. It simulates an initial design, fits Kriging surrogates, and adds the simulations that reduce the
+//! classification error most (active learning Kriging with Monte Carlo simulation, AK-MCS).
 //!
-//! | layer | content | may use |
+//! ```text
+//! scene + settings -> design -> evaluations -> surrogates -> learning -> reliability, sensitivities -> report
+//! ```
+//!
+//! | layer | content | uses |
 //! |---|---|---|
-//! | [`statistics`] | design, surrogate, learning, reliability, sensitivity | - |
-//! | [`farm`] | evaluators and the dispatch of tasks to workers | - |
-//! | [`results`] | summary, campaign file, result files | `farm` |
-//! | [`study`] | the study from its design to its result | the three above |
+//! | [`statistics`] | design, surrogates, learning, reliability, sensitivity | - |
+//! | [`farm`] | evaluators, and the dispatch of tasks to workers | - |
+//! | [`results`] | summary, journal, campaign file, result files | `farm` |
+//! | [`study`] | a study from its settings to its result | the three above |
 //! | [`presentation`] | report, view of a running study, terminal | `farm`, `results`, `study` |
-//! | [`analyses`] | trade of speed for accuracy, calibration, verification | all above |
+//! | [`analyses`] | accuracy trade-off, error budget, calibration, replay | all above |
+//!
+//! The evaluator is an argument of [`study::run`]: a closure ([`farm::evaluate::local`]), workers on many machines
+//! ([`farm::dispatch`]) or an external program ([`farm::evaluate::external`]). So is the journal: SQLite
+//! ([`results::store`]) or memory ([`results::journal::InMemoryJournal`]).
+//!
+//! # Example
+//! The reliability of a bar whose section wears, simulated by a closure:
+//! ```
+//! use common::outputs::Evaluation;
+//! use common::scene::SceneSource;
+//! use coordinator::farm::evaluate::{Request, local::LocalEvaluator};
+//! use coordinator::results::{journal::InMemoryJournal, progress::Silent};
+//! use coordinator::study::{Settings, run};
+//!
+//! let source = SceneSource::parse(
+//!     r#"
+//!     scene = { name = "bar" }
+//!     simulator = { program = ["closure"] }
+//!     life = { cycles = 300, checkpoint_every = 100 }
+//!     outputs = [{ name = "stress", unit = "MPa" }]
+//!     limit_states = [{ name = "yield", output = "stress", threshold = 250 }]
+//!     variables = [{ name = "force", mean = "20 kN", std = "2 kN" }]
+//!     "#,
+//!     "bar",
+//! )?;
+//! let scene = source.nominal();
+//! // The section shrinks from 100 mm^2 by 5 mm^2 per 100 cycles.
+//! let stress = |request: &Request| {
+//!     let cycles = scene.life.checkpoints();
+//!     let history = cycles.iter().map(|n| request.sample[0] / (100.0 - 0.05 * f64::from(*n))).collect();
+//!     Ok(Evaluation::from_histories(cycles, vec![history]))
+//! };
+//! let settings = Settings { samples: 20_000, initial: 6, max_evaluations: 40, ..Settings::from(scene) };
+//! let mut evaluator = LocalEvaluator::new(1, stress);
+//! let result = run(scene, &settings, &mut evaluator, &mut InMemoryJournal::default(), &mut Silent)?;
+//! // P(force < 250 MPa * 85 mm^2 = 21.25 kN) = Phi(0.625) = 0.734
+//! let last = &result.summary.reliability[2];
+//! assert!((last.reliability["total"] - 0.734).abs() < 4.0 * last.standard_error["total"]);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//! More in `coordinator/examples`.
 
 pub mod analyses;
 pub mod farm;

@@ -1,9 +1,25 @@
-//! The campaign as one page: design, simulate, learn, and what follows for reliability and sensitivity.
+//! A study as one page: design, evaluations, learning, reliability and sensitivities.
 //!
-//! Requests are numbered in the order they are made, and the campaign file is asked first: a resumed study makes the
-//! same requests, finds what was finished and simulates the rest. Outcomes are told in the order of their requests, and how far the
-//! requests run ahead of them is fixed by the settings, so the answer depends on the scene, the settings and the seed
-//! alone, and yet no worker waits for the slowest of a round.
+//! Requests are numbered in the order they are made, and the journal is read first: a resumed study makes the same
+//! requests, finds the finished ones in the journal, and simulates the rest. The learner receives outcomes in the order
+//! of their requests, and the settings fix how far the requests run ahead. The result therefore depends on scene,
+//! settings and seed alone, while no worker waits for the slowest evaluation of a round.
+//!
+//! # Example
+//! The settings of a study are the scene's defaults, changed and checked:
+//! ```
+//! use common::scene::SceneSource;
+//! use coordinator::study::{Method, Settings};
+//!
+//! let source = SceneSource::builtin("four-bar")?;
+//! let scene = source.nominal();
+//! let settings = Settings { seed: 7, max_evaluations: 60, ..Settings::from(scene) };
+//! assert_eq!((settings.method, settings.check(scene)), (Method::ActiveLearning, Ok(())));
+//!
+//! let too_few = Settings { max_evaluations: 5, ..settings };
+//! assert_eq!(too_few.check(scene).unwrap_err().key, "max_evaluations");
+//! # Ok::<(), common::scene::Faults>(())
+//! ```
 
 mod campaign;
 mod dispatching;
@@ -50,12 +66,13 @@ pub use verification::{
 use crate::farm::evaluate::{EvaluateError, Evaluator};
 use crate::results::journal::Journal;
 use crate::results::progress::{Observer, Progress};
-use crate::results::summary::Round;
+use crate::results::summary::{Round, Timing};
 use crate::statistics::design::InputModel;
 use common::scene::Scene;
 use dispatching::{Dispatcher, Outcome};
 use monte_carlo::DirectSimulation;
 use responses::Responses;
+use result::Findings;
 use so_far::SoFar;
 use std::time::Instant;
 use thinking::Learner;
@@ -67,14 +84,14 @@ pub enum StudyError {
     /// The settings do not make a study.
     #[error(transparent)]
     Setting(#[from] SettingError),
-    /// An evaluation could not be had or recorded.
+    /// The evaluations cannot be distributed or recorded.
     #[error(transparent)]
     Evaluate(#[from] EvaluateError),
-    /// Learning cannot go on.
+    /// The learner cannot continue.
     #[error(transparent)]
     Campaign(#[from] CampaignError),
-    /// An evaluator ended without the outcome of a request.
-    #[error("evaluation {id} was asked for and never answered")]
+    /// The evaluator ended without the outcome of a request.
+    #[error("evaluation {id} has no outcome")]
     Unanswered {
         /// Number of the request.
         id: u64,
@@ -84,19 +101,19 @@ pub enum StudyError {
     Malformed {
         /// Number of the request.
         id: u64,
-        /// Who answered.
+        /// Name of the worker.
         worker: String,
-        /// What is wrong.
+        /// Description of the fault.
         what: String,
     },
 }
 
-/// Runs a study to its end.
+/// Runs a study of `scene` to its end: evaluations by `evaluator`, recorded in `journal`, reported to `observer`.
 ///
 /// Request 0 is the nominal point (the variables' means), with the first cycle; it belongs to the initial design.
 ///
 /// # Errors
-/// [`StudyError`]; whatever was evaluated is in the journal by then.
+/// [`StudyError`]; finished evaluations are in the journal by then.
 pub fn run(
     scene: &Scene,
     settings: &Settings,
@@ -109,26 +126,30 @@ pub fn run(
     let problem = problem_of(scene);
     let stricter = settings.stricter(scene);
     let mut dispatcher = Dispatcher::new(scene, stricter, settings.budget(), evaluator, journal, observer);
-    let mut result = match settings.method {
-        Method::ActiveLearning => learn(scene, settings, problem.clone(), &mut dispatcher)?,
+    let findings = match settings.method {
+        Method::ActiveLearning => learn(scene, settings, problem, &mut dispatcher)?,
         Method::MonteCarlo | Method::LatinHypercube => {
             let mut direct = DirectSimulation::new(&problem, settings);
             dispatcher.run(&mut direct)?;
             dispatcher.notice(&Progress::Ending);
-            direct.result(scene, settings)?
+            direct.findings()?
         }
     };
-    let timing = &mut result.summary.timing_s;
-    timing.total = started.elapsed().as_secs_f64();
-    timing.simulation = dispatcher.simulation_seconds();
-    let (thinking, idle) = dispatcher.thinking_seconds();
-    timing.surrogate = thinking;
-    timing.idle = idle;
-    result.summary.workers = dispatcher.shares();
+    let (surrogate, idle) = dispatcher.thinking_seconds();
+    let total = started.elapsed().as_secs_f64();
+    let timing = Timing { total, simulation: dispatcher.simulation_seconds(), surrogate, idle };
+    let result = findings.result(scene, settings, timing, dispatcher.shares());
+    let failures = result.summary.reliability.iter().any(|row| row.reliability["total"] < 1.0);
+    if settings.method == Method::ActiveLearning && !failures {
+        dispatcher.notice(&Progress::Warning(format!(
+            "no failure was found among {} points of the population",
+            result.summary.population
+        )));
+    }
     Ok(result)
 }
 
-/// The scene as the statistics see it.
+/// The reliability problem of a scene.
 pub fn problem_of(scene: &Scene) -> Problem {
     let responses = Responses::of(scene);
     Problem {
@@ -170,17 +191,10 @@ fn learn(
     settings: &Settings,
     problem: Problem,
     dispatcher: &mut Dispatcher<'_>,
-) -> Result<StudyResult, StudyError> {
+) -> Result<Findings, StudyError> {
     let mut campaign = Campaign::new(problem, Plan::new(settings, scene));
     dispatcher.run(&mut campaign)?;
     dispatcher.notice(&Progress::Ending);
     let learned = campaign.finish().expect("a campaign that is done has learned something");
-    let result = result::from_learning(scene, settings, &learned);
-    if !result.summary.reliability.iter().any(|row| row.reliability["total"] < 1.0) {
-        dispatcher.notice(&Progress::Warning(format!(
-            "no failure was found among {} points of the population",
-            learned.looked_at.population.len()
-        )));
-    }
-    Ok(result)
+    Ok(result::from_learning(scene, settings, &learned))
 }

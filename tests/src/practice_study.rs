@@ -1,7 +1,6 @@
 //! A whole study whose simulations are a formula: the learning, the campaign file, the messages and the processes are
 //! those of every study, and what is measured of them is not drowned in simulation.
 
-use common::accuracy::NamedAccuracy;
 use common::failure::SimulationFailure;
 use common::outputs::{Diagnostics, Evaluation};
 use common::scene::{Scene, SceneSource};
@@ -57,7 +56,7 @@ impl PracticeStudy {
     pub fn monte_carlo(samples: usize) -> Self {
         let source = SceneSource::builtin("four-bar").expect("it is built in");
         let scene = source.nominal().clone();
-        let settings = Settings::new(&scene, NamedAccuracy::default());
+        let settings = Settings::from(&scene);
         let settings = Settings { method: Method::MonteCarlo, samples, ..settings };
         Self { source, scene, settings }
     }

@@ -2,6 +2,7 @@
 
 use common::wire::{self, MAX_PAYLOAD, Notice, WorkerId, keys};
 use coordinator::farm::dispatch::{Listen, ZenohEvaluator};
+use coordinator::farm::evaluate::Evaluator;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

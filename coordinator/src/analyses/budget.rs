@@ -1,8 +1,17 @@
-//! The cheapest accuracy that keeps the numerical errors of a scene within a budget, found by trying.
+//! The cheapest accuracy that keeps the numerical errors of a scene within a budget.
 //!
-//! A ladder of settings from cheap to dear is climbed, each tried at a few points; an evaluation states the errors of its own
-//! values, and these are held against the budget. Rungs that cannot be enough are passed over: going from one
-//! rung to another, the error falls at most by the order of the part that falls least.
+//! Tries settings from the cheapest to the most expensive at a few sample points and compares the errors that the
+//! evaluations state with the budget. A setting that cannot be sufficient is skipped: with e the stated error of the last
+//! setting and p_i the order of the error part i [1], a step from h_i to h_i' leaves at least
+//!
+//!   e min_i (h_i' / h_i)^p_i
+//!
+//! where h_i are the time step (p = 4, as `step_tolerance`), the wear step and the sample distance (p = 2) and the wear
+//! tolerance (p = 1). Valid while every part is in its asymptotic range.
+//!
+//! # Source
+//! Orders of the error parts: measured by `coordinator tradeoff`; asymptotic expansion of the global error, Hairer,
+//! Norsett, Wanner (1993), Solving Ordinary Differential Equations I, section II.8.
 
 use crate::farm::evaluate::{EvaluateError, Evaluator, Finished, Request};
 use crate::presentation::report::format::short_percent;
@@ -12,8 +21,8 @@ use common::outputs::Evaluation;
 use common::scene::Scene;
 use thiserror::Error;
 
-/// The settings tried, from the cheapest: those that `coordinator tradeoff` finds on the front of time against error,
-/// and beyond `balanced` finer ones in which every part of the error falls.
+/// The settings from the cheapest on: the best that `coordinator tradeoff` finds for their time and, beyond `balanced`,
+/// finer ones in which every part of the error decreases.
 pub const LADDER: [&str; 9] = [
     "draft+step-x1.41",
     "draft",
@@ -26,7 +35,7 @@ pub const LADDER: [&str; 9] = [
     "reference",
 ];
 
-/// Random points at which a setting is tried for a study, beside the nominal one.
+/// Number of random points at which a setting is tried for a study, in addition to the nominal point.
 pub const RANDOM_POINTS: usize = 3;
 
 /// Error of one output, relative to the threshold of its limit state.
@@ -34,72 +43,72 @@ pub const RANDOM_POINTS: usize = 3;
 pub struct OutputShare {
     /// Name of the output.
     pub output: String,
-    /// Largest stated error over all points and checkpoints that count, over the threshold [1].
+    /// Largest stated error over all points and counted checkpoints, over the threshold [1].
     pub error: f64,
 }
 
-/// A setting that was tried.
+/// Result of one setting.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TriedSetting {
-    /// The setting.
+    /// The setting that was tried.
     pub setting: NamedAccuracy,
-    /// The output with the largest error, or why a point has no result.
+    /// The output with the largest error, or the failure of a simulation.
     pub worst: Result<OutputShare, SimulationFailure>,
     /// Longest time of an evaluation [s].
     pub seconds: f64,
 }
 
-/// The setting found, and what was tried on the way.
+/// The chosen setting and all results.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChosenSetting {
     /// Cheapest setting within the budget.
     pub setting: NamedAccuracy,
-    /// All that was tried, from the cheapest; the last is the one chosen.
+    /// All settings tried, from the cheapest to the chosen one.
     pub attempts: Vec<TriedSetting>,
 }
 
-/// Why there is no setting within the budget.
+/// An error of [`choose_setting`].
 #[derive(Debug, Error)]
 pub enum BudgetError {
-    /// None of the ladder keeps it.
+    /// No setting keeps the budget.
     #[error(
-        "no accuracy keeps the stated error below {budget}: at best {output} is known to {best} of its limit, with {setting}; \
-         allow at least that"
+        "no accuracy keeps the stated error below {budget}: the best setting, {setting}, gives {output} to {best} of its limit; \
+         allow at least {best}"
     )]
     OutOfReach {
-        /// Budget, in words.
+        /// The budget in percent.
         budget: String,
-        /// Output that is over it with the best setting.
+        /// Output that exceeds the budget with the best setting.
         output: String,
-        /// Error reached, in words.
+        /// Error of the best setting in percent.
         best: String,
-        /// With which setting.
+        /// Name of the setting.
         setting: String,
     },
     /// No setting gives a result.
-    #[error("no accuracy gives a result at every point tried; with {setting}: {failure}")]
+    #[error("no accuracy gives a result at every point; with {setting}: {failure}")]
     Failed {
-        /// The last that was tried.
+        /// Name of the last setting.
         setting: String,
-        /// What happened.
+        /// Failure of the simulation.
         failure: SimulationFailure,
     },
-    /// The scene has no output that could be held to a budget.
+    /// The scene has no output.
     #[error("an error budget needs an output; this scene has none")]
     NothingToHold,
-    /// A point got no outcome.
+    /// The evaluations were interrupted or cannot be distributed.
     #[error(transparent)]
     Evaluate(#[from] EvaluateError),
-    /// A rung of the ladder is no setting.
+    /// A name of the ladder is not a setting.
     #[error(transparent)]
     Ladder(#[from] AccuracyNameError),
 }
 
-/// Finds the cheapest rung of `ladder` whose stated errors stay below `budget` at all `points` `(points)(d,)` [SI].
+/// Finds the cheapest setting of `ladder` whose stated errors stay below `budget` at all `points` `(points)(d,)` [SI].
 ///
-/// Held to the budget are the outputs of limit states, relative to their thresholds, up to the first checkpoint at which the
-/// limit is passed by more than the stated error (what comes after decides no failure); in a scene without limit states,
-/// every output relative to its largest value.
+/// The budget applies to the outputs of limit states, relative to their thresholds, up to the first checkpoint at which the
+/// limit is exceeded by more than the stated error (later values decide no failure); in a scene without limit states, to
+/// every output relative to its largest value. `tried` receives each result.
 ///
 /// # Errors
 /// [`BudgetError`].
@@ -132,8 +141,8 @@ pub fn choose_setting(
     Err(refusal(budget, attempts))
 }
 
-/// The share of an error that remains at least when `from` is refined to `to`: that of the part that falls most, by its
-/// order. Time steps are of fourth order, wear steps of second, as their samples are; what else changes may take all.
+/// Smallest share of an error that can remain when `from` is refined to `to` [1]; zero if the tier or the warm-up
+/// changes, which have no order.
 fn least_remainder(from: &Accuracy, to: &Accuracy) -> f64 {
     if from.warm_up != to.warm_up || from.tier != to.tier {
         return 0.0;
@@ -154,7 +163,7 @@ fn cannot_be_enough(last: &TriedSetting, next: &Accuracy, budget: f64) -> bool {
     error * least_remainder(&last.setting.accuracy, next) > budget
 }
 
-/// Tries a setting: at the nominal point first, and elsewhere only if it holds there.
+/// Tries a setting at the nominal point and, if it keeps the budget there, at the other points.
 fn attempt(
     scene: &Scene,
     budget: f64,
@@ -180,7 +189,7 @@ fn attempt(
             outcomes.push(finished);
             Ok(())
         })?;
-        // Whichever came first, the same failure is reported.
+        // The reported failure does not depend on the order of arrival.
         outcomes.sort_by_key(|finished| finished.id);
         for finished in outcomes {
             longest = longest.max(finished.wall);
@@ -200,23 +209,23 @@ fn attempt(
     Ok(TriedSetting { setting, worst: Ok(worst), seconds: longest })
 }
 
-/// Stated error of every output that is held to a budget; see [`choose_setting`].
+/// Stated error of every output to which the budget applies; see [`choose_setting`].
 pub fn shares(scene: &Scene, evaluation: &Evaluation) -> Vec<OutputShare> {
-    let of = |k: usize, scale: f64, counted: usize| OutputShare {
+    let share = |k: usize, scale: f64, counted: usize| OutputShare {
         output: scene.outputs[k].name.clone(),
         error: evaluation.errors[k].iter().take(counted).fold(0.0, |a: f64, e| a.max(e / scale)),
     };
     if scene.limit_states.is_empty() {
         let largest =
             |k: usize| evaluation.histories[k].iter().fold(f64::MIN_POSITIVE, |a, x| a.max(x.abs()));
-        return (0..scene.outputs.len()).map(|k| of(k, largest(k), usize::MAX)).collect();
+        return (0..scene.outputs.len()).map(|k| share(k, largest(k), usize::MAX)).collect();
     }
     let passed = |k: usize, threshold: f64| {
         let mut values = evaluation.histories[k].iter().zip(&evaluation.errors[k]);
         values.position(|(value, error)| value - error >= threshold).map_or(usize::MAX, |n| n + 1)
     };
     let limits = scene.limit_states.iter();
-    limits.map(|limit| of(limit.output, limit.threshold, passed(limit.output, limit.threshold))).collect()
+    limits.map(|limit| share(limit.output, limit.threshold, passed(limit.output, limit.threshold))).collect()
 }
 
 fn refusal(budget: f64, attempts: Vec<TriedSetting>) -> BudgetError {

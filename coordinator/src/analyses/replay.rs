@@ -29,7 +29,7 @@ pub enum ReplayError {
 /// One round of learning with its true error.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ReplayedRound {
-    /// Evaluations so far.
+    /// Number of evaluations so far.
     pub evaluations: usize,
     /// Largest error that the surrogates state for any curve at any checkpoint [1].
     pub stated_error: f64,
@@ -44,7 +44,7 @@ pub struct ReplayedRound {
     pub surrogates: Vec<String>,
 }
 
-/// Result of [`replay`].
+/// Rounds of a replayed study, and the reason of its stop.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Replayed {
     /// Points of the population.

@@ -4,7 +4,6 @@ use super::replay::{ReplayError, replay};
 use crate::statistics::design::Population;
 use crate::statistics::surrogate::Kernel;
 use crate::study::{Observed, Settings, SimulatedPoint, problem_of, verify};
-use common::accuracy::NamedAccuracy;
 use common::scene::{Scene, SceneSource};
 
 fn scene() -> Scene {
@@ -26,7 +25,7 @@ fn simulated(sample: Vec<f64>) -> SimulatedPoint {
 }
 
 fn settings(scene: &Scene) -> Settings {
-    let mut settings = Settings::new(scene, NamedAccuracy::default());
+    let mut settings = Settings::from(scene);
     (settings.initial, settings.batch, settings.max_evaluations) = (20, 4, 60);
     settings.forms.kernel = Some(Kernel::Gaussian);
     settings

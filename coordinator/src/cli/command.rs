@@ -36,17 +36,17 @@ Example, about 3 s:
 /// Without a command, `coordinator` runs a study like `coordinator run`.
 #[derive(Debug, Parser)]
 #[command(name = "coordinator", version, after_help = EXAMPLE)]
-pub struct Arguments {
+pub struct CommandLine {
     #[command(flatten)]
     pub verbosity: Verbosity,
     /// Options of a study, if no command is given.
     #[command(flatten)]
     pub run: RunArguments,
     #[command(subcommand)]
-    pub command: Option<Command>,
+    pub command: Option<CommandArguments>,
 }
 
-impl Arguments {
+impl CommandLine {
     /// Reads the command line of this process; ends the process with a message if it is wrong.
     pub fn read() -> Self {
         let matches = grouped().get_matches();
@@ -56,7 +56,7 @@ impl Arguments {
 
 /// The command line, with a first help page on one screen: the commands in groups, and none of the options of `run`.
 fn grouped() -> clap::Command {
-    let command = Arguments::command();
+    let command = CommandLine::command();
     let own = Verbosity::augment_args(clap::Command::new("own"));
     let is_own = |argument: &clap::Arg| own.get_arguments().any(|own| own.get_id() == argument.get_id());
     let page = format!(
@@ -84,9 +84,9 @@ fn groups(command: &clap::Command) -> String {
     text
 }
 
-/// The commands.
+/// The commands of the program.
 #[derive(Debug, Subcommand)]
-pub enum Command {
+pub enum CommandArguments {
     /// Run a reliability study
     #[command(after_help = "\
 Examples:
@@ -152,7 +152,7 @@ Examples:
   coordinator verify study --against direct --evaluations 50
   coordinator verify direct --rounds --initial 40 --max-evaluations 100 --kernel matern52")]
     Verify(VerifyArguments),
-    /// The same as `verify DIR --rounds`
+    /// Earlier name of `verify DIR --rounds`
     #[command(hide = true, after_help = "Example:\n  coordinator replay direct")]
     Replay(ReplayArguments),
     /// Print the sensitivities of the failure probabilities of a finished study
@@ -220,13 +220,13 @@ mod tests {
     /// Most lines of the first help page: one screen.
     const SCREEN: usize = 40;
 
-    fn parse(line: &str) -> Result<Arguments, clap::Error> {
-        Arguments::try_parse_from(line.split_whitespace())
+    fn parse(line: &str) -> Result<CommandLine, clap::Error> {
+        CommandLine::try_parse_from(line.split_whitespace())
     }
 
     #[test]
     fn the_grammar_is_consistent() {
-        Arguments::command().debug_assert();
+        CommandLine::command().debug_assert();
         grouped().debug_assert();
     }
 
@@ -235,7 +235,7 @@ mod tests {
         let page = grouped().render_long_help().to_string();
         assert!(page.lines().count() <= SCREEN, "{} lines:\n{page}", page.lines().count());
         assert!(!page.contains("--max-evaluations"), "{page}");
-        let command = Arguments::command();
+        let command = CommandLine::command();
         let shown = command.get_subcommands().filter(|command| !command.is_hide_set());
         let shown: BTreeSet<&str> = shown.map(clap::Command::get_name).collect();
         let grouped: Vec<&str> = GROUPS.iter().flat_map(|(_, names)| names.iter().copied()).collect();
@@ -250,7 +250,7 @@ mod tests {
         assert_eq!(arguments.run.farm.workers, Some(Slots::Auto));
         let arguments = parse("coordinator -v run --workers 0 --seed 7 --method monte-carlo").unwrap();
         assert_eq!(arguments.verbosity.verbose, 1);
-        let Some(Command::Run(run)) = arguments.command else { panic!() };
+        let Some(CommandArguments::Run(run)) = arguments.command else { panic!() };
         assert_eq!((run.farm.workers, run.method.seed), (Some(Slots::Count(0)), Some(7)));
         assert_eq!(run.method.method, Some(Method::MonteCarlo));
     }

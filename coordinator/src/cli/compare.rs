@@ -1,4 +1,4 @@
-//! `coordinator compare`: several finished studies on one page, and their curves as CSV.
+//! `coordinator compare`: a page with the curves of several finished studies, and the curves as CSV.
 
 use super::error::CommandError;
 use super::output::{check_destination, print, to_json};
@@ -10,23 +10,26 @@ use coordinator::results::store::CampaignFile;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
-/// Finished studies to compare.
+/// Arguments of `coordinator compare`.
 #[derive(Debug, Clone, Args)]
 pub struct CompareArguments {
     /// Folders of the studies
     #[arg(required = true, num_args = 2.., value_name = "DIR")]
     pub dirs: Vec<PathBuf>,
-    /// The page; the CSV goes beside it
+    /// The page; the CSV file has the same name with .csv
     #[arg(long, value_name = "FILE.html")]
     pub out: PathBuf,
 }
 
 /// Writes the page and its CSV, and prints their paths.
+///
+/// # Errors
+/// [`CommandError`] if a study is not finished, or the studies cannot be compared.
 pub fn compare(arguments: &CompareArguments, as_json: bool) -> Result<(), CommandError> {
     let page = &arguments.out;
     let numbers = page.with_extension("csv");
     if numbers == *page {
-        let fault = "is a page, and its CSV goes beside it: expected a name that ends in .html".to_owned();
+        let fault = "is the name of the CSV file: expected a name that ends in .html".to_owned();
         return Err(CommandError::Destination { file: page.clone(), fault });
     }
     check_destination(Some(page))?;
@@ -49,7 +52,7 @@ fn study(dir: &Path, name: String) -> Result<Compared, CommandError> {
     Ok(Compared { name, summary })
 }
 
-/// How the studies are called: the names of their folders where these differ, else as they were given.
+/// Names of the studies: those of their folders if these differ, else the paths as given.
 fn names(dirs: &[PathBuf]) -> Vec<String> {
     let given = |dir: &PathBuf| dir.display().to_string();
     let last = |dir: &PathBuf| {

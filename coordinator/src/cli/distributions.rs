@@ -1,10 +1,10 @@
-//! The distributions a study found, as the report reads them: one entry per output and checkpoint.
+//! Distributions of the outputs in the form of the report: one entry per output and checkpoint.
 
 use coordinator::presentation::report::OutputDistribution;
 use coordinator::statistics::reliability::{Histogram, PROBABILITIES};
 use coordinator::study::OutputHistory;
 
-/// Flattens the histories.
+/// One entry per output and checkpoint of the histories.
 pub fn for_report(histories: &[OutputHistory]) -> Vec<OutputDistribution> {
     let mut all = Vec::new();
     for history in histories {
@@ -32,7 +32,7 @@ fn bins(histogram: &Histogram) -> (Vec<f64>, Vec<u64>) {
     if edges.is_sorted_by(|a, b| a < b) {
         return (edges, counts.clone());
     }
-    // Far enough apart to be told from one another at any magnitude.
+    // Wide enough for different edges at any magnitude.
     let half = (1e-9 * from.abs()).max(f64::MIN_POSITIVE);
     (vec![from - half, to + half], vec![counts.iter().sum()])
 }

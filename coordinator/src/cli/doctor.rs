@@ -1,4 +1,4 @@
-//! `coordinator doctor`: everything a worker needs of a coordinator, tried one after the other from this machine.
+//! `coordinator doctor`: checks from this machine, one after the other, of all that a worker needs.
 
 use super::error::CommandError;
 use super::output::{print, to_json};
@@ -14,59 +14,62 @@ use std::time::{Duration, Instant};
 
 /// Shown below `coordinator doctor --help`.
 pub const EXAMPLES: &str = "\
-To be run where a worker is to run, with the worker's own --config. Tried are: name, reachability, session (TLS, user and
-password), claim (somebody answers, access control, version), status, clock, liveliness. One line each, `ok` or `failed`
-with what to do; what cannot be tried after a failure is left out.
+Run it on the machine of a worker, with the --config of the worker. The checks: name, reachability, session (TLS, user and
+password), claim (answer, access control, version), status, clock, liveliness. Each prints one line, `ok` or `failed` with
+advice; checks that cannot be made after a failure are omitted.
 
 Examples:
   coordinator doctor tcp/192.168.1.20:7447
   coordinator doctor tls/coordinator.example:7447 --config /etc/hingewise/zenoh-tls.json5
 
-Exit codes: 0 all is well, 1 something failed, 2 bad input.";
+Exit codes: 0 all checks passed, 1 a check failed, 2 bad input.";
 
-/// Longest wait for one thing.
+/// Longest wait for one check.
 const PATIENCE: Duration = Duration::from_secs(3);
-/// Difference of clocks from which certificates and logs of two machines no longer fit together [s].
+/// Difference of clocks above which certificates and logs of two machines are inconsistent [s].
 const CLOCKS: f64 = 30.0;
 
-/// Whom to look at.
+/// Arguments of `coordinator doctor`.
 #[derive(Debug, Clone, Args)]
 pub struct DoctorArguments {
-    /// Where the coordinator listens, e.g. tcp/192.168.1.20:7447
+    /// Address of the coordinator, e.g. tcp/192.168.1.20:7447
     pub endpoint: String,
-    /// Zenoh configuration (JSON5) of the worker that is to connect
+    /// Zenoh configuration (JSON5) of the worker
     #[arg(long, value_name = "ZENOH.json5")]
     pub config: Option<PathBuf>,
 }
 
-/// What came of one check.
+/// Result of one check.
 #[derive(Debug, Serialize)]
-struct Finding {
+struct CheckResult {
     check: &'static str,
     ok: bool,
     says: String,
 }
 
-/// The findings so far; `Err` ends the examination.
+/// Results of the checks so far.
 #[derive(Default)]
-struct Findings(Vec<Finding>);
+struct CheckResults(Vec<CheckResult>);
 
-impl Findings {
-    /// Notes what came of a check, and passes its value on.
+impl CheckResults {
+    /// Records the result of a check and returns its value.
     fn note<T>(&mut self, check: &'static str, found: Result<(T, String), String>) -> Option<T> {
         let (ok, says, value) = match found {
             Ok((value, says)) => (true, says, Some(value)),
             Err(says) => (false, says, None),
         };
-        self.0.push(Finding { check, ok, says });
+        self.0.push(CheckResult { check, ok, says });
         value
     }
 }
 
 /// Runs the command.
+///
+/// # Errors
+/// [`CommandError::Unhealthy`] if a check failed.
 pub fn doctor(arguments: &DoctorArguments, as_json: bool) -> Result<(), CommandError> {
     let (host, port) = host_and_port(&arguments.endpoint)?;
-    let mut findings = Findings::default();
+    let mut findings = CheckResults::default();
     examine(&mut findings, arguments, host, port)?;
     let findings = findings.0;
     print(&if as_json { to_json(&findings)? } else { lines(&findings) })?;
@@ -74,8 +77,8 @@ pub fn doctor(arguments: &DoctorArguments, as_json: bool) -> Result<(), CommandE
     if failed == 0 { Ok(()) } else { Err(CommandError::Unhealthy { failed, tried: findings.len() }) }
 }
 
-fn lines(findings: &[Finding]) -> String {
-    findings.iter().fold(String::new(), |mut text, Finding { check, ok, says }| {
+fn lines(findings: &[CheckResult]) -> String {
+    findings.iter().fold(String::new(), |mut text, CheckResult { check, ok, says }| {
         // Writing to a String cannot fail.
         let _ = writeln!(text, "{:6}  {check:10}  {says}", if *ok { "ok" } else { "failed" });
         text
@@ -97,9 +100,9 @@ fn host_and_port(endpoint: &str) -> Result<(&str, u16), CommandError> {
     })
 }
 
-/// Each thing a worker needs, until one fails on which the others rest.
+/// Makes the checks in their order, up to a failure that prevents the following ones.
 fn examine(
-    findings: &mut Findings,
+    findings: &mut CheckResults,
     arguments: &DoctorArguments,
     host: &str,
     port: u16,
@@ -156,7 +159,7 @@ fn reach(addresses: &[SocketAddr]) -> Result<((), String), String> {
     ))
 }
 
-/// A claim of a worker that wants nothing: it disturbs nobody, and needs all that a real one needs.
+/// A claim for no task: it uses the same path as a real one without changing the study.
 fn claim(session: &ClientSession, worker: &WorkerId) -> Result<((), String), String> {
     let claim = Claim {
         worker: worker.clone(),

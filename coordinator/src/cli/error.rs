@@ -74,9 +74,9 @@ pub enum CommandError {
     NotForSimulators {
         /// File or name of the scene.
         origin: String,
-        /// The option.
+        /// Name of the option.
         option: &'static str,
-        /// The reason.
+        /// Reason in words.
         reason: &'static str,
     },
     /// The simulator that the scene names cannot be used.
@@ -85,7 +85,7 @@ pub enum CommandError {
     /// A folder that cannot be created.
     #[error("{}: {error}", path.display())]
     Folder {
-        /// The folder.
+        /// Path of the folder.
         path: PathBuf,
         /// The error of the operating system.
         error: std::io::Error,
@@ -109,7 +109,7 @@ pub enum CommandError {
     Simulation {
         /// File or name of the scene.
         origin: String,
-        /// The failure.
+        /// Failure of the simulation.
         failure: SimulationFailure,
     },
     /// Extreme cases outside of their stated error.
@@ -138,7 +138,7 @@ pub enum CommandError {
     /// A file that cannot be written at its destination.
     #[error("--out {}: {fault}", file.display())]
     Destination {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
         /// The fault of the destination.
         fault: String,
@@ -148,7 +148,7 @@ pub enum CommandError {
     ForeignSettings {
         /// The campaign file.
         file: String,
-        /// The reason.
+        /// Reason in words.
         reason: String,
     },
     /// Studies that cannot be compared.
@@ -157,7 +157,7 @@ pub enum CommandError {
     /// A file that exists already.
     #[error("{}: file exists; choose another name with --out, or move the file", file.display())]
     Existing {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
     },
     /// A name that is not allowed for a scene.
@@ -171,7 +171,7 @@ pub enum CommandError {
     /// A study that is not finished.
     #[error("{}: this study is not finished; continue it with `coordinator resume {}`", dir.display(), dir.display())]
     NotFinished {
-        /// Its folder.
+        /// Folder of the study.
         dir: PathBuf,
     },
     /// Two studies that differ in the scene or the accuracy.
@@ -187,7 +187,7 @@ pub enum CommandError {
     /// A study with too few simulations.
     #[error("{}: {points} usable simulations, expected at least {least}", dir.display())]
     TooFewSimulations {
-        /// Its folder.
+        /// Folder of the study.
         dir: PathBuf,
         /// Number of usable simulations.
         points: usize,
@@ -202,21 +202,21 @@ pub enum CommandError {
     Replay {
         /// Folder of the study.
         dir: PathBuf,
-        /// The error.
+        /// Error with its cause.
         error: ReplayError,
     },
     /// The user stopped the study.
     #[error("interrupted; everything done so far is saved, continue with `coordinator resume {}`", dir.display())]
     Interrupted {
-        /// Its folder.
+        /// Folder of the study.
         dir: PathBuf,
     },
     /// The study ended with an error.
     #[error("{error}; everything done so far is saved in {}", dir.display())]
     Study {
-        /// Its folder.
+        /// Folder of the study.
         dir: PathBuf,
-        /// The error.
+        /// Error with its cause.
         error: StudyError,
     },
     /// The campaign file cannot be created, read or written.

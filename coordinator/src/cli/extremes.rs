@@ -1,4 +1,4 @@
-//! `coordinator extremes`: a scene at the edges of its model, as a table.
+//! `coordinator extremes`: extreme cases of a scene, compared with runs at half the time step.
 
 use super::error::CommandError;
 use super::output::{check_destination, deliver, to_json};
@@ -36,13 +36,13 @@ struct PrintedOutput<'r> {
     difference: f64,
 }
 
-/// A table of extremes.
+/// Arguments of `coordinator extremes`.
 #[derive(Debug, Clone, Args)]
 pub struct ExtremesArguments {
     /// Scene file, or name of a built-in scene
     #[arg(long, default_value = DEFAULT_SCENE, value_name = "NAME-or-FILE")]
     pub scene: String,
-    /// Numerical effort, as that of `run`
+    /// Accuracy of the runs, as for `run`
     #[arg(long, default_value = "balanced", value_name = "NAME")]
     pub accuracy: NamedAccuracy,
     /// Write the table to this file instead of standard output
@@ -51,6 +51,9 @@ pub struct ExtremesArguments {
 }
 
 /// Runs the command.
+///
+/// # Errors
+/// [`CommandError::Disagreement`] if a case is outside of its stated error.
 pub fn extremes(arguments: &ExtremesArguments, verbosity: Verbosity) -> Result<(), CommandError> {
     check_destination(arguments.out.as_deref())?;
     let source = SceneSource::load(&arguments.scene)?;
@@ -119,7 +122,7 @@ fn verdict(outcome: &Outcome) -> &'static str {
     }
 }
 
-/// One line a case and output, as a table in Markdown.
+/// A Markdown table with one line per case and output.
 fn table(rows: &[PrintedRow]) -> String {
     let mut out = String::from(
         "| case | contact law | outcome | output | cycles | value | stated error | difference | steps | at half |\n\
@@ -155,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn a_row_is_shown_in_the_units_of_people_and_a_refusal_with_its_reason() {
+    fn a_row_is_shown_in_the_units_of_text_and_a_refusal_with_its_reason() {
         let scene = SceneSource::builtin("four-bar").expect("built in").nominal().clone();
         let compared =
             vec![Compared { output: 0, cycles: 1000, value: 2.5e-6, error: 1e-8, difference: 2e-9 }];

@@ -93,7 +93,7 @@ impl CommandEvaluator {
         }
     }
 
-    /// Disconnects the workers.
+    /// Disconnects the workers and ends the study for them.
     pub fn close(self) {
         if let Self::Workers(farm) = self {
             farm.close();
@@ -103,7 +103,7 @@ impl CommandEvaluator {
 
 /// A coordinator that listens for workers, and the workers of this process.
 pub struct WorkerFarm {
-    /// The coordinator's end.
+    /// The evaluator of the coordinator.
     pub evaluator: ZenohEvaluator,
     arguments: FarmArguments,
     local: Option<WorkerHandle>,

@@ -9,23 +9,26 @@ use std::fs::File;
 use std::io::{ErrorKind, Write};
 use std::path::PathBuf;
 
-/// A scene to start from.
+/// Arguments of `coordinator init`.
 #[derive(Debug, Clone, Args)]
 pub struct InitArguments {
     /// Name of the scene: letters, digits, hyphens and underscores
     pub name: String,
-    /// Where to write it [default: NAME.toml]
+    /// File to write [default: NAME.toml]
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
 }
 
-/// The scene; [`NAME`] in it stands for the name.
+/// Text of the new scene; [`NAME`] in it is replaced by the name.
 const TEMPLATE: &str = include_str!("init.toml");
 
-/// What stands for the scene's name in the template.
+/// Placeholder of the name in [`TEMPLATE`].
 const NAME: &str = "@name@";
 
-/// Writes the scene where nothing is yet, and says what to do with it.
+/// Writes the scene to a new file and prints the next commands.
+///
+/// # Errors
+/// [`CommandError::SceneName`], [`CommandError::Existing`] or [`CommandError::Destination`].
 pub fn init(arguments: &InitArguments, as_json: bool) -> Result<(), CommandError> {
     let name = &arguments.name;
     let tame = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || "-_".contains(c));
@@ -41,7 +44,7 @@ pub fn init(arguments: &InitArguments, as_json: bool) -> Result<(), CommandError
             CommandError::Destination { file: file.clone(), fault: error.to_string() }
         }
     };
-    // Made and never opened: what is there stays as it is, whoever made it meanwhile.
+    // Creates a new file only: an existing one is never overwritten.
     let mut made = File::create_new(&file).map_err(refused)?;
     made.write_all(TEMPLATE.replace(NAME, name).as_bytes()).map_err(refused)?;
     if as_json {

@@ -28,7 +28,7 @@ mod study_options;
 mod tradeoff;
 mod verify;
 
-use command::{Arguments, Command};
+use command::{CommandArguments, CommandLine};
 use error::CommandError;
 use shared::Verbosity;
 use std::process::ExitCode;
@@ -40,7 +40,7 @@ const LOG_VARIABLE: &str = "HINGEWISE_LOG";
 
 /// Reads the command line and runs the command; the exit code of the process.
 pub fn main() -> ExitCode {
-    let arguments = Arguments::read();
+    let arguments = CommandLine::read();
     start_log(arguments.verbosity);
     match run_command(arguments) {
         Ok(()) => ExitCode::SUCCESS,
@@ -53,31 +53,31 @@ pub fn main() -> ExitCode {
     }
 }
 
-fn run_command(arguments: Arguments) -> Result<(), CommandError> {
-    let Arguments { verbosity, run: options, command } = arguments;
+fn run_command(arguments: CommandLine) -> Result<(), CommandError> {
+    let CommandLine { verbosity, run: options, command } = arguments;
     let json = verbosity.json;
     let Some(command) = command else { return run::run(&options, verbosity) };
     if options != RunArguments::default() {
         return Err(CommandError::MisplacedOptions);
     }
     match command {
-        Command::Run(options) => run::run(&options, verbosity),
-        Command::Resume(options) => run::resume(&options, verbosity),
-        Command::Sensitivity(study) => results::sensitivity(&study.dir, json),
-        Command::Report(study) => results::report(&study.dir, json),
-        Command::Compare(options) => compare::compare(&options, json),
-        Command::Init(options) => init::init(&options, json),
-        Command::Extremes(options) => extremes::extremes(&options, verbosity),
-        Command::Tradeoff(options) => tradeoff::tradeoff(&options, verbosity),
-        Command::Calibrate(options) => calibrate::calibrate(&options, verbosity),
-        Command::Replay(options) => verify::rounds(&options.dir, &options.rounds, json),
-        Command::Verify(options) => verify::verify(&options, json),
-        Command::Simulate(options) => simulate::simulate(&options, verbosity),
-        Command::Status(options) => status::status(&options, json),
-        Command::Doctor(options) => doctor::doctor(&options, json),
-        Command::Scenes { show } => scenes::scenes(show.as_deref(), json),
-        Command::Check { file } => scenes::check(&file, json),
-        Command::Explain { scene, accuracy } => explain::explain(&scene, &accuracy, verbosity),
+        CommandArguments::Run(options) => run::run(&options, verbosity),
+        CommandArguments::Resume(options) => run::resume(&options, verbosity),
+        CommandArguments::Sensitivity(study) => results::sensitivity(&study.dir, json),
+        CommandArguments::Report(study) => results::report(&study.dir, json),
+        CommandArguments::Compare(options) => compare::compare(&options, json),
+        CommandArguments::Init(options) => init::init(&options, json),
+        CommandArguments::Extremes(options) => extremes::extremes(&options, verbosity),
+        CommandArguments::Tradeoff(options) => tradeoff::tradeoff(&options, verbosity),
+        CommandArguments::Calibrate(options) => calibrate::calibrate(&options, verbosity),
+        CommandArguments::Replay(options) => verify::rounds(&options.dir, &options.rounds, json),
+        CommandArguments::Verify(options) => verify::verify(&options, json),
+        CommandArguments::Simulate(options) => simulate::simulate(&options, verbosity),
+        CommandArguments::Status(options) => status::status(&options, json),
+        CommandArguments::Doctor(options) => doctor::doctor(&options, json),
+        CommandArguments::Scenes { show } => scenes::scenes(show.as_deref(), json),
+        CommandArguments::Check { file } => scenes::check(&file, json),
+        CommandArguments::Explain { scene, accuracy } => explain::explain(&scene, &accuracy, verbosity),
     }
 }
 

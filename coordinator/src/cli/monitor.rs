@@ -25,11 +25,11 @@ pub struct MonitorArguments {
 
 /// The study that a monitor shows.
 pub struct WatchedStudy<'a> {
-    /// Its folder.
+    /// Folder of the study.
     pub dir: &'a Path,
-    /// Its scene.
+    /// Scene of the study.
     pub scene: &'a Scene,
-    /// Its settings.
+    /// Settings of the study.
     pub settings: &'a Settings,
 }
 

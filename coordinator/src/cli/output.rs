@@ -1,4 +1,4 @@
-//! Where results go: standard output or a file.
+//! Output of results to standard output or a file.
 
 use super::error::CommandError;
 use coordinator::results::result_files::write_text;
@@ -11,7 +11,10 @@ pub fn count(n: usize, noun: &str) -> String {
     format!("{n} {noun}{}", if n == 1 { "" } else { "s" })
 }
 
-/// A result as JSON text with its last newline.
+/// A result as JSON text that ends with a newline.
+///
+/// # Errors
+/// [`CommandError::Json`].
 pub fn to_json(result: &impl Serialize) -> Result<String, CommandError> {
     let mut text = serde_json::to_string_pretty(result)?;
     text.push('\n');
@@ -19,12 +22,15 @@ pub fn to_json(result: &impl Serialize) -> Result<String, CommandError> {
 }
 
 /// Prints a text on standard output.
+///
+/// # Errors
+/// [`CommandError::Output`].
 pub fn print(text: &str) -> Result<(), CommandError> {
     let mut out = std::io::stdout().lock();
     out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(CommandError::Output)
 }
 
-/// Where a result is to go must be there before it is computed.
+/// Checks the destination of a result before the result is computed.
 ///
 /// # Errors
 /// [`CommandError::Destination`].
@@ -42,6 +48,9 @@ pub fn check_destination(file: Option<&Path>) -> Result<(), CommandError> {
 }
 
 /// Writes a text to a file, or prints it.
+///
+/// # Errors
+/// [`CommandError::ResultFile`], [`CommandError::Output`].
 pub fn deliver(text: &str, file: Option<&Path>) -> Result<(), CommandError> {
     match file {
         None => print(text),

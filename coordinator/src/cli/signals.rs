@@ -1,5 +1,5 @@
-//! Ctrl-C and SIGTERM end a study gently: what is done is saved. A second one ends the process at once, which
-//! loses nothing either, since every outcome was written when it arrived.
+//! Ctrl-C and SIGTERM stop a study after saving what is done. A second signal ends the process at once; nothing is lost,
+//! since every outcome is recorded when it arrives.
 
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -9,10 +9,10 @@ use tokio::signal::unix::{SignalKind, signal};
 /// Exit code after an interruption.
 pub const INTERRUPTED: u8 = 130;
 
-/// A flag that becomes true with the first signal; the same one for whoever asks in this process.
+/// The flag of this process that becomes true with the first signal.
 ///
 /// # Errors
-/// The system refuses a handler or a thread.
+/// The error of the operating system if it refuses a handler or a thread.
 pub fn interruption() -> io::Result<Arc<AtomicBool>> {
     static FLAG: OnceLock<Arc<AtomicBool>> = OnceLock::new();
     if let Some(flag) = FLAG.get() {

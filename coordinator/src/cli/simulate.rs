@@ -38,7 +38,7 @@ pub struct SimulateArguments {
 struct PrintedEvaluation<'r> {
     scene: &'r str,
     accuracy: &'r str,
-    /// What `--set` changed, SI.
+    /// Values changed by `--set`, in SI units.
     settings: BTreeMap<&'r str, f64>,
     cycles: &'r [u32],
     /// Each output under its name and unit.
@@ -59,13 +59,13 @@ struct PrintedCycle<'r> {
     time_s: &'r [f64],
     rocker_angle_deg: BTreeMap<&'r str, Vec<f64>>,
     rocker_speed_rpm: BTreeMap<&'r str, Vec<f64>>,
-    /// Every body that moves, by its reference point.
+    /// Motion of the reference point of every moving body.
     bodies: BTreeMap<&'r str, PrintedMotion>,
     #[serde(rename = "joint_force_N")]
     joint_force: BTreeMap<&'r str, &'r [f64]>,
 }
 
-/// The bores through life, and the last cycle on them.
+/// Wear profiles through life, and the last cycle on the worn bores.
 #[derive(Debug, Serialize)]
 struct PrintedWorn<'r> {
     cycles: &'r [u32],
@@ -82,7 +82,7 @@ struct PrintedMotion {
     speed_rpm: Vec<f64>,
 }
 
-/// Energy of a cycle.
+/// Energy balance of one cycle.
 #[derive(Debug, Serialize)]
 struct PrintedEnergy {
     #[serde(rename = "input_J")]

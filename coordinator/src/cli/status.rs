@@ -1,4 +1,4 @@
-//! `coordinator status`: asks a running coordinator how its study is getting on.
+//! `coordinator status`: the progress of a running study.
 
 use super::error::CommandError;
 use super::output::{print, to_json};
@@ -18,28 +18,32 @@ Examples:
   coordinator status tcp/127.0.0.1:7447 --watch
   coordinator status tls/coordinator.example:7447 --config worker.json5 --json
 
-ENDPOINT is what `coordinator run --listen` says. Exit codes: 0 shown, 1 no answer, 2 bad input.";
+ENDPOINT is the address that `coordinator run --listen` names. Exit codes: 0 printed, 1 no answer, 2 bad input.";
 
 /// Longest wait for an answer.
 const PATIENCE: Duration = Duration::from_secs(5);
-/// Time between two looks, on a terminal and elsewhere.
+/// Time between two requests on a terminal.
 const REDRAW: Duration = Duration::from_secs(1);
+/// Time between two requests otherwise.
 const REPEAT: Duration = Duration::from_secs(10);
 
-/// Where to look, and how often.
+/// Arguments of `coordinator status`.
 #[derive(Debug, Clone, Args)]
 pub struct StatusArguments {
-    /// Where the coordinator listens, e.g. tcp/127.0.0.1:7447
+    /// Address of the coordinator, e.g. tcp/127.0.0.1:7447
     pub endpoint: String,
-    /// Zenoh configuration (JSON5), e.g. for TLS and passwords; that of a worker will do
+    /// Zenoh configuration (JSON5), e.g. for TLS and passwords; that of a worker can be used
     #[arg(long, value_name = "ZENOH.json5")]
     pub config: Option<PathBuf>,
-    /// Look again and again: drawn anew each second on a terminal, printed every 10 s elsewhere
+    /// Repeat: every second on a terminal, every 10 s otherwise
     #[arg(long)]
     pub watch: bool,
 }
 
 /// Runs the command.
+///
+/// # Errors
+/// [`CommandError::Visit`] if the coordinator does not answer.
 pub fn status(arguments: &StatusArguments, as_json: bool) -> Result<(), CommandError> {
     let begun = Instant::now();
     let session = ClientSession::open(&arguments.endpoint, arguments.config.as_deref());
@@ -51,12 +55,12 @@ pub fn status(arguments: &StatusArguments, as_json: bool) -> Result<(), CommandE
     let draws = std::io::stdout().is_terminal() && !as_json;
     loop {
         let text = text(&shown, as_json)?;
-        // Home, each line to its end, then whatever was below: nothing flickers.
+        // Cursor home, clear each line to its end, then everything below: the screen does not flicker.
         print(&if draws { format!("\x1b[H{}\x1b[J", text.replace('\n', "\x1b[K\n")) } else { text })?;
         std::thread::sleep(if draws { REDRAW } else { REPEAT });
         match session.status(PATIENCE) {
             Ok(status) => shown = status,
-            // It was about to end.
+            // The study was ending.
             Err(ClientError::Silent { .. }) if shown.phase == Phase::Ending => return Ok(()),
             Err(error) => return Err(error.into()),
         }
@@ -67,7 +71,7 @@ fn text(status: &Status, as_json: bool) -> Result<String, CommandError> {
     if as_json { to_json(status) } else { Ok(status_text(status)) }
 }
 
-/// An error of a visit with the likely cause of a connection that failed.
+/// Adds the likely cause to the error of a failed connection.
 pub fn explained(error: ClientError, since: Instant) -> ClientError {
     match error {
         ClientError::Unreachable { endpoint, reason } => {

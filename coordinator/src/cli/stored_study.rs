@@ -12,7 +12,7 @@ pub struct StoredStudy {
     pub campaign: CampaignFile,
     /// The scene with its text.
     pub source: SceneSource,
-    /// The settings.
+    /// Settings of the study.
     pub settings: Settings,
 }
 

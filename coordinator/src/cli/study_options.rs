@@ -7,7 +7,7 @@ use clap::Args;
 use common::scene::Scene;
 use coordinator::statistics::learning::LearningFunction;
 use coordinator::statistics::surrogate::{Kernel, StatedErrors, Trend};
-use coordinator::study::{Method, Settings, StudyAccuracy};
+use coordinator::study::{Method, Settings};
 use std::path::PathBuf;
 
 /// A setting that may be left to the program: `None` for `auto`.
@@ -99,11 +99,9 @@ impl RunArguments {
     /// Settings of a study of `scene`: its defaults, changed by the options. An accuracy for an error budget is still
     /// to be found.
     pub fn settings(&self, scene: &Scene) -> Settings {
-        let mut settings = Settings::from(scene.study);
-        settings.accuracy = StudyAccuracy {
-            setting: self.accuracy.accuracy.clone().unwrap_or_else(|| scene.accuracy.clone()),
-            max_error: self.accuracy.max_error,
-        };
+        let mut settings = Settings::from(scene);
+        replace(&mut settings.accuracy.setting, self.accuracy.accuracy.clone());
+        settings.accuracy.max_error = self.accuracy.max_error;
         let MethodArguments { method, samples, seed, max_failed } = self.method;
         settings.method = method.unwrap_or_default();
         if settings.method != Method::ActiveLearning {

@@ -23,7 +23,7 @@ use std::path::{Path, PathBuf};
 pub enum SettingsGrid {
     /// Ten settings that trade time for error well
     Quick,
-    /// All settings
+    /// All measured settings
     Full,
 }
 

@@ -8,7 +8,7 @@ use super::stored_study::StoredStudy;
 use super::study_options::LearnerArguments;
 use clap::Args;
 use coordinator::analyses::replay::{Replayed, replay};
-use coordinator::study::{Method, Settings, SimulatedPoint, StudyError, Verification, verify as compare};
+use coordinator::study::{Settings, SimulatedPoint, StudyError, Verification, verify as compare};
 use std::collections::HashSet;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -101,9 +101,7 @@ pub fn rounds(dir: &Path, arguments: &RoundsArguments, as_json: bool) -> Result<
     }
     let nominal = samples.remove(0);
     samples.truncate(arguments.samples.unwrap_or(usize::MAX));
-    let mut settings = Settings::new(study.scene(), study.settings.accuracy.setting.clone());
-    settings.method = Method::ActiveLearning;
-    settings.seed = study.settings.seed;
+    let mut settings = Settings { seed: study.settings.seed, ..Settings::from(study.scene()) };
     arguments.learner.apply_to(&mut settings);
     if samples.len() < settings.initial {
         let (points, least) = (samples.len(), settings.initial);

@@ -3,11 +3,29 @@
 //! | module | content |
 //! |---|---|
 //! | [`summary`] | the numbers of a study, as written to `summary.json` |
-//! | [`output_unit`] | units in which outputs are shown |
-//! | [`journal`] | the interface by which evaluations are recorded |
+//! | [`output_unit`] | units of outputs in files and figures |
+//! | [`journal`] | the record of evaluations: interface, and a journal in memory |
 //! | [`progress`] | what a running study reports |
 //! | [`store`] | the campaign file (SQLite) |
 //! | [`result_files`] | JSON and CSV files |
+//!
+//! # Example
+//! A journal returns the outcome of a request that was finished before:
+//! ```
+//! use common::outputs::Evaluation;
+//! use coordinator::farm::evaluate::{Finished, Request};
+//! use coordinator::results::journal::{InMemoryJournal, Journal};
+//!
+//! let request = Request { id: 7, sample: vec![0.04], with_first_cycle: false, accuracy: None };
+//! let outcome = Ok(Evaluation::from_histories(vec![1000], vec![vec![2.5e-6]]));
+//! let finished = Finished { id: 7, outcome, worker: "local/0".into(), wall: 0.2 };
+//!
+//! let mut journal = InMemoryJournal::default();
+//! assert!(journal.finished(&request)?.is_none());
+//! journal.record(&request, &finished)?;
+//! assert_eq!(journal.finished(&request)?, Some(finished));
+//! # Ok::<(), coordinator::farm::evaluate::EvaluateError>(())
+//! ```
 
 pub mod journal;
 pub mod output_unit;

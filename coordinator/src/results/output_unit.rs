@@ -1,28 +1,28 @@
-//! In which unit a person meets the outputs of a scene: the suffix of a key in JSON and CSV files, and the unit
-//! written on an axis. Inside the program every output stays in SI.
+//! Units of a scene's outputs: the suffix of a key in JSON and CSV files, and the unit on axes and in text. Inside the
+//! program every output is in SI units.
 
 use common::scene::OutputKind;
 use serde::{Deserialize, Serialize};
 
-/// Physical dimension of an output, with the two units it is shown in.
+/// Physical dimension of an output, with its units in files and in text.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum OutputUnit {
-    /// A length: `m` in files, micrometres on paper.
+    /// A length: `m` in files, `µm` in text.
     Length,
-    /// An angular velocity, rad/s inside: `rpm` in files, r/min on paper.
+    /// An angular velocity: `rpm` in files, `r/min` in text.
     AngularVelocity,
-    /// An angle, rad inside: `deg` in files and on paper.
+    /// An angle: `deg` in files and in text.
     Angle,
-    /// A force: `N`.
+    /// A force: `N` in files and in text.
     Force,
-    /// A torque: `N m` on paper, `Nm` in files.
+    /// A torque: `Nm` in files, `N m` in text.
     Torque,
-    /// What an external simulator returns, in its own unit throughout; may be empty.
+    /// An output of an external simulator, with the unit that the scene states (may be empty).
     External(String),
 }
 
-/// rad/s per r/min.
+/// Angular velocity of one revolution per minute [rad/s].
 const RAD_PER_S_PER_RPM: f64 = std::f64::consts::PI / 30.0;
 
 impl OutputUnit {
@@ -87,14 +87,6 @@ impl OutputUnit {
         }
     }
 
-    /// A value in the unit of [`Self::suffix`], as found in a result file, in the unit of [`Self::symbol`].
-    pub fn file_to_shown(&self, value: f64) -> f64 {
-        match self {
-            Self::Length => value * 1e6,
-            _ => value,
-        }
-    }
-
     /// A number as shown, with its unit, e.g. `30 µm`.
     pub fn after(&self, number: &str) -> String {
         format!("{number} {}", self.symbol()).trim_end().to_owned()
@@ -114,7 +106,6 @@ mod tests {
     fn a_turn_per_second_is_sixty_a_minute() {
         let unit = OutputUnit::AngularVelocity;
         assert!((unit.to_file(2.0 * std::f64::consts::PI) - 60.0).abs() < 1e-12);
-        assert_eq!(unit.file_to_shown(60.0), 60.0);
     }
 
     #[test]

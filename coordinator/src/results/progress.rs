@@ -1,56 +1,55 @@
-//! What a study tells whoever watches: the terminal, a test, a log.
+//! Progress of a running study, for the terminal, the live page, metrics and tests.
 
 use crate::results::summary::{ReliabilityRow, Round};
 
-/// Something happened in a study.
+/// An event of a running study.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Progress {
-    /// A batch goes out; `planned` evaluations are known of so far, `budget` is the bound. What the campaign file
-    /// holds of it was told before.
+    /// A batch of evaluations starts; those found in the journal were reported before.
     BatchStarted {
         /// Size of the batch.
         size: usize,
         /// Evaluations after this batch.
         planned: usize,
-        /// Bound on evaluations.
+        /// Largest number of evaluations.
         budget: usize,
-        /// What the batch is for, e.g. `initial design`, `round 3`.
+        /// Purpose of the batch, e.g. `initial design`, `round 3`.
         purpose: String,
     },
-    /// One evaluation ended (or was found in the campaign file).
+    /// One evaluation ended, or was found in the journal.
     Evaluated {
-        /// Evaluations done.
+        /// Evaluations finished so far.
         done: usize,
-        /// Whether it failed.
+        /// True if it has no result.
         failed: bool,
-        /// Whether it came from the campaign file.
+        /// True if it was found in the journal.
         recalled: bool,
         /// Simulation time [s].
         wall: f64,
     },
     /// The surrogates were refitted and the population classified.
     RoundFinished(Round),
-    /// What is known of the reliability after the last round: R(n) and standard errors at every checkpoint, from
-    /// `samples` points or simulations; numerical errors are counted at the end.
+    /// R(n) and standard errors at every checkpoint after the last round, without the range of numerical errors, which
+    /// is computed at the end.
     Reliability {
         /// One row per checkpoint.
         rows: Vec<ReliabilityRow>,
         /// Points of the population, or simulations.
         samples: usize,
     },
-    /// Everything is evaluated; the results are being worked out.
+    /// All evaluations are finished; the results are being computed.
     Ending,
     /// A warning for the user.
     Warning(String),
 }
 
-/// Watches a study.
+/// Receives the progress of a study.
 pub trait Observer {
-    /// Takes notice; must not block for long.
+    /// Called at every event, on the thread of the study; it must return quickly.
     fn notice(&mut self, progress: &Progress);
 }
 
-/// Watches nothing.
+/// An observer that ignores every event.
 #[derive(Debug, Default)]
 pub struct Silent;
 

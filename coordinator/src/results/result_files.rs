@@ -1,5 +1,5 @@
-//! The files of a finished study beside its campaign file: `summary.json`, `reliability.csv`, `samples.csv`. Each is
-//! written whole under another name and renamed, so that nobody reads half a file.
+//! The result files of a finished study: `summary.json`, `reliability.csv`, `samples.csv`. Each is written under a
+//! temporary name and renamed, so that a reader never finds half a file.
 
 use crate::results::output_unit::OutputUnit;
 use crate::results::store::{CampaignFile, StoreError};
@@ -13,23 +13,23 @@ use thiserror::Error;
 /// A result file that cannot be written.
 #[derive(Debug, Error)]
 pub enum ResultFileError {
-    /// The file system refused.
+    /// The file cannot be written.
     #[error("{}: {source}", path.display())]
     Write {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Why.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// The result has a number that JSON cannot hold.
+    /// The result has a number that JSON cannot represent.
     #[error("summary.json: a result is not a finite number: {0}")]
     NotFinite(serde_json::Error),
-    /// The campaign cannot be read.
+    /// The campaign file cannot be read.
     #[error(transparent)]
     Store(#[from] StoreError),
 }
 
-/// Writes a file whole or not at all: a temporary file in the same folder, flushed to the disk, then renamed.
+/// Writes a file completely or not at all: a temporary file in the same folder, flushed to the disk, then renamed.
 ///
 /// # Errors
 /// [`ResultFileError::Write`].
@@ -51,13 +51,13 @@ pub fn write_atomically(
     };
     let written = write();
     if written.is_err() {
-        // What is left of a failed attempt is of no use; that it cannot be removed says nothing new.
+        // The rest of a failed attempt is useless; a failure to remove it adds nothing to the first error.
         let _ = std::fs::remove_file(&part);
     }
     written
 }
 
-/// Writes text to a file, whole or not at all.
+/// Writes text to a file, completely or not at all.
 ///
 /// # Errors
 /// [`ResultFileError::Write`].
@@ -70,7 +70,7 @@ pub fn write_text(path: &Path, text: &str) -> Result<(), ResultFileError> {
 /// `summary.json` as text.
 ///
 /// # Errors
-/// [`ResultFileError::NotFinite`]: JSON turns infinity into `null`, which no reader of numbers expects.
+/// [`ResultFileError::NotFinite`]: JSON would turn infinity into `null`.
 pub fn summary_json(summary: &StudySummary) -> Result<String, ResultFileError> {
     let mut text = serde_json::to_string_pretty(summary).map_err(ResultFileError::NotFinite)?;
     serde_json::from_str::<StudySummary>(&text).map_err(ResultFileError::NotFinite)?;

@@ -1,187 +1,186 @@
 //! The result of a study, as written to `summary.json` and shown by the report.
 //!
-//! Fields named `..._m` and `..._rpm` follow the contract; general outputs stand under their own name.
+//! The field names are the keys of the file: they may be added to, but not changed. Keys of outputs are their name and
+//! unit, e.g. `max_wear_depth_m`.
 
 use common::accuracy::Accuracy;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// A value for each limit state of the scene, by name, in the scene's order is kept by `limit_states`.
+/// One value per limit state, by name; [`StudySummary::limit_states`] has their order.
 pub type PerLimitState = BTreeMap<String, f64>;
 
-/// A whole study.
+/// Result of a study.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StudySummary {
-    /// Scene name.
+    /// Name of the scene.
     pub scene: String,
     /// Version of the program.
     pub version: String,
-    /// Seed.
+    /// Seed of every random draw.
     pub seed: u64,
-    /// `ak` or `monte-carlo`.
+    /// Name of the method: `ak`, `monte-carlo` or `latin-hypercube`.
     pub method: String,
-    /// Accuracy of the evaluations: a preset, or one with knobs turned.
+    /// Name of the accuracy: a preset, or a preset with changed parameters.
     pub accuracy: String,
-    /// All its knobs; none of an external simulator, whose accuracy is its own affair.
+    /// All parameters of the accuracy; absent for an external simulator.
     pub accuracy_settings: Option<Accuracy>,
-    /// Error budget that the accuracy was found for, if it was, as a share of the limits [1].
+    /// Error budget of the accuracy as a share of the limits [1]; absent if the accuracy was given by name.
     pub max_error: Option<f64>,
-    /// Size of the Monte Carlo population at the end.
+    /// Size of the final Monte Carlo population.
     pub population: usize,
-    /// What that population is conditional on, where failures were too rare for any without condition.
+    /// Condition of that population, if failures were too rare for an unconditional one.
     #[serde(default)]
     pub conditional: Option<ConditionRow>,
-    /// Counts of evaluations.
+    /// Numbers of evaluations.
     pub evaluations: EvaluationCounts,
     /// Names of the limit states, in the scene's order.
     pub limit_states: Vec<String>,
-    /// One row per checkpoint.
+    /// Reliabilities, one row per checkpoint.
     pub reliability: Vec<ReliabilityRow>,
-    /// What failed first, one row per checkpoint; empty in studies made before it was counted.
+    /// First failures, one row per checkpoint; empty in studies by earlier versions.
     #[serde(default)]
     pub first_failure: Vec<FirstFailureRow>,
     /// Simulations without a result.
     #[serde(default)]
     pub failures: Failures,
-    /// One row per checkpoint: `cycles` and, per output, mean and standard deviation over the population.
+    /// Moments of the outputs, one row per checkpoint.
     pub moments: Vec<MomentsRow>,
     /// Derivatives of the failure probabilities.
     pub sensitivity: Vec<SensitivityRow>,
     /// Sobol indices of the limit states' outputs; none with direct simulation.
     #[serde(default)]
     pub sobol: Vec<SobolRow>,
-    /// How learning went and why it stopped.
+    /// Rounds of learning and the reason of the stop.
     pub convergence: Convergence,
-    /// The surrogates at the end; none with the Monte Carlo method.
+    /// Surrogates at the end; empty with direct simulation.
     #[serde(default)]
     pub surrogates: Vec<SurrogateRow>,
-    /// Where the time went.
+    /// Times of the study.
     pub timing_s: Timing,
-    /// Who worked.
+    /// Contributions of the workers.
     pub workers: Vec<WorkerShare>,
 }
 
 impl StudySummary {
-    /// Whether a mechanism was simulated, and not by a simulator that the scene names.
+    /// True for a mechanism, false for a scene that names its own simulator.
     pub fn of_mechanism(&self) -> bool {
         self.accuracy_settings.is_some()
     }
 
-    /// What is studied, in the singular.
+    /// Noun for one sample of the study.
     pub fn subject(&self) -> &'static str {
         if self.of_mechanism() { "mechanism" } else { "system" }
     }
 
-    /// Whether there is no life to follow: everything is told at a single checkpoint.
+    /// True if the study has a single checkpoint.
     pub fn is_static(&self) -> bool {
         self.reliability.len() == 1
     }
 }
 
-/// The intermediate event of a subset simulation.
+/// Intermediate event of a subset simulation.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ConditionRow {
-    /// Its probability [1].
+    /// Probability of the condition [1].
     pub probability: f64,
-    /// Coefficient of variation of that [1].
+    /// Coefficient of variation of `probability` [1].
     pub coefficient_of_variation: f64,
-    /// Levels on the way there.
+    /// Number of levels of the subset simulation.
     pub levels: usize,
 }
 
 /// Sobol indices of one limit state's output for one variable.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SobolRow {
-    /// Life [cycles].
+    /// Checkpoint of life [cycles].
     pub cycles: u32,
-    /// Limit state.
+    /// Name of the limit state.
     pub limit_state: String,
-    /// Variable.
+    /// Name of the variable.
     pub variable: String,
-    /// Share of the output's variance that knowing the variable would remove [1].
+    /// Share of the variance that knowledge of this variable would remove [1].
     pub first_order: f64,
-    /// Share that would be left if all others were known [1].
+    /// Share of the variance that would remain if all other variables were known [1].
     pub total: f64,
-    /// Standard errors of the two.
+    /// Standard errors of the two indices.
     pub standard_error: SobolError,
 }
 
-/// A pair for the two indices.
+/// Standard errors of the two Sobol indices.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct SobolError {
-    /// Of first order.
+    /// Standard error of `first_order` [1].
     pub first_order: f64,
-    /// Total.
+    /// Standard error of `total` [1].
     pub total: f64,
 }
 
-/// What failed first of the samples that have failed by one checkpoint, as shares of all samples: they add up to the failure
-/// probability of the system.
+/// First failures by one checkpoint, as shares of all samples; they add up to the failure probability of the system.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FirstFailureRow {
-    /// Life [cycles].
+    /// Checkpoint of life [cycles].
     pub cycles: u32,
-    /// Share of the samples in which several limit states were reached at the same checkpoint [1].
+    /// Share in which several limit states were reached at the same checkpoint [1].
     pub together: f64,
     /// Share in which each limit state was reached first [1].
     pub first: PerLimitState,
 }
 
-/// Simulations that gave no result, at a stricter setting neither.
+/// Simulations without a result, also when repeated at a stricter accuracy.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Failures {
-    /// Share of the population where a simulation is more likely to fail than not, by an estimate from those that
-    /// did [1].
+    /// Estimated share of the population where a simulation is more likely to fail than not [1].
     pub barred_share: f64,
-    /// Each of them.
+    /// The failed simulations.
     pub simulations: Vec<FailureRow>,
 }
 
 /// A simulation that failed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FailureRow {
-    /// Why.
+    /// Reason of the failure.
     pub cause: String,
-    /// Values of the random variables [SI].
+    /// Values of the random variables, in SI units.
     pub sample: BTreeMap<String, f64>,
 }
 
-/// Moments at one checkpoint.
+/// Mean and standard deviation of the outputs at one checkpoint.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MomentsRow {
-    /// Life [cycles].
+    /// Checkpoint of life [cycles].
     pub cycles: u32,
     /// Mean and standard deviation of each limit state's output over the population, e.g. `wear_mean_m`.
     #[serde(flatten)]
     pub moments: BTreeMap<String, f64>,
 }
 
-/// Counts of evaluations.
+/// Numbers of evaluations of a study.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct EvaluationCounts {
-    /// All.
+    /// Number of all evaluations.
     pub total: usize,
-    /// Of the initial design.
+    /// Evaluations of the initial design.
     pub initial: usize,
-    /// Added by learning.
+    /// Evaluations added by learning.
     pub added: usize,
-    /// Without a result.
+    /// Evaluations without a result.
     pub failed: usize,
 }
 
 /// Reliability at one checkpoint.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ReliabilityRow {
-    /// Life [cycles].
+    /// Checkpoint of life [cycles].
     pub cycles: u32,
-    /// R per limit state, and `total` for the series system; absorbing.
+    /// R(n) per limit state, and `total` for the series system; failures are absorbing.
     #[serde(flatten)]
     pub reliability: PerLimitState,
-    /// Standard error of each: root of the sum of squares of sampling error, estimated surrogate error and the shift by
-    /// the simulator's numerical noise.
+    /// Standard error per curve: root of the sum of squares of sampling error, estimated surrogate error and the shift by
+    /// the numerical noise of the simulations.
     pub standard_error: PerLimitState,
-    /// R of each with all responses moved by the numerical errors that the simulations state, in the worst and in the
-    /// best direction. Not part of the standard error; empty in studies made before there was one.
+    /// Range of R(n) with all responses shifted by their stated numerical errors to the unsafe and to the safe side. Not part
+    /// of the standard error; empty in studies by earlier versions.
     #[serde(default)]
     pub numerical: BTreeMap<String, NumericalRange>,
 }
@@ -198,39 +197,39 @@ pub struct NumericalRange {
 /// Derivative of the probability of failure of one limit state with respect to one variable's parameters.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SensitivityRow {
-    /// Life [cycles].
+    /// Checkpoint of life [cycles].
     pub cycles: u32,
-    /// Limit state, or `total`.
+    /// Name of the limit state, or `total`.
     pub limit_state: String,
-    /// Variable.
+    /// Name of the variable.
     pub variable: String,
     /// dPf / dmean [1/unit of the variable, SI].
     pub d_pf_d_mean: f64,
     /// dPf / dstd [1/unit of the variable, SI].
     pub d_pf_d_std: f64,
-    /// Standard errors of the two.
+    /// Standard errors of the two derivatives.
     pub standard_error: SensitivityError,
-    /// The two made comparable between variables: derivative times standard deviation [1].
+    /// Derivatives times the standard deviation of the variable, comparable between variables [1].
     pub scaled: SensitivityError,
 }
 
-/// A pair for mean and standard deviation.
+/// Values for the derivatives to the mean and to the standard deviation.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct SensitivityError {
-    /// For the derivative to the mean.
+    /// Value for the derivative to the mean.
     pub d_pf_d_mean: f64,
-    /// For the derivative to the standard deviation.
+    /// Value for the derivative to the standard deviation.
     pub d_pf_d_std: f64,
 }
 
-/// How learning went.
+/// Rounds of learning and the reason of the stop.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Convergence {
-    /// The rule that ended it, in words.
+    /// The rule that ended learning, in words.
     pub stopped_because: String,
-    /// Whether that rule is a met target; false when the budget was spent first, or too few failures were found.
+    /// True if the targets were met; false if the budget was spent first, or too few failures were found.
     pub targets_met: bool,
-    /// One row per round of learning.
+    /// Rounds of learning, in their order.
     pub rounds: Vec<Round>,
 }
 
@@ -239,9 +238,9 @@ pub struct Convergence {
 pub struct Round {
     /// Round, from 0 (after the initial design).
     pub round: usize,
-    /// Evaluations so far.
+    /// Number of evaluations so far.
     pub evaluations: usize,
-    /// Smallest coupled learning function over the population; 100 stands for 100 or more.
+    /// Smallest coupled learning function U_c over the population; 100 stands for 100 or more.
     pub min_u: f64,
     /// Share of the population with U_c < 2.
     pub share_uncertain: f64,
@@ -273,70 +272,70 @@ impl Round {
 /// The surrogate of one limit state at the end of a study.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct SurrogateRow {
-    /// Limit state.
+    /// Name of the limit state.
     pub limit_state: String,
-    /// Least leave-one-out Q2 over the checkpoints that matter [1].
+    /// Smallest leave-one-out Q2 over the governing checkpoints [1].
     pub q2: f64,
-    /// Least Q2 of cross-validation with the lengths found anew [1]; absent with fewer than ten results, and in studies made
-    /// before it was told.
+    /// Smallest cross-validated Q2 with the correlation lengths fitted anew [1]; absent with fewer than ten results, and in
+    /// studies by earlier versions.
     #[serde(default)]
     pub q2_cross_validated: Option<f64>,
-    /// Factor by which the predicted variances were multiplied, since cross-validation or leaving one out showed them too
-    /// small [1]; likewise.
+    /// Factor on the predicted variances, from cross-validation or leave-one-out errors [1]; absent in studies by earlier
+    /// versions.
     #[serde(default)]
     pub variance_factor: Option<f64>,
-    /// Variance of the noise that is the same at every point over the process variance [1].
+    /// Variance of the noise common to all points over the process variance [1].
     pub nugget: f64,
-    /// Mean variance of the noise that goes with the stated errors over the process variance [1].
+    /// Mean variance of the noise in proportion to the stated errors over the process variance [1].
     pub stated_noise: f64,
-    /// Variance of both over that of the simulated values, largest over the checkpoints that matter [1]; absent in studies
-    /// made before it was told.
+    /// Variance of both noises over that of the simulated values, largest over the governing checkpoints [1]; absent in
+    /// studies by earlier versions.
     #[serde(default)]
     pub noise_share: Option<f64>,
-    /// Kernel of the correlation; empty in studies made before there was a choice.
+    /// Name of the correlation kernel; empty in studies by earlier versions.
     #[serde(default)]
     pub kernel: String,
-    /// Trend, likewise.
+    /// Name of the trend; empty in studies by earlier versions.
     #[serde(default)]
     pub trend: String,
-    /// Whether a correlation for the early and one for the late checkpoints would clearly predict better than the one for all;
-    /// absent with one checkpoint.
+    /// True if separate correlations for early and late checkpoints would predict clearly better than the common one; absent
+    /// with one checkpoint.
     #[serde(default)]
     pub separate_would_gain: Option<bool>,
-    /// Standard deviation of that noise over the stated errors themselves [1]; absent without stated errors.
+    /// Standard deviation of the noise over the stated errors [1]; absent without stated errors.
     pub share_of_stated_error: Option<f64>,
 }
 
-/// Share of the variance from which the noise of the simulations costs more of them than a finer accuracy would.
+/// Share of the variance above which the noise of the simulations costs more than a finer accuracy [1].
 const MUCH_NOISE: f64 = 0.02;
 
 impl SurrogateRow {
-    /// The share of noise in the simulations, if it is what limits learning.
+    /// The share of noise in the simulations, if it is large enough to limit learning [1].
     pub fn much_noise(&self) -> Option<f64> {
         self.noise_share.filter(|share| *share > MUCH_NOISE)
     }
 }
 
-/// Wall-clock time, coordinator's view [s].
+/// Wall-clock times of a study [s].
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Timing {
-    /// All.
+    /// Duration of the study.
     pub total: f64,
-    /// Sum over evaluations of the simulations' own times.
+    /// Sum of the simulation times of all evaluations.
     pub simulation: f64,
-    /// Fitting, prediction, selection.
+    /// Fitting, prediction and selection of points.
     pub surrogate: f64,
-    /// Time in which nothing was under way, so that all slots waited.
+    /// Time in which no evaluation was under way, summed over the slots.
     pub idle: f64,
 }
 
-/// What one worker contributed.
+/// Contribution of one worker.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct WorkerShare {
-    /// Name.
+    /// Name of the worker.
     pub name: String,
-    /// Evaluations.
+    /// Number of evaluations.
     pub evaluations: usize,
-    /// Sum of its simulation times [s].
+    /// Sum of the simulation times [s].
     pub simulation_s: f64,
 }

@@ -13,7 +13,7 @@ use common::random::Distribution;
 /// A published problem with its reference value.
 #[derive(Debug, Clone)]
 pub struct PublishedProblem {
-    /// Short name.
+    /// Name of the problem.
     pub name: &'static str,
     /// Random variables `(d,)`.
     pub variables: Vec<Distribution>,

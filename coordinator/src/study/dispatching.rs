@@ -133,9 +133,10 @@ impl<'a> Dispatcher<'a> {
         self.record.shares.values().map(|(_, wall)| wall).sum()
     }
 
-    /// Time the learner took, and that part of it in which nothing was under way [s].
+    /// Time of the learner, and the part of it in which all slots were idle, summed over the slots [s].
     pub fn thinking_seconds(&self) -> (f64, f64) {
-        (self.record.thinking.as_secs_f64(), self.record.idle.as_secs_f64())
+        let slots = f64::from(self.evaluator.concurrency());
+        (self.record.thinking.as_secs_f64(), self.record.idle.as_secs_f64() * slots)
     }
 
     /// Who did how much, by name.

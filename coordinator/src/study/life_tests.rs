@@ -172,7 +172,7 @@ fn small() -> Settings {
         batch: 8,
         max_evaluations: 64,
         seed: 3,
-        ..Settings::new(&scene(), NamedAccuracy::default())
+        ..Settings::from(&scene())
     }
 }
 
@@ -192,7 +192,7 @@ fn timeless(mut result: StudyResult) -> StudyResult {
 
 #[test]
 fn two_modes_in_thirty_variables_are_found_within_300_calls() {
-    let settings = Settings::new(&scene(), NamedAccuracy::default());
+    let settings = Settings::from(&scene());
     let mut evaluator = MadeUp::new();
     let result = study(&settings, &mut evaluator, &mut InMemoryJournal::default()).unwrap();
     let truth = truth(&settings, settings.samples, evaluator.noise);

@@ -2,12 +2,10 @@
 
 use super::dispatching::Outcome;
 use super::failures::check_failures;
-use super::result::{self, Curves};
+use super::result::{Findings, LearnerFindings};
 use super::so_far::SoFar;
 use super::thinking::Learner;
-use super::{
-    Ask, CampaignError, Method, Observed, Problem, SettingError, Settings, Step, StudyError, StudyResult,
-};
+use super::{Ask, CampaignError, Method, Observed, Problem, SettingError, Settings, Step, StudyError};
 use crate::results::summary::{Convergence, EvaluationCounts, Round};
 use crate::statistics::design::Population;
 use crate::statistics::learning::{curves, running_maximum};
@@ -17,7 +15,6 @@ use crate::statistics::reliability::{
 };
 use crate::statistics::sensitivity::{Sampled, sensitivities};
 use common::failure::SimulationFailure;
-use common::scene::Scene;
 use std::collections::VecDeque;
 use std::ops::Range;
 
@@ -69,8 +66,11 @@ impl<'a> DirectSimulation<'a> {
         }
     }
 
-    /// The result, once all samples were told.
-    pub fn result(self, scene: &Scene, settings: &Settings) -> Result<StudyResult, StudyError> {
+    /// The findings, after the outcomes of all samples.
+    ///
+    /// # Errors
+    /// [`StudyError::Setting`] if no sample gave a result.
+    pub fn findings(self) -> Result<Findings, StudyError> {
         let samples = self.population.len();
         let Some(failed) = self.curves else {
             let error = SettingError {
@@ -83,27 +83,36 @@ impl<'a> DirectSimulation<'a> {
         let m = self.problem.checkpoints.len();
         let grid: Vec<usize> = undecided(&failed);
         let sampled = Sampled { population: &self.population, points: &self.points, probability: 1.0 };
-        let rows = sensitivities(&sampled, &self.first_failures, &grid, m);
-        let distributions = self
-            .histories
-            .iter()
-            .map(|all| distributions_from_samples(&all.iter().map(Vec::as_slice).collect::<Vec<_>>()))
-            .collect();
-        let numerical = NumericalBand::count(&self.shifted, m);
-        let points = self.points.len();
-        let so_far = SoFar { failed, points, surrogate: vec![], condition: Condition::NONE };
-        let curves = Curves { so_far, numerical: &numerical };
-        let failed = self.failures.len();
-        let counts = EvaluationCounts { total: samples + 1, initial: 1, added: samples, failed };
-        let convergence = Convergence {
-            stopped_because: format!("all {samples} samples were simulated"),
-            targets_met: true,
-            rounds: self.rounds,
-        };
         let modes: Vec<&[u32]> =
             self.first_failures[..self.problem.modes.len()].iter().map(Vec::as_slice).collect();
-        let shares = killers(&modes, m);
-        Ok(result::assemble(scene, settings, curves, distributions, &rows, &shares, counts, convergence))
+        Ok(Findings {
+            shares: SoFar {
+                failed,
+                points: self.points.len(),
+                surrogate: vec![],
+                condition: Condition::NONE,
+            },
+            numerical: NumericalBand::count(&self.shifted, m),
+            distributions: self
+                .histories
+                .iter()
+                .map(|all| distributions_from_samples(&all.iter().map(Vec::as_slice).collect::<Vec<_>>()))
+                .collect(),
+            derivatives: sensitivities(&sampled, &self.first_failures, &grid, m),
+            first_failures: killers(&modes, m),
+            evaluations: EvaluationCounts {
+                total: samples + 1,
+                initial: 1,
+                added: samples,
+                failed: self.failures.len(),
+            },
+            convergence: Convergence {
+                stopped_because: format!("all {samples} samples were simulated"),
+                targets_met: true,
+                rounds: self.rounds,
+            },
+            learner: LearnerFindings::default(),
+        })
     }
 }
 

@@ -12,7 +12,7 @@ pub struct Problem {
     pub inputs: InputModel,
     /// Number of outputs of an evaluation.
     pub outputs: usize,
-    /// Limit states.
+    /// Limit states over the outputs.
     pub modes: Vec<Mode>,
     /// Checkpoints of life [cycles] `(m,)`; a static problem has one.
     pub checkpoints: Vec<u32>,

@@ -1,4 +1,4 @@
-//! From what was learned to what is reported.
+//! The result of a study, from the findings of active learning or direct simulation.
 
 use super::responses::Responses;
 use super::rows::{failures, first_failure, sobol};
@@ -6,8 +6,8 @@ use super::so_far::SoFar;
 use super::{Learned, LookedAt, Settings, Stop, Surrogate};
 use crate::results::output_unit::OutputUnit;
 use crate::results::summary::{
-    ConditionRow, Convergence, EvaluationCounts, Failures, MomentsRow, NumericalRange, SensitivityError,
-    SensitivityRow, StudySummary, SurrogateRow, Timing,
+    ConditionRow, Convergence, EvaluationCounts, Failures, MomentsRow, NumericalRange, ReliabilityRow,
+    SensitivityError, SensitivityRow, SobolRow, StudySummary, SurrogateRow, Timing, WorkerShare,
 };
 use crate::statistics::learning::Rule;
 use crate::statistics::reliability::{
@@ -15,13 +15,13 @@ use crate::statistics::reliability::{
 };
 use crate::statistics::sensitivity::{Sampled, Sensitivity, sensitivities};
 use crate::statistics::surrogate::{Correlation, LeaveOneOut, Sharing, Trend};
-use common::scene::Scene;
+use common::scene::{LimitState, Output, Scene};
 use std::collections::BTreeMap;
 
-/// Everything a study found.
+/// Result of a study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StudyResult {
-    /// As written to `summary.json`.
+    /// The summary, as written to `summary.json`.
     pub summary: StudySummary,
     /// Distributions over the population (from simulations alone with the Monte Carlo method), per output of the
     /// scene, in its order.
@@ -41,20 +41,20 @@ pub struct OutputHistory {
     pub at: Vec<OutputDistribution>,
 }
 
-/// One limit state's surrogate.
+/// Surrogate of one limit state.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SurrogateReport {
     /// Name of the limit state.
     pub limit_state: String,
-    /// Its correlation.
+    /// Correlation of the surrogate.
     pub correlation: Correlation,
-    /// Its trend.
+    /// Trend of the surrogate.
     pub trend: Trend,
-    /// Whether checkpoints are as well served by one correlation as by separate ones, where that was compared.
+    /// Comparison of one correlation for all checkpoints with separate ones, if it was made.
     pub sharing: Option<Sharing>,
-    /// Checkpoints whose likelihood set the lengths [cycles].
+    /// Checkpoints whose likelihood determined the correlation lengths [cycles].
     pub cycles: Vec<u32>,
-    /// Leave-one-out figures at those.
+    /// Leave-one-out errors at these checkpoints.
     pub leave_one_out: Vec<LeaveOneOut>,
 }
 
@@ -76,11 +76,34 @@ impl SurrogateReport {
     }
 }
 
-/// Failure shares, how far they can be trusted, and what they are under numerical errors.
-pub(super) struct Curves<'a> {
-    pub so_far: SoFar,
-    /// The failure shares under numerical errors.
-    pub numerical: &'a NumericalBand,
+/// Findings of a study, from which [`Findings::result`] makes its result.
+pub(super) struct Findings {
+    /// Failure shares and their errors.
+    pub shares: SoFar,
+    /// Failure shares under numerical errors.
+    pub numerical: NumericalBand,
+    /// Distributions of the outputs at every checkpoint `(outputs)(m,)`.
+    pub distributions: Vec<Vec<OutputDistribution>>,
+    /// Derivatives of the failure probabilities.
+    pub derivatives: Vec<Sensitivity>,
+    /// Shares of first failures, see [`killers`].
+    pub first_failures: Vec<Vec<f64>>,
+    /// Counts of evaluations.
+    pub evaluations: EvaluationCounts,
+    /// Rounds and the reason of the stop.
+    pub convergence: Convergence,
+    /// Findings of the learner; empty with direct simulation.
+    pub learner: LearnerFindings,
+}
+
+/// Findings that only active learning has.
+#[derive(Default)]
+pub(super) struct LearnerFindings {
+    failures: Failures,
+    sobol: Vec<SobolRow>,
+    surrogates: Vec<SurrogateReport>,
+    /// Rows of the summary, in the order of `surrogates`.
+    rows: Vec<SurrogateRow>,
 }
 
 /// Names of the curves: the limit states, in the scene's order, and the system.
@@ -89,7 +112,7 @@ pub(super) fn curve_names(scene: &Scene) -> Vec<String> {
     limits.chain(["total".to_owned()]).collect()
 }
 
-/// The summary of a study that has found nothing yet.
+/// The summary of a study without results: what scene and settings determine.
 pub fn blank(scene: &Scene, settings: &Settings) -> StudySummary {
     let mechanism = scene.simulator.is_none();
     StudySummary {
@@ -121,77 +144,65 @@ pub fn blank(scene: &Scene, settings: &Settings) -> StudySummary {
     }
 }
 
-/// The result of active learning.
-pub(super) fn from_learning(scene: &Scene, settings: &Settings, learned: &Learned) -> StudyResult {
+/// The findings of active learning.
+pub(super) fn from_learning(scene: &Scene, settings: &Settings, learned: &Learned) -> Findings {
     let assessment = &learned.assessment;
     let LookedAt { population, condition, .. } = &learned.looked_at;
     let m = scene.life.checkpoints().len();
-    let numerical = numerical_band(scene, learned);
-    let so_far = SoFar {
-        failed: assessment.curves.clone(),
-        points: population.len(),
-        surrogate: assessment.combined_errors(),
-        condition: *condition,
-    };
-    let curves = Curves { so_far, numerical: &numerical };
-
-    // Derivatives of the modes and of the system, whose first failure is the earliest of the modes'.
-    let mut first_failures: Vec<Vec<u32>> =
-        assessment.modes.iter().map(|mode| mode.first_failure.clone()).collect();
-    let earliest = |j: usize| first_failures.iter().map(|first| first[j]).min().unwrap_or(m as u32);
-    let system = (0..population.len()).map(earliest).collect();
-    first_failures.push(system);
+    let modes: Vec<&[u32]> = assessment.modes.iter().map(|mode| &mode.first_failure[..]).collect();
+    // The first failure of the system is the earliest of the limit states.
+    let earliest = |j: usize| modes.iter().map(|first| first[j]).min().unwrap_or(m as u32);
+    let system: Vec<u32> = (0..population.len()).map(earliest).collect();
+    let first_failures: Vec<Vec<u32>> = modes.iter().map(|first| first.to_vec()).chain([system]).collect();
     let points: Vec<usize> = (0..population.len()).collect();
     let sampled = Sampled { population, points: &points, probability: condition.probability };
-    let rows = sensitivities(&sampled, &first_failures, &assessment.grid, m);
-
-    let counts = EvaluationCounts {
-        total: learned.evaluations,
-        initial: settings.initial.min(learned.evaluations),
-        added: learned.evaluations.saturating_sub(settings.initial),
-        failed: learned.failed.len(),
-    };
-    let convergence = Convergence {
-        stopped_because: stop_in_words(learned, settings),
-        targets_met: targets_met(learned, settings),
-        rounds: learned.rounds.clone(),
-    };
-    let distributions = output_distributions(scene, learned);
-    let modes: Vec<&[u32]> = first_failures[..scene.limit_states.len()].iter().map(Vec::as_slice).collect();
-    let shares = killers(&modes, m);
-    let mut result = assemble(scene, settings, curves, distributions, &rows, &shares, counts, convergence);
-    result.summary.failures = failures(scene, learned);
-    result.summary.population = population.len();
-    result.summary.conditional = (condition.levels > 0).then_some(ConditionRow {
-        probability: condition.probability,
-        coefficient_of_variation: condition.cov,
-        levels: condition.levels,
-    });
-    result.summary.sobol = sobol(scene, learned);
-    let cycles = scene.life.checkpoints();
-    result.surrogates = scene
-        .limit_states
-        .iter()
-        .zip(&assessment.surrogates)
-        .map(|(limit, surrogate)| SurrogateReport {
-            limit_state: limit.name.clone(),
-            correlation: surrogate.model.correlation().clone(),
-            trend: surrogate.model.trend(),
-            sharing: surrogate.sharing,
-            cycles: surrogate.fitted_on.iter().map(|n| cycles[*n]).collect(),
-            leave_one_out: surrogate.leave_one_out.clone(),
-        })
-        .collect();
-    result.summary.surrogates = result
-        .surrogates
-        .iter()
-        .zip(&assessment.surrogates)
-        .map(|(report, surrogate)| report.row(surrogate))
-        .collect();
-    result
+    Findings {
+        shares: SoFar {
+            failed: assessment.curves.clone(),
+            points: population.len(),
+            surrogate: assessment.combined_errors(),
+            condition: *condition,
+        },
+        numerical: numerical_band(scene, learned),
+        distributions: output_distributions(scene, learned),
+        derivatives: sensitivities(&sampled, &first_failures, &assessment.grid, m),
+        first_failures: killers(&modes, m),
+        evaluations: EvaluationCounts {
+            total: learned.evaluations,
+            initial: settings.initial.min(learned.evaluations),
+            added: learned.evaluations.saturating_sub(settings.initial),
+            failed: learned.failed.len(),
+        },
+        convergence: Convergence {
+            stopped_because: stop_in_words(learned, settings),
+            targets_met: targets_met(learned, settings),
+            rounds: learned.rounds.clone(),
+        },
+        learner: learner_findings(scene, learned),
+    }
 }
 
-/// The failure shares with the population's responses moved by the stated errors.
+fn learner_findings(scene: &Scene, learned: &Learned) -> LearnerFindings {
+    let cycles = scene.life.checkpoints();
+    let fitted = &learned.assessment.surrogates;
+    let report = |(limit, surrogate): (&LimitState, &Surrogate)| SurrogateReport {
+        limit_state: limit.name.clone(),
+        correlation: surrogate.model.correlation().clone(),
+        trend: surrogate.model.trend(),
+        sharing: surrogate.sharing,
+        cycles: surrogate.fitted_on.iter().map(|n| cycles[*n]).collect(),
+        leave_one_out: surrogate.leave_one_out.clone(),
+    };
+    let surrogates: Vec<SurrogateReport> = scene.limit_states.iter().zip(fitted).map(report).collect();
+    LearnerFindings {
+        failures: failures(scene, learned),
+        sobol: sobol(scene, learned),
+        rows: surrogates.iter().zip(fitted).map(|(report, surrogate)| report.row(surrogate)).collect(),
+        surrogates,
+    }
+}
+
+/// Failure shares with the population's responses shifted by the stated errors.
 fn numerical_band(scene: &Scene, learned: &Learned) -> NumericalBand {
     let shifted: Vec<_> = Responses::of(scene)
         .modes
@@ -255,55 +266,72 @@ fn stop_in_words(learned: &Learned, settings: &Settings) -> String {
     }
 }
 
-/// Puts the parts of a result together; time and workers are the caller's.
-#[allow(clippy::too_many_arguments)] // the parts of one result
-pub(super) fn assemble(
-    scene: &Scene,
-    settings: &Settings,
-    curves: Curves<'_>,
-    distributions: Vec<Vec<OutputDistribution>>,
-    rows: &[Sensitivity],
-    killers: &[Vec<f64>],
-    evaluations: EvaluationCounts,
-    convergence: Convergence,
-) -> StudyResult {
-    let cycles = scene.life.checkpoints();
-    let names = curve_names(scene);
-    let Curves { so_far, numerical } = curves;
-    let mut reliability = so_far.rows(&names, &cycles);
-    // A simulator that states no errors leaves nothing to say of them.
-    if scene.simulator.is_none() || numerical.most != numerical.least {
-        let probability = so_far.condition.probability;
-        for (n, row) in reliability.iter_mut().enumerate() {
-            let range = |c: usize| NumericalRange {
-                lower: 1.0 - probability * numerical.most[c][n],
-                upper: 1.0 - probability * numerical.least[c][n],
-            };
-            row.numerical = names.iter().enumerate().map(|(c, name)| (name.clone(), range(c))).collect();
+impl Findings {
+    /// The result of the study; `timing` and `workers` are what it cost.
+    pub fn result(
+        self,
+        scene: &Scene,
+        settings: &Settings,
+        timing: Timing,
+        workers: Vec<WorkerShare>,
+    ) -> StudyResult {
+        let cycles = scene.life.checkpoints();
+        let names = curve_names(scene);
+        let limits = &names[..scene.limit_states.len()];
+        let condition = &self.shares.condition;
+        let first_failure =
+            |(n, cycles): (usize, &u32)| first_failure(limits, &self.first_failures, condition, *cycles, n);
+        let moments = |(n, cycles): (usize, &u32)| moments(scene, &self.distributions, *cycles, n);
+        let summary = StudySummary {
+            population: self.shares.points,
+            conditional: (condition.levels > 0).then_some(ConditionRow {
+                probability: condition.probability,
+                coefficient_of_variation: condition.cov,
+                levels: condition.levels,
+            }),
+            evaluations: self.evaluations,
+            reliability: self.reliability(scene, &names, &cycles),
+            first_failure: cycles.iter().enumerate().map(first_failure).collect(),
+            failures: self.learner.failures,
+            moments: cycles.iter().enumerate().map(moments).collect(),
+            sensitivity: self
+                .derivatives
+                .iter()
+                .map(|row| sensitivity_row(scene, &names, &cycles, row))
+                .collect(),
+            sobol: self.learner.sobol,
+            convergence: self.convergence,
+            surrogates: self.learner.rows,
+            timing_s: timing,
+            workers,
+            ..blank(scene, settings)
+        };
+        let history = |(output, at): (&Output, Vec<OutputDistribution>)| OutputHistory {
+            output: output.name.clone(),
+            cycles: cycles.clone(),
+            at,
+        };
+        StudyResult {
+            summary,
+            distributions: scene.outputs.iter().zip(self.distributions).map(history).collect(),
+            surrogates: self.learner.surrogates,
         }
     }
-    let limits = &names[..scene.limit_states.len()];
-    let summary = StudySummary {
-        population: so_far.points,
-        evaluations,
-        reliability,
-        first_failure: (0..cycles.len())
-            .map(|n| first_failure(limits, killers, &so_far.condition, cycles[n], n))
-            .collect(),
-        moments: (0..cycles.len()).map(|n| moments(scene, &distributions, cycles[n], n)).collect(),
-        sensitivity: rows.iter().map(|row| sensitivity_row(scene, &names, &cycles, row)).collect(),
-        convergence,
-        ..blank(scene, settings)
-    };
-    let history = |(output, at): (&common::scene::Output, Vec<OutputDistribution>)| OutputHistory {
-        output: output.name.clone(),
-        cycles: cycles.clone(),
-        at,
-    };
-    StudyResult {
-        summary,
-        distributions: scene.outputs.iter().zip(distributions).map(history).collect(),
-        surrogates: Vec::new(),
+
+    /// R(n) of every curve, with its range under numerical errors unless a simulator states none.
+    fn reliability(&self, scene: &Scene, names: &[String], cycles: &[u32]) -> Vec<ReliabilityRow> {
+        let mut rows = self.shares.rows(names, cycles);
+        if scene.simulator.is_none() || self.numerical.most != self.numerical.least {
+            let probability = self.shares.condition.probability;
+            for (n, row) in rows.iter_mut().enumerate() {
+                let range = |c: usize| NumericalRange {
+                    lower: 1.0 - probability * self.numerical.most[c][n],
+                    upper: 1.0 - probability * self.numerical.least[c][n],
+                };
+                row.numerical = names.iter().enumerate().map(|(c, name)| (name.clone(), range(c))).collect();
+            }
+        }
+        rows
     }
 }
 

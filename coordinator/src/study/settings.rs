@@ -74,7 +74,7 @@ impl StudyAccuracy {
 /// Settings of one study; each of them may change its result. The fields are the keys of the campaign file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
-    /// Method.
+    /// Method of the reliability analysis.
     pub method: Method,
     /// Accuracy of the evaluations.
     pub accuracy: StudyAccuracy,
@@ -93,7 +93,7 @@ pub struct Settings {
     /// ignored them.
     #[serde(default = "ignored")]
     pub stated_errors: StatedErrors,
-    /// Learning function.
+    /// Learning function of active learning.
     #[serde(default)]
     pub learning: LearningFunction,
     /// Kernel and trend of the surrogates, as far as they are fixed.
@@ -122,6 +122,14 @@ impl Default for Settings {
     }
 }
 
+impl From<&Scene> for Settings {
+    /// The defaults of a scene: active learning with its `[study]` and its accuracy.
+    fn from(scene: &Scene) -> Self {
+        let accuracy = StudyAccuracy { setting: scene.accuracy.clone(), max_error: None };
+        Self { accuracy, ..Self::from(scene.study) }
+    }
+}
+
 impl From<StudySettings> for Settings {
     fn from(study: StudySettings) -> Self {
         Self {
@@ -145,20 +153,15 @@ impl From<StudySettings> for Settings {
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("study setting {key} = {value}: {allowed}")]
 pub struct SettingError {
-    /// Key of the setting.
+    /// Key of the setting, as in the campaign file.
     pub key: &'static str,
-    /// Its value.
+    /// Value of the setting.
     pub value: String,
     /// Allowed values, in words.
     pub allowed: String,
 }
 
 impl Settings {
-    /// The scene's defaults with active learning at `accuracy`.
-    pub fn new(scene: &Scene, accuracy: NamedAccuracy) -> Self {
-        Self { accuracy: StudyAccuracy { setting: accuracy, max_error: None }, ..Self::from(scene.study) }
-    }
-
     /// The settings stored in a campaign file, with the exact parameters of the accuracy.
     ///
     /// # Errors
@@ -244,8 +247,9 @@ mod tests {
 
     fn settings() -> Settings {
         let source = SceneSource::builtin("four-bar").unwrap();
-        let mut settings = Settings::new(source.nominal(), "draft+step-x1.41".parse().unwrap());
-        settings.accuracy.max_error = Some(0.01);
+        let mut settings = Settings::from(source.nominal());
+        let setting = "draft+step-x1.41".parse().unwrap();
+        settings.accuracy = StudyAccuracy { setting, max_error: Some(0.01) };
         (settings.samples, settings.initial, settings.max_evaluations) = (4000, 16, 40);
         (settings.batch, settings.seed) = (12, 3);
         settings.forms.kernel = Some(Kernel::Matern52);

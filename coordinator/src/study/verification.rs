@@ -26,7 +26,7 @@ use serde::Serialize;
 /// Largest number of checkpoints on which a surrogate's correlation lengths are fitted, as in learning.
 const GRID: usize = 24;
 
-/// A simulated point.
+/// Sample and simulated outputs of one point.
 #[derive(Debug, Clone)]
 pub struct SimulatedPoint {
     /// Values of the random variables `(d,)`, SI.

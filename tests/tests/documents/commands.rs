@@ -53,12 +53,13 @@ fn ours(line: &str) -> Option<(PathBuf, Vec<String>)> {
         let after =
             |option: &str| words.iter().position(|word| word == option).map(|at| words[at + 1].clone());
         let package = after("-p").unwrap_or_else(|| panic!("{line}: which package?"));
-        for (option, folder) in [("--example", "examples"), ("--bench", "benches")] {
+        // Measurements with arguments are examples in the folder of benchmarks.
+        for (option, folders) in [("--example", &["examples", "benches"][..]), ("--bench", &["benches"])] {
             if let Some(name) = after(option) {
-                let target = format!("{package}/{folder}/{name}");
-                let exists = |file: String| root().join(file).is_file();
-                let found = exists(format!("{target}.rs")) || exists(format!("{target}/main.rs"));
-                assert!(found, "{line}: {target} does not exist");
+                let files =
+                    |folder: &&str| ["", "/main"].map(|end| format!("{package}/{folder}/{name}{end}.rs"));
+                let found = folders.iter().flat_map(files).any(|file| root().join(file).is_file());
+                assert!(found, "{line}: {name} is not in {folders:?}");
                 return None;
             }
         }

@@ -129,11 +129,6 @@ impl ZenohEvaluator {
         self.connected.workers()
     }
 
-    /// Simulations that can run concurrently: the slots of all workers.
-    pub fn concurrency(&self) -> u32 {
-        self.workers().iter().map(|worker| worker.slots).sum()
-    }
-
     /// Waits until `enough` returns true for the connected workers; false after `timeout`.
     pub fn wait_for_workers(
         &self,
@@ -223,6 +218,11 @@ impl StatusHandle {
 }
 
 impl Evaluator for ZenohEvaluator {
+    /// The slots of all connected workers.
+    fn concurrency(&self) -> u32 {
+        self.workers().iter().map(|worker| worker.slots).sum()
+    }
+
     /// If a task is given up, the tasks already running are finished, and the run ends with the error.
     fn run(&mut self, source: &mut dyn RequestSource) -> Result<(), EvaluateError> {
         let done = self.collect(source);

@@ -82,6 +82,10 @@ where
             }
         })
     }
+
+    fn concurrency(&self) -> u32 {
+        self.threads as u32
+    }
 }
 
 #[cfg(test)]

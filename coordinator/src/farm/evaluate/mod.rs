@@ -135,6 +135,11 @@ pub trait Evaluator {
     /// [`EvaluateError`]; outcomes recorded before it stay valid.
     fn run(&mut self, source: &mut dyn RequestSource) -> Result<(), EvaluateError>;
 
+    /// Number of evaluations that can run at once now.
+    fn concurrency(&self) -> u32 {
+        1
+    }
+
     /// Evaluates the requests of `batch` and calls `record` with each outcome as it arrives.
     ///
     /// # Errors

@@ -83,6 +83,10 @@ impl<S: Slot> SlotEvaluator<S> {
 }
 
 impl<S: Slot> Evaluator for SlotEvaluator<S> {
+    fn concurrency(&self) -> u32 {
+        self.slots.len() as u32
+    }
+
     fn run(&mut self, source: &mut dyn RequestSource) -> Result<(), EvaluateError> {
         let stop = StopSignal { user: Arc::clone(&self.interrupted), batch: Arc::default() };
         let queue = Queue::default();

@@ -1,43 +1,43 @@
-//! What can go wrong with a campaign file.
+//! Errors of the campaign file.
 
 use crate::farm::evaluate::EvaluateError;
 use std::path::PathBuf;
 use thiserror::Error;
 
-/// A campaign file that cannot be made, opened, written or read.
+/// A campaign file that cannot be created, opened, written or read.
 #[derive(Debug, Error)]
 pub enum StoreError {
-    /// Another running process holds the folder.
+    /// Another running process has locked the folder.
     #[error("output folder {}: in use by another running coordinator; wait for it to end or choose another --out", dir.display())]
     InUse {
-        /// The folder.
+        /// Folder of the study.
         dir: PathBuf,
     },
-    /// A new study was to start in a folder that holds one.
+    /// The folder of a new study holds a study already.
     #[error(
-        "output folder {}: already holds a campaign; go on with it by `coordinator resume {}`, or choose another --out",
+        "output folder {}: already holds a campaign; continue it with `coordinator resume {}`, or choose another --out",
         dir.display(), dir.display()
     )]
     AlreadyHoldsCampaign {
-        /// The folder.
+        /// Folder of the study.
         dir: PathBuf,
     },
-    /// An existing campaign was asked for where there is none.
+    /// The folder holds no campaign file.
     #[error("folder {}: holds no campaign (no campaign.db); a study's output folder is expected", dir.display())]
     NoCampaign {
-        /// The folder.
+        /// Folder of the study.
         dir: PathBuf,
     },
-    /// The file is there but is no campaign.
+    /// The file is not a campaign file.
     #[error("{}: is not a campaign file of Hingewise", path.display())]
     NotACampaign {
-        /// The file.
+        /// Path of the campaign file.
         path: PathBuf,
     },
     /// The file was written by a program with another layout.
     #[error("{}: has schema version {found}; this program reads version {supported}", path.display())]
     SchemaVersion {
-        /// The file.
+        /// Path of the campaign file.
         path: PathBuf,
         /// Version in the file.
         found: i64,
@@ -47,58 +47,58 @@ pub enum StoreError {
     /// The file has an earlier layout, and an evaluation in it cannot be read.
     #[error(
         "{}: has schema version {found}, and its evaluation {id} is in a form that this program cannot read ({reason}); \
-         start the study anew", path.display()
+         start a new study", path.display()
     )]
     Migration {
-        /// The file.
+        /// Path of the campaign file.
         path: PathBuf,
         /// Version in the file.
         found: i64,
         /// Number of the evaluation.
         id: i64,
-        /// The decoder's message.
+        /// Message of the decoder.
         reason: String,
     },
-    /// The folder cannot be made or locked.
+    /// The folder cannot be created or locked.
     #[error("output folder {}: {source}", dir.display())]
     Folder {
-        /// The folder.
+        /// Folder of the study.
         dir: PathBuf,
-        /// Why.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// SQLite refused.
+    /// SQLite reports an error.
     #[error("{}: {source}", path.display())]
     Database {
-        /// The file.
+        /// Path of the campaign file.
         path: PathBuf,
-        /// Why.
+        /// Error of SQLite.
         source: rusqlite::Error,
     },
     /// A stored value cannot be decoded, or a value cannot be encoded.
     #[error("{}: {what}: {reason}", path.display())]
     Encoding {
-        /// The file.
+        /// Path of the campaign file.
         path: PathBuf,
-        /// Which entry.
+        /// Name of the entry.
         what: String,
-        /// Why.
+        /// Message of the encoder or decoder.
         reason: String,
     },
-    /// An evaluation is asked for whose number is taken by another sample: the file belongs to another study.
+    /// A request has the number of an evaluation with another sample: the file belongs to another study.
     #[error(
         "{}: evaluation {id} was recorded with another {difference}; the file belongs to another study", path.display()
     )]
     AnotherStudy {
-        /// The file.
+        /// Path of the campaign file.
         path: PathBuf,
         /// Number of the evaluation.
         id: u64,
-        /// What differs.
+        /// The property that differs.
         difference: &'static str,
     },
-    /// An outcome was handed in under the number of another request.
-    #[error("the outcome of evaluation {outcome} was handed in for request {request}")]
+    /// An outcome has the number of another request.
+    #[error("the outcome of evaluation {outcome} was recorded for request {request}")]
     WrongNumber {
         /// Number of the request.
         request: u64,
@@ -108,7 +108,7 @@ pub enum StoreError {
 }
 
 impl StoreError {
-    /// Whether the user named a wrong folder (exit code 2) rather than something having failed (exit code 1).
+    /// True if the user named a wrong folder (exit code 2), false for other failures (exit code 1).
     pub fn is_bad_input(&self) -> bool {
         matches!(
             self,

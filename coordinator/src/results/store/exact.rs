@@ -1,10 +1,6 @@
 //! Samples and outcomes as bytes and back, exact to the last bit.
 
-use common::failure::SimulationFailure;
-use common::outputs::Evaluation;
-
-/// What came of an evaluation.
-pub type Outcome = Result<Evaluation, SimulationFailure>;
+use crate::farm::evaluate::EvaluationResult;
 
 /// Little-endian f64, one after another.
 pub fn sample_to_bytes(sample: &[f64]) -> Vec<u8> {
@@ -17,11 +13,11 @@ pub fn sample_from_bytes(bytes: &[u8]) -> Option<Vec<f64>> {
     rest.is_empty().then(|| values.iter().map(|value| f64::from_le_bytes(*value)).collect())
 }
 
-/// CBOR of an outcome.
+/// Encodes an outcome as CBOR.
 ///
 /// # Errors
-/// The encoder's message.
-pub fn outcome_to_bytes(outcome: &Outcome) -> Result<Vec<u8>, String> {
+/// Message of the encoder.
+pub fn outcome_to_bytes(outcome: &EvaluationResult) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
     ciborium::into_writer(outcome, &mut bytes).map_err(|error| error.to_string())?;
     Ok(bytes)
@@ -30,8 +26,8 @@ pub fn outcome_to_bytes(outcome: &Outcome) -> Result<Vec<u8>, String> {
 /// The inverse of [`outcome_to_bytes`].
 ///
 /// # Errors
-/// The decoder's message.
-pub fn outcome_from_bytes(bytes: &[u8]) -> Result<Outcome, String> {
+/// Message of the decoder.
+pub fn outcome_from_bytes(bytes: &[u8]) -> Result<EvaluationResult, String> {
     ciborium::from_reader(bytes).map_err(|error| error.to_string())
 }
 
@@ -40,7 +36,7 @@ mod tests {
     use super::*;
     use ciborium::Value;
 
-    /// Campaigns made before evaluations told what wear made of the mechanism are read all the same.
+    /// Campaigns by earlier versions, without the worn profiles, are still read.
     #[test]
     fn an_outcome_without_its_worn_life_is_read() {
         let entry = |name: &str, value| (Value::Text(name.into()), value);

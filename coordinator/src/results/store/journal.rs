@@ -1,4 +1,4 @@
-//! Writing a campaign: the study's journal, and the results at its end.
+//! Writing of a campaign file: the journal of the study, and the results at its end.
 
 use super::{CampaignFile, StoreError, exact};
 use crate::farm::evaluate::{EvaluateError, Finished, Request};
@@ -70,7 +70,7 @@ impl CampaignFile {
         Ok(Some(Finished { id: request.id, outcome, worker, wall }))
     }
 
-    /// All in one transaction, or none; a second outcome of the same request is harmless, the first one stays.
+    /// Records all outcomes in one transaction, or none; of two outcomes of one request, the first one stays.
     fn insert<'a>(
         &mut self,
         outcomes: impl IntoIterator<Item = (&'a Request, &'a Finished)>,
@@ -85,7 +85,7 @@ impl CampaignFile {
         transaction.commit().map_err(failed)
     }
 
-    /// The outcome's exact bytes, if it fits the scene; `None` where there is one already.
+    /// The outcome's exact bytes, if it fits the scene; `None` if one is recorded already.
     fn checked(&self, request: &Request, finished: &Finished) -> Result<Option<Vec<u8>>, StoreError> {
         if request.id != finished.id {
             return Err(StoreError::WrongNumber { request: request.id, outcome: finished.id });
@@ -205,7 +205,7 @@ fn insert_statement(table: &str, own: &str, columns: &[String]) -> String {
     format!("INSERT INTO {table} ({}) VALUES ({})", names.join(", "), places.join(", "))
 }
 
-/// SQLite's integers are signed; numbers of evaluations start at 0 and never come near the sign.
+/// SQLite's integers are signed; numbers of evaluations are far below their range.
 fn to_key(id: u64) -> i64 {
     i64::try_from(id).expect("evaluations are numbered from 0 upwards, one by one")
 }

@@ -1,9 +1,8 @@
-//! Brings a campaign file of an earlier layout up to the present one, in one transaction: the file is whole in the
-//! old layout or in the new one.
+//! Migration of a campaign file from an earlier layout to the present one, in one transaction: the file is complete in
+//! the old layout or in the new one.
 //!
 //! Version 1 kept the errors that an evaluation states in `evaluation.outcome` alone. Version 2 repeats them in the
-//! table `output_error`, which is made and filled from there, so nothing is lost and nothing is made up. An outcome
-//! that states no errors gets no rows.
+//! table `output_error`, which is created and filled from them. An outcome that states no errors gets no rows.
 
 use super::{StoreError, exact, journal, schema, table_columns};
 use rusqlite::Connection;
@@ -12,7 +11,7 @@ use std::path::Path;
 /// The layout that [`migrate`] starts from.
 pub const FROM: i64 = 1;
 
-/// From version 1 to version 2.
+/// Migrates a file from version 1 to version 2.
 ///
 /// # Errors
 /// [`StoreError::Migration`] if an outcome cannot be read, or [`StoreError::Database`]; the file is then as before.

@@ -2,9 +2,9 @@
 //! [`Journal`](crate::results::journal::Journal) and all that `resume`, `report` and `sensitivity` need of a study.
 //!
 //! Durability: write-ahead log with `synchronous = FULL`, so that a commit returns only after the log was
-//! flushed to the disk; kill -9 and loss of power lose nothing that was recorded, at the price of one flush per
-//! evaluation (milliseconds against seconds of simulation). Exclusion: a lock on `DIR/campaign.lock` that the
-//! operating system lets go when the process ends, however it ends. Readers may open the database meanwhile.
+//! flushed to the disk: no recorded evaluation is lost by kill -9 or loss of power, at the price of one flush per
+//! evaluation (milliseconds against seconds of simulation). Exclusion: a lock on `DIR/campaign.lock`, which the
+//! operating system releases when the process ends. Readers may open the database meanwhile.
 
 mod error;
 mod exact;
@@ -16,7 +16,6 @@ mod schema;
 mod tests;
 
 pub use error::StoreError;
-pub use exact::Outcome;
 pub use read::StoredEvaluation;
 
 use common::scene::Scene;
@@ -31,7 +30,7 @@ pub const FILE_NAME: &str = "campaign.db";
 /// Name of the lock in its folder.
 const LOCK_NAME: &str = "campaign.lock";
 
-/// What a campaign was started with; enough to repeat it.
+/// Scene and settings of a campaign; enough to repeat it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CampaignMeta {
     /// Name of the scene.
@@ -40,7 +39,7 @@ pub struct CampaignMeta {
     pub scene_source: String,
     /// Settings of the study.
     pub settings: serde_json::Value,
-    /// Command line.
+    /// Command line that started the study.
     pub command: String,
     /// Version of the program.
     pub version: String,
@@ -55,12 +54,12 @@ pub struct CampaignFile {
     created_at: String,
     inputs: Vec<String>,
     outputs: Vec<String>,
-    /// None of somebody who only looks.
+    /// Lock of the folder; `None` if the file is open for reading only.
     _lock: Option<File>,
 }
 
 impl CampaignFile {
-    /// Starts a campaign in `dir`, which is made if missing.
+    /// Starts a campaign in `dir`, which is created if missing.
     ///
     /// # Errors
     /// [`StoreError::InUse`], [`StoreError::AlreadyHoldsCampaign`], or what the file system or SQLite report.
@@ -98,8 +97,8 @@ impl CampaignFile {
         Self::from_connection(dir, connection, lock)
     }
 
-    /// Looks at the campaign in `dir`, which somebody else may be writing: nothing in the file is locked or changed.
-    /// Documents that are put into it stay with this value, and lie over those of the file.
+    /// Opens the campaign in `dir` for reading, while another process may write it: the file is neither locked nor changed.
+    /// Documents put into this value are stored in memory and hide those of the file.
     ///
     /// # Errors
     /// Those of [`CampaignFile::open`], but for a file in use; one of an earlier layout is
@@ -158,17 +157,17 @@ impl CampaignFile {
         Ok(Self { connection, dir: dir.into(), meta, created_at, inputs, outputs, _lock: lock })
     }
 
-    /// The folder.
+    /// Folder of the study.
     pub fn dir(&self) -> &Path {
         &self.dir
     }
 
-    /// What the campaign was started with.
+    /// Scene and settings of the campaign.
     pub fn meta(&self) -> &CampaignMeta {
         &self.meta
     }
 
-    /// When it was started (UTC, ISO 8601).
+    /// Start of the campaign (UTC, ISO 8601).
     pub fn created_at(&self) -> &str {
         &self.created_at
     }
@@ -186,7 +185,7 @@ impl CampaignFile {
     }
 }
 
-/// Locks the folder for this process, without waiting.
+/// Locks the folder for this process; fails at once if it is locked.
 fn lock(dir: &Path) -> Result<File, StoreError> {
     let folder = |source| StoreError::Folder { dir: dir.into(), source };
     let file =

@@ -1,6 +1,7 @@
 //! Reading a campaign back: evaluations for the result files, documents for the report.
 
-use super::{CampaignFile, Outcome, StoreError, exact};
+use super::{CampaignFile, StoreError, exact};
+use crate::farm::evaluate::EvaluationResult;
 use crate::results::summary::Round;
 use rusqlite::{OptionalExtension, Row};
 use serde::de::DeserializeOwned;
@@ -8,13 +9,13 @@ use serde::de::DeserializeOwned;
 /// One recorded evaluation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StoredEvaluation {
-    /// Number.
+    /// Number of the evaluation.
     pub id: u64,
     /// Values of the random variables `(d,)`, SI.
     pub sample: Vec<f64>,
     /// What came of it.
-    pub outcome: Outcome,
-    /// Who did it.
+    pub outcome: EvaluationResult,
+    /// Name of the worker.
     pub worker: String,
     /// Simulation time [s].
     pub wall: f64,

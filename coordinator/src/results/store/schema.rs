@@ -1,4 +1,4 @@
-//! Layout of `campaign.db`, made to be opened by people: `campaign` (scene, settings, command, version),
+//! Layout of `campaign.db`, for the program and for queries by users: `campaign` (scene, settings, command, version),
 //! `evaluation` (one row each), `input` and `output` (values by name, one column per variable or output, SI),
 //! `output_error` (the numerical error that an evaluation states of each value of `output`, same columns and units),
 //! `learning_round`, `document` (results as JSON).
@@ -12,7 +12,7 @@
 use common::scene::Scene;
 use std::collections::BTreeSet;
 
-/// Marks a file as a campaign of this program: "HgwC".
+/// Application id of a campaign file: "HgwC".
 pub const APPLICATION_ID: i64 = 0x4867_7743;
 
 /// Version of this layout, in `PRAGMA user_version`.
@@ -22,7 +22,7 @@ pub const SCHEMA_VERSION: i64 = 2;
 pub const DOCUMENT: &str =
     "document (name TEXT PRIMARY KEY, written_at TEXT NOT NULL, json TEXT NOT NULL) WITHOUT ROWID";
 
-/// Statements that make the tables for this scene.
+/// Statements that create the tables for a scene.
 pub fn statements(scene: &Scene) -> String {
     format!(
         "CREATE TABLE campaign (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
@@ -51,7 +51,7 @@ PRAGMA user_version = {SCHEMA_VERSION};",
     )
 }
 
-/// Statement that makes a table of one row per evaluation and checkpoint, with these quoted columns.
+/// Statement that creates a table of one row per evaluation and checkpoint, with these quoted columns.
 pub fn output_table(name: &str, columns: &[String]) -> String {
     format!(
         "CREATE TABLE {name} (
@@ -77,7 +77,7 @@ pub fn output_columns(scene: &Scene) -> Vec<String> {
     columns(scene.outputs.iter().map(|output| output.name.as_str()))
 }
 
-/// Quoted names. SQL does not tell `k` from `K`: what would coincide, with each other or with the table's own
+/// Quoted names. SQL ignores the case: a name that coincides with another one or with the table's own
 /// columns, gets a number.
 fn columns<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {
     let mut taken = BTreeSet::from(["evaluation".to_string(), "cycles".to_string()]);
