@@ -1,7 +1,14 @@
-//! The worn bore: control points at equal angles, joined by a periodic cubic spline.
+//! Worn bore: wear depths of control points at equal angles, joined by a periodic cubic spline.
 //!
-//! The radius at angle psi (in the bushing's frame) is R(psi) = R2 + w(psi), where w interpolates the wear
-//! depths of the control points psi_i = 2 pi i / N and is twice continuously differentiable and periodic.
+//! The radius at angle psi [rad] in the bushing's frame is R(psi) = R2 + w(psi) [m]: R2 the unworn radius, w
+//! the periodic cubic spline through the wear depths w_i of the N control points psi_i = 2 pi i / N, twice
+//! continuously differentiable. With M_i = w''(psi_i) (2 pi / N)^2 [m], the spline solves the periodic
+//! tridiagonal system M_{i-1} + 4 M_i + M_{i+1} = 6 (w_{i-1} - 2 w_i + w_{i+1}).
+//!
+//! Between control points beside a deep spot the spline may dip slightly below the unworn radius.
+//!
+//! # Source
+//! de Boor (1978), A Practical Guide to Splines.
 
 use crate::lanes::Real;
 use std::f64::consts::TAU;
@@ -122,8 +129,8 @@ impl Profile {
         self.depth.len()
     }
 
-    /// A lower bound of R over the whole bore [m]: beside a deep spot the spline may dip below the initial radius
-    /// a little. The smallest Bezier ordinate of the cubics.
+    /// A lower bound of R over the whole bore [m]: beside a deep spot the spline may dip below the initial
+    /// radius a little. The smallest Bezier ordinate of the cubics.
     pub fn smallest_radius(&self) -> f64 {
         self.smallest_radius
     }
@@ -168,7 +175,8 @@ impl Profile {
         a + s * (b + s * (c + s * d))
     }
 
-    /// Coefficients of the cubics, R = a + s (b + s (c + s d)) in the fraction s of each interval `(n, 4)` [m].
+    /// Coefficients of the cubics, R = a + s (b + s (c + s d)) in the fraction s of each interval `(n, 4)`
+    /// [m].
     pub fn cubics(&self) -> &[[f64; 4]] {
         &self.cubic
     }
@@ -185,8 +193,8 @@ impl Profile {
         }
     }
 
-    /// The same, each value moved by -R'' spacing^2 / 12, so that the chords between the values have the mean of
-    /// the arcs they stand for to fourth order [m].
+    /// The same, each value moved by -R'' spacing^2 / 12, so that the chords between the values have the mean
+    /// of the arcs they stand for to fourth order [m].
     pub fn tabulate_chords(&self, table: &mut [f64]) {
         self.tabulate(table);
         let sub = table.len() / self.cubic.len();
@@ -200,8 +208,8 @@ impl Profile {
 
     /// Solves the periodic tridiagonal system of the second differences and sets the cubics.
     ///
-    /// With M_i the second derivative times the squared spacing: M_{i-1} + 4 M_i + M_{i+1} = 6 (w_{i-1} - 2 w_i
-    /// + w_{i+1}).
+    /// With M_i the second derivative times the squared spacing: M_{i-1} + 4 M_i + M_{i+1} = 6 (w_{i-1} - 2
+    /// w_i + w_{i+1}).
     fn join(&mut self) {
         let n = self.depth.len();
         let (w, m) = (&self.depth, &mut self.bend);

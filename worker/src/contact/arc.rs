@@ -1,10 +1,15 @@
-//! The gap function of a journal in a worn bore, integrated over the arc in contact.
+//! Integrals of the gap function over the arc in contact, on a bore tabulated at equal angles.
 //!
-//! g(psi) = e.u(psi) + R1 - R(psi), positive in contact. The integrals come from V = integral of g^2 / 2 over
-//! g > 0, with g piecewise linear between equal angles: force and stiffness are V's exact derivatives, whatever the
-//! spacing s. So that the chords have the mean of the arcs they stand for, the values at the angles are
-//! g - g'' s^2 / 12 with g'' = -e.u - R''. What is left comes from the two ends of the arc: the force of an arc whose half
-//! angle spans m intervals is within 0.025 / m^3 (chords through g itself fall short by 0.25 / m^2).
+//! g(psi) = e.u(psi) + R1 - R(psi) [m], positive in contact: eccentricity e [m], unit vector u at angle psi,
+//! journal radius R1 and worn bore R [m]. The integrals come from V = integral of g^2 / 2 over g > 0 [m^2
+//! rad], with g piecewise linear between the angles: force and stiffness are the exact derivatives of V,
+//! whatever the spacing s [rad]. The values at the angles are g - g'' s^2 / 12 with g'' = -e.u - R'', which
+//! gives the chords the mean of the arcs they replace. The remaining error comes from the two ends of the
+//! arc: the force of an arc whose half angle spans m intervals is within 0.025 / m^3 (chords through g itself
+//! fall short by 0.25 / m^2).
+//!
+//! # Source
+//! Derived here, for the Winkler foundation of `foundation.rs` (Winkler 1867; Johnson 1985).
 
 use crate::bore::Profile;
 use std::f64::consts::TAU;
@@ -109,11 +114,11 @@ impl Arc {
         [c, s]
     }
 
-    /// Integrates over the arc in contact, and shows each interval's two weights W (so that the integral of g is
-    /// their sum) to `weigh`.
+    /// Integrates over the arc in contact, and shows each interval's two weights W (so that the integral of g
+    /// is their sum) to `weigh`.
     ///
-    /// Of an interval with ends a, b only the part with g > 0 counts: its potential is the integral of g^2 / 2,
-    /// the weights are that potential's derivatives.
+    /// Of an interval with ends a, b only the part with g > 0 counts: its potential is the integral of g^2 /
+    /// 2, the weights are that potential's derivatives.
     #[inline]
     pub fn integrate(&self, e: [f64; 2], mut weigh: impl FnMut(usize, f64, f64)) -> Integrals {
         let mut sum = Integrals::default();
@@ -136,8 +141,8 @@ impl Arc {
         let mut a = gap(k);
         let mut left = last - first;
         while left > 0 {
-            // A whole block without contact: e.u within it is at most e.u_m + |e x u_m| sin(half the block), if e.u_m
-            // is not negative. Where it is, nothing touches but a bore narrower than its journal.
+            // A whole block without contact: e.u within it is at most e.u_m + |e x u_m| sin(half the block),
+            // if e.u_m is not negative. Where it is, nothing touches but a bore narrower than its journal.
             if k.is_multiple_of(BLOCK) && left >= BLOCK as i64 {
                 let u = self.direction[k + BLOCK / 2];
                 let along = e[0] * u[0] + e[1] * u[1];

@@ -1,8 +1,19 @@
-//! Damping from a coefficient of restitution: which factor D makes an impact lose what its coefficient says.
+//! Contact damping from a coefficient of restitution: the damping factor D of the impact that has begun.
 //!
-//! F_N = F_el (1 + D delta_dot) with D = (D v0) / v0, where D v0 is a function of the coefficient e alone and v0
-//! the speed of approach at which the present contact began. What an impact with that D gives back is not e
-//! itself but the root x of D v0 (1 + x) = ln[(1 + D v0) / (1 - x D v0)], whatever stiffness, exponent and mass.
+//! F_N = F_el (1 + D delta_dot) with D = (D v0) / v0 [s/m], where v0 [m/s] is the speed of approach at which
+//! the present contact began and D v0 [1] a function of the coefficient of restitution e [1] alone:
+//! - Lankarani and Nikravesh: D v0 = 3 (1 - e^2) / 4;
+//! - Hunt and Crossley: D v0 = 3 (1 - e) / 2;
+//! - Flores et al.: D v0 = 8 (1 - e) / (5 e).
+//!
+//! The first two are approximations for e near 1. The restitution that an impact with a given D v0 really has
+//! is not e but the root x of D v0 (1 + x) = ln[(1 + D v0) / (1 - x D v0)], whatever stiffness, exponent and
+//! mass.
+//!
+//! # Source
+//! Lankarani, Nikravesh (1990), J. Mech. Design 112, 369-376, and (1994), Nonlinear Dynamics 5, 193-207.
+//! Hunt, Crossley (1975), J. Appl. Mech. 42, 440-445. Flores, Machado, Silva, Martins (2011), Multibody
+//! System Dynamics 25, 357-375.
 
 use common::scene::{ContactDamping, RestitutionLaw};
 
@@ -16,10 +27,7 @@ pub struct Restitution {
 }
 
 impl Restitution {
-    /// D v0 = 3 (1 - e^2) / 4, 3 (1 - e) / 2 or 8 (1 - e) / (5 e); zero for e = 1.
-    ///
-    /// # Source
-    /// Lankarani and Nikravesh (1990); Hunt and Crossley (1975); Flores, Machado, Silva, Martins (2011).
+    /// D v0 for the coefficient of restitution e in (0, 1] [1]; zero for e = 1.
     pub fn new(law: RestitutionLaw, coefficient: f64, least_speed: f64) -> Self {
         let e = coefficient;
         let factor = match law {

@@ -1,8 +1,14 @@
-//! Energy of one joint: what its contact stores, and where the power goes that it takes from its two bodies.
+//! Energy balance of one joint: stored energy, and the power lost to friction, damping and film.
 //!
-//! The power of the joint's forces on its bodies is
-//! -d(stored)/dt - friction - damping - film + unphysical. Only a law whose elastic force is no gradient has an
-//! unphysical part: `local-hertz` on a worn bore, -F_N R' (w.t / r - omega_j).
+//! The power of the joint's forces on its two bodies is P = -d(stored)/dt - friction - damping - film +
+//! unphysical [W], with friction F_T v_t, damping (F_N - F_el) delta_dot, film c_f |w|^2 and the stored
+//! energy (2/5) K_n delta^2.5 (`local-hertz`) or U (`foundation`) [J]. The unphysical part is zero for an
+//! elastic force that is a gradient; `local-hertz` on a worn bore has -F_N R' (w.t / r - omega_j), with the
+//! slope R' of the bore [m/rad], the tangent t and the eccentricity r = |e|.
+//!
+//! # Source
+//! Hunt, Crossley (1975), J. Appl. Mech. 42, 440-445; the same balance in Simbody: Sherman, Seth, Delp
+//! (2011), Procedia IUTAM 2, 241-261.
 
 use super::{Contact, JointForce, JointMotion};
 use crate::bore::Profile;
@@ -69,8 +75,8 @@ mod tests {
         Profile::round(SURFACE.journal_radius + SURFACE.clearance, 36)
     }
 
-    /// A journal that rattles along the bore, in and out of contact: sums of sines with unrelated periods, as seen
-    /// from the bushing, which swings.
+    /// A journal that rattles along the bore, in and out of contact: sums of sines with unrelated periods, as
+    /// seen from the bushing, which swings.
     fn rattle(profile: &Profile, t: f64) -> JointMotion {
         let e = |t: f64| {
             let psi = 2.0 + 1.7 * (31.0 * t).sin() + 0.8 * (77.0 * t + 1.0).sin();

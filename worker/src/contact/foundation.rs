@@ -1,10 +1,20 @@
-//! Conformal contact on an elastic (Winkler) foundation along the bore.
+//! Contact law `foundation`: conformal contact on an elastic (Winkler) foundation along the bore.
 //!
-//! With the gap function g(psi) = e.u(psi) + R1 - R(psi), every radian of bore in contact (g > 0) presses on the
-//! journal with modulus times g along -u. The modulus is the same all along the arc and such that an unworn bore gives
-//! F = K_n delta^1.5: within 0.1 % for penetrations from 10 nm to 2 um in clearances from 1 um to 0.5 mm (see the
-//! test). The elastic force is the gradient of a potential of e in the bushing's frame, so the law stays
-//! conservative as the bore wears.
+//! Gap function g(psi) = e.u(psi) + R1 - R(psi) [m], positive in contact, with the eccentricity e [m], the
+//! unit vector u at angle psi, the journal radius R1 and the worn bore R [m]. The pressure is p = kappa g /
+//! (R2 L) [Pa], so that each radian of bore in contact pushes the journal along -u with kappa g; kappa [N/(m
+//! rad)] is the foundation's modulus (`modulus.rs`), R2 the bore's unworn radius and L its width [m]. With V
+//! = integral of g^2 / 2 over the arc in contact [m^2 rad] and the potential U(V) [J], the elastic force on
+//! the journal is -dU/de and kappa = dU/dV.
+//!
+//! The modulus is the same all along the arc and such that an unworn bore gives F_el = K_n delta^1.5: within
+//! 0.1 % for penetrations from 10 nm to 2 um in clearances from 1 um to 0.5 mm (see the test). The elastic
+//! force is the gradient of a potential of e in the bushing's frame, so the law stays conservative as the
+//! bore wears.
+//!
+//! # Source
+//! Winkler (1867), Die Lehre von der Elasticitaet und Festigkeit; elastic foundation model in Johnson (1985),
+//! Contact Mechanics, chapter 4. The modulus that reproduces Hertz's force is derived in `modulus.rs`.
 
 use super::arc::Arc;
 use super::energy::Elastic;
@@ -14,8 +24,8 @@ use super::{JointForce, JointMotion, Surface};
 use crate::bore::Profile;
 use std::f64::consts::TAU;
 
-/// Lightest contact that the arc is made for [m]: its half angle sqrt(2 delta / c) spans three intervals, which puts
-/// its force within 7e-4 of the integral.
+/// Lightest contact that the arc is made for [m]: its half angle sqrt(2 delta / c) spans three intervals,
+/// which puts its force within 7e-4 of the integral.
 const LIGHTEST: f64 = 1e-8;
 /// Smallest number of intervals of the bore: twenty to a control point at 36 of them.
 const FEWEST: usize = 720;
@@ -76,8 +86,8 @@ impl Foundation {
         self.arc.profile_changed(profile);
     }
 
-    /// Rate of the gap function where it is largest, in the direction in which the journal is nearest to the bore:
-    /// in free flight, the speed at which it approaches [m/s].
+    /// Rate of the gap function where it is largest, in the direction in which the journal is nearest to the
+    /// bore: in free flight, the speed at which it approaches [m/s].
     pub fn approach(&self, motion: &JointMotion) -> f64 {
         let JointMotion { e, w, omega_bushing, .. } = *motion;
         let n = self.arc.nearest(e);
@@ -96,8 +106,8 @@ impl Foundation {
         Elastic { stored: energy, force, rate: power / force }
     }
 
-    /// Elastic potential, force and stiffness at this eccentricity; `weigh` sees each interval of the arc with the
-    /// integrals of g that its two ends stand for.
+    /// Elastic potential, force and stiffness at this eccentricity; `weigh` sees each interval of the arc
+    /// with the integrals of g that its two ends stand for.
     #[inline]
     pub fn press(&self, e: [f64; 2], weigh: impl FnMut(usize, f64, f64)) -> Pressing {
         let sum = self.arc.integrate(e, weigh);
@@ -157,7 +167,8 @@ impl Foundation {
                 out.torque_journal = -s.journal_radius * friction;
                 out.torque_bushing = normal * lever + friction * arm;
                 if JACOBIAN {
-                    // Columns in the axes (n, t): e along n, e along t, w along n, w along t, omega_i, omega_j.
+                    // Columns in the axes (n, t): e along n, e along t, w along n, w along t, omega_i,
+                    // omega_j.
                     let k = pressing.stiffness;
                     let along = |a: [f64; 2], b: [f64; 2]| {
                         a[0] * (k[0][0] * b[0] + k[0][1] * b[1]) + a[1] * (k[1][0] * b[0] + k[1][1] * b[1])
@@ -204,8 +215,8 @@ mod tests {
 
     #[test]
     fn equals_hertz_on_an_unworn_bore() {
-        // The modulus is fitted within 4e-5 below a tenth of the clearance and 4e-4 beyond; the ends of an arc whose
-        // half angle spans m intervals add 0.025 / m^3 at most.
+        // The modulus is fitted within 4e-5 below a tenth of the clearance and 4e-4 beyond; the ends of an
+        // arc whose half angle spans m intervals add 0.025 / m^3 at most.
         let mut worst: f64 = 0.0;
         for clearance in [1e-6, 3e-6, 1e-5, 23.5e-6, 1e-4, 5e-4] {
             let stiffness = 3.264e10 * libm::sqrt(23.5e-6 / clearance);

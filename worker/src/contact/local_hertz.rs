@@ -1,8 +1,17 @@
-//! The paper's contact law: Hertz's force with the penetration measured along the eccentricity.
+//! Contact law `local-hertz`: Hertz's force with the penetration measured along the eccentricity.
 //!
-//! delta = |e| + R1 - R(psi), psi the direction of e; F_N = K_n delta^1.5 max(0, 1 + D delta_dot) along e;
-//! friction F_T = mu F_N tanh(v_t / v_0) along the tangent. On a worn profile, whose normal is not along e, the
-//! law is not conservative: it can feed vibration with energy.
+//! delta = |e| + R1 - R(psi), F_el = K_n delta^1.5, F_N = F_el max(0, 1 + D delta_dot) along e, friction F_T
+//! = mu F_N tanh(v_t / v_0) along the tangent, with the eccentricity e and its direction psi [m, rad], the
+//! journal radius R1 and the worn bore R(psi) [m], the Hertz stiffness K_n [N/m^1.5] (see `stiffness.rs`),
+//! the damping factor D [s/m], the friction coefficient mu [1] and its regularisation speed v_0 [m/s].
+//!
+//! Exact for the model on a round bore. On a worn profile, whose normal is not along e, the law is not
+//! conservative: it can feed energy into a vibration (`energy.rs` measures how much).
+//!
+//! # Source
+//! Contact law of the seed paper: Cui et al., China Mechanical Engineering 37(6), 2026, 1472-1485, doi
+//! 10.3969/j.issn.1004-132X.2026.06.020. Force and damping after Lankarani, Nikravesh (1990), J. Mech. Design
+//! 112, 369-376.
 
 use super::energy::Elastic;
 use super::{JointForce, JointMotion, Surface};
@@ -19,10 +28,10 @@ pub struct LocalHertz<R = f64> {
 impl<R: Real> LocalHertz<R> {
     /// Force on the journal; with `JACOBIAN` its exact derivative.
     ///
-    /// With u the unit vector of e, t its left normal, r = |e|:
-    /// delta_dot = w.u - R' (w.t / r - omega_j), v_t = w.t + omega_i R1 - omega_j R,
-    /// force = -F_N u - F_T t - c_f w, torques -R1 F_T on the journal, +R F_T on the bushing.
-    /// In free flight (delta <= 0), and where the contact lets go early (1 + D delta_dot <= 0), only the film acts.
+    /// With u the unit vector of e, t its left normal, r = |e|: delta_dot = w.u - R' (w.t / r - omega_j), v_t
+    /// = w.t + omega_i R1 - omega_j R, force = -F_N u - F_T t - c_f w, torques -R1 F_T on the journal, +R F_T
+    /// on the bushing. In free flight (delta <= 0), and where the contact lets go early (1 + D delta_dot <=
+    /// 0), only the film acts.
     #[inline(always)]
     pub fn force<const JACOBIAN: bool>(&self, bore: &impl Bore<R>, motion: &JointMotion<R>) -> JointForce<R> {
         let s = &self.surface;
@@ -85,7 +94,8 @@ impl<R: Real> LocalHertz<R> {
                 polar[2][c] = -s.journal_radius * df;
                 polar[3][c] = bore.r * df;
             }
-            // The unit vectors turn with the direction of e: du = t dpsi, dt = -u dpsi; and the bore's radius changes.
+            // The unit vectors turn with the direction of e: du = t dpsi, dt = -u dpsi; and the bore's radius
+            // changes.
             polar[0][1] += friction * inverse;
             polar[1][1] -= normal * inverse;
             polar[3][1] += bend * friction;

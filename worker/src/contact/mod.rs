@@ -1,9 +1,24 @@
-//! Forces in one joint with clearance, as pure functions of that joint's motion.
+//! Forces in one joint with clearance, as pure functions of the motion of that joint.
 //!
-//! Everything is expressed in the bushing's frame: e = r_journal - r_bushing, w = velocity of the journal's
-//! centre minus that of the bushing's centre (both turned into the bushing's frame, not differentiated in it),
+//! All vectors are in the bushing's frame: e = r_journal - r_bushing, w = velocity of the journal's centre
+//! minus that of the bushing's centre (both turned into the bushing's frame, not differentiated in it),
 //! omega_i of the journal's body, omega_j of the bushing's. The force returned acts on the journal at its
-//! centre; the opposite acts on the bushing at its centre; friction adds the torques.
+//! centre; the opposite force acts on the bushing at its centre; friction adds the torques.
+//!
+//! Each law has a file, which defines its elastic force F_el [N], its penetration delta [m] and the rate of
+//! that, delta_dot [m/s]. All laws share
+//! - the normal force F_N = F_el max(0, 1 + D delta_dot), damping factor D [s/m]; zero in free flight (delta
+//!   <= 0);
+//! - the friction force F_T = mu F_N tanh(v_t / v_0), friction coefficient mu [1], sliding speed v_t [m/s] of
+//!   the journal's surface over the bushing's, regularisation speed v_0 [m/s];
+//! - the film force -c_f w through the centres, film damping c_f [N s/m], in contact and in free flight.
+//!
+//! Valid for penetrations up to a tenth of the journal radius ([`Surface::deepest`]). Below about v_0
+//! friction is viscous: the model has no state of sticking.
+//!
+//! # Source
+//! Normal force: Hunt, Crossley (1975), J. Appl. Mech. 42, 440-445. Friction: Coulomb's law regularised as by
+//! Andersson, Soderberg, Bjorklund (2007), Tribology International 40, 580-587.
 
 mod arc;
 mod damping;
@@ -56,8 +71,8 @@ pub struct JointForce<R = f64> {
     pub penetration: R,
     /// Sliding speed v_t of the journal's surface over the bushing's [m/s].
     pub sliding: R,
-    /// Derivative of (force, torque_journal, torque_bushing) to (e, w, omega_journal, omega_bushing) `(4, 6)`;
-    /// zero unless asked for.
+    /// Derivative of (force, torque_journal, torque_bushing) to (e, w, omega_journal, omega_bushing) `(4,
+    /// 6)`; zero unless asked for.
     pub jacobian: [[R; 6]; 4],
 }
 
@@ -116,7 +131,8 @@ impl Surface {
         }
     }
 
-    /// Penetration up to which a journal is in contact with its bore in any sense of Hertz: a tenth of its radius [m].
+    /// Penetration up to which a journal is in contact with its bore in any sense of Hertz: a tenth of its
+    /// radius [m].
     pub fn deepest(&self) -> f64 {
         0.1 * self.journal_radius
     }
@@ -204,8 +220,8 @@ impl Contact {
     }
 
     /// Takes notice of an accepted step that led to this motion and force: in free flight, the damping of the
-    /// contact to come is that of the present speed of approach; a contact keeps what it began with. A law with
-    /// constant D has nothing to take notice of.
+    /// contact to come is that of the present speed of approach; a contact keeps what it began with. A law
+    /// with constant D has nothing to take notice of.
     pub fn accepted(&mut self, profile: &Profile, motion: &JointMotion, now: &JointForce) {
         let Some(restitution) = self.surface().restitution else { return };
         if now.penetration > 0.0 {

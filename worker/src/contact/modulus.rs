@@ -1,15 +1,20 @@
-//! The foundation's modulus, such that an unworn bore gives Hertz's law.
+//! Modulus of the elastic foundation for which an unworn bore gives Hertz's force.
 //!
-//! With a constant modulus kappa = K_n 3 sqrt(c) / (4 sqrt 2) the foundation's force on a round bore is
-//! kappa e (theta - sin(theta) cos(theta)), cos(theta) = c / e: K_n delta^1.5 (1 - 0.65 x + ...), x = delta / c, which is
-//! short by 5.1 % at x = 0.085 and by half at x = 2. Here the potential is U = kappa V H instead, V = integral of
-//! g^2 / 2 over the arc: a function of V alone, so that the law stays conservative on any bore, and all of the arc has the
-//! same modulus dU/dV, which grows with the load.
+//! With a constant modulus kappa = K_n 3 sqrt(c) / (4 sqrt 2) [N/(m rad)] the foundation's force on a round
+//! bore is kappa e (theta - sin(theta) cos(theta)), cos(theta) = c / e, with the Hertz stiffness K_n
+//! [N/m^1.5], the radial clearance c and the eccentricity e [m]. That is K_n delta^1.5 (1 - 0.65 x + ...)
+//! with x = delta / c: too small by 5.1 % at x = 0.085 and by half at x = 2. Here the potential is U = kappa
+//! V H instead, V = integral of g^2 / 2 over the arc: a function of V alone, so that the law stays
+//! conservative on any bore, and all of the arc has the same modulus dU/dV, which grows with the load.
 //!
-//! H that makes U = (2/5) K_n delta^2.5 on a round bore has no closed form in V. With z^4 = 15 V / (8 sqrt 2 c^2), which
-//! is x^2.5 to first order, it goes from 1 + (13/28) x at small x to a multiple of z at large: a ratio of polynomials in z
-//! of degree four and three, whose coefficients are a minimax fit of the force. The force is then K_n delta^1.5 within 3.5e-5
-//! for x < 0.1 and within 3.5e-4 for x < 1000.
+//! The H for which U = (2/5) K_n delta^2.5 on a round bore has no closed form in V. With z^4 = 15 V / (8 sqrt
+//! 2 c^2), which is x^2.5 to first order, it goes from 1 + (13/28) x at small x to a multiple of z at large
+//! x: here a ratio of polynomials in z of degree four and three, whose coefficients are a minimax fit of the
+//! force. The force is then K_n delta^1.5 within 3.5e-5 for x < 0.1 and within 3.5e-4 for x < 1000.
+//!
+//! # Source
+//! Derived and fitted here, from Hertz's law (`stiffness.rs`) and the Winkler foundation (Johnson 1985,
+//! Contact Mechanics, chapter 4).
 
 use std::f64::consts::SQRT_2;
 
@@ -112,7 +117,8 @@ mod tests {
             let energy = 0.4 * x.powf(2.5);
             let off = (modulus.at(v).energy / energy - 1.0).abs();
             assert!(off < bound, "energy at {x}: {off}");
-            // dV/dx of the round bore is e (theta - sin(theta) cos(theta)); its differences lose nothing here.
+            // dV/dx of the round bore is e (theta - sin(theta) cos(theta)); its differences lose nothing
+            // here.
             let step = 1e-4 * x;
             let slope = (potential(x + step) - potential(x - step)) / (2.0 * step);
             let off = (modulus.at(v).modulus * slope / x.powf(1.5) - 1.0).abs();

@@ -1,14 +1,16 @@
-//! Stiffness of the Hertz contact between journal and bushing.
+//! Stiffness K_n of the Hertz contact between journal and bushing: F = K_n delta^1.5.
+//!
+//! # Source
+//! Goldsmith (1960), Impact, as used by Lankarani, Nikravesh (1990), J. Mech. Design 112, 369-376.
 
 use common::scene::{Clearance, Material};
 use std::f64::consts::PI;
 
 /// K_n = 4 / (3 pi (h_1 + h_2)) sqrt(R1 R2 / (R2 - R1)) [N/m^1.5], h_l = (1 - nu_l^2) / (pi E_l).
 ///
-/// The radii are those of the unworn joint, which validation has made R2 > R1 > 0.
-///
-/// # Source
-/// Goldsmith (1960) as used by Lankarani and Nikravesh (1990); equal to (4/3) E* sqrt(R1 R2 / (R2 - R1)).
+/// Poisson's ratio nu_l [1] and Young's modulus E_l [Pa] of journal and bushing; radii R2 > R1 > 0 [m] of the
+/// unworn joint, as checked when the scene is read.
+/// Equal to (4/3) E* sqrt(R1 R2 / (R2 - R1)) with the effective modulus E* [Pa].
 pub fn hertz_stiffness(joint: &Clearance) -> f64 {
     let compliance = |m: &Material| (1.0 - m.poisson_ratio * m.poisson_ratio) / (PI * m.elastic_modulus);
     let (r1, r2) = (joint.journal_radius, joint.bushing_radius);

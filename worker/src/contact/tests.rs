@@ -149,8 +149,9 @@ fn the_film_dissipates_c_w_squared_and_acts_alone_in_free_flight() {
 
 #[test]
 fn foundation_loses_only_what_damping_takes_and_balances_momentum() {
-    // With the potential V(e) in the bushing's frame, power = -dV/dt - F_el D delta_dot^2: without friction and film
-    // the power is -F_el delta_dot (1 + D delta_dot), and F_N = F_el (1 + D delta_dot), so it is -F_N delta_dot.
+    // With the potential V(e) in the bushing's frame, power = -dV/dt - F_el D delta_dot^2: without friction
+    // and film the power is -F_el delta_dot (1 + D delta_dot), and F_N = F_el (1 + D delta_dot), so it is
+    // -F_N delta_dot.
     let profile = worn();
     let [_, foundation] = laws(Surface { friction: 0.0, film: 0.0, ..SURFACE }, &profile);
     let [_, undamped] = laws(Surface { friction: 0.0, film: 0.0, damping: 0.0, ..SURFACE }, &profile);
@@ -171,7 +172,8 @@ fn foundation_loses_only_what_damping_takes_and_balances_momentum() {
     }
 }
 
-/// Work of the elastic force on a closed path of e in the bushing's frame, relative to the work without signs.
+/// Work of the elastic force on a closed path of e in the bushing's frame, relative to the work without
+/// signs.
 fn loop_work(law: &Contact, profile: &Profile, path: impl Fn(f64) -> [f64; 2]) -> f64 {
     const STEPS: usize = 20_000;
     let (mut work, mut absolute) = (0.0, 0.0);

@@ -1,11 +1,15 @@
-//! Elementary functions of additions, multiplications, divisions and square roots alone, so that every lane of
-//! every processor has the same digits.
+//! Elementary functions of additions, multiplications, divisions and square roots alone, so that every lane
+//! of every processor gives the same digits: sine and cosine, arctangent, hyperbolic tangent.
+//!
+//! # Source
+//! Argument reduction in parts of pi: Cody, Waite (1980), Software Manual for the Elementary Functions.
+//! Arctangent: Sun Microsystems' fdlibm, s_atan.c. Sine, cosine and exponential: Taylor polynomials.
 
 use super::Real;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
-/// pi in three parts, the first two with trailing zeros, so that their multiples by whole numbers below 2^21 are
-/// exact.
+/// pi in three parts, the first two with trailing zeros, so that their multiples by whole numbers below 2^21
+/// are exact.
 const PI_PARTS: [f64; 3] = [3.1415926534682512, 1.2154201012607932e-10, 4.044532497591901e-21];
 
 /// 1/1!, -1/3!, ... and 1, -1/2!, ...: on [-pi/2, pi/2] what is left out is below 3e-16.
@@ -99,8 +103,8 @@ const EXPONENTIAL: [f64; 16] = {
     out
 };
 
-/// Hyperbolic tangent, to 1e-14: (1 - z) / (1 + z) with z = exp(-2 |x|), which is a 64th power of the exponential
-/// of at most 0.63.
+/// Hyperbolic tangent, to 1e-14: (1 - z) / (1 + z) with z = exp(-2 |x|), which is a 64th power of the
+/// exponential of at most 0.63.
 #[inline(always)]
 pub fn tanh<R: Real>(x: R) -> R {
     let y = x.abs().smaller(x.like(20.0)) * (-2.0 / 64.0);

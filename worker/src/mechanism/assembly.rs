@@ -1,9 +1,13 @@
-//! Position and velocity analysis with every joint closed, as if it had no clearance: where the mechanism
-//! starts, whether it can go round, and its motion in the limit of vanishing clearance.
+//! Position and velocity analysis with every joint ideal: start of the mechanism, whether its crank can go
+//! round, and its motion in the limit of vanishing clearance.
 //!
-//! Closure phi(q, t) = 0 of every joint; Newton's method with the least-norm step, so that mechanisms with more
-//! freedom than closures keep what their start gives them. Velocities solve (dphi/dq) qd = -dphi/dt, accelerations
-//! the same once more differentiated.
+//! Closure phi(q, t) = 0 of every joint by Newton's method with the least-norm step, so that a mechanism with
+//! more freedom than closures keeps what its start determines. Velocities solve (dphi/dq) qd = -dphi/dt,
+//! accelerations the time derivative of that equation. The motion is followed from time to time by
+//! continuation.
+//!
+//! # Source
+//! Haug (1989), Computer Aided Kinematics and Dynamics of Mechanical Systems.
 
 use super::closure::Closure;
 use common::failure::SimulationFailure;
@@ -24,7 +28,8 @@ pub struct Pose {
 
 /// Angles of a cycle at which closure is checked.
 const CHECKED: usize = 180;
-/// A stretch of the motion is halved until the bodies move by no more than this share of the mechanism at once...
+/// A stretch of the motion is halved until the bodies move by no more than this share of the mechanism at
+/// once...
 const LONGEST: f64 = 0.2;
 /// ... and Newton's method corrects no more than this share of what velocities predict, or of the mechanism.
 const CORRECTION: (f64, f64) = (0.3, 0.01);
@@ -36,9 +41,10 @@ const SHORTEST: f64 = 1e-8;
 /// Newton iterations to `iterations`. Where drives and joints leave the motion open there is only the start.
 ///
 /// # Errors
-/// [`SimulationFailure::CannotAssemble`] where it cannot be closed at the start, [`SimulationFailure::OverConstrained`]
-/// if ideal joints forbid a motion twice, [`SimulationFailure::DeadPoint`] with joint and angle where the
-/// linkage locks or its motion becomes ambiguous on its way.
+/// [`SimulationFailure::CannotAssemble`] where it cannot be closed at the start,
+/// [`SimulationFailure::OverConstrained`] if ideal joints forbid a motion twice,
+/// [`SimulationFailure::DeadPoint`] with joint and angle where the linkage locks or its motion becomes
+/// ambiguous on its way.
 pub fn ideal_cycle(
     scene: &Scene,
     samples: usize,
@@ -124,8 +130,8 @@ fn follow(
     Ok(())
 }
 
-/// Accelerations of the ideal mechanism in these poses, per body of the scene as in [`Pose`] [m/s^2, rad/s^2];
-/// none if the joints and drives leave the motion a freedom in one of them.
+/// Accelerations of the ideal mechanism in these poses, per body of the scene as in [`Pose`] [m/s^2,
+/// rad/s^2]; none if the joints and drives leave the motion a freedom in one of them.
 pub fn ideal_accelerations(scene: &Scene, poses: &[Pose]) -> Option<Vec<Vec<Option<[f64; 3]>>>> {
     let closure = Closure::new(scene);
     let flat = |x: &[Option<[f64; 3]>]| DVector::from_vec(x.iter().flatten().flatten().copied().collect());

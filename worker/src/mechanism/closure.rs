@@ -1,7 +1,13 @@
-//! The closure equations of a scene with every joint ideal, and their solution at one time.
+//! Closure equations of a scene with every joint ideal, and their solution at one time.
 //!
-//! Unknowns are (x, y, angle) of every free body. For solving, angles and rows that are angles count as the
-//! lengths they make at the mechanism's size, so that norms and singular values mean something.
+//! phi(q, t) = 0 `(m,)` for the coordinates q `(n,)`, (x, y, angle) of every free body. For solving, angles
+//! and rows that are angles are scaled to lengths by the mechanism's size [m], so that norms and singular
+//! values are meaningful. Positions follow by Newton's method with least-norm steps, velocities from
+//! (dphi/dq) qd = -dphi/dt, accelerations from its derivative.
+//!
+//! # Source
+//! Position, velocity and acceleration analysis: Haug (1989), Computer Aided Kinematics and Dynamics of
+//! Mechanical Systems. Least-norm solution by singular values: Golub, Van Loan (2013), Matrix Computations.
 
 use super::constraint::{Constraint, first_rows};
 use super::frame::{End, Frame};
@@ -197,8 +203,8 @@ impl<'a> Closure<'a> {
         Err(worst)
     }
 
-    /// Velocities at a closed position: the start's, as far as drives and joints leave them free. Away from the
-    /// start only a motion that the drives determine can be followed.
+    /// Velocities at a closed position: the start's, as far as drives and joints leave them free. Away from
+    /// the start only a motion that the drives determine can be followed.
     pub fn velocity(&self, t: f64, q: &DVector<f64>) -> DVector<f64> {
         let Gaps { jacobian, rate, .. } = self.gaps(t, q);
         let mut free = if t == 0.0 { self.start_velocity() } else { DVector::zeros(self.n) };
@@ -208,8 +214,8 @@ impl<'a> Closure<'a> {
         free
     }
 
-    /// Accelerations at (q, v): (dphi/dq) qdd = -(what the gaps' second rates are at qdd = 0); none if the closures
-    /// leave a freedom, or nearly so.
+    /// Accelerations at (q, v): (dphi/dq) qdd = -(what the gaps' second rates are at qdd = 0); none if the
+    /// closures leave a freedom, or nearly so.
     pub fn acceleration(&self, t: f64, q: &DVector<f64>, v: &DVector<f64>) -> Option<DVector<f64>> {
         let jacobian = self.gaps(t, q).jacobian;
         let mut second = DVector::zeros(self.m);

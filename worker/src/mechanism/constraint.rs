@@ -1,15 +1,20 @@
 //! Ideal joints as constraints phi(q, t) = 0 between two bodies.
 //!
-//! Coordinates of the pair: (x, y, angle) of the first body's reference point, then of the second's. With arms a, b
-//! from the reference points to the joint's two places in global axes, S the quarter turn, n the unit normal of a
-//! prismatic joint's line (fixed in the second body) and d = x_1 + a - x_2 - b:
+//! Coordinates of the pair: (x, y, angle) [m, m, rad] of the first body's reference point, then of the
+//! second's. With the arms a, b from the reference points to the joint's two points in global axes [m], S the
+//! quarter turn, n the unit normal of a prismatic joint's line (fixed in the second body) and d = x_1 + a -
+//! x_2 - b [m]:
 //!
 //! - revolute: d = 0;
 //! - prismatic: n.d = 0 and theta_1 - theta_2 = angle;
 //! - fixed: d = 0 and theta_1 - theta_2 = angle.
 //!
-//! The acceleration form is phi'' = G a + h(q, v) with G = dphi/dq. Integration needs the exact derivatives of
-//! G a + h at constant a, and of G' lambda at constant lambda.
+//! The acceleration form is phi'' = G a + h(q, v) with G = dphi/dq and the accelerations a. Integration needs
+//! the exact derivatives of G a + h at constant a, and of G' lambda at constant multipliers lambda.
+//!
+//! # Source
+//! Haug (1989), Computer Aided Kinematics and Dynamics of Mechanical Systems; Nikravesh (1988),
+//! Computer-Aided Analysis of Mechanical Systems.
 
 use super::frame::{End, Frame};
 use common::scene::JointKind;
@@ -113,8 +118,8 @@ impl Constraint {
         }
     }
 
-    /// Size of the force the joint transmits, for multipliers `lambda` of its rows [N]. A prismatic joint's moment
-    /// is not part of it.
+    /// Size of the force the joint transmits, for multipliers `lambda` of its rows [N]. A prismatic joint's
+    /// moment is not part of it.
     pub fn force(&self, lambda: &[f64]) -> f64 {
         match self.kind {
             Kind::Prismatic(..) => lambda[0].abs(),
@@ -166,7 +171,8 @@ impl Constraint {
         }
     }
 
-    /// Derivatives of G a + h to the coordinates and to their rates, at constant accelerations `a` of the pair.
+    /// Derivatives of G a + h to the coordinates and to their rates, at constant accelerations `a` of the
+    /// pair.
     pub fn acceleration_derivatives(
         &self,
         first: &Frame,

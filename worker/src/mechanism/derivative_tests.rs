@@ -1,4 +1,5 @@
-//! Derivatives of the generalised forces, of one pair of bodies and of whole islands, against central differences.
+//! Derivatives of the generalised forces, of one pair of bodies and of whole islands, against central
+//! differences.
 
 use super::frame::End;
 use super::joint::{Rows, Touching, pair_force};
@@ -30,9 +31,9 @@ fn worn_depth() -> Vec<f64> {
     (0..36).map(|i| 6e-6 * (1.0 + (TAU * f64::from(i) / 36.0 - 1.0).cos())).collect()
 }
 
-/// Largest difference between a matrix and its differences, each relative to the largest entry of its row among
-/// the columns of the same unit (lengths, angles), or to a share of the largest of the whole matrix: coordinates
-/// that ideal joints determine have rows of rounding alone.
+/// Largest difference between a matrix and its differences, each relative to the largest entry of its row
+/// among the columns of the same unit (lengths, angles), or to a share of the largest of the whole matrix:
+/// coordinates that ideal joints determine have rows of rounding alone.
 fn worst(rows: usize, exact: impl Fn(usize, usize) -> f64, columns_found: &[Vec<f64>]) -> f64 {
     let columns = columns_found.len();
     let difference = |r: usize, c: usize| columns_found[c][r];
@@ -131,7 +132,8 @@ fn pair_derivatives_agree_with_differences() {
     }
 }
 
-/// An island of the flapping-wing with worn bores, at a few times of a cycle when all its joints are in contact.
+/// An island of the flapping-wing with worn bores, at a few times of a cycle when all its joints are in
+/// contact.
 fn states(scene: &Scene, island: &mut Island) -> Vec<(f64, Vec<f64>, Vec<f64>)> {
     for joint in &mut island.joints {
         joint.set_depth(&worn_depth());
@@ -156,8 +158,8 @@ fn states(scene: &Scene, island: &mut Island) -> Vec<(f64, Vec<f64>, Vec<f64>)> 
         .collect()
 }
 
-/// Derivatives of the whole island at a state against central differences, with steps for lengths, angles, their
-/// rates and time; each within `bound` of the largest of its row (column, for time).
+/// Derivatives of the whole island at a state against central differences, with steps for lengths, angles,
+/// their rates and time; each within `bound` of the largest of its row (column, for time).
 fn check(island: &Island, (t, q, v): &(f64, Vec<f64>, Vec<f64>), steps: [f64; 5], bound: f64, case: &str) {
     let n = island.coordinates();
     let mut at = island.linearised();
@@ -211,8 +213,8 @@ fn at(body: usize, position: [f64; 2]) -> Attachment {
     Attachment { body, position }
 }
 
-/// A crank of varying speed, a rod, a slider on an inclined line, an arm hinged to the slider, a weight fixed to
-/// the arm: every kind of ideal joint and of load.
+/// A crank of varying speed, a rod, a slider on an inclined line, an arm hinged to the slider, a weight fixed
+/// to the arm: every kind of ideal joint and of load.
 fn everything() -> Scene {
     let mut scene = SceneSource::builtin("four-bar").expect("it is built in").nominal().clone();
     let free = |x: f64, y: f64, angle: f64, mass: f64| Motion::Free {

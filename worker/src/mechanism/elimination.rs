@@ -1,13 +1,24 @@
-//! Ideal joints of an island, eliminated: the equations of motion keep the form M qdd = f, with the joints'
+//! Elimination of an island's ideal joints: the equations of motion keep the form M qdd = f, with the joints'
 //! reactions part of f.
 //!
-//! M a + G' lambda = f and G a + h = 0 (prescribed bodies' accelerations included in h). With the rows of G M^-1/2
-//! orthonormalised, M^-1/2 G' = Q R, and z = R^-T h, the force with reactions is
-//! f - G' lambda = M^1/2 [(1 - Q Q') M^-1/2 f - Q z]: the part of f that the joints leave, and what keeps them closed.
-//! Nothing is squared, so that bodies next to without inertia are no harm. Its exact derivatives follow from the same
-//! Q and R: for a column x of coordinates, rates or time, f is replaced by df/dx - d(G' lambda)/dx and h by
-//! d(G a + h)/dx. Positions and velocities that the integration lets drift off the constraints are moved back along
-//! M^-1/2 Q.
+//! M a + G' lambda = f and G a + h = 0, with the diagonal mass matrix M [kg, kg m^2], the accelerations a
+//! `(n,)`, the derivative G `(m, n)` of the constraints to the coordinates, the multipliers lambda `(m,)` [N,
+//! N m] and the centripetal part h `(m,)` (accelerations of prescribed bodies included). With G M^-1/2 = R'
+//! Q', Q `(n, m)` orthonormal and R `(m, m)` upper triangular, and z = R^-T h, the force with reactions is f
+//! - G' lambda = M^1/2 [(1 - Q Q') M^-1/2 f - Q z]: the part of f in the null space of the constraints, and
+//! the part that keeps them closed. No product G M^-1 G' is formed, so that bodies almost without inertia do
+//! no harm. The exact derivatives follow from the same Q and R: for a column x of coordinates, rates or time,
+//! f is replaced by df/dx - d(G' lambda)/dx and h by d(G a + h)/dx. Positions and velocities that the
+//! integration lets drift off the constraints are moved back along M^-1/2 Q.
+//!
+//! Valid where the rows of G are independent: a redundant or singular set of joints is reported, not
+//! repaired.
+//!
+//! # Source
+//! Udwadia, Kalaba (1992), Proc. R. Soc. Lond. A 439, 407-410 (the force with reactions; here the
+//! pseudo-inverse is Q R^-T). QR factors for constrained mechanisms: Kim, Vanderploeg (1986), J. Mech. Trans.
+//! Autom. Des. 108, 183-188. Null space method: Benzi, Golub, Liesen (2005), Acta Numerica 14, 1-137.
+//! Coordinate projection: Eich (1993), SIAM J. Numer. Anal. 30, 1467-1482.
 
 use super::constraint::{Constraint, first_rows};
 use super::frame::Frame;
@@ -109,7 +120,8 @@ impl Elimination {
         self.orthonormalise()
     }
 
-    /// Turns the rows of `basis` into Q' and R' by Gram and Schmidt's method, twice; false if they are dependent.
+    /// Turns the rows of `basis` into Q' and R' by Gram and Schmidt's method, twice; false if they are
+    /// dependent.
     fn orthonormalise(&mut self) -> bool {
         let n = self.n;
         self.r.fill(0.0);
@@ -170,8 +182,8 @@ impl Elimination {
         true
     }
 
-    /// After [`Self::add_reactions`] to `to.f`: turns the derivatives of the applied force in `to` into those of the
-    /// whole one, keeps the multipliers, and adds the reactions on prescribed bodies.
+    /// After [`Self::add_reactions`] to `to.f`: turns the derivatives of the applied force in `to` into those
+    /// of the whole one, keeps the multipliers, and adds the reactions on prescribed bodies.
     pub fn reduce_derivatives(&mut self, at: Placed, to: &mut Linearised) {
         let n = self.n;
         to.lambda.copy_from_slice(&self.lambda);
@@ -277,8 +289,9 @@ impl Elimination {
         }
     }
 
-    /// One Newton step of the positions back onto the constraints, dq = -M^-1/2 Q R^-T phi; returns the largest gap
-    /// before it (angles at arm `size`) [m], or nothing if the joints' directions are dependent here.
+    /// One Newton step of the positions back onto the constraints, dq = -M^-1/2 Q R^-T phi; returns the
+    /// largest gap before it (angles at arm `size`) [m], or nothing if the joints' directions are dependent
+    /// here.
     pub fn close_positions(&mut self, at: Placed, size: f64, q: &mut [f64]) -> Option<f64> {
         if !self.factor(at) {
             return None;
@@ -296,8 +309,8 @@ impl Elimination {
         Some(gap)
     }
 
-    /// After [`Self::close_positions`] where nothing was left to close: takes from the velocities what the joints
-    /// forbid, dv = -M^-1/2 Q (Q' M^1/2 v + R^-T dphi/dt).
+    /// After [`Self::close_positions`] where nothing was left to close: takes from the velocities what the
+    /// joints forbid, dv = -M^-1/2 Q (Q' M^1/2 v + R^-T dphi/dt).
     pub fn close_velocities(&mut self, at: Placed, v: &mut [f64]) {
         for joint in 0..self.constraints.len() {
             let (first, c) = self.joint(joint);

@@ -1,5 +1,5 @@
-//! Forces of an island's joints with clearance and of its loads, gathered into its generalised forces, with their
-//! derivatives; and the power of what acts on it.
+//! Forces of an island's joints with clearance and of its loads, gathered into its generalised forces, with
+//! their derivatives; and the power of what acts on it.
 
 use super::frame::Frame;
 use super::island::Island;
@@ -65,8 +65,8 @@ impl<R: Real, J: Touching<R>> Acting<'_, R, J> {
         }
     }
 
-    /// Adds the generalised force of a pair of frames to its free bodies; with `JACOBIAN` also the derivatives, and
-    /// the force on prescribed bodies.
+    /// Adds the generalised force of a pair of frames to its free bodies; with `JACOBIAN` also the
+    /// derivatives, and the force on prescribed bodies.
     #[inline(always)]
     fn add<const JACOBIAN: bool>(
         &self,

@@ -126,7 +126,8 @@ impl Island {
         self.ideal.rows()
     }
 
-    /// Which entries of its matrices may differ from zero: all of them where ideal joints carry a force through.
+    /// Which entries of its matrices may differ from zero: all of them where ideal joints carry a force
+    /// through.
     pub(super) fn band(&self) -> Band {
         let n = self.coordinates();
         if self.ideal.rows() > 0 {
@@ -162,8 +163,9 @@ impl Island {
     }
 
     /// Scales of the local error. With clearance: a length of 1 % of the smallest clearance (the order of the
-    /// penetrations) and the speed it gives at the contact's natural frequency. Without: a ten-thousandth of the
-    /// island's size, and the speed that covers it in a radian of the cycle. An angle is the length at the longest arm.
+    /// penetrations) and the speed it gives at the contact's natural frequency. Without: a ten-thousandth of
+    /// the island's size, and the speed that covers it in a radian of the cycle. An angle is the length at
+    /// the longest arm.
     pub(super) fn scaled(mut self, scene: &Scene) -> Self {
         const SHARE_OF_CLEARANCE: f64 = 0.01;
         const SHARE_OF_SIZE: f64 = 1e-4;

@@ -1,4 +1,12 @@
-//! Loads of an island: generalised forces on two of its frames, with derivatives.
+//! Loads of an island: generalised forces on two of its frames, with exact derivatives to coordinates, rates
+//! and time.
+//!
+//! Each load has its equation at its type. Generalised forces `(6,)` are (F_x, F_y, M) [N, N, N m] on the
+//! first frame, then on the second.
+//!
+//! # Source
+//! Springs, dampers and actuators as force elements: Nikravesh (1988), Computer-Aided Analysis of Mechanical
+//! Systems.
 
 // In lanes, closures of iterators are not compiled for the instruction set of the loop around them.
 #![allow(clippy::needless_range_loop)]

@@ -1,4 +1,5 @@
-//! Loads that act between prescribed bodies alone: they move nothing, but whoever drives the bodies feels them.
+//! Loads that act between prescribed bodies alone: they move nothing, but whoever drives the bodies feels
+//! them.
 
 use super::frame::Frame;
 use super::load::{IslandLoad, coupled_bodies};

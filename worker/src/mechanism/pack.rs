@@ -45,9 +45,9 @@ pub struct Pack<R> {
     band: Band,
 }
 
-/// Whether an island's motion can be computed in lanes: all its joints have clearance, the local contact law and
-/// no memory. Under the foundation nearly all the time goes into each joint's own arc, and ideal joints are eliminated
-/// one island at a time.
+/// Whether an island's motion can be computed in lanes: all its joints have clearance, the local contact law
+/// and no memory. Under the foundation nearly all the time goes into each joint's own arc, and ideal joints
+/// are eliminated one island at a time.
 pub fn packs(island: &Island) -> bool {
     let simple = |joint: &WearingJoint| {
         matches!(joint.contact, Contact::LocalHertz(_)) && joint.contact.surface().restitution.is_none()

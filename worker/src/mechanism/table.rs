@@ -1,4 +1,9 @@
-//! Functions given by tables: cubics between the points, with the derivatives that drives and loads need.
+//! Piecewise cubic functions through tables of drives and loads, with the derivatives that these need.
+//!
+//! # Source
+//! Monotone cubic: Fritsch, Carlson (1980), SIAM J. Numer. Anal. 17, 238-246, with the slopes of Fritsch,
+//! Butland (1984), SIAM J. Sci. Stat. Comput. 5, 300-304. Cubic spline: de Boor (1978), A Practical Guide to
+//! Splines.
 
 use common::scene::Table;
 use nalgebra::{DMatrix, DVector};
@@ -43,7 +48,8 @@ impl PiecewiseCubic {
         Self::joined(table, slope)
     }
 
-    /// The twice continuously differentiable cubic spline; at rest at both ends unless the table repeats itself.
+    /// The twice continuously differentiable cubic spline; at rest at both ends unless the table repeats
+    /// itself.
     pub fn spline(table: &Table) -> Self {
         let (x, y) = (&table.at, &table.value);
         let n = x.len();

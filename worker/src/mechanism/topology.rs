@@ -14,7 +14,8 @@ use common::scene::{Attachment, JointKind, Load, Motion, Scene};
 /// Splits a checked scene into its islands, in the order of their first bodies.
 ///
 /// # Errors
-/// [`SimulationFailure::NotModelled`] for joints between two prescribed bodies, and for a scene without a mechanism.
+/// [`SimulationFailure::NotModelled`] for joints between two prescribed bodies, and for a scene without a
+/// mechanism.
 pub fn islands(scene: &Scene) -> Result<Vec<Island>, SimulationFailure> {
     if scene.simulator.is_some() {
         return Err(SimulationFailure::NotModelled {

@@ -1,23 +1,29 @@
-//! The two ends of a contact arc under the local law, on a bore tabulated at equal angles.
+//! Ends of a contact arc under `local-hertz`, on a bore tabulated at equal angles.
 //!
-//! The journal's circle, seen from the bushing's centre at angle phi from the eccentricity's direction u, lies at
-//! e cos(phi) + sqrt(R1^2 - e^2 sin^2(phi)) (law of cosines). How far it lies beyond the bore is
+//! The journal's circle, seen from the bushing's centre at angle phi from the eccentricity's direction u,
+//! lies at e cos(phi) + sqrt(R1^2 - e^2 sin^2(phi)) (law of cosines). Its distance beyond the bore is
 //!
-//! p = R1 - R + e cos(phi) - e^2 sin^2(phi) / (2 R1), e = delta + R(u) - R1,
+//! p = R1 - R + e cos(phi) - e^2 sin^2(phi) / (2 R1), e = delta + R(u) - R1 [m],
 //!
-//! the root to second order: the next term is (e/R1)^4 / 8, below 1e-11 m here. The arc ends where p is for the first
-//! time no longer positive at a table angle, and there on the chord from the one before.
+//! with the journal radius R1, the worn bore R and the penetration delta [m]; the root is expanded to second
+//! order: the next term is (e/R1)^4 / 8, below 1e-11 m here. The arc ends at the first table angle where p is
+//! no longer positive, on the chord from the table angle before.
 //!
-//! Whole intervals between control points are passed over where p cannot have a zero: between two angles h apart
-//! it lies above its chord less a parabola of height h^2/8 times the largest p'' there (if that is positive), and
-//! p'' <= -R'' - e cos(phi) + e^2/R1, with R'' linear within an interval and cos(phi) smallest at its far end. The search
-//! starts from where the arc ended before. Both give the end that a walk from angle to angle would find.
+//! The search passes over whole intervals between control points where p cannot have a zero: between two
+//! angles h apart p lies above its chord less a parabola of height h^2/8 times the largest p'' there (if that
+//! is positive), and p'' <= -R'' - e cos(phi) + e^2/R1, with R'' linear within an interval and cos(phi)
+//! smallest at its far end. The search starts from the end found before. Both give the end that a walk from
+//! angle to angle would find.
+//!
+//! # Source
+//! Arc ends by the law of cosines: Cui et al., China Mechanical Engineering 37(6), 2026, 1472-1485,
+//! doi 10.3969/j.issn.1004-132X.2026.06.020. The search is derived here.
 
 use crate::bore::Profile;
 use std::f64::consts::TAU;
 
-/// Table intervals per control point: 1.25 deg at 36 control points; a linear interpolation there misplaces the
-/// ends of a 20 deg arc by 0.2 %.
+/// Table intervals per control point: 1.25 deg at 36 control points; a linear interpolation there misplaces
+/// the ends of a 20 deg arc by 0.2 %.
 pub const SUBDIVISION: usize = 8;
 
 /// A bore as the search sees it.
@@ -110,13 +116,14 @@ impl ArcEnds {
         }
     }
 
-    /// Distances from the direction of the contact at `spot` to the two ends of its arc, downwards and upwards, at
-    /// penetration `penetration` [m], where the bore has radius `radius` [m] and slope `slope` [m/rad]. In table
-    /// intervals; half a turn where the arc does not end.
+    /// Distances from the direction of the contact at `spot` to the two ends of its arc, downwards and
+    /// upwards, at penetration `penetration` [m], where the bore has radius `radius` [m] and slope `slope`
+    /// [m/rad]. In table intervals; half a turn where the arc does not end.
     ///
-    /// A place inside the arc that wears until the circle only grazes it ends the arc there from one instant to the
-    /// next, and what lies behind it counts no more; a second patch behind the end is taken in again where the gap
-    /// between them closes. There the end, and with it the wear rate, is not a continuous function of the profile.
+    /// A place inside the arc that wears until the circle only grazes it ends the arc there from one instant
+    /// to the next, and what lies behind it counts no more; a second patch behind the end is taken in again
+    /// where the gap between them closes. There the end, and with it the wear rate, is not a continuous
+    /// function of the profile.
     pub fn find(&self, spot: &mut Spot, penetration: f64, radius: f64, slope: f64) -> (f64, f64) {
         let e = penetration + radius - self.journal_radius;
         let circle =
@@ -192,7 +199,8 @@ impl ArcEnds {
                 (false, i) => i - 1,
             };
         };
-        // From where it ended before to the last angle inside, if there is certainly none outside before that.
+        // From where it ended before to the last angle inside, if there is certainly none outside before
+        // that.
         let (mut m, mut p) = (sound, depth);
         let mut guess = (*passed).clamp(sound, corner + 1);
         while guess > sound {
@@ -227,14 +235,15 @@ impl ArcEnds {
 /// Whether a chord from `a` to `b` less a parabola of height `sag` >= 0 between them is positive all along.
 #[inline]
 fn positive(a: f64, b: f64, sag: f64) -> bool {
-    // a (1 - t) + b t - 4 sag t (1 - t): where it is steeper than the parabola, the lower end is the least of it.
+    // a (1 - t) + b t - 4 sag t (1 - t): where it is steeper than the parabola, the lower end is the least of
+    // it.
     let fall = a - b;
     let slope = fall + 4.0 * sag;
     a.min(b) > 0.0 && (fall.abs() >= 4.0 * sag || slope * slope < 16.0 * sag * a)
 }
 
-/// End of the arc within the first table interval: positive root of delta + slope x + q x^2, where q makes the
-/// parabola pass through (first, p), p <= 0 < delta; lengths in any one unit, `slope` per that unit.
+/// End of the arc within the first table interval: positive root of delta + slope x + q x^2, where q makes
+/// the parabola pass through (first, p), p <= 0 < delta; lengths in any one unit, `slope` per that unit.
 fn first_end(delta: f64, slope: f64, first: f64, p: f64) -> f64 {
     if delta <= 0.0 || first <= 0.0 {
         return first.max(f64::MIN_POSITIVE);

@@ -1,17 +1,26 @@
-//! Wear under the foundation law: where the frozen force rests on the bore as it is now, and how its pressure is
-//! shared out.
+//! Wear under `foundation`: the pressure that carries a frozen force on the present bore, and its share per
+//! control point.
+//!
+//! Share of control point i: q_i = (F S / |F_el|) integral of kappa g phi_i over the arc [N rad], with the
+//! work F S [N m] of a sample, the equilibrium force F_el [N] of the foundation, its modulus kappa [N/(m
+//! rad)], the gap function g [m] and the hat function phi_i of the point [1]. `archard.rs` multiplies by K_H
+//! / (spacing R2 L), which makes it K_H p_i S.
+//!
+//! # Source
+//! Archard (1953), J. Appl. Phys. 24, 981-988, with the pressure of a Winkler foundation
+//! (`contact/foundation.rs`).
 
 use super::ContactSample;
 use super::rest::{Rest, rest};
 use crate::contact::Foundation;
 
-/// The contact of a sample could not be found again on the present profile; carries what stands in the way over its
-/// bound: the force that is left over, or the penetration where that is beyond the law's range.
+/// The contact of a sample could not be found again on the present profile; carries what stands in the way
+/// over its bound: the force that is left over, or the penetration where that is beyond the law's range.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unbalanced(pub f64);
 
-/// Adds one sample's share under the foundation law: the pressure that carries the frozen force on the present
-/// profile, shared out to the control points by their hat functions, times the work per unit force.
+/// Adds one sample's share under the foundation law: the pressure that carries the frozen force on the
+/// present profile, shared out to the control points by their hat functions, times the work per unit force.
 /// Moves the sample's eccentricity and penetration to the equilibrium found, as the start for the next stage.
 /// Returns how many evaluations of the contact that took.
 ///

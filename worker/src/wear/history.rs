@@ -1,4 +1,12 @@
-//! What the wear of one joint needs to remember of a simulated cycle.
+//! Contact history of one joint over a simulated cycle, averaged over short intervals.
+//!
+//! Each interval is a [`ContactSample`]: eccentricity, penetration and normal force averaged with the weight
+//! F_N |v_t|, the work density of Archard's law [W], and the work F S = integral of F_N |v_t| dt [N m].
+//! Instants without sliding contact have no weight.
+//!
+//! # Source
+//! Archard (1953), J. Appl. Phys. 24, 981-988: wear is proportional to the work F S. The averaging is chosen
+//! here.
 
 use crate::contact::JointForce;
 

@@ -1,18 +1,28 @@
-//! Wear under the local law: every sample of the contact shares its work out evenly over its arc on the present bore.
+//! Wear under `local-hertz`: each contact sample distributes its work evenly over its contact arc on the
+//! present bore.
+//!
+//! Share of control point i: q_i = sum F S a_i / |AB| [N], with the work F S [N m] of a sample, the length
+//! |AB| [m] of its arc along the worn bore (Simpson's rule over the angle) and the degree a_i in [0, 1] to
+//! which the point lies inside the arc. a_i rises linearly over [`ENTRY`] at both ends of the arc, which
+//! makes the rate continuous in the profile. `archard.rs` multiplies by K_H / L.
+//!
+//! # Source
+//! Cui et al., China Mechanical Engineering 37(6), 2026, 1472-1485, doi 10.3969/j.issn.1004-132X.2026.06.020:
+//! every control point inside the arc AB receives K_H F S / (|AB| L). The linear entry is added here.
 
 use super::ContactSample;
 use super::arc_ends::{ArcEnds, SUBDIVISION, Spot};
 use crate::bore::{Profile, Radius};
 use std::f64::consts::TAU;
 
-/// Width over which a control point enters the arc [rad]: half a degree, below the distance the arc's end moves
-/// between two samples, so that the wear rate is a smooth function of the profile.
+/// Width over which a control point enters the arc [rad]: half a degree, below the distance the arc's end
+/// moves between two samples, so that the wear rate is a smooth function of the profile.
 pub const ENTRY: f64 = 0.5 * TAU / 360.0;
 
 /// The contacts of a frozen history, and the bore they are found on.
 ///
-/// The direction of the eccentricity and the penetration stay as they were, so that a sample's angle is found once
-/// for all stages of a wear step.
+/// The direction of the eccentricity and the penetration stay as they were, so that a sample's angle is found
+/// once for all stages of a wear step.
 #[derive(Debug, Clone)]
 pub struct LocalArcs {
     ends: ArcEnds,
@@ -76,8 +86,8 @@ impl LocalArcs {
     }
 }
 
-/// Adds `share` at the control points from `start` to `end`, counted in control points from that at angle zero; at the
-/// ends of the arc in proportion to how far a point has entered it over the width [`ENTRY`].
+/// Adds `share` at the control points from `start` to `end`, counted in control points from that at angle
+/// zero; at the ends of the arc in proportion to how far a point has entered it over the width [`ENTRY`].
 #[inline]
 fn enter(unrolled: &mut [f64], points: usize, start: f64, end: f64, share: f64) {
     let per_width = TAU / (ENTRY * points as f64);

@@ -12,7 +12,8 @@ const R1: f64 = 1.5e-3;
 const COEFFICIENT: f64 = 1.288e-13;
 const WIDTH: f64 = 4e-3;
 
-/// Distance from direction `psi` to the end of the arc on the side of `sign`, by a walk over the table's angles [rad].
+/// Distance from direction `psi` to the end of the arc on the side of `sign`, by a walk over the table's
+/// angles [rad].
 fn walked(profile: &Profile, psi: f64, penetration: f64, sign: f64) -> f64 {
     let n = SUBDIVISION * profile.points();
     let spacing = TAU / n as f64;

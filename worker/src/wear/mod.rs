@@ -1,4 +1,9 @@
-//! How a bore wears: Archard's law over a cycle's contact history, and the wear step over a block of cycles.
+//! Wear of a bore: Archard's law over the contact history of a cycle, and the wear step over a block of
+//! cycles.
+//!
+//! Order of use: `history` records contact samples; `archard` turns them into a wear rate on the present
+//! profile, for `local-hertz` by `local_arcs` and `arc_ends`, for `foundation` by `conformal` and `rest`;
+//! `step` integrates that rate over a block.
 
 mod arc_ends;
 mod archard;

@@ -1,31 +1,38 @@
-//! Where a force comes to rest on a bore: the eccentricity at which the foundation carries it.
+//! Equilibrium eccentricity of a given force on a worn bore with an elastic foundation.
 //!
-//! The foundation's potential U is convex in e: V, half the integral of the squared gap, is a sum of squares of positive
-//! parts of functions linear in e, and U grows with V ever faster (the modulus dU/dV grows). So U(e) - F.e has one
-//! minimum, and there dU/de = F. Newton's method finds it from nearby; along its direction the slope of that function
-//! only ever grows, so that a step too long shows by the slope's sign and can be cut back to a lower value.
+//! Solves dU/de = F for the eccentricity e [m], with the force F [N] and the foundation's potential U(e) [J].
+//! U is convex in e: V, half the integral of the squared gap, is a sum of squares of positive parts of
+//! functions linear in e, and U grows with V at an increasing rate (the modulus dU/dV grows). So U(e) - F.e
+//! has one minimum, and there dU/de = F. Newton's method finds it from nearby; along its direction the slope
+//! of that function only increases, so that a step too long shows by the slope's sign and is cut back to a
+//! lower value.
 //!
-//! Far off, the arc of a light contact is too narrow to tell where the next one will be, and Newton's method creeps.
-//! Then the rest is followed from a load heavy enough for a wide arc down to the one wanted.
+//! Far off, the arc of a light contact is too narrow to predict the next one, and Newton's method creeps.
+//! Then the equilibrium is followed from a load heavy enough for a wide arc down to the load wanted.
+//!
+//! # Source
+//! Damped Newton method for a convex function: Nocedal, Wright (2006), Numerical Optimization, chapters 3 and
+//! 6. Potential: `contact/foundation.rs`.
 
 use super::Unbalanced;
 use crate::contact::{Foundation, Pressing, equivalent_penetration};
 
 /// Relative residual below which a force counts as carried.
 pub const BALANCED: f64 = 1e-6;
-/// Rounding of a gap, over the journal's radius. What it does to the force is more than BALANCED of forces that
-/// press less than some 1e-12 m deep: means of a stretch in which the journal struck both sides of its bore.
+/// Rounding of a gap, over the journal's radius. What it does to the force is more than BALANCED of forces
+/// that press less than some 1e-12 m deep: means of a stretch in which the journal struck both sides of its
+/// bore.
 pub const RESOLVED: f64 = 4.0 * f64::EPSILON;
 /// Least depth of a contact that is looked for, in such roundings; a lighter force rests where that one does.
 const LEAST: f64 = 16.0;
 /// Contact below this share of the force sought counts as too weak to linearise.
 const WEAK: f64 = 0.2;
-/// Evaluations of the contact from nearby, and at each load on the way down from a heavy one: of 120 000 forces on bores
-/// with spikes between their points, ten took more than 60 at one load, none more than 400.
+/// Evaluations of the contact from nearby, and at each load on the way down from a heavy one: of 120 000
+/// forces on bores with spikes between their points, ten took more than 60 at one load, none more than 400.
 pub const NEARBY: u32 = 12;
 const EACH: u32 = 400;
-/// By how much the load is let off at a time: the penetration of a round bore falls to a quarter, and Newton's
-/// method follows without a step cut back.
+/// By how much the load is let off at a time: the penetration of a round bore falls to a quarter, and
+/// Newton's method follows without a step cut back.
 const LET_OFF: f64 = 0.125;
 /// Energy differences below this share of the energies are rounding.
 const ROUNDING: f64 = 1e-15;
@@ -41,8 +48,8 @@ pub struct Rest {
     pub evaluations: u32,
 }
 
-/// Eccentricity at which the elastic force of `law` is `force` `(2,)`, not zero [N]; `start` is where it may be near
-/// `(2,)` [m].
+/// Eccentricity at which the elastic force of `law` is `force` `(2,)`, not zero [N]; `start` is where it may
+/// be near `(2,)` [m].
 ///
 /// # Errors
 /// [`Unbalanced`] if the force is beyond the law's range, or the bore is not one of finite numbers.
@@ -96,9 +103,9 @@ struct Point {
     height: f64,
 }
 
-/// The minimum of U - F.e from `start`, by Newton's method cut back along its direction, with so many evaluations of
-/// the contact. From no contact, or next to none, the journal moves outward along the load, by the penetration of
-/// that force on an unworn bore at a time.
+/// The minimum of U - F.e from `start`, by Newton's method cut back along its direction, with so many
+/// evaluations of the contact. From no contact, or next to none, the journal moves outward along the load, by
+/// the penetration of that force on an unworn bore at a time.
 fn descend(
     law: &Foundation,
     force: [f64; 2],

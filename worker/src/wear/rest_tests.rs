@@ -58,7 +58,8 @@ fn on_a_round_bore_a_force_rests_at_hertz_penetration() {
     let law = law(clearance, &[0.0; POINTS]);
     for force in [1.0, 30.0, 1000.0] {
         let depth = (force / law.surface().stiffness).powf(2.0 / 3.0);
-        // Half the arc spans m intervals, which puts the force within 0.025 / m^3; the modulus is fitted within 4e-4.
+        // Half the arc spans m intervals, which puts the force within 0.025 / m^3; the modulus is fitted
+        // within 4e-4.
         let spanned = (2.0 * depth / clearance).sqrt() * law.arc().intervals() as f64 / TAU;
         let bound = 4e-4 + 0.025 / spanned.powi(3);
         for psi in [0.1, 2.0, 4.4] {

@@ -1,15 +1,19 @@
-//! One wear step of one joint: dh/dN = rate(h) over a block of cycles, by a stabilised explicit method.
+//! Wear step of one joint: integrates dh/dN = rate(h) over a block of cycles by a stabilised explicit method.
 //!
-//! Second-order Runge-Kutta-Chebyshev with as many stages as the stiffness of the unloading asks for, sub-steps
-//! by its embedded error estimate.
+//! Second-order Runge-Kutta-Chebyshev method: wear depth h `(points,)` [m], cycles N, wear rate [m/cycle] of
+//! `archard.rs` under a frozen contact history. A sub-step of H cycles takes s >= 2 stages, of which s^2
+//! grows with H times the spectral radius of -d rate/dh (stable up to about 0.65 s^2); its length follows
+//! from the embedded error estimate 0.8 (y0 - y1) + 0.4 H (f0 + f1).
 //!
-//! What is bounded is the sum of the error estimates over the block: a sub-step may use up what the ones before it left
-//! of their share. Where an end of the local law's contact arc jumps, the wear rate jumps too, and the estimate of the
-//! sub-step in which it does is in proportion to its length, however small: no bound in proportion to that length
-//! could ever be met there.
+//! The tolerance bounds the sum of the error estimates over the block: a sub-step may use up what earlier
+//! ones left of their share. Where an end of the local law's contact arc jumps, the wear rate jumps too, and
+//! the estimate of that sub-step is proportional to its length, however small: a bound proportional to that
+//! length could never be met there.
 //!
 //! # Source
-//! Sommeijer, Shampine, Verwer (1998), RKC: an explicit solver for parabolic PDEs.
+//! Sommeijer, Shampine, Verwer (1998), RKC: an explicit solver for parabolic PDEs, J. Comput. Appl. Math. 88,
+//! 315-326; van der Houwen, Sommeijer (1980), ZAMM 60, 479-485. Blocks of cycles under a frozen history: Cui
+//! et al. as cited in `archard.rs`.
 
 use super::WearRate;
 use super::conformal::Unbalanced;
@@ -26,7 +30,8 @@ pub struct WearStepStats {
     pub stages: u64,
     /// Sub-steps refused and shortened.
     pub rejected: u64,
-    /// Control points held where a sub-step would have given material back, each counted in every such sub-step.
+    /// Control points held where a sub-step would have given material back, each counted in every such
+    /// sub-step.
     pub held: u64,
 }
 
@@ -63,15 +68,15 @@ pub struct WearStep {
 
 /// Most stages of one sub-step.
 const MOST_STAGES: usize = 50;
-/// Sub-steps are at least this fraction of the block. With the flapping-wing's histories under `local-hertz`, 1/1024
-/// without credit refused tolerances of 1e-3 and below; this refuses 2e-4 and below.
+/// Sub-steps are at least this fraction of the block. With the flapping-wing's histories under `local-hertz`,
+/// 1/1024 without credit refused tolerances of 1e-3 and below; this refuses 2e-4 and below.
 const SMALLEST: f64 = 1.0 / 16384.0;
 /// Credit with which a block starts, as a share of the error it is allowed.
 const FIRST_CREDIT: f64 = 1.0 / 16.0;
 /// Share of the credit that one sub-step may use up.
 const SPENDABLE: f64 = 0.5;
-/// Displacement by which the stiffness is probed [m]: a tenth of the penetrations and more, so that kinks of the
-/// rate are averaged over.
+/// Displacement by which the stiffness is probed [m]: a tenth of the penetrations and more, so that kinks of
+/// the rate are averaged over.
 const PROBE: f64 = 1e-8;
 
 impl WearStep {
@@ -91,9 +96,9 @@ impl WearStep {
         }
     }
 
-    /// Finds the rate of the history now in `rate` at `depth`, which ends the block before. Half of what that rate
-    /// differs from the one the block ended with, times the block, is the error of having frozen the history
-    /// (trapezoidal against rectangular rule).
+    /// Finds the rate of the history now in `rate` at `depth`, which ends the block before. Half of what that
+    /// rate differs from the one the block ended with, times the block, is the error of having frozen the
+    /// history (trapezoidal against rectangular rule).
     ///
     /// # Errors
     /// [`WearStepFailed`] if the frozen force finds no rest on that bore.
@@ -118,20 +123,21 @@ impl WearStep {
         Ok(())
     }
 
-    /// Estimated error of the depth at every control point, from the sub-steps and from the frozen histories of
-    /// all blocks but the last, signed `(points,)` [m].
+    /// Estimated error of the depth at every control point, from the sub-steps and from the frozen histories
+    /// of all blocks but the last, signed `(points,)` [m].
     pub fn error_behind(&self) -> &[f64] {
         &self.behind
     }
 
-    /// Length of the last block whose end was renewed [cycle], and how much having frozen its history may have added at
-    /// any control point [m].
+    /// Length of the last block whose end was renewed [cycle], and how much having frozen its history may
+    /// have added at any control point [m].
     pub fn frozen(&self) -> (f64, f64) {
         self.frozen
     }
 
-    /// Advances `depth` by `cycles` under the frozen history in `rate`. `mark` sees the depth at each of `marks`
-    /// (increasing, within the block, counted from its start), by cubic Hermite interpolation in a sub-step.
+    /// Advances `depth` by `cycles` under the frozen history in `rate`. `mark` sees the depth at each of
+    /// `marks` (increasing, within the block, counted from its start), by cubic Hermite interpolation in a
+    /// sub-step.
     ///
     /// # Errors
     /// [`WearStepFailed`] if a sub-step of the smallest length still misses the tolerance.
@@ -235,7 +241,8 @@ impl WearStep {
     }
 
     /// Largest eigenvalue of -d rate/d depth at `depth`, where the rate is f0, with a margin of a quarter
-    /// [1/cycle]: a step of the power method from the stiffest direction of the block before, two at the start.
+    /// [1/cycle]: a step of the power method from the stiffest direction of the block before, two at the
+    /// start.
     fn spectral_radius(
         &mut self,
         rate: &mut WearRate,

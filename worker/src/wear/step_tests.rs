@@ -1,5 +1,5 @@
-//! The wear step under a frozen contact history: its order, its agreement with many small steps, and that it does not
-//! zig-zag however long its blocks are.
+//! The wear step under a frozen contact history: its order, its agreement with many small steps, and that it
+//! does not zig-zag however long its blocks are.
 
 use super::{ContactHistory, WearRate, WearStep, WearStepStats};
 use crate::bore::Profile;
@@ -24,8 +24,8 @@ fn foundation() -> Contact {
     Contact::Foundation(Foundation::new(SURFACE, POINTS))
 }
 
-/// A cycle like those of the flapping-wing's rods: the load swings through a wide angle and back, grows to 6 N on
-/// one side and turns round quickly on the other; 9 mm of sliding in the cycle.
+/// A cycle like those of the flapping-wing's rods: the load swings through a wide angle and back, grows to 6
+/// N on one side and turns round quickly on the other; 9 mm of sliding in the cycle.
 fn cycle() -> ContactHistory {
     const SAMPLES: u32 = 300;
     let mut history = ContactHistory::new(1.0, SAMPLES as usize);
@@ -102,8 +102,8 @@ const ANY: f64 = 1e9;
 
 #[test]
 fn order_two_is_observed() {
-    // From a bore worn for 4000 cycles, 2000 more in 8 to 64 steps. Where the pressure ends within the arc its
-    // derivative has kinks, so single halvings scatter about the order.
+    // From a bore worn for 4000 cycles, 2000 more in 8 to 64 steps. Where the pressure ends within the arc
+    // its derivative has kinks, so single halvings scatter about the order.
     let contact = foundation();
     let start = wear(&contact, &[0.0; POINTS], 8, 500.0, 1e-4).depth;
     let after = |steps: u32| wear(&contact, &start, steps, 2000.0 / f64::from(steps), ANY).depth;
@@ -156,7 +156,8 @@ fn blocks_of_any_length_agree_with_small_steps_and_do_not_zig_zag() {
 
 #[test]
 fn following_a_rest_through_a_block_costs_a_few_evaluations() {
-    // Newton's method from the rest on the bore of the stage before: one evaluation there and two or three steps.
+    // Newton's method from the rest on the bore of the stage before: one evaluation there and two or three
+    // steps.
     let mut rate = rate(&foundation());
     let (mut step, mut stats) = (WearStep::new(POINTS, 2e-2), WearStepStats::default());
     let mut depth = vec![0.0; POINTS];
@@ -185,8 +186,8 @@ fn what_a_step_would_give_back_is_held_and_counted() {
 
 #[test]
 fn the_local_law_takes_tight_tolerances_and_keeps_them() {
-    // The ends of its contact arc jump, and the wear rate with them: the errors made there are part of the sum that
-    // the tolerance bounds.
+    // The ends of its contact arc jump, and the wear rate with them: the errors made there are part of the
+    // sum that the tolerance bounds.
     let contact = Contact::LocalHertz(LocalHertz { surface: SURFACE });
     let zero = [0.0; POINTS];
     let fine = wear(&contact, &zero, 4, 2000.0, 2e-5).depth;

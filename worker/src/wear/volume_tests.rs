@@ -34,7 +34,8 @@ fn foundation() -> Contact {
     Contact::Foundation(Foundation::new(SURFACE, POINTS))
 }
 
-/// A history with the same force and sliding in each of these directions, the work of a cycle shared between them.
+/// A history with the same force and sliding in each of these directions, the work of a cycle shared between
+/// them.
 fn history(directions: &[f64]) -> ContactHistory {
     let mut history = ContactHistory::new(1.0, directions.len());
     let penetration = (FORCE / SURFACE.stiffness).powf(2.0 / 3.0);
@@ -104,8 +105,9 @@ fn pressure_over_force(depth: &[f64]) -> f64 {
 
 #[test]
 fn foundation_wears_the_volume_its_pressure_asks_for() {
-    // A constant force in a fixed direction. Pressures of a wide arc add up to more than their resultant, so the
-    // volume is K_H S times the integral of the pressure; in the narrow arc of a new bore that is K_H F S.
+    // A constant force in a fixed direction. Pressures of a wide arc add up to more than their resultant, so
+    // the volume is K_H S times the integral of the pressure; in the narrow arc of a new bore that is K_H F
+    // S.
     let mut rate = rate(&foundation(), &history(&[0.0]));
     let mut depth = vec![0.0; POINTS];
     let cell = TAU / POINTS as f64 * (SURFACE.journal_radius + SURFACE.clearance) * WIDTH;
