@@ -33,7 +33,7 @@ fn worn_joint(law: ContactLaw) -> (Contact, Profile) {
     let angle = |k: usize| std::f64::consts::TAU * k as f64 / points as f64;
     let depth: Vec<f64> = (0..points).map(|k| 2.5e-6 * (1.0 + angle(k).cos())).collect();
     profile.set_depth(&depth);
-    let mut contact = Contact::of(&clearance);
+    let mut contact = Contact::new(&clearance);
     contact.profile_changed(&profile);
     (contact, profile)
 }
@@ -44,7 +44,7 @@ fn motions(profile: &Profile, journal_radius: f64) -> Vec<JointMotion> {
         .map(|k| {
             let psi = 0.1 * f64::from(k);
             let depth = 0.2e-6 * f64::from(1 + k * 7 % 10);
-            let r = profile.at(psi % std::f64::consts::TAU).r - journal_radius + depth;
+            let r = profile.radius_at(psi % std::f64::consts::TAU).r - journal_radius + depth;
             let w = [0.01 * psi.sin(), -0.02 * psi.cos()];
             JointMotion { e: [r * psi.cos(), r * psi.sin()], w, omega_journal: 20.0, omega_bushing: -5.0 }
         })

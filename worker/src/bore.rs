@@ -5,35 +5,37 @@
 //! continuously differentiable. With M_i = w''(psi_i) (2 pi / N)^2 [m], the spline solves the periodic
 //! tridiagonal system M_{i-1} + 4 M_i + M_{i+1} = 6 (w_{i-1} - 2 w_i + w_{i+1}).
 //!
-//! Between control points beside a deep spot the spline may dip slightly below the unworn radius.
+//! Between control points next to a deep spot the spline may dip slightly below the unworn radius.
 //!
 //! # Source
 //! de Boor (1978), A Practical Guide to Splines.
 
+use crate::extremum::{largest, smallest};
+use crate::interpolate::{Cubic, PeriodicTridiagonal};
 use crate::lanes::Real;
 use std::f64::consts::TAU;
 
 /// Radius of the bore and its derivatives to the angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Radius<R = f64> {
-    /// R(psi) [m].
+    /// Radius R(psi) of the bore [m].
     pub r: R,
-    /// dR/dpsi [m/rad].
+    /// First derivative dR/dpsi [m/rad].
     pub d1: R,
-    /// d2R/dpsi2 [m/rad^2].
+    /// Second derivative d2R/dpsi2 [m/rad^2].
     pub d2: R,
 }
 
-/// A bore in each lane.
+/// A bore, or one bore per lane.
 pub trait Bore<R: Real> {
     /// Radius and derivatives at angle `psi` in (-2 pi, 2 pi) [rad].
-    fn at(&self, psi: R) -> Radius<R>;
+    fn radius_at(&self, psi: R) -> Radius<R>;
 }
 
 impl Bore<f64> for Profile {
     #[inline(always)]
-    fn at(&self, psi: f64) -> Radius {
-        Profile::at(self, psi)
+    fn radius_at(&self, psi: f64) -> Radius {
+        Profile::radius_at(self, psi)
     }
 }
 
@@ -52,55 +54,7 @@ pub struct Profile {
     smallest_radius: f64,
     /// Second derivatives at the control points times the squared spacing `(n,)` [m].
     bend: Vec<f64>,
-    circle: Circulant,
-}
-
-/// The matrix with 4 on its diagonal and 1 beside it, all round, factorised: A + u v' with A tridiagonal,
-/// u = (g, 0, .., 1), v = (1, 0, .., 1/g), g = -4 (Sherman-Morrison).
-#[derive(Debug, Clone, PartialEq)]
-struct Circulant {
-    /// Inverse pivots of A `(n,)`.
-    inverse: Vec<f64>,
-    /// A^-1 u `(n,)`.
-    z: Vec<f64>,
-    /// 1 / (1 + v'z).
-    share: f64,
-}
-
-/// g of [`Circulant`].
-const GAMMA: f64 = -4.0;
-
-impl Circulant {
-    fn new(n: usize) -> Self {
-        let (mut inverse, mut z) = (vec![1.0 / (4.0 - GAMMA); n], vec![0.0; n]);
-        for i in 1..n {
-            let diagonal = if i == n - 1 { 4.0 - 1.0 / GAMMA } else { 4.0 };
-            inverse[i] = 1.0 / (diagonal - inverse[i - 1]);
-        }
-        (z[0], z[n - 1]) = (GAMMA, 1.0);
-        eliminate(&inverse, &mut z);
-        let share = 1.0 / (1.0 + z[0] + z[n - 1] / GAMMA);
-        Circulant { inverse, z, share }
-    }
-
-    /// Replaces the right-hand side `y` by the solution.
-    fn solve(&self, y: &mut [f64]) {
-        eliminate(&self.inverse, y);
-        let factor = (y[0] + y[y.len() - 1] / GAMMA) * self.share;
-        y.iter_mut().zip(&self.z).for_each(|(y, z)| *y -= factor * z);
-    }
-}
-
-/// Solves A x = y by the inverse pivots of A; x takes the place of y.
-fn eliminate(inverse: &[f64], y: &mut [f64]) {
-    let n = y.len();
-    y[0] *= inverse[0];
-    for i in 1..n {
-        y[i] = (y[i] - y[i - 1]) * inverse[i];
-    }
-    for i in (0..n - 1).rev() {
-        y[i] -= inverse[i] * y[i + 1];
-    }
+    spline: PeriodicTridiagonal,
 }
 
 impl Profile {
@@ -113,9 +67,9 @@ impl Profile {
             per_radian: points as f64 / TAU,
             smallest_radius: initial_radius,
             bend: vec![0.0; points],
-            circle: Circulant::new(points),
+            spline: PeriodicTridiagonal::new(points),
         };
-        profile.join();
+        profile.fit_spline();
         profile
     }
 
@@ -129,7 +83,7 @@ impl Profile {
         self.depth.len()
     }
 
-    /// A lower bound of R over the whole bore [m]: beside a deep spot the spline may dip below the initial
+    /// A lower bound of R over the whole bore [m]: next to a deep spot the spline may dip below the initial
     /// radius a little. The smallest Bezier ordinate of the cubics.
     pub fn smallest_radius(&self) -> f64 {
         self.smallest_radius
@@ -142,18 +96,18 @@ impl Profile {
 
     /// Largest wear depth of the control points [m].
     pub fn largest_depth(&self) -> f64 {
-        self.depth.iter().fold(0.0, |a: f64, &b| a.max(b))
+        largest(self.depth.iter().copied())
     }
 
-    /// Replaces the wear depths and joins them anew.
+    /// Replaces the wear depths by `depth` `(n,)` [m] and recomputes the spline.
     pub fn set_depth(&mut self, depth: &[f64]) {
         self.depth.copy_from_slice(depth);
-        self.join();
+        self.fit_spline();
     }
 
     /// Radius and derivatives at angle `psi` in (-2 pi, 2 pi) [rad].
     #[inline(always)]
-    pub fn at(&self, psi: f64) -> Radius {
+    pub fn radius_at(&self, psi: f64) -> Radius {
         look_up(psi, self.per_radian, |_| self.cubic.as_slice())
     }
 
@@ -171,8 +125,7 @@ impl Profile {
         let floor = from as usize;
         let s = from - floor as f64;
         let once = if floor >= n { floor - n } else { floor };
-        let [a, b, c, d] = self.cubic[if once >= n { once - n } else { once }];
-        a + s * (b + s * (c + s * d))
+        Cubic(self.cubic[if once >= n { once - n } else { once }]).value(s)
     }
 
     /// Coefficients of the cubics, R = a + s (b + s (c + s d)) in the fraction s of each interval `(n, 4)`
@@ -185,23 +138,20 @@ impl Profile {
     pub fn tabulate(&self, table: &mut [f64]) {
         let sub = table.len() / self.cubic.len();
         for (interval, chunk) in self.cubic.iter().zip(table.chunks_exact_mut(sub)) {
-            let [a, b, c, d] = *interval;
             for (j, value) in chunk.iter_mut().enumerate() {
-                let s = j as f64 / sub as f64;
-                *value = a + s * (b + s * (c + s * d));
+                *value = Cubic(*interval).value(j as f64 / sub as f64);
             }
         }
     }
 
-    /// The same, each value moved by -R'' spacing^2 / 12, so that the chords between the values have the mean
-    /// of the arcs they stand for to fourth order [m].
+    /// Fills `table` as [`Self::tabulate`] does, each value moved by -R'' spacing^2 / 12, so that the chords
+    /// between the values have the mean of the arcs they stand for to fourth order [m].
     pub fn tabulate_chords(&self, table: &mut [f64]) {
         self.tabulate(table);
         let sub = table.len() / self.cubic.len();
-        for ([_, _, c, d], chunk) in self.cubic.iter().zip(table.chunks_exact_mut(sub)) {
+        for (interval, chunk) in self.cubic.iter().zip(table.chunks_exact_mut(sub)) {
             for (j, value) in chunk.iter_mut().enumerate() {
-                let s = j as f64 / sub as f64;
-                *value -= (2.0 * c + 6.0 * s * d) / (12.0 * (sub * sub) as f64);
+                *value -= Cubic(*interval).curvature(j as f64 / sub as f64) / (12.0 * (sub * sub) as f64);
             }
         }
     }
@@ -210,7 +160,7 @@ impl Profile {
     ///
     /// With M_i the second derivative times the squared spacing: M_{i-1} + 4 M_i + M_{i+1} = 6 (w_{i-1} - 2
     /// w_i + w_{i+1}).
-    fn join(&mut self) {
+    fn fit_spline(&mut self) {
         let n = self.depth.len();
         let (w, m) = (&self.depth, &mut self.bend);
         let second = |before: f64, at: f64, after: f64| 6.0 * (before - 2.0 * at + after);
@@ -219,20 +169,21 @@ impl Profile {
             *m = second(w[0], w[1], w[2]);
         }
         m[n - 1] = second(w[n - 2], w[n - 1], w[0]);
-        self.circle.solve(m);
+        self.spline.solve(m);
         for i in 0..n {
             let next = if i + 1 == n { 0 } else { i + 1 };
             let (m0, m1, w0, w1) = (m[i], m[next], w[i], w[next]);
             self.cubic[i] =
                 [self.initial_radius + w0, w1 - w0 - (2.0 * m0 + m1) / 6.0, 0.5 * m0, (m1 - m0) / 6.0];
         }
-        let smallest =
+        let bezier =
             |[a, b, c, d]: &[f64; 4]| a.min(a + b / 3.0).min(a + (2.0 * b + c) / 3.0).min(a + b + c + d);
-        self.smallest_radius = self.cubic.iter().map(smallest).fold(f64::INFINITY, f64::min);
+        self.smallest_radius = smallest(self.cubic.iter().map(bezier));
     }
 }
 
-/// Radius and derivatives of bores with as many control points each: `table(k)` holds the cubics of lane k.
+/// Radius and derivatives of bores with equal numbers of control points: `table(k)` holds the cubics of lane
+/// k.
 #[inline(always)]
 fn look_up<'a, R: Real>(psi: R, per_radian: f64, table: impl Fn(usize) -> &'a [[f64; 4]]) -> Radius<R> {
     let mut place = psi.zero();
@@ -244,7 +195,7 @@ fn look_up<'a, R: Real>(psi: R, per_radian: f64, table: impl Fn(usize) -> &'a [[
         if x < 0.0 {
             x += n as f64;
         }
-        // What is not a number has the first interval, and stays what it is.
+        // NaN takes the first interval, and stays NaN.
         let floor = x as usize;
         place.set_lane(lane, x - floor as f64);
         let interval = &table[if floor >= n { (floor - n).min(n - 1) } else { floor }];
@@ -262,14 +213,14 @@ fn cubic_at<R: Real>([a, b, c, d]: [R; 4], s: R, k: f64) -> Radius<R> {
     Radius { r: a + s * (b + s * (c + s * d)), d1: (b + s * (c2 + d3)) * k, d2: (c2 + d3 * 2.0) * (k * k) }
 }
 
-/// A bore per lane, all with as many control points.
+/// One bore per lane, all with the same number of control points.
 #[derive(Debug, Clone)]
 pub struct Bores {
     profiles: Vec<Profile>,
 }
 
 impl Bores {
-    /// These bores, one per lane.
+    /// One bore per lane, all with the same number of control points.
     pub fn new(profiles: Vec<Profile>) -> Self {
         Bores { profiles }
     }
@@ -282,7 +233,7 @@ impl Bores {
 
 impl<R: Real> Bore<R> for Bores {
     #[inline(always)]
-    fn at(&self, psi: R) -> Radius<R> {
+    fn radius_at(&self, psi: R) -> Radius<R> {
         look_up(psi, self.profiles[0].per_radian, |lane| self.profiles[lane].cubic.as_slice())
     }
 }
@@ -303,9 +254,9 @@ mod tests {
     fn interpolates_its_control_points_and_closes() {
         let p = bumpy(36);
         for (i, d) in p.depth().iter().enumerate() {
-            assert!((p.at(TAU * i as f64 / 36.0).r - 1.5e-3 - d).abs() < 1e-17);
+            assert!((p.radius_at(TAU * i as f64 / 36.0).r - 1.5e-3 - d).abs() < 1e-17);
         }
-        let (a, b) = (p.at(-1e-12), p.at(1e-12));
+        let (a, b) = (p.radius_at(-1e-12), p.radius_at(1e-12));
         assert!((a.r - b.r).abs() < 1e-15 && (a.d1 - b.d1).abs() < 1e-15 && (a.d2 - b.d2).abs() < 1e-14);
     }
 
@@ -316,7 +267,7 @@ mod tests {
             (0..1000)
                 .map(|k| {
                     let psi = TAU * (k as f64 + 0.5) / 1000.0;
-                    (p.at(psi).r - 1.5e-3 - 1e-5 * (1.0 + psi.cos())).abs()
+                    (p.radius_at(psi).r - 1.5e-3 - 1e-5 * (1.0 + psi.cos())).abs()
                 })
                 .fold(0.0, f64::max)
         };
@@ -330,8 +281,9 @@ mod tests {
         let mut depth = vec![0.0; 36];
         depth[7..10].copy_from_slice(&[1e-5, 2e-5, 1e-5]);
         profile.set_depth(&depth);
-        let smallest = (0..7200).map(|k| profile.at(TAU * k as f64 / 7200.0).r).fold(f64::INFINITY, f64::min);
-        assert!(smallest < 1.5e-3 - 1e-7, "the spline dips beside the spot");
+        let smallest =
+            (0..7200).map(|k| profile.radius_at(TAU * k as f64 / 7200.0).r).fold(f64::INFINITY, f64::min);
+        assert!(smallest < 1.5e-3 - 1e-7, "the spline dips next to the spot");
         let bound = profile.smallest_radius();
         assert!(bound <= smallest && smallest - bound < 2e-6, "{bound} against {smallest}");
     }
@@ -341,9 +293,11 @@ mod tests {
         let p = bumpy(36);
         for k in 0..50 {
             let (psi, h) = (0.05 + 0.12 * k as f64, 1e-5);
-            let at = p.at(psi);
-            assert!(((p.at(psi + h).r - p.at(psi - h).r) / (2.0 * h) - at.d1).abs() < 1e-10);
-            assert!(((p.at(psi + h).d1 - p.at(psi - h).d1) / (2.0 * h) - at.d2).abs() < 1e-9);
+            let exact = p.radius_at(psi);
+            assert!(((p.radius_at(psi + h).r - p.radius_at(psi - h).r) / (2.0 * h) - exact.d1).abs() < 1e-10);
+            assert!(
+                ((p.radius_at(psi + h).d1 - p.radius_at(psi - h).d1) / (2.0 * h) - exact.d2).abs() < 1e-9
+            );
         }
     }
 
@@ -355,8 +309,8 @@ mod tests {
             let spacing = TAU / table.len() as f64;
             (0..table.len())
                 .map(|k| {
-                    let at = |s: f64| p.at(spacing * (k as f64 + s)).r;
-                    let mean = (at(0.0) + 4.0 * at(0.5) + at(1.0)) / 6.0;
+                    let radius = |s: f64| p.radius_at(spacing * (k as f64 + s)).r;
+                    let mean = (radius(0.0) + 4.0 * radius(0.5) + radius(1.0)) / 6.0;
                     0.5 * (table[k] + table[(k + 1) % table.len()]) - mean
                 })
                 .fold(0.0, |a: f64, b| a.max(b.abs()))
@@ -376,7 +330,7 @@ mod tests {
         let mut table = vec![0.0; 288];
         p.tabulate(&mut table);
         for (k, value) in table.iter().enumerate() {
-            assert!((value - p.at(TAU * k as f64 / 288.0).r).abs() < 1e-17);
+            assert!((value - p.radius_at(TAU * k as f64 / 288.0).r).abs() < 1e-17);
         }
     }
 }

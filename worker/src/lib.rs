@@ -7,12 +7,15 @@
 pub mod bore;
 pub mod contact;
 pub mod extremes;
+mod extremum;
 pub mod integrate;
+mod interpolate;
 pub mod lanes;
 pub mod life;
 pub mod log;
 pub mod mechanism;
 pub mod outputs;
+mod plane;
 pub mod quasi_static;
 pub mod service;
 pub mod simulate;

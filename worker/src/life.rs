@@ -1,5 +1,7 @@
 //! The life as a sequence of blocks, and outputs between the cycles that were simulated.
 
+use crate::interpolate::{Cubic, fritsch_butland};
+
 /// Cycles at which a cycle is simulated: 0, then a graded first block (a new bore wears fastest), then every
 /// `jump` cycles (rounded to the checkpoints), to the end of life.
 pub fn boundaries(cycles: u32, jump: u32, every: u32) -> Vec<u32> {
@@ -128,12 +130,7 @@ pub fn at_checkpoints(lives: &[u32], values: &[f64], checkpoints: &[u32]) -> Vec
             let d = ((2.0 * h0 + h1) * s0 - h0 * s1) / (h0 + h1);
             return if d * s0 <= 0.0 { 0.0 } else { d.abs().min(3.0 * s0.abs()).copysign(s0) };
         }
-        let (a, b) = (secant[k - 1], secant[k]);
-        if a * b <= 0.0 {
-            return 0.0;
-        }
-        let (wa, wb) = (2.0 * h[k] + h[k - 1], h[k] + 2.0 * h[k - 1]);
-        (wa + wb) / (wa / a + wb / b)
+        fritsch_butland([h[k - 1], h[k]], [secant[k - 1], secant[k]])
     };
     checkpoints
         .iter()
@@ -141,11 +138,10 @@ pub fn at_checkpoints(lives: &[u32], values: &[f64], checkpoints: &[u32]) -> Vec
             let c = f64::from(c);
             let k = x.partition_point(|&l| l < c).clamp(1, n - 1) - 1;
             let s = (c - x[k]) / h[k];
-            let (y0, y1, d0, d1) = (values[k], values[k + 1], slope(k) * h[k], slope(k + 1) * h[k]);
             if s == 1.0 {
-                return y1;
+                return values[k + 1];
             }
-            y0 + s * (d0 + s * (3.0 * (y1 - y0) - 2.0 * d0 - d1 + s * (d0 + d1 - 2.0 * (y1 - y0))))
+            Cubic::hermite([values[k], values[k + 1]], [slope(k) * h[k], slope(k + 1) * h[k]]).value(s)
         })
         .collect()
 }

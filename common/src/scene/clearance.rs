@@ -40,8 +40,9 @@ pub(super) fn clearance(row: &mut Section, materials: &[MaterialRow], wears: boo
     let width = row.quantity("width", LENGTH, Range::Positive);
     let journal_material = material(row, "journal_material", materials);
     let bushing_material = material(row, "bushing_material", materials);
-    let laws = [("local-hertz", ContactLaw::LocalHertz), ("foundation", ContactLaw::Foundation)];
-    let contact_law = row.choice("contact_law", "one of local-hertz, foundation", &laws);
+    let laws = ContactLaw::ALL.map(|law| (law.name(), law));
+    let names = ContactLaw::ALL.map(ContactLaw::name).join(", ");
+    let contact_law = row.choice("contact_law", &format!("one of {names}"), &laws);
     let contact_damping = contact_damping(row);
     let film_damping = row.quantity_or("film_damping", DAMPING, Range::NonNegative, 0.0);
     let friction = row.quantity("friction", NUMBER, Range::Within(0.0, 2.0));

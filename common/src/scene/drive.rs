@@ -53,3 +53,18 @@ pub struct Curve {
     /// Values over the argument.
     pub table: Table,
 }
+
+impl Curve {
+    /// Range of the values in `unit` and the argument of the table, for names of bodies `(bodies,)`.
+    pub fn explanation(&self, bodies: &[&str], unit: &str) -> String {
+        let over = match self.over {
+            Over::Time => "time".to_owned(),
+            Over::Angle(body) => format!("the angle of {}", bodies[body]),
+        };
+        let values = &self.table.value;
+        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let repeat = if self.table.repeat { "repeated" } else { "once" };
+        format!("{least} to {most} {unit} by a table over {over}, {repeat}")
+    }
+}

@@ -94,6 +94,31 @@ pub enum ContactLaw {
     Foundation,
 }
 
+impl ContactLaw {
+    /// Every contact law.
+    pub const ALL: [ContactLaw; 2] = [ContactLaw::LocalHertz, ContactLaw::Foundation];
+
+    /// Name of the law in a scene file.
+    pub fn name(self) -> &'static str {
+        match self {
+            ContactLaw::LocalHertz => "local-hertz",
+            ContactLaw::Foundation => "foundation",
+        }
+    }
+
+    /// Model and properties of the law, in one line.
+    pub fn explanation(self) -> &'static str {
+        match self {
+            ContactLaw::LocalHertz => {
+                "F = K delta^1.5 along the eccentricity; cheap, but on a worn bore it feeds energy into vibration"
+            }
+            ContactLaw::Foundation => {
+                "elastic foundation along the bore; stays conservative as the bore wears"
+            }
+        }
+    }
+}
+
 /// Dissipation of the contact.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum ContactDamping {

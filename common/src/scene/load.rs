@@ -1,7 +1,7 @@
 //! Loads on bodies: springs, forces, torques and motors.
 
 use super::attachment::Attachment;
-use super::drive::Curve;
+use super::drive::{Curve, Over};
 use serde::{Deserialize, Serialize};
 
 /// A load on one body, or between two.
@@ -104,4 +104,77 @@ pub enum Load {
         /// Speed without torque [rad/s].
         no_load_speed: f64,
     },
+}
+
+impl Load {
+    /// Indices of the bodies that the load couples: those it acts on, and the one whose angle its size depends on.
+    pub fn bodies(&self) -> Vec<usize> {
+        let with_angle = |body: usize, size: &Curve| match size.over {
+            Over::Angle(other) => vec![body, other],
+            Over::Time => vec![body],
+        };
+        match self {
+            Load::DirectionalSpring { at: a, anchor: b, .. } | Load::Spring { a, b, .. } => {
+                vec![a.body, b.body]
+            }
+            Load::TorsionSpring { a, b, .. } => vec![*a, *b],
+            Load::VariableForce { at, size, .. } => with_angle(at.body, size),
+            Load::VariableTorque { body, torque, .. } => with_angle(*body, torque),
+            Load::ConstantForce { at, .. } => vec![at.body],
+            Load::ConstantTorque { body, .. } | Load::Motor { body, .. } => vec![*body],
+        }
+    }
+
+    /// The table by which the load varies; `None` for a load without one.
+    pub fn curve_mut(&mut self) -> Option<&mut Curve> {
+        match self {
+            Load::VariableForce { size: curve, .. } | Load::VariableTorque { torque: curve, .. } => {
+                Some(curve)
+            }
+            _ => None,
+        }
+    }
+
+    /// Name, kind, constants and bodies of the load in one line, for names of bodies `(bodies,)`.
+    pub fn explanation(&self, bodies: &[&str]) -> String {
+        match self {
+            Load::DirectionalSpring { name, at, stiffness, free_length, direction: [x, y], .. } => format!(
+                "{name}: spring of {stiffness} N/m on {} along ({x}, {y}), slack at {:.3} mm",
+                bodies[at.body],
+                free_length * 1e3
+            ),
+            Load::ConstantForce { name, at, force: [x, y] } => {
+                format!("{name}: force ({x}, {y}) N on {}", bodies[at.body])
+            }
+            Load::ConstantTorque { name, body, torque } => {
+                format!("{name}: torque {torque} N m on {}", bodies[*body])
+            }
+            Load::Spring { name, a, b, stiffness, damping, free_length } => format!(
+                "{name}: spring of {stiffness} N/m, {damping} N s/m between {} and {}, slack at {:.3} mm",
+                bodies[a.body],
+                bodies[b.body],
+                free_length * 1e3
+            ),
+            Load::TorsionSpring { name, a, b, stiffness, damping, free_angle } => format!(
+                "{name}: torsion spring of {stiffness} N m/rad, {damping} N m s/rad between {} and {}, slack at \
+                 {:.3} deg",
+                bodies[*a],
+                bodies[*b],
+                free_angle.to_degrees()
+            ),
+            Load::VariableForce { name, at, direction: [x, y], size } => format!(
+                "{name}: force on {} along ({x}, {y}), {}",
+                bodies[at.body],
+                size.explanation(bodies, "N")
+            ),
+            Load::VariableTorque { name, body, torque } => {
+                format!("{name}: torque on {}, {}", bodies[*body], torque.explanation(bodies, "N m"))
+            }
+            Load::Motor { name, body, stall_torque, no_load_speed } => format!(
+                "{name}: motor on {}, {stall_torque} N m at rest, none at {:.1} r/min",
+                bodies[*body],
+                no_load_speed * 30.0 / std::f64::consts::PI
+            ),
+        }
+    }
 }

@@ -341,7 +341,7 @@ fn drive_at(scene: &Scene, time: f64) -> String {
         .bodies
         .iter()
         .filter_map(|body| {
-            let motion = Prescribed::of(body).filter(|_| body.motion != Motion::Fixed)?;
+            let motion = Prescribed::from_body(body).filter(|_| body.motion != Motion::Fixed)?;
             let turned = motion.angle(time).to_degrees().rem_euclid(360.0);
             Some(format!("{} angle {turned:.1} deg", body.name))
         })

@@ -152,14 +152,6 @@ fn wear(clearance: &Clearance) -> String {
 }
 
 fn contact(clearance: &Clearance) -> String {
-    let law = match clearance.contact_law {
-        ContactLaw::LocalHertz => {
-            "local-hertz: F = K delta^1.5 along the eccentricity; cheap, but on a worn bore it feeds vibration"
-        }
-        ContactLaw::Foundation => {
-            "foundation: elastic bedding along the bore; stays conservative as the bore wears"
-        }
-    };
     let damping = match clearance.contact_damping {
         ContactDamping::None => "no contact damping".to_owned(),
         ContactDamping::HuntCrossley { factor } => format!("Hunt-Crossley damping {factor} s/m"),
@@ -172,80 +164,24 @@ fn contact(clearance: &Clearance) -> String {
             format!("damping for a restitution of {coefficient} ({law})")
         }
     };
-    format!("{law}; {damping}; film {} N s/m; friction {}", clearance.film_damping, clearance.friction)
+    let Clearance { contact_law: law, film_damping, friction, .. } = clearance;
+    format!(
+        "{}: {}; {damping}; film {film_damping} N s/m; friction {friction}",
+        law.name(),
+        law.explanation()
+    )
 }
 
 fn loads(out: &mut String, scene: &Scene) -> std::fmt::Result {
     writeln!(out, "Loads")?;
-    let named = |body: usize| &scene.bodies[body].name;
+    let bodies: Vec<&str> = scene.bodies.iter().map(|body| body.name.as_str()).collect();
     for load in &scene.loads {
-        match load {
-            Load::DirectionalSpring { name, at, stiffness, free_length, direction, .. } => writeln!(
-                out,
-                "  {name}: spring of {stiffness} N/m on {} along ({}, {}), slack at {:.3} mm",
-                named(at.body),
-                direction[0],
-                direction[1],
-                free_length * 1e3
-            )?,
-            Load::ConstantForce { name, at, force } => {
-                writeln!(
-                    out,
-                    "  {name}: force ({}, {}) N on {}",
-                    force[0], force[1], scene.bodies[at.body].name
-                )?;
-            }
-            Load::ConstantTorque { name, body, torque } => {
-                writeln!(out, "  {name}: torque {torque} N m on {}", scene.bodies[*body].name)?;
-            }
-            Load::Spring { name, a, b, stiffness, damping, free_length } => writeln!(
-                out,
-                "  {name}: spring of {stiffness} N/m, {damping} N s/m between {} and {}, slack at {:.3} mm",
-                named(a.body),
-                named(b.body),
-                free_length * 1e3
-            )?,
-            Load::TorsionSpring { name, a, b, stiffness, damping, free_angle } => writeln!(
-                out,
-                "  {name}: torsion spring of {stiffness} N m/rad, {damping} N m s/rad between {} and {}, slack at {:.3} deg",
-                named(*a),
-                named(*b),
-                free_angle.to_degrees()
-            )?,
-            Load::VariableForce { name, at, direction: [x, y], size } => writeln!(
-                out,
-                "  {name}: force on {} along ({x}, {y}), {}",
-                named(at.body),
-                curve(scene, size, "N")
-            )?,
-            Load::VariableTorque { name, body, torque } => {
-                writeln!(out, "  {name}: torque on {}, {}", named(*body), curve(scene, torque, "N m"))?;
-            }
-            Load::Motor { name, body, stall_torque, no_load_speed } => writeln!(
-                out,
-                "  {name}: motor on {}, {stall_torque} N m at rest, none at {:.1} r/min",
-                named(*body),
-                OutputUnit::AngularVelocity.to_shown(*no_load_speed)
-            )?,
-        }
+        writeln!(out, "  {}", load.explanation(&bodies))?;
     }
     match scene.gravity {
         [0.0, 0.0] => writeln!(out, "  no gravity\n"),
         [x, y] => writeln!(out, "  gravity ({x}, {y}) m/s^2\n"),
     }
-}
-
-/// The variable and the range of a load's table.
-fn curve(scene: &Scene, curve: &Curve, unit: &str) -> String {
-    let over = match curve.over {
-        Over::Time => "time".to_owned(),
-        Over::Angle(body) => format!("the angle of {}", scene.bodies[body].name),
-    };
-    let values = &curve.table.value;
-    let least = values.iter().copied().fold(f64::INFINITY, f64::min);
-    let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let repeat = if curve.table.repeat { "repeated" } else { "once" };
-    format!("{least} to {most} {unit} by a table over {over}, {repeat}")
 }
 
 fn outputs(out: &mut String, scene: &Scene) -> std::fmt::Result {

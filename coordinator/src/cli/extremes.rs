@@ -6,7 +6,7 @@ use super::scenes::check_linkage;
 use super::shared::{DEFAULT_SCENE, Verbosity};
 use clap::Args;
 use common::accuracy::NamedAccuracy;
-use common::scene::{ContactLaw, Scene, SceneSource};
+use common::scene::{Scene, SceneSource};
 use coordinator::results::output_unit::OutputUnit;
 use serde::Serialize;
 use std::fmt::Write;
@@ -63,7 +63,7 @@ pub fn extremes(arguments: &ExtremesArguments, verbosity: Verbosity) -> Result<(
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let rows = run_all(&cases, threads, |row| {
         if !verbosity.quiet {
-            eprintln!("{}, {}: {}", row.case, name_of(row.law), verdict(&row.outcome));
+            eprintln!("{}, {}: {}", row.case, row.law.name(), verdict(&row.outcome));
         }
     });
     let printed: Vec<PrintedRow> = rows.iter().map(|row| printed(scene, row)).collect();
@@ -97,19 +97,12 @@ fn printed<'r>(scene: &'r Scene, row: &'r Row) -> PrintedRow<'r> {
     };
     PrintedRow {
         case: row.case,
-        contact_law: name_of(row.law),
+        contact_law: row.law.name(),
         outcome: verdict(&row.outcome),
         failure,
         outputs: outputs.collect(),
         steps: row.steps,
         steps_at_half: row.steps_of_half,
-    }
-}
-
-fn name_of(law: ContactLaw) -> &'static str {
-    match law {
-        ContactLaw::LocalHertz => "local-hertz",
-        ContactLaw::Foundation => "foundation",
     }
 }
 
@@ -150,6 +143,7 @@ fn table(rows: &[PrintedRow]) -> String {
 mod tests {
     use super::*;
     use common::failure::SimulationFailure;
+    use common::scene::ContactLaw;
     use worker::extremes::Compared;
 
     fn row(outcome: Outcome, compared: Vec<Compared>) -> Row {

@@ -12,9 +12,12 @@
 //! Derived here, for the Winkler foundation of `foundation.rs` (Winkler 1867; Johnson 1985).
 
 use crate::bore::Profile;
+use crate::extremum::smallest;
+use crate::plane::{cross, dot, length};
 use std::f64::consts::TAU;
 
-/// Intervals that are looked at together first: most of the arc that could touch does not.
+/// Intervals per block: a block without contact is skipped at once, since most of the arc that could touch
+/// does not.
 const BLOCK: usize = 4;
 
 /// Tabulated bore of one joint.
@@ -26,7 +29,7 @@ pub struct Arc {
     block_radius: Vec<f64>,
     /// Sine of half the angle of a block [1].
     sine: f64,
-    /// Eccentricity below which nothing touches [m].
+    /// Eccentricity up to which the journal does not touch the bore [m].
     reach: f64,
     /// R - R'' s^2 / 12 at equal angles `(intervals,)` [m].
     radius: Vec<f64>,
@@ -45,8 +48,69 @@ pub struct Integrals {
     pub d: [[f64; 2]; 2],
 }
 
+/// Weights of the two ends a, b of one interval: derivatives of its potential, the integral of g^2 / 2 over
+/// the part with g > 0, for an interval of length one.
+struct Weights {
+    /// First derivatives to the gaps at a and b [m].
+    first: [f64; 2],
+    /// Second derivatives aa, ab, bb [1].
+    second: [f64; 3],
+}
+
+impl Weights {
+    /// Weights for gaps `a` and `b` [m] of which at least one is positive.
+    #[inline(always)]
+    fn new(a: f64, b: f64) -> Self {
+        if a > 0.0 && b > 0.0 {
+            let third = 1.0 / 3.0;
+            Weights { first: [a * third + b / 6.0, a / 6.0 + b * third], second: [third, 1.0 / 6.0, third] }
+        } else if a > 0.0 {
+            let f = a / (a - b);
+            Weights {
+                first: [a * f * (0.5 - f / 6.0), a * f * f / 6.0],
+                second: [f - f * f + f * f * f / 3.0, f * f * (0.5 - f / 3.0), f * f * f / 3.0],
+            }
+        } else {
+            let f = b / (b - a);
+            Weights {
+                first: [b * f * f / 6.0, b * f * (0.5 - f / 6.0)],
+                second: [f * f * f / 3.0, f * f * (0.5 - f / 3.0), f - f * f + f * f * f / 3.0],
+            }
+        }
+    }
+}
+
+impl Integrals {
+    /// Adds twice the potential, its gradient and its second derivative of one interval of length one with
+    /// unit vectors `u`, `v` and gaps `gaps` [m] at its ends.
+    #[inline(always)]
+    fn add(&mut self, gaps: [f64; 2], weights: &Weights, u: [f64; 2], v: [f64; 2]) {
+        let ([a, b], [wa, wb], [aa, ab, bb]) = (gaps, weights.first, weights.second);
+        self.v += wa * a + wb * b;
+        for i in 0..2 {
+            self.p[i] += wa * u[i] + wb * v[i];
+            for j in 0..2 {
+                self.d[i][j] += aa * u[i] * u[j] + ab * (u[i] * v[j] + v[i] * u[j]) + bb * v[i] * v[j];
+            }
+        }
+    }
+
+    /// The integrals for intervals of length `spacing` [rad].
+    #[inline(always)]
+    fn scaled(mut self, spacing: f64) -> Self {
+        self.v *= 0.5 * spacing;
+        for i in 0..2 {
+            self.p[i] *= spacing;
+            for j in 0..2 {
+                self.d[i][j] *= spacing;
+            }
+        }
+        self
+    }
+}
+
 impl Arc {
-    /// A round bore with at least so many intervals: a multiple of the control points.
+    /// A round bore tabulated at `intervals` intervals or more, a multiple of the control points.
     pub fn new(journal_radius: f64, clearance: f64, control_points: usize, intervals: usize) -> Self {
         let n = intervals.div_ceil(control_points * BLOCK) * control_points * BLOCK;
         let spacing = TAU / n as f64;
@@ -75,15 +139,14 @@ impl Arc {
     pub fn profile_changed(&mut self, profile: &Profile) {
         profile.tabulate_chords(&mut self.radius);
         let n = self.radius.len();
-        for (b, smallest) in self.block_radius.iter_mut().enumerate() {
-            let ends = (b * BLOCK..=(b + 1) * BLOCK).map(|k| self.radius[k % n]);
-            *smallest = ends.fold(f64::INFINITY, f64::min);
+        for (b, least) in self.block_radius.iter_mut().enumerate() {
+            *least = smallest((b * BLOCK..=(b + 1) * BLOCK).map(|k| self.radius[k % n]));
         }
-        let smallest = self.block_radius.iter().fold(f64::INFINITY, |a: f64, b| a.min(*b));
-        self.reach = (smallest - self.journal_radius) / self.direction[0][0];
+        self.reach =
+            (smallest(self.block_radius.iter().copied()) - self.journal_radius) / self.direction[0][0];
     }
 
-    /// Eccentricity below which nothing touches, in any direction [m].
+    /// Eccentricity up to which the journal does not touch the bore in any direction [m].
     pub fn reach(&self) -> f64 {
         self.reach
     }
@@ -98,13 +161,10 @@ impl Arc {
         libm::hypot(e[0], e[1]) + self.journal_radius - radius
     }
 
-    /// Direction in which the gap function is largest: of first contact `(2,)` [1].
+    /// Direction in which the gap function is largest, that is of first contact `(2,)` [1].
     pub fn nearest(&self, e: [f64; 2]) -> [f64; 2] {
         let n = self.radius.len();
-        let gap = |k: usize| {
-            let u = self.direction[k % n];
-            e[0] * u[0] + e[1] * u[1] - self.radius[k % n]
-        };
+        let gap = |k: usize| dot(e, self.direction[k % n]) - self.radius[k % n];
         let nearest = (0..n).fold(0, |best, k| if gap(k) > gap(best) { k } else { best });
         // The peak of the parabola through three neighbours.
         let (before, at, after) = (gap(nearest + n - 1), gap(nearest), gap(nearest + 1));
@@ -114,17 +174,36 @@ impl Arc {
         [c, s]
     }
 
-    /// Integrates over the arc in contact, and shows each interval's two weights W (so that the integral of g
-    /// is their sum) to `weigh`.
+    /// Gap function g at table angle `k` [m].
+    #[inline(always)]
+    fn gap(&self, e: [f64; 2], k: usize) -> f64 {
+        dot(e, self.direction[k]) + self.journal_radius - self.radius[k]
+    }
+
+    /// Whether the block of intervals that begins at table angle `k` is certainly without contact.
     ///
-    /// Of an interval with ends a, b only the part with g > 0 counts: its potential is the integral of g^2 /
-    /// 2, the weights are that potential's derivatives.
+    /// Within the block e.u is at most e.u_m + |e x u_m| sin(half the block), u_m the unit vector of its
+    /// middle, if e.u_m is not negative. Where it is negative, only a bore narrower than its journal could
+    /// touch.
+    #[inline(always)]
+    fn block_is_free(&self, e: [f64; 2], k: usize) -> bool {
+        let u = self.direction[k + BLOCK / 2];
+        let along = dot(e, u);
+        let reach = along + cross(e, u).abs() * self.sine;
+        along >= 0.0 && reach + self.journal_radius <= self.block_radius[k / BLOCK]
+    }
+
+    /// Integrals over the arc in contact at the eccentricity `e` [m]. `weigh` receives each interval in
+    /// contact with the parts of the integral of g that belong to its two ends [m rad].
+    ///
+    /// Only the part of an interval with g > 0 counts: its potential is the integral of g^2 / 2, the weights
+    /// are the derivatives of that potential to the gaps at its ends.
     #[inline]
     pub fn integrate(&self, e: [f64; 2], mut weigh: impl FnMut(usize, f64, f64)) -> Integrals {
         let mut sum = Integrals::default();
         let n = self.radius.len();
         let spacing = TAU / n as f64;
-        let r = (e[0] * e[0] + e[1] * e[1]).sqrt();
+        let r = length(e);
         if r <= self.reach {
             return sum;
         }
@@ -133,66 +212,29 @@ impl Arc {
         let first = ((centre - half) / spacing).floor() as i64;
         let last = ((centre + half) / spacing).ceil() as i64;
         let last = last.min(first + n as i64);
-        let gap = |k: usize| {
-            let u = self.direction[k];
-            e[0] * u[0] + e[1] * u[1] + self.journal_radius - self.radius[k]
-        };
         let mut k = first.rem_euclid(n as i64) as usize;
-        let mut a = gap(k);
+        let mut a = self.gap(e, k);
         let mut left = last - first;
         while left > 0 {
-            // A whole block without contact: e.u within it is at most e.u_m + |e x u_m| sin(half the block),
-            // if e.u_m is not negative. Where it is, nothing touches but a bore narrower than its journal.
-            if k.is_multiple_of(BLOCK) && left >= BLOCK as i64 {
-                let u = self.direction[k + BLOCK / 2];
-                let along = e[0] * u[0] + e[1] * u[1];
-                let reach = along + (e[0] * u[1] - e[1] * u[0]).abs() * self.sine;
-                if along >= 0.0 && reach + self.journal_radius <= self.block_radius[k / BLOCK] {
-                    left -= BLOCK as i64;
-                    k = if k + BLOCK == n { 0 } else { k + BLOCK };
-                    if left > 0 {
-                        a = gap(k);
-                    }
-                    continue;
+            if k.is_multiple_of(BLOCK) && left >= BLOCK as i64 && self.block_is_free(e, k) {
+                left -= BLOCK as i64;
+                k = if k + BLOCK == n { 0 } else { k + BLOCK };
+                if left > 0 {
+                    a = self.gap(e, k);
                 }
+                continue;
             }
             left -= 1;
             let next = if k + 1 == n { 0 } else { k + 1 };
-            let b = gap(next);
+            let b = self.gap(e, next);
             if a > 0.0 || b > 0.0 {
-                // (weight of a, weight of b, their derivatives aa, ab, bb)
-                let (wa, wb, aa, ab, bb) = if a > 0.0 && b > 0.0 {
-                    let third = 1.0 / 3.0;
-                    (a * third + b / 6.0, a / 6.0 + b * third, third, 1.0 / 6.0, third)
-                } else if a > 0.0 {
-                    let f = a / (a - b);
-                    let (wa, wb) = (a * f * (0.5 - f / 6.0), a * f * f / 6.0);
-                    (wa, wb, f - f * f + f * f * f / 3.0, f * f * (0.5 - f / 3.0), f * f * f / 3.0)
-                } else {
-                    let f = b / (b - a);
-                    let (wa, wb) = (b * f * f / 6.0, b * f * (0.5 - f / 6.0));
-                    (wa, wb, f * f * f / 3.0, f * f * (0.5 - f / 3.0), f - f * f + f * f * f / 3.0)
-                };
-                sum.v += wa * a + wb * b;
-                let (u, v) = (self.direction[k], self.direction[next]);
-                for i in 0..2 {
-                    sum.p[i] += wa * u[i] + wb * v[i];
-                    for j in 0..2 {
-                        sum.d[i][j] += aa * u[i] * u[j] + ab * (u[i] * v[j] + v[i] * u[j]) + bb * v[i] * v[j];
-                    }
-                }
-                weigh(k, wa * spacing, wb * spacing);
+                let weights = Weights::new(a, b);
+                sum.add([a, b], &weights, self.direction[k], self.direction[next]);
+                weigh(k, weights.first[0] * spacing, weights.first[1] * spacing);
             }
             a = b;
             k = next;
         }
-        sum.v *= 0.5 * spacing;
-        for i in 0..2 {
-            sum.p[i] *= spacing;
-            for j in 0..2 {
-                sum.d[i][j] *= spacing;
-            }
-        }
-        sum
+        sum.scaled(spacing)
     }
 }

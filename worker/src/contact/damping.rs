@@ -60,18 +60,14 @@ pub fn initial(damping: &ContactDamping) -> (f64, Option<Restitution>) {
 mod tests {
     use super::*;
     use crate::bore::Profile;
-    use crate::contact::{Contact, Foundation, JointMotion, LocalHertz, Surface};
+    use crate::contact::{Contact, JointMotion, Surface, tests};
     use std::f64::consts::TAU;
 
     const SURFACE: Surface = Surface {
-        journal_radius: 1.5e-3,
-        clearance: 23.5e-6,
-        stiffness: 3.264e10,
-        damping: 0.0,
         restitution: Some(Restitution { factor: 0.75, least_speed: 1e-4 }),
-        friction: 0.025,
-        friction_speed: 2.4e-3,
+        damping: 0.0,
         film: 0.0,
+        ..tests::SURFACE
     };
 
     fn worn() -> Profile {
@@ -83,15 +79,12 @@ mod tests {
     }
 
     fn laws(surface: Surface) -> [Contact; 2] {
-        let mut laws =
-            [Contact::LocalHertz(LocalHertz { surface }), Contact::Foundation(Foundation::new(surface, 36))];
-        laws.iter_mut().for_each(|law| law.profile_changed(&worn()));
-        laws
+        tests::laws(surface, &worn())
     }
 
     /// The journal at angle `psi`, `penetration` deep along the eccentricity.
-    fn at(psi: f64, penetration: f64) -> JointMotion {
-        let reach = worn().at(psi).r - SURFACE.journal_radius + penetration;
+    fn moving_at(psi: f64, penetration: f64) -> JointMotion {
+        let reach = worn().radius_at(psi).r - SURFACE.journal_radius + penetration;
         JointMotion {
             e: [reach * psi.cos(), reach * psi.sin()],
             w: [0.03 * psi.cos() + 0.01 * psi.sin(), 0.03 * psi.sin() - 0.01 * psi.cos()],
@@ -100,12 +93,13 @@ mod tests {
         }
     }
 
-    /// Distance the local law and the foundation see: along the eccentricity, and to the nearest point.
+    /// Gap function along the eccentricity (local law), and its largest value (foundation).
     fn penetrations(e: [f64; 2]) -> [f64; 2] {
         let profile = worn();
         let centre = libm::atan2(e[1], e[0]);
         let gap = |psi: f64| {
-            e[0] * psi.cos() + e[1] * psi.sin() + SURFACE.journal_radius - profile.at(psi.rem_euclid(TAU)).r
+            e[0] * psi.cos() + e[1] * psi.sin() + SURFACE.journal_radius
+                - profile.radius_at(psi.rem_euclid(TAU)).r
         };
         let largest =
             (-20_000..=20_000).map(|k| gap(centre + 1e-4 * f64::from(k))).fold(f64::NEG_INFINITY, f64::max);
@@ -115,7 +109,7 @@ mod tests {
     #[test]
     fn in_free_flight_a_joint_takes_the_present_speed_of_approach() {
         for psi in [0.2, 1.3, 2.9, 5.0] {
-            let motion = at(psi, -2e-6);
+            let motion = moving_at(psi, -2e-6);
             // Where the journal is a microsecond later and before, seen in the bushing's frame.
             let moved = |t: f64| {
                 let JointMotion { e, w, omega_bushing, .. } = motion;
@@ -144,19 +138,19 @@ mod tests {
                 law.accepted(&profile, motion, &now);
                 law.surface().damping
             };
-            let flying = accept(&at(0.8, -1e-7));
+            let flying = accept(&moving_at(0.8, -1e-7));
             assert!(flying > 0.0);
-            let inside = JointMotion { w: [-0.7, 0.2], ..at(0.8, 3e-7) };
+            let inside = JointMotion { w: [-0.7, 0.2], ..moving_at(0.8, 3e-7) };
             assert_eq!(accept(&inside), flying);
             // Moving away counts as the least speed; from the middle any way is an approach.
-            assert_eq!(accept(&JointMotion { w: [-0.5, -0.5], ..at(0.8, -1e-7) }), 0.75 / 1e-4);
-            let middle = JointMotion { e: [0.0; 2], w: [0.3, -0.4], ..at(0.8, 0.0) };
+            assert_eq!(accept(&JointMotion { w: [-0.5, -0.5], ..moving_at(0.8, -1e-7) }), 0.75 / 1e-4);
+            let middle = JointMotion { e: [0.0; 2], w: [0.3, -0.4], ..moving_at(0.8, 0.0) };
             assert_eq!(accept(&middle), 0.75 / 0.5);
         }
         let constant = Surface { damping: 7.5, restitution: None, ..SURFACE };
         for mut law in laws(constant) {
             let before = law.clone();
-            let motion = at(0.8, -1e-7);
+            let motion = moving_at(0.8, -1e-7);
             let now = law.force::<false>(&worn(), &motion);
             law.accepted(&worn(), &motion, &now);
             assert_eq!(law, before);

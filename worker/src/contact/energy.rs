@@ -10,7 +10,8 @@
 //! Hunt, Crossley (1975), J. Appl. Mech. 42, 440-445; the same balance in Simbody: Sherman, Seth, Delp
 //! (2011), Procedia IUTAM 2, 241-261.
 
-use super::{Contact, JointForce, JointMotion};
+use super::Contact;
+use super::joint_force::{JointForce, JointMotion};
 use crate::bore::Profile;
 
 /// Energy stored in a joint and powers, at one instant.
@@ -24,29 +25,15 @@ pub struct ContactEnergy {
     pub damping: f64,
     /// Power lost to the film, c_f |w|^2 >= 0 [W].
     pub film: f64,
-    /// Power that comes from nowhere (above zero) or vanishes [W].
+    /// Power created (above zero) or destroyed by a law that is not conservative [W].
     pub unphysical: f64,
-}
-
-/// The elastic part of a contact; all zero in free flight.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Elastic {
-    /// Energy [J].
-    pub stored: f64,
-    /// Force F_el [N].
-    pub force: f64,
-    /// delta_dot: the energy's rate is force times this [m/s].
-    pub rate: f64,
 }
 
 impl Contact {
     /// The joint's energy and powers at a motion, given its force there.
     pub fn energy(&self, profile: &Profile, motion: &JointMotion, force: &JointForce) -> ContactEnergy {
         let surface = self.surface();
-        let elastic = match self {
-            Contact::LocalHertz(law) => law.elastic(profile, motion),
-            Contact::Foundation(law) => law.elastic(motion),
-        };
+        let elastic = self.elastic(profile, motion);
         let JointMotion { w, omega_journal, omega_bushing, .. } = *motion;
         let power = force.force[0] * w[0]
             + force.force[1] * w[1]
@@ -81,7 +68,7 @@ mod tests {
         let e = |t: f64| {
             let psi = 2.0 + 1.7 * (31.0 * t).sin() + 0.8 * (77.0 * t + 1.0).sin();
             let depth = 1.5e-7 * (0.3 + (1500.0 * t).sin() + 0.7 * (2700.0 * t + 0.4).cos());
-            let reach = profile.at(psi.rem_euclid(TAU)).r - SURFACE.journal_radius + depth;
+            let reach = profile.radius_at(psi.rem_euclid(TAU)).r - SURFACE.journal_radius + depth;
             [reach * psi.cos(), reach * psi.sin()]
         };
         let omega_bushing = 40.0 * (53.0 * t).cos();
@@ -162,7 +149,7 @@ mod tests {
                 let found = local.energy(&profile, &motion, &force).unphysical;
                 let r = motion.e[0].hypot(motion.e[1]);
                 let along = (motion.e[0] * motion.w[1] - motion.e[1] * motion.w[0]) / r;
-                let slope = profile.at(motion.e[1].atan2(motion.e[0])).d1;
+                let slope = profile.radius_at(motion.e[1].atan2(motion.e[0])).d1;
                 let expected = -force.normal * slope * (along / r - motion.omega_bushing);
                 assert!((found - expected).abs() < 1e-13 * size(&force, &motion), "{found}, {expected}");
                 assert_eq!(is_worn, expected.abs() > 1e-6 * size(&force, &motion), "{expected}");

@@ -17,17 +17,18 @@
 //! Contact Mechanics, chapter 4. The modulus that reproduces Hertz's force is derived in `modulus.rs`.
 
 use super::arc::Arc;
-use super::energy::Elastic;
-use super::local_hertz::from_polar;
+use super::joint_force::{JointForce, JointMotion, in_bushing_axes};
+use super::law::{Elastic, Law, Pressure};
 use super::modulus::Modulus;
-use super::{JointForce, JointMotion, Surface};
+use super::surface::Surface;
 use crate::bore::Profile;
+use crate::plane::{dot, left, length};
 use std::f64::consts::TAU;
 
-/// Lightest contact that the arc is made for [m]: its half angle sqrt(2 delta / c) spans three intervals,
-/// which puts its force within 7e-4 of the integral.
+/// Lightest contact for which the arc is tabulated [m]: its half angle sqrt(2 delta / c) spans three
+/// intervals, which puts its force within 7e-4 of the integral.
 const LIGHTEST: f64 = 1e-8;
-/// Smallest number of intervals of the bore: twenty to a control point at 36 of them.
+/// Smallest number of intervals of the bore: twenty per control point at 36 of them.
 const FEWEST: usize = 720;
 /// Largest number: three intervals of the lightest contact in a clearance of 0.5 mm, and fewer beyond.
 const MOST: usize = 3024;
@@ -36,44 +37,67 @@ const MOST: usize = 3024;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Foundation {
     /// Constants of the joint.
-    pub(super) surface: Surface,
+    pub surface: Surface,
     modulus: Modulus,
     arc: Arc,
 }
 
-/// How the arc in contact presses on the bushing.
+/// Load that the foundation carries at one eccentricity.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Pressing {
+pub struct FoundationLoad {
     /// Potential U [J].
     pub energy: f64,
-    /// Modulus in effect: pressure times bore radius and width is modulus times g [N/(m rad)].
+    /// Modulus in effect, kappa = dU/dV: pressure times bore radius and width is kappa g [N/(m rad)].
     pub modulus: f64,
-    /// Elastic force, dU/de `(2,)` [N].
+    /// Elastic force on the bushing, dU/de `(2,)` [N].
     pub force: [f64; 2],
     /// Its derivative to e `(2, 2)`, symmetric [N/m].
     pub stiffness: [[f64; 2]; 2],
 }
 
+/// A contact in the axes (n, t) of its elastic force: n the direction in which the journal presses, t its
+/// left normal.
+struct Resultant {
+    n: [f64; 2],
+    t: [f64; 2],
+    /// e.n and e.t [m].
+    en: f64,
+    et: f64,
+    /// Relative velocity differentiated in the bushing's frame along n and along t [m/s].
+    bn: f64,
+    bt: f64,
+    /// Elastic force F_el [N].
+    elastic: f64,
+    /// 1 + D delta_dot [1].
+    factor: f64,
+    /// Normal force F_N [N].
+    normal: f64,
+    /// F_T / F_N [1] and its derivative to the sliding speed [s/m].
+    mu: f64,
+    mu_v: f64,
+    /// Friction force F_T [N].
+    friction: f64,
+    /// Lever arms of friction and normal force about the bushing's centre [m].
+    arm: f64,
+    lever: f64,
+}
+
 impl Foundation {
-    /// The law on an unworn bore, for forces.
+    /// The law on an unworn bore with `control_points` control points, tabulated finely enough for forces.
     pub fn new(surface: Surface, control_points: usize) -> Self {
         let half_angle = (2.0 * LIGHTEST / surface.clearance).sqrt();
         let intervals = (3.0 * TAU / half_angle).ceil() as usize;
         Self::with_intervals(surface, control_points, intervals.clamp(FEWEST, MOST))
     }
 
-    /// The law on an unworn bore with at least so many intervals: a multiple of the control points.
+    /// The law on an unworn bore tabulated at `intervals` intervals or more, a multiple of the control
+    /// points.
     pub fn with_intervals(surface: Surface, control_points: usize, intervals: usize) -> Self {
         Foundation {
             modulus: Modulus::new(surface.stiffness, surface.clearance),
             arc: Arc::new(surface.journal_radius, surface.clearance, control_points, intervals),
             surface,
         }
-    }
-
-    /// Constants of the joint.
-    pub fn surface(&self) -> &Surface {
-        &self.surface
     }
 
     /// The tabulated bore.
@@ -86,37 +110,22 @@ impl Foundation {
         self.arc.profile_changed(profile);
     }
 
-    /// Rate of the gap function where it is largest, in the direction in which the journal is nearest to the
-    /// bore: in free flight, the speed at which it approaches [m/s].
-    pub fn approach(&self, motion: &JointMotion) -> f64 {
-        let JointMotion { e, w, omega_bushing, .. } = *motion;
-        let n = self.arc.nearest(e);
-        n[0] * (w[0] + omega_bushing * e[1]) + n[1] * (w[1] - omega_bushing * e[0])
-    }
-
-    /// Energy, force and rate of the elastic part of the contact.
-    pub(super) fn elastic(&self, motion: &JointMotion) -> Elastic {
-        let JointMotion { e, w, omega_bushing, .. } = *motion;
-        let Pressing { energy, force: [fx, fy], .. } = self.press(e, |_, _, _| {});
-        let force = libm::hypot(fx, fy);
-        if force <= 0.0 {
-            return Elastic::default();
-        }
-        let power = fx * (w[0] + omega_bushing * e[1]) + fy * (w[1] - omega_bushing * e[0]);
-        Elastic { stored: energy, force, rate: power / force }
-    }
-
-    /// Elastic potential, force and stiffness at this eccentricity; `weigh` sees each interval of the arc
-    /// with the integrals of g that its two ends stand for.
+    /// Elastic potential, force and stiffness at the eccentricity `e` [m]; `weigh` receives each interval of
+    /// the arc in contact with the parts of the integral of g that belong to its two ends [m rad].
     #[inline]
-    pub fn press(&self, e: [f64; 2], weigh: impl FnMut(usize, f64, f64)) -> Pressing {
+    pub fn load(&self, e: [f64; 2], weigh: impl FnMut(usize, f64, f64)) -> FoundationLoad {
         let sum = self.arc.integrate(e, weigh);
-        let at = self.modulus.at(sum.v);
-        let mut out = Pressing { energy: at.energy, modulus: at.modulus, ..Pressing::default() };
+        let potential = self.modulus.potential(sum.v);
+        let mut out = FoundationLoad {
+            energy: potential.energy,
+            modulus: potential.modulus,
+            ..FoundationLoad::default()
+        };
         for i in 0..2 {
-            out.force[i] = at.modulus * sum.p[i];
+            out.force[i] = potential.modulus * sum.p[i];
             for j in 0..2 {
-                out.stiffness[i][j] = at.modulus * sum.d[i][j] + at.growth * sum.p[i] * sum.p[j];
+                out.stiffness[i][j] =
+                    potential.modulus * sum.d[i][j] + potential.growth * sum.p[i] * sum.p[j];
             }
         }
         out
@@ -126,84 +135,159 @@ impl Foundation {
     ///
     /// The elastic force -dU/de has size F_el and direction -n. Damping and friction follow
     /// the resultant: delta_dot = n.(w - omega_j x e), F_N = F_el max(0, 1 + D delta_dot),
-    /// v_t = w.t + omega_i R1 - omega_j (R1 + e.n). The reaction acts on the bushing at e + R1 n, whence its
+    /// v_t = w.t + omega_i R1 - omega_j (R1 + e.n). The reaction acts on the bushing at e + R1 n, hence its
     /// torque F_N (e x n) + F_T (e.n + R1).
     #[inline]
     pub fn force<const JACOBIAN: bool>(&self, motion: &JointMotion) -> JointForce {
+        let loaded = self.load(motion.e, |_, _, _| {});
+        let elastic = length(loaded.force);
+        let mut out = if elastic <= 0.0 {
+            JointForce { penetration: self.free_penetration(motion.e), ..JointForce::default() }
+        } else {
+            self.contact_force::<JACOBIAN>(motion, &loaded, elastic)
+        };
+        self.surface.add_film::<JACOBIAN>(motion, &mut out);
+        out
+    }
+
+    /// Penetration in free flight, not above zero [m].
+    fn free_penetration(&self, e: [f64; 2]) -> f64 {
+        let radius = length(e);
+        let reach = self.arc.reach();
+        if radius <= reach { radius - reach } else { self.arc.gap_along(e).min(0.0) }
+    }
+
+    /// The part of [`Self::force`] without the film, for an elastic force of size `elastic` > 0 [N].
+    #[inline]
+    fn contact_force<const JACOBIAN: bool>(
+        &self,
+        motion: &JointMotion,
+        loaded: &FoundationLoad,
+        elastic: f64,
+    ) -> JointForce {
         let s = &self.surface;
         let JointMotion { e, w, omega_journal, omega_bushing } = *motion;
-        let mut out = JointForce::default();
-        let pressing = self.press(e, |_, _, _| {});
-        let elastic = (pressing.force[0] * pressing.force[0] + pressing.force[1] * pressing.force[1]).sqrt();
-        let radius = (e[0] * e[0] + e[1] * e[1]).sqrt();
-        if elastic <= 0.0 {
-            out.penetration = if radius <= self.arc.reach() {
-                radius - self.arc.reach()
-            } else {
-                self.arc.gap_along(e).min(0.0)
-            };
-        } else {
-            let n = [pressing.force[0] / elastic, pressing.force[1] / elastic];
-            let t = [-n[1], n[0]];
-            let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
-            let (en, et) = (dot(e, n), dot(e, t));
-            let (wn, wt) = (dot(w, n), dot(w, t));
-            // e x n, and the relative velocity differentiated in the bushing's frame.
-            let lever = -et;
-            let (bn, bt) = (wn + omega_bushing * et, wt - omega_bushing * en);
-            let rate = bn;
-            let factor = 1.0 + s.damping * rate;
-            out.penetration = equivalent_penetration(elastic, s.stiffness);
-            if factor > 0.0 {
-                let normal = elastic * factor;
-                let arm = s.journal_radius + en;
-                let sliding = wt + omega_journal * s.journal_radius - omega_bushing * arm;
-                let (mu, mu_v) = s.friction(sliding);
-                let friction = mu * normal;
-                out.normal = normal;
-                out.sliding = sliding;
-                out.direction = n;
-                out.force = [-normal * n[0] - friction * t[0], -normal * n[1] - friction * t[1]];
-                out.torque_journal = -s.journal_radius * friction;
-                out.torque_bushing = normal * lever + friction * arm;
-                if JACOBIAN {
-                    // Columns in the axes (n, t): e along n, e along t, w along n, w along t, omega_i,
-                    // omega_j.
-                    let k = pressing.stiffness;
-                    let along = |a: [f64; 2], b: [f64; 2]| {
-                        a[0] * (k[0][0] * b[0] + k[0][1] * b[1]) + a[1] * (k[1][0] * b[0] + k[1][1] * b[1])
-                    };
-                    let elastic_c = [along(n, n), along(n, t), 0.0, 0.0, 0.0, 0.0];
-                    let turn_c = [along(t, n) / elastic, along(t, t) / elastic, 0.0, 0.0, 0.0, 0.0];
-                    let en_c = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0];
-                    let et_c = [0.0, 1.0, 0.0, 0.0, 0.0, 0.0];
-                    let rate_own = [0.0, omega_bushing, 1.0, 0.0, 0.0, et];
-                    let sliding_own = [-omega_bushing, 0.0, 0.0, 1.0, s.journal_radius, -arm];
-                    let mut polar = [[0.0; 6]; 4];
-                    for c in 0..6 {
-                        let turn = turn_c[c];
-                        let d_rate = rate_own[c] + bt * turn;
-                        let d_normal = elastic_c[c] * factor + elastic * s.damping * d_rate;
-                        let d_sliding = sliding_own[c] - (wn + omega_bushing * et) * turn;
-                        let d_friction = mu * d_normal + mu_v * normal * d_sliding;
-                        let d_arm = en_c[c] + et * turn;
-                        let d_lever = -(et_c[c] - en * turn);
-                        polar[0][c] = -d_normal + friction * turn;
-                        polar[1][c] = -d_friction - normal * turn;
-                        polar[2][c] = -s.journal_radius * d_friction;
-                        polar[3][c] =
-                            d_normal * lever + normal * d_lever + d_friction * arm + friction * d_arm;
-                    }
-                    out.jacobian = from_polar(&polar, n, t);
-                }
-            }
+        let n = [loaded.force[0] / elastic, loaded.force[1] / elastic];
+        let t = left(n);
+        let (en, et) = (dot(e, n), dot(e, t));
+        let (wn, wt) = (dot(w, n), dot(w, t));
+        // e x n, and the relative velocity differentiated in the bushing's frame.
+        let lever = -et;
+        let (bn, bt) = (wn + omega_bushing * et, wt - omega_bushing * en);
+        let factor = 1.0 + s.damping * bn;
+        let penetration = equivalent_penetration(elastic, s.stiffness);
+        if factor.is_nan() || factor <= 0.0 {
+            return JointForce { penetration, ..JointForce::default() };
         }
-        s.add_film::<JACOBIAN>(motion, &mut out);
+        let normal = elastic * factor;
+        let arm = s.journal_radius + en;
+        let sliding = wt + omega_journal * s.journal_radius - omega_bushing * arm;
+        let (mu, mu_v) = s.friction(sliding);
+        let friction = mu * normal;
+        let mut out = JointForce {
+            force: [-normal * n[0] - friction * t[0], -normal * n[1] - friction * t[1]],
+            torque_journal: -s.journal_radius * friction,
+            torque_bushing: normal * lever + friction * arm,
+            normal,
+            direction: n,
+            penetration,
+            sliding,
+            ..JointForce::default()
+        };
+        if JACOBIAN {
+            let resultant =
+                Resultant { n, t, en, et, bn, bt, elastic, factor, normal, mu, mu_v, friction, arm, lever };
+            out.jacobian = self.jacobian(&resultant, &loaded.stiffness, omega_bushing);
+        }
         out
+    }
+
+    /// Derivative of (force, torques) without the film to (e, w, omega_i, omega_j) `(4, 6)`, with the
+    /// foundation's stiffness `k` `(2, 2)` [N/m].
+    #[inline]
+    fn jacobian(&self, resultant: &Resultant, k: &[[f64; 2]; 2], omega_bushing: f64) -> [[f64; 6]; 4] {
+        let s = &self.surface;
+        let &Resultant { n, t, en, et, bn, bt, elastic, factor, normal, mu, mu_v, friction, arm, lever } =
+            resultant;
+        // Columns in the axes (n, t): e along n, e along t, w along n, w along t, omega_i, omega_j.
+        let along = |a: [f64; 2], b: [f64; 2]| {
+            a[0] * (k[0][0] * b[0] + k[0][1] * b[1]) + a[1] * (k[1][0] * b[0] + k[1][1] * b[1])
+        };
+        let elastic_c = [along(n, n), along(n, t), 0.0, 0.0, 0.0, 0.0];
+        let turn_c = [along(t, n) / elastic, along(t, t) / elastic, 0.0, 0.0, 0.0, 0.0];
+        let en_c = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        let et_c = [0.0, 1.0, 0.0, 0.0, 0.0, 0.0];
+        let rate_own = [0.0, omega_bushing, 1.0, 0.0, 0.0, et];
+        let sliding_own = [-omega_bushing, 0.0, 0.0, 1.0, s.journal_radius, -arm];
+        let mut jacobian = [[0.0; 6]; 4];
+        for c in 0..6 {
+            let turn = turn_c[c];
+            let d_rate = rate_own[c] + bt * turn;
+            let d_normal = elastic_c[c] * factor + elastic * s.damping * d_rate;
+            let d_sliding = sliding_own[c] - bn * turn;
+            let d_friction = mu * d_normal + mu_v * normal * d_sliding;
+            let d_arm = en_c[c] + et * turn;
+            let d_lever = -(et_c[c] - en * turn);
+            jacobian[0][c] = -d_normal + friction * turn;
+            jacobian[1][c] = -d_friction - normal * turn;
+            jacobian[2][c] = -s.journal_radius * d_friction;
+            jacobian[3][c] = d_normal * lever + normal * d_lever + d_friction * arm + friction * d_arm;
+        }
+        in_bushing_axes(&jacobian, n, t)
     }
 }
 
-/// Penetration at which F = K_n delta^1.5 gives this force [m].
+impl Law for Foundation {
+    fn new(surface: Surface, control_points: usize) -> Self {
+        Foundation::new(surface, control_points)
+    }
+
+    fn surface(&self) -> &Surface {
+        &self.surface
+    }
+
+    fn surface_mut(&mut self) -> &mut Surface {
+        &mut self.surface
+    }
+
+    fn profile_changed(&mut self, profile: &Profile) {
+        Foundation::profile_changed(self, profile);
+    }
+
+    fn pressure(&self) -> Pressure {
+        Pressure::Foundation
+    }
+
+    #[inline]
+    fn force<const JACOBIAN: bool>(&self, _profile: &Profile, motion: &JointMotion) -> JointForce {
+        Foundation::force::<JACOBIAN>(self, motion)
+    }
+
+    fn elastic(&self, _profile: &Profile, motion: &JointMotion) -> Elastic {
+        let FoundationLoad { energy, force, .. } = self.load(motion.e, |_, _, _| {});
+        let size = libm::hypot(force[0], force[1]);
+        if size <= 0.0 {
+            return Elastic::default();
+        }
+        let power = dot(force, in_bushing_frame(motion));
+        Elastic { stored: energy, force: size, rate: power / size }
+    }
+
+    /// The gap function grows at this rate where it is largest, in the direction in which the journal is
+    /// nearest to the bore.
+    fn approach(&self, _profile: &Profile, motion: &JointMotion) -> f64 {
+        dot(self.arc.nearest(motion.e), in_bushing_frame(motion))
+    }
+}
+
+/// Velocity of the journal's centre differentiated in the bushing's frame, w - omega_j x e `(2,)` [m/s].
+fn in_bushing_frame(motion: &JointMotion) -> [f64; 2] {
+    let JointMotion { e, w, omega_bushing, .. } = *motion;
+    [w[0] + omega_bushing * e[1], w[1] - omega_bushing * e[0]]
+}
+
+/// Penetration at which F = K_n delta^1.5 gives the force `force` [N] for the stiffness `stiffness` [N/m^1.5]
+/// [m].
 pub fn equivalent_penetration(force: f64, stiffness: f64) -> f64 {
     let root = libm::cbrt(force / stiffness);
     root * root

@@ -13,16 +13,51 @@
 //! 10.3969/j.issn.1004-132X.2026.06.020. Force and damping after Lankarani, Nikravesh (1990), J. Mech. Design
 //! 112, 369-376.
 
-use super::energy::Elastic;
-use super::{JointForce, JointMotion, Surface};
-use crate::bore::{Bore, Profile};
+use super::joint_force::{JointForce, JointMotion, in_bushing_axes};
+use super::law::{Elastic, Law, Pressure};
+use super::surface::Surface;
+use crate::bore::{Bore, Profile, Radius};
 use crate::lanes::{Real, atan2};
+use crate::plane::{dot, left, length};
 
 /// The law with its constants.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LocalHertz<R = f64> {
     /// Constants of the joint.
     pub surface: Surface<R>,
+}
+
+/// Motion along the eccentricity and across it.
+struct Polar<R> {
+    /// Unit vector u of the eccentricity, and its left normal t `(2,)` [1].
+    u: [R; 2],
+    t: [R; 2],
+    /// 1 / |e| [1/m].
+    inverse: R,
+    /// Bore in the direction of u.
+    bore: Radius<R>,
+    /// w.u and w.t [m/s].
+    wu: R,
+    wt: R,
+    /// Rate of the direction of e in the bushing's frame [rad/s].
+    turn: R,
+}
+
+/// Elastic force, damping and friction of one contact.
+struct Normal<R> {
+    /// delta^0.5, zero in free flight [m^0.5].
+    root: R,
+    /// Elastic force F_el [N].
+    elastic: R,
+    /// 1 + D delta_dot [1].
+    factor: R,
+    /// Normal force F_N [N].
+    normal: R,
+    /// F_T / F_N [1] and its derivative to the sliding speed [s/m].
+    mu: R,
+    mu_v: R,
+    /// Friction force F_T [N].
+    friction: R,
 }
 
 impl<R: Real> LocalHertz<R> {
@@ -38,19 +73,18 @@ impl<R: Real> LocalHertz<R> {
         let JointMotion { e, w, omega_journal, omega_bushing } = *motion;
         let nothing = e[0].zero();
         let one = nothing.like(1.0);
-        let r = (e[0] * e[0] + e[1] * e[1]).sqrt();
-        let bore = bore.at(atan2(e[1], e[0]));
+        let r = length(e);
+        let bore = bore.radius_at(atan2(e[1], e[0]));
         let delta = r + s.journal_radius - bore.r;
-        // Of a journal in the middle of its bore any direction serves: it touches nothing.
+        // At the centre of the bore, without contact, any direction serves.
         let inverse = one / R::select(nothing.below(r), r, one);
         let u = [e[0] * inverse, e[1] * inverse];
-        let t = [-u[1], u[0]];
-        let wu = w[0] * u[0] + w[1] * u[1];
-        let wt = w[0] * t[0] + w[1] * t[1];
+        let t = left(u);
+        let (wu, wt) = (dot(w, u), dot(w, t));
         let turn = wt * inverse - omega_bushing;
         let rate = wu - bore.d1 * turn;
         let factor = one + s.damping * rate;
-        // What is not a number is not in contact by comparison; its penetration says so.
+        // NaN compares as no contact; the penetration keeps the NaN.
         let touches = R::both(nothing.below(delta), nothing.below(factor));
         let root = R::select(touches, delta, nothing).sqrt();
         let elastic = s.stiffness * root * root * root;
@@ -70,48 +104,75 @@ impl<R: Real> LocalHertz<R> {
             jacobian: [[nothing; 6]; 4],
         };
         if JACOBIAN {
-            let slope = s.stiffness * root * factor * 1.5;
-            let ed = elastic * s.damping;
-            let bend = bore.d1 * inverse;
-            // Columns: along u, along t (per length), w along u, w along t, omega_i, omega_j.
-            let delta_c = [one, -bend, nothing, nothing, nothing, nothing];
-            let rate_c = [
-                bend * wt * inverse,
-                (wt - bore.d2 * turn + bend * wu) * inverse,
-                one,
-                -bend,
-                nothing,
-                bore.d1,
-            ];
-            let sliding_c =
-                [nothing, (-wu - omega_bushing * bore.d1) * inverse, nothing, one, s.journal_radius, -bore.r];
-            let mut polar = [[nothing; 6]; 4];
-            for c in 0..6 {
-                let dn = slope * delta_c[c] + ed * rate_c[c];
-                let df = mu * dn + mu_v * normal * sliding_c[c];
-                polar[0][c] = -dn;
-                polar[1][c] = -df;
-                polar[2][c] = -s.journal_radius * df;
-                polar[3][c] = bore.r * df;
-            }
-            // The unit vectors turn with the direction of e: du = t dpsi, dt = -u dpsi; and the bore's radius
-            // changes.
-            polar[0][1] += friction * inverse;
-            polar[1][1] -= normal * inverse;
-            polar[3][1] += bend * friction;
-            out.jacobian = from_polar(&polar, u, t);
+            let polar = Polar { u, t, inverse, bore, wu, wt, turn };
+            let normal = Normal { root, elastic, factor, normal, mu, mu_v, friction };
+            out.jacobian = self.jacobian(&polar, &normal, omega_bushing);
         }
         s.add_film::<JACOBIAN>(motion, &mut out);
         out
     }
+
+    /// Derivative of (force, torques) without the film to (e, w, omega_i, omega_j) `(4, 6)`.
+    #[inline(always)]
+    fn jacobian(&self, polar: &Polar<R>, contact: &Normal<R>, omega_bushing: R) -> [[R; 6]; 4] {
+        let s = &self.surface;
+        let &Polar { u, t, inverse, bore, wu, wt, turn } = polar;
+        let &Normal { root, elastic, factor, normal, mu, mu_v, friction } = contact;
+        let nothing = root.zero();
+        let one = nothing.like(1.0);
+        let slope = s.stiffness * root * factor * 1.5;
+        let ed = elastic * s.damping;
+        let bend = bore.d1 * inverse;
+        // Columns: along u, along t (per length), w along u, w along t, omega_i, omega_j.
+        let delta_c = [one, -bend, nothing, nothing, nothing, nothing];
+        let rate_c =
+            [bend * wt * inverse, (wt - bore.d2 * turn + bend * wu) * inverse, one, -bend, nothing, bore.d1];
+        let sliding_c =
+            [nothing, (-wu - omega_bushing * bore.d1) * inverse, nothing, one, s.journal_radius, -bore.r];
+        let mut jacobian = [[nothing; 6]; 4];
+        for c in 0..6 {
+            let dn = slope * delta_c[c] + ed * rate_c[c];
+            let df = mu * dn + mu_v * normal * sliding_c[c];
+            jacobian[0][c] = -dn;
+            jacobian[1][c] = -df;
+            jacobian[2][c] = -s.journal_radius * df;
+            jacobian[3][c] = bore.r * df;
+        }
+        // The unit vectors turn with the direction of e, du = t dpsi, dt = -u dpsi; the bore's radius
+        // changes.
+        jacobian[0][1] += friction * inverse;
+        jacobian[1][1] -= normal * inverse;
+        jacobian[3][1] += bend * friction;
+        in_bushing_axes(&jacobian, u, t)
+    }
 }
 
-impl LocalHertz {
-    /// Energy, force and rate of the elastic part of the contact.
-    pub(super) fn elastic(&self, profile: &Profile, motion: &JointMotion) -> Elastic {
+impl Law for LocalHertz {
+    fn new(surface: Surface, _control_points: usize) -> Self {
+        LocalHertz { surface }
+    }
+
+    fn surface(&self) -> &Surface {
+        &self.surface
+    }
+
+    fn surface_mut(&mut self) -> &mut Surface {
+        &mut self.surface
+    }
+
+    fn pressure(&self) -> Pressure {
+        Pressure::UniformOverArc
+    }
+
+    #[inline]
+    fn force<const JACOBIAN: bool>(&self, profile: &Profile, motion: &JointMotion) -> JointForce {
+        LocalHertz::force::<JACOBIAN>(self, profile, motion)
+    }
+
+    fn elastic(&self, profile: &Profile, motion: &JointMotion) -> Elastic {
         let e = motion.e;
-        let delta =
-            libm::hypot(e[0], e[1]) + self.surface.journal_radius - profile.at(libm::atan2(e[1], e[0])).r;
+        let delta = libm::hypot(e[0], e[1]) + self.surface.journal_radius
+            - profile.radius_at(libm::atan2(e[1], e[0])).r;
         if delta <= 0.0 {
             return Elastic::default();
         }
@@ -119,33 +180,12 @@ impl LocalHertz {
         Elastic { stored: 0.4 * force * delta, force, rate: self.approach(profile, motion) }
     }
 
-    /// Rate of the penetration, delta_dot, also where it is negative; e must not be zero [m/s].
-    pub fn approach(&self, profile: &Profile, motion: &JointMotion) -> f64 {
+    fn approach(&self, profile: &Profile, motion: &JointMotion) -> f64 {
         let JointMotion { e, w, omega_bushing, .. } = *motion;
         let r = libm::hypot(e[0], e[1]);
         let u = [e[0] / r, e[1] / r];
         let along = w[1] * u[0] - w[0] * u[1];
-        let slope = profile.at(libm::atan2(e[1], e[0])).d1;
+        let slope = profile.radius_at(libm::atan2(e[1], e[0])).d1;
         w[0] * u[0] + w[1] * u[1] - slope * (along / r - omega_bushing)
     }
-}
-
-/// Turns rows 0, 1 (force) and columns 0..4 (e, w) from (u, t) into the bushing's axes.
-#[inline(always)]
-pub(super) fn from_polar<R: Real>(polar: &[[R; 6]; 4], u: [R; 2], t: [R; 2]) -> [[R; 6]; 4] {
-    let mut turned = *polar;
-    for row in &mut turned {
-        for pair in [0, 2] {
-            let (a, b) = (row[pair], row[pair + 1]);
-            row[pair] = a * u[0] + b * t[0];
-            row[pair + 1] = a * u[1] + b * t[1];
-        }
-    }
-    let mut jacobian = turned;
-    for c in 0..6 {
-        let (a, b) = (turned[0][c], turned[1][c]);
-        jacobian[0][c] = a * u[0] + b * t[0];
-        jacobian[1][c] = a * u[1] + b * t[1];
-    }
-    jacobian
 }

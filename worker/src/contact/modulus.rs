@@ -25,16 +25,16 @@ const UNDER: [f64; 3] = [9.78098, 8.82415, 3.22025];
 /// Modulus of one joint's foundation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Modulus {
-    /// Of a light load, kappa: modulus times bore radius and width [N/(m rad)].
+    /// Modulus of a light load, kappa = K_n 3 sqrt(c) / (4 sqrt 2) [N/(m rad)].
     light: f64,
     /// 15 / (8 sqrt 2 c^2) [1/m^2].
     unit: f64,
 }
 
-/// U and its derivatives to V at one V.
+/// Potential U(V) and its derivatives.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Loaded {
-    /// U [J].
+pub struct Potential {
+    /// Potential U [J].
     pub energy: f64,
     /// dU/dV: the modulus in effect [N/(m rad)].
     pub modulus: f64,
@@ -51,11 +51,11 @@ impl Modulus {
         }
     }
 
-    /// U(V) and its derivatives; all zero without contact, V = 0.
+    /// U(V) and its derivatives for `v` = V [m^2 rad]; all zero without contact, V = 0.
     #[inline]
-    pub fn at(&self, v: f64) -> Loaded {
+    pub fn potential(&self, v: f64) -> Potential {
         if v <= 0.0 {
-            return Loaded::default();
+            return Potential::default();
         }
         let z = (self.unit * v).sqrt().sqrt();
         // A polynomial 1 + a z + b z^2 + c z^3 + d z^4 with its first and second derivative.
@@ -75,7 +75,7 @@ impl Modulus {
         let h = over.0 * inverse;
         let h1 = (over.1 - h * under.1) * inverse;
         let h2 = (over.2 - h * under.2 - 2.0 * h1 * under.1) * inverse;
-        Loaded {
+        Potential {
             energy: self.light * v * h,
             modulus: self.light * (h + 0.25 * z * h1),
             growth: self.light * z / (16.0 * v) * (5.0 * h1 + z * h2),
@@ -115,13 +115,13 @@ mod tests {
             let v = potential(x);
             let bound = if x < 0.1 { 4e-5 } else { 4e-4 };
             let energy = 0.4 * x.powf(2.5);
-            let off = (modulus.at(v).energy / energy - 1.0).abs();
+            let off = (modulus.potential(v).energy / energy - 1.0).abs();
             assert!(off < bound, "energy at {x}: {off}");
             // dV/dx of the round bore is e (theta - sin(theta) cos(theta)); its differences lose nothing
             // here.
             let step = 1e-4 * x;
             let slope = (potential(x + step) - potential(x - step)) / (2.0 * step);
-            let off = (modulus.at(v).modulus * slope / x.powf(1.5) - 1.0).abs();
+            let off = (modulus.potential(v).modulus * slope / x.powf(1.5) - 1.0).abs();
             assert!(off < bound, "force at {x}: {off}");
         }
     }
@@ -143,8 +143,11 @@ mod tests {
         let mut before = 0.0;
         for k in 0..60 {
             let v = 1e-22 * 10f64.powf(0.25 * f64::from(k));
-            let (minus, at, plus) =
-                (modulus.at(v * (1.0 - 1e-5)), modulus.at(v), modulus.at(v * (1.0 + 1e-5)));
+            let (minus, at, plus) = (
+                modulus.potential(v * (1.0 - 1e-5)),
+                modulus.potential(v),
+                modulus.potential(v * (1.0 + 1e-5)),
+            );
             let first = (plus.energy - minus.energy) / (2e-5 * v);
             assert!((first / at.modulus - 1.0).abs() < 1e-8, "{first} against {}", at.modulus);
             let second = (plus.modulus - minus.modulus) / (2e-5 * v);
@@ -152,7 +155,7 @@ mod tests {
             assert!(at.modulus > before);
             before = at.modulus;
         }
-        assert_eq!(modulus.at(0.0), Loaded::default());
+        assert_eq!(modulus.potential(0.0), Potential::default());
     }
 
     #[test]
@@ -161,8 +164,8 @@ mod tests {
         let modulus = Modulus::new(1.0, 1.0);
         for k in 0..=800 {
             let z = 1e-4 * 10f64.powf(0.01 * f64::from(k));
-            let at = modulus.at(z.powi(4) / modulus.unit);
-            assert!(at.growth > 0.0, "z {z}: {at:?}");
+            let potential = modulus.potential(z.powi(4) / modulus.unit);
+            assert!(potential.growth > 0.0, "z {z}: {potential:?}");
         }
     }
 }

@@ -40,7 +40,7 @@ pub(super) fn motions(profile: &Profile) -> Vec<JointMotion> {
             let x = f64::from(k);
             let psi = 0.1 + TAU * x / 24.0;
             let penetration = 1e-7 * (1.0 + x % 5.0);
-            let reach = profile.at(psi).r - SURFACE.journal_radius + penetration;
+            let reach = profile.radius_at(psi).r - SURFACE.journal_radius + penetration;
             let omega_bushing = 9.0 * (1.7 * x).sin();
             JointMotion {
                 e: [reach * psi.cos(), reach * psi.sin()],
@@ -201,7 +201,7 @@ fn foundation_is_conservative_on_a_worn_bore_and_the_local_law_is_not() {
     let [local, foundation] = laws(bare, &profile);
     for psi in [0.3, 1.9, 4.0] {
         // An ellipse of e about the point of first contact: in and out of contact, along the bore and back.
-        let reach = profile.at(psi).r - SURFACE.journal_radius + 1e-7;
+        let reach = profile.radius_at(psi).r - SURFACE.journal_radius + 1e-7;
         let path = |s: f64| {
             let (radial, along) = (reach + 4e-7 * s.cos(), 2e-6 * s.sin());
             [radial * psi.cos() - along * psi.sin(), radial * psi.sin() + along * psi.cos()]

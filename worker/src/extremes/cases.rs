@@ -1,9 +1,7 @@
 //! The cases: a scene with one quantity at an extreme, or several at once.
 
 use common::accuracy::Accuracy;
-use common::scene::{
-    Clearance, ContactDamping, ContactLaw, Curve, Drive, JointKind, Load, Motion, Over, Scene,
-};
+use common::scene::{Clearance, ContactDamping, ContactLaw, Curve, Drive, JointKind, Motion, Over, Scene};
 
 /// Life of a case in checkpoints of its scene: long enough that the wear is a good part of the clearance, short
 /// enough that a table of all cases takes a minute or two.
@@ -89,8 +87,7 @@ const CASES: [(&str, Change); 24] = [
 
 /// Every case of a scene, under both contact laws.
 pub fn cases(scene: &Scene, accuracy: &Accuracy) -> Vec<Case> {
-    let laws = [ContactLaw::LocalHertz, ContactLaw::Foundation];
-    let of = |law: ContactLaw| {
+    let of_law = |law: ContactLaw| {
         CASES.iter().map(move |&(name, change)| {
             let mut case = Case { name, law, scene: scene.clone(), accuracy: *accuracy };
             case.scene.life.cycles = scene.life.cycles.min(CHECKPOINTS * scene.life.checkpoint_every);
@@ -99,7 +96,7 @@ pub fn cases(scene: &Scene, accuracy: &Accuracy) -> Vec<Case> {
             case
         })
     };
-    laws.into_iter().flat_map(of).collect()
+    ContactLaw::ALL.into_iter().flat_map(of_law).collect()
 }
 
 /// Changes every joint with clearance.
@@ -180,11 +177,8 @@ fn speed(scene: &mut Scene, rpm: f64) {
         }
     }
     for load in &mut scene.loads {
-        if let Load::VariableForce { size: curve, .. } | Load::VariableTorque { torque: curve, .. } = load {
-            let Curve { over, table } = curve;
-            if *over == Over::Time {
-                table.at.iter_mut().for_each(|t| *t /= factor);
-            }
+        if let Some(Curve { over: Over::Time, table }) = load.curve_mut() {
+            table.at.iter_mut().for_each(|t| *t /= factor);
         }
     }
 }

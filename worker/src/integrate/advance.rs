@@ -196,7 +196,7 @@ impl Advance {
     fn blamed<D: Stepped>(&self, system: &D) -> Option<usize> {
         let errors = self.scheme.error_q.iter().copied().zip(self.scheme.error_v.iter().copied());
         let worst = worst_coordinate(errors, system.scales())?;
-        system.blamed(worst, &self.at)
+        system.responsible_joint(worst, &self.at)
     }
 
     /// Largest scaled error of the step just tried, over the tolerance; infinite if anything is not finite.

@@ -56,7 +56,7 @@ pub trait Stepped: Dynamics {
         Ok(())
     }
     /// The joint to be named when the error of this coordinate stops the integration.
-    fn blamed(&self, coordinate: usize, at: &Linearised) -> Option<usize> {
+    fn responsible_joint(&self, coordinate: usize, at: &Linearised) -> Option<usize> {
         let _ = (coordinate, at);
         None
     }

@@ -1,10 +1,10 @@
-//! A number, or several side by side.
+//! A number, or a SIMD vector of numbers.
 
 use pulp::{Simd, bytemuck};
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
-/// One or more numbers under the same formula.
+/// One number per lane, with the operations of the kernels.
 pub trait Real:
     Copy
     + Debug
@@ -20,52 +20,52 @@ pub trait Real:
     + SubAssign
     + 'static
 {
-    /// Yes or no for each number.
+    /// Result of a comparison, one per lane.
     type Mask: Copy;
-    /// How many numbers.
+    /// Number of lanes.
     const LANES: usize;
 
-    /// As many numbers as `self` has, number k being `of(k)`.
-    fn each(self, of: impl FnMut(usize) -> f64) -> Self;
-    /// As many numbers as `self` has, all the same.
+    /// The numbers `number(k)` in lanes k; `self` sets the number of lanes.
+    fn each(self, number: impl FnMut(usize) -> f64) -> Self;
+    /// `value` in every lane; `self` sets the number of lanes.
     fn like(self, value: f64) -> Self;
-    /// Number `k`.
+    /// Number in lane `k`.
     fn lane(&self, k: usize) -> f64;
-    /// Replaces number `k`.
+    /// Replaces the number in lane `k`.
     fn set_lane(&mut self, k: usize, value: f64);
-    /// Square root.
+    /// Square root of each number.
     fn sqrt(self) -> Self;
-    /// Size without sign.
+    /// Absolute value of each number.
     fn abs(self) -> Self;
-    /// Whether `self` is below `other`; never so if either is not a number.
+    /// Whether `self` is below `other`; false where either is NaN.
     fn below(self, other: Self) -> Self::Mask;
-    /// `yes` where the mask says so, else `no`.
+    /// `yes` where the mask is true, else `no`.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
-    /// Where both say so.
+    /// Where both masks are true.
     fn both(a: Self::Mask, b: Self::Mask) -> Self::Mask;
 
-    /// All zero.
+    /// Zero in every lane.
     #[inline(always)]
     fn zero(self) -> Self {
         self.like(0.0)
     }
-    /// The larger one; `other` if either is not a number.
+    /// The larger one; `other` where either is NaN.
     #[inline(always)]
     fn larger(self, other: Self) -> Self {
         Self::select(other.below(self), self, other)
     }
-    /// The smaller one; `other` if either is not a number.
+    /// The smaller one; `other` where either is NaN.
     #[inline(always)]
     fn smaller(self, other: Self) -> Self {
         Self::select(self.below(other), self, other)
     }
-    /// The nearest whole number, ties to even; of numbers below 2^51 in size.
+    /// The nearest whole number, ties to even; for numbers below 2^51 in size.
     #[inline(always)]
     fn round(self) -> Self {
         const SHIFT: f64 = 6755399441055744.0;
         (self + SHIFT) - SHIFT
     }
-    /// Each number by itself.
+    /// `f` of each number.
     #[inline(always)]
     fn map(self, f: impl Fn(f64) -> f64) -> Self {
         self.each(|k| f(self.lane(k)))
@@ -77,8 +77,8 @@ impl Real for f64 {
     const LANES: usize = 1;
 
     #[inline(always)]
-    fn each(self, mut of: impl FnMut(usize) -> f64) -> Self {
-        of(0)
+    fn each(self, mut number: impl FnMut(usize) -> f64) -> Self {
+        number(0)
     }
     #[inline(always)]
     fn like(self, value: f64) -> Self {
@@ -114,10 +114,10 @@ impl Real for f64 {
     }
 }
 
-/// Every bit of a number but its sign.
+/// Bit mask of a number without its sign.
 const ALL_BUT_SIGN: f64 = f64::from_bits(!(1 << 63));
 
-/// As many numbers as the instruction set `S` works on at once.
+/// A SIMD vector of the instruction set `S`.
 #[derive(Debug, Clone, Copy)]
 pub struct Lanes<S: Simd> {
     simd: S,
@@ -125,20 +125,20 @@ pub struct Lanes<S: Simd> {
 }
 
 impl<S: Simd> Lanes<S> {
-    /// All the same.
+    /// `value` in every lane.
     #[inline(always)]
     pub fn all(simd: S, value: f64) -> Self {
         Lanes { simd, value: simd.splat_f64s(value) }
     }
 
-    /// Number by number.
+    /// The numbers, lane by lane.
     #[inline(always)]
     pub fn values(&self) -> &[f64] {
         bytemuck::cast_slice(std::slice::from_ref(&self.value))
     }
 }
 
-/// An operation of two, and of lanes with one number for all of them.
+/// An operation lane by lane, and an operation of all lanes with one number.
 macro_rules! operation {
     ($trait:ident, $method:ident, $simd:ident) => {
         impl<S: Simd> $trait for Lanes<S> {
@@ -196,11 +196,11 @@ impl<S: Simd> Real for Lanes<S> {
     const LANES: usize = S::F64_LANES;
 
     #[inline(always)]
-    fn each(self, mut of: impl FnMut(usize) -> f64) -> Self {
+    fn each(self, mut number: impl FnMut(usize) -> f64) -> Self {
         let mut value = self.value;
         let lanes: &mut [f64] = bytemuck::cast_slice_mut(std::slice::from_mut(&mut value));
         for (k, lane) in lanes.iter_mut().enumerate() {
-            *lane = of(k);
+            *lane = number(k);
         }
         Lanes { simd: self.simd, value }
     }

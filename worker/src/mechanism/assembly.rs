@@ -14,35 +14,38 @@ use common::failure::SimulationFailure;
 use common::scene::{Motion, Scene};
 use nalgebra::DVector;
 
-/// Positions and velocities of all bodies at one time: coordinates of the centre of mass and angle for free
-/// bodies; nothing for the others.
+/// Positions and velocities of all bodies at one time: coordinates of the centre of mass and angle of free
+/// bodies, `None` for prescribed ones.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pose {
-    /// Time [s].
+    /// Time of the pose [s].
     pub time: f64,
-    /// Per body of the scene: (x, y, angle) of a free body.
+    /// (x, y, angle) of each free body, by body of the scene [m, m, rad].
     pub q: Vec<Option<[f64; 3]>>,
-    /// Their rates.
+    /// Rates of `q` [m/s, m/s, rad/s].
     pub v: Vec<Option<[f64; 3]>>,
 }
 
 /// Angles of a cycle at which closure is checked.
 const CHECKED: usize = 180;
-/// A stretch of the motion is halved until the bodies move by no more than this share of the mechanism at
-/// once...
+/// A step of the continuation is halved until the bodies move by no more than this share of the mechanism's
+/// size.
 const LONGEST: f64 = 0.2;
-/// ... and Newton's method corrects no more than this share of what velocities predict, or of the mechanism.
-const CORRECTION: (f64, f64) = (0.3, 0.01);
-/// Shortest stretch, as a share of the cycle: where even that is too long, the motion ends.
+/// Largest correction by Newton's method in a step, as a share of the motion that velocities predict ...
+const CORRECTION_OF_MOTION: f64 = 0.3;
+/// ... or as a share of the mechanism's size.
+const CORRECTION_OF_SIZE: f64 = 0.01;
+/// Shortest step, as a share of the cycle: where even that is too long, the motion ends.
 const SHORTEST: f64 = 1e-8;
 
 /// The mechanism with ideal joints at `samples` equal times of one cycle, ends included: its motion in the
 /// limit of vanishing clearance, followed by continuation from the approximate start of the scene. Adds the
-/// Newton iterations to `iterations`. Where drives and joints leave the motion open there is only the start.
+/// Newton iterations to `iterations`. Returns the start alone where drives and joints do not determine the
+/// motion.
 ///
 /// # Errors
-/// [`SimulationFailure::CannotAssemble`] where it cannot be closed at the start,
-/// [`SimulationFailure::OverConstrained`] if ideal joints forbid a motion twice,
+/// [`SimulationFailure::CannotAssemble`] if a joint cannot be closed at the start,
+/// [`SimulationFailure::OverConstrained`] if constraints of ideal joints are redundant,
 /// [`SimulationFailure::DeadPoint`] with joint and angle where the linkage locks or its motion becomes
 /// ambiguous on its way.
 pub fn ideal_cycle(
@@ -62,33 +65,34 @@ pub fn ideal_cycle(
     }
     let intervals = samples.max(2) - 1;
     let refine = CHECKED.div_ceil(intervals);
-    let at = |k: usize| scene.life.period * k as f64 / (intervals * refine) as f64;
+    let time = |k: usize| scene.life.period * k as f64 / (intervals * refine) as f64;
     let mut poses = vec![pose(&closure, 0.0, &q)];
     if !closure.is_determined(&q) {
         return Ok(poses);
     }
     let orientation = closure.orientation(0.0, &q);
     for k in 1..=intervals * refine {
-        follow(&closure, orientation, at(k - 1), at(k), &mut q, iterations)
+        follow(&closure, orientation, time(k - 1), time(k), &mut q, iterations)
             .map_err(|stop| dead_point(scene, &stop))?;
         if k % refine == 0 {
-            poses.push(pose(&closure, at(k), &q));
+            poses.push(pose(&closure, time(k), &q));
         }
     }
     Ok(poses)
 }
 
+/// Pose at time `t` [s] and coordinates `q`.
 fn pose(closure: &Closure, t: f64, q: &DVector<f64>) -> Pose {
     Pose { time: t, q: closure.split(q), v: closure.split(&closure.velocity(t, q)) }
 }
 
-/// Where the motion ends, and which joint could not follow.
+/// Time at which the motion ends, and index of the joint that could not be closed.
 struct Stop {
     time: f64,
     joint: usize,
 }
 
-/// Follows the motion from one time to another, in stretches as short as the motion asks for.
+/// Follows the motion from one time to another by continuation with adaptive steps.
 fn follow(
     closure: &Closure,
     orientation: Option<bool>,
@@ -109,7 +113,8 @@ fn follow(
             match closure.close(t + ahead, &mut trial, iterations) {
                 Ok(()) => {
                     let correction = closure.largest(&(&trial - &*q - &predicted));
-                    fits = correction <= (CORRECTION.0 * far).max(CORRECTION.1 * closure.size())
+                    fits = correction
+                        <= (CORRECTION_OF_MOTION * far).max(CORRECTION_OF_SIZE * closure.size())
                         && closure.orientation(t + ahead, &trial) == orientation;
                 }
                 Err(open) => (fits, culprit) = (false, Some(open.joint)),
@@ -131,18 +136,18 @@ fn follow(
 }
 
 /// Accelerations of the ideal mechanism in these poses, per body of the scene as in [`Pose`] [m/s^2,
-/// rad/s^2]; none if the joints and drives leave the motion a freedom in one of them.
+/// rad/s^2]; `None` if joints and drives do not determine the motion in one of them.
 pub fn ideal_accelerations(scene: &Scene, poses: &[Pose]) -> Option<Vec<Vec<Option<[f64; 3]>>>> {
     let closure = Closure::new(scene);
     let flat = |x: &[Option<[f64; 3]>]| DVector::from_vec(x.iter().flatten().flatten().copied().collect());
-    let of = |pose: &Pose| closure.acceleration(pose.time, &flat(&pose.q), &flat(&pose.v));
-    poses.iter().map(|pose| of(pose).map(|a| closure.split(&a))).collect()
+    let acceleration = |pose: &Pose| closure.acceleration(pose.time, &flat(&pose.q), &flat(&pose.v));
+    poses.iter().map(|pose| acceleration(pose).map(|a| closure.split(&a))).collect()
 }
 
-/// The failure, told by the angle of the first driven body.
+/// The failure, with the angle of the first driven body.
 fn dead_point(scene: &Scene, stop: &Stop) -> SimulationFailure {
     let driven = scene.bodies.iter().find(|b| matches!(b.motion, Motion::Driven { .. }));
-    let angle = driven.and_then(super::Prescribed::of).map_or(0.0, |motion| motion.angle(stop.time));
+    let angle = driven.and_then(super::Prescribed::from_body).map_or(0.0, |motion| motion.angle(stop.time));
     SimulationFailure::DeadPoint {
         joint: scene.joints[stop.joint].name.clone(),
         time: stop.time,

@@ -12,13 +12,14 @@
 use super::constraint::{Constraint, first_rows};
 use super::frame::{End, Frame};
 use super::prescribed::Prescribed;
+use crate::extremum::largest;
 use common::scene::{Attachment, JointKind, Motion, Scene};
 use nalgebra::{DMatrix, DVector};
 
 /// Gap below which a joint counts as closed, relative to the mechanism's size.
 const CLOSED: f64 = 1e-12;
 const MOST_ITERATIONS: usize = 50;
-/// Rows that keep less than this share of their length beside the rows before them depend on those.
+/// A row counts as dependent if its part normal to the rows before it is below this share of its length.
 const DEPENDENT: f64 = 1e-9;
 /// Smallest over largest pivot of the closures' derivative below which the ideal motion does not count as
 /// determined: accelerations near a dead point are thousands of times those elsewhere.
@@ -26,13 +27,13 @@ const DETERMINED: f64 = 1e-4;
 
 /// A joint that could not be closed.
 pub struct Open {
-    /// Joint with the largest gap.
+    /// Index of the joint with the largest gap.
     pub joint: usize,
-    /// Gap [m].
+    /// Gap that remained [m].
     pub gap: f64,
 }
 
-/// The equations.
+/// The closure equations of a scene.
 pub struct Closure<'a> {
     scene: &'a Scene,
     prescribed: Vec<Option<Prescribed>>,
@@ -46,15 +47,18 @@ pub struct Closure<'a> {
     size: f64,
 }
 
-/// Gaps, their derivative to q and to t, all as lengths.
+/// Gaps of all joints with their derivatives, all as lengths.
 struct Gaps {
+    /// phi `(m,)` [m].
     phi: DVector<f64>,
+    /// dphi/dq `(m, n)` [1].
     jacobian: DMatrix<f64>,
+    /// dphi/dt `(m,)` [m/s].
     rate: DVector<f64>,
 }
 
 impl<'a> Closure<'a> {
-    /// Of a checked scene.
+    /// The closure equations of a checked scene.
     pub fn new(scene: &'a Scene) -> Self {
         let mut n = 0;
         let mut first = Vec::with_capacity(scene.bodies.len());
@@ -63,13 +67,7 @@ impl<'a> Closure<'a> {
             first.push(free.then_some(n));
             n += if free { 3 } else { 0 };
         }
-        let end = |a: &Attachment| {
-            let origin = match scene.bodies[a.body].motion {
-                Motion::Free { centre_of_mass, .. } => centre_of_mass,
-                _ => [0.0; 2],
-            };
-            End { frame: a.body, arm: [a.position[0] - origin[0], a.position[1] - origin[1]] }
-        };
+        let end = |at: &Attachment| End { frame: at.body, arm: scene.arm(at) };
         let constraints: Vec<Constraint> = scene
             .joints
             .iter()
@@ -79,7 +77,7 @@ impl<'a> Closure<'a> {
         let (row, m) = first_rows(&constraints);
         let points = scene.joints.iter().flat_map(|j| [j.journal.position, j.bushing.position]);
         let size = points.flatten().fold(1e-6_f64, |a, b| a.max(b.abs()));
-        let prescribed = scene.bodies.iter().map(Prescribed::of).collect();
+        let prescribed = scene.bodies.iter().map(Prescribed::from_body).collect();
         Closure { scene, prescribed, first, constraints, row, n, m, size }
     }
 
@@ -108,7 +106,7 @@ impl<'a> Closure<'a> {
         q
     }
 
-    /// Velocities of the scene's start, before the joints take from them what they forbid.
+    /// Velocities of the scene's start, before the joints project them `(n,)`.
     fn start_velocity(&self) -> DVector<f64> {
         let mut v = DVector::zeros(self.n);
         for (body, first) in self.scene.bodies.iter().zip(&self.first) {
@@ -129,7 +127,7 @@ impl<'a> Closure<'a> {
     fn frame(&self, body: usize, t: f64, q: &DVector<f64>) -> Frame {
         match (self.first[body], &self.prescribed[body]) {
             (Some(k), _) => Frame::free(&[q[k], q[k + 1], q[k + 2]], &[0.0; 3]),
-            (None, Some(p)) => p.at(t),
+            (None, Some(p)) => p.frame(t),
             (None, None) => Frame::default(),
         }
     }
@@ -169,16 +167,16 @@ impl<'a> Closure<'a> {
         x
     }
 
-    /// Largest of a change of coordinates, as a length [m].
+    /// Largest component of a change of coordinates, as a length [m].
     pub fn largest(&self, x: &DVector<f64>) -> f64 {
         let length = |k: usize| if k % 3 == 2 { x[k].abs() * self.size } else { x[k].abs() };
-        (0..x.len()).map(length).fold(0.0, f64::max)
+        largest((0..x.len()).map(length))
     }
 
     /// Closes every joint at time `t` by Newton's method from `q`.
     ///
     /// # Errors
-    /// [`Open`] with the joint that stayed widest open.
+    /// [`Open`] with the joint of the largest remaining gap.
     pub fn close(&self, t: f64, q: &mut DVector<f64>, iterations: &mut u64) -> Result<(), Open> {
         let mut worst = Open { joint: 0, gap: f64::INFINITY };
         for _ in 0..MOST_ITERATIONS {
@@ -186,7 +184,7 @@ impl<'a> Closure<'a> {
             worst = Open { joint: 0, gap: 0.0 };
             for (joint, (c, &row)) in self.constraints.iter().zip(&self.row).enumerate() {
                 let gap = phi.rows(row, c.rows()).norm();
-                // A comparison with NaN is false: count it as the widest gap.
+                // A comparison with NaN is false: count it as the largest gap.
                 if gap > worst.gap || gap.is_nan() {
                     worst = Open { joint, gap };
                 }
@@ -203,8 +201,8 @@ impl<'a> Closure<'a> {
         Err(worst)
     }
 
-    /// Velocities at a closed position: the start's, as far as drives and joints leave them free. Away from
-    /// the start only a motion that the drives determine can be followed.
+    /// Velocities at a closed position `(n,)`: the projection of the start's velocities that satisfies drives
+    /// and joints. For t > 0 the drives must determine the motion.
     pub fn velocity(&self, t: f64, q: &DVector<f64>) -> DVector<f64> {
         let Gaps { jacobian, rate, .. } = self.gaps(t, q);
         let mut free = if t == 0.0 { self.start_velocity() } else { DVector::zeros(self.n) };
@@ -214,8 +212,8 @@ impl<'a> Closure<'a> {
         free
     }
 
-    /// Accelerations at (q, v): (dphi/dq) qdd = -(what the gaps' second rates are at qdd = 0); none if the
-    /// closures leave a freedom, or nearly so.
+    /// Accelerations at (q, v) `(n,)`: (dphi/dq) qdd = -(second time derivative of phi at qdd = 0); `None` if
+    /// the closures leave a freedom, or nearly so.
     pub fn acceleration(&self, t: f64, q: &DVector<f64>, v: &DVector<f64>) -> Option<DVector<f64>> {
         let jacobian = self.gaps(t, q).jacobian;
         let mut second = DVector::zeros(self.m);
@@ -248,7 +246,7 @@ impl<'a> Closure<'a> {
         Some(self.to_coordinates(a))
     }
 
-    /// On which side of a dead point a mechanism without freedom is: the sign of det(dphi/dq).
+    /// Branch of a mechanism without freedom on either side of a dead point: true if det(dphi/dq) > 0.
     pub fn orientation(&self, t: f64, q: &DVector<f64>) -> Option<bool> {
         if self.m != self.n || self.n == 0 {
             return None;
@@ -266,21 +264,21 @@ impl<'a> Closure<'a> {
         self.n > 0 && self.m >= self.n && jacobian.rank(DEPENDENT) == self.n
     }
 
-    /// The first ideal joint whose rows depend on those of the ideal joints before it.
+    /// The first ideal joint whose rows depend linearly on those of the ideal joints before it.
     pub fn first_dependent_joint(&self, q: &DVector<f64>) -> Option<usize> {
         let jacobian = self.gaps(0.0, q).jacobian;
         let ideal = |joint: usize| !matches!(self.scene.joints[joint].kind, JointKind::Clearance(_));
         self.first_dependent_row(&jacobian, ideal)
     }
 
-    /// Joint of the first row, among those of the joints wanted, that depends on the rows before it.
+    /// Joint of the first row, among those of the wanted joints, that depends linearly on the rows before it.
     fn first_dependent_row(&self, jacobian: &DMatrix<f64>, wanted: impl Fn(usize) -> bool) -> Option<usize> {
         let mut basis: Vec<DVector<f64>> = Vec::new();
         for (joint, (c, &row)) in self.constraints.iter().zip(&self.row).enumerate() {
             for r in (row..row + c.rows()).filter(|_| wanted(joint)) {
                 let mut own = jacobian.row(r).transpose();
                 let length = own.norm();
-                // Twice is enough: what the first pass leaves of rounding, the second takes away.
+                // Twice is enough: the second pass removes the rounding errors of the first.
                 for _ in 0..2 {
                     for b in &basis {
                         let share = b.dot(&own);
@@ -296,7 +294,8 @@ impl<'a> Closure<'a> {
         None
     }
 
-    /// Joint with the largest share in the combination of rows that is nearest to zero.
+    /// Joint with the largest share in the combination of rows closest to zero (left singular vector of the
+    /// smallest singular value).
     pub fn weakest_joint(&self, t: f64, q: &DVector<f64>) -> usize {
         let svd = self.gaps(t, q).jacobian.svd(true, false);
         let Some(u) = svd.u else { return 0 };
@@ -306,13 +305,13 @@ impl<'a> Closure<'a> {
         (0..self.constraints.len()).max_by(|&a, &b| share(a).total_cmp(&share(b))).unwrap_or(0)
     }
 
-    /// Coordinates by body of the scene.
+    /// Coordinates of each free body, by body of the scene.
     pub fn split(&self, x: &DVector<f64>) -> Vec<Option<[f64; 3]>> {
         self.first.iter().map(|first| first.map(|k| [x[k], x[k + 1], x[k + 2]])).collect()
     }
 }
 
-/// Least-norm, least-squares solution of `a x = b`: by the normal equations of the rows where these are
+/// Least-norm, least-squares solution of `a x = b`: by the normal equations of the rows if these are
 /// independent, else by singular values.
 fn least_norm(a: &DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
     if a.is_empty() {
@@ -329,7 +328,7 @@ fn least_norm(a: &DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
     let svd = a.clone().svd(true, true);
     let cut = 1e-10 * svd.singular_values.max();
     let solve = |b: &DVector<f64>| svd.solve(b, cut).unwrap_or_else(|_| DVector::zeros(a.ncols()));
-    // Refined once: the decomposition alone was seen to leave 1e-6 of the solution in the residual.
+    // Refined once: the decomposition alone left a residual of up to 1e-6 of the solution.
     let x = solve(b);
     let missing = b - a * &x;
     x + solve(&missing)

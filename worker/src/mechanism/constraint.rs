@@ -17,6 +17,7 @@
 //! Computer-Aided Analysis of Mechanical Systems.
 
 use super::frame::{End, Frame};
+use crate::plane::{dot, left};
 use common::scene::JointKind;
 use std::f64::consts::TAU;
 
@@ -33,7 +34,7 @@ pub type RowDerivatives = [[f64; 6]; MOST_ROWS];
 pub struct Constraint {
     /// Index into the scene's joints.
     pub scene_joint: usize,
-    /// Its places on the two bodies.
+    /// Points of the joint on the two bodies.
     pub ends: [End; 2],
     kind: Kind,
 }
@@ -46,7 +47,7 @@ enum Kind {
     Fixed(f64),
 }
 
-/// First row of each constraint, and the number of rows of all.
+/// First row of each constraint, and the total number of rows.
 pub fn first_rows(constraints: &[Constraint]) -> (Vec<usize>, usize) {
     let mut rows = 0;
     let mut first = Vec::with_capacity(constraints.len());
@@ -57,28 +58,19 @@ pub fn first_rows(constraints: &[Constraint]) -> (Vec<usize>, usize) {
     (first, rows)
 }
 
-#[inline]
-fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[0] + a[1] * b[1]
-}
-
-/// S a: a quarter turn to the left.
-#[inline]
-fn left(a: [f64; 2]) -> [f64; 2] {
-    [-a[1], a[0]]
-}
-
-/// What every row is made from: arms, normal, distance and its rate.
+/// Arms and distance of the two points of a joint, in global axes.
 struct Geometry {
+    /// Arms a of the first point and b of the second [m].
     a: [f64; 2],
     b: [f64; 2],
+    /// Distance d from the second point to the first [m].
     d: [f64; 2],
-    /// dd/dt.
+    /// Rate dd/dt of that distance [m/s].
     rate: [f64; 2],
 }
 
 impl Geometry {
-    fn of(ends: &[End; 2], first: &Frame, second: &Frame) -> Self {
+    fn new(ends: &[End; 2], first: &Frame, second: &Frame) -> Self {
         let (a, b) = (first.turn(ends[0].arm), second.turn(ends[1].arm));
         let (sa, sb) = (left(a), left(b));
         let d = [0, 1].map(|k| first.x[k] + a[k] - second.x[k] - b[k]);
@@ -101,7 +93,7 @@ impl Constraint {
         Constraint { scene_joint, ends, kind }
     }
 
-    /// Number of rows.
+    /// Number of scalar constraints (rows) of the joint.
     pub fn rows(&self) -> usize {
         match self.kind {
             Kind::Revolute | Kind::Prismatic(..) => 2,
@@ -127,9 +119,9 @@ impl Constraint {
         }
     }
 
-    /// phi and G.
+    /// Value phi `(rows,)` [m, rad] and derivative G `(rows, 6)` to the coordinates of the pair.
     pub fn position(&self, first: &Frame, second: &Frame) -> (RowValues, RowDerivatives) {
-        let g = Geometry::of(&self.ends, first, second);
+        let g = Geometry::new(&self.ends, first, second);
         let mut phi = [0.0; MOST_ROWS];
         let mut rows = [[0.0; 6]; MOST_ROWS];
         match self.kind {
@@ -143,7 +135,7 @@ impl Constraint {
                     rows[k][5] = -sb[k];
                 }
                 if let Kind::Fixed(angle) = self.kind {
-                    (phi[2], rows[2]) = turned(first, second, angle);
+                    (phi[2], rows[2]) = relative_angle(first, second, angle);
                 }
             }
             Kind::Prismatic(normal, angle) => {
@@ -151,15 +143,15 @@ impl Constraint {
                 phi[0] = dot(n, g.d);
                 let turn = dot(left(n), g.d) - dot(n, left(g.b));
                 rows[0] = [n[0], n[1], dot(n, left(g.a)), -n[0], -n[1], turn];
-                (phi[1], rows[1]) = turned(first, second, angle);
+                (phi[1], rows[1]) = relative_angle(first, second, angle);
             }
         }
         (phi, rows)
     }
 
-    /// h of phi'' = G a + h.
+    /// Centripetal part h `(rows,)` of phi'' = G a + h [m/s^2, rad/s^2].
     pub fn centripetal(&self, first: &Frame, second: &Frame) -> RowValues {
-        let g = Geometry::of(&self.ends, first, second);
+        let g = Geometry::new(&self.ends, first, second);
         let (wa, wb) = (first.omega * first.omega, second.omega * second.omega);
         let d2 = [0, 1].map(|k| wb * g.b[k] - wa * g.a[k]);
         match self.kind {
@@ -179,7 +171,7 @@ impl Constraint {
         second: &Frame,
         acceleration: &[f64; 6],
     ) -> (RowDerivatives, RowDerivatives) {
-        let g = Geometry::of(&self.ends, first, second);
+        let g = Geometry::new(&self.ends, first, second);
         let (sa, sb) = (left(g.a), left(g.b));
         let (wi, wj) = (first.omega, second.omega);
         let (ai, aj) = (acceleration[2], acceleration[5]);
@@ -224,7 +216,7 @@ impl Constraint {
 
     /// Derivative of G' lambda to the coordinates, at constant `lambda` `(6, 6)`.
     pub fn reaction_derivative(&self, first: &Frame, second: &Frame, lambda: &[f64]) -> [[f64; 6]; 6] {
-        let g = Geometry::of(&self.ends, first, second);
+        let g = Geometry::new(&self.ends, first, second);
         let mut to_q = [[0.0; 6]; 6];
         match self.kind {
             Kind::Revolute | Kind::Fixed(_) => {
@@ -248,8 +240,8 @@ impl Constraint {
     }
 }
 
-/// The row theta_1 - theta_2 = angle, whole turns aside.
-fn turned(first: &Frame, second: &Frame, angle: f64) -> (f64, [f64; 6]) {
+/// Value and derivative of the row theta_1 - theta_2 = angle, modulo whole turns.
+fn relative_angle(first: &Frame, second: &Frame, angle: f64) -> (f64, [f64; 6]) {
     let off = first.angle - second.angle - angle;
     (off - TAU * (off / TAU).round(), [0.0, 0.0, 1.0, 0.0, 0.0, -1.0])
 }
@@ -265,11 +257,11 @@ mod tests {
 
     fn kinds() -> Vec<Constraint> {
         let ends = [End { frame: 0, arm: [0.02, -0.013] }, End { frame: 1, arm: [-0.03, 0.008] }];
-        let of = |kind: JointKind| Constraint::new(0, ends, &kind);
+        let joint = |kind: JointKind| Constraint::new(0, ends, &kind);
         vec![
-            of(JointKind::Revolute),
-            of(JointKind::Prismatic { axis: 0.3, angle: 0.9 }),
-            of(JointKind::Fixed { angle: -0.2 }),
+            joint(JointKind::Revolute),
+            joint(JointKind::Prismatic { axis: 0.3, angle: 0.9 }),
+            joint(JointKind::Fixed { angle: -0.2 }),
         ]
     }
 

@@ -78,7 +78,7 @@ fn pair_derivatives_agree_with_differences() {
         let clearance = clearance(&scene);
         let mut profile = Profile::round(clearance.bushing_radius, 36);
         profile.set_depth(&worn_depth());
-        let mut contact = Contact::of(clearance);
+        let mut contact = Contact::new(clearance);
         contact.profile_changed(&profile);
         let joint = Alone { contact, profile };
         let force = |q: &[f64; 6], v: &[f64; 6]| {
@@ -89,7 +89,7 @@ fn pair_derivatives_agree_with_differences() {
             // The journal's centre at a chosen eccentricity in the bushing's frame.
             let x = f64::from(k);
             let psi = 0.2 + TAU * x / 12.0;
-            let reach = joint.profile.at(psi).r - clearance.journal_radius + 1e-7 * (1.0 + x % 4.0);
+            let reach = joint.profile.radius_at(psi).r - clearance.journal_radius + 1e-7 * (1.0 + x % 4.0);
             let bushing = [0.003, -0.002, 0.7 * x];
             let j = Frame::free(&bushing, &[0.0; 3]);
             let centre = j.point([ARM_J[0] + reach * psi.cos(), ARM_J[1] + reach * psi.sin()]);

@@ -4,12 +4,15 @@
 //! M a + G' lambda = f and G a + h = 0, with the diagonal mass matrix M [kg, kg m^2], the accelerations a
 //! `(n,)`, the derivative G `(m, n)` of the constraints to the coordinates, the multipliers lambda `(m,)` [N,
 //! N m] and the centripetal part h `(m,)` (accelerations of prescribed bodies included). With G M^-1/2 = R'
-//! Q', Q `(n, m)` orthonormal and R `(m, m)` upper triangular, and z = R^-T h, the force with reactions is f
-//! - G' lambda = M^1/2 [(1 - Q Q') M^-1/2 f - Q z]: the part of f in the null space of the constraints, and
-//! the part that keeps them closed. No product G M^-1 G' is formed, so that bodies almost without inertia do
-//! no harm. The exact derivatives follow from the same Q and R: for a column x of coordinates, rates or time,
-//! f is replaced by df/dx - d(G' lambda)/dx and h by d(G a + h)/dx. Positions and velocities that the
-//! integration lets drift off the constraints are moved back along M^-1/2 Q.
+//! Q', Q `(n, m)` orthonormal and R `(m, m)` upper triangular, and z = R^-T h, the force with reactions is
+//!
+//! f - G' lambda = M^1/2 [(1 - Q Q') M^-1/2 f - Q z]:
+//!
+//! the part of f in the null space of the constraints, and the part that keeps them closed. No product G M^-1
+//! G' is formed, so that bodies almost without inertia do no harm. The exact derivatives follow from the same
+//! Q and R: for a column x of coordinates, rates or time, f is replaced by df/dx - d(G' lambda)/dx and h by
+//! d(G a + h)/dx. Positions and velocities that the integration lets drift off the constraints are moved back
+//! along M^-1/2 Q.
 //!
 //! Valid where the rows of G are independent: a redundant or singular set of joints is reported, not
 //! repaired.
@@ -22,13 +25,13 @@
 
 use super::constraint::{Constraint, first_rows};
 use super::frame::Frame;
-use super::table::Jet;
+use super::piecewise_cubic::Jet;
 use crate::integrate::Linearised;
 
 /// The ideal joints of an island with `n` coordinates and `m` rows of constraints.
 #[derive(Debug, Clone)]
 pub struct Elimination {
-    /// The joints.
+    /// The ideal joints as constraints.
     pub constraints: Vec<Constraint>,
     /// First row of each.
     first: Vec<usize>,
@@ -36,7 +39,7 @@ pub struct Elimination {
     n: usize,
     /// Number of rows m.
     m: usize,
-    /// Values of the constraints, or another column `(m,)`.
+    /// Values phi of the constraints, or another column `(m,)`.
     phi: Vec<f64>,
     /// Q', orthonormal rows `(m, n)`.
     basis: Vec<f64>,
@@ -50,10 +53,10 @@ pub struct Elimination {
     root: Vec<f64>,
 }
 
-/// A row that keeps less than this share of its length beside the rows before it depends on them.
+/// A row counts as dependent if its part normal to the rows before it is below this share of its length.
 const DEPENDENT: f64 = 1e-10;
 
-/// Where the bodies of an island are, prescribed ones after the free ones.
+/// State of an island's bodies, free ones first.
 #[derive(Clone, Copy)]
 pub struct Placed<'a> {
     /// Frames of the free bodies, then of the prescribed ones.
@@ -65,14 +68,14 @@ pub struct Placed<'a> {
 }
 
 impl Placed<'_> {
-    /// The prescribed body that frame `index` belongs to, if it is not a free one.
+    /// Angle and derivatives of the prescribed body of frame `index`; `None` for a free body.
     fn jet(&self, index: usize) -> Option<&Jet> {
         index.checked_sub(self.frames.len() - self.jets.len()).map(|k| &self.jets[k])
     }
 }
 
 impl Elimination {
-    /// For an island with the diagonal mass matrix `mass` `(n,)`.
+    /// The elimination for an island with the diagonal mass matrix `mass` `(n,)` [kg, kg m^2].
     pub fn new(constraints: Vec<Constraint>, mass: &[f64]) -> Self {
         let n = mass.len();
         let (first, m) = first_rows(&constraints);
@@ -90,7 +93,7 @@ impl Elimination {
         }
     }
 
-    /// Number of scalar constraints m.
+    /// Number m of scalar constraints.
     pub fn rows(&self) -> usize {
         self.m
     }
@@ -100,7 +103,7 @@ impl Elimination {
         (self.first[k], self.constraints[k])
     }
 
-    /// Fills phi, Q and R; false if the joints' directions are dependent here.
+    /// Fills phi, Q and R; false if the constraints are dependent here.
     fn factor(&mut self, at: Placed) -> bool {
         let n = self.n;
         self.basis.fill(0.0);
@@ -120,7 +123,7 @@ impl Elimination {
         self.orthonormalise()
     }
 
-    /// Turns the rows of `basis` into Q' and R' by Gram and Schmidt's method, twice; false if they are
+    /// Turns the rows of `basis` into Q' and R' by the Gram-Schmidt method, twice; false if they are
     /// dependent.
     fn orthonormalise(&mut self) -> bool {
         let n = self.n;
@@ -146,7 +149,7 @@ impl Elimination {
         true
     }
 
-    /// Adds the reactions to the applied force `f`; false if the joints' directions are dependent here.
+    /// Adds the reactions to the applied force `f`; false if the constraints are dependent here.
     pub fn add_reactions(&mut self, at: Placed, f: &mut [f64]) -> bool {
         if !self.factor(at) {
             return false;
@@ -183,7 +186,7 @@ impl Elimination {
     }
 
     /// After [`Self::add_reactions`] to `to.f`: turns the derivatives of the applied force in `to` into those
-    /// of the whole one, keeps the multipliers, and adds the reactions on prescribed bodies.
+    /// of the force with reactions, stores the multipliers, and adds the reactions on prescribed bodies.
     pub fn reduce_derivatives(&mut self, at: Placed, to: &mut Linearised) {
         let n = self.n;
         to.lambda.copy_from_slice(&self.lambda);
@@ -232,7 +235,7 @@ impl Elimination {
         }
     }
 
-    /// Accelerations of the pair that a constraint joins, where the force is `f`.
+    /// Accelerations of the pair that a constraint joins `(6,)`, at the force with reactions `f`.
     fn accelerations(c: &Constraint, at: Placed, f: &[f64]) -> [f64; 6] {
         let mut a = [0.0; 6];
         for (side, end) in c.ends.iter().enumerate() {
@@ -290,8 +293,7 @@ impl Elimination {
     }
 
     /// One Newton step of the positions back onto the constraints, dq = -M^-1/2 Q R^-T phi; returns the
-    /// largest gap before it (angles at arm `size`) [m], or nothing if the joints' directions are dependent
-    /// here.
+    /// largest gap before it (angles times `size`) [m], or `None` if the constraints are dependent here.
     pub fn close_positions(&mut self, at: Placed, size: f64, q: &mut [f64]) -> Option<f64> {
         if !self.factor(at) {
             return None;
@@ -309,8 +311,8 @@ impl Elimination {
         Some(gap)
     }
 
-    /// After [`Self::close_positions`] where nothing was left to close: takes from the velocities what the
-    /// joints forbid, dv = -M^-1/2 Q (Q' M^1/2 v + R^-T dphi/dt).
+    /// After [`Self::close_positions`] has found no gap: projects the velocities onto the constraints, dv =
+    /// -M^-1/2 Q (Q' M^1/2 v + R^-T dphi/dt).
     pub fn close_velocities(&mut self, at: Placed, v: &mut [f64]) {
         for joint in 0..self.constraints.len() {
             let (first, c) = self.joint(joint);
@@ -338,7 +340,7 @@ impl Elimination {
     }
 }
 
-/// R^-T x in the place of `x` `(m, columns)`.
+/// Replaces `x` by R^-T x `(m, columns)`.
 fn forward(r: &[f64], m: usize, x: &mut [f64], columns: usize) {
     for i in 0..m {
         let (done, row) = x.split_at_mut(i * columns);
@@ -349,7 +351,7 @@ fn forward(r: &[f64], m: usize, x: &mut [f64], columns: usize) {
     }
 }
 
-/// R^-1 x in the place of `x` `(m,)`.
+/// Replaces `x` by R^-1 x `(m,)`.
 fn backward(r: &[f64], m: usize, x: &mut [f64]) {
     for i in (0..m).rev() {
         for k in i + 1..m {
@@ -359,7 +361,7 @@ fn backward(r: &[f64], m: usize, x: &mut [f64]) {
     }
 }
 
-/// M^1/2 [(1 - Q Q') M^-1/2 x - Q R^-T c] in the place of `x` `(n, columns)`, with `c` `(m, columns)`.
+/// Replaces `x` by M^1/2 [(1 - Q Q') M^-1/2 x - Q R^-T c] `(n, columns)`, with `c` `(m, columns)`.
 fn reduce(basis: &[f64], r: &[f64], root: &[f64], c: &mut [f64], x: &mut [f64], columns: usize) {
     let (n, m) = (root.len(), c.len() / columns);
     forward(r, m, c, columns);

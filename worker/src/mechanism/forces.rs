@@ -1,27 +1,15 @@
-//! Forces of an island's joints with clearance and of its loads, gathered into its generalised forces, with
-//! their derivatives; and the power of what acts on it.
+//! Generalised forces of an island: the forces of its joints with clearance and of its loads, assembled with
+//! their derivatives.
 
 use super::frame::Frame;
-use super::island::Island;
 use super::joint::{Rows, Touching, pair_force};
-use super::load::{IslandLoad, NOBODY};
-use super::table::Jet;
+use super::load::{IslandLoad, NO_FRAME};
+use super::piecewise_cubic::Jet;
 use crate::contact::JointForce;
 use crate::integrate::Linearised;
 use crate::lanes::Real;
 
-/// Energy of an island at one instant, contacts aside.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct LoadPower {
-    /// Kinetic energy and that of gravity and springs [J].
-    pub stored: f64,
-    /// Power lost in dampers [W].
-    pub lost: f64,
-    /// Power of loads without potential [W].
-    pub driving: f64,
-}
-
-/// Joints and loads that act on an island, and where its bodies are.
+/// Joints and loads that act on an island, and the frames of its bodies.
 pub(super) struct Acting<'a, R, J> {
     pub joints: &'a [J],
     pub loads: &'a [IslandLoad<R>],
@@ -51,7 +39,7 @@ impl<R: Real, J: Touching<R>> Acting<'_, R, J> {
             self.add::<JACOBIAN>([i.frame, j.frame], &pair.f, &pair.slopes, f, at);
             if JACOBIAN {
                 let joint = &mut at.joints[index];
-                // The derivatives have served.
+                // The joint's own derivatives are not needed any more.
                 *joint = JointForce { jacobian: joint.jacobian, ..pair.joint };
                 at.e[index] = pair.e;
             }
@@ -79,7 +67,7 @@ impl<R: Real, J: Touching<R>> Acting<'_, R, J> {
         let free = self.frames.len() - self.jets.len();
         for (side, &frame) in frames.iter().enumerate() {
             if frame >= free {
-                if JACOBIAN && frame != NOBODY {
+                if JACOBIAN && frame != NO_FRAME {
                     let on = &mut at.prescribed[frame - free];
                     for k in 0..3 {
                         on[k] += force[3 * side + k];
@@ -95,7 +83,7 @@ impl<R: Real, J: Touching<R>> Acting<'_, R, J> {
                 }
                 let (k, d) = slopes.row(3 * side + r);
                 for (other, &to) in frames.iter().enumerate() {
-                    if to == NOBODY {
+                    if to == NO_FRAME {
                         continue;
                     }
                     if to < free {
@@ -138,30 +126,5 @@ impl<R: Real, J: Touching<R>> Acting<'_, R, J> {
                 }
             }
         }
-    }
-}
-
-impl Island {
-    /// Energies and powers of masses and loads, at the instant last linearised.
-    pub fn load_power(&self, t: f64, v: &[f64]) -> LoadPower {
-        let kinetic = v.iter().zip(&self.mass).map(|(v, mass)| 0.5 * mass * v * v).sum();
-        let mut power = LoadPower { stored: kinetic, ..LoadPower::default() };
-        for (slot, weight) in self.weight.chunks_exact(3).enumerate() {
-            let x = self.frames[slot].x;
-            power.stored -= weight[0] * x[0] + weight[1] * x[1];
-        }
-        for source in &self.loads {
-            let load = source.force(t, &self.frames);
-            power.stored += load.stored;
-            power.lost += load.lost;
-            if source.drives() {
-                for (side, &frame) in load.frames.iter().enumerate().filter(|&(_, &frame)| frame != NOBODY) {
-                    let Frame { v, omega, .. } = self.frames[frame];
-                    let f = &load.f[3 * side..];
-                    power.driving += f[0] * v[0] + f[1] * v[1] + f[2] * omega;
-                }
-            }
-        }
-        power
     }
 }

@@ -1,13 +1,16 @@
-//! Where a body stands and how it moves at one instant.
+//! Position and motion of a body at one instant, and the ends of joints and loads on bodies.
 
-use crate::lanes::{Real, sincos};
+use super::piecewise_cubic::Jet;
+use crate::lanes::{Real, lanewise, sincos};
+use crate::plane::{turned, turned_back};
+use common::scene::Attachment;
 
 /// Position and motion of a body's reference point (the centre of mass of a free body).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Frame<R = f64> {
     /// Position `(2,)` [m].
     pub x: [R; 2],
-    /// Angle [rad].
+    /// Angle of the body [rad].
     pub angle: R,
     /// Cosine and sine of the angle [1].
     pub cs: [R; 2],
@@ -18,25 +21,32 @@ pub struct Frame<R = f64> {
 }
 
 impl<R: Real> Frame<R> {
-    /// Of a free body with coordinates (x, y, angle) and their rates.
+    /// Frame of a free body with coordinates q = (x, y, angle) and their rates v.
     #[inline(always)]
     pub fn free(q: &[R], v: &[R]) -> Self {
         let (sin, cos) = sincos(q[2]);
         Frame { x: [q[0], q[1]], angle: q[2], cs: [cos, sin], v: [v[0], v[1]], omega: v[2] }
     }
 
+    /// Frame of a body that turns about its reference point `position` [m], at the angle with derivatives
+    /// `jet`.
+    #[inline(always)]
+    pub fn turning(position: [R; 2], jet: &Jet<R>) -> Self {
+        let [angle, omega, ..] = *jet;
+        let (sin, cos) = sincos(angle);
+        Frame { x: position, angle, cs: [cos, sin], v: [angle.zero(); 2], omega }
+    }
+
     /// A vector of the body's frame in global axes.
     #[inline(always)]
     pub fn turn(&self, s: [R; 2]) -> [R; 2] {
-        let [c, d] = self.cs;
-        [c * s[0] - d * s[1], d * s[0] + c * s[1]]
+        turned(s, self.cs)
     }
 
     /// A global vector in the body's axes.
     #[inline(always)]
     pub fn turn_back(&self, a: [R; 2]) -> [R; 2] {
-        let [c, d] = self.cs;
-        [c * a[0] + d * a[1], -d * a[0] + c * a[1]]
+        turned_back(a, self.cs)
     }
 
     /// Position of a point of the body given in its frame [m].
@@ -54,11 +64,21 @@ impl<R: Real> Frame<R> {
     }
 }
 
-/// One end of a joint or load: which frame, and where in it.
+/// One end of a joint or load: a point of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct End<R = f64> {
     /// Index of the frame.
     pub frame: usize,
-    /// From the frame's reference point, in the body's axes [m].
+    /// Vector from the frame's reference point, in the body's axes `(2,)` [m].
     pub arm: [R; 2],
+}
+
+lanewise!(End { frame, arm });
+
+/// Indices of the frames of an island, by the scene's bodies.
+pub trait FrameIndices {
+    /// Index of the frame of a body of the scene.
+    fn frame(&mut self, body: usize) -> usize;
+    /// End of a joint or load at a point of a body of the scene.
+    fn end(&mut self, at: &Attachment) -> End;
 }

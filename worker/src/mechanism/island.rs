@@ -1,17 +1,19 @@
-//! A set of free bodies that influence one another, with the joints and loads that act on them. Islands have
-//! no forces in common and are integrated each with its own steps.
+//! Islands: sets of free bodies that influence each other, with the joints and loads that act on them.
+//! Islands have no forces in common; each is integrated with its own steps.
 
 use super::constraint::Constraint;
 use super::elimination::{Elimination, Placed};
 use super::forces::Acting;
 use super::frame::{End, Frame};
 use super::joint::{Touching, joint_motion};
-use super::load::IslandLoad;
+use super::load::{IslandLoad, NO_FRAME};
+use super::piecewise_cubic::Jet;
 use super::prescribed::Prescribed;
-use super::table::Jet;
 use crate::bore::Profile;
 use crate::contact::{Contact, JointForce, JointMotion};
+use crate::extremum::{largest, smallest};
 use crate::integrate::{Band, Dynamics, Linearised, Stepped};
+use crate::plane::length;
 use common::scene::Scene;
 
 /// A joint with clearance and its bore.
@@ -19,40 +21,51 @@ use common::scene::Scene;
 pub struct WearingJoint {
     /// Index into the scene's joints.
     pub scene_joint: usize,
-    /// Name.
+    /// Name in the scene.
     pub name: String,
-    /// Contact law.
+    /// Contact law of the joint.
     pub contact: Contact,
-    /// The bore as worn so far.
+    /// Profile of the bore, worn so far.
     pub profile: Profile,
-    /// Wear coefficient [1/Pa].
+    /// Wear coefficient K_H [1/Pa].
     pub wear_coefficient: f64,
-    /// Width [m].
+    /// Width L of the bushing [m].
     pub width: f64,
-    /// Thickness of the bushing's wall, if it may be worn through [m].
+    /// Wall thickness of the bushing [m]; `None` if it cannot be worn through.
     pub wall: Option<f64>,
-    /// Places of journal and bushing.
+    /// Ends of the joint: journal, bushing.
     pub ends: [End; 2],
 }
 
 impl WearingJoint {
-    /// Replaces the bore's wear.
+    /// Replaces the wear depths of the bore by `depth` `(points,)` [m].
     pub fn set_depth(&mut self, depth: &[f64]) {
         self.profile.set_depth(depth);
         self.contact.profile_changed(&self.profile);
     }
 }
 
-/// The island.
+/// Energy of an island and power of its loads at one instant, without contacts.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct LoadPower {
+    /// Kinetic energy and potential energy of gravity and springs [J].
+    pub stored: f64,
+    /// Power lost in dampers [W].
+    pub lost: f64,
+    /// Power of loads without potential [W].
+    pub driving: f64,
+}
+
+/// Free bodies that influence each other, with the joints and loads that act on them.
 #[derive(Debug, Clone)]
 pub struct Island {
     /// Scene bodies with unknowns; body k owns coordinates 3k..3k+3 (centre of mass, angle).
     pub bodies: Vec<usize>,
     /// Scene bodies with prescribed motion that joints or loads connect to it.
     pub touched: Vec<usize>,
-    /// Joints with clearance.
+    /// The island's joints with clearance.
     pub joints: Vec<WearingJoint>,
-    /// Ideal joints.
+    /// The island's ideal joints, eliminated.
     pub(super) ideal: Elimination,
     pub(super) prescribed: Vec<Prescribed>,
     pub(super) loads: Vec<IslandLoad>,
@@ -62,13 +75,13 @@ pub struct Island {
     scale_v: Vec<f64>,
     /// Size of the mechanism [m].
     size: f64,
-    /// Frames of the free bodies, then of the prescribed ones, at the instant last looked at.
+    /// Frames of the free bodies, then of the prescribed ones, at the state last set.
     pub(super) frames: Vec<Frame>,
-    /// Angles of the prescribed ones with their derivatives, then.
+    /// Angles of the prescribed bodies with their derivatives, at the state last set.
     pub(super) jets: Vec<Jet>,
 }
 
-/// What an island is made of; see the fields of [`Island`].
+/// Constituents of an island; see the fields of [`Island`].
 pub(super) struct Parts {
     pub(super) bodies: Vec<usize>,
     pub(super) touched: Vec<usize>,
@@ -81,7 +94,7 @@ pub(super) struct Parts {
 }
 
 impl Island {
-    /// Puts an island together, its scales not set yet.
+    /// The island of these parts, its scales not set yet.
     pub(super) fn new(parts: Parts) -> Self {
         let Parts { bodies, touched, joints, ideal, prescribed, loads, mass, weight } = parts;
         Island {
@@ -101,22 +114,17 @@ impl Island {
         }
     }
 
-    /// Scales of positions and velocities.
+    /// Error scales of positions and velocities `(n,)` each [m, rad; m/s, rad/s].
     pub(super) fn scale(&self) -> (&[f64], &[f64]) {
         (&self.scale_q, &self.scale_v)
     }
 
-    /// Looks at an instant: what is said of joints and prescribed bodies afterwards holds there.
-    pub fn look_at(&mut self, t: f64, q: &[f64], v: &[f64]) {
-        self.place(t, q, v);
-    }
-
-    /// Number of coordinates.
+    /// Number of coordinates n.
     pub fn coordinates(&self) -> usize {
         self.mass.len()
     }
 
-    /// Ideal joints.
+    /// The island's ideal joints as constraints.
     pub fn constraints(&self) -> &[Constraint] {
         &self.ideal.constraints
     }
@@ -126,8 +134,8 @@ impl Island {
         self.ideal.rows()
     }
 
-    /// Which entries of its matrices may differ from zero: all of them where ideal joints carry a force
-    /// through.
+    /// Entries of the island's matrices that may differ from zero: all of them if ideal joints couple the
+    /// bodies.
     pub(super) fn band(&self) -> Band {
         let n = self.coordinates();
         if self.ideal.rows() > 0 {
@@ -135,15 +143,15 @@ impl Island {
         }
         let contacts = self.joints.iter().map(|j| j.ends.map(|end| end.frame).to_vec());
         let frames = contacts.chain(self.loads.iter().map(IslandLoad::frames));
-        let reach = |of: Vec<usize>| {
-            let free = of.into_iter().filter(|&frame| frame < self.bodies.len());
+        let reach = |frames: Vec<usize>| {
+            let free = frames.into_iter().filter(|&frame| frame < self.bodies.len());
             let (first, last) = free.fold((usize::MAX, 0), |(a, b), k| (a.min(k), b.max(k)));
             last.saturating_sub(first)
         };
         Band::new(n, 3 * frames.map(reach).max().unwrap_or(0) + 2)
     }
 
-    /// Force in each ideal joint at an instant, in the order of [`Self::constraints`] [N].
+    /// Force in each ideal joint at the state of `at`, in the order of [`Self::constraints`] [N].
     pub fn ideal_forces<'a>(&'a self, at: &'a Linearised) -> impl Iterator<Item = f64> + 'a {
         let mut first = 0;
         self.ideal.constraints.iter().map(move |c| {
@@ -153,7 +161,7 @@ impl Island {
         })
     }
 
-    /// Room for what [`Dynamics::linearise`] fills.
+    /// Storage for [`Dynamics::linearise`].
     pub fn linearised(&self) -> Linearised {
         Linearised {
             lambda: vec![0.0; self.ideal.rows()],
@@ -172,30 +180,28 @@ impl Island {
         let ends = self.joints.iter().map(|j| j.ends).chain(self.ideal.constraints.iter().map(|c| c.ends));
         let mut arm = vec![1e-6_f64; self.bodies.len()];
         for end in ends.flatten().filter(|e| e.frame < self.bodies.len()) {
-            let a = (end.arm[0] * end.arm[0] + end.arm[1] * end.arm[1]).sqrt();
-            arm[end.frame] = arm[end.frame].max(a);
+            arm[end.frame] = arm[end.frame].max(length(end.arm));
         }
-        self.size = arm.iter().copied().fold(0.0, f64::max);
-        let (mut length, mut frequency) =
+        self.size = largest(arm.iter().copied());
+        let (mut position, mut frequency) =
             (SHARE_OF_SIZE * self.size, std::f64::consts::TAU / scene.life.period);
-        if let Some(smallest) =
-            self.joints.iter().map(|j| j.contact.surface().clearance).min_by(f64::total_cmp)
+        if let Some(least) = self.joints.iter().map(|j| j.contact.surface().clearance).min_by(f64::total_cmp)
         {
-            length = SHARE_OF_CLEARANCE * smallest;
-            let lightest = self.mass.iter().step_by(3).copied().fold(f64::INFINITY, f64::min);
-            let stiffest = self.joints.iter().map(|j| j.contact.surface().stiffness).fold(0.0, f64::max);
-            frequency = (1.5 * stiffest * length.sqrt() / lightest).sqrt();
+            position = SHARE_OF_CLEARANCE * least;
+            let lightest = smallest(self.mass.iter().step_by(3).copied());
+            let stiffest = largest(self.joints.iter().map(|j| j.contact.surface().stiffness));
+            frequency = (1.5 * stiffest * position.sqrt() / lightest).sqrt();
         }
         for (slot, arm) in arm.iter().enumerate() {
             for (k, divisor) in [1.0, 1.0, *arm].into_iter().enumerate() {
-                self.scale_q[3 * slot + k] = length / divisor;
-                self.scale_v[3 * slot + k] = length * frequency / divisor;
+                self.scale_q[3 * slot + k] = position / divisor;
+                self.scale_v[3 * slot + k] = position * frequency / divisor;
             }
         }
         self
     }
 
-    /// Everything that acts, at the instant last placed.
+    /// Joints and loads of the island, at the state last set.
     fn acting(&self) -> Acting<'_, f64, WearingJoint> {
         Acting {
             joints: &self.joints,
@@ -206,8 +212,8 @@ impl Island {
         }
     }
 
-    /// Where every frame is.
-    pub(super) fn place(&mut self, t: f64, q: &[f64], v: &[f64]) {
+    /// Evaluates all body frames at (t, q, v); later queries refer to this state.
+    pub fn set_state(&mut self, t: f64, q: &[f64], v: &[f64]) {
         let free = self.bodies.len();
         for (k, frame) in self.frames[..free].iter_mut().enumerate() {
             *frame = Frame::free(&q[3 * k..3 * k + 3], &v[3 * k..3 * k + 3]);
@@ -216,17 +222,41 @@ impl Island {
             self.prescribed.iter().zip(&mut self.frames[free..]).zip(&mut self.jets)
         {
             *jet = prescribed.jet(t);
-            *frame = prescribed.at_angle(jet);
+            *frame = Frame::turning(prescribed.position(), jet);
         }
     }
 
-    /// Motion of a joint with clearance, at the instant last linearised.
+    /// Energies and powers of masses and loads, at the state last set.
+    pub fn load_power(&self, t: f64, v: &[f64]) -> LoadPower {
+        let kinetic = v.iter().zip(&self.mass).map(|(v, mass)| 0.5 * mass * v * v).sum();
+        let mut power = LoadPower { stored: kinetic, ..LoadPower::default() };
+        for (slot, weight) in self.weight.chunks_exact(3).enumerate() {
+            let x = self.frames[slot].x;
+            power.stored -= weight[0] * x[0] + weight[1] * x[1];
+        }
+        for source in &self.loads {
+            let load = source.force(t, &self.frames);
+            power.stored += load.stored;
+            power.lost += load.lost;
+            if source.drives() {
+                for (side, &frame) in load.frames.iter().enumerate().filter(|&(_, &frame)| frame != NO_FRAME)
+                {
+                    let Frame { v, omega, .. } = self.frames[frame];
+                    let f = &load.f[3 * side..];
+                    power.driving += f[0] * v[0] + f[1] * v[1] + f[2] * omega;
+                }
+            }
+        }
+        power
+    }
+
+    /// Motion of a joint with clearance, at the state last set.
     pub fn joint_motion(&self, joint: usize) -> JointMotion {
         let [i, j] = self.joints[joint].ends;
         joint_motion(&self.frames[i.frame], i.arm, &self.frames[j.frame], j.arm)
     }
 
-    /// Angular velocities of the prescribed bodies, at the instant last linearised [rad/s].
+    /// Angular velocities of the prescribed bodies, at the state last set [rad/s].
     pub fn prescribed_speeds(&self) -> impl Iterator<Item = f64> + '_ {
         self.jets.iter().map(|jet| jet[1])
     }
@@ -249,7 +279,7 @@ impl Dynamics for Island {
     }
 
     fn force(&mut self, t: f64, q: &[f64], v: &[f64], f: &mut [f64]) {
-        self.place(t, q, v);
+        self.set_state(t, q, v);
         self.acting().applied::<false>(t, f, &mut Linearised::default());
         if self.ideal.rows() > 0 {
             let at = Placed { frames: &self.frames, jets: &self.jets, mass: &self.mass };
@@ -260,7 +290,7 @@ impl Dynamics for Island {
     }
 
     fn linearise(&mut self, t: f64, q: &[f64], v: &[f64], at: &mut Linearised) {
-        self.place(t, q, v);
+        self.set_state(t, q, v);
         let mut f = std::mem::take(&mut at.f);
         self.acting().applied::<true>(t, &mut f, at);
         at.f = f;
@@ -285,7 +315,7 @@ impl Stepped for Island {
         let enough = 1e-14 * self.size;
         let mut drift = None;
         for _ in 0..MOST_ITERATIONS {
-            self.place(t, q, v);
+            self.set_state(t, q, v);
             let at = Placed { frames: &self.frames, jets: &self.jets, mass: &self.mass };
             let gap = self.ideal.close_positions(at, self.size, q)?;
             let first = *drift.get_or_insert(gap);
@@ -311,7 +341,7 @@ impl Stepped for Island {
         }
     }
 
-    fn blamed(&self, coordinate: usize, at: &Linearised) -> Option<usize> {
+    fn responsible_joint(&self, coordinate: usize, at: &Linearised) -> Option<usize> {
         let on = |end: End| end.frame == coordinate / 3;
         (0..self.joints.len())
             .filter(|&k| self.joints[k].ends.into_iter().any(on))

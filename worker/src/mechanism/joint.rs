@@ -16,6 +16,7 @@
 use super::frame::{End, Frame};
 use crate::contact::{JointForce, JointMotion};
 use crate::lanes::Real;
+use crate::plane::{cross, dot, left};
 
 /// Derivatives of the generalised force on a pair of bodies, row by row.
 pub trait Rows<R> {
@@ -28,22 +29,23 @@ pub trait Rows<R> {
 pub struct PairForce<R = f64> {
     /// Generalised force `(6,)` [N, N m].
     pub f: [R; 6],
-    /// The joint's own view.
+    /// Force of the joint in the bushing's frame.
     pub joint: JointForce<R>,
-    /// Eccentricity in the bushing's frame [m].
+    /// Eccentricity in the bushing's frame `(2,)` [m].
     pub e: [R; 2],
-    /// Their derivatives, if asked for.
+    /// Derivatives of f; zero unless computed with `JACOBIAN`.
     pub slopes: PairSlopes<R>,
 }
 
-/// Derivatives of (F, M_i, M_j) in global axes, and what makes those of the generalised force of them.
+/// Derivatives of (F, M_i, M_j) in global axes, and the arms that turn them into those of the generalised
+/// force.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PairSlopes<R = f64> {
-    /// To the coordinates `(4, 6)`; unset unless asked for.
+    /// Derivatives to the coordinates `(4, 6)`; zero unless computed with `JACOBIAN`.
     to_q: [[R; 6]; 4],
-    /// To their rates `(4, 6)`.
+    /// Derivatives to their rates `(4, 6)`.
     to_v: [[R; 6]; 4],
-    /// Arms of journal and bushing in global axes.
+    /// Arms of journal and bushing in global axes `(2, 2)` [m].
     arms: [[R; 2]; 2],
     /// Derivative of the moment of F to the arm's own angle, on either body.
     swing: [R; 2],
@@ -71,21 +73,11 @@ impl<R: Real> Rows<R> for PairSlopes<R> {
     }
 }
 
-#[inline(always)]
-pub(super) fn cross<R: Real>(a: [R; 2], b: [R; 2]) -> R {
-    a[0] * b[1] - a[1] * b[0]
-}
-
-#[inline(always)]
-pub(super) fn dot<R: Real>(a: [R; 2], b: [R; 2]) -> R {
-    a[0] * b[0] + a[1] * b[1]
-}
-
 /// e and its rate in global axes, from the arms turned there.
 #[inline(always)]
 fn separation<R: Real>(fi: &Frame<R>, ai: [R; 2], fj: &Frame<R>, aj: [R; 2]) -> ([R; 2], [R; 2]) {
-    // Quarter-turned arms: derivatives of the arms to the angles.
-    let (pi, pj) = ([-ai[1], ai[0]], [-aj[1], aj[0]]);
+    // Derivatives of the arms to the angles.
+    let (pi, pj) = (left(ai), left(aj));
     let mut e = ai;
     let mut w = ai;
     for k in 0..2 {
@@ -103,11 +95,11 @@ pub fn joint_motion<R: Real>(fi: &Frame<R>, arm_i: [R; 2], fj: &Frame<R>, arm_j:
     JointMotion { e: fj.turn_back(e), w: fj.turn_back(w), omega_journal: fi.omega, omega_bushing: fj.omega }
 }
 
-/// A joint with clearance, as the forces of an island see it.
+/// A joint with clearance as a source of force in an island.
 pub trait Touching<R: Real> {
-    /// Places of journal and bushing.
+    /// Ends of the joint: journal, bushing.
     fn ends(&self) -> [End<R>; 2];
-    /// What it does at this motion; with `JACOBIAN` the derivatives too.
+    /// Force of the joint at this motion; with `JACOBIAN` its exact derivative too.
     fn force<const JACOBIAN: bool>(&self, motion: &JointMotion<R>) -> JointForce<R>;
 }
 
@@ -121,7 +113,6 @@ pub fn pair_force<R: Real, const JACOBIAN: bool>(
 ) -> PairForce<R> {
     let [i, j] = touching.ends();
     let (ai, aj) = (fi.turn(i.arm), fj.turn(j.arm));
-    let (pi, pj) = ([-ai[1], ai[0]], [-aj[1], aj[0]]);
     let (e, w) = separation(fi, ai, fj, aj);
     let motion = JointMotion {
         e: fj.turn_back(e),
@@ -135,47 +126,7 @@ pub fn pair_force<R: Real, const JACOBIAN: bool>(
     let mut slopes =
         PairSlopes { to_q: [[nothing; 6]; 4], to_v: [[nothing; 6]; 4], arms: [ai, aj], swing: [nothing; 2] };
     if JACOBIAN {
-        slopes.swing = [cross(pi, force), -cross(pj, force)];
-        let j = &joint.jacobian;
-        let [c, s] = fj.cs;
-        // To e and w in global axes, the law turning with the bushing's angle as well.
-        for r in 0..4 {
-            let turned = |column: usize, k: usize| {
-                let (along, across) = (j[r][column], j[r][column + 1]);
-                if k == 0 { along * c - across * s } else { along * s + across * c }
-            };
-            slopes.to_q[r][0] = turned(0, 0);
-            slopes.to_q[r][1] = turned(0, 1);
-            slopes.to_v[r][0] = turned(2, 0);
-            slopes.to_v[r][1] = turned(2, 1);
-            slopes.to_v[r][2] = j[r][4];
-            slopes.to_v[r][5] = j[r][5];
-        }
-        for rows in [&mut slopes.to_q, &mut slopes.to_v] {
-            for column in 0..6 {
-                let (along, across) = (rows[0][column], rows[1][column]);
-                rows[0][column] = c * along - s * across;
-                rows[1][column] = s * along + c * across;
-            }
-        }
-        for r in 0..4 {
-            let (ke, kw) = ([slopes.to_q[r][0], slopes.to_q[r][1]], [slopes.to_v[r][0], slopes.to_v[r][1]]);
-            let mut turn = ke[0] * e[1] - ke[1] * e[0] + kw[0] * w[1] - kw[1] * w[0];
-            if r == 0 {
-                turn -= force[1];
-            } else if r == 1 {
-                turn += force[0];
-            }
-            let (own, others) = (dot(kw, pi), dot(kw, pj));
-            slopes.to_q[r][2] = dot(ke, pi) - fi.omega * dot(kw, ai);
-            slopes.to_q[r][3] = -ke[0];
-            slopes.to_q[r][4] = -ke[1];
-            slopes.to_q[r][5] = fj.omega * dot(kw, aj) - dot(ke, pj) + turn;
-            slopes.to_v[r][2] += own;
-            slopes.to_v[r][3] = -kw[0];
-            slopes.to_v[r][4] = -kw[1];
-            slopes.to_v[r][5] -= others;
-        }
+        slopes.fill(&joint.jacobian, [fi, fj], [e, w], force);
     }
     PairForce {
         f: [
@@ -189,5 +140,61 @@ pub fn pair_force<R: Real, const JACOBIAN: bool>(
         joint,
         e: motion.e,
         slopes,
+    }
+}
+
+impl<R: Real> PairSlopes<R> {
+    /// Computes the derivatives from the law's `jacobian` in the bushing's frame, for the frames of journal
+    /// and bushing, e [m] and its rate w [m/s] and the force `force` [N] in global axes.
+    #[inline(always)]
+    fn fill(&mut self, jacobian: &[[R; 6]; 4], [fi, fj]: [&Frame<R>; 2], [e, w]: [[R; 2]; 2], force: [R; 2]) {
+        let [ai, aj] = self.arms;
+        let (pi, pj) = (left(ai), left(aj));
+        self.swing = [cross(pi, force), -cross(pj, force)];
+        self.turn_law(jacobian, fj.cs);
+        for r in 0..4 {
+            let (ke, kw) = ([self.to_q[r][0], self.to_q[r][1]], [self.to_v[r][0], self.to_v[r][1]]);
+            // The law turns with the bushing's angle as well.
+            let mut turn = ke[0] * e[1] - ke[1] * e[0] + kw[0] * w[1] - kw[1] * w[0];
+            if r == 0 {
+                turn -= force[1];
+            } else if r == 1 {
+                turn += force[0];
+            }
+            let (own, others) = (dot(kw, pi), dot(kw, pj));
+            self.to_q[r][2] = dot(ke, pi) - fi.omega * dot(kw, ai);
+            self.to_q[r][3] = -ke[0];
+            self.to_q[r][4] = -ke[1];
+            self.to_q[r][5] = fj.omega * dot(kw, aj) - dot(ke, pj) + turn;
+            self.to_v[r][2] += own;
+            self.to_v[r][3] = -kw[0];
+            self.to_v[r][4] = -kw[1];
+            self.to_v[r][5] -= others;
+        }
+    }
+
+    /// Fills the columns of e, w and the angular velocities from the law's `jacobian`, turned from the
+    /// bushing's frame with the cosine and sine `[c, s]` of its angle into global axes.
+    #[inline(always)]
+    fn turn_law(&mut self, jacobian: &[[R; 6]; 4], [c, s]: [R; 2]) {
+        for r in 0..4 {
+            let turned = |column: usize, k: usize| {
+                let (along, across) = (jacobian[r][column], jacobian[r][column + 1]);
+                if k == 0 { along * c - across * s } else { along * s + across * c }
+            };
+            self.to_q[r][0] = turned(0, 0);
+            self.to_q[r][1] = turned(0, 1);
+            self.to_v[r][0] = turned(2, 0);
+            self.to_v[r][1] = turned(2, 1);
+            self.to_v[r][2] = jacobian[r][4];
+            self.to_v[r][5] = jacobian[r][5];
+        }
+        for rows in [&mut self.to_q, &mut self.to_v] {
+            for column in 0..6 {
+                let (along, across) = (rows[0][column], rows[1][column]);
+                rows[0][column] = c * along - s * across;
+                rows[1][column] = s * along + c * across;
+            }
+        }
     }
 }

@@ -1,5 +1,5 @@
-//! The mechanism a scene describes, assembled: who is connected to whom, which bodies cost unknowns, where it
-//! stands with ideal joints, and the forces of each island.
+//! The mechanism of a scene: islands of bodies that influence each other, their ideal start and motion, and
+//! the generalised forces of each island.
 
 #[cfg(test)]
 mod acceleration_tests;
@@ -9,26 +9,25 @@ mod constraint;
 #[cfg(test)]
 mod derivative_tests;
 mod elimination;
+mod external_loads;
 mod forces;
 mod frame;
 mod island;
 mod joint;
+mod lanes;
 mod load;
 #[cfg(test)]
 mod order_tests;
-mod outer;
-mod pack;
-mod packed_load;
+mod piecewise_cubic;
+mod place;
 mod prescribed;
-mod table;
 mod topology;
 
 pub use assembly::{Pose, ideal_accelerations, ideal_cycle};
 pub use constraint::Constraint;
-pub use forces::LoadPower;
+pub use external_loads::ExternalLoads;
 pub use frame::{End, Frame};
-pub use island::{Island, WearingJoint};
-pub use outer::OuterLoads;
-pub use pack::{Pack, packs, same_make};
+pub use island::{Island, LoadPower, WearingJoint};
+pub use lanes::{IslandLanes, fits_lanes, same_topology};
 pub use prescribed::Prescribed;
 pub use topology::islands;

@@ -1,8 +1,7 @@
-//! Bodies whose motion is given: part of the frame, or turning about their reference point as a drive says.
+//! Bodies with prescribed motion: fixed, or turned about their reference point by a drive.
 
 use super::frame::Frame;
-use super::table::{Jet, PiecewiseCubic};
-use crate::lanes::{Real, sincos};
+use super::piecewise_cubic::{Jet, PiecewiseCubic};
 use common::scene::{Body, Drive, Motion};
 
 /// A prescribed motion: the reference point stands still, the angle is a function of time.
@@ -21,8 +20,8 @@ enum Angle {
 }
 
 impl Prescribed {
-    /// The prescribed motion of `body`, if it has one.
-    pub fn of(body: &Body) -> Option<Self> {
+    /// The prescribed motion of `body`; `None` for a free body.
+    pub fn from_body(body: &Body) -> Option<Self> {
         let (position, drive) = match &body.motion {
             Motion::Fixed => return Some(Prescribed { position: [0.0; 2], angle: Angle::Still }),
             Motion::Driven { position, drive, .. } => (*position, drive),
@@ -40,7 +39,7 @@ impl Prescribed {
         Some(Prescribed { position, angle })
     }
 
-    /// Angle and its first three derivatives at time `t` [rad, rad/s, rad/s^2, rad/s^3].
+    /// Angle and its first three derivatives at time `t` [s] [rad, rad/s, rad/s^2, rad/s^3].
     #[inline]
     pub fn jet(&self, t: f64) -> Jet {
         match &self.angle {
@@ -54,37 +53,23 @@ impl Prescribed {
         }
     }
 
-    /// Angle at time `t` [rad].
+    /// Angle [rad] at time `t` [s].
     pub fn angle(&self, t: f64) -> f64 {
         self.jet(t)[0]
     }
 
-    /// Its frame at time `t` [s].
-    pub fn at(&self, t: f64) -> Frame {
-        self.at_angle(&self.jet(t))
+    /// Frame of the body at time `t` [s].
+    pub fn frame(&self, t: f64) -> Frame {
+        Frame::turning(self.position, &self.jet(t))
     }
 
-    /// Its frame at an angle with its derivatives.
-    #[inline]
-    pub fn at_angle(&self, jet: &Jet) -> Frame {
-        turned(self.position, jet)
-    }
-
-    /// Where its reference point stands [m].
+    /// Position of the body's reference point `(2,)` [m].
     pub fn position(&self) -> [f64; 2] {
         self.position
     }
 
-    /// Whether it is part of the frame.
+    /// Whether the body is fixed.
     pub fn is_still(&self) -> bool {
         self.angle == Angle::Still
     }
-}
-
-/// Frame of a body that turns about `position`, at an angle with its derivatives.
-#[inline(always)]
-pub fn turned<R: Real>(position: [R; 2], jet: &Jet<R>) -> Frame<R> {
-    let [angle, omega, ..] = *jet;
-    let (sin, cos) = sincos(angle);
-    Frame { x: position, angle, cs: [cos, sin], v: [angle.zero(); 2], omega }
 }

@@ -6,7 +6,7 @@ use crate::contact::JointForce;
 use crate::integrate::{Dynamics, Linearised, Watch};
 use crate::mechanism::{End, Frame, Island};
 use crate::wear::ContactHistory;
-use common::scene::{Attachment, Motion, Scene};
+use common::scene::{Attachment, Scene};
 
 /// Records a cycle of one island.
 #[derive(Debug, Clone)]
@@ -34,12 +34,7 @@ impl Recorder {
         };
         let point = |place: &Attachment| {
             let frame = island.bodies.iter().position(|&b| b == place.body)?;
-            let centre = match scene.bodies[place.body].motion {
-                Motion::Free { centre_of_mass, .. } => centre_of_mass,
-                _ => [0.0; 2],
-            };
-            let arm = [place.position[0] - centre[0], place.position[1] - centre[1]];
-            Some((*place, End { frame, arm }, PointTrack::default()))
+            Some((*place, End { frame, arm: scene.arm(place) }, PointTrack::default()))
         };
         let touched = (0..island.touched.len()).filter(|&k| wanted.driven.contains(&island.touched[k]));
         let joints = island.joints.len() + island.constraints().len();

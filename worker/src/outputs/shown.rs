@@ -6,7 +6,7 @@ use super::{BodyTrack, ForceTrack};
 use crate::integrate::Linearised;
 use crate::mechanism::Island;
 use common::outputs::{BodyMotion, EnergyBalance};
-use common::scene::{Motion, Scene};
+use common::scene::Scene;
 
 /// Records everything of one island over a cycle.
 #[derive(Debug, Clone, Default)]
@@ -63,10 +63,7 @@ impl Shown {
                 .collect()
         };
         let motion = |(slot, &body): (usize, &usize)| {
-            let centre = match scene.bodies[body].motion {
-                Motion::Free { centre_of_mass, .. } => centre_of_mass,
-                _ => [0.0; 2],
-            };
+            let centre = scene.bodies[body].motion.base_point();
             let [x, y, angle] = [0, 1, 2].map(|k| along(3 * slot + k));
             // From the centre of mass back to the body's own origin.
             let position = x.iter().zip(&y).zip(&angle).map(|((x, y), angle)| {

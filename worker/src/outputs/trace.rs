@@ -1,5 +1,7 @@
 //! Motion of a body and force of a joint over a cycle, at the integrator's own times.
 
+use crate::interpolate::Cubic;
+
 /// A sine followed at x radians a step has a slope of x / (2 sin x) of that change where it peaks, which is below
 /// this up to x = 2.2; and of x / sin x at most where it is steepest, below this up to x = 1.5.
 const BORNE_OUT: f64 = 1.5;
@@ -80,10 +82,8 @@ impl BodyTrack {
 pub(super) fn cubic(time: &[f64], value: &[f64], slope: [f64; 2], k: usize, t: f64) -> (f64, f64) {
     let h = time[k + 1] - time[k];
     let s = (t - time[k]) / h;
-    let (y0, y1, d0, d1) = (value[k], value[k + 1], slope[0] * h, slope[1] * h);
-    let c = 3.0 * (y1 - y0) - 2.0 * d0 - d1;
-    let d = d0 + d1 - 2.0 * (y1 - y0);
-    (y0 + s * (d0 + s * (c + s * d)), (d0 + s * (2.0 * c + 3.0 * s * d)) / h)
+    let cubic = Cubic::hermite([value[k], value[k + 1]], [slope[0] * h, slope[1] * h]);
+    (cubic.value(s), cubic.slope(s) / h)
 }
 
 /// Force magnitude of one joint, at increasing times.

@@ -5,7 +5,7 @@
 
 use super::moving::Moving;
 use crate::integrate::{AdvanceError, AdvanceStats};
-use crate::mechanism::packs;
+use crate::mechanism::fits_lanes;
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
 use std::future::poll_fn;
@@ -84,7 +84,7 @@ impl Desk {
         let hand_in = |stretch: Stretch| -> Slot {
             let slot = Slot::default();
             let ticket = Ticket { stretch, slot: Rc::clone(&slot), spent: self.spent() };
-            if packs(&ticket.stretch.moving.island) {
+            if fits_lanes(&ticket.stretch.moving.island) {
                 self.waiting.borrow_mut().push_back(ticket);
             } else {
                 carry_alone(ticket);

@@ -62,7 +62,7 @@ impl Kept {
         q.copy_from_slice(&self.q);
         v.copy_from_slice(&self.v);
         for (damping, joint) in self.damping.iter().zip(&mut island.joints) {
-            joint.contact.resume(*damping);
+            joint.contact.restore_damping(*damping);
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::moving::Moving;
 use super::run::Run;
-use crate::mechanism::{OuterLoads, Prescribed};
+use crate::mechanism::{ExternalLoads, Prescribed};
 use crate::outputs::{
     BodyTrack, Compared, ForceTrack, MomentTrack, PointTrack, Shown, largest_difference, largest_torque,
     together,
@@ -53,7 +53,7 @@ impl Run<'_> {
             return Cow::Borrowed(recorded);
         }
         let mut track = BodyTrack::default();
-        if let Some(motion) = Prescribed::of(&self.scene.bodies[body.body]) {
+        if let Some(motion) = Prescribed::from_body(&self.scene.bodies[body.body]) {
             for t in self.shown_times() {
                 let [angle, omega, alpha, _] = motion.jet(t);
                 track.push(t, angle, omega, alpha);
@@ -72,10 +72,10 @@ impl Run<'_> {
 
     /// Largest torque that a driven body needs [N m].
     fn driving_torque(&self, body: usize) -> f64 {
-        let Some(motion) = Prescribed::of(&self.scene.bodies[body]) else { return 0.0 };
+        let Some(motion) = Prescribed::from_body(&self.scene.bodies[body]) else { return 0.0 };
         let moments: Vec<&MomentTrack> =
             self.islands.iter().filter_map(|m| m.recorder.moment(&m.island, body)).collect();
-        let outer = OuterLoads::on(self.scene, body);
+        let outer = ExternalLoads::new(self.scene, body);
         let inertia = match &self.scene.bodies[body].motion {
             Motion::Driven { inertia, .. } => *inertia,
             _ => None,
@@ -83,7 +83,7 @@ impl Run<'_> {
         let own = |t: f64| {
             let inertial = inertia.map_or(0.0, |of| {
                 let [x, y] = of.centre_of_mass;
-                let centre = motion.at(t).turn([x, y]);
+                let centre = motion.frame(t).turn([x, y]);
                 let weight =
                     of.mass * (centre[0] * self.scene.gravity[1] - centre[1] * self.scene.gravity[0]);
                 (of.inertia + of.mass * (x * x + y * y)) * motion.jet(t)[2] - weight
@@ -152,7 +152,9 @@ impl Run<'_> {
             found.extend(m.recorder.shown.iter().flat_map(|s| s.motion(&m.island, self.scene, time)));
         }
         for body in &self.scene.bodies {
-            if let (Motion::Driven { position, .. }, Some(motion)) = (&body.motion, Prescribed::of(body)) {
+            if let (Motion::Driven { position, .. }, Some(motion)) =
+                (&body.motion, Prescribed::from_body(body))
+            {
                 found.push(BodyMotion {
                     body: body.name.clone(),
                     position: vec![*position; time.len()],

@@ -5,7 +5,7 @@ use super::desk::{Desk, Spent, Ticket};
 use super::moving::Moving;
 use crate::integrate::{Abreast, AdvanceError, Linearised, Seat, Stepped, Watch, worst_coordinate};
 use crate::lanes::Lanes;
-use crate::mechanism::{Island, Pack, same_make};
+use crate::mechanism::{Island, IslandLanes, same_topology};
 use pulp::{Simd, WithSimd};
 use std::time::Instant;
 
@@ -57,7 +57,7 @@ impl<S: Simd> Pool<S> {
 struct Group<S: Simd> {
     /// One of them, to compare with.
     make: Island,
-    pack: Pack<Lanes<S>>,
+    pack: IslandLanes<Lanes<S>>,
     abreast: Abreast<Lanes<S>>,
     riders: Vec<Option<Ticket>>,
     /// Times that another group was carried since this one was.
@@ -85,7 +85,7 @@ impl<S: Simd> Group<S> {
     fn new(simd: S, first: Ticket) -> Self {
         let moving = &first.stretch.moving;
         let (make, like) = (moving.island.clone(), Lanes::all(simd, 0.0));
-        let pack = Pack::of(&make, like);
+        let pack = IslandLanes::new(&make, like);
         let abreast = Abreast::new(like, pack.linearised(), moving.advance.control.largest);
         let mut group = Group {
             view: make.linearised(),
@@ -116,7 +116,9 @@ impl<S: Simd> Group<S> {
                 continue;
             }
             let make = &self.make;
-            let Some(ticket) = desk.next(|stretch| same_make(make, &stretch.moving.island)) else { return };
+            let Some(ticket) = desk.next(|stretch| same_topology(make, &stretch.moving.island)) else {
+                return;
+            };
             self.seat(lane, ticket);
         }
     }
@@ -173,7 +175,7 @@ impl<S: Simd> Group<S> {
             self.abreast.view(lane, &mut self.view);
             self.abreast.state(lane, &mut self.q, &mut self.v);
             if recorder.shown.is_some() {
-                island.look_at(time, &self.q, &self.v);
+                island.set_state(time, &self.q, &self.v);
             }
             recorder.state(island, time, &self.q, &self.v, &self.view);
         }
@@ -186,7 +188,7 @@ impl<S: Simd> Group<S> {
         self.abreast.view(lane, &mut self.view);
         let island = &ticket.stretch.moving.island;
         let coordinate = worst_coordinate(self.abreast.errors(lane), island.scales());
-        let blamed = coordinate.and_then(|coordinate| island.blamed(coordinate, &self.view));
+        let blamed = coordinate.and_then(|coordinate| island.responsible_joint(coordinate, &self.view));
         match error {
             AdvanceError::StepTooSmall { time, step, error, .. } => {
                 AdvanceError::StepTooSmall { time, step, error, joint: blamed }

@@ -107,7 +107,7 @@ impl Run<'_> {
         for joint in self.islands.iter_mut().flat_map(|m| &mut m.island.joints) {
             if joint.contact.surface().restitution.is_some() {
                 let damping = joint.contact.surface().damping;
-                joint.contact.resume(factor * damping);
+                joint.contact.restore_damping(factor * damping);
             }
         }
     }

@@ -10,7 +10,7 @@ use crate::wear::WearStepStats;
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::{EnergyBalance, WornLife};
-use common::scene::{Attachment, JointKind, Motion, OutputKind, Scene};
+use common::scene::{Attachment, JointKind, OutputKind, Scene};
 
 /// One evaluation under way.
 #[derive(Clone)]
@@ -285,11 +285,7 @@ impl<'a> Run<'a> {
 /// Path of a point over the cycle of the ideal mechanism.
 fn ideal_path(scene: &Scene, poses: &[Pose], at: &Attachment) -> PointTrack {
     let mut path = PointTrack::default();
-    let centre = match scene.bodies[at.body].motion {
-        Motion::Free { centre_of_mass, .. } => centre_of_mass,
-        _ => [0.0; 2],
-    };
-    let arm = [at.position[0] - centre[0], at.position[1] - centre[1]];
+    let arm = scene.arm(at);
     for pose in poses {
         if let (Some(q), Some(v)) = (pose.q[at.body], pose.v[at.body]) {
             let frame = Frame::free(&q, &v);

@@ -26,7 +26,7 @@ use std::f64::consts::TAU;
 /// the ends of a 20 deg arc by 0.2 %.
 pub const SUBDIVISION: usize = 8;
 
-/// A bore as the search sees it.
+/// A bore tabulated for the search.
 #[derive(Debug, Clone)]
 pub struct ArcEnds {
     /// Journal radius R1 [m].
@@ -41,7 +41,7 @@ pub struct ArcEnds {
     eighth: f64,
 }
 
-/// Direction of a contact and where its arc ended when it was last looked for.
+/// Direction of a contact, and the ends of its arc found by the last search.
 #[derive(Debug, Clone, Copy)]
 pub struct Spot {
     /// Unit vector of the eccentricity `(2,)` [1].
@@ -53,7 +53,7 @@ pub struct Spot {
 }
 
 impl Spot {
-    /// In the direction of `e`, on a table of `n` intervals.
+    /// Contact in the direction of `e` `(2,)` [m], on a table of `n` intervals.
     pub fn new(e: [f64; 2], n: usize) -> Self {
         let length = libm::hypot(e[0], e[1]);
         let turn = libm::atan2(e[1], e[0]) / TAU;
@@ -66,25 +66,40 @@ impl Spot {
         }
     }
 
-    /// Interval between control points in which it lies, and where within, in [0, 1).
+    /// Interval between control points that contains the contact, and its fraction there in [0, 1).
     pub fn within(&self) -> (usize, f64) {
         let interval = self.place as usize / SUBDIVISION;
         (interval, self.place / SUBDIVISION as f64 - interval as f64)
     }
 }
 
-/// One contact on its bore.
+/// Journal circle of one contact.
 struct Circle {
     /// Eccentricity `(2,)` [m].
     e: [f64; 2],
-    /// Penetration [m].
+    /// Penetration delta [m].
     penetration: f64,
     /// 1 / (2 R1) [1/m].
     curvature: f64,
 }
 
+/// Part of the arc that certainly lies inside: whole intervals between control points, seen from the contact.
+struct Inside {
+    /// Distance of its end in table intervals.
+    from: f64,
+    /// Table angles within it.
+    angles: usize,
+    /// Distance p of the circle beyond the bore at its end [m].
+    depth: f64,
+    /// Table angle at the far end of the interval that follows.
+    corner: usize,
+    /// Height of the parabola below the chord in that interval [m].
+    sag: f64,
+}
+
 impl ArcEnds {
-    /// For a journal of radius `journal_radius` [m] in a bore of so many control points.
+    /// For a journal of radius `journal_radius` [m] in a bore with `points` control points, not tabulated
+    /// yet.
     pub fn new(journal_radius: f64, points: usize) -> Self {
         let n = SUBDIVISION * points;
         let spacing = TAU / points as f64;
@@ -138,7 +153,7 @@ impl ArcEnds {
         )
     }
 
-    /// Table angle after `m` from the first one beside the contact.
+    /// Table angle `m` places after the first one next to the contact.
     #[inline]
     fn angle<const UP: bool>(&self, below: usize, m: usize) -> usize {
         let n = self.gap.len();
@@ -173,41 +188,15 @@ impl ArcEnds {
         passed: &mut usize,
     ) -> f64 {
         let n = self.gap.len();
-        let at = |m: usize| self.beyond(circle, self.angle::<UP>(below, m));
-        let bend = 2.0 * circle.curvature * (circle.e[0] * circle.e[0] + circle.e[1] * circle.e[1]);
-        // Whole intervals: inside up to the distance `from`, and `sound` table angles on.
-        let (mut from, mut sound, mut depth) = (0.0, 0, circle.penetration);
-        let mut corner = if UP { SUBDIVISION - 1 - below % SUBDIVISION } else { below % SUBDIVISION };
-        let mut interval = below / SUBDIVISION;
-        let sag = loop {
-            let (p, along) = at(corner);
-            let sag = (self.hollow[interval] + self.eighth * (bend - along)).max(0.0);
-            if !positive(depth, p, sag) || corner + SUBDIVISION >= n / 2 {
-                break sag;
-            }
-            (from, sound, depth) = (first + corner as f64, corner + 1, p);
-            corner += SUBDIVISION;
-            interval = match (UP, interval) {
-                (true, i) => {
-                    if i + 1 == self.hollow.len() {
-                        0
-                    } else {
-                        i + 1
-                    }
-                }
-                (false, 0) => self.hollow.len() - 1,
-                (false, i) => i - 1,
-            };
-        };
-        // From where it ended before to the last angle inside, if there is certainly none outside before
-        // that.
-        let (mut m, mut p) = (sound, depth);
-        let mut guess = (*passed).clamp(sound, corner + 1);
-        while guess > sound {
-            let q = at(guess - 1).0;
+        let inside = self.whole_intervals::<UP>(circle, below, first);
+        // From the end found before to the last angle inside, if certainly no angle before that is outside.
+        let (mut m, mut p) = (inside.angles, inside.depth);
+        let mut guess = (*passed).clamp(inside.angles, inside.corner + 1);
+        while guess > inside.angles {
+            let q = self.beyond(circle, self.angle::<UP>(below, guess - 1)).0;
             if q > 0.0 {
-                let share = (first + (guess - 1) as f64 - from) / SUBDIVISION as f64;
-                if positive(depth, q, sag * share * share) {
+                let share = (first + (guess - 1) as f64 - inside.from) / SUBDIVISION as f64;
+                if positive(inside.depth, q, inside.sag * share * share) {
                     (m, p) = (guess, q);
                 }
                 break;
@@ -216,7 +205,7 @@ impl ArcEnds {
         }
         // Angle by angle to the first one outside.
         while m <= n / 2 {
-            let next = at(m).0;
+            let next = self.beyond(circle, self.angle::<UP>(below, m)).0;
             if next <= 0.0 {
                 *passed = m;
                 if m == 0 {
@@ -229,6 +218,32 @@ impl ArcEnds {
         }
         *passed = 0;
         n as f64 / 2.0
+    }
+
+    /// Passes over the intervals between control points in which p has no zero; arguments as in
+    /// [`Self::end`].
+    #[inline]
+    fn whole_intervals<const UP: bool>(&self, circle: &Circle, below: usize, first: f64) -> Inside {
+        let n = self.gap.len();
+        let bend = 2.0 * circle.curvature * (circle.e[0] * circle.e[0] + circle.e[1] * circle.e[1]);
+        let (mut from, mut angles, mut depth) = (0.0, 0, circle.penetration);
+        let mut corner = if UP { SUBDIVISION - 1 - below % SUBDIVISION } else { below % SUBDIVISION };
+        let mut interval = below / SUBDIVISION;
+        loop {
+            let (p, along) = self.beyond(circle, self.angle::<UP>(below, corner));
+            let sag = (self.hollow[interval] + self.eighth * (bend - along)).max(0.0);
+            if !positive(depth, p, sag) || corner + SUBDIVISION >= n / 2 {
+                return Inside { from, angles, depth, corner, sag };
+            }
+            (from, angles, depth) = (first + corner as f64, corner + 1, p);
+            corner += SUBDIVISION;
+            interval = match (UP, interval) {
+                (true, i) if i + 1 == self.hollow.len() => 0,
+                (true, i) => i + 1,
+                (false, 0) => self.hollow.len() - 1,
+                (false, i) => i - 1,
+            };
+        }
     }
 }
 

@@ -22,18 +22,13 @@
 //! Archard (1953), J. Appl. Phys. 24, 981-988. Arc rule of the local law: the seed paper, Cui et al., China
 //! Mechanical Engineering 37(6), 2026, 1472-1485, doi 10.3969/j.issn.1004-132X.2026.06.020.
 
-use super::conformal::{Unbalanced, foundation_share};
+use super::conformal::ConformalContacts;
+use super::equilibrium::NoEquilibrium;
+use super::history::ContactHistory;
 use super::local_arcs::LocalArcs;
-use super::{ContactHistory, ContactSample};
 use crate::bore::Profile;
-use crate::contact::{Contact, Foundation};
+use crate::contact::{Contact, Pressure};
 use std::f64::consts::TAU;
-
-/// Intervals of the bore at which the foundation is found again: 1.25 deg at 36 control points. The pressure
-/// is scaled to the force it carries, so its quadrature need not be that of the force: the volume test
-/// (`foundation_wears_the_volume_its_pressure_asks_for`) finds it within 1e-4, and within 1.4e-5 with twice
-/// as many.
-const CONFORMAL_INTERVALS: usize = 288;
 
 /// Wear rate of one joint under a frozen contact history.
 #[derive(Debug, Clone)]
@@ -43,73 +38,63 @@ pub struct WearRate {
     /// Width L [m].
     width: f64,
     profile: Profile,
-    law: Law,
-    /// Evaluations of the foundation so far.
-    evaluations: u64,
+    contacts: FrozenContacts,
 }
 
-/// How the contact is found again, and in which directions.
+/// Contact samples of a history, found again on each profile, by the distribution of their pressure.
 #[derive(Debug, Clone)]
-enum Law {
-    Local(LocalArcs),
-    Foundation { law: Foundation, samples: Vec<ContactSample> },
+enum FrozenContacts {
+    UniformOverArc(LocalArcs),
+    Foundation(ConformalContacts),
 }
 
 impl WearRate {
     /// Rate of a joint with wear coefficient `coefficient` [1/Pa], width `width` [m] and this contact law.
     pub fn new(coefficient: f64, width: f64, contact: &Contact, profile: &Profile) -> Self {
-        let points = profile.points();
+        let (surface, points) = (*contact.surface(), profile.points());
         WearRate {
             coefficient,
             width,
             profile: profile.clone(),
-            evaluations: 0,
-            law: match contact {
-                Contact::LocalHertz(law) => Law::Local(LocalArcs::new(law.surface.journal_radius, points)),
-                Contact::Foundation(law) => Law::Foundation {
-                    law: Foundation::with_intervals(*law.surface(), points, CONFORMAL_INTERVALS),
-                    samples: Vec::new(),
-                },
+            contacts: match contact.pressure() {
+                Pressure::UniformOverArc => {
+                    FrozenContacts::UniformOverArc(LocalArcs::new(surface.journal_radius, points))
+                }
+                Pressure::Foundation => FrozenContacts::Foundation(ConformalContacts::new(surface, points)),
             },
         }
     }
 
-    /// Takes over the history of the cycle just simulated.
+    /// Replaces the frozen history by that of the cycle just simulated.
     pub fn freeze(&mut self, history: &ContactHistory) {
-        match &mut self.law {
-            Law::Local(arcs) => arcs.freeze(history.samples()),
-            Law::Foundation { law, samples } => {
-                samples.clear();
-                samples.extend_from_slice(history.samples());
-                law.profile_changed(&self.profile);
-                samples.iter_mut().for_each(|s| s.penetration = law.arc().gap_along(s.e));
-            }
+        match &mut self.contacts {
+            FrozenContacts::UniformOverArc(arcs) => arcs.freeze(history.samples()),
+            FrozenContacts::Foundation(contacts) => contacts.freeze(&self.profile, history.samples()),
         }
     }
 
-    /// Evaluations of the foundation that finding the contact again has taken so far; none under the local
-    /// law.
+    /// Evaluations of the foundation so far; zero under a law without one.
     pub fn evaluations(&self) -> u64 {
-        self.evaluations
+        match &self.contacts {
+            FrozenContacts::UniformOverArc(_) => 0,
+            FrozenContacts::Foundation(contacts) => contacts.evaluations(),
+        }
     }
 
-    /// Wear per cycle at every control point, for a bore worn to `depth`: `(points,)` [m].
+    /// Wear rate dh/dN at every control point of a bore worn to `depth` `(points,)` [m]: `rate` `(points,)`
+    /// [m/cycle].
     ///
     /// # Errors
-    /// [`Unbalanced`] if the frozen force finds no rest on that bore.
-    pub fn rate(&mut self, depth: &[f64], rate: &mut [f64]) -> Result<(), Unbalanced> {
+    /// [`NoEquilibrium`] if a frozen force has no equilibrium on that bore.
+    pub fn rate(&mut self, depth: &[f64], rate: &mut [f64]) -> Result<(), NoEquilibrium> {
         self.profile.set_depth(depth);
-        let per = match &mut self.law {
-            Law::Local(arcs) => {
+        let per = match &mut self.contacts {
+            FrozenContacts::UniformOverArc(arcs) => {
                 arcs.shares(&self.profile, rate);
                 self.width
             }
-            Law::Foundation { law, samples } => {
-                rate.fill(0.0);
-                law.profile_changed(&self.profile);
-                for sample in samples {
-                    self.evaluations += u64::from(foundation_share(law, sample, rate)?);
-                }
+            FrozenContacts::Foundation(contacts) => {
+                contacts.shares(&self.profile, rate)?;
                 TAU / rate.len() as f64 * self.profile.initial_radius() * self.width
             }
         };

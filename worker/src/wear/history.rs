@@ -10,7 +10,7 @@
 
 use crate::contact::JointForce;
 
-/// A short stretch of the cycle, averaged with the friction-free work density F_N |v_t| as weight.
+/// A short interval of the cycle, averaged with the work density F_N |v_t| as weight.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactSample {
     /// Eccentricity in the bushing's frame `(2,)` [m].
@@ -19,7 +19,7 @@ pub struct ContactSample {
     pub penetration: f64,
     /// Normal force, pointing from the journal into the bushing `(2,)` [N].
     pub force: [f64; 2],
-    /// Integral of F_N |v_t| dt over the stretch [N m].
+    /// Integral of F_N |v_t| dt over the interval [N m].
     pub work: f64,
 }
 
@@ -27,8 +27,8 @@ pub struct ContactSample {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactHistory {
     samples: Vec<ContactSample>,
-    /// Duration of a stretch [s].
-    stretch: f64,
+    /// Duration of an interval [s].
+    interval: f64,
     elapsed: f64,
     sum: ContactSample,
 }
@@ -36,24 +36,24 @@ pub struct ContactHistory {
 const NOTHING: ContactSample = ContactSample { e: [0.0; 2], penetration: 0.0, force: [0.0; 2], work: 0.0 };
 
 impl ContactHistory {
-    /// An empty history that cuts a cycle of `period` [s] into about `samples` stretches.
+    /// An empty history that cuts a cycle of `period` [s] into about `samples` intervals.
     pub fn new(period: f64, samples: usize) -> Self {
         ContactHistory {
             samples: Vec::with_capacity(2 * samples),
-            stretch: period / samples as f64,
+            interval: period / samples as f64,
             elapsed: 0.0,
             sum: NOTHING,
         }
     }
 
-    /// Forgets everything.
+    /// Removes all samples, for a new cycle.
     pub fn clear(&mut self) {
         self.samples.clear();
         self.elapsed = 0.0;
         self.sum = NOTHING;
     }
 
-    /// Adds an instant at eccentricity `e` that stands for `duration` [s].
+    /// Adds an instant with eccentricity `e` `(2,)` [m] and weight `duration` [s].
     pub fn push(&mut self, duration: f64, e: [f64; 2], contact: &JointForce) {
         let JointForce { penetration, normal, direction, sliding, .. } = *contact;
         let work = normal * sliding.abs() * duration;
@@ -66,12 +66,12 @@ impl ContactHistory {
             self.sum.work += work;
         }
         self.elapsed += duration;
-        if self.elapsed >= self.stretch {
+        if self.elapsed >= self.interval {
             self.close_stretch();
         }
     }
 
-    /// Ends the stretch under way; to be called at the end of the cycle.
+    /// Ends the current interval; to be called at the end of the cycle.
     pub fn close_stretch(&mut self) {
         let s = self.sum;
         if s.work > 0.0 {
@@ -86,7 +86,7 @@ impl ContactHistory {
         self.sum = NOTHING;
     }
 
-    /// The stretches in contact, in order of time.
+    /// Samples of the intervals with contact, in order of time.
     pub fn samples(&self) -> &[ContactSample] {
         &self.samples
     }

@@ -10,8 +10,8 @@
 //! Cui et al., China Mechanical Engineering 37(6), 2026, 1472-1485, doi 10.3969/j.issn.1004-132X.2026.06.020:
 //! every control point inside the arc AB receives K_H F S / (|AB| L). The linear entry is added here.
 
-use super::ContactSample;
 use super::arc_ends::{ArcEnds, SUBDIVISION, Spot};
+use super::history::ContactSample;
 use crate::bore::{Profile, Radius};
 use std::f64::consts::TAU;
 
@@ -27,22 +27,23 @@ pub const ENTRY: f64 = 0.5 * TAU / 360.0;
 pub struct LocalArcs {
     ends: ArcEnds,
     samples: Vec<Sample>,
-    /// Rates of a turn before, of the turn itself and of one after `(3 points,)`: an arc is one piece there.
+    /// Shares on three turns, one before and one after the bore's own `(3 points,)`: there an arc is one
+    /// piece.
     unrolled: Vec<f64>,
 }
 
-/// What of a sample counts.
+/// The parts of a contact sample that the wear law uses.
 #[derive(Debug, Clone, Copy)]
 struct Sample {
     spot: Spot,
-    /// [m]
+    /// Penetration delta [m].
     penetration: f64,
-    /// [N m]
+    /// Work F S [N m].
     work: f64,
 }
 
 impl LocalArcs {
-    /// For a journal of radius `journal_radius` [m] in a bore of so many control points.
+    /// Without samples, for a journal of radius `journal_radius` [m] in a bore with `points` control points.
     pub fn new(journal_radius: f64, points: usize) -> Self {
         LocalArcs {
             ends: ArcEnds::new(journal_radius, points),
@@ -51,7 +52,7 @@ impl LocalArcs {
         }
     }
 
-    /// Takes over the samples of a cycle.
+    /// Replaces the history by the samples of a cycle.
     pub fn freeze(&mut self, samples: &[ContactSample]) {
         let n = self.ends.intervals();
         let sample =

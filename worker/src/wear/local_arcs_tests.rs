@@ -17,11 +17,11 @@ const WIDTH: f64 = 4e-3;
 fn walked(profile: &Profile, psi: f64, penetration: f64, sign: f64) -> f64 {
     let n = SUBDIVISION * profile.points();
     let spacing = TAU / n as f64;
-    let at = profile.at(psi);
+    let at = profile.radius_at(psi);
     let e = penetration + at.r - R1;
     let beyond = |angle: f64| {
         let (s, c) = (angle - psi).sin_cos();
-        R1 + e * c - e * e * s * s / (2.0 * R1) - profile.at(angle.rem_euclid(TAU)).r
+        R1 + e * c - e * e * s * s / (2.0 * R1) - profile.radius_at(angle.rem_euclid(TAU)).r
     };
     let place = psi / spacing;
     let first = if sign > 0.0 { place.floor() + 1.0 } else { place.floor() };
@@ -52,7 +52,7 @@ fn plain(profile: &Profile, samples: &[(f64, f64, f64)]) -> Vec<f64> {
     let mut rate = vec![0.0; n];
     for &(psi, penetration, work) in samples {
         let [before, after] = [-1.0, 1.0].map(|sign| walked(profile, psi, penetration, sign));
-        let radius = |angle: f64| profile.at(angle.rem_euclid(TAU)).r;
+        let radius = |angle: f64| profile.radius_at(angle.rem_euclid(TAU)).r;
         let mean = (radius(psi - before) + 4.0 * radius(psi) + radius(psi + after)) / 6.0;
         for (i, rate) in rate.iter_mut().enumerate() {
             // The nearest of the point's angles, a turn apart.
@@ -123,7 +123,7 @@ fn rates_are_those_of_the_walk_over_smooth_rough_and_grooved_bores() {
             for depth in bores(points, size, &mut even) {
                 profile.set_depth(&depth);
                 let mut found = vec![0.0; points];
-                law.rate(&depth, &mut found).expect("the local law needs no rest");
+                law.rate(&depth, &mut found).expect("the local law needs no equilibrium");
                 let expected = plain(&profile, &samples);
                 let largest = expected.iter().fold(0.0_f64, |a, b| a.max(*b));
                 assert!(largest > 0.0);

@@ -2,19 +2,19 @@
 //! cycles.
 //!
 //! Order of use: `history` records contact samples; `archard` turns them into a wear rate on the present
-//! profile, for `local-hertz` by `local_arcs` and `arc_ends`, for `foundation` by `conformal` and `rest`;
-//! `step` integrates that rate over a block.
+//! profile, for `local-hertz` by `local_arcs` and `arc_ends`, for `foundation` by `conformal` and
+//! `equilibrium`; `step` integrates that rate over a block.
 
 mod arc_ends;
 mod archard;
 mod conformal;
+mod equilibrium;
+#[cfg(test)]
+mod equilibrium_tests;
 mod history;
 mod local_arcs;
 #[cfg(test)]
 mod local_arcs_tests;
-mod rest;
-#[cfg(test)]
-mod rest_tests;
 mod step;
 #[cfg(test)]
 mod step_tests;
@@ -22,6 +22,6 @@ mod step_tests;
 mod volume_tests;
 
 pub use archard::WearRate;
-pub use conformal::Unbalanced;
+pub use equilibrium::NoEquilibrium;
 pub use history::{ContactHistory, ContactSample};
 pub use step::{WearStep, WearStepFailed, WearStepStats};

@@ -15,15 +15,18 @@
 //! 315-326; van der Houwen, Sommeijer (1980), ZAMM 60, 479-485. Blocks of cycles under a frozen history: Cui
 //! et al. as cited in `archard.rs`.
 
-use super::WearRate;
-use super::conformal::Unbalanced;
+use super::archard::WearRate;
+use super::equilibrium::NoEquilibrium;
+use crate::extremum::largest;
+use crate::interpolate::Cubic;
 
-/// Embedded error estimate of a sub-step from y0, f0 to y1, f1: what is missing to y1.
+/// Embedded error estimate of a sub-step of length `step` from y0, f0 to y1, f1, signed: the correction of y1
+/// [m].
 fn embedded(y0: f64, y1: f64, f0: f64, f1: f64, step: f64) -> f64 {
     0.8 * (y0 - y1) + 0.4 * step * (f0 + f1)
 }
 
-/// Counts of one or more wear steps.
+/// Work counters of one or more wear steps.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct WearStepStats {
     /// Evaluations of the wear rate.
@@ -39,10 +42,16 @@ pub struct WearStepStats {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WearStepFailed(pub f64);
 
-impl From<Unbalanced> for WearStepFailed {
-    fn from(Unbalanced(excess): Unbalanced) -> Self {
+impl From<NoEquilibrium> for WearStepFailed {
+    fn from(NoEquilibrium(excess): NoEquilibrium) -> Self {
         WearStepFailed(excess.min(f64::MAX))
     }
+}
+
+/// A refused sub-step: the smaller one to try next [cycle], and the error relative to its bound.
+struct Refused {
+    smaller: f64,
+    error: f64,
 }
 
 /// Scratch and state of the wear step of one joint; all vectors `(points,)`.
@@ -56,11 +65,11 @@ pub struct WearStep {
     f0: Vec<f64>,
     f1: Vec<f64>,
     end: Vec<f64>,
-    /// Length of the block before, whose history the rate in f0 still has; zero before the first [cycle].
+    /// Length of the previous block, whose history the rate in f0 belongs to; zero before the first [cycle].
     block: f64,
     /// Embedded errors of the sub-steps of the block under way, signed [m].
     under_way: Vec<f64>,
-    /// Estimated error of the blocks behind, signed [m].
+    /// Estimated error of the completed blocks, signed [m].
     behind: Vec<f64>,
     /// Length of the last of them, and the largest share of a frozen history in its error [cycle], [m].
     frozen: (f64, f64),
@@ -80,7 +89,7 @@ const SPENDABLE: f64 = 0.5;
 const PROBE: f64 = 1e-8;
 
 impl WearStep {
-    /// For `points` control points.
+    /// A wear step for `points` control points with the relative tolerance `tolerance` [1].
     pub fn new(points: usize, tolerance: f64) -> Self {
         let zero = vec![0.0; points];
         WearStep {
@@ -101,7 +110,7 @@ impl WearStep {
     /// history (trapezoidal against rectangular rule).
     ///
     /// # Errors
-    /// [`WearStepFailed`] if the frozen force finds no rest on that bore.
+    /// [`WearStepFailed`] if a frozen force has no equilibrium on that bore.
     pub fn renew(
         &mut self,
         rate: &mut WearRate,
@@ -135,7 +144,7 @@ impl WearStep {
         self.frozen
     }
 
-    /// Advances `depth` by `cycles` under the frozen history in `rate`. `mark` sees the depth at each of
+    /// Advances `depth` by `cycles` under the frozen history in `rate`. `mark` receives the depth at each of
     /// `marks` (increasing, within the block, counted from its start), by cubic Hermite interpolation in a
     /// sub-step.
     ///
@@ -154,45 +163,23 @@ impl WearStep {
         self.block = cycles;
         let radius = self.spectral_radius(rate, depth, stats)?;
         let (mut done, mut step, mut marked) = (0.0, cycles, 0);
-        let fastest = self.f0.iter().fold(0.0_f64, |a, &b| a.max(b));
-        // Error that may yet be made beyond each sub-step's own share [m].
+        let fastest = largest(self.f0.iter().copied());
+        // Error allowed in excess of each sub-step's own share [m].
         let mut credit = FIRST_CREDIT * self.tolerance * fastest * cycles;
         while done < cycles {
             step = step.min(cycles - done);
-            let stages = ((1.0 + 1.54 * step * radius).sqrt().ceil() as usize + 1).max(2);
-            if stages > MOST_STAGES {
-                step = self.refuse(step * 0.5, cycles, f64::INFINITY, stats)?;
-                continue;
-            }
-            stats.stages += stages as u64;
-            let made = chebyshev(rate, depth, &self.f0, step, stages, &mut self.end);
-            if let Err(Unbalanced(excess)) = made.and_then(|()| rate.rate(&self.end, &mut self.f1)) {
-                step = self.refuse(step * 0.5, cycles, excess, stats)?;
-                continue;
-            }
-            let (error, added) = self.error(depth, step);
-            let share = self.tolerance * added;
-            let relative = if added > 0.0 { error / share } else { 0.0 };
-            if error > share + SPENDABLE * credit {
-                step = self.refuse(
-                    step * (0.8 / libm::cbrt(relative)).clamp(0.1, 0.5),
-                    cycles,
-                    relative,
-                    stats,
-                )?;
-                continue;
-            }
-            for (i, sum) in self.under_way.iter_mut().enumerate() {
-                *sum += embedded(depth[i], self.end[i], self.f0[i], self.f1[i], step);
-            }
-            credit += share - error;
-            // Wear only grows: what the stages undershoot (below the tolerance) is not given back.
-            for (end, start) in self.end.iter_mut().zip(depth.iter()) {
-                if *end < *start {
-                    *end = *start;
-                    stats.held += 1;
+            let relative = match self.attempt(rate, depth, step, radius, &mut credit, stats) {
+                Ok(relative) => relative,
+                Err(Refused { smaller, error }) => {
+                    stats.rejected += 1;
+                    if smaller < SMALLEST * cycles {
+                        return Err(WearStepFailed(error.min(f64::MAX)));
+                    }
+                    step = smaller;
+                    continue;
                 }
-            }
+            };
+            self.hold_worn(depth, stats);
             let last = if step == cycles - done { cycles } else { done + step };
             while marked < marks.len() && marks[marked] <= last {
                 mark(marked, &self.between(depth, (marks[marked] - done) / step, step));
@@ -206,16 +193,49 @@ impl WearStep {
         Ok(())
     }
 
-    /// Counts a refused sub-step; the smaller one to try, if it is not too small.
-    fn refuse(
-        &self,
-        smaller: f64,
-        cycles: f64,
-        error: f64,
+    /// One sub-step of `step` cycles from `depth` to `self.end`, for the spectral radius `radius` [1/cycle].
+    /// If its error fits the tolerance and the `credit` [m], counts it there and returns it relative to its
+    /// share.
+    fn attempt(
+        &mut self,
+        rate: &mut WearRate,
+        depth: &[f64],
+        step: f64,
+        radius: f64,
+        credit: &mut f64,
         stats: &mut WearStepStats,
-    ) -> Result<f64, WearStepFailed> {
-        stats.rejected += 1;
-        if smaller < SMALLEST * cycles { Err(WearStepFailed(error.min(f64::MAX))) } else { Ok(smaller) }
+    ) -> Result<f64, Refused> {
+        let stages = ((1.0 + 1.54 * step * radius).sqrt().ceil() as usize + 1).max(2);
+        if stages > MOST_STAGES {
+            return Err(Refused { smaller: step * 0.5, error: f64::INFINITY });
+        }
+        stats.stages += stages as u64;
+        let made = chebyshev(rate, depth, &self.f0, step, stages, &mut self.end);
+        if let Err(NoEquilibrium(excess)) = made.and_then(|()| rate.rate(&self.end, &mut self.f1)) {
+            return Err(Refused { smaller: step * 0.5, error: excess });
+        }
+        let (error, added) = self.error(depth, step);
+        let share = self.tolerance * added;
+        let relative = if added > 0.0 { error / share } else { 0.0 };
+        if error > share + SPENDABLE * *credit {
+            let smaller = step * (0.8 / libm::cbrt(relative)).clamp(0.1, 0.5);
+            return Err(Refused { smaller, error: relative });
+        }
+        for (i, sum) in self.under_way.iter_mut().enumerate() {
+            *sum += embedded(depth[i], self.end[i], self.f0[i], self.f1[i], step);
+        }
+        *credit += share - error;
+        Ok(relative)
+    }
+
+    /// Wear only grows: what the stages undershoot (below the tolerance) is not given back.
+    fn hold_worn(&mut self, depth: &[f64], stats: &mut WearStepStats) {
+        for (end, start) in self.end.iter_mut().zip(depth) {
+            if *end < *start {
+                *end = *start;
+                stats.held += 1;
+            }
+        }
     }
 
     /// Embedded error estimate of the sub-step just made, and the largest wear it adds [m].
@@ -233,9 +253,7 @@ impl WearStep {
     fn between(&self, depth: &[f64], s: f64, step: f64) -> Vec<f64> {
         let ends = self.f0.iter().zip(&self.f1);
         let hermite = |((y0, y1), (f0, f1)): ((&f64, &f64), (&f64, &f64))| {
-            let (d0, d1, rise) = (step * f0, step * f1, y1 - y0);
-            let y = y0 + s * (d0 + s * (3.0 * rise - 2.0 * d0 - d1 + s * (d0 + d1 - 2.0 * rise)));
-            y.clamp(*y0, y1.max(*y0))
+            Cubic::hermite([*y0, *y1], [step * f0, step * f1]).value(s).clamp(*y0, y1.max(*y0))
         };
         depth.iter().zip(&self.end).zip(ends).map(hermite).collect()
     }
@@ -278,7 +296,7 @@ fn chebyshev(
     h: f64,
     s: usize,
     y: &mut [f64],
-) -> Result<(), Unbalanced> {
+) -> Result<(), NoEquilibrium> {
     let n = y0.len();
     let w0 = 1.0 + 2.0 / 13.0 / (s * s) as f64;
     // Chebyshev polynomials T_j(w0) with first and second derivatives.

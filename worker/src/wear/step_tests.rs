@@ -6,7 +6,7 @@ use crate::bore::Profile;
 use crate::contact::{Contact, Foundation, JointForce, LocalHertz, Surface};
 use std::f64::consts::TAU;
 
-const SURFACE: Surface = Surface {
+pub(super) const SURFACE: Surface = Surface {
     journal_radius: 1.5e-3,
     clearance: 23.5e-6,
     stiffness: 3.264e10,
@@ -16,11 +16,11 @@ const SURFACE: Surface = Surface {
     friction_speed: 2.4e-3,
     film: 0.0,
 };
-const COEFFICIENT: f64 = 1.288e-13;
-const WIDTH: f64 = 4e-3;
-const POINTS: usize = 36;
+pub(super) const COEFFICIENT: f64 = 1.288e-13;
+pub(super) const WIDTH: f64 = 4e-3;
+pub(super) const POINTS: usize = 36;
 
-fn foundation() -> Contact {
+pub(super) fn foundation() -> Contact {
     Contact::Foundation(Foundation::new(SURFACE, POINTS))
 }
 
@@ -77,7 +77,7 @@ fn jump(contact: &Contact, blocks: u32, cycles: f64) -> Vec<f64> {
     let mut rate = rate(contact);
     let (mut depth, mut per_cycle) = (vec![0.0; POINTS], vec![0.0; POINTS]);
     for _ in 0..blocks {
-        rate.rate(&depth, &mut per_cycle).expect("the force finds its rest");
+        rate.rate(&depth, &mut per_cycle).expect("the force has an equilibrium");
         depth.iter_mut().zip(&per_cycle).for_each(|(h, r)| *h += cycles * r);
     }
     depth
@@ -156,17 +156,17 @@ fn blocks_of_any_length_agree_with_small_steps_and_do_not_zig_zag() {
 
 #[test]
 fn following_a_rest_through_a_block_costs_a_few_evaluations() {
-    // Newton's method from the rest on the bore of the stage before: one evaluation there and two or three
-    // steps.
+    // Newton's method from the equilibrium on the bore of the stage before: one evaluation there and two or
+    // three steps.
     let mut rate = rate(&foundation());
     let (mut step, mut stats) = (WearStep::new(POINTS, 2e-2), WearStepStats::default());
     let mut depth = vec![0.0; POINTS];
     for _ in 0..8 {
         step.advance(&mut rate, &mut depth, 2000.0, &[], |_, _| {}, &mut stats)
-            .expect("the force finds its rest");
+            .expect("the force has an equilibrium");
     }
     let each = rate.evaluations() as f64 / (stats.stages as f64 * cycle().samples().len() as f64);
-    println!("{each} evaluations of the contact to a rest, {stats:?}");
+    println!("{each} evaluations of the contact per equilibrium, {stats:?}");
     assert!(each > 1.0 && each < 4.0, "{each}");
 }
 
@@ -176,7 +176,7 @@ fn what_a_step_would_give_back_is_held_and_counted() {
     let rough: Vec<f64> = (0..POINTS).map(|i| 5e-6 * (1.0 + (7.3 * (i * i) as f64).sin())).collect();
     let contact = foundation();
     let mut wearing = vec![0.0; POINTS];
-    rate(&contact).rate(&rough, &mut wearing).expect("the force finds its rest");
+    rate(&contact).rate(&rough, &mut wearing).expect("the force has an equilibrium");
     let worn = wear(&contact, &rough, 1, 8000.0, ANY);
     assert!(worn.depth.iter().zip(&rough).all(|(new, old)| new >= old));
     let still = (0..POINTS).filter(|&i| worn.depth[i] == rough[i] && wearing[i] > 0.0).count();

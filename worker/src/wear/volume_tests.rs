@@ -1,23 +1,11 @@
 //! Archard's volume K_H F S and the wear step, under contact histories made for the purpose.
 
+use super::step_tests::{COEFFICIENT, POINTS, SURFACE, WIDTH, foundation};
 use super::{ContactHistory, WearRate, WearStep, WearStepStats};
 use crate::bore::Profile;
-use crate::contact::{Contact, Foundation, JointForce, LocalHertz, Surface};
+use crate::contact::{Contact, Foundation, JointForce, LocalHertz};
 use std::f64::consts::TAU;
 
-const SURFACE: Surface = Surface {
-    journal_radius: 1.5e-3,
-    clearance: 23.5e-6,
-    stiffness: 3.264e10,
-    damping: 0.0,
-    restitution: None,
-    friction: 0.0,
-    friction_speed: 2.4e-3,
-    film: 0.0,
-};
-const COEFFICIENT: f64 = 1.288e-13;
-const WIDTH: f64 = 4e-3;
-const POINTS: usize = 36;
 /// Normal force [N] and sliding distance per cycle [m], those of the flapping-wing's joints.
 const FORCE: f64 = 4.0;
 const SLIDING: f64 = 9e-3;
@@ -28,10 +16,6 @@ fn round() -> Profile {
 
 fn local() -> Contact {
     Contact::LocalHertz(LocalHertz { surface: SURFACE })
-}
-
-fn foundation() -> Contact {
-    Contact::Foundation(Foundation::new(SURFACE, POINTS))
 }
 
 /// A history with the same force and sliding in each of these directions, the work of a cycle shared between
@@ -85,11 +69,11 @@ fn pressure_over_force(depth: &[f64]) -> f64 {
     let bore: Vec<(f64, f64)> = (0..GRID)
         .map(|k| {
             let psi = TAU * (k as f64 / GRID as f64 - 0.5);
-            (psi.cos(), profile.at(psi).r)
+            (psi.cos(), profile.radius_at(psi).r)
         })
         .collect();
     let sums = |e: f64| {
-        let modulus = law.press([e, 0.0], |_, _, _| {}).modulus;
+        let modulus = law.load([e, 0.0], |_, _, _| {}).modulus;
         bore.iter().fold((0.0, 0.0), |(force, pressure), (cos, radius)| {
             let p = modulus * (e * cos + SURFACE.journal_radius - radius).max(0.0) * TAU / GRID as f64;
             (force + p * cos, pressure + p)
@@ -117,7 +101,7 @@ fn foundation_wears_the_volume_its_pressure_asks_for() {
     for block in 0..16 {
         let ratio = pressure_over_force(&depth);
         let mut per_cycle = vec![0.0; POINTS];
-        rate.rate(&depth, &mut per_cycle).expect("the force finds its rest");
+        rate.rate(&depth, &mut per_cycle).expect("the force has an equilibrium");
         let now = per_cycle.iter().sum::<f64>() * cell / archard;
         assert!((now / ratio - 1.0).abs() < 2e-4, "block {block}: {now} against {ratio}");
         if block == 0 {
@@ -214,7 +198,7 @@ fn large_blocks_of_foundation_wear_do_not_zig_zag_as_an_explicit_jump_does() {
     for _ in 0..8 {
         wear(&mut law, &mut stable, 2000.0, 1e-3);
         assert_eq!(peaks(&stable), 1, "{stable:?}");
-        explicit.rate(&jumping, &mut per_cycle).expect("the force finds its rest");
+        explicit.rate(&jumping, &mut per_cycle).expect("the force has an equilibrium");
         jumping.iter_mut().zip(&per_cycle).for_each(|(h, r)| *h += 2000.0 * r);
         most_peaks = most_peaks.max(peaks(&jumping));
         let off = jumping.iter().zip(&stable).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));

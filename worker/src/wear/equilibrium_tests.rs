@@ -1,9 +1,8 @@
-//! Forces at rest on bores of all kinds: round, worn, rough, with a deep narrow groove.
+//! Forces in equilibrium on bores of all kinds: round, worn, rough, with a deep narrow groove.
 
-use super::Unbalanced;
-use super::rest::{BALANCED, NEARBY, RESOLVED, rest};
+use super::equilibrium::{BALANCED, NEARBY, NoEquilibrium, RESOLVED, equilibrium};
 use crate::bore::Profile;
-use crate::contact::{Foundation, Pressing, Surface};
+use crate::contact::{Foundation, FoundationLoad, Surface};
 use std::f64::consts::TAU;
 
 const POINTS: usize = 36;
@@ -57,14 +56,14 @@ fn on_a_round_bore_a_force_rests_at_hertz_penetration() {
     let clearance = 23.5e-6;
     let law = law(clearance, &[0.0; POINTS]);
     for force in [1.0, 30.0, 1000.0] {
-        let depth = (force / law.surface().stiffness).powf(2.0 / 3.0);
+        let depth = (force / law.surface.stiffness).powf(2.0 / 3.0);
         // Half the arc spans m intervals, which puts the force within 0.025 / m^3; the modulus is fitted
         // within 4e-4.
         let spanned = (2.0 * depth / clearance).sqrt() * law.arc().intervals() as f64 / TAU;
         let bound = 4e-4 + 0.025 / spanned.powi(3);
         for psi in [0.1, 2.0, 4.4] {
             let (start, force) = (polar(0.9 * clearance, psi - 1.0), polar(force, psi));
-            let e = rest(&law, force, start).expect("at rest").e;
+            let e = equilibrium(&law, force, start).expect("in equilibrium").e;
             let off = (e[0].hypot(e[1]) - clearance) / depth - 1.0;
             let turned = (e[1].atan2(e[0]) - psi).rem_euclid(TAU);
             assert!(off.abs() < bound, "{force:?} N: {off} of the penetration");
@@ -82,7 +81,7 @@ fn the_potential_is_convex_whatever_the_bore() {
         for _ in 0..400 {
             let mut point = || polar(80e-6 * even.next(), TAU * even.next());
             let (a, b) = (point(), point());
-            let energy = |e: [f64; 2]| law.press(e, |_, _, _| {}).energy;
+            let energy = |e: [f64; 2]| law.load(e, |_, _, _| {}).energy;
             let chord = 0.5 * (energy(a) + energy(b));
             let middle = energy([0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]);
             assert!(middle <= chord * (1.0 + 1e-12), "{a:?} {b:?}: {middle} above {chord}");
@@ -101,18 +100,18 @@ fn every_force_within_range_finds_its_rest_on_any_bore() {
             for depth in depths(size, &mut even) {
                 let law = law(clearance, &depth);
                 // From loads no joint would notice to the edge of the range.
-                let edge = law.surface().stiffness * law.surface().deepest().powf(1.5);
+                let edge = law.surface.stiffness * law.surface.deepest().powf(1.5);
                 for power in [0, 1, 2, 3, 5, 7, 9, 12, 15] {
                     let force = polar(0.999 * edge * 10f64.powi(-power), TAU * even.next());
                     let start = polar((clearance + size) * even.next(), TAU * even.next());
-                    let found = rest(&law, force, start)
+                    let found = equilibrium(&law, force, start)
                         .unwrap_or_else(|e| panic!("{e:?}: {force:?} N, {clearance} m, {depth:?}"));
-                    let Pressing { force: carried, stiffness: [[a, _], [_, d]], .. } =
-                        law.press(found.e, |_, _, _| {});
+                    let FoundationLoad { force: carried, stiffness: [[a, _], [_, d]], .. } =
+                        law.load(found.e, |_, _, _| {});
                     let left = (carried[0] - force[0]).hypot(carried[1] - force[1]);
                     let bound = f64::max(
                         BALANCED * force[0].hypot(force[1]),
-                        RESOLVED * law.surface().journal_radius * (a + d),
+                        RESOLVED * law.surface.journal_radius * (a + d),
                     );
                     assert!(left <= bound * (1.0 + 1e-9), "{left} of {force:?}");
                     far += u32::from(found.evaluations > NEARBY);
@@ -134,9 +133,10 @@ fn from_nearby_a_rest_costs_a_few_evaluations() {
     for force in [1.0, 10.0, 100.0] {
         for psi in [0.3, 2.5, 5.1] {
             let force = polar(force, psi);
-            let before = rest(&law(23.5e-6, &scar(10e-6)), force, polar(30e-6, psi)).expect("at rest");
+            let before =
+                equilibrium(&law(23.5e-6, &scar(10e-6)), force, polar(30e-6, psi)).expect("in equilibrium");
             let after = law(23.5e-6, &scar(10.1e-6));
-            let found = rest(&after, force, before.e).expect("at rest");
+            let found = equilibrium(&after, force, before.e).expect("in equilibrium");
             assert!(found.evaluations <= 8, "{force:?}: {} evaluations", found.evaluations);
         }
     }
@@ -148,8 +148,8 @@ fn a_force_too_light_to_resolve_rests_where_the_journal_touches() {
         let law = law(23.5e-6, &depth);
         for power in [14, 16, 20, 100, 300] {
             let force = polar(10f64.powi(-power), 1.9);
-            let found = rest(&law, force, [0.0; 2]).expect("at rest");
-            let carried = found.pressing.force;
+            let found = equilibrium(&law, force, [0.0; 2]).expect("in equilibrium");
+            let carried = found.load.force;
             let size = carried[0].hypot(carried[1]);
             assert!(size > 0.0 && size < 1e-12, "1e-{power} N: {carried:?}");
         }
@@ -160,7 +160,9 @@ fn a_force_too_light_to_resolve_rests_where_the_journal_touches() {
 fn a_force_beyond_the_range_is_refused_by_its_penetration() {
     let law = law(23.5e-6, &[0.0; POINTS]);
     // Penetration goes with the force to the power of two thirds.
-    let force = 8.0 * law.surface().stiffness * law.surface().deepest().powf(1.5);
-    let Err(Unbalanced(excess)) = rest(&law, [force, 0.0], [0.0; 2]) else { panic!("{force} N at rest") };
+    let force = 8.0 * law.surface.stiffness * law.surface.deepest().powf(1.5);
+    let Err(NoEquilibrium(excess)) = equilibrium(&law, [force, 0.0], [0.0; 2]) else {
+        panic!("{force} N in equilibrium")
+    };
     assert!((excess - 4.0).abs() < 1e-12, "{excess}");
 }

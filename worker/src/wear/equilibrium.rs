@@ -14,16 +14,15 @@
 //! Damped Newton method for a convex function: Nocedal, Wright (2006), Numerical Optimization, chapters 3 and
 //! 6. Potential: `contact/foundation.rs`.
 
-use super::Unbalanced;
-use crate::contact::{Foundation, Pressing, equivalent_penetration};
+use crate::contact::{Foundation, FoundationLoad, equivalent_penetration};
+use crate::plane::{dot, length};
 
 /// Relative residual below which a force counts as carried.
 pub const BALANCED: f64 = 1e-6;
-/// Rounding of a gap, over the journal's radius. What it does to the force is more than BALANCED of forces
-/// that press less than some 1e-12 m deep: means of a stretch in which the journal struck both sides of its
-/// bore.
+/// Rounding of a gap, over the journal's radius. Its effect on the force exceeds BALANCED for forces with a
+/// penetration below about 1e-12 m: means of an interval in which the journal struck both sides of its bore.
 pub const RESOLVED: f64 = 4.0 * f64::EPSILON;
-/// Least depth of a contact that is looked for, in such roundings; a lighter force rests where that one does.
+/// Least penetration that is solved for, in such roundings; a lighter force gets the same equilibrium.
 const LEAST: f64 = 16.0;
 /// Contact below this share of the force sought counts as too weak to linearise.
 const WEAK: f64 = 0.2;
@@ -31,125 +30,126 @@ const WEAK: f64 = 0.2;
 /// forces on bores with spikes between their points, ten took more than 60 at one load, none more than 400.
 pub const NEARBY: u32 = 12;
 const EACH: u32 = 400;
-/// By how much the load is let off at a time: the penetration of a round bore falls to a quarter, and
-/// Newton's method follows without a step cut back.
+/// Factor by which the load falls from one equilibrium to the next: the penetration of a round bore falls to
+/// a quarter, and Newton's method follows without a step cut back.
 const LET_OFF: f64 = 0.125;
 /// Energy differences below this share of the energies are rounding.
 const ROUNDING: f64 = 1e-15;
 
-/// A force at rest.
+/// A force in equilibrium with the foundation.
 #[derive(Debug, Clone, Copy)]
-pub struct Rest {
+pub struct Equilibrium {
     /// Eccentricity `(2,)` [m].
     pub e: [f64; 2],
-    /// How the journal presses on the bore there.
-    pub pressing: Pressing,
+    /// Load of the foundation there.
+    pub load: FoundationLoad,
     /// Evaluations of the contact that the search took.
     pub evaluations: u32,
 }
 
-/// Eccentricity at which the elastic force of `law` is `force` `(2,)`, not zero [N]; `start` is where it may
-/// be near `(2,)` [m].
+/// The search found no equilibrium. Holds the remaining force over its bound, or the penetration over its
+/// bound where the force is beyond the law's range.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NoEquilibrium(pub f64);
+
+/// Eccentricity at which the elastic force of `law` on the bushing is `force` `(2,)`, not zero [N]; `start`
+/// is an eccentricity nearby `(2,)` [m].
 ///
 /// # Errors
-/// [`Unbalanced`] if the force is beyond the law's range, or the bore is not one of finite numbers.
-pub fn rest(law: &Foundation, force: [f64; 2], start: [f64; 2]) -> Result<Rest, Unbalanced> {
-    let surface = law.surface();
+/// [`NoEquilibrium`] if the force is beyond the law's range, or the bore has radii that are not finite.
+pub fn equilibrium(law: &Foundation, force: [f64; 2], start: [f64; 2]) -> Result<Equilibrium, NoEquilibrium> {
+    let surface = &law.surface;
     let wanted = libm::hypot(force[0], force[1]);
     let direction = [force[0] / wanted, force[1] / wanted];
     let depth = equivalent_penetration(wanted, surface.stiffness);
     if depth > surface.deepest() {
-        return Err(Unbalanced(depth / surface.deepest()));
+        return Err(NoEquilibrium(depth / surface.deepest()));
     }
     let least = LEAST * RESOLVED * surface.journal_radius;
     let size = wanted.max(surface.stiffness * least * least.sqrt());
     let force = [size * direction[0], size * direction[1]];
     let mut spent = 0;
-    if let Ok(rest) = descend(law, force, start, NEARBY, &mut spent) {
-        return Ok(rest);
+    if let Ok(found) = descend(law, force, start, NEARBY, &mut spent) {
+        return Ok(found);
     }
-    // As deep as the journal has play in that direction, the arc of a round bore spans a third of it.
+    // At a penetration equal to the play in that direction, the arc of a round bore spans a third of it.
     let c = surface.clearance;
     let play = c - law.arc().gap_along([c * direction[0], c * direction[1]]);
     let mut load = f64::max(1.0, surface.stiffness * play * play.sqrt() / size);
     let reach = play + equivalent_penetration(load * size, surface.stiffness);
     let mut e = [reach * direction[0], reach * direction[1]];
     loop {
-        let rest = descend(law, [load * force[0], load * force[1]], e, EACH, &mut spent)?;
+        let found = descend(law, [load * force[0], load * force[1]], e, EACH, &mut spent)?;
         if load <= 1.0 {
-            return Ok(rest);
+            return Ok(found);
         }
-        e = rest.e;
+        e = found.e;
         load = (LET_OFF * load).max(1.0);
     }
-}
-
-fn length(v: [f64; 2]) -> f64 {
-    (v[0] * v[0] + v[1] * v[1]).sqrt()
-}
-
-fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[0] + a[1] * b[1]
 }
 
 /// One point of the search.
 #[derive(Clone, Copy)]
 struct Point {
     e: [f64; 2],
-    pressing: Pressing,
+    load: FoundationLoad,
     /// Gradient of U - F.e [N].
     miss: [f64; 2],
     /// U - F.e [J].
     height: f64,
 }
 
-/// The minimum of U - F.e from `start`, by Newton's method cut back along its direction, with so many
-/// evaluations of the contact. From no contact, or next to none, the journal moves outward along the load, by
-/// the penetration of that force on an unworn bore at a time.
+impl Point {
+    /// The point at eccentricity `e` [m] for the force `force` [N].
+    fn new(law: &Foundation, force: [f64; 2], e: [f64; 2]) -> Self {
+        let load = law.load(e, |_, _, _| {});
+        let miss = [load.force[0] - force[0], load.force[1] - force[1]];
+        Point { e, load, miss, height: load.energy - dot(force, e) }
+    }
+}
+
+/// Minimum of U - F.e from `start` [m] by a damped Newton method, with at most `most` evaluations of the
+/// contact, which are added to `spent`. From no contact, or almost none, the journal moves outward along the
+/// load, by the penetration of that force on an unworn bore at a time.
 fn descend(
     law: &Foundation,
     force: [f64; 2],
     start: [f64; 2],
     most: u32,
     spent: &mut u32,
-) -> Result<Rest, Unbalanced> {
+) -> Result<Equilibrium, NoEquilibrium> {
     let wanted = length(force);
-    let outward = equivalent_penetration(wanted, law.surface().stiffness) / wanted;
-    let resolved = RESOLVED * law.surface().journal_radius;
-    let at = |e: [f64; 2]| {
-        let pressing = law.press(e, |_, _, _| {});
-        let miss = [pressing.force[0] - force[0], pressing.force[1] - force[1]];
-        Point { e, pressing, miss, height: pressing.energy - dot(force, e) }
-    };
+    let outward = equivalent_penetration(wanted, law.surface.stiffness) / wanted;
+    let resolved = RESOLVED * law.surface.journal_radius;
     let last = *spent + most;
-    let mut now = at(start);
+    let mut now = Point::new(law, force, start);
     *spent += 1;
     loop {
-        let Point { e, pressing, miss, height } = now;
-        let [[a, b], [_, d]] = pressing.stiffness;
+        let Point { e, load, miss, height } = now;
+        let [[a, b], [_, d]] = load.stiffness;
         if length(miss) <= f64::max(BALANCED * wanted, resolved * (a + d)) {
-            return Ok(Rest { e, pressing, evaluations: *spent });
+            return Ok(Equilibrium { e, load, evaluations: *spent });
         }
         let det = a * d - b * b;
-        let step = if length(pressing.force) < WEAK * wanted || det <= 0.0 {
+        let step = if length(load.force) < WEAK * wanted || det <= 0.0 {
             [outward * force[0], outward * force[1]]
         } else {
             [-(d * miss[0] - b * miss[1]) / det, -(a * miss[1] - b * miss[0]) / det]
         };
         let slope = dot(miss, step);
-        let noise = ROUNDING * (pressing.energy + dot(force, e).abs());
+        let noise = ROUNDING * (load.energy + dot(force, e).abs());
         let mut share = 1.0;
         now = loop {
             if *spent >= last {
-                return Err(Unbalanced(length(miss) / wanted / BALANCED));
+                return Err(NoEquilibrium(length(miss) / wanted / BALANCED));
             }
             *spent += 1;
-            let trial = at([e[0] + share * step[0], e[1] + share * step[1]]);
+            let trial = Point::new(law, force, [e[0] + share * step[0], e[1] + share * step[1]]);
             let beyond = dot(trial.miss, step);
             if beyond <= 0.0 || trial.height <= height + noise {
                 break trial;
             }
-            // Where the slope, taken as linear, changes its sign.
+            // Zero of the slope, taken as linear.
             share *= (slope / (slope - beyond)).clamp(0.1, 0.7);
         };
     }

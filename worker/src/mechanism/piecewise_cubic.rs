@@ -5,51 +5,52 @@
 //! Butland (1984), SIAM J. Sci. Stat. Comput. 5, 300-304. Cubic spline: de Boor (1978), A Practical Guide to
 //! Splines.
 
+use crate::interpolate::{Cubic, fritsch_butland};
 use common::scene::Table;
 use nalgebra::{DMatrix, DVector};
 
 /// Value and first three derivatives at one argument.
 pub type Jet<R = f64> = [R; 4];
 
-/// A piecewise cubic.
+/// A piecewise cubic through the points of a table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PiecewiseCubic {
-    /// Arguments `(n,)`.
+    /// Arguments of the points, increasing `(n,)`.
     at: Vec<f64>,
     /// Values and slopes at them `(n, 2)`.
     node: Vec<[f64; 2]>,
     /// Integral from the first argument to each `(n,)`.
     integral: Vec<f64>,
+    /// Whether the table repeats.
     repeat: bool,
+}
+
+/// Place of an argument in a table.
+enum Place {
+    /// At the distance `s` from the first point of the interval, after `turns` repetitions of the table.
+    Inside { interval: usize, s: f64, turns: f64 },
+    /// Outside a table that does not repeat: the value of point `end` holds.
+    Outside { end: usize },
 }
 
 impl PiecewiseCubic {
     /// The monotone cubic of Fritsch and Carlson: continuously differentiable, no overshoot between points.
-    ///
-    /// # Source
-    /// Fritsch, Carlson (1980), with the three-point weights of Fritsch, Butland (1984).
     pub fn monotone(table: &Table) -> Self {
         let (x, y) = (&table.at, &table.value);
         let n = x.len();
         let secant = |k: usize| (y[k + 1] - y[k]) / (x[k + 1] - x[k]);
-        let mean = |h0: f64, s0: f64, h1: f64, s1: f64| {
-            if s0 * s1 <= 0.0 {
-                return 0.0;
-            }
-            let (w0, w1) = (2.0 * h1 + h0, h1 + 2.0 * h0);
-            (w0 + w1) / (w0 / s0 + w1 / s1)
-        };
-        let inner = |k: usize| mean(x[k] - x[k - 1], secant(k - 1), x[k + 1] - x[k], secant(k));
+        let inner =
+            |k: usize| fritsch_butland([x[k] - x[k - 1], x[k + 1] - x[k]], [secant(k - 1), secant(k)]);
         let mut slope: Vec<f64> = (0..n).map(|k| if k == 0 || k + 1 == n { 0.0 } else { inner(k) }).collect();
         if table.repeat {
-            let end = mean(x[n - 1] - x[n - 2], secant(n - 2), x[1] - x[0], secant(0));
+            let end = fritsch_butland([x[n - 1] - x[n - 2], x[1] - x[0]], [secant(n - 2), secant(0)]);
             (slope[0], slope[n - 1]) = (end, end);
         }
-        Self::joined(table, slope)
+        Self::with_slopes(table, slope)
     }
 
-    /// The twice continuously differentiable cubic spline; at rest at both ends unless the table repeats
-    /// itself.
+    /// The twice continuously differentiable cubic spline; with slope zero at both ends unless the table
+    /// repeats.
     pub fn spline(table: &Table) -> Self {
         let (x, y) = (&table.at, &table.value);
         let n = x.len();
@@ -65,7 +66,7 @@ impl PiecewiseCubic {
                 continue;
             }
             if k + 1 == n {
-                // The last point is the first one again.
+                // The last point is the first one, a period later.
                 (matrix[(k, k)], matrix[(k, 0)]) = (1.0, -1.0);
                 continue;
             }
@@ -78,10 +79,11 @@ impl PiecewiseCubic {
         }
         // The matrix is strictly diagonally dominant but for two rows that set a value: it has an inverse.
         let slope = matrix.lu().solve(&right).unwrap_or(right);
-        Self::joined(table, slope.iter().copied().collect())
+        Self::with_slopes(table, slope.iter().copied().collect())
     }
 
-    fn joined(table: &Table, slope: Vec<f64>) -> Self {
+    /// The cubics through the points of `table` with these slopes `(n,)`.
+    fn with_slopes(table: &Table, slope: Vec<f64>) -> Self {
         let node: Vec<[f64; 2]> = table.value.iter().zip(slope).map(|(&y, d)| [y, d]).collect();
         let mut integral = vec![0.0];
         for k in 0..node.len() - 1 {
@@ -92,9 +94,8 @@ impl PiecewiseCubic {
         PiecewiseCubic { at: table.at.clone(), node, integral, repeat: table.repeat }
     }
 
-    /// The interval an argument falls into, the argument moved into it, and how many repetitions lie between;
-    /// none outside a table that does not repeat itself, where an end value holds.
-    fn place(&self, x: f64) -> Result<(usize, f64, f64), usize> {
+    /// Place of the argument `x` in the table.
+    fn locate(&self, x: f64) -> Place {
         let (first, last) = (self.at[0], self.at[self.at.len() - 1]);
         let mut turns = 0.0;
         let mut x = x;
@@ -102,47 +103,47 @@ impl PiecewiseCubic {
             turns = ((x - first) / (last - first)).floor();
             x = (x - turns * (last - first)).clamp(first, last);
         } else if x < first {
-            return Err(0);
+            return Place::Outside { end: 0 };
         } else if x > last {
-            return Err(self.at.len() - 1);
+            return Place::Outside { end: self.at.len() - 1 };
         }
-        let k = self.at.partition_point(|&a| a <= x).clamp(1, self.at.len() - 1) - 1;
-        Ok((k, x, turns))
+        let interval = self.at.partition_point(|&a| a <= x).clamp(1, self.at.len() - 1) - 1;
+        Place::Inside { interval, s: x - self.at[interval], turns }
     }
 
-    /// Value and derivatives at `x`. A repeated table goes on from where it ended.
-    pub fn jet(&self, x: f64) -> Jet {
-        let (k, x, turns) = match self.place(x) {
-            Ok(place) => place,
-            Err(end) => return [self.node[end][0], 0.0, 0.0, 0.0],
-        };
+    /// The cubic of interval `k` in the distance from its first point.
+    fn cubic(&self, k: usize) -> Cubic {
         let ([y0, d0], [y1, d1]) = (self.node[k], self.node[k + 1]);
         let h = self.at[k + 1] - self.at[k];
-        let s = x - self.at[k];
         let c = (3.0 * (y1 - y0) / h - 2.0 * d0 - d1) / h;
         let d = (d0 + d1 - 2.0 * (y1 - y0) / h) / (h * h);
-        let advance = self.node[self.node.len() - 1][0] - self.node[0][0];
-        [
-            y0 + turns * advance + s * (d0 + s * (c + s * d)),
-            d0 + s * (2.0 * c + 3.0 * s * d),
-            2.0 * c + 6.0 * s * d,
-            6.0 * d,
-        ]
+        Cubic([y0, d0, c, d])
+    }
+
+    /// Value and derivatives at `x`. A repeated table continues from its last value.
+    pub fn jet(&self, x: f64) -> Jet {
+        match self.locate(x) {
+            Place::Inside { interval, s, turns } => {
+                let Cubic([y0, d0, c, d]) = self.cubic(interval);
+                let advance = self.node[self.node.len() - 1][0] - self.node[0][0];
+                let cubic = Cubic([y0 + turns * advance, d0, c, d]);
+                [cubic.value(s), cubic.slope(s), cubic.curvature(s), 6.0 * d]
+            }
+            Place::Outside { end } => [self.node[end][0], 0.0, 0.0, 0.0],
+        }
     }
 
     /// Integral from the first argument to `x`.
     pub fn integral(&self, x: f64) -> f64 {
         let whole = self.integral[self.integral.len() - 1];
-        match self.place(x) {
-            Ok((k, x, turns)) => {
-                let ([y0, d0], [y1, d1]) = (self.node[k], self.node[k + 1]);
-                let h = self.at[k + 1] - self.at[k];
-                let s = x - self.at[k];
-                let c = (3.0 * (y1 - y0) / h - 2.0 * d0 - d1) / h;
-                let d = (d0 + d1 - 2.0 * (y1 - y0) / h) / (h * h);
-                turns * whole + self.integral[k] + s * (y0 + s * (d0 / 2.0 + s * (c / 3.0 + s * d / 4.0)))
+        match self.locate(x) {
+            Place::Inside { interval, s, turns } => {
+                let Cubic([y0, d0, c, d]) = self.cubic(interval);
+                turns * whole
+                    + self.integral[interval]
+                    + s * (y0 + s * (d0 / 2.0 + s * (c / 3.0 + s * d / 4.0)))
             }
-            Err(end) => self.integral[end] + (x - self.at[end]) * self.node[end][0],
+            Place::Outside { end } => self.integral[end] + (x - self.at[end]) * self.node[end][0],
         }
     }
 }

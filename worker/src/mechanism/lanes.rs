@@ -1,91 +1,95 @@
-//! Islands of the same make, one per lane: the same bodies, joints and loads, each with numbers of its own.
+//! Islands of identical topology, one per SIMD lane: the same bodies, joints and loads with different
+//! numbers.
 
 use super::forces::Acting;
 use super::frame::{End, Frame};
 use super::island::{Island, WearingJoint};
 use super::joint::Touching;
 use super::load::IslandLoad;
-use super::prescribed::{Prescribed, turned};
-use super::table::Jet;
+use super::piecewise_cubic::Jet;
+use super::prescribed::Prescribed;
 use crate::bore::Bores;
-use crate::contact::{Contact, JointForce, JointMotion, LocalHertz, Surface};
+use crate::contact::{Contact, JointForce, JointMotion, LocalHertz};
 use crate::integrate::{Band, Dynamics, Linearised, Scaled};
-use crate::lanes::Real;
+use crate::lanes::{Lanewise, Real};
 
-/// A joint with clearance per lane.
+/// One joint with clearance per lane.
 #[derive(Debug, Clone)]
-struct PackedJoint<R> {
+struct JointLanes<R> {
     ends: [End<R>; 2],
     law: LocalHertz<R>,
     bores: Bores,
 }
 
-/// A prescribed body per lane.
+/// One prescribed body per lane.
 #[derive(Debug, Clone)]
-struct PackedMotion<R> {
+struct PrescribedLanes<R> {
     motions: Vec<Prescribed>,
+    /// Position of the reference point `(2,)` [m].
     position: [R; 2],
-    /// Whether it stands still in every lane.
+    /// Whether the body is fixed in every lane.
     still: bool,
 }
 
-/// The islands.
+/// One island per lane.
 #[derive(Debug, Clone)]
-pub struct Pack<R> {
+pub struct IslandLanes<R> {
+    /// Number of free bodies.
     bodies: usize,
-    joints: Vec<PackedJoint<R>>,
+    joints: Vec<JointLanes<R>>,
     loads: Vec<IslandLoad<R>>,
-    prescribed: Vec<PackedMotion<R>>,
+    prescribed: Vec<PrescribedLanes<R>>,
+    /// Diagonal of the mass matrix `(n,)` [kg, kg m^2].
     mass: Vec<R>,
+    /// Weight of the free bodies `(n,)` [N, N m].
     weight: Vec<R>,
-    /// Inverse scales of positions and velocities.
+    /// Inverse scales of positions and velocities `(n, 2)`.
     inverse: Vec<(R, R)>,
     frames: Vec<Frame<R>>,
     jets: Vec<Jet<R>>,
     band: Band,
 }
 
-/// Whether an island's motion can be computed in lanes: all its joints have clearance, the local contact law
-/// and no memory. Under the foundation nearly all the time goes into each joint's own arc, and ideal joints
-/// are eliminated one island at a time.
-pub fn packs(island: &Island) -> bool {
-    let simple = |joint: &WearingJoint| {
+/// Whether the motion of an island can be computed in lanes: all its joints have clearance, the local contact
+/// law and no memory. Under the foundation nearly all the time goes into each joint's own arc, and ideal
+/// joints are eliminated one island at a time.
+pub fn fits_lanes(island: &Island) -> bool {
+    let is_simple = |joint: &WearingJoint| {
         matches!(joint.contact, Contact::LocalHertz(_)) && joint.contact.surface().restitution.is_none()
     };
-    island.constraint_rows() == 0 && island.joints.iter().all(simple)
+    island.constraint_rows() == 0 && island.joints.iter().all(is_simple)
 }
 
-/// Whether two islands that pack have the same make.
-pub fn same_make(a: &Island, b: &Island) -> bool {
-    let frames = |ends: &[End; 2]| ends.map(|end| end.frame);
+/// Whether two islands that fit lanes fit the lanes of one [`IslandLanes`].
+pub fn same_topology(a: &Island, b: &Island) -> bool {
     let joint = |a: &WearingJoint, b: &WearingJoint| {
-        frames(&a.ends) == frames(&b.ends) && a.profile.points() == b.profile.points()
+        a.ends.has_same_topology(&b.ends) && a.profile.points() == b.profile.points()
     };
     a.bodies.len() == b.bodies.len()
         && a.prescribed.len() == b.prescribed.len()
         && a.joints.len() == b.joints.len()
         && a.loads.len() == b.loads.len()
         && a.joints.iter().zip(&b.joints).all(|(a, b)| joint(a, b))
-        && a.loads.iter().zip(&b.loads).all(|(a, b)| a.has_make_of(b))
+        && a.loads.iter().zip(&b.loads).all(|(a, b)| a.has_same_topology(b))
 }
 
-impl<R: Real> Pack<R> {
-    /// The same island in every lane.
-    pub fn of(island: &Island, like: R) -> Self {
-        let all = |values: &[f64]| values.iter().map(|&x| like.like(x)).collect::<Vec<R>>();
+impl<R: Real> IslandLanes<R> {
+    /// `island` in every lane; `like` sets the number of lanes.
+    pub fn new(island: &Island, like: R) -> Self {
+        let all = |values: &[f64]| values.iter().map(|x| x.in_lanes(like)).collect::<Vec<R>>();
         let zero = like.zero();
-        let joint = |joint: &WearingJoint| PackedJoint {
-            ends: joint.ends.map(|end| End { frame: end.frame, arm: end.arm.map(|x| like.like(x)) }),
-            law: LocalHertz { surface: Surface::of_lanes(joint.contact.surface(), like) },
+        let joint = |joint: &WearingJoint| JointLanes {
+            ends: joint.ends.in_lanes(like),
+            law: LocalHertz { surface: joint.contact.surface().in_lanes(like) },
             bores: Bores::new(vec![joint.profile.clone(); R::LANES]),
         };
-        let motion = |motion: &Prescribed| PackedMotion {
+        let motion = |motion: &Prescribed| PrescribedLanes {
             motions: vec![motion.clone(); R::LANES],
-            position: [zero; 2],
-            still: false,
+            position: motion.position().in_lanes(like),
+            still: motion.is_still(),
         };
         let frame = Frame { x: [zero; 2], angle: zero, cs: [zero; 2], v: [zero; 2], omega: zero };
-        let mut pack = Pack {
+        let mut lanes = IslandLanes {
             bodies: island.bodies.len(),
             joints: island.joints.iter().map(joint).collect(),
             loads: island.loads.iter().map(|load| load.in_lanes(like)).collect(),
@@ -97,43 +101,37 @@ impl<R: Real> Pack<R> {
             jets: vec![[zero; 4]; island.prescribed.len()],
             band: island.band(),
         };
-        (0..R::LANES).for_each(|lane| pack.set(lane, island));
-        pack
+        (0..R::LANES).for_each(|lane| lanes.set(lane, island));
+        lanes
     }
 
-    /// Puts an island of the same make into a lane.
+    /// Replaces lane `lane` by an island of the same topology.
     pub fn set(&mut self, lane: usize, island: &Island) {
         for (to, from) in self.joints.iter_mut().zip(&island.joints) {
-            for (to, from) in to.ends.iter_mut().zip(&from.ends) {
-                to.arm.iter_mut().zip(&from.arm).for_each(|(to, from)| to.set_lane(lane, *from));
-            }
-            to.law.surface.set_lane(lane, from.contact.surface());
+            from.ends.write_lane::<R>(lane, &mut to.ends);
+            from.contact.surface().write_lane::<R>(lane, &mut to.law.surface);
             to.bores.set(lane, &from.profile);
         }
         for (to, from) in self.loads.iter_mut().zip(&island.loads) {
-            to.set_lane(lane, from);
+            from.write_lane::<R>(lane, to);
         }
         for (to, from) in self.prescribed.iter_mut().zip(&island.prescribed) {
-            to.position.iter_mut().zip(from.position()).for_each(|(to, from)| to.set_lane(lane, from));
+            from.position().write_lane::<R>(lane, &mut to.position);
             to.motions[lane].clone_from(from);
             to.still = to.motions.iter().all(Prescribed::is_still);
         }
-        let put = |to: &mut [R], from: &[f64]| {
-            to.iter_mut().zip(from).for_each(|(to, from)| to.set_lane(lane, *from));
-        };
-        put(&mut self.mass, &island.mass);
-        put(&mut self.weight, &island.weight);
+        for (to, from) in [(&mut self.mass, &island.mass), (&mut self.weight, &island.weight)] {
+            to.iter_mut().zip(from).for_each(|(to, from)| from.write_lane::<R>(lane, to));
+        }
         let (scale_q, scale_v) = island.scale();
         for ((inverse_q, inverse_v), (q, v)) in self.inverse.iter_mut().zip(scale_q.iter().zip(scale_v)) {
             inverse_q.set_lane(lane, 1.0 / q);
             inverse_v.set_lane(lane, 1.0 / v);
         }
-        if self.prescribed.iter().any(|motion| motion.still) {
-            self.place_still();
-        }
+        self.update_still_frames();
     }
 
-    /// Room for the linearisation.
+    /// Storage for the linearisation.
     pub fn linearised(&self) -> Linearised<R> {
         let zero = self.mass[0].zero();
         Linearised {
@@ -142,15 +140,17 @@ impl<R: Real> Pack<R> {
         }
     }
 
-    fn place_still(&mut self) {
+    /// Evaluates the frames of the bodies that are fixed in every lane.
+    fn update_still_frames(&mut self) {
         for (k, motion) in self.prescribed.iter().enumerate().filter(|(_, motion)| motion.still) {
             self.jets[k] = [motion.position[0].zero(); 4];
-            self.frames[self.bodies + k] = turned(motion.position, &self.jets[k]);
+            self.frames[self.bodies + k] = Frame::turning(motion.position, &self.jets[k]);
         }
     }
 
+    /// Evaluates the other frames at (t, q, v).
     #[inline(always)]
-    fn place(&mut self, t: R, q: &[R], v: &[R]) {
+    fn update_frames(&mut self, t: R, q: &[R], v: &[R]) {
         for ((frame, q), v) in self.frames.iter_mut().zip(q.chunks_exact(3)).zip(v.chunks_exact(3)) {
             *frame = Frame::free(q, v);
         }
@@ -162,12 +162,13 @@ impl<R: Real> Pack<R> {
                     jet[k].set_lane(lane, at[k]);
                 }
             }
-            self.frames[self.bodies + k] = turned(motion.position, jet);
+            self.frames[self.bodies + k] = Frame::turning(motion.position, jet);
         }
     }
 
+    /// Joints and loads of the islands, at the state last set.
     #[inline(always)]
-    fn acting(&self) -> Acting<'_, R, PackedJoint<R>> {
+    fn acting(&self) -> Acting<'_, R, JointLanes<R>> {
         Acting {
             joints: &self.joints,
             loads: &self.loads,
@@ -178,7 +179,7 @@ impl<R: Real> Pack<R> {
     }
 }
 
-impl<R: Real> Touching<R> for PackedJoint<R> {
+impl<R: Real> Touching<R> for JointLanes<R> {
     #[inline(always)]
     fn ends(&self) -> [End<R>; 2] {
         self.ends
@@ -190,7 +191,7 @@ impl<R: Real> Touching<R> for PackedJoint<R> {
     }
 }
 
-impl<R: Real> Dynamics<R> for Pack<R> {
+impl<R: Real> Dynamics<R> for IslandLanes<R> {
     #[inline(always)]
     fn mass(&self) -> &[R] {
         &self.mass
@@ -198,20 +199,20 @@ impl<R: Real> Dynamics<R> for Pack<R> {
 
     #[inline(always)]
     fn force(&mut self, t: R, q: &[R], v: &[R], f: &mut [R]) {
-        self.place(t, q, v);
+        self.update_frames(t, q, v);
         self.acting().applied::<false>(t, f, &mut Linearised::nothing());
     }
 
     #[inline(always)]
     fn linearise(&mut self, t: R, q: &[R], v: &[R], at: &mut Linearised<R>) {
-        self.place(t, q, v);
+        self.update_frames(t, q, v);
         let mut f = std::mem::take(&mut at.f);
         self.acting().applied::<true>(t, &mut f, at);
         at.f = f;
     }
 }
 
-impl<R: Real> Scaled<R> for Pack<R> {
+impl<R: Real> Scaled<R> for IslandLanes<R> {
     #[inline(always)]
     fn inverse_scales(&self) -> &[(R, R)] {
         &self.inverse

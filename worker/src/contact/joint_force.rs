@@ -1,0 +1,77 @@
+//! Motion of one joint with clearance, and the force it exerts; frame and signs as in the parent module.
+
+use crate::lanes::Real;
+
+/// Motion of one joint, in the bushing's frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JointMotion<R = f64> {
+    /// Eccentricity `(2,)` [m].
+    pub e: [R; 2],
+    /// Relative velocity of the centres `(2,)` [m/s].
+    pub w: [R; 2],
+    /// Angular velocity of the journal's body [rad/s].
+    pub omega_journal: R,
+    /// Angular velocity of the bushing's body [rad/s].
+    pub omega_bushing: R,
+}
+
+/// Force and torques of one joint at one instant.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct JointForce<R = f64> {
+    /// Force on the journal, at its centre `(2,)` [N].
+    pub force: [R; 2],
+    /// Torque on the journal's body in addition to that of `force` [N m].
+    pub torque_journal: R,
+    /// Torque on the bushing's body in addition to that of the opposite force [N m].
+    pub torque_bushing: R,
+    /// Normal contact force F_N >= 0, without the film [N].
+    pub normal: R,
+    /// Direction in which the journal presses on the bushing, zero in free flight `(2,)` [1].
+    pub direction: [R; 2],
+    /// Penetration delta, negative in free flight [m].
+    pub penetration: R,
+    /// Sliding speed v_t of the journal's surface over the bushing's [m/s].
+    pub sliding: R,
+    /// Derivative of (force, torque_journal, torque_bushing) to (e, w, omega_journal, omega_bushing) `(4,
+    /// 6)`; zero unless computed with `JACOBIAN`.
+    pub jacobian: [[R; 6]; 4],
+}
+
+impl<R: Real> JointForce<R> {
+    /// No force; `like` sets the number of lanes.
+    #[inline(always)]
+    pub fn none(like: R) -> Self {
+        let zero = like.zero();
+        JointForce {
+            force: [zero; 2],
+            torque_journal: zero,
+            torque_bushing: zero,
+            normal: zero,
+            direction: [zero; 2],
+            penetration: zero,
+            sliding: zero,
+            jacobian: [[zero; 6]; 4],
+        }
+    }
+}
+
+/// Turns a Jacobian with rows 0, 1 (force) and columns 0..4 (e, w) in the axes (u, t) into the bushing's axes
+/// `(4, 6)`.
+#[inline(always)]
+pub(super) fn in_bushing_axes<R: Real>(polar: &[[R; 6]; 4], u: [R; 2], t: [R; 2]) -> [[R; 6]; 4] {
+    let mut turned = *polar;
+    for row in &mut turned {
+        for pair in [0, 2] {
+            let (a, b) = (row[pair], row[pair + 1]);
+            row[pair] = a * u[0] + b * t[0];
+            row[pair + 1] = a * u[1] + b * t[1];
+        }
+    }
+    let mut jacobian = turned;
+    for c in 0..6 {
+        let (a, b) = (turned[0][c], turned[1][c]);
+        jacobian[0][c] = a * u[0] + b * t[0];
+        jacobian[1][c] = a * u[1] + b * t[1];
+    }
+    jacobian
+}

@@ -1,0 +1,101 @@
+//! Constants of one joint that all contact laws share, with the friction and film laws that follow from them.
+//!
+//! Friction F_T = mu F_N tanh(v_t / v_0), with the friction coefficient mu [1], the normal force F_N [N], the
+//! sliding speed v_t and the regularisation speed v_0 [m/s]; film force -c_f w through the centres, with the
+//! film damping c_f [N s/m] and the relative velocity w of the centres [m/s].
+//!
+//! # Source
+//! Coulomb's law regularised as by Andersson, Soderberg, Bjorklund (2007), Tribology International 40,
+//! 580-587.
+
+use super::damping::{self, Restitution};
+use super::joint_force::{JointForce, JointMotion};
+use super::stiffness::hertz_stiffness;
+use crate::lanes::{Lanewise, Real, lanewise, tanh};
+use common::scene::Clearance;
+
+/// Constants of one joint that all contact laws share.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Surface<R = f64> {
+    /// Journal radius R1 [m].
+    pub journal_radius: R,
+    /// Radial clearance c of the unworn joint [m].
+    pub clearance: R,
+    /// Hertz stiffness K_n [N/m^1.5].
+    pub stiffness: R,
+    /// Damping factor D in effect [s/m].
+    pub damping: R,
+    /// How D follows from the speed of approach; `None` if D is constant.
+    pub restitution: Option<Restitution>,
+    /// Friction coefficient mu [1].
+    pub friction: R,
+    /// Regularisation speed v_0 [m/s].
+    pub friction_speed: R,
+    /// Film damping c_f [N s/m].
+    pub film: R,
+}
+
+lanewise!(Surface {
+    journal_radius,
+    clearance,
+    stiffness,
+    damping,
+    restitution,
+    friction,
+    friction_speed,
+    film
+});
+
+/// Lanes have a constant D: a restitution is not transferred to them.
+impl Lanewise for Option<Restitution> {
+    type Lanes<R: Real> = Option<Restitution>;
+    fn in_lanes<R: Real>(&self, _like: R) -> Option<Restitution> {
+        None
+    }
+    fn write_lane<R: Real>(&self, _lane: usize, _to: &mut Option<Restitution>) {}
+    fn has_same_topology(&self, other: &Self) -> bool {
+        self.is_some() == other.is_some()
+    }
+}
+
+impl Surface {
+    /// Constants of a checked joint.
+    pub fn new(joint: &Clearance) -> Self {
+        let (damping, restitution) = damping::initial(&joint.contact_damping);
+        Surface {
+            journal_radius: joint.journal_radius,
+            clearance: joint.radial_clearance(),
+            stiffness: hertz_stiffness(joint),
+            damping,
+            restitution,
+            friction: joint.friction,
+            friction_speed: joint.friction_speed,
+            film: joint.film_damping,
+        }
+    }
+
+    /// Largest penetration for which Hertz's theory is taken as valid: a tenth of the journal radius [m].
+    pub fn deepest(&self) -> f64 {
+        0.1 * self.journal_radius
+    }
+}
+
+impl<R: Real> Surface<R> {
+    /// F_T / F_N = mu tanh(v / v_0) at the sliding speed v [m/s], and its derivative to v [s/m].
+    #[inline(always)]
+    pub(super) fn friction(&self, v: R) -> (R, R) {
+        let th = tanh(v / self.friction_speed);
+        (self.friction * th, self.friction * (th.like(1.0) - th * th) / self.friction_speed)
+    }
+
+    /// Adds the film's force -c_f w through the centres.
+    #[inline(always)]
+    pub(super) fn add_film<const JACOBIAN: bool>(&self, motion: &JointMotion<R>, out: &mut JointForce<R>) {
+        for k in 0..2 {
+            out.force[k] -= self.film * motion.w[k];
+            if JACOBIAN {
+                out.jacobian[k][2 + k] -= self.film;
+            }
+        }
+    }
+}

@@ -1,0 +1,73 @@
+//! Values whose numbers differ from lane to lane while their structure is shared.
+
+use super::Real;
+
+/// A value of numbers and indices: in lanes each number becomes a lane of numbers, each index stays one
+/// index.
+pub trait Lanewise {
+    /// The value in lanes.
+    type Lanes<R: Real>;
+    /// This value in every lane; `like` sets the number of lanes.
+    fn in_lanes<R: Real>(&self, like: R) -> Self::Lanes<R>;
+    /// Writes the numbers into lane `lane` of `to`, a value of the same topology.
+    fn write_lane<R: Real>(&self, lane: usize, to: &mut Self::Lanes<R>);
+    /// Whether the indices and the structure agree: such values fit into the lanes of one value.
+    fn has_same_topology(&self, other: &Self) -> bool;
+}
+
+impl Lanewise for f64 {
+    type Lanes<R: Real> = R;
+    fn in_lanes<R: Real>(&self, like: R) -> R {
+        like.like(*self)
+    }
+    fn write_lane<R: Real>(&self, lane: usize, to: &mut R) {
+        to.set_lane(lane, *self);
+    }
+    fn has_same_topology(&self, _other: &Self) -> bool {
+        true
+    }
+}
+
+impl Lanewise for usize {
+    type Lanes<R: Real> = usize;
+    fn in_lanes<R: Real>(&self, _like: R) -> usize {
+        *self
+    }
+    fn write_lane<R: Real>(&self, _lane: usize, _to: &mut usize) {}
+    fn has_same_topology(&self, other: &Self) -> bool {
+        self == other
+    }
+}
+
+impl<T: Lanewise, const N: usize> Lanewise for [T; N] {
+    type Lanes<R: Real> = [T::Lanes<R>; N];
+    fn in_lanes<R: Real>(&self, like: R) -> Self::Lanes<R> {
+        std::array::from_fn(|k| self[k].in_lanes::<R>(like))
+    }
+    fn write_lane<R: Real>(&self, lane: usize, to: &mut Self::Lanes<R>) {
+        self.iter().zip(to).for_each(|(from, to)| from.write_lane::<R>(lane, to));
+    }
+    fn has_same_topology(&self, other: &Self) -> bool {
+        self.iter().zip(other).all(|(a, b)| a.has_same_topology(b))
+    }
+}
+
+/// Implements [`Lanewise`] for a struct, field by field.
+macro_rules! lanewise {
+    ($name:ident { $($field:ident),+ $(,)? }) => {
+        impl $crate::lanes::Lanewise for $name {
+            type Lanes<R: $crate::lanes::Real> = $name<R>;
+            fn in_lanes<R: $crate::lanes::Real>(&self, like: R) -> $name<R> {
+                $name { $($field: self.$field.in_lanes::<R>(like)),+ }
+            }
+            fn write_lane<R: $crate::lanes::Real>(&self, lane: usize, to: &mut $name<R>) {
+                $(self.$field.write_lane::<R>(lane, &mut to.$field);)+
+            }
+            fn has_same_topology(&self, other: &Self) -> bool {
+                $(self.$field.has_same_topology(&other.$field))&&+
+            }
+        }
+    };
+}
+
+pub(crate) use lanewise;

@@ -1,0 +1,74 @@
+//! Generalised force of a load, and what each kind of load defines.
+
+use crate::lanes::Real;
+use crate::mechanism::frame::Frame;
+use crate::mechanism::joint::Rows;
+
+/// Index in place of the second frame of a load that acts on one frame only.
+pub const NO_FRAME: usize = usize::MAX;
+
+/// A load of one kind. Each kind implements it next to its fields.
+pub trait LoadLaw<R> {
+    /// Whether the load's work counts as input: it has neither a potential nor a damper.
+    const DRIVES: bool;
+    /// The force at time `t` [s].
+    fn force(&self, t: R, frames: &[Frame<R>]) -> LoadForce<R>;
+    /// The frames that the load couples.
+    fn frames(&self) -> Vec<usize>;
+}
+
+/// Generalised force of a load at one instant on two frames, each (x, y, angle).
+#[derive(Debug, Clone, Copy)]
+pub struct LoadForce<R = f64> {
+    /// The frames; the second is [`NO_FRAME`] if there is only one.
+    pub frames: [usize; 2],
+    /// Generalised force `(6,)` [N, N m].
+    pub f: [R; 6],
+    /// Derivative to the coordinates `(6, 6)`.
+    pub k: [[R; 6]; 6],
+    /// Derivative to their rates `(6, 6)`.
+    pub d: [[R; 6]; 6],
+    /// Derivative to time `(6,)`.
+    pub ft: [R; 6],
+    /// Index of another frame whose angle the load depends on, and the derivative to that angle `(6,)`.
+    pub third: Option<(usize, [R; 6])>,
+    /// Stored energy [J].
+    pub stored: R,
+    /// Dissipated power [W].
+    pub lost: R,
+}
+
+impl<R: Real> LoadForce<R> {
+    /// No force on these frames; `like` sets the number of lanes.
+    #[inline(always)]
+    pub fn none(frames: [usize; 2], like: R) -> Self {
+        let zero = like.zero();
+        LoadForce {
+            frames,
+            f: [zero; 6],
+            k: [[zero; 6]; 6],
+            d: [[zero; 6]; 6],
+            ft: [zero; 6],
+            third: None,
+            stored: zero,
+            lost: zero,
+        }
+    }
+}
+
+impl<R: Real> Rows<R> for LoadForce<R> {
+    #[inline(always)]
+    fn row(&self, r: usize) -> ([R; 6], [R; 6]) {
+        (self.k[r], self.d[r])
+    }
+}
+
+/// Each number of `x` times `factor`.
+#[inline(always)]
+pub fn times<R: Real>(x: &[R; 6], factor: R) -> [R; 6] {
+    let mut out = *x;
+    for y in &mut out {
+        *y = *y * factor;
+    }
+    out
+}

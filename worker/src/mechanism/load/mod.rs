@@ -1,0 +1,117 @@
+//! Loads of an island: generalised forces on two of its frames, with exact derivatives to coordinates, rates
+//! and time.
+//!
+//! Each kind of load has its equation at its type; `island_loads!` below lists the kinds. Generalised forces
+//! `(6,)` are (F_x, F_y, M) [N, N, N m] on the first frame, then on the second.
+
+mod actuators;
+mod force;
+mod size;
+mod springs;
+
+pub use force::{LoadForce, NO_FRAME};
+
+use super::frame::{Frame, FrameIndices};
+use crate::lanes::{Lanewise, Real};
+use actuators::{BodyTorque, Motor, PointForce};
+use common::scene::Load;
+use force::LoadLaw;
+use size::Size;
+use springs::{DirectionalSpring, Spring, TorsionSpring};
+
+/// Declares [`IslandLoad`] with one variant per kind of load.
+macro_rules! island_loads {
+    ($($kind:ident),+) => {
+        /// A load with its frames resolved.
+        #[derive(Debug, Clone)]
+        pub enum IslandLoad<R = f64> {
+            $(#[doc = concat!("See [`", stringify!($kind), "`].")] $kind($kind<R>)),+
+        }
+
+        impl<R: Real> IslandLoad<R> {
+            /// The force at time `t` [s].
+            #[inline(always)]
+            pub fn force(&self, t: R, frames: &[Frame<R>]) -> LoadForce<R> {
+                match self {
+                    $(IslandLoad::$kind(load) => load.force(t, frames)),+
+                }
+            }
+
+            /// The frames that the load couples.
+            pub fn frames(&self) -> Vec<usize> {
+                match self {
+                    $(IslandLoad::$kind(load) => load.frames()),+
+                }
+            }
+
+            /// Whether the load's work counts as input: it has neither a potential nor a damper.
+            pub fn drives(&self) -> bool {
+                match self {
+                    $(IslandLoad::$kind(_) => <$kind<R> as LoadLaw<R>>::DRIVES),+
+                }
+            }
+        }
+
+        impl Lanewise for IslandLoad {
+            type Lanes<R: Real> = IslandLoad<R>;
+            fn in_lanes<R: Real>(&self, like: R) -> IslandLoad<R> {
+                match self {
+                    $(IslandLoad::$kind(load) => IslandLoad::$kind(load.in_lanes(like))),+
+                }
+            }
+            fn write_lane<R: Real>(&self, lane: usize, to: &mut IslandLoad<R>) {
+                match (self, to) {
+                    $((IslandLoad::$kind(load), IslandLoad::$kind(to)) => load.write_lane::<R>(lane, to),)+
+                    _ => {}
+                }
+            }
+            fn has_same_topology(&self, other: &Self) -> bool {
+                match (self, other) {
+                    $((IslandLoad::$kind(a), IslandLoad::$kind(b)) => a.has_same_topology(b),)+
+                    _ => false,
+                }
+            }
+        }
+    };
+}
+
+island_loads!(DirectionalSpring, Spring, TorsionSpring, PointForce, BodyTorque, Motor);
+
+impl IslandLoad {
+    /// The load of a scene, with its frames from `frames`.
+    pub fn new(load: &Load, frames: &mut impl FrameIndices) -> Self {
+        match *load {
+            Load::DirectionalSpring { ref at, ref anchor, direction, stiffness, free_length, .. } => {
+                let ends = [frames.end(at), frames.end(anchor)];
+                Self::DirectionalSpring(DirectionalSpring { ends, direction, stiffness, free_length })
+            }
+            Load::Spring { ref a, ref b, stiffness, damping, free_length, .. } => {
+                let ends = [frames.end(a), frames.end(b)];
+                Self::Spring(Spring { ends, stiffness, damping, free_length })
+            }
+            Load::TorsionSpring { a, b, stiffness, damping, free_angle, .. } => {
+                let frames = [frames.frame(a), frames.frame(b)];
+                Self::TorsionSpring(TorsionSpring { frames, stiffness, damping, free_angle })
+            }
+            Load::ConstantForce { ref at, force, .. } => {
+                let size = libm::hypot(force[0], force[1]);
+                let direction = if size > 0.0 { force.map(|x| x / size) } else { [0.0; 2] };
+                Self::PointForce(PointForce { end: frames.end(at), direction, size: Size::Constant(size) })
+            }
+            Load::ConstantTorque { body, torque, .. } => {
+                Self::BodyTorque(BodyTorque { frame: frames.frame(body), size: Size::Constant(torque) })
+            }
+            Load::VariableForce { ref at, direction, ref size, .. } => {
+                let end = frames.end(at);
+                Self::PointForce(PointForce { end, direction, size: Size::new(size, frames) })
+            }
+            Load::VariableTorque { body, ref torque, .. } => {
+                let frame = frames.frame(body);
+                Self::BodyTorque(BodyTorque { frame, size: Size::new(torque, frames) })
+            }
+            Load::Motor { body, stall_torque, no_load_speed, .. } => {
+                Self::Motor(Motor { frame: frames.frame(body), stall_torque, no_load_speed })
+            }
+        }
+    }
+}

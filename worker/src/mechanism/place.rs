@@ -1,0 +1,45 @@
+//! Indices of the frames of one island: its free bodies, then the prescribed bodies that its joints and loads
+//! touch.
+
+use super::frame::{End, FrameIndices};
+use super::prescribed::Prescribed;
+use common::scene::{Attachment, Scene};
+
+/// The frames of an island under construction.
+pub struct Place<'a> {
+    scene: &'a Scene,
+    /// Number of free bodies.
+    free: usize,
+    /// Bodies of the scene by frame.
+    frames: Vec<usize>,
+}
+
+impl<'a> Place<'a> {
+    /// The frames of the free bodies `bodies` of a scene.
+    pub fn new(scene: &'a Scene, bodies: Vec<usize>) -> Self {
+        Place { scene, free: bodies.len(), frames: bodies }
+    }
+
+    /// Prescribed bodies that have a frame.
+    pub fn touched(&self) -> &[usize] {
+        &self.frames[self.free..]
+    }
+
+    /// Motions of the prescribed bodies that have a frame.
+    pub fn prescribed(&self) -> Vec<Prescribed> {
+        self.touched().iter().filter_map(|&b| Prescribed::from_body(&self.scene.bodies[b])).collect()
+    }
+}
+
+impl FrameIndices for Place<'_> {
+    fn frame(&mut self, body: usize) -> usize {
+        self.frames.iter().position(|&b| b == body).unwrap_or_else(|| {
+            self.frames.push(body);
+            self.frames.len() - 1
+        })
+    }
+
+    fn end(&mut self, at: &Attachment) -> End {
+        End { frame: self.frame(at.body), arm: self.scene.arm(at) }
+    }
+}
