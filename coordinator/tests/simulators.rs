@@ -232,7 +232,7 @@ fn what_is_no_answer_ends_the_study() {
         ("print('iteration 1')", RIGHT, &["to evaluation 0: ", "\"iteration 1\" is no JSON"][..]),
         ("", "answer(id, output=1)", &["neither \"outputs\" nor \"failure\""]),
         ("", "answer(id + 1, outputs=dict(margin=1))", &["its id is 1, expected 0"]),
-        ("", "answer(id, outputs=dict(margins=1))", &["no output \"margin\"; it has: margins"]),
+        ("", "answer(id, outputs=dict(margins=1))", &["output \"margin\" is missing; found: margins"]),
         ("", "answer(id, outputs=dict(margin=[1, 2]))", &["output \"margin\" has 2 values, expected 1"]),
         ("", "answer(id, outputs=dict(margin='wide'))", &["has \"wide\" instead of a number"]),
         ("", "answer(id, outputs=[1])", &["\"outputs\" is [1], expected values by name"]),

@@ -16,14 +16,14 @@ fn workers_are_killed_in_mid_task() {
     let report = faults::killed_workers(3, 40);
     assert!(is_undisturbed(&report), "{report:?}");
     assert_eq!(report.times.len(), 3, "each loss is detected");
-    assert!(report.workers.contains(&"steady".to_owned()), "{report:?}");
+    assert!(report.workers.contains(&"steady/0".to_owned()), "{report:?}");
 }
 
 #[test]
 fn a_worker_is_frozen_for_longer_than_its_lease() {
     let report = faults::frozen_worker(3 * SECOND, 80);
     assert!(is_undisturbed(&report), "{report:?}");
-    assert_eq!(report.workers, ["frozen", "steady"], "both finish evaluations");
+    assert_eq!(report.workers, ["frozen/0", "steady/0"], "both finish evaluations");
 }
 
 #[test]

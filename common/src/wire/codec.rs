@@ -52,7 +52,7 @@ pub enum WireError {
     OtherVersion {
         /// Version in the frame.
         theirs: u16,
-        /// [`PROTOCOL_VERSION`].
+        /// Version of this program, [`PROTOCOL_VERSION`].
         ours: u16,
     },
     /// The message has another kind than expected.

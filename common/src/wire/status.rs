@@ -13,7 +13,7 @@ pub struct Status {
     pub clock_ms: u64,
     /// Time since it started to listen [s].
     pub up: f64,
-    /// Current phase.
+    /// Current phase of the study.
     pub phase: Phase,
     /// Progress of the study.
     pub study: StudyStatus,
@@ -94,7 +94,7 @@ pub struct FarmStatus {
     pub under_way: u64,
     /// Rate of ended evaluations over the last minute [1/s].
     pub rate: f64,
-    /// Connected workers.
+    /// Connected workers, in the order of their names.
     pub workers: Vec<WorkerStatus>,
 }
 

@@ -1,19 +1,20 @@
 //! Evaluates the samples of a study: on threads of this process, by an external program or model server, or by
 //! workers over Zenoh.
 //!
-//! The path of one request, with the types in order:
+//! The path of one request:
 //!
-//! | step | type | where |
-//! |---|---|---|
-//! | 1. A study supplies numbered requests. | [`evaluate::RequestSource`], [`evaluate::Request`] | thread of the study |
-//! | 2. An evaluator drains the requests that are available now. | [`evaluate::Evaluator`], `PendingRequests` | thread of the study |
-//! | 3. [`dispatch::ZenohEvaluator`] submits them to the dispatch loop. | `Input::Submit` | channel |
-//! | 4. The scheduler queues them and announces them to all workers. | [`dispatch::scheduler::Event`], `TaskTable`, [`common::wire::Notice`] | dispatch thread |
-//! | 5. A worker claims tasks; the scheduler leases some to it. | [`common::wire::Claim`], [`common::wire::Reply`], [`common::wire::WorkOrder`] | Zenoh query |
-//! | 6. A slot of the worker evaluates the task. | [`common::wire::Task`], `worker::service::Job` | worker |
-//! | 7. The next claim carries the outcome; the first outcome of a task counts. | [`common::wire::Outcome`] | Zenoh query |
-//! | 8. The evaluator passes it to the study, which makes it durable. | [`evaluate::Finished`] | thread of the study |
-//! | 9. Only then does the reply to that claim acknowledge the outcome. | [`dispatch::scheduler::Event::Recorded`] | dispatch thread |
+//! 1. A study supplies numbered requests ([`evaluate::RequestSource`], [`evaluate::Request`]).
+//! 2. An evaluator ([`evaluate::Evaluator`]) drains the requests that are available now; below, it is the
+//!    [`dispatch::ZenohEvaluator`].
+//! 3. The evaluator submits them to the dispatch thread, whose [`dispatch::scheduler::Scheduler`] queues them and announces
+//!    them to all workers ([`common::wire::Notice`]).
+//! 4. A worker sends a [`common::wire::Claim`]; the scheduler leases tasks to it, and a [`common::wire::Reply`] carries them
+//!    in a [`common::wire::WorkOrder`].
+//! 5. A slot of the worker evaluates the [`common::wire::Task`] as a `worker::service::Job`.
+//! 6. The worker's next claim carries the [`common::wire::Outcome`]; the first outcome of a task counts.
+//! 7. The evaluator passes it to the study as [`evaluate::Finished`], and the study makes it durable.
+//! 8. Only then ([`dispatch::scheduler::Event::Recorded`]) does the reply to that claim acknowledge the outcome, and the
+//!    worker discards it.
 //!
 //! Request, task and job stay three types: a request has a number in its study only; a task adds campaign and
 //! attempt, so that a worker needs no memory of the coordinator; a job adds the scene and the coordinator that wants

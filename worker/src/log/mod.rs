@@ -13,7 +13,7 @@ use tracing_subscriber::{EnvFilter, fmt, registry};
 /// Format of log lines.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Format {
-    /// Plain text.
+    /// Plain text for reading.
     #[default]
     Text,
     /// One JSON object per line, for programs that collect logs.

@@ -66,7 +66,7 @@ impl Job {
         Self { order: Arc::new(order), task, coordinator: 0 }
     }
 
-    /// The same job, with the settled first cycle.
+    /// Requests the settled first cycle too.
     pub fn and_first_cycle(mut self) -> Self {
         self.task.with_first_cycle = true;
         self

@@ -8,7 +8,7 @@ const MOST_WAITING: usize = 4096;
 /// Most bytes of all unread queries together: sixteen of the largest messages.
 const MOST_BYTES: usize = 256 << 20;
 
-/// Unread queries.
+/// Number and size of the unread queries.
 #[derive(Debug, Default, Clone, Copy)]
 struct Backlog {
     messages: usize,

@@ -50,7 +50,7 @@ pub enum DispatchError {
     /// The Zenoh configuration cannot be used.
     #[error("Zenoh configuration {}: {reason}", file.display())]
     Configuration {
-        /// Configuration file.
+        /// Path of the configuration file.
         file: PathBuf,
         /// Error of Zenoh.
         reason: String,

@@ -2,110 +2,12 @@
 
 use super::Evaluator;
 use super::program::{ProgramSlot, Setup};
+pub use super::simulator_error::SimulatorError;
 use super::slots::SlotEvaluator;
 use super::umbridge::{ModelSlot, UmBridgeClient};
 use common::scene::{ExternalSimulator, Scene, SimulatorKind};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
-use thiserror::Error;
-
-/// Reasons why a simulator cannot be used. A failure it reports for a single sample is a failed simulation instead.
-#[derive(Debug, Error)]
-pub enum SimulatorError {
-    /// The program cannot be started.
-    #[error("simulator.program: \"{program}\" cannot be started in {folder}: {reason}")]
-    Start {
-        /// The program with its arguments.
-        program: String,
-        /// Working folder of the program.
-        folder: String,
-        /// Error of the operating system.
-        reason: std::io::Error,
-    },
-    /// The program exits without a reply, also at the means of the inputs.
-    #[error(
-        "simulator.program: \"{program}\" ended with {status} instead of answering{}",
-        after_colon(stderr)
-    )]
-    Dead {
-        /// The program with its arguments.
-        program: String,
-        /// Exit status of the program.
-        status: String,
-        /// The last lines of its standard error.
-        stderr: String,
-    },
-    /// A reply breaks the protocol.
-    #[error("simulator: invalid reply of {simulator} to evaluation {id}: {fault}")]
-    Protocol {
-        /// The program, or address and model.
-        simulator: String,
-        /// Number of the evaluation.
-        id: u64,
-        /// What the reply lacks or has too much.
-        fault: String,
-    },
-    /// The server cannot be reached, or its reply is no UM-Bridge reply.
-    #[error("simulator.umbridge: {url}: {reason}")]
-    Server {
-        /// Address with the requested path.
-        url: String,
-        /// Error of the connection, or the unexpected reply.
-        reason: String,
-    },
-    /// The server uses another version of the protocol.
-    #[error("simulator.umbridge: {url} uses version {found} of the protocol, expected {expected}")]
-    Version {
-        /// Address of the server.
-        url: String,
-        /// Version of the server.
-        found: f64,
-        /// Supported version.
-        expected: f64,
-    },
-    /// The server has no such model.
-    #[error("simulator.model: {url} has no model \"{model}\"; it has: {}", known.join(", "))]
-    NoModel {
-        /// Address of the server.
-        url: String,
-        /// Name of the model in the scene.
-        model: String,
-        /// Names of the server's models.
-        known: Vec<String>,
-    },
-    /// The model does not support evaluation.
-    #[error("simulator.model: model \"{model}\" of {url} does not offer evaluations")]
-    NoEvaluation {
-        /// Address of the server.
-        url: String,
-        /// Name of the model.
-        model: String,
-    },
-    /// The number of input values differs from the number of random variables.
-    #[error("simulator.model: model \"{model}\" takes {} input values {sizes:?}, the scene has {variables} variables", sizes.iter().sum::<usize>())]
-    Inputs {
-        /// Name of the model.
-        model: String,
-        /// Lengths of its input vectors.
-        sizes: Vec<usize>,
-        /// Random variables of the scene.
-        variables: usize,
-    },
-    /// The number of output values differs from the outputs declared by the scene.
-    #[error("simulator.model: model \"{model}\" returns {} output values {sizes:?}, the outputs of the scene have {} {lengths:?}", sizes.iter().sum::<usize>(), lengths.iter().sum::<usize>())]
-    Outputs {
-        /// Name of the model.
-        model: String,
-        /// Lengths of its output vectors.
-        sizes: Vec<usize>,
-        /// Numbers of values of the scene's outputs.
-        lengths: Vec<usize>,
-    },
-}
-
-fn after_colon(text: &str) -> String {
-    if text.is_empty() { String::new() } else { format!(": {text}") }
-}
 
 /// Opens the simulator of a scene on `slots` slots. The first program is started here, so that a program that cannot
 /// start is reported at once; the model of a server is checked against the scene.

@@ -7,6 +7,7 @@ mod process;
 mod program;
 mod queue;
 mod reply;
+mod simulator_error;
 mod slots;
 mod umbridge;
 
@@ -15,7 +16,7 @@ pub use process::kill_all;
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
-use external::SimulatorError;
+use simulator_error::SimulatorError;
 use std::time::Duration;
 use thiserror::Error;
 
@@ -127,7 +128,7 @@ pub trait RequestSource {
 /// Interval at which an evaluator polls its source and the user's stop request.
 pub const POLL_INTERVAL: Duration = Duration::from_millis(10);
 
-/// Evaluates samples.
+/// Evaluates the requests of a source.
 pub trait Evaluator {
     /// Runs until the source is exhausted and every request has been evaluated exactly once, in any order.
     ///

@@ -5,9 +5,9 @@
 //! same shape under `errors` if the program estimates any, or `{"id": 7, "failure": "..."}`. A process that exceeds the
 //! time limit is killed and replaced; a process that exits is replaced and gets the request once more.
 
-use super::external::SimulatorError;
 use super::process::{LineError, Process};
 use super::reply::{Expected, parse, shown};
+use super::simulator_error::SimulatorError;
 use super::slots::{Slot, StopSignal};
 use super::{EvaluateError, EvaluationResult, Request};
 use common::failure::SimulationFailure;

@@ -6,8 +6,8 @@
 //! # Source
 //! See [`common::umbridge`].
 
-use super::external::SimulatorError;
 use super::reply::{Expected, parse, shown};
+use super::simulator_error::SimulatorError;
 use super::slots::{Slot, StopSignal, WaitError};
 use super::{EvaluateError, EvaluationResult, Request};
 use common::failure::SimulationFailure;

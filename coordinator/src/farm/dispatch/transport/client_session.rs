@@ -35,7 +35,7 @@ pub enum ClientError {
     /// The Zenoh configuration cannot be used.
     #[error("--config {}: {reason}", file.display())]
     Configuration {
-        /// Configuration file.
+        /// Path of the configuration file.
         file: PathBuf,
         /// Error of Zenoh.
         reason: String,

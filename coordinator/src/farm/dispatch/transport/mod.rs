@@ -11,6 +11,7 @@ pub use settings::Listen;
 
 use super::DispatchError;
 use common::wire::{WorkerId, is_worker_name, keys, reason};
+use settings::messaging;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::Duration;
@@ -206,8 +207,4 @@ fn send(session: &Session, outgoing: &Receiver<Outgoing>) {
             tracing::debug!("a message could not be sent: {error}");
         }
     }
-}
-
-fn messaging(error: zenoh::Error) -> DispatchError {
-    DispatchError::Messaging(reason(error))
 }

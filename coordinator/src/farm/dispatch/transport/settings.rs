@@ -63,9 +63,14 @@ pub(super) fn transport_settings(listen: &Listen) -> Result<TransportSettings, D
         .insert_json5("listen/endpoints", &json)
         .map_err(|error| DispatchError::Endpoint { endpoint: endpoints.join(", "), reason: reason(error) })?;
     for (key, value) in ZENOH_SETTINGS {
-        config.insert_json5(key, value).map_err(super::messaging)?;
+        config.insert_json5(key, value).map_err(messaging)?;
     }
     Ok(TransportSettings { config, endpoints })
+}
+
+/// The error of a failed call of Zenoh.
+pub(super) fn messaging(error: zenoh::Error) -> DispatchError {
+    DispatchError::Messaging(reason(error))
 }
 
 /// Endpoints that a configuration file lists for all modes; Zenoh's default lists them by mode.
