@@ -145,7 +145,7 @@ pub enum SimulationFailure {
         /// Message of the panic.
         message: String,
     },
-    /// An external simulator reports a failure of its own.
+    /// An external simulator reports a failure.
     #[error("the simulator reports: {message}")]
     Reported {
         /// Message of the simulator.

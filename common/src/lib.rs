@@ -26,7 +26,8 @@
 //! # Ok::<(), common::scene::Faults>(())
 //! ```
 //!
-//! A scene in code is a text that [`scene::SceneSource::parse`] reads; with `extends` it states only what differs:
+//! A scene in code is a text that [`scene::SceneSource::parse`] reads; with `extends` it states only what differs. All
+//! fields of the [`scene::Scene`] that comes out are public and may be changed, e.g. `scene.life.cycles`:
 //!
 //! ```
 //! use common::scene::SceneSource;

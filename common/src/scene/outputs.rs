@@ -109,7 +109,7 @@ fn moves(
     word: MotionWord,
     in_words: &str,
 ) -> Option<()> {
-    // The motion of a faulty body may be unknown, which is a fault of its own.
+    // The motion of a faulty body may be unknown; that fault has been recorded.
     if bodies[body].word? == word {
         return Some(());
     }

@@ -1,4 +1,10 @@
 //! The functions that every distribution implements, and the parameters that it rejects.
+//!
+//! Values are transformed to and from standard normals by inversion, x = F^-1(Phi(u)): from the lower tail for u <= 0,
+//! from the upper tail for u > 0, so that both keep their digits.
+//!
+//! # Source
+//! Devroye (1986), Non-Uniform Random Variate Generation, section II.2 (inversion).
 
 use crate::random::standard_normal::{standard_normal_cdf, standard_normal_quantile};
 use thiserror::Error;
