@@ -64,3 +64,5 @@ pub mod presentation;
 pub mod results;
 pub mod statistics;
 pub mod study;
+#[cfg(test)]
+mod test_study;

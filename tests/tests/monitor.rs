@@ -286,14 +286,14 @@ fn the_live_page_follows_its_study_in_a_browser() {
         ]);
         chromium.arg(format!("--user-data-dir={}", profile.display())).arg(format!("http://{live}/"));
         let seen = std::thread::spawn(move || chromium.output().unwrap());
-        study.wait_for("the live page is being watched");
+        study.wait_for("a browser is connected to the live page");
         let mut worker = LoggedProcess::start("worker", &["--connect", &endpoint, "--slots", "1"]);
         assert_eq!((study.end(), worker.end()), (Some(0), Some(0)));
         let output = seen.join().unwrap();
         let dom = String::from_utf8_lossy(&output.stdout);
         let bar =
             dom.split("id=\"live\"").nth(1).and_then(|rest| rest.split("</p>").next()).unwrap_or_default();
-        assert!(bar.contains("The study has ended") || bar.contains("no longer answers"), "{bar}\n{dom}");
+        assert!(bar.contains("The study has ended") || bar.contains("does not answer"), "{bar}\n{dom}");
         // The report with its figures replaces the initial sentence.
         assert!(!dom.contains("before the first round of learning"), "the page did not change");
         assert!(dom.contains("<h2>Reliability</h2>") && dom.contains("<svg"), "{dom}");

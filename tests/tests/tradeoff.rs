@@ -3,7 +3,7 @@
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
-use coordinator::analyses::tradeoff::{Plan, settings};
+use coordinator::analyses::tradeoff::{TradeoffPlan, settings};
 use std::sync::Arc;
 use tests::{coordinator, in_time, practice_result, requests};
 use worker::service::{self, Job, ServiceConfig, Simulator};
@@ -28,7 +28,8 @@ fn every_task_of_a_measurement_has_its_own_accuracy() {
             service::spawn(config, Arc::new(Echo)).expect("a session to a loopback endpoint opens")
         });
         let points = requests(0..3).into_iter().map(|request| request.sample).collect();
-        let plan = Plan { settings: settings(["draft", "jump-250", "jump-251"]).expect("settings"), points };
+        let plan =
+            TradeoffPlan { settings: settings(["draft", "jump-250", "jump-251"]).expect("settings"), points };
         let mut seen = 0;
         let (found, end) = plan.measure(&mut farm, &mut |_| seen += 1);
         farm.finish();

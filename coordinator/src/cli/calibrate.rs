@@ -9,7 +9,7 @@ use super::shared::{DEFAULT_SCENE, FarmArguments, Verbosity, positive};
 use clap::Args;
 use common::scene::SceneSource;
 use coordinator::analyses::calibrate::{
-    Calibration, Progress, Space, calibrate as fit, markdown, read_targets,
+    CalibrationProgress, CalibrationSettings, Space, calibrate as fit, markdown, read_targets,
 };
 use coordinator::farm::dispatch::CampaignSpec;
 use std::path::PathBuf;
@@ -56,7 +56,7 @@ pub fn calibrate(arguments: &CalibrateArguments, verbosity: Verbosity) -> Result
     let targets = read_targets(&arguments.targets, scene)?;
     let space = Space::new(&source, &targets.free)?;
     let accuracy = arguments.accuracy.for_one(scene, verbosity.quiet)?.setting;
-    let plan = Calibration {
+    let plan = CalibrationSettings {
         simulations: arguments.simulations.unwrap_or(0),
         rounds: arguments.rounds,
         seed: arguments.seed,
@@ -76,7 +76,7 @@ pub fn calibrate(arguments: &CalibrateArguments, verbosity: Verbosity) -> Result
     if !verbosity.quiet {
         farm.print_endpoints();
     }
-    let report_progress = &mut |Progress { round, done, all }: Progress| {
+    let report_progress = &mut |CalibrationProgress { round, done, all }: CalibrationProgress| {
         if !verbosity.quiet && (done == all || done % 10 == 0) {
             eprintln!("round {round}: {done}/{all} simulations");
         }

@@ -3,7 +3,7 @@
 use super::error::CommandError;
 use super::output::{check_destination, print, to_json};
 use clap::Args;
-use coordinator::presentation::report::compare::{Compared, check, csv, html};
+use coordinator::presentation::report::compare::{ComparedStudy, check, csv, html};
 use coordinator::presentation::report::{ReportError, SUMMARY_DOCUMENT};
 use coordinator::results::result_files::write_text;
 use coordinator::results::store::CampaignFile;
@@ -35,7 +35,7 @@ pub fn compare(arguments: &CompareArguments, as_json: bool) -> Result<(), Comman
     check_destination(Some(page))?;
     check_destination(Some(&numbers))?;
     let names = names(&arguments.dirs);
-    let studies: Vec<Compared> =
+    let studies: Vec<ComparedStudy> =
         arguments.dirs.iter().zip(names).map(|(dir, name)| study(dir, name)).collect::<Result<_, _>>()?;
     check(&studies)?;
     write_text(page, &html(&studies).map_err(ReportError::from)?)?;
@@ -46,10 +46,10 @@ pub fn compare(arguments: &CompareArguments, as_json: bool) -> Result<(), Comman
     print(&format!("{}\n{}\n", page.display(), numbers.display()))
 }
 
-fn study(dir: &Path, name: String) -> Result<Compared, CommandError> {
+fn study(dir: &Path, name: String) -> Result<ComparedStudy, CommandError> {
     let summary = CampaignFile::open(dir)?.document(SUMMARY_DOCUMENT)?;
     let summary = summary.ok_or_else(|| CommandError::NotFinished { dir: dir.to_path_buf() })?;
-    Ok(Compared { name, summary })
+    Ok(ComparedStudy { name, summary })
 }
 
 /// Names of the studies: those of their folders if these differ, else the paths as given.

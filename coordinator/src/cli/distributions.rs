@@ -1,16 +1,16 @@
 //! Distributions of the outputs in the form of the report: one entry per output and checkpoint.
 
-use coordinator::presentation::report::OutputDistribution;
+use coordinator::presentation::report::CheckpointDistribution;
 use coordinator::statistics::reliability::{Histogram, PROBABILITIES};
 use coordinator::study::OutputHistory;
 
 /// One entry per output and checkpoint of the histories.
-pub fn for_report(histories: &[OutputHistory]) -> Vec<OutputDistribution> {
+pub fn for_report(histories: &[OutputHistory]) -> Vec<CheckpointDistribution> {
     let mut all = Vec::new();
     for history in histories {
         for (&cycles, at) in history.cycles.iter().zip(&history.at) {
             let (edges, counts) = bins(&at.histogram);
-            all.push(OutputDistribution {
+            all.push(CheckpointDistribution {
                 output: history.output.clone(),
                 cycles,
                 mean: at.mean,

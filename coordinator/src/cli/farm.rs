@@ -8,7 +8,7 @@ use super::signals::interruption;
 use common::scene::SceneSource;
 use coordinator::farm::dispatch::{CampaignSpec, Listen, StatusBoard, ZenohEvaluator};
 use coordinator::farm::evaluate::Evaluator;
-use coordinator::presentation::monitor::Source;
+use coordinator::presentation::monitor::StatusSource;
 use std::time::Instant;
 use worker::service::{self, ServiceConfig, WorkerHandle};
 use worker::simulator::simulator;
@@ -55,14 +55,14 @@ impl CommandEvaluator {
     }
 
     /// The status board of the study, and the source of its metrics.
-    pub fn status(&self) -> (StatusBoard, Source) {
+    pub fn status(&self) -> (StatusBoard, StatusSource) {
         match self {
             Self::Workers(farm) => {
-                (farm.evaluator.status_board(), Source::Farm(farm.evaluator.status_handle()))
+                (farm.evaluator.status_board(), StatusSource::Farm(farm.evaluator.status_handle()))
             }
             Self::Simulator(_, slots) => {
                 let board = StatusBoard::default();
-                (board.clone(), Source::Alone { board, slots: *slots, since: Instant::now() })
+                (board.clone(), StatusSource::Alone { board, slots: *slots, since: Instant::now() })
             }
         }
     }

@@ -5,7 +5,7 @@ use super::farm::CommandEvaluator;
 use clap::Args;
 use common::scene::Scene;
 use coordinator::farm::dispatch::StatusBoard;
-use coordinator::presentation::monitor::{Live, Server, Watch, address};
+use coordinator::presentation::monitor::{LivePage, MonitorServer, ProgressRelay, listen_address};
 use coordinator::results::progress::Observer;
 use coordinator::study::Settings;
 use std::path::Path;
@@ -36,8 +36,8 @@ pub struct WatchedStudy<'a> {
 /// The servers of a running study.
 pub struct Monitor {
     board: StatusBoard,
-    live: Option<(Arc<Live>, Server)>,
-    metrics: Option<Server>,
+    live: Option<(Arc<LivePage>, MonitorServer)>,
+    metrics: Option<MonitorServer>,
 }
 
 impl Monitor {
@@ -57,15 +57,19 @@ impl Monitor {
         } else {
             Err("allowed: a port alone (this machine only), or --insecure if the network is trusted")
         };
-        let metrics =
-            arguments.metrics.as_deref().map(|given| address("--metrics", given, trusted)).transpose()?;
+        let metrics = arguments
+            .metrics
+            .as_deref()
+            .map(|given| listen_address("--metrics", given, trusted))
+            .transpose()?;
         let only_here =
             Err("allowed: a port alone, or an address of this machine only; others look through ssh -L");
-        let live = arguments.live.as_deref().map(|given| address("--live", given, only_here)).transpose()?;
-        let metrics = metrics.map(|address| Server::metrics(address, look)).transpose()?;
+        let live =
+            arguments.live.as_deref().map(|given| listen_address("--live", given, only_here)).transpose()?;
+        let metrics = metrics.map(|address| MonitorServer::metrics(address, look)).transpose()?;
         let page = |address| {
-            let live = Arc::new(Live::new(study.dir, study.scene, study.settings));
-            Ok::<_, CommandError>((Arc::clone(&live), Server::live(address, live)?))
+            let live = Arc::new(LivePage::new(study.dir, study.scene, study.settings));
+            Ok::<_, CommandError>((Arc::clone(&live), MonitorServer::live(address, live)?))
         };
         Ok(Monitor { board, live: live.map(page).transpose()?, metrics })
     }
@@ -81,8 +85,13 @@ impl Monitor {
     }
 
     /// An observer that serves the monitor and forwards to `next`.
-    pub fn watch<'a>(&self, scene: &str, next: &'a mut dyn Observer) -> Watch<'a> {
-        Watch::new(scene, next, self.board.clone(), self.live.as_ref().map(|(live, _)| Arc::clone(live)))
+    pub fn watch<'a>(&self, scene: &str, next: &'a mut dyn Observer) -> ProgressRelay<'a> {
+        ProgressRelay::new(
+            scene,
+            next,
+            self.board.clone(),
+            self.live.as_ref().map(|(live, _)| Arc::clone(live)),
+        )
     }
 
     /// Shows the end of the study and stops the servers.

@@ -9,8 +9,8 @@ use clap::{Args, ValueEnum};
 use common::accuracy::NamedAccuracy;
 use common::scene::SceneSource;
 use coordinator::analyses::tradeoff::{
-    Measurement, Plan, Progress, QUICK, compare, csv, figures, full, reference_row, settings, table,
-    values_csv,
+    Measurement, QUICK, TradeoffPlan, TradeoffProgress, compare, csv, figures, full, reference_row, settings,
+    table, values_csv,
 };
 use coordinator::farm::dispatch::CampaignSpec;
 use coordinator::presentation::report::ReportError;
@@ -60,7 +60,7 @@ pub fn tradeoff(arguments: &TradeoffArguments, verbosity: Verbosity) -> Result<(
     check_linkage(source.origin(), scene)?;
     std::fs::create_dir_all(&arguments.out)
         .map_err(|error| CommandError::Folder { path: arguments.out.clone(), error })?;
-    let plan = Plan {
+    let plan = TradeoffPlan {
         settings: chosen(arguments),
         points: nominal_and_random(scene, scene.study.seed, arguments.points - 1),
     };
@@ -69,7 +69,7 @@ pub fn tradeoff(arguments: &TradeoffArguments, verbosity: Verbosity) -> Result<(
         farm.print_endpoints();
     }
     let (measurement, end) =
-        plan.measure(&mut farm.evaluator, &mut |Progress { done, all, setting, point, seconds }| {
+        plan.measure(&mut farm.evaluator, &mut |TradeoffProgress { done, all, setting, point, seconds }| {
             if !verbosity.quiet {
                 eprintln!("{done}/{all} evaluations: {setting} at point {point}, {seconds:.2} s");
             }
@@ -98,7 +98,7 @@ fn chosen(arguments: &TradeoffArguments) -> Vec<NamedAccuracy> {
 }
 
 /// The campaign as announced to workers: every task carries its own accuracy; the id is a digest of the plan.
-fn announced(source: &SceneSource, plan: &Plan) -> CampaignSpec {
+fn announced(source: &SceneSource, plan: &TradeoffPlan) -> CampaignSpec {
     let NamedAccuracy { accuracy, .. } = NamedAccuracy::default();
     let digest = common::scene::source::digest(&format!("tradeoff {plan:?}\n{}", source.text()));
     // The low half of a 128-bit hash is a 64-bit hash.

@@ -1,4 +1,10 @@
-//! How results are shown: the report, the view of a running study, and the terminal.
+//! Presentation of results: the report, the views of a running study, and the terminal.
+//!
+//! | module | content |
+//! |---|---|
+//! | [`report`] | the report of a finished study, and the comparison of several |
+//! | [`monitor`] | status, metrics and live report of a running study |
+//! | [`terminal`] | progress and final summary on the terminal |
 
 pub mod monitor;
 pub mod report;

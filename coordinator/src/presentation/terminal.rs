@@ -1,6 +1,5 @@
-//! What a study shows on the terminal: a progress bar where standard error is one, plain lines elsewhere,
-//! nothing when quiet. What is said and when is decided by [`Narrator`], which knows
-//! no terminal and no clock.
+//! Progress of a study on standard error: a progress bar on a terminal, plain lines elsewhere, nothing if quiet.
+//! [`ProgressText`] decides on text and time of the lines; it uses neither terminal nor clock.
 
 mod ending;
 
@@ -13,35 +12,36 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
-/// Least time between two lines about evaluations where there is no terminal.
+/// Shortest time between two lines about evaluations.
 const LINE_EVERY: Duration = Duration::from_secs(10);
 
-/// Decides what to say; times are since the start of the study.
+/// Text of the progress; times count from the start of the study.
 #[derive(Debug, Default)]
-pub struct Narrator {
+pub struct ProgressText {
     done: usize,
     failed: usize,
     recalled: usize,
     planned: usize,
     purpose: String,
     round: Option<Round>,
-    /// Evaluations that were simulated, and when the first batch began.
+    /// Start of the first batch.
     started: Option<Duration>,
+    /// Time of the last line about evaluations or a round.
     last_line: Option<Duration>,
 }
 
-impl Narrator {
-    /// Takes notice; the line to print where there is no terminal, if any: one per round, one per warning, and
-    /// one about evaluations each ten seconds at most.
+impl ProgressText {
+    /// Records progress and returns the line to print without a terminal, if any: one per round, one per warning, and one
+    /// about evaluations every ten seconds at most.
     pub fn line(&mut self, now: Duration, progress: &Progress) -> Option<String> {
-        self.notice(now, progress);
+        self.record(now, progress);
         match progress {
             Progress::Warning(text) => Some(format!("warning: {text}")),
             Progress::RoundFinished(round) => {
                 self.last_line = Some(now);
                 Some(round_line(round))
             }
-            // What is recalled takes no time; the line of its batch, which follows, counts it.
+            // Recalled evaluations take no time and are counted by the line of their batch, which follows.
             Progress::Evaluated { recalled: true, .. } | Progress::Reliability { .. } | Progress::Ending => {
                 None
             }
@@ -55,7 +55,7 @@ impl Narrator {
         }
     }
 
-    fn notice(&mut self, now: Duration, progress: &Progress) {
+    fn record(&mut self, now: Duration, progress: &Progress) {
         match progress {
             Progress::BatchStarted { planned, purpose, .. } => {
                 self.planned = *planned;
@@ -72,15 +72,15 @@ impl Narrator {
         }
     }
 
-    /// Simulations per second, not counting what came from the campaign file; `None` before the first.
+    /// Simulations per second, without recalled evaluations; `None` before the first one.
     fn rate(&self, now: Duration) -> Option<f64> {
         let elapsed = now.saturating_sub(self.started?).as_secs_f64();
         let simulated = self.done.saturating_sub(self.recalled);
         (simulated > 0 && elapsed > 0.0).then(|| simulated as f64 / elapsed)
     }
 
-    /// Evaluations, rate, when the planned ones will be done, current R; e.g.
-    /// `84/120 evaluations (initial design), 1.3/s, planned ones done in 27.7 s, R(66 000) = 0.347 ± 0.006`.
+    /// Evaluations, rate, time left in this round, current R; e.g.
+    /// `84/120 evaluations (initial design), 1.3/s, 27.7 s left in this round, R(66 000) = 0.347 ± 0.006`.
     pub fn state(&self, now: Duration) -> String {
         let mut text = format!("{}/{} evaluations", self.done, self.planned.max(self.done));
         if !self.purpose.is_empty() {
@@ -90,7 +90,7 @@ impl Narrator {
             text += &format!(", {}/s", fixed(rate, if rate < 10.0 { 2 } else { 0 }));
             let left = self.planned.saturating_sub(self.done);
             if left > 0 {
-                text += &format!(", planned ones done in {}", duration(left as f64 / rate));
+                text += &format!(", {} left in this round", duration(left as f64 / rate));
             }
         }
         if self.recalled > 0 {
@@ -130,13 +130,14 @@ fn round_line(round: &Round) -> String {
     .replace('\u{a0}', " ")
 }
 
-enum Voice {
+/// Form of the output.
+enum OutputMode {
     Quiet,
     Lines,
     Bar(ProgressBar),
 }
 
-/// Look of the progress bar.
+/// Style of the progress bar.
 fn style() -> ProgressStyle {
     ProgressStyle::with_template("{spinner} [{elapsed_precise}] {bar:24} {wide_msg}")
         .expect("the template is a constant, made once in the tests")
@@ -144,30 +145,30 @@ fn style() -> ProgressStyle {
 
 /// Shows a study on standard error.
 pub struct Terminal {
-    narrator: Narrator,
+    text: ProgressText,
     start: Instant,
-    voice: Voice,
+    mode: OutputMode,
 }
 
 impl Terminal {
-    /// A progress bar if standard error is a terminal, plain lines if not, nothing if `quiet`.
+    /// A progress bar if standard error is a terminal, otherwise plain lines; nothing if `quiet`.
     pub fn new(quiet: bool) -> Self {
-        let voice = if quiet {
-            Voice::Quiet
+        let mode = if quiet {
+            OutputMode::Quiet
         } else if std::io::stderr().is_terminal() {
             let bar = ProgressBar::with_draw_target(Some(0), ProgressDrawTarget::stderr());
             bar.set_style(style());
             bar.enable_steady_tick(Duration::from_millis(250));
-            Voice::Bar(bar)
+            OutputMode::Bar(bar)
         } else {
-            Voice::Lines
+            OutputMode::Lines
         };
-        Self { narrator: Narrator::default(), start: Instant::now(), voice }
+        Self { text: ProgressText::default(), start: Instant::now(), mode }
     }
 
-    /// Takes the bar away, so that what follows starts on a clean line.
+    /// Clears the progress bar, so that the following output starts on a clean line.
     pub fn finish(&mut self) {
-        if let Voice::Bar(bar) = &self.voice {
+        if let OutputMode::Bar(bar) = &self.mode {
             bar.finish_and_clear();
         }
     }
@@ -182,18 +183,18 @@ impl Drop for Terminal {
 impl Observer for Terminal {
     fn notice(&mut self, progress: &Progress) {
         let now = self.start.elapsed();
-        let line = self.narrator.line(now, progress);
-        match &self.voice {
-            Voice::Quiet => {}
-            Voice::Lines => {
+        let line = self.text.line(now, progress);
+        match &self.mode {
+            OutputMode::Quiet => {}
+            OutputMode::Lines => {
                 if let Some(line) = line {
                     eprintln!("{line}");
                 }
             }
-            Voice::Bar(bar) => {
-                bar.set_length(self.narrator.planned as u64);
-                bar.set_position(self.narrator.done as u64);
-                bar.set_message(self.narrator.state(now));
+            OutputMode::Bar(bar) => {
+                bar.set_length(self.text.planned as u64);
+                bar.set_position(self.text.done as u64);
+                bar.set_message(self.text.state(now));
                 if let (Progress::Warning(_), Some(line)) = (progress, line) {
                     bar.println(line);
                 }
@@ -205,7 +206,7 @@ impl Observer for Terminal {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::presentation::report::synthetic;
+    use crate::test_study;
 
     fn batch(size: usize, planned: usize, purpose: &str) -> Progress {
         Progress::BatchStarted { size, planned, budget: 400, purpose: purpose.into() }
@@ -215,67 +216,67 @@ mod tests {
         Progress::Evaluated { done, failed: done == 3, recalled, wall: 1.0 }
     }
 
-    fn at(seconds: u64) -> Duration {
+    fn seconds(seconds: u64) -> Duration {
         Duration::from_secs(seconds)
     }
 
     #[test]
-    fn at_most_one_line_in_ten_seconds_tells_of_evaluations() {
-        let mut narrator = Narrator::default();
-        let first = narrator.line(at(0), &batch(120, 120, "initial design")).unwrap();
+    fn evaluations_have_at_most_one_line_in_ten_seconds() {
+        let mut text = ProgressText::default();
+        let first = text.line(seconds(0), &batch(120, 120, "initial design")).unwrap();
         assert_eq!(first, "0/120 evaluations (initial design)");
         let lines: Vec<String> =
-            (1..=60).filter_map(|k| narrator.line(at(k), &evaluated(k as usize, false))).collect();
+            (1..=60).filter_map(|k| text.line(seconds(k), &evaluated(k as usize, false))).collect();
         assert_eq!(lines.len(), 6);
         assert_eq!(
             lines[5],
-            "60/120 evaluations (initial design), 1.00/s, planned ones done in 1 min 00 s, 1 failed"
+            "60/120 evaluations (initial design), 1.00/s, 1 min 00 s left in this round, 1 failed"
         );
     }
 
     #[test]
     fn every_round_has_its_line() {
-        let mut narrator = Narrator::default();
-        narrator.line(at(0), &batch(1, 1, "round 3"));
-        let lines: Vec<String> = synthetic::study()
+        let mut text = ProgressText::default();
+        text.line(seconds(0), &batch(1, 1, "round 3"));
+        let lines: Vec<String> = test_study::study()
             .summary
             .convergence
             .rounds
             .into_iter()
-            .filter_map(|round| narrator.line(at(0), &Progress::RoundFinished(round)))
+            .filter_map(|round| text.line(seconds(0), &Progress::RoundFinished(round)))
             .collect();
         assert_eq!(lines.len(), 9);
         assert_eq!(
             lines[1],
             "round 1: 132 evaluations, R(66 000) = 0.2990 ± 0.0227, changed by 6.0 %, uncertain 18.6 %, min U 0.180"
         );
-        assert!(narrator.state(at(5)).ends_with("± 0.0040"), "{}", narrator.state(at(5)));
+        assert!(text.state(seconds(5)).ends_with("± 0.0040"), "{}", text.state(seconds(5)));
     }
 
     #[test]
     fn what_came_from_the_campaign_file_does_not_count_for_the_rate() {
-        let mut narrator = Narrator::default();
+        let mut text = ProgressText::default();
         for done in 1..=100 {
-            assert_eq!(narrator.line(at(0), &evaluated(done, true)), None);
+            assert_eq!(text.line(seconds(0), &evaluated(done, true)), None);
         }
         // The first line of a resumed study does not begin at 0.
-        let first = narrator.line(at(0), &batch(20, 120, "initial design")).unwrap();
+        let first = text.line(seconds(0), &batch(20, 120, "initial design")).unwrap();
         assert_eq!(first, "100/120 evaluations (initial design), 100 from the campaign file, 1 failed");
-        assert!(!narrator.state(at(1)).contains("/s"));
-        narrator.line(at(10), &evaluated(101, false));
-        let state = narrator.state(at(10));
+        assert!(!text.state(seconds(1)).contains("/s"));
+        text.line(seconds(10), &evaluated(101, false));
+        let state = text.state(seconds(10));
         assert!(
-            state.contains("0.10/s, planned ones done in 3 min 10 s, 100 from the campaign file"),
+            state.contains("0.10/s, 3 min 10 s left in this round, 100 from the campaign file"),
             "{state}"
         );
     }
 
     #[test]
-    fn the_bar_shows_what_the_narrator_says() {
+    fn the_bar_shows_the_text() {
         let bar = ProgressBar::with_draw_target(Some(0), ProgressDrawTarget::hidden());
         bar.set_style(style());
-        let voice = Voice::Bar(bar.clone());
-        let mut terminal = Terminal { narrator: Narrator::default(), start: Instant::now(), voice };
+        let mode = OutputMode::Bar(bar.clone());
+        let mut terminal = Terminal { text: ProgressText::default(), start: Instant::now(), mode };
         terminal.notice(&batch(120, 120, "initial design"));
         terminal.notice(&evaluated(7, true));
         assert_eq!((bar.length(), bar.position()), (Some(120), 7));
@@ -285,10 +286,10 @@ mod tests {
     }
 
     #[test]
-    fn warnings_are_said_at_once() {
-        let mut narrator = Narrator::default();
-        narrator.line(at(0), &batch(1, 1, ""));
-        let line = narrator.line(at(1), &Progress::Warning("no worker".into()));
+    fn warnings_are_printed_at_once() {
+        let mut text = ProgressText::default();
+        text.line(seconds(0), &batch(1, 1, ""));
+        let line = text.line(seconds(1), &Progress::Warning("no worker".into()));
         assert_eq!(line.unwrap(), "warning: no worker");
     }
 }

@@ -27,6 +27,7 @@
 //! # Ok::<(), coordinator::farm::evaluate::EvaluateError>(())
 //! ```
 
+pub mod csv_table;
 pub mod journal;
 pub mod output_unit;
 pub mod progress;

@@ -1,9 +1,10 @@
 //! The result files of a finished study: `summary.json`, `reliability.csv`, `samples.csv`. Each is written under a
 //! temporary name and renamed, so that a reader never finds half a file.
 
+use crate::results::csv_table::{CsvTable, number};
 use crate::results::output_unit::OutputUnit;
 use crate::results::store::{CampaignFile, StoreError};
-use crate::results::summary::StudySummary;
+use crate::results::summary::{PerLimitState, StudySummary};
 use common::scene::Scene;
 use std::fs::File;
 use std::io::Write;
@@ -80,37 +81,29 @@ pub fn summary_json(summary: &StudySummary) -> Result<String, ResultFileError> {
 
 /// `reliability.csv` as text: `cycles`, then `R_<limit state>, se_<limit state>` in the scene's order, then
 /// `R_total, se_total`; then, in the same order, `numerical_low_<limit state>, numerical_high_<limit state>`: R with all
-/// responses moved by the numerical errors that the simulations state.
+/// responses shifted by the numerical errors that the simulations state.
 pub fn reliability_csv(summary: &StudySummary) -> String {
     let keys: Vec<&str> = summary.limit_states.iter().map(String::as_str).chain(["total"]).collect();
-    let mut text = String::from("cycles");
-    for key in &keys {
-        text += &format!(",{},{}", field(&format!("R_{key}")), field(&format!("se_{key}")));
-    }
-    for key in &keys {
-        text += &format!(
-            ",{},{}",
-            field(&format!("numerical_low_{key}")),
-            field(&format!("numerical_high_{key}"))
-        );
-    }
-    text.push('\n');
+    let mut columns = vec!["cycles".to_owned()];
+    columns.extend(keys.iter().flat_map(|key| [format!("R_{key}"), format!("se_{key}")]));
+    columns.extend(
+        keys.iter().flat_map(|key| [format!("numerical_low_{key}"), format!("numerical_high_{key}")]),
+    );
+    let mut table = CsvTable::new(&columns);
     for row in &summary.reliability {
-        text += &row.cycles.to_string();
+        let value =
+            |values: &PerLimitState, key: &str| values.get(key).copied().map_or(String::new(), number);
+        let mut cells = vec![row.cycles.to_string()];
         for key in &keys {
-            let value = |values: &crate::results::summary::PerLimitState| {
-                values.get(*key).map_or(String::new(), |value| number(*value))
-            };
-            text += &format!(",{},{}", value(&row.reliability), value(&row.standard_error));
+            cells.extend([value(&row.reliability, key), value(&row.standard_error, key)]);
         }
         for key in &keys {
-            let range = row.numerical.get(*key).map(|range| (number(range.lower), number(range.upper)));
-            let (lower, upper) = range.unwrap_or_default();
-            text += &format!(",{lower},{upper}");
+            let range = row.numerical.get(*key).map(|range| [number(range.lower), number(range.upper)]);
+            cells.extend(range.unwrap_or_default());
         }
-        text.push('\n');
+        table.push(&cells);
     }
-    text
+    table.into_text()
 }
 
 /// Writes `samples.csv`: one row per recorded evaluation with `id`, every random variable by name (SI), every
@@ -121,66 +114,46 @@ pub fn reliability_csv(summary: &StudySummary) -> String {
 /// [`ResultFileError`].
 pub fn write_samples_csv(path: &Path, campaign: &CampaignFile, scene: &Scene) -> Result<(), ResultFileError> {
     let checkpoints = scene.life.checkpoints();
+    let failed = |error: csv::Error| ResultFileError::Write { path: path.into(), source: error.into() };
     write_atomically(path, |file| {
-        let mut put = |line: String| {
-            file.write_all(line.as_bytes())
-                .map_err(|source| ResultFileError::Write { path: path.into(), source })
-        };
-        let mut header = String::from("id");
-        for variable in &scene.variables {
-            header += &format!(",{}", field(&variable.name));
-        }
+        let mut writer = csv::Writer::from_writer(file);
+        let mut columns = vec!["id".to_owned()];
+        columns.extend(scene.variables.iter().map(|variable| variable.name.clone()));
         for output in &scene.outputs {
             let key = OutputUnit::of(&output.kind).key(&output.name);
-            for cycles in &checkpoints {
-                header += &format!(",{}", field(&format!("{key}@{cycles}")));
-            }
+            columns.extend(checkpoints.iter().map(|cycles| format!("{key}@{cycles}")));
         }
-        put(header + ",failure,worker,wall_s,finished_at\n")?;
+        columns.extend(["failure", "worker", "wall_s", "finished_at"].map(str::to_owned));
+        writer.write_record(&columns).map_err(failed)?;
         campaign.for_each(|stored| {
-            let mut line = stored.id.to_string();
-            for value in &stored.sample {
-                line += &format!(",{}", number(*value));
-            }
+            let mut cells = vec![stored.id.to_string()];
+            cells.extend(stored.sample.iter().copied().map(number));
             for (row, output) in scene.outputs.iter().enumerate() {
                 let unit = OutputUnit::of(&output.kind);
-                for cycles in &checkpoints {
+                cells.extend(checkpoints.iter().map(|cycles| {
                     let value = stored.outcome.as_ref().ok().and_then(|evaluation| {
-                        let column = evaluation.cycles.iter().position(|at| at == cycles)?;
+                        let column = evaluation.cycles.iter().position(|checkpoint| checkpoint == cycles)?;
                         Some(*evaluation.histories.get(row)?.get(column)?)
                     });
-                    line += &format!(",{}", value.map_or(String::new(), |si| number(unit.to_file(si))));
-                }
+                    value.map_or(String::new(), |si| number(unit.to_file(si)))
+                }));
             }
             let failure = stored.outcome.err().map_or(String::new(), |failure| failure.to_string());
-            let (worker, wall) = (field(&stored.worker), number(stored.wall));
-            put(format!("{line},{},{worker},{wall},{}\n", field(&failure), stored.finished_at))
-        })
+            cells.extend([failure, stored.worker, number(stored.wall), stored.finished_at.to_string()]);
+            writer.write_record(&cells).map_err(failed)
+        })?;
+        writer.flush().map_err(|source| ResultFileError::Write { path: path.into(), source })
     })
-}
-
-/// Shortest decimal that reads back as the same f64; empty where there is no number.
-pub(crate) fn number(value: f64) -> String {
-    if value.is_finite() { format!("{value:?}") } else { String::new() }
-}
-
-/// A CSV field, quoted where RFC 4180 asks for it.
-pub(crate) fn field(text: &str) -> String {
-    if text.contains(['"', ',', '\n', '\r']) {
-        format!("\"{}\"", text.replace('"', "\"\""))
-    } else {
-        text.to_string()
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::presentation::report::synthetic;
+    use crate::test_study;
 
     #[test]
     fn the_summary_has_the_keys_of_the_contract_and_reads_back() {
-        let summary = synthetic::study().summary;
+        let summary = test_study::study().summary;
         let text = summary_json(&summary).unwrap();
         let json: serde_json::Value = serde_json::from_str(&text).unwrap();
         for key in [
@@ -221,14 +194,14 @@ mod tests {
 
     #[test]
     fn a_summary_with_an_infinite_number_is_refused() {
-        let mut summary = synthetic::study().summary;
+        let mut summary = test_study::study().summary;
         summary.convergence.rounds[0].min_u = f64::INFINITY;
         assert!(matches!(summary_json(&summary), Err(ResultFileError::NotFinite(_))));
     }
 
     #[test]
     fn reliability_csv_reads_back_exactly() {
-        let summary = synthetic::study().summary;
+        let summary = test_study::study().summary;
         let text = reliability_csv(&summary);
         let mut lines = text.lines();
         assert_eq!(
@@ -253,8 +226,8 @@ mod tests {
     #[test]
     fn samples_csv_has_a_column_for_every_value_and_a_row_for_every_evaluation() {
         let dir = tempfile::tempdir().unwrap();
-        let scene = synthetic::scene();
-        let campaign = synthetic::campaign(dir.path());
+        let scene = test_study::scene();
+        let campaign = test_study::campaign(dir.path());
         let path = dir.path().join("samples.csv");
         write_samples_csv(&path, &campaign, &scene).unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
@@ -264,7 +237,8 @@ mod tests {
         let first: Vec<&str> = text.lines().nth(1).unwrap().split(',').collect();
         let stored = campaign.evaluation(0).unwrap().unwrap();
         let evaluation = stored.outcome.unwrap();
-        assert_eq!(first[at("rod_length")].parse::<f64>().unwrap(), stored.sample[1]);
+        let rod = scene.variables.iter().position(|variable| variable.name == "rod_length").unwrap();
+        assert_eq!(first[at("rod_length")].parse::<f64>().unwrap(), stored.sample[rod]);
         assert_eq!(first[at("max_wear_depth_m@64000")].parse::<f64>().unwrap(), evaluation.histories[0][63]);
         let rpm = first[at("angular_velocity_difference_rpm@64000")].parse::<f64>().unwrap();
         assert!((rpm * std::f64::consts::PI / 30.0 - evaluation.histories[1][63]).abs() < 1e-12);

@@ -1,65 +1,67 @@
-//! Free parameters of a scene fitted to what was measured or published.
+//! Calibration: fits free parameters of a scene to measured or published values.
 //!
 //! ```text
 //! targets -> space -> simulations (workers) -> responses (surrogates) -> least squares -> report
 //!              ^-------- closer to the optimum, round by round --------'
 //! ```
 //!
-//! Simulations are dear and statistics take thousands of them, so one design serves all: points spread over the free
-//! parameters and the random variables together. Surrogates of every response that a target looks at are fitted to it, and
-//! give mean, spread and reliability at any parameters without another simulation. Each round adds points around the optimum
-//! of the one before.
+//! Simulations are expensive and statistics need thousands of them, so one design serves all: points spread over the free
+//! parameters and the random variables together. Surrogates of the responses that the targets need are fitted to it and
+//! predict mean, spread and reliability at any parameters without another simulation. Each round adds points around the
+//! optimum of the previous one.
 //!
-//! Nothing that was fitted here is a prediction; the report marks what was free.
+//! A fitted quantity is not a prediction; the report marks the free parameters.
 
 mod design;
 mod least_squares;
 mod report;
 mod responses;
 mod space;
+mod target_file;
 mod targets;
 #[cfg(test)]
 mod tests;
 
-pub use design::{Calibration, Progress, calibrate};
-pub use report::{Conflict, FittedParameter, FittedTarget, Outcome, markdown};
-pub use space::{Free, Space};
-pub use targets::{Looks, Target, Targets, parse as parse_targets, read as read_targets};
+pub use design::{CalibrationProgress, CalibrationSettings, calibrate};
+pub use report::{CalibrationResult, Conflict, FittedParameter, FittedTarget, TargetCost, markdown};
+pub use space::{FreeParameter, ParameterKind, Space};
+pub use target_file::{parse as parse_targets, read as read_targets};
+pub use targets::{CalibrationTargets, ShownUnit, Target, TargetQuantity};
 
 use crate::farm::evaluate::EvaluateError;
 use crate::statistics::surrogate::SurrogateError;
 use common::scene::Faults;
 use thiserror::Error;
 
-/// Why there is no calibration.
+/// Reasons why a calibration fails.
 #[derive(Debug, Error)]
 pub enum CalibrationError {
     /// The file of targets is faulty.
     #[error("{file}: {key}: {what}")]
     Targets {
-        /// Which file.
+        /// Path of the file.
         file: String,
-        /// Where in it.
+        /// Key of the fault.
         key: String,
-        /// What is wrong, and what is allowed.
+        /// Fault and allowed values.
         what: String,
     },
     /// The free parameters do not fit the scene.
     #[error(transparent)]
     Scene(#[from] Faults),
-    /// The evaluations came to an end.
+    /// The evaluator failed or was interrupted.
     #[error(transparent)]
     Evaluate(#[from] EvaluateError),
     /// Too few simulations gave a result.
     #[error(
-        "{succeeded} of {all} simulations gave a result, fewer than the {least} that {dimension} variables and parameters take"
+        "{succeeded} of {all} simulations gave a result, fewer than the {least} that {dimension} variables and parameters need"
     )]
     TooFew {
-        /// Those that did.
+        /// Simulations with a result.
         succeeded: usize,
-        /// All.
+        /// Number of all simulations.
         all: usize,
-        /// Fewest.
+        /// Smallest number required.
         least: usize,
         /// Number of random variables and free parameters.
         dimension: usize,

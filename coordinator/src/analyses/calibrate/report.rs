@@ -1,113 +1,125 @@
-//! What a calibration found, for programs and people.
+//! Result of a calibration, as JSON and as Markdown.
 
-use super::design::parameters;
-use super::least_squares::Problem;
-use super::responses::Responses;
-use super::space::Space;
+use super::least_squares::{Fit, LeastSquares};
+use super::responses::ResponseSurrogates;
+use super::space::{FreeParameter, Space};
 use super::targets::Target;
-use faer::Mat;
 use serde::Serialize;
 use std::fmt::Write;
 
-/// Residual in tolerances from which a target counts as not met.
+/// Residual above which a target counts as missed [tolerances].
 const MISSED: f64 = 2.0;
-/// Weight of a target that is to be met before all others.
+/// Weight of a target that takes precedence over all others [1].
 const FIRST: f64 = 1e4;
-/// Distance to a bound, as a share of that between the bounds, below which a parameter stands on it.
+/// Distance from a bound below which a parameter counts as at the bound, as a share of the distance between the bounds.
 const ON_BOUND: f64 = 0.01;
-/// Uncertainty over that of the bounds alone from which the targets say nothing of a parameter.
+/// Uncertainty relative to that of the bounds alone, above which a parameter counts as undetermined by the targets.
 const OPEN: f64 = 0.9;
 
-/// A parameter.
+/// A fitted parameter.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FittedParameter {
-    /// Name.
+    /// Name in the file of targets.
     pub name: String,
-    /// Best value [unit].
+    /// Value at the optimum [unit].
     pub value: f64,
-    /// Standard uncertainty by linear error propagation from the targets' tolerances, enlarged where they are not met
+    /// Standard uncertainty by linear error propagation from the tolerances, enlarged if the targets are missed
     /// [unit].
     pub uncertainty: f64,
-    /// SI unit; empty of a factor.
+    /// SI unit; empty for a factor.
     pub unit: String,
-    /// Least value allowed.
+    /// Lower bound [unit].
     pub lower: f64,
-    /// Largest value allowed.
+    /// Upper bound [unit].
     pub upper: f64,
-    /// Whether it stands on a bound.
+    /// True if the value is at a bound.
     pub on_bound: bool,
-    /// Whether the targets say anything of it.
+    /// True if the targets determine the parameter.
     pub determined: bool,
 }
 
-/// A target.
+/// A target and its value at the optimum.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FittedTarget {
-    /// Name.
+    /// Name of the target.
     pub name: String,
     /// Value to be met [SI].
     pub target: f64,
-    /// How well [SI].
+    /// Tolerance, a standard deviation [SI].
     pub tolerance: f64,
     /// Value at the optimum [SI].
     pub fitted: f64,
     /// (fitted - target) / tolerance [1].
     pub residual: f64,
-    /// Leave-one-out Q2 of the surrogate it is seen through [1].
+    /// Smallest leave-one-out Q2 of its surrogates [1].
     pub q2: f64,
-    /// Unit it was written in.
+    /// Unit in the file of targets.
     pub unit: String,
-    /// That unit in SI.
+    /// This unit in SI.
     pub unit_si: f64,
 }
 
-/// A target that is not met, and what meeting it would cost.
+/// A missed target, and the effect of meeting it on the others.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Conflict {
-    /// Which.
+    /// Name of the missed target.
     pub target: String,
-    /// Its residual when it goes before all others [1]: still large if no parameters within the bounds meet it.
+    /// Its residual if it takes precedence over all others [1]; large if no parameters within the bounds meet it.
     pub alone: f64,
-    /// Other targets that are then missed: name, residual at the optimum, residual then.
-    pub costs: Vec<(String, f64, f64)>,
+    /// Other targets that are then missed.
+    pub costs: Vec<TargetCost>,
 }
 
-/// What was found.
+/// A target that is missed if another one takes precedence: name, residual at the optimum, and residual then.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Outcome {
-    /// Simulations, failed ones included.
+pub struct TargetCost(pub String, pub f64, pub f64);
+
+/// Result of a calibration.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CalibrationResult {
+    /// Number of simulations, failed ones included.
     pub simulations: usize,
-    /// Failed ones.
+    /// Number of failed simulations.
     pub failed: usize,
-    /// Free parameters: fitted, not predicted.
+    /// Free parameters, which are fitted and not predicted.
     pub parameters: Vec<FittedParameter>,
-    /// Correlations of their uncertainties `(p)(p,)`.
+    /// Correlations of the parameters' uncertainties `(p)(p,)` [1].
     pub correlation: Vec<Vec<f64>>,
-    /// Targets.
+    /// Targets and their values at the optimum.
     pub targets: Vec<FittedTarget>,
-    /// Sum of the squared residuals.
+    /// Sum of the squared residuals [1].
     pub chi_squared: f64,
     /// Targets that cannot be met together with the others.
     pub conflicts: Vec<Conflict>,
 }
 
-pub(super) fn outcome<R: Fn(&[f64]) -> Vec<f64> + Sync>(
+/// Numbers of simulations.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Counts {
+    /// Number of all simulations.
+    pub simulations: usize,
+    /// Number of simulations without a result.
+    pub failed: usize,
+}
+
+/// The result of the last round.
+pub(super) fn result<R: Fn(&[f64]) -> Vec<f64>>(
     space: &Space,
     targets: &[Target],
-    responses: &Responses<'_>,
-    problem: &Problem<R>,
-    best: &[f64],
-    spread: &Mat<f64>,
-    (simulations, failed): (usize, usize),
-) -> Outcome {
+    responses: &ResponseSurrogates<'_>,
+    problem: &LeastSquares<R>,
+    fit: &Fit,
+    counts: Counts,
+) -> CalibrationResult {
+    let best = fit.best.as_slice();
     let residuals = (problem.residuals)(best);
     let chi_squared: f64 = residuals.iter().map(|r| r * r).sum();
     let freedom = targets.len().saturating_sub(best.len());
     let scale = if freedom > 0 { (chi_squared / freedom as f64).max(1.0).sqrt() } else { 1.0 };
-    let values = parameters(&space.free, best);
-    let parameter = |(k, free): (usize, &super::Free)| {
+    let values = space.parameters(best);
+    let parameter = |(k, free): (usize, &FreeParameter)| {
         let width = free.upper - free.lower;
-        let std = spread[(k, k)].sqrt();
+        let std = fit.uncertainty(k);
         FittedParameter {
             name: free.name.clone(),
             value: values[k],
@@ -120,7 +132,6 @@ pub(super) fn outcome<R: Fn(&[f64]) -> Vec<f64> + Sync>(
         }
     };
     let p = best.len();
-    let correlation = |i: usize, j: usize| spread[(i, j)] / (spread[(i, i)] * spread[(j, j)]).sqrt();
     let target = |(target, residual): (&Target, &f64)| FittedTarget {
         name: target.name.clone(),
         target: target.value,
@@ -128,24 +139,24 @@ pub(super) fn outcome<R: Fn(&[f64]) -> Vec<f64> + Sync>(
         fitted: target.value + residual * target.tolerance,
         residual: *residual,
         q2: responses.q2(target),
-        unit: target.unit.0.clone(),
-        unit_si: target.unit.1,
+        unit: target.unit.symbol.clone(),
+        unit_si: target.unit.si,
     };
-    Outcome {
-        simulations,
-        failed,
+    CalibrationResult {
+        simulations: counts.simulations,
+        failed: counts.failed,
         parameters: space.free.iter().enumerate().map(parameter).collect(),
-        correlation: (0..p).map(|i| (0..p).map(|j| correlation(i, j)).collect()).collect(),
+        correlation: (0..p).map(|i| (0..p).map(|j| fit.correlation(i, j)).collect()).collect(),
         targets: targets.iter().zip(&residuals).map(target).collect(),
         chi_squared,
         conflicts: conflicts(targets, problem, best, &residuals),
     }
 }
 
-/// For every target that is missed: the fit again with that target before all others.
-fn conflicts<R: Fn(&[f64]) -> Vec<f64> + Sync>(
+/// For every missed target: the fit in which it takes precedence over all others.
+fn conflicts<R: Fn(&[f64]) -> Vec<f64>>(
     targets: &[Target],
-    problem: &Problem<R>,
+    problem: &LeastSquares<R>,
     best: &[f64],
     residuals: &[f64],
 ) -> Vec<Conflict> {
@@ -154,27 +165,27 @@ fn conflicts<R: Fn(&[f64]) -> Vec<f64> + Sync>(
         .map(|i| {
             let mut weights = vec![1.0; targets.len()];
             weights[i] = FIRST;
-            let preferring = Problem { residuals: &problem.residuals, weights };
+            let preferring = LeastSquares { residuals: &problem.residuals, weights };
             let places = preferring.minimise(&[best.to_vec(), vec![0.5; best.len()]]);
             let then = (problem.residuals)(&places);
             let costs = (0..targets.len())
                 .filter(|j| *j != i && then[*j].abs() > MISSED && then[*j].abs() > residuals[*j].abs() + 0.5)
-                .map(|j| (targets[j].name.clone(), residuals[j], then[j]))
+                .map(|j| TargetCost(targets[j].name.clone(), residuals[j], then[j]))
                 .collect();
             Conflict { target: targets[i].name.clone(), alone: then[i], costs }
         })
         .collect()
 }
 
-/// The outcome as Markdown.
-pub fn markdown(found: &Outcome) -> String {
+/// The result as Markdown.
+pub fn markdown(found: &CalibrationResult) -> String {
     let mut out = String::new();
-    // Writing to a String cannot fail.
+    // Writing to a String does not fail.
     let _ = write_markdown(&mut out, found);
     out
 }
 
-fn write_markdown(out: &mut String, found: &Outcome) -> std::fmt::Result {
+fn write_markdown(out: &mut String, found: &CalibrationResult) -> std::fmt::Result {
     writeln!(
         out,
         "{} simulations, {} of them failed; chi squared {:.2} for {} targets.\n",
@@ -183,33 +194,44 @@ fn write_markdown(out: &mut String, found: &Outcome) -> std::fmt::Result {
         found.chi_squared,
         found.targets.len()
     )?;
+    write_parameters(out, &found.parameters)?;
+    write_targets(out, &found.targets)?;
+    write_correlations(out, found)?;
+    found.conflicts.iter().try_for_each(|conflict| write_conflict(out, conflict))
+}
+
+fn write_parameters(out: &mut String, parameters: &[FittedParameter]) -> std::fmt::Result {
     writeln!(
         out,
-        "Free parameters: fitted to the targets below, so nothing that follows from them alone is a prediction.\n"
+        "Free parameters: fitted to the targets below, so results that follow from them alone are not predictions.\n"
     )?;
     writeln!(out, "| parameter | value | uncertainty | bounds | |\n|---|---|---|---|---|")?;
-    for p in &found.parameters {
+    for p in parameters {
         let remark = match (p.determined, p.on_bound) {
             (false, _) => "not determined by these targets",
-            (true, true) => "stands on a bound",
+            (true, true) => "at a bound",
             (true, false) => "",
         };
         let (name, unit) = (&p.name, &p.unit);
         writeln!(
             out,
             "| {name} | {:.5} {unit} | {:.2} {unit} | {:.5} to {:.5} {unit} | {remark} |",
-            Short(p.value),
-            Short(p.uncertainty),
-            Short(p.lower),
-            Short(p.upper)
+            SignificantDigits(p.value),
+            SignificantDigits(p.uncertainty),
+            SignificantDigits(p.lower),
+            SignificantDigits(p.upper)
         )?;
     }
+    Ok(())
+}
+
+fn write_targets(out: &mut String, targets: &[FittedTarget]) -> std::fmt::Result {
     writeln!(
         out,
-        "\n| target | to be met | within | fitted | residual | surrogate's Q2 |\n|---|---|---|---|---|---|"
+        "\n| target | value | tolerance | fitted | residual | surrogate's Q2 |\n|---|---|---|---|---|---|"
     )?;
-    for t in &found.targets {
-        let shown = |si: f64| Short(si / t.unit_si);
+    for t in targets {
+        let shown = |si: f64| SignificantDigits(si / t.unit_si);
         writeln!(
             out,
             "| {} | {:.4} {unit} | {:.2} {unit} | {:.4} {unit} | {:+.1} | {:.4} |",
@@ -222,42 +244,43 @@ fn write_markdown(out: &mut String, found: &Outcome) -> std::fmt::Result {
             unit = t.unit
         )?;
     }
+    Ok(())
+}
+
+fn write_correlations(out: &mut String, found: &CalibrationResult) -> std::fmt::Result {
     if found.parameters.len() > 1 {
         writeln!(out, "\nCorrelations of the parameters' uncertainties:\n")?;
-        for (i, row) in found.correlation.iter().enumerate() {
-            for (j, value) in row.iter().enumerate().take(i) {
-                writeln!(
-                    out,
-                    "- {} and {}: {value:+.2}",
-                    found.parameters[j].name, found.parameters[i].name
-                )?;
-            }
-        }
     }
-    for conflict in &found.conflicts {
-        write!(out, "\n{} is not met. ", conflict.target)?;
-        if conflict.alone.abs() > MISSED {
-            write!(
-                out,
-                "No parameters within the bounds meet it: {:+.1} tolerances at best. ",
-                conflict.alone
-            )?;
+    for (i, row) in found.correlation.iter().enumerate() {
+        for (j, value) in row.iter().enumerate().take(i) {
+            writeln!(out, "- {} and {}: {value:+.2}", found.parameters[j].name, found.parameters[i].name)?;
         }
-        if !conflict.costs.is_empty() {
-            let cost =
-                |(name, before, then): &(String, f64, f64)| format!("{name} ({before:+.1} to {then:+.1})");
-            let costs: Vec<String> = conflict.costs.iter().map(cost).collect();
-            write!(out, "To come as near as can be it costs {}.", costs.join(", "))?;
-        }
-        writeln!(out)?;
     }
     Ok(())
 }
 
-/// A number with so many significant digits as its precision says, in the shorter notation.
-struct Short(f64);
+fn write_conflict(out: &mut String, conflict: &Conflict) -> std::fmt::Result {
+    write!(out, "\nThe target {} is missed. ", conflict.target)?;
+    if conflict.alone.abs() > MISSED {
+        write!(
+            out,
+            "No parameters within the bounds meet it: the smallest residual is {:+.1} tolerances. ",
+            conflict.alone
+        )?;
+    }
+    if !conflict.costs.is_empty() {
+        let cost =
+            |TargetCost(name, before, then): &TargetCost| format!("{name} ({before:+.1} to {then:+.1})");
+        let costs: Vec<String> = conflict.costs.iter().map(cost).collect();
+        write!(out, "If it takes precedence, other residuals increase: {}.", costs.join(", "))?;
+    }
+    writeln!(out)
+}
 
-impl std::fmt::Display for Short {
+/// A number with as many significant digits as the precision of its format, in the shorter notation.
+struct SignificantDigits(f64);
+
+impl std::fmt::Display for SignificantDigits {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let digits = f.precision().unwrap_or(4).max(1);
         if self.0 == 0.0 || !self.0.is_finite() {

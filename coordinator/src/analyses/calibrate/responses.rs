@@ -1,7 +1,7 @@
-//! Surrogates of every response that a target looks at, and the targets' values they give at any parameters.
+//! Surrogates of the responses that the targets need, and the values of the targets predicted with them at any parameters.
 
 use super::space::Space;
-use super::targets::{Looks, Target};
+use super::targets::{Target, TargetQuantity};
 use crate::statistics::design::Population;
 use crate::statistics::learning::running_maximum;
 use crate::statistics::surrogate::{
@@ -15,23 +15,23 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-/// Samples over which statistics are taken.
+/// Number of samples of the random variables for means, standard deviations and reliabilities.
 const POPULATION: usize = 1000;
 
-/// Responses that share a surrogate.
+/// Responses that share the correlation of one surrogate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Group {
-    /// Running maximum of an output, at the checkpoints asked for.
+    /// Running maximum of an output at checkpoints.
     Largest(usize),
-    /// Values of an output.
+    /// Values of an output at checkpoints.
     Value(usize),
-    /// Force peaks.
+    /// Peak forces of joints.
     Forces,
-    /// Wear depths of a joint.
+    /// Wear depths of a joint at angles.
     Bore(usize),
 }
 
-/// One response: where in its group.
+/// One response of a group.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Column {
     Checkpoint(usize),
@@ -39,34 +39,34 @@ enum Column {
     Angle(f64),
 }
 
-/// A simulated sample.
-pub(super) struct Simulated {
+/// A sample and its evaluation.
+pub(super) struct CalibrationPoint {
     pub sample: Vec<f64>,
     pub evaluation: Evaluation,
 }
 
-/// Surrogates and what is looked at through them.
-pub(super) struct Responses<'a> {
+/// Surrogates of the responses of all targets.
+pub(super) struct ResponseSurrogates<'a> {
     space: &'a Space,
     targets: &'a [Target],
     surrogates: BTreeMap<Group, (Vec<Column>, Kriging)>,
     /// Standardised variables `(POPULATION)(d,)`.
     population: Population,
-    /// Least leave-one-out Q2 of each group's responses.
+    /// Smallest leave-one-out Q2 of the responses of each group [1].
     q2: BTreeMap<Group, f64>,
 }
 
-impl<'a> Responses<'a> {
-    /// Fits them. Depends on its arguments only.
+impl<'a> ResponseSurrogates<'a> {
+    /// Fits the surrogates to the simulated points; a function of its arguments only.
     pub fn fit(
         space: &'a Space,
         targets: &'a [Target],
-        simulated: &[Simulated],
+        simulated: &[CalibrationPoint],
         seed: u64,
     ) -> Result<Self, SurrogateError> {
         let mut columns: BTreeMap<Group, Vec<Column>> = BTreeMap::new();
         for (group, column) in
-            targets.iter().flat_map(|target| needed(&target.looks, &space.scene().limit_states))
+            targets.iter().flat_map(|target| needed(&target.quantity, &space.scene().limit_states))
         {
             let all = columns.entry(group).or_default();
             if !all.contains(&column) {
@@ -95,8 +95,8 @@ impl<'a> Responses<'a> {
         Ok(Self { space, targets, surrogates, population, q2 })
     }
 
-    /// The targets' values at these parameters `(p,)`, in the targets' order [SI].
-    pub fn at(&self, parameters: &[f64]) -> Vec<f64> {
+    /// Predicted values of the targets `(targets,)` [SI] at these parameters `(p,)`.
+    pub fn target_values(&self, parameters: &[f64]) -> Vec<f64> {
         let nominal = vec![0.0; self.space.inputs.dimension()];
         let samples = (0..POPULATION).map(|j| self.population.standardised(j)).chain([nominal.as_slice()]);
         let features: Vec<Vec<f64>> =
@@ -107,44 +107,48 @@ impl<'a> Responses<'a> {
             .iter()
             .map(|(group, (_, model))| (*group, model.predict(points.as_ref())))
             .collect();
-        self.targets.iter().map(|target| self.value(&target.looks, &predictions)).collect()
+        self.targets.iter().map(|target| self.value(&target.quantity, &predictions)).collect()
     }
 
-    /// Least leave-one-out Q2 of the surrogates a target is seen through.
+    /// Smallest leave-one-out Q2 of the surrogates of a target [1].
     pub fn q2(&self, target: &Target) -> f64 {
-        let groups = needed(&target.looks, &self.space.scene().limit_states);
+        let groups = needed(&target.quantity, &self.space.scene().limit_states);
         groups.iter().map(|(group, _)| self.q2[group]).fold(1.0, f64::min)
     }
 
-    fn value(&self, looks: &Looks, predictions: &BTreeMap<Group, Prediction>) -> f64 {
+    fn value(&self, quantity: &TargetQuantity, predictions: &BTreeMap<Group, Prediction>) -> f64 {
         let row = |group: Group, column: Column| -> (Vec<f64>, Group, usize) {
             let place =
                 self.surrogates[&group].0.iter().position(|other| *other == column).expect("a needed column");
             let mean = &predictions[&group].mean;
             ((0..=POPULATION).map(|j| mean[(place, j)]).collect(), group, place)
         };
-        match looks {
-            Looks::Mean { output, n } => {
+        match quantity {
+            TargetQuantity::Mean { output, n } => {
                 let (values, ..) = row(Group::Value(*output), Column::Checkpoint(*n));
                 mean(&values[..POPULATION])
             }
-            Looks::Std { output, n } => {
+            TargetQuantity::Std { output, n } => {
                 let (values, ..) = row(Group::Value(*output), Column::Checkpoint(*n));
                 let centre = mean(&values[..POPULATION]);
                 let squares: f64 = values[..POPULATION].iter().map(|y| (y - centre).powi(2)).sum();
                 (squares / (POPULATION - 1) as f64).sqrt()
             }
-            Looks::Nominal { output, n } => row(Group::Value(*output), Column::Checkpoint(*n)).0[POPULATION],
-            Looks::PeakForce { joint } => row(Group::Forces, Column::Joint(*joint)).0[POPULATION],
-            Looks::Depth { joint, angle } => row(Group::Bore(*joint), Column::Angle(*angle)).0[POPULATION],
-            Looks::Reliability { limit_state, n } => {
+            TargetQuantity::Nominal { output, n } => {
+                row(Group::Value(*output), Column::Checkpoint(*n)).0[POPULATION]
+            }
+            TargetQuantity::PeakForce { joint } => row(Group::Forces, Column::Joint(*joint)).0[POPULATION],
+            TargetQuantity::Depth { joint, angle } => {
+                row(Group::Bore(*joint), Column::Angle(*angle)).0[POPULATION]
+            }
+            TargetQuantity::Reliability { limit_state, n } => {
                 let limits = &self.space.scene().limit_states;
                 let chosen = |s: &usize| limit_state.is_none_or(|chosen| chosen == *s);
                 let mut survival = vec![1.0; POPULATION];
                 for limit in (0..limits.len()).filter(chosen).map(|s| &limits[s]) {
                     let (values, group, place) = row(Group::Largest(limit.output), Column::Checkpoint(*n));
                     let (model, prediction) = (&self.surrogates[&group].1, &predictions[&group]);
-                    // Smooth in the parameters, and right on average where the surrogate is uncertain.
+                    // The predicted probability of survival: smooth in the parameters, unbiased where the surrogate is uncertain.
                     let noise = model.correlation().noise();
                     for (j, survives) in survival.iter_mut().enumerate() {
                         let variance = model.sigma2()[place] * (prediction.variance_factor[j] + noise);
@@ -163,19 +167,21 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// The responses that a target is made of.
-fn needed(looks: &Looks, limits: &[LimitState]) -> Vec<(Group, Column)> {
-    match looks {
-        Looks::Mean { output, n } | Looks::Std { output, n } | Looks::Nominal { output, n } => {
+/// The responses that a target needs.
+fn needed(quantity: &TargetQuantity, limits: &[LimitState]) -> Vec<(Group, Column)> {
+    match quantity {
+        TargetQuantity::Mean { output, n }
+        | TargetQuantity::Std { output, n }
+        | TargetQuantity::Nominal { output, n } => {
             vec![(Group::Value(*output), Column::Checkpoint(*n))]
         }
-        Looks::Reliability { limit_state, n } => {
+        TargetQuantity::Reliability { limit_state, n } => {
             let chosen =
                 limits.iter().enumerate().filter(|(s, _)| limit_state.is_none_or(|chosen| chosen == *s));
             chosen.map(|(_, limit)| (Group::Largest(limit.output), Column::Checkpoint(*n))).collect()
         }
-        Looks::PeakForce { joint } => vec![(Group::Forces, Column::Joint(*joint))],
-        Looks::Depth { joint, angle } => vec![(Group::Bore(*joint), Column::Angle(*angle))],
+        TargetQuantity::PeakForce { joint } => vec![(Group::Forces, Column::Joint(*joint))],
+        TargetQuantity::Depth { joint, angle } => vec![(Group::Bore(*joint), Column::Angle(*angle))],
     }
 }
 
@@ -195,13 +201,14 @@ fn values(group: Group, columns: &[Column], evaluation: &Evaluation) -> Vec<f64>
     columns.iter().map(value).collect()
 }
 
-/// Depth at an angle between control points at equal angles from zero on, linearly; zero of a joint that does not wear.
+/// Depth [m] at an angle [rad] by linear interpolation between control points at equal angles from zero; zero for a joint
+/// without wear.
 pub(super) fn depth(depths: &[f64], angle: f64) -> f64 {
     if depths.is_empty() {
         return 0.0;
     }
     let place = angle.rem_euclid(TAU) / TAU * depths.len() as f64;
     let (left, share) = (place.floor(), place.fract());
-    let at = |k: f64| depths[k as usize % depths.len()];
-    at(left) * (1.0 - share) + at(left + 1.0) * share
+    let control_point = |k: f64| depths[k as usize % depths.len()];
+    control_point(left) * (1.0 - share) + control_point(left + 1.0) * share
 }

@@ -1,39 +1,43 @@
-//! The space that is searched: free parameters beside the random variables of a scene.
+//! The space of a calibration: the free parameters and the random variables of a scene.
 //!
-//! A parameter that changes keys of the scene becomes one more variable of the scene that workers are given, so that a sample
-//! says everything. One that moves the means or the spread of random variables needs nothing of the workers: it moves
-//! the samples, x_k = f_mean mean_k + f_spread std_k z_k with z_k the standardised variable.
+//! A parameter that changes keys of the scene becomes an additional variable of the scene that the workers receive, so that
+//! a sample defines the simulation completely. A parameter that scales the means or the spread of random variables
+//! transforms the samples:
+//!
+//! `x_k = f_mean mean_k + f_spread std_k z_k`
+//!
+//! with `x_k` the variable [SI], `z_k` the standardised variable [1], and the factors `f_mean`, `f_spread` [1].
 
 use super::CalibrationError;
 use crate::statistics::design::InputModel;
 use common::scene::{Fault, FaultKind, Faults, Scene, SceneSource};
 use toml::{Table, Value};
 
-/// What a free parameter moves.
+/// Effect of a free parameter.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Moves {
+pub enum ParameterKind {
     /// Keys of the scene: the parameter is their value.
     Keys(Vec<String>),
     /// Means of random variables: the parameter is a factor on them.
     Mean(Vec<usize>),
-    /// Standard deviations, likewise.
+    /// Standard deviations of random variables: the parameter is a factor on them.
     Spread(Vec<usize>),
 }
 
-/// A parameter that may move.
+/// A parameter to be fitted.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Free {
-    /// Name.
+pub struct FreeParameter {
+    /// Name in the report.
     pub name: String,
-    /// What it moves.
-    pub moves: Moves,
-    /// Least value [SI, or a factor].
+    /// Effect on the scene or on the samples.
+    pub kind: ParameterKind,
+    /// Lower bound [SI, or a factor].
     pub lower: f64,
-    /// Largest value.
+    /// Upper bound [SI, or a factor].
     pub upper: f64,
-    /// SI unit; empty of a factor.
+    /// SI unit; empty for a factor.
     pub unit: String,
-    /// Bounds as written.
+    /// Bounds as written in the file of targets.
     pub bounds: [String; 2],
 }
 
@@ -45,21 +49,21 @@ pub struct Space {
     /// The scene's own variables.
     pub inputs: InputModel,
     /// Free parameters, bounds in SI.
-    pub free: Vec<Free>,
+    pub free: Vec<FreeParameter>,
 }
 
 impl Space {
-    /// Of a scene and what is free in it.
+    /// The space of a scene and its free parameters.
     ///
     /// # Errors
-    /// Faults of the free parameters as variables of the scene.
-    pub fn new(source: &SceneSource, free: &[Free]) -> Result<Self, CalibrationError> {
+    /// [`CalibrationError::Scene`] if a free parameter is no valid variable of the scene.
+    pub fn new(source: &SceneSource, free: &[FreeParameter]) -> Result<Self, CalibrationError> {
         let scene = source.nominal();
         let own = scene.variables.len();
         let source = with_parameters(source, free)?;
         let mut free = free.to_vec();
         let added = source.nominal().variables[own..].to_vec();
-        let keyed = free.iter_mut().filter(|free| matches!(free.moves, Moves::Keys(_)));
+        let keyed = free.iter_mut().filter(|free| matches!(free.kind, ParameterKind::Keys(_)));
         for (free, variable) in keyed.zip(added) {
             (free.lower, free.upper) = variable.distribution.support();
             free.unit = variable.unit;
@@ -83,10 +87,10 @@ impl Space {
         let (mut mean_by, mut spread_by) = (vec![1.0; z.len()], vec![1.0; z.len()]);
         let mut keyed = Vec::new();
         for (free, value) in self.free.iter().zip(parameters) {
-            match &free.moves {
-                Moves::Keys(_) => keyed.push(*value),
-                Moves::Mean(variables) => variables.iter().for_each(|k| mean_by[*k] *= value),
-                Moves::Spread(variables) => variables.iter().for_each(|k| spread_by[*k] *= value),
+            match &free.kind {
+                ParameterKind::Keys(_) => keyed.push(*value),
+                ParameterKind::Mean(variables) => variables.iter().for_each(|k| mean_by[*k] *= value),
+                ParameterKind::Spread(variables) => variables.iter().for_each(|k| spread_by[*k] *= value),
             }
         }
         let variables = self.inputs.variables().iter().zip(z).enumerate();
@@ -95,12 +99,12 @@ impl Space {
         x.chain(keyed).collect()
     }
 
-    /// What surrogates see of a sample `(d + keyed,)` [1]: deviations from the scene's means in its standard deviations, and
-    /// parameters from -1 to 1 over their bounds.
+    /// Coordinates of a sample for surrogates `(d + keyed,)` [1]: deviations from the scene's means in its standard
+    /// deviations, and parameters from -1 to 1 over their bounds.
     pub fn features(&self, sample: &[f64]) -> Vec<f64> {
         let d = self.inputs.dimension();
         let mut features = self.inputs.standardise(&sample[..d]);
-        let keyed = self.free.iter().filter(|free| matches!(free.moves, Moves::Keys(_)));
+        let keyed = self.free.iter().filter(|free| matches!(free.kind, ParameterKind::Keys(_)));
         features.extend(
             keyed
                 .zip(&sample[d..])
@@ -109,21 +113,27 @@ impl Space {
         features
     }
 
-    /// Parameters `(p,)` where the scene stands: factors of one, keys in the middle of their bounds.
+    /// Parameters `(p,)` of the places between their bounds `(p,)` [1].
+    pub fn parameters(&self, places: &[f64]) -> Vec<f64> {
+        let value = |(free, place): (&FreeParameter, &f64)| free.lower + (free.upper - free.lower) * place;
+        self.free.iter().zip(places).map(value).collect()
+    }
+
+    /// Start of the fit `(p,)`: factors of one, keys in the middle of their bounds.
     pub fn middle(&self) -> Vec<f64> {
-        let middle = |free: &Free| match free.moves {
-            Moves::Keys(_) => 0.5 * (free.lower + free.upper),
-            Moves::Mean(_) | Moves::Spread(_) => 1.0_f64.clamp(free.lower, free.upper),
+        let middle = |free: &FreeParameter| match free.kind {
+            ParameterKind::Keys(_) => 0.5 * (free.lower + free.upper),
+            ParameterKind::Mean(_) | ParameterKind::Spread(_) => 1.0_f64.clamp(free.lower, free.upper),
         };
         self.free.iter().map(middle).collect()
     }
 }
 
 /// The scene with a uniform variable for each parameter that changes keys.
-fn with_parameters(source: &SceneSource, free: &[Free]) -> Result<SceneSource, CalibrationError> {
-    let keyed = free.iter().filter_map(|free| match &free.moves {
-        Moves::Keys(keys) => Some((free, keys)),
-        Moves::Mean(_) | Moves::Spread(_) => None,
+fn with_parameters(source: &SceneSource, free: &[FreeParameter]) -> Result<SceneSource, CalibrationError> {
+    let keyed = free.iter().filter_map(|free| match &free.kind {
+        ParameterKind::Keys(keys) => Some((free, keys)),
+        ParameterKind::Mean(_) | ParameterKind::Spread(_) => None,
     });
     let syntax = |message: String| {
         Faults(vec![Fault {

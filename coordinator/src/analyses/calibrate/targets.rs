@@ -1,18 +1,10 @@
-//! The file of free parameters and targets, TOML.
+//! Targets of a calibration: quantities with the values to be met and their tolerances.
 
-use super::CalibrationError;
-use super::space::{Free, Moves};
-use crate::results::output_unit::OutputUnit;
-use common::scene::Scene;
-use common::scene::expression::evaluate;
-use common::scene::quantity::{ANGLE, ANGULAR_VELOCITY, Dimension, FORCE, Kind, LENGTH, NUMBER, TORQUE};
-use serde::Deserialize;
-use std::path::Path;
-use toml::{Table, Value};
+use super::space::FreeParameter;
 
-/// What a target looks at.
+/// Quantity of a target.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Looks {
+pub enum TargetQuantity {
     /// Mean over the random variables of an output at checkpoint `n`.
     Mean {
         /// Index of the output.
@@ -20,21 +12,21 @@ pub enum Looks {
         /// Index of the checkpoint.
         n: usize,
     },
-    /// Standard deviation, likewise.
+    /// Standard deviation over the random variables of an output at checkpoint `n`.
     Std {
         /// Index of the output.
         output: usize,
         /// Index of the checkpoint.
         n: usize,
     },
-    /// The value at the means of the random variables.
+    /// Value of an output at the means of the random variables, at checkpoint `n`.
     Nominal {
         /// Index of the output.
         output: usize,
         /// Index of the checkpoint.
         n: usize,
     },
-    /// R at checkpoint `n` by one limit state, or by all if there is none.
+    /// R at checkpoint `n` by one limit state, or by all if `limit_state` is `None`.
     Reliability {
         /// Index of the limit state.
         limit_state: Option<usize>,
@@ -55,352 +47,35 @@ pub enum Looks {
     },
 }
 
-/// One number to be met.
+/// One number to be met by the fit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Target {
-    /// Name for people.
+    /// Name in the report.
     pub name: String,
-    /// What it is.
-    pub looks: Looks,
+    /// Quantity to be compared with the value.
+    pub quantity: TargetQuantity,
     /// Value to be met [SI].
     pub value: f64,
-    /// How well it is known, or must be met: a standard deviation [SI].
+    /// Standard deviation of the measurement, or of the deviation to be accepted [SI].
     pub tolerance: f64,
-    /// Unit it is shown in, and that unit in SI.
-    pub unit: (String, f64),
+    /// Unit in the report.
+    pub unit: ShownUnit,
 }
 
-/// What may move, and what is to be met.
+/// Unit of a number as written in the file.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Targets {
-    /// Free parameters.
-    pub free: Vec<Free>,
-    /// Targets, at least one.
+pub struct ShownUnit {
+    /// Symbol; empty for a plain number.
+    pub symbol: String,
+    /// The unit in SI.
+    pub si: f64,
+}
+
+/// Free parameters and targets of a calibration.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CalibrationTargets {
+    /// Parameters to be fitted, at least one.
+    pub free: Vec<FreeParameter>,
+    /// Numbers to be met, at least one.
     pub targets: Vec<Target>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct File {
-    /// File with a table `[published]`, whose values targets may name.
-    reference: Option<String>,
-    #[serde(default)]
-    parameters: Vec<ParameterRow>,
-    #[serde(default)]
-    targets: Vec<TargetRow>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ParameterRow {
-    name: String,
-    #[serde(default)]
-    changes: Vec<String>,
-    #[serde(default)]
-    mean_of: Vec<String>,
-    #[serde(default)]
-    spread_of: Vec<String>,
-    lower: Value,
-    upper: Value,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct TargetRow {
-    name: Option<String>,
-    output: Option<String>,
-    limit_state: Option<String>,
-    joint: Option<String>,
-    statistic: Option<String>,
-    cycles: Option<u32>,
-    value: Option<Value>,
-    profile: Option<String>,
-    tolerance: Value,
-}
-
-/// Reads a file of targets for a scene.
-///
-/// # Errors
-/// [`CalibrationError::Targets`] with the first fault.
-pub fn read(path: &Path, scene: &Scene) -> Result<Targets, CalibrationError> {
-    let text = std::fs::read_to_string(path).map_err(|error| fault(path, "", error.to_string()))?;
-    parse(&text, path, scene)
-}
-
-/// Reads their text; profiles are found beside the file.
-///
-/// # Errors
-/// [`CalibrationError::Targets`] with the first fault.
-pub fn parse(text: &str, path: &Path, scene: &Scene) -> Result<Targets, CalibrationError> {
-    let file: File =
-        toml::from_str(text).map_err(|error| fault(path, "", error.to_string().trim_end().to_owned()))?;
-    if file.parameters.is_empty() || file.targets.is_empty() {
-        let what = "at least one [[parameters]] and one [[targets]] are needed";
-        return Err(fault(path, "", what.to_owned()));
-    }
-    let published =
-        file.reference.as_deref().map(|file| published(path, file)).transpose()?.unwrap_or_default();
-    let reader = Reader { path, scene, published };
-    let free = file.parameters.iter().map(|row| reader.free(row)).collect::<Result<Vec<_>, _>>()?;
-    let targets: Vec<Vec<Target>> = file
-        .targets
-        .iter()
-        .enumerate()
-        .map(|(place, row)| reader.target(place, row))
-        .collect::<Result<_, _>>()?;
-    Ok(Targets { free, targets: targets.into_iter().flatten().collect() })
-}
-
-fn fault(path: &Path, key: &str, what: String) -> CalibrationError {
-    let key = if key.is_empty() { "file".to_owned() } else { key.to_owned() };
-    CalibrationError::Targets { file: path.display().to_string(), key, what }
-}
-
-/// Reads the table `[published]` of a reference file beside the file of targets.
-fn published(path: &Path, file: &str) -> Result<Table, CalibrationError> {
-    let refuse = |what: String| fault(path, "reference", format!("{file}: {what}"));
-    let text = std::fs::read_to_string(path.parent().unwrap_or(Path::new(".")).join(file))
-        .map_err(|error| refuse(error.to_string()))?;
-    let mut table: Table = text.parse().map_err(|error: toml::de::Error| refuse(error.to_string()))?;
-    match table.remove("published") {
-        Some(Value::Table(published)) => Ok(published),
-        _ => Err(refuse("has no table [published]".to_owned())),
-    }
-}
-
-struct Reader<'a> {
-    path: &'a Path,
-    scene: &'a Scene,
-    /// Results that targets may name.
-    published: Table,
-}
-
-impl Reader<'_> {
-    fn free(&self, row: &ParameterRow) -> Result<Free, CalibrationError> {
-        let key = |key: &str| format!("parameters.{}.{key}", row.name);
-        let variables = |names: &[String], of: &str| -> Result<Vec<usize>, CalibrationError> {
-            names.iter().map(|name| self.find(&key(of), name, "variable", self.variables())).collect()
-        };
-        let moves = match (row.changes.as_slice(), row.mean_of.as_slice(), row.spread_of.as_slice()) {
-            (keys @ [_, ..], [], []) => Moves::Keys(keys.to_vec()),
-            ([], names @ [_, ..], []) => Moves::Mean(variables(names, "mean_of")?),
-            ([], [], names @ [_, ..]) => Moves::Spread(variables(names, "spread_of")?),
-            _ => {
-                let what = "expected exactly one of changes (keys of the scene), mean_of and spread_of (names of \
-                            variables)";
-                return Err(fault(self.path, &format!("parameters.{}", row.name), what.to_owned()));
-            }
-        };
-        let (lower, upper) = (text_of(&row.lower), text_of(&row.upper));
-        let mut free = Free {
-            name: row.name.clone(),
-            moves,
-            lower: 0.0,
-            upper: 0.0,
-            unit: String::new(),
-            bounds: [lower, upper],
-        };
-        if !matches!(free.moves, Moves::Keys(_)) {
-            free.lower = self.number(&key("lower"), &row.lower, NUMBER)?.0;
-            free.upper = self.number(&key("upper"), &row.upper, NUMBER)?.0;
-            if !(free.lower > 0.0 && free.lower < free.upper) {
-                let what =
-                    format!("a factor from {} to {}: expected 0 < lower < upper", free.lower, free.upper);
-                return Err(fault(self.path, &key("lower"), what));
-            }
-        }
-        Ok(free)
-    }
-
-    fn target(&self, place: usize, row: &TargetRow) -> Result<Vec<Target>, CalibrationError> {
-        let path = match &row.name {
-            Some(name) => format!("targets.{name}"),
-            None => format!("targets[{}]", place + 1),
-        };
-        let key = |key: &str| format!("{path}.{key}");
-        let name = |what: String| row.name.clone().unwrap_or(what);
-        if let Some(profile) = &row.profile {
-            let joint = self.joint(&key("joint"), row)?;
-            let (tolerance, unit) = self.number(&key("tolerance"), &row.tolerance, LENGTH)?;
-            return self.profile(
-                &key("profile"),
-                profile,
-                joint,
-                (tolerance, unit),
-                &name(format!("bore {}", self.scene.joints[joint].name)),
-            );
-        }
-        let Some(value) = &row.value else {
-            return Err(fault(self.path, &key("value"), "is missing, or a profile instead of it".to_owned()));
-        };
-        let statistic =
-            row.statistic.as_deref().unwrap_or(if row.limit_state.is_some() { "reliability" } else { "" });
-        let (looks, kind, told) = match statistic {
-            "mean" | "std" | "nominal" => {
-                let (output, n) = (self.output(&key("output"), row)?, self.checkpoint(&key("cycles"), row)?);
-                let looks = match statistic {
-                    "mean" => Looks::Mean { output, n },
-                    "std" => Looks::Std { output, n },
-                    _ => Looks::Nominal { output, n },
-                };
-                (looks, self.kind(output), format!("{statistic} of {}", self.scene.outputs[output].name))
-            }
-            "reliability" => {
-                let name = row.limit_state.as_deref().unwrap_or("total");
-                let limit_state = if name == "total" {
-                    None
-                } else {
-                    let names = self.scene.limit_states.iter().map(|limit| limit.name.as_str()).collect();
-                    Some(self.find(&key("limit_state"), name, "limit state", names)?)
-                };
-                (
-                    Looks::Reliability { limit_state, n: self.checkpoint(&key("cycles"), row)? },
-                    NUMBER,
-                    format!("R {name}"),
-                )
-            }
-            "peak-force" => {
-                let joint = self.joint(&key("joint"), row)?;
-                (
-                    Looks::PeakForce { joint },
-                    FORCE,
-                    format!("peak force in joint {}", self.scene.joints[joint].name),
-                )
-            }
-            other => {
-                let what = format!("{other:?}: allowed are mean, std, nominal, reliability and peak-force");
-                return Err(fault(self.path, &key("statistic"), what));
-            }
-        };
-        let (value, unit) = self.number(&key("value"), value, kind)?;
-        let (tolerance, _) = self.number(&key("tolerance"), &row.tolerance, kind)?;
-        if tolerance <= 0.0 {
-            return Err(fault(self.path, &key("tolerance"), "expected above zero".to_owned()));
-        }
-        let told = row.cycles.map_or(told.clone(), |cycles| format!("{told} at {cycles}"));
-        Ok(vec![Target { name: name(told), looks, value, tolerance, unit }])
-    }
-
-    /// Angle [deg] and depth in the unit of the tolerance, one pair a line; lines that do not begin with a number are heads.
-    fn profile(
-        &self,
-        key: &str,
-        file: &str,
-        joint: usize,
-        (tolerance, unit): (f64, (String, f64)),
-        name: &str,
-    ) -> Result<Vec<Target>, CalibrationError> {
-        let path = self.path.parent().unwrap_or(Path::new(".")).join(file);
-        let text = std::fs::read_to_string(&path)
-            .map_err(|error| fault(self.path, key, format!("{file}: {error}")))?;
-        let mut targets = Vec::new();
-        for (number, line) in text.lines().enumerate() {
-            let cells: Vec<&str> = line.split([',', ';', '\t']).map(str::trim).collect();
-            let Some(Ok(angle)) = cells.first().map(|cell| cell.parse::<f64>()) else { continue };
-            let depth =
-                cells.get(1).and_then(|cell| cell.parse::<f64>().ok()).filter(|depth| depth.is_finite());
-            let Some(depth) = depth.filter(|_| angle.is_finite()) else {
-                let what = format!(
-                    "{file}, line {}: expected an angle in degrees and a depth in {}",
-                    number + 1,
-                    unit.0
-                );
-                return Err(fault(self.path, key, what));
-            };
-            targets.push(Target {
-                name: format!("{name} at {angle} deg"),
-                looks: Looks::Depth { joint, angle: angle.to_radians() },
-                value: depth * unit.1,
-                tolerance,
-                unit: unit.clone(),
-            });
-        }
-        if targets.is_empty() {
-            return Err(fault(self.path, key, format!("{file} has no line with an angle and a depth")));
-        }
-        Ok(targets)
-    }
-
-    fn variables(&self) -> Vec<&str> {
-        self.scene.variables.iter().map(|variable| variable.name.as_str()).collect()
-    }
-
-    fn find(&self, key: &str, name: &str, what: &str, known: Vec<&str>) -> Result<usize, CalibrationError> {
-        known.iter().position(|other| *other == name).ok_or_else(|| {
-            fault(self.path, key, format!("there is no {what} {name:?}; there are {}", known.join(", ")))
-        })
-    }
-
-    fn output(&self, key: &str, row: &TargetRow) -> Result<usize, CalibrationError> {
-        let names: Vec<&str> = self.scene.outputs.iter().map(|output| output.name.as_str()).collect();
-        self.find(key, row.output.as_deref().unwrap_or_default(), "output", names)
-    }
-
-    fn joint(&self, key: &str, row: &TargetRow) -> Result<usize, CalibrationError> {
-        let names: Vec<&str> = self.scene.joints.iter().map(|joint| joint.name.as_str()).collect();
-        self.find(key, row.joint.as_deref().unwrap_or_default(), "joint", names)
-    }
-
-    fn checkpoint(&self, key: &str, row: &TargetRow) -> Result<usize, CalibrationError> {
-        let all = self.scene.life.checkpoints();
-        let found = row.cycles.and_then(|cycles| all.iter().position(|other| *other == cycles));
-        found.ok_or_else(|| {
-            let (first, last) = (all.first().unwrap_or(&0), all.last().unwrap_or(&0));
-            let what = format!(
-                "expected a checkpoint of the life: {first} to {last} by {}",
-                self.scene.life.checkpoint_every
-            );
-            fault(self.path, key, what)
-        })
-    }
-
-    fn kind(&self, output: usize) -> Kind {
-        match OutputUnit::of(&self.scene.outputs[output].kind) {
-            OutputUnit::Length => LENGTH,
-            OutputUnit::AngularVelocity => ANGULAR_VELOCITY,
-            OutputUnit::Angle => ANGLE,
-            OutputUnit::Force => FORCE,
-            OutputUnit::Torque => TORQUE,
-            OutputUnit::External(_) => NUMBER,
-        }
-    }
-
-    /// A quantity in SI, and the unit it was written in with that unit in SI.
-    fn number(&self, key: &str, value: &Value, kind: Kind) -> Result<(f64, (String, f64)), CalibrationError> {
-        let refuse = |what: String| Err(fault(self.path, key, what));
-        let value = value.as_str().and_then(|name| self.published.get(name)).unwrap_or(value);
-        let text = match value {
-            Value::Float(_) | Value::Integer(_) if kind.dimension != Dimension::NONE => {
-                return refuse(format!("{value} has no unit, expected {}", kind.in_words()));
-            }
-            other => text_of(other),
-        };
-        let mut nothing = |name: &str| {
-            Err(common::scene::expression::ExpressionError::UnknownName {
-                name: name.to_owned(),
-                nearest: None,
-            })
-        };
-        match evaluate(&text, &mut nothing) {
-            Err(error) => refuse(format!("{text:?}: {error}")),
-            Ok(found) if found.dimension != kind.dimension => {
-                refuse(format!("{text:?} is {}, expected {}", found.dimension, kind.in_words()))
-            }
-            Ok(found) if !found.value.is_finite() => refuse(format!("{text:?} is not finite")),
-            Ok(found) => {
-                let unit =
-                    text.trim_start_matches(|c: char| c.is_ascii_digit() || "+-.eE ".contains(c)).trim();
-                let one = evaluate(&format!("1 {unit}"), &mut nothing).map_or(1.0, |one| one.value);
-                Ok((found.value, (unit.to_owned(), one)))
-            }
-        }
-    }
-}
-
-/// A value of TOML as the text of a quantity.
-fn text_of(value: &Value) -> String {
-    match value {
-        Value::String(text) => text.clone(),
-        other => other.to_string(),
-    }
 }

@@ -1,7 +1,9 @@
 //! Calibrations of the four-bar with a stand-in in closed form for its simulation, so that the right answer is known.
 
 use super::responses::depth;
-use super::{Calibration, CalibrationError, Outcome, Space, calibrate, markdown, parse_targets};
+use super::{
+    CalibrationError, CalibrationResult, CalibrationSettings, Space, calibrate, markdown, parse_targets,
+};
 use crate::farm::evaluate::Request;
 use crate::farm::evaluate::local::LocalEvaluator;
 use common::accuracy::Accuracy;
@@ -61,14 +63,14 @@ fn stand_in(scene: &Scene, request: &Request) -> Result<Evaluation, SimulationFa
     })
 }
 
-fn fitted(targets: &str) -> Result<Outcome, CalibrationError> {
+fn fitted(targets: &str) -> Result<CalibrationResult, CalibrationError> {
     let source = four_bar();
     let scene = source.nominal();
     let targets = parse_targets(&format!("{PARAMETERS}{targets}"), Path::new("targets.toml"), scene)?;
     let space = Space::new(&source, &targets.free)?;
-    let plan = Calibration { simulations: 60, rounds: 1, seed: 1, accuracy: Accuracy::draft() };
+    let settings = CalibrationSettings { simulations: 60, rounds: 1, seed: 1, accuracy: Accuracy::draft() };
     let mut evaluator = LocalEvaluator::new(2, |request: &Request| stand_in(scene, request));
-    calibrate(&targets, &plan, &mut evaluator, &space, &mut |_| {})
+    calibrate(&targets, &settings, &mut evaluator, &space, &mut |_| {})
 }
 
 #[test]
@@ -107,7 +109,7 @@ fn known_parameters_are_found_with_their_uncertainties() {
         assert!(off < parameter.uncertainty && off < 0.04 * right, "{parameter:?} {right}");
         assert!(parameter.determined && !parameter.on_bound, "{parameter:?}");
     }
-    // The force says the width to 0.1 mm; so the wear is known to 0.1 / 12 and 0.1 / 8 of it together.
+    // The force determines the width to 0.1 mm; the wear is then determined to 0.1 / 12 and 0.1 / 8 combined.
     assert!((found.parameters[0].uncertainty / 1e-4 - 1.0).abs() < 0.1, "{found:?}");
     assert!((found.parameters[1].uncertainty / 0.018 - 1.0).abs() < 0.2, "{found:?}");
     assert!(found.correlation[0][1] > 0.5 && found.conflicts.is_empty(), "{found:?}");
@@ -129,7 +131,7 @@ fn targets_that_contradict_each_other_are_named() {
     assert_eq!(names, ["bench one", "bench two"]);
     let first = &found.conflicts[0];
     assert!(first.alone.abs() < 0.1 && first.costs[0].0 == "bench two", "{first:?}");
-    // Nothing here depends on the spread, and wear alone cannot tell width from coefficient.
+    // No target depends on the spread, and wear alone does not distinguish width and coefficient.
     assert!(!found.parameters[2].determined, "{found:?}");
     assert!(found.correlation[0][1] > 0.8, "{found:?}");
     // Far outside of what the bounds allow.
@@ -172,7 +174,7 @@ fn a_target_may_name_a_published_result() {
         parse_targets(&text, &folder.path().join("targets.toml"), source.nominal())
     };
     let target = &read("reference = \"published.toml\"").unwrap().targets[0];
-    assert!((target.value - 12e-6).abs() < 1e-20 && target.unit.0 == "um", "{target:?}");
+    assert!((target.value - 12e-6).abs() < 1e-20 && target.unit.symbol == "um", "{target:?}");
     assert!(read("").unwrap_err().to_string().contains("no unit, parameter or function `wear`"));
     let error = read("reference = \"none.toml\"").unwrap_err().to_string();
     assert!(error.contains("reference: none.toml: "), "{error}");

@@ -1,31 +1,32 @@
-//! How settings compare with the reference: cost, error of every output, whether the stated errors hold, and what the
-//! errors mean for the reliability.
+//! Comparison of the settings with the reference: cost, error of every output, validity of the stated errors, and effect of
+//! the errors on the reliability.
 
 use super::lives::{LifeChange, life_changes};
 use super::measure::{Measured, Measurement};
-use super::stated::{Case, Stated};
+use super::stated::{StatedErrorCheck, StatedValue};
 use common::accuracy::NamedAccuracy;
 use common::outputs::Evaluation;
 use common::scene::Scene;
 
-/// How one output of a setting compares with the reference, over all points.
+/// Error of one output of a setting against the reference, over all points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OutputError {
-    /// Largest difference over all checkpoints, over the threshold of the output's limit state, or over the output's largest
-    /// value where it has none [1].
+    /// Largest difference over all checkpoints relative to the threshold of the output's limit state, or to the output's
+    /// largest value without a limit state [1].
     pub relative: f64,
-    /// The same up to the first checkpoint at which the reference reaches the limit: what the reliability sees [1].
+    /// Largest relative difference up to the first checkpoint at which the reference reaches the limit, which is the part
+    /// that affects the reliability [1].
     pub until_limit: f64,
-    /// Largest displacement of the life at which the limit state is reached [cycles]; none where no point reaches it.
+    /// Largest change of the life at which the limit state is reached [cycles]; `None` if no point reaches it.
     pub life: Option<f64>,
-    /// Whether the errors that the evaluations state hold.
-    pub stated: Stated,
+    /// Validity of the stated errors.
+    pub stated: StatedErrorCheck,
 }
 
-/// One setting.
+/// Cost and errors of one setting.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Row {
-    /// The setting.
+pub struct SettingComparison {
+    /// Setting compared with the reference.
     pub setting: NamedAccuracy,
     /// Mean time of an evaluation on one core [s].
     pub seconds: f64,
@@ -33,37 +34,41 @@ pub struct Row {
     pub steps: f64,
     /// Mean number of simulated cycles.
     pub cycles: f64,
-    /// Points at which it failed.
+    /// Number of points at which the evaluation failed.
     pub failures: usize,
-    /// One per output of the scene; empty if it failed everywhere.
+    /// Error of every output of the scene; empty if all evaluations failed.
     pub outputs: Vec<OutputError>,
-    /// Whether the stated errors hold, over all outputs.
-    pub stated: Stated,
-    /// One per limit state and one for all; empty without random points.
+    /// Validity of the stated errors over all outputs.
+    pub stated: StatedErrorCheck,
+    /// Change of the lives by every limit state and in total; empty without random points.
     pub lives: Vec<LifeChange>,
-    /// Whether no other setting is both quicker and nearer in the worst of its outputs.
+    /// True if no other setting is both faster and more accurate in its worst output.
     pub efficient: bool,
 }
 
-impl Row {
-    /// Error of its worst output.
+impl SettingComparison {
+    /// Largest relative error of any output [1].
     pub fn worst(&self) -> f64 {
         self.outputs.iter().fold(0.0, |a: f64, o| a.max(o.relative))
     }
 }
 
 /// A setting and the reference at one point.
-struct Pair<'m> {
+struct ComparedPoint<'m> {
     point: usize,
     measured: &'m Measured,
     found: &'m Evaluation,
     reference: &'m Evaluation,
 }
 
-/// Compares every setting with the reference. Points at which one of the two has no result are left out; the first point is
-/// the nominal one, which says nothing about reliability.
-pub fn compare(scene: &Scene, settings: &[NamedAccuracy], measurement: &Measurement) -> Vec<Row> {
-    let mut rows: Vec<Row> = settings
+/// Compares every setting with the reference. Points without a result of either are excluded; the first point is the nominal
+/// one, which is excluded from the reliability.
+pub fn compare(
+    scene: &Scene,
+    settings: &[NamedAccuracy],
+    measurement: &Measurement,
+) -> Vec<SettingComparison> {
+    let mut rows: Vec<SettingComparison> = settings
         .iter()
         .zip(&measurement.settings)
         .map(|(setting, points)| row(scene, setting, points, &measurement.reference))
@@ -81,8 +86,8 @@ pub fn compare(scene: &Scene, settings: &[NamedAccuracy], measurement: &Measurem
     rows
 }
 
-/// Compares the reference with itself: its cost, and in [`Row::outputs`] the errors it states of itself.
-pub fn reference_row(scene: &Scene, measurement: &Measurement) -> Row {
+/// Row of the reference: its cost and, in [`SettingComparison::outputs`], its own stated errors.
+pub fn reference_row(scene: &Scene, measurement: &Measurement) -> SettingComparison {
     let mut own: Vec<Measured> = measurement.reference.clone();
     for measured in &mut own {
         if let Ok(evaluation) = &mut measured.outcome {
@@ -98,41 +103,48 @@ pub fn reference_row(scene: &Scene, measurement: &Measurement) -> Row {
     row(scene, &setting, &own, &measurement.reference)
 }
 
-fn row(scene: &Scene, setting: &NamedAccuracy, points: &[Measured], reference: &[Measured]) -> Row {
-    let pairs: Vec<Pair> = points
+fn row(
+    scene: &Scene,
+    setting: &NamedAccuracy,
+    points: &[Measured],
+    reference: &[Measured],
+) -> SettingComparison {
+    let pairs: Vec<ComparedPoint> = points
         .iter()
         .zip(reference)
         .enumerate()
         .filter_map(|(point, (measured, r))| {
             let (found, reference) = (measured.outcome.as_ref().ok()?, r.outcome.as_ref().ok()?);
-            Some(Pair { point, measured, found, reference })
+            Some(ComparedPoint { point, measured, found, reference })
         })
         .collect();
-    let mean = |of: &dyn Fn(&Pair) -> f64| pairs.iter().map(of).sum::<f64>() / pairs.len().max(1) as f64;
-    let cases: Vec<Vec<Case>> = (0..scene.outputs.len()).map(|k| cases(k, &pairs)).collect();
+    let mean = |quantity: &dyn Fn(&ComparedPoint) -> f64| {
+        pairs.iter().map(quantity).sum::<f64>() / pairs.len().max(1) as f64
+    };
+    let cases: Vec<Vec<StatedValue>> = (0..scene.outputs.len()).map(|k| cases(k, &pairs)).collect();
     let outputs = cases.iter().enumerate().map(|(k, cases)| output_error(scene, k, &pairs, cases));
     let random: Vec<_> =
         pairs.iter().filter(|pair| pair.point > 0).map(|pair| (pair.found, pair.reference)).collect();
-    Row {
+    SettingComparison {
         setting: setting.clone(),
         seconds: mean(&|pair| pair.measured.seconds),
         steps: mean(&|pair| pair.found.diagnostics.steps as f64),
         cycles: mean(&|pair| pair.found.diagnostics.simulated_cycles as f64),
         failures: points.iter().filter(|m| m.outcome.is_err()).count(),
         outputs: if pairs.is_empty() { vec![] } else { outputs.collect() },
-        stated: Stated::of(&cases.concat()),
+        stated: StatedErrorCheck::new(&cases.concat()),
         lives: life_changes(scene, &random),
         efficient: false,
     }
 }
 
 /// Every value of output `k`.
-fn cases(k: usize, pairs: &[Pair]) -> Vec<Case> {
+fn cases(k: usize, pairs: &[ComparedPoint]) -> Vec<StatedValue> {
     let mut all = Vec::new();
-    for Pair { point, found, reference, .. } in pairs {
+    for ComparedPoint { point, found, reference, .. } in pairs {
         let last = found.cycles.last().copied().unwrap_or(1);
         let values = found.histories[k].iter().zip(&reference.histories[k]).zip(&found.errors[k]);
-        all.extend(found.cycles.iter().zip(values).map(|(&cycles, ((x, truth), &stated))| Case {
+        all.extend(found.cycles.iter().zip(values).map(|(&cycles, ((x, truth), &stated))| StatedValue {
             point: *point,
             cycles,
             life: f64::from(cycles) / f64::from(last),
@@ -143,12 +155,12 @@ fn cases(k: usize, pairs: &[Pair]) -> Vec<Case> {
     all
 }
 
-fn output_error(scene: &Scene, k: usize, pairs: &[Pair], cases: &[Case]) -> OutputError {
+fn output_error(scene: &Scene, k: usize, pairs: &[ComparedPoint], cases: &[StatedValue]) -> OutputError {
     let threshold = scene.limit_states.iter().filter(|l| l.output == k).map(|l| l.threshold).reduce(f64::min);
     let values = pairs.iter().flat_map(|pair| &pair.reference.histories[k]);
     let scale = threshold.unwrap_or_else(|| values.fold(f64::MIN_POSITIVE, |a, x| a.max(x.abs())));
     let (mut until_limit, mut life) = (0.0_f64, None);
-    for Pair { found, reference, .. } in pairs {
+    for ComparedPoint { found, reference, .. } in pairs {
         let (found_history, true_history) = (&found.histories[k], &reference.histories[k]);
         let reached = threshold.and_then(|limit| true_history.iter().position(|y| *y >= limit));
         let seen = reached.map_or(true_history.len(), |n| n + 1);
@@ -161,7 +173,7 @@ fn output_error(scene: &Scene, k: usize, pairs: &[Pair], cases: &[Case]) -> Outp
         }
     }
     let relative = cases.iter().fold(0.0, |a: f64, case| a.max(case.off / scale));
-    OutputError { relative, until_limit, life, stated: Stated::of(cases) }
+    OutputError { relative, until_limit, life, stated: StatedErrorCheck::new(cases) }
 }
 
 /// Life at which a history first reaches a limit, by linear interpolation [cycles].

@@ -1,86 +1,86 @@
-//! What numerical errors mean for the reliability: the empirical curve of a setting against that of the reference,
-//! from the same random points.
+//! Effect of numerical errors on the reliability: the empirical curve of a setting against that of the reference, from the
+//! same random points.
 
 use common::outputs::Evaluation;
-use common::scene::Scene;
+use common::scene::{LimitState, Scene};
 
 /// Reliabilities at which curves are compared besides where they differ most.
 pub const LEVELS: [f64; 3] = [0.9, 0.5, 0.1];
 
 /// The two reliabilities at one checkpoint.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct At {
-    /// Checkpoint [cycles].
+pub struct PairedReliability {
+    /// Checkpoint of the comparison [cycles].
     pub cycles: u32,
-    /// Share of the points that have not failed there, by the reference [1].
+    /// Share of the points that have not failed there according to the reference [1].
     pub reference: f64,
-    /// The same by the setting [1].
+    /// Share of the points that have not failed there according to the setting [1].
     pub found: f64,
 }
 
-impl At {
+impl PairedReliability {
     /// Reliability of the setting less that of the reference.
     pub fn difference(&self) -> f64 {
         self.found - self.reference
     }
 }
 
-/// One limit state, or all together (a failure of any is one).
+/// Change of the lives by one limit state, or by all together (the first failure of any).
 #[derive(Debug, Clone, PartialEq)]
 pub struct LifeChange {
     /// Name of the limit state; `total` for all.
     pub limit_state: String,
-    /// Random points compared.
+    /// Number of random points compared.
     pub points: usize,
     /// Share of them that fail at another checkpoint than by the reference, or fail in one of the two only [1].
     pub changed: f64,
-    /// Where the curves differ most, the first at a tie.
-    pub largest: At,
-    /// Where the reliability by the reference is nearest each of [`LEVELS`]; none where it never comes within 0.25.
-    pub at: [Option<At>; 3],
+    /// Checkpoint of the largest difference between the curves, the first of equal ones.
+    pub largest: PairedReliability,
+    /// Checkpoints at which the reference is nearest to each of [`LEVELS`]; `None` if it never comes within 0.25.
+    pub at_levels: [Option<PairedReliability>; 3],
 }
 
-/// Compares lives: pairs (found, reference) at random points. Every limit state, and `total`; nothing without points or
-/// limit states.
+/// Compares lives of pairs (found, reference) at random points, by every limit state and in `total`; empty without points
+/// or limit states.
 pub fn life_changes(scene: &Scene, pairs: &[(&Evaluation, &Evaluation)]) -> Vec<LifeChange> {
     let Some((_, first)) = pairs.first() else { return vec![] };
     let cycles = &first.cycles;
-    // Number of the first checkpoint at which it has failed; the number of checkpoints if it never does.
-    let fails = |evaluation: &Evaluation, limit: &common::scene::LimitState| {
+    // Index of the first checkpoint with failure; the number of checkpoints without failure.
+    let fails = |evaluation: &Evaluation, limit: &LimitState| {
         let history = &evaluation.histories[limit.output];
         history.iter().position(|y| *y >= limit.threshold).unwrap_or(cycles.len())
     };
-    let of = |name: &str, limits: &[common::scene::LimitState]| {
+    let compared = |name: &str, limits: &[LimitState]| {
         let life = |evaluation| limits.iter().map(|limit| fails(evaluation, limit)).min();
         let lives: Vec<(usize, usize)> =
             pairs.iter().filter_map(|(found, reference)| Some((life(found)?, life(reference)?))).collect();
         change(name, cycles, &lives)
     };
-    let each = scene.limit_states.iter().map(|limit| of(&limit.name, std::slice::from_ref(limit)));
-    let total = (scene.limit_states.len() > 1).then(|| of("total", &scene.limit_states));
+    let each = scene.limit_states.iter().map(|limit| compared(&limit.name, std::slice::from_ref(limit)));
+    let total = (scene.limit_states.len() > 1).then(|| compared("total", &scene.limit_states));
     each.chain(total).flatten().collect()
 }
 
-/// From lives (found, reference), each the number of a checkpoint.
+/// Change between lives (found, reference), each the index of a checkpoint.
 fn change(name: &str, cycles: &[u32], lives: &[(usize, usize)]) -> Option<LifeChange> {
     let share = |count: usize| count as f64 / lives.len() as f64;
-    let at = |n: usize| At {
+    let reliabilities = |n: usize| PairedReliability {
         cycles: cycles[n],
         reference: share(lives.iter().filter(|(_, reference)| *reference > n).count()),
         found: share(lives.iter().filter(|(found, _)| *found > n).count()),
     };
-    let curve: Vec<At> = (0..cycles.len()).map(at).collect();
-    let first_by = |distance: &dyn Fn(&At) -> f64| {
+    let curve: Vec<PairedReliability> = (0..cycles.len()).map(reliabilities).collect();
+    let first_by = |distance: &dyn Fn(&PairedReliability) -> f64| {
         curve.iter().copied().reduce(|best, at| if distance(&at) < distance(&best) { at } else { best })
     };
     Some(LifeChange {
         limit_state: name.to_owned(),
         points: lives.len(),
         changed: share(lives.iter().filter(|(found, reference)| found != reference).count()),
-        // In whole points, so that rounding decides no tie.
+        // In whole points, so that rounding does not affect ties.
         largest: first_by(&|at| -(at.difference() * lives.len() as f64).round().abs())?,
-        at: LEVELS.map(|level| {
-            let distance = |at: &At| (at.reference - level).abs();
+        at_levels: LEVELS.map(|level| {
+            let distance = |at: &PairedReliability| (at.reference - level).abs();
             first_by(&distance).filter(|at| distance(at) <= 0.25)
         }),
     })
@@ -104,7 +104,7 @@ mod tests {
         assert_eq!((found.points, found.changed), (10, 0.4));
         assert_eq!((found.largest.cycles, found.largest.reference), (5000, 0.6));
         assert!((found.largest.difference() - 0.1).abs() < 1e-12);
-        let at = found.at.map(|at| at.expect("the curve passes all levels").cycles);
+        let at = found.at_levels.map(|at| at.expect("the curve passes all levels").cycles);
         assert_eq!(at, [2000, 6000, 10_000]);
     }
 
@@ -112,6 +112,6 @@ mod tests {
     fn a_curve_that_never_comes_near_a_level_has_no_value_there() {
         let found = change("wear", &[1000, 2000], &[(2, 2), (2, 2)]).expect("points to compare");
         assert_eq!(found.changed, 0.0);
-        assert_eq!(found.at.map(|at| at.is_some()), [true, false, false]);
+        assert_eq!(found.at_levels.map(|at| at.is_some()), [true, false, false]);
     }
 }

@@ -1,4 +1,4 @@
-//! Evaluations of several settings at several points, by whoever evaluates.
+//! Evaluations of several settings at several points by any evaluator.
 
 use super::settings::REFERENCE;
 use crate::farm::evaluate::{EvaluateError, Evaluator, Finished, Request};
@@ -6,53 +6,52 @@ use common::accuracy::NamedAccuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
 
-/// One setting at one point.
+/// Evaluation of one setting at one point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measured {
     /// Time on one core, as the worker measured it [s].
     pub seconds: f64,
-    /// What came of it.
+    /// Result of the evaluation.
     pub outcome: Result<Evaluation, SimulationFailure>,
 }
 
-/// What is to be measured.
+/// Settings and points to be measured.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Plan {
-    /// The settings; `reference` is measured besides and need not be among them.
+pub struct TradeoffPlan {
+    /// Settings; `reference` is measured in addition.
     pub settings: Vec<NamedAccuracy>,
     /// Values of the random variables `(points)(d,)` [SI]: first the nominal point, then random ones.
     pub points: Vec<Vec<f64>>,
 }
 
-/// What was measured.
+/// Evaluations of the reference and of every setting.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measurement {
-    /// The points at which everything was evaluated: the first ones of the plan.
+    /// Number of points with complete evaluations: the first ones of the plan.
     pub points: usize,
-    /// `reference` at these points `(points,)`.
+    /// Evaluations of `reference` at these points `(points,)`.
     pub reference: Vec<Measured>,
-    /// Every setting of the plan at these points `(settings)(points,)`.
+    /// Evaluations of every setting of the plan at these points `(settings)(points,)`.
     pub settings: Vec<Vec<Measured>>,
 }
 
-/// How far a measurement has come.
+/// Progress of a measurement: one evaluation has ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Progress<'a> {
-    /// Evaluations done.
+pub struct TradeoffProgress<'a> {
+    /// Number of evaluations ended.
     pub done: usize,
     /// Evaluations in all.
     pub all: usize,
-    /// Setting that was evaluated.
+    /// Name of its setting.
     pub setting: &'a str,
-    /// At which point, from 0.
+    /// Index of its point, from 0.
     pub point: usize,
-    /// How long it took [s].
+    /// Time of this evaluation on one core [s].
     pub seconds: f64,
 }
 
-impl Plan {
-    /// The requests of the plan, one point after the other, so that what was done by an interruption can be compared:
-    /// number (1 + settings) point + k is `reference` for k = 0, else setting k - 1.
+impl TradeoffPlan {
+    /// The requests of the plan, point by point, so that complete points can be compared after an interruption: number (1 + settings) point + k is `reference` for k = 0, else setting k - 1.
     fn requests(&self) -> Vec<Request> {
         let reference = common::accuracy::Accuracy::reference();
         let accuracies: Vec<_> =
@@ -70,11 +69,11 @@ impl Plan {
             .collect()
     }
 
-    /// Evaluates it all. What is complete when the evaluator ends early is returned beside its error.
+    /// Evaluates all settings at all points. If the evaluator ends early, the complete points are returned with its error.
     pub fn measure(
         &self,
         evaluator: &mut dyn Evaluator,
-        progress: &mut dyn FnMut(Progress<'_>),
+        progress: &mut dyn FnMut(TradeoffProgress<'_>),
     ) -> (Measurement, Result<(), EvaluateError>) {
         let requests = self.requests();
         let per_point = 1 + self.settings.len();
@@ -88,7 +87,7 @@ impl Plan {
             done += 1;
             let setting = (k % per_point).checked_sub(1).map_or(REFERENCE, |s| &self.settings[s].name);
             let (point, seconds) = (k / per_point, finished.wall);
-            progress(Progress { done, all: requests.len(), setting, point, seconds });
+            progress(TradeoffProgress { done, all: requests.len(), setting, point, seconds });
             *place = Some(Measured { seconds, outcome: finished.outcome });
             Ok(())
         });
@@ -117,14 +116,14 @@ mod tests {
     use std::sync::Arc;
     use std::sync::atomic::{AtomicBool, Ordering};
 
-    fn plan() -> Plan {
+    fn plan() -> TradeoffPlan {
         let settings = super::super::settings(["draft", "jump-250"]).expect("names of settings");
-        Plan { settings, points: vec![vec![1.0], vec![2.0], vec![3.0]] }
+        TradeoffPlan { settings, points: vec![vec![1.0], vec![2.0], vec![3.0]] }
     }
 
-    /// Says in the outcome what it was asked.
+    /// Repeats the request in the outcome.
     fn echo(request: &Request) -> Result<Evaluation, SimulationFailure> {
-        let jump = request.accuracy.expect("every request says how").cycle_jump;
+        let jump = request.accuracy.expect("every request has an accuracy").cycle_jump;
         Err(SimulationFailure::NotModelled { what: format!("{jump} at {}", request.sample[0]) })
     }
 

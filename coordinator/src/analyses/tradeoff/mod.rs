@@ -1,8 +1,8 @@
-//! The price of accuracy, for one scene: time of the accuracy settings against the error of its outputs, whether the stated
-//! errors hold, and what the errors mean for the reliability, at the nominal point and at random points of the
-//! variables.
+//! Trade-off between speed and accuracy for one scene: simulation time of the accuracy settings against the error of the
+//! outputs, validity of the stated errors, and effect of the errors on the reliability, at the nominal point and at random
+//! points of the variables.
 //!
-//! names -> [`settings`] -> [`Plan::measure`] -> [`compare`] -> [`table`], [`csv`], [`values_csv`], [`figures`]
+//! names -> [`settings`] -> [`TradeoffPlan::measure`] -> [`compare`] -> [`table`], [`csv`], [`values_csv`], [`figures`]
 
 mod compare;
 mod csv;
@@ -15,11 +15,11 @@ mod stated;
 #[cfg(test)]
 mod tests;
 
-pub use compare::{OutputError, Row, compare, reference_row};
+pub use compare::{OutputError, SettingComparison, compare, reference_row};
 pub use csv::{csv, values_csv};
 pub use figures::figures;
-pub use lives::{At, LifeChange, life_changes};
-pub use measure::{Measured, Measurement, Plan, Progress};
+pub use lives::{LifeChange, PairedReliability, life_changes};
+pub use measure::{Measured, Measurement, TradeoffPlan, TradeoffProgress};
 pub use page::table;
 pub use settings::{QUICK, full, settings};
-pub use stated::{Case, Stated};
+pub use stated::{StatedErrorCheck, StatedValue};

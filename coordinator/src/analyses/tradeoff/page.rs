@@ -1,13 +1,18 @@
-//! The trade-off as a page in Markdown: cost and error, whether the stated errors hold, and the reliability.
+//! The trade-off as a page in Markdown: cost and error, validity of the stated errors, and reliability.
 
-use super::compare::Row;
+use super::compare::SettingComparison;
 use super::lives::LEVELS;
 use super::stated::{REQUIRED_SHARE, TIMES};
 use common::scene::Scene;
 use std::fmt::Write;
 
-/// Three tables, each with a row per setting from the quickest to the slowest; `points` is how many were measured.
-pub fn table(scene: &Scene, rows: &[Row], reference: &Row, points: usize) -> String {
+/// Three tables, each with a row per setting from the fastest to the slowest; `points`: number of points measured.
+pub fn table(
+    scene: &Scene,
+    rows: &[SettingComparison],
+    reference: &SettingComparison,
+    points: usize,
+) -> String {
     let mut out = String::new();
     // Writing to a String cannot fail.
     let _ = cost_and_error(&mut out, scene, rows, reference, points)
@@ -16,13 +21,13 @@ pub fn table(scene: &Scene, rows: &[Row], reference: &Row, points: usize) -> Str
     out
 }
 
-fn by_time(rows: &[Row]) -> Vec<&Row> {
-    let mut sorted: Vec<&Row> = rows.iter().collect();
+fn by_time(rows: &[SettingComparison]) -> Vec<&SettingComparison> {
+    let mut sorted: Vec<&SettingComparison> = rows.iter().collect();
     sorted.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
     sorted
 }
 
-fn shown_name(row: &Row) -> String {
+fn shown_name(row: &SettingComparison) -> String {
     let name = &row.setting.name;
     let name = if row.setting.is_preset() { format!("**{name}**") } else { name.clone() };
     if row.efficient { format!("{name} *") } else { name }
@@ -31,17 +36,17 @@ fn shown_name(row: &Row) -> String {
 fn cost_and_error(
     out: &mut String,
     scene: &Scene,
-    rows: &[Row],
-    reference: &Row,
+    rows: &[SettingComparison],
+    reference: &SettingComparison,
     points: usize,
 ) -> std::fmt::Result {
     writeln!(out, "Accuracy settings of `{}`, against `reference`, at {points} points.\n", scene.name)?;
     writeln!(
         out,
-        "Error: largest difference over all points and checkpoints, of the threshold of the output's limit state or of its \
-         largest value; in brackets, only up to where the reference reaches that limit. Life: by how much the life at which \
-         the limit is reached is displaced at most. A star marks settings that no other beats in both time and \
-         error. The last row is the reference with the error that it states of itself.\n"
+        "Error: largest difference over all points and checkpoints, relative to the threshold of the output's limit state or \
+         to its largest value; in brackets, only up to where the reference reaches that limit. Life: largest change of the \
+         life at which the limit is reached. A star marks the Pareto front of time and error. The last row is the \
+         reference with its own stated error.\n"
     )?;
     write!(out, "| setting | s | steps | cycles |")?;
     for output in &scene.outputs {
@@ -65,7 +70,7 @@ fn cost_and_error(
     let failed = rows.iter().chain([reference]).filter(|row| row.failures > 0);
     let failed: Vec<String> = failed.map(|row| format!("{} at {}", row.setting.name, row.failures)).collect();
     if !failed.is_empty() {
-        writeln!(out, "\nWithout a result, and left out there: {} of {points} points.", failed.join(", "))?;
+        writeln!(out, "\nWithout a result, and excluded there: {} of {points} points.", failed.join(", "))?;
     }
     writeln!(out)
 }
@@ -74,14 +79,14 @@ fn percent(share: f64) -> String {
     format!("{:.3} %", 100.0 * share)
 }
 
-/// Whether the stated errors hold.
-fn stated(out: &mut String, scene: &Scene, rows: &[Row]) -> std::fmt::Result {
+/// Validity of the stated errors.
+fn stated(out: &mut String, scene: &Scene, rows: &[SettingComparison]) -> std::fmt::Result {
     writeln!(
         out,
-        "Stated errors: share of the values whose true error is within the error that the evaluation states of itself, and \
-         within {TIMES} times that, which {:.0} % must be; true over stated error of the value in the middle, and the one \
-         that 95 % do not exceed; where the values beyond {TIMES} times are: in the first, second and last third of life, \
-         and at how many points; the worst of them.\n",
+        "Stated errors: share of the values whose true error is within the stated one, and within {TIMES} times the stated \
+         one, which must hold for {:.0} %; median and 95 % quantile of true over stated error; number of values beyond \
+         {TIMES} times the stated error in the first, second and last third of life, and number of points with such \
+         values; the worst of them.\n",
         100.0 * REQUIRED_SHARE
     )?;
     writeln!(
@@ -115,13 +120,13 @@ fn stated(out: &mut String, scene: &Scene, rows: &[Row]) -> std::fmt::Result {
     writeln!(out)
 }
 
-/// What the errors mean for the reliability.
-fn reliability(out: &mut String, rows: &[Row]) -> std::fmt::Result {
+/// Effect of the errors on the reliability.
+fn reliability(out: &mut String, rows: &[SettingComparison]) -> std::fmt::Result {
     let Some(first) = rows.iter().find_map(|row| row.lives.first()) else { return Ok(()) };
     writeln!(
         out,
-        "Reliability: share of the {} random points that fail at another checkpoint than by the reference, and reliability \
-         R of these points less that by the reference: where it differs most, and where R of the reference is nearest \
+        "Reliability: share of the {} random points that fail at another checkpoint than with the reference, and reliability \
+         R of these points minus that of the reference: where it differs most, and where R of the reference is nearest \
          {}, {} and {}.\n",
         first.points, LEVELS[0], LEVELS[1], LEVELS[2]
     )?;
@@ -141,11 +146,9 @@ fn reliability(out: &mut String, rows: &[Row]) -> std::fmt::Result {
                 life.largest.difference(),
                 life.largest.cycles
             )?;
-            for at in life.at {
-                match at {
-                    Some(at) => {
-                        write!(out, " {:+.3} ({:.2} at {}) |", at.difference(), at.reference, at.cycles)?
-                    }
+            for level in life.at_levels {
+                match level {
+                    Some(r) => write!(out, " {:+.3} ({:.2} at {}) |", r.difference(), r.reference, r.cycles)?,
                     None => write!(out, " - |")?,
                 }
             }

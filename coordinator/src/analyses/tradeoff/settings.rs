@@ -1,12 +1,12 @@
-//! The settings that are tried: the presets, `balanced` with one knob turned at a time, and several turned together.
-//! A setting is its name (`common::accuracy::NamedAccuracy`); a new knob needs a word there and a line here.
+//! The settings of the grid: the presets, `balanced` with single parameters changed, and combinations. A setting is its name
+//! (`common::accuracy::NamedAccuracy`); a new parameter needs a word there and a line here.
 
 use common::accuracy::{AccuracyNameError, NamedAccuracy};
 
-/// What everything is compared with.
+/// The setting that all others are compared with.
 pub const REFERENCE: &str = "reference";
 
-/// The presets and the combinations that have been on a front: enough to see what a scene is like.
+/// The presets and the combinations that have been on a Pareto front: enough to characterise a scene.
 pub const QUICK: [&str; 10] = [
     "draft",
     "balanced",
@@ -20,7 +20,7 @@ pub const QUICK: [&str; 10] = [
     "jump-2000",
 ];
 
-/// One knob at a time, then combinations; with those of [`QUICK`] that are not here already.
+/// Single parameters, then combinations, in addition to [`QUICK`].
 const MORE: [&str; 25] = [
     "step-x2",
     "step-x0.5",
@@ -52,7 +52,7 @@ const MORE: [&str; 25] = [
 /// The settings of these names.
 ///
 /// # Errors
-/// [`AccuracyNameError`] for a name that stands for nothing.
+/// [`AccuracyNameError`] for a name without meaning.
 pub fn settings<'n>(
     names: impl IntoIterator<Item = &'n str>,
 ) -> Result<Vec<NamedAccuracy>, AccuracyNameError> {
@@ -70,7 +70,7 @@ mod tests {
 
     #[test]
     fn every_setting_is_another_one_and_two_are_presets() {
-        let all = settings(full()).expect("every name stands for something");
+        let all = settings(full()).expect("every name has a meaning");
         for (k, one) in all.iter().enumerate() {
             let twin = all[..k].iter().find(|other| other.accuracy == one.accuracy);
             assert!(twin.is_none(), "{} is {}", one.name, twin.map_or("", |t| &t.name));

@@ -1,27 +1,27 @@
-//! Whether an evaluation's statement of its own error holds: the true error against it.
+//! Validity of the numerical errors that evaluations state: comparison with the true errors.
 
-/// The true error lies within this many times the stated one in this share of cases, or the statement is wrong.
+/// Multiple of the stated error below which the true error must lie in [`REQUIRED_SHARE`] of the values.
 pub const TIMES: f64 = 2.0;
-/// See [`TIMES`].
+/// Share of the values whose true error must lie within [`TIMES`] the stated one [1].
 pub const REQUIRED_SHARE: f64 = 0.95;
 
 /// One value with its true and its stated error.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Case {
+pub struct StatedValue {
     /// Point, from 0.
     pub point: usize,
-    /// Checkpoint [cycles].
+    /// Checkpoint of the value [cycles].
     pub cycles: u32,
     /// Share of the life at the checkpoint [1].
     pub life: f64,
-    /// |value - reference|, in the output's unit.
+    /// True error, |value - reference| [SI unit of the output].
     pub off: f64,
-    /// The error stated, likewise.
+    /// Stated error [SI unit of the output].
     pub stated: f64,
 }
 
-impl Case {
-    /// True over stated error; 0 for 0 of 0, infinite for an error where none was stated.
+impl StatedValue {
+    /// True error over stated error [1]; 0 if both are zero, infinite if only the stated error is zero.
     pub fn ratio(&self) -> f64 {
         if self.off == 0.0 { 0.0 } else { self.off / self.stated }
     }
@@ -31,39 +31,39 @@ impl Case {
     }
 }
 
-/// How stated errors hold, over all points and checkpoints of one or several outputs.
+/// Comparison of stated and true errors over all points and checkpoints of one or several outputs.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stated {
+pub struct StatedErrorCheck {
     /// Number of values.
     pub values: usize,
-    /// Share of them within the stated error [1].
+    /// Share of the values whose true error is within the stated one [1].
     pub within: f64,
-    /// Share within twice that [1].
+    /// Share of the values whose true error is within twice the stated one [1].
     pub within_twice: f64,
-    /// True over stated error of the value in the middle [1].
+    /// Median of true over stated error [1].
     pub median_ratio: f64,
-    /// The ratio that 95 % of the values do not exceed [1]: above 2, the statement is wrong.
+    /// 95 % quantile of true over stated error [1]; above 2 the stated errors are not valid.
     pub ratio_95: f64,
     /// Values beyond twice the stated error in the first, second and last third of life.
     pub missed: [usize; 3],
-    /// Points with any such value.
+    /// Number of points with such a value.
     pub points_missed: usize,
-    /// The value furthest beyond, if any is.
-    pub worst: Option<Case>,
+    /// The value with the largest ratio beyond twice the stated error, if any.
+    pub worst: Option<StatedValue>,
 }
 
-impl Stated {
-    /// Counts.
-    pub fn of(cases: &[Case]) -> Self {
-        let share = |count: usize| count as f64 / cases.len().max(1) as f64;
-        let mut ratios: Vec<f64> = cases.iter().map(Case::ratio).collect();
+impl StatedErrorCheck {
+    /// Statistics of these values.
+    pub fn new(values: &[StatedValue]) -> Self {
+        let share = |count: usize| count as f64 / values.len().max(1) as f64;
+        let mut ratios: Vec<f64> = values.iter().map(StatedValue::ratio).collect();
         ratios.sort_by(f64::total_cmp);
         // The smallest ratio that at least this share of the values does not exceed.
         let quantile = |q: f64| {
             let rank = (q * ratios.len() as f64).ceil() as usize;
             ratios.get(rank.max(1) - 1).copied().unwrap_or(0.0)
         };
-        let missed: Vec<&Case> = cases.iter().filter(|case| case.is_missed()).collect();
+        let missed: Vec<&StatedValue> = values.iter().filter(|case| case.is_missed()).collect();
         let mut thirds = [0; 3];
         for case in &missed {
             thirds[((case.life * 3.0).ceil() as usize).clamp(1, 3) - 1] += 1;
@@ -71,10 +71,10 @@ impl Stated {
         let mut points: Vec<usize> = missed.iter().map(|case| case.point).collect();
         points.sort_unstable();
         points.dedup();
-        Stated {
-            values: cases.len(),
-            within: share(cases.iter().filter(|case| case.off <= case.stated).count()),
-            within_twice: share(cases.len() - missed.len()),
+        StatedErrorCheck {
+            values: values.len(),
+            within: share(values.iter().filter(|case| case.off <= case.stated).count()),
+            within_twice: share(values.len() - missed.len()),
             median_ratio: quantile(0.5),
             ratio_95: quantile(REQUIRED_SHARE),
             missed: thirds,
@@ -83,7 +83,7 @@ impl Stated {
         }
     }
 
-    /// Whether enough values lie within twice their stated error.
+    /// True if enough values lie within twice their stated error.
     pub fn holds(&self) -> bool {
         self.within_twice >= REQUIRED_SHARE
     }
@@ -93,26 +93,26 @@ impl Stated {
 mod tests {
     use super::*;
 
-    fn case(point: usize, life: f64, off: f64, stated: f64) -> Case {
-        Case { point, cycles: (1e4 * life) as u32, life, off, stated }
+    fn case(point: usize, life: f64, off: f64, stated: f64) -> StatedValue {
+        StatedValue { point, cycles: (1e4 * life) as u32, life, off, stated }
     }
 
     #[test]
     fn shares_quantiles_and_misses_are_counted() {
         // Ratios 0.1, 0.2, ..., 2.0 at the first point.
-        let mut cases: Vec<Case> =
+        let mut cases: Vec<StatedValue> =
             (1..=20).map(|k| case(0, f64::from(k) / 20.0, 0.1 * f64::from(k), 1.0)).collect();
-        let all = Stated::of(&cases);
+        let all = StatedErrorCheck::new(&cases);
         assert_eq!((all.values, all.within, all.within_twice), (20, 0.5, 1.0));
         assert!((all.median_ratio - 1.0).abs() < 1e-12 && (all.ratio_95 - 1.9).abs() < 1e-12);
         assert!(all.holds() && all.worst.is_none());
         // One early, two late, at two points; an error where none was stated is the worst of all.
         cases.extend([case(1, 0.2, 3.0, 1.0), case(1, 0.9, 2.1, 1.0), case(2, 1.0, 1e-9, 0.0)]);
-        let some = Stated::of(&cases);
+        let some = StatedErrorCheck::new(&cases);
         assert_eq!((some.missed, some.points_missed), ([1, 0, 2], 2));
         assert!(!some.holds() && some.ratio_95 > 2.0);
         assert_eq!(some.worst.map(|w| (w.point, w.ratio())), Some((2, f64::INFINITY)));
         assert_eq!(case(0, 1.0, 0.0, 0.0).ratio(), 0.0);
-        assert_eq!(Stated::of(&[]).values, 0);
+        assert_eq!(StatedErrorCheck::new(&[]).values, 0);
     }
 }

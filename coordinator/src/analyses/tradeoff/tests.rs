@@ -32,20 +32,20 @@ fn three() -> Vec<NamedAccuracy> {
 
 /// At the nominal point and at a random one, where everything is one higher.
 fn measurement() -> Measurement {
-    let at = |seconds: f64, history: [f64; 4], stated: f64| {
+    let two_points = |seconds: f64, history: [f64; 4], stated: f64| {
         let higher: Vec<f64> = history.iter().map(|x| x + 1.0).collect();
         vec![measured(seconds, &history, stated), measured(seconds, &higher, stated)]
     };
     Measurement {
         points: 2,
-        reference: at(9.0, [1.0, 2.0, 3.0, 4.0], 0.01),
+        reference: two_points(9.0, [1.0, 2.0, 3.0, 4.0], 0.01),
         settings: vec![
             // Half a unit too high: 2.5 is reached 500 cycles early.
-            at(1.0, [1.5, 2.5, 3.5, 4.5], 0.3),
+            two_points(1.0, [1.5, 2.5, 3.5, 4.5], 0.3),
             // Slower and worse.
-            at(2.0, [2.0, 3.0, 4.0, 5.0], 1.0),
+            two_points(2.0, [2.0, 3.0, 4.0, 5.0], 1.0),
             // Wrong only when all is over.
-            at(3.0, [1.0, 2.0, 3.0, 4.25], 0.1),
+            two_points(3.0, [1.0, 2.0, 3.0, 4.25], 0.1),
         ],
     }
 }
@@ -62,7 +62,7 @@ fn errors_lives_and_the_front_are_those_of_made_up_histories() {
     assert_eq!((last.stated.within, last.stated.missed, last.stated.points_missed), (0.75, [0, 0, 2], 2));
     assert_eq!(rows.iter().map(|r| r.efficient).collect::<Vec<_>>(), [true, false, true]);
 
-    // The random point reaches 2.5 with its second value, 3; the second setting says with its first, 3.
+    // The random point reaches 2.5 with its second value, 3; with the second setting already with its first, 3.
     let wear = |k: usize| rows[k].lives.iter().find(|l| l.limit_state == "wear").expect("a limit state");
     assert_eq!((wear(0).points, wear(0).changed, wear(2).changed), (1, 1.0, 0.0));
     assert_eq!((wear(1).largest.cycles, wear(1).largest.difference()), (1000, -1.0));
@@ -78,7 +78,7 @@ fn the_reference_is_shown_with_the_error_it_states_of_itself() {
 }
 
 #[test]
-fn pages_say_it_all() {
+fn table_csv_and_figures_contain_all_results() {
     let (scene, measurement) = (scene(), measurement());
     let rows = compare(&scene, &three(), &measurement);
     let table = table(&scene, &rows, &reference_row(&scene, &measurement), 2);
@@ -103,8 +103,8 @@ fn pages_say_it_all() {
     for (name, svg) in &figures {
         assert!(name.starts_with("tradeoff-"));
         let drawn = roxmltree::Document::parse(svg).expect("XML");
-        let says = |what: &str| drawn.descendants().any(|n| n.text().is_some_and(|t| t.trim() == what));
-        assert!(says("draft") && says("balanced") && !says("jump-250"), "presets are labelled");
+        let contains = |what: &str| drawn.descendants().any(|n| n.text().is_some_and(|t| t.trim() == what));
+        assert!(contains("draft") && contains("balanced") && !contains("jump-250"), "presets are labelled");
     }
 }
 

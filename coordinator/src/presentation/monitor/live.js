@@ -1,5 +1,5 @@
-// Keeps the page up to date: waits until there is something new, and then puts the new report in the place of the old
-// one, leaving the scroll position and opened details as they are.
+// Keeps the page up to date: waits for a newer report and replaces the old one by it; scroll position and opened
+// details stay as they are.
 "use strict";
 (async () => {
   const line = document.getElementById("live");
@@ -22,7 +22,7 @@
       say(news.line);
       if (news.ended) { return; }
     } catch {
-      say("The coordinator no longer answers: the study has ended, or it was stopped. Results are in its folder.");
+      say("The coordinator does not answer: the study has ended or was stopped. Its results are in its folder.");
       return;
     }
   }

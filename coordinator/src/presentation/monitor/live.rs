@@ -1,13 +1,14 @@
-//! The report of a running study, as far as it is. The study only notes what has happened; the report is made in a thread
-//! of whoever looks, from what the campaign file holds, and not again before a few seconds have passed.
+//! The report of a running study from the results so far. The study only records its progress; the report is rendered on
+//! request in a thread of the server, from the campaign file, and then reused for a few seconds.
 
-use crate::presentation::report::format::{count, escape, fixed};
+use crate::presentation::report::format::{count, fixed};
 use crate::presentation::report::{self, ReportInput, SUMMARY_DOCUMENT};
 use crate::results::progress::Progress;
 use crate::results::store::{CampaignFile, StoreError};
 use crate::results::summary::{ReliabilityRow, Round, StudySummary};
 use crate::study::{Settings, blank};
 use common::scene::Scene;
+use maud::{DOCTYPE, html};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -15,41 +16,43 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use tokio::sync::watch;
 
-/// Least time between two reports.
-const PAUSE: Duration = Duration::from_secs(3);
-/// And as a multiple of what the last one took: a report takes a twentieth of one core at most.
-const SHARE: u32 = 20;
-/// Longest wait for news.
+/// Shortest time between two reports.
+const SHORTEST_INTERVAL: Duration = Duration::from_secs(3);
+/// Shortest time between two reports as a multiple of the rendering time, which bounds the load to a twentieth of a core.
+const INTERVAL_FACTOR: u32 = 20;
+/// Longest time for which a request for an update waits.
 const LONGEST_WAIT: Duration = Duration::from_secs(20);
+/// Interval at which a waiting request checks for the end of the study.
+const POLL_INTERVAL: Duration = Duration::from_millis(100);
+/// Time after the end of a study in which waiting requests are still answered.
+const LAST_ANSWERS: Duration = Duration::from_secs(1);
+/// Style of the line above the report.
+const LINE_STYLE: &str = "#live{position:sticky;top:0;margin:0;padding:.4em 1em;text-align:center;\
+                          background:#234;color:#fff;font:14px sans-serif}";
 
-/// How often somebody who waits for the next page looks whether the study has ended.
-const LOOK_UP: Duration = Duration::from_millis(100);
-/// How long the end of a study waits for those who look.
-const FAREWELL: Duration = Duration::from_secs(1);
-
-/// A page, and its number.
+/// A rendered page.
 #[derive(Debug, Clone)]
-pub struct View {
-    /// Rises with what is shown.
+pub struct PageView {
+    /// Number of progress records it includes.
     pub revision: u64,
-    /// The page.
+    /// Text of the page.
     pub html: String,
 }
 
-/// What has changed, for the page's script.
+/// Answer to the script of a page that asks for a newer one.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub(super) struct News {
-    /// Of the newest page there can be.
+pub(super) struct PageUpdate {
+    /// Revision of the newest page.
     pub revision: u64,
-    /// How far the study is, in one line.
+    /// Progress of the study in one line.
     pub line: String,
-    /// There will be no more.
+    /// True if the study has ended and no page follows.
     pub ended: bool,
 }
 
-/// What the study has told.
+/// Progress recorded so far.
 #[derive(Debug, Default)]
-struct Told {
+struct ObservedProgress {
     done: usize,
     failed: usize,
     planned: usize,
@@ -64,208 +67,219 @@ struct Told {
     ended: bool,
 }
 
-struct Made {
-    view: View,
-    /// When there may be another one.
+/// The last page and the time until which it is reused.
+struct CachedPage {
+    view: PageView,
     until: Instant,
 }
 
-/// See the module.
-pub struct Live {
+/// The live report of one study.
+pub struct LivePage {
     dir: PathBuf,
     scene: Scene,
     blank: StudySummary,
     started: Instant,
-    told: Mutex<Told>,
-    made: Mutex<Option<Made>>,
+    progress: Mutex<ObservedProgress>,
+    cached: Mutex<Option<CachedPage>>,
     revision: watch::Sender<u64>,
-    /// Whether a page has asked for news.
-    watched: AtomicBool,
+    /// True once a page has asked for an update.
+    requested: AtomicBool,
 }
 
-impl Live {
-    /// Of the study whose campaign file is in `dir`.
+impl LivePage {
+    /// The live report of the study whose campaign file is in `dir`.
     pub fn new(dir: &Path, scene: &Scene, settings: &Settings) -> Self {
         Self {
             dir: dir.to_path_buf(),
             scene: scene.clone(),
             blank: blank(scene, settings),
             started: Instant::now(),
-            told: Mutex::new(Told { initial: settings.initial, ..Told::default() }),
-            made: Mutex::new(None),
+            progress: Mutex::new(ObservedProgress {
+                initial: settings.initial,
+                ..ObservedProgress::default()
+            }),
+            cached: Mutex::new(None),
             revision: watch::Sender::new(1),
-            watched: AtomicBool::new(false),
+            requested: AtomicBool::new(false),
         }
     }
 
-    /// Takes notice of what the study tells.
-    pub fn notice(&self, progress: &Progress) {
+    /// Records progress of the study.
+    pub fn record(&self, progress: &Progress) {
         {
-            let mut told = self.told();
+            let mut observed = self.observed();
             match progress {
                 Progress::BatchStarted { planned, purpose, .. } => {
-                    told.planned = *planned;
-                    told.purpose.clone_from(purpose);
+                    observed.planned = *planned;
+                    observed.purpose.clone_from(purpose);
                 }
                 Progress::Evaluated { done, failed, wall, .. } => {
-                    told.done = *done;
-                    told.simulation += wall;
-                    told.failed += usize::from(*failed);
+                    observed.done = *done;
+                    observed.simulation += wall;
+                    observed.failed += usize::from(*failed);
                 }
-                Progress::RoundFinished(round) => told.rounds.push(round.clone()),
+                Progress::RoundFinished(round) => observed.rounds.push(round.clone()),
                 Progress::Reliability { rows, samples } => {
-                    told.rows.clone_from(rows);
-                    told.samples = *samples;
+                    observed.rows.clone_from(rows);
+                    observed.samples = *samples;
                 }
-                Progress::Ending => told.ending = true,
+                Progress::Ending => observed.ending = true,
                 Progress::Warning(_) => {}
             }
         }
         self.revision.send_modify(|revision| *revision += 1);
     }
 
-    fn told(&self) -> MutexGuard<'_, Told> {
-        self.told.lock().unwrap_or_else(PoisonError::into_inner)
+    fn observed(&self) -> MutexGuard<'_, ObservedProgress> {
+        self.progress.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The page as it is now, or as it was a few seconds ago.
-    pub fn view(&self) -> View {
-        let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
+    /// The current page, or the last one if it is only a few seconds old.
+    pub fn view(&self) -> PageView {
+        let mut cached = self.cached.lock().unwrap_or_else(PoisonError::into_inner);
         let revision = *self.revision.borrow();
-        let ended = self.told().ended;
-        if let Some(Made { view, until }) = &*made
+        let ended = self.observed().ended;
+        if let Some(CachedPage { view, until }) = &*cached
             && (view.revision == revision || (!ended && Instant::now() < *until))
         {
             return view.clone();
         }
         let begun = Instant::now();
         let (html, holds_report) = self.page(revision);
-        let rest = if holds_report { PAUSE.max(begun.elapsed() * SHARE) } else { Duration::ZERO };
-        let view = View { revision, html };
-        *made = Some(Made { view: view.clone(), until: Instant::now() + rest });
+        let interval = SHORTEST_INTERVAL.max(begun.elapsed() * INTERVAL_FACTOR);
+        let reused = if holds_report { interval } else { Duration::ZERO };
+        let view = PageView { revision, html };
+        *cached = Some(CachedPage { view: view.clone(), until: Instant::now() + reused });
         view
     }
 
-    /// What is new after a page, as soon as another one can be had.
-    pub(super) async fn news(&self, after: u64) -> News {
-        if !self.watched.swap(true, Ordering::Relaxed) {
-            tracing::info!("the live page is being watched");
+    /// The update after revision `after`, as soon as a newer page can be rendered or [`LONGEST_WAIT`] has passed.
+    pub(super) async fn update_after(&self, after: u64) -> PageUpdate {
+        if !self.requested.swap(true, Ordering::Relaxed) {
+            tracing::info!("a browser is connected to the live page");
         }
         let mut revisions = self.revision.subscribe();
         let newer = async {
             // The sender lives as long as this value.
             let _ = revisions.wait_for(|revision| *revision > after).await;
-            let mut rest = self.rest();
-            while !rest.is_zero() {
-                tokio::time::sleep(rest.min(LOOK_UP)).await;
-                rest = self.rest();
+            let mut remaining = self.reused_for();
+            while !remaining.is_zero() {
+                tokio::time::sleep(remaining.min(POLL_INTERVAL)).await;
+                remaining = self.reused_for();
             }
         };
-        // Nothing new is an answer too.
+        // After the longest wait, the answer is the unchanged revision.
         let _ = tokio::time::timeout(LONGEST_WAIT, newer).await;
-        let told = self.told();
-        let line = if told.ended { self.farewell() } else { line(&told) };
-        News { revision: *self.revision.borrow(), line, ended: told.ended }
+        let observed = self.observed();
+        let line = if observed.ended { self.last_line() } else { line(&observed) };
+        PageUpdate { revision: *self.revision.borrow(), line, ended: observed.ended }
     }
 
-    /// Tells those who look that the study has ended, and gives them a moment to hear it.
+    /// Marks the study as ended and, if a page is open, waits until its last request is answered.
     pub fn end(&self) {
-        self.told().ended = true;
-        let looked_at = self.watched.load(Ordering::Relaxed);
+        self.observed().ended = true;
+        let page_is_open = self.requested.load(Ordering::Relaxed);
         self.revision.send_modify(|revision| *revision += 1);
-        if looked_at {
-            std::thread::sleep(FAREWELL);
+        if page_is_open {
+            std::thread::sleep(LAST_ANSWERS);
         }
     }
 
-    fn farewell(&self) -> String {
+    fn last_line(&self) -> String {
         format!("The study has ended; its report is {}", self.dir.join("report.html").display())
     }
 
-    /// How long until the next page can be had.
-    fn rest(&self) -> Duration {
-        if self.told().ended {
+    /// Time for which the last page is still reused.
+    fn reused_for(&self) -> Duration {
+        if self.observed().ended {
             return Duration::ZERO;
         }
-        let made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
-        made.as_ref().map_or(Duration::ZERO, |made| made.until.saturating_duration_since(Instant::now()))
+        let cached = self.cached.lock().unwrap_or_else(PoisonError::into_inner);
+        cached
+            .as_ref()
+            .map_or(Duration::ZERO, |cached| cached.until.saturating_duration_since(Instant::now()))
     }
 
-    /// The page, and whether there is a report in it.
+    /// The page, and true if it contains a report.
     fn page(&self, revision: u64) -> (String, bool) {
         let (summary, line, ended) = {
-            let told = self.told();
-            (self.summary(&told), line(&told), told.ended)
+            let observed = self.observed();
+            (self.summary(&observed), line(&observed), observed.ended)
         };
         let report = match summary {
-            None => Err("There is no reliability to show before the first round of learning.".to_owned()),
-            // At the end its own summary stands in the file.
+            None => Err("No reliability is available before the first round of learning.".to_owned()),
+            // At the end the file contains the summary.
             Some(summary) => self.report((!ended).then_some(&summary)).map_err(|error| error.to_string()),
         };
         let holds_report = report.is_ok();
-        // What a file could not give now, the next look may.
+        // An error of the file is shown and may be gone at the next request.
         let page = report.unwrap_or_else(|sentence| plain(&self.scene.title, &sentence));
-        let head = "<style>#live{position:sticky;top:0;margin:0;padding:.4em 1em;text-align:center;\
-                    background:#234;color:#fff;font:14px sans-serif}</style>\
-                    <noscript><meta http-equiv=\"refresh\" content=\"5\"></noscript>\
-                    <script src=\"/live.js\" defer></script>\n</head>";
-        let bar = format!("<body>\n<p id=\"live\" role=\"status\">{}</p>", escape(&line));
+        let head = html! {
+            style { (LINE_STYLE) }
+            noscript { meta http-equiv="refresh" content="5"; }
+            script src="/live.js" defer {}
+        };
+        let head = head.into_string() + "\n</head>";
+        let bar = format!("<body>\n{}", html! { p id="live" role="status" { (line) } }.into_string());
         let root = format!("<html lang=\"en\" data-revision=\"{revision}\">");
         let page = page.replacen("<html lang=\"en\">", &root, 1);
-        (page.replacen("</head>", head, 1).replacen("<body>", &bar, 1), holds_report)
+        (page.replacen("</head>", &head, 1).replacen("<body>", &bar, 1), holds_report)
     }
 
-    /// What is known so far, as if it were the end; `None` before there is anything.
-    fn summary(&self, told: &Told) -> Option<StudySummary> {
-        if told.rows.is_empty() {
+    /// The summary of the results so far; `None` before the first reliability.
+    fn summary(&self, observed: &ObservedProgress) -> Option<StudySummary> {
+        if observed.rows.is_empty() {
             return None;
         }
         let mut summary = self.blank.clone();
-        summary.population = told.samples;
-        summary.reliability.clone_from(&told.rows);
-        summary.evaluations.total = told.done;
-        summary.evaluations.initial = told.initial.min(told.done);
-        summary.evaluations.added = told.done - summary.evaluations.initial;
-        summary.evaluations.failed = told.failed;
+        summary.population = observed.samples;
+        summary.reliability.clone_from(&observed.rows);
+        summary.evaluations.total = observed.done;
+        summary.evaluations.initial = observed.initial.min(observed.done);
+        summary.evaluations.added = observed.done - summary.evaluations.initial;
+        summary.evaluations.failed = observed.failed;
         summary.timing_s.total = self.started.elapsed().as_secs_f64();
-        summary.timing_s.simulation = told.simulation;
-        summary.convergence.rounds.clone_from(&told.rounds);
-        // Whether its targets are met is for the study to say, at its end.
+        summary.timing_s.simulation = observed.simulation;
+        summary.convergence.rounds.clone_from(&observed.rounds);
+        // The study decides at its end whether its targets are met.
         summary.convergence.targets_met = true;
         Some(summary)
     }
 
-    /// The report of what the file holds, with this summary in the place of its own.
+    /// The report of the evaluations in the file with this summary, or with the one in the file.
     fn report(&self, summary: Option<&StudySummary>) -> Result<String, report::ReportError> {
-        let mut look = CampaignFile::look(&self.dir)?;
+        let mut copy = CampaignFile::look(&self.dir)?;
         if let Some(summary) = summary {
-            look.put_document(SUMMARY_DOCUMENT, summary)?;
+            copy.put_document(SUMMARY_DOCUMENT, summary)?;
         }
         let missing = || StoreError::NoCampaign { dir: self.dir.clone() };
-        let input = ReportInput::from_campaign(&look, &self.scene)?.ok_or_else(missing)?;
+        let input = ReportInput::from_campaign(&copy, &self.scene)?.ok_or_else(missing)?;
         Ok(report::render(&input)?.html)
     }
 }
 
-fn line(told: &Told) -> String {
-    let (done, planned) = (count(told.done as u64), count(told.planned.max(told.done) as u64));
-    let purpose = match (told.ending, told.purpose.as_str()) {
-        (true, _) => ", working out the results".to_owned(),
+/// Progress of the study in one line.
+fn line(observed: &ObservedProgress) -> String {
+    let (done, planned) = (count(observed.done as u64), count(observed.planned.max(observed.done) as u64));
+    let purpose = match (observed.ending, observed.purpose.as_str()) {
+        (true, _) => ", computing the results".to_owned(),
         (_, "") => String::new(),
         (_, purpose) => format!(", {purpose}"),
     };
-    let reliability = told.rounds.last().map_or(String::new(), |round| {
+    let reliability = observed.rounds.last().map_or(String::new(), |round| {
         format!(", R({}) = {} so far", count(round.cycles.into()), fixed(round.reliability_total, 4))
     });
     format!("Running study: {done} of {planned} planned evaluations{purpose}{reliability}")
 }
 
-/// A page with a sentence.
+/// A page with one sentence.
 fn plain(title: &str, sentence: &str) -> String {
-    format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{0} · Hingewise</title>\n</head>\n\
-         <body>\n<main><h1>{0}</h1><p>{1}</p></main>\n</body>\n</html>\n",
-        escape(title),
-        escape(sentence)
-    )
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head { meta charset="utf-8"; title { (title) " · Hingewise" } }
+            body { main { h1 { (title) } p { (sentence) } } }
+        }
+    };
+    page.into_string()
 }

@@ -1,4 +1,4 @@
-//! A status in the text format of Prometheus.
+//! The status of a running study in the text format of Prometheus.
 //!
 //! # Source
 //! Prometheus, "Exposition formats", text format version 0.0.4.
@@ -10,63 +10,70 @@ use std::fmt::Write;
 pub fn metrics_text(status: &Status) -> String {
     let (study, farm) = (&status.study, &status.farm);
     let mut page = Page::default();
-    page.gauge("up_seconds", "Time since the coordinator listens.", status.up);
+    page.gauge("up_seconds", "Time since the start of the coordinator.", status.up);
     let phases = [Phase::Waiting, Phase::Simulating, Phase::Learning, Phase::Ending];
-    page.family("phase", "gauge", "1 for what the coordinator is at.");
+    page.family("phase", "gauge", "1 for the current phase of the coordinator.");
     for phase in phases {
         page.sample("phase", &[("phase", phase.name())], f64::from(u8::from(phase == status.phase)));
     }
-    page.counter("evaluations_total", "Evaluations that have ended.", study.done as f64);
-    page.counter("evaluations_failed_total", "Of these, without a result.", study.failed as f64);
+    page.counter("evaluations_total", "Evaluations ended.", study.done as f64);
+    page.counter("evaluations_failed_total", "Evaluations ended without a result.", study.failed as f64);
     page.counter(
         "evaluations_recalled_total",
-        "Of these, found in the campaign file.",
+        "Evaluations read from the campaign file.",
         study.recalled as f64,
     );
     page.counter("simulation_seconds_total", "Simulation time of evaluations.", study.simulation);
-    page.counter("rounds_total", "Rounds of learning that have ended.", study.rounds as f64);
+    page.counter("rounds_total", "Rounds of learning ended.", study.rounds as f64);
     page.counter("warnings_total", "Warnings to the user.", study.warnings as f64);
-    page.gauge("evaluations_planned", "Evaluations known of so far.", study.planned as f64);
-    page.gauge("evaluations_budget", "Bound on evaluations.", study.budget as f64);
-    page.gauge("tasks_queued", "Evaluations that nobody has begun.", farm.queued as f64);
+    page.gauge("evaluations_planned", "Evaluations planned so far.", study.planned as f64);
+    page.gauge("evaluations_budget", "Largest number of evaluations.", study.budget as f64);
+    page.gauge("tasks_queued", "Evaluations waiting for a worker.", farm.queued as f64);
     page.gauge("tasks_under_way", "Evaluations at workers.", farm.under_way as f64);
     page.gauge("evaluation_rate", "Evaluations per second in the last minute.", farm.rate);
     page.gauge("workers", "Workers that are connected.", farm.workers.len() as f64);
     page.gauge("slots", "Simulations that can run at once.", farm.slots() as f64);
     if let Some(so_far) = &study.reliability {
-        let at = so_far.cycles.to_string();
+        let cycles = so_far.cycles.to_string();
         for (name, help, value) in [
-            ("reliability", "Reliability so far, where in life it is nearest one half.", so_far.total),
+            (
+                "reliability",
+                "Current estimate of the reliability, at the checkpoint where it is nearest one half.",
+                so_far.total,
+            ),
             (
                 "reliability_error",
-                "Its standard error, of surrogates and of counting.",
+                "Standard error of the current estimate, from surrogates and sampling.",
                 so_far.standard_error,
             ),
         ] {
             page.family(name, "gauge", help);
-            page.sample(name, &[("cycles", &at)], value);
+            page.sample(name, &[("cycles", &cycles)], value);
         }
     }
-    for (name, kind, help, value) in [
-        (
-            "worker_slots",
-            "gauge",
-            "Threads of a worker.",
-            (|w| f64::from(w.slots)) as fn(&WorkerStatus) -> f64,
-        ),
-        ("worker_tasks", "gauge", "Evaluations at a worker.", |w| f64::from(w.under_way)),
-        ("worker_evaluations_total", "counter", "Evaluations a worker has ended.", |w| w.done as f64),
-        ("worker_rate", "gauge", "Evaluations per second of a worker in the last minute.", |w| w.rate),
-    ] {
-        if farm.workers.is_empty() {
-            break;
-        }
+    if !farm.workers.is_empty() {
+        worker_metrics(&mut page, &farm.workers);
+    }
+    page.0
+}
+
+/// A metric of one worker: name, type, help, value.
+type WorkerMetric = (&'static str, &'static str, &'static str, fn(&WorkerStatus) -> f64);
+
+const WORKER_METRICS: [WorkerMetric; 4] = [
+    ("worker_slots", "gauge", "Threads of a worker.", |w| f64::from(w.slots)),
+    ("worker_tasks", "gauge", "Evaluations at a worker.", |w| f64::from(w.under_way)),
+    ("worker_evaluations_total", "counter", "Evaluations ended by a worker.", |w| w.done as f64),
+    ("worker_rate", "gauge", "Evaluations per second of a worker in the last minute.", |w| w.rate),
+];
+
+fn worker_metrics(page: &mut Page, workers: &[WorkerStatus]) {
+    for (name, kind, help, value) in WORKER_METRICS {
         page.family(name, kind, help);
-        for worker in &farm.workers {
+        for worker in workers {
             page.sample(name, &[("worker", &worker.name)], value(worker));
         }
     }
-    page.0
 }
 
 /// Prefix of every name.

@@ -1,20 +1,20 @@
-//! A running study made visible: its status as text, as metrics, and as a page that shows the report as far as it is.
+//! Views of a running study: its status as text, as metrics, and as a page that shows the report of the results so far.
 //!
 //! ```text
-//! study --Progress--> Watch --> terminal
-//!                       +-----> board (dispatch) <--- Source --- metrics, `coordinator status` over Zenoh
-//!                       +-----> Live (report in a thread of whoever looks, at most every few seconds)
+//! study --Progress--> ProgressRelay --> terminal
+//!                         +-----> status board (dispatch) <--- StatusSource --- metrics, `coordinator status` over Zenoh
+//!                         +-----> LivePage (report, rendered on request in a thread of the server, at intervals)
 //! ```
 //!
-//! Nothing here is asked by the study: whoever looks costs it no more than what the look itself computes.
+//! Views are rendered on request only: without requests they cost the study nothing.
 
 mod live;
 mod metrics;
+mod relay;
 mod server;
 pub mod text;
-mod watch;
 
-pub use live::{Live, View};
+pub use live::{LivePage, PageView};
 pub use metrics::metrics_text;
-pub use server::{MonitorError, Server, address};
-pub use watch::{Source, Watch};
+pub use relay::{ProgressRelay, StatusSource};
+pub use server::{MonitorError, MonitorServer, listen_address};

@@ -1,8 +1,8 @@
-//! The pages of a running study over HTTP: metrics, and the live report. Read-only; each server on a thread of its own.
+//! HTTP servers of a running study: metrics, and the live report. Read-only; each server has its own thread.
 
-use super::live::Live;
+use super::live::LivePage;
 use super::metrics::metrics_text;
-use super::watch::Source;
+use super::relay::StatusSource;
 use axum::Router;
 use axum::extract::{Path, Request, State};
 use axum::http::{HeaderValue, StatusCode, header};
@@ -15,56 +15,56 @@ use thiserror::Error;
 use tokio::net::TcpListener;
 use tokio::runtime::Runtime;
 
-/// Why there is no page.
+/// Reasons why a server cannot start.
 #[derive(Debug, Error)]
 pub enum MonitorError {
-    /// No address.
+    /// The text is not an address.
     #[error(
         "{option} {given}: allowed: a port of this machine, or an address with a port such as 127.0.0.1:9464"
     )]
     Address {
-        /// Option.
+        /// Name of the command-line option.
         option: &'static str,
-        /// What was given.
+        /// Text of the option.
         given: String,
     },
-    /// An address other machines can reach.
+    /// The address is reachable from other machines.
     #[error(
-        "{option} {address}: other machines can reach this address, and nobody is asked who they are; {allowed}"
+        "{option} {address}: other machines can reach this address and clients are not authenticated; {allowed}"
     )]
     Open {
-        /// Option.
+        /// Name of the command-line option.
         option: &'static str,
-        /// The address.
+        /// Address of the option.
         address: SocketAddr,
-        /// What is allowed.
+        /// Addresses that are allowed.
         allowed: &'static str,
     },
-    /// The system refuses.
+    /// The operating system refused the address.
     #[error("{option} {address}: {reason}")]
     Refused {
-        /// Option.
+        /// Name of the command-line option.
         option: &'static str,
-        /// The address.
+        /// Address of the option.
         address: SocketAddr,
-        /// Why.
+        /// Reason given by the system.
         reason: std::io::Error,
     },
 }
 
 impl MonitorError {
-    /// Whether the user can mend it (exit code 2).
+    /// True if the option must be changed (exit code 2).
     pub fn is_bad_input(&self) -> bool {
         !matches!(self, MonitorError::Refused { .. })
     }
 }
 
-/// The address to listen on: a port of this machine alone, or an address in full. One that other machines can reach only
-/// where `open` says that it may be.
+/// Address to listen on: of a port alone the loopback address of this machine, or a full address. An address that other
+/// machines can reach is accepted only if `open` is `Ok`; its error names the allowed addresses.
 ///
 /// # Errors
 /// [`MonitorError::Address`], [`MonitorError::Open`].
-pub fn address(
+pub fn listen_address(
     option: &'static str,
     given: &str,
     open: Result<(), &'static str>,
@@ -79,34 +79,34 @@ pub fn address(
     }
 }
 
-/// A server at work. Dropped, it ends at once.
+/// A running server, which ends when dropped.
 #[derive(Debug)]
-pub struct Server {
+pub struct MonitorServer {
     address: SocketAddr,
     runtime: Option<Runtime>,
 }
 
-impl Server {
+impl MonitorServer {
     /// Serves `/metrics`.
     ///
     /// # Errors
     /// [`MonitorError::Refused`].
-    pub fn metrics(address: SocketAddr, source: Source) -> Result<Self, MonitorError> {
+    pub fn metrics(address: SocketAddr, source: StatusSource) -> Result<Self, MonitorError> {
         Self::start("--metrics", address, Router::new().route("/metrics", get(metrics)).with_state(source))
     }
 
-    /// Serves the live report, to this machine's own names alone: a page of somebody else that calls itself by another
-    /// name cannot read it through a browser here.
+    /// Serves the live report for requests to a loopback host name only: a page of another host name cannot read it through
+    /// a browser of this machine.
     ///
     /// # Errors
     /// [`MonitorError::Refused`].
-    pub fn live(address: SocketAddr, live: Arc<Live>) -> Result<Self, MonitorError> {
+    pub fn live(address: SocketAddr, live: Arc<LivePage>) -> Result<Self, MonitorError> {
         let router = Router::new()
             .route("/", get(page))
-            .route("/news/{after}", get(news))
+            .route("/news/{after}", get(update))
             .route("/live.js", get(script))
             .with_state(live)
-            .layer(from_fn(only_here));
+            .layer(from_fn(require_loopback_host));
         Self::start("--live", address, router)
     }
 
@@ -121,13 +121,13 @@ impl Server {
         Ok(Self { address, runtime: Some(runtime) })
     }
 
-    /// Where it listens.
+    /// Address it listens on.
     pub fn address(&self) -> SocketAddr {
         self.address
     }
 }
 
-impl Drop for Server {
+impl Drop for MonitorServer {
     fn drop(&mut self) {
         if let Some(runtime) = self.runtime.take() {
             runtime.shutdown_background();
@@ -135,23 +135,23 @@ impl Drop for Server {
     }
 }
 
-/// Runs what computes beside those who serve.
-async fn beside<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> Result<T, StatusCode> {
+/// Runs a computation on a blocking thread, so that requests are still served.
+async fn compute<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> Result<T, StatusCode> {
     tokio::task::spawn_blocking(work).await.map_err(|_| StatusCode::INTERNAL_SERVER_ERROR)
 }
 
-async fn metrics(State(source): State<Source>) -> Result<Response, StatusCode> {
-    let status = beside(move || source.status()).await?.ok_or(StatusCode::SERVICE_UNAVAILABLE)?;
+async fn metrics(State(source): State<StatusSource>) -> Result<Response, StatusCode> {
+    let status = compute(move || source.status()).await?.ok_or(StatusCode::SERVICE_UNAVAILABLE)?;
     let kind = (header::CONTENT_TYPE, HeaderValue::from_static("text/plain; version=0.0.4; charset=utf-8"));
     Ok(([kind], metrics_text(&status)).into_response())
 }
 
-/// The page may load its own script and nothing else.
+/// Content security policy: the page may load its own script only.
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'self'; connect-src 'self'; \
                       img-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
-async fn page(State(live): State<Arc<Live>>) -> Result<Response, StatusCode> {
-    let view = beside(move || live.view()).await?;
+async fn page(State(live): State<Arc<LivePage>>) -> Result<Response, StatusCode> {
+    let view = compute(move || live.view()).await?;
     let headers = [
         (header::CONTENT_TYPE, HeaderValue::from_static("text/html; charset=utf-8")),
         (header::CONTENT_SECURITY_POLICY, HeaderValue::from_static(POLICY)),
@@ -166,18 +166,18 @@ async fn script() -> Response {
     ([kind], include_str!("live.js")).into_response()
 }
 
-/// Answers as soon as there is a page newer than the one the reader has, or after a while.
-async fn news(State(live): State<Arc<Live>>, Path(after): Path<u64>) -> Response {
-    Json(live.news(after).await).into_response()
+/// Answers when a page newer than revision `after` is available, or after a timeout.
+async fn update(State(live): State<Arc<LivePage>>, Path(after): Path<u64>) -> Response {
+    Json(live.update_after(after).await).into_response()
 }
 
-/// Refuses requests for a host name that is not this machine's own.
-async fn only_here(request: Request, next: Next) -> Response {
+/// Refuses requests for a host name other than a loopback name.
+async fn require_loopback_host(request: Request, next: Next) -> Response {
     let host = request.headers().get(header::HOST).and_then(|host| host.to_str().ok()).unwrap_or_default();
-    if is_here(host) { next.run(request).await } else { StatusCode::FORBIDDEN.into_response() }
+    if is_loopback(host) { next.run(request).await } else { StatusCode::FORBIDDEN.into_response() }
 }
 
-fn is_here(host: &str) -> bool {
+fn is_loopback(host: &str) -> bool {
     let name = match host.rsplit_once(':') {
         Some((name, port)) if port.parse::<u16>().is_ok() => name,
         _ => host,
@@ -191,25 +191,28 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_port_alone_is_of_this_machine_and_open_addresses_are_refused() {
+    fn a_port_alone_is_a_loopback_address_and_reachable_addresses_are_refused() {
         let closed = Err("allowed: a loopback address");
-        assert_eq!(address("--live", "8080", closed).unwrap(), "127.0.0.1:8080".parse().unwrap());
-        assert_eq!(address("--live", "[::1]:7", closed).unwrap().port(), 7);
-        let error = address("--metrics", "0.0.0.0:9464", closed).unwrap_err();
+        assert_eq!(listen_address("--live", "8080", closed).unwrap(), "127.0.0.1:8080".parse().unwrap());
+        assert_eq!(listen_address("--live", "[::1]:7", closed).unwrap().port(), 7);
+        let error = listen_address("--metrics", "0.0.0.0:9464", closed).unwrap_err();
         assert!(error.is_bad_input() && error.to_string().contains("--metrics 0.0.0.0:9464"), "{error}");
-        assert!(address("--metrics", "0.0.0.0:9464", Ok(())).is_ok());
+        assert!(listen_address("--metrics", "0.0.0.0:9464", Ok(())).is_ok());
         for slip in ["", "70000", "localhost:8080", "http://127.0.0.1:1"] {
-            assert!(matches!(address("--live", slip, Ok(())), Err(MonitorError::Address { .. })), "{slip}");
+            assert!(
+                matches!(listen_address("--live", slip, Ok(())), Err(MonitorError::Address { .. })),
+                "{slip}"
+            );
         }
     }
 
     #[test]
-    fn only_names_of_this_machine_are_answered() {
+    fn only_loopback_host_names_are_answered() {
         for host in ["localhost", "localhost:8080", "127.0.0.1:8080", "127.8.8.8", "[::1]:8080", "[::1]"] {
-            assert!(is_here(host), "{host}");
+            assert!(is_loopback(host), "{host}");
         }
         for host in ["", "evil.example", "evil.example:8080", "192.168.1.20:8080", "localhost.evil.example"] {
-            assert!(!is_here(host), "{host}");
+            assert!(!is_loopback(host), "{host}");
         }
     }
 }

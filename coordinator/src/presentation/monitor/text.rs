@@ -1,10 +1,10 @@
-//! A status for people.
+//! The status of a running study as text.
 
 use crate::presentation::report::format::{count, duration, fixed};
 use common::wire::{Phase, Status};
 use std::fmt::Write;
 
-/// A few lines: what is done, who works, how fast, R so far.
+/// Phase, evaluations, queue, rate, current R, and one line per worker.
 pub fn status_text(status: &Status) -> String {
     let mut text = String::new();
     // Writing to a String cannot fail.
@@ -12,13 +12,13 @@ pub fn status_text(status: &Status) -> String {
     text.replace('\u{a0}', " ")
 }
 
-/// What a coordinator is at, in a few words.
-fn at(phase: Phase) -> &'static str {
+/// Name of a phase.
+fn phase_name(phase: Phase) -> &'static str {
     match phase {
         Phase::Waiting => "waiting for workers",
         Phase::Simulating => "simulating",
-        Phase::Learning => "learning, nothing is under way",
-        Phase::Ending => "everything is evaluated, working out the results",
+        Phase::Learning => "learning, no simulation is running",
+        Phase::Ending => "all evaluations done, computing the results",
     }
 }
 
@@ -30,7 +30,7 @@ fn write_status(text: &mut String, status: &Status) -> std::fmt::Result {
         text,
         "{}{purpose}: {} (for {})",
         printable(&study.scene),
-        at(status.phase),
+        phase_name(status.phase),
         duration(status.up)
     )?;
     write!(text, "evaluations: {} of {} planned", count(study.done), count(study.planned))?;
@@ -44,12 +44,12 @@ fn write_status(text: &mut String, status: &Status) -> std::fmt::Result {
     }
     writeln!(text)?;
     let (queued, under_way, slots) = (count(farm.queued), count(farm.under_way), count(farm.slots()));
-    writeln!(text, "queue: {queued} waiting, {under_way} under way on {slots} slots")?;
+    writeln!(text, "queue: {queued} waiting, {under_way} running on {slots} slots")?;
     if farm.rate > 0.0 {
         let left = study.planned.saturating_sub(study.done) as f64 / farm.rate;
-        let then =
-            if left > 0.0 { format!(", planned ones done in {}", duration(left)) } else { String::new() };
-        writeln!(text, "rate: {}/s in the last minute{then}", rate(farm.rate))?;
+        let remaining =
+            if left > 0.0 { format!(", {} left in this round", duration(left)) } else { String::new() };
+        writeln!(text, "rate: {}/s in the last minute{remaining}", rate(farm.rate))?;
     }
     if let Some(so_far) = &study.reliability {
         writeln!(
@@ -65,7 +65,7 @@ fn write_status(text: &mut String, status: &Status) -> std::fmt::Result {
         return writeln!(text, "no worker is connected");
     }
     let longest = farm.workers.iter().map(|worker| worker.name.chars().count()).max().unwrap_or(0).max(6);
-    writeln!(text, "\n{:longest$}  {:>5}  {:>5}  {:>8}  {:>9}", "worker", "slots", "has", "done", "rate")?;
+    writeln!(text, "\n{:longest$}  {:>5}  {:>5}  {:>8}  {:>9}", "worker", "slots", "tasks", "done", "rate")?;
     for worker in &farm.workers {
         writeln!(
             text,
@@ -84,7 +84,7 @@ fn rate(rate: f64) -> String {
     fixed(rate, if rate < 10.0 { 2 } else { 0 })
 }
 
-/// What came over the line, without anything that could steer a terminal.
+/// Received text without control characters, which could control a terminal.
 fn printable(text: &str) -> String {
     text.chars().filter(|c| !c.is_control()).collect()
 }
@@ -95,7 +95,7 @@ mod tests {
     use common::wire::{FarmStatus, ReliabilitySoFar, StudyStatus, WorkerStatus};
 
     #[test]
-    fn a_status_says_who_works_how_fast_and_r_so_far() {
+    fn a_status_has_workers_rates_and_the_current_r() {
         let worker =
             |name: &str| WorkerStatus { name: name.into(), slots: 2, under_way: 3, done: 40, rate: 0.65 };
         let status = Status {
@@ -124,8 +124,8 @@ mod tests {
         for part in [
             "four-bar, round 3: simulating (for 2 min 10 s)\n",
             "evaluations: 84 of 120 planned, budget 400, 1 failed\n",
-            "queue: 30 waiting, 6 under way on 4 slots\n",
-            "rate: 1.30/s in the last minute, planned ones done in 27.7 s\n",
+            "queue: 30 waiting, 6 running on 4 slots\n",
+            "rate: 1.30/s in the last minute, 27.7 s left in this round\n",
             "R(66 000) = 0.3470 ± 0.0060, after 2 rounds",
             "host-1      2      3        40     0.65/s",
         ] {

@@ -1,28 +1,28 @@
-//! Pairs of horizontal bars with their errors, one pair per variable.
+//! A chart of pairs of horizontal bars with their errors, one pair per variable.
 
 use super::figure::{Figure, csv};
 use super::palette::Ink;
-use super::plot::{PlotError, draw, letters, px, short, stroke};
-use crate::results::result_files::number;
+use super::plot::{PlotError, draw, letters, px, stroke, tick_label};
+use crate::results::csv_table::number;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 /// Height of one variable's two bars [CSS pixels].
 const ROW: f64 = 26.0;
 
-/// Room for the names [CSS pixels].
+/// Width of the column of names [CSS pixels].
 const NAMES: f64 = 168.0;
 
-/// Letters of a name that fit there.
+/// Number of letters that fit into it.
 const LONGEST: usize = 22;
 
-/// Standard errors to either side that a thin line shows.
+/// Half-length of the error lines [standard errors].
 const REACH: f64 = 1.96;
 
-/// One variable.
+/// The two bars of one variable.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Pair {
-    /// Its name, as shown.
+pub struct BarPair {
+    /// Name of the variable.
     pub name: String,
     /// Lengths of its bars.
     pub values: [f64; 2],
@@ -30,19 +30,19 @@ pub struct Pair {
     pub errors: [f64; 2],
 }
 
-/// A chart of bars.
+/// A chart of pairs of bars.
 pub struct Bars<'a> {
     /// Name of the figure.
     pub figure: &'a str,
-    /// What the first and the second bar of each pair are.
+    /// Meaning of the first and of the second bar of each pair.
     pub labels: [&'a str; 2],
-    /// What lengths are.
+    /// Label of the axis of their lengths.
     pub axis: &'a str,
-    /// Whether bars go both ways.
+    /// True if lengths can be negative.
     pub signed: bool,
     /// The pairs from top to bottom.
-    pub all: Vec<Pair>,
-    /// How many of them are drawn; the CSV holds all.
+    pub all: Vec<BarPair>,
+    /// Number of pairs drawn; the CSV contains all.
     pub shown: usize,
 }
 
@@ -54,7 +54,7 @@ impl Bars<'_> {
     pub fn figure(&self, title: &str, caption: &str) -> Result<Figure, PlotError> {
         let [first, second] = self.labels;
         let errors = self.labels.map(|label| format!("{label}, standard error"));
-        let row = |pair: &Pair| {
+        let row = |pair: &BarPair| {
             let ([a, b], [da, db]) = (pair.values.map(number), pair.errors.map(number));
             vec![pair.name.clone(), a, da, b, db]
         };
@@ -91,7 +91,7 @@ impl Bars<'_> {
                 .label_style(letters(13.5, Ink::Muted))
                 .axis_desc_style(letters(13.5, Ink::Ink))
                 .set_all_tick_mark_size(px(4.0))
-                .x_label_formatter(&|value| short(*value))
+                .x_label_formatter(&|value| tick_label(*value))
                 .x_desc(self.axis)
                 .draw()?;
             let right = letters(13.5, Ink::Ink).pos(Pos::new(HPos::Right, VPos::Center));
@@ -135,7 +135,7 @@ mod tests {
 
     #[test]
     fn the_numbers_hold_all_and_the_drawing_the_first() {
-        let pair = |k: usize| Pair {
+        let pair = |k: usize| BarPair {
             name: format!("variable {k}, {}", "long".repeat(k)),
             values: [0.1 / (k + 1) as f64, -0.2],
             errors: [0.01, 0.0],

@@ -1,43 +1,43 @@
-//! Several finished studies on one page: their reliability curves over each other, their lives and what they cost; and the
-//! curves as CSV.
+//! Comparison of finished studies on one page: overlaid reliability curves, lives, and computing effort; and the curves
+//! as CSV.
 
 use super::figure::Figure;
 use super::figures::{LifeAxis, capital, curve, file_name};
-use super::format::{UNKNOWN, count, duration, escape};
-use super::life::{LifeAt, life_at, rows_that_matter};
+use super::format::{UNKNOWN, count, duration};
+use super::life::{LEVELS, life_at, rows_that_matter};
 use super::page::{self, wrapped};
 use super::palette::{Ink, SERIES};
 use super::plot::{Axis, Plot, PlotError, Series, Shape};
-use super::tables::{table, whole};
+use super::tables::{life_cell, table};
 use super::words;
-use crate::results::result_files::{field, number};
-use crate::results::summary::StudySummary;
+use crate::results::csv_table::{CsvTable, number};
+use crate::results::summary::{PerLimitState, StudySummary};
+use maud::{Markup, Render, html as markup};
 use std::collections::BTreeSet;
-use std::fmt::Write;
 use thiserror::Error;
 
-/// Most studies that one figure can tell apart.
+/// Largest number of studies that one figure can distinguish.
 pub const MOST: usize = SERIES;
 
 /// A study to compare.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Compared {
-    /// How it is called in the comparison, different for each.
+pub struct ComparedStudy {
+    /// Name in the comparison, unique.
     pub name: String,
-    /// What it found.
+    /// Result of the study.
     pub summary: StudySummary,
 }
 
-/// Studies that cannot be laid over each other.
+/// Studies that cannot be compared.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum Incomparable {
-    /// Not as many as a comparison needs, or more than colours tell apart.
+    /// Fewer studies than a comparison needs, or more than there are distinct colours.
     #[error("{given} studies: a comparison takes 2 to {MOST}")]
     Number {
-        /// How many were given.
+        /// Number of studies given.
         given: usize,
     },
-    /// Other limit states.
+    /// The limit states of the studies differ.
     #[error(
         "{first} and {second} have different limit states: {} against {}; studies are compared by limit states of the same \
          names",
@@ -53,7 +53,7 @@ pub enum Incomparable {
         /// Its limit states.
         of_second: Vec<String>,
     },
-    /// Other checkpoints.
+    /// The checkpoints of the studies differ.
     #[error(
         "{first} and {second} have different checkpoints: every {} cycles up to {} against every {} up to {}; give the scenes \
          the same life",
@@ -71,19 +71,19 @@ pub enum Incomparable {
     },
 }
 
-/// Whether the studies can be compared: at least two, of the same limit states (in any order) at the same checkpoints.
+/// Checks that the studies can be compared: at least two, with the same limit states (in any order) and checkpoints.
 ///
 /// # Errors
 /// [`Incomparable`].
-pub fn check(studies: &[Compared]) -> Result<(), Incomparable> {
+pub fn check(studies: &[ComparedStudy]) -> Result<(), Incomparable> {
     if !(2..=MOST).contains(&studies.len()) {
         return Err(Incomparable::Number { given: studies.len() });
     }
     let first = &studies[0];
-    let states = |study: &Compared| study.summary.limit_states.iter().cloned().collect::<BTreeSet<_>>();
+    let states = |study: &ComparedStudy| study.summary.limit_states.iter().cloned().collect::<BTreeSet<_>>();
     let cycles =
-        |study: &Compared| study.summary.reliability.iter().map(|row| row.cycles).collect::<Vec<_>>();
-    let ends = |study: &Compared| {
+        |study: &ComparedStudy| study.summary.reliability.iter().map(|row| row.cycles).collect::<Vec<_>>();
+    let ends = |study: &ComparedStudy| {
         let cycles = cycles(study);
         [cycles.first().copied().unwrap_or(0), cycles.last().copied().unwrap_or(0)]
     };
@@ -109,7 +109,7 @@ pub fn check(studies: &[Compared]) -> Result<(), Incomparable> {
 }
 
 /// Limit states of the studies in the first one's order, then `total` if there are several.
-fn curves(studies: &[Compared]) -> Vec<&str> {
+fn curves(studies: &[ComparedStudy]) -> Vec<&str> {
     let mut names: Vec<&str> = studies[0].summary.limit_states.iter().map(String::as_str).collect();
     if names.len() > 1 {
         names.push("total");
@@ -117,34 +117,29 @@ fn curves(studies: &[Compared]) -> Vec<&str> {
     names
 }
 
-/// The page. The same studies give the same text.
+/// The page; a function of the studies alone.
 ///
 /// # Errors
 /// [`PlotError`].
-pub fn html(studies: &[Compared]) -> Result<String, PlotError> {
+pub fn html(studies: &[ComparedStudy]) -> Result<String, PlotError> {
     let names: Vec<&str> = studies.iter().map(|study| study.name.as_str()).collect();
     let title = format!("Studies compared: {}", names.join(", "));
-    let mut body = format!(
-        "<header><p class=\"brand\">Hingewise</p><h1>{}</h1><p class=\"meta\">Scenes: {}</p></header>\n",
-        escape(&title),
-        escape(&scenes(studies).into_iter().collect::<Vec<_>>().join(", "))
-    );
-    body += "<h2>Reliability</h2>\n";
+    let scenes = scenes(studies).into_iter().collect::<Vec<_>>().join(", ");
     let figures = figures(studies)?;
-    if figures.is_empty() {
-        body += "<p class=\"none\">These studies have one checkpoint: there are no curves.</p>\n";
-    }
-    body += &page::figures(&figures, "three");
-    body += "<h2>Lives</h2>\n";
-    for name in curves(studies) {
-        let _ = writeln!(body, "<h3>{}</h3>\n{}", escape(&capital(name)), lives(studies, name));
-    }
-    body += "<h2>What they are, and what they cost</h2>\n";
-    body += &effort(studies);
+    let body = markup! {
+        header { p.brand { "Hingewise" } h1 { (title) } p.meta { "Scenes: " (scenes) } }
+        h2 { "Reliability" }
+        @if figures.is_empty() { p.none { "These studies have a single checkpoint and therefore no curves." } }
+        (page::figures(&figures, "three"))
+        h2 { "Lives" }
+        @for name in curves(studies) { h3 { (capital(name)) } (lives(studies, name)) }
+        h2 { "Settings and computing effort" }
+        (effort(studies))
+    };
     Ok(wrapped(&title, &body))
 }
 
-fn scenes(studies: &[Compared]) -> BTreeSet<&str> {
+fn scenes(studies: &[ComparedStudy]) -> BTreeSet<&str> {
     studies.iter().map(|study| study.summary.scene.as_str()).collect()
 }
 
@@ -152,7 +147,7 @@ fn scenes(studies: &[Compared]) -> BTreeSet<&str> {
 ///
 /// # Errors
 /// [`PlotError`].
-pub fn figures(studies: &[Compared]) -> Result<Vec<Figure>, PlotError> {
+pub fn figures(studies: &[ComparedStudy]) -> Result<Vec<Figure>, PlotError> {
     if studies[0].summary.is_static() {
         return Ok(vec![]);
     }
@@ -160,22 +155,25 @@ pub fn figures(studies: &[Compared]) -> Result<Vec<Figure>, PlotError> {
     let matter = studies.iter().map(|study| rows_that_matter(&study.summary, 1));
     let ends = matter.filter_map(|rows| Some((rows.first()?.cycles, rows.last()?.cycles)));
     let Some((from, to)) = ends.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))) else { return Ok(vec![]) };
-    let axis = LifeAxis::of(&studies[0].summary);
+    let axis = LifeAxis::new(&studies[0].summary);
     let figure = |name: &str| {
         let (mut bands, mut lines) = (Vec::new(), Vec::new());
-        for (k, Compared { name: study, summary }) in studies.iter().enumerate() {
+        for (k, ComparedStudy { name: study, summary }) in studies.iter().enumerate() {
             let rows = &summary.reliability;
-            let (points, band) = curve(rows, name, |cycles| axis.at(cycles));
+            let (points, band) = curve(rows, name, |cycles| axis.place(cycles));
             bands.push(Series::unlisted(format!("{study}, band"), Ink::Series(k), Shape::Band(band)));
-            // Curves that lie upon each other are still seen.
+            // Every second curve is dashed, so that coinciding curves stay visible.
             let shape = if k % 2 == 1 { Shape::Dashed(points) } else { Shape::Line(points) };
             lines.push(Series::new(study, Ink::Series(k), shape));
         }
-        let title =
-            if name == "total" { "No failure at all".to_string() } else { format!("No failure by {name}") };
+        let title = if name == "total" {
+            "No failure of any kind".to_string()
+        } else {
+            format!("No failure by {name}")
+        };
         Plot {
             figure: &format!("reliability-{}", file_name(name)),
-            x: Axis::linear(axis.label, (axis.at(from), axis.at(to))),
+            x: Axis::linear(axis.label, (axis.place(from), axis.place(to))),
             y: Axis::linear("reliability R", (0.0, 1.0)),
             series: &[bands, lines].concat(),
         }
@@ -184,32 +182,27 @@ pub fn figures(studies: &[Compared]) -> Result<Vec<Figure>, PlotError> {
     curves(studies).into_iter().map(figure).collect()
 }
 
-/// Lives of every study at the levels that decisions ask for.
-fn lives(studies: &[Compared], name: &str) -> String {
+/// Lives of every study at the usual levels of reliability, or its probability of failure.
+fn lives(studies: &[ComparedStudy], name: &str) -> Markup {
     if studies[0].summary.is_static() {
         let rows = studies.iter().map(|study| {
             let row = study.summary.reliability.first();
             let pf = row.map_or(UNKNOWN.to_string(), |row| words::failure_probability(row, name));
-            vec![escape(&study.name), pf]
+            vec![study.name.render(), pf.render()]
         });
-        return table(&["study".into(), "probability of failure".into()], rows);
+        return table(&["study", "probability of failure"], rows);
     }
-    let head =
-        std::iter::once("cycles at".to_string()).chain(words::LEVELS.map(|level| format!("R = {level}")));
+    let levels = LEVELS.map(|level| format!("R = {level}"));
+    let head: Vec<String> = std::iter::once("cycles at".to_string()).chain(levels).collect();
     let rows = studies.iter().map(|study| {
-        let cell = |level: f64| match life_at(&study.summary, name, level) {
-            LifeAt::Beyond(last) => format!("beyond {}", count(last.into())),
-            LifeAt::Cycles { life, lower, upper } => {
-                format!("{} <small>{} to {}</small>", whole(life), whole(lower), whole(upper))
-            }
-        };
-        std::iter::once(escape(&study.name)).chain(words::LEVELS.map(cell)).collect()
+        let lives = LEVELS.map(|level| life_cell(life_at(&study.summary, name, level)));
+        std::iter::once(study.name.render()).chain(lives).collect()
     });
-    table(&head.collect::<Vec<_>>(), rows)
+    table(&head, rows)
 }
 
 /// Scene, method, accuracy, seed, evaluations and time of every study.
-fn effort(studies: &[Compared]) -> String {
+fn effort(studies: &[ComparedStudy]) -> Markup {
     let head = [
         "study",
         "scene",
@@ -221,53 +214,57 @@ fn effort(studies: &[Compared]) -> String {
         "time",
         "version",
     ];
-    let rows = studies.iter().map(|Compared { name, summary }| {
-        vec![
-            escape(name),
-            escape(&summary.scene),
-            escape(&summary.method),
-            escape(&words::accuracy(summary)),
+    let rows = studies.iter().map(|ComparedStudy { name, summary }| {
+        let cells = [
+            name.clone(),
+            summary.scene.clone(),
+            summary.method.clone(),
+            words::accuracy(summary),
             summary.seed.to_string(),
             count(summary.evaluations.total as u64),
             count(summary.evaluations.failed as u64),
             duration(summary.timing_s.total),
-            escape(&summary.version),
-        ]
+            summary.version.clone(),
+        ];
+        cells.map(|cell| cell.render()).to_vec()
     });
-    table(&head.map(String::from), rows)
+    table(&head, rows)
 }
 
 /// Every curve of every study: `study`, `limit_state`, `cycles`, `R`, `standard_error`, one row per checkpoint.
-pub fn csv(studies: &[Compared]) -> String {
-    let mut text = String::from("study,limit_state,cycles,R,standard_error\n");
-    for Compared { name: study, summary } in studies {
+pub fn csv(studies: &[ComparedStudy]) -> String {
+    let mut table = CsvTable::new(["study", "limit_state", "cycles", "R", "standard_error"]);
+    for ComparedStudy { name: study, summary } in studies {
         for name in curves(studies) {
+            let value = |values: &PerLimitState| values.get(name).copied().map_or(String::new(), number);
             for row in &summary.reliability {
-                let value = |of: &crate::results::summary::PerLimitState| {
-                    of.get(name).copied().map_or(String::new(), number)
-                };
-                let (r, error) = (value(&row.reliability), value(&row.standard_error));
-                text += &format!("{},{},{},{r},{error}\n", field(study), field(name), row.cycles);
+                let [r, error] = [&row.reliability, &row.standard_error].map(value);
+                table.push([study, name, &row.cycles.to_string(), &r, &error]);
             }
         }
     }
-    text
+    table.into_text()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::presentation::report::synthetic;
+    use crate::presentation::report::format::whole;
+    use crate::presentation::report::life::LifeAt;
+    use crate::test_study;
 
-    fn two() -> [Compared; 2] {
-        let summary = synthetic::study().summary;
+    fn two() -> [ComparedStudy; 2] {
+        let summary = test_study::study().summary;
         let mut harder = summary.clone();
         harder.accuracy = "draft".into();
         harder.limit_states.reverse();
         for row in &mut harder.reliability {
             row.reliability.values_mut().for_each(|r| *r = r.powi(3));
         }
-        [Compared { name: "a & b".into(), summary }, Compared { name: "harder".into(), summary: harder }]
+        [
+            ComparedStudy { name: "a & b".into(), summary },
+            ComparedStudy { name: "harder".into(), summary: harder },
+        ]
     }
 
     #[test]

@@ -1,8 +1,8 @@
-//! A figure of a report: a drawing with its words, and what it shows as numbers.
+//! A figure of a report: a drawing with title and caption, and its numbers as CSV.
 
-use crate::results::result_files::field;
+use crate::results::csv_table::CsvTable;
 
-/// A figure.
+/// A figure of a report.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
     /// Name, letters, digits and hyphens.
@@ -11,14 +11,15 @@ pub struct Figure {
     pub title: String,
     /// Caption, plain text.
     pub caption: String,
-    /// SVG document.
+    /// Drawing as an SVG document.
     pub svg: String,
-    /// What it shows, CSV with a header.
+    /// Numbers shown, as CSV with a header.
     pub csv: String,
 }
 
-/// CSV with a header; cells are quoted where they need it.
-pub(super) fn csv(head: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
-    let line = |cells: &mut dyn Iterator<Item = &str>| cells.map(field).collect::<Vec<_>>().join(",") + "\n";
-    rows.fold(line(&mut head.iter().copied()), |text, row| text + &line(&mut row.iter().map(String::as_str)))
+/// CSV text with these columns and rows.
+pub(super) fn csv(columns: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
+    let mut table = CsvTable::new(columns);
+    rows.for_each(|row| table.push(&row));
+    table.into_text()
 }

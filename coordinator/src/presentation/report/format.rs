@@ -1,12 +1,7 @@
-//! Numbers and text as a reader sees them; what is not a finite number is a dash.
+//! Numbers as text for people; a value that is not finite is a dash.
 
-/// A dash for what is not known.
+/// Text of an unknown value.
 pub const UNKNOWN: &str = "–";
-
-/// Text for HTML and XML.
-pub fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-}
 
 /// A count with its thousands apart, e.g. `64 000`.
 pub fn count(value: u64) -> String {
@@ -19,6 +14,11 @@ pub fn count(value: u64) -> String {
         text.push(digit);
     }
     text
+}
+
+/// A life in whole cycles, e.g. `63 215`.
+pub fn whole(life: f64) -> String {
+    count(life.round().max(0.0) as u64)
 }
 
 /// A number with this many decimals.
@@ -61,7 +61,7 @@ pub fn percent(share: f64) -> String {
     }
 }
 
-/// A duration in words a person would use.
+/// A duration in hours, minutes and seconds.
 pub fn duration(seconds: f64) -> String {
     if !(seconds.is_finite() && seconds >= 0.0) {
         return UNKNOWN.to_string();

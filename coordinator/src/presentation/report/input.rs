@@ -1,9 +1,8 @@
-//! Everything a report is made from, and where it comes from: the scene's source and every evaluation from the
-//! tables of the campaign file, the study's results from its documents `summary` and `distributions`. So a
-//! report of a finished study needs its folder alone and no evaluation.
+//! The data of a report, read from the campaign file: the source of the scene, every evaluation, and the results of the
+//! study from the documents `summary` and `distributions`. The report of a finished study needs no new evaluation.
 
 use super::mechanism::Mechanism;
-use super::stated::{StatedAt, StatedErrors};
+use super::stated_errors::{StatedAt, StatedErrorCollector};
 use crate::results::output_unit::OutputUnit;
 use crate::results::store::{CampaignFile, StoreError};
 use crate::results::summary::StudySummary;
@@ -14,15 +13,15 @@ use serde::{Deserialize, Serialize};
 /// Name of the document that holds the [`StudySummary`].
 pub const SUMMARY_DOCUMENT: &str = "summary";
 
-/// Name of the document that holds the [`OutputDistribution`]s.
+/// Name of the document that holds the [`CheckpointDistribution`]s.
 pub const DISTRIBUTIONS_DOCUMENT: &str = "distributions";
 
 /// Distribution of one output at one checkpoint over the population, in SI.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct OutputDistribution {
+pub struct CheckpointDistribution {
     /// Name of the output.
     pub output: String,
-    /// Checkpoint [cycles].
+    /// Checkpoint of the distribution [cycles].
     pub cycles: u32,
     /// Mean [SI unit of the output].
     pub mean: f64,
@@ -41,7 +40,7 @@ pub fn equal_edges(from: f64, to: f64, bins: usize) -> Vec<f64> {
     (0..=bins).map(|k| if k == bins { to } else { from + (to - from) * k as f64 / bins as f64 }).collect()
 }
 
-/// A limit state, as the report shows it.
+/// A limit state of the scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LimitStateInfo {
     /// Name, a key of the summary.
@@ -50,38 +49,38 @@ pub struct LimitStateInfo {
     pub output: usize,
     /// Threshold [SI unit of the output].
     pub threshold: f64,
-    /// On which side of it failure lies.
+    /// Side of the threshold on which failure lies.
     pub fails: Fails,
 }
 
-/// An output, as the report shows it.
+/// An output of the scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OutputInfo {
-    /// Name.
+    /// Name in the scene.
     pub name: String,
-    /// What it is.
+    /// Quantity and the bodies or joints it belongs to.
     pub kind: OutputKind,
-    /// Unit.
+    /// Unit in files and figures.
     pub unit: OutputUnit,
 }
 
-/// A random variable, as the report shows it.
+/// A random variable of the scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VariableInfo {
-    /// Name.
+    /// Name in the scene.
     pub name: String,
     /// Mean; of the parent for a truncated normal [SI].
     pub mean: f64,
-    /// Standard deviation, likewise [SI].
+    /// Standard deviation; of the parent for a truncated normal [SI].
     pub std: f64,
 }
 
 /// An evaluation without a result.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FailedRun {
-    /// Number.
+    /// Number of the evaluation.
     pub id: u64,
-    /// What the physics reported.
+    /// Reason given by the simulator.
     pub failure: String,
 }
 
@@ -90,7 +89,7 @@ pub struct FailedRun {
 pub struct WorkTotals {
     /// Evaluations with a result.
     pub evaluations: u64,
-    /// Their simulation time [s].
+    /// Sum of their simulation times [s].
     pub wall: f64,
     /// Longest simulation time [s].
     pub longest: f64,
@@ -98,7 +97,7 @@ pub struct WorkTotals {
     pub sum: Diagnostics,
 }
 
-/// Everything a report is made from.
+/// The data of a report.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReportInput {
     /// Title of the scene.
@@ -111,30 +110,30 @@ pub struct ReportInput {
     pub outputs: Vec<OutputInfo>,
     /// Random variables, in the scene's order.
     pub variables: Vec<VariableInfo>,
-    /// Bodies and joints, every variable at its mean.
+    /// Bodies and joints with every variable at its mean.
     pub mechanism: Mechanism,
     /// The evaluation at the variables' means, with its first cycle.
     pub nominal: Option<Evaluation>,
     /// Distributions of the outputs over the population.
-    pub distributions: Vec<OutputDistribution>,
+    pub distributions: Vec<CheckpointDistribution>,
     /// Numerical errors that the evaluations state, per output and checkpoint `(outputs)(m,)`; empty if none do.
     pub stated: Vec<Vec<StatedAt>>,
     /// Evaluations without a result.
     pub failures: Vec<FailedRun>,
-    /// Work done.
+    /// Numerical work of all evaluations.
     pub work: WorkTotals,
-    /// What a reader must know to judge the result.
+    /// Cautions: limits of this study that a reader must know.
     pub notes: Vec<String>,
     /// Source text of the scene.
     pub scene_source: String,
     /// Settings of the study, JSON.
     pub settings: serde_json::Value,
-    /// Command line.
+    /// Command line that started the study.
     pub command: String,
 }
 
 impl ReportInput {
-    /// Gathers everything from the file of a finished study; `scene` is the resolved `scene_source` of the file.
+    /// Reads the data from the file of a finished study; `scene` is the resolved `scene_source` of the file.
     /// `None` if the study has not been finished.
     ///
     /// # Errors
@@ -146,7 +145,7 @@ impl ReportInput {
         input.scene_source = campaign.meta().scene_source.clone();
         input.settings = campaign.meta().settings.clone();
         input.command = campaign.meta().command.clone();
-        let mut stated = StatedErrors::default();
+        let mut stated = StatedErrorCollector::default();
         campaign.for_each(|stored| {
             match stored.outcome {
                 Ok(evaluation) => {
@@ -166,8 +165,8 @@ impl ReportInput {
         Ok(Some(input))
     }
 
-    /// What scene and results alone give.
-    fn new(scene: &Scene, summary: StudySummary, distributions: Vec<OutputDistribution>) -> Self {
+    /// The data that scene and results provide, without the evaluations.
+    fn new(scene: &Scene, summary: StudySummary, distributions: Vec<CheckpointDistribution>) -> Self {
         Self {
             title: scene.title.clone(),
             notes: [unfinished(&summary), rough(&summary), notes(scene)].concat(),
@@ -200,7 +199,7 @@ impl ReportInput {
                     std: variable.distribution.given_std(),
                 })
                 .collect(),
-            mechanism: Mechanism::of(scene),
+            mechanism: Mechanism::new(scene),
             nominal: None,
             distributions,
             stated: vec![],
@@ -212,7 +211,7 @@ impl ReportInput {
         }
     }
 
-    /// What is studied, in the singular.
+    /// `mechanism` or `system`.
     pub fn subject(&self) -> &'static str {
         self.summary.subject()
     }
@@ -239,7 +238,7 @@ impl WorkTotals {
     }
 }
 
-/// Says so if learning ended before its targets were met.
+/// A caution if learning ended before its targets were met.
 fn unfinished(summary: &StudySummary) -> Vec<String> {
     let why = &summary.convergence.stopped_because;
     let note = format!(
@@ -248,19 +247,19 @@ fn unfinished(summary: &StudySummary) -> Vec<String> {
     if summary.convergence.targets_met { vec![] } else { vec![note] }
 }
 
-/// Says so if the evaluations were only meant for a first look.
+/// A caution if the accuracy is meant for a first look only.
 fn rough(summary: &StudySummary) -> Vec<String> {
     if !summary.accuracy.starts_with("draft") || summary.max_error.is_some() {
         return vec![];
     }
     vec![
-        "The accuracy draft is for a first look: its time and wear steps move the curves by more than the standard \
-         errors say. Decide with balanced or reference."
+        "The accuracy draft is meant for a first look: the errors of its time and wear steps exceed the standard errors \
+         shown. Base decisions on balanced or reference."
             .to_string(),
     ]
 }
 
-/// Properties of the model that colour its answer.
+/// Cautions about properties of the model that affect the result.
 fn notes(scene: &Scene) -> Vec<String> {
     let local_hertz = scene.joints.iter().any(|joint| match &joint.kind {
         JointKind::Clearance(clearance) => clearance.contact_law == ContactLaw::LocalHertz,
@@ -273,8 +272,8 @@ fn notes(scene: &Scene) -> Vec<String> {
     if local_hertz && watches_speed {
         return vec![
             "The contact law local-hertz measures penetration in one direction only. On a worn bore it does not \
-             conserve energy and can feed a vibration, which raises angular-velocity differences late in life; the \
-             conformal law foundation shows no such growth in the flapping-wing drive. A failure by asymmetry found \
+             conserve energy and can excite a vibration that increases angular-velocity differences late in life; with \
+             the conformal law foundation the flapping-wing drive shows no such growth. A failure by asymmetry found \
              with local-hertz is a property of that law."
                 .to_string(),
         ];
@@ -285,7 +284,7 @@ fn notes(scene: &Scene) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::presentation::report::synthetic;
+    use crate::test_study;
 
     #[test]
     fn equal_bins_end_where_they_should() {
@@ -294,8 +293,8 @@ mod tests {
     }
 
     #[test]
-    fn a_rough_or_unfinished_study_says_so() {
-        let mut summary = synthetic::study().summary;
+    fn a_draft_or_unfinished_study_has_a_caution() {
+        let mut summary = test_study::study().summary;
         assert!(rough(&summary).is_empty() && unfinished(&summary).is_empty());
         summary.accuracy = "draft".into();
         summary.convergence.targets_met = false;
@@ -304,8 +303,8 @@ mod tests {
     }
 
     #[test]
-    fn the_note_on_the_contact_law_stands_only_where_it_applies() {
-        let mut scene = synthetic::scene();
+    fn the_caution_on_the_contact_law_appears_only_where_it_applies() {
+        let mut scene = test_study::scene();
         assert_eq!(notes(&scene).len(), 1);
         for joint in &mut scene.joints {
             if let JointKind::Clearance(clearance) = &mut joint.kind {
@@ -313,7 +312,7 @@ mod tests {
             }
         }
         assert!(notes(&scene).is_empty());
-        let mut scene = synthetic::scene();
+        let mut scene = test_study::scene();
         scene.limit_states.truncate(1);
         assert!(notes(&scene).is_empty());
     }

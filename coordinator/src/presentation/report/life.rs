@@ -1,66 +1,69 @@
-//! Lives read from reliability curves: when R falls to a level, and which limit state leads there.
+//! Lives read from reliability curves: the life at which R falls to a level, and the limit state with the most failures.
 
 use crate::results::summary::{NumericalRange, ReliabilityRow, StudySummary};
 use statrs::distribution::{ContinuousCDF, Normal};
 
+/// Reliabilities at which lives are stated.
+pub const LEVELS: [f64; 3] = [0.99, 0.9, 0.5];
+
 /// The life at which a reliability curve falls to a level.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LifeAt {
-    /// Reached, by interpolation between checkpoints: linear in the probit of R, because lives scatter about
-    /// normally. The bounds are where the curve less and plus 1.96 standard errors reaches the level (the upper
-    /// one is the end of life if it does not), widened by a quarter of the distance to linear interpolation of R
-    /// itself: what the curve does between two checkpoints is not known better.
+    /// Life interpolated between two checkpoints, linearly in the probit of R, which is exact for normally distributed
+    /// lives. The bounds are the lives at which R minus and plus 1.96 standard errors reaches the level (the upper one is
+    /// the end of life if R stays above the level), widened by a quarter of the distance to linear interpolation of R,
+    /// since the course of R between checkpoints is unknown.
     Cycles {
-        /// Life [cycles].
+        /// Interpolated life [cycles].
         life: f64,
         /// Lower bound [cycles].
         lower: f64,
         /// Upper bound [cycles].
         upper: f64,
     },
-    /// Still above the level at the end of the life studied [cycles].
+    /// R is above the level at the end of the life studied [cycles].
     Beyond(u32),
 }
 
 /// Life at which the reliability `key` (a limit state or `total`) falls to `level`; R(0) = 1.
 pub fn life_at(summary: &StudySummary, key: &str, level: f64) -> LifeAt {
     let moved = |errors: f64| {
-        let of_row = |row: &ReliabilityRow| {
+        let curve = |row: &ReliabilityRow| {
             let error = row.standard_error.get(key).copied().filter(|error| error.is_finite()).unwrap_or(0.0);
             row.reliability.get(key).map(|r| r + errors * error)
         };
-        crossing(summary, &of_row, level)
+        crossing(summary, &curve, level)
     };
     let last = summary.reliability.last().map_or(0, |row| row.cycles);
     match moved(0.0) {
         None => LifeAt::Beyond(last),
-        Some((life, doubt)) => LifeAt::Cycles {
+        Some((life, uncertainty)) => LifeAt::Cycles {
             life,
-            lower: (moved(-1.96).map_or(life, |(lower, _)| lower) - doubt).max(0.0),
-            upper: moved(1.96).map_or(f64::from(last), |(upper, _)| upper + doubt),
+            lower: (moved(-1.96).map_or(life, |(lower, _)| lower) - uncertainty).max(0.0),
+            upper: moved(1.96).map_or(f64::from(last), |(upper, _)| upper + uncertainty),
         },
     }
 }
 
-/// Lives [cycles] at which the reliability `key` falls to `level` with all responses moved by their stated numerical
-/// errors, in the worst and in the best direction; `None` for a life beyond the one studied, and in all if the
-/// study states no numerical errors.
+/// Lives [cycles] at which the reliability `key` falls to `level` with all responses shifted by their stated numerical
+/// errors to the unsafe and to the safe side; `None` for a life beyond the one studied. `None` as a whole if the study
+/// states no numerical errors.
 pub fn numerical_lives(summary: &StudySummary, key: &str, level: f64) -> Option<[Option<f64>; 2]> {
     summary.reliability.first()?.numerical.get(key)?;
-    let of = |side: fn(&NumericalRange) -> f64| {
-        let of_row = |row: &ReliabilityRow| row.numerical.get(key).map(side);
-        crossing(summary, &of_row, level).map(|(life, _)| life)
+    let life = |side: fn(&NumericalRange) -> f64| {
+        let curve = |row: &ReliabilityRow| row.numerical.get(key).map(side);
+        crossing(summary, &curve, level).map(|(life, _)| life)
     };
-    Some([of(|range| range.lower), of(|range| range.upper)])
+    Some([life(|range| range.lower), life(|range| range.upper)])
 }
 
-/// Where the curve falls to `level`, and the doubt of that [cycles].
+/// Life at which the curve falls to `level`, and the uncertainty of its interpolation [cycles].
 fn crossing(
     summary: &StudySummary,
     curve: &dyn Fn(&ReliabilityRow) -> Option<f64>,
     level: f64,
 ) -> Option<(f64, f64)> {
-    // A share of the population below half a point cannot be told from none.
+    // Shares below half a point of the population cannot be distinguished from zero.
     let least = 0.5 / summary.population.max(1) as f64;
     let probit = |r: f64| Normal::standard().inverse_cdf(r.clamp(least, 1.0 - least));
     let mut before = (0.0, 1.0);
@@ -87,8 +90,8 @@ pub fn governing(summary: &StudySummary) -> Option<&ReliabilityRow> {
     summary.reliability.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))
 }
 
-/// The rows in which something happens: from the last one with everything alive to the first one with nothing
-/// alive, within `margin` rows more on either side. All rows if nothing fails at all.
+/// The rows from the last one without failures to the first one without survivors, and `margin` more on either side; all
+/// rows if nothing fails.
 pub fn rows_that_matter(summary: &StudySummary, margin: usize) -> &[ReliabilityRow] {
     let rows = &summary.reliability;
     let alive = |row: &ReliabilityRow| row.reliability.values().all(|r| *r > 0.9995);
@@ -107,7 +110,7 @@ pub fn leaders(summary: &StudySummary) -> Vec<(u32, &str)> {
     let mut leaders: Vec<(u32, &str)> = Vec::new();
     for row in &summary.reliability {
         let failed = |name: &str| 1.0 - row.reliability.get(name).copied().unwrap_or(1.0);
-        // When nearly all have failed by every mode the shares are equal and nobody leads.
+        // Once nearly all have failed in every mode, the shares are equal and no mode leads.
         let mut order: Vec<&String> = summary.limit_states.iter().collect();
         order.sort_by(|a, b| failed(b).total_cmp(&failed(a)));
         let Some(first) = order.first() else { continue };
@@ -123,11 +126,11 @@ pub fn leaders(summary: &StudySummary) -> Vec<(u32, &str)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::presentation::report::synthetic;
+    use crate::test_study;
     use std::collections::BTreeMap;
 
     fn summary(curves: &[(&str, &[f64])]) -> StudySummary {
-        let mut summary = synthetic::study().summary;
+        let mut summary = test_study::study().summary;
         summary.limit_states =
             curves.iter().map(|(name, _)| name.to_string()).filter(|n| n != "total").collect();
         summary.reliability = (0..curves[0].1.len())
@@ -162,7 +165,7 @@ mod tests {
         assert!((life - (2000.0 + 1000.0 * 0.588_27 / 1.094_97)).abs() < 0.1, "{life}");
         assert_eq!(life_at(&summary, "total", 0.3), LifeAt::Beyond(3000));
         let LifeAt::Cycles { life, .. } = life_at(&summary, "wear", 0.9) else { panic!() };
-        // From all alive to 0.8 the straight line would say 1500.
+        // Linear interpolation of R between 1 and 0.8 would give 1500.
         assert!(life > 1600.0 && life < 2000.0, "{life}");
         assert_eq!(governing(&summary).unwrap().cycles, 3000);
     }

@@ -1,45 +1,45 @@
-//! The nominal mechanism in motion: where its bodies stand over a cycle, and its journals in their bores.
+//! The motion of the nominal mechanism over a cycle: poses of its bodies, and orbits of its journals in their bores.
 
 use common::outputs::{BodyMotion, CycleHistory};
 use common::scene::{Attachment, Body, Joint, JointKind, Motion, Scene};
 
-/// Bodies and joints of the scene, by its numbering.
+/// Bodies and joints of a scene, numbered as there.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Mechanism {
-    /// Bodies.
+    /// Bodies in the order of the scene.
     pub bodies: Vec<Body>,
-    /// Joints.
+    /// Joints in the order of the scene.
     pub joints: Vec<Joint>,
 }
 
-/// A place and an angle: position `(2,)` [m], angle [rad].
+/// Position `(2,)` [m] and angle [rad] of a body.
 pub type Pose = ([f64; 2], f64);
 
 impl Mechanism {
-    /// Of a scene.
-    pub fn of(scene: &Scene) -> Self {
+    /// The bodies and joints of a scene.
+    pub fn new(scene: &Scene) -> Self {
         Self { bodies: scene.bodies.clone(), joints: scene.joints.clone() }
     }
 
-    /// Where a body stands at instant `k` of a cycle; `None` if the cycle does not tell.
+    /// Pose of a body at instant `k` of a cycle; `None` if the cycle does not include its motion.
     pub fn pose(&self, cycle: &CycleHistory, body: usize, k: usize) -> Option<Pose> {
-        let of = self.bodies.get(body)?;
-        if of.motion == Motion::Fixed {
+        let body = self.bodies.get(body)?;
+        if body.motion == Motion::Fixed {
             return Some(([0.0; 2], 0.0));
         }
-        let motion: &BodyMotion = cycle.motion.iter().find(|motion| motion.body == of.name)?;
+        let motion: &BodyMotion = cycle.motion.iter().find(|motion| motion.body == body.name)?;
         Some((*motion.position.get(k)?, *motion.angle.get(k)?))
     }
 
-    /// Where a point of a body is at instant `k`.
-    pub fn place(&self, cycle: &CycleHistory, at: &Attachment, k: usize) -> Option<[f64; 2]> {
-        let ([x, y], angle) = self.pose(cycle, at.body, k)?;
+    /// Position [m] of a point of a body at instant `k`.
+    pub fn place(&self, cycle: &CycleHistory, point: &Attachment, k: usize) -> Option<[f64; 2]> {
+        let ([x, y], angle) = self.pose(cycle, point.body, k)?;
         let (sin, cos) = angle.sin_cos();
-        let [a, b] = at.position;
+        let [a, b] = point.position;
         Some([x + cos * a - sin * b, y + sin * a + cos * b])
     }
 
-    /// From the bushing's centre to the journal's at instant `k`, in the bushing body's frame [m].
+    /// Vector from the centre of the bushing to that of the journal at instant `k`, in the frame of the bushing's body [m].
     pub fn orbit_at(&self, cycle: &CycleHistory, joint: &Joint, k: usize) -> Option<[f64; 2]> {
         let (journal, bushing) =
             (self.place(cycle, &joint.journal, k)?, self.place(cycle, &joint.bushing, k)?);
@@ -48,8 +48,8 @@ impl Mechanism {
         Some([cos * x + sin * y, cos * y - sin * x])
     }
 
-    /// The same over a whole cycle `(n, 2)` [m]; `None` for an ideal joint, or if the cycle does not tell the motion of
-    /// both bodies.
+    /// Orbit of the journal's centre in the bushing over a cycle `(n, 2)` [m]; `None` for an ideal joint, or if the cycle
+    /// does not include the motion of both bodies.
     pub fn orbit(&self, cycle: &CycleHistory, joint: &Joint) -> Option<Vec<[f64; 2]>> {
         if !matches!(joint.kind, JointKind::Clearance(_)) || cycle.time.is_empty() {
             return None;
@@ -57,19 +57,20 @@ impl Mechanism {
         (0..cycle.time.len()).map(|k| self.orbit_at(cycle, joint, k)).collect()
     }
 
-    /// Where a body meets others: the places of its joints in its own frame, without repetition; of one that moves its
-    /// named points too, and its pivot if it is driven `(p, 2)` [m].
+    /// Outline of a body in its own frame, without repeated points `(p, 2)` [m]: its joints; for a moving body also its
+    /// named points; for a driven one also its pivot.
     pub fn outline(&self, body: usize) -> Vec<[f64; 2]> {
-        let of = &self.bodies[body];
-        let pivot = matches!(of.motion, Motion::Driven { .. }).then_some([0.0; 2]);
-        let points = of.points.iter().filter(|_| of.motion != Motion::Fixed).map(|point| point.position);
+        let shown = &self.bodies[body];
+        let pivot = matches!(shown.motion, Motion::Driven { .. }).then_some([0.0; 2]);
+        let points =
+            shown.points.iter().filter(|_| shown.motion != Motion::Fixed).map(|point| point.position);
         let ends = self.joints.iter().flat_map(|joint| [joint.journal, joint.bushing]);
         let mut outline: Vec<[f64; 2]> = Vec::new();
-        for at in
+        for point in
             pivot.into_iter().chain(ends.filter(|end| end.body == body).map(|end| end.position)).chain(points)
         {
-            if !outline.iter().any(|p| (p[0] - at[0]).hypot(p[1] - at[1]) < 1e-9) {
-                outline.push(at);
+            if !outline.iter().any(|p| (p[0] - point[0]).hypot(p[1] - point[1]) < 1e-9) {
+                outline.push(point);
             }
         }
         outline
@@ -79,16 +80,16 @@ impl Mechanism {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::presentation::report::synthetic;
+    use crate::test_study;
 
     #[test]
-    fn the_orbit_is_told_in_the_frame_of_the_bushing() {
-        let mechanism = Mechanism::of(&synthetic::scene());
-        let cycle = synthetic::first_cycle();
+    fn the_orbit_is_in_the_frame_of_the_bushing() {
+        let mechanism = Mechanism::new(&test_study::scene());
+        let cycle = test_study::first_cycle();
         for joint in &mechanism.joints {
             let orbit = mechanism.orbit(&cycle, joint).unwrap();
             for (k, [x, y]) in orbit.iter().enumerate() {
-                let [ex, ey] = synthetic::eccentricity(cycle.time[k]);
+                let [ex, ey] = test_study::eccentricity(cycle.time[k]);
                 assert!((x - ex).hypot(y - ey) < 1e-12, "joint {}, {k}: {x} {y}", joint.name);
             }
         }
@@ -99,7 +100,7 @@ mod tests {
 
     #[test]
     fn a_driven_body_reaches_from_its_pivot() {
-        let mechanism = Mechanism::of(&synthetic::scene());
+        let mechanism = Mechanism::new(&test_study::scene());
         assert_eq!(mechanism.outline(1)[0], [0.0; 2]);
         assert_eq!(mechanism.outline(1).len(), 7);
         assert_eq!(mechanism.outline(2).len(), 6);

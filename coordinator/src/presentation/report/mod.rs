@@ -1,5 +1,5 @@
-//! The report of a study: `report.html`, one file without any reference to the network or to other files, and
-//! every figure of it as an SVG file of its own in `figures/`, with its numbers as CSV.
+//! The report of a study: `report.html`, one file without references to the network or to other files, and every figure of
+//! it as an SVG file in `figures/`, with its numbers as CSV.
 
 mod animation;
 mod bars;
@@ -15,8 +15,7 @@ pub mod palette;
 mod plot;
 mod polar;
 mod stated;
-#[cfg(test)]
-pub(crate) mod synthetic;
+mod stated_errors;
 mod tables;
 #[cfg(test)]
 mod tests;
@@ -25,13 +24,13 @@ mod words;
 pub use figure::Figure;
 pub use figures::reliability as reliability_figure;
 pub use input::{
-    DISTRIBUTIONS_DOCUMENT, FailedRun, LimitStateInfo, OutputDistribution, OutputInfo, ReportInput,
+    CheckpointDistribution, DISTRIBUTIONS_DOCUMENT, FailedRun, LimitStateInfo, OutputInfo, ReportInput,
     SUMMARY_DOCUMENT, VariableInfo, WorkTotals, equal_edges,
 };
 pub use mechanism::Mechanism;
 pub use page::standalone;
 pub use plot::{Axis, Plot, PlotError, Series, Shape};
-pub use stated::StatedAt;
+pub use stated_errors::StatedAt;
 pub use words::failure_probability;
 
 use crate::results::result_files::{
@@ -43,7 +42,7 @@ use common::scene::Scene;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// A report that cannot be written.
+/// Reasons why a report cannot be written.
 #[derive(Debug, Error)]
 pub enum ReportError {
     /// A figure cannot be drawn.
@@ -60,13 +59,13 @@ pub enum ReportError {
 /// A report in memory.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Report {
-    /// The page.
+    /// Text of `report.html`.
     pub html: String,
-    /// Its figures.
+    /// Figures of the page, also written as files of their own.
     pub figures: Vec<Figure>,
 }
 
-/// Makes the report. The same input gives the same text.
+/// Renders the report; a function of its input alone.
 ///
 /// # Errors
 /// [`PlotError`].
@@ -76,7 +75,7 @@ pub fn render(input: &ReportInput) -> Result<Report, PlotError> {
         reliability: reliability.into_iter().flatten().collect(),
         outputs: [figures::distributions(input)?, figures::histories(input)?].concat(),
         sensitivity: figures::sensitivities(input)?,
-        variance: figures::shares_of_variance(input)?,
+        variance: figures::variance_contributions(input)?,
         motion: animation::animation(input),
         bores: figures::bores(input),
         orbits: figures::orbits(input),
@@ -89,8 +88,8 @@ pub fn render(input: &ReportInput) -> Result<Report, PlotError> {
     Ok(Report { html, figures: sections.into_figures() })
 }
 
-/// Writes `report.html`, and every figure of it as `figures/*.svg` with its numbers as `figures/*.csv`, into `dir`; the
-/// path of the page.
+/// Writes `report.html`, and every figure of it as `figures/*.svg` with its numbers as `figures/*.csv`, into `dir`;
+/// returns the path of the page.
 ///
 /// # Errors
 /// [`ReportError`].
@@ -108,8 +107,8 @@ pub fn write(dir: &Path, input: &ReportInput) -> Result<PathBuf, ReportError> {
     Ok(path)
 }
 
-/// Ends a study: keeps its results in the campaign file, then writes every file of its folder ([`write_all`]).
-/// The path of the page.
+/// Ends a study: stores its results in the campaign file, then writes every file of its folder ([`write_all`]);
+/// returns the path of the page.
 ///
 /// # Errors
 /// [`ReportError`].
@@ -117,9 +116,9 @@ pub fn deliver(
     campaign: &mut CampaignFile,
     scene: &Scene,
     summary: &StudySummary,
-    distributions: &[OutputDistribution],
+    distributions: &[CheckpointDistribution],
 ) -> Result<PathBuf, ReportError> {
-    // Refused before anything is kept: what JSON cannot hold could not be read back.
+    // Checked before anything is stored: numbers that JSON cannot hold could not be read back.
     summary_json(summary)?;
     campaign.put_document(DISTRIBUTIONS_DOCUMENT, &distributions)?;
     campaign.put_document(SUMMARY_DOCUMENT, summary)?;
@@ -128,7 +127,7 @@ pub fn deliver(
 }
 
 /// Writes `summary.json`, `reliability.csv`, `samples.csv`, `scene.toml`, `report.html` and `figures/` of a finished study from
-/// its campaign file alone; the path of the page, or `None` if the study has not been finished.
+/// its campaign file alone; returns the path of the page, or `None` if the study has not been finished.
 ///
 /// # Errors
 /// [`ReportError`].

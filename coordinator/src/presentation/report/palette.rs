@@ -7,13 +7,13 @@ use plotters::style::RGBColor;
 /// A colour by meaning.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ink {
-    /// Background.
+    /// Background of page and figures.
     Paper,
     /// Text and the whole system.
     Ink,
-    /// Axis labels.
+    /// Axis labels and other secondary text.
     Muted,
-    /// Grid lines.
+    /// Grid lines and fills of fixed parts.
     Grid,
     /// Thresholds and failures.
     Limit,
@@ -24,8 +24,8 @@ pub enum Ink {
 /// Number of distinct series colours.
 pub const SERIES: usize = 6;
 
-/// Name of the CSS variable, light shade, dark shade. The series differ for every kind of colour vision, and all but the
-/// grid stand out from the paper: see the tests.
+/// Name of the CSS variable, light shade, dark shade. The tests require that the series differ for every kind of colour
+/// vision, and that all but the grid contrast with the paper.
 const SHADES: [(&str, u32, u32); 5 + SERIES] = [
     ("paper", 0xFFFFFF, 0x14181D),
     ("ink", 0x1B1F24, 0xE8EBEE),
@@ -93,7 +93,8 @@ mod tests {
 
     /// What is seen of linear red, green and blue without one kind of cone.
     ///
-    /// Source: Machado, Oliveira, Fernandes (2009), A physiologically-based model for simulation of color vision
+    /// # Source
+    /// Machado, Oliveira, Fernandes (2009), A physiologically-based model for simulation of color vision
     /// deficiency, severity 1.0.
     const VISIONS: [(&str, [Rgb; 3]); 4] = [
         ("normal", [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]),
@@ -133,9 +134,10 @@ mod tests {
         [0, 1, 2].map(|row: usize| matrix[row].iter().zip(v).map(|(a, b)| a * b).sum())
     }
 
-    /// Place in Oklab, where distances are about as large as they look.
+    /// Coordinates in Oklab, whose distances correspond to perceived differences.
     ///
-    /// Source: Ottosson (2020), A perceptual color space for image processing.
+    /// # Source
+    /// Ottosson (2020), A perceptual color space for image processing.
     fn oklab(rgb: Rgb) -> Rgb {
         let cones = times(
             &[

@@ -1,20 +1,22 @@
-//! Drawings in polar form: rings of equal value, spokes every 30 degrees, curves around them. Drawn by hand, since
+//! Drawings in polar coordinates: rings of equal value, spokes every 30 degrees, and curves. Written as SVG elements, since
 //! plotters has no polar coordinates.
+//!
+//! # Source
+//! Catmull, Rom (1974), A class of local interpolating splines: the spline of closed curves.
 
-use super::format::escape;
 use super::palette::Ink;
-use super::plot::short;
+use super::plot::tick_label;
+use maud::{Markup, html};
 use std::f64::consts::TAU;
 use std::fmt::Write;
 
-/// Radius of the outermost ring in the drawing.
+/// Radius of the outermost ring [drawing units].
 const OUTER: f64 = 124.0;
 
-/// Half the edge of the drawing.
+/// Half the edge of the drawing [drawing units].
 const HALF: f64 = 160.0;
 
-/// Value at the outermost ring: the next round number, so that several drawings share a scale. `least` if nothing is
-/// larger.
+/// Value at the outermost ring: the next round number not below `largest`, at least `least`.
 pub fn full_scale(largest: f64, least: f64) -> f64 {
     if !(largest.is_finite() && largest > least) {
         return least;
@@ -30,61 +32,44 @@ pub fn full_scale(largest: f64, least: f64) -> f64 {
 /// How a curve is drawn.
 #[derive(Debug, Clone, Copy)]
 pub struct Stroke {
-    /// Colour.
+    /// Colour of the line.
     pub ink: Ink,
-    /// Width.
+    /// Width [drawing units].
     pub width: f64,
-    /// From 0, not there, to 1.
+    /// Opacity from 0 (invisible) to 1.
     pub opacity: f64,
 }
 
-/// A drawing under way.
+/// A drawing under construction.
 pub struct Polar {
-    /// Radius that stands for zero.
+    /// Radius of the circle of zero [drawing units].
     inner: f64,
     /// Value at the outermost ring [m].
     full: f64,
-    svg: String,
+    /// Elements so far, from back to front.
+    elements: Vec<Markup>,
 }
 
 impl Polar {
-    /// Paper, rings and spokes. Values up to `full` [m] lie between the radius `inner`, as a share of the outermost
-    /// ring's, and that ring.
+    /// Rings and spokes. Values up to `full` [m] lie between the radius `inner`, as a share of the outermost ring's, and
+    /// that ring.
     pub fn new(inner: f64, full: f64) -> Self {
-        let mut svg = format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"{0} {0} {1} {1}\" font-family=\"sans-serif\" font-size=\"13\">\n",
-            -HALF,
-            2.0 * HALF
-        );
-        let _ = writeln!(
-            svg,
-            "<rect x=\"{0}\" y=\"{0}\" width=\"{1}\" height=\"{1}\" fill=\"{2}\"/>",
-            -HALF,
-            2.0 * HALF,
-            Ink::Paper.hex()
-        );
-        let mut polar = Self { inner: inner * OUTER, full, svg };
+        let mut polar = Self { inner: inner * OUTER, full, elements: Vec::new() };
         let grid = Ink::Grid.hex();
         for ring in 1..=4 {
-            let radius = polar.radius(full * f64::from(ring) / 4.0);
-            polar.put(format_args!(
-                "<circle r=\"{radius:.1}\" fill=\"none\" stroke=\"{grid}\" stroke-width=\"1\"/>"
-            ));
+            let radius = format!("{:.1}", polar.radius(full * f64::from(ring) / 4.0));
+            polar.elements.push(html! { circle r=(radius) fill="none" stroke=(grid) stroke-width="1" {} });
         }
         for spoke in 0..12 {
-            let ([x, y], [to_x, to_y]) =
-                (polar.at(spoke_angle(spoke), 0.0), polar.at(spoke_angle(spoke), full));
-            polar.put(format_args!(
-                "<line x1=\"{x:.1}\" y1=\"{y:.1}\" x2=\"{to_x:.1}\" y2=\"{to_y:.1}\" stroke=\"{grid}\" stroke-width=\"1\"/>"
-            ));
+            let [from, to] = [0.0, full].map(|value| {
+                polar.place(spoke_angle(spoke), value).map(|coordinate| format!("{coordinate:.1}"))
+            });
+            let ([x, y], [to_x, to_y]) = (from, to);
+            polar
+                .elements
+                .push(html! { line x1=(x) y1=(y) x2=(to_x) y2=(to_y) stroke=(grid) stroke-width="1" {} });
         }
         polar
-    }
-
-    fn put(&mut self, text: std::fmt::Arguments<'_>) {
-        // Writing to a string cannot fail.
-        let _ = self.svg.write_fmt(text);
-        self.svg.push('\n');
     }
 
     fn radius(&self, value: f64) -> f64 {
@@ -92,8 +77,8 @@ impl Polar {
         self.inner + share * (OUTER - self.inner)
     }
 
-    /// Place of a value at an angle [rad]; a value that is not finite counts as zero.
-    fn at(&self, angle: f64, value: f64) -> [f64; 2] {
+    /// Point of a value at an angle [rad]; a value that is not finite counts as zero.
+    fn place(&self, angle: f64, value: f64) -> [f64; 2] {
         let (sin, cos) = angle.sin_cos();
         let radius = self.radius(value);
         // No negative zero.
@@ -102,24 +87,43 @@ impl Polar {
 
     /// A circle of one value [m].
     pub fn circle(&mut self, value: f64, stroke: Stroke) {
-        let radius = self.radius(value);
-        let (ink, Stroke { width, opacity, .. }) = (stroke.ink.hex(), stroke);
-        self.put(format_args!(
-            "<circle r=\"{radius:.2}\" fill=\"none\" stroke=\"{ink}\" stroke-width=\"{width}\" stroke-opacity=\"{opacity}\"/>"
-        ));
+        let radius = format!("{:.2}", self.radius(value));
+        self.elements.push(html! {
+            circle r=(radius) fill="none" stroke=(stroke.ink.hex()) stroke-width=(stroke.width)
+                stroke-opacity=(stroke.opacity) {}
+        });
     }
 
-    /// A closed Catmull-Rom spline through values at equal angles from zero, counter-clockwise `(n,)` [m]; between it
-    /// and the circle of zero filled, if wished.
-    pub fn closed(&mut self, values: &[f64], stroke: Stroke, filled: bool) {
+    /// A closed Catmull-Rom spline through values at equal angles from zero, counter-clockwise `(n,)` [m].
+    pub fn closed(&mut self, values: &[f64], stroke: Stroke) {
+        if let Some(path) = self.spline(values) {
+            self.elements.push(html! {
+                path d=(path + "Z") fill="none" stroke=(stroke.ink.hex()) stroke-width=(stroke.width)
+                    stroke-opacity=(stroke.opacity) stroke-linejoin="round" {}
+            });
+        }
+    }
+
+    /// The area between the circle of zero and the spline of [`Polar::closed`], filled by the even-odd rule.
+    pub fn filled(&mut self, values: &[f64], ink: Ink) {
+        if let Some(path) = self.spline(values) {
+            let r = self.radius(0.0);
+            let ring = format!("{path}ZM{r} 0A{r} {r} 0 1 0 {0} 0A{r} {r} 0 1 0 {r} 0Z", -r);
+            self.elements
+                .push(html! { path d=(ring) fill=(ink.hex()) fill-opacity="0.2" fill-rule="evenodd" {} });
+        }
+    }
+
+    /// Path of the closed Catmull-Rom spline without its end; `None` for fewer than three values.
+    fn spline(&self, values: &[f64]) -> Option<String> {
         let n = values.len();
         if n < 3 {
-            return;
+            return None;
         }
-        let at = |k: usize| self.at(TAU * (k % n) as f64 / n as f64, values[k % n]);
-        let mut path = format!("M{:.2} {:.2}", at(0)[0], at(0)[1]);
+        let point = |k: usize| self.place(TAU * (k % n) as f64 / n as f64, values[k % n]);
+        let mut path = format!("M{:.2} {:.2}", point(0)[0], point(0)[1]);
         for k in 0..n {
-            let (before, from, to, after) = (at(k + n - 1), at(k), at(k + 1), at(k + 2));
+            let (before, from, to, after) = (point(k + n - 1), point(k), point(k + 1), point(k + 2));
             let handle = |p: [f64; 2], tip: [f64; 2], tail: [f64; 2]| {
                 [p[0] + (tip[0] - tail[0]) / 6.0, p[1] + (tip[1] - tail[1]) / 6.0]
             };
@@ -127,69 +131,53 @@ impl Polar {
             let _ =
                 write!(path, "C{:.2} {:.2} {:.2} {:.2} {:.2} {:.2}", a[0], a[1], b[0], b[1], to[0], to[1]);
         }
-        let (ink, Stroke { width, opacity, .. }) = (stroke.ink.hex(), stroke);
-        if filled {
-            // By the even-odd rule.
-            let r = self.radius(0.0);
-            self.put(format_args!(
-                "<path d=\"{path}ZM{r} 0A{r} {r} 0 1 0 {0} 0A{r} {r} 0 1 0 {r} 0Z\" fill=\"{ink}\" \
-                 fill-opacity=\"0.2\" fill-rule=\"evenodd\"/>",
-                -r
-            ));
-        }
-        self.put(format_args!(
-            "<path d=\"{path}Z\" fill=\"none\" stroke=\"{ink}\" stroke-width=\"{width}\" stroke-opacity=\"{opacity}\" \
-             stroke-linejoin=\"round\"/>"
-        ));
+        Some(path)
     }
 
-    /// A curve through places given by x and y, those that are not finite left out `(n, 2)` [m].
+    /// A curve through points given by x and y, those that are not finite left out `(n, 2)` [m].
     pub fn curve(&mut self, points: &[[f64; 2]], stroke: Stroke) {
-        let at = |[x, y]: &[f64; 2]| self.at(y.atan2(*x), x.hypot(*y));
         let mut path = String::new();
         let known = points.iter().filter(|[x, y]| x.is_finite() && y.is_finite());
-        for (k, point) in known.enumerate() {
-            let [x, y] = at(point);
+        for (k, [x, y]) in known.enumerate() {
+            let [x, y] = self.place(y.atan2(*x), x.hypot(*y));
             let _ = write!(path, "{}{x:.1} {y:.1}", if k == 0 { 'M' } else { 'L' });
         }
-        let (ink, Stroke { width, opacity, .. }) = (stroke.ink.hex(), stroke);
-        self.put(format_args!(
-            "<path d=\"{path}\" fill=\"none\" stroke=\"{ink}\" stroke-width=\"{width}\" stroke-opacity=\"{opacity}\" \
-             stroke-linecap=\"round\" stroke-linejoin=\"round\"/>"
-        ));
+        self.elements.push(html! {
+            path d=(path) fill="none" stroke=(stroke.ink.hex()) stroke-width=(stroke.width)
+                stroke-opacity=(stroke.opacity) stroke-linecap="round" stroke-linejoin="round" {}
+        });
     }
 
-    /// The document, with a word above, and the values of two rings [um] where `free` tells that least is drawn: by
-    /// the direction of a spoke, from 0 to 11.
-    pub fn finish(mut self, word: &str, free: usize) -> String {
+    /// The SVG document with a title in its corner, and the values of two rings [um] between spoke `free`, from 0 to 11, and
+    /// the next.
+    pub fn finish(self, title: &str, free: usize) -> String {
         let muted = Ink::Muted.hex();
-        for (degrees, x, y, anchor) in [
+        let directions = [
             (0, OUTER + 5.0, 4.5, "start"),
             (90, 0.0, -OUTER - 6.0, "middle"),
             (180, -OUTER - 5.0, 4.5, "end"),
             (270, 0.0, OUTER + 16.0, "middle"),
-        ] {
-            self.put(format_args!(
-                "<text x=\"{x}\" y=\"{y}\" text-anchor=\"{anchor}\" fill=\"{muted}\">{degrees}°</text>"
-            ));
-        }
-        for ring in [2, 4] {
+        ];
+        let rings = [2, 4].map(|ring| {
             let value = self.full * f64::from(ring) / 4.0;
-            // Between two spokes.
-            let [x, y] = self.at(spoke_angle(free) + TAU / 24.0, value);
-            self.put(format_args!(
-                "<text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\" font-size=\"11\" fill=\"{muted}\">{} µm</text>",
-                y + 4.0,
-                short(value * 1e6)
-            ));
-        }
-        let (ink, word) = (Ink::Ink.hex(), escape(word));
-        self.put(format_args!(
-            "<text x=\"{}\" y=\"{}\" font-size=\"15\" fill=\"{ink}\">{word}</text>",
-            6.0 - HALF,
-            18.0 - HALF
-        ));
-        self.svg + "</svg>\n"
+            let [x, y] = self.place(spoke_angle(free) + TAU / 24.0, value);
+            (format!("{x:.1}"), format!("{:.1}", y + 4.0), tick_label(value * 1e6))
+        });
+        let document = html! {
+            svg xmlns="http://www.w3.org/2000/svg" viewBox=(format!("{0} {0} {1} {1}", -HALF, 2.0 * HALF))
+                font-family="sans-serif" font-size="13" {
+                rect x=(-HALF) y=(-HALF) width=(2.0 * HALF) height=(2.0 * HALF) fill=(Ink::Paper.hex()) {}
+                @for element in &self.elements { (element) }
+                @for (degrees, x, y, anchor) in directions {
+                    text x=(x) y=(y) text-anchor=(anchor) fill=(muted) { (degrees) "°" }
+                }
+                @for (x, y, value) in rings {
+                    text x=(x) y=(y) text-anchor="middle" font-size="11" fill=(muted) { (value) " µm" }
+                }
+                text x=(6.0 - HALF) y=(18.0 - HALF) font-size="15" fill=(Ink::Ink.hex()) { (title) }
+            }
+        };
+        document.into_string() + "\n"
     }
 }
 
@@ -208,7 +196,7 @@ pub fn freest(values: &[f64]) -> usize {
         };
         (0..n).filter(near).map(|k| values[k]).fold(0.0, f64::max)
     };
-    // Beside the words at 0, 90, 180 and 270 degrees there is no room.
+    // The labels at 0, 90, 180 and 270 degrees take the other spaces.
     [1, 4, 7, 10].into_iter().min_by(|a, b| largest(*a).total_cmp(&largest(*b))).unwrap_or(1)
 }
 
@@ -230,7 +218,8 @@ mod tests {
         let mut wear = vec![0.0; 36];
         wear[9] = 2e-5;
         let mut polar = Polar::new(0.5, 2e-5);
-        polar.closed(&wear, LINE, true);
+        polar.filled(&wear, Ink::Series(0));
+        polar.closed(&wear, LINE);
         let svg = polar.finish("A & B", freest(&wear));
         let document = roxmltree::Document::parse(&svg).unwrap();
         let path = document.descendants().filter_map(|node| node.attribute("d")).next_back().unwrap();
@@ -242,13 +231,14 @@ mod tests {
     fn places_lie_at_their_distance_and_angle() {
         let mut polar = Polar::new(0.0, 2e-5);
         polar.curve(&[[1e-5, 0.0], [0.0, -2e-5]], LINE);
-        assert!(polar.svg.contains("d=\"M62.0 0.0L0.0 124.0\""), "{}", polar.svg);
+        let svg = polar.finish("1", 1);
+        assert!(svg.contains("d=\"M62.0 0.0L0.0 124.0\""), "{svg}");
     }
 
     #[test]
     fn values_that_are_no_numbers_do_not_reach_the_page() {
         let mut polar = Polar::new(0.5, 1e-5);
-        polar.closed(&[f64::NAN; 8], LINE, true);
+        polar.closed(&[f64::NAN; 8], LINE);
         polar.curve(&[[f64::NAN, 0.0]], LINE);
         let svg = polar.finish("1", freest(&[f64::NAN; 8]));
         assert!(!svg.contains("NaN") && roxmltree::Document::parse(&svg).is_ok());

@@ -1,112 +1,111 @@
-//! The tables of the report as HTML.
+//! The tables of the report.
 
 use super::figures::{rows_at_governing, words};
-use super::format::{UNKNOWN, count, duration, escape, fixed, three_digits};
+use super::format::{UNKNOWN, count, duration, fixed, percent, three_digits, whole};
 use super::input::ReportInput;
-use super::life::{LifeAt, life_at, numerical_lives};
-use super::words::LEVELS;
-use crate::results::summary::{NumericalRange, ReliabilityRow};
-use std::fmt::Write;
+use super::life::{LEVELS, LifeAt, life_at, numerical_lives};
+use crate::results::summary::{NumericalRange, ReliabilityRow, Round};
+use maud::{Markup, Render, html};
 
-/// A table whose last column is text that may break into lines. Cells are HTML.
-pub fn table_of_text(head: &[String], rows: impl Iterator<Item = Vec<String>>) -> String {
-    table(head, rows).replace("<table>", "<table class=\"text\">")
+/// Cells of one row.
+type Row = Vec<Markup>;
+
+/// A table whose last column holds text that may break into lines.
+pub fn table_of_text(head: &[&str], rows: impl Iterator<Item = Row>) -> Markup {
+    scrolling_table(Some("text"), head, rows)
 }
 
-/// A table that scrolls sideways in itself on a narrow screen. Cells are HTML.
-pub fn table(head: &[String], rows: impl Iterator<Item = Vec<String>>) -> String {
-    let cells = |cells: &[String], tag: &str| {
-        cells.iter().fold(String::new(), |mut line, cell| {
-            let _ = write!(line, "<{tag}>{cell}</{tag}>");
-            line
-        })
-    };
-    let mut html =
-        format!("<div class=\"wide\"><table><thead><tr>{}</tr></thead><tbody>\n", cells(head, "th"));
-    for row in rows {
-        let _ = writeln!(html, "<tr>{}</tr>", cells(&row, "td"));
+/// A table of numbers; on a narrow screen it scrolls sideways.
+pub fn table<H: AsRef<str>>(head: &[H], rows: impl Iterator<Item = Row>) -> Markup {
+    scrolling_table(None, head, rows)
+}
+
+fn scrolling_table<H: AsRef<str>>(
+    class: Option<&str>,
+    head: &[H],
+    rows: impl Iterator<Item = Row>,
+) -> Markup {
+    html! {
+        div.wide {
+            table class=[class] {
+                thead { tr { @for name in head { th { (name.as_ref()) } } } }
+                tbody { @for row in rows { tr { @for cell in row { td { (cell) } } } } }
+            }
+        }
     }
-    html + "</tbody></table></div>\n"
 }
 
-/// Reliability with standard errors, for these rows; beside them, where the study has it, R with all responses moved
-/// by their numerical errors.
-pub fn reliability(input: &ReportInput, rows: &[ReliabilityRow]) -> String {
+/// Reliability with standard errors at these checkpoints; next to them, where the study has it, R with all responses
+/// shifted by their numerical errors.
+pub fn reliability(input: &ReportInput, rows: &[ReliabilityRow]) -> Markup {
     let names: Vec<&str> =
         input.limit_states.iter().map(|state| state.name.as_str()).chain(["total"]).collect();
     let numerical = rows.iter().any(|row| !row.numerical.is_empty());
-    let head: Vec<String> = std::iter::once("cycles".to_string())
-        .chain(names.iter().flat_map(|name| {
-            let beside = numerical.then(|| "numerical".to_string());
-            std::iter::once(format!("R {}", escape(name))).chain(beside)
-        }))
-        .collect();
-    let number = |value: Option<&f64>| value.map_or(f64::NAN, |value| *value);
-    table(
-        &head,
-        rows.iter().map(|row| {
-            std::iter::once(count(row.cycles.into()))
-                .chain(names.iter().flat_map(|name| {
-                    let r = format!(
-                        "{} <small>± {}</small>",
-                        fixed(number(row.reliability.get(*name)), 4),
-                        fixed(number(row.standard_error.get(*name)), 4)
-                    );
-                    let range = |range: &NumericalRange| {
-                        format!("<small>{}–{}</small>", fixed(range.lower, 2), fixed(range.upper, 2))
-                    };
-                    let beside = row.numerical.get(*name).map_or_else(|| UNKNOWN.to_string(), range);
-                    std::iter::once(r).chain(numerical.then_some(beside))
-                }))
-                .collect()
-        }),
-    )
+    let mut head = vec!["cycles".to_string()];
+    for name in &names {
+        head.push(format!("R {name}"));
+        head.extend(numerical.then(|| "numerical".to_string()));
+    }
+    let number = |value: Option<&f64>| fixed(value.map_or(f64::NAN, |value| *value), 4);
+    let range = |range: &NumericalRange| {
+        html! { small { (fixed(range.lower, 2)) "–" (fixed(range.upper, 2)) } }
+    };
+    let cells = |row: &ReliabilityRow| {
+        let mut cells = vec![count(row.cycles.into()).render()];
+        for name in &names {
+            let (r, error) = (number(row.reliability.get(*name)), number(row.standard_error.get(*name)));
+            cells.push(html! { (r) " " small { "± " (error) } });
+            if numerical {
+                cells.push(row.numerical.get(*name).map_or_else(|| UNKNOWN.render(), range));
+            }
+        }
+        cells
+    };
+    table(&head, rows.iter().map(cells))
 }
 
-/// Lives at the levels of reliability that decisions ask for, in total and per limit state, with their 95 % intervals; in
-/// the last column the range under the stated numerical errors.
-pub fn lives(input: &ReportInput) -> String {
+/// A life with its 95 % interval as a cell.
+pub fn life_cell(life: LifeAt) -> Markup {
+    match life {
+        LifeAt::Beyond(last) => html! { "beyond " (count(last.into())) },
+        LifeAt::Cycles { life, lower, upper } => {
+            html! { (whole(life)) " " small { (whole(lower)) " to " (whole(upper)) } }
+        }
+    }
+}
+
+/// Lives at the usual levels of reliability, in total and per limit state, with their 95 % intervals; in the last
+/// column the range under the stated numerical errors.
+pub fn lives(input: &ReportInput) -> Markup {
     let summary = &input.summary;
     let mut names = vec!["total"];
     if summary.limit_states.len() > 1 {
         names.extend(summary.limit_states.iter().map(String::as_str));
     }
     let numerical = summary.reliability.iter().any(|row| !row.numerical.is_empty());
-    let title = |name: &&str| if *name == "total" { input.subject().to_string() } else { escape(name) };
-    let head = std::iter::once("life [cycles] at".to_string())
-        .chain(names.iter().map(title))
-        .chain(numerical.then(|| "under numerical errors".to_string()));
+    let mut head = vec!["life [cycles] at"];
+    head.extend(names.iter().map(|name| if *name == "total" { input.subject() } else { name }));
+    head.extend(numerical.then_some("under numerical errors"));
     let last = summary.reliability.last().map_or(0, |row| row.cycles);
-    let rows = LEVELS.iter().map(|level| {
-        let cell = |name: &&str| match life_at(summary, name, *level) {
-            LifeAt::Beyond(last) => format!("beyond {}", count(last.into())),
-            LifeAt::Cycles { life, lower, upper } => {
-                format!("{} <small>{} to {}</small>", whole(life), whole(lower), whole(upper))
-            }
-        };
-        let range = || {
-            let end = |life: Option<f64>| life.map_or(format!("beyond {}", count(last.into())), whole);
-            let [worst, best] = numerical_lives(summary, "total", *level)?;
-            Some(format!("<small>{} to {}</small>", end(worst), end(best)))
-        };
-        std::iter::once(format!("R = {level}"))
-            .chain(names.iter().map(cell))
-            .chain(numerical.then(|| range().unwrap_or_else(|| UNKNOWN.to_string())))
-            .collect()
-    });
-    table(&head.collect::<Vec<_>>(), rows)
+    let end = |life: Option<f64>| life.map_or_else(|| format!("beyond {}", count(last.into())), whole);
+    let range = |level: f64| match numerical_lives(summary, "total", level) {
+        Some([worst, best]) => html! { small { (end(worst)) " to " (end(best)) } },
+        None => UNKNOWN.render(),
+    };
+    let cells = |level: &f64| {
+        let mut cells = vec![html! { "R = " (level) }];
+        cells.extend(names.iter().map(|name| life_cell(life_at(summary, name, *level))));
+        cells.extend(numerical.then(|| range(*level)));
+        cells
+    };
+    table(&head, LEVELS.iter().map(cells))
 }
 
-/// A life in whole cycles.
-pub fn whole(life: f64) -> String {
-    count(life.round().max(0.0) as u64)
-}
-
-/// Sensitivities of one limit state at the governing checkpoint, all variables; empty if there are none.
-pub fn sensitivity(input: &ReportInput, limit_state: &str) -> String {
+/// Sensitivities of one limit state at the governing checkpoint, all variables; `None` if there are none.
+pub fn sensitivity(input: &ReportInput, limit_state: &str) -> Option<Markup> {
     let rows = rows_at_governing(input, limit_state);
     if rows.is_empty() {
-        return String::new();
+        return None;
     }
     let head = [
         "variable",
@@ -118,32 +117,27 @@ pub fn sensitivity(input: &ReportInput, limit_state: &str) -> String {
         "± error",
         "scaled, mean",
         "scaled, std",
-    ]
-    .map(String::from);
-    table(
-        &head,
-        rows.iter().map(|row| {
-            let variable = input.variables.iter().find(|variable| variable.name == row.variable);
-            let mut cells = vec![escape(&words(&row.variable))];
-            cells.extend(
-                [
-                    variable.map_or(f64::NAN, |variable| variable.mean),
-                    variable.map_or(f64::NAN, |variable| variable.std),
-                    row.d_pf_d_mean,
-                    row.standard_error.d_pf_d_mean,
-                    row.d_pf_d_std,
-                    row.standard_error.d_pf_d_std,
-                ]
-                .map(three_digits),
-            );
-            cells.extend([row.scaled.d_pf_d_mean, row.scaled.d_pf_d_std].map(|value| fixed(value, 4)));
-            cells
-        }),
-    )
+    ];
+    let rows = rows.iter().map(|row| {
+        let variable = input.variables.iter().find(|variable| variable.name == row.variable);
+        let numbers = [
+            variable.map_or(f64::NAN, |variable| variable.mean),
+            variable.map_or(f64::NAN, |variable| variable.std),
+            row.d_pf_d_mean,
+            row.standard_error.d_pf_d_mean,
+            row.d_pf_d_std,
+            row.standard_error.d_pf_d_std,
+        ];
+        let scaled = [row.scaled.d_pf_d_mean, row.scaled.d_pf_d_std];
+        let name = words(&row.variable).render();
+        let numbers = numbers.map(|value| three_digits(value).render());
+        std::iter::once(name).chain(numbers).chain(scaled.map(|value| fixed(value, 4).render())).collect()
+    });
+    Some(table(&head, rows))
 }
 
 /// Rounds of learning.
-pub fn rounds(input: &ReportInput) -> String {
+pub fn rounds(input: &ReportInput) -> Markup {
     let head = [
         "round",
         "evaluations",
@@ -156,94 +150,97 @@ pub fn rounds(input: &ReportInput) -> String {
         "at cycles",
         "R",
         "repairs",
-    ]
-    .map(String::from);
-    table(
-        &head,
-        input.summary.convergence.rounds.iter().map(|round| {
-            vec![
-                round.round.to_string(),
-                round.evaluations.to_string(),
-                three_digits(round.min_u),
-                super::format::percent(round.share_uncertain),
-                round.change_of_r.map_or(super::format::UNKNOWN.to_string(), three_digits),
-                three_digits(round.surrogate_error),
-                super::format::percent(round.cov_pf),
-                round.dominance.map_or(super::format::UNKNOWN.to_string(), three_digits),
-                count(round.cycles.into()),
-                fixed(round.reliability_total, 4),
-                round.repairs.to_string(),
-            ]
-        }),
-    )
+    ];
+    let or_unknown = |value: Option<f64>| value.map_or(UNKNOWN.to_string(), three_digits);
+    let cells = |round: &Round| {
+        let cells = [
+            round.round.to_string(),
+            round.evaluations.to_string(),
+            three_digits(round.min_u),
+            percent(round.share_uncertain),
+            or_unknown(round.change_of_r),
+            three_digits(round.surrogate_error),
+            percent(round.cov_pf),
+            or_unknown(round.dominance),
+            count(round.cycles.into()),
+            fixed(round.reliability_total, 4),
+            round.repairs.to_string(),
+        ];
+        cells.map(|cell| cell.render()).to_vec()
+    };
+    table(&head, input.summary.convergence.rounds.iter().map(cells))
 }
 
-/// Work of the numerics, over all evaluations and per evaluation.
-pub fn diagnostics(input: &ReportInput) -> String {
+/// Numerical work, over all evaluations and per evaluation; share of free flight of every joint.
+pub fn diagnostics(input: &ReportInput) -> Markup {
     let work = &input.work;
     let per = |sum: u64| three_digits(sum as f64 / work.evaluations.max(1) as f64);
     let rows = [
         ("time steps", work.sum.steps),
-        ("time steps refused and repeated", work.sum.rejected_steps),
+        ("rejected time steps", work.sum.rejected_steps),
         ("Newton iterations", work.sum.newton_iterations),
         ("force evaluations", work.sum.force_evaluations),
         ("cycles simulated", work.sum.simulated_cycles),
         ("stages of the wear step", work.sum.wear_stages),
-        ("wear steps refused and repeated", work.sum.rejected_wear_steps),
+        ("rejected wear steps", work.sum.rejected_wear_steps),
     ];
-    let mut html = table(
-        &["work".into(), "all evaluations".into(), "per evaluation".into()],
-        rows.iter().map(|(name, sum)| vec![name.to_string(), count(*sum), per(*sum)]),
-    );
     let flight = input.nominal.as_ref().map_or(&[][..], |nominal| &nominal.diagnostics.free_flight_fraction);
-    if !flight.is_empty() {
-        html += &table(
-            &["joint".into(), "share of the first cycle in free flight".into()],
-            flight.iter().map(|(name, share)| vec![escape(name), super::format::percent(*share)]),
-        );
+    html! {
+        (table(
+            &["work", "all evaluations", "per evaluation"],
+            rows.iter().map(|(name, sum)| vec![name.render(), count(*sum).render(), per(*sum).render()]),
+        ))
+        @if !flight.is_empty() {
+            (table(
+                &["joint", "share of the first cycle in free flight"],
+                flight.iter().map(|(name, share)| vec![name.render(), percent(*share).render()]),
+            ))
+        }
     }
-    html
 }
 
-/// Every output of the nominal mechanism at its last checkpoint, those without a limit state too, with the numerical
-/// error that its evaluation states; empty without a nominal evaluation.
-pub fn stated_errors(input: &ReportInput) -> String {
-    let Some(nominal) = &input.nominal else { return String::new() };
-    let Some(cycles) = nominal.cycles.last() else { return String::new() };
+/// Every output of the nominal mechanism at its last checkpoint, also those without a limit state, with its stated
+/// numerical error; empty without a nominal evaluation.
+pub fn stated_errors(input: &ReportInput) -> Markup {
+    let Some(nominal) = &input.nominal else { return html! {} };
+    let Some(cycles) = nominal.cycles.last() else { return html! {} };
     let rows = input.outputs.iter().zip(&nominal.histories).enumerate().map(|(k, (output, history))| {
         let last = |row: &[f64]| {
             let value = row.last().map_or(f64::NAN, |si| output.unit.to_shown(*si));
-            escape(&output.unit.after(&three_digits(value)))
+            output.unit.after(&three_digits(value))
         };
         let error = nominal.errors.get(k).map_or(UNKNOWN.to_owned(), |errors| last(errors));
-        vec![escape(&words(&output.name)), last(history), error]
+        [words(&output.name), last(history), error].map(|cell| cell.render()).to_vec()
     });
-    let at = format!("nominal at {} cycles", count((*cycles).into()));
-    table(&[at, "value".into(), "numerical error".into()], rows)
+    let subject = format!("nominal at {} cycles", count((*cycles).into()));
+    table(&[subject.as_str(), "value", "numerical error"], rows)
 }
 
-/// Where the time went and who worked.
-pub fn timing(input: &ReportInput) -> String {
+/// Times of the study, and the share of every worker.
+pub fn timing(input: &ReportInput) -> Markup {
     let time = input.summary.timing_s;
-    let mut html = table(
-        &["time".into(), String::new()],
-        [
-            ("whole study", time.total),
-            ("simulations, summed over workers", time.simulation),
-            ("longest simulation", input.work.longest),
-            ("surrogates: fitting, prediction, selection", time.surrogate),
-            ("worker slots waiting for the coordinator", time.idle),
-        ]
-        .iter()
-        .map(|(name, seconds)| vec![name.to_string(), duration(*seconds)]),
-    );
-    if !input.summary.workers.is_empty() {
-        html += &table(
-            &["worker".into(), "evaluations".into(), "simulation time".into()],
-            input.summary.workers.iter().map(|worker| {
-                vec![escape(&worker.name), count(worker.evaluations as u64), duration(worker.simulation_s)]
-            }),
-        );
+    let times = [
+        ("whole study", time.total),
+        ("simulation, sum over all workers", time.simulation),
+        ("longest simulation", input.work.longest),
+        ("surrogates: fitting, prediction, selection", time.surrogate),
+        ("idle time of worker slots", time.idle),
+    ];
+    let workers = &input.summary.workers;
+    html! {
+        (table(
+            &["time", ""],
+            times.iter().map(|(name, seconds)| vec![name.render(), duration(*seconds).render()]),
+        ))
+        @if !workers.is_empty() {
+            (table(
+                &["worker", "evaluations", "simulation time"],
+                workers.iter().map(|worker| vec![
+                    worker.name.render(),
+                    count(worker.evaluations as u64).render(),
+                    duration(worker.simulation_s).render(),
+                ]),
+            ))
+        }
     }
-    html
 }

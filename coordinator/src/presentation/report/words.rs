@@ -1,18 +1,14 @@
-//! What a study says, in sentences.
+//! Results of a study in sentences.
 
 use super::figures::shares_of_failures;
-use super::format::{count, duration, fixed, percent, short_percent, three_digits};
+use super::format::{count, duration, fixed, percent, short_percent, three_digits, whole};
 use super::input::ReportInput;
-use super::life::{LifeAt, governing, leaders, life_at};
-use super::plot::short;
-use super::tables::whole;
+use super::life::{LEVELS, LifeAt, governing, leaders, life_at};
+use super::plot::tick_label;
 use crate::results::summary::{PerLimitState, ReliabilityRow, StudySummary};
 use common::scene::Fails;
 
-/// Reliability levels whose lives are named.
-pub const LEVELS: [f64; 3] = [0.99, 0.9, 0.5];
-
-/// A life with its bounds, e.g. `63 400 cycles (63 200 to 63 500)`.
+/// A life in cycles and its bounds, e.g. `63 400` and `95 % interval 63 200 to 63 500`.
 pub fn life(life: LifeAt) -> (String, String) {
     match life {
         LifeAt::Beyond(last) => (format!("beyond {}", count(last.into())), "end of the life studied".into()),
@@ -46,21 +42,21 @@ pub fn sentences(input: &ReportInput) -> Vec<String> {
         .map(|level| {
             format!(
                 "{} of the {}s reach {}",
-                percent0(*level),
+                whole_percent(*level),
                 input.subject(),
                 cycles(life_at(summary, "total", *level))
             )
         })
         .collect();
     text.push(format!("{}.", lives.join("; ")));
-    text.extend(who_fails_first(input));
+    text.extend(failures_over_life(input));
     text.push(effort(summary));
     text.extend(failed_runs(summary));
-    text.extend(super::stated::meaning(input));
+    text.extend(super::stated::effect_on_life(input));
     text
 }
 
-/// How probable failure is where there is no life to follow.
+/// Failure probabilities of a study with a single checkpoint.
 fn failure_probabilities(input: &ReportInput) -> Option<String> {
     let row = input.summary.reliability.first()?;
     let mut names: Vec<&str> = input.summary.limit_states.iter().map(String::as_str).collect();
@@ -74,55 +70,57 @@ fn failure_probabilities(input: &ReportInput) -> Option<String> {
 
 /// The failure probability of a limit state with its standard error, e.g. `1.97e-3 ± 3.1e-5`.
 pub fn failure_probability(row: &ReliabilityRow, name: &str) -> String {
-    let of = |values: &PerLimitState| values.get(name).copied().unwrap_or(f64::NAN);
-    format!("{} ± {}", three_digits(1.0 - of(&row.reliability)), three_digits(of(&row.standard_error)))
+    let value = |values: &PerLimitState| values.get(name).copied().unwrap_or(f64::NAN);
+    format!("{} ± {}", three_digits(1.0 - value(&row.reliability)), three_digits(value(&row.standard_error)))
 }
 
-fn percent0(share: f64) -> String {
+/// A share in whole per cent.
+fn whole_percent(share: f64) -> String {
     format!("{}\u{a0}%", fixed(100.0 * share, 0))
 }
 
-fn cycles(at: LifeAt) -> String {
-    match at {
+fn cycles(life_at_level: LifeAt) -> String {
+    match life_at_level {
         LifeAt::Beyond(last) => format!("more than the {} cycles studied", count(last.into())),
         known @ LifeAt::Cycles { .. } => format!("{} cycles", life(known).0),
     }
 }
 
-/// Which limit state leads to failure, when that changes, and what has failed at the governing checkpoint.
-fn who_fails_first(input: &ReportInput) -> Vec<String> {
+/// The most frequent failure over life, and the failures at the governing checkpoint.
+fn failures_over_life(input: &ReportInput) -> Vec<String> {
     let summary = &input.summary;
     let mut text = Vec::new();
-    let means = |name: &str| {
+    let criterion = |name: &str| {
         let state = input.limit_states.iter().find(|state| state.name == name)?;
         let unit = input.unit_of(state);
         let output = super::figures::words(&input.outputs[state.output].name);
-        let threshold = unit.after(&short(unit.to_shown(state.threshold)));
+        let threshold = unit.after(&tick_label(unit.to_shown(state.threshold)));
         let reaching = if state.fails == Fails::Above { "reaching" } else { "falling to" };
         Some(format!("{output} {reaching} {threshold}"))
     };
-    let named = |name: &str| means(name).map_or(name.to_string(), |means| format!("{name} ({means})"));
+    let named =
+        |name: &str| criterion(name).map_or(name.to_string(), |criterion| format!("{name} ({criterion})"));
     match leaders(summary).as_slice() {
         [] => text.push("No limit state is reached within the life studied.".to_string()),
         [(from, only)] if summary.limit_states.len() == 1 => {
             text.push(format!(
-                "The {} fails by {}, noticeably (more than 0.1 %) from {} cycles on.",
+                "The {} fails by {}; the failed share exceeds 0.1 % from {} cycles on.",
                 input.subject(),
                 named(only),
                 count((*from).into())
             ));
         }
         [(from, first), rest @ ..] => {
-            let always = if rest.is_empty() { "; it leads over the whole life studied" } else { "" };
+            let always = if rest.is_empty() { ", over the whole life studied" } else { "" };
             text.push(format!(
-                "First to fail: {}, noticeably (more than 0.1 % of the {}s ahead) from {} cycles on{always}.",
+                "Most frequent failure: {}, ahead of any other by more than 0.1 % of the {}s from {} cycles on{always}.",
                 named(first),
                 input.subject(),
                 count((*from).into())
             ));
             for (from, next) in rest {
                 text.push(format!(
-                    "From {} cycles on {} has caused more failures.",
+                    "From {} cycles on, {} has caused the most failures.",
                     count((*from).into()),
                     named(next)
                 ));
@@ -135,7 +133,7 @@ fn who_fails_first(input: &ReportInput) -> Vec<String> {
             summary.limit_states.iter().map(|name| format!("{} by {name}", percent(failed(name)))).collect();
         if failed("total") > 5e-4 {
             text.push(format!(
-                "At {} cycles {} have failed: {} (a {} that has failed by both counts in both).",
+                "At {} cycles, {} have failed: {} (a {} that failed in several ways is counted in each).",
                 count(row.cycles.into()),
                 percent(failed("total")),
                 parts.join(", "),
@@ -143,20 +141,21 @@ fn who_fails_first(input: &ReportInput) -> Vec<String> {
             ));
             let causes = shares_of_failures(summary, row.cycles);
             text.extend(
-                causes.map(|shares| format!("Of these failures the first cause was: {}.", shares.join(", "))),
+                causes.map(|shares| format!("First cause of these failures: {}.", shares.join(", "))),
             );
         }
     }
     text
 }
 
-/// Runs without a result, how much of the population they stand for, and why; `None` if there are none.
+/// Simulations without a result, the share of the population they represent, and the first cause; `None` if there are
+/// none.
 fn failed_runs(summary: &StudySummary) -> Option<String> {
     let first = summary.failures.simulations.first()?;
     let counts = summary.evaluations;
     Some(format!(
-        "{} of {} simulations gave no result; they are left out, and simulations are estimated to fail in {} of the \
-         population. The first of them: {}.",
+        "{} of {} simulations gave no result and are excluded; an estimated {} of the population cannot be simulated. First \
+         cause: {}.",
         count(counts.failed as u64),
         count(counts.total as u64),
         percent(summary.failures.barred_share),
@@ -164,7 +163,7 @@ fn failed_runs(summary: &StudySummary) -> Option<String> {
     ))
 }
 
-/// What the answer cost.
+/// Number of simulations, population and time.
 pub fn effort(summary: &StudySummary) -> String {
     let counts = summary.evaluations;
     let failed = match counts.failed {
@@ -174,7 +173,7 @@ pub fn effort(summary: &StudySummary) -> String {
     };
     let surrogate = if counts.added > 0 || !summary.convergence.rounds.is_empty() {
         format!(
-            ", {} of them placed by learning, stand for a population of {} {}",
+            ", {} of them placed by learning, represent a population of {} {}",
             count(counts.added as u64),
             count(summary.population as u64),
             if summary.of_mechanism() { "mechanisms" } else { "systems" }
@@ -183,7 +182,7 @@ pub fn effort(summary: &StudySummary) -> String {
         String::new()
     };
     format!(
-        "{} simulations ({failed}){surrogate}; {} in all.",
+        "{} simulations ({failed}){surrogate}; total time {}.",
         count(counts.total as u64),
         duration(summary.timing_s.total)
     )

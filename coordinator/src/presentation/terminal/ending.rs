@@ -1,13 +1,12 @@
-//! The text that ends a study.
+//! The summary printed at the end of a study.
 
 use crate::presentation::report::failure_probability;
-use crate::presentation::report::format::{count, duration, fixed};
-use crate::presentation::report::life::{LifeAt, life_at, numerical_lives, rows_that_matter};
-use crate::results::summary::StudySummary;
+use crate::presentation::report::format::{count, duration, fixed, whole};
+use crate::presentation::report::life::{LEVELS, LifeAt, life_at, numerical_lives, rows_that_matter};
+use crate::results::summary::{PerLimitState, StudySummary};
 use std::path::Path;
 
-/// The text that ends a study: R at the checkpoints that matter, lives, why it stopped, what it cost, where the
-/// files are.
+/// The summary printed at the end of a study: R around its fall, lives, stopping reason, effort, files.
 pub fn final_text(summary: &StudySummary, dir: &Path) -> String {
     let mut names: Vec<&str> = summary.limit_states.iter().map(String::as_str).collect();
     names.push("total");
@@ -42,19 +41,19 @@ pub fn final_text(summary: &StudySummary, dir: &Path) -> String {
     text.replace('\u{a0}', " ")
 }
 
-/// Where the noise of the simulations limits what can be learned from them.
+/// A line per surrogate whose training data are noisy.
 fn noise(summary: &StudySummary) -> String {
     let noisy = summary.surrogates.iter().filter_map(|s| Some((&s.limit_state, s.much_noise()?)));
-    let told = |(name, share): (&String, f64)| {
+    let line = |(name, share): (&String, f64)| {
         format!(
             "noise: {:.1} % of the variance of {name} is numerical noise; a finer --accuracy may need fewer simulations\n",
             100.0 * share
         )
     };
-    noisy.map(told).collect()
+    noisy.map(line).collect()
 }
 
-/// R at the checkpoints that matter and the lives, with a row of names on top.
+/// Table of R around its fall with a row of names on top, and the lives.
 fn over_life(summary: &StudySummary, names: &[&str]) -> String {
     let width = |name: &str| name.chars().count().max(16) + 2;
     let mut text = format!("{:>10}", "cycles");
@@ -65,7 +64,7 @@ fn over_life(summary: &StudySummary, names: &[&str]) -> String {
     for row in rows_that_matter(summary, 0) {
         text += &format!("{:>10}", count(row.cycles.into()));
         for name in names {
-            let value = |values: &crate::results::summary::PerLimitState, digits| {
+            let value = |values: &PerLimitState, digits| {
                 fixed(values.get(*name).copied().unwrap_or(f64::NAN), digits)
             };
             let cell = format!("{} ± {}", value(&row.reliability, 4), value(&row.standard_error, 4));
@@ -74,11 +73,11 @@ fn over_life(summary: &StudySummary, names: &[&str]) -> String {
         text.push('\n');
     }
     text.push('\n');
-    for level in [0.99, 0.9, 0.5] {
+    for level in LEVELS {
         let life = match life_at(summary, "total", level) {
             LifeAt::Beyond(last) => format!("beyond {} cycles", count(last.into())),
             LifeAt::Cycles { life, lower, upper } => {
-                let [life, lower, upper] = [life, lower, upper].map(|n| count(n.round().max(0.0) as u64));
+                let [life, lower, upper] = [life, lower, upper].map(whole);
                 format!("{life} cycles (95 % interval {lower} to {upper})")
             }
         };
@@ -86,12 +85,11 @@ fn over_life(summary: &StudySummary, names: &[&str]) -> String {
     }
     if let Some([worst, best]) = numerical_lives(summary, "total", 0.5) {
         let last = summary.reliability.last().map_or(0, |row| row.cycles);
-        let life = |at: Option<f64>| match at {
-            Some(life) => count(life.round().max(0.0) as u64),
-            None => format!("more than {}", count(last.into())),
-        };
+        let life =
+            |life: Option<f64>| life.map_or_else(|| format!("more than {}", count(last.into())), whole);
         text += &format!(
-            "numerical: with all responses off by their stated errors the same way, life at R = 0.5 is {} or {} cycles\n",
+            "numerical: if every response were off by its stated error in the same direction, life at R = 0.5 would be {} or {} \
+             cycles\n",
             life(worst),
             life(best)
         );
@@ -102,11 +100,11 @@ fn over_life(summary: &StudySummary, names: &[&str]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::presentation::report::synthetic;
+    use crate::test_study;
 
     #[test]
-    fn the_final_text_has_table_lives_reason_costs_and_files() {
-        let text = final_text(&synthetic::study().summary, Path::new("out/study"));
+    fn the_final_text_has_table_lives_reason_effort_and_files() {
+        let text = final_text(&test_study::study().summary, Path::new("out/study"));
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(
             lines[0].split_whitespace().collect::<Vec<_>>(),

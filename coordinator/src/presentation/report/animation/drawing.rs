@@ -1,55 +1,53 @@
-//! The still picture: bodies in true proportions, and the joints with clearance magnified under them.
+//! The first frame of the animation: bodies in true proportions, and below them the joints with clearance, magnified.
 
-use super::{Shown, short};
-use crate::presentation::report::format::escape;
+use super::frames::{AnimatedCycle, coordinate, frames};
 use crate::presentation::report::mechanism::{Mechanism, Pose};
 use crate::presentation::report::palette::Ink;
-use common::scene::{JointKind, Motion};
+use common::scene::{Joint, JointKind, Motion};
+use maud::{Markup, html};
 use std::f64::consts::TAU;
 use std::fmt::Write;
 
-/// Width of the picture.
+/// Width of the drawing [drawing units].
 const WIDTH: f64 = 640.0;
 
-/// Greatest height of the mechanism.
+/// Largest height of the mechanism [drawing units].
 const HEIGHT: f64 = 400.0;
 
-/// Around the mechanism.
+/// Margin around the mechanism [drawing units].
 const MARGIN: f64 = 34.0;
 
-/// Edge of the cell of a magnified joint.
+/// Edge of the square cell of a magnified joint [drawing units].
 const CELL: f64 = 160.0;
 
-/// Radius of an unworn bore there.
+/// Radius of an unworn bore in its cell [drawing units].
 const BORE: f64 = 44.0;
 
-/// What the largest clearance with its wear is magnified to.
-pub const ROOM: f64 = 26.0;
+/// Size to which the largest clearance with its wear is magnified [drawing units].
+pub const LARGEST_CLEARANCE: f64 = 26.0;
 
-/// Where things are drawn.
+/// Scales and positions of the drawing.
 pub struct Layout {
     /// Lower left corner of what is drawn [m].
     from: [f64; 2],
-    /// Upper end of it [m].
+    /// Largest vertical coordinate of what is drawn [m].
     top: f64,
     /// Drawing units per metre of the mechanism.
     scale: f64,
-    /// Left of the mechanism, which is centred.
+    /// Left end of the mechanism, which is centred [drawing units].
     left: f64,
-    /// Height of the mechanism with its margins.
+    /// Height of the mechanism with its margins [drawing units].
     height: f64,
     /// Drawing units per metre of clearance and wear.
     magnified: f64,
 }
 
 impl Layout {
-    /// For all that happens in these cycles; `None` if nothing has any extent.
-    pub fn new(mechanism: &Mechanism, shown: &[Shown<'_>], wear: &[&[f64]]) -> Option<Self> {
+    /// The layout that contains every frame of these cycles; `None` if the mechanism has no extent.
+    pub fn new(mechanism: &Mechanism, shown: &[AnimatedCycle<'_>], wear: &[&[f64]]) -> Option<Self> {
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        for Shown { cycle, .. } in shown {
-            for (body, k) in
-                (0..mechanism.bodies.len()).flat_map(|b| super::frames(cycle).map(move |k| (b, k)))
-            {
+        for AnimatedCycle { cycle, .. } in shown {
+            for (body, k) in (0..mechanism.bodies.len()).flat_map(|b| frames(cycle).map(move |k| (b, k))) {
                 let Some(([x, y], angle)) = mechanism.pose(cycle, body, k) else { continue };
                 let (sin, cos) = angle.sin_cos();
                 for [a, b] in mechanism.outline(body) {
@@ -65,7 +63,7 @@ impl Layout {
         let (wide, tall) = (high[0] - low[0], high[1] - low[1]);
         let room = (WIDTH - 2.0 * MARGIN, HEIGHT - 2.0 * MARGIN);
         let scale = (room.0 / wide).min(room.1 / tall);
-        let reach = |(index, joint): (usize, &common::scene::Joint)| match &joint.kind {
+        let reach = |(index, joint): (usize, &Joint)| match &joint.kind {
             JointKind::Clearance(clearance) => wear
                 .get(index)
                 .map_or(&[][..], |depth| depth)
@@ -82,91 +80,95 @@ impl Layout {
             scale,
             left: 0.5 * (WIDTH - wide * scale),
             height: tall * scale + 2.0 * MARGIN,
-            magnified: if largest > 0.0 { ROOM / largest } else { scale },
+            magnified: if largest > 0.0 { LARGEST_CLEARANCE / largest } else { scale },
         };
         (layout.scale.is_finite() && layout.height.is_finite()).then_some(layout)
     }
 
-    /// How much larger clearances are drawn than the mechanism [1].
+    /// Scale of the clearances relative to that of the mechanism [1].
     pub fn magnification(&self) -> f64 {
         self.magnified / self.scale
     }
 
-    /// Place in the drawing of a place of the mechanism.
-    pub fn at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+    /// Point of the drawing that shows a point of the mechanism [m].
+    pub fn place(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         [self.left + (x - self.from[0]) * self.scale, MARGIN + (self.top - y) * self.scale]
     }
 
-    /// A vector of a clearance in the drawing of its bore.
+    /// Vector in a magnified bore that shows a vector of the clearance [m].
     pub fn magnify(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         [x * self.magnified, -y * self.magnified]
     }
 }
 
-/// Attribute that puts a body where it stands.
+/// `transform` attribute of a body in a pose.
 fn transform(layout: &Layout, (at, angle): Pose) -> String {
-    let [x, y] = layout.at(at);
-    format!("translate({} {}) rotate({})", short(x), short(y), short(-angle.to_degrees()))
+    let [x, y] = layout.place(at);
+    format!("translate({} {}) rotate({})", coordinate(x), coordinate(y), coordinate(-angle.to_degrees()))
 }
 
-/// The picture at the first instant of a cycle.
-pub fn picture(mechanism: &Mechanism, layout: &Layout, shown: &Shown<'_>, wear: &[&[f64]]) -> String {
+/// The drawing at the first instant of a cycle; `wear`: depth per joint at equal angles `(joints)(control_points,)` [m].
+pub fn picture(mechanism: &Mechanism, layout: &Layout, shown: &AnimatedCycle<'_>, wear: &[&[f64]]) -> String {
     let joints: Vec<usize> = with_clearance(mechanism).collect();
     let columns = (WIDTH / CELL) as usize;
-    let height = layout.height + CELL * joints.len().div_ceil(columns) as f64;
-    let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {height:.0}\" font-family=\"sans-serif\" font-size=\"17\">\n\
-         <rect width=\"{WIDTH}\" height=\"{height:.0}\" fill=\"{}\"/>\n",
-        Ink::Paper.hex()
-    );
-    let mut put = |text: String| {
-        svg += &text;
-        svg.push('\n');
+    let height = format!("{:.0}", layout.height + CELL * joints.len().div_ceil(columns) as f64);
+    let drawing = html! {
+        svg xmlns="http://www.w3.org/2000/svg" viewBox=(format!("0 0 {WIDTH} {height}")) font-family="sans-serif"
+            font-size="17" {
+            rect width=(WIDTH) height=(height) fill=(Ink::Paper.hex()) {}
+            (bodies(mechanism, layout, shown))
+            (joint_marks(mechanism, layout, shown))
+            @for (cell, index) in joints.iter().copied().enumerate() {
+                @let (column, row) = (cell % columns, cell / columns);
+                // Each row is centred.
+                @let left = 0.5 * (WIDTH - CELL * columns.min(joints.len() - columns * row) as f64);
+                @let centre = [left + CELL * (column as f64 + 0.5), layout.height + CELL * (row as f64 + 0.5)];
+                (magnified(mechanism, layout, shown, index, wear.get(index).copied().unwrap_or_default(), centre))
+            }
+        }
     };
-    for (body, of) in mechanism.bodies.iter().enumerate() {
-        let Some(pose) = mechanism.pose(shown.cycle, body, 0) else { continue };
-        let fixed = match of.motion {
-            Motion::Fixed => mechanism.outline(body),
-            Motion::Driven { .. } => vec![pose.0],
-            Motion::Free { .. } => vec![],
-        };
-        fixed.into_iter().for_each(|at| put(ground(layout.at(at))));
-        if of.motion != Motion::Fixed {
-            put(format!(
-                "<g data-body=\"{body}\" transform=\"{}\">{}</g>",
-                transform(layout, pose),
-                link(&mechanism.outline(body), layout.scale, Ink::Series(body))
-            ));
+    drawing.into_string() + "\n"
+}
+
+/// Bodies and their supports on the ground.
+fn bodies(mechanism: &Mechanism, layout: &Layout, shown: &AnimatedCycle<'_>) -> Markup {
+    html! {
+        @for (index, body) in mechanism.bodies.iter().enumerate() {
+            @if let Some(pose) = mechanism.pose(shown.cycle, index, 0) {
+                @let supports = match body.motion {
+                    Motion::Fixed => mechanism.outline(index),
+                    Motion::Driven { .. } => vec![pose.0],
+                    Motion::Free { .. } => vec![],
+                };
+                @for support in supports { (ground(layout.place(support))) }
+                @if body.motion != Motion::Fixed {
+                    g data-body=(index) transform=(transform(layout, pose)) {
+                        (link(&mechanism.outline(index), layout.scale, Ink::Series(index)))
+                    }
+                }
+            }
         }
     }
-    let mut named: Vec<[f64; 2]> = Vec::new();
-    for (index, joint) in mechanism.joints.iter().enumerate() {
-        let Some(at) = mechanism.place(shown.cycle, &joint.journal, 0) else { continue };
-        let [x, y] = layout.at(at);
-        // Names of joints in one place stand beside each other.
-        let beside = named.iter().filter(|[u, v]| (u - x).hypot(v - y) < 4.0).count();
-        named.push([x, y]);
-        let (paper, ink) = (Ink::Paper.hex(), Ink::Ink.hex());
-        put(format!(
-            "<g data-joint=\"{index}\" transform=\"translate({} {})\"><circle r=\"4.5\" fill=\"{paper}\" stroke=\"{ink}\" \
-             stroke-width=\"2\"/><text x=\"{}\" y=\"-8\" fill=\"{ink}\" stroke=\"{paper}\" stroke-width=\"3\" \
-             paint-order=\"stroke\">{}</text></g>",
-            short(x),
-            short(y),
-            8 + 14 * beside,
-            escape(&joint.name)
-        ));
+}
+
+/// A circle and the name of every joint; names of joints at one point stand side by side.
+fn joint_marks(mechanism: &Mechanism, layout: &Layout, shown: &AnimatedCycle<'_>) -> Markup {
+    let marked = mechanism.joints.iter().enumerate().filter_map(|(index, joint)| {
+        Some((index, joint, layout.place(mechanism.place(shown.cycle, &joint.journal, 0)?)))
+    });
+    let marked: Vec<(usize, &Joint, [f64; 2])> = marked.collect();
+    let (paper, ink) = (Ink::Paper.hex(), Ink::Ink.hex());
+    html! {
+        @for (k, (index, joint, [x, y])) in marked.iter().enumerate() {
+            @let before = marked[..k].iter().filter(|(.., [u, v])| (u - x).hypot(v - y) < 4.0).count();
+            g data-joint=(index) transform=(format!("translate({} {})", coordinate(*x), coordinate(*y))) {
+                circle r="4.5" fill=(paper) stroke=(ink) stroke-width="2" {}
+                text x=(8 + 14 * before) y="-8" fill=(ink) stroke=(paper) stroke-width="3" paint-order="stroke" {
+                    (joint.name)
+                }
+            }
+        }
     }
-    for (place, index) in joints.iter().copied().enumerate() {
-        let (column, row) = (place % columns, place / columns);
-        // Each row is centred.
-        let in_row = columns.min(joints.len() - columns * row);
-        let left = 0.5 * (WIDTH - CELL * in_row as f64);
-        let centre = [left + CELL * (column as f64 + 0.5), layout.height + CELL * (row as f64 + 0.5)];
-        let depth = wear.get(index).copied().unwrap_or_default();
-        put(magnified(mechanism, layout, shown, index, depth, centre));
-    }
-    svg + "</svg>\n"
 }
 
 /// Joints with clearance, by the scene's numbering.
@@ -175,75 +177,78 @@ pub fn with_clearance(mechanism: &Mechanism) -> impl Iterator<Item = usize> {
     all.filter(|(_, joint)| matches!(joint.kind, JointKind::Clearance(_))).map(|(index, _)| index)
 }
 
-/// A place fixed to the ground.
-fn ground([x, y]: [f64; 2]) -> String {
-    format!(
-        "<path d=\"M{0} {1}l-9 15h18z\" fill=\"{2}\" stroke=\"{3}\" stroke-width=\"1.5\"/>",
-        short(x),
-        short(y),
-        Ink::Grid.hex(),
-        Ink::Muted.hex()
-    )
+/// The symbol of a point fixed to the ground.
+fn ground([x, y]: [f64; 2]) -> Markup {
+    html! {
+        path d=(format!("M{} {}l-9 15h18z", coordinate(x), coordinate(y))) fill=(Ink::Grid.hex())
+            stroke=(Ink::Muted.hex()) stroke-width="1.5" {}
+    }
 }
 
-/// A body in its own frame: a bar between two places, a plate between more.
-fn link(outline: &[[f64; 2]], scale: f64, ink: Ink) -> String {
+/// A body in its own frame: a bar between two points, a plate between more.
+fn link(outline: &[[f64; 2]], scale: f64, ink: Ink) -> Markup {
     let mut outline = outline.to_vec();
-    // Around their middle, so that a plate's edges do not cross.
+    // Sorted by direction from their middle, so that the edges of a plate do not cross.
     let n = outline.len().max(1) as f64;
     let middle = outline.iter().fold([0.0; 2], |m, p| [m[0] + p[0] / n, m[1] + p[1] / n]);
     let direction = |p: &[f64; 2]| (p[1] - middle[1]).atan2(p[0] - middle[0]);
     outline.sort_by(|a, b| direction(a).total_cmp(&direction(b)));
     let mut path = String::new();
     for (k, [x, y]) in outline.iter().enumerate() {
-        let _ = write!(path, "{}{} {}", if k == 0 { 'M' } else { 'L' }, short(x * scale), short(-y * scale));
+        let _ = write!(
+            path,
+            "{}{} {}",
+            if k == 0 { 'M' } else { 'L' },
+            coordinate(x * scale),
+            coordinate(-y * scale)
+        );
     }
     let colour = ink.hex();
-    format!(
-        "<path d=\"{path}Z\" fill=\"{colour}\" fill-opacity=\"0.25\" stroke=\"{colour}\" stroke-width=\"6\" \
-         stroke-opacity=\"0.85\" stroke-linejoin=\"round\" stroke-linecap=\"round\"/>"
-    )
+    html! {
+        path d=(path + "Z") fill=(colour) fill-opacity="0.25" stroke=(colour) stroke-width="6" stroke-opacity="0.85"
+            stroke-linejoin="round" stroke-linecap="round" {}
+    }
 }
 
 /// A journal in its bore: unworn bore, worn bore and journal turn with the body of the bushing.
 fn magnified(
     mechanism: &Mechanism,
     layout: &Layout,
-    shown: &Shown<'_>,
+    shown: &AnimatedCycle<'_>,
     index: usize,
     depth: &[f64],
     [x, y]: [f64; 2],
-) -> String {
+) -> Markup {
     let joint = &mechanism.joints[index];
-    let JointKind::Clearance(clearance) = &joint.kind else { return String::new() };
+    let JointKind::Clearance(clearance) = &joint.kind else { return html! {} };
     let journal = BORE - clearance.radial_clearance() * layout.magnified;
     let turned = |body: usize| mechanism.pose(shown.cycle, body, 0).map_or(0.0, |pose| pose.1);
     let (bushing, pin) = (turned(joint.bushing.body), turned(joint.journal.body));
     let [ex, ey] = mechanism.orbit_at(shown.cycle, joint, 0).map_or([0.0; 2], |e| layout.magnify(e));
-    let worn = bore(depth, layout.magnified);
-    let (paper, muted, ink) = (Ink::Paper.hex(), Ink::Muted.hex(), Ink::Ink.hex());
-    format!(
-        "<g transform=\"translate({} {})\"><g data-bore=\"{index}\" transform=\"rotate({})\">\
-         <path data-worn=\"\" d=\"{worn}\" fill=\"{}\" fill-opacity=\"0.2\" stroke=\"{}\" stroke-width=\"2\"{}/>\
-         <circle r=\"{BORE}\" fill=\"{paper}\" stroke=\"{muted}\" stroke-width=\"1\"/>\
-         <g data-journal=\"\" transform=\"translate({} {}) rotate({})\"><circle r=\"{}\" fill=\"{}\" stroke=\"{ink}\" \
-         stroke-width=\"1.5\"/><path d=\"M0 0H{}\" stroke=\"{ink}\" stroke-width=\"1.5\"/></g></g>\
-         <text y=\"{}\" text-anchor=\"middle\" fill=\"{ink}\">{}</text></g>",
-        short(x),
-        short(y - 6.0),
-        short(-bushing.to_degrees()),
-        Ink::Series(0).hex(),
-        Ink::Series(0).hex(),
-        if shown.worn { "" } else { " visibility=\"hidden\"" },
-        short(ex),
-        short(ey),
-        short((bushing - pin).to_degrees()),
-        short(journal),
-        Ink::Grid.hex(),
-        short(journal),
-        short(0.5 * CELL),
-        escape(&joint.name)
-    )
+    let (paper, muted, ink, wear) =
+        (Ink::Paper.hex(), Ink::Muted.hex(), Ink::Ink.hex(), Ink::Series(0).hex());
+    let cell = format!("translate({} {})", coordinate(x), coordinate(y - 6.0));
+    let turned_bore = format!("rotate({})", coordinate(-bushing.to_degrees()));
+    let moved_journal = format!(
+        "translate({} {}) rotate({})",
+        coordinate(ex),
+        coordinate(ey),
+        coordinate((bushing - pin).to_degrees())
+    );
+    html! {
+        g transform=(cell) {
+            g data-bore=(index) transform=(turned_bore) {
+                path data-worn="" d=(bore(depth, layout.magnified)) fill=(wear) fill-opacity="0.2" stroke=(wear)
+                    stroke-width="2" visibility=[(!shown.worn).then_some("hidden")] {}
+                circle r=(BORE) fill=(paper) stroke=(muted) stroke-width="1" {}
+                g data-journal="" transform=(moved_journal) {
+                    circle r=(coordinate(journal)) fill=(Ink::Grid.hex()) stroke=(ink) stroke-width="1.5" {}
+                    path d=(format!("M0 0H{}", coordinate(journal))) stroke=(ink) stroke-width="1.5" {}
+                }
+            }
+            text y=(coordinate(0.5 * CELL)) text-anchor="middle" fill=(ink) { (joint.name) }
+        }
+    }
 }
 
 /// Outline of a worn bore, from depths at equal angles, straight between a few points each.
@@ -259,8 +264,8 @@ fn bore(depth: &[f64], magnified: f64) -> String {
             path,
             "{}{} {}",
             if step == 0 { 'M' } else { 'L' },
-            short(radius * cos),
-            short(-radius * sin)
+            coordinate(radius * cos),
+            coordinate(-radius * sin)
         );
     }
     if path.is_empty() { path } else { path + "Z" }

@@ -1,64 +1,55 @@
-//! The nominal mechanism in motion, and under it every journal in its bore, magnified: a still picture in SVG, and what a
-//! script needs to move it.
+//! The nominal mechanism in motion, and below it every journal in its bore, magnified: the first frame as SVG, and the data
+//! with which a script animates it.
 
 mod data;
 mod drawing;
+mod frames;
 
 use super::figure::{Figure, csv};
-use super::format::{count, fixed};
+use super::format::count;
 use super::input::ReportInput;
 use super::mechanism::Mechanism;
-use crate::results::result_files::number;
+use crate::results::csv_table::number;
 use common::outputs::CycleHistory;
+use frames::AnimatedCycle;
 
-/// The script that moves the picture.
+/// The script that animates the drawing.
 pub const SCRIPT: &str = include_str!("play.js");
 
-/// Name of the figure.
+/// Name of the figure; the script finds the drawing by it.
 pub const NAME: &str = "mechanism";
 
-/// Instants of a cycle that are shown.
-const FRAMES: usize = 120;
-
-/// A picture and what moves it.
+/// A drawing and the data of its animation.
 pub struct Animation {
-    /// The still picture.
+    /// The drawing at the first instant.
     pub figure: Figure,
     /// Cycles with every frame, JSON for [`SCRIPT`].
     pub data: String,
 }
 
-/// One cycle to show.
-struct Shown<'a> {
-    name: &'static str,
-    /// Whether the bores are those at the end of life.
-    worn: bool,
-    cycle: &'a CycleHistory,
-}
-
-/// The animation; `None` where the nominal evaluation does not tell how every body moves.
+/// The animation; `None` if the nominal evaluation does not include the motion of every body.
 pub fn animation(input: &ReportInput) -> Option<Animation> {
     let nominal = input.nominal.as_ref()?;
     let mechanism = &input.mechanism;
     let last = nominal.worn.as_ref().and_then(|worn| worn.last_cycle.as_ref());
     let cycles =
         [("last cycle, worn", true, last), ("first cycle, unworn", false, nominal.first_cycle.as_ref())];
-    let shown: Vec<Shown<'_>> = cycles
+    let shown: Vec<AnimatedCycle<'_>> = cycles
         .into_iter()
         .filter_map(|(name, worn, cycle)| {
-            Some(Shown { name, worn, cycle: cycle.filter(|c| whole(mechanism, c))? })
+            Some(AnimatedCycle { name, worn, cycle: cycle.filter(|c| is_complete(mechanism, c))? })
         })
         .collect();
     let first = shown.first()?;
     let wear: Vec<&[f64]> = nominal.joints.iter().map(|joint| joint.wear_depth.as_slice()).collect();
     let layout = drawing::Layout::new(mechanism, &shown, &wear)?;
     let caption = format!(
-        "Nominal mechanism; above in true proportions, below every journal in its bore, turned as in the mechanism, \
-         clearance and wear {} times as large. {}",
+        "Nominal mechanism. Top: true proportions. Bottom: every journal in its bore, oriented as in the mechanism, with \
+         clearance and wear magnified {} times. {}",
         count(layout.magnification().round() as u64),
         if first.worn {
             format!(
-                "Bores worn for {} cycles; the thin circle is the unworn bore.",
+                "Bores worn for {} cycles; thin circle: unworn bore.",
                 count(nominal.cycles.last().copied().unwrap_or(0).into())
             )
         } else {
@@ -68,13 +59,13 @@ pub fn animation(input: &ReportInput) -> Option<Animation> {
     let rows = shown.iter().flat_map(|shown| {
         shown.cycle.motion.iter().flat_map(move |motion| {
             shown.cycle.time.iter().zip(motion.position.iter().zip(&motion.angle)).map(
-                move |(time, (at, angle))| {
+                move |(time, (position, angle))| {
                     vec![
                         shown.name.to_string(),
                         motion.body.clone(),
                         number(1e3 * time),
-                        number(1e3 * at[0]),
-                        number(1e3 * at[1]),
+                        number(1e3 * position[0]),
+                        number(1e3 * position[1]),
                         number(angle.to_degrees()),
                     ]
                 },
@@ -91,38 +82,28 @@ pub fn animation(input: &ReportInput) -> Option<Animation> {
     Some(Animation { figure, data: data::json(mechanism, &layout, &shown) })
 }
 
-/// Whether a cycle tells the motion of every body.
-fn whole(mechanism: &Mechanism, cycle: &CycleHistory) -> bool {
+/// True if a cycle includes the motion of every body at every instant.
+fn is_complete(mechanism: &Mechanism, cycle: &CycleHistory) -> bool {
     cycle.time.len() > 1
         && !mechanism.joints.is_empty()
         && (0..mechanism.bodies.len()).all(|body| {
-            let at = |k: usize| mechanism.pose(cycle, body, k);
             (0..cycle.time.len()).all(|k| {
-                at(k).is_some_and(|([x, y], angle)| x.is_finite() && y.is_finite() && angle.is_finite())
+                mechanism
+                    .pose(cycle, body, k)
+                    .is_some_and(|([x, y], angle)| x.is_finite() && y.is_finite() && angle.is_finite())
             })
         })
 }
 
-/// Places in a cycle of the frames, evenly spread.
-fn frames(cycle: &CycleHistory) -> impl Iterator<Item = usize> {
-    let last = cycle.time.len() - 1;
-    (0..FRAMES).map(move |frame| frame * last / FRAMES)
-}
-
-/// A number of the drawing.
-fn short(value: f64) -> String {
-    let text = fixed(value, 2).replace('\u{2212}', "-");
-    text.trim_end_matches('0').trim_end_matches('.').to_string()
-}
-
 #[cfg(test)]
 mod tests {
+    use super::frames::FRAMES;
     use super::*;
-    use crate::presentation::report::synthetic;
+    use crate::test_study;
 
     #[test]
     fn the_picture_has_every_body_and_joint_and_the_data_move_them() {
-        let input = synthetic::input();
+        let input = test_study::report_input();
         let animation = animation(&input).unwrap();
         let document = roxmltree::Document::parse(&animation.figure.svg).unwrap();
         let with =
@@ -145,12 +126,12 @@ mod tests {
         let bore = cycles[1]["bores"][0].as_array().unwrap();
         let far =
             bore.chunks(4).map(|f| f[0].as_f64().unwrap().hypot(f[1].as_f64().unwrap())).fold(0.0, f64::max);
-        assert!(far > 1.0 && far < drawing::ROOM, "{far}");
+        assert!(far > 1.0 && far < drawing::LARGEST_CLEARANCE, "{far}");
     }
 
     #[test]
-    fn an_unknown_motion_is_not_shown() {
-        let mut input = synthetic::input();
+    fn an_incomplete_motion_is_not_shown() {
+        let mut input = test_study::report_input();
         input.nominal.as_mut().unwrap().worn = None;
         let unworn = animation(&input).unwrap();
         assert!(unworn.figure.caption.ends_with("Bores unworn."));

@@ -1,4 +1,4 @@
-//! The worn bores of the nominal mechanism in polar form, through life where that was kept.
+//! The worn bores of the nominal mechanism in polar form, over life where the bores were stored.
 
 use super::file_name;
 use crate::presentation::report::figure::{Figure, csv};
@@ -6,15 +6,15 @@ use crate::presentation::report::format::{count, fixed};
 use crate::presentation::report::input::ReportInput;
 use crate::presentation::report::palette::Ink;
 use crate::presentation::report::polar::{Polar, Stroke, freest, full_scale};
-use crate::results::result_files::number;
+use crate::results::csv_table::number;
 
 /// Radius of the unworn bore, as a share of the outermost ring's.
 const BORE: f64 = 0.5;
 
-/// Curves per bore.
+/// Largest number of curves per bore.
 const LIVES: u32 = 6;
 
-/// One polar figure per joint with wear: depth outward from the unworn bore, on one scale for all joints.
+/// One polar figure per joint with wear: depth outward from the unworn bore, at one scale for all joints.
 pub fn bores(input: &ReportInput) -> Vec<Figure> {
     let Some(nominal) = &input.nominal else { return vec![] };
     let deepest = |wear: &[f64]| wear.iter().copied().fold(0.0, f64::max);
@@ -32,16 +32,19 @@ pub fn bores(input: &ReportInput) -> Vec<Figure> {
             let last = k + 1 == lives.len();
             let opacity = 0.35 + 0.65 * (k + 1) as f64 / lives.len() as f64;
             let stroke = Stroke { ink: Ink::Series(0), width: if last { 2.2 } else { 1.2 }, opacity };
-            polar.closed(wear, stroke, last);
+            if last {
+                polar.filled(wear, stroke.ink);
+            }
+            polar.closed(wear, stroke);
         }
         polar.circle(0.0, Stroke { ink: Ink::Muted, width: 1.2, opacity: 1.0 });
         let wear = end.1;
-        let place = (0..wear.len()).max_by(|a, b| wear[*a].total_cmp(&wear[*b])).unwrap_or(0);
+        let deepest_point = (0..wear.len()).max_by(|a, b| wear[*a].total_cmp(&wear[*b])).unwrap_or(0);
         let degrees = |k: usize| 360.0 * k as f64 / wear.len() as f64;
         let caption = format!(
-            "Deepest {} µm at {}°; peak force {} N.",
+            "Largest depth {} µm at {}°; peak force {} N.",
             fixed(1e6 * deepest(wear), 2),
-            fixed(degrees(place), 0),
+            fixed(degrees(deepest_point), 0),
             fixed(joint.peak_force, 2)
         );
         let rows = lives.iter().flat_map(|(cycles, wear)| {
@@ -60,8 +63,8 @@ pub fn bores(input: &ReportInput) -> Vec<Figure> {
     .collect()
 }
 
-/// Bores of a joint at about equal steps through life, the last at its end, as (cycles, depths); empty where the nominal
-/// evaluation does not tell.
+/// Bores of a joint at about equal steps over life, the last at its end, as (cycles, depths); empty if the nominal
+/// evaluation stores only the end.
 fn through_life(input: &ReportInput, joint: usize) -> Vec<(u32, &[f64])> {
     let Some(worn) = input.nominal.as_ref().and_then(|nominal| nominal.worn.as_ref()) else { return vec![] };
     lives(&worn.cycles)
@@ -70,7 +73,7 @@ fn through_life(input: &ReportInput, joint: usize) -> Vec<(u32, &[f64])> {
         .collect()
 }
 
-/// Places in `cycles`, increasing from zero, nearest to equal steps of its last one.
+/// Indices into `cycles`, increasing from zero, nearest to equal steps of its last entry.
 fn lives(cycles: &[u32]) -> Vec<usize> {
     let Some(end) = cycles.last() else { return vec![] };
     let nearest = |step: u32| {
@@ -82,7 +85,7 @@ fn lives(cycles: &[u32]) -> Vec<usize> {
     found
 }
 
-/// At which lives before its end the curves are drawn, in words; empty where only the end is known.
+/// Lives before its end at which bores are drawn, as text; empty if only the end is stored.
 pub fn lives_in_words(input: &ReportInput) -> String {
     let cycles =
         input.nominal.as_ref().and_then(|nominal| nominal.worn.as_ref()).map(|worn| &worn.cycles[..]);

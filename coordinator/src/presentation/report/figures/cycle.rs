@@ -6,29 +6,29 @@ use crate::presentation::report::format::fixed;
 use crate::presentation::report::input::ReportInput;
 use crate::presentation::report::palette::Ink;
 use crate::presentation::report::plot::{Axis, Plot, PlotError, Points, Series, Shape};
+use crate::results::output_unit::OutputUnit;
 use common::outputs::{BodyTrace, CycleHistory};
 use common::scene::OutputKind;
-
-/// Degrees per radian.
-const DEGREES: f64 = 180.0 / std::f64::consts::PI;
-
-/// r/min per rad/s.
-const RPM: f64 = 30.0 / std::f64::consts::PI;
 
 /// Named curves over time [ms].
 type Traces = Vec<(String, Points)>;
 
-/// What of two bodies an output compares.
-struct Compared {
-    of: fn(&BodyTrace) -> &[f64],
-    factor: f64,
-    what: &'static str,
-    unit: &'static str,
+/// A quantity of a body over a cycle.
+struct BodyQuantity {
+    values: fn(&BodyTrace) -> &[f64],
+    unit: OutputUnit,
+    name: &'static str,
+    symbol: &'static str,
 }
 
-const SPEED: Compared =
-    Compared { of: |body| &body.speed, factor: RPM, what: "angular velocity", unit: "r/min" };
-const ANGLE: Compared = Compared { of: |body| &body.angle, factor: DEGREES, what: "angle", unit: "°" };
+static SPEED: BodyQuantity = BodyQuantity {
+    values: |body| &body.speed,
+    unit: OutputUnit::AngularVelocity,
+    name: "angular velocity",
+    symbol: "r/min",
+};
+static ANGLE: BodyQuantity =
+    BodyQuantity { values: |body| &body.angle, unit: OutputUnit::Angle, name: "angle", symbol: "°" };
 
 /// Joint forces, angles and angular velocities of the settled first cycle of the unworn nominal mechanism.
 ///
@@ -42,12 +42,12 @@ pub fn first_cycle(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
         .bodies
         .iter()
         .map(|body| {
-            let (low, high) = range(body.angle.iter().map(|angle| angle * DEGREES));
+            let (low, high) = range(body.angle.iter().map(|angle| ANGLE.unit.to_shown(*angle)));
             format!("{}: {}° to {}°", body.label, fixed(low, 3), fixed(high, 3))
         })
         .collect();
-    let of = |shown: &Compared| -> Traces {
-        let trace = |body: &BodyTrace| (body.label.clone(), trace(cycle, (shown.of)(body), shown.factor));
+    let traces = |shown: &BodyQuantity| -> Traces {
+        let trace = |body: &BodyTrace| (body.label.clone(), trace(cycle, (shown.values)(body), &shown.unit));
         cycle.bodies.iter().map(trace).collect()
     };
     let figures = [
@@ -60,21 +60,21 @@ pub fn first_cycle(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
         over_time(
             cycle,
             ["angles", "Angles of the first cycle", "angle [°]"],
-            of(&ANGLE),
+            traces(&ANGLE),
             &format!("{}.", extremes.join("; ")),
         )?,
         over_time(
             cycle,
             ["angular-velocities", "Angular velocities of the first cycle", "angular velocity [r/min]"],
-            of(&SPEED),
-            "Of the bodies above, in the same sense.",
+            traces(&SPEED),
+            "Of the bodies above, with the same signs.",
         )?,
     ];
     Ok(figures.into_iter().flatten().collect())
 }
 
-/// What wear makes of it: the joint forces of the last cycle, and for every output that compares two bodies their
-/// difference in the first and in the last cycle.
+/// The effect of wear: the joint forces of the last cycle, and for every output that compares two bodies their difference
+/// in the first and in the last cycle.
 ///
 /// # Errors
 /// [`PlotError`].
@@ -84,15 +84,16 @@ pub fn last_cycle(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
     let Some(last) = &worn.last_cycle else { return Ok(vec![]) };
     let mut figures = Vec::new();
     for output in &input.outputs {
-        let (a, b, compared) = match &output.kind {
+        let (a, b, quantity) = match &output.kind {
             OutputKind::AngularVelocityDifference { a, b } => (a, b, &SPEED),
             OutputKind::AngleDifference { a, b } => (a, b, &ANGLE),
             _ => continue,
         };
         let difference = |cycle: &CycleHistory| -> Option<Points> {
-            let of = |label: &str| cycle.bodies.iter().find(|body| body.label == label).map(compared.of);
-            let apart: Vec<f64> = of(&a.label)?.iter().zip(of(&b.label)?).map(|(a, b)| a - b).collect();
-            Some(trace(cycle, &apart, compared.factor))
+            let values =
+                |label: &str| cycle.bodies.iter().find(|body| body.label == label).map(quantity.values);
+            let pairs = values(&a.label)?.iter().zip(values(&b.label)?);
+            Some(trace(cycle, &pairs.map(|(a, b)| a - b).collect::<Vec<f64>>(), &quantity.unit))
         };
         let cycles = [("first cycle", first), ("last cycle", last)];
         let traces: Traces = cycles
@@ -100,8 +101,9 @@ pub fn last_cycle(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
             .filter_map(|(name, cycle)| Some((name.to_string(), difference(cycle)?)))
             .collect();
         let caption = format!(
-            "{} of {} less that of {}, on the unworn bores and on those at the end of life. The output {} is the              largest size of it.",
-            compared.what,
+            "{} of {} minus that of {}, with unworn bores and with the bores at the end of life. The output {} is its \
+             largest magnitude.",
+            quantity.name,
             a.label,
             b.label,
             words(&output.name)
@@ -111,7 +113,7 @@ pub fn last_cycle(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
             [
                 &format!("difference-{}", file_name(&output.name)),
                 &format!("{} against {}", super::capital(&a.label), b.label),
-                &format!("difference [{}]", compared.unit),
+                &format!("difference [{}]", quantity.symbol),
             ],
             traces,
             &super::capital(&caption),
@@ -127,19 +129,22 @@ pub fn last_cycle(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
 }
 
 /// Force of every joint over a cycle, with their peaks.
-fn forces(cycle: &CycleHistory, name: &str, title: &str, of: &str) -> Result<Option<Figure>, PlotError> {
-    let forces =
-        cycle.joint_force.iter().map(|(n, f)| (format!("joint {n}"), trace(cycle, f, 1.0))).collect();
+fn forces(cycle: &CycleHistory, name: &str, title: &str, state: &str) -> Result<Option<Figure>, PlotError> {
+    let force = |(joint, force): &(String, Vec<f64>)| {
+        (format!("joint {joint}"), trace(cycle, force, &OutputUnit::Force))
+    };
+    let forces = cycle.joint_force.iter().map(force).collect();
     let peak = |(name, force): &(String, Vec<f64>)| {
         format!("{name}: {} N", fixed(force.iter().copied().fold(0.0, f64::max), 2))
     };
     let peaks: Vec<String> = cycle.joint_force.iter().map(peak).collect();
-    let caption = format!("{of} Peaks of joints {}.", peaks.join(", "));
+    let caption = format!("{state} Peaks of joints {}.", peaks.join(", "));
     over_time(cycle, [name, title, "joint force [N]"], forces, &caption)
 }
 
-fn trace(cycle: &CycleHistory, values: &[f64], factor: f64) -> Points {
-    thinned(cycle.time.iter().zip(values).map(|(t, v)| (t * 1e3, v * factor)).collect())
+/// Values over the time [ms] of a cycle in the unit shown.
+fn trace(cycle: &CycleHistory, values: &[f64], unit: &OutputUnit) -> Points {
+    thinned(cycle.time.iter().zip(values).map(|(t, v)| (t * 1e3, unit.to_shown(*v))).collect())
 }
 
 /// Curves over the time of a cycle; `[name, title, label of the vertical axis]`.
@@ -154,7 +159,7 @@ fn over_time(
         return Ok(None);
     }
     let (low, high) = range(traces.iter().flat_map(|(_, points)| points.iter().map(|p| p.1)));
-    // Traces of mirrored halves nearly coincide: every second one is broken, so that both are seen.
+    // Traces of mirrored halves nearly coincide: every second one is dashed, so that both are visible.
     let series: Vec<_> = traces
         .into_iter()
         .enumerate()
@@ -173,11 +178,11 @@ fn over_time(
     plot.figure(title, caption).map(Some)
 }
 
-/// Buckets a dense trace is thinned to: more than a figure has pixels across.
+/// Number of buckets to which a dense trace is thinned: more than the width of a figure in pixels.
 const BUCKETS: usize = 700;
 
-/// A trace with its lowest and highest point of every bucket alone, so that no peak is lost; traces of few points
-/// stay as they are.
+/// A trace reduced to the lowest and the highest point of every bucket, which keeps all peaks; traces of few points are
+/// unchanged.
 fn thinned(points: Points) -> Points {
     let size = points.len().div_ceil(BUCKETS);
     if size <= 2 {

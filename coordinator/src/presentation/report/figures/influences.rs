@@ -1,7 +1,8 @@
-//! Figures of what the variables do: derivatives of the failure probabilities, and shares of the outputs' variance.
+//! Figures of the influence of the variables: derivatives of the failure probabilities, and contributions to the variance
+//! of the outputs.
 
-use super::{capital, file_name, words};
-use crate::presentation::report::bars::{Bars, Pair};
+use super::{file_name, words};
+use crate::presentation::report::bars::{BarPair, Bars};
 use crate::presentation::report::figure::Figure;
 use crate::presentation::report::format::count;
 use crate::presentation::report::input::ReportInput;
@@ -42,8 +43,8 @@ pub fn sensitivities(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
         let rows = rows_at_governing(input, &state.name);
         let Some(first) = rows.first() else { continue };
         let caption = format!(
-            "Change of the probability of failure by {} at {} cycles when the mean, or the standard deviation, of a variable \
-             grows by one standard deviation; to the right: more failures. Thin lines: 1.96 standard errors. The {} \
+            "Change of the probability of failure by {} at {} cycles if the mean or the standard deviation of a variable \
+             increases by one standard deviation; positive: more failures. Thin lines: 1.96 standard errors. The {} \
              largest of {}.",
             state.name,
             count(first.cycles.into()),
@@ -54,7 +55,7 @@ pub fn sensitivities(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
         let error = |derivative: f64, scaled: f64, error: f64| {
             if derivative == 0.0 { 0.0 } else { finite((scaled / derivative * error).abs()) }
         };
-        let pair = |row: &&SensitivityRow| Pair {
+        let pair = |row: &&SensitivityRow| BarPair {
             name: words(&row.variable),
             values: [finite(row.scaled.d_pf_d_mean), finite(row.scaled.d_pf_d_std)],
             errors: [
@@ -70,7 +71,7 @@ pub fn sensitivities(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
             all: rows.iter().map(pair).collect(),
             shown: SHOWN,
         };
-        figures.push(bars.figure(&format!("What drives failure by {}", state.name), &caption)?);
+        figures.push(bars.figure(&format!("Sensitivity of failure by {}", state.name), &caption)?);
     }
     Ok(figures)
 }
@@ -79,7 +80,7 @@ pub fn sensitivities(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
 ///
 /// # Errors
 /// [`PlotError`].
-pub fn shares_of_variance(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
+pub fn variance_contributions(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
     let mut figures = Vec::new();
     for state in &input.limit_states {
         let all = input.summary.sobol.iter().filter(|row| row.limit_state == state.name);
@@ -88,13 +89,13 @@ pub fn shares_of_variance(input: &ReportInput) -> Result<Vec<Figure>, PlotError>
         rows.sort_by(|a, b| finite(b.total).total_cmp(&finite(a.total)));
         let output = words(&input.outputs[state.output].name);
         let caption = format!(
-            "Sobol indices of the surrogate at {} cycles: the share of the variance of the {output} that a variable makes \
-             alone (first order), and together with others (total). Thin lines: 1.96 standard errors. The {} largest of {}.",
+            "Sobol indices of the surrogate at {} cycles: share of the variance of the {output} due to a variable alone \
+             (first order) and with its interactions (total). Thin lines: 1.96 standard errors. The {} largest of {}.",
             count(cycles.into()),
             rows.len().min(SHOWN),
             rows.len()
         );
-        let pair = |row: &&SobolRow| Pair {
+        let pair = |row: &&SobolRow| BarPair {
             name: words(&row.variable),
             values: [finite(row.first_order), finite(row.total)],
             errors: [finite(row.standard_error.first_order), finite(row.standard_error.total)],
@@ -107,7 +108,7 @@ pub fn shares_of_variance(input: &ReportInput) -> Result<Vec<Figure>, PlotError>
             all: rows.iter().map(pair).collect(),
             shown: SHOWN,
         };
-        figures.push(bars.figure(&capital(&format!("what makes {output} scatter")), &caption)?);
+        figures.push(bars.figure(&format!("Variance contributions (Sobol): {output}"), &caption)?);
     }
     Ok(figures)
 }

@@ -5,87 +5,85 @@ use crate::presentation::report::figure::Figure;
 use crate::presentation::report::format::{count, percent};
 use crate::presentation::report::input::ReportInput;
 use crate::presentation::report::palette::Ink;
-use crate::presentation::report::plot::{Axis, Plot, PlotError, Series, Shape, short};
+use crate::presentation::report::plot::{Axis, Plot, PlotError, Points, Series, Shape, tick_label};
 use crate::results::summary::Round;
 
-/// How learning went, round by round.
+/// Smallest share on the logarithmic axis [1]; smaller ones are drawn there.
+const SMALLEST_SHARE: f64 = 1e-5;
+
+/// Convergence over the rounds: reliability, remaining uncertainty, and smallest learning function.
 ///
 /// # Errors
 /// [`PlotError`].
 pub fn learning(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
     let rounds = &input.summary.convergence.rounds;
     let (Some(first), Some(last)) = (rounds.first(), rounds.last()) else { return Ok(vec![]) };
-    let x = (first.evaluations as f64, last.evaluations as f64);
-    let over = |value: &dyn Fn(&Round) -> Option<f64>| -> Vec<(f64, f64)> {
-        rounds.iter().filter_map(|round| Some((round.evaluations as f64, value(round)?))).collect()
+    let x = Axis::linear("evaluations", (first.evaluations as f64, last.evaluations as f64));
+    Ok(vec![
+        reliability(rounds, last, x, &format!("R of the {}", input.subject()))?,
+        uncertainty(rounds, last, x)?,
+        smallest_u(rounds, x)?,
+    ])
+}
+
+/// A quantity of every round over its number of evaluations, where it is known.
+fn over(rounds: &[Round], value: impl Fn(&Round) -> Option<f64>) -> Points {
+    rounds.iter().filter_map(|round| Some((round.evaluations as f64, value(round)?))).collect()
+}
+
+fn reliability(rounds: &[Round], last: &Round, x: Axis<'_>, label: &str) -> Result<Figure, PlotError> {
+    let reliability = over(rounds, |round| Some(round.reliability_total));
+    let (low, high) = range(reliability.iter().map(|point| point.1));
+    let margin = (0.15 * (high - low)).max(0.01);
+    let plot = Plot {
+        figure: "learning-reliability",
+        x,
+        y: Axis::linear(label, ((low - margin).max(0.0), (high + margin).min(1.0))),
+        series: &[Series::unlisted("R", Ink::Ink, Shape::Dotted(reliability))],
     };
-    // Shares fall by powers of ten; what is zero is shown at the bottom.
-    let log = |share: f64| share.max(1e-5).log10();
-    let shares = [
-        Series::new(
-            "uncertain share (U < 2)",
-            Ink::Series(0),
-            Shape::Dotted(over(&|r| Some(log(r.share_uncertain)))),
-        ),
-        Series::new(
-            "error of surrogate",
-            Ink::Series(1),
-            Shape::Dotted(over(&|r| Some(log(r.surrogate_error)))),
-        ),
-        Series::new(
-            "change of R",
-            Ink::Series(2),
-            Shape::Dotted(over(&|r| r.change_of_r.map(|c| log(c.abs())))),
-        ),
-    ];
-    let min_u = over(&|round| Some(round.min_u));
-    let reliability = over(&|round| Some(round.reliability_total));
-    let (low, high) = range(reliability.iter().map(|p| p.1));
-    let u_top = range(min_u.iter().map(|p| p.1)).1.max(2.0) * 1.1;
-    let r_margin = (0.15 * (high - low)).max(0.01);
-    let of_r = format!("R of the {}", input.subject());
-    let plots = [
-        (
-            "learning-reliability",
-            "R at the governing checkpoint",
-            of_r.as_str(),
-            ((low - r_margin).max(0.0), (high + r_margin).min(1.0)),
-            vec![Series::unlisted("R", Ink::Ink, Shape::Dotted(reliability))],
-            format!("At the checkpoint where R is nearest 1/2, at the end {} cycles.", count(last.cycles.into())),
-        ),
-        (
-            "learning-shares",
-            "What was still uncertain",
-            "share",
-            (-5.0, 0.0),
-            shares.to_vec(),
-            format!("At the end {} of the population uncertain.", percent(last.share_uncertain)),
-        ),
-        (
-            "learning-min-u",
-            "Smallest learning function",
-            "min U",
-            (0.0, u_top),
-            vec![
-                Series::new("U = 2", Ink::Limit, Shape::Level(2.0)),
-                Series::unlisted("min U", Ink::Series(0), Shape::Dotted(min_u)),
-            ],
-            "The distance of the surrogate's mean from the threshold in its own standard deviations, the smallest \
-             over population, limit states and checkpoints."
-                .into(),
-        ),
-    ];
-    let mut figures = Vec::new();
-    for (name, title, y_label, y, series, caption) in plots {
-        let linear = Axis::linear(y_label, y);
-        let y = if name == "learning-shares" {
-            let power = |v: f64| format!("{}\u{a0}%", short(10f64.powf(v + 2.0)));
-            Axis { text: power, value: |v| 10f64.powf(v), ..linear }
-        } else {
-            linear
-        };
-        let x = Axis::linear("evaluations", x);
-        figures.push(Plot { figure: name, x, y, series: &series }.figure(title, &caption)?);
-    }
-    Ok(figures)
+    let caption =
+        format!("At the checkpoint where R is nearest 1/2: at the end {} cycles.", count(last.cycles.into()));
+    plot.figure("R at the governing checkpoint", &caption)
+}
+
+fn uncertainty(rounds: &[Round], last: &Round, x: Axis<'_>) -> Result<Figure, PlotError> {
+    let log = |share: f64| share.max(SMALLEST_SHARE).log10();
+    let uncertain = over(rounds, |round| Some(log(round.share_uncertain)));
+    let error = over(rounds, |round| Some(log(round.surrogate_error)));
+    let change = over(rounds, |round| round.change_of_r.map(|change| log(change.abs())));
+    let plot = Plot {
+        figure: "learning-shares",
+        x,
+        y: Axis {
+            text: |power| format!("{}\u{a0}%", tick_label(10f64.powf(power + 2.0))),
+            value: |power| 10f64.powf(power),
+            ..Axis::linear("share", (SMALLEST_SHARE.log10(), 0.0))
+        },
+        series: &[
+            Series::new("uncertain share (U < 2)", Ink::Series(0), Shape::Dotted(uncertain)),
+            Series::new("surrogate error", Ink::Series(1), Shape::Dotted(error)),
+            Series::new("change of R", Ink::Series(2), Shape::Dotted(change)),
+        ],
+    };
+    let caption = format!("At the end {} of the population is uncertain.", percent(last.share_uncertain));
+    plot.figure("Remaining uncertainty", &caption)
+}
+
+fn smallest_u(rounds: &[Round], x: Axis<'_>) -> Result<Figure, PlotError> {
+    let min_u = over(rounds, |round| Some(round.min_u));
+    let top = range(min_u.iter().map(|point| point.1)).1.max(2.0) * 1.1;
+    let plot = Plot {
+        figure: "learning-min-u",
+        x,
+        y: Axis::linear("min U", (0.0, top)),
+        series: &[
+            Series::new("U = 2", Ink::Limit, Shape::Level(2.0)),
+            Series::unlisted("min U", Ink::Series(0), Shape::Dotted(min_u)),
+        ],
+    };
+    plot.figure(
+        "Smallest learning function",
+        "U: distance of the surrogate's mean from the threshold in units of its standard deviation; the smallest over \
+         population, limit states and checkpoints.",
+    )
 }

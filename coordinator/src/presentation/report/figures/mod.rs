@@ -1,4 +1,4 @@
-//! The figures of a report, from its input. Each function gives no figure where the input holds nothing to show.
+//! The figures of a report, drawn from its input. A function returns no figure if the input lacks its data.
 
 mod bores;
 mod cycle;
@@ -11,7 +11,7 @@ mod reliability;
 
 pub use bores::{bores, lives_in_words};
 pub use cycle::{first_cycle, last_cycle};
-pub use influences::{rows_at_governing, sensitivities, shares_of_variance};
+pub use influences::{rows_at_governing, sensitivities, variance_contributions};
 pub use learning::learning;
 pub use numerical::numerical;
 pub use orbits::orbits;
@@ -21,14 +21,15 @@ pub use reliability::{curve, first_failure, reliability, shares_of_failures};
 use super::palette::Ink;
 use crate::results::summary::StudySummary;
 
-/// Cycles as the axes count them, and how the axes say so.
+/// Scale of the life axes: cycles, or thousands of cycles.
 pub(in crate::presentation::report) struct LifeAxis {
     divisor: f64,
     pub(in crate::presentation::report) label: &'static str,
 }
 
 impl LifeAxis {
-    pub(in crate::presentation::report) fn of(summary: &StudySummary) -> Self {
+    /// The scale that suits the life of a study.
+    pub(in crate::presentation::report) fn new(summary: &StudySummary) -> Self {
         let last = summary.reliability.last().map_or(0, |row| row.cycles);
         if last >= 10_000 {
             Self { divisor: 1000.0, label: "life [1000 cycles]" }
@@ -37,7 +38,8 @@ impl LifeAxis {
         }
     }
 
-    pub(in crate::presentation::report) fn at(&self, cycles: u32) -> f64 {
+    /// Number on the axis of a life [cycles].
+    pub(in crate::presentation::report) fn place(&self, cycles: u32) -> f64 {
         f64::from(cycles) / self.divisor
     }
 }

@@ -1,11 +1,13 @@
-//! Figures of the numerical errors: R under them, and their size over life.
+//! Figures of the stated numerical errors: their effect on R, and their size over life.
 
 use super::{LifeAxis, capital, file_name, ink_of, words};
 use crate::presentation::report::figure::Figure;
 use crate::presentation::report::input::ReportInput;
 use crate::presentation::report::life::rows_that_matter;
 use crate::presentation::report::palette::Ink;
-use crate::presentation::report::plot::{Axis, Plot, PlotError, Series, Shape};
+use crate::presentation::report::plot::{Axis, Plot, PlotError, Points, Series, Shape};
+use crate::presentation::report::stated_errors::StatedAt;
+use crate::results::summary::ReliabilityRow;
 
 /// The range of R under the stated errors per limit state and in total, and per limit state the size of the errors
 /// over life.
@@ -22,7 +24,7 @@ fn range_of_reliability(input: &ReportInput) -> Result<Option<Figure>, PlotError
     }
     let rows = rows_that_matter(&input.summary, 6);
     let (Some(first), Some(last)) = (rows.first(), rows.last()) else { return Ok(None) };
-    let axis = LifeAxis::of(&input.summary);
+    let axis = LifeAxis::new(&input.summary);
     let (mut bands, mut lines) = (Vec::new(), Vec::new());
     for state in &input.limit_states {
         let name = state.name.as_str();
@@ -31,26 +33,24 @@ fn range_of_reliability(input: &ReportInput) -> Result<Option<Figure>, PlotError
             .iter()
             .filter_map(|row| {
                 let range = row.numerical.get(name)?;
-                Some((axis.at(row.cycles), range.lower, range.upper))
+                Some((axis.place(row.cycles), range.lower, range.upper))
             })
             .collect();
         if band.is_empty() {
             return Ok(None);
         }
         bands.push(Series::unlisted(format!("{name}, range"), ink, Shape::Band(band)));
-        let r = |row: &crate::results::summary::ReliabilityRow| {
-            Some((axis.at(row.cycles), *row.reliability.get(name)?))
-        };
+        let r = |row: &ReliabilityRow| Some((axis.place(row.cycles), *row.reliability.get(name)?));
         lines.push(Series::new(name, ink, Shape::Line(rows.iter().filter_map(r).collect())));
     }
     let plot = Plot {
         figure: "reliability-numerical",
-        x: Axis::linear(axis.label, (axis.at(first.cycles), axis.at(last.cycles))),
+        x: Axis::linear(axis.label, (axis.place(first.cycles), axis.place(last.cycles))),
         y: Axis::linear("reliability R", (0.0, 1.0)),
         series: &[bands, lines].concat(),
     };
-    let caption = "R with every response larger, and with every one smaller, by the error its simulation states. The \
-                   worst and the best direction for all at once, not a standard error.";
+    let caption = "R with all responses shifted by their stated errors to the unsafe and to the safe side. These are \
+                   extreme cases, not standard errors.";
     plot.figure("Reliability under numerical errors", caption).map(Some)
 }
 
@@ -58,17 +58,17 @@ fn sizes(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
     if input.summary.is_static() {
         return Ok(vec![]);
     }
-    let axis = LifeAxis::of(&input.summary);
+    let axis = LifeAxis::new(&input.summary);
     let mut figures = Vec::new();
-    // Of a limit at zero nothing is a share.
+    // Relative to a limit of zero an error has no size.
     for state in input.limit_states.iter().filter(|state| state.threshold != 0.0) {
         let stated = input.stated.get(state.output).map_or(&[][..], Vec::as_slice);
         let Some(last) = stated.last() else { continue };
         let of_limit = |error: f64| 100.0 * (error / state.threshold).abs();
-        let line = |of: &dyn Fn(&crate::presentation::report::stated::StatedAt) -> f64| -> Vec<(f64, f64)> {
-            stated.iter().map(|at| (axis.at(at.cycles), of_limit(of(at)))).collect()
+        let line = |error: fn(&StatedAt) -> f64| -> Points {
+            stated.iter().map(|row| (axis.place(row.cycles), of_limit(error(row)))).collect()
         };
-        let (typical, largest) = (line(&|at| at.typical), line(&|at| at.largest));
+        let (typical, largest) = (line(|row| row.typical), line(|row| row.largest));
         let top = largest.iter().map(|p| p.1).filter(|y| y.is_finite()).fold(0.0, f64::max);
         let series = [
             Series::new("typical (median)", ink_of(&input.summary, &state.name), Shape::Line(typical)),
@@ -78,11 +78,11 @@ fn sizes(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
         let output = words(&input.outputs[state.output].name);
         let plot = Plot {
             figure: &name,
-            x: Axis::linear(axis.label, (0.0, axis.at(last.cycles))),
+            x: Axis::linear(axis.label, (0.0, axis.place(last.cycles))),
             y: Axis::linear("stated error [% of the limit]", (0.0, if top > 0.0 { 1.1 * top } else { 1.0 })),
             series: &series,
         };
-        let caption = "Over all simulations of the study, as a share of the limit that means failure.";
+        let caption = "Median and maximum over all simulations of the study, as a share of the limit state's threshold.";
         figures.push(plot.figure(&capital(&format!("stated error of {output}")), caption)?);
     }
     Ok(figures)

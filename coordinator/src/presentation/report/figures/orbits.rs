@@ -6,11 +6,11 @@ use crate::presentation::report::format::fixed;
 use crate::presentation::report::input::ReportInput;
 use crate::presentation::report::palette::Ink;
 use crate::presentation::report::polar::{Polar, Stroke, freest, full_scale};
-use crate::results::result_files::number;
+use crate::results::csv_table::number;
 use common::outputs::CycleHistory;
 use common::scene::{Joint, JointKind};
 
-/// Directions in which the orbit's reach is looked at, to find room for words.
+/// Directions in which the extent of the orbit is determined, to place the labels.
 const DIRECTIONS: usize = 36;
 
 /// One joint's orbits.
@@ -20,11 +20,11 @@ struct Orbits<'a> {
     clearance: f64,
     /// Wear depth at the end of life at equal angles `(control_points,)` [m].
     wear: &'a [f64],
-    /// By cycle, the first or the last.
+    /// Name (first or last), history, and orbit `(n, 2)` [m] of each cycle.
     cycles: Vec<(&'static str, &'a CycleHistory, Vec<[f64; 2]>)>,
 }
 
-/// One polar figure per joint with clearance whose motion the nominal evaluation tells, all on one scale.
+/// One polar figure per joint with clearance whose motion the nominal evaluation includes, all at one scale.
 pub fn orbits(input: &ReportInput) -> Vec<Figure> {
     let Some(nominal) = &input.nominal else { return vec![] };
     let last = nominal.worn.as_ref().and_then(|worn| worn.last_cycle.as_ref());
@@ -54,15 +54,15 @@ fn figure(orbits: &Orbits<'_>, full: f64) -> Figure {
     let mut polar = Polar::new(0.0, full);
     polar.circle(orbits.clearance, Stroke { ink: Ink::Muted, width: 1.4, opacity: 1.0 });
     let worn: Vec<f64> = orbits.wear.iter().map(|depth| orbits.clearance + depth).collect();
-    polar.closed(&worn, Stroke { ink: Ink::Muted, width: 1.4, opacity: 0.6 }, false);
+    polar.closed(&worn, Stroke { ink: Ink::Muted, width: 1.4, opacity: 0.6 });
     let mut reached = vec![orbits.clearance; DIRECTIONS];
     for (cycle, _, orbit) in &orbits.cycles {
         let ink = Ink::Series(usize::from(*cycle == "last"));
         polar.curve(orbit, Stroke { ink, width: 3.0, opacity: 1.0 });
         for [x, y] in orbit.iter().filter(|[x, y]| x.is_finite() && y.is_finite()) {
             let turn = y.atan2(*x).rem_euclid(std::f64::consts::TAU) / std::f64::consts::TAU;
-            let at = &mut reached[(turn * DIRECTIONS as f64) as usize % DIRECTIONS];
-            *at = at.max(x.hypot(*y));
+            let farthest = &mut reached[(turn * DIRECTIONS as f64) as usize % DIRECTIONS];
+            *farthest = farthest.max(x.hypot(*y));
         }
     }
     let farthest = |cycle: &str| {
@@ -72,9 +72,9 @@ fn figure(orbits: &Orbits<'_>, full: f64) -> Figure {
     };
     let far: Vec<String> = ["first", "last"].into_iter().filter_map(farthest).collect();
     let caption = format!(
-        "Radial clearance {} µm; farthest in the {}.",
+        "Radial clearance {} µm; largest eccentricity: {}.",
         fixed(1e6 * orbits.clearance, 1),
-        far.join(", in the ")
+        far.join(", ")
     );
     let rows = orbits.cycles.iter().flat_map(|(cycle, history, orbit)| {
         history.time.iter().zip(orbit).map(move |(time, [x, y])| {

@@ -1,12 +1,12 @@
-//! Figures of the outputs: their distributions late in life, and how they move through life.
+//! Figures of the outputs: their distributions late in life, and their course over life.
 
 use super::{LifeAxis, capital, file_name, ink_of, words};
 use crate::presentation::report::figure::Figure;
 use crate::presentation::report::format::{count, fixed, three_digits};
-use crate::presentation::report::input::{LimitStateInfo, OutputDistribution, ReportInput};
+use crate::presentation::report::input::{CheckpointDistribution, LimitStateInfo, ReportInput};
 use crate::presentation::report::life::governing;
 use crate::presentation::report::palette::Ink;
-use crate::presentation::report::plot::{Axis, Band, Plot, PlotError, Series, Shape, short};
+use crate::presentation::report::plot::{Axis, Band, Plot, PlotError, Points, Series, Shape, tick_label};
 use crate::results::output_unit::OutputUnit;
 use crate::results::summary::StudySummary;
 use common::scene::Fails;
@@ -16,94 +16,108 @@ use common::scene::Fails;
 /// # Errors
 /// [`PlotError`].
 pub fn distributions(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
-    let mut figures = Vec::new();
-    for state in &input.limit_states {
-        let shown = three_around_governing(input, state);
-        if shown.is_empty() {
-            continue;
-        }
-        let output = &input.outputs[state.output];
-        let unit = &output.unit;
-        let threshold = unit.to_shown(state.threshold);
-        let mut series = Vec::new();
-        let (mut low, mut high, mut top) = (threshold, threshold, 0.0_f64);
-        for (k, distribution) in shown.iter().enumerate() {
-            let all: u64 = distribution.counts.iter().sum();
-            let bars: Vec<_> = distribution
-                .edges
-                .windows(2)
-                .zip(&distribution.counts)
-                .map(|(edges, count)| {
-                    let (left, right) = (unit.to_shown(edges[0]), unit.to_shown(edges[1]));
-                    (left, right, *count as f64 / (all.max(1) as f64 * (right - left)))
-                })
-                .filter(|(left, right, height)| right > left && height.is_finite())
-                .collect();
-            for (left, right, height) in &bars {
-                (low, high, top) = (low.min(*left), high.max(*right), top.max(*height));
-            }
-            let at = format!("{} cycles", count(u64::from(distribution.cycles)));
-            let label = if input.summary.is_static() { "population".to_owned() } else { at };
-            series.push(Series::new(label, Ink::Series(k + 2), Shape::Steps(bars)));
-        }
-        series.push(Series::new("threshold", Ink::Limit, Shape::Upright(threshold)));
-        let name = format!("distribution-{}", file_name(&state.name));
-        let margin = 0.03 * (high - low);
-        let labels = [unit.axis(&words(&output.name)), density(unit)];
-        let plot = Plot {
-            figure: &name,
-            x: Axis::linear(&labels[0], (low - margin, high + margin)),
-            y: Axis::linear(&labels[1], (0.0, 1.08 * top)),
-            series: &series,
-        };
-        let means: Vec<String> = shown
-            .iter()
-            .map(|d| {
-                format!(
-                    "{} ± {} at {}",
-                    in_short(unit, d.mean),
-                    unit.after(&in_short(unit, d.std)),
-                    count(d.cycles.into())
-                )
-            })
-            .collect();
-        let caption = format!(
-            "{}. Mean ± standard deviation: {} {}. {} the threshold of {} the {} has failed.",
-            capital(&origin(&input.summary)),
-            means.join(", "),
-            if shown.len() == 1 && shown[0].cycles == 1 { "cycle" } else { "cycles" },
-            if state.fails == Fails::Above { "Beyond" } else { "Below" },
-            unit.after(&short(threshold)),
-            input.subject()
-        );
-        let title = if input.summary.is_static() {
-            format!("distribution of {}", words(&output.name))
-        } else {
-            format!("{} late in life", words(&output.name))
-        };
-        figures.push(plot.figure(&capital(&title), &caption)?);
-    }
-    Ok(figures)
+    let drawn = input.limit_states.iter().map(|state| (state, three_around_governing(input, state)));
+    drawn
+        .filter(|(_, shown)| !shown.is_empty())
+        .map(|(state, shown)| distribution(input, state, &shown))
+        .collect()
 }
 
-/// A mean or standard deviation: hundredths of the unit that this program chose, else three digits.
-fn in_short(unit: &OutputUnit, value: f64) -> String {
+/// The distributions of one limit state's output with its threshold.
+fn distribution(
+    input: &ReportInput,
+    state: &LimitStateInfo,
+    shown: &[&CheckpointDistribution],
+) -> Result<Figure, PlotError> {
+    let output = &input.outputs[state.output];
+    let unit = &output.unit;
+    let threshold = unit.to_shown(state.threshold);
+    let mut series = Vec::new();
+    let (mut low, mut high, mut top) = (threshold, threshold, 0.0_f64);
+    for (k, distribution) in shown.iter().enumerate() {
+        let bars = densities(distribution, unit);
+        for (left, right, height) in &bars {
+            (low, high, top) = (low.min(*left), high.max(*right), top.max(*height));
+        }
+        let label = if input.summary.is_static() {
+            "population".to_owned()
+        } else {
+            format!("{} cycles", count(u64::from(distribution.cycles)))
+        };
+        series.push(Series::new(label, Ink::Series(k + 2), Shape::Steps(bars)));
+    }
+    series.push(Series::new("threshold", Ink::Limit, Shape::Upright(threshold)));
+    let name = format!("distribution-{}", file_name(&state.name));
+    let margin = 0.03 * (high - low);
+    let labels = [unit.axis(&words(&output.name)), density(unit)];
+    let plot = Plot {
+        figure: &name,
+        x: Axis::linear(&labels[0], (low - margin, high + margin)),
+        y: Axis::linear(&labels[1], (0.0, 1.08 * top)),
+        series: &series,
+    };
+    let title = if input.summary.is_static() {
+        format!("distribution of {}", words(&output.name))
+    } else {
+        format!("{} late in life", words(&output.name))
+    };
+    plot.figure(&capital(&title), &distribution_caption(input, state, shown))
+}
+
+/// Origin, means and standard deviations of the distributions, and the side of the threshold on which failure lies.
+fn distribution_caption(
+    input: &ReportInput,
+    state: &LimitStateInfo,
+    shown: &[&CheckpointDistribution],
+) -> String {
+    let unit = input.unit_of(state);
+    let moments = shown.iter().map(|distribution| {
+        let [mean, std] = [distribution.mean, distribution.std].map(|si| moment(unit, si));
+        format!("{mean} ± {} at {}", unit.after(&std), count(distribution.cycles.into()))
+    });
+    format!(
+        "{}. Mean ± standard deviation: {} {}. {} the threshold of {} the {} has failed.",
+        capital(&origin(&input.summary)),
+        moments.collect::<Vec<_>>().join(", "),
+        if shown.len() == 1 && shown[0].cycles == 1 { "cycle" } else { "cycles" },
+        if state.fails == Fails::Above { "Above" } else { "Below" },
+        unit.after(&tick_label(unit.to_shown(state.threshold))),
+        input.subject()
+    )
+}
+
+/// Probability density over each bin as (left, right, height), in the unit shown.
+fn densities(distribution: &CheckpointDistribution, unit: &OutputUnit) -> Vec<(f64, f64, f64)> {
+    let all: u64 = distribution.counts.iter().sum();
+    let bins = distribution.edges.windows(2).zip(&distribution.counts);
+    let bars = bins.map(|(edges, count)| {
+        let (left, right) = (unit.to_shown(edges[0]), unit.to_shown(edges[1]));
+        (left, right, *count as f64 / (all.max(1) as f64 * (right - left)))
+    });
+    bars.filter(|(left, right, height)| right > left && height.is_finite()).collect()
+}
+
+/// A mean or standard deviation: with two decimals in a unit of this program, with three digits in that of a simulator.
+fn moment(unit: &OutputUnit, value: f64) -> String {
     match unit {
         OutputUnit::External(_) => three_digits(value),
         own => fixed(own.to_shown(value), 2),
     }
 }
 
-/// What the axis of a density shows.
+/// Label of the axis of a density.
 fn density(unit: &OutputUnit) -> String {
     if unit.symbol().is_empty() { "density".to_owned() } else { format!("density [1/({})]", unit.symbol()) }
 }
 
 /// Distributions of a limit state's output at the governing checkpoint and two checkpoints before and after,
 /// the governing one being moved to a multiple of two checkpoints; or the three nearest there are.
-fn three_around_governing<'a>(input: &'a ReportInput, state: &LimitStateInfo) -> Vec<&'a OutputDistribution> {
+fn three_around_governing<'a>(
+    input: &'a ReportInput,
+    state: &LimitStateInfo,
+) -> Vec<&'a CheckpointDistribution> {
     let name = &input.outputs[state.output].name;
-    let mut shown: Vec<&OutputDistribution> =
+    let mut shown: Vec<&CheckpointDistribution> =
         input.distributions.iter().filter(|d| d.output == *name && d.edges.len() > 1).collect();
     shown.sort_by_key(|d| d.cycles);
     let Some(governing) = governing(&input.summary) else { return shown.into_iter().take(3).collect() };
@@ -128,97 +142,104 @@ pub fn histories(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
     if input.summary.is_static() {
         return Ok(vec![]);
     }
-    let axis = LifeAxis::of(&input.summary);
-    let mut figures = Vec::new();
-    for state in &input.limit_states {
-        let output = &input.outputs[state.output];
-        let unit = &output.unit;
-        let threshold = unit.to_shown(state.threshold);
-        let nominal: Vec<_> = input.nominal.as_ref().map_or(vec![], |nominal| {
-            let history = nominal.histories.get(state.output).map_or(&[][..], Vec::as_slice);
-            nominal.cycles.iter().zip(history).map(|(n, v)| (axis.at(*n), unit.to_shown(*v))).collect()
-        });
-        let bands = spread(input, state, &axis);
-        let of_bands = bands.iter().flat_map(|(_, band)| band);
-        let ends = nominal.last().map(|p| p.0).into_iter().chain(of_bands.clone().map(|p| p.0));
-        let Some(last) = ends.reduce(f64::max) else { continue };
-        let values = nominal.iter().map(|p| p.1).chain(of_bands.flat_map(|p| [p.1, p.2]));
-        let (low, high) = values.fold((threshold, threshold), |(low, high), v| (low.min(v), high.max(v)));
-        let signed = threshold < 0.0 || nominal.iter().any(|p| p.1 < 0.0);
-        let low = if low < 0.5 * high && !signed { 0.0 } else { low - 0.1 * (high - low) };
-        let caption = format!(
-            "{} The nominal {} has every variable at its mean{}.",
-            if bands.is_empty() {
-                String::new()
-            } else {
-                format!("Bands: how many of a hundred lie within, {}.", origin(&input.summary))
-            },
-            input.subject(),
-            if input.summary.of_mechanism() {
-                "; each value belongs to the profile worn to that many cycles"
-            } else {
-                ""
-            }
-        );
-        let mut series = vec![Series::new("threshold", Ink::Limit, Shape::Level(threshold))];
-        let ink = ink_of(&input.summary, &state.name);
-        series.extend(bands.into_iter().map(|(label, band)| Series::new(label, ink, Shape::Band(band))));
-        if !nominal.is_empty() {
-            series.push(Series::new("nominal", Ink::Ink, Shape::Line(nominal)));
-        }
-        let name = format!("history-{}", file_name(&state.name));
-        let label = unit.axis(&words(&output.name));
-        let plot = Plot {
-            figure: &name,
-            x: Axis::linear(axis.label, (0.0, last)),
-            y: Axis::linear(&label, (low, high + 0.05 * (high - low))),
-            series: &series,
-        };
-        figures
-            .push(plot.figure(&capital(&format!("{} through life", words(&output.name))), caption.trim())?);
-    }
-    Ok(figures)
+    let axis = LifeAxis::new(&input.summary);
+    let figures = input.limit_states.iter().map(|state| history(input, state, &axis));
+    figures.filter_map(Result::transpose).collect()
 }
 
-/// Pairs of probabilities between which a band lies, and its label.
-const BANDS: [(f64, f64, &str); 2] = [(0.01, 0.99, "98 of 100"), (0.25, 0.75, "50 of 100, darker")];
-
-/// Bands of quantiles of a limit state's output over life, the widest first, as (label, points); empty where the
-/// study kept no distributions.
-fn spread(input: &ReportInput, state: &LimitStateInfo, axis: &LifeAxis) -> Vec<(&'static str, Band)> {
+/// The output of one limit state over life; `None` if neither the nominal evaluation nor the population has it.
+fn history(
+    input: &ReportInput,
+    state: &LimitStateInfo,
+    axis: &LifeAxis,
+) -> Result<Option<Figure>, PlotError> {
     let output = &input.outputs[state.output];
-    let mut at: Vec<_> = input.distributions.iter().filter(|d| d.output == output.name).collect();
-    at.sort_by_key(|d| d.cycles);
-    let quantile = |d: &OutputDistribution, p: f64| {
+    let unit = &output.unit;
+    let threshold = unit.to_shown(state.threshold);
+    let nominal: Points = input.nominal.as_ref().map_or(vec![], |nominal| {
+        let history = nominal.histories.get(state.output).map_or(&[][..], Vec::as_slice);
+        nominal.cycles.iter().zip(history).map(|(n, v)| (axis.place(*n), unit.to_shown(*v))).collect()
+    });
+    let bands = spread(input, state, axis);
+    let edges = bands.iter().flat_map(|(_, band)| band);
+    let ends = nominal.last().map(|p| p.0).into_iter().chain(edges.clone().map(|p| p.0));
+    let Some(last) = ends.reduce(f64::max) else { return Ok(None) };
+    let values = nominal.iter().map(|p| p.1).chain(edges.flat_map(|p| [p.1, p.2]));
+    let (low, high) = values.fold((threshold, threshold), |(low, high), v| (low.min(v), high.max(v)));
+    let signed = threshold < 0.0 || nominal.iter().any(|p| p.1 < 0.0);
+    let low = if low < 0.5 * high && !signed { 0.0 } else { low - 0.1 * (high - low) };
+    let caption = history_caption(input, !bands.is_empty());
+    let mut series = vec![Series::new("threshold", Ink::Limit, Shape::Level(threshold))];
+    let ink = ink_of(&input.summary, &state.name);
+    series.extend(bands.into_iter().map(|(label, band)| Series::new(label, ink, Shape::Band(band))));
+    if !nominal.is_empty() {
+        series.push(Series::new("nominal", Ink::Ink, Shape::Line(nominal)));
+    }
+    let name = format!("history-{}", file_name(&state.name));
+    let label = unit.axis(&words(&output.name));
+    let plot = Plot {
+        figure: &name,
+        x: Axis::linear(axis.label, (0.0, last)),
+        y: Axis::linear(&label, (low, high + 0.05 * (high - low))),
+        series: &series,
+    };
+    plot.figure(&capital(&format!("{} over life", words(&output.name))), &caption).map(Some)
+}
+
+fn history_caption(input: &ReportInput, with_bands: bool) -> String {
+    let subject = input.subject();
+    let bands = format!("Bands: central 98 % and 50 % of {subject}s, {}. ", origin(&input.summary));
+    format!(
+        "{}The nominal {subject} has every variable at its mean{}.",
+        if with_bands { bands.as_str() } else { "" },
+        if input.summary.of_mechanism() {
+            "; each value belongs to the profile worn to that many cycles"
+        } else {
+            ""
+        }
+    )
+}
+
+/// Pairs of probabilities that bound a band.
+const BANDS: [(f64, f64); 2] = [(0.01, 0.99), (0.25, 0.75)];
+
+/// Bands of quantiles of a limit state's output over life, the widest first, as (label, points); empty if the study
+/// stored no distributions.
+fn spread(input: &ReportInput, state: &LimitStateInfo, axis: &LifeAxis) -> Vec<(String, Band)> {
+    let output = &input.outputs[state.output];
+    let mut stored: Vec<_> = input.distributions.iter().filter(|d| d.output == output.name).collect();
+    stored.sort_by_key(|d| d.cycles);
+    let quantile = |d: &CheckpointDistribution, p: f64| {
         let found = d.quantiles.iter().find(|(probability, _)| (probability - p).abs() < 1e-9)?;
         Some(output.unit.to_shown(found.1)).filter(|value| value.is_finite())
     };
-    let band = |(low, high, label): (f64, f64, &'static str)| {
+    let band = |(low, high): (f64, f64)| {
         let point =
-            |d: &&OutputDistribution| Some((axis.at(d.cycles), quantile(d, low)?, quantile(d, high)?));
-        (label, at.iter().filter_map(point).collect::<Band>())
+            |d: &&CheckpointDistribution| Some((axis.place(d.cycles), quantile(d, low)?, quantile(d, high)?));
+        let label = format!("{:.0} % of {}s", 100.0 * (high - low), input.subject());
+        (label, stored.iter().filter_map(point).collect::<Band>())
     };
     BANDS.map(band).into_iter().filter(|(_, band)| band.len() > 1).collect()
 }
 
-/// Whose values a distribution holds.
+/// Source of the values of a distribution.
 fn origin(summary: &StudySummary) -> String {
-    let of = |what: String| format!("{what} of {} {}s", count(summary.population as u64), summary.subject());
+    let population = format!("{} {}s", count(summary.population as u64), summary.subject());
     if summary.method == "ak" {
-        of("as the surrogates predict it for the population".into())
+        format!("predicted by the surrogates for a population of {population}")
     } else {
-        of("as simulated, for all".into())
+        format!("simulated for all {population}")
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::presentation::report::synthetic;
+    use crate::test_study;
 
     #[test]
     fn the_three_checkpoints_straddle_the_governing_one() {
-        let input = synthetic::input();
+        let input = test_study::report_input();
         let shown = three_around_governing(&input, &input.limit_states[1]);
         assert_eq!(shown.iter().map(|d| d.cycles).collect::<Vec<_>>(), [64_000, 66_000, 68_000]);
         let mut few = input.clone();

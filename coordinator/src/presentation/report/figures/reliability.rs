@@ -1,4 +1,4 @@
-//! Figures of the failures over life: R with its bands, and what fails first.
+//! Figures of the failures over life: R with its bands, and the shares of first failures.
 
 use super::{LifeAxis, ink_of};
 use crate::presentation::report::figure::Figure;
@@ -33,14 +33,14 @@ pub fn reliability(summary: &StudySummary) -> Result<Option<Figure>, PlotError> 
     }
     let rows = rows_that_matter(summary, 3);
     let (Some(first), Some(last)) = (rows.first(), rows.last()) else { return Ok(None) };
-    let axis = LifeAxis::of(summary);
+    let axis = LifeAxis::new(summary);
     let mut names: Vec<&str> = summary.limit_states.iter().map(String::as_str).collect();
     if names.len() != 1 {
         names.push("total");
     }
     let (mut bands, mut lines) = (Vec::new(), Vec::new());
     for name in names {
-        let (points, band) = curve(rows, name, |cycles| axis.at(cycles));
+        let (points, band) = curve(rows, name, |cycles| axis.place(cycles));
         let ink = ink_of(summary, name);
         bands.push(Series::unlisted(format!("{name}, band"), ink, Shape::Band(band)));
         let shape = if name == "total" { Shape::Dashed(points) } else { Shape::Line(points) };
@@ -48,20 +48,20 @@ pub fn reliability(summary: &StudySummary) -> Result<Option<Figure>, PlotError> 
     }
     let plot = Plot {
         figure: "reliability",
-        x: Axis::linear(axis.label, (axis.at(first.cycles), axis.at(last.cycles))),
+        x: Axis::linear(axis.label, (axis.place(first.cycles), axis.place(last.cycles))),
         y: Axis::linear("reliability R", (0.0, 1.0)),
         series: &[bands, lines].concat(),
     };
     let caption = format!(
-        "Probability that no failure has occurred up to this life, per limit state and for the whole {}, which fails by \
-         whichever comes first. Bands: 1.96 standard errors, sampling and surrogate together; what numerical errors of the \
-         simulations can do is shown further below.",
+        "Probability of no failure up to this life, per limit state and for the whole {}, which fails with its first limit \
+         state. Bands: 1.96 standard errors, sampling and surrogate together; the effect of numerical errors of the \
+         simulations is shown further below.",
         summary.subject()
     );
     plot.figure("Reliability over life", &caption).map(Some)
 }
 
-/// Shares of the population that have failed, by what failed first, one upon the other.
+/// Stacked shares of the population that have failed, by the limit state that failed first.
 ///
 /// # Errors
 /// [`PlotError`].
@@ -74,14 +74,14 @@ pub fn first_failure(input: &ReportInput) -> Result<Option<Figure>, PlotError> {
     if summary.is_static() || summary.limit_states.len() < 2 || rows.len() < 2 {
         return Ok(None);
     }
-    let axis = LifeAxis::of(summary);
+    let axis = LifeAxis::new(summary);
     let mut below = vec![0.0; rows.len()];
     let mut series = Vec::new();
     let mut stack = |label: &str, ink: Ink, shares: Vec<f64>| {
         let band = rows.iter().zip(&mut below).zip(shares).map(|((row, below), share)| {
             let low = *below;
             *below += share;
-            (axis.at(row.cycles), low, *below)
+            (axis.place(row.cycles), low, *below)
         });
         let band: Vec<_> = band.collect();
         let edge = band.iter().map(|(x, _, high)| (*x, *high)).collect();
@@ -97,18 +97,18 @@ pub fn first_failure(input: &ReportInput) -> Result<Option<Figure>, PlotError> {
     }
     let plot = Plot {
         figure: "first-failure",
-        x: Axis::linear(axis.label, (axis.at(from.cycles), axis.at(to.cycles))),
+        x: Axis::linear(axis.label, (axis.place(from.cycles), axis.place(to.cycles))),
         y: Axis::linear("share that has failed", (0.0, 1.0)),
         series: &series,
     };
     let shares =
         governing(summary).and_then(|row| Some((row.cycles, shares_of_failures(summary, row.cycles)?)));
     let caption = format!(
-        "One upon the other: by which limit state each {} has failed first. Several at once: between the same two \
+        "Stacked shares: limit state by which each {} failed first. Several at once: between the same two \
          checkpoints.{}",
         summary.subject(),
         shares.map_or(String::new(), |(cycles, shares)| format!(
-            " Of the failures up to {} cycles: {}.",
+            " First causes of the failures up to {} cycles: {}.",
             count(cycles.into()),
             shares.join(", ")
         ))
@@ -116,8 +116,8 @@ pub fn first_failure(input: &ReportInput) -> Result<Option<Figure>, PlotError> {
     plot.figure("What fails first", &caption).map(Some)
 }
 
-/// What the failures up to a checkpoint were caused by, as shares of them, e.g. `53.4 % by wear`; `None` where nothing
-/// has failed.
+/// First causes of the failures up to a checkpoint, as shares of them, e.g. `53.4 % by wear`; `None` if nothing has
+/// failed.
 pub fn shares_of_failures(summary: &StudySummary, cycles: u32) -> Option<Vec<String>> {
     let row = summary.first_failure.iter().find(|row| row.cycles == cycles)?;
     let all = row.first.values().sum::<f64>() + row.together;

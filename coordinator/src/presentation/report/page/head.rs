@@ -1,47 +1,43 @@
-//! The head of the page: what was studied, and what came of it.
+//! The head of the page: subject, method and main results of the study.
 
-use crate::presentation::report::format::escape;
 use crate::presentation::report::input::ReportInput;
-use crate::presentation::report::life::life_at;
+use crate::presentation::report::life::{LEVELS, life_at};
 use crate::presentation::report::{tables, words};
-use std::fmt::Write;
+use maud::{Markup, html};
 
-/// Title, the three lives, and the sentences.
-pub fn head(input: &ReportInput) -> String {
+/// Title, the three lives (or the failure probability), and the summary in sentences.
+pub fn head(input: &ReportInput) -> Markup {
     let summary = &input.summary;
-    let mut html = format!(
-        "<header><p class=\"brand\">Hingewise</p><h1>{}</h1>\
-         <p class=\"meta\">Reliability study of scene <code>{}</code>, method {}, accuracy {}, seed {}</p></header>\n<div class=\"tiles\">",
-        escape(&input.title),
-        escape(&summary.scene),
-        escape(&summary.method),
-        escape(&words::accuracy(summary)),
-        summary.seed
-    );
-    if summary.is_static() {
-        let probability = words::failure_probability(&summary.reliability[0], "total");
-        let _ = write!(
-            html,
-            "<div class=\"tile\"><p>P<sub>f</sub></p><p class=\"figure\">{probability}</p></div>"
-        );
+    html! {
+        header {
+            p.brand { "Hingewise" }
+            h1 { (input.title) }
+            p.meta {
+                "Reliability study of scene " code { (summary.scene) } ", method " (summary.method) ", accuracy "
+                (words::accuracy(summary)) ", seed " (summary.seed)
+            }
+        }
+        div.tiles {
+            @if summary.is_static() {
+                div.tile {
+                    p { "P" sub { "f" } }
+                    p.figure { (words::failure_probability(&summary.reliability[0], "total")) }
+                }
+            } @else {
+                @for level in LEVELS {
+                    @let (life, bounds) = words::life(life_at(summary, "total", level));
+                    div.tile {
+                        p { "R = " (level) }
+                        p.figure { (life) }
+                        p { "cycles" br; (bounds) }
+                    }
+                }
+            }
+        }
+        @if !summary.is_static() { (tables::lives(input)) }
+        div.says {
+            @for sentence in words::sentences(input) { p { (sentence) } }
+            @for note in &input.notes { p.note { strong { "Caution:" } " " (note) } }
+        }
     }
-    for level in words::LEVELS.into_iter().filter(|_| !summary.is_static()) {
-        let (life, bounds) = words::life(life_at(summary, "total", level));
-        let _ = write!(
-            html,
-            "<div class=\"tile\"><p>R = {level}</p><p class=\"figure\">{life}</p><p>cycles<br>{bounds}</p></div>"
-        );
-    }
-    html += "</div>\n";
-    if !summary.is_static() {
-        html += &tables::lives(input);
-    }
-    html += "<div class=\"says\">";
-    for sentence in words::sentences(input) {
-        let _ = write!(html, "<p>{}</p>", escape(&sentence));
-    }
-    for note in &input.notes {
-        let _ = write!(html, "<p class=\"note\"><strong>Mind:</strong> {}</p>", escape(note));
-    }
-    html + "</div>\n"
 }

@@ -1,19 +1,23 @@
-//! The page of the report: head, sections, figures in place, one style sheet, and one script, without which the picture of
-//! the mechanism stands still.
+//! The page of the report: sections with their figures and tables, one style sheet, and one script that animates the
+//! drawing of the mechanism. Without the script the drawing shows its first frame.
 
 mod end;
 mod head;
+mod parts;
 
-use super::animation::Animation;
+pub use parts::{figures, standalone, wrapped};
+
+use super::animation::{Animation, SCRIPT};
 use super::figure::Figure;
 use super::figures::lives_in_words;
-use super::format::{count, escape};
+use super::format::count;
 use super::input::ReportInput;
 use super::life::rows_that_matter;
-use super::{palette, stated, tables};
-use std::fmt::Write;
+use super::{stated, tables};
+use maud::{Markup, PreEscaped, html};
+use parts::{details, inline, section};
 
-/// The figures by section.
+/// Figures by section of the page.
 pub struct Sections {
     pub(super) reliability: Vec<Figure>,
     pub(super) outputs: Vec<Figure>,
@@ -48,219 +52,144 @@ impl Sections {
     }
 }
 
-const STYLE: &str = include_str!("style.css");
-
-/// The figure as an SVG file of its own, light or dark as its reader's system is.
-pub fn standalone(figure: &Figure) -> String {
-    let (head, body) = split(&figure.svg);
-    let title = escape(&figure.title);
-    format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" {}>\n<title>{title}</title>\n<style>\n{}</style>\n{body}",
-        head.trim(),
-        palette::css()
-    )
-}
-
-/// The figure inside the page; HTML needs no namespace.
-fn inline(figure: &Figure) -> String {
-    let (head, body) = split(&figure.svg);
-    format!("<svg {} role=\"img\" aria-label=\"{}\">\n{body}", head.trim(), escape(&figure.title))
-}
-
-/// Attributes of the outermost element without namespace and size in pixels, and all that follows.
-fn split(svg: &str) -> (String, &str) {
-    let start = svg.find("<svg").map_or(0, |at| at + 4);
-    let end = svg[start..].find('>').map_or(svg.len(), |at| start + at);
-    let kept = ["viewBox", "font-family", "font-size"].into_iter().filter_map(|name| {
-        let from = svg[start..end].find(&format!("{name}=\""))? + start;
-        let value = from + name.len() + 2;
-        let to = value + svg[value..end].find('"')? + 1;
-        Some(svg[from..to].to_string())
-    });
-    (kept.collect::<Vec<_>>().join(" "), svg[(end + 1).min(svg.len())..].trim_start())
-}
-
 /// The whole page.
 pub fn html(input: &ReportInput, sections: &Sections) -> String {
-    let summary = &input.summary;
-    let mut body = head::head(input);
-    let mut put = |text: &str| body.push_str(text);
-    put(&reliability(input, &sections.reliability));
-    put(&section(
-        "How outputs spread",
-        "",
-        &figures(&sections.outputs, "two"),
-        "The campaign holds no distributions.",
-    ));
-    put(&influences(input, sections));
-    if summary.of_mechanism() {
-        put(&mechanism(input, sections));
-    }
-    let why = escape(&summary.convergence.stopped_because);
-    put(&section(
-        "Convergence of the study",
-        &if why.is_empty() { String::new() } else { format!("Ended because: {why}.") },
-        &figures(&sections.learning, "three"),
-        "The study had no rounds of learning.",
-    ));
-    if !summary.convergence.rounds.is_empty() {
-        put(&details("All rounds", &tables::rounds(input)));
-    }
-    let stated =
-        stated::sentences(input).iter().map(|sentence| escape(sentence)).collect::<Vec<_>>().join(" ");
-    let without_figures =
-        if stated.is_empty() { "The simulations state no numerical errors." } else { &stated };
-    put(&section("Numerical error", &stated, &figures(&sections.numerical, "three"), without_figures));
-    put(&stated::errors_over_life(input));
-    put(&end::end(input));
-    if let Some(motion) = &sections.motion {
-        let _ = write!(
-            body,
-            "<script type=\"application/json\" id=\"motion\">{}</script>\n<script>\n{}</script>\n",
-            motion.data,
-            super::animation::SCRIPT
-        );
-    }
+    let convergence = &input.summary.convergence;
+    let stated = stated::sentences(input).join(" ");
+    let body = html! {
+        (head::head(input))
+        (reliability(input, &sections.reliability))
+        (section(
+            "Distributions of the outputs",
+            html! {},
+            figures(&sections.outputs, "two"),
+            html! { "The study stored no distributions." },
+        ))
+        (influences(input, sections))
+        @if input.summary.of_mechanism() { (mechanism(input, sections)) }
+        (section(
+            "Convergence of the study",
+            html! { @if !convergence.stopped_because.is_empty() { "Stopped because: " (convergence.stopped_because) "." } },
+            figures(&sections.learning, "three"),
+            html! { "The study had no rounds of learning." },
+        ))
+        @if !convergence.rounds.is_empty() { (details("All rounds", tables::rounds(input))) }
+        (section(
+            "Numerical error",
+            html! { (stated) },
+            figures(&sections.numerical, "three"),
+            html! { @if stated.is_empty() { "The simulations state no numerical errors." } @else { (stated) } },
+        ))
+        (stated::errors_over_life(input))
+        (end::end(input))
+        @if let Some(motion) = &sections.motion {
+            script type="application/json" id="motion" { (PreEscaped(&motion.data)) } "\n"
+            script { "\n" (PreEscaped(SCRIPT)) } "\n"
+        }
+    };
     wrapped(&input.title, &body)
 }
 
-/// A page of the house's style around a body.
-pub fn wrapped(title: &str, body: &str) -> String {
-    format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <title>{} · Hingewise</title>\n<style>\n{}{STYLE}</style>\n</head>\n<body>\n<main>\n{body}</main>\n</body>\n</html>\n",
-        escape(title),
-        palette::css()
-    )
-}
-
 /// Curves, what fails first, and the numbers.
-fn reliability(input: &ReportInput, drawn: &[Figure]) -> String {
+fn reliability(input: &ReportInput, drawn: &[Figure]) -> Markup {
     let rows = rows_that_matter(&input.summary, 1);
     let all = &input.summary.reliability;
-    let mut html = String::from("<h2>Reliability</h2>\n");
-    html += &figures(drawn, "two");
-    html += &tables::reliability(input, rows);
-    if rows.len() < all.len() {
-        html += &details("All checkpoints", &tables::reliability(input, all));
+    html! {
+        h2 { "Reliability" }
+        (figures(drawn, "two"))
+        (tables::reliability(input, rows))
+        @if rows.len() < all.len() { (details("All checkpoints", tables::reliability(input, all))) }
     }
-    html
 }
 
-/// What the variables do to failures, and to the outputs.
-fn influences(input: &ReportInput, sections: &Sections) -> String {
-    let mut html =
-        section("Sensitivity", "", &figures(&sections.sensitivity, "two"), "No sensitivities were computed.");
-    html += &figures(&sections.variance, "two");
-    if sections.variance.is_empty() {
-        html += "<p class=\"none\">No Sobol indices: the study has no surrogates, or its variables depend on each other.</p>\n";
-    }
-    let tables: String = input
+/// Sensitivities of the failures, and contributions to the variance of the outputs.
+fn influences(input: &ReportInput, sections: &Sections) -> Markup {
+    let tables: Vec<(&str, Markup)> = input
         .limit_states
         .iter()
-        .map(|state| (escape(&state.name), tables::sensitivity(input, &state.name)))
-        .filter(|(_, table)| !table.is_empty())
-        .map(|(name, table)| format!("<h3>Failure by {name}</h3>\n{table}"))
+        .filter_map(|state| Some((state.name.as_str(), tables::sensitivity(input, &state.name)?)))
         .collect();
-    if !tables.is_empty() {
-        html += &details("All variables", &tables);
+    html! {
+        (section(
+            "Sensitivity",
+            html! {},
+            figures(&sections.sensitivity, "two"),
+            html! { "No sensitivities were computed." },
+        ))
+        (figures(&sections.variance, "two"))
+        @if sections.variance.is_empty() {
+            p.none { "No Sobol indices: the study has no surrogates, or its variables are dependent." }
+        }
+        @if !tables.is_empty() {
+            (details("All variables", html! {
+                @for (name, table) in &tables { h3 { "Failure by " (name) } (table) }
+            }))
+        }
     }
-    html
 }
 
-/// What there is to see of the nominal mechanism: its motion, its bores, its first and its last cycle.
-fn mechanism(input: &ReportInput, sections: &Sections) -> String {
-    let mut html = section(
-        "The mechanism",
-        "",
-        &sections.motion.as_ref().map_or(String::new(), |motion| moving(&motion.figure)),
-        "The nominal evaluation does not tell how every body moves.",
-    );
+/// The nominal mechanism: its motion, its bores and orbits, its first and its last cycle.
+fn mechanism(input: &ReportInput, sections: &Sections) -> Markup {
     let end = input.nominal.as_ref().and_then(|nominal| nominal.cycles.last()).map_or(0, |cycles| *cycles);
     let lives = lives_in_words(input);
-    html += &section(
-        "Worn bores",
-        &format!(
-            "The nominal mechanism after {} cycles{}. The inner circle is the unworn bore; wear is drawn outward from it, \
-             magnified, on one scale for all joints; angles in the frame of the bushing's body.",
-            count(end.into()),
-            if input.nominal.as_ref().is_none_or(|nominal| nominal.worn.is_none()) {
-                ": this campaign kept the bores at the end alone".to_string()
-            } else if lives.is_empty() {
-                String::new()
-            } else {
-                format!(", the thin lines before: {lives}")
+    let no_history = input.nominal.as_ref().is_none_or(|nominal| nominal.worn.is_none());
+    html! {
+        (section(
+            "The mechanism",
+            html! {},
+            sections.motion.as_ref().map_or(html! {}, |motion| moving(&motion.figure)),
+            html! { "The nominal evaluation does not include the motion of every body." },
+        ))
+        (section(
+            "Worn bores",
+            html! {
+                "The nominal mechanism after " (count(end.into())) " cycles"
+                @if no_history {
+                    "; this campaign stores the bores at the end of life only"
+                } @else if !lives.is_empty() {
+                    "; thin lines: after " (lives)
+                }
+                ". The inner circle is the unworn bore. Wear is drawn outward from it, magnified, at one scale for all \
+                 joints; angles are in the frame of the bushing's body."
+            },
+            figures(&sections.bores, "many"),
+            html! { "There is no nominal evaluation with worn joints." },
+        ))
+        (section(
+            "Journal orbits",
+            html! {
+                "Centre of the journal relative to that of the bushing over a cycle, in the frame of the bushing's body, at \
+                 one scale for all joints: "
+                span.first { "first cycle" } ", " span.last { "last cycle" }
+                ". Circle: radial clearance; outer curve: with the wear at the end of life."
+            },
+            figures(&sections.orbits, "many"),
+            html! { "The nominal evaluation does not include the motion of journals and bushings." },
+        ))
+        (section(
+            "First and last cycle",
+            html! {},
+            figures(&[sections.first_cycle.clone(), sections.last_cycle.clone()].concat(), "three"),
+            html! { "The nominal evaluation has no first cycle." },
+        ))
+        @if sections.last_cycle.is_empty() && !sections.first_cycle.is_empty() {
+            p.none { "The nominal evaluation has no last cycle." }
+        }
+    }
+}
+
+/// The drawing of the mechanism with the controls of its animation, which the script unhides.
+fn moving(figure: &Figure) -> Markup {
+    html! {
+        figure id=(figure.name) class="moving" {
+            h3 { (figure.title) }
+            (inline(figure))
+            div.controls hidden="" {
+                button type="button" { "Play" }
+                input type="range" min="0" value="0" aria-label="instant of the cycle";
+                select aria-label="cycle" {}
             }
-        ),
-        &figures(&sections.bores, "many"),
-        "There is no nominal evaluation with worn joints.",
-    );
-    html += &section(
-        "Journal orbits",
-        "Centre of the journal from that of the bushing over a cycle, in the frame of the bushing's body, on one scale for all \
-         joints: <span class=\"first\">first cycle</span>, <span class=\"last\">last cycle</span>. Circle: radial clearance; \
-         around it: with the wear at the end of life.",
-        &figures(&sections.orbits, "many"),
-        "The nominal evaluation does not tell how journals and bushings move.",
-    );
-    html += &section(
-        "First and last cycle",
-        "",
-        &figures(&[sections.first_cycle.clone(), sections.last_cycle.clone()].concat(), "three"),
-        "The nominal evaluation holds no first cycle.",
-    );
-    if sections.last_cycle.is_empty() && !sections.first_cycle.is_empty() {
-        html += "<p class=\"none\">The nominal evaluation holds no last cycle.</p>\n";
+            figcaption { (figure.caption) }
+        }
     }
-    html
-}
-
-/// The picture of the mechanism with what moves it; without a script the controls stay hidden.
-fn moving(figure: &Figure) -> String {
-    format!(
-        "<figure id=\"{}\" class=\"moving\"><h3>{}</h3>\n{}<div class=\"controls\" hidden=\"\">\
-         <button type=\"button\">Play</button><input type=\"range\" min=\"0\" value=\"0\" aria-label=\"instant of the cycle\"/>\
-         <select aria-label=\"cycle\"></select></div><figcaption>{}</figcaption></figure>\n",
-        figure.name,
-        escape(&figure.title),
-        inline(figure),
-        escape(&figure.caption)
-    )
-}
-
-/// A section with its figures, or a sentence that says why there are none. `lead` and `otherwise` are HTML.
-fn section(title: &str, lead: &str, figures: &str, otherwise: &str) -> String {
-    let mut html = format!("<h2>{title}</h2>\n");
-    if figures.is_empty() {
-        let _ = writeln!(html, "<p class=\"none\">{otherwise}</p>");
-        return html;
-    }
-    if !lead.is_empty() {
-        let _ = writeln!(html, "<p>{lead}</p>");
-    }
-    html + figures
-}
-
-/// Figures in columns as wide screens have room for; empty for none.
-pub(super) fn figures(figures: &[Figure], columns: &str) -> String {
-    if figures.is_empty() {
-        return String::new();
-    }
-    let mut html = format!("<div class=\"figures {columns}\">\n");
-    for figure in figures {
-        let _ = writeln!(
-            html,
-            "<figure id=\"{}\"><h3>{}</h3>\n{}<figcaption>{}</figcaption></figure>",
-            figure.name,
-            escape(&figure.title),
-            inline(figure),
-            escape(&figure.caption)
-        );
-    }
-    html + "</div>\n"
-}
-
-pub(super) fn details(title: &str, content: &str) -> String {
-    format!("<details><summary>{title}</summary>\n{content}</details>\n")
 }

@@ -1,6 +1,7 @@
 //! The legend above a chart.
 
-use super::{Area, DrawError, LETTERS, Series, Shape, WIDTH, letters, px, stroke};
+use super::canvas::{Area, DrawError, LETTERS, WIDTH, letters, px, stroke};
+use super::series::{Series, Shape};
 use crate::presentation::report::palette::Ink;
 use plotters::prelude::*;
 

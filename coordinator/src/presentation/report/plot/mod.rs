@@ -1,77 +1,37 @@
-//! One kind of chart for all curves of the report: lines, bands, steps, points and thresholds over two linear
-//! axes with a legend above, drawn by plotters as SVG, and the same as CSV.
+//! The chart of all curves of the report: lines, bands, steps, points and thresholds over two linear axes with a legend
+//! above, drawn by plotters as SVG; and its numbers as CSV.
 
+mod axis;
+mod canvas;
 mod legend;
 mod series;
+mod shapes;
 
+pub use axis::{Axis, tick_label};
+pub use canvas::{PlotError, draw, letters, px, stroke};
 pub use series::{Band, Points, Series, Shape};
 
 use super::figure::Figure;
 use super::palette::Ink;
+use canvas::{Area, DrawError, LETTERS};
 use legend::{Legend, legend};
-use plotters::coord::Shift;
 use plotters::prelude::*;
-use thiserror::Error;
+use shapes::{Frame, draw_series};
 
-/// A figure that could not be drawn.
-#[derive(Debug, Error)]
-#[error("figure {figure}: {reason}")]
-pub struct PlotError {
-    /// Its name.
-    pub figure: String,
-    /// plotters' message.
-    pub reason: String,
-}
-
-/// plotters works in whole pixels: figures are drawn this much larger and shown smaller, for smooth lines.
-pub(super) const SCALE: f64 = 4.0;
-
-/// Width a figure is designed for [CSS pixels].
-const WIDTH: f64 = 480.0;
-
-/// Size of lettering at that width [CSS pixels].
-const LETTERS: f64 = 13.5;
-
-/// plotters states font sizes by line height: this times the SVG font size.
-const PLOTTERS_FONT: f64 = 1.24;
-
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-type DrawError = DrawingAreaErrorKind<std::io::Error>;
-
-/// One axis.
-#[derive(Clone, Copy)]
-pub struct Axis<'a> {
-    /// What it shows, with the unit.
-    pub label: &'a str,
-    /// From where to where it is drawn.
-    pub range: (f64, f64),
-    /// Text of a tick.
-    pub text: fn(f64) -> String,
-    /// The value that a drawn number stands for: the number itself, or the power of ten whose logarithm is drawn.
-    pub value: fn(f64) -> f64,
-}
-
-impl<'a> Axis<'a> {
-    /// An axis of the numbers themselves.
-    pub fn linear(label: &'a str, range: (f64, f64)) -> Self {
-        Self { label, range, text: short, value: |number| number }
-    }
-}
-
-/// A chart.
+/// A chart of series over two axes.
 pub struct Plot<'a> {
-    /// Name, of the figure's file too.
+    /// Name of the figure and of its files.
     pub figure: &'a str,
-    /// Horizontal axis.
+    /// Label, range and ticks of the horizontal axis.
     pub x: Axis<'a>,
-    /// Vertical axis.
+    /// Label, range and ticks of the vertical axis.
     pub y: Axis<'a>,
-    /// What is drawn, from back to front.
+    /// Series from back to front.
     pub series: &'a [Series],
 }
 
 impl Plot<'_> {
-    /// The chart with what it shows as CSV.
+    /// The chart with its numbers as CSV.
     ///
     /// # Errors
     /// [`PlotError`].
@@ -81,12 +41,12 @@ impl Plot<'_> {
             title: title.into(),
             caption: caption.into(),
             svg: self.svg()?,
-            csv: series::csv(self),
+            csv: series::csv(self.series, &self.x, &self.y),
         })
     }
 
-    /// The chart as an SVG document. Points that are not finite are left out, as is what lies outside the range
-    /// of the horizontal axis; the vertical range cuts values off.
+    /// The chart as an SVG document. Points that are not finite are left out, as are those outside the range of the
+    /// horizontal axis; values are clamped to the vertical range.
     ///
     /// # Errors
     /// [`PlotError`].
@@ -97,8 +57,7 @@ impl Plot<'_> {
     }
 
     fn draw_on(&self, root: &Area<'_>, legend: &Legend<'_>) -> Result<(), DrawError> {
-        let (x0, x1) = widened(self.x.range);
-        let (y0, y1) = widened(self.y.range);
+        let frame = Frame::new(self.x.range, self.y.range);
         let mut chart = ChartBuilder::on(root)
             .margin_top(px(10.0 + 20.0 * legend.rows as f64))
             .margin_right(px(34.0))
@@ -106,7 +65,7 @@ impl Plot<'_> {
             .margin_left(px(4.0))
             .x_label_area_size(px(44.0))
             .y_label_area_size(px(62.0))
-            .build_cartesian_2d(x0..x1, y0..y1)?;
+            .build_cartesian_2d(frame.x.0..frame.x.1, frame.y.0..frame.y.1)?;
         chart
             .configure_mesh()
             .x_labels(7)
@@ -122,124 +81,11 @@ impl Plot<'_> {
             .x_desc(self.x.label)
             .y_desc(self.y.label)
             .draw()?;
-        let inside = |points: &[(f64, f64)]| -> Vec<(f64, f64)> {
-            points
-                .iter()
-                .filter(|(x, y)| x.is_finite() && y.is_finite() && *x >= x0 && *x <= x1)
-                .map(|(x, y)| (*x, y.clamp(y0, y1)))
-                .collect()
-        };
         for series in self.series {
-            let ink = series.ink;
-            match &series.shape {
-                Shape::Line(points) => {
-                    chart.draw_series(LineSeries::new(inside(points), stroke(ink, 2.0)))?;
-                }
-                Shape::Dashed(points) => {
-                    let (dash, gap) = (px(7.0), px(4.0));
-                    chart.draw_series(DashedLineSeries::new(inside(points), dash, gap, stroke(ink, 2.0)))?;
-                }
-                Shape::Dotted(points) => {
-                    let points = inside(points);
-                    chart.draw_series(LineSeries::new(points.clone(), stroke(ink, 1.5)))?;
-                    chart.draw_series(
-                        points.into_iter().map(|at| Circle::new(at, px(3.0), ink.rgb().filled())),
-                    )?;
-                }
-                Shape::Marked(marks) => {
-                    let dot = |at| Circle::new(at, px(3.0), ink.rgb().filled());
-                    let points: Vec<_> = marks.iter().map(|(at, _)| *at).collect();
-                    chart.draw_series(inside(&points).into_iter().map(dot))?;
-                    let words = marks.iter().filter(|(_, word)| !word.is_empty());
-                    chart.draw_series(words.flat_map(|(at, word)| {
-                        let beside = (px(6.0), -px(LETTERS));
-                        inside(&[*at]).into_iter().map(move |at| {
-                            EmptyElement::at(at) + Text::new(word.clone(), beside, letters(LETTERS, ink))
-                        })
-                    }))?;
-                }
-                Shape::Band(points) => {
-                    let lower: Vec<_> = points.iter().map(|(x, low, _)| (*x, *low)).collect();
-                    let upper: Vec<_> = points.iter().map(|(x, _, high)| (*x, *high)).collect();
-                    let mut outline = inside(&lower);
-                    outline.extend(inside(&upper).into_iter().rev());
-                    if outline.len() > 2 {
-                        chart.draw_series([Polygon::new(outline, ink.rgb().mix(0.22))])?;
-                    }
-                }
-                Shape::Steps(bars) => {
-                    let outline: Vec<_> = std::iter::once(bars.first().map(|(left, _, _)| (*left, 0.0)))
-                        .chain(
-                            bars.iter().flat_map(|(left, right, h)| [Some((*left, *h)), Some((*right, *h))]),
-                        )
-                        .chain([bars.last().map(|(_, right, _)| (*right, 0.0))])
-                        .flatten()
-                        .collect();
-                    let outline = inside(&outline);
-                    if outline.len() > 2 {
-                        chart.draw_series([Polygon::new(outline.clone(), ink.rgb().mix(0.22))])?;
-                        chart.draw_series(LineSeries::new(outline, stroke(ink, 1.5)))?;
-                    }
-                }
-                Shape::Level(y) => {
-                    chart.draw_series(DashedLineSeries::new(
-                        inside(&[(x0, *y), (x1, *y)]),
-                        px(5.0),
-                        px(4.0),
-                        stroke(ink, 1.5),
-                    ))?;
-                }
-                Shape::Upright(x) => {
-                    let ends = inside(&[(*x, y0), (*x, y1)]);
-                    chart.draw_series(DashedLineSeries::new(ends, px(5.0), px(4.0), stroke(ink, 1.5)))?;
-                }
-            }
+            draw_series(&mut chart, &frame, series)?;
         }
         legend.draw_on(root)
     }
-}
-
-/// A drawing of the standard width and this height [CSS pixels] on paper, as an SVG document.
-pub(super) fn draw(
-    figure: &str,
-    height: f64,
-    paint: impl FnOnce(&Area<'_>) -> Result<(), DrawError>,
-) -> Result<String, PlotError> {
-    let mut svg = String::new();
-    let painted = {
-        let root =
-            SVGBackend::with_string(&mut svg, (px(WIDTH) as u32, px(height) as u32)).into_drawing_area();
-        root.fill(&Ink::Paper.rgb()).and_then(|()| paint(&root)).and_then(|()| root.present())
-    };
-    painted.map_err(|error| PlotError { figure: figure.into(), reason: error.to_string() })?;
-    Ok(svg)
-}
-
-/// CSS pixels in the pixels of the drawing.
-pub(super) fn px(css: f64) -> i32 {
-    (css * SCALE).round() as i32
-}
-
-/// A line of this colour and width [CSS pixels].
-pub(super) fn stroke(ink: Ink, width: f64) -> ShapeStyle {
-    ink.rgb().stroke_width(px(width) as u32)
-}
-
-/// Lettering of this size [CSS pixels].
-pub(super) fn letters(size: f64, ink: Ink) -> TextStyle<'static> {
-    ("sans-serif", size * SCALE * PLOTTERS_FONT).into_font().color(&ink.rgb())
-}
-
-/// A range that is not empty.
-fn widened((low, high): (f64, f64)) -> (f64, f64) {
-    if high > low { (low, high) } else { (low - 0.5, low + 0.5) }
-}
-
-/// A tick's value without digits that say nothing.
-pub(super) fn short(value: f64) -> String {
-    let text = format!("{value:.3}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" { "0".into() } else { text.replace('-', "\u{2212}") }
 }
 
 #[cfg(test)]
@@ -279,10 +125,5 @@ mod tests {
         ];
         let series: Vec<_> = shapes.into_iter().map(|shape| Series::new("", Ink::Ink, shape)).collect();
         assert!(roxmltree::Document::parse(&plot(&series)).is_ok());
-    }
-
-    #[test]
-    fn ticks_have_no_idle_digits() {
-        assert_eq!([short(0.5), short(-0.0), short(20.0), short(-1.25)], ["0.5", "0", "20", "\u{2212}1.25"]);
     }
 }

@@ -1,8 +1,8 @@
-//! What a chart shows, and the same as CSV.
+//! The series of a chart, and their numbers as CSV.
 
-use super::Plot;
+use super::axis::Axis;
 use crate::presentation::report::palette::Ink;
-use crate::results::result_files::{field, number};
+use crate::results::csv_table::{CsvTable, number};
 
 /// Points of a curve.
 pub type Points = Vec<(f64, f64)>;
@@ -15,11 +15,11 @@ pub type Band = Vec<(f64, f64, f64)>;
 pub enum Shape {
     /// Straight lines from point to point.
     Line(Vec<(f64, f64)>),
-    /// The same, broken.
+    /// Dashed straight lines from point to point.
     Dashed(Vec<(f64, f64)>),
     /// Lines with a dot at each point.
     Dotted(Vec<(f64, f64)>),
-    /// Dots alone, each with a word beside it (none if empty).
+    /// Dots without lines, each with a word next to it (none if empty).
     Marked(Vec<((f64, f64), String)>),
     /// Area between a lower and an upper value: (x, lower, upper).
     Band(Vec<(f64, f64, f64)>),
@@ -31,16 +31,16 @@ pub enum Shape {
     Upright(f64),
 }
 
-/// One series.
+/// A named set of numbers in one colour and shape.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
-    /// What it is, in the legend and in the CSV.
+    /// Name in the legend and in the CSV.
     pub label: String,
     /// Whether it has an entry in the legend.
     pub listed: bool,
-    /// Colour.
+    /// Colour of lines, dots and fill.
     pub ink: Ink,
-    /// Shape.
+    /// Numbers and how they are drawn.
     pub shape: Shape,
 }
 
@@ -50,79 +50,73 @@ impl Series {
         Self { label: label.into(), listed: true, ink, shape }
     }
 
-    /// A series without one.
+    /// A series without an entry in the legend.
     pub fn unlisted(label: impl Into<String>, ink: Ink, shape: Shape) -> Self {
         Self { label: label.into(), listed: false, ink, shape }
     }
 }
 
-/// What one row of the CSV holds: series, x, y, upper y, right x, word.
-type Row<'a> = (&'a str, Option<f64>, Option<f64>, Option<f64>, Option<f64>, &'a str);
+/// One row of the CSV; fields that a shape does not define are empty.
+#[derive(Clone, Copy, Default)]
+struct CsvRow<'a> {
+    label: &'a str,
+    x: Option<f64>,
+    y: Option<f64>,
+    upper: Option<f64>,
+    right: Option<f64>,
+    mark: &'a str,
+}
 
-/// One row per point: `series`, x and y under the labels of the axes; where there are bands, their upper ends in
-/// `... to`; where there are bars, their right ends likewise; where points have words beside them, `mark`. What a
-/// level or an upright line leaves open is empty, as is what is not finite.
-pub(super) fn csv(plot: &Plot<'_>) -> String {
-    let mut rows: Vec<Row<'_>> = Vec::new();
-    for series in plot.series {
-        let label = series.label.as_str();
-        match &series.shape {
-            Shape::Line(points) | Shape::Dashed(points) | Shape::Dotted(points) => {
-                rows.extend(points.iter().map(|(x, y)| (label, Some(*x), Some(*y), None, None, "")));
-            }
-            Shape::Marked(marks) => {
-                rows.extend(
-                    marks.iter().map(|((x, y), word)| (label, Some(*x), Some(*y), None, None, word.as_str())),
-                );
-            }
-            Shape::Band(points) => {
-                rows.extend(
-                    points.iter().map(|(x, low, high)| (label, Some(*x), Some(*low), Some(*high), None, "")),
-                );
-            }
-            Shape::Steps(bars) => {
-                rows.extend(
-                    bars.iter()
-                        .map(|(left, right, h)| (label, Some(*left), Some(*h), None, Some(*right), "")),
-                );
-            }
-            Shape::Level(y) => rows.push((label, None, Some(*y), None, None, "")),
-            Shape::Upright(x) => rows.push((label, Some(*x), None, None, None, "")),
+/// Rows of one series: a row per point, or one row for a level or an upright line.
+fn rows(series: &Series) -> Vec<CsvRow<'_>> {
+    let point =
+        |(x, y): &(f64, f64)| CsvRow { label: &series.label, x: Some(*x), y: Some(*y), ..CsvRow::default() };
+    let line = CsvRow { label: &series.label, ..CsvRow::default() };
+    match &series.shape {
+        Shape::Line(points) | Shape::Dashed(points) | Shape::Dotted(points) => {
+            points.iter().map(point).collect()
         }
-    }
-    let bands = rows.iter().any(|row| row.3.is_some());
-    let bars = rows.iter().any(|row| row.4.is_some());
-    let words = rows.iter().any(|row| !row.5.is_empty());
-    let (x, y) = (plot.x.label, plot.y.label);
-    let mut text = format!("series,{},{}", field(x), field(y));
-    if bands {
-        text += &format!(",{}", field(&format!("{y} to")));
-    }
-    if bars {
-        text += &format!(",{}", field(&format!("{x} to")));
-    }
-    text += if words { ",mark\n" } else { "\n" };
-    let value = |of: Option<f64>, value: fn(f64) -> f64| of.map_or(String::new(), |v| number(value(v)));
-    for (label, left, low, high, right, word) in rows {
-        text += &format!("{},{},{}", field(label), value(left, plot.x.value), value(low, plot.y.value));
-        if bands {
-            text += &format!(",{}", value(high, plot.y.value));
+        Shape::Marked(marks) => marks.iter().map(|(at, mark)| CsvRow { mark, ..point(at) }).collect(),
+        Shape::Band(points) => {
+            points.iter().map(|(x, low, high)| CsvRow { upper: Some(*high), ..point(&(*x, *low)) }).collect()
         }
-        if bars {
-            text += &format!(",{}", value(right, plot.x.value));
-        }
-        if words {
-            text += &format!(",{}", field(word));
-        }
-        text.push('\n');
+        Shape::Steps(bars) => bars
+            .iter()
+            .map(|(left, right, height)| CsvRow { right: Some(*right), ..point(&(*left, *height)) })
+            .collect(),
+        Shape::Level(y) => vec![CsvRow { y: Some(*y), ..line }],
+        Shape::Upright(x) => vec![CsvRow { x: Some(*x), ..line }],
     }
-    text
+}
+
+/// One row per point: `series`, x and y under the labels of the axes; for bands the upper ends in `<y label> to`; for bars
+/// the right ends in `<x label> to`; for labelled points `mark`. Coordinates that a level or an upright line leaves open
+/// and values that are not finite are empty.
+pub(super) fn csv(series: &[Series], x: &Axis<'_>, y: &Axis<'_>) -> String {
+    let rows: Vec<CsvRow<'_>> = series.iter().flat_map(rows).collect();
+    let bands = rows.iter().any(|row| row.upper.is_some());
+    let bars = rows.iter().any(|row| row.right.is_some());
+    let marks = rows.iter().any(|row| !row.mark.is_empty());
+    let mut columns = vec!["series".to_owned(), x.label.to_owned(), y.label.to_owned()];
+    columns.extend(bands.then(|| format!("{} to", y.label)));
+    columns.extend(bars.then(|| format!("{} to", x.label)));
+    columns.extend(marks.then(|| "mark".to_owned()));
+    let mut table = CsvTable::new(&columns);
+    let value =
+        |drawn: Option<f64>, axis: &Axis<'_>| drawn.map_or(String::new(), |v| number((axis.value)(v)));
+    for row in rows {
+        let mut cells = vec![row.label.to_owned(), value(row.x, x), value(row.y, y)];
+        cells.extend(bands.then(|| value(row.upper, y)));
+        cells.extend(bars.then(|| value(row.right, x)));
+        cells.extend(marks.then(|| row.mark.to_owned()));
+        table.push(&cells);
+    }
+    table.into_text()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::presentation::report::plot::Axis;
 
     #[test]
     fn the_data_are_rows_under_the_labels_of_the_axes() {
@@ -131,13 +125,12 @@ mod tests {
             Series::unlisted("a, band", Ink::Ink, Shape::Band(vec![(1.0, 0.4, 0.6)])),
             Series::new("limit", Ink::Limit, Shape::Upright(3.0)),
         ];
-        let x = Axis::linear("life [cycles]", (0.0, 3.0));
-        let plot = Plot { figure: "f", x, y: Axis::linear("R, total", (0.0, 1.0)), series: &series };
+        let (x, y) = (Axis::linear("life [cycles]", (0.0, 3.0)), Axis::linear("R, total", (0.0, 1.0)));
         let lines = "series,life [cycles],\"R, total\",\"R, total to\"\na,1.0,0.5,\na,2.0,,\n\"a, band\",1.0,0.4,0.6\nlimit,3.0,,\n";
-        assert_eq!(csv(&plot), lines);
-        let logarithmic = Axis { value: |v| 10f64.powf(v), ..plot.y };
+        assert_eq!(csv(&series, &x, &y), lines);
+        let logarithmic = Axis { value: |v| 10f64.powf(v), ..y };
         let bars = [Series::new("b", Ink::Ink, Shape::Steps(vec![(0.0, 1.0, 2.0)]))];
-        let text = csv(&Plot { y: logarithmic, series: &bars, ..plot });
+        let text = csv(&bars, &x, &logarithmic);
         assert!(text.ends_with("life [cycles] to\nb,0.0,100.0,1.0\n"), "{text}");
     }
 }

@@ -1,44 +1,50 @@
-//! Who watches a study for others, and where they look.
+//! Passes the progress of a study on to its views, and provides its status to them.
 
-use super::live::Live;
+use super::live::LivePage;
 use crate::farm::dispatch::{StatusBoard, StatusHandle};
 use crate::results::progress::{Observer, Progress};
 use common::wire::{FarmStatus, ReliabilitySoFar, Status, StudyStatus, WorkerStatus};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Longest wait for the farm to say how it is.
-const PATIENCE: Duration = Duration::from_secs(2);
+/// Longest wait for the status of the farm.
+const STATUS_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// Passes notices on, and posts them for whoever looks.
-pub struct Watch<'a> {
+/// An observer that records progress for the views and passes it on to the next observer.
+pub struct ProgressRelay<'a> {
     next: &'a mut dyn Observer,
     board: StatusBoard,
-    live: Option<Arc<Live>>,
+    live: Option<Arc<LivePage>>,
 }
 
-impl<'a> Watch<'a> {
-    /// Passes on to `next`; posts on `board`, and to the live page if there is one.
-    pub fn new(scene: &str, next: &'a mut dyn Observer, board: StatusBoard, live: Option<Arc<Live>>) -> Self {
+impl<'a> ProgressRelay<'a> {
+    /// A relay to `next` that records progress on `board` and on the live page, if there is one.
+    pub fn new(
+        scene: &str,
+        next: &'a mut dyn Observer,
+        board: StatusBoard,
+        live: Option<Arc<LivePage>>,
+    ) -> Self {
         board.post(|study| scene.clone_into(&mut study.scene));
         Self { next, board, live }
     }
 }
 
-impl Observer for Watch<'_> {
+impl Observer for ProgressRelay<'_> {
     fn notice(&mut self, progress: &Progress) {
         match progress {
             Progress::Ending => self.board.post_ending(),
             other => self.board.post(|study| post(study, other)),
         }
         if let Some(live) = &self.live {
-            live.notice(progress);
+            live.record(progress);
         }
-        // Last, so that whoever reads of it on the terminal finds it everywhere.
+        // Last, so that the other views are up to date when the terminal shows it.
         self.next.notice(progress);
     }
 }
 
+/// Records progress in the status.
 fn post(study: &mut StudyStatus, progress: &Progress) {
     match progress {
         Progress::BatchStarted { planned, budget, purpose, .. } => {
@@ -67,28 +73,28 @@ fn post(study: &mut StudyStatus, progress: &Progress) {
     }
 }
 
-/// Where to look how a study is getting on.
+/// Provider of the status of a running study.
 #[derive(Debug, Clone)]
-pub enum Source {
-    /// At a farm.
+pub enum StatusSource {
+    /// The dispatcher of a farm.
     Farm(StatusHandle),
-    /// At a study whose simulator runs on slots of this process.
+    /// A study whose simulator runs on slots of this process.
     Alone {
-        /// What the study has posted.
+        /// Board of the study.
         board: StatusBoard,
-        /// Its slots.
+        /// Number of slots.
         slots: u32,
-        /// Since when it runs.
+        /// Start of the study.
         since: Instant,
     },
 }
 
-impl Source {
+impl StatusSource {
     /// The status now; `None` if the farm has ended or does not answer.
     pub fn status(&self) -> Option<Status> {
         match self {
-            Source::Farm(look) => look.status(PATIENCE),
-            Source::Alone { board, slots, since } => {
+            StatusSource::Farm(dispatcher) => dispatcher.status(STATUS_TIMEOUT),
+            StatusSource::Alone { board, slots, since } => {
                 let up = since.elapsed();
                 let mut status = board.status(FarmStatus::default(), up);
                 let StudyStatus { done, recalled, planned, .. } = status.study;
@@ -101,10 +107,10 @@ impl Source {
                     done: done.saturating_sub(recalled),
                     rate,
                 };
-                let at_work = u64::from(worker.under_way);
-                let queued = under_way - at_work;
+                let running = u64::from(worker.under_way);
+                let queued = under_way - running;
                 status =
-                    board.status(FarmStatus { queued, under_way: at_work, rate, workers: vec![worker] }, up);
+                    board.status(FarmStatus { queued, under_way: running, rate, workers: vec![worker] }, up);
                 Some(status)
             }
         }
@@ -118,17 +124,17 @@ mod tests {
     use common::wire::Phase;
 
     #[test]
-    fn what_a_study_tells_stands_in_its_status() {
+    fn progress_appears_in_the_status() {
         let board = StatusBoard::default();
         let mut silent = Silent;
-        let mut watch = Watch::new("four-bar", &mut silent, board.clone(), None);
-        let source = Source::Alone { board, slots: 2, since: Instant::now() };
+        let mut relay = ProgressRelay::new("four-bar", &mut silent, board.clone(), None);
+        let source = StatusSource::Alone { board, slots: 2, since: Instant::now() };
         assert_eq!(source.status().unwrap().phase, Phase::Learning);
         let batch =
             Progress::BatchStarted { size: 5, planned: 5, budget: 40, purpose: "initial design".into() };
-        watch.notice(&batch);
+        relay.notice(&batch);
         for (done, failed, recalled) in [(1, false, true), (2, true, false)] {
-            watch.notice(&Progress::Evaluated { done, failed, recalled, wall: 0.5 });
+            relay.notice(&Progress::Evaluated { done, failed, recalled, wall: 0.5 });
         }
         let status = source.status().unwrap();
         assert_eq!(status.phase, Phase::Simulating);
@@ -136,7 +142,7 @@ mod tests {
         assert_eq!((study.done, study.planned, study.budget, study.failed, study.recalled), (2, 5, 40, 1, 1));
         assert_eq!((study.scene.as_str(), study.simulation), ("four-bar", 0.5));
         assert_eq!((status.farm.queued, status.farm.under_way, status.farm.slots()), (1, 2, 2));
-        watch.notice(&Progress::Ending);
+        relay.notice(&Progress::Ending);
         assert_eq!(source.status().unwrap().phase, Phase::Ending);
     }
 }

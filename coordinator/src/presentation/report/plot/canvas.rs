@@ -1,0 +1,65 @@
+//! The paper of a drawing: sizes, pens and lettering in CSS pixels for plotters' SVG backend.
+
+use crate::presentation::report::palette::Ink;
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use thiserror::Error;
+
+/// A figure that could not be drawn.
+#[derive(Debug, Error)]
+#[error("figure {figure}: {reason}")]
+pub struct PlotError {
+    /// Name of the figure.
+    pub figure: String,
+    /// Message of plotters.
+    pub reason: String,
+}
+
+/// plotters works in whole pixels: figures are drawn this much larger and shown smaller, for smooth lines.
+const SCALE: f64 = 4.0;
+
+/// Width a figure is designed for [CSS pixels].
+pub(super) const WIDTH: f64 = 480.0;
+
+/// Size of lettering at that width [CSS pixels].
+pub(super) const LETTERS: f64 = 13.5;
+
+/// plotters states font sizes by line height: this times the SVG font size.
+const PLOTTERS_FONT: f64 = 1.24;
+
+/// Drawing area of a whole figure.
+pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+
+/// Error of plotters' SVG backend.
+pub(super) type DrawError = DrawingAreaErrorKind<std::io::Error>;
+
+/// A drawing of the standard width and this height [CSS pixels] on paper, as an SVG document.
+pub fn draw(
+    figure: &str,
+    height: f64,
+    paint: impl FnOnce(&Area<'_>) -> Result<(), DrawError>,
+) -> Result<String, PlotError> {
+    let mut svg = String::new();
+    let painted = {
+        let root =
+            SVGBackend::with_string(&mut svg, (px(WIDTH) as u32, px(height) as u32)).into_drawing_area();
+        root.fill(&Ink::Paper.rgb()).and_then(|()| paint(&root)).and_then(|()| root.present())
+    };
+    painted.map_err(|error| PlotError { figure: figure.into(), reason: error.to_string() })?;
+    Ok(svg)
+}
+
+/// CSS pixels in the pixels of the drawing.
+pub fn px(css: f64) -> i32 {
+    (css * SCALE).round() as i32
+}
+
+/// A line of this colour and width [CSS pixels].
+pub fn stroke(ink: Ink, width: f64) -> ShapeStyle {
+    ink.rgb().stroke_width(px(width) as u32)
+}
+
+/// Lettering of this size [CSS pixels].
+pub fn letters(size: f64, ink: Ink) -> TextStyle<'static> {
+    ("sans-serif", size * SCALE * PLOTTERS_FONT).into_font().color(&ink.rgb())
+}

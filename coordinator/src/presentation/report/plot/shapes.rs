@@ -1,0 +1,136 @@
+//! Draws series into a chart.
+
+use super::canvas::{DrawError, LETTERS, letters, px, stroke};
+use super::series::{Band, Points, Series, Shape};
+use crate::presentation::report::palette::Ink;
+use plotters::coord::types::RangedCoordf64;
+use plotters::prelude::*;
+
+/// A chart over two linear axes.
+pub(super) type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+
+/// Opacity of filled areas [1].
+const FILL: f64 = 0.22;
+
+/// Dash and gap of broken curves, and of thresholds [CSS pixels].
+const CURVE_DASH: (f64, f64) = (7.0, 4.0);
+const THRESHOLD_DASH: (f64, f64) = (5.0, 4.0);
+
+/// Ranges of the two axes, in the numbers drawn.
+pub(super) struct Frame {
+    pub x: (f64, f64),
+    pub y: (f64, f64),
+}
+
+impl Frame {
+    /// A frame of these ranges; an empty range is widened.
+    pub fn new(x: (f64, f64), y: (f64, f64)) -> Self {
+        let widened = |(low, high): (f64, f64)| if high > low { (low, high) } else { (low - 0.5, low + 0.5) };
+        Self { x: widened(x), y: widened(y) }
+    }
+
+    /// The finite points within the horizontal range, their vertical coordinates clamped to the vertical range.
+    fn inside(&self, points: &[(f64, f64)]) -> Points {
+        points
+            .iter()
+            .filter(|(x, y)| x.is_finite() && y.is_finite() && *x >= self.x.0 && *x <= self.x.1)
+            .map(|(x, y)| (*x, y.clamp(self.y.0, self.y.1)))
+            .collect()
+    }
+}
+
+/// Draws one series.
+pub(super) fn draw_series(
+    chart: &mut Chart<'_, '_>,
+    frame: &Frame,
+    series: &Series,
+) -> Result<(), DrawError> {
+    let ink = series.ink;
+    match &series.shape {
+        Shape::Line(points) => line(chart, frame.inside(points), stroke(ink, 2.0)),
+        Shape::Dashed(points) => dashed(chart, frame.inside(points), CURVE_DASH, stroke(ink, 2.0)),
+        Shape::Dotted(points) => {
+            let points = frame.inside(points);
+            line(chart, points.clone(), stroke(ink, 1.5))?;
+            dots(chart, points, ink)
+        }
+        Shape::Marked(marks) => marked(chart, frame, marks, ink),
+        Shape::Band(band) => filled_band(chart, frame, band, ink),
+        Shape::Steps(bars) => steps(chart, frame, bars, ink),
+        Shape::Level(y) => {
+            let ends = frame.inside(&[(frame.x.0, *y), (frame.x.1, *y)]);
+            dashed(chart, ends, THRESHOLD_DASH, stroke(ink, 1.5))
+        }
+        Shape::Upright(x) => {
+            let ends = frame.inside(&[(*x, frame.y.0), (*x, frame.y.1)]);
+            dashed(chart, ends, THRESHOLD_DASH, stroke(ink, 1.5))
+        }
+    }
+}
+
+fn line(chart: &mut Chart<'_, '_>, points: Points, pen: ShapeStyle) -> Result<(), DrawError> {
+    chart.draw_series(LineSeries::new(points, pen)).map(|_| ())
+}
+
+fn dashed(
+    chart: &mut Chart<'_, '_>,
+    points: Points,
+    (dash, gap): (f64, f64),
+    pen: ShapeStyle,
+) -> Result<(), DrawError> {
+    chart.draw_series(DashedLineSeries::new(points, px(dash), px(gap), pen)).map(|_| ())
+}
+
+fn dots(chart: &mut Chart<'_, '_>, points: Points, ink: Ink) -> Result<(), DrawError> {
+    let dot = |centre| Circle::new(centre, px(3.0), ink.rgb().filled());
+    chart.draw_series(points.into_iter().map(dot)).map(|_| ())
+}
+
+/// Dots with a word next to each.
+fn marked(
+    chart: &mut Chart<'_, '_>,
+    frame: &Frame,
+    marks: &[((f64, f64), String)],
+    ink: Ink,
+) -> Result<(), DrawError> {
+    let points: Points = marks.iter().map(|(point, _)| *point).collect();
+    dots(chart, frame.inside(&points), ink)?;
+    let words = marks.iter().filter(|(_, word)| !word.is_empty());
+    let labels = words.flat_map(|(point, word)| {
+        let offset = (px(6.0), -px(LETTERS));
+        frame.inside(&[*point]).into_iter().map(move |place| {
+            EmptyElement::at(place) + Text::new(word.clone(), offset, letters(LETTERS, ink))
+        })
+    });
+    chart.draw_series(labels).map(|_| ())
+}
+
+fn filled_band(chart: &mut Chart<'_, '_>, frame: &Frame, band: &Band, ink: Ink) -> Result<(), DrawError> {
+    let lower: Points = band.iter().map(|(x, low, _)| (*x, *low)).collect();
+    let upper: Points = band.iter().map(|(x, _, high)| (*x, *high)).collect();
+    let mut outline = frame.inside(&lower);
+    outline.extend(frame.inside(&upper).into_iter().rev());
+    if outline.len() > 2 {
+        chart.draw_series([Polygon::new(outline, ink.rgb().mix(FILL))])?;
+    }
+    Ok(())
+}
+
+/// The outline of bars side by side from zero, filled.
+fn steps(
+    chart: &mut Chart<'_, '_>,
+    frame: &Frame,
+    bars: &[(f64, f64, f64)],
+    ink: Ink,
+) -> Result<(), DrawError> {
+    let (Some(first), Some(last)) = (bars.first(), bars.last()) else { return Ok(()) };
+    let mut outline = vec![(first.0, 0.0)];
+    outline.extend(bars.iter().flat_map(|(left, right, height)| [(*left, *height), (*right, *height)]));
+    outline.push((last.1, 0.0));
+    let outline = frame.inside(&outline);
+    if outline.len() > 2 {
+        chart.draw_series([Polygon::new(outline.clone(), ink.rgb().mix(FILL))])?;
+        line(chart, outline, stroke(ink, 1.5))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,46 @@
+//! CSV text of results and figures: a header and rows of as many cells, quoted where RFC 4180 requires it.
+//!
+//! # Source
+//! Shafranovich (2005), RFC 4180, Common format and MIME type for comma-separated values files.
+
+/// A table under construction.
+#[derive(Debug)]
+pub struct CsvTable(csv::Writer<Vec<u8>>);
+
+impl CsvTable {
+    /// A table with these names of its columns.
+    pub fn new<C: AsRef<[u8]>>(columns: impl IntoIterator<Item = C>) -> Self {
+        let mut table = Self(csv::Writer::from_writer(Vec::new()));
+        table.push(columns);
+        table
+    }
+
+    /// Appends a row: one cell per column.
+    pub fn push<C: AsRef<[u8]>>(&mut self, cells: impl IntoIterator<Item = C>) {
+        self.0.write_record(cells).expect("a row in memory has as many cells as there are columns");
+    }
+
+    /// The text, one line per row.
+    pub fn into_text(self) -> String {
+        let bytes = self.0.into_inner().expect("writing to memory does not fail");
+        String::from_utf8(bytes).expect("cells are text")
+    }
+}
+
+/// Shortest decimal that reads back as the same f64; empty if the value is not finite.
+pub fn number(value: f64) -> String {
+    if value.is_finite() { format!("{value:?}") } else { String::new() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_are_quoted_only_where_they_need_it() {
+        let mut table = CsvTable::new(["name", "R, total"]);
+        table.push(["a \"b\"", &number(0.1 + 0.2)]);
+        table.push([String::new(), number(f64::NAN)]);
+        assert_eq!(table.into_text(), "name,\"R, total\"\n\"a \"\"b\"\"\",0.30000000000000004\n,\n");
+    }
+}
