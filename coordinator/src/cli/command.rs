@@ -25,15 +25,13 @@ const GROUPS: [(&str, &[&str]); 4] = [
 ];
 
 const EXAMPLE: &str = "\
-`coordinator --workers auto` runs a study of `flapping-wing`; see `coordinator run --help` for its options.
+Without a command, `coordinator --workers auto` runs a study with the options of `run`.
 Exit codes: 0 done, 2 bad input, 1 failure, 130 interrupted (all finished evaluations are saved).
 
 Example, about 3 s:
   coordinator run --scene four-bar --accuracy draft --out study";
 
 /// Hingewise: reliability over life of mechanisms with wearing hinges
-///
-/// Without a command, `coordinator` runs a study like `coordinator run`.
 #[derive(Debug, Parser)]
 #[command(name = "coordinator", version, after_help = EXAMPLE)]
 pub struct CommandLine {

@@ -19,7 +19,7 @@ pub struct Verbosity {
     /// Print results as JSON
     #[arg(long, global = true)]
     pub json: bool,
-    /// Form of the log on standard error: text, or JSON lines for programs that collect logs
+    /// Format of the log on standard error
     #[arg(long, global = true, value_name = "text|json", default_value = "text")]
     pub log_format: worker::log::Format,
     /// Print nothing but results and errors

@@ -53,7 +53,8 @@ fn series<const N: usize>(g: [f64; N]) -> Vec<Vec<f64>> {
     g.map(|g| vec![-g]).to_vec()
 }
 
-fn four_branch(x: &[f64], k: f64) -> f64 {
+/// The four-branch system with the constant `k`.
+pub(crate) fn four_branch(x: &[f64], k: f64) -> f64 {
     let (sum, difference) = ((x[0] + x[1]) / 2.0_f64.sqrt(), x[0] - x[1]);
     let bowl = 3.0 + 0.1 * difference * difference;
     (bowl - sum).min(bowl + sum).min(difference + k / 2.0_f64.sqrt()).min(k / 2.0_f64.sqrt() - difference)
@@ -92,26 +93,34 @@ fn over_time(x: &[f64]) -> Vec<f64> {
         .collect()
 }
 
+/// A problem of one limit state at one checkpoint.
+fn problem(
+    name: &'static str,
+    variables: Vec<Distribution>,
+    evaluate: fn(&[f64]) -> Vec<Vec<f64>>,
+    pf: f64,
+    pf_error: f64,
+) -> PublishedProblem {
+    let d = variables.len();
+    let initial = if d <= 6 { 12 } else { (3 * d / 2).max(30) };
+    let max_evaluations = if d > 50 { 400 } else { 300 };
+    PublishedProblem { name, variables, evaluate, shape: (1, 1), pf, pf_error, initial, max_evaluations }
+}
+
+/// A series system of `modes` limit states.
+fn system(modes: usize, problem: PublishedProblem) -> PublishedProblem {
+    PublishedProblem { shape: (modes, 1), ..problem }
+}
+
 /// All published problems.
 pub fn published_problems() -> Vec<PublishedProblem> {
-    let problem = |name, variables: Vec<Distribution>, evaluate, pf, pf_error| {
-        let d = variables.len();
-        let initial = if d <= 6 { 12 } else { (3 * d / 2).max(30) };
-        PublishedProblem {
-            name,
-            variables,
-            evaluate,
-            shape: (1, 1),
-            pf,
-            pf_error,
-            initial,
-            max_evaluations: if d > 50 { 400 } else { 300 },
-        }
-    };
-    let system = |modes, problem: PublishedProblem| PublishedProblem { shape: (modes, 1), ..problem };
+    [of_articles(), of_the_challenge(), series_systems(), time_variant()].concat()
+}
+
+/// Four-branch systems, oscillator and sums of lognormals.
+fn of_articles() -> Vec<PublishedProblem> {
     let lognormals = |n| vec![lognormal(1.0, SUMMAND); n];
     let oscillator_inputs = [(1.0, 0.05), (1.0, 0.1), (0.1, 0.01), (0.5, 0.05), (1.0, 0.2), (1.0, 0.2)];
-    let rp8 = [(120.0, 12.0); 4].into_iter().chain([(50.0, 10.0), (40.0, 8.0)]);
     vec![
         problem("four-branch-6", standard(2), |x| single(four_branch(x, 6.0)), 4.457_331_490_6e-3, 0.0),
         problem("four-branch-7", standard(2), |x| single(four_branch(x, 7.0)), 2.222_795_066_2e-3, 0.0),
@@ -124,6 +133,13 @@ pub fn published_problems() -> Vec<PublishedProblem> {
         ),
         problem("lognormals-40", lognormals(40), |x| single(sum_of_lognormals(x)), 1.972e-3, 5e-3),
         problem("lognormals-100", lognormals(100), |x| single(sum_of_lognormals(x)), 1.698e-3, 7e-3),
+    ]
+}
+
+/// Single limit states of the black-box challenge, and rare events.
+fn of_the_challenge() -> Vec<PublishedProblem> {
+    let rp8 = [(120.0, 12.0); 4].into_iter().chain([(50.0, 10.0), (40.0, 8.0)]);
+    vec![
         problem(
             "rp8",
             rp8.map(|(mean, std)| lognormal(mean, std)).collect(),
@@ -164,6 +180,12 @@ pub fn published_problems() -> Vec<PublishedProblem> {
             4.148_57e-5,
             0.0,
         ),
+    ]
+}
+
+/// Series systems of the black-box challenge.
+fn series_systems() -> Vec<PublishedProblem> {
+    vec![
         system(
             2,
             problem(
@@ -197,6 +219,12 @@ pub fn published_problems() -> Vec<PublishedProblem> {
                 2e-3,
             ),
         ),
+    ]
+}
+
+/// Problems over 50 checkpoints.
+fn time_variant() -> Vec<PublishedProblem> {
+    vec![
         PublishedProblem {
             shape: (1, TIMES),
             ..problem("time-variant", vec![normal(3.5, 0.25); 2], |x| vec![over_time(x)], 1.364e-1, 2e-3)
