@@ -1,5 +1,5 @@
-//! A whole study whose simulations are a formula: the learning, the campaign file, the messages and the processes are
-//! those of every study, and what is measured of them is not drowned in simulation.
+//! A complete study whose simulations are a formula: learning, campaign file, messages and processes are those of every
+//! study, and their cost is not hidden by the simulations.
 
 use common::failure::SimulationFailure;
 use common::outputs::{Diagnostics, Evaluation};
@@ -18,11 +18,11 @@ use std::path::Path;
 /// Means of the variables of the built-in scene `four-bar`, SI.
 const MEANS: [f64; 4] = [1e-13, -0.8, 30e-6, 0.05];
 
-/// An evaluation of the scene `four-bar`, of its shape and depending on the sample in every bit: wear that grows with all
-/// variables, through the limit of 8 um towards the end of the life of 8000 cycles.
+/// An evaluation with the shape of the scene `four-bar` that depends on every bit of the sample: wear that grows with all
+/// variables and reaches the limit of 8 um near the end of the life of 8000 cycles.
 ///
 /// # Errors
-/// None: every sample comes out well.
+/// Never.
 pub fn evaluation(sample: &[f64]) -> Result<Evaluation, SimulationFailure> {
     let cycles: Vec<u32> = (1..=8).map(|k| 1000 * k).collect();
     let relative: f64 = sample.iter().zip(MEANS).map(|(x, mean)| x / mean).product();
@@ -39,12 +39,12 @@ pub fn evaluation(sample: &[f64]) -> Result<Evaluation, SimulationFailure> {
     })
 }
 
-/// What tells one sample of a study from all others.
+/// A text that identifies a sample of a study.
 pub fn mark(sample: &[f64]) -> String {
     format!("{:016x}", sample[0].to_bits())
 }
 
-/// See the module.
+/// The scene `four-bar` with settings of a study.
 pub struct PracticeStudy {
     source: SceneSource,
     scene: Scene,
@@ -52,7 +52,7 @@ pub struct PracticeStudy {
 }
 
 impl PracticeStudy {
-    /// By direct simulation of so many samples beside the nominal one.
+    /// A study by direct simulation of `samples` samples and the nominal one.
     pub fn monte_carlo(samples: usize) -> Self {
         let source = SceneSource::builtin("four-bar").expect("it is built in");
         let scene = source.nominal().clone();
@@ -61,7 +61,7 @@ impl PracticeStudy {
         Self { source, scene, settings }
     }
 
-    /// By surrogates that learn: an initial design, then rounds up to so many evaluations.
+    /// A study by active learning: an initial design, then rounds up to `evaluations` evaluations.
     pub fn learning(initial: usize, evaluations: usize) -> Self {
         let mut study = Self::monte_carlo(1);
         study.settings.method = Method::ActiveLearning;
@@ -70,7 +70,7 @@ impl PracticeStudy {
         study
     }
 
-    /// What its workers are told.
+    /// The campaign as sent to its workers.
     pub fn campaign(&self, resumed: bool) -> CampaignSpec {
         let accuracy = self.settings.accuracy.setting.accuracy;
         CampaignSpec {
@@ -82,7 +82,7 @@ impl PracticeStudy {
         }
     }
 
-    /// Its campaign file in `dir`; whether it was there already.
+    /// The campaign file in `dir`, and whether it existed already.
     pub fn journal(
         &self,
         dir: &Path,
@@ -100,10 +100,10 @@ impl PracticeStudy {
         Ok((CampaignFile::create(dir, &meta, &self.scene)?, false))
     }
 
-    /// Runs it to its end: the summary as text, without what may differ, times and who worked; and who worked.
+    /// Runs the study. Returns the summary as text, without times and workers, which may differ; and the names of the workers.
     ///
     /// # Errors
-    /// Of the study.
+    /// Errors of the study.
     pub fn run(
         &self,
         evaluator: &mut dyn Evaluator,
@@ -117,17 +117,16 @@ impl PracticeStudy {
         Ok((answer.to_string(), workers))
     }
 
-    /// What it comes to on one thread, without messages.
+    /// The answer of the study on one thread, without messages.
     pub fn alone(&self) -> String {
         let folder = tempfile::tempdir().expect("there is room for a folder");
         let (mut journal, _) = self.journal(folder.path()).expect("an empty folder takes a campaign");
         let mut evaluator = LocalEvaluator::new(1, |request| evaluation(&request.sample));
-        self.run(&mut evaluator, &mut journal).expect("nothing goes wrong").0
+        self.run(&mut evaluator, &mut journal).expect("the study ends").0
     }
 }
 
-/// The evaluations in the campaign file of `dir`, by number: the mark of the sample and when it was recorded. Empty while
-/// there is no file.
+/// The evaluations in the campaign file of `dir`: number, mark of the sample, and time of recording. Empty without a file.
 pub fn recorded(dir: &Path) -> Vec<(i64, String, String)> {
     let read = || -> rusqlite::Result<Vec<_>> {
         let file = file(dir)?;
@@ -141,7 +140,7 @@ pub fn recorded(dir: &Path) -> Vec<(i64, String, String)> {
     read().unwrap_or_default()
 }
 
-/// How many evaluations there are in it; zero while there is no file.
+/// Number of evaluations in the campaign file of `dir`; zero without a file.
 pub fn count_recorded(dir: &Path) -> usize {
     let count = || -> rusqlite::Result<i64> {
         file(dir)?.query_row("SELECT count(*) FROM evaluation", [], |row| row.get(0))

@@ -1,4 +1,4 @@
-"""Microseconds a task of Dask: an empty function, results gathered in memory, nothing durable."""
+"""Microseconds per task of Dask: an empty function, results gathered in memory, nothing durable."""
 
 import sys
 import time
@@ -13,7 +13,7 @@ def nothing(x):
 
 
 def main():
-    print("| threads | tasks | microseconds a task |\n|---|---|---|")
+    print("| threads | tasks | microseconds per task |\n|---|---|---|")
     for threads in (1, 2, 4):
         with distributed.LocalCluster(
             n_workers=1, threads_per_worker=threads, processes=True, dashboard_address=None

@@ -1,6 +1,6 @@
 #!/bin/bash
-# What a task costs in Dask beside its work: an environment of its own with `distributed` from PyPI, a scheduler and one
-# worker in processes of their own, an empty function. Needs python3 and the network at the first run.
+# Cost of a task in Dask without its work: a virtual environment with `distributed` from PyPI, a scheduler and one worker in
+# separate processes, an empty function. Needs python3 and the network at the first run.
 set -euo pipefail
 cd "$(dirname "$0")"
 environment=${CARGO_TARGET_DIR:-../../../target}/dask

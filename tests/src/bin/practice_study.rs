@@ -1,9 +1,10 @@
-//! The two sides of a practice study as processes, to be killed, stopped and cut off by tests.
+//! Coordinator and worker of a practice study as processes, which tests kill, stop and disconnect.
 //!
-//! `practice_study coordinator FOLDER ENDPOINT SAMPLES`: starts the study in the folder or goes on with it; says
-//! `listening`, `there NAME SECONDS` for each worker that comes, and at last `answer JSON`.
+//! `practice_study coordinator FOLDER ENDPOINT SAMPLES`: starts or resumes the study in the folder; prints `listening`,
+//! `there NAME SECONDS` for each worker that connects, and `answer JSON` at the end.
 //!
-//! `practice_study worker ENDPOINT NAME MILLISECONDS`: one slot, a simulation takes so long; says `started MARK`.
+//! `practice_study worker ENDPOINT NAME MILLISECONDS`: a worker with one slot whose simulations take this time; prints
+//! `started MARK` at the start of each.
 
 use coordinator::farm::dispatch::{Listen, ZenohEvaluator};
 use std::error::Error;
@@ -38,7 +39,7 @@ fn main() -> ExitCode {
 fn coordinate(folder: &Path, endpoint: &str, samples: &str) -> Result<(), Box<dyn Error>> {
     let study = PracticeStudy::monte_carlo(samples.parse()?);
     let (mut journal, resumed) = study.journal(folder)?;
-    // In a network of its own the coordinator must be reached from outside.
+    // In a separate network namespace, the coordinator must accept connections from outside.
     let listen = Listen { endpoint: Some(endpoint.into()), config: None, insecure: true };
     let mut evaluator = ZenohEvaluator::open(study.campaign(resumed), &listen, Arc::default())?;
     println!("listening");

@@ -1,7 +1,7 @@
-//! A worker process with a practice simulator, to be killed by tests.
+//! A worker process whose simulations are a formula, which tests kill.
 //!
-//! `practice_worker ENDPOINT NAME work|hang`: says `started ID` on standard output at the start of each
-//! simulation; with `hang` no simulation ends.
+//! `practice_worker ENDPOINT NAME work|hang`: prints `started ID` at the start of each simulation; with `hang`, no simulation
+//! ends.
 
 use std::process::ExitCode;
 use std::sync::Arc;

@@ -68,7 +68,7 @@ pub(super) struct ClaimLoop {
     returned_tasks: bool,
     leaving_since: Option<Instant>,
     /// A claim with the flag `leaving` was answered.
-    said_farewell: bool,
+    farewell_answered: bool,
 }
 
 impl ClaimLoop {
@@ -101,7 +101,7 @@ impl ClaimLoop {
             leave_policy,
             returned_tasks: false,
             leaving_since: None,
-            said_farewell: false,
+            farewell_answered: false,
         }
     }
 
@@ -122,17 +122,17 @@ impl ClaimLoop {
             let now = Instant::now();
             self.claim_if_due(now)?;
             let wait = self.next_wake(now).saturating_duration_since(now);
-            let mut message = match inbox.recv_timeout(wait) {
-                Ok(message) => Some(message),
+            let mut next = match inbox.recv_timeout(wait) {
+                Ok(event) => Some(event),
                 Err(RecvTimeoutError::Timeout) => None,
                 Err(RecvTimeoutError::Disconnected) => return Ok(Departure::Aborted),
             };
             // All waiting events are handled before the next claim, so that it carries all finished outcomes.
-            while let Some(event) = message {
+            while let Some(event) = next {
                 if let Some(departure) = self.handle(event)? {
                     return Ok(departure);
                 }
-                message = inbox.try_recv().ok();
+                next = inbox.try_recv().ok();
             }
             if let Some(departure) = self.check_time(Instant::now())? {
                 return Ok(departure);
@@ -164,15 +164,15 @@ impl ClaimLoop {
                     tracing::debug!("the coordinator announces {} points", points.len());
                     self.claim_at = now;
                     self.silent_until = now;
-                    // What the coordinator did not know so far may be among them.
+                    // The points may include tasks whose outcomes wait here for a request.
                     self.unacknowledged.resend_all(now);
                 }
                 Ok(Notice::Ended { .. }) => return Ok(self.campaign_ended(now)),
-                Err(error) => tracing::warn!("a notice of the coordinator could not be read: {error}"),
+                Err(error) => tracing::warn!("a notice of the coordinator cannot be decoded: {error}"),
             },
             ClaimEvent::Stop => {
                 self.leave_policy.request_stop(now);
-                // What waits for a slot others can do at once.
+                // Waiting tasks are returned at once for other workers.
                 self.returned_tasks |= self.withdraw(|_| true) > 0;
             }
             ClaimEvent::Abort => return Ok(Some(Departure::Aborted)),
@@ -208,7 +208,7 @@ impl ClaimLoop {
         let Some(PendingClaim { credits, leaving, since, .. }) = self.pending.take() else {
             return Ok(None);
         };
-        self.said_farewell |= leaving;
+        self.farewell_answered |= leaving;
         self.monitor.on_answer();
         self.backoff = FIRST_BACKOFF;
         self.unacknowledged.forget(&reply.acknowledged);
@@ -320,7 +320,7 @@ impl ClaimLoop {
             return Ok(());
         }
         let leaving = self.leaving_since.is_some();
-        let must_report = (leaving && !self.said_farewell) || self.returned_tasks;
+        let must_report = (leaving && !self.farewell_answered) || self.returned_tasks;
         if credits == 0 && !must_report && self.unacknowledged.next_due().is_none_or(|due| due > now) {
             return Ok(());
         }
@@ -371,7 +371,8 @@ impl ClaimLoop {
         }
         if let Some(since) = self.leaving_since {
             // Outcomes not acknowledged by then belong to tasks the coordinator has not requested.
-            let returned = self.said_farewell && self.unacknowledged.next_due().is_none_or(|due| due > now);
+            let returned =
+                self.farewell_answered && self.unacknowledged.next_due().is_none_or(|due| due > now);
             if returned || now.duration_since(since) > FAREWELL {
                 return Ok(Some(self.leave_policy.departure(self.unacknowledged.len())));
             }

@@ -90,7 +90,7 @@ pub enum EvaluateError {
     Record(Box<dyn std::error::Error + Send + Sync>),
 }
 
-/// What a source wants to be started.
+/// Answer of a source that is asked for requests.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Demand {
     /// Start these, in addition to those already running.

@@ -35,7 +35,7 @@ pub enum SimulatorError {
         simulator: String,
         /// Number of the evaluation.
         id: u64,
-        /// What the reply lacks or has too much.
+        /// What is wrong with the reply.
         fault: String,
     },
     /// The server cannot be reached, or its reply is no UM-Bridge reply.

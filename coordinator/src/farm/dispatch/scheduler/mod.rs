@@ -59,7 +59,7 @@ pub struct Scheduler {
     longest_wall: Option<f64>,
     /// End of the time in which tasks wait for workers that return with running tasks; `None` before the first event.
     settled_at: Option<Duration>,
-    /// Tasks are not announced or leased until `settled_at`.
+    /// `settled_at` has not passed: no task is leased, and queued tasks are announced again when it passes.
     unsettled: bool,
     finishing: bool,
 }

@@ -218,7 +218,7 @@ fn a_deadline_follows_the_longest_simulation() {
     assert_eq!(actions[0], Action::Warn(Warning::Overdue { worker: a.clone(), task: 1, after: late }));
     let (_, again) = reply(&ask(&mut s, late, claim(&b, 3, 1, vec![], &[]))).unwrap();
     assert_eq!(numbers(&again), [1]);
-    // The first worker's outcome still counts when it comes first.
+    // An outcome of the first worker still counts if it arrives first.
     let actions = ask(&mut s, late, claim(&a, 4, 0, vec![outcome(&tasks[1], &a)], &[]));
     assert!(matches!(&actions[..], [Action::Deliver(finished)] if finished.worker == "a/0"));
 }
