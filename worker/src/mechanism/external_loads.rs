@@ -1,8 +1,8 @@
 //! Loads between prescribed bodies alone: they act on no free body, but the drives carry them.
 
 use super::frame::{Frame, FrameIndices};
+use super::island_frames::IslandFrames;
 use super::load::IslandLoad;
-use super::place::Place;
 use super::prescribed::Prescribed;
 use common::scene::{Motion, Scene};
 
@@ -17,8 +17,8 @@ pub struct ExternalLoads {
 impl ExternalLoads {
     /// The loads of a scene on `body`.
     pub fn new(scene: &Scene, body: usize) -> Self {
-        let mut place = Place::new(scene, vec![]);
-        let frame = place.frame(body);
+        let mut frames = IslandFrames::new(scene, vec![]);
+        let frame = frames.frame(body);
         let is_prescribed = |b: &usize| !matches!(scene.bodies[*b].motion, Motion::Free { .. });
         let loads: Vec<IslandLoad> = scene
             .loads
@@ -27,9 +27,9 @@ impl ExternalLoads {
                 let bodies = load.bodies();
                 bodies.contains(&body) && bodies.iter().all(is_prescribed)
             })
-            .map(|load| IslandLoad::new(load, &mut place))
+            .map(|load| IslandLoad::new(load, &mut frames))
             .collect();
-        ExternalLoads { loads, prescribed: place.prescribed(), frame }
+        ExternalLoads { loads, prescribed: frames.prescribed(), frame }
     }
 
     /// Moment of the loads about the body's axis at time `t` [s] [N m].

@@ -13,13 +13,13 @@ mod external_loads;
 mod forces;
 mod frame;
 mod island;
+mod island_frames;
 mod joint;
 mod lanes;
 mod load;
 #[cfg(test)]
 mod order_tests;
 mod piecewise_cubic;
-mod place;
 mod prescribed;
 mod topology;
 

@@ -4,8 +4,8 @@ use super::constraint::Constraint;
 use super::elimination::Elimination;
 use super::frame::FrameIndices;
 use super::island::{Island, Parts, WearingJoint};
+use super::island_frames::IslandFrames;
 use super::load::IslandLoad;
-use super::place::Place;
 use crate::bore::Profile;
 use crate::contact::Contact;
 use common::failure::SimulationFailure;
@@ -59,14 +59,14 @@ pub fn islands(scene: &Scene) -> Result<Vec<Island>, SimulationFailure> {
 
 /// The island of the free bodies `bodies` of a scene.
 fn assemble(scene: &Scene, bodies: Vec<usize>) -> Island {
-    let mut place = Place::new(scene, bodies.clone());
+    let mut frames = IslandFrames::new(scene, bodies.clone());
     let mut joints = Vec::new();
     let mut constraints = Vec::new();
     for (index, joint) in scene.joints.iter().enumerate() {
         if !bodies.contains(&joint.journal.body) && !bodies.contains(&joint.bushing.body) {
             continue;
         }
-        let ends = [place.end(&joint.journal), place.end(&joint.bushing)];
+        let ends = [frames.end(&joint.journal), frames.end(&joint.bushing)];
         match &joint.kind {
             JointKind::Clearance(clearance) => joints.push(WearingJoint {
                 scene_joint: index,
@@ -82,7 +82,7 @@ fn assemble(scene: &Scene, bodies: Vec<usize>) -> Island {
         }
     }
     let acting = scene.loads.iter().filter(|load| load.bodies().iter().any(|b| bodies.contains(b)));
-    let loads = acting.map(|load| IslandLoad::new(load, &mut place)).collect();
+    let loads = acting.map(|load| IslandLoad::new(load, &mut frames)).collect();
     let mut mass = Vec::new();
     let mut weight = Vec::new();
     for &b in &bodies {
@@ -91,7 +91,7 @@ fn assemble(scene: &Scene, bodies: Vec<usize>) -> Island {
             weight.extend([m * scene.gravity[0], m * scene.gravity[1], 0.0]);
         }
     }
-    let (touched, prescribed) = (place.touched().to_vec(), place.prescribed());
+    let (touched, prescribed) = (frames.touched().to_vec(), frames.prescribed());
     let ideal = Elimination::new(constraints, &mass);
     let island = Island::new(Parts { bodies, touched, joints, ideal, prescribed, loads, mass, weight });
     island.scaled(scene)

@@ -8,7 +8,7 @@ use common::scene::{Curve, Over};
 /// Size of a load.
 #[derive(Debug, Clone)]
 pub enum Size<R = f64> {
-    /// The same size at all times.
+    /// A size that does not vary.
     Constant(R),
     /// A table over time, one per lane.
     OverTime(Vec<PiecewiseCubic>),

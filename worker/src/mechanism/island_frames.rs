@@ -6,7 +6,7 @@ use super::prescribed::Prescribed;
 use common::scene::{Attachment, Scene};
 
 /// The frames of an island under construction.
-pub struct Place<'a> {
+pub struct IslandFrames<'a> {
     scene: &'a Scene,
     /// Number of free bodies.
     free: usize,
@@ -14,10 +14,10 @@ pub struct Place<'a> {
     frames: Vec<usize>,
 }
 
-impl<'a> Place<'a> {
+impl<'a> IslandFrames<'a> {
     /// The frames of the free bodies `bodies` of a scene.
     pub fn new(scene: &'a Scene, bodies: Vec<usize>) -> Self {
-        Place { scene, free: bodies.len(), frames: bodies }
+        IslandFrames { scene, free: bodies.len(), frames: bodies }
     }
 
     /// Prescribed bodies that have a frame.
@@ -31,7 +31,7 @@ impl<'a> Place<'a> {
     }
 }
 
-impl FrameIndices for Place<'_> {
+impl FrameIndices for IslandFrames<'_> {
     fn frame(&mut self, body: usize) -> usize {
         self.frames.iter().position(|&b| b == body).unwrap_or_else(|| {
             self.frames.push(body);
