@@ -1,4 +1,4 @@
-//! Every numerical knob of an evaluation, and the three named points among them.
+//! Numerical settings of an evaluation, and three presets.
 
 mod name;
 
@@ -13,30 +13,25 @@ pub struct Accuracy {
     pub step_tolerance: f64,
     /// Largest time step as a fraction of the cycle [1].
     pub largest_step: f64,
-    /// Bound on time steps per cycle and island.
+    /// Bound on the accepted time steps of an island in a cycle.
     pub steps_bound: u64,
-    /// Samples of the contact history per cycle kept for the wear step.
+    /// Samples of the contact history per cycle for the wear step.
     pub wear_samples: usize,
-    /// Largest number of cycles one wear step jumps.
+    /// Largest length of a block of wear [cycles].
     pub cycle_jump: u32,
-    /// Error that one block of wear may add by its length, of the depth so far and, between simulated cycles, of the
-    /// limit of an output of the motion [1]; zero: every block but the graded start has the largest length. So it is in
-    /// every preset: of the flapping-wing drive at four points (`coordinator/doc/tradeoff.md`) 3e-3 with blocks of up to 8000
-    /// took 27 cycles for an asymmetry within 2.7 % of its limit, blocks of 4000 took 29 for 2.2 %.
-    pub jump_tolerance: f64,
     /// Tolerance of the wear step, relative to the wear it adds [1].
     pub wear_tolerance: f64,
     /// Warm-up before a measured cycle, as a fraction of the cycle [1].
     pub warm_up: f64,
-    /// Which model of the motion drives the wear.
+    /// Model of the motion that drives the wear.
     pub tier: Tier,
 }
 
 /// Model of the motion between two wear steps.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Tier {
-    /// Quasi-static where the limit states need wear alone and a comparison with the dynamics, at the start and
-    /// at the end of life, stays below the wear tolerance; else dynamic.
+    /// Quasi-static if wear is the only output and a comparison with the dynamics, at the start and at the end of life, stays below
+    /// the wear tolerance; else dynamic.
     #[default]
     Automatic,
     /// Always the dynamics.
@@ -47,51 +42,48 @@ impl Accuracy {
     /// Names of the presets, from the quickest to the most exact.
     pub const NAMES: [&str; 3] = ["draft", "balanced", "reference"];
 
-    /// For a first look. Of the flapping-wing drive, at four points, `coordinator tradeoff` found the wear off by 0.04 % of
-    /// its limit and the asymmetry by 3.7 %, which displaces the life it ends by 480 of 66 000 cycles, in 0.57 of the time of
-    /// `balanced` (`coordinator/doc/tradeoff.md`). Fewer samples or longer time steps would save a tenth and cost 9 to 14 %.
+    /// The preset for a first impression. For the flapping-wing drive at four points, `coordinator tradeoff` found errors of 0.04 % of
+    /// the limit for the wear and 3.7 % for the asymmetry, which displaces the life it ends by 480 of 66 000 cycles, in 0.57 of the
+    /// time of `balanced` (`coordinator/doc/tradeoff.md`). Fewer samples or longer time steps would save a tenth and cost 9 to 14 %.
     pub const fn draft() -> Self {
         Accuracy { step_tolerance: 2e-3, largest_step: 1.0 / 500.0, cycle_jump: 8000, ..Self::balanced() }
     }
 
-    /// For studies; the default. There the same measurement found wear within 0.03 %, the asymmetry within 2.2 % (1.4 % up to
-    /// its limit), the life it ends within 240 cycles. Shorter time steps alone gain nothing, blocks of 2000 cycles bring 1.3 % in
-    /// 1.6 times the time.
+    /// The preset for studies, and the default. The measurement named in [`Accuracy::draft`] found the wear within 0.03 %, the
+    /// asymmetry within 2.2 % (1.4 % up to its limit), and the life it ends within 240 cycles. Shorter time steps alone gain nothing;
+    /// blocks of 2000 cycles reach 1.3 % in 1.6 times the time.
     pub const fn balanced() -> Self {
         Accuracy {
             step_tolerance: 5e-4,
             largest_step: 1.0 / 700.0,
-            // Ten times what a cycle of the flapping-wing drive takes; of the extremes that come to their end, the
-            // hardest, 6 r/min under `foundation`, takes more than 60 000 (`coordinator extremes`).
+            // Ten times the steps of a cycle of the flapping-wing drive; of the extremes that succeed, the hardest, 6 r/min under
+            // `foundation`, needs more than 60 000 (`coordinator extremes`).
             steps_bound: 100_000,
             wear_samples: 600,
             cycle_jump: 4000,
-            jump_tolerance: 0.0,
             wear_tolerance: 2e-2,
             warm_up: 0.05,
             tier: Tier::Automatic,
         }
     }
 
-    /// To measure the others against.
+    /// The preset that the others are compared with.
     pub const fn reference() -> Self {
         Accuracy {
             step_tolerance: 1e-4,
             largest_step: 1.0 / 1000.0,
-            // Likewise.
+            // Four times that of `balanced`, for its shorter steps.
             steps_bound: 400_000,
             wear_samples: 4000,
             cycle_jump: 500,
-            jump_tolerance: 0.0,
             wear_tolerance: 5e-3,
             warm_up: 1.0,
             tier: Tier::Dynamic,
         }
     }
 
-    /// The same with time steps shorter by `factor`: an error-controlled step of fourth order shrinks by it when
-    /// its tolerance is divided by factor^4. `refined(2.0)` is what "half the step" means; blocks and samples of
-    /// the wear stay as they are.
+    /// These settings with time steps shorter by `factor` [1]: an error-controlled step of fourth order shrinks by the factor if its
+    /// tolerance is divided by factor^4. `refined(2.0)` halves the steps. Blocks and samples of the wear do not change.
     pub fn refined(self, factor: f64) -> Self {
         Accuracy {
             step_tolerance: self.step_tolerance / (factor * factor * factor * factor),

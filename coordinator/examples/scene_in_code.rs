@@ -5,6 +5,7 @@
 use common::accuracy::Accuracy;
 use common::scene::SceneSource;
 use std::fmt::Write;
+use worker::simulate::{SimulateOptions, simulate};
 
 fn chain(links: usize) -> Result<SceneSource, Box<dyn std::error::Error>> {
     let mut text = format!(
@@ -32,7 +33,7 @@ fn chain(links: usize) -> Result<SceneSource, Box<dyn std::error::Error>> {
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     for links in 1..=4 {
         let source = chain(links)?;
-        let evaluation = worker::simulate::simulate(source.nominal(), &Accuracy::balanced(), false)?;
+        let evaluation = simulate(source.nominal(), &Accuracy::balanced(), SimulateOptions::default())?;
         println!("{links} links: largest force {:.2} N at the support", evaluation.histories[0][0]);
     }
     Ok(())

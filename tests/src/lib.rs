@@ -80,7 +80,6 @@ pub fn campaign() -> CampaignSpec {
         steps_bound: 100_000,
         wear_samples: 200,
         cycle_jump: 1000,
-        jump_tolerance: 0.0,
         wear_tolerance: 0.01,
         warm_up: 0.5,
         tier: Tier::Dynamic,

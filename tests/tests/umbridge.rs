@@ -11,6 +11,7 @@ use std::process::{Command, Stdio};
 use std::sync::Arc;
 use tests::deployed::KilledOnDrop;
 use tests::{in_time, skipped};
+use worker::simulate::{SimulateOptions, simulate};
 use worker::umbridge::{Model, Server};
 
 /// A scene with the variables and outputs of the four-bar, evaluated by the server at `url`.
@@ -72,8 +73,8 @@ fn a_scene_gives_the_same_values_over_umbridge_as_in_process() {
         let source = SceneSource::builtin("four-bar").unwrap();
         let draft = "draft".parse::<common::accuracy::NamedAccuracy>().unwrap().accuracy;
         for (outcome, sample) in found.values().zip(SAMPLES) {
-            let here =
-                worker::simulate::simulate(&source.resolve_sample(&sample).unwrap(), &draft, false).unwrap();
+            let here = simulate(&source.resolve_sample(&sample).unwrap(), &draft, SimulateOptions::default())
+                .unwrap();
             let there = outcome.as_ref().unwrap();
             assert_eq!(there.cycles, here.cycles);
             for (a, b) in there.histories.iter().zip(&here.histories) {

@@ -9,7 +9,9 @@ use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use worker::bore::Profile;
 use worker::contact::{Contact, JointMotion};
-use worker::simulate::{Order, Width, simulate, simulate_counting, simulate_together};
+use worker::simulate::{
+    LaneWidth, SimulateOptions, SimulationInput, simulate, simulate_counted, simulate_side_by_side,
+};
 
 fn main() {
     divan::main();
@@ -83,9 +85,10 @@ fn unworn_cycles(bencher: Bencher, preset: &str) {
             clearance.wear_coefficient = 0.0;
         }
     }
-    let mut steps = 0;
-    simulate_counting(&scene, &accuracy, false, &mut steps).expect("the drive can be simulated");
-    bencher.counter(ItemsCount::new(steps)).bench_local(|| simulate(black_box(&scene), &accuracy, false));
+    let steps = simulate_counted(&scene, &accuracy, SimulateOptions::default()).steps_tried;
+    bencher
+        .counter(ItemsCount::new(steps))
+        .bench_local(|| simulate(black_box(&scene), &accuracy, SimulateOptions::default()));
 }
 
 /// A whole life of the drive.
@@ -93,9 +96,10 @@ fn unworn_cycles(bencher: Bencher, preset: &str) {
 fn evaluation(bencher: Bencher, preset: &str) {
     let accuracy = Accuracy::by_name(preset).expect("a preset");
     let scene = flapping_wing();
-    let mut steps = 0;
-    simulate_counting(&scene, &accuracy, false, &mut steps).expect("the drive can be simulated");
-    bencher.counter(ItemsCount::new(steps)).bench_local(|| simulate(black_box(&scene), &accuracy, false));
+    let steps = simulate_counted(&scene, &accuracy, SimulateOptions::default()).steps_tried;
+    bencher
+        .counter(ItemsCount::new(steps))
+        .bench_local(|| simulate(black_box(&scene), &accuracy, SimulateOptions::default()));
 }
 
 /// Eight lives of the drive with wear coefficients of their own: one after the other, or side by side, each in lanes of one
@@ -103,21 +107,21 @@ fn evaluation(bencher: Bencher, preset: &str) {
 #[divan::bench(args = ["one by one, 1 lane", "one by one", "side by side, 1 lane", "side by side"], sample_count = 2, sample_size = 1)]
 fn batch_of_eight(bencher: Bencher, how: &str) {
     const BATCH: usize = 8;
-    let width = if how.ends_with("1 lane") { Width::One } else { Width::Widest };
+    let width = if how.ends_with("1 lane") { LaneWidth::One } else { LaneWidth::Widest };
     let most = if how.starts_with("one") { 1 } else { BATCH };
-    let of = |k: usize| {
+    let input = |k: usize| {
         let mut scene = flapping_wing();
         for joint in &mut scene.joints {
             if let JointKind::Clearance(clearance) = &mut joint.kind {
                 clearance.wear_coefficient *= 0.99 + 0.002 * k as f64;
             }
         }
-        Order { scene, accuracy: Accuracy::balanced(), with_first_cycle: false }
+        SimulationInput { scene, accuracy: Accuracy::balanced(), options: SimulateOptions::default() }
     };
-    let orders: Vec<Order> = (0..BATCH).map(of).collect();
+    let inputs: Vec<SimulationInput> = (0..BATCH).map(input).collect();
     bencher.counter(ItemsCount::new(BATCH)).bench_local(|| {
-        let mut orders = orders.iter().cloned();
-        simulate_together(width, most, &mut || orders.next().map(Ok), &mut |_, found, _| {
+        let mut inputs = inputs.iter().cloned();
+        simulate_side_by_side(width, most, &mut || inputs.next().map(Ok), &mut |_, found, _| {
             black_box(found.expect("the drive can be simulated"));
         });
     });

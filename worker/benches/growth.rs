@@ -10,7 +10,7 @@ use common::accuracy::Accuracy;
 use common::scene::{Scene, SceneSource};
 use std::fmt::Write;
 use std::time::Instant;
-use worker::simulate::simulate;
+use worker::simulate::{SimulateOptions, simulate};
 
 const LENGTH_MM: f64 = 50.0;
 const ANGLE_DEG: f64 = -80.0;
@@ -97,7 +97,8 @@ fn run(scene: &Scene) -> (u64, f64) {
     let before = spent(start);
     let mut runs = 0;
     loop {
-        let found = simulate(scene, &Accuracy::draft(), false).expect("hanging links can be simulated");
+        let found = simulate(scene, &Accuracy::draft(), SimulateOptions::default())
+            .expect("hanging links can be simulated");
         runs += 1;
         let all = spent(start) - before;
         if all > LONG_ENOUGH {

@@ -1,7 +1,7 @@
 //! The simulator of the `worker` command: text of a scene and sample in, one evaluation out.
 
 use crate::service::{Job, Simulator};
-use crate::simulate::{Order, Width, simulate, simulate_together};
+use crate::simulate::{LaneWidth, SimulateOptions, SimulationInput, simulate, simulate_side_by_side};
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
 use common::scene::SceneSource;
@@ -43,16 +43,17 @@ impl Mechanism {
         Ok(source)
     }
 
-    fn order(&self, job: &Job) -> Result<Order, SimulationFailure> {
+    fn input(&self, job: &Job) -> Result<SimulationInput, SimulationFailure> {
         let scene = self.source(job.scene())?.resolve_sample(job.sample()).map_err(invalid)?;
-        Ok(Order { scene, accuracy: *job.accuracy(), with_first_cycle: job.with_first_cycle() })
+        let options = SimulateOptions { first_cycle: job.with_first_cycle() };
+        Ok(SimulationInput { scene, accuracy: *job.accuracy(), options })
     }
 }
 
 impl Simulator for Mechanism {
     fn simulate(&self, job: &Job) -> Result<Evaluation, SimulationFailure> {
-        let Order { scene, accuracy, with_first_cycle } = self.order(job)?;
-        simulate(&scene, &accuracy, with_first_cycle)
+        let SimulationInput { scene, accuracy, options } = self.input(job)?;
+        simulate(&scene, &accuracy, options)
     }
 
     fn side_by_side(&self) -> usize {
@@ -64,8 +65,8 @@ impl Simulator for Mechanism {
         next: &mut dyn FnMut() -> Option<Job>,
         done: &mut dyn FnMut(usize, Result<Evaluation, SimulationFailure>, Duration),
     ) {
-        let mut order = || next().map(|job| self.order(&job));
-        simulate_together(Width::Widest, SIDE_BY_SIDE, &mut order, done);
+        let mut input = || next().map(|job| self.input(&job));
+        simulate_side_by_side(LaneWidth::Widest, SIDE_BY_SIDE, &mut input, done);
     }
 }
 

@@ -7,7 +7,7 @@ use common::scene::SceneSource;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use toml::Value;
-use worker::simulate::simulate_counting;
+use worker::simulate::{SimulateOptions, simulate_counted};
 
 /// A third of what `draft` allows: nothing here need come to its end, but most of what is valid does.
 const STEPS_BOUND: u64 = 20_000;
@@ -34,8 +34,9 @@ fn survive(text: &str) -> End {
     scene.life.cycles = scene.life.checkpoint_every;
     scene.life.settle_cycles = scene.life.settle_cycles.min(1);
     let accuracy = Accuracy { steps_bound: STEPS_BOUND, ..Accuracy::draft() };
-    let mut steps = 0;
-    let end = match simulate_counting(&scene, &accuracy, true, &mut steps) {
+    let found = simulate_counted(&scene, &accuracy, SimulateOptions::WITH_FIRST_CYCLE);
+    let steps = found.steps_tried;
+    let end = match found.result {
         Ok(evaluation) => {
             let numbers = evaluation.histories.iter().chain(&evaluation.errors).flatten();
             assert!(numbers.clone().all(|x| x.is_finite()), "{evaluation:?}\n{text}");

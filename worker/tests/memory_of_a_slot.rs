@@ -7,7 +7,7 @@ use common::accuracy::Accuracy;
 use common::scene::SceneSource;
 use peak::peak_resident;
 use std::sync::Barrier;
-use worker::simulate::{Order, Width, simulate_together};
+use worker::simulate::{LaneWidth, SimulateOptions, SimulationInput, simulate_side_by_side};
 use worker::simulator::simulator;
 
 /// What a slot holds at once at `balanced`, each of a life short enough: what is held of a life does not grow with it but for some numbers
@@ -24,10 +24,11 @@ fn one_more_slot_takes_less_than_20_mb() {
             given += 1;
             let mut scene = source.nominal().clone();
             scene.life.cycles = 1000;
-            let (accuracy, with_first_cycle) = (Accuracy::balanced(), given == 1);
-            (given <= side_by_side).then_some(Ok(Order { scene, accuracy, with_first_cycle }))
+            let options = SimulateOptions { first_cycle: given == 1 };
+            let accuracy = Accuracy::balanced();
+            (given <= side_by_side).then_some(Ok(SimulationInput { scene, accuracy, options }))
         };
-        simulate_together(Width::Widest, side_by_side, &mut next, &mut |_, found, _| {
+        simulate_side_by_side(LaneWidth::Widest, side_by_side, &mut next, &mut |_, found, _| {
             assert!(found.is_ok());
         });
     };

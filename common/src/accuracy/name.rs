@@ -1,22 +1,22 @@
-//! Names of accuracies, for command lines, tables and files: a preset, or a preset with knobs turned, such as
-//! `draft+step-x0.71` or `jump-4000` (of `balanced`, which need not be said).
+//! Names of accuracies, for command lines, tables and files: a preset, or a preset with changed settings (knobs) such as
+//! `draft+step-x0.71` or `jump-4000` (short for `balanced+jump-4000`).
 
 use super::{Accuracy, Tier};
 use serde::{Deserialize, Serialize};
 use std::str::FromStr;
 use thiserror::Error;
 
-/// Accuracy with the name it was asked for by.
+/// An accuracy with its name.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct NamedAccuracy {
-    /// Name as typed, e.g. `balanced`, `draft+jump-8000`.
+    /// Name as written by the user, e.g. `balanced`, `draft+jump-8000`.
     pub name: String,
-    /// What it stands for.
+    /// Settings that the name stands for.
     pub accuracy: Accuracy,
 }
 
 impl NamedAccuracy {
-    /// Whether it is a preset, without a knob turned.
+    /// True for a preset without knobs.
     pub fn is_preset(&self) -> bool {
         Accuracy::NAMES.contains(&self.name.as_str())
     }
@@ -28,66 +28,64 @@ impl Default for NamedAccuracy {
     }
 }
 
-/// A name that stands for no accuracy.
+/// Reason why a name is not an accuracy.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum AccuracyNameError {
     /// Neither a preset nor a knob.
     #[error("{part:?} is neither a preset (draft, balanced, reference) nor a knob ({KNOBS})")]
     Unknown {
-        /// The part between `+` that was not understood.
+        /// The unknown part between two `+`.
         part: String,
     },
-    /// A preset somewhere else than in front.
+    /// A preset that is not the first part.
     #[error("the preset {part:?} stands in front, knobs after it")]
     Misplaced {
-        /// Preset.
+        /// Name of the preset.
         part: String,
     },
-    /// A knob turned too far, or to what is no number.
+    /// The value of a knob is out of range or not a number.
     #[error("{part:?}: allowed for {knob}: {allowed}")]
     Value {
-        /// The part.
+        /// The part of the name with knob and value.
         part: String,
-        /// Knob.
+        /// Name of the knob.
         knob: &'static str,
-        /// What is allowed.
+        /// Allowed values.
         allowed: &'static str,
     },
 }
 
-/// The knobs, as messages and helps list them.
+/// List of the knobs for messages and help texts.
 pub const KNOBS: &str = "step-xF: time steps longer by the factor F; jump-N: wear steps of at most N cycles; \
-                         jump-tolerance-T: fewer where their error asks for it, 0 nowhere; wear-tolerance-T; samples-N: \
-                         of a cycle, for the wear; warm-up-W: cycles; dynamic: no quasi-static tier";
+                         wear-tolerance-T; samples-N: of a cycle, for the wear; warm-up-W: cycles; dynamic: no \
+                         quasi-static tier";
 
 impl FromStr for NamedAccuracy {
     type Err = AccuracyNameError;
 
-    /// Reads `PRESET`, `PRESET+KNOB+KNOB...` or `KNOB+KNOB...`; knobs are turned from left to right.
+    /// Reads `PRESET`, `PRESET+KNOB+KNOB...` or `KNOB+KNOB...`; knobs are set from left to right.
     fn from_str(name: &str) -> Result<Self, AccuracyNameError> {
         let mut accuracy = Accuracy::balanced();
         for (k, part) in name.split('+').enumerate() {
             accuracy = match Accuracy::by_name(part) {
                 Some(preset) if k == 0 => preset,
                 Some(_) => return Err(AccuracyNameError::Misplaced { part: part.to_owned() }),
-                None => turned(accuracy, part)?,
+                None => with_knob(accuracy, part)?,
             };
         }
         Ok(NamedAccuracy { name: name.to_owned(), accuracy })
     }
 }
 
-/// `accuracy` with one knob turned.
-fn turned(accuracy: Accuracy, part: &str) -> Result<Accuracy, AccuracyNameError> {
+/// `accuracy` with one knob set.
+fn with_knob(accuracy: Accuracy, part: &str) -> Result<Accuracy, AccuracyNameError> {
     if part == "dynamic" {
         return Ok(Accuracy { tier: Tier::Dynamic, ..accuracy });
     }
-    // A knob with a longer name first where one begins like another.
     type Turn = fn(Accuracy, f64) -> Accuracy;
     type Knob = (&'static str, &'static str, f64, f64, Turn);
-    let knobs: [Knob; 6] = [
+    let knobs: [Knob; 5] = [
         ("step-x", "0.05 to 20", 0.05, 20.0, |a, factor| a.refined(1.0 / factor)),
-        ("jump-tolerance-", "0 to 1", 0.0, 1.0, |a, t| Accuracy { jump_tolerance: t, ..a }),
         ("jump-", "whole numbers from 1 to 1000000", 1.0, 1e6, |a, n| Accuracy { cycle_jump: n as u32, ..a }),
         ("wear-tolerance-", "1e-9 to 1", 1e-9, 1.0, |a, t| Accuracy { wear_tolerance: t, ..a }),
         ("samples-", "whole numbers from 20 to 100000", 20.0, 1e5, |a, n| Accuracy {
@@ -98,7 +96,7 @@ fn turned(accuracy: Accuracy, part: &str) -> Result<Accuracy, AccuracyNameError>
     ];
     let (value, (knob, allowed, least, most, turn)) = knobs
         .into_iter()
-        .find_map(|knob| Some((part.strip_prefix(knob.0)?, knob)))
+        .find_map(|knob| Some((part.strip_prefix(knob.0).filter(|value| !names_another_knob(value))?, knob)))
         .ok_or_else(|| AccuracyNameError::Unknown { part: part.to_owned() })?;
     let whole = allowed.starts_with("whole");
     let number = value
@@ -107,6 +105,11 @@ fn turned(accuracy: Accuracy, part: &str) -> Result<Accuracy, AccuracyNameError>
         .filter(|x| (least..=most).contains(x) && (!whole || x.fract() == 0.0))
         .ok_or_else(|| AccuracyNameError::Value { part: part.to_owned(), knob, allowed })?;
     Ok(turn(accuracy, number))
+}
+
+/// True if what follows the name of a knob goes on as a longer name: `jump-` is not the knob of `jump-steps-3`.
+fn names_another_knob(value: &str) -> bool {
+    value.starts_with(|c: char| c.is_ascii_alphabetic()) && value.contains('-')
 }
 
 #[cfg(test)]
@@ -118,7 +121,7 @@ mod tests {
     }
 
     #[test]
-    fn names_are_presets_with_knobs_turned() {
+    fn names_are_presets_with_knobs() {
         for preset in Accuracy::NAMES {
             assert_eq!(Some(read(preset)), Accuracy::by_name(preset));
         }
@@ -131,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn slips_are_named() {
+    fn errors_name_the_part_of_the_name() {
         for (name, said) in [
             ("exact", "\"exact\" is neither"),
             ("", "\"\" is neither"),
@@ -139,6 +142,7 @@ mod tests {
             ("jump-100+draft", "\"draft\" stands in front"),
             ("draft+jump-0", "allowed for jump-: whole numbers from 1"),
             ("jump-12.5", "whole numbers"),
+            ("jump-tolerance-3e-3", "\"jump-tolerance-3e-3\" is neither"),
             ("step-xnan", "allowed for step-x: 0.05 to 20"),
             ("step-x-1", "0.05 to 20"),
             ("wear-tolerance-inf", "1e-9 to 1"),

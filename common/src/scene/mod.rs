@@ -33,6 +33,7 @@ mod loads;
 mod merge;
 pub mod model;
 mod output;
+mod output_unit;
 mod outputs;
 mod parameters;
 pub mod quantity;
@@ -55,5 +56,6 @@ pub use model::{
     SimulatorKind, StudySettings, UmBridgeModel,
 };
 pub use output::{Output, OutputKind, SignedBody};
+pub use output_unit::OutputUnit;
 pub use reference::published_results;
 pub use source::SceneSource;

@@ -1,6 +1,7 @@
 //! Quantities that an evaluation returns.
 
 use super::attachment::Attachment;
+use super::output_unit::OutputUnit;
 use serde::{Deserialize, Serialize};
 
 /// A quantity returned at every checkpoint of life.
@@ -8,7 +9,7 @@ use serde::{Deserialize, Serialize};
 pub struct Output {
     /// Name, unique in its scene, e.g. `max_wear_depth`.
     pub name: String,
-    /// What it is.
+    /// Quantity that is returned.
     pub kind: OutputKind,
 }
 
@@ -49,13 +50,66 @@ pub enum OutputKind {
         /// Index of the driven body.
         body: usize,
     },
-    /// Whatever an external simulator returns under the output's name.
+    /// Value that an external simulator returns under the output's name.
     External {
-        /// Its unit, as it is shown; values are not converted.
+        /// Its unit, as it is displayed; values are not converted.
         unit: String,
-        /// Whether it has a single value, which holds for the whole life.
+        /// True if it has a single value, which holds for the whole life.
         single: bool,
     },
+}
+
+impl OutputKind {
+    /// Unit of the values.
+    pub fn unit(&self) -> OutputUnit {
+        match self {
+            OutputKind::LargestWear { .. } | OutputKind::PositionError { .. } => OutputUnit::Length,
+            OutputKind::AngularVelocityDifference { .. } => OutputUnit::AngularVelocity,
+            OutputKind::AngleDifference { .. } => OutputUnit::Angle,
+            OutputKind::PeakJointForce { .. } => OutputUnit::Force,
+            OutputKind::DrivingTorque { .. } => OutputUnit::Torque,
+            OutputKind::External { unit, .. } => OutputUnit::External(unit.clone()),
+        }
+    }
+
+    /// Description in words; `body` and `joint` return the names of the scene's bodies and joints by index.
+    pub fn description<'a>(
+        &self,
+        body: impl Fn(usize) -> &'a str,
+        joint: impl Fn(usize) -> &'a str,
+    ) -> String {
+        let joints = |joints: &[usize]| match joints {
+            [one] => format!("joint {}", joint(*one)),
+            many => format!("{} joints", many.len()),
+        };
+        match self {
+            OutputKind::LargestWear { joints: worn } => format!("largest wear depth of {}", joints(worn)),
+            OutputKind::AngularVelocityDifference { a, b } => {
+                format!("largest difference of angular velocity, {} against {}", a.label, b.label)
+            }
+            OutputKind::AngleDifference { a, b } => {
+                format!("largest difference of angle, {} against {}", a.label, b.label)
+            }
+            OutputKind::PeakJointForce { joints: loaded } => format!("largest force in {}", joints(loaded)),
+            OutputKind::PositionError { at } => {
+                format!("largest distance of a point of {} from where ideal joints have it", body(at.body))
+            }
+            OutputKind::DrivingTorque { body: driven } => {
+                format!("largest torque that drives {}", body(*driven))
+            }
+            OutputKind::External { .. } => "value returned by the simulator".to_owned(),
+        }
+    }
+
+    /// The two bodies whose angles or angular velocities are compared, if the output compares two.
+    pub fn compared_bodies(&self) -> Option<[&SignedBody; 2]> {
+        match self {
+            OutputKind::AngularVelocityDifference { a, b } | OutputKind::AngleDifference { a, b } => {
+                Some([a, b])
+            }
+            _ => None,
+        }
+    }
 }
 
 /// A body with the sense in which its angle is reported.
@@ -65,6 +119,6 @@ pub struct SignedBody {
     pub body: usize,
     /// +1 or -1.
     pub sign: f64,
-    /// What a reader calls it, e.g. `right`.
+    /// Name in texts, e.g. `right`.
     pub label: String,
 }

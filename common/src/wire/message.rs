@@ -206,7 +206,7 @@ impl Message for Notice {
 }
 
 fn check_accuracy(a: &Accuracy) -> Result<(), WireError> {
-    let knobs = [a.step_tolerance, a.largest_step, a.jump_tolerance, a.wear_tolerance, a.warm_up];
+    let knobs = [a.step_tolerance, a.largest_step, a.wear_tolerance, a.warm_up];
     numbers::all_finite("accuracy", &knobs)
 }
 

@@ -160,7 +160,6 @@ fn accuracy(x: f64) -> Accuracy {
         steps_bound: 100,
         wear_samples: 200,
         cycle_jump: 1000,
-        jump_tolerance: 0.01,
         wear_tolerance: 0.01,
         warm_up: 0.5,
         tier: Tier::Dynamic,

@@ -4,7 +4,7 @@ use common::accuracy::NamedAccuracy;
 use common::outputs::Evaluation;
 use common::scene::{Clearance, ContactLaw, JointKind, SceneSource};
 use std::error::Error;
-use worker::simulate::simulate;
+use worker::simulate::{SimulateOptions, simulate};
 
 /// One choice.
 #[derive(Debug, Clone, Copy)]
@@ -86,7 +86,7 @@ impl Run {
             None => scene.accuracy.clone(),
             Some(name) => name.parse::<NamedAccuracy>()?,
         };
-        let evaluation = simulate(&scene, &accuracy.accuracy, true)
+        let evaluation = simulate(&scene, &accuracy.accuracy, SimulateOptions::WITH_FIRST_CYCLE)
             .map_err(|failure| format!("{}: {failure}", variant.name))?;
         eprintln!("{}", variant.name);
         let limits = scene.limit_states.iter().map(|limit| (limit.output, limit.threshold)).collect();

@@ -14,6 +14,7 @@ use coordinator::statistics::design::nominal_and_random;
 use coordinator::study::StudyAccuracy;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use worker::simulate::{SimulateOptions, simulate};
 
 /// Options on accuracy.
 #[derive(Debug, Clone, Default, Args, PartialEq)]
@@ -43,13 +44,13 @@ impl AccuracyArguments {
         quiet: bool,
         interrupted: Arc<AtomicBool>,
     ) -> Result<StudyAccuracy, CommandError> {
-        let simulate = |request: &Request| {
+        let evaluate = |request: &Request| {
             let invalid = |faults: Faults| SimulationFailure::InvalidSample { faults: faults.to_string() };
             let scene = source.resolve_sample(&request.sample).map_err(invalid)?;
             let accuracy = request.accuracy.unwrap_or_default();
-            worker::simulate::simulate(&scene, &accuracy, request.with_first_cycle)
+            simulate(&scene, &accuracy, SimulateOptions { first_cycle: request.with_first_cycle })
         };
-        let evaluator = LocalEvaluator::new(threads, simulate).interrupted_by(interrupted);
+        let evaluator = LocalEvaluator::new(threads, evaluate).interrupted_by(interrupted);
         let scene = source.nominal();
         self.choose(scene, &nominal_and_random(scene, seed, RANDOM_POINTS), quiet, evaluator)
     }
@@ -59,10 +60,11 @@ impl AccuracyArguments {
     /// # Errors
     /// [`CommandError::Budget`] if no setting keeps the error budget.
     pub fn for_one(&self, scene: &Scene, quiet: bool) -> Result<StudyAccuracy, CommandError> {
-        let simulate = |request: &Request| {
-            worker::simulate::simulate(scene, &request.accuracy.unwrap_or_default(), request.with_first_cycle)
+        let evaluate = |request: &Request| {
+            let options = SimulateOptions { first_cycle: request.with_first_cycle };
+            simulate(scene, &request.accuracy.unwrap_or_default(), options)
         };
-        self.choose(scene, &[vec![]], quiet, LocalEvaluator::new(1, simulate))
+        self.choose(scene, &[vec![]], quiet, LocalEvaluator::new(1, evaluate))
     }
 
     fn choose(

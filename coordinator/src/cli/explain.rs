@@ -10,7 +10,6 @@ use super::model::Model;
 use super::output::{count, print, to_json};
 use super::shared::Verbosity;
 use common::scene::*;
-use coordinator::results::output_unit::OutputUnit;
 use std::fmt::Write;
 use std::sync::Arc;
 use variables::variables;
@@ -187,32 +186,11 @@ fn loads(out: &mut String, scene: &Scene) -> std::fmt::Result {
 fn outputs(out: &mut String, scene: &Scene) -> std::fmt::Result {
     writeln!(out, "Outputs at every checkpoint, and the limit states")?;
     for (i, output) in scene.outputs.iter().enumerate() {
-        let of_joints = |joints: &[usize]| match joints {
-            [one] => format!("joint {}", scene.joints[*one].name),
-            many => format!("{} joints", many.len()),
-        };
-        let what = match &output.kind {
-            OutputKind::LargestWear { joints } => format!("largest wear depth of {}", of_joints(joints)),
-            OutputKind::AngularVelocityDifference { a, b } => {
-                format!("largest difference of angular velocity, {} against {}", a.label, b.label)
-            }
-            OutputKind::AngleDifference { a, b } => {
-                format!("largest difference of angle, {} against {}", a.label, b.label)
-            }
-            OutputKind::PeakJointForce { joints } => format!("largest force in {}", of_joints(joints)),
-            OutputKind::PositionError { at } => format!(
-                "largest distance of a point of {} from its position with ideal joints",
-                scene.bodies[at.body].name
-            ),
-            OutputKind::DrivingTorque { body } => {
-                format!("largest torque that drives {}", scene.bodies[*body].name)
-            }
-            OutputKind::External { .. } => "as the simulator returns it".to_owned(),
-        };
-        let unit = OutputUnit::of(&output.kind);
+        let unit = output.kind.unit();
         // As scenes write it.
         let symbol = unit.symbol().replace('\u{b5}', "u");
-        writeln!(out, "  {}: {what}", output.name)?;
+        let (body, joint) = (|k: usize| &*scene.bodies[k].name, |k: usize| &*scene.joints[k].name);
+        writeln!(out, "  {}: {}", output.name, output.kind.description(body, joint))?;
         for limit in scene.limit_states.iter().filter(|limit| limit.output == i) {
             writeln!(
                 out,

@@ -8,7 +8,6 @@ use super::signals::interruption;
 use common::scene::{ExternalSimulator, Fails, OutputKind, Scene, SceneSource, SimulatorKind};
 use coordinator::farm::evaluate::external::open;
 use coordinator::farm::evaluate::{EvaluateError, Evaluator, Finished, Request};
-use coordinator::results::output_unit::OutputUnit;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -108,7 +107,7 @@ pub fn simulate(
 }
 
 fn by_name<'r>(scene: &Scene, rows: &'r [Vec<f64>]) -> BTreeMap<String, &'r [f64]> {
-    let keys = scene.outputs.iter().map(|output| OutputUnit::of(&output.kind).key(&output.name));
+    let keys = scene.outputs.iter().map(|output| output.kind.unit().key(&output.name));
     keys.zip(rows.iter().map(Vec::as_slice)).collect()
 }
 
@@ -131,7 +130,7 @@ pub fn explain(out: &mut String, scene: &Scene, simulator: &ExternalSimulator) -
     writeln!(out, "  an evaluation may take {} s\n", simulator.timeout)?;
     writeln!(out, "Outputs at every checkpoint, and the limit states")?;
     for (i, output) in scene.outputs.iter().enumerate() {
-        let unit = OutputUnit::of(&output.kind);
+        let unit = output.kind.unit();
         let single = matches!(output.kind, OutputKind::External { single: true, .. });
         let values = if single { ": one value for the whole life" } else { "" };
         writeln!(out, "  {}{values}", unit.axis(&output.name))?;

@@ -7,7 +7,6 @@ use super::shared::{DEFAULT_SCENE, Verbosity};
 use clap::Args;
 use common::accuracy::NamedAccuracy;
 use common::scene::{Scene, SceneSource};
-use coordinator::results::output_unit::OutputUnit;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -80,7 +79,7 @@ pub fn extremes(arguments: &ExtremesArguments, verbosity: Verbosity) -> Result<(
 fn printed<'r>(scene: &'r Scene, row: &'r Row) -> PrintedRow<'r> {
     let outputs = row.compared.iter().map(|c| {
         let output = &scene.outputs[c.output];
-        let unit = OutputUnit::of(&output.kind);
+        let unit = output.kind.unit();
         let [value, stated_error, difference] = [c.value, c.error, c.difference].map(|si| unit.to_shown(si));
         PrintedOutput {
             name: &output.name,

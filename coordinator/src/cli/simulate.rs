@@ -10,12 +10,12 @@ use clap::Args;
 use common::outputs::{
     BodyMotion, BodyTrace, CycleHistory, Diagnostics, EnergyBalance, Evaluation, JointSummary, WornLife,
 };
-use common::scene::{Faults, Scene, SceneSource};
-use coordinator::results::output_unit::OutputUnit;
+use common::scene::{Faults, OutputUnit, Scene, SceneSource};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Instant;
+use worker::simulate::{self, SimulateOptions};
 
 /// Arguments of `coordinator simulate`.
 #[derive(Debug, Clone, Args)]
@@ -139,7 +139,7 @@ pub fn simulate(arguments: &SimulateArguments, verbosity: Verbosity) -> Result<(
     check_linkage(source.origin(), &scene)?;
     let accuracy = arguments.accuracy.for_one(&scene, verbosity.quiet)?.setting;
     let start = Instant::now();
-    let evaluation = worker::simulate::simulate(&scene, &accuracy.accuracy, true)
+    let evaluation = simulate::simulate(&scene, &accuracy.accuracy, SimulateOptions::WITH_FIRST_CYCLE)
         .map_err(|failure| CommandError::of_simulation(source.origin(), &scene, failure))?;
     let wall = start.elapsed().as_secs_f64();
     let text = to_json(&printed(&scene, &accuracy.name, &settings, &evaluation, wall))?;
@@ -168,7 +168,7 @@ fn printed<'r>(
 ) -> PrintedEvaluation<'r> {
     let by_name = |rows: &[Vec<f64>]| -> BTreeMap<String, Vec<f64>> {
         let named = scene.outputs.iter().zip(rows).map(|(output, row)| {
-            let unit = OutputUnit::of(&output.kind);
+            let unit = output.kind.unit();
             let values = row.iter().map(|&value| unit.to_file(value)).collect();
             (unit.key(&output.name), values)
         });

@@ -3,7 +3,6 @@
 //! | module | content |
 //! |---|---|
 //! | [`summary`] | the numbers of a study, as written to `summary.json` |
-//! | [`output_unit`] | units of outputs in files and figures |
 //! | [`journal`] | the record of evaluations: interface, and a journal in memory |
 //! | [`progress`] | what a running study reports |
 //! | [`store`] | the campaign file (SQLite) |
@@ -29,7 +28,6 @@
 
 pub mod csv_table;
 pub mod journal;
-pub mod output_unit;
 pub mod progress;
 pub mod result_files;
 pub mod store;

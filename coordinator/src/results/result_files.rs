@@ -2,7 +2,6 @@
 //! temporary name and renamed, so that a reader never finds half a file.
 
 use crate::results::csv_table::{CsvTable, number};
-use crate::results::output_unit::OutputUnit;
 use crate::results::store::{CampaignFile, StoreError};
 use crate::results::summary::{PerLimitState, StudySummary};
 use common::scene::Scene;
@@ -120,7 +119,7 @@ pub fn write_samples_csv(path: &Path, campaign: &CampaignFile, scene: &Scene) ->
         let mut columns = vec!["id".to_owned()];
         columns.extend(scene.variables.iter().map(|variable| variable.name.clone()));
         for output in &scene.outputs {
-            let key = OutputUnit::of(&output.kind).key(&output.name);
+            let key = output.kind.unit().key(&output.name);
             columns.extend(checkpoints.iter().map(|cycles| format!("{key}@{cycles}")));
         }
         columns.extend(["failure", "worker", "wall_s", "finished_at"].map(str::to_owned));
@@ -129,7 +128,7 @@ pub fn write_samples_csv(path: &Path, campaign: &CampaignFile, scene: &Scene) ->
             let mut cells = vec![stored.id.to_string()];
             cells.extend(stored.sample.iter().copied().map(number));
             for (row, output) in scene.outputs.iter().enumerate() {
-                let unit = OutputUnit::of(&output.kind);
+                let unit = output.kind.unit();
                 cells.extend(checkpoints.iter().map(|cycles| {
                     let value = stored.outcome.as_ref().ok().and_then(|evaluation| {
                         let column = evaluation.cycles.iter().position(|checkpoint| checkpoint == cycles)?;

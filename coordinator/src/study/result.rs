@@ -4,7 +4,6 @@ use super::responses::Responses;
 use super::rows::{failures, first_failure, sobol};
 use super::so_far::SoFar;
 use super::{Learned, LookedAt, Settings, Stop, Surrogate};
-use crate::results::output_unit::OutputUnit;
 use crate::results::summary::{
     ConditionRow, Convergence, EvaluationCounts, Failures, MomentsRow, NumericalRange, ReliabilityRow,
     SensitivityError, SensitivityRow, SobolRow, StudySummary, SurrogateRow, Timing, WorkerShare,
@@ -339,7 +338,7 @@ impl Findings {
 fn moments(scene: &Scene, distributions: &[Vec<OutputDistribution>], cycles: u32, n: usize) -> MomentsRow {
     let mut row = BTreeMap::new();
     for limit in &scene.limit_states {
-        let unit = OutputUnit::of(&scene.outputs[limit.output].kind);
+        let unit = scene.outputs[limit.output].kind.unit();
         let at = &distributions[limit.output][n];
         row.insert(unit.key(&format!("{}_mean", limit.name)), unit.to_file(at.mean));
         row.insert(unit.key(&format!("{}_std", limit.name)), unit.to_file(at.std));

@@ -55,14 +55,12 @@ impl StudyAccuracy {
             let rounded = Accuracy {
                 step_tolerance: a.step_tolerance,
                 largest_step: a.largest_step,
-                jump_tolerance: a.jump_tolerance,
                 wear_tolerance: a.wear_tolerance,
                 warm_up: a.warm_up,
                 ..kept
             };
             near(a.step_tolerance, kept.step_tolerance)
                 && near(a.largest_step, kept.largest_step)
-                && near(a.jump_tolerance, kept.jump_tolerance)
                 && near(a.wear_tolerance, kept.wear_tolerance)
                 && near(a.warm_up, kept.warm_up)
                 && rounded == a

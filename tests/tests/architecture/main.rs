@@ -11,13 +11,12 @@ use tests::skipped;
 
 /// A later layer of the worker may use an earlier one, never the reverse. A layer is a module, or a name that a
 /// module exports with the file that defines it, where that stands lower than the rest of its module.
-const WORKER: [&str; 20] = [
+const WORKER: [&str; 19] = [
     "log",
     "extremum",
     "interpolate",
     "lanes",
     "plane",
-    "life",
     "bore",
     "contact",
     "integrate",
@@ -57,7 +56,7 @@ const KEPT_TO: [(&str, &str, &[&str]); 12] = [
     ("axum", "worker", &["umbridge/"]),
     ("axum", "coordinator", &["presentation/monitor/server.rs"]),
     ("clap", "coordinator", &["cli/"]),
-    ("pulp", "worker", &["lanes/", "simulate/pool.rs", "simulate/together.rs"]),
+    ("pulp", "worker", &["lanes/", "simulate/side_by_side/"]),
 ];
 
 /// Crates that a crate does not depend on, not even for its tests.

@@ -2,7 +2,7 @@
 
 use common::scene::{SceneSource, published_results};
 use std::path::Path;
-use worker::simulate::simulate;
+use worker::simulate::{SimulateOptions, simulate};
 
 fn read(path: &str) -> String {
     std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path)).unwrap()
@@ -89,7 +89,7 @@ fn the_nominal_drive_is_simulated_as_the_page_says() {
     let page = page();
     let source = SceneSource::builtin("flapping-wing").unwrap();
     let scene = source.nominal();
-    let evaluation = simulate(scene, &scene.accuracy.accuracy, true).unwrap();
+    let evaluation = simulate(scene, &scene.accuracy.accuracy, SimulateOptions::WITH_FIRST_CYCLE).unwrap();
     let shown = |what: &str, column: usize| {
         let row = page.iter().find(|row| row[0] == what).unwrap_or_else(|| panic!("no row {what}"));
         number(&row[column]).unwrap()

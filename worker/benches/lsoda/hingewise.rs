@@ -8,7 +8,7 @@
 use common::accuracy::{Accuracy, Tier};
 use common::scene::SceneSource;
 use serde_json::json;
-use worker::simulate::simulate;
+use worker::simulate::{SimulateOptions, simulate};
 
 /// A setting as the command line writes it.
 fn setting(text: &str) -> Option<Accuracy> {
@@ -38,9 +38,9 @@ fn main() -> Result<(), String> {
     let repeats: u32 = repeats.parse().map_err(|_| format!("{repeats}: how many repeats?"))?;
     for text in settings {
         let accuracy = setting(text).ok_or_else(|| format!("{text}: no setting"))?;
-        let mut found = simulate(scene, &accuracy, false);
+        let mut found = simulate(scene, &accuracy, SimulateOptions::default());
         for _ in 1..repeats {
-            found = simulate(scene, &accuracy, false);
+            found = simulate(scene, &accuracy, SimulateOptions::default());
         }
         let line = match found {
             Ok(life) => {

@@ -3,27 +3,27 @@
 use common::accuracy::Accuracy;
 use common::scene::{Clearance, ContactDamping, ContactLaw, Curve, Drive, JointKind, Motion, Over, Scene};
 
-/// Life of a case in checkpoints of its scene: long enough that the wear is a good part of the clearance, short
-/// enough that a table of all cases takes a minute or two.
+/// Life of a case in checkpoints of its scene: long enough for a wear depth comparable to the clearance, short
+/// enough for a table of all cases in a minute or two.
 const CHECKPOINTS: u32 = 4;
 
 /// One case.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Case {
-    /// What is extreme.
+    /// The extreme quantities.
     pub name: &'static str,
     /// Contact law of every joint with clearance.
     pub law: ContactLaw,
-    /// The scene as changed, with a short life.
+    /// The changed scene, with a short life.
     pub scene: Scene,
-    /// Accuracy, with another jump where that is what is extreme.
+    /// The accuracy, with another block length if that is the extreme quantity.
     pub accuracy: Accuracy,
 }
 
-/// Changes a scene or an accuracy.
+/// Sets a quantity of a scene or an accuracy to an extreme.
 type Change = fn(&mut Scene, &mut Accuracy);
 
-/// What is extreme, one quantity at a time, then several.
+/// The extreme quantities, one at a time, then several.
 const CASES: [(&str, Change); 24] = [
     ("nominal", |_, _| {}),
     ("clearance 1 um", |s, _| clearance(s, 1e-6)),
@@ -131,7 +131,7 @@ fn wear(scene: &mut Scene, factor: f64) {
     each(scene, |c| c.wear_coefficient *= factor);
 }
 
-/// Lets one block of the wear jump over so many cycles, in a life of at least that.
+/// Sets the length of a wear block [cycles], in a life of at least that.
 fn jump(scene: &mut Scene, accuracy: &mut Accuracy, cycles: u32) {
     let every = scene.life.checkpoint_every;
     scene.life.cycles = scene.life.cycles.max(cycles / every * every);

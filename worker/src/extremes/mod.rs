@@ -1,8 +1,7 @@
-//! What an evaluation does at the edges of its model: a scene with every quantity at its extremes, each case held
-//! against a run at half the time step.
+//! Evaluations at the limits of the model: a scene with each quantity at an extreme, compared with a run at half the time step.
 //!
-//! A case is sound if the two runs agree within the error that the first one states of itself, or if it is refused by a
-//! failure that says why. Anything else is a disagreement: a number that nobody should have been given.
+//! A case is sound if the two runs agree within the error that the first one states, or if the evaluation fails with a
+//! reason. Any other case is a disagreement: the stated error is too small.
 
 mod cases;
 mod outcome;

@@ -1,7 +1,7 @@
-//! One case put to the test, or all of them on several threads.
+//! Runs one case, or all of them on several threads.
 
 use super::Case;
-use crate::simulate::simulate_counting;
+use crate::simulate::{CountedEvaluation, SimulateOptions, simulate_counted};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
@@ -10,21 +10,21 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// What became of a case.
+/// Outcome of a case.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Outcome {
-    /// Both runs came to their end and agree within the first one's stated error.
+    /// Both runs succeeded and agree within the error stated by the first one.
     Agrees,
-    /// The first run was refused.
+    /// The first run failed.
     Refused(SimulationFailure),
-    /// Both runs came to their end and differ by more than the stated error somewhere.
+    /// Both runs succeeded and differ by more than the stated error at a checkpoint.
     Disagrees,
-    /// Only the run at half the step was refused: the first one's numbers have nothing to back them.
+    /// Only the run at half the step failed, so that the first one is not confirmed.
     Unconfirmed(SimulationFailure),
 }
 
 impl Outcome {
-    /// Whether the user got a number to rely on, or a reason why there is none.
+    /// True if the case has a confirmed result, or a failure with its reason.
     pub fn is_sound(&self) -> bool {
         match self {
             Outcome::Agrees => true,
@@ -34,37 +34,37 @@ impl Outcome {
     }
 }
 
-/// One output where the two runs are furthest apart, measured by the stated error.
+/// An output at the checkpoint where the two runs differ most, relative to the stated error.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Compared {
     /// Index into the scene's outputs.
     pub output: usize,
     /// Life of the checkpoint [cycles].
     pub cycles: u32,
-    /// Value there, in the output's SI unit.
+    /// Value there [SI].
     pub value: f64,
-    /// Stated error there.
+    /// Stated error there [SI].
     pub error: f64,
-    /// Difference to the run at half the step.
+    /// Difference to the run at half the step [SI].
     pub difference: f64,
 }
 
 /// A row of the table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
-    /// What is extreme.
+    /// The extreme quantities.
     pub case: &'static str,
     /// Contact law.
     pub law: ContactLaw,
-    /// What became of it.
+    /// Outcome.
     pub outcome: Outcome,
-    /// Every output, if both runs came to their end.
+    /// Comparison of every output, if both runs succeeded.
     pub compared: Vec<Compared>,
-    /// Largest wear depth of any joint at the end of life, if the first run came to its end [m].
+    /// Largest wear depth of any joint at the end of life, if the first run succeeded [m].
     pub depth: Option<f64>,
-    /// Time steps of the first run, accepted and refused, up to its end or to its failure.
+    /// Time steps of the first run, accepted and refused, up to its end or failure.
     pub steps: u64,
-    /// The same of the run at half the step; zero if there was none.
+    /// Time steps of the run at half the step, zero if there was none.
     pub steps_of_half: u64,
 }
 
@@ -79,16 +79,21 @@ pub fn run(case: &Case) -> Row {
         steps: 0,
         steps_of_half: 0,
     };
-    let whole = match guarded(&case.scene, &case.accuracy, &mut row.steps) {
+    let CountedEvaluation { result, steps_tried } = simulate_guarded(&case.scene, &case.accuracy);
+    row.steps = steps_tried;
+    let whole = match result {
         Ok(evaluation) => evaluation,
         Err(failure) => return Row { outcome: Outcome::Refused(failure), ..row },
     };
     row.depth = whole.joints.iter().flat_map(|j| j.wear_depth.iter().copied()).reduce(f64::max);
-    match guarded(&case.scene, &case.accuracy.refined(2.0), &mut row.steps_of_half) {
+    let CountedEvaluation { result, steps_tried } =
+        simulate_guarded(&case.scene, &case.accuracy.refined(2.0));
+    row.steps_of_half = steps_tried;
+    match result {
         Err(failure) => row.outcome = Outcome::Unconfirmed(failure),
         Ok(half) => {
             row.compared = compare(&whole, &half);
-            // A comparison with NaN is false: nothing that is not a number agrees.
+            // A comparison with NaN is false: NaN does not agree.
             if !row.compared.iter().all(|c| c.difference <= c.error) {
                 row.outcome = Outcome::Disagrees;
             }
@@ -97,7 +102,7 @@ pub fn run(case: &Case) -> Row {
     row
 }
 
-/// Runs all cases on so many threads; rows in the order of the cases, each shown to `done` when it is there.
+/// Runs all cases on `threads` threads. Rows are in the order of the cases; `done` receives each one when it is complete.
 pub fn run_all(cases: &[Case], threads: usize, done: impl Fn(&Row) + Sync) -> Vec<Row> {
     let next = AtomicUsize::new(0);
     let rows = Mutex::new(Vec::with_capacity(cases.len()));
@@ -119,29 +124,29 @@ pub fn run_all(cases: &[Case], threads: usize, done: impl Fn(&Row) + Sync) -> Ve
     rows.into_iter().map(|(_, row)| row).collect()
 }
 
-/// A panic is a defect of the program, but no reason to lose the other rows.
-fn guarded(scene: &Scene, accuracy: &Accuracy, steps: &mut u64) -> Result<Evaluation, SimulationFailure> {
-    catch_unwind(AssertUnwindSafe(|| simulate_counting(scene, accuracy, false, steps))).unwrap_or_else(
-        |panic| {
-            let said = panic.downcast_ref::<String>().cloned();
-            let message = said.or_else(|| panic.downcast_ref::<&str>().map(|s| (*s).to_owned()));
-            Err(SimulationFailure::Panicked { message: message.unwrap_or_default() })
-        },
-    )
+/// Simulates with panics as failures: a panic is a defect of the program, but the other rows are kept.
+fn simulate_guarded(scene: &Scene, accuracy: &Accuracy) -> CountedEvaluation {
+    let counted = || simulate_counted(scene, accuracy, SimulateOptions::default());
+    catch_unwind(AssertUnwindSafe(counted)).unwrap_or_else(|panic| {
+        let text = panic.downcast_ref::<String>().cloned();
+        let message = text.or_else(|| panic.downcast_ref::<&str>().map(|s| (*s).to_owned()));
+        let failure = SimulationFailure::Panicked { message: message.unwrap_or_default() };
+        CountedEvaluation { result: Err(failure), steps_tried: 0 }
+    })
 }
 
-/// Every output at the checkpoint where the two runs differ most, measured by the stated error.
+/// Every output at the checkpoint where the two runs differ most, relative to the stated error.
 fn compare(whole: &Evaluation, half: &Evaluation) -> Vec<Compared> {
-    let of = |k: usize| {
-        let at = |i: usize| Compared {
-            output: k,
+    let excess = |c: &Compared| if c.difference > 0.0 { c.difference / c.error } else { 0.0 };
+    let worst_checkpoint = |output: usize| {
+        let compared = (0..whole.cycles.len()).map(|i| Compared {
+            output,
             cycles: whole.cycles[i],
-            value: whole.histories[k][i],
-            error: whole.errors[k][i],
-            difference: (whole.histories[k][i] - half.histories[k][i]).abs(),
-        };
-        let excess = |c: &Compared| if c.difference > 0.0 { c.difference / c.error } else { 0.0 };
-        (0..whole.cycles.len()).map(at).max_by(|a, b| excess(a).total_cmp(&excess(b)))
+            value: whole.histories[output][i],
+            error: whole.errors[output][i],
+            difference: (whole.histories[output][i] - half.histories[output][i]).abs(),
+        });
+        compared.max_by(|a, b| excess(a).total_cmp(&excess(b)))
     };
-    (0..whole.histories.len()).filter_map(of).collect()
+    (0..whole.histories.len()).filter_map(worst_checkpoint).collect()
 }

@@ -1,4 +1,7 @@
-//! Where the entries of an island's matrices are: near the diagonal, if its bodies form a chain.
+//! Storage of an island's matrices by diagonals: the bodies of a chain couple only to their neighbours.
+//!
+//! # Source
+//! Banded storage by rows, as in Golub, Van Loan: Matrix Computations (2013), section 1.2.
 
 use std::ops::Range;
 
@@ -12,8 +15,8 @@ pub struct Band {
 }
 
 impl Band {
-    /// Of an `n` x `n` matrix with `half` diagonals beside the main one on either side; all entries are kept where
-    /// that takes less than twice the room.
+    /// Layout of an `n` x `n` matrix with `half` diagonals on either side of the main one; all entries are stored where that takes
+    /// less than twice the space.
     pub fn new(n: usize, half: usize) -> Self {
         if 2 * (2 * half + 1) > n {
             return Band { n, half: n, stride: n, offset: 0 };
@@ -21,33 +24,33 @@ impl Band {
         Band { n, half, stride: 2 * half, offset: half }
     }
 
-    /// The layout that has twice as many diagonals beside the main one.
+    /// The layout with twice as many diagonals on either side of the main one.
     pub fn widened(&self) -> Self {
         Band::new(self.n, 2 * self.half)
     }
 
-    /// Rows.
+    /// Number of rows.
     pub fn n(&self) -> usize {
         self.n
     }
 
-    /// Room that the matrix takes.
+    /// Number of stored entries.
     pub fn len(&self) -> usize {
         if self.offset == 0 { self.n * self.n } else { self.n * (self.stride + 1) }
     }
 
-    /// Whether there is no row.
+    /// True if the matrix has no rows.
     pub fn is_empty(&self) -> bool {
         self.n == 0
     }
 
-    /// Where entry (i, j) is.
+    /// Index of entry (i, j) in the storage.
     #[inline(always)]
     pub fn index(&self, i: usize, j: usize) -> usize {
         i * self.stride + j + self.offset
     }
 
-    /// Columns kept of row `i`; by symmetry of the layout, rows of column `i`.
+    /// Stored columns of row `i`; by symmetry of the layout also the stored rows of column `i`.
     #[inline(always)]
     pub fn kept(&self, i: usize) -> Range<usize> {
         i.saturating_sub(self.half)..(i + self.half + 1).min(self.n)
@@ -59,7 +62,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_entry_has_a_place_of_its_own() {
+    fn no_two_entries_share_a_place() {
         for (n, half) in [(0, 0), (6, 5), (21, 5), (22, 5), (180, 5), (9, 0)] {
             let band = Band::new(n, half);
             let mut taken = vec![false; band.len()];

@@ -1,63 +1,81 @@
-//! How long the next step is: as long as the local error allows, the same tolerance everywhere in the cycle.
+//! Length of the time steps: as long as the local error allows, with one tolerance for the whole cycle.
+//!
+//! A step of length h has an estimated error e, divided by its tolerance [1]. The embedded estimate grows as h^4
+//! ([`super::Rosenbrock`]), hence the next length is
+//!
+//! - h clamp(0.9 e^(-1/4), 0.3, 3) after an accepted step (e <= 1), at most the largest step;
+//! - h clamp(0.9 e^(-1/4), 0.1, 0.5) after a refused step, h / 10 if e is not finite.
 //!
 //! Under `local-hertz` the error stays near its bound through the whole cycle, with some seven steps a period of the softest
 //! contact vibration (6 to 9 kHz in the flapping-wing drive), though only a fifth of the cycle lets that vibration grow: its damping is
 //! 2 to 6 % of critical elsewhere and falls below 1 % there, late in life. A tolerance loosened in proportion to the rate at which
-//! perturbations die (from the eigenvalues of the linearised island, 40 to 100 times a cycle) took 30 to 50 % off the steps and
-//! left the wear and the early life as they were; but it displaced the asymmetry from 48 000 cycles on by 2 to 50 % of its limit:
-//! what a long step leaves behind is what the weakly damped part of the cycle amplifies. So it is not done.
+//! perturbations die (from the eigenvalues of the linearised island, 40 to 100 times a cycle) saved 30 to 50 % of the steps and
+//! left the wear and the early life unchanged; but it displaced the asymmetry from 48 000 cycles on by 2 to 50 % of its limit,
+//! because the weakly damped part of the cycle amplifies the errors of the long steps. The tolerance is therefore constant.
+//!
+//! # Source
+//! Hairer, Nørsett, Wanner: Solving Ordinary Differential Equations I (1993), section II.4.
 
 /// Bounds of the steps of one island, and the step to try next.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepControl {
-    /// Relative tolerance of the local error.
+    /// Tolerance of the local error, in the scales of the system [1].
     pub tolerance: f64,
     /// Largest step [s].
     pub largest: f64,
     /// Smallest step [s].
     pub smallest: f64,
-    /// Bound on steps per call.
+    /// Bound on the accepted steps of one span.
     pub bound: u64,
     /// Step to try next [s].
     pub step: f64,
 }
 
+/// First step after a start or a jump of the system, as a share of the largest step [1].
+const FIRST_STEP: f64 = 1e-2;
+
 impl StepControl {
-    /// Steps between `smallest` and `largest` [s], at most `bound` of them a call.
+    /// Steps between `smallest` and `largest` [s], at most `bound` accepted ones a span, with local errors up to `tolerance`.
     pub fn new(tolerance: f64, largest: f64, smallest: f64, bound: u64) -> Self {
-        StepControl { tolerance, largest, smallest, bound, step: largest * 1e-2 }
+        StepControl { tolerance, largest, smallest, bound, step: largest * FIRST_STEP }
     }
 
-    /// Shortens the next step, because the system has just been changed in a jump.
+    /// Shortens the next step after a discontinuous change of the system, e.g. of a bore.
     pub fn after_jump(&mut self) {
-        self.step = self.largest * 1e-2;
+        self.step = self.largest * FIRST_STEP;
     }
 
-    /// The step to try where so much time is `left` [s]; the last two share what is left, so that no sliver remains.
+    /// The step to try [s] if the time `left` [s] remains in the span.
     #[inline]
     pub fn next(&self, left: f64) -> f64 {
-        if self.step >= left {
-            left
-        } else if 2.0 * self.step > left {
-            0.5 * left
-        } else {
-            self.step
-        }
+        within_remaining(self.step, left)
     }
 
-    /// A step of length `h` was accepted, its error over the tolerance being `error`.
+    /// Sets the next step after an accepted one of length `h` [s] and error over tolerance `error` [1]. A step cut short by the
+    /// end of a span does not lengthen it.
     #[inline]
-    pub fn accepted(&mut self, h: f64, error: f64) {
+    pub fn lengthen(&mut self, h: f64, error: f64) {
         let growth = (0.9 / error.max(1e-6).sqrt().sqrt()).clamp(0.3, 3.0);
         if h >= self.step || growth < 1.0 {
             self.step = (h * growth).min(self.largest);
         }
     }
 
-    /// A step of length `h` was refused; false if the next one would be too small.
-    pub fn refused(&mut self, h: f64, error: f64) -> bool {
+    /// Sets the next step after a refused one of length `h` [s] and error over tolerance `error` [1].
+    pub fn shorten(&mut self, h: f64, error: f64) {
         let shrink = if error.is_finite() { (0.9 / error.sqrt().sqrt()).clamp(0.1, 0.5) } else { 0.1 };
         self.step = h * shrink;
-        self.step >= self.smallest
+    }
+}
+
+/// `step`, or what the time `left` allows [s]: the last two steps of a span share it equally, so that no sliver remains.
+#[inline]
+pub fn within_remaining(step: f64, left: f64) -> f64 {
+    if step >= left {
+        left
+    } else if 2.0 * step > left {
+        0.5 * left
+    } else {
+        step
     }
 }

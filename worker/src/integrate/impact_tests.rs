@@ -1,7 +1,7 @@
 //! Central impact of a journal on an unworn bore against closed forms, with the real contact kernels and step
 //! control; and of a mass on a wall with other exponents of the force.
 
-use super::{Advance, AdvanceStats, Band, Dynamics, Linearised, Stepped, Watch};
+use super::{Band, Dynamics, Linearised, StateObserver, StepControl, StepCounts, Stepped, Stepper};
 use crate::bore::Profile;
 use crate::contact::{Contact, Foundation, JointForce, JointMotion, LocalHertz, Restitution, Surface};
 use common::scene::RestitutionLaw;
@@ -75,7 +75,7 @@ impl Stepped for Impact {
     fn scales(&self) -> (&[f64], &[f64]) {
         (&self.scale_q, &self.scale_v)
     }
-    fn accepted(&mut self, q: &[f64], v: &[f64], at: &Linearised) {
+    fn on_accepted(&mut self, q: &[f64], v: &[f64], at: &Linearised) {
         self.law.accepted(&self.bore, &motion(q, v), &at.joints[0]);
     }
 }
@@ -85,15 +85,15 @@ fn deepest(stiffness: f64, mass: f64, speed: f64) -> f64 {
     (1.25 * mass * speed * speed / stiffness).powf(0.4)
 }
 
-/// What the impact came to.
+/// Largest penetration of an impact, and time, penetration and speed of the last state.
 #[derive(Default)]
 struct Seen {
     deepest: f64,
     last: (f64, f64, f64),
 }
 
-impl Watch<Impact> for Seen {
-    fn state(&mut self, _system: &Impact, t: f64, q: &[f64], v: &[f64], at: &Linearised) {
+impl StateObserver<Impact> for Seen {
+    fn observe(&mut self, _system: &Impact, t: f64, q: &[f64], v: &[f64], at: &Linearised) {
         let penetration = at.joints[0].penetration;
         let (t0, p0, v0) = self.last;
         if v0 > 0.0 && v[0] <= 0.0 {
@@ -114,13 +114,13 @@ fn impact(law: Contact, mass: f64, speed: f64) -> (f64, f64, f64) {
     let Surface { stiffness, clearance, .. } = *law.surface();
     let mut system = Impact::new(law, mass, speed);
     let long = 10.0 * deepest(stiffness, mass, speed) / speed;
-    let mut advance =
-        Advance::new(Linearised::new(0.0, Band::new(2, 1), 1), 1e-7, long / 100.0, long * 1e-12, 100_000);
+    let control = StepControl::new(1e-7, long / 100.0, long * 1e-12, 100_000);
+    let mut stepper = Stepper::new(Linearised::new(0.0, Band::new(2, 1), 1), control);
     let before = 0.01 * deepest(stiffness, mass, speed);
     let (mut q, mut v) = ([clearance - before, 0.0], [speed, 0.0]);
     let mut seen = Seen::default();
-    advance
-        .run(&mut system, 0.0..long, &mut q, &mut v, &mut seen, &mut AdvanceStats::default())
+    stepper
+        .run(&mut system, 0.0..long, &mut q, &mut v, &mut seen, &mut StepCounts::default())
         .expect("the impact is integrated");
     // Free flight at constant speed leads back to the instant of separation.
     let (t, penetration, out) = seen.last;
@@ -248,16 +248,11 @@ fn restitution_does_not_depend_on_stiffness_exponent_or_mass() {
             let mut wall =
                 Wall { stiffness, exponent, damping, mass: [mass], scale_q: [deepest], scale_v: [speed] };
             let long = 10.0 * deepest / speed;
-            let mut advance = Advance::new(
-                Linearised::new(0.0, Band::new(1, 0), 0),
-                1e-7,
-                long / 100.0,
-                long * 1e-12,
-                100_000,
-            );
+            let control = StepControl::new(1e-7, long / 100.0, long * 1e-12, 100_000);
+            let mut stepper = Stepper::new(Linearised::new(0.0, Band::new(1, 0), 0), control);
             let (mut q, mut v) = ([0.0], [speed]);
-            advance
-                .run(&mut wall, 0.0..long, &mut q, &mut v, &mut (), &mut AdvanceStats::default())
+            stepper
+                .run(&mut wall, 0.0..long, &mut q, &mut v, &mut (), &mut StepCounts::default())
                 .expect("the impact is integrated");
             assert!(q[0] < 0.0, "the mass has left");
             let (found, expected) = (-v[0] / speed, closed_form(damping, speed));

@@ -1,18 +1,21 @@
-//! LU factorisation of small matrices, banded or dense, in place and without allocation: the step loop solves
-//! millions of them an evaluation.
+//! LU factorisation of small banded or dense matrices without pivoting, in place and without allocation: the step loop solves
+//! millions of such systems an evaluation.
 //!
-//! Rows are not exchanged: the matrices are M / (gamma h) - D - gamma h K, with masses on the diagonal that grow as the
-//! step shrinks, and lanes could not exchange rows each in its own way. Where a pivot has cancelled nearly to nothing
-//! the factorisation says so, and the step is refused.
+//! A = L U with unit diagonal of L. Rows are not exchanged: the matrices are M / (gamma h) - D - gamma h K, whose diagonal
+//! grows as the step h [s] shrinks, and SIMD lanes cannot exchange different rows. A pivot below 1e-9 of the diagonal entry it came
+//! from marks the matrix as singular, and the step is refused.
+//!
+//! # Source
+//! Gaussian elimination without pivoting: Golub, Van Loan, Matrix Computations (2013), section 3.2; banded: section 4.3.
 
 use super::Band;
 use crate::lanes::Real;
 
-/// A pivot below this share of the diagonal entry it came from has lost too many digits.
+/// A pivot below this share of the diagonal entry it came from has lost too many digits [1].
 const CANCELLED: f64 = 1e-9;
 
-/// Factors the matrix `a` in place: L below the diagonal, the inverses of the pivots on it, U above. One in lanes where
-/// that went well, else zero.
+/// Factors the matrix `a` in place: L below the diagonal, the inverses of the pivots on it, U above. Returns one in lanes
+/// where every pivot kept its digits, else zero.
 #[inline(always)]
 pub fn factor<R: Real>(a: &mut [R], band: &Band, like: R) -> R {
     let a = &mut a[..band.len()];
@@ -21,7 +24,7 @@ pub fn factor<R: Real>(a: &mut [R], band: &Band, like: R) -> R {
     for k in 0..band.n() {
         let kept = band.kept(k);
         let pivot = a[band.index(k, k)];
-        // Of the diagonal as it was: what elimination took from it is known from the rows above.
+        // Size of the diagonal entry before the elimination: pivot plus what the rows above took from it.
         let mut taken = zero;
         for j in kept.start..k {
             taken += (a[band.index(k, j)] * a[band.index(j, k)]).abs();
@@ -44,7 +47,7 @@ pub fn factor<R: Real>(a: &mut [R], band: &Band, like: R) -> R {
     sound
 }
 
-/// Solves with the factors of [`factor`], in place.
+/// Solves A x = b with the factors of [`factor`]; `x` holds b `(n,)` at first, then the solution.
 #[inline(always)]
 pub fn solve<R: Real>(a: &[R], band: &Band, x: &mut [R]) {
     let n = band.n();
@@ -69,7 +72,7 @@ pub fn solve<R: Real>(a: &[R], band: &Band, x: &mut [R]) {
     }
 }
 
-/// Product of a matrix with a vector, added to `y` times `factor`.
+/// Adds `factor` times the product of the matrix `a` with `x` `(n,)` to `y` `(n,)`.
 #[inline(always)]
 pub fn add_product<R: Real>(a: &[R], band: &Band, factor: R, x: &[R], y: &mut [R]) {
     let n = band.n();

@@ -1,22 +1,37 @@
-//! Time integration of M qdd = f(q, qd, t), islands of a few stiff degrees of freedom at a time.
+//! Time integration of M qdd = f(q, qd, t) for islands of a few stiff degrees of freedom.
+//!
+//! | file | contents |
+//! |---|---|
+//! | `rosenbrock.rs` | one step of the fourth-order scheme with its error estimate |
+//! | `control.rs` | length of the next step |
+//! | `progress.rs` | accepts or refuses a step; counts; reasons to stop |
+//! | `stepper.rs` | integrates one system over a span of time |
+//! | `lane_stepper.rs` | integrates one system per SIMD lane over spans of their own |
+//! | `band.rs`, `linear.rs`, `pivoted.rs` | banded matrices and their factorisations |
 
-mod abreast;
-mod advance;
 mod band;
 mod control;
 #[cfg(test)]
 mod impact_tests;
+mod lane_stepper;
+#[cfg(test)]
+mod lane_stepper_tests;
 mod linear;
 mod pivoted;
+mod progress;
 mod rosenbrock;
+mod stepper;
 
-pub use abreast::{Abreast, Scaled, Seat};
-pub use advance::{Advance, AdvanceError, AdvanceStats, Watch, worst_coordinate};
 pub use band::Band;
-pub use control::StepControl;
+pub use control::{StepControl, within_remaining};
+pub use lane_stepper::{LaneOutcome, LaneState, LaneStepper, Scaled};
 pub use linear::add_product;
 pub use pivoted::Pivoted;
+pub use progress::{
+    IntegrationError, SpanProgress, StepCounts, StepDecision, nan_as_infinite, worst_coordinate,
+};
 pub use rosenbrock::Rosenbrock;
+pub use stepper::{StateObserver, Stepper};
 
 use crate::contact::JointForce;
 use crate::lanes::Real;
@@ -27,35 +42,38 @@ pub trait Dynamics<R: Real = f64> {
     fn mass(&self) -> &[R];
     /// f `(n,)` at time `t` [s]; not a number where it does not exist.
     fn force(&mut self, t: R, q: &[R], v: &[R], f: &mut [R]);
-    /// f with its derivatives.
+    /// f with its derivatives K = df/dq, D = df/dqd and df/dt at time `t` [s].
     fn linearise(&mut self, t: R, q: &[R], v: &[R], at: &mut Linearised<R>);
 }
 
-/// What the control of the steps asks of one such system.
+/// One such system with what error control needs: scales, constraints, range and memory.
 pub trait Stepped: Dynamics {
-    /// Whether [`Stepped::close`] has anything to do.
+    /// True if the system has ideal joints, so that [`Stepped::close`] changes its state.
     fn is_constrained(&self) -> bool {
         false
     }
-    /// Moves positions and velocities back onto the constraints of ideal joints; returns how far the joints had
-    /// drifted open [m], or nothing if they could not be closed.
+    /// Moves positions and velocities back onto the constraints of ideal joints. Returns the largest distance by which a joint had
+    /// drifted open [m], or `None` if the joints cannot be closed.
     fn close(&mut self, t: f64, q: &mut [f64], v: &mut [f64]) -> Option<f64> {
         let _ = (t, q, v);
         Some(0.0)
     }
     /// Scales of q and qd against which errors are measured `(n,)` each.
     fn scales(&self) -> (&[f64], &[f64]);
-    /// Takes notice that the state last linearised was accepted: laws that remember how a contact began learn of it
-    /// here.
-    fn accepted(&mut self, q: &[f64], v: &[f64], at: &Linearised) {
+    /// Called after each accepted step with the state last linearised: contact laws whose damping depends on the speed at
+    /// impact update it here.
+    fn on_accepted(&mut self, q: &[f64], v: &[f64], at: &Linearised) {
         let _ = (q, v, at);
     }
-    /// Whether the state lies in the range of the model; else which joint left it and its penetration.
+    /// Checks that the state lies in the range of the contact laws.
+    ///
+    /// # Errors
+    /// The joint that left the range, and its penetration [m].
     fn in_range(&self, at: &Linearised) -> Result<(), (usize, f64)> {
         let _ = at;
         Ok(())
     }
-    /// The joint to be named when the error of this coordinate stops the integration.
+    /// The joint to name when the error of this coordinate stops the integration.
     fn responsible_joint(&self, coordinate: usize, at: &Linearised) -> Option<usize> {
         let _ = (coordinate, at);
         None
@@ -67,7 +85,7 @@ pub trait Stepped: Dynamics {
 pub struct Linearised<R = f64> {
     /// f `(n,)`.
     pub f: Vec<R>,
-    /// Where the entries of the matrices are.
+    /// Layout of the matrices.
     pub band: Band,
     /// df/dq `(n, n)`.
     pub k: Vec<R>,
@@ -75,20 +93,20 @@ pub struct Linearised<R = f64> {
     pub d: Vec<R>,
     /// df/dt at constant q, qd `(n,)`.
     pub ft: Vec<R>,
-    /// What each joint of the island does.
+    /// Force of each joint with clearance `(joints,)`.
     pub joints: Vec<JointForce<R>>,
-    /// Eccentricity of each joint in its bushing's frame [m].
+    /// Eccentricity of each joint in its bushing's frame `(joints, 2)` [m].
     pub e: Vec<[R; 2]>,
     /// Multipliers of the ideal joints' constraints `(m,)` [N, N m].
     pub lambda: Vec<R>,
-    /// Generalised force (x, y, angle) of joints and loads on each prescribed body [N, N m].
+    /// Generalised force (x, y, angle) of joints and loads on each prescribed body `(bodies, 3)` [N, N m].
     pub prescribed: Vec<[R; 3]>,
-    /// Whether the ideal joints' directions are dependent here, so that f does not exist.
+    /// True if the constraints of the ideal joints are linearly dependent here, so that f does not exist.
     pub singular: bool,
 }
 
 impl<R: Real> Linearised<R> {
-    /// Room for the degrees of freedom of `band` and `joints` joints, in as many lanes as `like`.
+    /// Zeros for the degrees of freedom of `band` and for `joints` joints, in as many lanes as `like`.
     pub fn new(like: R, band: Band, joints: usize) -> Self {
         let zero = like.zero();
         Linearised {
@@ -99,12 +117,12 @@ impl<R: Real> Linearised<R> {
             band,
             joints: vec![JointForce::none(zero); joints],
             e: vec![[zero; 2]; joints],
-            ..Self::nothing()
+            ..Self::empty()
         }
     }
 
-    /// Room for nothing.
-    pub fn nothing() -> Self {
+    /// Without degrees of freedom or joints.
+    pub fn empty() -> Self {
         Linearised {
             f: vec![],
             band: Band::default(),

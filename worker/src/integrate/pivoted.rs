@@ -1,12 +1,19 @@
-//! LU factorisation with partial pivoting, for matrices whose diagonal promises nothing: those of a search for
+//! LU factorisation with partial pivoting, P A = L U, for matrices that are not diagonally dominant: those of a search for
 //! equilibrium are indefinite wherever a contact force turns with its journal.
+//!
+//! # Source
+//! Golub, Van Loan: Matrix Computations (2013), section 3.4; banded: section 4.3.
 
 use super::Band;
+
+/// The matrix has a pivot that is zero or not finite.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SingularMatrix;
 
 /// A banded or dense matrix and its factors.
 #[derive(Debug, Clone)]
 pub struct Pivoted {
-    /// Of the matrix to be factored; exchanged rows reach twice as far.
+    /// Layout of the matrix, and of its factors: exchanged rows reach twice as far.
     narrow: Band,
     wide: Band,
     a: Vec<f64>,
@@ -14,14 +21,17 @@ pub struct Pivoted {
 }
 
 impl Pivoted {
-    /// With room for a matrix of this layout.
+    /// Space for the factors of a matrix of this layout.
     pub fn new(narrow: Band) -> Self {
         let wide = narrow.widened();
         Pivoted { narrow, wide, a: vec![0.0; wide.len()], pivots: vec![0; narrow.n()] }
     }
 
-    /// Factors the matrix whose entry at each place of the layout is `entry` of that place; false if it is singular.
-    pub fn factor(&mut self, entry: impl Fn(usize) -> f64) -> bool {
+    /// Factors the matrix whose stored entry at index i of its layout is `entry(i)`.
+    ///
+    /// # Errors
+    /// [`SingularMatrix`] if a pivot is zero or not finite.
+    pub fn factor(&mut self, entry: impl Fn(usize) -> f64) -> Result<(), SingularMatrix> {
         let Pivoted { narrow, wide, a, pivots } = self;
         a.fill(0.0);
         for i in 0..narrow.n() {
@@ -43,7 +53,7 @@ impl Pivoted {
             }
             let diagonal = a[wide.index(k, k)];
             if diagonal == 0.0 || !diagonal.is_finite() {
-                return false;
+                return Err(SingularMatrix);
             }
             a[wide.index(k, k)] = 1.0 / diagonal;
             for i in k + 1..rows.end {
@@ -54,10 +64,10 @@ impl Pivoted {
                 }
             }
         }
-        true
+        Ok(())
     }
 
-    /// Solves with the factors, in place.
+    /// Solves A x = b with the factors; `x` holds b `(n,)` at first, then the solution.
     pub fn solve(&self, x: &mut [f64]) {
         let Pivoted { narrow, wide, a, pivots } = self;
         for k in 0..wide.n() {
@@ -92,7 +102,7 @@ mod tests {
             let mut b = vec![0.0; band.n()];
             add_product(&a, &band, 1.0, &x, &mut b);
             let mut lu = Pivoted::new(band);
-            assert!(lu.factor(|place| a[place]));
+            assert_eq!(lu.factor(|place| a[place]), Ok(()));
             lu.solve(&mut b);
             let off = b.iter().zip(&x).map(|(b, x)| (b - x).abs()).fold(0.0, f64::max);
             assert!(off < 1e-11, "{band:?}: {off}");
@@ -102,7 +112,8 @@ mod tests {
     #[test]
     fn reports_a_singular_matrix() {
         for a in [[1.0, 2.0, 2.0, 4.0], [f64::NAN, 0.0, 0.0, 1.0]] {
-            assert!(!Pivoted::new(Band::new(2, 1)).factor(|place| a[place]), "{a:?}");
+            let factored = Pivoted::new(Band::new(2, 1)).factor(|place| a[place]);
+            assert_eq!(factored, Err(SingularMatrix), "{a:?}");
         }
     }
 }

@@ -6,7 +6,7 @@ use super::joint::{Rows, Touching, pair_force};
 use super::{Frame, Island, ideal_cycle, islands};
 use crate::bore::Profile;
 use crate::contact::{Contact, JointForce, JointMotion};
-use crate::integrate::{Advance, AdvanceStats, Dynamics, Stepped};
+use crate::integrate::{Dynamics, StepControl, StepCounts, Stepped, Stepper};
 use common::scene::*;
 use std::f64::consts::TAU;
 
@@ -144,14 +144,15 @@ fn states(scene: &Scene, island: &mut Island) -> Vec<(f64, Vec<f64>, Vec<f64>)> 
     };
     let (mut q, mut v) = (pick(&pose.q), pick(&pose.v));
     let period = scene.life.period;
-    let mut advance = Advance::new(island.linearised(), 1e-2, period / 250.0, period * 1e-9, 100_000);
+    let control = StepControl::new(1e-2, period / 250.0, period * 1e-9, 100_000);
+    let mut stepper = Stepper::new(island.linearised(), control);
     let mut t = 0.0;
     [0.37, 0.55, 0.8]
         .iter()
         .map(|share| {
             let end = share * period;
-            let mut stats = AdvanceStats::default();
-            advance.run(island, t..end, &mut q, &mut v, &mut (), &mut stats).expect("integrated");
+            let mut counts = StepCounts::default();
+            stepper.run(island, t..end, &mut q, &mut v, &mut (), &mut counts).expect("integrated");
             t = end;
             (t, q.clone(), v.clone())
         })

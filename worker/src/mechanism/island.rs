@@ -331,7 +331,7 @@ impl Stepped for Island {
         (&self.scale_q, &self.scale_v)
     }
 
-    fn accepted(&mut self, _q: &[f64], _v: &[f64], at: &Linearised) {
+    fn on_accepted(&mut self, _q: &[f64], _v: &[f64], at: &Linearised) {
         for index in 0..self.joints.len() {
             if self.joints[index].contact.surface().restitution.is_some() {
                 let motion = self.joint_motion(index);

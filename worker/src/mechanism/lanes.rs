@@ -200,7 +200,7 @@ impl<R: Real> Dynamics<R> for IslandLanes<R> {
     #[inline(always)]
     fn force(&mut self, t: R, q: &[R], v: &[R], f: &mut [R]) {
         self.update_frames(t, q, v);
-        self.acting().applied::<false>(t, f, &mut Linearised::nothing());
+        self.acting().applied::<false>(t, f, &mut Linearised::empty());
     }
 
     #[inline(always)]

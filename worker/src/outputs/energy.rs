@@ -1,10 +1,16 @@
-//! Where the energy of a cycle went: powers added up over the integrator's own steps.
+//! Energy balance of a cycle: powers integrated over the time steps by the trapezoidal rule.
+//!
+//! input + unphysical = change of the stored energy + dissipated [J], up to the error of the integration. Stored are the kinetic
+//! energy and the potentials of springs, gravity and contacts; unphysical is the work of elastic contact forces without potential.
+//!
+//! # Source
+//! Power theorem of mechanics: Goldstein, Poole, Safko, Classical Mechanics (2002), chapter 1.
 
 use common::outputs::EnergyBalance;
 
 /// Energies and powers of an island at one instant.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Instant {
+pub struct PowerState {
     /// Kinetic energy and that of springs, gravity and contacts [J].
     pub stored: f64,
     /// Power of drives and of loads without potential [W].
@@ -15,19 +21,19 @@ pub struct Instant {
     pub unphysical: f64,
 }
 
-/// The account of one island.
+/// Energy balance of one island, summed up over its time steps.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Ledger {
+pub struct EnergyLedger {
     balance: EnergyBalance,
-    last: Option<(f64, Instant)>,
+    last: Option<(f64, PowerState)>,
 }
 
-impl Ledger {
+impl EnergyLedger {
     /// Adds the step from the last instant to this one, at time `t` [s], by the trapezoidal rule.
-    pub fn push(&mut self, t: f64, now: Instant) {
+    pub fn push(&mut self, t: f64, now: PowerState) {
         if let Some((before, last)) = self.last {
             let half = 0.5 * (t - before);
-            let work = |of: fn(&Instant) -> f64| half * (of(&last) + of(&now));
+            let work = |power: fn(&PowerState) -> f64| half * (power(&last) + power(&now));
             let (input, lost, unphysical) = (work(|i| i.input), work(|i| i.lost), work(|i| i.unphysical));
             let stored = now.stored - last.stored;
             self.balance.input += input;
@@ -39,14 +45,14 @@ impl Ledger {
         self.last = Some((t, now));
     }
 
-    /// What came in and where it went.
+    /// The balance so far.
     pub fn balance(&self) -> EnergyBalance {
         self.balance
     }
 }
 
-/// Of several islands together.
-pub fn together(balances: impl Iterator<Item = EnergyBalance>) -> EnergyBalance {
+/// Sum of the balances of several islands.
+pub fn sum_of_islands(balances: impl Iterator<Item = EnergyBalance>) -> EnergyBalance {
     balances.fold(EnergyBalance::default(), |a, b| EnergyBalance {
         input: a.input + b.input,
         stored: a.stored + b.stored,

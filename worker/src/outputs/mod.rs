@@ -1,19 +1,61 @@
-//! From the motion of a cycle to the quantities a scene asks for.
+//! From the recorded motion of a cycle to the outputs of a scene.
+//!
+//! An output that follows from the motion is a [`MotionOutput`] in a file of its own: what it needs recorded, its value, and how
+//! it reads values between two time steps. [`motion_output`] lists them all.
+//!
+//! | file | contents |
+//! |---|---|
+//! | `motion_output.rs` | the trait of the outputs |
+//! | `angle_difference.rs`, `peak_joint_force.rs`, `position_error.rs`, `driving_torque.rs` | the outputs |
+//! | `recording_request.rs`, `recorder.rs` | what to record of an island, and the recording |
+//! | `recorded_cycle.rs` | the recordings of all islands of a cycle, as outputs read them |
+//! | `trace.rs` | angle of a body and force of a joint over time |
+//! | `full_recording.rs`, `energy.rs` | everything of a cycle that is displayed |
 
-mod difference;
+mod angle_difference;
+mod driving_torque;
 mod energy;
-mod point;
+mod full_recording;
+mod motion_output;
+mod peak_joint_force;
+mod position_error;
+mod recorded_cycle;
 mod recorder;
-mod shown;
-mod torque;
+mod recording_request;
 mod trace;
-mod wanted;
 
-pub use difference::{Compared, largest_difference};
-pub use energy::together;
-pub use point::PointTrack;
+pub use energy::sum_of_islands;
+pub use full_recording::FullRecording;
+pub use motion_output::{MotionOutput, Sampling};
+pub use position_error::PointTrack;
+pub use recorded_cycle::{RecordedCycle, sample_times};
 pub use recorder::Recorder;
-pub use shown::Shown;
-pub use torque::{MomentTrack, largest_torque};
+pub use recording_request::RecordingRequest;
 pub use trace::{BodyTrack, ForceTrack};
-pub use wanted::Wanted;
+
+use angle_difference::AngleDifference;
+use common::scene::{OutputKind, Scene};
+use driving_torque::DrivingTorque;
+use peak_joint_force::PeakJointForce;
+use position_error::PositionError;
+
+/// The output of this kind, if it follows from the motion of a cycle; `None` for the wear and for external simulators.
+pub fn motion_output(kind: &OutputKind) -> Option<Box<dyn MotionOutput + '_>> {
+    match kind {
+        OutputKind::LargestWear { .. } | OutputKind::External { .. } => None,
+        OutputKind::AngularVelocityDifference { a, b } => Some(Box::new(AngleDifference::of_speeds(a, b))),
+        OutputKind::AngleDifference { a, b } => Some(Box::new(AngleDifference::of_angles(a, b))),
+        OutputKind::PeakJointForce { joints } => Some(Box::new(PeakJointForce { joints })),
+        OutputKind::PositionError { at } => Some(Box::new(PositionError { at })),
+        OutputKind::DrivingTorque { body } => Some(Box::new(DrivingTorque { body: *body })),
+    }
+}
+
+/// What the outputs of a scene need recorded of its motion.
+pub fn recording_request(scene: &Scene) -> RecordingRequest {
+    let mut request = RecordingRequest::default();
+    for output in scene.outputs.iter().filter_map(|output| motion_output(&output.kind)) {
+        output.request(&mut request);
+    }
+    request
+}

@@ -1,10 +1,13 @@
-//! Motion of a body and force of a joint over a cycle, at the integrator's own times.
+//! Angle of a body and force of a joint over a cycle, at the times of the integrator, with interpolation between them.
+//!
+//! # Source
+//! Cubic Hermite interpolation: de Boor, A Practical Guide to Splines (1978), chapter IV.
 
 use crate::interpolate::Cubic;
 
-/// A sine followed at x radians a step has a slope of x / (2 sin x) of that change where it peaks, which is below
-/// this up to x = 2.2; and of x / sin x at most where it is steepest, below this up to x = 1.5.
-const BORNE_OUT: f64 = 1.5;
+/// Largest accepted slope over the secants nearby [1]. A sine sampled every x radians has slopes of at most x / (2 sin x) times
+/// the secant where it peaks, below this value up to x = 2.2, and x / sin x where it is steepest, below it up to x = 1.5.
+const LARGEST_SLOPE: f64 = 1.5;
 
 /// Angle of one body with its first two rates, at increasing times.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -20,7 +23,7 @@ pub struct BodyTrack {
 }
 
 impl BodyTrack {
-    /// Forgets everything.
+    /// Removes all states.
     pub fn clear(&mut self) {
         self.time.clear();
         self.angle.clear();
@@ -28,7 +31,7 @@ impl BodyTrack {
         self.alpha.clear();
     }
 
-    /// Adds a state.
+    /// Adds a state: time [s], angle [rad], angular velocity [rad/s], angular acceleration [rad/s^2].
     pub fn push(&mut self, time: f64, angle: f64, omega: f64, alpha: f64) {
         self.time.push(time);
         self.angle.push(angle);
@@ -36,34 +39,33 @@ impl BodyTrack {
         self.alpha.push(alpha);
     }
 
-    /// Angle and its rate at `t` in interval `k`, by cubic Hermite interpolation.
+    /// Angle and its rate at time `t` [s] in interval `k`, by cubic Hermite interpolation.
     #[inline]
     pub fn angle_in(&self, k: usize, t: f64) -> (f64, f64) {
         cubic(&self.time, &self.angle, [self.omega[k], self.omega[k + 1]], k, t)
     }
 
-    /// Angular velocity and its rate at `t` in interval `k`, by cubic Hermite interpolation. Accelerations count as
-    /// far as the velocities nearby bear them out: over the interval up to [`BORNE_OUT`] times the largest change
-    /// of velocity over it and the two beside it.
+    /// Angular velocity and its rate at time `t` [s] in interval `k`, by cubic Hermite interpolation. Accelerations are limited
+    /// to [`LARGEST_SLOPE`] times the largest change of velocity over the interval and its two neighbours.
     ///
-    /// A step far longer than the period of a contact vibration passes over it; what it leaves is nothing in
-    /// the velocity, but much in the acceleration, and a cubic through that would show peaks that never were.
+    /// A step far longer than the period of a contact vibration skips it: little of the vibration remains in the velocity,
+    /// but much in the acceleration, and a cubic with that slope would have peaks that do not exist.
     #[inline]
     pub fn omega_in(&self, k: usize, t: f64) -> (f64, f64) {
         let change = |k: usize| (self.omega[k + 1] - self.omega[k]).abs();
         let around = k.saturating_sub(1)..=(k + 1).min(self.time.len() - 2);
-        let most = BORNE_OUT * around.map(change).fold(0.0, f64::max) / (self.time[k + 1] - self.time[k]);
+        let most = LARGEST_SLOPE * around.map(change).fold(0.0, f64::max) / (self.time[k + 1] - self.time[k]);
         let slopes = [self.alpha[k], self.alpha[k + 1]].map(|a| a.clamp(-most, most));
         cubic(&self.time, &self.omega, slopes, k, t)
     }
 
-    /// Angular velocity at times `at` (increasing, within the track), by linear interpolation [rad/s].
+    /// Angular velocity at times `at` [s], increasing and within the track, by linear interpolation [rad/s].
     pub fn speed_at(&self, at: &[f64]) -> Vec<f64> {
         linear(&self.time, &self.omega, at)
     }
 
-    /// Angle and angular velocity at times `at` (increasing, within the track), each by cubic Hermite
-    /// interpolation of the integrator's own values.
+    /// Angle [rad] and angular velocity [rad/s] at times `at` [s], increasing and within the track, each by cubic Hermite
+    /// interpolation.
     pub fn resample(&self, at: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let mut k = 0;
         at.iter()
@@ -77,7 +79,7 @@ impl BodyTrack {
     }
 }
 
-/// Value and slope at `t` of the cubic through values and slopes at both ends of interval `k`.
+/// Value and slope at time `t` [s] of the cubic through values and slopes at both ends of interval `k`.
 #[inline]
 pub(super) fn cubic(time: &[f64], value: &[f64], slope: [f64; 2], k: usize, t: f64) -> (f64, f64) {
     let h = time[k + 1] - time[k];
@@ -93,14 +95,14 @@ pub struct ForceTrack {
     pub time: Vec<f64>,
     /// Magnitude `(n,)` [N].
     pub force: Vec<f64>,
-    /// Time in free flight [s].
+    /// Time in free flight so far [s].
     pub free: f64,
-    /// Whether the last instant was one of free flight.
+    /// True if the last instant was one of free flight.
     is_free: bool,
 }
 
 impl ForceTrack {
-    /// Adds an instant, at the end of a step of twice `half` [s]; in free flight unless it `touches`.
+    /// Adds the force [N] at the end of a step of length 2 `half` [s]; the joint is in free flight unless it `touches`.
     pub fn push(&mut self, time: f64, force: f64, touches: bool, half: f64) {
         // Trapezoidal rule: each end of a step stands for half of it.
         for free in [std::mem::replace(&mut self.is_free, !touches), !touches] {
@@ -110,18 +112,18 @@ impl ForceTrack {
         self.force.push(force);
     }
 
-    /// Largest value [N].
+    /// Largest force [N].
     pub fn peak(&self) -> f64 {
         self.force.iter().fold(0.0, |a, &b| a.max(b))
     }
 
-    /// Values at times `at` (increasing, within the track), by linear interpolation [N].
+    /// Force at times `at` [s], increasing and within the track, by linear interpolation [N].
     pub fn resample(&self, at: &[f64]) -> Vec<f64> {
         linear(&self.time, &self.force, at)
     }
 }
 
-/// Values at times `at` (increasing, within the track), by linear interpolation.
+/// Values at times `at` [s], increasing and within the track, by linear interpolation.
 fn linear(time: &[f64], value: &[f64], at: &[f64]) -> Vec<f64> {
     let mut k = 0;
     at.iter()

@@ -1,9 +1,8 @@
-//! The step of the gaps and its control on one coordinate held by a spring and a film: order, closed forms,
-//! refusals.
+//! Steps of the gaps and their control on one coordinate held by a spring and a film: order, closed forms, refusals.
 
-use super::gap::Gap;
-use super::{Follow, FollowStats, IdealMotion, StepBounds, Unsuitable};
-use crate::integrate::{Band, Dynamics, Linearised, Stepped, Watch};
+use super::gap_solver::GapSolver;
+use super::{IdealMotion, QuasiStaticCounts, QuasiStaticStepper, StepBounds, Unsuitable};
+use crate::integrate::{Band, Dynamics, Linearised, StateObserver, Stepped};
 use std::f64::consts::TAU;
 
 /// A body of mass `mass` on a point that moves as A sin(omega t): f = -c (v - v_point) - k g (1 + h g^2), with
@@ -65,18 +64,18 @@ impl Stepped for Held {
 
 /// Gap at t = 0.4 after this many equal steps from rest at t = 0.1, and the last step's error estimate.
 fn end(system: &Held, steps: u32) -> (f64, f64) {
-    let (ideal, mut gap) = (system.ideal(), Gap::new(Linearised::new(0.0, Band::new(1, 0), 0)));
-    assert!(gap.rest(&mut Held { ..*system }, &ideal, 0.1, &[0.0]));
+    let (ideal, mut gap) = (system.ideal(), GapSolver::new(Linearised::new(0.0, Band::new(1, 0), 0)));
+    gap.solve_rest(&mut Held { ..*system }, &ideal, 0.1, &[0.0]).expect("a spring gives rest");
     // Newton's iteration stops at 1e-4 of the scale: now far below every difference looked at.
     let system = &mut Held { scale: [5e-4], ..*system };
     let h = 0.3 / f64::from(steps);
     let mut error = 0.0;
     for k in 1..=steps {
-        assert!(gap.step(system, &ideal, h), "step {k}");
-        error = gap.error(h, &[1.0]);
+        assert_eq!(gap.try_step(system, &ideal, h), Ok(()), "step {k}");
+        error = gap.estimate_error(h, &[1.0]);
         gap.accept(0.1 + f64::from(k) * h);
     }
-    (gap.now()[0], error)
+    (gap.gaps()[0], error)
 }
 
 #[test]
@@ -120,8 +119,8 @@ struct Against<F: Fn(f64) -> f64> {
     seen: u64,
 }
 
-impl<F: Fn(f64) -> f64> Watch<Held> for Against<F> {
-    fn state(&mut self, _system: &Held, t: f64, q: &[f64], _v: &[f64], _at: &Linearised) {
+impl<F: Fn(f64) -> f64> StateObserver<Held> for Against<F> {
+    fn observe(&mut self, _system: &Held, t: f64, q: &[f64], _v: &[f64], _at: &Linearised) {
         self.off = self.off.max((q[0] - (self.point)(&self.system, t)[0] - (self.form)(t)).abs());
         self.seen += 1;
     }
@@ -139,19 +138,24 @@ fn the_settled_cycle_is_that_of_the_closed_form() {
     let force = system.mass[0] * system.amplitude * OMEGA * OMEGA;
     let (size, lag) = (force / k.hypot(c * OMEGA), (c * OMEGA).atan2(k));
     let mut off = |tolerance: f64| {
-        let mut follow =
-            Follow::new(system.ideal(), Linearised::new(0.0, Band::new(1, 0), 0), tolerance, bounds(0.1));
-        let mut stats = FollowStats::default();
+        let mut stepper = QuasiStaticStepper::new(
+            system.ideal(),
+            Linearised::new(0.0, Band::new(1, 0), 0),
+            tolerance,
+            bounds(0.1),
+        );
+        let mut stats = QuasiStaticCounts::default();
         // After ten relaxation times of 0.05 the start is forgotten to 5e-5.
-        follow.begin(&mut system, -0.5, &[0.0], &mut stats).expect("a spring gives rest");
-        follow.run(&mut system, 0.0, &mut (), &mut stats).expect("run up");
+        stepper.start(&mut system, -0.5, &[0.0], &mut stats).expect("a spring gives rest");
+        stepper.run(&mut system, 0.0, &mut (), &mut stats).expect("run up");
         let form = |t: f64| size * (OMEGA * t - lag).sin();
         let before = stats.steps;
-        let mut watch = Against { form, point: Held::point, system: Held::new(c, k, 0.0), off: 0.0, seen: 0 };
-        follow.run(&mut system, 1.0, &mut watch, &mut stats).expect("a cycle");
-        assert_eq!(watch.seen, stats.steps - before + 1, "both ends and every step are seen");
+        let mut observer =
+            Against { form, point: Held::point, system: Held::new(c, k, 0.0), off: 0.0, seen: 0 };
+        stepper.run(&mut system, 1.0, &mut observer, &mut stats).expect("a cycle");
+        assert_eq!(observer.seen, stats.steps - before + 1, "both ends and every step are seen");
         assert!(stats.iterations > stats.steps);
-        watch.off / size
+        observer.off / size
     };
     // The local error is of third order, its sum over the relaxation time of second: 100^(2/3) = 21.5.
     let (coarse, fine) = (off(0.1), off(0.001));
@@ -162,18 +166,19 @@ fn the_settled_cycle_is_that_of_the_closed_form() {
 #[test]
 fn a_gap_that_nothing_holds_is_refused() {
     let mut system = Held::new(0.0, 40.0, 0.0);
-    let mut stats = FollowStats::default();
-    let mut follow = Follow::new(system.ideal(), Linearised::new(0.0, Band::new(1, 0), 0), 1.0, bounds(0.01));
+    let mut stats = QuasiStaticCounts::default();
+    let mut stepper =
+        QuasiStaticStepper::new(system.ideal(), Linearised::new(0.0, Band::new(1, 0), 0), 1.0, bounds(0.01));
     system.until = 0.35;
-    follow.begin(&mut system, 0.1, &[0.0], &mut stats).expect("held at first");
-    match follow.run(&mut system, 1.0, &mut (), &mut stats) {
+    stepper.start(&mut system, 0.1, &[0.0], &mut stats).expect("held at first");
+    match stepper.run(&mut system, 1.0, &mut (), &mut stats) {
         Err(Unsuitable::LostHold { time, step }) => {
             assert!((time - 0.35).abs() < 1e-6 && step < 1e-9, "at {time}, step {step}");
         }
         other => panic!("{other:?}"),
     }
     assert!(stats.refused > 10, "every refusal is counted: {}", stats.refused);
-    let lost = follow.begin(&mut system, 0.4, &[0.0], &mut stats);
+    let lost = stepper.start(&mut system, 0.4, &[0.0], &mut stats);
     assert_eq!(lost, Err(Unsuitable::NoRest { time: 0.4 }));
 }
 
@@ -181,16 +186,16 @@ fn a_gap_that_nothing_holds_is_refused() {
 fn a_film_alone_holds_a_gap() {
     let mut system = Held::new(2.0, 40.0, 0.0);
     system.until = 0.35;
-    let mut stats = FollowStats::default();
-    let mut follow =
-        Follow::new(system.ideal(), Linearised::new(0.0, Band::new(1, 0), 0), 1e-3, bounds(0.01));
-    follow.begin(&mut system, 0.1, &[0.0], &mut stats).expect("held at first");
-    follow.run(&mut system, 1.0, &mut (), &mut stats).expect("the film goes on holding");
+    let mut stats = QuasiStaticCounts::default();
+    let mut stepper =
+        QuasiStaticStepper::new(system.ideal(), Linearised::new(0.0, Band::new(1, 0), 0), 1e-3, bounds(0.01));
+    stepper.start(&mut system, 0.1, &[0.0], &mut stats).expect("held at first");
+    stepper.run(&mut system, 1.0, &mut (), &mut stats).expect("the film goes on holding");
     // From there on c g' = m A omega^2 sin(omega t), and what a step misses is never made good: of the two-step
     // formula's error half as much again comes with the next step.
-    let (start, before) = (follow.gaps()[0], stats.steps);
-    follow.run(&mut system, 1.25, &mut (), &mut stats).expect("the film goes on holding");
-    let off = follow.gaps()[0] - start - system.mass[0] * system.amplitude * OMEGA / system.film;
+    let (start, before) = (stepper.gaps()[0], stats.steps);
+    stepper.run(&mut system, 1.25, &mut (), &mut stats).expect("the film goes on holding");
+    let off = stepper.gaps()[0] - start - system.mass[0] * system.amplitude * OMEGA / system.film;
     let allowed = 1.5 * (stats.steps - before) as f64 * 1e-3 * system.scale[0];
     assert!(off.abs() < allowed, "off by {off}, allowed {allowed}");
 }
@@ -199,9 +204,10 @@ fn a_film_alone_holds_a_gap() {
 fn the_bound_on_steps_holds() {
     let mut system = Held::new(2.0, 40.0, 0.0);
     let few = StepBounds { most: 5, ..bounds(0.01) };
-    let mut follow = Follow::new(system.ideal(), Linearised::new(0.0, Band::new(1, 0), 0), 1.0, few);
-    let mut stats = FollowStats::default();
-    follow.begin(&mut system, 0.0, &[0.0], &mut stats).expect("a spring gives rest");
-    let stopped = follow.run(&mut system, 1.0, &mut (), &mut stats);
+    let mut stepper =
+        QuasiStaticStepper::new(system.ideal(), Linearised::new(0.0, Band::new(1, 0), 0), 1.0, few);
+    let mut stats = QuasiStaticCounts::default();
+    stepper.start(&mut system, 0.0, &[0.0], &mut stats).expect("a spring gives rest");
+    let stopped = stepper.run(&mut system, 1.0, &mut (), &mut stats);
     assert!(matches!(stopped, Err(Unsuitable::TooManySteps { .. })) && stats.steps == 5, "{stopped:?}");
 }

@@ -1,16 +1,23 @@
-//! The motion with ideal joints over one cycle, tabulated once per evaluation: what the gaps are measured from.
+//! Motion of the mechanism with ideal joints over one cycle, tabulated once an evaluation: the gaps are measured from it.
+//!
+//! Between two tabulated times a distance h [s] apart, position q [m, rad], velocity v and acceleration a at both ends define
+//! the quintic q(s) = q0 + s (h v0 + s (h^2 a0 / 2 + s (c3 + s (c4 + s c5)))), s = 0..1; velocity and acceleration are its
+//! derivatives. Error of the acceleration: O(h^4), for a motion with continuous sixth derivative.
+//!
+//! # Source
+//! Two-point Hermite interpolation of second order: Stoer, Bulirsch, Introduction to Numerical Analysis (2002), section 2.1.5.
 
 use super::Unsuitable;
 use crate::mechanism::{Island, Pose, ideal_accelerations};
 use common::scene::{JointKind, Scene};
 use std::f64::consts::TAU;
 
-/// Differences at the ends of the cycle below this share count as rounding.
+/// Relative differences between the ends of the cycle below this value count as rounding [1].
 const REPEATS: f64 = 1e-6;
 
 /// Position, velocity and acceleration of an island's ideal motion: quintic between equal times, so that the
-/// velocity is exactly the rate of the position. Only the acceleration enters the equations of the gaps as such,
-/// with an error of fourth order (1e-5 of it at 180 intervals).
+/// velocity is exactly the rate of the position. The acceleration has an error of fourth order (1e-5 of it at 180
+/// intervals).
 #[derive(Debug, Clone, PartialEq)]
 pub struct IdealMotion {
     period: f64,
@@ -21,20 +28,20 @@ pub struct IdealMotion {
 }
 
 impl IdealMotion {
-    /// From (q, v, a) at equal times of a cycle of `period` [s], both ends included `(intervals + 1, 3, n)`.
+    /// The motion through (q, v, a) at equal times of a cycle of `period` [s], both ends included `(intervals + 1, 3, n)`.
     pub fn new(period: f64, n: usize, node: Vec<f64>) -> Self {
         IdealMotion { period, n, node }
     }
 
-    /// Degrees of freedom.
+    /// Number of degrees of freedom.
     pub fn coordinates(&self) -> usize {
         self.n
     }
 
-    /// Position, velocity and acceleration at time `t` [s], `(n,)` each. Outside the cycle the motion repeats
-    /// itself; angles that turn fully come back to where they were.
+    /// Writes position, velocity and acceleration at time `t` [s] to `q`, `v`, `a` `(n,)`. Outside the cycle the motion repeats
+    /// itself; angles that turn fully return to their value at the start.
     #[inline]
-    pub fn at(&self, t: f64, q: &mut [f64], v: &mut [f64], a: &mut [f64]) {
+    pub fn evaluate(&self, t: f64, q: &mut [f64], v: &mut [f64], a: &mut [f64]) {
         let n = self.n;
         let intervals = self.node.len() / (3 * n) - 1;
         let h = self.period / intervals as f64;
@@ -44,7 +51,7 @@ impl IdealMotion {
         let (start, end) = self.node[3 * n * k..3 * n * (k + 2)].split_at(3 * n);
         for i in 0..n {
             let (q0, v0, a0) = (start[i], h * start[n + i], h * h * start[2 * n + i]);
-            // What the parabola of the start misses at the end.
+            // Differences at the end to the parabola through the start.
             let d = end[i] - q0 - v0 - 0.5 * a0;
             let dv = h * end[n + i] - v0 - a0;
             let da = h * h * end[2 * n + i] - a0;
@@ -57,9 +64,9 @@ impl IdealMotion {
         }
     }
 
-    /// Largest difference between the ends of the cycle, relative to the largest position, or angle and radian,
-    /// times the cycle's angular frequency for every derivative; whole turns of an angle do not count.
-    fn gap_at_the_ends(&self) -> f64 {
+    /// Largest difference between the ends of the cycle, relative to the largest position (for angles: or one radian, if that is
+    /// more), times the cycle's angular frequency for every derivative; whole turns of an angle do not count [1].
+    fn mismatch_at_the_ends(&self) -> f64 {
         let n = self.n;
         let last = self.node.len() - 3 * n;
         let mut largest = [0.0_f64, 1.0];
@@ -88,7 +95,7 @@ impl IdealMotion {
 /// The ideal motion of every island, from the poses of one cycle at equal times.
 ///
 /// # Errors
-/// [`Unsuitable`] where the scene has ideal joints, or its motion is not determined or does not repeat itself.
+/// [`Unsuitable`] if the scene has ideal joints, or if its motion is not determined or does not repeat itself.
 pub fn ideal_motions(
     scene: &Scene,
     islands: &[&Island],
@@ -106,7 +113,7 @@ pub fn ideal_motions(
             };
             let node = poses.iter().zip(&accelerations).flat_map(|(p, a)| [pick(&p.q), pick(&p.v), pick(a)]);
             let motion = IdealMotion::new(scene.life.period, island.coordinates(), node.flatten().collect());
-            let share = motion.gap_at_the_ends();
+            let share = motion.mismatch_at_the_ends();
             if share > REPEATS { Err(Unsuitable::NotPeriodic { share }) } else { Ok(motion) }
         })
         .collect()
@@ -137,7 +144,7 @@ mod tests {
             (0..200)
                 .map(|k| {
                     let t = -0.1 + 0.35 * (f64::from(k) + 0.3) / 200.0;
-                    motion.at(t, &mut q, &mut v, &mut a);
+                    motion.evaluate(t, &mut q, &mut v, &mut a);
                     (a[0] / (w * w) + (w * t).sin()).abs()
                 })
                 .fold(0.0, f64::max)
@@ -150,19 +157,20 @@ mod tests {
     #[test]
     fn velocity_is_the_rate_of_the_position_across_intervals_and_cycles() {
         let motion = wave(12);
-        let at = |t: f64| {
+        let position_and_velocity = |t: f64| {
             let (mut q, mut v, mut a) = ([0.0; 3], [0.0; 3], [0.0; 3]);
-            motion.at(t, &mut q, &mut v, &mut a);
+            motion.evaluate(t, &mut q, &mut v, &mut a);
             (q, v)
         };
         for k in 0..40 {
             let (t, h) = (-0.2 + 0.0107 * f64::from(k), 1e-7);
-            let ((low, _), (_, v), (high, _)) = (at(t - h), at(t), at(t + h));
+            let ((low, _), (_, v), (high, _)) =
+                (position_and_velocity(t - h), position_and_velocity(t), position_and_velocity(t + h));
             for i in 0..2 {
                 assert!(((high[i] - low[i]) / (2.0 * h) - v[i]).abs() < 1e-5 * 50.0, "{t}");
             }
         }
-        assert!(motion.gap_at_the_ends() < 1e-12, "a whole turn is no gap");
+        assert!(motion.mismatch_at_the_ends() < 1e-12, "a whole turn is no gap");
     }
 
     #[test]
@@ -172,8 +180,8 @@ mod tests {
         still.extend([0.02, -0.01, 0.0, 0.0, 1e-17, 1e-17, 1e-14, 0.0, 0.0]);
         let mut faster = still.clone();
         faster[9 + 4] = 1e-5;
-        assert!(IdealMotion::new(0.25, 3, still).gap_at_the_ends() < 1e-12);
-        let found = IdealMotion::new(0.25, 3, faster).gap_at_the_ends();
+        assert!(IdealMotion::new(0.25, 3, still).mismatch_at_the_ends() < 1e-12);
+        let found = IdealMotion::new(0.25, 3, faster).mismatch_at_the_ends();
         assert!((found - 1e-5 / (0.02 * TAU / 0.25)).abs() < 1e-9, "{found}");
         assert!(found > REPEATS);
     }

@@ -1,20 +1,32 @@
-//! The motion without its vibrations: inertia from the mechanism with ideal joints, and at every crank angle the
-//! gaps at which the forces carry it.
+//! Motion without vibrations: the inertia is that of the mechanism with ideal joints, and the gaps of the joints follow from
+//! the balance of forces.
 //!
-//! With q = q_ideal(t) + g and the accelerations of the ideal mechanism, M qdd = f becomes an equation for the
-//! gaps alone, f(t, q_ideal + g, v_ideal + dg/dt) = M a_ideal, whose only rates are those of film, contact damping
-//! and friction. What is left out is M d2g/dt2: impacts and contact vibrations. Wear seldom needs them; whether it
-//! does is found by comparing wear rates with those of the dynamics.
+//! With q = q_ideal(t) + g and the accelerations a_ideal of the ideal mechanism, M qdd = f(t, q, qd) becomes an equation for the
+//! gaps g [m, rad] alone,
+//!
+//!   f(t, q_ideal + g, v_ideal + dg/dt) = M a_ideal,
+//!
+//! whose only rates are those of film, contact damping and friction. The term M d2g/dt2 is neglected: no impacts, no contact
+//! vibrations. This is valid where the joints stay in contact and the wear does not depend on vibrations, which
+//! [`wear_rate_difference`] measures against the dynamics; [`Unsuitable`] lists where it is not.
+//!
+//! | file | contents |
+//! |---|---|
+//! | `ideal_motion.rs` | q_ideal, v_ideal, a_ideal as functions of time |
+//! | `gap_solver.rs` | equilibrium of the gaps, and one time step of them |
+//! | `stepper.rs` | steps with error control through a span of time |
+//! | `wear_rates.rs` | difference of the wear rates of two models of the motion |
+//! | `unsuitable.rs` | reasons to use the dynamics instead |
 
-mod compare;
 #[cfg(test)]
 mod convergence_tests;
-mod follow;
-mod gap;
+mod gap_solver;
 mod ideal_motion;
+mod stepper;
 mod unsuitable;
+mod wear_rates;
 
-pub use compare::largest_difference;
-pub use follow::{Follow, FollowStats, StepBounds};
 pub use ideal_motion::{IdealMotion, ideal_motions};
+pub use stepper::{QuasiStaticCounts, QuasiStaticStepper, StepBounds};
 pub use unsuitable::Unsuitable;
+pub use wear_rates::wear_rate_difference;

@@ -1,42 +1,42 @@
-//! Why the quasi-static tier leaves an evaluation to the dynamics.
+//! Reasons why the dynamics, not the quasi-static model, has to drive the wear of an evaluation.
 
 use common::failure::SimulationFailure;
 use thiserror::Error;
 
-/// Why the dynamics has to drive the wear.
+/// Reason why the dynamics has to drive the wear.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum Unsuitable {
-    /// The accuracy leaves no choice.
+    /// The accuracy setting asks for the dynamics.
     #[error("the accuracy asks for the dynamics")]
     Unwanted,
-    /// The scene asks for more than wear.
+    /// The scene has an output other than wear.
     #[error("output {output} needs the dynamics")]
     Output {
         /// Name of the output.
         output: String,
     },
-    /// A joint without clearance: its force is no function of the gaps.
+    /// A joint has no clearance: its force is not a function of the gaps.
     #[error("joint {joint} has no clearance")]
     IdealJoint {
         /// Name of the joint.
         joint: String,
     },
-    /// With ideal joints the drives do not determine the motion.
+    /// The drives do not determine the motion of the ideal mechanism.
     #[error("the drives do not determine the motion of the ideal mechanism")]
     Undetermined,
-    /// The ideal mechanism does not come back to where the cycle began.
+    /// The ideal mechanism does not return to its state at the start of the cycle.
     #[error("the ideal motion does not repeat itself: off by {share} of its range after a cycle")]
     NotPeriodic {
         /// Largest difference of position, velocity or acceleration, relative to its largest value [1].
         share: f64,
     },
-    /// Nothing balances the load and the inertia with the mechanism at rest in its gaps.
+    /// The search for the equilibrium of the gaps failed: the contact forces do not balance load and inertia.
     #[error("at t = {time} s the gaps find no equilibrium")]
     NoRest {
         /// Time [s].
         time: f64,
     },
-    /// The step fell below its bound: contact is lost and nothing else holds the body.
+    /// The step fell below its bound: a joint lost contact and no other force holds the body.
     #[error("at t = {time} s nothing holds the gaps: the step fell to {step} s")]
     LostHold {
         /// Time [s].
@@ -44,7 +44,7 @@ pub enum Unsuitable {
         /// Step [s].
         step: f64,
     },
-    /// More steps than the bound.
+    /// The number of steps reached its bound.
     #[error("at t = {time} s the bound on steps was reached")]
     TooManySteps {
         /// Time [s].
@@ -55,10 +55,10 @@ pub enum Unsuitable {
     OutOfRange {
         /// Time [s].
         time: f64,
-        /// Joint of the island.
+        /// Index of the joint in its island.
         joint: usize,
     },
-    /// The evaluation stopped on its way, in its wear or in the dynamics it was compared with.
+    /// The wear or the dynamics used for comparison failed.
     #[error(transparent)]
     Stopped(#[from] SimulationFailure),
     /// The wear rates differ too much from those of the dynamics.

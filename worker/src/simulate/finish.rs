@@ -1,21 +1,22 @@
 //! The result of an evaluation.
 
-use super::observe::FirstSeen;
+use super::cycle_history::FirstCycle;
 use super::run::Run;
 use common::failure::SimulationFailure;
 use common::outputs::{Diagnostics, Evaluation, JointSummary};
 
 impl Run<'_> {
-    /// Puts the result together: `histories` and their `errors` `(outputs, m)` at the checkpoints `cycles`.
+    /// Assembles the result from the `histories` of the outputs and their `errors` `(outputs, m)` [SI] at the checkpoints
+    /// `cycles` `(m,)`.
     ///
     /// # Errors
-    /// [`SimulationFailure::NotFinite`] if a value is not.
+    /// [`SimulationFailure::NotFinite`] if a value is not finite.
     pub fn finish(
         &self,
         cycles: Vec<u32>,
         histories: Vec<Vec<f64>>,
         errors: Vec<Vec<f64>>,
-        first: FirstSeen,
+        first: FirstCycle,
     ) -> Result<Evaluation, SimulationFailure> {
         for (output, history) in self.scene.outputs.iter().zip(&histories) {
             if let Some(k) = history.iter().position(|x| !x.is_finite()) {
@@ -37,22 +38,22 @@ impl Run<'_> {
             histories,
             errors,
             joints,
-            first_cycle: first.cycle,
-            worn: self.worn.clone(),
+            first_cycle: first.history,
+            worn: self.display.as_ref().and_then(|display| display.life.clone()),
             diagnostics: Diagnostics {
-                steps: self.stats.steps,
-                rejected_steps: self.stats.rejected,
+                steps: self.counts.steps,
+                rejected_steps: self.counts.rejected,
                 newton_iterations: self.newton,
-                force_evaluations: self.stats.forces,
+                force_evaluations: self.counts.forces,
                 simulated_cycles: self.simulated,
-                wear_stages: self.wear_stats.stages,
-                rejected_wear_steps: self.wear_stats.rejected,
+                wear_stages: self.wear_counts.stages,
+                rejected_wear_steps: self.wear_counts.rejected,
                 free_flight_fraction: first.free_flight,
-                constraint_drift: self.stats.drift,
-                held_wear_points: self.wear_stats.held,
-                quasi_static: !self.guided.is_empty(),
+                constraint_drift: self.counts.drift,
+                held_wear_points: self.wear_counts.held,
+                quasi_static: !self.quasi_static.is_empty(),
                 energy: first.energy,
-                worn_energy: self.worn_energy,
+                worn_energy: self.display.as_ref().and_then(|display| display.energy),
             },
         })
     }

@@ -4,131 +4,152 @@
 //!
 //! A measured cycle serves twice: its contact history drives the wear of the block that follows, and its motion
 //! gives the outputs of the profile it ran on. The value of a checkpoint belongs to the profile worn to it. At a few
-//! lives the measured cycle is put to the test, from which the evaluation estimates its own error.
+//! lives the measured cycle is probed, from which the evaluation estimates its own error.
 //!
-//! Where wear is all that is asked for, the cycles between the first and the last may be quasi-static ones; where
-//! nothing wears, one cycle is all there is.
+//! If wear is the only output, the cycles between the first and the last may be quasi-static; if nothing wears, one cycle
+//! stands for the whole life.
+//!
+//! | file | contents |
+//! |---|---|
+//! | `mod.rs` | the evaluation as a page of stages |
+//! | `run.rs` | the stages: settle, measure a cycle, wear a block, warm up |
+//! | `life_in_blocks.rs`, `blocks.rs` | a life block by block; the ends of the blocks |
+//! | `no_wear.rs`, `quasi_static.rs`, `quasi_static_island.rs` | lives without wear; wear by the quasi-static model |
+//! | `probe.rs`, `error_estimate.rs` | probes of a measured cycle, and the stated error |
+//! | `cycle_history.rs`, `finish.rs` | outputs and history of a cycle; the result |
+//! | `island_state.rs` | an island with its state, stepper, recorder and wear |
+//! | `side_by_side/` | several evaluations in the SIMD lanes of one core |
+//! | `first_look.rs` | model and cost of an evaluation beforehand |
 
-mod desk;
-mod error;
+mod blocks;
+mod cycle_history;
+mod error_estimate;
 mod finish;
 mod first_look;
-mod guided;
-mod life;
-mod moving;
-mod observe;
-mod pool;
+mod island_state;
+mod life_in_blocks;
+mod no_wear;
 mod probe;
+mod quasi_static;
+mod quasi_static_island;
 mod run;
-mod together;
-mod unchanging;
+mod side_by_side;
 
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
 use common::scene::Scene;
-use desk::Desk;
-use guided::wear_alone;
-use life::live;
-use run::Run;
+use life_in_blocks::{CycleModel, simulate_life};
+use quasi_static::try_quasi_static;
+use run::{Run, WornDisplay};
+use side_by_side::{LaneQueue, RunningEvaluation, run_alone, run_side_by_side};
 use std::time::Duration;
-use together::{Work, alone, together};
-
-pub use together::Width;
 
 pub use first_look::{FirstLook, IslandModel, first_look};
+pub use side_by_side::LaneWidth;
 
-/// Simulates the whole life of a checked scene.
-///
-/// Returns every output at every checkpoint; the settled first cycle too if `with_first_cycle`.
+/// What an evaluation returns besides its outputs; nothing by default.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct SimulateOptions {
+    /// Returns the history of the settled first cycle, and of a mechanism that wears the bores through life and the last cycle,
+    /// each cycle with its energy balance.
+    pub first_cycle: bool,
+}
+
+impl SimulateOptions {
+    /// The options that return the history of the first cycle and of the worn mechanism.
+    pub const WITH_FIRST_CYCLE: Self = SimulateOptions { first_cycle: true };
+}
+
+/// Simulates the whole life of a checked scene and returns every output at every checkpoint.
 ///
 /// # Errors
-/// [`SimulationFailure`]: what the physics or the numerics refused, with time, cycle and joint.
+/// [`SimulationFailure`]: the failure of the physics or the numerics, with time, cycle and joint.
 pub fn simulate(
     scene: &Scene,
     accuracy: &Accuracy,
-    with_first_cycle: bool,
+    options: SimulateOptions,
 ) -> Result<Evaluation, SimulationFailure> {
-    simulate_counting(scene, accuracy, with_first_cycle, &mut 0)
+    simulate_counted(scene, accuracy, options).result
 }
 
-/// The same; adds the time steps tried, accepted and refused, to `steps`, those before a failure too.
-///
-/// # Errors
-/// As [`simulate`].
-pub fn simulate_counting(
-    scene: &Scene,
-    accuracy: &Accuracy,
-    with_first_cycle: bool,
-    steps: &mut u64,
-) -> Result<Evaluation, SimulationFailure> {
-    let (evaluation, tried) = alone(|desk| life_of(desk, scene, accuracy, with_first_cycle));
-    *steps += tried;
-    evaluation
-}
-
-/// One evaluation of several that run side by side.
+/// An evaluation with the time steps that it tried.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Order {
-    /// The scene, of one sample.
-    pub scene: Scene,
-    /// How accurately.
-    pub accuracy: Accuracy,
-    /// Whether people want to see the first cycle.
-    pub with_first_cycle: bool,
+pub struct CountedEvaluation {
+    /// The evaluation, or its failure.
+    pub result: Result<Evaluation, SimulationFailure>,
+    /// Number of time steps tried, accepted and refused, also those before a failure.
+    pub steps_tried: u64,
 }
 
-/// Evaluates what `next` gives, at most `most` at a time, side by side in the lanes of one core, of any width, until it gives
-/// nothing; `done` takes each result with its number, counted from zero as they were given, and the time it took, its share
-/// of what was done for several at once. What could not be made an
-/// order comes back as it is. A result is the same, to the last bit, as by [`simulate`]: whatever ran beside.
-pub fn simulate_together(
-    width: Width,
+/// Simulates like [`simulate`], and counts the time steps even if the evaluation fails.
+pub fn simulate_counted(scene: &Scene, accuracy: &Accuracy, options: SimulateOptions) -> CountedEvaluation {
+    run_alone(|queue| simulate_stages(queue, scene, accuracy, options))
+}
+
+/// One of several evaluations that run side by side.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SimulationInput {
+    /// Scene of one sample.
+    pub scene: Scene,
+    /// Numerical settings.
+    pub accuracy: Accuracy,
+    /// What is returned besides the outputs.
+    pub options: SimulateOptions,
+}
+
+/// Simulates the inputs that `next` returns until it returns `None`, at most `most` at a time, side by side in lanes of `width` on this
+/// thread. An input that could not be made is its own result.
+///
+/// `done` receives each result with the number of its input, counted from zero, and its processor time: its own stages plus an equal
+/// share of the lanes it was in. A result has the same bits as that of [`simulate`], whatever runs next to it.
+pub fn simulate_side_by_side(
+    width: LaneWidth,
     most: usize,
-    next: &mut dyn FnMut() -> Option<Result<Order, SimulationFailure>>,
+    next: &mut dyn FnMut() -> Option<Result<SimulationInput, SimulationFailure>>,
     done: &mut dyn FnMut(usize, Result<Evaluation, SimulationFailure>, Duration),
 ) {
-    let desk = Desk::default();
-    let mut work = || {
-        let order = next()?;
-        Some(Work::new(&desk, async move |desk| {
-            let Order { scene, accuracy, with_first_cycle } = order?;
-            life_of(desk, &scene, &accuracy, with_first_cycle).await.0
+    let queue = LaneQueue::default();
+    let mut next_evaluation = || {
+        let input = next()?;
+        Some(RunningEvaluation::new(&queue, async move |queue| {
+            let SimulationInput { scene, accuracy, options } = input?;
+            simulate_stages(queue, &scene, &accuracy, options).await.result
         }))
     };
-    together(width, &desk, most, &mut work, done);
+    run_side_by_side(width, &queue, most, &mut next_evaluation, done);
 }
 
-/// The evaluation, and the time steps it tried.
-async fn life_of(
-    desk: Desk,
+/// The evaluation with its count of time steps.
+async fn simulate_stages(
+    queue: LaneQueue,
     scene: &Scene,
     accuracy: &Accuracy,
-    with_first_cycle: bool,
-) -> (Result<Evaluation, SimulationFailure>, u64) {
-    let mut run = match Run::assemble(desk, scene, accuracy) {
+    options: SimulateOptions,
+) -> CountedEvaluation {
+    let mut run = match Run::assemble(queue, scene, accuracy) {
         Ok(run) => run,
-        Err(failure) => return (Err(failure), 0),
+        Err(failure) => return CountedEvaluation { result: Err(failure), steps_tried: 0 },
     };
-    let evaluation = evaluate(&mut run, with_first_cycle).await;
-    (evaluation, run.stats.steps + run.stats.rejected)
+    run.display = options.first_cycle.then(WornDisplay::default);
+    let result = evaluate(&mut run).await;
+    CountedEvaluation { result, steps_tried: run.counts.steps + run.counts.rejected }
 }
 
-/// Stage by stage.
-async fn evaluate(run: &mut Run<'_>, with_first_cycle: bool) -> Result<Evaluation, SimulationFailure> {
-    run.watched = with_first_cycle;
+/// The stages of an evaluation.
+async fn evaluate(run: &mut Run<'_>) -> Result<Evaluation, SimulationFailure> {
     run.settle().await?;
-    run.show(true);
+    run.start_full_recording();
     run.measure().await?;
-    let first = run.first_seen(with_first_cycle);
-    run.show(false);
+    let first = run.first_cycle();
+    run.stop_full_recording();
     if !run.wears() {
-        return run.unchanging(first).await;
+        return run.finish_without_wear(first).await;
     }
 
-    let lived = match wear_alone(run).await {
-        Some(lived) => lived,
-        None => live(run, async |run: &mut Run| run.next_cycle().await, true).await?,
+    let life = match try_quasi_static(run).await {
+        Some(life) => life,
+        None => simulate_life(run, async |run: &mut Run| run.next_cycle().await, CycleModel::Dynamic).await?,
     };
-    run.finish(run.scene.life.checkpoints(), lived.histories, lived.errors, first)
+    run.finish(run.scene.life.checkpoints(), life.histories, life.errors, first)
 }

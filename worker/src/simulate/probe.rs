@@ -1,110 +1,116 @@
-//! A measured cycle put to the test: the cycle after it on the same profile, at finer time steps. What comes out
-//! differently was due to the time steps, or had not settled.
+//! A probe of a measured cycle: the cycle after it on the same profile, with shorter time steps. Differences between the two are
+//! due to the time steps or to motion that had not settled.
+//!
+//! With time steps shorter by the factor r = 1.75 a scheme of order 4 has 1 / r^4 = 1/9 of the error, so the difference of the two
+//! cycles is 8/9 of the error of the measured one.
+//!
+//! # Source
+//! Error estimation with two step lengths: Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I (1993), section II.4.
 
-use super::moving::{Moving, Tools};
+use super::island_state::{CycleTools, IslandState};
 use super::run::Run;
 use common::failure::SimulationFailure;
+use std::ops::Range;
 
-/// Time steps of the further cycle are finer by this factor: their error is a ninth of that of the measured
-/// cycle. At 1.5 the four-bar at 6 r/min still passes over vibrations that the measured cycle passed over too, and
-/// the difference shows a third of the error.
+/// Factor by which the time steps of the further cycle are shorter [1]. At 1.5 the four-bar at 6 r/min still skips vibrations
+/// that the measured cycle skipped too, and the difference shows a third of the error.
 pub const FINER: f64 = 1.75;
-/// A relative change above this is taken for motion that does not repeat itself: that of the flapping wing changes by
-/// 0.01 % from cycle to cycle, with a friction of 0.5 by 1 %.
-const RESTLESS: f64 = 0.005;
-/// The same on the unworn bores, where nothing but friction keeps a motion from repeating itself: that of the flapping wing
-/// changes by 0.001 %.
-const RESTLESS_BY_NATURE: f64 = 2e-4;
-/// The same of the wear, whose rates, point by point, are rough: 300 samples of the contact a cycle change them by
-/// more than half a per cent.
-const RESTLESS_WEAR: f64 = 0.02;
-/// Cycles looked at of a motion that does not repeat itself.
+/// Relative change of an output above which a motion counts as aperiodic [1]: the outputs of the flapping wing change by 0.01 %
+/// from cycle to cycle, with a friction of 0.5 by 1 %.
+const APERIODIC: f64 = 0.005;
+/// That threshold on the unworn bores [1], where only friction makes a motion aperiodic: the outputs of the flapping wing change
+/// by 0.001 %.
+const APERIODIC_UNWORN: f64 = 2e-4;
+/// That threshold for wear rates [1], which are noisy from control point to control point: 300 samples of the contact a cycle
+/// change them by more than half a per cent.
+const APERIODIC_WEAR: f64 = 0.02;
+/// Largest number of further cycles of an aperiodic motion.
 const MOST_CYCLES: usize = 3;
 
-/// Factors of the damping that joints with a coefficient of restitution remember, one further cycle after the other: eight
-/// times as much, then an eighth. A contact that begins anew in the cycle learns better; one that lasts remembers an
-/// impact of the settling, which nobody knows, and what depends on that is part of the error.
-const FORGETTING: [f64; 2] = [8.0, 1.0 / 64.0];
+/// Factors of the damping that joints with a coefficient of restitution took from their last impact, one further cycle after the
+/// other: 8 times, then an eighth [1]. A contact that begins anew in the cycle corrects it; one that lasts keeps the damping
+/// of an impact during settling, which is arbitrary, and what depends on that is part of the error.
+const DAMPING_FACTORS: [f64; 2] = [8.0, 1.0 / 64.0];
 
 /// Changes from the measured cycle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Probe {
-    /// Cycles done.
+    /// Life of the profile [cycles].
     pub life: u32,
-    /// Largest change of every output that comes from the motion `(outputs,)`, in its unit.
+    /// Largest change of every output of the motion `(outputs,)` [SI].
     pub motion: Vec<f64>,
-    /// Largest relative change of every joint's wear, by the scene's numbering [1].
+    /// Largest relative change of the wear rate of every joint of the scene `(joints,)` [1].
     pub wear: Vec<f64>,
-    /// Whether the motion does not repeat itself.
-    pub restless: bool,
+    /// True if the motion does not repeat itself.
+    pub aperiodic: bool,
+}
+
+/// Outputs of the motion `(outputs,)` [SI] and wear rates `(joints, points)` [m per cycle] of one cycle.
+struct CycleValues {
+    motion: Vec<f64>,
+    wear: Vec<Vec<f64>>,
 }
 
 impl Run<'_> {
-    /// Simulates the cycle after the one just measured, which is at the profile of `life`, and compares the two.
-    /// What was measured stays as it was.
+    /// Simulates the cycle after the one just measured, on the profile of `life` [cycles], and compares the two. The recording of
+    /// the measured cycle is kept.
     ///
     /// # Errors
-    /// As of any cycle.
+    /// [`SimulationFailure`] if the further cycle fails.
     pub async fn probe(&mut self, life: u32) -> Result<Probe, SimulationFailure> {
-        let measured = self.motion_outputs();
-        let worn = self.wear_rates(life)?;
+        let measured = self.cycle_values(life)?;
         let finer = self.accuracy.refined(FINER);
-        let mut tools: Vec<Tools> =
-            self.islands.iter().map(|m| m.tools(self.scene.life.period, &finer)).collect();
-        self.exchange(&mut tools);
-        let found = self.further_cycles(life, &measured, &worn).await;
-        self.exchange(&mut tools);
+        let period = self.scene.life.period;
+        let mut tools: Vec<CycleTools> =
+            self.islands.iter().map(|state| state.tools_for(period, &finer)).collect();
+        self.exchange_tools(&mut tools);
+        let found = self.compare_further_cycles(life, &measured).await;
+        self.exchange_tools(&mut tools);
         found
     }
 
-    fn exchange(&mut self, tools: &mut [Tools]) {
-        self.islands.iter_mut().zip(tools).for_each(|(m, tools)| m.exchange(tools));
+    fn exchange_tools(&mut self, tools: &mut [CycleTools]) {
+        self.islands.iter_mut().zip(tools).for_each(|(state, tools)| state.exchange_tools(tools));
     }
 
-    async fn further_cycles(
+    fn cycle_values(&mut self, life: u32) -> Result<CycleValues, SimulationFailure> {
+        let motion = self.motion_outputs();
+        Ok(CycleValues { motion, wear: self.wear_rates(life)? })
+    }
+
+    /// Simulates further cycles and keeps the largest changes: one of a periodic motion, up to [`MOST_CYCLES`] of others, and one
+    /// for each damping factor.
+    async fn compare_further_cycles(
         &mut self,
         life: u32,
-        measured: &[f64],
-        worn: &[Vec<f64>],
+        measured: &CycleValues,
     ) -> Result<Probe, SimulationFailure> {
-        let mut probe =
-            Probe { life, motion: vec![0.0; measured.len()], wear: vec![0.0; worn.len()], restless: false };
-        let remembers = self.remembers();
-        let bound = if life == 0 { RESTLESS_BY_NATURE } else { RESTLESS };
+        let (motion, wear) = (vec![0.0; measured.motion.len()], vec![0.0; measured.wear.len()]);
+        let mut probe = Probe { life, motion, wear, aperiodic: false };
+        let remembers = self.depends_on_last_impact();
         for cycle in 0..MOST_CYCLES {
-            if let Some(factor) = FORGETTING.get(cycle).filter(|_| remembers) {
-                self.change_memory(*factor);
+            if let Some(factor) = DAMPING_FACTORS.get(cycle).filter(|_| remembers) {
+                self.scale_remembered_damping(*factor);
             }
             self.further_cycle().await?;
-            let mut restless = false;
-            for ((largest, now), was) in probe.motion.iter_mut().zip(self.motion_outputs()).zip(measured) {
-                let change = (now - was).abs();
-                *largest = largest.max(change);
-                restless |= change > bound * was.abs();
-            }
-            for ((largest, now), was) in probe.wear.iter_mut().zip(self.wear_rates(life)?).zip(worn) {
-                let change = relative_change(&now, was);
-                *largest = largest.max(change);
-                restless |= change > RESTLESS_WEAR;
-            }
-            probe.restless |= restless;
-            let forgetting = remembers && cycle + 1 < FORGETTING.len();
-            if !restless && !forgetting {
+            let aperiodic = probe.add_cycle(measured, &self.cycle_values(life)?);
+            let factors_left = remembers && cycle + 1 < DAMPING_FACTORS.len();
+            if aperiodic == 0 && !factors_left {
                 break;
             }
         }
         Ok(probe)
     }
 
-    /// Whether a joint's damping follows from how its present contact began.
-    fn remembers(&self) -> bool {
-        let of = |m: &Moving| m.island.joints.iter().any(|j| j.contact.surface().restitution.is_some());
-        self.islands.iter().any(of)
+    /// True if the damping of a joint depends on the speed of its last impact.
+    fn depends_on_last_impact(&self) -> bool {
+        let mut joints = self.islands.iter().flat_map(|state| &state.island.joints);
+        joints.any(|joint| joint.contact.surface().restitution.is_some())
     }
 
-    /// Multiplies what such joints remember.
-    fn change_memory(&mut self, factor: f64) {
-        for joint in self.islands.iter_mut().flat_map(|m| &mut m.island.joints) {
+    /// Multiplies the damping that such joints took from their last impact.
+    fn scale_remembered_damping(&mut self, factor: f64) {
+        for joint in self.islands.iter_mut().flat_map(|state| &mut state.island.joints) {
             if joint.contact.surface().restitution.is_some() {
                 let damping = joint.contact.surface().damping;
                 joint.contact.restore_damping(factor * damping);
@@ -112,11 +118,11 @@ impl Run<'_> {
         }
     }
 
-    /// Wear per cycle at every control point of every joint of the scene under the contact of the cycle just
-    /// recorded; none of a joint that does not wear [m].
+    /// Wear per cycle at every control point of every joint of the scene under the contact of the cycle recorded last; empty
+    /// for a joint that does not wear `(joints, points)` [m per cycle].
     fn wear_rates(&mut self, cycle: u32) -> Result<Vec<Vec<f64>>, SimulationFailure> {
         let mut all = vec![Vec::new(); self.scene.joints.len()];
-        for Moving { island, recorder, rates, depth, .. } in &mut self.islands {
+        for IslandState { island, recorder, rates, depth, .. } in &mut self.islands {
             for (k, joint) in island.joints.iter().enumerate().filter(|(_, j)| j.wear_coefficient > 0.0) {
                 let found = &mut all[joint.scene_joint];
                 found.resize(depth[k].len(), 0.0);
@@ -132,8 +138,28 @@ impl Run<'_> {
     }
 }
 
-/// Change of the volume worn per cycle or of the largest rate, whichever is more, relative to what it was; one
-/// if there was nothing.
+impl Probe {
+    /// Adds the changes of a further cycle. Returns how many of them are above the thresholds of an aperiodic motion.
+    fn add_cycle(&mut self, measured: &CycleValues, further: &CycleValues) -> usize {
+        let threshold = if self.life == 0 { APERIODIC_UNWORN } else { APERIODIC };
+        let mut above = 0;
+        for ((largest, now), was) in self.motion.iter_mut().zip(&further.motion).zip(&measured.motion) {
+            let change = (now - was).abs();
+            *largest = largest.max(change);
+            above += usize::from(change > threshold * was.abs());
+        }
+        for ((largest, now), was) in self.wear.iter_mut().zip(&further.wear).zip(&measured.wear) {
+            let change = relative_change(now, was);
+            *largest = largest.max(change);
+            above += usize::from(change > APERIODIC_WEAR);
+        }
+        self.aperiodic |= above > 0;
+        above
+    }
+}
+
+/// Relative change of the volume worn per cycle or of the largest rate, whichever is more, from `was` to `now` `(points,)` [1];
+/// one if there was no wear before.
 fn relative_change(now: &[f64], was: &[f64]) -> f64 {
     let volume = |rates: &[f64]| rates.iter().sum::<f64>();
     let largest = |rates: &[f64]| rates.iter().fold(0.0_f64, |a, &b| a.max(b));
@@ -145,11 +171,11 @@ fn relative_change(now: &[f64], was: &[f64]) -> f64 {
     change(volume(now), volume(was)).max(change(largest(now), largest(was)))
 }
 
-/// Whether the cycle simulated at the end of a block of wear is probed: those at the first checkpoint, at one and two
-/// thirds of the life and at its end are, or the first ones after.
-pub fn due(from: u32, to: u32, checkpoint_every: u32, end: u32) -> bool {
+/// True if the cycle simulated at the end of this block of a life of `end` [cycles] is probed: the first ones at or after the first
+/// checkpoint, one and two thirds of the life, and its end.
+pub fn is_probed(block: Range<u32>, checkpoint_every: u32, end: u32) -> bool {
     let wanted = [checkpoint_every, end / 3, end / 3 * 2, end].map(|life| life.clamp(1, end));
-    wanted.iter().any(|&life| from < life && life <= to)
+    wanted.iter().any(|&life| block.start < life && life <= block.end)
 }
 
 #[cfg(test)]
@@ -160,7 +186,7 @@ mod tests {
     fn four_lives_are_probed_or_fewer() {
         let probed = |lives: &[u32], every: u32| -> Vec<u32> {
             let end = lives[lives.len() - 1];
-            lives.windows(2).filter(|w| due(w[0], w[1], every, end)).map(|w| w[1]).collect()
+            lives.windows(2).filter(|w| is_probed(w[0]..w[1], every, end)).map(|w| w[1]).collect()
         };
         assert_eq!(
             probed(&[0, 125, 250, 1000, 2000, 4000, 6000, 8000, 9000], 1000),

@@ -1,280 +1,315 @@
 //! The stages of an evaluation: settle, measure a cycle, wear a block, warm up.
 
-use super::desk::{Carried, Desk, Stretch};
-use super::guided::Guided;
-use super::moving::{Moving, failure};
-use crate::integrate::AdvanceStats;
+use super::island_state::{CycleSpan, IslandState, failure};
+use super::quasi_static_island::QuasiStaticIsland;
+use super::side_by_side::{Integrated, LaneQueue, Span};
+use crate::integrate::StepCounts;
 use crate::mechanism::{Frame, Pose, ideal_cycle, islands};
-use crate::outputs::{PointTrack, Shown, Wanted};
+use crate::outputs::{FullRecording, PointTrack, recording_request};
 use crate::wear::WearStepStats;
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::{EnergyBalance, WornLife};
 use common::scene::{Attachment, JointKind, OutputKind, Scene};
+use std::ops::Range;
 
-/// One evaluation under way.
+/// A running evaluation.
 #[derive(Clone)]
 pub struct Run<'a> {
-    /// Carries the islands.
-    desk: Desk,
+    /// Integrates the islands.
+    queue: LaneQueue,
     pub scene: &'a Scene,
     pub accuracy: &'a Accuracy,
-    pub islands: Vec<Moving>,
-    /// Cycles done.
+    pub islands: Vec<IslandState>,
+    /// Cycles worn so far.
     cycle: u32,
-    pub stats: AdvanceStats,
-    pub wear_stats: WearStepStats,
+    pub counts: StepCounts,
+    pub wear_counts: WearStepStats,
+    /// Newton iterations of position analyses and of the quasi-static model.
     pub newton: u64,
+    /// Cycles simulated so far.
     pub simulated: u64,
-    /// Paths on the ideal mechanism of the points asked for.
+    /// Requested points with their paths on the ideal mechanism.
     pub ideal_paths: Vec<(Attachment, PointTrack)>,
-    /// Islands on their ideal motion, where the quasi-static tier drives the wear.
-    pub guided: Vec<Guided>,
-    /// Largest difference of the wear rates between the tiers, relative, for each output; zero unless compared.
+    /// Islands on their ideal motion, if the quasi-static model drives the wear.
+    pub quasi_static: Vec<QuasiStaticIsland>,
+    /// Largest relative difference of the wear rates of the two models for each output, zero unless compared `(outputs,)` [1].
     pub tier_difference: Vec<f64>,
-    /// Whether people want to see the first and the last cycle.
-    pub watched: bool,
-    /// Energy of the last cycle, if they do.
-    pub worn_energy: Option<EnergyBalance>,
-    /// The bores through life and the last cycle, if they do.
-    pub worn: Option<WornLife>,
+    /// What is displayed of the worn mechanism, if anything is.
+    pub display: Option<WornDisplay>,
 }
 
-/// Points of a path on the ideal mechanism per cycle: a cubic between two of them is off by some 1e-11 of its size.
-const PATH: usize = 721;
+/// Energy of the last cycle, bores through life and the last cycle itself, as far as they have been reached.
+#[derive(Clone, Default)]
+pub struct WornDisplay {
+    pub energy: Option<EnergyBalance>,
+    pub life: Option<WornLife>,
+}
+
+/// Points per cycle of a path on the ideal mechanism; a cubic between two of them has a relative error of some 1e-11.
+const PATH_POINTS: usize = 721;
 
 impl<'a> Run<'a> {
-    /// Islands, contact laws, round bores; bodies where the ideal mechanism has them.
-    pub fn assemble(desk: Desk, scene: &'a Scene, accuracy: &'a Accuracy) -> Result<Self, SimulationFailure> {
+    /// Assembles islands, contact laws and round bores; the bodies are where the ideal mechanism has them.
+    ///
+    /// # Errors
+    /// [`SimulationFailure`] if the mechanism cannot be assembled or moved, or an output is not modelled.
+    pub fn assemble(
+        queue: LaneQueue,
+        scene: &'a Scene,
+        accuracy: &'a Accuracy,
+    ) -> Result<Self, SimulationFailure> {
         let mut newton = 0;
-        let wanted = Wanted::by(scene);
+        let requested = recording_request(scene);
         let islands = islands(scene)?;
-        // A linkage that locks on its way is named as such, before a contact is blamed for it.
-        let samples = if wanted.points.is_empty() { 2 } else { PATH };
+        // A linkage that locks is found here, and not attributed to a contact.
+        let samples = if requested.points.is_empty() { 2 } else { PATH_POINTS };
         let poses = ideal_cycle(scene, samples, &mut newton)?;
-        if poses.len() < samples && !wanted.points.is_empty() {
+        if poses.len() < samples && !requested.points.is_empty() {
             return Err(SimulationFailure::NotModelled {
                 what: "a position error where the drives leave the ideal motion open".into(),
             });
         }
         let islands = islands
             .into_iter()
-            .map(|island| Moving::new(island, &poses[0], scene, &wanted, accuracy))
+            .map(|island| IslandState::new(island, &poses[0], scene, &requested, accuracy))
             .collect();
         Ok(Run {
-            desk,
+            queue,
             scene,
             accuracy,
             islands,
             cycle: 0,
-            stats: AdvanceStats::default(),
-            wear_stats: WearStepStats::default(),
+            counts: StepCounts::default(),
+            wear_counts: WearStepStats::default(),
             newton,
             simulated: 0,
-            ideal_paths: wanted.points.iter().map(|at| (*at, ideal_path(scene, &poses, at))).collect(),
-            guided: vec![],
+            ideal_paths: requested.points.iter().map(|at| (*at, ideal_path(scene, &poses, at))).collect(),
+            quasi_static: vec![],
             tier_difference: vec![0.0; scene.outputs.len()],
-            watched: false,
-            worn_energy: None,
-            worn: None,
+            display: None,
         })
     }
 
-    /// Whole cycles from the ideal mechanism's state, as many as the scene asks for: the journals find their bores.
+    /// Simulates the scene's settling cycles from the state of the ideal mechanism, in which the journals come into contact with
+    /// their bores.
+    ///
+    /// # Errors
+    /// [`SimulationFailure`] if the integration stops.
     pub async fn settle(&mut self) -> Result<(), SimulationFailure> {
         let period = self.scene.life.period;
         for cycle in (1..=self.scene.life.settle_cycles).rev() {
             let start = -f64::from(cycle) * period;
-            self.span(start, start + period, false).await?;
+            self.integrate(start..start + period, false).await?;
             self.simulated += 1;
         }
         Ok(())
     }
 
-    /// Whether any joint wears, so that life changes anything.
+    /// True if a joint wears.
     pub fn wears(&self) -> bool {
         self.islands.iter().any(|m| m.island.joints.iter().any(|j| j.wear_coefficient > 0.0))
     }
 
-    /// From the state kept of the cycle before, on the profile as it is now, to the start of a cycle.
+    /// Integrates from the state kept of the cycle before, on the profile as it is now, to the start of a cycle.
     async fn warm_up(&mut self) -> Result<(), SimulationFailure> {
-        for m in &mut self.islands {
-            m.saved.restore(&mut m.island, &mut m.q, &mut m.v);
-            m.advance.control.after_jump();
+        for state in &mut self.islands {
+            state.warm_up_start.restore(&mut state.island, &mut state.q, &mut state.v);
+            state.stepper.control.after_jump();
         }
         let period = self.scene.life.period;
-        self.span(-self.accuracy.warm_up * period, 0.0, false).await
+        self.integrate(-self.accuracy.warm_up * period..0.0, false).await
     }
 
-    /// Back to where the cycle just measured began, with time steps of another accuracy.
-    pub fn begin_again(&mut self, accuracy: &Accuracy) {
-        for m in &mut self.islands {
-            m.begun.restore(&mut m.island, &mut m.q, &mut m.v);
-            m.exchange(&mut m.tools(self.scene.life.period, accuracy));
+    /// Returns to the start of the cycle just measured, with time steps of another accuracy.
+    pub fn restart_cycle(&mut self, accuracy: &Accuracy) {
+        for state in &mut self.islands {
+            state.cycle_start.restore(&mut state.island, &mut state.q, &mut state.v);
+            let mut tools = state.tools_for(self.scene.life.period, accuracy);
+            state.exchange_tools(&mut tools);
         }
     }
 
-    /// One recorded cycle; keeps the state from which the next warm-up starts.
+    /// Simulates and records one cycle; keeps the state from which the next warm-up starts.
+    ///
+    /// # Errors
+    /// [`SimulationFailure`] if the integration stops.
     pub async fn measure(&mut self) -> Result<(), SimulationFailure> {
-        let period = self.scene.life.period;
-        let kept = (1.0 - self.accuracy.warm_up).max(0.0) * period;
-        for m in &mut self.islands {
-            m.recorder.clear();
-            m.begun.keep(&m.island, &m.q, &m.v);
+        let CycleSpan { period, kept } = CycleSpan::new(self.scene, self.accuracy);
+        for state in &mut self.islands {
+            state.recorder.clear();
+            state.cycle_start.update(&state.island, &state.q, &state.v);
         }
         if kept > 0.0 {
-            self.span(0.0, kept, true).await?;
+            self.integrate(0.0..kept, true).await?;
         }
-        for m in &mut self.islands {
-            m.saved.keep(&m.island, &m.q, &m.v);
+        for state in &mut self.islands {
+            state.warm_up_start.update(&state.island, &state.q, &state.v);
         }
-        self.span(kept, period, true).await?;
-        for m in &mut self.islands {
-            m.recorder.finish();
+        self.integrate(kept..period, true).await?;
+        for state in &mut self.islands {
+            state.recorder.finish();
             if kept == 0.0 {
-                m.saved.keep(&m.island, &m.q, &m.v);
+                state.warm_up_start.update(&state.island, &state.q, &state.v);
             }
         }
         self.simulated += 1;
         Ok(())
     }
 
-    /// Warm-up and measured cycle on the profile as it is now.
+    /// Simulates warm-up and measured cycle on the profile as it is now.
+    ///
+    /// # Errors
+    /// [`SimulationFailure`] if the integration stops.
     pub async fn next_cycle(&mut self) -> Result<(), SimulationFailure> {
         self.warm_up().await?;
         self.measure().await
     }
 
-    /// The last measured cycle, dynamic, on the bores as worn by then; with its energy and as a whole if people want to
-    /// see it.
+    /// Simulates the last measured cycle by the dynamics, on the bores at the end of life; keeps it and its energy if cycles are
+    /// displayed.
+    ///
+    /// # Errors
+    /// [`SimulationFailure`] if the integration stops.
     pub async fn last_cycle(&mut self) -> Result<(), SimulationFailure> {
-        self.show(self.watched);
-        self.next_cycle().await?;
-        if self.watched {
-            self.worn_energy = Some(self.energy());
-            let cycle = self.shown_cycle();
-            self.worn.get_or_insert_default().last_cycle = Some(cycle);
+        if self.display.is_none() {
+            return self.next_cycle().await;
         }
-        self.show(false);
+        self.start_full_recording();
+        self.next_cycle().await?;
+        let (energy, history) = (self.energy(), self.cycle_history());
+        let display = self.display.get_or_insert_default();
+        display.energy = Some(energy);
+        display.life.get_or_insert_default().last_cycle = Some(history);
+        self.stop_full_recording();
         Ok(())
     }
 
-    /// The cycle after the one just measured, on the same profile.
+    /// Simulates the cycle after the one just measured, on the same profile.
+    ///
+    /// # Errors
+    /// [`SimulationFailure`] if the integration stops.
     pub async fn further_cycle(&mut self) -> Result<(), SimulationFailure> {
-        let period = self.scene.life.period;
-        self.islands.iter_mut().for_each(|m| m.recorder.clear());
-        self.span(0.0, period, true).await?;
-        self.islands.iter_mut().for_each(|m| m.recorder.finish());
+        self.islands.iter_mut().for_each(|state| state.recorder.clear());
+        self.integrate(0.0..self.scene.life.period, true).await?;
+        self.islands.iter_mut().for_each(|state| state.recorder.finish());
         self.simulated += 1;
         Ok(())
     }
 
-    /// Closes the account of the last block's wear step with the contact of the cycle just measured.
+    /// Closes the last block's wear step, for its error, with the contact of the cycle just measured.
+    ///
+    /// # Errors
+    /// [`SimulationFailure::WearStep`] if the wear rate does not exist.
     pub fn close_wear(&mut self) -> Result<(), SimulationFailure> {
-        for (index, m) in self.islands.iter_mut().enumerate() {
-            let Moving { island, recorder, rates, steps, depth, .. } = m;
-            let histories = self.guided.get(index).map_or(&*recorder, |g| &g.recorder).histories.as_slice();
+        for (index, state) in self.islands.iter_mut().enumerate() {
+            let IslandState { island, recorder, rates, steps, depth, .. } = state;
+            let recorder = self.quasi_static.get(index).map_or(&*recorder, |island| &island.recorder);
             for (k, joint) in island.joints.iter().enumerate().filter(|(_, j)| j.wear_coefficient > 0.0) {
-                rates[k].freeze(&histories[k]);
-                steps[k].renew(&mut rates[k], &depth[k], &mut self.wear_stats).map_err(|failed| {
-                    SimulationFailure::WearStep {
-                        cycle: self.cycle,
-                        joint: joint.name.clone(),
-                        error: failed.0,
-                    }
+                rates[k].freeze(&recorder.histories[k]);
+                let renewed = steps[k].renew(&mut rates[k], &depth[k], &mut self.wear_counts);
+                renewed.map_err(|failed| SimulationFailure::WearStep {
+                    cycle: self.cycle,
+                    joint: joint.name.clone(),
+                    error: failed.0,
                 })?;
             }
         }
         Ok(())
     }
 
-    /// Depth at every control point of every joint of the scene; none of an ideal joint [m].
+    /// Depth at every control point of every joint of the scene, empty for ideal joints `(joints, points)` [m].
     pub fn depths(&self) -> Vec<Vec<f64>> {
         let mut all = vec![Vec::new(); self.scene.joints.len()];
-        for m in &self.islands {
-            for (joint, depth) in m.island.joints.iter().zip(&m.depth) {
+        for state in &self.islands {
+            for (joint, depth) in state.island.joints.iter().zip(&state.depth) {
                 all[joint.scene_joint].clone_from(depth);
             }
         }
         all
     }
 
-    /// Keeps the bores as they are at a life, if people want to see them.
+    /// Keeps the bores as they are at `life` [cycles], if cycles are displayed.
     pub fn keep_bores(&mut self, life: u32) {
-        if self.watched {
-            let depths = self.depths();
-            let worn = self.worn.get_or_insert_default();
-            worn.cycles.push(life);
-            worn.wear_depth.push(depths);
+        if self.display.is_none() {
+            return;
         }
+        let depths = self.depths();
+        let worn = self.display.get_or_insert_default().life.get_or_insert_default();
+        worn.cycles.push(life);
+        worn.wear_depth.push(depths);
     }
 
-    /// Carries every island from one time of the cycle to another.
-    async fn span(&mut self, from: f64, to: f64, record: bool) -> Result<(), SimulationFailure> {
+    /// Integrates every island over a span of the cycle [s], recording it or not.
+    async fn integrate(&mut self, time: Range<f64>, record: bool) -> Result<(), SimulationFailure> {
         let islands = std::mem::take(&mut self.islands);
-        let stretches = islands.into_iter().map(|moving| Stretch { moving, from, to, record }).collect();
+        let spans = islands.into_iter().map(|state| Span { state, time: time.clone(), record }).collect();
         let mut first = Ok(());
-        for Carried { moving, stats, arrived } in self.desk.carry(stretches).await {
-            self.stats.add(&stats);
-            first = first.and(arrived.map_err(|error| failure(error, self.cycle, &moving.island)));
-            self.islands.push(moving);
+        for Integrated { state, counts, result } in self.queue.integrate(spans).await {
+            self.counts.add(&counts);
+            first = first.and(result.map_err(|error| failure(error, self.cycle, &state.island)));
+            self.islands.push(state);
         }
         first
     }
 
-    /// Whether everything is recorded, for people to see.
-    pub fn show(&mut self, show: bool) {
-        for m in &mut self.islands {
-            m.recorder.shown = show.then(|| Shown::new(&m.island));
+    /// Records everything of the following cycles.
+    pub fn start_full_recording(&mut self) {
+        for state in &mut self.islands {
+            state.recorder.full = Some(FullRecording::new(&state.island));
         }
     }
 
-    /// Wears every bore from one life to another under the contact of the cycle just measured; `wear` takes the
-    /// wear outputs at the checkpoints between.
+    /// Records of the following cycles only what wear and outputs need.
+    pub fn stop_full_recording(&mut self) {
+        self.islands.iter_mut().for_each(|state| state.recorder.full = None);
+    }
+
+    /// Wears every bore over a block of the life [cycles] under the contact of the cycle just measured, and adds the wear outputs at
+    /// the `checkpoints` within to `wear` `(outputs, m)` [m].
+    ///
+    /// # Errors
+    /// [`SimulationFailure`] if a wear step fails or a wall is worn through.
     pub fn wear(
         &mut self,
-        from: u32,
-        to: u32,
+        block: Range<u32>,
         checkpoints: &[u32],
         wear: &mut [Vec<f64>],
     ) -> Result<(), SimulationFailure> {
+        let Range { start: from, end: to } = block;
         let marks: Vec<f64> = checkpoints.iter().map(|&c| f64::from(c - from)).collect();
-        // Largest depth of each joint at each checkpoint, by the scene's numbering of the joints.
+        // Largest depth at each checkpoint of each joint of the scene `(checkpoints, joints)`.
         let mut largest = vec![vec![0.0_f64; self.scene.joints.len()]; marks.len()];
-        for (index, m) in self.islands.iter_mut().enumerate() {
-            let histories = self.guided.get(index).map_or(&m.recorder, |g| &g.recorder).histories.as_slice();
-            for (k, joint) in m.island.joints.iter_mut().enumerate() {
+        for (index, state) in self.islands.iter_mut().enumerate() {
+            let recorder = self.quasi_static.get(index).map_or(&state.recorder, |island| &island.recorder);
+            for (k, joint) in state.island.joints.iter_mut().enumerate() {
                 if joint.wear_coefficient == 0.0 {
                     continue;
                 }
-                m.rates[k].freeze(&histories[k]);
-                let note = |at: usize, depth: &[f64]| {
-                    largest[at][joint.scene_joint] = depth.iter().fold(0.0, |a: f64, &b| a.max(b));
+                let (rate, depth) = (&mut state.rates[k], &mut state.depth[k]);
+                rate.freeze(&recorder.histories[k]);
+                let note_largest = |mark: usize, depth: &[f64]| {
+                    largest[mark][joint.scene_joint] = depth.iter().fold(0.0, |a: f64, &b| a.max(b));
                 };
-                m.steps[k]
-                    .advance(
-                        &mut m.rates[k],
-                        &mut m.depth[k],
-                        f64::from(to - from),
-                        &marks,
-                        note,
-                        &mut self.wear_stats,
-                    )
-                    .map_err(|failed| SimulationFailure::WearStep {
-                        cycle: from,
-                        joint: joint.name.clone(),
-                        error: failed.0,
-                    })?;
-                if let Some((depth, wall)) = worn_through(self.scene, joint.scene_joint, &m.depth[k]) {
+                let length = f64::from(to - from);
+                let advanced =
+                    state.steps[k].advance(rate, depth, length, &marks, note_largest, &mut self.wear_counts);
+                advanced.map_err(|failed| SimulationFailure::WearStep {
+                    cycle: from,
+                    joint: joint.name.clone(),
+                    error: failed.0,
+                })?;
+                if let Some((depth, wall)) = worn_through(self.scene, joint.scene_joint, depth) {
                     let joint = joint.name.clone();
                     return Err(SimulationFailure::WornThrough { cycle: to, joint, depth, wall });
                 }
-                joint.set_depth(&m.depth[k]);
+                joint.set_depth(depth);
             }
         }
         for (output, history) in self.scene.outputs.iter().zip(wear) {
             if let OutputKind::LargestWear { joints } = &output.kind {
-                history.extend(largest.iter().map(|at| joints.iter().fold(0.0_f64, |a, &j| a.max(at[j]))));
+                let depths = largest.iter().map(|depth| joints.iter().fold(0.0_f64, |a, &j| a.max(depth[j])));
+                history.extend(depths);
             }
         }
         self.cycle = to;
@@ -282,7 +317,7 @@ impl<'a> Run<'a> {
     }
 }
 
-/// Path of a point over the cycle of the ideal mechanism.
+/// Path of a point of the scene over the `poses` of the ideal mechanism.
 fn ideal_path(scene: &Scene, poses: &[Pose], at: &Attachment) -> PointTrack {
     let mut path = PointTrack::default();
     let arm = scene.arm(at);
@@ -295,7 +330,7 @@ fn ideal_path(scene: &Scene, poses: &[Pose], at: &Attachment) -> PointTrack {
     path
 }
 
-/// Largest depth and thickness of the wall, where the former has reached the latter [m].
+/// Largest depth and thickness of the wall of a joint of the scene [m], if the depth has reached the thickness.
 fn worn_through(scene: &Scene, joint: usize, depth: &[f64]) -> Option<(f64, f64)> {
     let JointKind::Clearance(clearance) = &scene.joints[joint].kind else { return None };
     let largest = depth.iter().fold(0.0_f64, |a, &b| a.max(b));

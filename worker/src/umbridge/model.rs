@@ -1,7 +1,7 @@
 //! The evaluation of a scene as a model of the UM-Bridge protocol: one input vector, the random variables in the order of
 //! the scene; one output vector per output, its values at the checkpoints. All in SI.
 
-use crate::simulate::simulate;
+use crate::simulate::{SimulateOptions, simulate};
 use common::accuracy::NamedAccuracy;
 use common::failure::SimulationFailure;
 use common::scene::{Faults, SceneSource};
@@ -98,7 +98,8 @@ impl Model {
         let invalid =
             |faults: Faults| failed(SimulationFailure::InvalidSample { faults: faults.to_string() });
         let scene = self.source.resolve_sample(&request.sample).map_err(invalid)?;
-        let evaluation = simulate(&scene, &request.accuracy.accuracy, false).map_err(failed)?;
+        let evaluation =
+            simulate(&scene, &request.accuracy.accuracy, SimulateOptions::default()).map_err(failed)?;
         match find_non_finite(&evaluation) {
             Some(found) => Err(ErrorBody {
                 kind: SIMULATION_FAILED.into(),

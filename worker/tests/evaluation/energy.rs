@@ -4,12 +4,12 @@ use crate::scenes::{every_joint, short};
 use common::accuracy::Accuracy;
 use common::outputs::Diagnostics;
 use common::scene::ContactLaw;
-use worker::simulate::simulate;
+use worker::simulate::{SimulateOptions, simulate};
 
 fn diagnostics(scene: &str, law: ContactLaw, accuracy: &Accuracy, cycles: u32) -> Diagnostics {
     let mut scene = short(scene, &[], cycles);
     every_joint(&mut scene, |c| c.contact_law = law);
-    simulate(&scene, accuracy, true).expect("simulated").diagnostics
+    simulate(&scene, accuracy, SimulateOptions::WITH_FIRST_CYCLE).expect("simulated").diagnostics
 }
 
 /// Input work, kinetic, elastic, dissipated: to 1e-4 of the work put in, on the round and on the worn bores.

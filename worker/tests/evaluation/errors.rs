@@ -3,7 +3,7 @@
 use crate::scenes::{every_joint, scene};
 use common::accuracy::Accuracy;
 use common::scene::SceneSource;
-use worker::simulate::simulate;
+use worker::simulate::{SimulateOptions, simulate};
 
 #[test]
 fn stated_errors_cover_the_true_ones_and_are_not_idle() {
@@ -17,9 +17,9 @@ fn stated_errors_cover_the_true_ones_and_are_not_idle() {
         .collect();
     for sample in [source.means(), shifted] {
         let scene = source.resolve_sample(&sample).expect("valid");
-        let exact = simulate(&scene, &Accuracy::reference(), false).expect("simulated");
+        let exact = simulate(&scene, &Accuracy::reference(), SimulateOptions::default()).expect("simulated");
         for accuracy in [Accuracy::draft(), Accuracy::balanced()] {
-            let e = simulate(&scene, &accuracy, false).expect("simulated");
+            let e = simulate(&scene, &accuracy, SimulateOptions::default()).expect("simulated");
             for (k, output) in scene.outputs.iter().enumerate() {
                 for (i, life) in e.cycles.iter().enumerate() {
                     let (value, stated) = (e.histories[k][i], e.errors[k][i]);
@@ -38,7 +38,7 @@ fn what_does_not_wear_has_no_error_of_its_wear() {
     let mut scene = scene("four-bar", &[]);
     every_joint(&mut scene, |c| c.wear_coefficient = 0.0);
     scene.life.cycles = 1000;
-    let e = simulate(&scene, &Accuracy::draft(), false).expect("simulated");
+    let e = simulate(&scene, &Accuracy::draft(), SimulateOptions::default()).expect("simulated");
     assert_eq!((&e.histories[0][..], &e.errors[0][..]), (&[0.0][..], &[0.0][..]));
     assert!(e.errors[1][0] > 0.0);
 }

@@ -5,11 +5,11 @@ use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::scene::{Clearance, Load, Scene, SceneSource};
 use worker::service::Job;
-use worker::simulate::simulate;
+use worker::simulate::{SimulateOptions, simulate};
 use worker::simulator::simulator;
 
 fn failure(scene: &Scene, accuracy: &Accuracy) -> SimulationFailure {
-    simulate(scene, accuracy, false).expect_err("this cannot be simulated")
+    simulate(scene, accuracy, SimulateOptions::default()).expect_err("this cannot be simulated")
 }
 
 #[test]
@@ -104,7 +104,7 @@ fn extremes_end_in_a_finite_result_or_a_typed_failure() {
     for (case, settings, change) in cases {
         let mut scene = short("flapping-wing", settings, 3000);
         every_joint(&mut scene, change);
-        match simulate(&scene, &accuracy, false) {
+        match simulate(&scene, &accuracy, SimulateOptions::default()) {
             Ok(e) => {
                 assert!(e.histories.iter().flatten().all(|x| x.is_finite() && *x > 0.0), "{case}");
                 // Two spans of a measured cycle and a warm-up per simulated cycle and island, each within the bound.

@@ -5,12 +5,12 @@ use common::accuracy::Accuracy;
 use common::outputs::Evaluation;
 use common::scene::{Attachment, Drive, Load, Motion, Scene};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_6};
-use worker::simulate::simulate;
+use worker::simulate::{SimulateOptions, simulate};
 
 const CYCLES: u32 = 2000;
 
 fn evaluate(scene: &Scene, accuracy: &Accuracy) -> Evaluation {
-    simulate(scene, accuracy, false).expect("the four-bar is simulated")
+    simulate(scene, accuracy, SimulateOptions::default()).expect("the four-bar is simulated")
 }
 
 /// Tight enough that what is left of the step control's own axes can be told from a defect.

@@ -4,7 +4,7 @@ use crate::scenes::{scene, short};
 use common::accuracy::Accuracy;
 use common::outputs::Evaluation;
 use worker::mechanism::islands;
-use worker::simulate::simulate;
+use worker::simulate::{SimulateOptions, simulate};
 
 #[test]
 fn each_side_of_the_drive_is_an_island_of_two_bodies() {
@@ -25,7 +25,8 @@ fn the_four_bar_is_one_island() {
 }
 
 fn evaluate(settings: &[(&str, f64)]) -> Evaluation {
-    simulate(&short("flapping-wing", settings, 2000), &Accuracy::draft(), true).expect("simulated")
+    simulate(&short("flapping-wing", settings, 2000), &Accuracy::draft(), SimulateOptions::WITH_FIRST_CYCLE)
+        .expect("simulated")
 }
 
 #[test]

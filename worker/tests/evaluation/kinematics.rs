@@ -5,7 +5,7 @@ use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::scene::{OutputKind, Scene};
 use worker::mechanism::ideal_cycle;
-use worker::simulate::simulate;
+use worker::simulate::{SimulateOptions, simulate};
 
 struct Rockers {
     lowest: f64,
@@ -77,7 +77,7 @@ fn a_linkage_that_cannot_be_assembled_is_named() {
 fn a_linkage_that_locks_on_its_way_is_named_with_its_time() {
     // A four-bar against Grashof: the crank starts, then the coupler cannot follow.
     let scene = scene("four-bar", &[("parameters.crank_length", 45e-3)]);
-    match simulate(&scene, &Accuracy::draft(), false) {
+    match simulate(&scene, &Accuracy::draft(), SimulateOptions::default()) {
         Err(SimulationFailure::DeadPoint { time, body, angle, joint }) => {
             assert!(time > 0.0 && time < scene.life.period, "time {time}");
             assert!(scene.joints.iter().any(|j| j.name == joint) && body == "crank");

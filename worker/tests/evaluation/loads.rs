@@ -5,7 +5,7 @@ use common::accuracy::Accuracy;
 use common::outputs::Evaluation;
 use common::scene::*;
 use std::f64::consts::TAU;
-use worker::simulate::simulate;
+use worker::simulate::{SimulateOptions, simulate};
 
 const INERTIA: f64 = 0.02;
 const MASS: f64 = 0.5;
@@ -34,7 +34,7 @@ fn rotor(loads: Vec<Load>, period: f64) -> Scene {
 }
 
 fn run(scene: &Scene) -> Evaluation {
-    simulate(scene, &Accuracy::reference(), true).expect("simulated")
+    simulate(scene, &Accuracy::reference(), SimulateOptions::WITH_FIRST_CYCLE).expect("simulated")
 }
 
 /// Every (time, angle, x) of the body.
@@ -216,7 +216,7 @@ fn position_error_of_a_pulled_slider_is_that_of_a_longer_rod() {
     scene.loads.push(Load::ConstantForce { name: "pull".into(), at, force: [PULL, 0.0] });
     scene.outputs.retain(|o| o.name == "slider_error");
     (scene.limit_states, scene.variables) = (vec![], vec![]);
-    let evaluation = simulate(&scene, &Accuracy::balanced(), false).expect("simulated");
+    let evaluation = simulate(&scene, &Accuracy::balanced(), SimulateOptions::default()).expect("simulated");
     let clearance = scene.joints.iter().find_map(|j| match &j.kind {
         JointKind::Clearance(c) => Some(c.clone()),
         _ => None,

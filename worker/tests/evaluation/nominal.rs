@@ -5,13 +5,14 @@ use crate::scenes::{RPM, at, published, scene};
 use common::accuracy::Accuracy;
 use common::outputs::Evaluation;
 use std::sync::OnceLock;
-use worker::simulate::simulate;
+use worker::simulate::{SimulateOptions, simulate};
 
 const WEAR: usize = 0;
 const ASYMMETRY: usize = 1;
 
 fn evaluate(accuracy: &Accuracy) -> Evaluation {
-    simulate(&scene("flapping-wing", &[]), accuracy, true).expect("the nominal scene is simulated")
+    simulate(&scene("flapping-wing", &[]), accuracy, SimulateOptions::WITH_FIRST_CYCLE)
+        .expect("the nominal scene is simulated")
 }
 
 fn nominal() -> &'static Evaluation {

@@ -7,10 +7,10 @@ use common::outputs::{BodyMotion, Evaluation};
 use common::scene::{JointKind, Motion, Scene};
 use worker::integrate::Dynamics;
 use worker::mechanism::{Island, ideal_cycle, islands};
-use worker::simulate::simulate;
+use worker::simulate::{SimulateOptions, simulate};
 
 fn run(scene: &Scene, accuracy: &Accuracy) -> Evaluation {
-    simulate(scene, accuracy, true).expect("it is simulated")
+    simulate(scene, accuracy, SimulateOptions::WITH_FIRST_CYCLE).expect("it is simulated")
 }
 
 fn motion<'e>(evaluation: &'e Evaluation, body: &str) -> &'e BodyMotion {
@@ -176,7 +176,7 @@ fn a_motion_forbidden_twice_is_over_constrained() {
     let mut twice = scene.joints.iter().find(|j| j.name == "guide").expect("it has one").clone();
     twice.name = "second guide".into();
     scene.joints.push(twice);
-    match simulate(&scene, &Accuracy::draft(), false) {
+    match simulate(&scene, &Accuracy::draft(), SimulateOptions::default()) {
         Err(SimulationFailure::OverConstrained { joint }) => assert_eq!(joint, "second guide"),
         other => panic!("{other:?}"),
     }

@@ -4,7 +4,7 @@ use crate::scenes::{every_joint, scene, short};
 use common::accuracy::{Accuracy, Tier};
 use common::outputs::Evaluation;
 use common::scene::{OutputKind, Scene};
-use worker::simulate::simulate;
+use worker::simulate::{SimulateOptions, simulate};
 
 /// The scene with its wear outputs alone, and the limit states on them.
 fn wear_alone(mut scene: Scene) -> Scene {
@@ -23,7 +23,7 @@ fn wear_alone(mut scene: Scene) -> Scene {
 }
 
 fn evaluate(scene: &Scene, accuracy: &Accuracy) -> Evaluation {
-    simulate(scene, accuracy, false).expect("simulated")
+    simulate(scene, accuracy, SimulateOptions::default()).expect("simulated")
 }
 
 /// The dynamics finer than balanced in step, history, block and wear step.

@@ -2,7 +2,7 @@
 
 use crate::scenes::{every_joint, scene};
 use common::scene::{ContactDamping, RestitutionLaw};
-use worker::integrate::{Advance, AdvanceStats};
+use worker::integrate::{StepControl, StepCounts, Stepper};
 use worker::mechanism::{ideal_cycle, islands};
 
 #[test]
@@ -20,9 +20,12 @@ fn every_joint_of_an_island_learns_how_its_contact_began() {
         };
         let (mut q, mut v) = (pick(&pose.q), pick(&pose.v));
         let period = scene.life.period;
-        let mut advance = Advance::new(island.linearised(), 1e-2, period / 250.0, period * 1e-9, 100_000);
-        let mut stats = AdvanceStats::default();
-        advance.run(&mut island, 0.0..0.1 * period, &mut q, &mut v, &mut (), &mut stats).expect("integrated");
+        let control = StepControl::new(1e-2, period / 250.0, period * 1e-9, 100_000);
+        let mut stepper = Stepper::new(island.linearised(), control);
+        let mut counts = StepCounts::default();
+        stepper
+            .run(&mut island, 0.0..0.1 * period, &mut q, &mut v, &mut (), &mut counts)
+            .expect("integrated");
         let mut learned = 0;
         for joint in &island.joints {
             // D = 0.27 / v0. The last of the bounces that lead a journal from the middle to its bore are slow; one that

@@ -3,10 +3,9 @@
 use super::CalibrationError;
 use super::space::{FreeParameter, ParameterKind};
 use super::targets::{CalibrationTargets, ShownUnit, Target, TargetQuantity};
-use crate::results::output_unit::OutputUnit;
-use common::scene::Scene;
 use common::scene::expression::{ExpressionError, evaluate};
 use common::scene::quantity::{ANGLE, ANGULAR_VELOCITY, Dimension, FORCE, Kind, LENGTH, NUMBER, TORQUE};
+use common::scene::{OutputUnit, Scene};
 use serde::Deserialize;
 use std::path::Path;
 use toml::{Table, Value};
@@ -281,7 +280,7 @@ impl Reader<'_> {
     }
 
     fn kind(&self, output: usize) -> Kind {
-        match OutputUnit::of(&self.scene.outputs[output].kind) {
+        match self.scene.outputs[output].kind.unit() {
             OutputUnit::Length => LENGTH,
             OutputUnit::AngularVelocity => ANGULAR_VELOCITY,
             OutputUnit::Angle => ANGLE,

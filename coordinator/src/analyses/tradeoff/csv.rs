@@ -4,18 +4,16 @@ use super::compare::{OutputError, SettingComparison};
 use super::lives::LifeChange;
 use super::measure::Measurement;
 use crate::results::csv_table::CsvTable;
-use crate::results::output_unit::OutputUnit;
 use common::accuracy::NamedAccuracy;
 use common::scene::Scene;
 
 /// Columns of a setting.
-const SETTING: [&str; 14] = [
+const SETTING: [&str; 13] = [
     "setting",
     "step_tolerance",
     "largest_step",
     "wear_samples",
     "cycle_jump",
-    "jump_tolerance",
     "wear_tolerance",
     "warm_up",
     "seconds",
@@ -82,7 +80,6 @@ fn setting_cells(row: &SettingComparison) -> Vec<String> {
         format!("{:e}", a.largest_step),
         a.wear_samples.to_string(),
         a.cycle_jump.to_string(),
-        format!("{:e}", a.jump_tolerance),
         format!("{:e}", a.wear_tolerance),
         a.warm_up.to_string(),
         format!("{:e}", row.seconds),
@@ -125,7 +122,7 @@ pub fn values_csv(scene: &Scene, settings: &[NamedAccuracy], measurement: &Measu
         for (point, (measured, reference)) in points.iter().zip(&measurement.reference).enumerate() {
             let (Ok(found), Ok(reference)) = (&measured.outcome, &reference.outcome) else { continue };
             for (k, output) in scene.outputs.iter().enumerate() {
-                let unit = OutputUnit::of(&output.kind);
+                let unit = output.kind.unit();
                 for (n, cycles) in found.cycles.iter().enumerate() {
                     let values = [found.histories[k][n], reference.histories[k][n], found.errors[k][n]];
                     let [value, truth, stated] = values.map(|si| format!("{:e}", unit.to_file(si)));

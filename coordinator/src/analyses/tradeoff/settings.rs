@@ -21,14 +21,13 @@ pub const QUICK: [&str; 10] = [
 ];
 
 /// Single parameters, then combinations, in addition to [`QUICK`].
-const MORE: [&str; 25] = [
+const MORE: [&str; 23] = [
     "step-x2",
     "step-x0.5",
     "jump-100",
     "jump-250",
     "jump-500",
     "jump-1000",
-    "jump-8000+jump-tolerance-3e-3",
     "wear-tolerance-5e-3",
     "wear-tolerance-1e-2",
     "wear-tolerance-5e-2",
@@ -43,7 +42,6 @@ const MORE: [&str; 25] = [
     "draft+step-x0.84",
     "draft+samples-300",
     "draft+wear-tolerance-5e-2",
-    "draft+jump-tolerance-3e-3",
     "step-x0.84",
     "step-x0.71+jump-1000",
     "step-x0.5+jump-500+wear-tolerance-5e-3",

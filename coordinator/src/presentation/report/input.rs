@@ -3,11 +3,10 @@
 
 use super::mechanism::Mechanism;
 use super::stated_errors::{StatedAt, StatedErrorCollector};
-use crate::results::output_unit::OutputUnit;
 use crate::results::store::{CampaignFile, StoreError};
 use crate::results::summary::StudySummary;
 use common::outputs::{Diagnostics, Evaluation};
-use common::scene::{ContactLaw, Fails, JointKind, OutputKind, Scene};
+use common::scene::{ContactLaw, Fails, JointKind, OutputKind, OutputUnit, Scene};
 use serde::{Deserialize, Serialize};
 
 /// Name of the document that holds the [`StudySummary`].
@@ -187,7 +186,7 @@ impl ReportInput {
                 .map(|output| OutputInfo {
                     name: output.name.clone(),
                     kind: output.kind.clone(),
-                    unit: OutputUnit::of(&output.kind),
+                    unit: output.kind.unit(),
                 })
                 .collect(),
             variables: scene
@@ -266,8 +265,7 @@ fn notes(scene: &Scene) -> Vec<String> {
         _ => false,
     });
     let watches_speed = scene.limit_states.iter().any(|state| {
-        scene.outputs.get(state.output).map(|output| OutputUnit::of(&output.kind))
-            == Some(OutputUnit::AngularVelocity)
+        scene.outputs.get(state.output).map(|output| output.kind.unit()) == Some(OutputUnit::AngularVelocity)
     });
     if local_hertz && watches_speed {
         return vec![

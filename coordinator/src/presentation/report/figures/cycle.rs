@@ -6,9 +6,8 @@ use crate::presentation::report::format::fixed;
 use crate::presentation::report::input::ReportInput;
 use crate::presentation::report::palette::Ink;
 use crate::presentation::report::plot::{Axis, Plot, PlotError, Points, Series, Shape};
-use crate::results::output_unit::OutputUnit;
 use common::outputs::{BodyTrace, CycleHistory};
-use common::scene::OutputKind;
+use common::scene::{OutputKind, OutputUnit};
 
 /// Named curves over time [ms].
 type Traces = Vec<(String, Points)>;

@@ -7,9 +7,8 @@ use crate::presentation::report::input::{CheckpointDistribution, LimitStateInfo,
 use crate::presentation::report::life::governing;
 use crate::presentation::report::palette::Ink;
 use crate::presentation::report::plot::{Axis, Band, Plot, PlotError, Points, Series, Shape, tick_label};
-use crate::results::output_unit::OutputUnit;
 use crate::results::summary::StudySummary;
-use common::scene::Fails;
+use common::scene::{Fails, OutputUnit};
 
 /// One figure per limit state: its output's distribution at three checkpoints around the governing one.
 ///

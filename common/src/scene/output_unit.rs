@@ -1,7 +1,6 @@
 //! Units of a scene's outputs: the suffix of a key in JSON and CSV files, and the unit on axes and in text. Inside the
 //! program every output is in SI units.
 
-use common::scene::OutputKind;
 use serde::{Deserialize, Serialize};
 
 /// Physical dimension of an output, with its units in files and in text.
@@ -26,18 +25,6 @@ pub enum OutputUnit {
 const RAD_PER_S_PER_RPM: f64 = std::f64::consts::PI / 30.0;
 
 impl OutputUnit {
-    /// The unit of this kind of output.
-    pub fn of(kind: &OutputKind) -> Self {
-        match kind {
-            OutputKind::LargestWear { .. } | OutputKind::PositionError { .. } => Self::Length,
-            OutputKind::AngularVelocityDifference { .. } => Self::AngularVelocity,
-            OutputKind::AngleDifference { .. } => Self::Angle,
-            OutputKind::PeakJointForce { .. } => Self::Force,
-            OutputKind::DrivingTorque { .. } => Self::Torque,
-            OutputKind::External { unit, .. } => Self::External(unit.clone()),
-        }
-    }
-
     /// Key of a value in result files: its name and unit, e.g. `max_wear_depth_m`; the name alone without a unit.
     pub fn key(&self, name: &str) -> String {
         match self.suffix() {
@@ -92,7 +79,7 @@ impl OutputUnit {
         format!("{number} {}", self.symbol()).trim_end().to_owned()
     }
 
-    /// What an axis shows, with the unit, e.g. `max wear depth [µm]`.
+    /// The label of an axis: a quantity with its unit, e.g. `max wear depth [µm]`.
     pub fn axis(&self, what: &str) -> String {
         if self.symbol().is_empty() { what.to_owned() } else { format!("{what} [{}]", self.symbol()) }
     }
@@ -109,7 +96,7 @@ mod tests {
     }
 
     #[test]
-    fn lengths_are_metres_in_files_and_micrometres_on_paper() {
+    fn lengths_are_metres_in_files_and_micrometres_in_texts() {
         assert_eq!(OutputUnit::Length.key("depth"), "depth_m");
         assert_eq!(OutputUnit::Length.to_file(3e-5), 3e-5);
         assert!((OutputUnit::Length.to_shown(3e-5) - 30.0).abs() < 1e-12);
@@ -117,8 +104,7 @@ mod tests {
 
     #[test]
     fn the_unit_of_a_simulator_is_only_shown() {
-        let of = |unit: &str| OutputUnit::of(&OutputKind::External { unit: unit.into(), single: false });
-        let (named, none) = (of("N m"), of(""));
+        let (named, none) = (OutputUnit::External("N m".into()), OutputUnit::External(String::new()));
         assert_eq!((named.to_file(2.5), named.to_shown(2.5)), (2.5, 2.5));
         assert_eq!(
             [named.key("moment"), named.after("2.5"), named.axis("moment")],

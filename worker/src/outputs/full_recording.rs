@@ -1,6 +1,6 @@
-//! What people want to see of a cycle: forces of all joints, motion of all bodies, energy.
+//! Everything of a cycle that is displayed: forces of all joints, motion of all bodies, energy.
 
-use super::energy::{Instant, Ledger};
+use super::energy::{EnergyLedger, PowerState};
 use super::trace::cubic;
 use super::{BodyTrack, ForceTrack};
 use crate::integrate::Linearised;
@@ -8,26 +8,26 @@ use crate::mechanism::Island;
 use common::outputs::{BodyMotion, EnergyBalance};
 use common::scene::Scene;
 
-/// Records everything of one island over a cycle.
+/// Recording of everything of one island over a cycle.
 #[derive(Debug, Clone, Default)]
-pub struct Shown {
+pub struct FullRecording {
     /// One track per joint: those with clearance, then the ideal ones.
     pub forces: Vec<ForceTrack>,
     time: Vec<f64>,
     /// States `(steps, n)`.
     q: Vec<f64>,
     v: Vec<f64>,
-    ledger: Ledger,
+    ledger: EnergyLedger,
 }
 
-impl Shown {
-    /// For the joints of an island.
+impl FullRecording {
+    /// An empty recording for the joints of an island.
     pub fn new(island: &Island) -> Self {
         let joints = island.joints.len() + island.constraints().len();
-        Shown { forces: vec![ForceTrack::default(); joints], ..Shown::default() }
+        FullRecording { forces: vec![ForceTrack::default(); joints], ..FullRecording::default() }
     }
 
-    /// Adds an accepted state, the one the island was last linearised at.
+    /// Adds an accepted state at time `t` [s], at which the island was last linearised.
     pub fn push(&mut self, island: &Island, t: f64, q: &[f64], v: &[f64], at: &Linearised) {
         let half = self.time.last().map_or(0.0, |last| 0.5 * (t - last));
         let contacts = at.joints.iter().map(|j| (libm::hypot(j.force[0], j.force[1]), j.normal > 0.0));
@@ -38,18 +38,19 @@ impl Shown {
         self.time.push(t);
         self.q.extend_from_slice(q);
         self.v.extend_from_slice(v);
-        self.ledger.push(t, instant(island, t, v, at));
+        self.ledger.push(t, power_state(island, t, v, at));
     }
 
-    /// Energy of the cycle.
+    /// Energy balance of the cycle.
     pub fn balance(&self) -> EnergyBalance {
         self.ledger.balance()
     }
 
-    /// Motion of the island's bodies at times `at` (increasing, within the cycle).
+    /// Motion of the island's bodies at times `at` [s], increasing and within the cycle.
     pub fn motion(&self, island: &Island, scene: &Scene, at: &[f64]) -> Vec<BodyMotion> {
         let n = island.coordinates();
-        let column = |of: &[f64], k: usize| -> Vec<f64> { of.iter().skip(k).step_by(n).copied().collect() };
+        let column =
+            |states: &[f64], k: usize| -> Vec<f64> { states.iter().skip(k).step_by(n).copied().collect() };
         let along = |k: usize| -> Vec<f64> {
             let (value, rate) = (column(&self.q, k), column(&self.v, k));
             let mut j = 0;
@@ -87,12 +88,12 @@ impl Shown {
 }
 
 /// Energies and powers of an island at the state it was last linearised at.
-fn instant(island: &Island, t: f64, v: &[f64], at: &Linearised) -> Instant {
+fn power_state(island: &Island, t: f64, v: &[f64], at: &Linearised) -> PowerState {
     let loads = island.load_power(t, v);
     let drives: f64 =
         at.prescribed.iter().zip(island.prescribed_speeds()).map(|(f, omega)| -f[2] * omega).sum();
     let mut now =
-        Instant { stored: loads.stored, input: drives + loads.driving, lost: loads.lost, unphysical: 0.0 };
+        PowerState { stored: loads.stored, input: drives + loads.driving, lost: loads.lost, unphysical: 0.0 };
     for (k, force) in at.joints.iter().enumerate() {
         let joint = &island.joints[k];
         let energy = joint.contact.energy(&joint.profile, &island.joint_motion(k), force);

@@ -1,18 +1,19 @@
-//! Wear and time of the quasi-static tier against the dynamics, on the built-in scenes reduced to their wear:
-//! `cargo run --release -p worker --example quasi_static [-- reference]`. With `reference` the error is measured
-//! against those settings, which takes half a minute; else against the balanced dynamics.
+//! Wear and time of the quasi-static tier compared with the dynamics, on built-in scenes reduced to their wear outputs:
+//! `cargo bench -p worker --bench quasi_static [-- reference]`. With `reference` errors are relative to that preset, which
+//! takes half a minute; else to the balanced dynamics.
 
 use common::accuracy::{Accuracy, Tier};
 use common::outputs::Evaluation;
 use common::scene::{OutputKind, Scene, SceneSource};
 use std::time::Instant;
-use worker::simulate::simulate;
+use worker::simulate::{SimulateOptions, simulate};
 
 /// An evaluation and the shortest of `repeats` times it took [s].
 fn timed(scene: &Scene, accuracy: &Accuracy, repeats: usize) -> (Evaluation, f64) {
     let run = || {
         let start = Instant::now();
-        let found = simulate(scene, accuracy, false).expect("the built-in scenes can be simulated");
+        let found = simulate(scene, accuracy, SimulateOptions::default())
+            .expect("the built-in scenes can be simulated");
         (found, start.elapsed().as_secs_f64())
     };
     let (found, first) = run();

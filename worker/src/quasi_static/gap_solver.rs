@@ -1,32 +1,50 @@
-//! One step of the gaps: f(t, q_ideal + g, v_ideal + dg/dt) - M a_ideal = 0 by the second-order backward
-//! difference formula with variable steps, solved by a full Newton iteration.
+//! One step of the gaps g [m, rad]: f(t, q_ideal + g, v_ideal + dg/dt) - M a_ideal = 0 by the second-order backward
+//! difference formula (BDF2) with variable steps, solved by Newton's method.
+//!
+//! With the step h and the step before it h0 [s], the rate at the end of the step is
+//!
+//!   dg/dt = alpha g_new + beta_0 g_0 + beta_1 g_1,  alpha = 1/h + 1/(h + h0),
+//!   beta_0 = -(h + h0) / (h h0),  beta_1 = h / ((h + h0) h0),
+//!
+//! and after a start, where g_1 is missing, (g_new - g_0) / h. Newton's matrix is df/dq + alpha df/dqd. The local error is
+//! estimated from the difference d between g_new and the parabola through the gaps before: the rate is off by d over the time they
+//! span, and the gaps by (df/dq + alpha df/dqd)^-1 df/dqd times that.
 //!
 //! The equation is implicit in dg/dt and nearly algebraic: in contact g relaxes within microseconds (film over
-//! contact stiffness), out of contact within the whole clearance. A backward formula keeps the equation itself
-//! at the end of each step (it is stiffly accurate and L-stable), gives the rate that film and sliding need to second
-//! order there, and costs one solve a step where a two-stage Runge-Kutta step of equal order costs two and has
-//! that rate to first order only.
+//! contact stiffness), out of contact within the whole clearance. A backward formula satisfies the equation at the end of each
+//! step (it is stiffly accurate and L-stable), has the rate that film and sliding need to second order there, and costs one solve a
+//! step; a two-stage Runge-Kutta step of equal order costs two and has that rate to first order only. The formula is
+//! stable while a step is less than 1 + sqrt 2 times the one before.
+//!
+//! # Source
+//! Variable-step BDF2 and its zero-stability: Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I (1993), section
+//! III.5. The search for equilibrium is pseudo-transient continuation: Kelley, Keyes, SIAM Journal on Numerical Analysis 35
+//! (1998).
 
 use super::IdealMotion;
-use crate::integrate::{Band, Linearised, Pivoted, Stepped, add_product};
+use crate::integrate::{Band, Linearised, Pivoted, Stepped, add_product, nan_as_infinite};
 
-/// Largest change of a coordinate in one Newton iteration, in its scale (1 % of the smallest clearance).
+/// Largest change of a coordinate in one Newton iteration, in its scale, 1 % of the smallest clearance [1].
 const LONGEST_UPDATE: f64 = 10.0;
-/// A Newton update below this share of the scale is the last, and made without looking at the forces again:
+/// A Newton update below this share of the scale is the last, and the forces are not evaluated after it [1]:
 /// 1e-4 of 1 % of the clearance is some 1e-4 of a penetration, hence of the force.
 const CONVERGED: f64 = 1e-4;
 /// Iterations after which a step counts as refused; a good prediction needs one or two.
 const MOST_ITERATIONS: usize = 12;
-/// Iterations of the search for rest: it approaches from far away.
-const MOST_APPROACHES: usize = 200;
-/// Factor by which the search for rest lengthens its pseudo-step squared after each iteration.
+/// Iterations of the search for equilibrium, which starts far from it.
+const MOST_REST_ITERATIONS: usize = 200;
+/// Factor by which the search for equilibrium raises the square of its pseudo-time step after each iteration [1].
 const LENGTHENING: f64 = 4.0;
 
-/// The gaps, their past and the scratch of the step; all vectors `(n,)` but the matrix.
+/// Newton's method did not converge.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct NotConverged;
+
+/// The gaps, their past values and the work space of a step; all vectors `(n,)` but the matrix.
 #[derive(Debug, Clone)]
-pub struct Gap {
+pub struct GapSolver {
     n: usize,
-    /// Gap vectors at the last times, newest first; how many are known; their times.
+    /// Gaps at the last accepted times, newest first; their times [s]; how many are known.
     past: [Vec<f64>; 3],
     time: [f64; 3],
     known: usize,
@@ -39,9 +57,9 @@ pub struct Gap {
     factors: Pivoted,
     band: Band,
     update: Vec<f64>,
-    /// State at the end of the step just tried, but for the last Newton update.
+    /// Coordinates at the end of the step just tried, before the last Newton update [m, rad].
     pub q: Vec<f64>,
-    /// Rate of that state.
+    /// Velocities there [m/s, rad/s].
     pub v: Vec<f64>,
     /// Linearisation there.
     pub at: Linearised,
@@ -49,12 +67,12 @@ pub struct Gap {
     pub iterations: u64,
 }
 
-impl Gap {
-    /// With room in `at` for the system's linearisation; closed joints.
+impl GapSolver {
+    /// Closed joints (gaps of zero), with space in `at` for the system's linearisation.
     pub fn new(at: Linearised) -> Self {
         let n = at.f.len();
         let zero = || vec![0.0; n];
-        Gap {
+        GapSolver {
             n,
             past: std::array::from_fn(|_| zero()),
             time: [0.0; 3],
@@ -75,20 +93,28 @@ impl Gap {
         }
     }
 
-    /// The gaps at the last accepted time `(n,)`.
-    pub fn now(&self) -> &[f64] {
+    /// The gaps at the last accepted time `(n,)` [m, rad].
+    pub fn gaps(&self) -> &[f64] {
         &self.past[0]
     }
 
-    /// Searches for the gaps at rest at time `t`, from the gaps `start`: a step of the dynamics at a time with
-    /// its velocity dropped afterwards, (M / tau^2 - df/dq) dg = f - M a_ideal, tau growing until nothing but
-    /// the equilibrium is left. False if it does not come to rest.
-    pub fn rest<D: Stepped>(&mut self, system: &mut D, ideal: &IdealMotion, t: f64, start: &[f64]) -> bool {
+    /// Solves for the gaps at rest at time `t` [s], from the gaps `start` `(n,)`: pseudo-time steps of the dynamics that drop the
+    /// velocity, (M / tau^2 - df/dq) dg = f - M a_ideal, with tau growing until the step is Newton's.
+    ///
+    /// # Errors
+    /// [`NotConverged`] if no equilibrium is found.
+    pub fn solve_rest<D: Stepped>(
+        &mut self,
+        system: &mut D,
+        ideal: &IdealMotion,
+        t: f64,
+        start: &[f64],
+    ) -> Result<(), NotConverged> {
         let n = self.n;
         self.trial.copy_from_slice(start);
-        ideal.at(t, &mut self.ideal_q, &mut self.ideal_v, &mut self.ideal_a);
+        ideal.evaluate(t, &mut self.ideal_q, &mut self.ideal_v, &mut self.ideal_a);
         let mut inverse_square = None;
-        for _ in 0..MOST_APPROACHES {
+        for _ in 0..MOST_REST_ITERATIONS {
             self.evaluate(system, t, 0.0, [0.0; 3]);
             let (mass, (scale, _)) = (system.mass(), system.scales());
             // The first pseudo-step moves by the length of the scale.
@@ -98,7 +124,7 @@ impl Gap {
             for (i, mass) in mass.iter().enumerate() {
                 self.matrix[self.band.index(i, i)] -= mass * inertia;
             }
-            let Some(size) = self.newton_update(scale) else { return false };
+            let size = self.newton_update(scale)?;
             self.move_by(size);
             let settled = size <= CONVERGED;
             // At rest when the pseudo-step is so long that it is Newton's.
@@ -106,35 +132,42 @@ impl Gap {
                 self.past[0].copy_from_slice(&self.trial);
                 self.time[0] = t;
                 self.known = 1;
-                return true;
+                return Ok(());
             }
             inverse_square = Some(if settled { 0.0 } else { inertia / LENGTHENING });
         }
-        false
+        Err(NotConverged)
     }
 
-    /// Tries a step of length `h` [s]; false if Newton's iteration does not converge.
-    pub fn step<D: Stepped>(&mut self, system: &mut D, ideal: &IdealMotion, h: f64) -> bool {
+    /// Tries a step of length `h` [s].
+    ///
+    /// # Errors
+    /// [`NotConverged`] if Newton's method does not converge.
+    pub fn try_step<D: Stepped>(
+        &mut self,
+        system: &mut D,
+        ideal: &IdealMotion,
+        h: f64,
+    ) -> Result<(), NotConverged> {
         let t = self.time[0] + h;
-        ideal.at(t, &mut self.ideal_q, &mut self.ideal_v, &mut self.ideal_a);
+        ideal.evaluate(t, &mut self.ideal_q, &mut self.ideal_v, &mut self.ideal_a);
         self.predict(t);
         self.trial.copy_from_slice(&self.predicted);
-        let (alpha, beta) = self.formula(h);
+        let (alpha, beta) = self.rate_weights(h);
         for _ in 0..MOST_ITERATIONS {
             self.evaluate(system, t, alpha, beta);
-            let Some(size) = self.newton_update(system.scales().0) else { return false };
+            let size = self.newton_update(system.scales().0)?;
             self.move_by(size);
             if size <= CONVERGED {
-                return true;
+                return Ok(());
             }
         }
-        false
+        Err(NotConverged)
     }
 
-    /// Local error of the step just tried, largest over the coordinates in their scales: the error of the rate,
-    /// from the difference to the extrapolation of the past, carried through the equation to the gaps. Where
-    /// stiffness rules there is none, whatever the rate. Overwrites the update and the prediction, not the linearisation.
-    pub fn error(&mut self, h: f64, scale: &[f64]) -> f64 {
+    /// Estimates the local error of the step of length `h` [s] just tried, the largest over the coordinates in their scales [1].
+    /// It vanishes where stiffness dominates, whatever the rate. Overwrites the update and the prediction.
+    pub fn estimate_error(&mut self, h: f64, scale: &[f64]) -> f64 {
         let span = self.time[0] + h - self.time[self.known - 1];
         self.update.fill(0.0);
         for (predicted, trial) in self.predicted.iter_mut().zip(&self.trial) {
@@ -142,10 +175,10 @@ impl Gap {
         }
         add_product(&self.at.d, &self.band, 1.0 / span, &self.predicted, &mut self.update);
         self.factors.solve(&mut self.update);
-        worst(&self.update, scale)
+        largest_scaled(&self.update, scale)
     }
 
-    /// Takes the step just tried over; `t` is its end.
+    /// Accepts the step just tried, which ends at time `t` [s].
     pub fn accept(&mut self, t: f64) {
         self.past.rotate_right(1);
         self.time.rotate_right(1);
@@ -154,7 +187,7 @@ impl Gap {
         self.known = (self.known + 1).min(3);
     }
 
-    /// Extrapolates the known past (at most a parabola) to time `t`.
+    /// Extrapolates the known past gaps, by a parabola at most, to time `t` [s].
     fn predict(&mut self, t: f64) {
         let s = &self.time;
         let mut weight = [0.0; 3];
@@ -167,7 +200,7 @@ impl Gap {
     }
 
     /// Weights of dg/dt at the end of a step: alpha of the new gaps, beta of the past ones [1/s].
-    fn formula(&self, h: f64) -> (f64, [f64; 3]) {
+    fn rate_weights(&self, h: f64) -> (f64, [f64; 3]) {
         if self.known < 2 {
             return (1.0 / h, [-1.0 / h, 0.0, 0.0]);
         }
@@ -199,17 +232,15 @@ impl Gap {
         }
     }
 
-    /// Solves for Newton's update; its size in the scales, none if there is no finite one.
-    fn newton_update(&mut self, scale: &[f64]) -> Option<f64> {
-        if !self.factors.factor(|place| self.matrix[place]) {
-            return None;
-        }
+    /// Solves for Newton's update and returns its size in the scales [1].
+    fn newton_update(&mut self, scale: &[f64]) -> Result<f64, NotConverged> {
+        self.factors.factor(|place| self.matrix[place]).map_err(|_| NotConverged)?;
         self.factors.solve(&mut self.update);
-        let size = worst(&self.update, scale);
-        size.is_finite().then_some(size)
+        let size = largest_scaled(&self.update, scale);
+        if size.is_finite() { Ok(size) } else { Err(NotConverged) }
     }
 
-    /// Moves the trial gaps by the update of this size, shortened to the longest allowed.
+    /// Adds the update of this size to the trial gaps, shortened to the longest allowed.
     fn move_by(&mut self, size: f64) {
         let share = (LONGEST_UPDATE / size).min(1.0);
         for (g, u) in self.trial.iter_mut().zip(&self.update) {
@@ -219,9 +250,6 @@ impl Gap {
 }
 
 /// Largest of `x` in the scales; infinite if anything is not finite.
-fn worst(x: &[f64], scale: &[f64]) -> f64 {
-    x.iter().zip(scale).map(|(x, s)| (x / s).abs()).fold(0.0, |a: f64, b| {
-        // A comparison with NaN is false: count it as infinite.
-        if b <= f64::MAX { a.max(b) } else { f64::INFINITY }
-    })
+fn largest_scaled(x: &[f64], scale: &[f64]) -> f64 {
+    x.iter().zip(scale).fold(0.0, |largest: f64, (x, s)| largest.max(nan_as_infinite((x / s).abs())))
 }

@@ -1,36 +1,62 @@
 //! Largest difference of two bodies' angles or angular velocities over a cycle.
 
-use super::BodyTrack;
+use super::{BodyTrack, MotionOutput, RecordedCycle, RecordingRequest};
+use common::scene::SignedBody;
 
-/// What is compared.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Compared {
-    /// Angles [rad].
-    Angle,
-    /// Angular velocities [rad/s].
-    Speed,
+/// Value and rate of a track within an interval of its times, at a time [s].
+type Quantity = fn(&BodyTrack, usize, f64) -> (f64, f64);
+
+/// The outputs `angle-difference` [rad] and `angular-velocity-difference` [rad/s].
+pub struct AngleDifference<'a> {
+    quantity: Quantity,
+    a: &'a SignedBody,
+    b: &'a SignedBody,
 }
 
-/// max over t of |s_a x_a(t) - s_b x_b(t)|, for the angles or speeds x of two tracks over the same span of time.
+impl<'a> AngleDifference<'a> {
+    /// Difference of the angles of two bodies.
+    pub fn of_angles(a: &'a SignedBody, b: &'a SignedBody) -> Self {
+        AngleDifference { quantity: BodyTrack::angle_in, a, b }
+    }
+
+    /// Difference of the angular velocities of two bodies.
+    pub fn of_speeds(a: &'a SignedBody, b: &'a SignedBody) -> Self {
+        AngleDifference { quantity: BodyTrack::omega_in, a, b }
+    }
+}
+
+impl MotionOutput for AngleDifference<'_> {
+    fn request(&self, request: &mut RecordingRequest) {
+        request.bodies.extend([self.a.body, self.b.body]);
+    }
+
+    fn value(&self, cycle: &RecordedCycle) -> f64 {
+        let signed = [self.a, self.b].map(|body| (cycle.body(body.body), body.sign));
+        let [(a, sign_a), (b, sign_b)] = &signed;
+        largest_difference(self.quantity, (a, *sign_a), (b, *sign_b))
+    }
+}
+
+/// max over t of |s_a x_a(t) - s_b x_b(t)| for a quantity x of two tracks over the same span of time, each given with its sign.
 ///
-/// The two integrate with steps of their own; between two neighbouring times of either, both are cubics, so the
-/// difference is one and its extremum is found exactly: a vibration sampled a few times a period keeps its peak.
-pub fn largest_difference(compared: Compared, a: &BodyTrack, sign_a: f64, b: &BodyTrack, sign_b: f64) -> f64 {
-    let value = |track: &BodyTrack, k: usize, t: f64| match compared {
-        Compared::Angle => track.angle_in(k, t),
-        Compared::Speed => track.omega_in(k, t),
-    };
+/// The two tracks have times of their own; between two neighbouring times of either, both are cubics. Their difference is a
+/// cubic too, and its extremum is found exactly: a vibration sampled a few times a period keeps its peak.
+fn largest_difference(
+    quantity: Quantity,
+    (a, sign_a): (&BodyTrack, f64),
+    (b, sign_b): (&BodyTrack, f64),
+) -> f64 {
     let (mut i, mut j) = (0, 0);
     let mut t0 = a.time[0].max(b.time[0]);
     let mut largest: f64 = 0.0;
     while i + 1 < a.time.len() && j + 1 < b.time.len() {
         let t1 = a.time[i + 1].min(b.time[j + 1]);
         if t1 > t0 {
-            let at = |t: f64| {
-                let ((x, dx), (y, dy)) = (value(a, i, t), value(b, j, t));
+            let difference = |t: f64| {
+                let ((x, dx), (y, dy)) = (quantity(a, i, t), quantity(b, j, t));
                 (sign_a * x - sign_b * y, sign_a * dx - sign_b * dy)
             };
-            let ((y0, d0), (y1, d1)) = (at(t0), at(t1));
+            let ((y0, d0), (y1, d1)) = (difference(t0), difference(t1));
             largest = largest.max(y0.abs()).max(y1.abs());
             if d0 * d1 < 0.0 {
                 largest = largest.max(extremum(y0, d0 * (t1 - t0), y1, d1 * (t1 - t0)).abs());
@@ -80,8 +106,9 @@ mod tests {
             (x.sin(), std::f64::consts::TAU * x.cos())
         });
         let still = track(&[0.0, 3.3, 10.0], |_| (0.25, 0.0));
-        let peak = largest_difference(Compared::Speed, &wave, 1.0, &still, 1.0);
+        let peak = largest_difference(BodyTrack::omega_in, (&wave, 1.0), (&still, 1.0));
         assert!((peak - 1.25).abs() < 2e-3, "{peak}");
-        assert!((largest_difference(Compared::Speed, &wave, 1.0, &still, -1.0) - 1.25).abs() < 2e-3);
+        let peak = largest_difference(BodyTrack::omega_in, (&wave, 1.0), (&still, -1.0));
+        assert!((peak - 1.25).abs() < 2e-3, "{peak}");
     }
 }

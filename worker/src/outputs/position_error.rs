@@ -1,6 +1,24 @@
-//! Path of a point of a body, and how far it strays from that of the ideal mechanism.
+//! Path of a point of a body, and its largest distance from the path on the mechanism with ideal joints.
 
 use super::trace::cubic;
+use super::{MotionOutput, RecordedCycle, RecordingRequest};
+use common::scene::Attachment;
+
+/// The output `position-error` [m].
+pub struct PositionError<'a> {
+    /// The point.
+    pub at: &'a Attachment,
+}
+
+impl MotionOutput for PositionError<'_> {
+    fn request(&self, request: &mut RecordingRequest) {
+        request.points.push(*self.at);
+    }
+
+    fn value(&self, cycle: &RecordedCycle) -> f64 {
+        cycle.paths(self.at).map_or(0.0, |(recorded, ideal)| recorded.largest_distance(ideal))
+    }
+}
 
 /// Position and velocity of a point, at increasing times.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -13,18 +31,17 @@ pub struct PointTrack {
     velocity: [Vec<f64>; 2],
 }
 
-/// Places within an interval at which the distance is looked at: it is smooth, and the intervals are those of the
-/// integrator.
+/// Places within an interval of the integrator at which the distance, which is smooth, is evaluated [1].
 const WITHIN: [f64; 3] = [0.25, 0.5, 0.75];
 
 impl PointTrack {
-    /// Forgets everything.
+    /// Removes all states.
     pub fn clear(&mut self) {
         self.time.clear();
         self.position.iter_mut().chain(&mut self.velocity).for_each(Vec::clear);
     }
 
-    /// Adds a state.
+    /// Adds a state: time [s], position [m] and velocity [m/s].
     pub fn push(&mut self, time: f64, position: [f64; 2], velocity: [f64; 2]) {
         self.time.push(time);
         for k in 0..2 {
@@ -33,8 +50,8 @@ impl PointTrack {
         }
     }
 
-    /// Position at `t` in interval `k`, by cubic Hermite interpolation [m].
-    fn at(&self, k: usize, t: f64) -> [f64; 2] {
+    /// Position at time `t` [s] in interval `k`, by cubic Hermite interpolation [m].
+    fn position_in(&self, k: usize, t: f64) -> [f64; 2] {
         [0, 1].map(|axis| {
             let velocity = &self.velocity[axis];
             cubic(&self.time, &self.position[axis], [velocity[k], velocity[k + 1]], k, t).0
@@ -52,7 +69,7 @@ impl PointTrack {
                 while j + 2 < other.time.len() && other.time[j + 1] < t {
                     j += 1;
                 }
-                let (a, b) = (self.at(k, t), other.at(j, t));
+                let (a, b) = (self.position_in(k, t), other.position_in(j, t));
                 largest = largest.max(libm::hypot(a[0] - b[0], a[1] - b[1]));
             }
         }

@@ -1,0 +1,176 @@
+//! Integration of several systems at once, one per SIMD lane, each with a step length of its own.
+//!
+//! Scheme and decisions are those of [`super::Stepper`]: [`SpanProgress`] accepts or refuses the step of every lane. Two
+//! things differ, which is why there are two steppers: ideal joints and contact laws that depend on their history are handled by
+//! [`super::Stepper`] alone; and all lanes linearise and try a step in the same round, so that a lane whose step was refused
+//! linearises the same state again. The result of a lane does not depend on the other lanes.
+
+use super::progress::nan_as_infinite;
+use super::{Dynamics, IntegrationError, Linearised, Rosenbrock, SpanProgress, StepControl, StepDecision};
+use crate::lanes::Real;
+use std::ops::Range;
+
+/// The integration under way in one lane.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LaneState {
+    /// Time reached, step control and counts.
+    pub progress: SpanProgress,
+    /// True if no earlier round has linearised the present state.
+    fresh: bool,
+    /// Length of the step tried in this round [s].
+    tried: f64,
+}
+
+impl LaneState {
+    /// The start of a span of time [s].
+    pub fn new(span: Range<f64>, control: StepControl) -> Self {
+        LaneState { progress: SpanProgress::new(span, control), fresh: true, tried: 0.0 }
+    }
+
+    /// True if this round is the first that linearises the present state.
+    pub fn is_fresh(&self) -> bool {
+        self.fresh
+    }
+}
+
+/// Dynamics with the scales of their errors.
+pub trait Scaled<R: Real>: Dynamics<R> {
+    /// Inverse scales of the local error of position and velocity `(n,)` [1/m or 1/rad, s/m or s/rad].
+    fn inverse_scales(&self) -> &[(R, R)];
+}
+
+/// What a round means for one lane.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LaneOutcome {
+    /// The end of the span is reached and has been linearised.
+    Arrived,
+    /// The lane goes on with the next round.
+    UnderWay,
+}
+
+/// Scheme, states and step control of all lanes.
+#[derive(Debug, Clone)]
+pub struct LaneStepper<R> {
+    scheme: Rosenbrock<R>,
+    /// Linearisation at the states of this round.
+    pub at: Linearised<R>,
+    /// Positions `(n,)` [m, rad].
+    pub q: Vec<R>,
+    /// Velocities `(n,)` [m/s, rad/s].
+    pub v: Vec<R>,
+    /// Integration of each lane, `None` in idle lanes `(LANES,)`.
+    pub lanes: Vec<Option<LaneState>>,
+    /// Length of the step tried in idle lanes [s].
+    idle: f64,
+    /// Largest scaled error of this round; not a number if the step has none.
+    error: R,
+    /// Zero times the force: not a number where the force is not finite.
+    force: R,
+}
+
+impl<R: Real> LaneStepper<R> {
+    /// Idle lanes, with room in `at` for the linearisation; idle lanes compute steps of length `idle` [s].
+    pub fn new(like: R, at: Linearised<R>, idle: f64) -> Self {
+        let n = at.f.len();
+        LaneStepper {
+            scheme: Rosenbrock::new(like, &at.band),
+            at,
+            q: vec![like.zero(); n],
+            v: vec![like.zero(); n],
+            lanes: vec![None; R::LANES],
+            idle,
+            error: like.zero(),
+            force: like.zero(),
+        }
+    }
+
+    /// Writes a state `(n,)` into a lane.
+    pub fn load_state(&mut self, lane: usize, q: &[f64], v: &[f64]) {
+        self.q.iter_mut().zip(q).for_each(|(to, from)| to.set_lane(lane, *from));
+        self.v.iter_mut().zip(v).for_each(|(to, from)| to.set_lane(lane, *from));
+    }
+
+    /// First half of a round: linearises the state of every lane and tries a step from it.
+    #[inline(always)]
+    pub fn try_steps(&mut self, system: &mut impl Scaled<R>) {
+        let like = self.error;
+        let lanes = &mut self.lanes;
+        let h = like.each(|k| match &mut lanes[k] {
+            Some(lane) if !lane.progress.is_complete() => {
+                lane.tried = lane.progress.next_step();
+                lane.tried
+            }
+            _ => self.idle,
+        });
+        let t = like.each(|k| lanes[k].map_or(0.0, |lane| lane.progress.time));
+        system.linearise(t, &self.q, &self.v, &mut self.at);
+        self.force = like.zero();
+        for f in &self.at.f {
+            self.force += *f * 0.0;
+        }
+        let sound = self.scheme.step(system, &self.at, t, h, &self.q, &self.v);
+        // Not a number where the matrix was as good as singular.
+        let inverse = system.inverse_scales();
+        self.error = self.scheme.error(|i| inverse[i]) / sound;
+    }
+
+    /// True if the force of a lane is finite at the state linearised in this round.
+    pub fn is_finite(&self, lane: usize) -> bool {
+        self.force.lane(lane) == 0.0
+    }
+
+    /// Second half of a round for one lane: accepts or refuses the step tried, unless the end of the span was reached before.
+    ///
+    /// # Errors
+    /// [`IntegrationError`] without a joint; the state is then the last accepted one.
+    pub fn finish_round(&mut self, lane: usize) -> Result<LaneOutcome, IntegrationError> {
+        let Some(state) = &mut self.lanes[lane] else { return Ok(LaneOutcome::UnderWay) };
+        let progress = &mut state.progress;
+        progress.counts.forces += 1;
+        if progress.is_complete() {
+            return Ok(LaneOutcome::Arrived);
+        }
+        progress.check_bound()?;
+        progress.counts.forces += 2;
+        let error = nan_as_infinite(self.error.lane(lane) / progress.control.tolerance);
+        state.fresh = progress.decide(state.tried, error)? == StepDecision::Accepted;
+        if state.fresh {
+            for (to, from) in self.q.iter_mut().zip(&self.scheme.new_q) {
+                to.set_lane(lane, from.lane(lane));
+            }
+            for (to, from) in self.v.iter_mut().zip(&self.scheme.new_v) {
+                to.set_lane(lane, from.lane(lane));
+            }
+        }
+        Ok(LaneOutcome::UnderWay)
+    }
+
+    /// Errors (position, velocity) of every coordinate of the step last tried in a lane.
+    pub fn errors(&self, lane: usize) -> impl Iterator<Item = (f64, f64)> + '_ {
+        self.scheme.error_q.iter().zip(&self.scheme.error_v).map(move |(q, v)| (q.lane(lane), v.lane(lane)))
+    }
+
+    /// Reads the state `(n,)` of a lane.
+    pub fn read_state(&self, lane: usize, q: &mut [f64], v: &mut [f64]) {
+        q.iter_mut().zip(&self.q).for_each(|(to, from)| *to = from.lane(lane));
+        v.iter_mut().zip(&self.v).for_each(|(to, from)| *to = from.lane(lane));
+    }
+
+    /// Reads forces, eccentricities and joint states of a lane from the linearisation of this round, without the matrices.
+    pub fn read_forces(&self, lane: usize, to: &mut Linearised) {
+        to.f.iter_mut().zip(&self.at.f).for_each(|(to, from)| *to = from.lane(lane));
+        for (to, from) in to.joints.iter_mut().zip(&self.at.joints) {
+            to.force = from.force.map(|x| x.lane(lane));
+            to.torque_journal = from.torque_journal.lane(lane);
+            to.torque_bushing = from.torque_bushing.lane(lane);
+            to.normal = from.normal.lane(lane);
+            to.direction = from.direction.map(|x| x.lane(lane));
+            to.penetration = from.penetration.lane(lane);
+            to.sliding = from.sliding.lane(lane);
+        }
+        to.e.iter_mut().zip(&self.at.e).for_each(|(to, from)| *to = from.map(|x| x.lane(lane)));
+        for (to, from) in to.prescribed.iter_mut().zip(&self.at.prescribed) {
+            *to = from.map(|x| x.lane(lane));
+        }
+    }
+}

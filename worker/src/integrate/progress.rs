@@ -1,0 +1,182 @@
+//! Progress of one system through a span of time, its counts, and what can end it early.
+//!
+//! [`super::Stepper`] (one system) and [`super::LaneStepper`] (one system per SIMD lane) leave every decision about a step to
+//! [`SpanProgress`]: its length, whether it is accepted, and when the integration gives up.
+
+use super::StepControl;
+use std::ops::Range;
+
+/// Work done in one or more spans of time.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct StepCounts {
+    /// Accepted steps.
+    pub steps: u64,
+    /// Refused steps.
+    pub rejected: u64,
+    /// Evaluations of the force, with or without derivatives.
+    pub forces: u64,
+    /// Largest distance by which an ideal joint drifted open in one step, before it was closed again [m].
+    pub drift: f64,
+}
+
+impl StepCounts {
+    /// Adds the counts of another span.
+    pub fn add(&mut self, other: &StepCounts) {
+        self.steps += other.steps;
+        self.rejected += other.rejected;
+        self.forces += other.forces;
+        self.drift = self.drift.max(other.drift);
+    }
+}
+
+/// Reason why an integration stopped before the end of its span. Joints are indices into the island's joints.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum IntegrationError {
+    /// The step fell below its lower bound.
+    StepTooSmall {
+        /// Time of the last accepted state [s].
+        time: f64,
+        /// Length of the step to try next [s].
+        step: f64,
+        /// Estimated error of the last step over its tolerance, finite [1].
+        error: f64,
+        /// Joint with the largest error, if one can be named.
+        joint: Option<usize>,
+    },
+    /// The number of steps reached its bound.
+    TooManySteps {
+        /// Time of the last accepted state [s].
+        time: f64,
+        /// Bound on the accepted steps.
+        bound: u64,
+        /// Joint with the largest error, if one can be named.
+        joint: Option<usize>,
+    },
+    /// The penetration of a joint left the range of its contact law.
+    OutOfRange {
+        /// Time of the state [s].
+        time: f64,
+        /// Joint that left the range.
+        joint: usize,
+        /// Penetration there [m].
+        penetration: f64,
+    },
+    /// The constraints of the ideal joints became linearly dependent.
+    Singular {
+        /// Time of the state [s].
+        time: f64,
+    },
+    /// The state or the force is not finite.
+    NotFinite {
+        /// Time of the state [s].
+        time: f64,
+    },
+}
+
+impl IntegrationError {
+    /// Adds the joint with the largest error to the errors that name one.
+    pub fn with_joint(self, responsible: Option<usize>) -> Self {
+        match self {
+            IntegrationError::StepTooSmall { time, step, error, .. } => {
+                IntegrationError::StepTooSmall { time, step, error, joint: responsible }
+            }
+            IntegrationError::TooManySteps { time, bound, .. } => {
+                IntegrationError::TooManySteps { time, bound, joint: responsible }
+            }
+            other => other,
+        }
+    }
+}
+
+/// Time reached in a span, with the step control and the counts of this span.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SpanProgress {
+    /// Time reached [s].
+    pub time: f64,
+    /// End of the span [s].
+    pub end: f64,
+    /// Length of the steps.
+    pub control: StepControl,
+    /// Work done in this span.
+    pub counts: StepCounts,
+}
+
+/// Decision about a step just tried.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StepDecision {
+    /// The state at the end of the step is the new state.
+    Accepted,
+    /// The step is tried again from the same state with a shorter length.
+    Refused,
+}
+
+impl SpanProgress {
+    /// The start of a span of time [s].
+    pub fn new(span: Range<f64>, control: StepControl) -> Self {
+        SpanProgress { time: span.start, end: span.end, control, counts: StepCounts::default() }
+    }
+
+    /// True if the end of the span is reached.
+    #[inline]
+    pub fn is_complete(&self) -> bool {
+        self.time >= self.end
+    }
+
+    /// Length of the step to try [s].
+    #[inline]
+    pub fn next_step(&self) -> f64 {
+        self.control.next(self.end - self.time)
+    }
+
+    /// Checks that another step is allowed.
+    ///
+    /// # Errors
+    /// [`IntegrationError::TooManySteps`] without a joint.
+    pub fn check_bound(&self) -> Result<(), IntegrationError> {
+        let bound = self.control.bound;
+        if self.counts.steps < bound {
+            return Ok(());
+        }
+        Err(IntegrationError::TooManySteps { time: self.time, bound, joint: None })
+    }
+
+    /// Accepts or refuses a step of length `h` [s] whose estimated error over its tolerance is `error` [1] (infinite if the
+    /// step has no finite one), and adapts the length of the next step.
+    ///
+    /// # Errors
+    /// [`IntegrationError::StepTooSmall`] without a joint, if the step is refused and the next one would be below its bound.
+    pub fn decide(&mut self, h: f64, error: f64) -> Result<StepDecision, IntegrationError> {
+        if error <= 1.0 {
+            self.time = if h == self.end - self.time { self.end } else { self.time + h };
+            self.counts.steps += 1;
+            self.control.lengthen(h, error);
+            return Ok(StepDecision::Accepted);
+        }
+        self.counts.rejected += 1;
+        self.control.shorten(h, error);
+        if self.control.step < self.control.smallest {
+            let (error, step) = (error.min(f64::MAX), self.control.step);
+            return Err(IntegrationError::StepTooSmall { time: self.time, step, error, joint: None });
+        }
+        Ok(StepDecision::Refused)
+    }
+}
+
+/// `error`, or infinity where it is not a number, so that a comparison with a bound refuses it.
+#[inline]
+pub fn nan_as_infinite(error: f64) -> f64 {
+    // A comparison with NaN is false.
+    if error <= f64::MAX { error } else { f64::INFINITY }
+}
+
+/// The coordinate with the largest of these errors of position and velocity `(n,)`, each over its scale.
+pub fn worst_coordinate(
+    errors: impl Iterator<Item = (f64, f64)>,
+    (scale_q, scale_v): (&[f64], &[f64]),
+) -> Option<usize> {
+    let scaled = errors.zip(scale_q.iter().zip(scale_v)).map(|((q, v), (scale_q, scale_v))| {
+        let error = (q / scale_q).abs().max((v / scale_v).abs());
+        if error.is_finite() { error } else { f64::INFINITY }
+    });
+    scaled.enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i)
+}

@@ -1,0 +1,175 @@
+//! Integration of one system with error control: every step whose estimated error exceeds its tolerance is refused.
+//!
+//! [`Stepper`] integrates any [`Stepped`] system, with ideal joints and with contact laws that depend on their history.
+//! [`super::LaneStepper`] does the same for systems without either, one per lane. The decisions about a step are those of
+//! [`SpanProgress`] in both.
+
+use super::progress::{nan_as_infinite, worst_coordinate};
+use super::{
+    IntegrationError, Linearised, Rosenbrock, SpanProgress, StepControl, StepCounts, StepDecision, Stepped,
+};
+use std::ops::Range;
+
+/// Receives every accepted state with the linearisation there, in order of time.
+pub trait StateObserver<D> {
+    /// Called with the state `q`, `v` `(n,)` at time `t` [s].
+    fn observe(&mut self, system: &D, t: f64, q: &[f64], v: &[f64], at: &Linearised);
+}
+
+/// Ignores every state.
+impl<D> StateObserver<D> for () {
+    fn observe(&mut self, _system: &D, _t: f64, _q: &[f64], _v: &[f64], _at: &Linearised) {}
+}
+
+/// Scheme, linearisation and step control of one system.
+#[derive(Debug, Clone)]
+pub struct Stepper {
+    scheme: Rosenbrock,
+    at: Linearised,
+    /// Length of the steps, kept from one span to the next.
+    pub control: StepControl,
+    /// State before ideal joints were closed `(n,)` each.
+    open_q: Vec<f64>,
+    open_v: Vec<f64>,
+}
+
+impl Stepper {
+    /// A stepper with room in `at` for the system's linearisation.
+    pub fn new(at: Linearised, control: StepControl) -> Self {
+        let n = at.f.len();
+        Stepper {
+            scheme: Rosenbrock::new(0.0, &at.band),
+            open_q: vec![0.0; n],
+            open_v: vec![0.0; n],
+            at,
+            control,
+        }
+    }
+
+    /// Integrates (`q`, `v`) `(n,)` over the span of time [s]; `observer` receives every accepted state, both ends included.
+    /// Adds the work to `counts`.
+    ///
+    /// # Errors
+    /// [`IntegrationError`]; the state is then the last accepted one.
+    pub fn run<D: Stepped, W: StateObserver<D>>(
+        &mut self,
+        system: &mut D,
+        span: Range<f64>,
+        q: &mut [f64],
+        v: &mut [f64],
+        observer: &mut W,
+        counts: &mut StepCounts,
+    ) -> Result<(), IntegrationError> {
+        let mut progress = SpanProgress::new(span, self.control);
+        let result = self.integrate(system, &mut progress, q, v, observer);
+        self.control = progress.control;
+        counts.add(&progress.counts);
+        result.map_err(|error| error.with_joint(self.responsible_joint(system)))
+    }
+
+    fn integrate<D: Stepped, W: StateObserver<D>>(
+        &mut self,
+        system: &mut D,
+        progress: &mut SpanProgress,
+        q: &mut [f64],
+        v: &mut [f64],
+        observer: &mut W,
+    ) -> Result<(), IntegrationError> {
+        loop {
+            self.linearise(system, progress, q, v)?;
+            observer.observe(system, progress.time, q, v, &self.at);
+            system.on_accepted(q, v, &self.at);
+            if progress.is_complete() {
+                return Ok(());
+            }
+            progress.check_bound()?;
+            loop {
+                let h = progress.next_step();
+                let error = self.try_step(system, progress, h, q, v);
+                if progress.decide(h, error)? == StepDecision::Accepted {
+                    break;
+                }
+            }
+            q.copy_from_slice(&self.scheme.new_q);
+            v.copy_from_slice(&self.scheme.new_v);
+        }
+    }
+
+    /// Linearises the system at the time reached, if the state lies in the range of the model.
+    fn linearise<D: Stepped>(
+        &mut self,
+        system: &mut D,
+        progress: &mut SpanProgress,
+        q: &[f64],
+        v: &[f64],
+    ) -> Result<(), IntegrationError> {
+        let time = progress.time;
+        system.linearise(time, q, v, &mut self.at);
+        progress.counts.forces += 1;
+        if self.at.singular {
+            return Err(IntegrationError::Singular { time });
+        }
+        if !self.at.f.iter().all(|f| f.is_finite()) {
+            return Err(IntegrationError::NotFinite { time });
+        }
+        system.in_range(&self.at).map_err(|(joint, penetration)| IntegrationError::OutOfRange {
+            time,
+            joint,
+            penetration,
+        })
+    }
+
+    /// Computes a step of length `h` [s] and closes the ideal joints at its end; its error over the tolerance.
+    fn try_step<D: Stepped>(
+        &mut self,
+        system: &mut D,
+        progress: &mut SpanProgress,
+        h: f64,
+        q: &[f64],
+        v: &[f64],
+    ) -> f64 {
+        let sound = self.scheme.step(system, &self.at, progress.time, h, q, v);
+        progress.counts.forces += 2;
+        let error = if sound == 1.0 { self.error(system.scales()) } else { f64::INFINITY };
+        if error <= 1.0 && system.is_constrained() {
+            return error.max(self.close(system, progress.time + h, &mut progress.counts));
+        }
+        error
+    }
+
+    /// Closes the ideal joints at the end of the step just tried: the largest resulting change of the state, over the scales
+    /// and the tolerance of the local error; infinite if the joints cannot be closed.
+    fn close<D: Stepped>(&mut self, system: &mut D, t: f64, counts: &mut StepCounts) -> f64 {
+        let s = &mut self.scheme;
+        self.open_q.copy_from_slice(&s.new_q);
+        self.open_v.copy_from_slice(&s.new_v);
+        let Some(drift) = system.close(t, &mut s.new_q, &mut s.new_v) else { return f64::INFINITY };
+        let largest_change = |new: &[f64], open: &[f64], scale: &[f64]| {
+            let each =
+                new.iter().zip(open).zip(scale).map(|((new, open), scale)| ((new - open) / scale).abs());
+            each.fold(0.0, f64::max)
+        };
+        let (scale_q, scale_v) = system.scales();
+        let moved = largest_change(&s.new_q, &self.open_q, scale_q).max(largest_change(
+            &s.new_v,
+            &self.open_v,
+            scale_v,
+        )) / self.control.tolerance;
+        if moved <= 1.0 {
+            counts.drift = counts.drift.max(drift);
+        }
+        nan_as_infinite(moved)
+    }
+
+    /// The joint to name for the step tried last: that of the coordinate with the largest error.
+    fn responsible_joint<D: Stepped>(&self, system: &D) -> Option<usize> {
+        let errors = self.scheme.error_q.iter().copied().zip(self.scheme.error_v.iter().copied());
+        let worst = worst_coordinate(errors, system.scales())?;
+        system.responsible_joint(worst, &self.at)
+    }
+
+    /// Largest scaled error of the step just tried, over the tolerance; infinite if anything is not finite.
+    fn error(&self, (scale_q, scale_v): (&[f64], &[f64])) -> f64 {
+        nan_as_infinite(self.scheme.error(|i| (1.0 / scale_q[i], 1.0 / scale_v[i])) / self.control.tolerance)
+    }
+}

@@ -1,0 +1,113 @@
+//! The torque that a driven body needs, from the moments that joints and loads exert on it.
+//!
+//! With the moments M_k of the islands on the body and the moment M_e of the loads on it alone, a body of mass m [kg], inertia I
+//! [kg m^2] about its centre of mass, and centre of mass c [m] from its axis needs the torque [N m]
+//!
+//!   T = (I + m |c|^2) alpha - m (c x g) - M_e - sum M_k,
+//!
+//! alpha [rad/s^2] being its angular acceleration and g [m/s^2] the gravity. The output is the largest |T| over the cycle.
+//!
+//! # Source
+//! Balance of angular momentum about a fixed axis: Goldstein, Poole, Safko, Classical Mechanics (2002), chapter 5.
+
+use super::{MotionOutput, RecordedCycle, RecordingRequest, Sampling, sample_times};
+use crate::mechanism::{ExternalLoads, Prescribed};
+use common::scene::Motion;
+
+/// The output `driving-torque` [N m].
+pub struct DrivingTorque {
+    /// The driven body of the scene.
+    pub body: usize,
+}
+
+impl MotionOutput for DrivingTorque {
+    fn request(&self, request: &mut RecordingRequest) {
+        request.driven.push(self.body);
+    }
+
+    fn value(&self, cycle: &RecordedCycle) -> f64 {
+        let scene = cycle.scene;
+        let body = &scene.bodies[self.body];
+        let Some(motion) = Prescribed::from_body(body) else { return 0.0 };
+        let outer = ExternalLoads::new(scene, self.body);
+        let inertia = match &body.motion {
+            Motion::Driven { inertia, .. } => *inertia,
+            _ => None,
+        };
+        let own = |t: f64| {
+            let inertial = inertia.map_or(0.0, |driven| {
+                let [x, y] = driven.centre_of_mass;
+                let centre = motion.frame(t).turn([x, y]);
+                let weight = driven.mass * (centre[0] * scene.gravity[1] - centre[1] * scene.gravity[0]);
+                (driven.inertia + driven.mass * (x * x + y * y)) * motion.jet(t)[2] - weight
+            });
+            inertial - outer.moment(t)
+        };
+        largest_torque(&cycle.moments(self.body), &sample_times(scene), own)
+    }
+
+    fn sampling(&self) -> Sampling {
+        Sampling::Steps
+    }
+}
+
+/// Moment on a driven body about its axis, at increasing times.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct MomentTrack {
+    /// Time `(n,)` [s].
+    pub time: Vec<f64>,
+    /// Moment `(n,)` [N m].
+    pub moment: Vec<f64>,
+}
+
+impl MomentTrack {
+    /// Removes all instants.
+    pub fn clear(&mut self) {
+        self.time.clear();
+        self.moment.clear();
+    }
+
+    /// Adds the moment [N m] at a time [s].
+    pub fn push(&mut self, time: f64, moment: f64) {
+        self.time.push(time);
+        self.moment.push(moment);
+    }
+
+    /// Moment at time `t` [s], by linear interpolation [N m].
+    fn moment_at(&self, t: f64) -> f64 {
+        let n = self.time.len();
+        if n < 2 {
+            return self.moment.first().copied().unwrap_or(0.0);
+        }
+        let k = self.time.partition_point(|&x| x <= t).clamp(1, n - 1) - 1;
+        let s = ((t - self.time[k]) / (self.time[k + 1] - self.time[k])).clamp(0.0, 1.0);
+        self.moment[k] + s * (self.moment[k + 1] - self.moment[k])
+    }
+}
+
+/// max over t of |own(t) - sum of the moments|, where `own` [N m] is the torque that the body needs without them. Evaluated at the
+/// times of all moments and at `times` [s].
+fn largest_torque(moments: &[&MomentTrack], times: &[f64], own: impl Fn(f64) -> f64) -> f64 {
+    let known = moments.iter().flat_map(|m| &m.time);
+    known.chain(times).fold(0.0, |largest: f64, &t| {
+        let moment: f64 = moments.iter().map(|m| m.moment_at(t)).sum();
+        largest.max((own(t) - moment).abs())
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn moments_of_two_islands_add_up_at_the_times_of_both() {
+        let track = |times: &[f64], f: fn(f64) -> f64| MomentTrack {
+            time: times.to_vec(),
+            moment: times.iter().map(|&t| f(t)).collect(),
+        };
+        let (a, b) = (track(&[0.0, 0.5, 1.0], |t| 2.0 * t), track(&[0.0, 0.3, 1.0], |t| 1.0 - t));
+        // -(2 t + 1 - t) + 0.5 has its largest size at t = 1: 1.5.
+        assert!((largest_torque(&[&a, &b], &[], |_| 0.5) - 1.5).abs() < 1e-15);
+        assert_eq!(largest_torque(&[], &[0.0, 2.0], |t| -t), 2.0);
+    }
+}

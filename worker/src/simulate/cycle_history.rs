@@ -1,0 +1,119 @@
+//! Outputs of the cycle recorded last, and its history as it is displayed.
+
+use super::run::Run;
+use crate::mechanism::Prescribed;
+use crate::outputs::{ForceTrack, FullRecording, RecordedCycle, motion_output, sample_times, sum_of_islands};
+use common::outputs::{BodyMotion, BodyTrace, CycleHistory, EnergyBalance};
+use common::scene::Motion;
+
+/// Summary of the first cycle; joints in the scene's order.
+pub struct FirstCycle {
+    /// History of the cycle, if it is displayed.
+    pub history: Option<CycleHistory>,
+    /// Name and largest force of every joint [N].
+    pub peaks: Vec<(String, f64)>,
+    /// Name and share of the cycle in free flight of every joint with clearance [1].
+    pub free_flight: Vec<(String, f64)>,
+    /// Energy balance, if the cycle is displayed.
+    pub energy: Option<EnergyBalance>,
+}
+
+impl Run<'_> {
+    /// Outputs of the scene that follow from the motion of the cycle recorded last, zero in the place of the others
+    /// `(outputs,)` [SI].
+    pub fn motion_outputs(&self) -> Vec<f64> {
+        let cycle = self.recorded_cycle();
+        let outputs = self.scene.outputs.iter().map(|output| motion_output(&output.kind));
+        outputs.map(|output| output.map_or(0.0, |output| output.value(&cycle))).collect()
+    }
+
+    fn recorded_cycle(&self) -> RecordedCycle<'_> {
+        RecordedCycle {
+            scene: self.scene,
+            islands: self.islands.iter().map(|state| (&state.island, &state.recorder)).collect(),
+            ideal_paths: &self.ideal_paths,
+        }
+    }
+
+    /// Energy balance of the cycle recorded last, which was recorded fully.
+    pub fn energy(&self) -> EnergyBalance {
+        sum_of_islands(self.full_recordings().map(FullRecording::balance))
+    }
+
+    fn full_recordings(&self) -> impl Iterator<Item = &FullRecording> {
+        self.islands.iter().filter_map(|state| state.recorder.full.as_ref())
+    }
+
+    /// Summary of the cycle recorded last, which was recorded fully; with its history if cycles are displayed.
+    pub fn first_cycle(&self) -> FirstCycle {
+        let period = self.scene.life.period;
+        let has_clearance = |name: &str| {
+            let mut joints = self.islands.iter().flat_map(|state| &state.island.joints);
+            joints.any(|joint| joint.name == name)
+        };
+        let mut free_flight = self.joint_values(|force| force.free / period);
+        free_flight.retain(|(name, _)| has_clearance(name));
+        FirstCycle {
+            history: self.display.as_ref().map(|_| self.cycle_history()),
+            peaks: self.joint_values(ForceTrack::peak),
+            free_flight,
+            energy: self.display.as_ref().map(|_| self.energy()),
+        }
+    }
+
+    /// Motion and joint forces of the cycle recorded last, which was recorded fully.
+    pub fn cycle_history(&self) -> CycleHistory {
+        let time = sample_times(self.scene);
+        let cycle = self.recorded_cycle();
+        let mut bodies: Vec<BodyTrace> = Vec::new();
+        for body in self.scene.outputs.iter().filter_map(|output| output.kind.compared_bodies()).flatten() {
+            if bodies.iter().any(|t| t.label == body.label) {
+                continue;
+            }
+            let (angle, speed) = cycle.body(body.body).resample(&time);
+            bodies.push(BodyTrace {
+                label: body.label.clone(),
+                angle: angle.into_iter().map(|x| x * body.sign).collect(),
+                speed: speed.into_iter().map(|x| x * body.sign).collect(),
+            });
+        }
+        let joint_force = self.joint_values(|force| force.resample(&time));
+        CycleHistory { bodies, motion: self.body_motions(&time), joint_force, time }
+    }
+
+    /// Motion of every body that moves, in the scene's order, at the times `time` [s].
+    fn body_motions(&self, time: &[f64]) -> Vec<BodyMotion> {
+        let mut found: Vec<BodyMotion> = Vec::new();
+        for state in &self.islands {
+            let full = state.recorder.full.iter();
+            found.extend(full.flat_map(|full| full.motion(&state.island, self.scene, time)));
+        }
+        for body in &self.scene.bodies {
+            if let (Motion::Driven { position, .. }, Some(motion)) =
+                (&body.motion, Prescribed::from_body(body))
+            {
+                found.push(BodyMotion {
+                    body: body.name.clone(),
+                    position: vec![*position; time.len()],
+                    angle: time.iter().map(|&t| motion.angle(t)).collect(),
+                    speed: time.iter().map(|&t| motion.jet(t)[1]).collect(),
+                });
+            }
+        }
+        found.sort_by_key(|motion| self.scene.bodies.iter().position(|b| b.name == motion.body));
+        found
+    }
+
+    /// Name of every joint and a value from its force over the cycle, in the scene's order.
+    fn joint_values<T>(&self, value: impl Fn(&ForceTrack) -> T) -> Vec<(String, T)> {
+        let mut all: Vec<(usize, T)> = Vec::new();
+        for state in &self.islands {
+            let contacts = state.island.joints.iter().map(|j| j.scene_joint);
+            let joints = contacts.chain(state.island.constraints().iter().map(|c| c.scene_joint));
+            let tracks = state.recorder.full.iter().flat_map(|full| &full.forces);
+            all.extend(joints.zip(tracks).map(|(joint, track)| (joint, value(track))));
+        }
+        all.sort_by_key(|(joint, _)| *joint);
+        all.into_iter().map(|(joint, value)| (self.scene.joints[joint].name.clone(), value)).collect()
+    }
+}

@@ -1,0 +1,225 @@
+//! One island of a running evaluation: its state, and what integrates, records and wears it.
+
+use crate::integrate::{IntegrationError, StepControl, Stepped, Stepper};
+use crate::mechanism::{Island, Pose};
+use crate::outputs::{Recorder, RecordingRequest};
+use crate::wear::{WearRate, WearStep};
+use common::accuracy::Accuracy;
+use common::failure::SimulationFailure;
+use common::scene::Scene;
+
+/// Lower bound of the time step, as a fraction of the cycle [1].
+pub const SMALLEST_STEP: f64 = 1e-9;
+/// Lower bound of the time step times the highest angular frequency of a contact vibration, where that is shorter [1]. Slow
+/// mechanisms with light bodies need about 0.06 while the journals settle.
+const SMALLEST_PHASE: f64 = 1e-3;
+
+/// Times of a measured cycle, which starts at zero.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CycleSpan {
+    /// Length of the cycle [s].
+    pub period: f64,
+    /// Time of the state from which the warm-up of the next cycle starts [s].
+    pub kept: f64,
+}
+
+impl CycleSpan {
+    /// The cycle of a scene, with the warm-up of this accuracy.
+    pub fn new(scene: &Scene, accuracy: &Accuracy) -> Self {
+        let period = scene.life.period;
+        CycleSpan { period, kept: (1.0 - accuracy.warm_up).max(0.0) * period }
+    }
+}
+
+/// An island with its state, its stepper and recorder, and the wear of its joints.
+#[derive(Clone)]
+pub struct IslandState {
+    /// Bodies, joints and loads, with the bores as worn so far.
+    pub island: Island,
+    /// Integrates the island.
+    pub stepper: Stepper,
+    /// Records the measured cycle.
+    pub recorder: Recorder,
+    /// Positions `(n,)` [m, rad].
+    pub q: Vec<f64>,
+    /// Velocities `(n,)` [m/s, rad/s].
+    pub v: Vec<f64>,
+    /// State from which the next warm-up starts.
+    pub warm_up_start: StateSnapshot,
+    /// State at the start of the cycle measured last.
+    pub cycle_start: StateSnapshot,
+    /// Wear rate of each joint with clearance `(joints,)`.
+    pub rates: Vec<WearRate>,
+    /// Wear step of each joint with clearance `(joints,)`.
+    pub steps: Vec<WearStep>,
+    /// Wear depth of each joint with clearance at its control points `(joints, points)` [m].
+    pub depth: Vec<Vec<f64>>,
+}
+
+/// A state to return to: coordinates, velocities, and the damping fixed at each joint's last impact.
+#[derive(Clone)]
+pub struct StateSnapshot {
+    q: Vec<f64>,
+    v: Vec<f64>,
+    /// `(joints,)` [s/m].
+    damping: Vec<f64>,
+}
+
+impl StateSnapshot {
+    /// A snapshot of the state `q`, `v` `(n,)` and of the island's joints.
+    pub fn new(island: &Island, q: &[f64], v: &[f64]) -> Self {
+        let mut snapshot =
+            StateSnapshot { q: q.to_vec(), v: v.to_vec(), damping: vec![0.0; island.joints.len()] };
+        snapshot.update(island, q, v);
+        snapshot
+    }
+
+    /// Replaces the snapshot by the state `q`, `v` `(n,)` and the island's joints as they are.
+    pub fn update(&mut self, island: &Island, q: &[f64], v: &[f64]) {
+        self.q.copy_from_slice(q);
+        self.v.copy_from_slice(v);
+        for (damping, joint) in self.damping.iter_mut().zip(&island.joints) {
+            *damping = joint.contact.surface().damping;
+        }
+    }
+
+    /// Restores the state `q`, `v` `(n,)` and the joints of the island.
+    pub fn restore(&self, island: &mut Island, q: &mut [f64], v: &mut [f64]) {
+        q.copy_from_slice(&self.q);
+        v.copy_from_slice(&self.v);
+        for (damping, joint) in self.damping.iter().zip(&mut island.joints) {
+            joint.contact.restore_damping(*damping);
+        }
+    }
+}
+
+/// Stepper and recorder of an island for a cycle at another accuracy.
+pub struct CycleTools {
+    stepper: Stepper,
+    recorder: Recorder,
+}
+
+impl IslandState {
+    /// Starts the island from the pose of the ideal mechanism; its recorder records what is `requested`.
+    pub fn new(
+        island: Island,
+        pose: &Pose,
+        scene: &Scene,
+        requested: &RecordingRequest,
+        accuracy: &Accuracy,
+    ) -> Self {
+        let pick = |from: &[Option<[f64; 3]>]| -> Vec<f64> {
+            island.bodies.iter().flat_map(|&b| from[b].unwrap_or_default()).collect()
+        };
+        let (q, v) = (pick(&pose.q), pick(&pose.v));
+        IslandState {
+            stepper: stepper(&island, scene.life.period, accuracy),
+            recorder: Recorder::new(&island, scene, requested, accuracy.wear_samples),
+            warm_up_start: StateSnapshot::new(&island, &q, &v),
+            cycle_start: StateSnapshot::new(&island, &q, &v),
+            q,
+            v,
+            rates: island
+                .joints
+                .iter()
+                .map(|j| WearRate::new(j.wear_coefficient, j.width, &j.contact, &j.profile))
+                .collect(),
+            steps: island
+                .joints
+                .iter()
+                .map(|j| WearStep::new(j.profile.points(), accuracy.wear_tolerance))
+                .collect(),
+            depth: island.joints.iter().map(|j| vec![0.0; j.profile.points()]).collect(),
+            island,
+        }
+    }
+
+    /// Stepper and empty recorder for another accuracy of the time steps; `period` is the length of a cycle [s].
+    pub fn tools_for(&self, period: f64, accuracy: &Accuracy) -> CycleTools {
+        let mut recorder = self.recorder.clone();
+        recorder.clear();
+        CycleTools { stepper: stepper(&self.island, period, accuracy), recorder }
+    }
+
+    /// Exchanges stepper and recorder with `tools`.
+    pub fn exchange_tools(&mut self, tools: &mut CycleTools) {
+        std::mem::swap(&mut self.stepper, &mut tools.stepper);
+        std::mem::swap(&mut self.recorder, &mut tools.recorder);
+    }
+}
+
+fn stepper(island: &Island, period: f64, accuracy: &Accuracy) -> Stepper {
+    let (q, v) = island.scales();
+    let fastest = q.iter().zip(v).fold(0.0_f64, |a, (q, v)| a.max(v / q));
+    let smallest = (SMALLEST_STEP * period).min(SMALLEST_PHASE / fastest);
+    let largest = accuracy.largest_step * period;
+    let control = StepControl::new(accuracy.step_tolerance, largest, smallest, accuracy.steps_bound);
+    Stepper::new(island.linearised(), control)
+}
+
+/// The failure of an evaluation whose integration stopped: adds the life `cycle` [cycles] and the names of joints.
+pub fn failure(error: IntegrationError, cycle: u32, island: &Island) -> SimulationFailure {
+    let name = |joint: usize| island.joints[joint].name.clone();
+    match error {
+        IntegrationError::StepTooSmall { time, step, error, joint } => {
+            SimulationFailure::StepTooSmall { cycle, time, joint: joint.map(name), step, error }
+        }
+        IntegrationError::TooManySteps { time, bound, joint } => {
+            SimulationFailure::TooManySteps { cycle, time, joint: joint.map(name), bound }
+        }
+        IntegrationError::OutOfRange { time, joint, penetration } => {
+            SimulationFailure::OutOfRange { cycle, time, joint: name(joint), penetration }
+        }
+        IntegrationError::Singular { time } => SimulationFailure::Singular { cycle, time },
+        IntegrationError::NotFinite { time } => {
+            SimulationFailure::NotFinite { cycle, time, quantity: "the force".into() }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::simulate::run::Run;
+    use crate::simulate::side_by_side::run_alone;
+    use common::accuracy::Accuracy;
+    use common::scene::{ContactDamping, JointKind, RestitutionLaw, SceneSource};
+
+    #[test]
+    fn issue_a_cycle_begun_again_started_with_the_damping_of_another_instant() {
+        let mut scene = SceneSource::builtin("slider-crank").expect("built in").nominal().clone();
+        for joint in &mut scene.joints {
+            if let JointKind::Clearance(clearance) = &mut joint.kind {
+                clearance.contact_damping = ContactDamping::Restitution {
+                    law: RestitutionLaw::Flores,
+                    coefficient: 0.95,
+                    least_speed: 1e-4,
+                };
+            }
+        }
+        let accuracy = Accuracy::draft();
+        run_alone(|queue| async {
+            let mut run = Run::assemble(queue, &scene, &accuracy).expect("assembled");
+            let damping = |run: &Run| -> Vec<f64> {
+                let joints = run.islands.iter().flat_map(|m| &m.island.joints);
+                joints.map(|j| j.contact.surface().damping).collect()
+            };
+            let state = |run: &Run| -> Vec<f64> {
+                run.islands.iter().flat_map(|m| m.q.iter().chain(&m.v)).copied().collect()
+            };
+            run.settle().await.expect("settled");
+            let began = damping(&run);
+            run.measure().await.expect("measured");
+            assert_ne!(damping(&run), began, "no contact began anew within the cycle");
+            // The time steps of a cycle begun again start small, those of the first went on from the settling.
+            let mut again = async || {
+                run.restart_cycle(&accuracy);
+                let resumed = damping(&run);
+                run.measure().await.expect("measured");
+                (resumed, state(&run), run.motion_outputs())
+            };
+            let (first, second) = (again().await, again().await);
+            assert_eq!(first.0, began);
+            assert_eq!(first, second);
+        });
+    }
+}

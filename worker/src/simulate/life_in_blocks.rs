@@ -1,0 +1,79 @@
+//! The whole life after the settled first cycle: block after block of wear, with a measured cycle at the end of each.
+
+use super::blocks::{at_checkpoints, block_ends};
+use super::error_estimate::{ErrorEstimate, MeasuredLives};
+use super::probe::is_probed;
+use super::run::Run;
+use common::failure::SimulationFailure;
+use common::scene::OutputKind;
+
+/// Every output of the scene at every checkpoint `(outputs, m)` [SI].
+#[derive(Debug, Clone, PartialEq)]
+pub struct LifeHistory {
+    /// Values of the outputs.
+    pub histories: Vec<Vec<f64>>,
+    /// Estimates of their errors.
+    pub errors: Vec<Vec<f64>>,
+}
+
+/// Model of the motion in the cycles between two blocks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CycleModel {
+    /// Dynamic cycles, some of which are probed for their error.
+    Dynamic,
+    /// Quasi-static cycles, which are not probed.
+    QuasiStatic,
+}
+
+/// Wears the bores to the end of life; `next_cycle` simulates the cycle of `model` after each block, the last one of the dynamics
+/// excepted.
+///
+/// # Errors
+/// The first error of the wear, of a probe or of `next_cycle`.
+pub async fn simulate_life<E: From<SimulationFailure>>(
+    run: &mut Run<'_>,
+    next_cycle: impl AsyncFn(&mut Run) -> Result<(), E>,
+    model: CycleModel,
+) -> Result<LifeHistory, E> {
+    let (scene, accuracy, dynamic) = (run.scene, run.accuracy, model == CycleModel::Dynamic);
+    let (end, every) = (scene.life.cycles, scene.life.checkpoint_every);
+    let lives = block_ends(end, accuracy.cycle_jump, every);
+    let mut estimate = ErrorEstimate::default();
+    let mut measured = vec![run.motion_outputs()];
+    if dynamic {
+        estimate.add_probe(run.probe(0).await?);
+    }
+    let mut wear = vec![vec![]; scene.outputs.len()];
+    run.keep_bores(0);
+    for block in lives.windows(2) {
+        let (from, to) = (block[0], block[1]);
+        let checkpoints: Vec<u32> = (from / every + 1..=to / every).map(|k| k * every).collect();
+        let depths = run.depths();
+        run.wear(from..to, &checkpoints, &mut wear)?;
+        estimate.add_wear(run, from, depths);
+        run.keep_bores(to);
+        if dynamic && to == end {
+            run.last_cycle().await?;
+        } else {
+            next_cycle(run).await?;
+        }
+        measured.push(run.motion_outputs());
+        if dynamic && is_probed(from..to, every, end) {
+            estimate.add_probe(run.probe(to).await?);
+        }
+    }
+    run.close_wear()?;
+    estimate.add_wear(run, end, run.depths());
+
+    let cycles = scene.life.checkpoints();
+    let measured = MeasuredLives { lives: &lives, outputs: &measured };
+    let mut histories = Vec::with_capacity(scene.outputs.len());
+    for (k, output) in scene.outputs.iter().enumerate() {
+        histories.push(match output.kind {
+            OutputKind::LargestWear { .. } => std::mem::take(&mut wear[k]),
+            _ => at_checkpoints(&lives, &measured.of_output(k), &cycles),
+        });
+    }
+    let errors = estimate.errors(scene, &histories, &measured, accuracy.largest_step);
+    Ok(LifeHistory { histories, errors })
+}

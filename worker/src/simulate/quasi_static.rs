@@ -1,0 +1,147 @@
+//! A life whose wear is driven by the quasi-static model, compared with the dynamics on the unworn bores and on those at the
+//! end of life.
+
+use super::island_state::CycleSpan;
+use super::life_in_blocks::{CycleModel, LifeHistory, simulate_life};
+use super::quasi_static_island::QuasiStaticIsland;
+use super::run::Run;
+use crate::mechanism::ideal_cycle;
+use crate::quasi_static::{QuasiStaticCounts, Unsuitable, ideal_motions, wear_rate_difference};
+use common::accuracy::Tier;
+use common::scene::{Output, OutputKind};
+
+/// Intervals of the tabulated ideal motion; twice as many change the wear of the built-in scenes by less than
+/// 1e-4.
+const IDEAL_INTERVALS: usize = 90;
+
+/// The whole life under the quasi-static model, if the accuracy allows it, the scene has no output other than wear, and both
+/// comparisons with the dynamics agree; else `None`, and of `run` only the counts have changed.
+pub async fn try_quasi_static(run: &mut Run<'_>) -> Option<LifeHistory> {
+    let mut trial = run.clone();
+    match trial.simulate_quasi_static_life().await {
+        Ok(life) => {
+            *run = trial;
+            Some(life)
+        }
+        Err(reason) => {
+            tracing::debug!("the dynamics drives the wear: {reason}");
+            run.copy_counts(&trial);
+            None
+        }
+    }
+}
+
+impl Run<'_> {
+    /// The whole life under the quasi-static model, from the settled first cycle just measured.
+    ///
+    /// # Errors
+    /// [`Unsuitable`] if the dynamics has to drive the wear instead.
+    async fn simulate_quasi_static_life(&mut self) -> Result<LifeHistory, Unsuitable> {
+        self.start_quasi_static()?;
+        let next_cycle = async |run: &mut Run| run.quasi_static_cycle();
+        let mut life = simulate_life(self, next_cycle, CycleModel::QuasiStatic).await?;
+        // One cycle of the dynamics on the worn bores, from the state the gaps have reached.
+        self.last_cycle().await?;
+        self.check_against_dynamics()?;
+        for ((errors, values), share) in
+            life.errors.iter_mut().zip(&life.histories).zip(&self.tier_difference)
+        {
+            errors.iter_mut().zip(values).for_each(|(error, value)| *error += share * value.abs());
+        }
+        Ok(life)
+    }
+
+    /// Starts the quasi-static model and compares it with the settled first cycle just measured, on the unworn bores.
+    fn start_quasi_static(&mut self) -> Result<(), Unsuitable> {
+        if self.accuracy.tier == Tier::Dynamic {
+            return Err(Unsuitable::Unwanted);
+        }
+        self.assemble_quasi_static()?;
+        self.quasi_static_cycle()?;
+        self.check_against_dynamics()
+    }
+
+    /// Largest relative difference of the quasi-static wear rates from those of the settled first cycle just measured [1].
+    ///
+    /// # Errors
+    /// [`Unsuitable`] if the dynamics has to drive the wear.
+    pub fn check_quasi_static(&self) -> Result<f64, Unsuitable> {
+        let mut trial = self.clone();
+        trial.start_quasi_static()?;
+        Ok(trial.tier_difference.iter().copied().fold(0.0, f64::max))
+    }
+
+    /// Copies the counts of an attempt that began as a copy of this run.
+    fn copy_counts(&mut self, attempt: &Run) {
+        self.counts = attempt.counts;
+        self.wear_counts = attempt.wear_counts;
+        self.newton = attempt.newton;
+        self.simulated = attempt.simulated;
+    }
+
+    /// Puts every island on its ideal motion, with closed joints.
+    fn assemble_quasi_static(&mut self) -> Result<(), Unsuitable> {
+        let is_wear = |output: &&Output| matches!(output.kind, OutputKind::LargestWear { .. });
+        if let Some(output) = self.scene.outputs.iter().find(|output| !is_wear(output)) {
+            return Err(Unsuitable::Output { output: output.name.clone() });
+        }
+        let poses = ideal_cycle(self.scene, IDEAL_INTERVALS + 1, &mut self.newton)?;
+        if poses.len() < 2 {
+            return Err(Unsuitable::Undetermined);
+        }
+        let islands: Vec<_> = self.islands.iter().map(|state| &state.island).collect();
+        let motions = ideal_motions(self.scene, &islands, &poses)?.into_iter().zip(islands);
+        self.quasi_static = motions
+            .map(|(ideal, island)| QuasiStaticIsland::new(ideal, island, self.scene, self.accuracy))
+            .collect();
+        Ok(())
+    }
+
+    /// One quasi-static cycle of every island on the bores as they are.
+    fn quasi_static_cycle(&mut self) -> Result<(), Unsuitable> {
+        let cycle = CycleSpan::new(self.scene, self.accuracy);
+        let mut counts = QuasiStaticCounts::default();
+        let mut islands = self.islands.iter_mut().zip(&mut self.quasi_static);
+        let done = islands.try_for_each(|(state, island)| island.run_cycle(state, &cycle, &mut counts));
+        self.counts.steps += counts.steps;
+        self.counts.rejected += counts.refused;
+        self.counts.forces += counts.iterations;
+        self.newton += counts.iterations;
+        self.simulated += 1;
+        done
+    }
+
+    /// Compares the wear rates of the two cycles recorded last, quasi-static and dynamic, on the bores as they are, and keeps the
+    /// largest difference of each output.
+    ///
+    /// # Errors
+    /// [`Unsuitable::Disagrees`] if the rates of an output differ by more than the tolerance of the wear.
+    fn check_against_dynamics(&mut self) -> Result<(), Unsuitable> {
+        let none = || vec![vec![]; self.scene.joints.len()];
+        let (mut quasi_static, mut dynamic) = (none(), none());
+        for (state, island) in self.islands.iter_mut().zip(&self.quasi_static) {
+            for (k, joint) in state.island.joints.iter().enumerate() {
+                for (rates, recorder) in
+                    [(&mut quasi_static, &island.recorder), (&mut dynamic, &state.recorder)]
+                {
+                    let mut rate = vec![0.0; joint.profile.points()];
+                    state.rates[k].freeze(&recorder.histories[k]);
+                    state.rates[k]
+                        .rate(&state.depth[k], &mut rate)
+                        .map_err(|_| Unsuitable::Disagrees { share: f64::INFINITY })?;
+                    rates[joint.scene_joint] = rate;
+                }
+            }
+        }
+        for (output, largest) in self.scene.outputs.iter().zip(&mut self.tier_difference) {
+            if let OutputKind::LargestWear { joints } = &output.kind {
+                let share = wear_rate_difference(&quasi_static, &dynamic, joints);
+                if share > self.accuracy.wear_tolerance {
+                    return Err(Unsuitable::Disagrees { share });
+                }
+                *largest = largest.max(share);
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,215 @@
+//! SIMD lanes shared by several evaluations: when an island reaches its end time, the next queued island of the same
+//! topology takes its lane.
+
+use super::queue::{CpuTime, LaneQueue, PendingSpan};
+use crate::integrate::{
+    IntegrationError, LaneOutcome, LaneState, LaneStepper, Linearised, StateObserver, Stepped,
+    worst_coordinate,
+};
+use crate::lanes::Lanes;
+use crate::mechanism::{Island, IslandLanes, same_topology};
+use crate::simulate::island_state::IslandState;
+use pulp::{Simd, WithSimd};
+use std::time::Instant;
+
+/// The lane groups of one thread.
+pub struct LanePool<S: Simd> {
+    simd: S,
+    groups: Vec<LaneGroup<S>>,
+}
+
+impl<S: Simd> LanePool<S> {
+    /// A pool without groups.
+    pub fn new(simd: S) -> Self {
+        LanePool { simd, groups: vec![] }
+    }
+
+    /// Loads the queued islands into lanes and runs one group until an island of it has ended, charging the time in equal shares to
+    /// the evaluations in the group. Returns the number of islands that ended; zero if no island was queued.
+    pub fn run_group(&mut self, queue: &LaneQueue) -> usize {
+        self.load_queued(queue);
+        let Some(group) = next_group(&mut self.groups) else { return 0 };
+        let charged: Vec<CpuTime> = group.occupants.iter().flatten().map(PendingSpan::cpu_time).collect();
+        let begun = Instant::now();
+        let ended = loop {
+            self.simd.vectorize(Round(group));
+            let ended = group.finish_round();
+            if ended > 0 {
+                break ended;
+            }
+        };
+        let share = begun.elapsed() / charged.len().max(1) as u32;
+        charged.iter().for_each(|cpu_time| cpu_time.set(cpu_time.get() + share));
+        ended
+    }
+
+    /// Fills the idle lanes of every group, and opens groups for the topologies that have none.
+    fn load_queued(&mut self, queue: &LaneQueue) {
+        self.groups.iter_mut().for_each(|group| group.fill(queue));
+        while let Some(first) = queue.take(|_| true) {
+            let group = LaneGroup::new(self.simd, first);
+            // Empty groups of other topologies make room.
+            self.groups.retain(|group| group.occupied() > 0);
+            self.groups.push(group);
+            self.groups.iter_mut().for_each(|group| group.fill(queue));
+        }
+    }
+}
+
+/// The group to run next: the fullest, where every time a group was passed over counts as an occupant.
+fn next_group<S: Simd>(groups: &mut [LaneGroup<S>]) -> Option<&mut LaneGroup<S>> {
+    let mut occupied: Vec<_> = groups.iter_mut().filter(|group| group.occupied() > 0).collect();
+    occupied.iter_mut().for_each(|group| group.passed_over += 1);
+    let group = occupied.into_iter().max_by_key(|group| group.occupied() + group.passed_over)?;
+    group.passed_over = 0;
+    Some(group)
+}
+
+/// Islands of one topology, one per lane.
+struct LaneGroup<S: Simd> {
+    /// An island of this topology.
+    topology: Island,
+    island_lanes: IslandLanes<Lanes<S>>,
+    stepper: LaneStepper<Lanes<S>>,
+    /// The span in each lane, `None` in idle lanes.
+    occupants: Vec<Option<PendingSpan>>,
+    /// Number of times another group was run since this one was.
+    passed_over: usize,
+    /// Forces and state of one lane.
+    at: Linearised,
+    q: Vec<f64>,
+    v: Vec<f64>,
+}
+
+/// First half of a round, compiled for the instruction set of the lanes.
+struct Round<'a, S: Simd>(&'a mut LaneGroup<S>);
+
+impl<S: Simd> WithSimd for Round<'_, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<T: Simd>(self, _simd: T) {
+        let LaneGroup { island_lanes, stepper, .. } = self.0;
+        stepper.try_steps(island_lanes);
+    }
+}
+
+impl<S: Simd> LaneGroup<S> {
+    /// A group with its first island; idle lanes compute steps from the same state.
+    fn new(simd: S, first: PendingSpan) -> Self {
+        let state = &first.span.state;
+        let (topology, like) = (state.island.clone(), Lanes::all(simd, 0.0));
+        let island_lanes = IslandLanes::new(&topology, like);
+        let stepper = LaneStepper::new(like, island_lanes.linearised(), state.stepper.control.largest);
+        let mut group = LaneGroup {
+            at: topology.linearised(),
+            q: state.q.clone(),
+            v: state.v.clone(),
+            occupants: (0..S::F64_LANES).map(|_| None).collect(),
+            passed_over: 0,
+            topology,
+            island_lanes,
+            stepper,
+        };
+        for lane in 0..S::F64_LANES {
+            group.stepper.load_state(lane, &group.q, &group.v);
+        }
+        group.load(0, first);
+        group
+    }
+
+    /// Number of lanes in use.
+    fn occupied(&self) -> usize {
+        self.occupants.iter().flatten().count()
+    }
+
+    /// Loads queued islands of this topology into the idle lanes.
+    fn fill(&mut self, queue: &LaneQueue) {
+        for lane in 0..S::F64_LANES {
+            if self.occupants[lane].is_some() {
+                continue;
+            }
+            let topology = &self.topology;
+            let Some(pending) = queue.take(|span| same_topology(topology, &span.state.island)) else {
+                return;
+            };
+            self.load(lane, pending);
+        }
+    }
+
+    fn load(&mut self, lane: usize, pending: PendingSpan) {
+        let state = &pending.span.state;
+        self.island_lanes.set(lane, &state.island);
+        self.stepper.load_state(lane, &state.q, &state.v);
+        self.stepper.lanes[lane] = Some(LaneState::new(pending.span.time.clone(), state.stepper.control));
+        self.occupants[lane] = Some(pending);
+    }
+
+    /// Second half of a round: records new states, decides about the steps tried, and returns the islands that have ended. The
+    /// result is their number.
+    fn finish_round(&mut self) -> usize {
+        let mut ended = 0;
+        for lane in 0..S::F64_LANES {
+            let result = match self.check_and_record(lane).and_then(|()| self.stepper.finish_round(lane)) {
+                Ok(LaneOutcome::UnderWay) => continue,
+                Ok(LaneOutcome::Arrived) => Ok(()),
+                Err(error) => Err(self.attribute_failure(lane, error)),
+            };
+            self.unload(lane, result);
+            ended += 1;
+        }
+        ended
+    }
+
+    /// Checks the range of a new state of a lane and passes it to the recorder.
+    fn check_and_record(&mut self, lane: usize) -> Result<(), IntegrationError> {
+        let (Some(state), Some(pending)) = (&self.stepper.lanes[lane], &mut self.occupants[lane]) else {
+            return Ok(());
+        };
+        if !state.is_fresh() {
+            return Ok(());
+        }
+        let time = state.progress.time;
+        if !self.stepper.is_finite(lane) {
+            return Err(IntegrationError::NotFinite { time });
+        }
+        let IslandState { island, recorder, .. } = &mut pending.span.state;
+        for (joint, (force, wearing)) in self.stepper.at.joints.iter().zip(&island.joints).enumerate() {
+            let penetration = force.penetration.values()[lane];
+            if penetration > wearing.contact.surface().deepest() {
+                return Err(IntegrationError::OutOfRange { time, joint, penetration });
+            }
+        }
+        if pending.span.record {
+            self.stepper.read_forces(lane, &mut self.at);
+            self.stepper.read_state(lane, &mut self.q, &mut self.v);
+            if recorder.full.is_some() {
+                island.set_state(time, &self.q, &self.v);
+            }
+            recorder.observe(island, time, &self.q, &self.v, &self.at);
+        }
+        Ok(())
+    }
+
+    /// Adds the joint with the largest error of a lane to an error of its integration.
+    fn attribute_failure(&mut self, lane: usize, error: IntegrationError) -> IntegrationError {
+        let Some(pending) = &self.occupants[lane] else { return error };
+        self.stepper.read_forces(lane, &mut self.at);
+        let island = &pending.span.state.island;
+        let coordinate = worst_coordinate(self.stepper.errors(lane), island.scales());
+        error.with_joint(coordinate.and_then(|coordinate| island.responsible_joint(coordinate, &self.at)))
+    }
+
+    /// Returns the island of a lane to its evaluation.
+    fn unload(&mut self, lane: usize, result: Result<(), IntegrationError>) {
+        let (Some(lane_state), Some(mut pending)) =
+            (self.stepper.lanes[lane].take(), self.occupants[lane].take())
+        else {
+            return;
+        };
+        let state = &mut pending.span.state;
+        state.stepper.control = lane_state.progress.control;
+        self.stepper.read_state(lane, &mut state.q, &mut state.v);
+        pending.complete(lane_state.progress.counts, result);
+    }
+}

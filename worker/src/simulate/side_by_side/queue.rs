@@ -1,0 +1,123 @@
+//! The queue of islands that wait to be integrated over a span of time.
+//!
+//! Islands that cannot be integrated in lanes are integrated at once, when their evaluation is polled.
+
+use crate::integrate::{IntegrationError, StepCounts};
+use crate::mechanism::fits_lanes;
+use crate::simulate::island_state::IslandState;
+use std::cell::{Cell, RefCell};
+use std::collections::VecDeque;
+use std::future::poll_fn;
+use std::ops::Range;
+use std::rc::Rc;
+use std::task::Poll;
+use std::time::Duration;
+
+/// An island and the span of time to integrate it over.
+pub struct Span {
+    /// State and tools of the island.
+    pub state: IslandState,
+    /// From the time of the state to the time wanted [s].
+    pub time: Range<f64>,
+    /// True if the island's recorder receives every accepted state.
+    pub record: bool,
+}
+
+/// An island after its integration.
+pub struct Integrated {
+    /// The island at the last accepted state.
+    pub state: IslandState,
+    /// Work done.
+    pub counts: StepCounts,
+    /// An error if the end of the span was not reached.
+    pub result: Result<(), IntegrationError>,
+}
+
+/// Processor time charged to one evaluation.
+pub type CpuTime = Rc<Cell<Duration>>;
+
+/// Receives the integrated island for the evaluation that waits for it.
+type Slot = Rc<RefCell<Option<Integrated>>>;
+
+/// A span whose evaluation waits for it.
+pub struct PendingSpan {
+    /// The island and its span of time.
+    pub span: Span,
+    slot: Slot,
+    cpu_time: CpuTime,
+}
+
+impl PendingSpan {
+    /// Processor time of the evaluation that waits.
+    pub fn cpu_time(&self) -> CpuTime {
+        Rc::clone(&self.cpu_time)
+    }
+
+    /// Returns the island to its evaluation.
+    pub fn complete(self, counts: StepCounts, result: Result<(), IntegrationError>) {
+        *self.slot.borrow_mut() = Some(Integrated { state: self.span.state, counts, result });
+    }
+
+    /// Integrates the island by itself, without lanes.
+    fn integrate(mut self) {
+        let Span { state, time, record } = &mut self.span;
+        let IslandState { island, stepper, recorder, q, v, .. } = state;
+        let mut counts = StepCounts::default();
+        let result = if *record {
+            stepper.run(island, time.clone(), q, v, recorder, &mut counts)
+        } else {
+            stepper.run(island, time.clone(), q, v, &mut (), &mut counts)
+        };
+        self.complete(counts, result);
+    }
+}
+
+/// Spans waiting for lanes, with the processor time of the evaluation that holds this handle.
+#[derive(Clone, Default)]
+pub struct LaneQueue {
+    waiting: Rc<RefCell<VecDeque<PendingSpan>>>,
+    cpu_time: CpuTime,
+}
+
+impl LaneQueue {
+    /// A handle to this queue for another evaluation, with processor time of zero.
+    pub fn for_another(&self) -> Self {
+        LaneQueue { waiting: Rc::clone(&self.waiting), cpu_time: CpuTime::default() }
+    }
+
+    /// Processor time charged to this evaluation so far.
+    pub fn cpu_time(&self) -> CpuTime {
+        Rc::clone(&self.cpu_time)
+    }
+
+    /// Integrates every span; the results are in the order of the spans.
+    pub async fn integrate(&self, spans: Vec<Span>) -> Vec<Integrated> {
+        let slots: Vec<Slot> = spans.into_iter().map(|span| self.submit(span)).collect();
+        poll_fn(|_| {
+            if slots.iter().any(|slot| slot.borrow().is_none()) {
+                return Poll::Pending;
+            }
+            Poll::Ready(slots.iter().filter_map(|slot| slot.borrow_mut().take()).collect())
+        })
+        .await
+    }
+
+    /// Queues a span, or integrates it at once if it cannot use lanes.
+    fn submit(&self, span: Span) -> Slot {
+        let slot = Slot::default();
+        let pending = PendingSpan { span, slot: Rc::clone(&slot), cpu_time: self.cpu_time() };
+        if fits_lanes(&pending.span.state.island) {
+            self.waiting.borrow_mut().push_back(pending);
+        } else {
+            pending.integrate();
+        }
+        slot
+    }
+
+    /// Removes the first waiting span that satisfies `fits`.
+    pub fn take(&self, fits: impl Fn(&Span) -> bool) -> Option<PendingSpan> {
+        let mut waiting = self.waiting.borrow_mut();
+        let place = waiting.iter().position(|pending| fits(&pending.span))?;
+        waiting.remove(place)
+    }
+}
