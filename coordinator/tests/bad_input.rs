@@ -20,7 +20,7 @@ fn refused(arguments: &[&str], code: i32) -> String {
     message
 }
 
-/// Exactly one line that starts with `error:` and says all of `parts`.
+/// Exactly one line that starts with `error:` and contains all of `parts`.
 #[track_caller]
 fn one_message(message: &str, parts: &[&str]) {
     assert_eq!(message.lines().count(), 1, "{message}");
@@ -30,7 +30,7 @@ fn one_message(message: &str, parts: &[&str]) {
     }
 }
 
-/// The four-bar with one piece of its text replaced, in a file of its own.
+/// The four-bar with one piece of its text replaced, in a new file.
 fn scene_file(folder: &Path, from: &str, to: &str) -> PathBuf {
     assert!(FOUR_BAR.contains(from));
     let path = folder.join("scene.toml");
@@ -263,7 +263,7 @@ fn addresses_that_cannot_be_listened_on() {
         &["--listen nowhere", "expected e.g. tcp/127.0.0.1:7447"],
     );
     one_message(&refused(&with(&["--config", "no.json5"]), 2), &["no.json5"]);
-    // Nothing was begun.
+    // No folder was created.
     assert!(!Path::new(out).exists());
 }
 

@@ -1,4 +1,4 @@
-//! The picture at the head of the README is the figure that the program draws from the numbers beside it.
+//! The picture at the head of the README is the figure that the program draws from the numbers in the same folder.
 //!
 //! Both come from `coordinator run --scene flapping-wing --out study`: `study/figures/reliability.svg` and
 //! `study/reliability.csv`.
@@ -11,7 +11,7 @@ use serde_json::{Map, Value, json};
 const PICTURE: &str = include_str!("../doc/reliability.svg");
 const NUMBERS: &str = include_str!("../doc/reliability.csv");
 
-/// As much of a study as its `reliability.csv` tells.
+/// The part of a study that its `reliability.csv` holds.
 fn study() -> StudySummary {
     let mut lines = NUMBERS.lines().map(|line| line.split(',').collect::<Vec<_>>());
     let head = lines.next().unwrap();

@@ -1,4 +1,4 @@
-//! Studies of programs of somebody else, by the real `coordinator` and real programs: the example of the document, a
+//! Studies of external programs, by the real `coordinator` and real programs: the example of the document, a
 //! problem with a known answer, and everything a program can do wrong. The programs are Python.
 
 use serde_json::Value;
@@ -23,7 +23,7 @@ variables = [
 study = { population = 40000, initial = 12, batch = 4, max_evaluations = 60 }
 "#;
 
-/// A model that notes its process beside it, does `first`, and then `reply` for every request, from `id`, `R` and `S`.
+/// A model that writes its process number to a file in its folder, does `first`, and then `reply` for every request, from `id`, `R` and `S`.
 fn model(first: &str, reply: &str) -> String {
     format!(
         "import json, os, sys, time\n\
@@ -37,13 +37,13 @@ fn model(first: &str, reply: &str) -> String {
 
 const RIGHT: &str = "answer(id, outputs=dict(margin=R - S))";
 
-/// A study in a folder of its own.
+/// A study in a new folder.
 struct Study {
     folder: tempfile::TempDir,
 }
 
 impl Study {
-    /// `None`, said aloud, where there is no Python.
+    /// `None`, with a message, if Python is not installed.
     fn new(program: &str, timeout: &str) -> Option<Self> {
         let python = Command::new("python3").arg("--version").output();
         if !python.is_ok_and(|output| output.status.success()) {
@@ -225,7 +225,7 @@ fn a_second_signal_leaves_no_orphan_either() {
     }
 }
 
-/// Each of these ends a study before anything is recorded, and says why.
+/// Each of these ends a study before anything is recorded, with the reason.
 #[test]
 fn what_is_no_answer_ends_the_study() {
     for (first, reply, parts) in [

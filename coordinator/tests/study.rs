@@ -90,12 +90,12 @@ fn a_study_gives_the_same_answer_whatever_happens_to_it() {
     let first = lines.next().unwrap();
     assert!(first.starts_with(&format!("{before}/16 evaluations (initial design), {before} from")), "{said}");
 
-    // kill -9, likewise.
+    // The same with kill -9.
     assert_eq!(interrupted(&run(killed, "2"), killed, 18, "-KILL"), None);
     done(&["resume", killed, "--workers", "1", "--quiet"]);
     assert_eq!(answer(killed), expected);
 
-    // A finished study: told again, nothing new.
+    // A finished study: printed again, without an evaluation.
     let summary: Value = serde_json::from_str(&done(&["resume", killed, "--json"])).unwrap();
     assert_eq!(summary["reliability"], expected["reliability"]);
     let rows: Value = serde_json::from_str(&done(&["sensitivity", two, "--json"])).unwrap();

@@ -32,13 +32,13 @@ pub enum Goal {
     Relative(f64),
 }
 
-/// One number.
+/// One published number.
 pub struct Row {
     pub what: &'static str,
     pub unit: &'static str,
-    /// In that unit.
+    /// Published value, in `unit`.
     pub published: f64,
-    /// Likewise.
+    /// Our value in `unit`; `None` if the studies do not have it.
     pub ours: fn(&Ours) -> Option<f64>,
     pub decimals: usize,
     pub goal: Goal,

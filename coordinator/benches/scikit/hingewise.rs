@@ -1,4 +1,4 @@
-//! Hingewise's side of the comparison with scikit-learn, and what has no other side; see README.md beside this file.
+//! Hingewise's side of the comparison with scikit-learn, and measurements without a counterpart; see README.md in this folder.
 //!
 //! `surrogate_hingewise write DIR`       data of the comparison
 //! `surrogate_hingewise fit DIR`         fit of them; prints JSON
@@ -149,7 +149,7 @@ fn predict() -> Result<String, Box<dyn std::error::Error>> {
     let block = PredictionCache::BLOCK;
     let starts: Vec<usize> = (0..POPULATION).step_by(block).collect();
 
-    // Mean and variance against the bare solve of as many right-hand sides, blocks of both beside each other.
+    // Mean and variance against the bare solve of as many right-hand sides, blocks of both in turn.
     let l = Mat::from_fn(N, N, |i, j| {
         if i == j {
             2.0

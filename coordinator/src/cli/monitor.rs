@@ -63,7 +63,7 @@ impl Monitor {
             .map(|given| listen_address("--metrics", given, trusted))
             .transpose()?;
         let only_here =
-            Err("allowed: a port alone, or an address of this machine only; others look through ssh -L");
+            Err("allowed: a port alone, or an address of this machine only; use ssh -L from other machines");
         let live =
             arguments.live.as_deref().map(|given| listen_address("--live", given, only_here)).transpose()?;
         let metrics = metrics.map(|address| MonitorServer::metrics(address, look)).transpose()?;

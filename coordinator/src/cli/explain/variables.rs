@@ -15,7 +15,7 @@ pub(super) fn variables(out: &mut String, scene: &Scene) -> std::fmt::Result {
     let width = scene.variables.iter().map(|variable| variable.name.len()).max().unwrap_or(0);
     for variable in &scene.variables {
         let law = &variable.distribution;
-        // The unit was read when the scene was checked; "1" stands for a plain number.
+        // The unit was read when the scene was checked; "1" denotes a plain number.
         let scale = read_unit(&variable.unit).map_or(1.0, |unit| unit.multiply / unit.divide);
         let shown = |value: f64| seven_digits(value / scale);
         let unit = if variable.unit == "1" { String::new() } else { format!(" {}", variable.unit) };

@@ -322,8 +322,8 @@ fn a_copy_taken_in_the_middle_holds_everything_recorded() {
 
 const KILLED_DIR: &str = "HINGEWISE_TEST_KILLED_DIR";
 
-/// The test starts itself as a process that records evaluation after evaluation and says so after each; killed
-/// without warning, everything it had said is in the file, and the lock is free.
+/// The test starts itself as a process that records one evaluation after another and prints the number of each. When it
+/// is killed, every printed evaluation is in the file, and the lock is free.
 #[test]
 fn a_killed_process_loses_nothing_it_had_recorded() {
     if let Some(dir) = std::env::var_os(KILLED_DIR) {
@@ -335,19 +335,23 @@ fn a_killed_process_loses_nothing_it_had_recorded() {
     }
     let dir = tempfile::tempdir().unwrap();
     let mut child = Command::new(std::env::current_exe().unwrap())
-        .args(["--exact", "store::tests::a_killed_process_loses_nothing_it_had_recorded", "--nocapture"])
+        .args([
+            "--exact",
+            "results::store::tests::a_killed_process_loses_nothing_it_had_recorded",
+            "--nocapture",
+        ])
         .env(KILLED_DIR, dir.path())
         .stdout(Stdio::piped())
         .stderr(Stdio::null())
         .spawn()
         .unwrap();
     let lines = BufReader::new(child.stdout.take().unwrap()).lines();
-    let mut said = lines.filter_map(|line| line.unwrap().strip_prefix("recorded ")?.parse::<u64>().ok());
-    let eleventh = said.nth(10);
+    let mut recorded = lines.filter_map(|line| line.unwrap().strip_prefix("recorded ")?.parse::<u64>().ok());
+    let eleventh = recorded.nth(10);
     let in_use = CampaignFile::open(dir.path()).map(|_| ());
     child.kill().unwrap();
     child.wait().unwrap();
-    let last = said.last().or(eleventh).unwrap();
+    let last = recorded.last().or(eleventh).unwrap();
     assert!(matches!(in_use, Err(StoreError::InUse { .. })));
     let file = CampaignFile::open(dir.path()).unwrap();
     assert!(file.count().unwrap() as u64 > last);
