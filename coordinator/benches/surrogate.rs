@@ -1,8 +1,8 @@
-//! What a surrogate costs: one likelihood with its gradient, a fit, the choice of the form, predictions of a population, and
-//! a point added to a cached one.
+//! Times of a surrogate: one likelihood with its gradient, a fit, the choice of the form, predictions of a
+//! population, and a point added to a cached prediction.
 //!
-//! `cargo bench -p coordinator --bench surrogate`; with `-- likelihood` and the like only those. The machine's load moves all
-//! times: compare within one run. Counted items are points predicted.
+//! `cargo bench -p coordinator --bench surrogate` runs all; `-- likelihood` selects by name. The load of the
+//! machine changes all times: compare within one run. Items counted are predicted points.
 
 use common::random::Distribution;
 use coordinator::statistics::design::Population;
@@ -14,7 +14,7 @@ use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use faer::Mat;
 
-/// Points of the population.
+/// Number of points of the population.
 const POPULATION: usize = 20_000;
 
 fn main() {
@@ -50,7 +50,7 @@ fn likelihood_of_937_points(bencher: Bencher, (kernel, trend): (Kernel, Trend)) 
     bencher.bench_local(|| likelihood.evaluate(black_box(&correlation)));
 }
 
-/// As in a study: 11 variables, 24 checkpoints.
+/// One form as in a study: 11 variables, 24 checkpoints.
 #[divan::bench(args = [30, 60, 120], sample_count = 3, sample_size = 1)]
 fn fit_of_one_form(bencher: Bencher, n: usize) {
     let (points, values) = data(11, n, 24);

@@ -22,24 +22,28 @@
 //! ```
 
 mod campaign;
+mod campaign_result;
+mod classified_population;
 mod dispatching;
+mod error;
 mod failures;
-mod learned;
+mod interim;
+mod learner;
+mod learner_thread;
 mod monte_carlo;
 mod observations;
 mod plan;
-mod populations;
+mod prediction_check;
 mod rare;
-mod responses;
+mod requests;
+mod response_layout;
 mod result;
 mod round;
 mod rows;
 mod settings;
-mod so_far;
 mod step;
-mod surprise;
+mod surrogate_state;
 mod surrogates;
-mod thinking;
 mod verification;
 
 #[cfg(test)]
@@ -48,65 +52,33 @@ mod campaign_tests;
 mod life_tests;
 
 pub use campaign::Campaign;
+pub use campaign_result::CampaignResult;
+pub use classified_population::ClassifiedPopulation;
+pub use error::StudyError;
 pub use failures::{Failed, Feasibility};
-pub use learned::Learned;
-pub use observations::{Observations, Observed};
+pub use observations::{Observations, Observed, ObservedOutcome};
 pub use plan::{Plan, Problem};
-pub use populations::LookedAt;
 pub use result::blank;
 pub use result::{OutputHistory, StudyResult, SurrogateReport};
 pub use round::Assessment;
 pub use settings::{LARGEST_POPULATION, Method, SettingError, Settings, StudyAccuracy};
-pub use step::{Ask, CampaignError, Step, Stop};
+pub use step::{CampaignError, SampleRequest, Step, StopReason};
 pub use surrogates::Surrogate;
 pub use verification::{
     SimulatedPoint, Verification, Verified, VerifiedRow, completed, first_failures, verify,
 };
 
-use crate::farm::evaluate::{EvaluateError, Evaluator};
+use crate::farm::evaluate::Evaluator;
 use crate::results::journal::Journal;
 use crate::results::progress::{Observer, Progress};
-use crate::results::summary::{Round, Timing};
+use crate::results::summary::Timing;
 use crate::statistics::design::InputModel;
 use common::scene::Scene;
-use dispatching::{Dispatcher, Outcome};
+use dispatching::Dispatcher;
 use monte_carlo::DirectSimulation;
-use responses::Responses;
+use response_layout::ResponseLayout;
 use result::Findings;
-use so_far::SoFar;
 use std::time::Instant;
-use thinking::Learner;
-use thiserror::Error;
-
-/// Why a study has no result.
-#[derive(Debug, Error)]
-pub enum StudyError {
-    /// The settings do not make a study.
-    #[error(transparent)]
-    Setting(#[from] SettingError),
-    /// The evaluations cannot be distributed or recorded.
-    #[error(transparent)]
-    Evaluate(#[from] EvaluateError),
-    /// The learner cannot continue.
-    #[error(transparent)]
-    Campaign(#[from] CampaignError),
-    /// The evaluator ended without the outcome of a request.
-    #[error("evaluation {id} has no outcome")]
-    Unanswered {
-        /// Number of the request.
-        id: u64,
-    },
-    /// An outcome does not have the shape of the scene, or a value that is not finite.
-    #[error("evaluation {id} by {worker} does not fit the scene: {what}")]
-    Malformed {
-        /// Number of the request.
-        id: u64,
-        /// Name of the worker.
-        worker: String,
-        /// Description of the fault.
-        what: String,
-    },
-}
 
 /// Runs a study of `scene` to its end: evaluations by `evaluator`, recorded in `journal`, reported to `observer`.
 ///
@@ -135,7 +107,7 @@ pub fn run(
             direct.findings()?
         }
     };
-    let (surrogate, idle) = dispatcher.thinking_seconds();
+    let (surrogate, idle) = dispatcher.learner_seconds();
     let total = started.elapsed().as_secs_f64();
     let timing = Timing { total, simulation: dispatcher.simulation_seconds(), surrogate, idle };
     let result = findings.result(scene, settings, timing, dispatcher.shares());
@@ -151,37 +123,12 @@ pub fn run(
 
 /// The reliability problem of a scene.
 pub fn problem_of(scene: &Scene) -> Problem {
-    let responses = Responses::of(scene);
+    let responses = ResponseLayout::from_scene(scene);
     Problem {
-        inputs: InputModel::of(scene),
+        inputs: InputModel::from_scene(scene),
         outputs: responses.count(),
         modes: responses.modes,
         checkpoints: scene.life.checkpoints(),
-    }
-}
-
-impl Learner for Campaign {
-    fn next_step(&mut self) -> Result<Step, CampaignError> {
-        Campaign::next_step(self)
-    }
-
-    fn tell(&mut self, outcomes: Vec<Outcome>) -> Result<(), CampaignError> {
-        Campaign::tell(self, outcomes)
-    }
-
-    fn rounds(&self) -> &[Round] {
-        Campaign::rounds(self)
-    }
-
-    fn purpose(&self) -> String {
-        match self.rounds().len() {
-            0 => "initial design".to_owned(),
-            round => format!("round {round}"),
-        }
-    }
-
-    fn so_far(&self) -> Option<SoFar> {
-        Campaign::so_far(self)
     }
 }
 

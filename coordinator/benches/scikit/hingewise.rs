@@ -1,10 +1,11 @@
-//! Hingewise's side of the comparison with scikit-learn, and measurements without a counterpart; see README.md in this folder.
+//! Hingewise's part of the comparison with scikit-learn, and measurements without a counterpart; see
+//! README.md in this folder.
 //!
-//! `surrogate_hingewise write DIR`       data of the comparison
-//! `surrogate_hingewise fit DIR`         fit of them; prints JSON
+//! `surrogate_hingewise write DIR`       writes the data of the comparison
+//! `surrogate_hingewise fit DIR`         fits them; prints JSON
 //! `surrogate_hingewise likelihood DIR`  our likelihood at the parameters of DIR/scikit.txt; prints it
-//! `surrogate_hingewise predict`         prediction, the bare triangular solve, and added points; prints JSON
-//! `surrogate_hingewise memory`          1e6 points in the cache, 150 data; prints JSON
+//! `surrogate_hingewise predict`         times prediction, triangular solve and added points; prints JSON
+//! `surrogate_hingewise memory`          caches 1e6 points of 150 data; prints JSON
 
 use common::random::Distribution;
 use coordinator::statistics::design::Population;
@@ -144,12 +145,12 @@ fn predict() -> Result<String, Box<dyn std::error::Error>> {
     let values = values_at(points.as_ref());
     let theta = (0..D).map(|k| 0.1 / (1.0 + k as f64)).collect();
     let correlation = Correlation { kernel: Kernel::Gaussian, theta, nugget: 1e-8, stated: 0.0 };
-    let of = |n: usize| Kriging::condition(points.subcols(0, n), values.subrows(0, n), &correlation);
-    let model = of(N)?;
+    let condition = |n: usize| Kriging::condition(points.subcols(0, n), values.subrows(0, n), &correlation);
+    let model = condition(N)?;
     let block = PredictionCache::BLOCK;
     let starts: Vec<usize> = (0..POPULATION).step_by(block).collect();
 
-    // Mean and variance against the bare solve of as many right-hand sides, blocks of both in turn.
+    // Mean and variance against the bare solve of as many right-hand sides, blocks of both in parallel.
     let l = Mat::from_fn(N, N, |i, j| {
         if i == j {
             2.0
@@ -177,9 +178,9 @@ fn predict() -> Result<String, Box<dyn std::error::Error>> {
         whole = f64::min(whole, start.elapsed().as_secs_f64());
     }
 
-    // Points added one by one: the model extended, the cache and the classification brought to it.
+    // Points added one by one: the model extended, the cache and the classification updated to it.
     let mut cache = PredictionCache::default();
-    let mut model = of(N - 5)?;
+    let mut model = condition(N - 5)?;
     classify_cached(&mut cache, &model, &population, 0.0, &[0]);
     let mut added = f64::INFINITY;
     for i in N - 5..N {

@@ -6,7 +6,8 @@ use coordinator::statistics::models::PublishedProblem;
 use coordinator::statistics::reliability::reliability_curve;
 use coordinator::statistics::surrogate::StatedErrors;
 use coordinator::study::{
-    Campaign, CampaignError, LARGEST_POPULATION, Learned, LookedAt, Observed, Plan, Problem, Settings, Stop,
+    Campaign, CampaignError, CampaignResult, ClassifiedPopulation, LARGEST_POPULATION, Observed, Plan,
+    Problem, Settings, StopReason,
 };
 use std::time::Instant;
 
@@ -24,7 +25,7 @@ pub struct Run {
     /// Points of the population that are misclassified at the last checkpoint.
     pub misclassified: usize,
     /// Reason of the stop.
-    pub stop: Stop,
+    pub stop: StopReason,
     /// Wall time [s].
     pub seconds: f64,
 }
@@ -60,14 +61,14 @@ pub fn learn(problem: &PublishedProblem, settings: Settings) -> Result<Run, Camp
     Ok(result(problem, &learned, seconds))
 }
 
-fn result(problem: &PublishedProblem, learned: &Learned, seconds: f64) -> Run {
+fn result(problem: &PublishedProblem, learned: &CampaignResult, seconds: f64) -> Run {
     let assessment = &learned.assessment;
     let system = assessment.curves.len() - 1;
     let m = problem.shape.1;
     let errors = assessment.errors.by_curve[system].iter().zip(&assessment.noise_shift[system]);
     let on_grid: Vec<(usize, f64)> =
         assessment.grid.iter().copied().zip(errors.map(|(error, noise)| error.hypot(*noise))).collect();
-    let LookedAt { population, condition, .. } = &learned.looked_at;
+    let ClassifiedPopulation { population, condition, .. } = &learned.classified;
     let curve = reliability_curve(&assessment.curves[system], population.len(), &on_grid, condition);
     let wrong = |j: &usize| {
         let truly = (problem.evaluate)(&population.physical(*j)).iter().flatten().any(|y| *y >= 0.0);

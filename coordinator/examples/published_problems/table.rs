@@ -2,7 +2,7 @@
 
 use super::learn::Run;
 use coordinator::statistics::models::PublishedProblem;
-use coordinator::study::Stop;
+use coordinator::study::StopReason;
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -57,7 +57,7 @@ pub fn row(problem: &PublishedProblem, runs: &[Run]) -> Row {
         (run.pf - problem.pf).abs() / combined
     };
     let is_false = |run: &&Run| {
-        run.stop != Stop::Budget && distance(run) > WITHIN && (run.pf / problem.pf - 1.0).abs() > FALSE
+        run.stop != StopReason::Budget && distance(run) > WITHIN && (run.pf / problem.pf - 1.0).abs() > FALSE
     };
     Row {
         problem: problem.name,
@@ -73,7 +73,7 @@ pub fn row(problem: &PublishedProblem, runs: &[Run]) -> Row {
         worst: runs.iter().map(distance).fold(0.0, f64::max),
         within: runs.iter().filter(|run| distance(run) <= WITHIN).count(),
         false_stops: runs.iter().filter(is_false).count(),
-        budget_ended: runs.iter().filter(|run| run.stop == Stop::Budget).count(),
+        budget_ended: runs.iter().filter(|run| run.stop == StopReason::Budget).count(),
         stated: median(&|run| run.standard_error / run.pf.max(f64::MIN_POSITIVE)),
         misclassified: median(&|run| run.misclassified as f64) as usize,
         population: median(&|run| run.population as f64) as usize,
@@ -123,7 +123,7 @@ mod tests {
     use coordinator::statistics::learning::Rule;
     use coordinator::statistics::models::published_problems;
 
-    fn with(calls: usize, pf: f64, stop: Stop) -> Run {
+    fn with(calls: usize, pf: f64, stop: StopReason) -> Run {
         Run { calls, pf, standard_error: 1e-4, population: 1000, misclassified: calls, stop, seconds: 1.0 }
     }
 
@@ -131,8 +131,8 @@ mod tests {
     fn a_rule_that_stops_far_off_is_a_false_stop_and_a_spent_budget_is_not() {
         let problems = published_problems();
         let problem = problems.iter().find(|p| p.name == "four-branch-7").unwrap();
-        let rule = Stop::Rule(Rule::Learning);
-        let runs = [with(60, 2.23e-3, rule), with(90, 0.0, rule), with(70, 1e-3, Stop::Budget)];
+        let rule = StopReason::Rule(Rule::Learning);
+        let runs = [with(60, 2.23e-3, rule), with(90, 0.0, rule), with(70, 1e-3, StopReason::Budget)];
         let row = row(problem, &runs);
         assert_eq!((row.calls, row.within, row.false_stops, row.budget_ended), ([60, 70, 90], 1, 1, 1));
         assert!((row.worst - 22.227_95).abs() < 1e-4, "{}", row.worst);

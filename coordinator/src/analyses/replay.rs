@@ -3,7 +3,9 @@
 //! on a real mechanism in seconds.
 
 use crate::statistics::learning::curves;
-use crate::study::{Campaign, CampaignError, Observed, Plan, SimulatedPoint, Stop, Surrogate, problem_of};
+use crate::study::{
+    Campaign, CampaignError, Observed, Plan, SimulatedPoint, StopReason, Surrogate, problem_of,
+};
 use crate::study::{Settings, completed, first_failures};
 use common::failure::SimulationFailure;
 use common::scene::Scene;
@@ -94,8 +96,8 @@ pub fn replay(
         }
     })?;
     let stopped_by = match learned.stop {
-        Stop::Budget => "budget".to_owned(),
-        Stop::Rule(rule) => format!("{rule:?}").to_lowercase(),
+        StopReason::Budget => "budget".to_owned(),
+        StopReason::Rule(rule) => format!("{rule:?}").to_lowercase(),
     };
     Ok(Replayed { population: samples.len(), rounds, stopped_by, seconds: started.elapsed().as_secs_f64() })
 }

@@ -67,7 +67,10 @@ impl StoredStudy {
         let mut all = Vec::new();
         self.campaign.for_each(|stored| -> Result<(), StoreError> {
             if let Ok(evaluation) = stored.outcome {
-                all.push(SimulatedPoint { sample: stored.sample, observed: Observed::of(evaluation) });
+                all.push(SimulatedPoint {
+                    sample: stored.sample,
+                    observed: Observed::from_evaluation(evaluation),
+                });
             }
             Ok(())
         })?;

@@ -1,5 +1,5 @@
-//! The statistics of a study: which points are simulated, what surrogates learn from them, and what follows for
-//! reliability and sensitivity.
+//! The statistics of a study: which points are simulated, what surrogates learn from them, and what follows
+//! for reliability and sensitivity.
 //!
 //! Nothing here knows a scene file, a worker or the campaign file: numbers in, numbers out.
 //!

@@ -1,346 +1,328 @@
-//! Ask and tell: which points to simulate next, and what is known once they are. No scene, no evaluator, no clock.
+//! A campaign of active learning as an ask-and-tell interface: [`Campaign::next_step`] names the samples to
+//! simulate, [`Campaign::record`] takes their outcomes. It uses no scene, no evaluator and no clock.
+//!
+//! The loop is AK-MCS: initial design by Latin hypercube, Kriging of every limit state, classification of the
+//! population, samples by a learning function, a stopping rule, and a larger (or conditional) population
+//! where the coefficient of variation of the failure probability asks for one.
+//!
+//! # Source
+//! Echard, Gayton, Lemaire (2011), AK-MCS: an active learning reliability method combining Kriging and Monte
+//! Carlo simulation, Structural Safety 33(2).
 
+use super::campaign_result::CampaignResult;
+use super::classified_population::ClassifiedPopulation;
 use super::failures::{Failed, check_failures};
-use super::learned::Learned;
-use super::observations::{Observations, Observed};
+use super::interim::InterimResult;
+use super::observations::{Observations, ObservedOutcome};
 use super::plan::{Plan, Problem};
-use super::populations::LookedAt;
-use super::round::{Assessment, Known, assess};
-use super::so_far::SoFar;
-use super::step::{Ask, CampaignError, Step, Stop};
-use super::surprise::{largest_surprise, matters_to};
-use super::surrogates::Surrogate;
+use super::prediction_check::{affects_limit, largest_prediction_error};
+use super::requests::{PendingSample, Requests};
+use super::round::{Assessment, RoundInput, assess};
+use super::step::{CampaignError, SampleRequest, Step, StopReason};
+use super::surrogate_state::SurrogateState;
 use crate::results::summary::Round;
 use crate::statistics::design::{Population, choose_by_latin_hypercube};
 use crate::statistics::learning::{Rule, Stopping};
-use crate::statistics::surrogate::{Effort, PredictionCache};
-use common::failure::SimulationFailure;
+use crate::statistics::surrogate::Effort;
 use std::collections::VecDeque;
 
-/// Growth of the number of results after which the lengths are fitted anew: every fit costs a prediction of the whole
-/// population, while points added at the same lengths cost a row each.
-const REFIT: f64 = 1.1;
-/// Growth after which they are fitted from several starts, and forms compared, against a lasting local optimum.
-const FRESH_FIT: f64 = 1.3;
-/// Error in predicted standard deviations from which a result counts as a surprise while a stopping rule holds.
-const SURPRISED: f64 = 4.0;
+/// Error in predicted standard deviations from which a result contradicts the surrogates while a stopping
+/// rule holds: 6e-5 for a normal error.
+const CONTRADICTION: f64 = 4.0;
 
-/// A simulation that is under way.
-#[derive(Debug, Clone)]
-struct Asked {
-    /// Standardised point `(d,)` [1].
-    z: Vec<f64>,
-    sample: Vec<f64>,
-    /// Its place in the population, if it has one.
-    member: Option<usize>,
-    stricter: bool,
-    /// Whether it was chosen for how little is known there.
-    exploring: bool,
+/// What the simulations gave.
+#[derive(Debug)]
+struct CampaignData {
+    /// Results the surrogates are conditioned on.
+    observations: Observations,
+    /// Standardised points `(d,)` of exploring results that agreed with their prediction and are in no
+    /// surrogate.
+    confirmed: Vec<Vec<f64>>,
+    /// Simulations that failed for good.
+    failed: Vec<Failed>,
+}
+
+/// How far learning has come.
+#[derive(Debug, Default)]
+struct LearningProgress {
+    stopping: Stopping,
+    rounds: Vec<Round>,
+    /// Assessment of all outcomes received; absent until the newest have been assessed.
+    assessment: Option<Assessment>,
+    stop: Option<StopReason>,
 }
 
 /// A campaign of active learning.
 ///
-/// Ask and tell with a look-ahead: [`Campaign::next_step`] may be called while outcomes are missing, and answers
-/// [`Step::Wait`] once as many points are under way as the plan allows. Chunks are told in the order they were asked
-/// for, so the points depend on the outcomes, not on when they came.
+/// [`Campaign::next_step`] may be called while outcomes are missing; it returns [`Step::Wait`] once as many
+/// points are under way as the plan allows. Chunks are recorded in the order of their requests, so the points
+/// depend on the outcomes and not on the time of their arrival.
 #[derive(Debug)]
 pub struct Campaign {
     problem: Problem,
     plan: Plan,
-    looked_at: LookedAt,
-    /// Points of the population that were asked for `(N,)`.
-    asked: Vec<bool>,
-    /// Chunks under way, the oldest first.
-    under_way: VecDeque<Vec<Asked>>,
-    /// Failed once, to be asked for again, and why.
-    retries: VecDeque<(Asked, SimulationFailure)>,
-    observations: Observations,
-    /// Standardised points where exploring results were as predicted, and not taken up.
-    confirmed: Vec<Vec<f64>>,
-    failed: Vec<Failed>,
-    /// Simulations asked for and told.
-    total: usize,
-    told: usize,
-    /// Of the last look, per mode; none before the first.
-    surrogates: Vec<Surrogate>,
-    caches: Vec<PredictionCache>,
-    /// Results at the last fit of the lengths, and at the last one from several starts.
-    fitted: (usize, usize),
-    /// Curves of the round before, over the present population.
-    previous: Option<Vec<Vec<f64>>>,
-    stopping: Stopping,
-    rounds: Vec<Round>,
-    /// Of all that was told; absent while something new is not yet looked at.
-    assessment: Option<Assessment>,
-    stop: Option<Stop>,
+    classified: ClassifiedPopulation,
+    requests: Requests,
+    data: CampaignData,
+    surrogates: SurrogateState,
+    progress: LearningProgress,
 }
 
 impl Campaign {
-    /// Draws the population. The plan must have `initial` >= 3 and `batch` >= 1; one mode at least.
+    /// Draws the population. The plan must have `initial` >= 3 and `batch` >= 1; the problem has at least one
+    /// mode.
     pub fn new(problem: Problem, plan: Plan) -> Self {
         let population = Population::draw(&problem.inputs, plan.settings.samples, plan.settings.seed);
         Self {
-            asked: vec![false; population.len()],
-            under_way: VecDeque::new(),
-            retries: VecDeque::new(),
-            observations: Observations::new(problem.inputs.dimension(), problem.outputs),
-            confirmed: Vec::new(),
-            failed: Vec::new(),
-            total: 0,
-            told: 0,
-            surrogates: Vec::new(),
-            caches: vec![PredictionCache::default(); problem.modes.len()],
-            fitted: (0, 0),
-            previous: None,
-            stopping: Stopping::default(),
-            rounds: Vec::new(),
-            assessment: None,
-            stop: None,
-            looked_at: LookedAt::new(population),
+            requests: Requests::new(population.len()),
+            data: CampaignData {
+                observations: Observations::new(problem.inputs.dimension(), problem.outputs),
+                confirmed: Vec::new(),
+                failed: Vec::new(),
+            },
+            surrogates: SurrogateState::new(problem.modes.len()),
+            progress: LearningProgress::default(),
+            classified: ClassifiedPopulation::new(population),
             problem,
             plan,
         }
     }
 
-    /// What to do next. Fits and classifies when something new has been told.
+    /// Returns the next step. Fits and classifies if outcomes were recorded since the last call.
     ///
     /// # Errors
     /// [`CampaignError::Surrogate`].
     pub fn next_step(&mut self) -> Result<Step, CampaignError> {
-        if self.total == 0 {
-            return Ok(self.ask_initial_design());
+        if self.requests.total == 0 {
+            return Ok(self.request_initial_design());
         }
-        if self.stop.is_some() {
-            return Ok(if self.under_way.is_empty() { Step::Done } else { Step::Wait });
+        let waiting = self.requests.under_way();
+        if self.progress.stop.is_some() {
+            return Ok(if waiting == 0 { Step::Done } else { Step::Wait });
         }
-        if !self.retries.is_empty() && self.left() > 0 {
-            let count = self.left().min(self.retries.len());
-            let retries = self.retries.drain(..count).map(|(asked, _)| asked).collect();
-            return Ok(self.ask(retries));
+        if !self.requests.retries.is_empty() && self.budget_left() > 0 {
+            return Ok(self.request_retries());
         }
-        let waiting: usize = self.under_way.iter().map(Vec::len).sum();
-        if self.rounds.is_empty() && waiting > 0 {
+        if self.progress.rounds.is_empty() && waiting > 0 {
             return Ok(Step::Wait);
         }
-        if self.assessment.is_none() {
-            self.look()?;
+        if self.progress.assessment.is_none() {
+            self.assess_and_decide()?;
         }
-        // A rule that is met must hold with everything known: nothing new is asked for until that is told.
-        let settling = self.stop.is_none() && self.stopping.holding() && waiting > 0;
-        if self.stop.is_none() && self.left() == 0 && waiting == 0 {
-            self.stop = Some(Stop::Budget);
+        // A rule that is met must hold over all results: no new request until those under way have arrived.
+        let settling = self.progress.stop.is_none() && self.progress.stopping.is_holding() && waiting > 0;
+        if self.progress.stop.is_none() && self.budget_left() == 0 && waiting == 0 {
+            self.progress.stop = Some(StopReason::Budget);
         }
-        if self.stop.is_some()
+        if self.progress.stop.is_some()
             || settling
-            || self.left() == 0
+            || self.budget_left() == 0
             || waiting + self.plan.settings.chunk() > self.plan.settings.batch
         {
-            return Ok(if waiting == 0 && self.stop.is_some() { Step::Done } else { Step::Wait });
+            return Ok(if waiting == 0 && self.progress.stop.is_some() { Step::Done } else { Step::Wait });
         }
-        Ok(self.ask_chunk())
+        Ok(self.request_chunk())
     }
 
-    /// Takes the outcomes of the chunk that was asked for first, in its order.
+    /// Records the outcomes of the oldest chunk under way, in the order of its samples.
     ///
     /// # Errors
     /// [`CampaignError::TooManyFailures`].
-    pub fn tell(&mut self, outcomes: Vec<Result<Observed, SimulationFailure>>) -> Result<(), CampaignError> {
-        let chunk = self.under_way.pop_front().expect("outcomes are told of what was asked for");
-        assert_eq!(chunk.len(), outcomes.len(), "every sample asked for has one outcome");
-        let initial = self.told == 0;
-        self.told += chunk.len();
-        for (asked, outcome) in chunk.into_iter().zip(outcomes) {
+    pub fn record(&mut self, outcomes: Vec<ObservedOutcome>) -> Result<(), CampaignError> {
+        let initial = self.requests.received == 0;
+        let chunk = self.requests.finish_oldest(outcomes.len());
+        for (pending, outcome) in chunk.into_iter().zip(outcomes) {
             match outcome {
                 Ok(observed)
-                    if asked.exploring
-                        && !matters_to(&self.surrogates, &self.problem.modes, &asked.z, &observed) =>
+                    if pending.exploring
+                        && !affects_limit(
+                            &self.surrogates.models,
+                            &self.problem.modes,
+                            &pending.z,
+                            &observed,
+                        ) =>
                 {
-                    self.confirmed.push(asked.z);
+                    self.data.confirmed.push(pending.z);
                 }
-                Ok(observed) => self.observations.add(&asked.z, observed),
-                Err(cause) if self.plan.retry && !asked.stricter => {
-                    self.retries.push_back((Asked { stricter: true, ..asked }, cause));
+                Ok(observed) => self.data.observations.add(&pending.z, observed),
+                Err(cause) if self.plan.retry && !pending.stricter => {
+                    self.requests.retries.push_back((PendingSample { stricter: true, ..pending }, cause));
                 }
-                Err(cause) => self.failed.push(Failed { z: asked.z, cause }),
+                Err(cause) => self.data.failed.push(Failed { z: pending.z, cause }),
             }
         }
         if initial {
-            self.observations.close_design();
+            self.data.observations.close_design();
         }
-        self.assessment = None;
-        check_failures(self.failed.iter().map(|f| &f.cause), self.told, self.plan.settings.max_failed)
+        self.progress.assessment = None;
+        let causes = self.data.failed.iter().map(|f| &f.cause);
+        check_failures(causes, self.requests.received, self.plan.settings.max_failed)
     }
 
-    /// Learns to the end from simulations that are made here and now, one after the other. `look` sees the campaign after
-    /// each step.
+    /// Runs the campaign to its end with simulations made here, one after the other. `observe` receives the
+    /// campaign after each step.
     ///
     /// # Errors
     /// [`CampaignError`].
     pub fn learn_from(
         mut self,
-        mut simulate: impl FnMut(&[f64]) -> Result<Observed, SimulationFailure>,
-        mut look: impl FnMut(&Self),
-    ) -> Result<Learned, CampaignError> {
+        mut simulate: impl FnMut(&[f64]) -> ObservedOutcome,
+        mut observe: impl FnMut(&Self),
+    ) -> Result<CampaignResult, CampaignError> {
         let mut under_way = VecDeque::new();
         loop {
             let step = self.next_step()?;
-            look(&self);
+            observe(&self);
             match step {
-                Step::Evaluate(asks) => under_way.push_back(asks),
+                Step::Evaluate(requests) => under_way.push_back(requests),
                 Step::Wait => {
-                    let asks: Vec<Ask> = under_way.pop_front().expect("it waits for something asked for");
-                    self.tell(asks.iter().map(|ask| simulate(&ask.sample)).collect())?;
+                    let requests: Vec<SampleRequest> =
+                        under_way.pop_front().expect("a campaign waits for requested samples only");
+                    self.record(requests.iter().map(|request| simulate(&request.sample)).collect())?;
                 }
                 Step::Done => break,
             }
         }
-        Ok(self.finish().expect("a campaign that is done has learned something"))
+        Ok(self.finish().expect("a campaign that is done has a result"))
     }
 
-    /// Results so far.
+    /// Number of results, confirmed ones included.
     fn results(&self) -> usize {
-        self.observations.len() + self.confirmed.len()
+        self.data.observations.len() + self.data.confirmed.len()
     }
 
     /// Simulations the budget leaves.
-    fn left(&self) -> usize {
-        self.plan.settings.max_evaluations.saturating_sub(self.total)
+    fn budget_left(&self) -> usize {
+        self.plan.settings.max_evaluations.saturating_sub(self.requests.total)
     }
 
-    fn ask(&mut self, chunk: Vec<Asked>) -> Step {
-        self.total += chunk.len();
-        let asks = chunk.iter().map(|a| Ask { sample: a.sample.clone(), stricter: a.stricter }).collect();
-        self.under_way.push_back(chunk);
-        Step::Evaluate(asks)
-    }
-
-    /// The nominal point first, then the population's points nearest a Latin hypercube.
-    fn ask_initial_design(&mut self) -> Step {
+    /// Requests the nominal point first, then the points of the population nearest to a Latin hypercube.
+    fn request_initial_design(&mut self) -> Step {
         let count = self.plan.settings.initial.min(self.plan.settings.max_evaluations);
         let chosen = choose_by_latin_hypercube(
-            &self.looked_at.population,
+            &self.classified.population,
             count.saturating_sub(1),
             self.plan.settings.seed,
         );
         let sample = self.problem.inputs.means();
-        let nominal = self.problem.inputs.standardise(&sample);
-        let mut chunk = vec![Asked { z: nominal, sample, member: None, stricter: false, exploring: false }];
+        let z = self.problem.inputs.standardise(&sample);
+        let mut chunk = vec![PendingSample { z, sample, member: None, stricter: false, exploring: false }];
         chunk.extend(chosen.into_iter().map(|j| self.take(j)));
-        self.ask(chunk)
+        self.requests.begin(chunk)
     }
 
-    fn ask_chunk(&mut self) -> Step {
-        let count = self.plan.settings.chunk().min(self.left());
-        let exploring = self.stopping.exploring(self.results(), count);
-        let assessment = self.assessment.as_mut().expect("everything told was looked at");
-        let mut chosen =
-            assessment.explore((&self.looked_at.population, &self.asked), &self.confirmed, exploring);
+    /// Requests again what failed once, as far as the budget allows.
+    fn request_retries(&mut self) -> Step {
+        let count = self.budget_left().min(self.requests.retries.len());
+        let retries = self.requests.retries.drain(..count).map(|(pending, _)| pending).collect();
+        self.requests.begin(retries)
+    }
+
+    /// Requests the next chunk: exploring points first, then those of the learning function.
+    fn request_chunk(&mut self) -> Step {
+        let count = self.plan.settings.chunk().min(self.budget_left());
+        let exploring = self.progress.stopping.exploring(self.results(), count);
+        let assessment = self.progress.assessment.as_mut().expect("all outcomes have been assessed");
+        let (population, requested) = (&self.classified.population, &self.requests.requested);
+        let mut chosen = assessment.explore(population, requested, &self.data.confirmed, exploring);
         let exploring = chosen.len();
         chosen.extend(assessment.selection.choose(&assessment.modes, count - chosen.len()));
         if chosen.is_empty() {
             // Every point of the population was simulated or is under way.
-            if self.under_way.is_empty() {
-                self.stop = Some(Stop::Rule(Rule::Learning));
+            if self.requests.under_way() == 0 {
+                self.progress.stop = Some(StopReason::Rule(Rule::Learning));
                 return Step::Done;
             }
             return Step::Wait;
         }
-        let mut chunk: Vec<Asked> = chosen.into_iter().map(|j| self.take(j)).collect();
-        chunk[..exploring].iter_mut().for_each(|asked| asked.exploring = true);
-        self.ask(chunk)
+        let mut chunk: Vec<PendingSample> = chosen.into_iter().map(|j| self.take(j)).collect();
+        chunk[..exploring].iter_mut().for_each(|pending| pending.exploring = true);
+        self.requests.begin(chunk)
     }
 
-    /// Marks point `j` as asked for.
-    fn take(&mut self, j: usize) -> Asked {
-        self.asked[j] = true;
-        let z = self.looked_at.population.standardised(j).to_vec();
-        let sample = self.looked_at.population.physical(j);
-        Asked { z, sample, member: Some(j), stricter: false, exploring: false }
+    /// Marks point `j` of the population as requested.
+    fn take(&mut self, j: usize) -> PendingSample {
+        self.requests.requested[j] = true;
+        let z = self.classified.population.standardised(j).to_vec();
+        let sample = self.classified.population.physical(j);
+        PendingSample { z, sample, member: Some(j), stricter: false, exploring: false }
     }
 
-    /// Looks at all that was told, and decides whether learning may stop.
-    fn look(&mut self) -> Result<(), CampaignError> {
+    /// Assesses all outcomes received and decides whether learning stops or needs another population.
+    fn assess_and_decide(&mut self) -> Result<(), CampaignError> {
         loop {
             let (assessment, met) = self.assess_until_fresh()?;
             let failed = assessment.governing_failed();
-            let cov = self.looked_at.coefficient_of_variation(failed);
-            let population = self.looked_at.population.len();
-            let mut row = assessment.row(self.looked_at.condition.probability, population);
-            (row.round, row.evaluations, row.cov_pf) = (self.rounds.len(), self.told, cov);
-            row.cycles = self.problem.checkpoints[assessment.governing];
-            self.rounds.push(row);
-            self.previous = Some(assessment.curves.clone());
+            let cov = self.classified.coefficient_of_variation(failed);
+            self.add_round(&assessment, cov);
+            self.surrogates.previous_curves = Some(assessment.curves.clone());
             let points = self.results();
-            if self.stopping.note(met, points, &self.plan.targets) && self.under_way.is_empty() {
-                let surrogates = &assessment.surrogates;
-                if self.looked_at.changes(&self.problem, &self.plan, surrogates, failed, cov) {
-                    self.asked = vec![false; self.looked_at.population.len()];
-                    self.caches.fill(PredictionCache::default());
-                    self.previous = None;
-                    if self.looked_at.condition.levels == 0 {
-                        self.stopping.go_on();
-                    } else {
-                        self.stopping.reset();
-                    }
+            let held = self.progress.stopping.record_round(met, points, &self.plan.targets);
+            if held && self.requests.under_way() == 0 {
+                let models = &assessment.surrogates;
+                if self.classified.replace_if_needed(&self.problem, &self.plan, models, failed, cov) {
+                    self.restart_on_new_population();
                     continue;
                 }
-                self.stop = met.map(Stop::Rule);
+                self.progress.stop = met.map(StopReason::Rule);
             }
-            self.assessment = Some(assessment);
+            self.progress.assessment = Some(assessment);
             return Ok(());
         }
     }
 
-    /// How much to spend on the lengths, by how much is new.
-    fn effort(&self) -> Effort {
-        let (n, (fitted, fresh)) = (self.observations.len() as f64, self.fitted);
-        if n >= FRESH_FIT * fresh as f64 {
-            Effort::MultiStart
-        } else if n >= REFIT * fitted as f64 {
-            Effort::Warm
+    fn add_round(&mut self, assessment: &Assessment, cov_pf: f64) {
+        let population = self.classified.population.len();
+        let mut row = assessment.row(self.classified.condition.probability, population);
+        (row.round, row.evaluations, row.cov_pf) =
+            (self.progress.rounds.len(), self.requests.received, cov_pf);
+        row.cycles = self.problem.checkpoints[assessment.governing];
+        self.progress.rounds.push(row);
+    }
+
+    fn restart_on_new_population(&mut self) {
+        self.requests.requested = vec![false; self.classified.population.len()];
+        self.surrogates.reset_population();
+        if self.classified.condition.levels == 0 {
+            self.progress.stopping.reset_for_larger_population();
         } else {
-            Effort::Keep
+            self.progress.stopping.reset();
         }
     }
 
-    /// Assesses; where a stopping rule is met and the last fit from several starts is of fewer results than that by more than
-    /// [`REFIT`], again after one.
+    /// Assesses the outcomes; if a stopping rule is met with lengths that are not fresh, assesses again after
+    /// a fit from several starts.
     fn assess_until_fresh(&mut self) -> Result<(Assessment, Option<Rule>), CampaignError> {
-        let mut effort = self.effort();
+        let observations = &self.data.observations;
+        let n = observations.len();
+        let mut effort = self.surrogates.effort(n);
         let mut repairs = 0;
-        let surprise = || largest_surprise(&self.surrogates, &self.problem.modes, &self.observations);
-        if self.stopping.holding() && surprise() > SURPRISED {
-            self.stopping.reset();
+        let error = || largest_prediction_error(&self.surrogates.models, &self.problem.modes, observations);
+        if self.progress.stopping.is_holding() && error() > CONTRADICTION {
+            self.progress.stopping.reset();
             effort = Effort::MultiStart;
         }
-        let under_way: Vec<usize> =
-            self.under_way.iter().flatten().filter_map(|asked| asked.member).collect();
+        let under_way = self.requests.members_under_way();
         loop {
-            let known = Known {
+            let input = RoundInput {
                 problem: &self.problem,
                 plan: &self.plan,
-                population: &self.looked_at.population,
-                asked: &self.asked,
+                population: &self.classified.population,
+                requested: &self.requests.requested,
                 under_way: &under_way,
-                observations: &self.observations,
-                failed: &self.failed,
-                surrogates: &self.surrogates,
-                previous: self.previous.as_deref(),
-                round: u32::try_from(self.rounds.len()).unwrap_or(u32::MAX),
+                observations,
+                failed: &self.data.failed,
+                surrogates: &self.surrogates.models,
+                previous: self.surrogates.previous_curves.as_deref(),
+                round: u32::try_from(self.progress.rounds.len()).unwrap_or(u32::MAX),
             };
-            let mut assessment = assess(&known, &mut self.caches, effort)?;
+            let mut assessment = assess(&input, &mut self.surrogates.caches, effort)?;
             repairs += assessment.repairs;
             assessment.repairs = repairs;
-            self.surrogates.clone_from(&assessment.surrogates);
-            let n = self.observations.len();
-            match effort {
-                Effort::Keep => {}
-                Effort::Warm | Effort::TwoStarts(_) => self.fitted.0 = n,
-                Effort::MultiStart => self.fitted = (n, n),
-            }
+            self.surrogates.models.clone_from(&assessment.surrogates);
+            self.surrogates.record_fit(effort, n);
             let met = self.plan.targets.met(&assessment.figures);
-            let fresh = (n as f64) < REFIT * self.fitted.1 as f64;
-            if met.is_none() || fresh {
+            if met.is_none() || self.surrogates.is_fresh(n) {
                 return Ok((assessment, met));
             }
             effort = Effort::MultiStart;
@@ -349,47 +331,48 @@ impl Campaign {
 
     /// The rounds so far.
     pub fn rounds(&self) -> &[Round] {
-        &self.rounds
+        &self.progress.rounds
     }
 
-    /// Point `j` of the population `(d,)`, SI.
+    /// Point `j` of the population `(d,)` [SI].
     pub fn sample(&self, j: usize) -> Vec<f64> {
-        self.looked_at.population.physical(j)
+        self.classified.population.physical(j)
     }
 
-    /// What was found of all that was told; absent while something new is not yet looked at.
+    /// The assessment of all outcomes received; `None` if the newest have not been assessed yet.
     pub fn assessment(&self) -> Option<&Assessment> {
-        self.assessment.as_ref()
+        self.progress.assessment.as_ref()
     }
 
-    /// What is known after the last round, if nothing was told since.
-    pub(super) fn so_far(&self) -> Option<SoFar> {
-        let assessment = self.assessment.as_ref()?;
-        Some(SoFar {
+    /// The reliability after the last round, if no outcome was recorded since.
+    pub(super) fn interim(&self) -> Option<InterimResult> {
+        let assessment = self.progress.assessment.as_ref()?;
+        Some(InterimResult {
             failed: assessment.curves.clone(),
-            points: self.looked_at.population.len(),
+            points: self.classified.population.len(),
             surrogate: assessment.combined_errors(),
-            condition: self.looked_at.condition,
+            condition: self.classified.condition,
         })
     }
 
-    /// Evaluations told so far, failed ones included.
+    /// Number of evaluations whose outcome has been recorded, failed ones included.
     pub fn evaluations(&self) -> usize {
-        self.told
+        self.requests.received
     }
 
-    /// What was learned, once [`Step::Done`] has been answered.
-    pub fn finish(mut self) -> Option<Learned> {
-        let stop = self.stop?;
-        // What the budget left no second attempt for.
-        self.failed.extend(self.retries.drain(..).map(|(asked, cause)| Failed { z: asked.z, cause }));
-        Some(Learned {
-            looked_at: self.looked_at,
-            observations: self.observations,
-            assessment: self.assessment?,
-            rounds: self.rounds,
-            evaluations: self.told,
-            failed: self.failed,
+    /// The result, once [`Step::Done`] has been returned.
+    pub fn finish(mut self) -> Option<CampaignResult> {
+        let stop = self.progress.stop?;
+        // Failures that the budget left no repetition for.
+        let retries = self.requests.retries.drain(..).map(|(pending, cause)| Failed { z: pending.z, cause });
+        self.data.failed.extend(retries);
+        Some(CampaignResult {
+            classified: self.classified,
+            observations: self.data.observations,
+            assessment: self.progress.assessment?,
+            rounds: self.progress.rounds,
+            evaluations: self.requests.received,
+            failed: self.data.failed,
             stop,
         })
     }

@@ -1,8 +1,8 @@
 //! Campaigns on a published static case: the series system of four branches.
 
-use super::{Campaign, Learned, LookedAt, Observed, Plan, Problem, Settings};
+use super::{Campaign, CampaignResult, ClassifiedPopulation, Observed, Plan, Problem, Settings};
 use crate::statistics::design::InputModel;
-use crate::statistics::learning::{Mode, Targets};
+use crate::statistics::learning::{Mode, StoppingTargets};
 use crate::statistics::models;
 use common::random::{Correlation, Distribution, GaussianCopula, standard_normal_cdf, standard_normal_pdf};
 
@@ -11,11 +11,11 @@ fn four_branch(x: &[f64]) -> f64 {
     -models::four_branch(x, 7.0)
 }
 
-fn learn(population: usize, initial: usize, seed: u64) -> Learned {
-    learn_until(population, initial, seed, Targets::default())
+fn learn(population: usize, initial: usize, seed: u64) -> CampaignResult {
+    learn_until(population, initial, seed, StoppingTargets::default())
 }
 
-fn learn_until(population: usize, initial: usize, seed: u64, targets: Targets) -> Learned {
+fn learn_until(population: usize, initial: usize, seed: u64, targets: StoppingTargets) -> CampaignResult {
     learn_of(four_branch, (population, 400_000), initial, seed, targets)
 }
 
@@ -24,8 +24,8 @@ fn learn_of(
     populations: (usize, usize),
     initial: usize,
     seed: u64,
-    targets: Targets,
-) -> Learned {
+    targets: StoppingTargets,
+) -> CampaignResult {
     let normal = Distribution::truncated_normal(0.0, 1.0, -8.0, 8.0).unwrap();
     let inputs = InputModel::from(&[normal; 2]);
     learn_from(inputs, output, (0.0, populations), initial, seed, targets)
@@ -37,8 +37,8 @@ fn learn_from(
     (threshold, (population, largest_population)): (f64, (usize, usize)),
     initial: usize,
     seed: u64,
-    targets: Targets,
-) -> Learned {
+    targets: StoppingTargets,
+) -> CampaignResult {
     let problem =
         Problem { inputs, outputs: 1, modes: vec![Mode { output: 0, threshold }], checkpoints: vec![1] };
     let settings = Settings {
@@ -55,9 +55,9 @@ fn learn_from(
 }
 
 /// Share of the population that fails in truth, and as classified.
-fn shares(learned: &Learned) -> (f64, f64) {
-    let n = learned.looked_at.population.len();
-    let truth = (0..n).filter(|j| four_branch(&learned.looked_at.population.physical(*j)) >= 0.0).count();
+fn shares(learned: &CampaignResult) -> (f64, f64) {
+    let n = learned.classified.population.len();
+    let truth = (0..n).filter(|j| four_branch(&learned.classified.population.physical(*j)) >= 0.0).count();
     (truth as f64 / n as f64, learned.assessment.curves[0][0])
 }
 
@@ -68,7 +68,7 @@ fn four_branch_within_three_standard_errors_and_110_calls() {
     for seed in [1, 2, 3] {
         let learned = learn(200_000, 12, seed);
         let (truth, found) = shares(&learned);
-        let n = learned.looked_at.population.len() as f64;
+        let n = learned.classified.population.len() as f64;
         let standard_error = (truth * (1.0 - truth) / n).sqrt();
         eprintln!(
             "seed {seed}: N {n}, {} calls, {:?}, truth {truth:.4e}, found {found:.4e}",
@@ -84,10 +84,15 @@ fn four_branch_within_three_standard_errors_and_110_calls() {
 
 #[test]
 fn issue_false_stop_with_twelve_starting_points() {
-    // A surrogate with very long lengths is sure of itself: U >= 2 everywhere and no failure predicted. Seed 26 is such a
-    // case: without the guards it ends after one round, having found nothing.
-    let unguarded =
-        Targets { least_points: 0, hold: 1, hold_points: 0, cov: f64::INFINITY, ..Targets::default() };
+    // A surrogate with very long lengths predicts too small variances: U >= 2 everywhere and no failure
+    // predicted. Seed 26 is such a case: without the guards it ends after one round, having found nothing.
+    let unguarded = StoppingTargets {
+        least_points: 0,
+        hold: 1,
+        hold_points: 0,
+        cov: f64::INFINITY,
+        ..StoppingTargets::default()
+    };
     let trapped = learn_until(20_000, 12, 26, unguarded);
     assert!(trapped.evaluations < 30 && shares(&trapped).1 == 0.0, "the trap of this test is gone");
     for seed in 24..29 {
@@ -100,9 +105,9 @@ fn issue_false_stop_with_twelve_starting_points() {
 
 #[test]
 fn issue_false_stop_with_a_branch_missing() {
-    // Nothing near the mean tells of the two branches beyond the kink: a rule that need not hold, with no point spent where
-    // the surrogate knows least, stops with a fifth of the failures missing.
-    let unguarded = Targets { hold: 1, hold_points: 0, ..Targets::default() };
+    // No result near the mean shows the two branches beyond the kink: a rule that need not hold, without
+    // exploring points, stops with a fifth of the failures missing.
+    let unguarded = StoppingTargets { hold: 1, hold_points: 0, ..StoppingTargets::default() };
     for seed in [4, 5, 6] {
         let (truth, found) = shares(&learn_until(100_000, 12, seed, unguarded));
         assert!(found / truth < 0.85, "the trap of this test is gone: seed {seed}, {found} {truth}");
@@ -116,9 +121,9 @@ fn the_population_grows_until_the_coefficient_of_variation_is_met() {
     let learned = learn(20_000, 30, 5);
     let last = learned.rounds.last().unwrap();
     assert!(
-        learned.looked_at.population.len() > 150_000 && last.cov_pf < 0.05,
+        learned.classified.population.len() > 150_000 && last.cov_pf < 0.05,
         "{} {}",
-        learned.looked_at.population.len(),
+        learned.classified.population.len(),
         last.cov_pf
     );
     assert!(learned.rounds[0].cov_pf > 0.1);
@@ -138,8 +143,8 @@ fn a_rare_event_is_found_through_conditional_populations() {
         (0..=n).map(at).sum::<f64>() * h
     };
     for seed in [1, 2, 3] {
-        let learned = learn_of(output, (20_000, 50_000), 12, seed, Targets::default());
-        let LookedAt { condition, population, .. } = &learned.looked_at;
+        let learned = learn_of(output, (20_000, 50_000), 12, seed, StoppingTargets::default());
+        let ClassifiedPopulation { condition, population, .. } = &learned.classified;
         let failed = learned.assessment.governing_failed();
         let pf = condition.probability * failed;
         let cov = condition.coefficient_of_variation(failed, population.len());
@@ -150,7 +155,7 @@ fn a_rare_event_is_found_through_conditional_populations() {
         assert!(condition.levels >= 5 && cov < 0.1, "seed {seed}: {condition:?} {cov}");
         assert!((pf / exact - 1.0).abs() < 3.5 * cov, "seed {seed}: {pf} {exact} {cov}");
         assert!(learned.evaluations <= 110, "seed {seed}: {} calls", learned.evaluations);
-        assert_eq!(learned.looked_at.unconditional().len(), 20_000);
+        assert_eq!(learned.classified.unconditional().len(), 20_000);
     }
 }
 
@@ -165,9 +170,10 @@ fn correlated_lognormals_beside_a_constant_have_their_closed_form() {
     let zeta2 = 1.04_f64.ln();
     let threshold = 3.0 * (-zeta2 + beta * (2.0 * zeta2 * (1.0 + rho)).sqrt()).exp();
     let product = |x: &[f64]| x.iter().product();
-    let learned = learn_from(inputs, product, (threshold, (100_000, 100_000)), 12, 4, Targets::default());
+    let learned =
+        learn_from(inputs, product, (threshold, (100_000, 100_000)), 12, 4, StoppingTargets::default());
     let (found, exact) = (learned.assessment.curves[0][0], standard_normal_cdf(-beta));
-    let standard_error = (exact * (1.0 - exact) / learned.looked_at.population.len() as f64).sqrt();
+    let standard_error = (exact * (1.0 - exact) / learned.classified.population.len() as f64).sqrt();
     assert!((found - exact).abs() < 4.0 * standard_error, "{found} {exact}");
     assert!(learned.evaluations <= 80, "{} calls", learned.evaluations);
 }

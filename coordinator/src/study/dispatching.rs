@@ -1,60 +1,63 @@
-//! Numbered requests, the campaign file first, then the evaluator; outcomes checked and in order.
+//! Dispatch of a study's samples: each sample becomes a numbered request, which is looked up in the campaign
+//! file and otherwise evaluated; outcomes are checked and returned in the order of the requests.
 
-use super::responses::Responses;
+use super::interim::InterimResult;
+use super::learner::Learner;
+use super::learner_thread::{LearnerStep, run_learner};
+use super::observations::ObservedOutcome;
+use super::response_layout::ResponseLayout;
 use super::result;
-use super::so_far::SoFar;
-use super::thinking::{Learner, Thought, think};
-use super::{Ask, CampaignError, Observed, Step, StudyError};
+use super::{CampaignError, Observed, SampleRequest, Step, StudyError};
 use crate::farm::evaluate::{Demand, EvaluateError, Evaluator, Finished, Request, RequestSource};
 use crate::results::journal::Journal;
 use crate::results::progress::{Observer, Progress};
 use crate::results::summary::{Round, WorkerShare};
 use common::accuracy::Accuracy;
-use common::failure::SimulationFailure;
 use common::scene::Scene;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::time::{Duration, Instant};
 
-/// Outcome of one sample.
-pub(super) type Outcome = Result<Observed, SimulationFailure>;
-
-/// A chunk that is not yet complete.
+/// A chunk of samples and the outcomes received so far.
 struct Chunk {
     /// Number of its first request.
     first: u64,
-    outcomes: Vec<Option<Outcome>>,
+    /// Outcomes by sample; `None` until received.
+    outcomes: Vec<Option<ObservedOutcome>>,
 }
 
-/// Gets what a learner asks for evaluated, each sample under the next number.
+/// Evaluates the samples of a learner, each under the next request number.
 pub(super) struct Dispatcher<'a> {
     outputs: usize,
-    responses: Responses,
-    /// Limit states, and the system.
+    responses: ResponseLayout,
+    /// Names of the limit states and, last, of the system.
     names: Vec<String>,
     checkpoints: Vec<u32>,
-    /// Setting for what failed once.
+    /// Accuracy for the repetition of failed samples; `None` if nothing is repeated.
     stricter: Option<Accuracy>,
+    /// Bound on the evaluations, for the observer.
     budget: usize,
     evaluator: &'a mut dyn Evaluator,
     record: Record<'a>,
 }
 
-/// Journal, observer and what is counted.
+/// Journal, observer and counters.
 struct Record<'a> {
     journal: &'a mut dyn Journal,
     observer: &'a mut dyn Observer,
     next_id: u64,
     done: usize,
+    /// Evaluations and their time [s] by worker name.
     shares: BTreeMap<String, (usize, f64)>,
-    /// Time the learner took [s].
-    thinking: Duration,
-    /// That part of it in which nothing was under way.
+    /// Time the learner took.
+    learner: Duration,
+    /// Part of it during which no evaluation was under way.
     idle: Duration,
 }
 
 impl<'a> Dispatcher<'a> {
-    /// `stricter` is the setting for what failed once, `budget` the bound on evaluations, for the observer.
+    /// `stricter` is the accuracy for the repetition of failed samples, `budget` the bound on evaluations
+    /// that the observer is shown.
     pub fn new(
         scene: &Scene,
         stricter: Option<Accuracy>,
@@ -69,12 +72,12 @@ impl<'a> Dispatcher<'a> {
             next_id: 0,
             done: 0,
             shares: BTreeMap::new(),
-            thinking: Duration::ZERO,
+            learner: Duration::ZERO,
             idle: Duration::ZERO,
         };
         Self {
             outputs: scene.outputs.len(),
-            responses: Responses::of(scene),
+            responses: ResponseLayout::from_scene(scene),
             names: result::curve_names(scene),
             checkpoints: scene.life.checkpoints(),
             stricter,
@@ -84,17 +87,17 @@ impl<'a> Dispatcher<'a> {
         }
     }
 
-    /// Evaluates what the learner asks for until it asks for no more.
+    /// Evaluates the learner's samples until the learner is done.
     ///
     /// # Errors
-    /// [`StudyError`]; whatever was evaluated is in the journal by then.
+    /// [`StudyError`]; finished evaluations are in the journal by then.
     pub fn run(&mut self, learner: &mut dyn Learner) -> Result<(), StudyError> {
         let Self { outputs, responses, names, checkpoints, stricter, budget, evaluator, record } = self;
-        let (tell, told) = channel();
-        let (sender, thoughts) = channel();
+        let (outcomes, recorded) = channel();
+        let (sender, steps) = channel();
         std::thread::scope(|scope| {
-            scope.spawn(move || think(learner, &told, &sender));
-            let mut stage = Stage {
+            scope.spawn(move || run_learner(learner, &recorded, &sender));
+            let mut study = StudyRequests {
                 outputs: *outputs,
                 responses,
                 names,
@@ -104,14 +107,14 @@ impl<'a> Dispatcher<'a> {
                 record,
                 chunks: VecDeque::new(),
                 requests: BTreeMap::new(),
-                thoughts,
-                tell,
-                waits: false,
-                looked: Instant::now(),
+                steps,
+                outcomes,
+                learner_waits: false,
+                polled: Instant::now(),
                 failed: None,
             };
-            let ended = evaluator.run(&mut stage);
-            let Stage { failed, requests, .. } = stage;
+            let ended = evaluator.run(&mut study);
+            let StudyRequests { failed, requests, .. } = study;
             if let Some(error) = failed {
                 return Err(error);
             }
@@ -123,7 +126,7 @@ impl<'a> Dispatcher<'a> {
         })
     }
 
-    /// Passes a notice on.
+    /// Passes a notice to the observer.
     pub fn notice(&mut self, progress: &Progress) {
         self.record.observer.notice(progress);
     }
@@ -134,12 +137,12 @@ impl<'a> Dispatcher<'a> {
     }
 
     /// Time of the learner, and the part of it in which all slots were idle, summed over the slots [s].
-    pub fn thinking_seconds(&self) -> (f64, f64) {
+    pub fn learner_seconds(&self) -> (f64, f64) {
         let slots = f64::from(self.evaluator.concurrency());
-        (self.record.thinking.as_secs_f64(), self.record.idle.as_secs_f64() * slots)
+        (self.record.learner.as_secs_f64(), self.record.idle.as_secs_f64() * slots)
     }
 
-    /// Who did how much, by name.
+    /// Evaluations and simulation time by worker, in the order of the names.
     pub fn shares(&self) -> Vec<WorkerShare> {
         let share = |(name, (evaluations, simulation_s)): (&String, &(usize, f64))| WorkerShare {
             name: name.clone(),
@@ -151,8 +154,8 @@ impl<'a> Dispatcher<'a> {
 }
 
 impl Record<'_> {
-    /// Makes outcomes durable and tells the observer.
-    fn keep(&mut self, outcomes: &[(Request, Finished)]) -> Result<(), EvaluateError> {
+    /// Makes outcomes durable and notifies the observer.
+    fn store(&mut self, outcomes: &[(Request, Finished)]) -> Result<(), EvaluateError> {
         self.journal.record_all(outcomes)?;
         for (_, finished) in outcomes {
             self.done += 1;
@@ -161,13 +164,13 @@ impl Record<'_> {
         Ok(())
     }
 
-    /// Tells the observer what is known so far.
-    fn tell(&mut self, so_far: &SoFar, names: &[String], checkpoints: &[u32]) {
-        let rows = so_far.rows(names, checkpoints);
-        self.observer.notice(&Progress::Reliability { rows, samples: so_far.points });
+    /// Notifies the observer of the interim reliability.
+    fn note_interim(&mut self, interim: &InterimResult, names: &[String], checkpoints: &[u32]) {
+        let rows = interim.rows(names, checkpoints);
+        self.observer.notice(&Progress::Reliability { rows, samples: interim.points });
     }
 
-    /// Passes finished rounds on to file and observer.
+    /// Passes finished rounds to the journal and the observer.
     fn note_rounds(&mut self, rounds: Vec<Round>) -> Result<(), StudyError> {
         for round in rounds {
             self.journal.note_round(&round)?;
@@ -177,37 +180,37 @@ impl Record<'_> {
     }
 }
 
-/// A study being served: between the thread that thinks and whoever evaluates.
-struct Stage<'s, 'a> {
+/// A study in progress, between the learner thread and the evaluator.
+struct StudyRequests<'s, 'a> {
     outputs: usize,
-    responses: &'s Responses,
+    responses: &'s ResponseLayout,
     names: &'s [String],
     checkpoints: &'s [u32],
     stricter: Option<Accuracy>,
     budget: usize,
     record: &'s mut Record<'a>,
-    /// Asked for and not yet told, the oldest first.
+    /// Chunks that have not been returned to the learner, the oldest first.
     chunks: VecDeque<Chunk>,
-    /// Under way.
+    /// Requests under way.
     requests: BTreeMap<u64, Request>,
-    thoughts: Receiver<Result<Thought, CampaignError>>,
-    tell: Sender<Vec<Outcome>>,
-    /// Whether the learner waits for its oldest chunk.
-    waits: bool,
-    /// When it was last looked what to begin.
-    looked: Instant,
-    /// What ended the study: no matter of the evaluator, which is only told to end.
+    steps: Receiver<Result<LearnerStep, CampaignError>>,
+    outcomes: Sender<Vec<ObservedOutcome>>,
+    /// True while the learner waits for its oldest chunk.
+    learner_waits: bool,
+    /// Time of the last poll for new requests.
+    polled: Instant,
+    /// Error that ended the study; the evaluator only receives an interruption.
     failed: Option<StudyError>,
 }
 
-impl RequestSource for Stage<'_, '_> {
+impl RequestSource for StudyRequests<'_, '_> {
     fn next(&mut self) -> Result<Demand, EvaluateError> {
-        // With nothing under way everybody waits for the learner.
-        let since = std::mem::replace(&mut self.looked, Instant::now());
+        // With nothing under way the workers wait for the learner.
+        let since = std::mem::replace(&mut self.polled, Instant::now());
         if self.requests.is_empty() {
             self.record.idle += since.elapsed();
         }
-        let next = self.heard();
+        let next = self.take_steps();
         next.map_err(|error| self.fail(error))
     }
 
@@ -223,36 +226,37 @@ impl RequestSource for Stage<'_, '_> {
             };
             outcomes.push((request, finished));
         }
-        self.record.keep(&outcomes)?;
-        self.looked = Instant::now();
+        self.record.store(&outcomes)?;
+        self.polled = Instant::now();
         let settled = outcomes.into_iter().try_for_each(|(_, finished)| self.settle(finished));
         settled.map_err(|error| self.fail(error))
     }
 }
 
-impl Stage<'_, '_> {
+impl StudyRequests<'_, '_> {
+    /// Keeps the error of the study and returns the interruption for the evaluator.
     fn fail(&mut self, error: StudyError) -> EvaluateError {
         self.failed = Some(error);
         EvaluateError::Interrupted
     }
 
-    /// Takes up what the learner has come to, and tells it what it waits for.
-    fn heard(&mut self) -> Result<Demand, StudyError> {
+    /// Carries out the learner's steps so far, and returns the oldest chunk to it if it waits for that.
+    fn take_steps(&mut self) -> Result<Demand, StudyError> {
         loop {
-            self.pass_on();
-            match self.thoughts.try_recv() {
-                Ok(thought) => {
-                    let Thought { step, purpose, rounds, so_far, took } = thought?;
-                    self.record.thinking += took;
+            self.return_oldest_chunk();
+            match self.steps.try_recv() {
+                Ok(answer) => {
+                    let LearnerStep { step, purpose, rounds, interim, took } = answer?;
+                    self.record.learner += took;
                     self.record.note_rounds(rounds)?;
-                    if let Some(so_far) = so_far {
-                        self.record.tell(&so_far, self.names, self.checkpoints);
+                    if let Some(interim) = interim {
+                        self.record.note_interim(&interim, self.names, self.checkpoints);
                     }
                     match step {
                         Step::Done => return Ok(Demand::End),
-                        Step::Wait => self.waits = true,
-                        Step::Evaluate(asks) => {
-                            let missing = self.begin(asks, &purpose)?;
+                        Step::Wait => self.learner_waits = true,
+                        Step::Evaluate(samples) => {
+                            let missing = self.begin(samples, &purpose)?;
                             if !missing.is_empty() {
                                 return Ok(Demand::Begin(missing));
                             }
@@ -260,24 +264,24 @@ impl Stage<'_, '_> {
                     }
                 }
                 Err(TryRecvError::Empty) => return Ok(Demand::Later),
-                // It is done, or has panicked, which the scope reports.
+                // The learner is done, or has panicked, which the scope reports.
                 Err(TryRecvError::Disconnected) => return Ok(Demand::End),
             }
         }
     }
 
-    /// Tells the oldest chunk, if it is complete and waited for.
-    fn pass_on(&mut self) {
+    /// Sends the oldest chunk to the learner if it is complete and the learner waits for it.
+    fn return_oldest_chunk(&mut self) {
         let complete = |chunk: &Chunk| chunk.outcomes.iter().all(Option::is_some);
-        if self.waits && self.chunks.front().is_some_and(complete) {
-            let chunk = self.chunks.pop_front().expect("there is one");
-            self.waits = false;
-            // A learner that has gone away has said why.
-            let _ = self.tell.send(chunk.outcomes.into_iter().flatten().collect());
+        if self.learner_waits && self.chunks.front().is_some_and(complete) {
+            let chunk = self.chunks.pop_front().expect("the front was complete");
+            self.learner_waits = false;
+            // A learner that has ended has sent its reason.
+            let _ = self.outcomes.send(chunk.outcomes.into_iter().flatten().collect());
         }
     }
 
-    /// Puts an outcome into its place.
+    /// Checks an outcome and stores it in its chunk.
     fn settle(&mut self, finished: Finished) -> Result<(), StudyError> {
         let share = self.record.shares.entry(finished.worker.clone()).or_default();
         share.0 += 1;
@@ -291,16 +295,17 @@ impl Stage<'_, '_> {
         Ok(())
     }
 
-    /// Numbers a chunk, takes what the campaign file knows of it; the rest.
-    fn begin(&mut self, asks: Vec<Ask>, purpose: &str) -> Result<Vec<Request>, StudyError> {
+    /// Numbers the samples of a chunk, takes the finished ones from the campaign file, and returns the
+    /// others.
+    fn begin(&mut self, samples: Vec<SampleRequest>, purpose: &str) -> Result<Vec<Request>, StudyError> {
         let first = self.record.next_id;
-        let size = asks.len();
+        let size = samples.len();
         self.record.next_id += size as u64;
         self.chunks.push_back(Chunk { first, outcomes: vec![None; size] });
         let mut missing = Vec::new();
-        for (id, ask) in (first..).zip(asks) {
-            let accuracy = self.stricter.filter(|_| ask.stricter);
-            let request = Request { id, sample: ask.sample, with_first_cycle: id == 0, accuracy };
+        for (id, wanted) in (first..).zip(samples) {
+            let accuracy = self.stricter.filter(|_| wanted.stricter);
+            let request = Request { id, sample: wanted.sample, with_first_cycle: id == 0, accuracy };
             match self.record.journal.finished(&request)? {
                 Some(finished) => {
                     self.record.done += 1;
@@ -328,9 +333,9 @@ fn notice(observer: &mut dyn Observer, done: usize, outcome: &Finished, recalled
     observer.notice(&Progress::Evaluated { done, failed, recalled, wall: outcome.wall });
 }
 
-/// The histories and their stated errors, if they have the scene's shape and only finite values, no error below zero. An
-/// evaluation that states no errors counts as exact.
-fn checked(outcome: Finished, outputs: usize, checkpoints: &[u32]) -> Result<Outcome, StudyError> {
+/// Checks that the histories and their stated errors have the shape of the scene, are finite, and that no
+/// error is negative. An evaluation that states no errors counts as exact.
+fn checked(outcome: Finished, outputs: usize, checkpoints: &[u32]) -> Result<ObservedOutcome, StudyError> {
     let Finished { id, worker, outcome, .. } = outcome;
     let evaluation = match outcome {
         Ok(evaluation) => evaluation,
@@ -365,5 +370,5 @@ fn checked(outcome: Finished, outputs: usize, checkpoints: &[u32]) -> Result<Out
             ));
         }
     }
-    Ok(Ok(Observed::of(evaluation)))
+    Ok(Ok(Observed::from_evaluation(evaluation)))
 }

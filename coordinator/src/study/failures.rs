@@ -1,10 +1,16 @@
-//! Simulations that failed: when they end a campaign, and where not to ask again.
+//! Failed simulations: when they end a campaign, and which region the next samples avoid.
 //!
-//! The region without results is estimated by Kriging of an indicator, 1 where a simulation failed and 0 where it did not,
-//! with the correlation of the first limit state's surrogate: what is far in its variables is far here. A candidate's
-//! score is multiplied by the share 1 - indicator, so that a region is not asked again and again.
+//! The probability of failure of a simulation is estimated by Kriging of an indicator,
 //!
-//! Source: an indicator kriged as a probability, Journel (1983), Nonparametric estimation of spatial distributions.
+//!   P(failed at z) = trend + r(z)' C^-1 (i - trend),   i_j = 1 for a failed simulation, 0 for a successful one,
+//!
+//! with the correlation r of the first limit state's surrogate and a nugget of 0.05 (symbols as in
+//! [`crate::statistics::surrogate`]). A candidate's score is multiplied by 1 - P, clamped to [0, 1], so that
+//! a region without results is not sampled again and again. The estimate is rough: the lengths are those of
+//! the response, and nothing bounds the Kriging mean to [0, 1] before the clamp.
+//!
+//! # Source
+//! Journel (1983), Nonparametric estimation of spatial distributions (indicator Kriging).
 
 use super::CampaignError;
 use crate::statistics::design::Population;
@@ -16,23 +22,26 @@ use std::mem::discriminant;
 
 /// Least number of simulations before failures end a campaign.
 const FAILED_AFTER: usize = 10;
-/// Indicator above which a place counts as without results.
+/// Probability of failure above which a point counts as barred [1].
 const BARRED: f64 = 0.5;
-/// Noise of the indicator over its variance: one failure is not the neighbourhood's fate.
+/// Noise of the indicator over its variance [1]: one failure alone does not bar its neighbourhood.
 const NUGGET: f64 = 0.05;
-/// Points predicted together.
+/// Number of points predicted together.
 const BLOCK: usize = 512;
 
 /// A simulation that failed for good.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Failed {
-    /// Where, in standardised units `(d,)` [1].
+    /// Standardised point `(d,)` [1].
     pub z: Vec<f64>,
-    /// Why.
+    /// Cause of the failure.
     pub cause: SimulationFailure,
 }
 
-/// Refuses to go on when more than `share` of at least ten simulations failed.
+/// Fails if more than `share` of at least ten simulations failed.
+///
+/// # Errors
+/// [`CampaignError::TooManyFailures`] with the most frequent kind of failure.
 pub(super) fn check_failures<'a>(
     failures: impl Iterator<Item = &'a SimulationFailure> + Clone,
     total: usize,
@@ -44,7 +53,7 @@ pub(super) fn check_failures<'a>(
     }
     let like =
         |a: &SimulationFailure| failures.clone().filter(|b| discriminant(a) == discriminant(b)).count();
-    // The first of the commonest kind.
+    // The first failure of the most frequent kind.
     let cause = failures.clone().fold(None, |best: Option<(&SimulationFailure, usize)>, a| {
         let count = like(a);
         if best.is_some_and(|(_, most)| count <= most) { best } else { Some((a, count)) }
@@ -53,15 +62,15 @@ pub(super) fn check_failures<'a>(
     Err(CampaignError::TooManyFailures { failed, total, count, cause: cause.clone() })
 }
 
-/// Where simulations give results.
+/// Estimated probability that a simulation gives a result.
 #[derive(Debug)]
 pub struct Feasibility {
-    /// Kriging of the indicator; `None` while nothing failed.
+    /// Kriging of the failure indicator; `None` without failures.
     model: Option<Kriging>,
 }
 
 impl Feasibility {
-    /// From the points with results `(d, n)`, those without, and the correlation that says what is near.
+    /// From the points with results `(d, n)`, the failed simulations, and the correlation of the indicator.
     pub fn new(points: MatRef<'_, f64>, failed: &[Failed], correlation: &Correlation) -> Self {
         if failed.is_empty() {
             return Self { model: None };
@@ -71,11 +80,11 @@ impl Feasibility {
             Mat::from_fn(d, n + failed.len(), |k, i| if i < n { points[(k, i)] } else { failed[i - n].z[k] });
         let indicator = Mat::from_fn(n + failed.len(), 1, |i, _| if i < n { 0.0 } else { 1.0 });
         let correlation = Correlation { nugget: NUGGET, stated: 0.0, ..correlation.clone() };
-        // Without a factor nothing is known of the region, and nothing is barred.
+        // Without a Cholesky factor the region is unknown, and nothing is barred.
         Self { model: Kriging::condition(all.as_ref(), indicator.as_ref(), &correlation).ok() }
     }
 
-    /// Estimated probability of a result at points `(d, b)` `(b,)` [1].
+    /// Estimated probability of a result `(b,)` [1] at points `(d, b)`; 1 everywhere without failures.
     pub fn probability(&self, points: MatRef<'_, f64>) -> Vec<f64> {
         match &self.model {
             None => vec![1.0; points.ncols()],
@@ -86,7 +95,7 @@ impl Feasibility {
         }
     }
 
-    /// Share of the population where a simulation is more likely to fail than not [1].
+    /// Share of the population [1] where a simulation is more likely to fail than to succeed.
     pub fn barred_share(&self, population: &Population) -> f64 {
         if self.model.is_none() {
             return 0.0;
@@ -112,7 +121,7 @@ mod tests {
 
     #[test]
     fn a_region_of_failures_is_found_and_its_share_of_the_population() {
-        // Whatever lies beyond 1 in the first variable fails: 15.9 % of a standard normal population.
+        // Points beyond 1 in the first variable fail: 15.9 % of a standard normal population.
         let normal = Distribution::truncated_normal(0.0, 1.0, -8.0, 8.0).unwrap();
         let population = Population::draw(&[normal; 2], 20_000, 3);
         let (mut points, mut failed) = (vec![], vec![]);

@@ -1,4 +1,5 @@
-//! Whole studies of a made-up two-mode life in 30 variables, through the scene, evaluator and journal interfaces.
+//! Whole studies of a made-up two-mode life in 30 variables, through the scene, evaluator and journal
+//! interfaces.
 
 use super::{Method, Settings, StudyError, StudyResult, run};
 use crate::farm::evaluate::{Demand, EvaluateError, Evaluator, Finished, Request, RequestSource};
@@ -56,10 +57,10 @@ fn z(x: &[f64], k: usize) -> f64 {
     (x[k] - 100.0) / 2.0
 }
 
-/// Wear and angular-velocity difference at 72 checkpoints; like section 7 of the model: wear near its threshold at 66 000
-/// cycles with a standard deviation of 0.7 um, a hockey stick that passes its threshold at about 67 000. Every variable
-/// has some influence, a few have most, with products of some. Exactly reproducible "noise" of 0.1 % stands for the
-/// simulator's.
+/// Wear and angular-velocity difference at 72 checkpoints; like section 7 of the model: wear near its
+/// threshold at 66 000 cycles with a standard deviation of 0.7 um, a hockey stick that passes its threshold
+/// at about 67 000. Every variable has some influence, a few have most, with products of some. Exactly
+/// reproducible "noise" of 0.1 % stands for the simulator's.
 fn histories(x: &[f64], noise: f64) -> Vec<Vec<f64>> {
     let spread: f64 = (0..D).map(|k| z(x, k) * 0.5 / (1.0 + k as f64)).sum();
     let crosswise: f64 = (0..D).map(|k| z(x, k) * 0.5 / (1.0 + ((k + 23) % D) as f64)).sum();
@@ -82,7 +83,8 @@ fn histories(x: &[f64], noise: f64) -> Vec<Vec<f64>> {
     ]
 }
 
-/// True absorbing reliabilities of the first `count` points of the study's population: wear, asymmetry, total.
+/// True absorbing reliabilities of the first `count` points of the study's population: wear, asymmetry,
+/// total.
 fn truth(settings: &Settings, count: usize, noise: f64) -> [Vec<f64>; 3] {
     let scene = scene();
     let variables: Vec<Distribution> = scene.variables.iter().map(|v| v.distribution).collect();
@@ -99,7 +101,7 @@ fn truth(settings: &Settings, count: usize, noise: f64) -> [Vec<f64>; 3] {
     failed.map(|curve| curve.iter().map(|f| 1.0 - f).collect())
 }
 
-/// Evaluates the made-up life, replying in any order, counting, failing where told.
+/// Evaluates the made-up life, replies in any order, counts, and fails where set.
 struct MadeUp {
     noise: f64,
     /// Replies from the last request to the first.
@@ -339,7 +341,8 @@ fn a_latin_hypercube_is_simulated_whole() {
     (settings.method, settings.samples) = (Method::LatinHypercube, 150);
     let result = study(&settings, &mut MadeUp::new(), &mut InMemoryJournal::default()).unwrap();
     assert_eq!((result.summary.method.as_str(), result.summary.population), ("latin-hypercube", 150));
-    // Of the mean wear it knows more than 150 independent samples: 0.7 um of spread over sqrt(150) would be 0.06 um.
+    // Of the mean wear it knows more than 150 independent samples: 0.7 um of spread over sqrt(150) would be
+    // 0.06 um.
     let exact = 30e-6;
     let mean = result.summary.moments[65].moments["wear_mean_m"];
     assert!((mean - exact).abs() < 0.02e-6, "{mean}");

@@ -1,48 +1,64 @@
-//! Direct simulation of a Monte Carlo population's first points or of a Latin hypercube: no surrogates, curves from counts.
+//! Direct simulation of the first points of a Monte Carlo population, or of a Latin hypercube, without
+//! surrogates.
+//!
+//! R(n) = 1 - N_f(n) / N, with N_f(n) the number of the N samples that have failed by checkpoint n; failed
+//! simulations are left out of N.
 
-use super::dispatching::Outcome;
 use super::failures::check_failures;
+use super::interim::InterimResult;
+use super::learner::Learner;
+use super::observations::ObservedOutcome;
 use super::result::{Findings, LearnerFindings};
-use super::so_far::SoFar;
-use super::thinking::Learner;
-use super::{Ask, CampaignError, Method, Observed, Problem, SettingError, Settings, Step, StudyError};
+use super::round::largest_change;
+use super::{
+    CampaignError, Method, Observed, Problem, SampleRequest, SettingError, Settings, Step, StudyError,
+};
 use crate::results::summary::{Convergence, EvaluationCounts, Round};
 use crate::statistics::design::Population;
 use crate::statistics::learning::{curves, running_maximum};
 use crate::statistics::reliability::{
-    Condition, NumericalBand, Shifted, coefficient_of_variation, distributions_from_samples,
-    first_failure_with, governing_checkpoint, killers,
+    Condition, NumericalBand, ShiftedFailures, coefficient_of_variation, distributions_from_samples,
+    first_failure_shares, first_failure_with, governing_checkpoint,
 };
 use crate::statistics::sensitivity::{Sampled, sensitivities};
 use common::failure::SimulationFailure;
 use std::collections::VecDeque;
 use std::ops::Range;
 
-/// Samples between two looks at the curves.
+/// Number of samples between two updates of the curves.
 const CHUNK: usize = 64;
-/// Chunks under way at once.
+/// Number of chunks under way at once, besides the one requested.
 const AHEAD: usize = 2;
 
-/// Direct simulation as a [`Learner`]: it learns nothing, so it only has to keep the workers busy.
+/// Direct simulation as a [`Learner`] whose samples do not depend on outcomes.
 pub(super) struct DirectSimulation<'a> {
     problem: &'a Problem,
     population: Population,
+    /// Share of failed simulations that ends the study [1].
     failed_share: f64,
-    /// Samples asked for, and chunks told, the nominal point being the first.
-    asked: usize,
-    told: usize,
+    /// Number of samples requested.
+    requested: usize,
+    /// Number of chunks recorded, the first of which is the nominal point.
+    recorded: usize,
+    /// Chunks under way, the oldest first; the nominal point is an empty range.
     chunks: VecDeque<Range<usize>>,
+    /// Indices of the samples with a result.
     points: Vec<usize>,
+    /// Histories of those samples `(outputs)(points)(m,)`.
     histories: Vec<Vec<Vec<f64>>>,
+    /// Index of their first failure `(modes + 1)(points,)`, the system last.
     first_failures: Vec<Vec<u32>>,
-    shifted: Vec<Shifted>,
+    /// Their first failures with responses shifted by the stated errors, per mode.
+    shifted: Vec<ShiftedFailures>,
     failures: Vec<SimulationFailure>,
     rounds: Vec<Round>,
+    /// Failure shares of the last round `(modes + 1, m)`.
     curves: Option<Vec<Vec<f64>>>,
 }
 
 impl<'a> DirectSimulation<'a> {
-    /// Of the first points of the Monte Carlo population, or of a Latin hypercube of as many.
+    /// Simulates the first `settings.samples` points of the Monte Carlo population, or a Latin hypercube of
+    /// as many points.
     pub fn new(problem: &'a Problem, settings: &Settings) -> Self {
         let (samples, seed) = (settings.samples, settings.seed);
         let population = match settings.method {
@@ -53,13 +69,13 @@ impl<'a> DirectSimulation<'a> {
             problem,
             population,
             failed_share: settings.max_failed,
-            asked: 0,
-            told: 0,
+            requested: 0,
+            recorded: 0,
             chunks: VecDeque::new(),
             points: Vec::new(),
             histories: vec![Vec::new(); problem.outputs],
             first_failures: vec![Vec::new(); problem.modes.len() + 1],
-            shifted: vec![Shifted { larger: vec![], smaller: vec![] }; problem.modes.len()],
+            shifted: vec![ShiftedFailures { larger: vec![], smaller: vec![] }; problem.modes.len()],
             failures: Vec::new(),
             rounds: Vec::new(),
             curves: None,
@@ -86,7 +102,7 @@ impl<'a> DirectSimulation<'a> {
         let modes: Vec<&[u32]> =
             self.first_failures[..self.problem.modes.len()].iter().map(Vec::as_slice).collect();
         Ok(Findings {
-            shares: SoFar {
+            shares: InterimResult {
                 failed,
                 points: self.points.len(),
                 surrogate: vec![],
@@ -99,7 +115,7 @@ impl<'a> DirectSimulation<'a> {
                 .map(|all| distributions_from_samples(&all.iter().map(Vec::as_slice).collect::<Vec<_>>()))
                 .collect(),
             derivatives: sensitivities(&sampled, &self.first_failures, &grid, m),
-            first_failures: killers(&modes, m),
+            first_failures: first_failure_shares(&modes, m),
             evaluations: EvaluationCounts {
                 total: samples + 1,
                 initial: 1,
@@ -118,28 +134,29 @@ impl<'a> DirectSimulation<'a> {
 
 impl Learner for DirectSimulation<'_> {
     fn next_step(&mut self) -> Result<Step, CampaignError> {
-        if self.told == 0 && self.chunks.is_empty() {
-            // The nominal point is no draw of the population: simulated for its first cycle, not counted.
+        if self.recorded == 0 && self.chunks.is_empty() {
+            // The nominal point is simulated for its first cycle; it is no sample of the population and is
+            // not counted.
             self.chunks.push_back(0..0);
             let sample = self.problem.inputs.means();
-            return Ok(Step::Evaluate(vec![Ask { sample, stricter: false }]));
+            return Ok(Step::Evaluate(vec![SampleRequest { sample, stricter: false }]));
         }
-        let range = self.asked..self.population.len().min(self.asked + CHUNK);
+        let range = self.requested..self.population.len().min(self.requested + CHUNK);
         if range.is_empty() && self.chunks.is_empty() {
             return Ok(Step::Done);
         }
         if range.is_empty() || self.chunks.len() > AHEAD {
             return Ok(Step::Wait);
         }
-        self.asked = range.end;
+        self.requested = range.end;
         self.chunks.push_back(range.clone());
-        let ask = |j| Ask { sample: self.population.physical(j), stricter: false };
-        Ok(Step::Evaluate(range.map(ask).collect()))
+        let request = |j| SampleRequest { sample: self.population.physical(j), stricter: false };
+        Ok(Step::Evaluate(range.map(request).collect()))
     }
 
-    fn tell(&mut self, outcomes: Vec<Outcome>) -> Result<(), CampaignError> {
-        let range = self.chunks.pop_front().expect("outcomes are told of what was asked for");
-        self.told += 1;
+    fn record(&mut self, outcomes: Vec<ObservedOutcome>) -> Result<(), CampaignError> {
+        let range = self.chunks.pop_front().expect("outcomes belong to a chunk under way");
+        self.recorded += 1;
         if range.is_empty() {
             self.failures.extend(outcomes.into_iter().filter_map(Result::err));
             return Ok(());
@@ -148,8 +165,8 @@ impl Learner for DirectSimulation<'_> {
             match outcome {
                 Ok(observed) => {
                     self.points.push(j);
-                    note_first_failures(self.problem, &observed.histories, &mut self.first_failures);
-                    note_shifted(self.problem, &observed, &mut self.shifted);
+                    add_first_failures(self.problem, &observed.histories, &mut self.first_failures);
+                    add_shifted(self.problem, &observed, &mut self.shifted);
                     let all = self.histories.iter_mut();
                     all.zip(observed.histories).for_each(|(all, history)| all.push(history));
                 }
@@ -172,17 +189,26 @@ impl Learner for DirectSimulation<'_> {
     }
 
     fn purpose(&self) -> String {
-        if self.asked == 0 { "nominal point".to_owned() } else { format!("samples to {}", self.asked) }
+        if self.requested == 0 {
+            "nominal point".to_owned()
+        } else {
+            format!("samples to {}", self.requested)
+        }
     }
 
-    fn so_far(&self) -> Option<SoFar> {
+    fn interim(&self) -> Option<InterimResult> {
         let failed = self.curves.clone()?;
-        Some(SoFar { failed, points: self.points.len(), surrogate: vec![], condition: Condition::NONE })
+        Some(InterimResult {
+            failed,
+            points: self.points.len(),
+            surrogate: vec![],
+            condition: Condition::NONE,
+        })
     }
 }
 
-/// First failures of one evaluation by mode and, last, of the system.
-fn note_first_failures(problem: &Problem, outputs: &[Vec<f64>], first_failures: &mut [Vec<u32>]) {
+/// Appends the first failures of one evaluation, by mode and last of the system.
+fn add_first_failures(problem: &Problem, outputs: &[Vec<f64>], first_failures: &mut [Vec<u32>]) {
     let m = problem.checkpoints.len();
     let mut earliest = m as u32;
     for (mode, all) in problem.modes.iter().zip(first_failures.iter_mut()) {
@@ -194,8 +220,8 @@ fn note_first_failures(problem: &Problem, outputs: &[Vec<f64>], first_failures: 
     first_failures[problem.modes.len()].push(earliest);
 }
 
-/// First failures of one evaluation by mode, its values moved by the errors it states.
-fn note_shifted(problem: &Problem, observed: &Observed, shifted: &mut [Shifted]) {
+/// Appends the first failures of one evaluation by mode, with its values shifted by their stated errors.
+fn add_shifted(problem: &Problem, observed: &Observed, shifted: &mut [ShiftedFailures]) {
     for (mode, all) in problem.modes.iter().zip(shifted) {
         let (history, errors) = (&observed.histories[mode.output], &observed.errors[mode.output]);
         all.larger.push(first_failure_with(history, errors, 1.0, mode.threshold));
@@ -203,11 +229,13 @@ fn note_shifted(problem: &Problem, observed: &Observed, shifted: &mut [Shifted])
     }
 }
 
+/// Failure shares `(modes + 1, m)` from the first failures of the modes and the system.
 fn curves_of(problem: &Problem, first_failures: &[Vec<u32>]) -> Vec<Vec<f64>> {
     let modes: Vec<&[u32]> = first_failures[..problem.modes.len()].iter().map(Vec::as_slice).collect();
     curves(&modes, problem.checkpoints.len())
 }
 
+/// The row of one round in the summary.
 fn round_of(
     problem: &Problem,
     now: &[Vec<f64>],
@@ -219,11 +247,8 @@ fn round_of(
     let system = &now[now.len() - 1];
     let governing = governing_checkpoint(system);
     let failed = system[governing];
-    let change = previous.map(|previous| {
-        let pairs = previous.iter().flatten().zip(now.iter().flatten());
-        let largest = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        largest / failed.min(1.0 - failed).max(1.0 / points as f64)
-    });
+    let change = previous
+        .map(|previous| largest_change(previous, now) / failed.min(1.0 - failed).max(1.0 / points as f64));
     Round {
         round,
         evaluations,
@@ -235,7 +260,7 @@ fn round_of(
     }
 }
 
-/// Checkpoints where any curve is neither 0 nor 1; the last one if there is none.
+/// Indices of the checkpoints where any curve is neither 0 nor 1; the last checkpoint if there is none.
 fn undecided(failed: &[Vec<f64>]) -> Vec<usize> {
     let m = failed[0].len();
     let open = |n: &usize| failed.iter().any(|curve| curve[*n] > 0.0 && curve[*n] < 1.0);

@@ -1,27 +1,31 @@
-//! What the simulations gave so far, as the surrogates want it.
+//! Results of the simulations so far, in the form the surrogates are fitted to.
 
 use crate::statistics::learning::running_maximum;
+use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
 use faer::Mat;
 
-/// What a successful evaluation gave.
+/// Result of a successful evaluation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Observed {
-    /// Histories `(outputs)(m,)`, in the outputs' units.
+    /// Histories `(outputs)(m,)` [unit of the output].
     pub histories: Vec<Vec<f64>>,
-    /// Numerical errors stated of them, of the same shape and units, at least 0.
+    /// Stated numerical errors of the histories `(outputs)(m,)` [unit of the output], at least 0.
     pub errors: Vec<Vec<f64>>,
 }
 
+/// Result of one sample.
+pub type ObservedOutcome = Result<Observed, SimulationFailure>;
+
 impl Observed {
-    /// Histories without any numerical error.
+    /// Histories `(outputs)(m,)` without numerical errors.
     pub fn exact(histories: Vec<Vec<f64>>) -> Self {
         let errors = histories.iter().map(|history| vec![0.0; history.len()]).collect();
         Self { histories, errors }
     }
 
-    /// Of an evaluation; without errors where it states none.
-    pub fn of(evaluation: Evaluation) -> Self {
+    /// The histories of an evaluation; its errors are zero if it states none.
+    pub fn from_evaluation(evaluation: Evaluation) -> Self {
         if evaluation.errors.is_empty() {
             return Self::exact(evaluation.histories);
         }
@@ -32,19 +36,20 @@ impl Observed {
 /// Points and histories of the successful evaluations, in the order of their requests.
 #[derive(Debug, Clone)]
 pub struct Observations {
+    /// Number of variables.
     d: usize,
-    /// Standardised points `(n, d)` row-major.
+    /// Standardised points `(n, d)` row-major [1].
     z: Vec<f64>,
-    /// Histories per output `(outputs)(n)(m,)`, in the outputs' units.
+    /// Histories per output `(outputs)(n)(m,)` [unit of the output].
     histories: Vec<Vec<Vec<f64>>>,
-    /// Stated errors, likewise.
+    /// Stated errors `(outputs)(n)(m,)` [unit of the output].
     errors: Vec<Vec<Vec<f64>>>,
-    /// How many belong to the initial design.
+    /// Number of points of the initial design.
     design: usize,
 }
 
 impl Observations {
-    /// None yet, of `d` variables and so many outputs.
+    /// No observations yet, of `d` variables and `outputs` outputs.
     pub fn new(d: usize, outputs: usize) -> Self {
         Self {
             d,
@@ -55,7 +60,7 @@ impl Observations {
         }
     }
 
-    /// Adds a point `(d,)` and what was observed there.
+    /// Adds a standardised point `(d,)` and its result.
     pub fn add(&mut self, z: &[f64], observed: Observed) {
         self.z.extend_from_slice(z);
         for (all, history) in self.histories.iter_mut().zip(observed.histories) {
@@ -66,7 +71,7 @@ impl Observations {
         }
     }
 
-    /// Everything so far is the initial design.
+    /// Declares all points so far the initial design.
     pub fn close_design(&mut self) {
         self.design = self.len();
     }
@@ -76,36 +81,36 @@ impl Observations {
         self.z.len() / self.d
     }
 
-    /// Whether there are none.
+    /// True without any point.
     pub fn is_empty(&self) -> bool {
         self.z.is_empty()
     }
 
-    /// Points as columns `(d, n)` [1].
+    /// Standardised points as columns `(d, n)` [1].
     pub fn points(&self) -> Mat<f64> {
         Mat::from_fn(self.d, self.len(), |k, i| self.z[i * self.d + k])
     }
 
-    /// Histories of one output `(n)(m,)`.
+    /// Histories of one output `(n)(m,)` [unit of the output].
     pub fn histories(&self, output: usize) -> &[Vec<f64>] {
         &self.histories[output]
     }
 
-    /// Histories of one output as a matrix `(n, m)`.
+    /// Histories of one output as a matrix `(n, m)` [unit of the output].
     pub fn values(&self, output: usize) -> Mat<f64> {
         as_matrix(&self.histories[output])
     }
 
-    /// Running maxima of the histories of one output `(n, m)`.
+    /// Running maxima of the histories of one output `(n, m)` [unit of the output].
     pub fn running_maxima(&self, output: usize) -> Mat<f64> {
         let maxima: Vec<Vec<f64>> = self.histories[output].iter().map(|h| running_maximum(h)).collect();
         as_matrix(&maxima)
     }
 
-    /// Errors of the running maxima of one output `(n, m)`: at each checkpoint that of the value which is the largest so
-    /// far.
+    /// Stated errors of the running maxima of one output `(n, m)` [unit of the output]: at each checkpoint
+    /// the error of the largest value so far.
     pub fn errors_of_running_maxima(&self, output: usize) -> Mat<f64> {
-        let of = |(history, errors): (&Vec<f64>, &Vec<f64>)| -> Vec<f64> {
+        let errors_of_maxima = |(history, errors): (&Vec<f64>, &Vec<f64>)| -> Vec<f64> {
             let mut largest = (f64::NEG_INFINITY, 0.0);
             let take = |(value, error): (&f64, &f64)| {
                 if *value > largest.0 {
@@ -115,11 +120,13 @@ impl Observations {
             };
             history.iter().zip(errors).map(take).collect()
         };
-        let errors: Vec<Vec<f64>> = self.histories[output].iter().zip(&self.errors[output]).map(of).collect();
+        let errors: Vec<Vec<f64>> =
+            self.histories[output].iter().zip(&self.errors[output]).map(errors_of_maxima).collect();
         as_matrix(&errors)
     }
 
-    /// Share of the initial design that reached the threshold by each checkpoint, from running maxima `(n, m)`.
+    /// Share of the initial design that reached the threshold by each checkpoint `(m,)` [1], from running
+    /// maxima `(n, m)`.
     pub fn design_share(&self, running_maxima: &Mat<f64>, threshold: f64) -> Vec<f64> {
         let failed = |n: usize| (0..self.design).filter(|i| running_maxima[(*i, n)] >= threshold).count();
         (0..running_maxima.ncols()).map(|n| failed(n) as f64 / self.design.max(1) as f64).collect()

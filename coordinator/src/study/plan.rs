@@ -2,7 +2,7 @@
 
 use super::{LARGEST_POPULATION, Settings};
 use crate::statistics::design::InputModel;
-use crate::statistics::learning::{Mode, Targets};
+use crate::statistics::learning::{Mode, StoppingTargets};
 use common::scene::Scene;
 
 /// The reliability problem to be learned.
@@ -24,7 +24,7 @@ pub struct Plan {
     /// Settings of the study; `samples` is the size of the population at first.
     pub settings: Settings,
     /// Bounds of the stopping rules.
-    pub targets: Targets,
+    pub targets: StoppingTargets,
     /// Size to which the population may grow until the coefficient of variation of P_f is small enough.
     pub largest_population: usize,
     /// Whether a failed evaluation is repeated once at a stricter accuracy.

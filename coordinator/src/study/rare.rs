@@ -1,36 +1,45 @@
-//! Rare events: where failures are too few in any population that can be classified, the population is replaced by
-//! samples conditional on an intermediate event, drawn by subset simulation on the surrogates.
+//! Rare events: where failures are too few in any population that can be classified, the population is
+//! replaced by samples conditional on an intermediate event, drawn by subset simulation on the surrogates.
 //!
-//! The levels are of what may be: mean + 2 standard deviations of the prediction. By the means alone a second region of
-//! failures that no simulation has come near may be left out of every level, and the stop be false; with the bound it stays among
-//! the samples until it is known.
+//! The response of the subset simulation is the largest over the limit states of
 //!
-//! Everything a campaign does with a population it then does with this one; a share p of it stands for the probability
-//! P(level) p, since whoever fails has passed the level. As the surrogates learn, the level is drawn anew.
+//!   y = (mean - threshold) / sigma + 2 s,
 //!
-//! Source: subset simulation on a surrogate, Huang, Chen, Zhu (2016), AK-SS.
+//! with the mean of the prediction (largest over the checkpoints), the process standard deviation sigma at
+//! the end of life and the predicted standard deviation s in units of sigma. With the means alone a second
+//! region of failures that no simulation has come near may be missing from every level, and learning would
+//! stop without it; with the upper bound it stays among the samples until the surrogates know it.
+//!
+//! A share p of the conditional population stands for the probability P(level) p, because every failure has
+//! passed the level. The level is drawn anew as the surrogates learn.
+//!
+//! # Source
+//! Huang, Chen, Zhu (2016), Assessing small failure probabilities by AK-SS: an active learning method
+//! combining Kriging and subset simulation, Structural Safety 59.
 
 use super::plan::Problem;
 use super::surrogates::Surrogate;
-use crate::statistics::design::{Population, Stream, open_stream};
+use crate::statistics::design::Population;
 use crate::statistics::learning::UNCERTAIN;
-use crate::statistics::reliability::{Condition, subset_simulation};
+use crate::statistics::reliability::{Condition, SubsetSimulation};
 use faer::MatRef;
+use rand::Rng;
 use rayon::prelude::*;
 
-/// Samples of a level: a probability of 1e-9 is then known to about 6 %.
+/// Number of samples of a level: a probability of 1e-9 is then known to about 6 %.
 const SAMPLES: usize = 100_000;
-/// Most levels: down to 1e-12.
+/// Most levels, for probabilities down to 1e-12.
 const LEVELS: usize = 12;
-/// Points predicted together.
+/// Number of points predicted together.
 const BLOCK: usize = 512;
 
-/// A population of the same variables conditional on the last intermediate event, and what that is.
+/// Draws a population of the same variables conditional on the last intermediate event, and returns it with
+/// that event.
 pub(super) fn conditional_population(
     problem: &Problem,
     population: &Population,
     surrogates: &[Surrogate],
-    (seed, draw): (u64, u32),
+    rng: &mut impl Rng,
 ) -> (Population, Condition) {
     let (d, inputs) = (population.dimension(), population.inputs());
     let standardised = |u: &[f64]| inputs.standardise(&inputs.from_independent_normals(u));
@@ -46,16 +55,16 @@ pub(super) fn conditional_population(
                 let sigma = model.sigma2().last().map_or(1.0, |s| s.sqrt()).max(f64::MIN_POSITIVE);
                 for (j, y) in largest.iter_mut().enumerate() {
                     let reached = prediction.mean.col(j).iter().copied().fold(f64::NEG_INFINITY, f64::max);
-                    let doubt = prediction.variance_factor[j].sqrt();
-                    *y = y.max((reached - mode.threshold) / sigma + UNCERTAIN * doubt);
+                    let std = prediction.variance_factor[j].sqrt();
+                    *y = y.max((reached - mode.threshold) / sigma + UNCERTAIN * std);
                 }
             }
             largest
         };
         u.par_chunks(BLOCK * d).flat_map_iter(block).collect()
     };
-    let mut rng = open_stream(seed, Stream::Subset(draw));
-    let subset = subset_simulation((d, SAMPLES, LEVELS), &mut rng, &respond);
+    let simulation = SubsetSimulation { variables: d, samples: SAMPLES, most_levels: LEVELS };
+    let subset = simulation.run(rng, &respond);
     let z = subset.u.chunks_exact(d).flat_map(standardised).collect();
     let condition = Condition {
         probability: subset.probability,

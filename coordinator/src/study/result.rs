@@ -1,16 +1,16 @@
 //! The result of a study, from the findings of active learning or direct simulation.
 
-use super::responses::Responses;
+use super::interim::InterimResult;
+use super::response_layout::ResponseLayout;
 use super::rows::{failures, first_failure, sobol};
-use super::so_far::SoFar;
-use super::{Learned, LookedAt, Settings, Stop, Surrogate};
+use super::{CampaignResult, ClassifiedPopulation, Settings, StopReason, Surrogate};
 use crate::results::summary::{
     ConditionRow, Convergence, EvaluationCounts, Failures, MomentsRow, NumericalRange, ReliabilityRow,
     SensitivityError, SensitivityRow, SobolRow, StudySummary, SurrogateRow, Timing, WorkerShare,
 };
 use crate::statistics::learning::Rule;
 use crate::statistics::reliability::{
-    NumericalBand, OutputDistribution, killers, predict_distributions, shift_population,
+    NumericalBand, OutputDistribution, first_failure_shares, predict_distributions, shift_population,
 };
 use crate::statistics::sensitivity::{Sampled, Sensitivity, sensitivities};
 use crate::statistics::surrogate::{Correlation, LeaveOneOut, Sharing, Trend};
@@ -78,14 +78,14 @@ impl SurrogateReport {
 /// Findings of a study, from which [`Findings::result`] makes its result.
 pub(super) struct Findings {
     /// Failure shares and their errors.
-    pub shares: SoFar,
+    pub shares: InterimResult,
     /// Failure shares under numerical errors.
     pub numerical: NumericalBand,
     /// Distributions of the outputs at every checkpoint `(outputs)(m,)`.
     pub distributions: Vec<Vec<OutputDistribution>>,
     /// Derivatives of the failure probabilities.
     pub derivatives: Vec<Sensitivity>,
-    /// Shares of first failures, see [`killers`].
+    /// Shares of first failures, see [`first_failure_shares`].
     pub first_failures: Vec<Vec<f64>>,
     /// Counts of evaluations.
     pub evaluations: EvaluationCounts,
@@ -144,9 +144,9 @@ pub fn blank(scene: &Scene, settings: &Settings) -> StudySummary {
 }
 
 /// The findings of active learning.
-pub(super) fn from_learning(scene: &Scene, settings: &Settings, learned: &Learned) -> Findings {
+pub(super) fn from_learning(scene: &Scene, settings: &Settings, learned: &CampaignResult) -> Findings {
     let assessment = &learned.assessment;
-    let LookedAt { population, condition, .. } = &learned.looked_at;
+    let ClassifiedPopulation { population, condition, .. } = &learned.classified;
     let m = scene.life.checkpoints().len();
     let modes: Vec<&[u32]> = assessment.modes.iter().map(|mode| &mode.first_failure[..]).collect();
     // The first failure of the system is the earliest of the limit states.
@@ -156,7 +156,7 @@ pub(super) fn from_learning(scene: &Scene, settings: &Settings, learned: &Learne
     let points: Vec<usize> = (0..population.len()).collect();
     let sampled = Sampled { population, points: &points, probability: condition.probability };
     Findings {
-        shares: SoFar {
+        shares: InterimResult {
             failed: assessment.curves.clone(),
             points: population.len(),
             surrogate: assessment.combined_errors(),
@@ -165,7 +165,7 @@ pub(super) fn from_learning(scene: &Scene, settings: &Settings, learned: &Learne
         numerical: numerical_band(scene, learned),
         distributions: output_distributions(scene, learned),
         derivatives: sensitivities(&sampled, &first_failures, &assessment.grid, m),
-        first_failures: killers(&modes, m),
+        first_failures: first_failure_shares(&modes, m),
         evaluations: EvaluationCounts {
             total: learned.evaluations,
             initial: settings.initial.min(learned.evaluations),
@@ -181,7 +181,7 @@ pub(super) fn from_learning(scene: &Scene, settings: &Settings, learned: &Learne
     }
 }
 
-fn learner_findings(scene: &Scene, learned: &Learned) -> LearnerFindings {
+fn learner_findings(scene: &Scene, learned: &CampaignResult) -> LearnerFindings {
     let cycles = scene.life.checkpoints();
     let fitted = &learned.assessment.surrogates;
     let report = |(limit, surrogate): (&LimitState, &Surrogate)| SurrogateReport {
@@ -202,8 +202,8 @@ fn learner_findings(scene: &Scene, learned: &Learned) -> LearnerFindings {
 }
 
 /// Failure shares with the population's responses shifted by the stated errors.
-fn numerical_band(scene: &Scene, learned: &Learned) -> NumericalBand {
-    let shifted: Vec<_> = Responses::of(scene)
+fn numerical_band(scene: &Scene, learned: &CampaignResult) -> NumericalBand {
+    let shifted: Vec<_> = ResponseLayout::from_scene(scene)
         .modes
         .iter()
         .zip(&learned.assessment.surrogates)
@@ -211,7 +211,7 @@ fn numerical_band(scene: &Scene, learned: &Learned) -> NumericalBand {
             let values = learned.observations.running_maxima(mode.output);
             let errors = learned.observations.errors_of_running_maxima(mode.output);
             let (values, errors) = (values.as_ref(), errors.as_ref());
-            shift_population(&surrogate.model, &learned.looked_at.population, values, errors, mode.threshold)
+            shift_population(&surrogate.model, &learned.classified.population, values, errors, mode.threshold)
         })
         .collect();
     NumericalBand::count(&shifted, scene.life.checkpoints().len())
@@ -219,36 +219,36 @@ fn numerical_band(scene: &Scene, learned: &Learned) -> NumericalBand {
 
 /// Distributions of the outputs themselves (not their running maxima), with the lengths of the first limit state that
 /// watches each; an output no limit state watches uses those of the first limit state.
-fn output_distributions(scene: &Scene, learned: &Learned) -> Vec<Vec<OutputDistribution>> {
+fn output_distributions(scene: &Scene, learned: &CampaignResult) -> Vec<Vec<OutputDistribution>> {
     (0..scene.outputs.len())
         .map(|output| {
             let mode = scene.limit_states.iter().position(|limit| limit.output == output).unwrap_or(0);
             let mut model = learned.assessment.surrogates[mode].model.clone();
             model.set_values(learned.observations.values(output).as_ref());
-            predict_distributions(&model, learned.looked_at.unconditional())
+            predict_distributions(&model, learned.classified.unconditional())
         })
         .collect()
 }
 
 /// Whether learning ended by a rule and with failures enough for the coefficient of variation asked for.
-fn targets_met(learned: &Learned, settings: &Settings) -> bool {
+fn targets_met(learned: &CampaignResult, settings: &Settings) -> bool {
     let enough = learned.rounds.last().is_some_and(|round| round.cov_pf <= settings.targets().cov);
-    enough && matches!(learned.stop, Stop::Rule(_))
+    enough && matches!(learned.stop, StopReason::Rule(_))
 }
 
-fn stop_in_words(learned: &Learned, settings: &Settings) -> String {
+fn stop_in_words(learned: &CampaignResult, settings: &Settings) -> String {
     let targets = settings.targets();
     let figures = &learned.assessment.figures;
     let reason = match learned.stop {
-        Stop::Rule(Rule::Learning) => format!(
+        StopReason::Rule(Rule::Learning) => format!(
             "every U_c >= {} and no curve changed by more than {} of the smaller of R and P_f, {} rounds and {} points running, after a fresh fit",
             targets.min_u, targets.relative_change, targets.hold, targets.hold_points
         ),
-        Stop::Rule(Rule::Error) => format!(
+        StopReason::Rule(Rule::Error) => format!(
             "the estimated surrogate error of every curve is below {} and no curve changed by more than {}, {} rounds and {} points running, after a fresh fit",
             targets.error, targets.change, targets.hold, targets.hold_points
         ),
-        Stop::Budget => format!(
+        StopReason::Budget => format!(
             "the budget of {} evaluations is spent; the estimated surrogate error is {:.2e} (target {})",
             settings.max_evaluations, figures.error, targets.error
         ),
@@ -256,7 +256,7 @@ fn stop_in_words(learned: &Learned, settings: &Settings) -> String {
     let system = &learned.assessment.curves[learned.assessment.curves.len() - 1];
     let cov = learned.rounds.last().map_or(f64::INFINITY, |round| round.cov_pf);
     if system.iter().all(|failed| *failed == 0.0) {
-        let points = learned.looked_at.population.len();
+        let points = learned.classified.population.len();
         format!("{reason}; no failure was found among {points} points of the population")
     } else if cov > targets.cov {
         format!("{reason}; the coefficient of variation of P_f is still {cov:.3} (target {})", targets.cov)

@@ -1,67 +1,75 @@
-//! One round of learning on the results so far: fit, classify the population, estimate the error.
+//! One round of learning on the results so far: fit the surrogates, classify the population, estimate the
+//! errors of the curves, and prepare the selection of the next samples.
 
 use super::failures::{Failed, Feasibility};
 use super::observations::Observations;
 use super::plan::{Plan, Problem};
 use super::step::CampaignError;
-use super::surrogates::{Results, Surrogate};
+use super::surrogates::{FitOptions, ModeResults, Surrogate};
 use crate::results::summary::Round;
-use crate::statistics::design::Population;
+use crate::statistics::design::{Population, Stream, open_stream};
 use crate::statistics::learning::{
-    Classification, CurveErrors, Figures, Selection, checkpoints_that_matter, choose_pool, classify,
-    classify_cached, coupled_criterion, curves, dominance, estimate_errors, explore, noise_shifts,
+    Classification, Coupled, CurveErrors, Exploration, Figures, JointPool, Selection, SelectionOptions,
+    UNCERTAIN, checkpoints_that_matter, choose_pool, classify, classify_cached, coupled_criterion, curves,
+    dominance, estimate_errors, explore, noise_shifts,
 };
 use crate::statistics::reliability::governing_checkpoint;
-use crate::statistics::surrogate::{Effort, Kriging, Posterior, PredictionCache};
+use crate::statistics::surrogate::{Effort, Kriging, PredictionCache};
 use faer::{Mat, MatRef};
 use rayon::prelude::*;
 
-/// Most checkpoints on which learning looks at one mode, and at all of them.
+/// Most checkpoints used for one mode, and for all modes together.
 const GRID: usize = 24;
+/// Least size of the pool per point of a batch.
+const POOL_PER_BATCH: usize = 8;
+/// Most memory for the cached predictions of all modes [bytes].
+const CACHE: usize = 4 << 30;
 
-/// What a round found.
+/// Result of one round.
 #[derive(Debug)]
 pub struct Assessment {
     /// Surrogates per mode.
     pub surrogates: Vec<Surrogate>,
     /// Classification per mode.
     pub modes: Vec<Classification>,
-    /// Checkpoints that matter, as indices, ascending; means and errors are kept there.
+    /// Indices of the checkpoints at which means and errors are kept `(a,)`, ascending.
     pub grid: Vec<usize>,
-    /// Failure shares `(modes + 1, m)`: each mode, then the system.
+    /// Failure shares `(modes + 1, m)` [1]: each mode, then the system.
     pub curves: Vec<Vec<f64>>,
-    /// Surrogate errors on the grid.
+    /// Surrogate errors of the failure shares on the grid.
     pub errors: CurveErrors,
-    /// By how much the simulator's numerical noise, as the surrogates have it, would move each failure share on the grid,
-    /// `(modes + 1, a)`: no learning removes it, so it counts in the standard errors but not for stopping.
+    /// Shift of each failure share by the numerical noise of the simulator `(modes + 1, a)` [1]. No further
+    /// simulation removes it, so it counts in the standard errors but not for stopping.
     pub noise_shift: Vec<Vec<f64>>,
-    /// Checkpoint at which the system's R is nearest 1/2.
+    /// Index of the checkpoint at which the system's R is nearest 1/2.
     pub governing: usize,
-    /// Share of the population with U_c < 2.
+    /// Share of the population with U_c < 2 [1].
     pub share_uncertain: f64,
-    /// Mean dominance weight over the pool at the governing checkpoint.
+    /// Mean dominance weight over the pool at the governing checkpoint [1].
     pub dominance: Option<f64>,
-    /// What the stopping rules look at.
+    /// Input of the stopping rules.
     pub figures: Figures,
-    /// Repairs: nugget raised, likelihood start failed.
+    /// Number of repairs: nuggets raised and starts of the likelihood that failed.
     pub repairs: usize,
-    /// Where simulations give results.
+    /// Estimated probability that a simulation gives a result.
     pub feasibility: Feasibility,
-    /// Which points to simulate next.
+    /// Selection of the next samples.
     pub(super) selection: Selection,
 }
 
 impl Assessment {
-    /// Failure share of the system at the governing checkpoint.
+    /// Failure share of the system at the governing checkpoint [1].
     pub fn governing_failed(&self) -> f64 {
         self.curves[self.curves.len() - 1][self.governing]
     }
 
-    /// So many points of the population where the surrogates know least, to be asked for; the selection knows of them.
-    /// The `known` points `(d,)` were explored before and are in no surrogate.
+    /// Returns `count` points of the population with the largest predicted variance, as indices, and removes
+    /// them from the selection. `requested` `(N,)` marks the points requested before, `known` holds the
+    /// standardised points `(d,)` that were explored before and are in no surrogate.
     pub(super) fn explore(
         &mut self,
-        population: (&Population, &[bool]),
+        population: &Population,
+        requested: &[bool],
         known: &[Vec<f64>],
         count: usize,
     ) -> Vec<usize> {
@@ -69,19 +77,21 @@ impl Assessment {
             return vec![];
         }
         let models: Vec<&Kriging> = self.surrogates.iter().map(|surrogate| &surrogate.model).collect();
+        let exploration = Exploration { models: &models, modes: &self.modes, population, requested, known };
         let feasible = |points: MatRef<'_, f64>| self.feasibility.probability(points);
-        let chosen = explore((&models, known), &self.modes, population, feasible, count);
-        chosen.iter().for_each(|point| self.selection.leave(*point));
+        let chosen = explore(&exploration, feasible, count);
+        chosen.iter().for_each(|point| self.selection.believe_point(*point));
         chosen
     }
 
-    /// What the round shows, over a population of so many points of a condition of this probability; its number, the evaluations,
-    /// the governing cycle and the coefficient of variation are the campaign's to tell.
+    /// The row of this round in the summary, for a population of `population` points under a condition of
+    /// probability `condition`. The campaign adds round number, evaluations, governing cycle and coefficient
+    /// of variation.
     pub(super) fn row(&self, condition: f64, population: usize) -> Round {
         let figures = &self.figures;
         let relative = |change: f64| change / figures.governing_share.max(1.0 / population as f64);
         Round {
-            // Beyond 100 the figure says nothing more, and JSON has no infinity.
+            // JSON has no infinity; above 100 the value carries no information.
             min_u: figures.min_u.min(100.0),
             share_uncertain: self.share_uncertain,
             change_of_r: figures.change.map(relative),
@@ -93,7 +103,8 @@ impl Assessment {
         }
     }
 
-    /// Surrogate error and simulator noise per curve, at the checkpoints of the grid.
+    /// Root sum of squares of surrogate error and simulator noise [1] per curve, with the checkpoints of the
+    /// grid.
     pub(super) fn combined_errors(&self) -> Vec<Vec<(usize, f64)>> {
         let curves = self.errors.by_curve.iter().zip(&self.noise_shift);
         curves
@@ -105,42 +116,84 @@ impl Assessment {
     }
 }
 
-/// The pool holds at least this many points per point of a batch.
-const POOL_PER_BATCH: usize = 8;
-
-/// What a campaign knows when it assesses.
-pub(super) struct Known<'a> {
+/// Input of one round.
+pub(super) struct RoundInput<'a> {
     pub problem: &'a Problem,
     pub plan: &'a Plan,
     pub population: &'a Population,
-    /// Points of the population that were asked for `(N,)`.
-    pub asked: &'a [bool],
-    /// Those of them that are under way.
+    /// Marks the points of the population that were requested `(N,)`.
+    pub requested: &'a [bool],
+    /// Indices of those that are under way.
     pub under_way: &'a [usize],
     pub observations: &'a Observations,
     pub failed: &'a [Failed],
-    /// Surrogates of the round before, per mode; none before the first.
+    /// Surrogates of the round before, one per mode; empty in the first round.
     pub surrogates: &'a [Surrogate],
-    /// Curves of the round before, over the present population.
+    /// Curves of the round before over the same population `(modes + 1, m)`.
     pub previous: Option<&'a [Vec<f64>]>,
     /// Number of the round.
     pub round: u32,
 }
 
-/// Most that the cached predictions of all modes may take [bytes].
-const CACHE: usize = 4 << 30;
-
-/// Assesses the results with lengths found with the given effort. The caches, one a mode, hold predictions of this population.
+/// Assesses the results with lengths found with the given effort. `caches` holds one cache per mode, of
+/// predictions of this population.
+///
+/// # Errors
+/// [`CampaignError::Surrogate`].
 pub(super) fn assess(
-    known: &Known<'_>,
+    input: &RoundInput<'_>,
     caches: &mut [PredictionCache],
     effort: Effort,
 ) -> Result<Assessment, CampaignError> {
-    let Known { problem, plan, population, asked, observations, previous, round, .. } = *known;
-    let seed = plan.settings.seed;
-    // Surrogates, one per mode, beside each other.
-    let points = observations.points();
-    let surrogates = problem
+    let points = input.observations.points();
+    let surrogates = fit_surrogates(input, &points, effort)?;
+    let grid = common_grid(&surrogates);
+    let modes = classify_modes(input, &surrogates, caches, &grid);
+    let curves = failure_curves(input, &modes);
+    let coupled = coupled_criterion(&modes);
+    let pool = joint_pool(input, &surrogates, &coupled);
+    let errors = curve_errors(input, &surrogates, &modes, &coupled, &pool);
+    let noise: Vec<f64> = surrogates.iter().map(|s| s.model.correlation().noise().sqrt()).collect();
+    let noise_shift = noise_shifts(&modes, &noise);
+
+    let governing = governing_checkpoint(&curves[curves.len() - 1]);
+    let on_grid = nearest(&grid, governing);
+    let figures = figures_of_round(input, &curves, &coupled, &errors, (governing, on_grid));
+    let uncertain = open_points(input, &coupled).filter(|c| c.system < UNCERTAIN).count();
+    let weights: Vec<f64> = pool.members().iter().filter_map(|j| dominance(&modes, *j, on_grid)).collect();
+    let feasibility = Feasibility::new(points.as_ref(), input.failed, surrogates[0].model.correlation());
+    let options = SelectionOptions {
+        feasible: feasibility.probability(pool.points()),
+        governing: on_grid,
+        function: input.plan.settings.learning,
+    };
+    Ok(Assessment {
+        governing,
+        share_uncertain: uncertain as f64 / input.population.len() as f64,
+        dominance: (!weights.is_empty()).then(|| weights.iter().sum::<f64>() / weights.len() as f64),
+        repairs: surrogates.iter().map(|s| s.repairs).sum(),
+        figures,
+        selection: Selection::new(&modes, pool, options),
+        surrogates,
+        modes,
+        grid,
+        curves,
+        errors,
+        noise_shift,
+        feasibility,
+    })
+}
+
+/// Fits one surrogate per mode to the results at `points` `(d, n)`, in parallel.
+fn fit_surrogates(
+    input: &RoundInput<'_>,
+    points: &Mat<f64>,
+    effort: Effort,
+) -> Result<Vec<Surrogate>, CampaignError> {
+    let RoundInput { problem, plan, observations, previous, .. } = *input;
+    let options =
+        FitOptions { forms: plan.settings.forms, stated_errors: plan.settings.stated_errors, effort };
+    problem
         .modes
         .par_iter()
         .enumerate()
@@ -149,103 +202,109 @@ pub(super) fn assess(
             let share = observations.design_share(&values, mode.threshold);
             let fitted_on = checkpoints_that_matter(&share, previous.map(|p| p[s].as_slice()), GRID);
             let errors = observations.errors_of_running_maxima(mode.output);
-            let observed =
-                Results { points: &points, values: &values, errors: &errors, threshold: mode.threshold };
-            let before = known.surrogates.get(s);
-            Surrogate::fit(
-                &observed,
-                fitted_on,
-                before,
-                effort,
-                (plan.settings.forms, plan.settings.stated_errors),
-            )
-            .map_err(|source| CampaignError::Surrogate { mode: s, source })
+            let results = ModeResults { points, values: &values, errors: &errors, threshold: mode.threshold };
+            Surrogate::fit(&results, fitted_on, input.surrogates.get(s), options)
+                .map_err(|source| CampaignError::Surrogate { mode: s, source })
         })
-        .collect::<Result<Vec<Surrogate>, CampaignError>>()?;
+        .collect()
+}
 
-    // Classification on the checkpoints that matter to any mode.
+/// Checkpoints that matter to any mode, ascending; evenly thinned to [`GRID`].
+fn common_grid(surrogates: &[Surrogate]) -> Vec<usize> {
     let mut grid: Vec<usize> = surrogates.iter().flat_map(|s| s.fitted_on.iter().copied()).collect();
     grid.sort_unstable();
     grid.dedup();
     if grid.len() > GRID {
         grid = (0..GRID).map(|i| grid[i * (grid.len() - 1) / (GRID - 1)]).collect();
     }
-    let cached = population.len() * points.ncols() * problem.modes.len() * size_of::<f64>() <= CACHE;
+    grid
+}
+
+/// Classifies the population by every mode, through the caches where they fit into memory.
+fn classify_modes(
+    input: &RoundInput<'_>,
+    surrogates: &[Surrogate],
+    caches: &mut [PredictionCache],
+    grid: &[usize],
+) -> Vec<Classification> {
+    let RoundInput { problem, population, observations, .. } = *input;
+    let bytes = population.len() * observations.len() * problem.modes.len() * size_of::<f64>();
+    let cached = bytes <= CACHE;
     if !cached {
         caches.fill(PredictionCache::default());
     }
-    let modes: Vec<Classification> = surrogates
+    surrogates
         .iter()
         .zip(&problem.modes)
         .zip(caches)
         .map(|((surrogate, mode), cache)| {
             if cached {
-                classify_cached(cache, &surrogate.model, population, mode.threshold, &grid)
+                classify_cached(cache, &surrogate.model, population, mode.threshold, grid)
             } else {
-                classify(&surrogate.model, population, mode.threshold, &grid)
+                classify(&surrogate.model, population, mode.threshold, grid)
             }
         })
-        .collect();
+        .collect()
+}
+
+/// Failure shares `(modes + 1, m)`, the system last.
+fn failure_curves(input: &RoundInput<'_>, modes: &[Classification]) -> Vec<Vec<f64>> {
     let first_failures: Vec<&[u32]> = modes.iter().map(|mode| mode.first_failure.as_slice()).collect();
-    let curves = curves(&first_failures, problem.checkpoints.len());
-    let coupled = coupled_criterion(&modes);
+    curves(&first_failures, input.problem.checkpoints.len())
+}
 
-    // The pool, its posterior, and the error of the curves.
-    let mut pool = choose_pool(&coupled, asked, POOL_PER_BATCH * plan.settings.batch, seed, round);
-    let under_way = pool.members.len()..pool.members.len() + known.under_way.len();
-    pool.members.extend(known.under_way);
-    let d = population.dimension();
-    let members = Mat::from_fn(d, pool.members.len(), |k, i| population.standardised(pool.members[i])[k]);
-    let posteriors: Vec<Posterior> =
-        surrogates.par_iter().map(|s| Posterior::new(&s.model, members.as_ref())).collect();
+/// The pool of uncertain points, those under way included, with the joint posteriors of all modes.
+fn joint_pool(input: &RoundInput<'_>, surrogates: &[Surrogate], coupled: &[Coupled]) -> JointPool {
+    let least = POOL_PER_BATCH * input.plan.settings.batch;
+    let pool = choose_pool(coupled, input.requested, least, input.plan.settings.seed, input.round);
+    let models: Vec<&Kriging> = surrogates.iter().map(|surrogate| &surrogate.model).collect();
+    JointPool::new(pool, input.under_way, input.population, &models)
+}
+
+/// Surrogate errors of the curves from realisations of the joint posteriors.
+fn curve_errors(
+    input: &RoundInput<'_>,
+    surrogates: &[Surrogate],
+    modes: &[Classification],
+    coupled: &[Coupled],
+    pool: &JointPool,
+) -> CurveErrors {
     let inflation: Vec<f64> = surrogates.iter().map(Surrogate::inflation).collect();
-    let errors = estimate_errors(&modes, &coupled, &pool, &posteriors, &inflation, seed, round);
+    let mut rng = open_stream(input.plan.settings.seed, Stream::Realisations(input.round));
+    estimate_errors(modes, coupled, pool, &inflation, &mut rng)
+}
 
-    let noise: Vec<f64> = surrogates.iter().map(|s| s.model.correlation().noise().sqrt()).collect();
-    let noise_shift = noise_shifts(&modes, &noise);
-
-    // Figures of the round.
+/// The figures of the stopping rules; `governing` is the governing checkpoint and its place on the grid.
+fn figures_of_round(
+    input: &RoundInput<'_>,
+    curves: &[Vec<f64>],
+    coupled: &[Coupled],
+    errors: &CurveErrors,
+    (governing, on_grid): (usize, usize),
+) -> Figures {
     let system = curves.len() - 1;
-    let governing = governing_checkpoint(&curves[system]);
-    let on_grid = nearest(&grid, governing);
     let failed = curves[system][governing];
-    let free = || coupled.iter().zip(asked).filter(|(_, asked)| !**asked).map(|(c, _)| c);
-    let figures = Figures {
-        points: observations.len(),
-        min_u: free().map(|c| c.system).fold(f64::INFINITY, f64::min),
-        change: previous.map(|previous| largest_difference(previous, &curves)),
+    Figures {
+        points: input.observations.len(),
+        min_u: open_points(input, coupled).map(|c| c.system).fold(f64::INFINITY, f64::min),
+        change: input.previous.map(|previous| largest_change(previous, curves)),
         error: errors.largest(),
         governing_error: errors.by_curve[system][on_grid],
         governing_share: failed.min(1.0 - failed),
-    };
-    let uncertain = free().filter(|c| c.system < crate::statistics::learning::UNCERTAIN).count();
-    let weights: Vec<f64> = pool.members.iter().filter_map(|j| dominance(&modes, *j, on_grid)).collect();
-    let feasibility = Feasibility::new(points.as_ref(), known.failed, surrogates[0].model.correlation());
-    let feasible = feasibility.probability(members.as_ref());
-    let choice = (on_grid, plan.settings.learning);
-    let selection = Selection::new(&modes, pool, posteriors, feasible, under_way, choice);
-    Ok(Assessment {
-        governing,
-        share_uncertain: uncertain as f64 / population.len() as f64,
-        dominance: (!weights.is_empty()).then(|| weights.iter().sum::<f64>() / weights.len() as f64),
-        repairs: surrogates.iter().map(|s| s.repairs).sum(),
-        figures,
-        surrogates,
-        modes,
-        grid,
-        curves,
-        errors,
-        noise_shift,
-        feasibility,
-        selection,
-    })
+    }
+}
+
+/// The coupled criterion of the points that were not requested.
+fn open_points<'a>(input: &RoundInput<'a>, coupled: &'a [Coupled]) -> impl Iterator<Item = &'a Coupled> {
+    coupled.iter().zip(input.requested).filter(|(_, requested)| !**requested).map(|(c, _)| c)
 }
 
 fn nearest(grid: &[usize], checkpoint: usize) -> usize {
     (0..grid.len()).min_by_key(|i| grid[*i].abs_diff(checkpoint)).expect("the grid is never empty")
 }
 
-fn largest_difference(a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
-    let pairs = a.iter().flatten().zip(b.iter().flatten());
+/// Largest absolute difference of two sets of curves of the same shape.
+pub(super) fn largest_change(before: &[Vec<f64>], now: &[Vec<f64>]) -> f64 {
+    let pairs = before.iter().flatten().zip(now.iter().flatten());
     pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }

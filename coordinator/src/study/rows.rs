@@ -1,6 +1,7 @@
-//! Parts of a result that are read off what was learned: Sobol indices, what fails first, simulations without a result.
+//! Rows of the summary that follow from a campaign's result: Sobol indices, shares of first failures, failed
+//! simulations.
 
-use super::{Failed, Learned};
+use super::{CampaignResult, Failed};
 use crate::results::summary::{FailureRow, Failures, FirstFailureRow, SobolError, SobolRow};
 use crate::statistics::reliability::Condition;
 use crate::statistics::sensitivity::sobol_indices;
@@ -8,18 +9,18 @@ use common::scene::Scene;
 use faer::{Mat, MatRef};
 use std::collections::BTreeMap;
 
-/// Sobol indices of the limit states' outputs at the checkpoints that matter.
-pub(super) fn sobol(scene: &Scene, learned: &Learned) -> Vec<SobolRow> {
+/// Sobol indices of the limit states' outputs at the checkpoints of the grid; none for dependent variables.
+pub(super) fn sobol(scene: &Scene, campaign: &CampaignResult) -> Vec<SobolRow> {
     let cycles = scene.life.checkpoints();
-    let population = learned.looked_at.unconditional();
-    // Shares of the variance are no shares where variables depend on each other.
+    let population = campaign.classified.unconditional();
+    // For dependent variables the indices are no shares of the variance.
     if !population.inputs().copula().is_independent() {
         return Vec::new();
     }
-    let grid = &learned.assessment.grid;
+    let grid = &campaign.assessment.grid;
     let (Some(&first), Some(&last)) = (grid.first(), grid.last()) else { return Vec::new() };
     let mut rows = Vec::new();
-    for (limit, surrogate) in scene.limit_states.iter().zip(&learned.assessment.surrogates) {
+    for (limit, surrogate) in scene.limit_states.iter().zip(&campaign.assessment.surrogates) {
         let (model, dual) = (&surrogate.model, surrogate.model.dual());
         let predict = |points: MatRef<'_, f64>| {
             let all = model.predict_means(points, &dual, first..last + 1);
@@ -43,31 +44,32 @@ pub(super) fn sobol(scene: &Scene, learned: &Learned) -> Vec<SobolRow> {
     rows
 }
 
-/// What failed first of the samples that have failed by one checkpoint.
+/// Shares of first failures by checkpoint `n`; `shares` `(modes + 1, m)` as from
+/// [`crate::statistics::reliability::first_failure_shares`].
 pub(super) fn first_failure(
     names: &[String],
-    killers: &[Vec<f64>],
+    shares: &[Vec<f64>],
     condition: &Condition,
     cycles: u32,
     n: usize,
 ) -> FirstFailureRow {
-    let share = |(name, shares): (&String, &Vec<f64>)| (name.clone(), condition.probability * shares[n]);
+    let share = |(name, curve): (&String, &Vec<f64>)| (name.clone(), condition.probability * curve[n]);
     FirstFailureRow {
         cycles,
-        together: condition.probability * killers[names.len()][n],
-        first: names.iter().zip(killers).map(share).collect(),
+        together: condition.probability * shares[names.len()][n],
+        first: names.iter().zip(shares).map(share).collect(),
     }
 }
 
-/// The simulations without a result, and how much of the population they stand for.
-pub(super) fn failures(scene: &Scene, learned: &Learned) -> Failures {
+/// The failed simulations, and the share of the population they represent.
+pub(super) fn failures(scene: &Scene, campaign: &CampaignResult) -> Failures {
     let sample = |z: &[f64]| -> BTreeMap<String, f64> {
-        let values = learned.looked_at.population.inputs().to_physical(z);
+        let values = campaign.classified.population.inputs().to_physical(z);
         scene.variables.iter().zip(values).map(|(variable, x)| (variable.name.clone(), x)).collect()
     };
     let failure = |failed: &Failed| FailureRow { cause: failed.cause.to_string(), sample: sample(&failed.z) };
     Failures {
-        barred_share: learned.assessment.feasibility.barred_share(learned.looked_at.unconditional()),
-        simulations: learned.failed.iter().map(failure).collect(),
+        barred_share: campaign.assessment.feasibility.barred_share(campaign.classified.unconditional()),
+        simulations: campaign.failed.iter().map(failure).collect(),
     }
 }

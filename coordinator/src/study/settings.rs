@@ -1,7 +1,7 @@
 //! Settings of one study: the scene's defaults, changed by the command line, checked here, and stored in the campaign
 //! file, so that `resume` repeats the same study.
 
-use crate::statistics::learning::{LearningFunction, Targets};
+use crate::statistics::learning::{LearningFunction, StoppingTargets};
 use crate::statistics::named::named;
 use crate::statistics::surrogate::{FormSettings, StatedErrors};
 use common::accuracy::{Accuracy, NamedAccuracy};
@@ -100,7 +100,7 @@ pub struct Settings {
     /// Share of failed evaluations above which the study ends [1].
     #[serde(default = "max_failed")]
     pub max_failed: f64,
-    /// Surrogate error of any R(n) at which learning may stop [1]; `None` for that of [`Targets::default`].
+    /// Surrogate error of any R(n) at which learning may stop [1]; `None` for that of [`StoppingTargets::default`].
     #[serde(default)]
     pub target_error: Option<f64>,
 }
@@ -170,8 +170,8 @@ impl Settings {
     }
 
     /// Bounds of the stopping rules.
-    pub fn targets(&self) -> Targets {
-        self.target_error.map_or_else(Targets::default, Targets::of_error)
+    pub fn targets(&self) -> StoppingTargets {
+        self.target_error.map_or_else(StoppingTargets::default, StoppingTargets::from_error)
     }
 
     /// Points proposed together: half a batch, so that one half is simulated while the other is learned from.

@@ -1,60 +1,61 @@
-//! What a campaign asks for, and why it ends.
+//! The steps of a campaign, and the reasons for its end.
 
 use crate::statistics::learning::Rule;
 use crate::statistics::surrogate::SurrogateError;
 use common::failure::SimulationFailure;
 use thiserror::Error;
 
-/// One simulation a campaign asks for.
+/// One requested simulation.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Ask {
+pub struct SampleRequest {
     /// Values of the random variables `(d,)` [SI].
     pub sample: Vec<f64>,
-    /// Whether the simulation failed before and is wanted at a stricter setting.
+    /// True for the repetition of a failed simulation, at a stricter setting.
     pub stricter: bool,
 }
 
-/// What the campaign wants next.
+/// The next step of a campaign.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Step {
-    /// Simulate these, then [`super::Campaign::tell`] the outcomes in the same order; meanwhile ask for more.
-    Evaluate(Vec<Ask>),
-    /// The outcomes of the chunk that was asked for first.
+    /// Simulate these samples and record their outcomes in the same order ([`super::Campaign::record`]);
+    /// further steps may be requested meanwhile.
+    Evaluate(Vec<SampleRequest>),
+    /// Record the outcomes of the oldest chunk under way.
     Wait,
-    /// Nothing: learning has ended.
+    /// Learning has ended.
     Done,
 }
 
-/// Why learning ended.
+/// Reason for the end of learning.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Stop {
+pub enum StopReason {
     /// A stopping rule held.
     Rule(Rule),
     /// The budget of evaluations is spent.
     Budget,
 }
 
-/// Why a campaign cannot go on.
+/// Reason why a campaign cannot continue.
 #[derive(Debug, Error)]
 pub enum CampaignError {
     /// More than the allowed share of the simulations failed.
     #[error("{failed} of {total} simulations failed, {count} of them like this: {cause}")]
     TooManyFailures {
-        /// Failed.
+        /// Number of failed simulations.
         failed: usize,
-        /// Simulated.
+        /// Number of simulations.
         total: usize,
-        /// Failures of the commonest kind.
+        /// Number of failures of the most frequent kind.
         count: usize,
-        /// The first of them.
+        /// The first failure of that kind.
         cause: SimulationFailure,
     },
-    /// A surrogate could not be made.
+    /// A surrogate could not be fitted.
     #[error("surrogate of limit state {mode}: {source}")]
     Surrogate {
         /// Index of the limit state, from 0.
         mode: usize,
-        /// Why.
+        /// Error of the fit.
         source: SurrogateError,
     },
 }

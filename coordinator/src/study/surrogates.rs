@@ -1,4 +1,4 @@
-//! The surrogate of one limit state: fitted anew, or grown by what was simulated since.
+//! The surrogate of one limit state: fitted anew, or extended by the latest results.
 
 use crate::statistics::surrogate::{
     CrossValidation, Effort, Form, FormSettings, Incumbent, Kriging, LeaveOneOut, NoiseShape, Sharing,
@@ -6,16 +6,27 @@ use crate::statistics::surrogate::{
 };
 use faer::{Mat, MatRef};
 
-/// Results of one limit state's output.
-pub(super) struct Results<'a> {
-    /// Points `(d, n)` [1].
+/// Results of the response of one limit state.
+pub(super) struct ModeResults<'a> {
+    /// Standardised points `(d, n)` [1].
     pub points: &'a Mat<f64>,
     /// Running maxima `(n, m)` [unit of the output].
     pub values: &'a Mat<f64>,
-    /// Errors stated of them, likewise.
+    /// Stated errors of the running maxima `(n, m)` [unit of the output].
     pub errors: &'a Mat<f64>,
-    /// Threshold of the limit state, likewise.
+    /// Threshold of the limit state [unit of the output].
     pub threshold: f64,
+}
+
+/// Options of a fit.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct FitOptions {
+    /// Forms that are compared.
+    pub forms: FormSettings,
+    /// Use of the stated errors.
+    pub stated_errors: StatedErrors,
+    /// Effort spent on the lengths.
+    pub effort: Effort,
 }
 
 /// The surrogate of one mode.
@@ -23,45 +34,51 @@ pub(super) struct Results<'a> {
 pub struct Surrogate {
     /// Conditioned on the running maximum at all m checkpoints.
     pub model: Kriging,
-    /// Checkpoints whose likelihoods set the lengths.
+    /// Indices of the checkpoints whose likelihood determines the lengths.
     pub fitted_on: Vec<usize>,
-    /// Leave-one-out figures at those.
+    /// Leave-one-out figures at these checkpoints.
     pub leave_one_out: Vec<LeaveOneOut>,
-    /// What the last fit of several starts was worth at points left out of it.
+    /// Cross-validation of the last fit from several starts.
     pub cross_validation: Option<CrossValidation>,
-    /// Mean of squared errors over predicted variances there, at the results nearest to the threshold [1].
+    /// Mean of squared errors over predicted variances in the cross-validation, at the results nearest to the
+    /// threshold [1].
     variance_ratio: Option<f64>,
-    /// Whether one correlation for all checkpoints does as well as separate ones, when that was compared.
+    /// Comparison of one correlation for all checkpoints with separate ones, from the last fit from several
+    /// starts.
     pub sharing: Option<Sharing>,
-    /// Standard deviation of the noise that goes with the stated errors over the stated errors themselves (root mean
-    /// squares over points and fitted checkpoints) [1]; absent where the surrogate makes nothing of them.
+    /// Standard deviation of the noise in proportion to the stated errors, over the stated errors themselves
+    /// (root mean squares over points and fitted checkpoints) [1]; `None` if the surrogate does not use them.
     pub share_of_stated: Option<f64>,
     /// Variance of the simulations' noise over that of their values, largest over the fitted checkpoints [1].
     pub noise_share: f64,
-    /// Repairs.
+    /// Number of repairs: starts of the likelihood that failed, and nuggets raised.
     pub repairs: usize,
-    /// What the stated errors say of the points.
+    /// Noise of the points in proportion to the stated errors.
     noise: Option<NoiseShape>,
 }
 
 impl Surrogate {
-    /// Fits and conditions; with [`Effort::Keep`] the surrogate of the round before takes up what is new, at its lengths and
-    /// on its checkpoints, and is fitted after all where its factor cannot be extended.
+    /// Fits and conditions a surrogate. With [`Effort::Keep`] the surrogate of the round before is extended
+    /// by the new results at its lengths; if its factor cannot be extended, it is fitted with
+    /// [`Effort::Warm`].
+    ///
+    /// # Errors
+    /// Those of [`fit_surrogate`] and [`compare_sharing`].
     pub(super) fn fit(
-        results: &Results<'_>,
+        results: &ModeResults<'_>,
         fitted_on: Vec<usize>,
         before: Option<&Self>,
-        effort: Effort,
-        (forms, reading): (FormSettings, StatedErrors),
+        options: FitOptions,
     ) -> Result<Self, SurrogateError> {
+        let FitOptions { forms, stated_errors, effort } = options;
         if effort == Effort::Keep
-            && let Some(grown) = before.and_then(|before| before.grown(results))
+            && let Some(extended) = before.and_then(|before| before.extended(results))
         {
-            return Ok(grown);
+            return Ok(extended);
         }
         let effort = if effort == Effort::Keep { Effort::Warm } else { effort };
         let (chosen, errors) = (columns(results.values, &fitted_on), columns(results.errors, &fitted_on));
-        let noise = NoiseShape::new(chosen.as_ref(), errors.as_ref(), reading);
+        let noise = NoiseShape::new(chosen.as_ref(), errors.as_ref(), stated_errors);
         let training =
             TrainingSet { points: results.points.as_ref(), values: chosen.as_ref(), noise: noise.as_ref() };
         let incumbent = before.map(|before| before.model.incumbent());
@@ -93,12 +110,13 @@ impl Surrogate {
             repairs: found.repairs,
             noise,
         };
-        surrogate.look_back(results);
+        surrogate.update_figures(results);
         Ok(surrogate)
     }
 
-    /// With the points since added at the same lengths; `None` if the factor cannot be extended by them.
-    fn grown(&self, results: &Results<'_>) -> Option<Self> {
+    /// The surrogate with the new points added at the same lengths; `None` if the factor cannot be extended
+    /// by them.
+    fn extended(&self, results: &ModeResults<'_>) -> Option<Self> {
         let (n, all) = (self.model.points(), results.points.ncols());
         let rows = |of: &Mat<f64>| of.subrows(n, all - n).to_owned();
         let weights = self.noise.as_ref().map(|noise| {
@@ -107,13 +125,14 @@ impl Surrogate {
         });
         let (points, values) = (results.points.subcols(n, all - n), rows(results.values));
         let model = self.model.extended(points, values.as_ref(), weights.as_deref()).ok()?;
-        let mut grown = Self { model, repairs: 0, ..self.clone() };
-        grown.look_back(results);
-        Some(grown)
+        let mut extended = Self { model, repairs: 0, ..self.clone() };
+        extended.update_figures(results);
+        Some(extended)
     }
 
-    /// Leave-one-out figures, and how much noise there is, beside the stated errors and the spread of the values.
-    fn look_back(&mut self, results: &Results<'_>) {
+    /// Updates the leave-one-out figures, and the noise in relation to the stated errors and to the variance
+    /// of the values.
+    fn update_figures(&mut self, results: &ModeResults<'_>) {
         let all = self.model.leave_one_out(results.values.as_ref());
         self.leave_one_out = self.fitted_on.iter().map(|n| all[*n]).collect();
         let errors = columns(results.errors, &self.fitted_on);
@@ -131,8 +150,8 @@ impl Surrogate {
         self.noise_share = self.fitted_on.iter().map(share).fold(0.0, f64::max);
     }
 
-    /// Factor on the predicted variances: what cross-validation, or without one leaving one out, shows them to be too small by,
-    /// averaged over the checkpoints, never below 1.
+    /// Factor on the predicted variances [1], at least 1: the mean of squared errors over predicted variances
+    /// of the cross-validation, or of leave-one-out if there is none, averaged over the checkpoints.
     pub fn inflation(&self) -> f64 {
         let ratios = self.leave_one_out.iter().map(|l| l.variance_ratio);
         let left_out = ratios.sum::<f64>() / self.leave_one_out.len() as f64;

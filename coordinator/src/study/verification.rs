@@ -12,8 +12,8 @@
 //! Financial Engineering, Springer.
 
 use super::observations::{Observations, Observed};
-use super::responses::Responses;
-use super::surrogates::{Results, Surrogate};
+use super::response_layout::ResponseLayout;
+use super::surrogates::{FitOptions, ModeResults, Surrogate};
 use super::{CampaignError, Settings};
 use crate::statistics::design::InputModel;
 use crate::statistics::learning::{Mode, checkpoints_that_matter};
@@ -98,7 +98,7 @@ pub fn verify(
     learned: &[SimulatedPoint],
     unseen: &[SimulatedPoint],
 ) -> Result<Verification, CampaignError> {
-    let responses = Responses::of(scene);
+    let responses = ResponseLayout::from_scene(scene);
     let (learned, unseen) =
         (observations(scene, &responses, learned), observations(scene, &responses, unseen));
     let (points, unseen_points) = (learned.points(), unseen.points());
@@ -113,9 +113,13 @@ pub fn verify(
             let share = learned.design_share(&values, mode.threshold);
             let fitted_on = checkpoints_that_matter(&share, None, GRID);
             let results =
-                Results { points: &points, values: &values, errors: &errors, threshold: mode.threshold };
-            let reading = (settings.forms, settings.stated_errors);
-            Surrogate::fit(&results, fitted_on, None, Effort::MultiStart, reading)
+                ModeResults { points: &points, values: &values, errors: &errors, threshold: mode.threshold };
+            let options = FitOptions {
+                forms: settings.forms,
+                stated_errors: settings.stated_errors,
+                effort: Effort::MultiStart,
+            };
+            Surrogate::fit(&results, fitted_on, None, options)
                 .map_err(|source| CampaignError::Surrogate { mode: s, source })
         })
         .collect::<Result<Vec<Surrogate>, CampaignError>>()?;
@@ -148,18 +152,18 @@ pub fn verify(
 
 /// The simulations in the form that a campaign receives, `(N,)`.
 pub fn completed(scene: &Scene, simulated: &[SimulatedPoint]) -> Vec<Observed> {
-    let responses = Responses::of(scene);
+    let responses = ResponseLayout::from_scene(scene);
     simulated.iter().map(|point| responses.complete(point.observed.clone())).collect()
 }
 
 /// Index of the first checkpoint by which each simulation has failed, m if never, `(limit states)(N,)`.
 pub fn first_failures(scene: &Scene, simulated: &[SimulatedPoint]) -> Vec<Vec<u32>> {
-    let responses = Responses::of(scene);
+    let responses = ResponseLayout::from_scene(scene);
     let all = observations(scene, &responses, simulated);
     first_failures_of(&responses, &all, scene.life.checkpoints().len())
 }
 
-fn first_failures_of(responses: &Responses, simulated: &Observations, m: usize) -> Vec<Vec<u32>> {
+fn first_failures_of(responses: &ResponseLayout, simulated: &Observations, m: usize) -> Vec<Vec<u32>> {
     let first_failures_of_mode = |mode: &Mode| {
         let values = simulated.running_maxima(mode.output);
         firsts(simulated.len(), m, |j, n| values[(j, n)] >= mode.threshold)
@@ -174,8 +178,8 @@ fn firsts(points: usize, m: usize, failed: impl Fn(usize, usize) -> bool) -> Vec
 }
 
 /// The simulations as observations; all count as initial design, since no learning follows.
-fn observations(scene: &Scene, responses: &Responses, simulated: &[SimulatedPoint]) -> Observations {
-    let inputs = InputModel::of(scene);
+fn observations(scene: &Scene, responses: &ResponseLayout, simulated: &[SimulatedPoint]) -> Observations {
+    let inputs = InputModel::from_scene(scene);
     let mut all = Observations::new(inputs.dimension(), responses.count());
     for point in simulated {
         all.add(&inputs.standardise(&point.sample), responses.complete(point.observed.clone()));

@@ -68,7 +68,7 @@ impl Space {
             (free.lower, free.upper) = variable.distribution.support();
             free.unit = variable.unit;
         }
-        Ok(Self { inputs: InputModel::of(scene), source, free })
+        Ok(Self { inputs: InputModel::from_scene(scene), source, free })
     }
 
     /// The nominal scene.

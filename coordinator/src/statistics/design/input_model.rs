@@ -1,13 +1,19 @@
-//! The random inputs of a study: their distributions and how they depend on each other, with the ways between the
-//! three spaces a point is known in.
+//! The random inputs of a study: distributions, dependence, and the transformations between the three spaces
+//! of a point.
 //!
-//! Independent standard normals v; physical values x [SI], where u = L v are normals with the correlations of the
-//! copula and x_k = F_k^-1(Phi(u_k)); and the standardised values z = (x - location) / scale that surrogates take.
+//! - independent standard normals v `(d,)` [1];
+//! - physical values x `(d,)` [SI]: u = L v are normals with the correlation matrix L L' of the copula, and
+//!   x_k = F_k^-1(Phi(u_k)) with F_k the distribution function of variable k;
+//! - standardised values z `(d,)` [1], z_k = (x_k - location_k) / scale_k, the inputs of the surrogates.
+//!
+//! # Source
+//! Gaussian copula (Nataf transformation): Liu, Der Kiureghian (1986), Multivariate distribution models with
+//! prescribed marginals and covariances, Probabilistic Engineering Mechanics 1(2).
 
 use common::random::{Distribution, GaussianCopula, standard_normal_quantile};
 use common::scene::Scene;
 
-/// Distributions and copula of d random variables.
+/// Distributions and dependence of d random variables.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InputModel {
     variables: Vec<Distribution>,
@@ -15,14 +21,14 @@ pub struct InputModel {
 }
 
 impl InputModel {
-    /// Variables that depend on each other by a copula of their number.
+    /// Variables with the dependence of a copula of the same dimension.
     pub fn new(variables: Vec<Distribution>, copula: GaussianCopula) -> Self {
         assert_eq!(variables.len(), copula.dimension(), "a copula has the dimension of its variables");
         Self { variables, copula }
     }
 
     /// The random variables of a scene.
-    pub fn of(scene: &Scene) -> Self {
+    pub fn from_scene(scene: &Scene) -> Self {
         let variables: Vec<_> = scene.variables.iter().map(|variable| variable.distribution).collect();
         let copula = GaussianCopula::new(variables.len(), &scene.correlations);
         Self::new(variables, copula.expect("checked when the scene was read"))
@@ -33,12 +39,12 @@ impl InputModel {
         self.variables.len()
     }
 
-    /// The distributions `(d,)`.
+    /// Distributions of the variables `(d,)`.
     pub fn variables(&self) -> &[Distribution] {
         &self.variables
     }
 
-    /// The dependence.
+    /// Copula of the variables.
     pub fn copula(&self) -> &GaussianCopula {
         &self.copula
     }
@@ -48,9 +54,9 @@ impl InputModel {
         self.variables.iter().map(Distribution::mean).collect()
     }
 
-    /// x of probabilities p in (0, 1) `(d,)` [SI]: those of the independent normals v = Phi^-1(p).
+    /// x `(d,)` [SI] from probabilities p in (0, 1) `(d,)` [1] of the independent normals v = Phi^-1(p).
     ///
-    /// A variable that is correlated to no other is the quantile of its own p, whatever the others.
+    /// A variable without correlations is the quantile of its own p, independent of the others.
     pub fn from_uniforms(&self, p: &[f64]) -> Vec<f64> {
         let alone = |(variable, p): (&Distribution, &f64)| variable.quantile(*p);
         if self.copula.is_independent() {
@@ -68,52 +74,42 @@ impl InputModel {
         self.variables.iter().enumerate().map(value).collect()
     }
 
-    /// x of independent standard normals v `(d,)` [SI], digits kept in both tails.
+    /// x `(d,)` [SI] from independent standard normals v `(d,)` [1], accurate in both tails.
     pub fn from_independent_normals(&self, v: &[f64]) -> Vec<f64> {
         let u = self.copula.correlate(v);
         self.variables.iter().zip(u).map(|(variable, u)| variable.from_standard_normal(u)).collect()
     }
 
-    /// Independent standard normals v of x `(d,)` [1]; infinite where a variable stands on a bound.
-    pub fn to_independent_normals(&self, x: &[f64]) -> Vec<f64> {
-        let u: Vec<f64> =
-            self.variables.iter().zip(x).map(|(variable, x)| variable.to_standard_normal(*x)).collect();
-        self.copula.decorrelate(&u)
-    }
-
-    /// z = (x - location) / scale `(d,)` [1].
+    /// z `(d,)` [1] from x `(d,)` [SI].
     pub fn standardise(&self, x: &[f64]) -> Vec<f64> {
         let z = |(variable, x): (&Distribution, &f64)| (x - variable.parent_mean()) / variable.parent_std();
         self.variables.iter().zip(x).map(z).collect()
     }
 
-    /// x = location + scale z, held within the bounds against rounding `(d,)` [SI].
+    /// x = location + scale z `(d,)` [SI], clamped to the bounds against rounding.
     pub fn to_physical(&self, z: &[f64]) -> Vec<f64> {
         self.variables.iter().zip(z).map(|(variable, z)| physical(variable, *z)).collect()
     }
 }
 
-/// One variable's location + scale z, held within the bounds against rounding [SI].
+/// location + scale z of one variable [SI], clamped to its bounds against rounding.
 pub(crate) fn physical(variable: &Distribution, z: f64) -> f64 {
     let (lower, upper) = variable.support();
     (variable.parent_mean() + variable.parent_std() * z).clamp(lower, upper)
 }
 
-/// Independent variables.
 impl From<&[Distribution]> for InputModel {
     fn from(variables: &[Distribution]) -> Self {
         Self::new(variables.to_vec(), GaussianCopula::independent(variables.len()))
     }
 }
 
-/// Independent variables.
 impl<const D: usize> From<&[Distribution; D]> for InputModel {
     fn from(variables: &[Distribution; D]) -> Self {
         Self::from(variables.as_slice())
     }
 }
 
-/// Independent variables.
 impl From<&Vec<Distribution>> for InputModel {
     fn from(variables: &Vec<Distribution>) -> Self {
         Self::from(variables.as_slice())
@@ -147,7 +143,8 @@ mod tests {
         let model = model();
         for v in [[0.3, -1.0, 0.2, 2.0], [5.5, 0.0, 0.0, -3.0], [-6.0, 0.5, 0.0, -1.0]] {
             let x = model.from_independent_normals(&v);
-            let back = model.to_independent_normals(&x);
+            let normals = model.variables.iter().zip(&x).map(|(variable, x)| variable.to_standard_normal(*x));
+            let back = model.copula.decorrelate(&normals.collect::<Vec<f64>>());
             for k in [0, 1, 3] {
                 assert!((back[k] - v[k]).abs() < 1e-6, "{v:?} {back:?}");
             }

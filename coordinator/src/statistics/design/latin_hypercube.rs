@@ -1,21 +1,24 @@
-//! The initial design: points of the population chosen by Latin hypercube sampling.
+//! Latin hypercube sampling of the random variables.
+//!
+//! In every variable each of the n intervals of equal probability holds exactly one point: point i lies at
+//! the probability p_ik = (pi_k(i) + U_ik) / n, with pi_k a random permutation of 0 .. n - 1 and U_ik uniform
+//! in (0, 1), and x_ik = F_k^-1(p_ik). Correlated variables keep the order of the points among their
+//! correlated normals: each point takes the interval of its rank, so the correlation is that of the ranks.
+//!
+//! # Source
+//! McKay, Beckman, Conover (1979), A comparison of three methods for selecting values of input variables in
+//! the analysis of output from a computer code, Technometrics 21(2); with correlations by ranks Stein (1987),
+//! Large sample properties of simulations using Latin hypercube sampling, Technometrics 29(2).
 
-use super::{InputModel, Population, Stream, open_stream};
+use super::{InputModel, Stream, open_stream};
 use common::random::standard_normal_quantile;
 use rand::RngExt;
-use rayon::prelude::*;
 
-/// Latin hypercube of `n` points in the variables' standardised units, `(n, d)` row-major [1]: in every variable
-/// each of the n intervals of equal probability holds exactly one point.
-///
-/// Correlated variables keep the points' order among their correlated normals: each takes the interval of its rank.
-///
-/// # Source
-/// McKay, Beckman, Conover (1979); with correlations Stein (1987), by ranks.
+/// A Latin hypercube of `n` points under `seed`, in standardised units `(n, d)` row-major [1].
 pub fn latin_hypercube(inputs: &InputModel, n: usize, seed: u64) -> Vec<f64> {
     let d = inputs.dimension();
     let mut rng = open_stream(seed, Stream::Design);
-    // The place of every point in (0, 1), stratum and place within it `(n, d)`.
+    // Stratum of every point, and its place within the stratum in (0, 1) `(n, d)`.
     let mut strata = vec![0; n * d];
     let mut within = vec![0.0; n * d];
     for k in 0..d {
@@ -43,8 +46,8 @@ pub fn latin_hypercube(inputs: &InputModel, n: usize, seed: u64) -> Vec<f64> {
     z
 }
 
-/// Gives every point of a correlated variable the stratum of its rank among the variable's correlated normals;
-/// `normal` is the independent normal at an entry of the strata `(n, d)`.
+/// Sets the stratum of every point of a correlated variable to its rank among the variable's correlated
+/// normals; `normal` returns the independent normal of an entry of the strata `(n, d)`.
 fn reorder(inputs: &InputModel, n: usize, strata: &mut [usize], normal: impl Fn(usize, usize) -> f64) {
     let d = inputs.dimension();
     let v: Vec<f64> = strata.iter().enumerate().map(|(i, stratum)| normal(i, *stratum)).collect();
@@ -56,32 +59,6 @@ fn reorder(inputs: &InputModel, n: usize, strata: &mut [usize], normal: impl Fn(
             strata[i * d + k] = rank;
         }
     }
-}
-
-/// Indices of `n` distinct points of the population, each the nearest free one (Euclidean distance in
-/// standardised units, lowest index at a tie) to one point of a Latin hypercube; all points if there are fewer.
-pub fn choose_by_latin_hypercube(population: &Population, n: usize, seed: u64) -> Vec<usize> {
-    let n = n.min(population.len());
-    let d = population.dimension();
-    let targets = latin_hypercube(population.inputs(), n, seed);
-    let mut taken = vec![false; population.len()];
-    let mut chosen = Vec::with_capacity(n);
-    for target in targets.chunks_exact(d) {
-        let nearest = (0..population.len())
-            .into_par_iter()
-            .filter(|j| !taken[*j])
-            .map(|j| (squared_distance(population.standardised(j), target), j))
-            .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        if let Some((_, j)) = nearest {
-            taken[j] = true;
-            chosen.push(j);
-        }
-    }
-    chosen
-}
-
-fn squared_distance(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
 }
 
 #[cfg(test)]
@@ -133,17 +110,5 @@ mod tests {
             let error = (1.0 - expected * expected) / (n as f64).sqrt();
             assert!((found - expected).abs() < 4.0 * error, "{i} {j} {found}");
         }
-    }
-
-    #[test]
-    fn chosen_points_are_distinct_and_reproducible() {
-        let population = Population::draw(&variables(3), 300, 5);
-        let chosen = choose_by_latin_hypercube(&population, 120, 5);
-        let mut distinct = chosen.clone();
-        distinct.sort_unstable();
-        distinct.dedup();
-        assert_eq!(distinct.len(), 120);
-        assert_eq!(chosen, choose_by_latin_hypercube(&population, 120, 5));
-        assert_eq!(choose_by_latin_hypercube(&population, 1000, 5).len(), 300);
     }
 }

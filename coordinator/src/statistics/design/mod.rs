@@ -1,35 +1,42 @@
-//! Where a study looks: the Monte Carlo population of its random variables and the initial design among it.
+//! The input model of a study, the Monte Carlo population of its random variables, and the initial design.
+//!
+//! Every random draw of a study comes from one of its streams, so that equal seeds give equal studies.
+//!
+//! # Source
+//! The generator is ChaCha with 12 rounds: Bernstein (2008), ChaCha, a variant of Salsa20.
 
+mod initial_design;
 mod input_model;
 mod latin_hypercube;
 mod points;
 mod population;
 
+pub use initial_design::choose_by_latin_hypercube;
 pub use input_model::InputModel;
-pub use latin_hypercube::{choose_by_latin_hypercube, latin_hypercube};
+pub use latin_hypercube::latin_hypercube;
 pub use points::nominal_and_random;
 pub use population::Population;
 
 use rand_chacha::ChaCha12Rng;
 use rand_chacha::rand_core::SeedableRng;
 
-/// The independent random streams of a study. Each is a ChaCha12 stream of its own under the study's seed, so a
-/// draw from one never shifts another.
+/// The independent random streams of a study: each is a separate ChaCha12 stream under the study's seed, so a
+/// draw from one stream never shifts another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stream {
-    /// Points of the Monte Carlo population, one point after the other, one uniform per variable.
+    /// Points of the Monte Carlo population, point by point, one uniform number per variable.
     Population,
-    /// Latin hypercube of the initial design.
+    /// Strata and places of a Latin hypercube.
     Design,
-    /// Choice of the pool of uncertain points, one sub-stream per round.
+    /// Sample of the uncertain points for the pool; a stream per round.
     Pool(u32),
-    /// Joint posterior realisations, one sub-stream per round.
+    /// Realisations of the joint posterior; a stream per round.
     Realisations(u32),
-    /// Subset simulation, one sub-stream per draw.
+    /// Subset simulation; a stream per draw.
     Subset(u32),
 }
 
-/// Opens a stream under a seed.
+/// Returns the generator of a stream under a seed, at its beginning.
 pub fn open_stream(seed: u64, stream: Stream) -> ChaCha12Rng {
     let number = match stream {
         Stream::Population => 1,

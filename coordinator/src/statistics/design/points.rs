@@ -6,7 +6,7 @@ use common::scene::Scene;
 /// The nominal point of a scene (its variables' means), then `random` points of the population of this seed:
 /// `(1 + random)(d,)` [SI]. A scene without random variables has only the first, which is empty.
 pub fn nominal_and_random(scene: &Scene, seed: u64, random: usize) -> Vec<Vec<f64>> {
-    let inputs = InputModel::of(scene);
+    let inputs = InputModel::from_scene(scene);
     let mut points = vec![inputs.means()];
     if inputs.dimension() > 0 {
         let population = Population::draw(&inputs, random, seed);

@@ -1,4 +1,10 @@
-//! The Monte Carlo population: samples of the random variables, kept in standardised units.
+//! The Monte Carlo population: samples of the random variables by inverse transform, in standardised units.
+//!
+//! x_k = F_k^-1(p_k) with p_k uniform in (0, 1) and F_k the distribution function of variable k; correlated
+//! variables through the Gaussian copula, see [`InputModel`].
+//!
+//! # Source
+//! Inverse transform: Devroye (1986), Non-Uniform Random Variate Generation, chapter II.
 
 use super::input_model::physical;
 use super::{InputModel, Stream, open_stream};
@@ -11,8 +17,8 @@ use std::ops::Range;
 
 /// Monte Carlo samples of random variables.
 ///
-/// Points are stored as z = (x - location) / scale, for truncated normals with the parents' parameters, one point after
-/// the other: `(n, d)` row-major, which prediction reads as `(d, n)` column-major blocks without a copy.
+/// Points are stored as z = (x - location) / scale (for truncated normals with the parameters of the parent),
+/// `(n, d)` row-major; prediction reads them as `(d, n)` column-major blocks without a copy.
 #[derive(Debug, Clone)]
 pub struct Population {
     inputs: InputModel,
@@ -20,16 +26,17 @@ pub struct Population {
     rng: ChaCha12Rng,
 }
 
-/// Half the spacing of the uniform numbers drawn: what stands for a draw of zero, where unbounded laws are infinite.
+/// Replacement of a uniform draw of zero, where unbounded distributions are infinite: half the spacing of the
+/// draws [1].
 const LEAST_PROBABILITY: f64 = f64::EPSILON / 4.0;
 
 /// A uniform number in (0, 1).
-pub(super) fn uniform(rng: &mut impl Rng) -> f64 {
+fn uniform(rng: &mut impl Rng) -> f64 {
     rng.random::<f64>().max(LEAST_PROBABILITY)
 }
 
 impl Population {
-    /// Draws `n` points by inverse transform under `seed`. Distributions alone are independent.
+    /// Draws `n` points under `seed`. Distributions without a copula are independent.
     pub fn draw(inputs: impl Into<InputModel>, n: usize, seed: u64) -> Self {
         let rng = open_stream(seed, Stream::Population);
         let mut population = Self { inputs: inputs.into(), z: Vec::new(), rng };
@@ -37,19 +44,19 @@ impl Population {
         population
     }
 
-    /// A Latin hypercube of `n` points under `seed`; it does not grow.
+    /// A Latin hypercube of `n` points under `seed`; it must not grow.
     pub fn latin_hypercube(inputs: &InputModel, n: usize, seed: u64) -> Self {
         let z = super::latin_hypercube(inputs, n, seed);
         Self { inputs: inputs.clone(), z, rng: open_stream(seed, Stream::Population) }
     }
 
-    /// Other points of the same variables, standardised `(n, d)` row-major; they do not grow.
+    /// A population of the same variables with the standardised points `(n, d)` row-major; it must not grow.
     pub fn with_points(&self, z: Vec<f64>) -> Self {
         Self { inputs: self.inputs.clone(), z, rng: self.rng.clone() }
     }
 
-    /// Appends points of the same stream until there are `n`: the first points stay what they were, and the
-    /// result is what [`Population::draw`] would have given for `n` at once.
+    /// Appends points of the same stream up to `n` points: the result equals that of [`Population::draw`] for
+    /// `n` points.
     pub fn grow_to(&mut self, n: usize) {
         let d = self.dimension();
         let missing = (n * d).saturating_sub(self.z.len());
@@ -64,7 +71,7 @@ impl Population {
         self.z.len() / self.dimension()
     }
 
-    /// Whether there are no points.
+    /// True without any point.
     pub fn is_empty(&self) -> bool {
         self.z.is_empty()
     }
@@ -79,7 +86,7 @@ impl Population {
         self.inputs.variables()
     }
 
-    /// The random variables with their dependence.
+    /// The input model: the random variables with their dependence.
     pub fn inputs(&self) -> &InputModel {
         &self.inputs
     }
@@ -90,17 +97,17 @@ impl Population {
         &self.z[j * d..(j + 1) * d]
     }
 
-    /// Point `j` in the variables' own units `(d,)` [SI].
+    /// Point `j` in the units of the variables `(d,)` [SI].
     pub fn physical(&self, j: usize) -> Vec<f64> {
         self.inputs.to_physical(self.standardised(j))
     }
 
-    /// Variable `k` of point `j` in its own unit [SI].
+    /// Variable `k` of point `j` in its unit [SI].
     pub fn physical_value(&self, j: usize, k: usize) -> f64 {
         physical(&self.variables()[k], self.standardised(j)[k])
     }
 
-    /// Points `range` as the columns of a matrix `(d, range.len())` [1].
+    /// The standardised points `range` as columns `(d, range.len())` [1].
     pub fn columns(&self, range: Range<usize>) -> MatRef<'_, f64> {
         let d = self.dimension();
         MatRef::from_column_major_slice(&self.z[range.start * d..range.end * d], d, range.len())

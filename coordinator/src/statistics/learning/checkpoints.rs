@@ -1,18 +1,22 @@
-//! Which checkpoints of life matter: those where the answer is neither certainly "safe" nor certainly "failed".
+//! The checkpoints that matter: those at which the population is neither all safe nor all failed.
+//!
+//! # Source
+//! This project's own choice; the bounds on the share are below the error target of the curves.
 
-/// A mode's failure share below this (or above one minus this) counts as settled: it is a fifth of the error the
-/// curves are wanted to, and three standard deviations wide enough for a normal output.
+/// Failure share below which (or above one minus which) a mode counts as settled: a sixth of the error target
+/// of the curves, and three standard deviations of a normal response.
 const SETTLED: f64 = 1e-3;
 
-/// Indices of the checkpoints that matter for one mode, ascending, never empty.
+/// Returns the indices of the checkpoints that matter for one mode, ascending, never empty.
 ///
-/// A checkpoint matters when the failure share of the initial design (`sample_share`, `(m,)`) lies strictly between 0
-/// and 1 or that of the surrogate over the population (`predicted_share`, `(m,)`, absent before the first fit) between
-/// 0.001 and 0.999; one more on either side is added as a margin. If none does, the two on either side of the jump
-/// from safe to failed do, or the last one if nothing fails. Of more than `most` (at least 2), `most` evenly spread
-/// over the range stay: the curves are counted at every checkpoint anyway, learning only needs a dense enough grid.
+/// A checkpoint matters if the failure share of the initial design (`sample_share` `(m,)` [1]) lies strictly
+/// between 0 and 1, or that of the surrogate over the population (`predicted_share` `(m,)` [1], `None` before
+/// the first fit) between 0.001 and 0.999; one more checkpoint on either side is a margin. If no checkpoint
+/// matters, those around the jump from safe to failed are taken, or the last two if nothing fails. More than
+/// `most` checkpoints (at least 2) are thinned evenly to `most`: failure shares are counted at every
+/// checkpoint anyway, learning only needs a dense enough grid.
 ///
-/// Decided anew each round, as data arrive.
+/// The choice is repeated each round with the new data.
 pub fn checkpoints_that_matter(
     sample_share: &[f64],
     predicted_share: Option<&[f64]>,

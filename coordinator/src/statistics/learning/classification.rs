@@ -1,41 +1,54 @@
-//! What one mode's surrogate says of every point of the population.
+//! Classification of the population by the surrogate of one mode.
+//!
+//! At checkpoint n a point has failed if max over k <= n of mean_k(x) >= threshold, with mean_k the Kriging
+//! mean of the running maximum at checkpoint k. The learning function of a point is
+//!
+//!   U(x, n) = |mean_n(x) - threshold| / (sigma_n s(x)),
+//!
+//! with the process standard deviation sigma_n [unit of the output] and the variance factor s^2 [1] of the
+//! prediction. Phi(-U) is the probability that the sign of the prediction is wrong, if the response is
+//! Gaussian as the surrogate assumes.
+//!
+//! # Source
+//! Echard, Gayton, Lemaire (2011), AK-MCS, Structural Safety 33(2).
 
 use crate::statistics::design::Population;
 use crate::statistics::surrogate::{Kriging, PredictionCache};
 use faer::Mat;
 use rayon::prelude::*;
 
-/// Points predicted together.
+/// Number of points predicted together.
 const BLOCK: usize = PredictionCache::BLOCK;
 
 /// Prediction of one mode over N points.
 #[derive(Debug, Clone)]
 pub struct Classification {
-    /// Running maximum of the predicted mean at the a checkpoints of the grid `(N, a)`, row-major [unit of output].
+    /// Running maximum of the predicted mean at the a checkpoints of the grid `(N, a)`, row-major
+    /// [unit of output].
     pub mean: Vec<f64>,
-    /// Variance of the prediction over sigma2 `(N,)` [1].
+    /// Variance of the prediction over the process variance `(N,)` [1].
     pub variance_factor: Vec<f64>,
     /// Process standard deviation at the checkpoints of the grid `(a,)` [unit of output].
     pub sigma: Vec<f64>,
-    /// Index of the first checkpoint by which the point is predicted to have failed, m if never `(N,)`.
+    /// Index of the checkpoint by which the point is predicted to have failed `(N,)`; m if never.
     pub first_failure: Vec<u32>,
-    /// The mode's threshold.
+    /// Threshold of the mode [unit of the output].
     pub threshold: f64,
 }
 
 impl Classification {
-    /// Number of checkpoints of the grid, a.
+    /// Number a of checkpoints of the grid.
     pub fn grid(&self) -> usize {
         self.sigma.len()
     }
 
-    /// Running maximum of the predicted mean of point `j` `(a,)`.
+    /// Running maximum of the predicted mean of point `j` `(a,)` [unit of the output].
     pub fn means_of(&self, j: usize) -> &[f64] {
         &self.mean[j * self.grid()..(j + 1) * self.grid()]
     }
 
-    /// U = |mean - threshold| / standard deviation of point `j` at grid checkpoint `n`; infinite where the standard
-    /// deviation is zero.
+    /// U = |mean - threshold| / standard deviation [1] of point `j` at grid checkpoint `n`; infinite where
+    /// the standard deviation is zero.
     pub fn u(&self, j: usize, n: usize) -> f64 {
         distance_over_std(
             self.means_of(j)[n] - self.threshold,
@@ -44,13 +57,14 @@ impl Classification {
     }
 }
 
-/// |distance| / std; a certain prediction (std zero) is infinitely far from its limit.
+/// |distance| / std [1]; infinite for a certain prediction (std zero).
 pub(super) fn distance_over_std(distance: f64, std: f64) -> f64 {
     if std > 0.0 { distance.abs() / std } else { f64::INFINITY }
 }
 
-/// Classifies the population by a model whose m outputs are the checkpoints of one mode; `grid` holds the checkpoints
-/// at which means are kept. The result does not depend on the number of threads: blocks are fixed and independent.
+/// Classifies the population by a model whose m outputs are the checkpoints of one mode. `threshold` is that
+/// of the mode [unit of the output], `grid` `(a,)` holds the indices of the checkpoints at which means are
+/// kept. The result does not depend on the number of threads: blocks are fixed and independent.
 pub fn classify(model: &Kriging, population: &Population, threshold: f64, grid: &[usize]) -> Classification {
     let sigma = sigma_on(model, grid);
     classify_blocks(population.len(), sigma, threshold, grid, |block| {
@@ -60,8 +74,9 @@ pub fn classify(model: &Kriging, population: &Population, threshold: f64, grid: 
     })
 }
 
-/// The same through a cache of this mode's predictions, which is brought to the model first: where the model is that of the
-/// last time with more points at the same lengths ([`Kriging::extended`]), only those cost anything.
+/// Classifies the population as [`classify`] does, through a cache of this mode's predictions, which is
+/// updated first. If the model is that of the last call with more points at the same lengths
+/// ([`Kriging::extended`]), only the new points are computed.
 pub fn classify_cached(
     cache: &mut PredictionCache,
     model: &Kriging,
@@ -72,16 +87,18 @@ pub fn classify_cached(
     cache.update(model, population);
     let sigma = sigma_on(model, grid);
     classify_blocks(population.len(), sigma, threshold, grid, |block| {
-        let prediction = cache.block(block).expect("the cache was brought to this population");
+        let prediction = cache.block(block).expect("the cache was updated to this population");
         (prediction.mean, prediction.variance_factor)
     })
 }
 
+/// Process standard deviations at the checkpoints of the grid `(a,)` [unit of the output].
 fn sigma_on(model: &Kriging, grid: &[usize]) -> Vec<f64> {
     grid.iter().map(|n| model.sigma2()[*n].sqrt()).collect()
 }
 
-/// Classifies `points` points from the means `(m, b)` and variance factors `(b,)` of their blocks.
+/// Classifies `points` points from the means `(m, b)` and variance factors `(b,)` that `predict` returns for
+/// each block.
 fn classify_blocks(
     points: usize,
     sigma: Vec<f64>,
@@ -115,8 +132,8 @@ fn classify_blocks(
     Classification { mean, variance_factor, sigma, first_failure, threshold }
 }
 
-/// Failure shares by checkpoint, `(modes + 1, m)`: each mode alone, then the system, from the first failures of the
-/// modes `(modes, N)`.
+/// Failure shares by checkpoint `(modes + 1, m)` [1], each mode alone and last the system, from the first
+/// failures of the modes `(modes, N)`; `m` is the number of checkpoints.
 pub fn curves(first_failures: &[&[u32]], m: usize) -> Vec<Vec<f64>> {
     let points = first_failures[0].len();
     let share = |first: &mut dyn Iterator<Item = u32>| {

@@ -1,39 +1,50 @@
-//! Learning functions: how much a point is wanted, from its predicted mean and standard deviation alone.
+//! Learning (acquisition) functions of one candidate point, from its predicted mean and standard deviation
+//! alone.
 //!
-//! With u = (mean - threshold) / sigma, distances in units of the process's standard deviation and s = sigma over that:
+//! With u = (mean - threshold) / sigma and s the predicted standard deviation sigma over the process standard
+//! deviation:
 //!
-//! - U: |u|; the smaller, the more wanted. Here -|u|, so that larger is better throughout.
-//! - EFF, expected feasibility with eps = 2 sigma:
+//! - U = |u|, smallest first; here -|u|, so that larger is better throughout.
+//! - EFF, the expected feasibility with eps = 2 sigma:
 //!   EFF = s {u [2 Phi(-u) - Phi(-2 - u) - Phi(2 - u)] - [2 phi(u) - phi(2 + u) - phi(2 - u)] + 2 [Phi(2 - u) - Phi(-2 - u)]}
-//! - H, information entropy within +-2 sigma of the limit, with m = u s:
+//! - H, the information entropy within +-2 sigma of the limit, with m = u s:
 //!   H = |ln(sqrt(2 pi) s + 1/2) [Phi(2 - u) - Phi(-2 - u)] - [(2 s - m) / 2 phi(2 - u) + (2 s + m) / 2 phi(-2 - u)]|
 //!
-//! Source: U, Echard, Gayton, Lemaire (2011), eq. 7; EFF, Bichon et al. (2008), eq. 17; H, Lv, Lu, Wang (2015), eq. 20.
+//! Phi and phi are distribution function and density of the standard normal distribution. All three assume
+//! that the prediction is Gaussian, and treat points one by one: neighbours are equally attractive until one
+//! is believed.
+//!
+//! # Source
+//! U: Echard, Gayton, Lemaire (2011), AK-MCS, Structural Safety 33(2). EFF: Bichon et al. (2008), Efficient
+//! global reliability analysis for nonlinear implicit performance functions, AIAA Journal 46(10). H: Lv, Lu,
+//! Wang (2015), A new learning function for Kriging and its applications to solve reliability problems in
+//! engineering, Computers & Mathematics with Applications 70(5).
 
 use crate::statistics::named::named;
 use common::random::{standard_normal_cdf, standard_normal_pdf};
 
-/// Which points are the most wanted.
+/// Learning function by which the next samples are chosen.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum LearningFunction {
-    /// Alternately the point that would settle most of the others and that of the largest risk of its own; see
-    /// [`super::Selection`].
+    /// Alternately the largest expected reduction of the variance near the limit and the largest risk of a
+    /// wrong classification, see [`super::Selection`].
     #[default]
     Gain,
-    /// Least |mean - threshold| / sigma.
+    /// U, smallest |mean - threshold| / sigma.
     U,
-    /// Expected feasibility.
+    /// EFF, largest expected feasibility.
     Eff,
-    /// Information entropy.
+    /// H, largest information entropy.
     H,
 }
 
 named!(LearningFunction { Gain = "gain", U = "u", Eff = "eff", H = "h" });
 
 impl LearningFunction {
-    /// Score of a point at distance u (in its own standard deviations) and of standard deviation s (in those of the
-    /// process) [1]; larger is more wanted, zero or less (but for U) not at all. `None` for [`LearningFunction::Gain`],
-    /// which is no function of one point. A point that is known (s = 0) is not wanted.
+    /// Score [1] of a point at the distance `u` [predicted standard deviations] with the standard deviation
+    /// `s` [process standard deviations]. Points of larger score come first; a score of zero or less, except
+    /// that of U, excludes a point. A known point (s = 0) scores minus infinity. `None` for
+    /// [`LearningFunction::Gain`], which needs the joint posterior of all points.
     pub fn score(self, u: f64, s: f64) -> Option<f64> {
         if s <= 0.0 {
             return (self != Self::Gain).then_some(f64::NEG_INFINITY);
@@ -68,13 +79,13 @@ mod tests {
     fn expected(u: f64, s: f64, f: impl Fn(f64, f64) -> f64) -> f64 {
         let n = 4000;
         let h = 4.0 * s / n as f64;
-        let at = |i: usize| {
+        let weighted = |i: usize| {
             let g = -2.0 * s + h * i as f64;
             let density = standard_normal_pdf((g - u * s) / s) / s;
             let weight = if i == 0 || i == n { 1.0 } else { 2.0 + 2.0 * (i % 2) as f64 };
             weight * f(g, density)
         };
-        (0..=n).map(at).sum::<f64>() * h / 3.0
+        (0..=n).map(weighted).sum::<f64>() * h / 3.0
     }
 
     #[test]
@@ -87,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn entropy_is_largest_on_the_limit_and_grows_with_the_doubt() {
+    fn entropy_is_largest_on_the_limit_and_grows_with_the_standard_deviation() {
         let h = |u, s| LearningFunction::H.score(u, s).unwrap();
         assert!(h(0.0, 1.0) > h(1.0, 1.0) && h(1.0, 1.0) > h(3.0, 1.0));
         assert!(h(0.0, 2.0) > h(0.0, 1.0));
@@ -99,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_known_is_not_wanted() {
+    fn a_known_point_scores_minus_infinity() {
         for function in [LearningFunction::U, LearningFunction::Eff, LearningFunction::H] {
             assert_eq!(function.score(0.0, 0.0), Some(f64::NEG_INFINITY));
         }

@@ -1,13 +1,35 @@
-//! Active learning for several competing limit states over a life of checkpoints: what the surrogates say of the
-//! population, how far that can be trusted, which points to simulate next, and when to stop.
+//! Active learning for several competing limit states over the checkpoints of a life: classification of the
+//! population by the surrogates, the error of that classification, the selection of the next samples, and the
+//! stopping rules.
 //!
-//! A limit state ("mode") s has failed by checkpoint n when its output reached the threshold at any checkpoint up to n.
-//! The surrogates therefore model the running maximum of each output's history, and predicted means are taken as
-//! running maxima too: failure is absorbing in the data and in the prediction. The system fails with its first mode.
+//! A limit state ("mode") s has failed by checkpoint n if its response reached the threshold at any
+//! checkpoint up to n. The surrogates therefore model the running maximum of each response's history, and
+//! predicted means are taken as running maxima too: failure is absorbing in the data and in the prediction.
+//! The system is in series, it fails with its first mode.
+//!
+//! | file | computes |
+//! |---|---|
+//! | `checkpoints` | the checkpoints that matter |
+//! | `classification` | predicted first failures, and failure shares |
+//! | `coupled_criterion` | U_c, the learning function U over competing modes |
+//! | `function` | learning functions of one point: U, EFF, H |
+//! | `pool` | the uncertain points with their joint posterior |
+//! | `selection` | the next samples, chosen by a learning function |
+//! | `exploration` | samples at the largest predicted variance |
+//! | `error` | surrogate error of the failure shares |
+//! | `noise` | effect of the simulator's noise on the failure shares |
+//! | `stopping` | the stopping rules |
+//!
+//! # Source
+//! Running maxima: Hu, Mahadevan (2016), A single-loop Kriging surrogate modeling for time-dependent
+//! reliability analysis, Journal of Mechanical Design 138(6). Systems: Fauriat, Gayton (2014), AK-SYS: an
+//! adaptation of the AK-MCS method for system reliability, Reliability Engineering & System Safety 123.
+//! Competing failures with a coupled criterion: Cui et al. (2026), China Mechanical Engineering 37(6),
+//! 1472-1485, doi 10.3969/j.issn.1004-132X.2026.06.020.
 
 mod checkpoints;
 mod classification;
-mod criterion;
+mod coupled_criterion;
 mod error;
 mod exploration;
 mod function;
@@ -18,25 +40,26 @@ mod stopping;
 
 pub use checkpoints::checkpoints_that_matter;
 pub use classification::{Classification, classify, classify_cached, curves};
-pub use criterion::{Coupled, UNCERTAIN, coupled_criterion, dominance};
+pub use coupled_criterion::{Coupled, UNCERTAIN, coupled_criterion, dominance};
 pub use error::{CurveErrors, estimate_errors};
-pub use exploration::explore;
+pub use exploration::{Exploration, explore};
 pub use function::LearningFunction;
 pub use noise::noise_shifts;
-pub use pool::{Pool, choose_pool};
-pub use selection::Selection;
-pub use stopping::{Figures, Rule, Stopping, Targets};
+pub use pool::{JointPool, Pool, choose_pool};
+pub use selection::{Selection, SelectionOptions};
+pub use stopping::{Figures, Rule, Stopping, StoppingTargets};
 
-/// One limit state as learning sees it: failure when `output` has reached `threshold`.
+/// One limit state: failure when `output` has reached `threshold` from below.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mode {
-    /// Index of the output it watches.
+    /// Index of the response.
     pub output: usize,
-    /// Threshold in the unit of the output.
+    /// Threshold [unit of the output].
     pub threshold: f64,
 }
 
-/// History `(m,)` as its running maximum.
+/// The running maximum of a history `(m,)`: max over the checkpoints up to each one `(m,)`
+/// [unit of the output].
 pub fn running_maximum(history: &[f64]) -> Vec<f64> {
     let largest_so_far = |largest: &mut f64, value: &f64| {
         *largest = largest.max(*value);

@@ -1,20 +1,28 @@
-//! What the simulator's own numerical noise does to the curves.
+//! Effect of the simulator's numerical noise on the failure shares.
 //!
-//! The surrogates classify by the smooth function under the noise. A simulation at x adds noise of standard deviation
-//! tau = sqrt((nugget + stated) sigma2); counting simulations instead would give the share mean_j Phi((mean_j - threshold) / tau).
-//! The difference is no error of the surrogates and no number of points removes it; it says how far "the reliability" is
-//! a matter of the simulator's digits.
+//! The surrogates classify by the smooth function under the noise. A simulation at x adds noise of standard
+//! deviation tau = sqrt((nugget + stated) sigma2), so counting noisy simulations would give the share
+//!
+//!   mean over j of Phi((mean_j - threshold) / tau)
+//!
+//! instead of the share of mean_j >= threshold. The difference is no error of the surrogates, and no number
+//! of samples removes it; it enters the standard error of the curves but not the stopping rules. The noises
+//! of different modes are taken as independent.
+//!
+//! # Source
+//! The expectation of an indicator under Gaussian noise; noise as a nugget: Ankenman, Nelson, Staum (2010),
+//! Stochastic kriging for simulation metamodeling, Operations Research 58(2).
 
 use super::{Classification, classification::distance_over_std};
 use common::random::standard_normal_cdf;
 use rayon::prelude::*;
 
-/// Points summed together; fixed, so that sums do not depend on the number of threads.
+/// Number of points summed together; fixed, so that sums do not depend on the number of threads.
 const BLOCK: usize = 4096;
 
-/// |share counted with noise - share of the smooth function| at the grid checkpoints `(modes + 1, a)`, the system last
-/// (noises of different modes independent). `roots` are the square roots of the modes' noise
-/// variances over sigma2.
+/// Absolute differences of the share counted with noise and the share of the smooth function `(modes + 1, a)`
+/// [1] at the grid checkpoints, the system last. `roots` `(modes,)` holds the square roots of the modes'
+/// noise variances over their process variances [1].
 pub fn noise_shifts(modes: &[Classification], roots: &[f64]) -> Vec<Vec<f64>> {
     let (a, points) = (modes[0].grid(), modes[0].variance_factor.len());
     let blocks: Vec<usize> = (0..points).step_by(BLOCK).collect();
@@ -48,7 +56,7 @@ pub fn noise_shifts(modes: &[Classification], roots: &[f64]) -> Vec<Vec<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::statistics::learning::criterion::tests::mode;
+    use crate::statistics::learning::coupled_criterion::tests::mode;
 
     #[test]
     fn noise_moves_points_across_the_limit_by_phi() {

@@ -1,120 +1,129 @@
-//! Which points of the pool to simulate next: some, chosen one after the other as a Kriging believer, those that are under
-//! way believed before.
+//! Selection of the next samples from the pool, one after the other; each is believed before the next is
+//! chosen, and the samples under way are believed first.
 //!
-//! With [`LearningFunction::Gain`] picks alternate between two aims, so that both stopping rules come nearer:
-//! - the point whose datum would settle most: gain_j = sum_i H_i c_ij^2 / (c_jj + noise), with c the posterior
-//!   covariance over sigma2 and H_i = sum over modes and checkpoints of weight phi(U_i) / c_ii; that is the share of
-//!   each point's variance that goes, weighted by how near the point lies to the limit (pool points are draws of the
-//!   population, so its density is in the sum);
-//! - the point with the largest risk of its own, sum over modes and checkpoints of weight Phi(-U), times the share
-//!   of its variance that earlier picks of the batch have left: a point on the limit has Phi(-U) = 1/2 however well it
-//!   is known, and would be picked again and again beside its neighbours.
+//! With [`LearningFunction::Gain`] two criteria alternate, so that both stopping rules come nearer:
+//! - the point whose result reduces the variance near the limit most,
+//!   gain_j = sum over i of H_i c_ij^2 / (c_jj + noise),   H_i = sum over s, n of w_s phi(U_i) / c_ii,
+//!   with c the posterior covariance over sigma2. It is the share of each point's variance that the result removes, weighted by
+//!   the density of the prediction at the limit; pool points are draws of the population, so its density is in the sum.
+//! - the point of largest own risk, sum over s, n of w_s Phi(-U), times the share of its variance that
+//!   earlier choices of the batch have left. Without this factor a point on the limit, whose Phi(-U) is 1/2
+//!   however well it is known, would be chosen again and again together with its neighbours.
 //!
-//! After each pick the posterior covariances of all modes are reduced as if its value were the predicted mean.
-//! The weight of a mode at a point is its share by dominance (two modes: 2/3 for the first and 1/3 for the second
-//! where |k| > 0.5, the other way round elsewhere; otherwise equal), times 0.2 at checkpoints by which another mode has
-//! certainly failed: those matter to the curve of the single mode only.
+//! With U, EFF and H the largest weighted score over modes and checkpoints decides.
 //!
-//! Source: targeted variance, Picheny et al. (2010), section 3; the believer, Ginsbourger et al. (2010).
+//! After each choice the posterior covariances of all modes are reduced as if the result were the predicted
+//! mean. The weight w_s of a mode at a point is its share by dominance (two modes: 2/3 for the first and 1/3
+//! for the second if abs(k) > 0.5, the reverse elsewhere; otherwise equal shares), times 0.2 at checkpoints
+//! by which another mode has certainly failed, because those affect the curve of the single mode only.
+//!
+//! # Source
+//! Targeted variance: Picheny et al. (2010), Adaptive designs of experiments for accurate approximation of a
+//! target region, Journal of Mechanical Design 132(7). Kriging believer: Ginsbourger, Le Riche, Carraro
+//! (2010), Kriging is well-suited to parallelize optimization. Dominance weight: Cui et al. (2026), China
+//! Mechanical Engineering 37(6), 1472-1485, doi 10.3969/j.issn.1004-132X.2026.06.020.
 
-use super::criterion::another_has_certainly_failed;
-use super::{Classification, LearningFunction, Pool, classification::distance_over_std, dominance};
-use crate::statistics::surrogate::Posterior;
+use super::coupled_criterion::another_has_certainly_failed;
+use super::{Classification, JointPool, LearningFunction, classification::distance_over_std, dominance};
 use common::random::{standard_normal_cdf, standard_normal_pdf};
-use std::ops::Range;
 
-/// |k| beyond which sampling shifts toward the first mode (wear).
+/// |k| beyond which sampling shifts toward the first mode.
 const DOMINANT: f64 = 0.5;
-/// Share of the favoured mode of two.
+/// Weight of the favoured mode of two [1].
 const FAVOURED: f64 = 2.0 / 3.0;
-/// Weight of a mode where another has certainly failed.
+/// Factor on the weight of a mode where another has certainly failed [1].
 const OVERTAKEN: f64 = 0.2;
 
-/// A choice under way: points are taken one after the other, each believed before the next.
+/// Options of a selection.
+#[derive(Debug, Clone)]
+pub struct SelectionOptions {
+    /// Estimated probability of a result at each member of the pool `(p,)` [1].
+    pub feasible: Vec<f64>,
+    /// Index in the grid of the checkpoint at which dominance is taken.
+    pub governing: usize,
+    /// Learning function of the selection.
+    pub function: LearningFunction,
+}
+
+/// A selection in progress: members of the pool are chosen one after the other, each believed before the
+/// next.
 #[derive(Debug)]
 pub struct Selection {
-    pool: Pool,
-    /// Of the modes, at the pool's members.
-    posteriors: Vec<Posterior>,
+    pool: JointPool,
     weights: Weights,
-    /// Estimated probability of a result at each member `(p,)` [1].
     feasible: Vec<f64>,
     function: LearningFunction,
+    /// Marks the members that can still be chosen `(p,)`.
     free: Vec<bool>,
-    picked: usize,
+    /// Number of members chosen.
+    chosen: usize,
 }
 
 impl Selection {
-    /// Over the members of a pool; those of `under_way` (places in the pool) are asked for already: they are believed, not chosen.
-    /// `governing` is the grid checkpoint at which dominance is taken.
-    pub fn new(
-        modes: &[Classification],
-        pool: Pool,
-        posteriors: Vec<Posterior>,
-        feasible: Vec<f64>,
-        under_way: Range<usize>,
-        (governing, function): (usize, LearningFunction),
-    ) -> Self {
-        let weights = Weights::new(modes, &pool, governing);
-        let free = vec![true; pool.members.len()];
-        let mut selection = Self { pool, posteriors, weights, feasible, function, free, picked: 0 };
+    /// A selection from the members of a pool; the samples under way are believed, not chosen.
+    pub fn new(modes: &[Classification], pool: JointPool, options: SelectionOptions) -> Self {
+        let SelectionOptions { feasible, governing, function } = options;
+        let weights = Weights::new(modes, pool.members(), governing);
+        let free = vec![true; pool.members().len()];
+        let under_way = pool.under_way();
+        let mut selection = Self { pool, weights, feasible, function, free, chosen: 0 };
         under_way.for_each(|i| selection.believe(i));
         selection
     }
 
     fn believe(&mut self, i: usize) {
         self.free[i] = false;
-        self.posteriors.iter_mut().for_each(|posterior| posterior.believe(i));
+        self.pool.believe(i);
     }
 
-    /// Believes a point of the population that is asked for otherwise, if it is a member.
-    pub fn leave(&mut self, point: usize) {
-        if let Some(place) = self.pool.members.iter().position(|member| *member == point) {
+    /// Believes point `point` of the population, requested elsewhere, if it is a member.
+    pub fn believe_point(&mut self, point: usize) {
+        if let Some(place) = self.pool.members().iter().position(|member| *member == point) {
             self.believe(place);
         }
     }
 
-    /// The next `count` members, as indices into the population, in order of choice; fewer if no more are free.
+    /// Chooses the next `count` members, as indices in the population in the order of choice; fewer if no
+    /// more are free. `modes` are the classifications the selection was made with.
     pub fn choose(&mut self, modes: &[Classification], count: usize) -> Vec<usize> {
         let mut chosen = Vec::with_capacity(count);
         while chosen.len() < count {
-            let Some(pick) = self.best(modes) else { break };
-            self.believe(pick);
-            self.picked += 1;
-            chosen.push(self.pool.members[pick]);
+            let Some(place) = self.best(modes) else { break };
+            self.believe(place);
+            self.chosen += 1;
+            chosen.push(self.pool.members()[place]);
         }
         chosen
     }
 
-    /// Place in the pool of the most wanted member.
+    /// Place in the pool of the free member with the best score.
     fn best(&self, modes: &[Classification]) -> Option<usize> {
-        let near = Nearness::new(modes, &self.pool, &self.posteriors, &self.weights);
+        let near = Nearness::new(modes, &self.pool, &self.weights);
         let mut score = match self.function {
-            LearningFunction::Gain if self.picked.is_multiple_of(2) => gains(&self.posteriors, &near),
+            LearningFunction::Gain if self.chosen.is_multiple_of(2) => gains(&self.pool, &near),
             LearningFunction::Gain => near.risk.clone(),
             function => self.scores(modes, function),
         };
-        // U is negative: the less so, the better, and the less likely a result, the worse.
+        // Scores of U are negative: an unlikely result must make them more so.
         let weigh = |s: f64, p: f64| if s >= 0.0 { s * p } else { s / p.max(1e-6) };
         score.iter_mut().zip(&self.feasible).for_each(|(s, p)| *s = weigh(*s, *p));
         let found =
             best(&score, &self.free).filter(|i| score[*i] > 0.0 || self.function == LearningFunction::U);
-        // A score of zero everywhere (all U far out): the largest variance of any mode explores.
+        // A score of zero everywhere (all U large): the largest variance of any mode decides.
         found.filter(|i| score[*i].is_finite()).or_else(|| {
-            let variance = |i| self.posteriors.iter().map(|p| p.variance(i)).fold(0.0, f64::max);
+            let variance = |i| self.pool.posteriors().iter().map(|p| p.variance(i)).fold(0.0, f64::max);
             let spread: Vec<f64> = (0..self.free.len()).map(|i| variance(i) * self.feasible[i]).collect();
             best(&spread, &self.free)
         })
     }
 
-    /// Best score of each member over the modes and checkpoints, those that another mode's certain failure leaves without
-    /// influence on the system at the end of the queue `(p,)`.
+    /// Largest weighted score of each member over modes and checkpoints `(p,)`.
     fn scores(&self, modes: &[Classification], function: LearningFunction) -> Vec<f64> {
         let a = modes[0].grid();
-        let of = |(i, j): (usize, &usize)| {
+        let score_of = |(i, j): (usize, &usize)| {
             let mut largest = f64::NEG_INFINITY;
             for (s, mode) in modes.iter().enumerate() {
-                let deviation = self.posteriors[s].variance(i).sqrt();
+                let deviation = self.pool.posteriors()[s].variance(i).sqrt();
                 for (n, mean) in mode.means_of(*j).iter().enumerate() {
                     let scale = mode.sigma[n];
                     if scale <= 0.0 {
@@ -128,7 +137,7 @@ impl Selection {
             }
             largest
         };
-        self.pool.members.iter().enumerate().map(of).collect()
+        self.pool.members().iter().enumerate().map(score_of).collect()
     }
 }
 
@@ -137,16 +146,16 @@ fn best(score: &[f64], free: &[bool]) -> Option<usize> {
     (0..score.len()).filter(|i| free[*i]).reduce(|best, i| if score[i] > score[best] { i } else { best })
 }
 
-/// Weight of each mode at each pool member and grid checkpoint, `(modes)(p, a)`.
+/// Weights w_s of each mode at each member and grid checkpoint `(modes)(p, a)` [1].
 #[derive(Debug)]
 struct Weights(Vec<Vec<f64>>);
 
 impl Weights {
-    fn new(modes: &[Classification], pool: &Pool, governing: usize) -> Self {
+    fn new(modes: &[Classification], members: &[usize], governing: usize) -> Self {
         let a = modes[0].grid();
         let of_mode = |s: usize| {
-            let mut weights = Vec::with_capacity(pool.members.len() * a);
-            for j in &pool.members {
+            let mut weights = Vec::with_capacity(members.len() * a);
+            for j in members {
                 let share = match dominance(modes, *j, governing) {
                     Some(k) if (k.abs() > DOMINANT) == (s == 0) => FAVOURED,
                     Some(_) => 1.0 - FAVOURED,
@@ -163,22 +172,22 @@ impl Weights {
     }
 }
 
-/// How near the pool's members are to the limits, given the variances as they stand.
+/// Closeness of the members to the limits, with the present variances.
 struct Nearness {
-    /// H per mode `(modes)(p,)`.
+    /// H per mode `(modes)(p,)` [1].
     targeted: Vec<Vec<f64>>,
-    /// Weighted risk of a wrong classification `(p,)`.
+    /// Weighted risk of a wrong classification `(p,)` [1].
     risk: Vec<f64>,
 }
 
 impl Nearness {
-    fn new(modes: &[Classification], pool: &Pool, posteriors: &[Posterior], weights: &Weights) -> Self {
-        let a = modes[0].grid();
-        let mut risk = vec![0.0; pool.members.len()];
-        let mut targeted = vec![vec![0.0; pool.members.len()]; modes.len()];
+    fn new(modes: &[Classification], pool: &JointPool, weights: &Weights) -> Self {
+        let (a, p) = (modes[0].grid(), pool.members().len());
+        let mut risk = vec![0.0; p];
+        let mut targeted = vec![vec![0.0; p]; modes.len()];
         for (s, mode) in modes.iter().enumerate() {
-            for (i, j) in pool.members.iter().enumerate() {
-                let variance = posteriors[s].variance(i);
+            for (i, j) in pool.members().iter().enumerate() {
+                let variance = pool.posteriors()[s].variance(i);
                 let root = variance.sqrt();
                 let left =
                     if mode.variance_factor[*j] > 0.0 { variance / mode.variance_factor[*j] } else { 0.0 };
@@ -189,7 +198,7 @@ impl Nearness {
                     density += weight * standard_normal_pdf(u);
                     risk[i] += weight * left * standard_normal_cdf(-u);
                 }
-                // Below this the point is known to rounding: nothing of it can still be settled.
+                // Below this the point is known to rounding, and no variance is left to reduce.
                 targeted[s][i] = if variance > 1e-14 { density / variance } else { 0.0 };
             }
         }
@@ -197,16 +206,16 @@ impl Nearness {
     }
 }
 
-/// gain_j of every member `(p,)`, summed over modes.
-fn gains(posteriors: &[Posterior], near: &Nearness) -> Vec<f64> {
+/// gain_j of every member `(p,)` [1], summed over modes.
+fn gains(pool: &JointPool, near: &Nearness) -> Vec<f64> {
     let members = near.risk.len();
     let mut gains = vec![0.0; members];
-    for (posterior, targeted) in posteriors.iter().zip(&near.targeted) {
+    for (posterior, targeted) in pool.posteriors().iter().zip(&near.targeted) {
         for (j, gain) in gains.iter_mut().enumerate() {
             let denominator = posterior.variance(j) + posterior.noise();
             if denominator > 0.0 {
-                let settled: f64 = posterior.column(j).iter().zip(targeted).map(|(c, h)| h * c * c).sum();
-                *gain += settled / denominator;
+                let reduced: f64 = posterior.column(j).iter().zip(targeted).map(|(c, h)| h * c * c).sum();
+                *gain += reduced / denominator;
             }
         }
     }
@@ -216,50 +225,58 @@ fn gains(posteriors: &[Posterior], near: &Nearness) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::statistics::learning::criterion::tests::mode;
+    use crate::statistics::design::Population;
+    use crate::statistics::learning::Pool;
+    use crate::statistics::learning::coupled_criterion::tests::mode;
     use crate::statistics::surrogate::{Correlation, Kernel, Kriging};
+    use common::random::Distribution;
     use faer::Mat;
+    use std::ops::Range;
 
-    /// One-dimensional pool at given places, data at 100 and beyond.
-    fn posterior(places: &[f64]) -> Posterior {
+    /// One-dimensional pool at the given places, the last of them under way; data at 100 and beyond.
+    fn joint_pool(places: &[f64], under_way: Range<usize>) -> JointPool {
         let data = Mat::from_fn(1, 3, |_, i| 100.0 + 10.0 * i as f64);
         let values = Mat::from_fn(3, 1, |i, _| i as f64);
         let correlation =
             Correlation { kernel: Kernel::Gaussian, theta: vec![1.0], nugget: 1e-8, stated: 0.0 };
         let model = Kriging::condition(data.as_ref(), values.as_ref(), &correlation).unwrap();
-        Posterior::new(&model, Mat::from_fn(1, places.len(), |_, i| places[i]).as_ref())
+        let variable = Distribution::normal(0.0, 1.0).unwrap();
+        let population = Population::draw(&[variable], 0, 1).with_points(places.to_vec());
+        let members: Vec<usize> = (0..places.len()).filter(|i| !under_way.contains(i)).collect();
+        let pool = Pool { sampled: members.len(), uncertain: members.len(), members };
+        JointPool::new(pool, &under_way.collect::<Vec<usize>>(), &population, &[&model])
     }
 
-    /// A choice over points at the given places.
+    /// A selection over points at the given places; `feasible` is by place.
     fn selection(
         modes: &[Classification],
         places: &[f64],
-        feasible: Vec<f64>,
+        feasible: &[f64],
         under_way: Range<usize>,
         function: LearningFunction,
     ) -> Selection {
-        let n = places.len();
-        let pool = Pool { members: (0..n).collect(), sampled: n, uncertain: n };
-        Selection::new(modes, pool, vec![posterior(places)], feasible, under_way, (0, function))
+        let pool = joint_pool(places, under_way);
+        let feasible = pool.members().iter().map(|j| feasible[*j]).collect();
+        Selection::new(modes, pool, SelectionOptions { feasible, governing: 0, function })
     }
 
     #[test]
     fn a_batch_spreads_instead_of_piling_up() {
-        // Two clusters on the limit, the first with more points: one pick in each.
+        // Two clusters on the limit, the first with more points: one choice in each.
         let places = [0.0, 0.01, 0.02, 50.0, 50.01];
         let n = places.len();
         let modes = [mode(&vec![1.1; n], &vec![1.3; n], 1.0)];
         for function in
             [LearningFunction::Gain, LearningFunction::U, LearningFunction::Eff, LearningFunction::H]
         {
-            let chosen = selection(&modes, &places, vec![1.0; n], 0..0, function).choose(&modes, 2);
+            let chosen = selection(&modes, &places, &vec![1.0; n], 0..0, function).choose(&modes, 2);
             assert!(chosen[0] < 3 && chosen[1] >= 3, "{function:?} {chosen:?}");
-            // The first cluster is being simulated already: the other one is left.
-            let chosen = selection(&modes, &places, vec![1.0; n], 1..2, function).choose(&modes, 1);
+            // The first cluster is being simulated already: the other one remains.
+            let chosen = selection(&modes, &places, &vec![1.0; n], 1..2, function).choose(&modes, 1);
             assert!(chosen[0] >= 3, "{function:?} {chosen:?}");
-            // In the second nothing gives a result.
-            let feasible = vec![1.0, 1.0, 1.0, 0.0, 0.0];
-            let chosen = selection(&modes, &places, feasible, 1..2, function).choose(&modes, 1);
+            // In the second no simulation gives a result.
+            let feasible = [1.0, 1.0, 1.0, 0.0, 0.0];
+            let chosen = selection(&modes, &places, &feasible, 1..2, function).choose(&modes, 1);
             assert!(chosen[0] < 3, "{function:?} {chosen:?}");
         }
     }
@@ -270,7 +287,7 @@ mod tests {
         let modes = [mode(&[1e9, 1e9], &[1.0, 1.0], 1.0)];
         let modes =
             [Classification { mean: vec![1e9; 10], variance_factor: vec![1.0; 10], ..modes[0].clone() }];
-        let mut selection = selection(&modes, &places, vec![1.0; 2], 0..0, LearningFunction::Gain);
+        let mut selection = selection(&modes, &places, &[1.0; 2], 0..0, LearningFunction::Gain);
         assert_eq!(selection.choose(&modes, 1), vec![1]);
         // And then the other, and no more.
         assert_eq!(selection.choose(&modes, 5), vec![0]);

@@ -1,42 +1,55 @@
-//! When learning may stop, and the guards against stopping on a surrogate that is merely sure of itself.
+//! Stopping rules of active learning, and the guards against a stop on a surrogate with too small predicted
+//! variances.
 //!
-//! (a) `Learning`: every U_c >= 2, and no curve changed by more than 2 % (relative to the smaller of R and P_f at the
-//!     governing checkpoint) since the round before.
-//! (b) `Error`: the estimated surrogate error of every curve at every checkpoint is below 0.006 (so that it is within
-//!     0.01 with nine chances in ten), that of the system at the governing checkpoint also below 2 % of the smaller of
-//!     R and P_f, and no curve changed by more than 0.01 absolute or 5 % relative. This ends studies of many variables, where a few of 100 000 points stay uncertain
-//!     for ever though their sum is known.
+//! (a) [`Rule::Learning`]: U_c >= 2 at every point, and no curve changed by more than 2 % (relative to the
+//!     smaller of R and P_f at the governing checkpoint) since the round before.
+//! (b) [`Rule::Error`]: the estimated surrogate error of every curve at every checkpoint is below 0.006 (so
+//!     that it is within 0.01 with probability 0.9), that of the system at the governing checkpoint also
+//!     below 2 % of the smaller of R and P_f, and no curve changed by more than 0.01 absolute or 5 %
+//!     relative. This rule ends studies of many variables, where a few of 100 000 points stay uncertain for
+//!     ever although their sum is known.
 //!
-//! Guards: at least 30 evaluated points; the rule is met with a fit from several starts to all but a tenth of the results; and in every round until at
-//! least two have passed and eight new points have been simulated (four where the population only grew), half of them where the surrogates know least ([`super::explore`]), none of which
-//! surprised them. Whether any failure is predicted at all is said in words by whoever reports the stop.
+//! Guards: at least 30 results; the rule is met with a fit from several starts to at least nine tenths of the
+//! results; and it holds in every round until two rounds have passed and eight new results have been received
+//! (four where the population only grew), half of them at the largest predicted variance
+//! ([`super::explore`]), none of which contradicts its prediction. A stop without any predicted failure is
+//! stated by the report.
+//!
+//! # Source
+//! Rule (a): Echard, Gayton, Lemaire (2011), AK-MCS, Structural Safety 33(2); the change between rounds: Cui
+//! et al. (2026), China Mechanical Engineering 37(6), 1472-1485, doi 10.3969/j.issn.1004-132X.2026.06.020.
+//! Stops by an estimated error: Wang, Shafieezadeh (2019), ESC: an efficient error-based stopping criterion
+//! for kriging-based reliability analysis methods, Structural and Multidisciplinary Optimization 59. The
+//! guards and the numbers are this project's own, from the published problems of
+//! `coordinator/doc/reliability.md`.
 
 /// Bounds of the stopping rules.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Targets {
-    /// Smallest coupled learning function, rule (a) [1].
+pub struct StoppingTargets {
+    /// Least U_c of all points, rule (a) [1].
     pub min_u: f64,
-    /// Relative change between rounds, rule (a) [1].
+    /// Largest relative change of a curve between rounds, rule (a) [1].
     pub relative_change: f64,
-    /// Absolute surrogate error of any curve, rule (b) [1].
+    /// Largest surrogate error of any curve, rule (b) [1].
     pub error: f64,
-    /// Surrogate error of the system at the governing checkpoint over the smaller of R and P_f, rule (b) [1].
+    /// Largest surrogate error of the system at the governing checkpoint over the smaller of R and P_f, rule
+    /// (b) [1].
     pub relative_error: f64,
-    /// Absolute change between rounds, rule (b) [1].
+    /// Largest absolute change of a curve between rounds, rule (b) [1].
     pub change: f64,
-    /// Relative change between rounds, rule (b) [1].
+    /// Largest relative change of a curve between rounds, rule (b) [1].
     pub relative_change_by_error: f64,
-    /// Evaluated points before any stop.
+    /// Least number of results before any stop.
     pub least_points: usize,
-    /// Rounds a rule must hold.
+    /// Number of rounds over which a rule must hold.
     pub hold: usize,
-    /// New results over which it must hold; half as many for a population that only grew.
+    /// Number of new results over which a rule must hold; half as many for a population that only grew.
     pub hold_points: usize,
     /// Coefficient of variation of P_f above which the population is enlarged [1].
     pub cov: f64,
 }
 
-impl Default for Targets {
+impl Default for StoppingTargets {
     fn default() -> Self {
         Self {
             min_u: 2.0,
@@ -53,40 +66,40 @@ impl Default for Targets {
     }
 }
 
-/// What one round of learning showed.
+/// Figures of one round that the stopping rules use.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Figures {
-    /// Points with a result.
+    /// Number of results that the surrogates use.
     pub points: usize,
-    /// Smallest coupled learning function.
+    /// Smallest U_c of the points that were not requested [1].
     pub min_u: f64,
-    /// Largest absolute change of any curve since the round before, if there was one.
+    /// Largest absolute change of any curve since the round before [1]; `None` in the first round.
     pub change: Option<f64>,
-    /// Largest estimated surrogate error of any curve.
+    /// Largest estimated surrogate error of any curve [1].
     pub error: f64,
-    /// That of the system at the governing checkpoint.
+    /// Estimated surrogate error of the system at the governing checkpoint [1].
     pub governing_error: f64,
-    /// The smaller of R and P_f of the system at the governing checkpoint.
+    /// The smaller of R and P_f of the system at the governing checkpoint [1].
     pub governing_share: f64,
 }
 
-/// A stopping rule.
+/// Stopping rule of learning.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Rule {
-    /// (a): every point is classified with certainty.
+    /// Rule (a): every point is classified with certainty.
     Learning,
-    /// (b): the error of the curves is small enough.
+    /// Rule (b): the error of the curves is small enough.
     Error,
 }
 
-impl Targets {
-    /// The usual ones with another surrogate error [1]; that relative to P_f follows in proportion.
-    pub fn of_error(error: f64) -> Self {
-        let usual = Self::default();
-        Self { error, relative_error: usual.relative_error * (error / usual.error), ..usual }
+impl StoppingTargets {
+    /// The default targets with another surrogate error [1]; the relative one follows in proportion.
+    pub fn from_error(error: f64) -> Self {
+        let default = Self::default();
+        Self { error, relative_error: default.relative_error * (error / default.error), ..default }
     }
 
-    /// The rule these figures meet, if any.
+    /// The first rule that these figures meet, if any.
     pub fn met(&self, figures: &Figures) -> Option<Rule> {
         let change = figures.change.filter(|_| figures.points >= self.least_points)?;
         let relative = if change == 0.0 { 0.0 } else { change / figures.governing_share };
@@ -100,18 +113,20 @@ impl Targets {
     }
 }
 
-/// Counts how often running a rule was met, and since how many results.
+/// Counts the rounds and results over which a rule has been met without interruption.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Stopping {
+    /// Rounds in which a rule was met, without interruption.
     held: usize,
+    /// Number of results in the first of them.
     since: usize,
-    /// Whether the rules have held before, over a smaller population.
+    /// True if a rule has held before, over a smaller population.
     held_before: bool,
 }
 
 impl Stopping {
-    /// Takes notice of a round with so many results; true once the rules have held long enough.
-    pub fn note(&mut self, met: Option<Rule>, points: usize, targets: &Targets) -> bool {
+    /// Records a round with `points` results; returns true once a rule has held long enough.
+    pub fn record_round(&mut self, met: Option<Rule>, points: usize, targets: &StoppingTargets) -> bool {
         if met.is_none() {
             self.held = 0;
             return false;
@@ -124,27 +139,28 @@ impl Stopping {
         self.held >= targets.hold && points - self.since >= needed
     }
 
-    /// Whether a rule was met in the last round.
-    pub fn holding(&self) -> bool {
+    /// True if a rule was met in the last round.
+    pub fn is_holding(&self) -> bool {
         self.held > 0
     }
 
-    /// How many of the next `count` points are to explore, with so many results now: every other one, the first to begin with.
+    /// Number of exploring points among the next `count`, after `points` results: every other point,
+    /// beginning with the first; none while no rule is met.
     pub fn exploring(&self, points: usize, count: usize) -> usize {
-        if !self.holding() {
+        if !self.is_holding() {
             return 0;
         }
         let since = points - self.since;
         (since + count).div_ceil(2) - since.div_ceil(2)
     }
 
-    /// Begins counting anew, after a surprise and for a population of rarer events.
+    /// Restarts the count, after a contradicted prediction or for a conditional population.
     pub fn reset(&mut self) {
         *self = Self::default();
     }
 
-    /// Begins counting anew for a larger population, over half as many results.
-    pub fn go_on(&mut self) {
+    /// Restarts the count for a larger population, over half as many results.
+    pub fn reset_for_larger_population(&mut self) {
         *self = Self { held_before: true, ..Self::default() };
     }
 }
@@ -166,7 +182,7 @@ mod tests {
 
     #[test]
     fn each_condition_can_forbid_the_stop() {
-        let targets = Targets::default();
+        let targets = StoppingTargets::default();
         assert_eq!(targets.met(&figures()), Some(Rule::Learning));
         assert_eq!(targets.met(&Figures { min_u: 1.0, ..figures() }), Some(Rule::Error));
         assert_eq!(targets.met(&Figures { points: 29, ..figures() }), None);
@@ -179,23 +195,23 @@ mod tests {
 
     #[test]
     fn a_rule_must_hold_for_two_rounds_and_eight_points_running() {
-        let targets = Targets::default();
+        let targets = StoppingTargets::default();
         let mut stopping = Stopping::default();
-        assert!(!stopping.note(Some(Rule::Error), 40, &targets));
-        assert!(!stopping.note(None, 50, &targets));
+        assert!(!stopping.record_round(Some(Rule::Error), 40, &targets));
+        assert!(!stopping.record_round(None, 50, &targets));
         assert_eq!(stopping.exploring(50, 1), 0);
-        assert!(!stopping.note(Some(Rule::Error), 56, &targets));
-        assert!(!stopping.note(Some(Rule::Error), 63, &targets));
-        // Every other point explores, whether they are asked for one by one or together.
+        assert!(!stopping.record_round(Some(Rule::Error), 56, &targets));
+        assert!(!stopping.record_round(Some(Rule::Error), 63, &targets));
+        // Every other point explores, whether requested one by one or together.
         assert_eq!([56, 57, 58].map(|points| stopping.exploring(points, 1)), [1, 0, 1]);
         assert_eq!((stopping.exploring(56, 5), stopping.exploring(57, 4)), (3, 2));
-        assert!(stopping.note(Some(Rule::Learning), 64, &targets));
-        // Over a larger population half as many; after a surprise all of them.
-        stopping.go_on();
-        assert!(!stopping.holding() && !stopping.note(Some(Rule::Error), 64, &targets));
-        assert!(stopping.note(Some(Rule::Error), 68, &targets));
+        assert!(stopping.record_round(Some(Rule::Learning), 64, &targets));
+        // Over a larger population half as many; after a contradiction all of them.
+        stopping.reset_for_larger_population();
+        assert!(!stopping.is_holding() && !stopping.record_round(Some(Rule::Error), 64, &targets));
+        assert!(stopping.record_round(Some(Rule::Error), 68, &targets));
         stopping.reset();
-        assert!(!stopping.note(Some(Rule::Error), 70, &targets));
-        assert!(!stopping.note(Some(Rule::Error), 74, &targets));
+        assert!(!stopping.record_round(Some(Rule::Error), 70, &targets));
+        assert!(!stopping.record_round(Some(Rule::Error), 74, &targets));
     }
 }

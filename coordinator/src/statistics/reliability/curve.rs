@@ -1,25 +1,39 @@
 //! R(n) with its standard error, the governing checkpoint and the coefficient of variation of P_f.
+//!
+//! With N samples conditional on an event E (or on none), and the share p of them failed by checkpoint n,
+//!
+//!   R(n) = 1 - P(E) p,
+//!   standard error^2 = P(E)^2 [p' (1 - p') / N (1 + gamma) + e^2 + (p cov(P(E)))^2],   p' = (N p + 1) / (N + 2),
+//!
+//! where e [1] is the surrogate error of the share, gamma [1] the effect of correlated samples (zero for
+//! independent ones) and cov(P(E)) the coefficient of variation of P(E). The terms are taken as independent.
+//! p' is the posterior mean of a share under a uniform prior: no failure among N samples does not prove that
+//! there is none.
+//!
+//! # Source
+//! Standard error of a share: the binomial distribution; p': Laplace's rule of succession. Correlated samples
+//! of subset simulation: Au, Beck (2001), Estimation of small failure probabilities in high dimensions by
+//! subset simulation, Probabilistic Engineering Mechanics 16(4).
 
 /// Reliability at one checkpoint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CurvePoint {
     /// R = 1 - P_f [1].
     pub reliability: f64,
-    /// sqrt(p (1 - p) / N + surrogate error^2) [1], where p = (N P_f + 1) / (N + 2) is the expected failure
-    /// probability after so many failures among N samples: none at all does not prove that there are none.
+    /// Standard error of R [1] from sampling, surrogate and condition.
     pub standard_error: f64,
 }
 
-/// What a population is conditional on.
+/// The event a population is conditional on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Condition {
-    /// Probability of the condition [1]: a share p of the population stands for this times p.
+    /// Probability of the event [1]; a share p of the population stands for this probability times p.
     pub probability: f64,
-    /// Its coefficient of variation [1].
+    /// Coefficient of variation of that probability [1].
     pub cov: f64,
-    /// By how much correlated samples enlarge the variance of a share: by the factor 1 + gamma [1].
+    /// Effect of correlated samples [1]: the variance of a share is larger by the factor 1 + gamma.
     pub gamma: f64,
-    /// Intermediate events on the way there.
+    /// Number of intermediate events.
     pub levels: usize,
 }
 
@@ -27,23 +41,26 @@ impl Condition {
     /// No condition: independent samples of the variables.
     pub const NONE: Self = Self { probability: 1.0, cov: 0.0, gamma: 0.0, levels: 0 };
 
-    /// Coefficient of variation of the probability that a share `failed` of `points` samples stands for.
+    /// Coefficient of variation [1] of the failure probability that belongs to a share `failed` [1] of
+    /// `points` samples.
     pub fn coefficient_of_variation(&self, failed: f64, points: usize) -> f64 {
         (coefficient_of_variation(failed, points) * (1.0 + self.gamma).sqrt()).hypot(self.cov)
     }
 }
 
-/// Curve of R over the m checkpoints from failure shares `(m,)` counted over `points` samples under a condition.
+/// Curve of R over the m checkpoints, from failure shares `failed` `(m,)` [1] counted over `points` samples
+/// under a condition.
 ///
-/// `surrogate` gives the surrogate error (with the simulator noise) of the shares at some checkpoints, ascending; between them the error of
-/// the nearest holds, outside them the surrogates leave no doubt and only sampling counts. Empty: direct simulation.
+/// `surrogate` holds the surrogate error [1] (simulator noise included) of the shares at some checkpoints,
+/// ascending. Between them the error of the nearest holds; outside them the classification is certain, and
+/// only sampling counts. It is empty for direct simulation.
 pub fn reliability_curve(
     failed: &[f64],
     points: usize,
     surrogate: &[(usize, f64)],
     condition: &Condition,
 ) -> Vec<CurvePoint> {
-    let at = |(n, share): (usize, &f64)| {
+    let point = |(n, share): (usize, &f64)| {
         let count = points as f64;
         let expected = (count * share + 1.0) / (count + 2.0);
         let sampling = expected * (1.0 - expected) / count * (1.0 + condition.gamma);
@@ -55,7 +72,7 @@ pub fn reliability_curve(
             standard_error: condition.probability * of_share,
         }
     };
-    failed.iter().enumerate().map(at).collect()
+    failed.iter().enumerate().map(point).collect()
 }
 
 fn surrogate_error_at(n: usize, surrogate: &[(usize, f64)]) -> f64 {
@@ -67,15 +84,17 @@ fn surrogate_error_at(n: usize, surrogate: &[(usize, f64)]) -> f64 {
     }
 }
 
-/// The checkpoint whose failure share is nearest 1/2, the first at a tie.
+/// Index of the checkpoint whose failure share `(m,)` is nearest to 1/2, the first at a tie.
 pub fn governing_checkpoint(failed: &[f64]) -> usize {
     let distance = |n: usize| (failed[n] - 0.5).abs();
     (0..failed.len()).reduce(|best, n| if distance(n) < distance(best) { n } else { best }).unwrap_or(0)
 }
 
-/// Coefficient of variation of a failure share counted over `points` samples: sqrt((1 - P_f) / (N P_f)).
+/// Coefficient of variation [1] of a failure share `failed` [1] counted over N = `points` samples:
+/// sqrt((1 - P_f) / (N P_f)).
 ///
-/// Without any failure the share is known only to be of the order of 1 / N, which is put in its place: about 1.
+/// Without any failure P_f is known only to be of the order of 1 / N, which takes its place: the result is
+/// about 1.
 pub fn coefficient_of_variation(failed: f64, points: usize) -> f64 {
     let n = points as f64;
     let pf = failed.max(1.0 / n);
@@ -99,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn a_condition_scales_the_share_and_adds_its_own_doubt() {
+    fn a_condition_scales_the_share_and_adds_its_own_variance() {
         let condition = Condition { probability: 1e-4, cov: 0.05, gamma: 3.0, levels: 4 };
         let point = reliability_curve(&[0.2], 98, &[], &condition)[0];
         let sampling = 4.0 * 0.206 * 0.794 / 98.0;
@@ -110,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn the_governing_checkpoint_is_the_most_undecided() {
+    fn the_governing_checkpoint_is_nearest_to_one_half() {
         assert_eq!(governing_checkpoint(&[0.0, 0.3, 0.6, 0.9]), 2);
         assert_eq!(governing_checkpoint(&[1e-3]), 0);
         assert!((coefficient_of_variation(0.01, 40_000) - 0.0497).abs() < 1e-4);

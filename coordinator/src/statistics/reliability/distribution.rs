@@ -1,4 +1,12 @@
 //! Distribution of an output at every checkpoint: moments, quantiles, histogram.
+//!
+//! Over N values y_j: mean = sum y_j / N, variance = sum (y_j - mean)^2 / N, to which the mean predicted
+//! variance is added for surrogates; the quantile at p interpolates linearly between the order statistics
+//! around place p (N - 1).
+//!
+//! # Source
+//! Quantiles: Hyndman, Fan (1996), Sample quantiles in statistical packages, The American Statistician 50(4),
+//! type 7.
 
 use crate::statistics::design::Population;
 use crate::statistics::surrogate::Kriging;
@@ -7,37 +15,37 @@ use rayon::prelude::*;
 /// Probabilities of the reported quantiles.
 pub const PROBABILITIES: [f64; 11] = [0.001, 0.01, 0.05, 0.1, 0.25, 0.5, 0.75, 0.9, 0.95, 0.99, 0.999];
 
-/// Bins of the histogram.
+/// Number of bins of the histogram.
 const BINS: usize = 40;
 
-/// Values that are kept at once, points times checkpoints [128 MiB]: the correlations of the population with the design are
-/// computed anew for every set of checkpoints, so they are few sets.
+/// Most values kept at once, points times checkpoints (128 MiB): the correlations of the population with the
+/// design are computed anew for every set of checkpoints, so the sets are few.
 const VALUES: usize = 1 << 24;
 
-/// Points predicted together.
+/// Number of points predicted together.
 const BLOCK: usize = 512;
 
-/// An output at one checkpoint.
+/// Distribution of an output at one checkpoint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OutputDistribution {
     /// Mean [unit of output].
     pub mean: f64,
-    /// Standard deviation; from surrogates their mean variance is included [unit of output].
+    /// Standard deviation, for surrogates with their mean predicted variance [unit of output].
     pub std: f64,
     /// Quantiles at [`PROBABILITIES`] `(11,)` [unit of output].
     pub quantiles: Vec<f64>,
-    /// Counts between the least and the largest value.
+    /// Histogram between the smallest and the largest value.
     pub histogram: Histogram,
 }
 
-/// Counts in equal bins.
+/// Counts in bins of equal width.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Histogram {
     /// Lower edge of the first bin [unit of output].
     pub from: f64,
     /// Upper edge of the last bin [unit of output].
     pub to: f64,
-    /// Counts `(40,)`; all in the first bin if every value is the same.
+    /// Counts `(40,)`; all in the first bin if all values are equal.
     pub counts: Vec<u64>,
 }
 
@@ -63,18 +71,19 @@ pub fn predict_distributions(model: &Kriging, population: &Population) -> Vec<Ou
             }
         });
         let column = |o: usize| values.iter().skip(o).step_by(count).copied().collect::<Vec<f64>>();
-        let of_checkpoint = |o: usize| distribution(column(o), model.sigma2()[first + o] * factor);
-        distributions.extend((0..count).into_par_iter().map(of_checkpoint).collect::<Vec<_>>());
+        let by_checkpoint = |o: usize| distribution(column(o), model.sigma2()[first + o] * factor);
+        distributions.extend((0..count).into_par_iter().map(by_checkpoint).collect::<Vec<_>>());
     }
     distributions
 }
 
-/// Distributions `(m,)` of simulated histories `(samples)(m,)`, at least one.
+/// Distributions `(m,)` of simulated histories `(samples)(m,)` [unit of output]; none without histories.
 pub fn distributions_from_samples(histories: &[&[f64]]) -> Vec<OutputDistribution> {
     let m = histories.first().map_or(0, |history| history.len());
     (0..m).map(|n| distribution(histories.iter().map(|history| history[n]).collect(), 0.0)).collect()
 }
 
+/// Distribution of values `(N,)`, whose variance is enlarged by `extra_variance`.
 fn distribution(mut values: Vec<f64>, extra_variance: f64) -> OutputDistribution {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;

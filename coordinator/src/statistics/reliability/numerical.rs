@@ -1,13 +1,20 @@
-//! What the numerical errors that simulations state mean for the reliability: R(n) counted again with every response
-//! larger by its stated error, and with every one smaller.
+//! Range of the reliability under the numerical errors that simulations state: R(n) is counted twice more,
+//! with all responses shifted by their stated errors to the unsafe and to the safe side.
 //!
-//! A stated error bounds (a value lies within twice of it in 95 % of cases), and neighbouring simulations err alike. So
-//! this is the worst direction, all at once; it is no standard error, shrinks with no number of simulations, and only
-//! finer time and wear steps narrow it.
+//! A stated error is a bound (a value lies within twice of it in 95 % of cases), and neighbouring simulations
+//! err alike. So the range is the worst case, all errors at once in the same direction. It is no standard
+//! error; more simulations do not narrow it, only finer time and wear steps do.
 //!
-//! With surrogates the error of a point of the population is read from a straight line through the stated errors over
-//! the values at the same checkpoint, by least squares, held within the stated errors: where an error goes with the life
-//! of the mechanism, as that of a growing vibration does, the line follows it.
+//! With surrogates the error of a point of the population follows from a straight line through the stated
+//! errors e_i over the values y_i at the same checkpoint, by least squares, clamped to the range of the
+//! stated errors:
+//!
+//!   e(y) = mean(e) + slope (y - mean(y)),   slope = sum (y_i - mean(y)) (e_i - mean(e)) / sum (y_i - mean(y))^2.
+//!
+//! So the error may grow with the response, as that of a growing vibration does.
+//!
+//! # Source
+//! The line is ordinary least squares; the range is this project's own convention.
 
 use crate::statistics::design::Population;
 use crate::statistics::learning::curves;
@@ -15,43 +22,45 @@ use crate::statistics::surrogate::Kriging;
 use faer::MatRef;
 use rayon::prelude::*;
 
-/// Points predicted together.
+/// Number of points predicted together.
 const BLOCK: usize = 512;
 
-/// First failures with the responses moved by their errors, `(N,)` each.
+/// First failures of one limit state with the responses shifted by their errors.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Shifted {
-    /// Every response larger by its error.
+pub struct ShiftedFailures {
+    /// Index of the first failure with every response larger by its error `(N,)`.
     pub larger: Vec<u32>,
-    /// Every response smaller by its error.
+    /// Index of the first failure with every response smaller by its error `(N,)`.
     pub smaller: Vec<u32>,
 }
 
-/// Failure shares `(limit states + 1, m)` with responses moved by their errors.
+/// Failure shares with the responses shifted by their errors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NumericalBand {
-    /// With every response smaller.
+    /// Failure shares with every response smaller `(limit states + 1, m)` [1].
     pub least: Vec<Vec<f64>>,
-    /// With every response larger.
+    /// Failure shares with every response larger `(limit states + 1, m)` [1].
     pub most: Vec<Vec<f64>>,
 }
 
 impl NumericalBand {
-    /// From the moved first failures of every limit state over m checkpoints; the system, last, fails with the first of
-    /// them, all moved the same way.
-    pub fn count(modes: &[Shifted], m: usize) -> Self {
-        let shares = |of: fn(&Shifted) -> &[u32]| curves(&modes.iter().map(of).collect::<Vec<_>>(), m);
+    /// Counts the shares over m checkpoints from the shifted first failures of every limit state; the system,
+    /// last, fails with the first of them, all shifted in the same direction.
+    pub fn count(modes: &[ShiftedFailures], m: usize) -> Self {
+        let shares =
+            |side: fn(&ShiftedFailures) -> &[u32]| curves(&modes.iter().map(side).collect::<Vec<_>>(), m);
         Self { least: shares(|mode| &mode.smaller), most: shares(|mode| &mode.larger) }
     }
 }
 
-/// First checkpoint at which a history `(m,)` moved by `sign` times its errors reaches the threshold, m if never.
+/// Index of the first checkpoint at which a history `(m,)`, shifted by `sign` times its errors `(m,)`,
+/// reaches the threshold; m if never. All values have the unit of the output.
 pub fn first_failure_with(history: &[f64], errors: &[f64], sign: f64, threshold: f64) -> u32 {
     let failed = history.iter().zip(errors).position(|(value, error)| value + sign * error >= threshold);
     u32::try_from(failed.unwrap_or(history.len())).expect("a life has fewer than 2^32 checkpoints")
 }
 
-/// Stated error as a straight line over the value.
+/// Stated error as a straight line over the value, clamped to [least, most].
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct ErrorLine {
     centre: f64,
@@ -62,7 +71,7 @@ struct ErrorLine {
 }
 
 impl ErrorLine {
-    /// Through pairs of value and error.
+    /// The least-squares line through pairs of value and error; constant without any spread of the values.
     fn fit(pairs: &[(f64, f64)]) -> Self {
         let n = pairs.len().max(1) as f64;
         let centre = pairs.iter().map(|(y, _)| y).sum::<f64>() / n;
@@ -75,20 +84,21 @@ impl ErrorLine {
         Self { centre, mean, slope, least, most }
     }
 
-    fn at(&self, value: f64) -> f64 {
+    /// Error at a value [unit of the output].
+    fn evaluate(&self, value: f64) -> f64 {
         (self.mean + self.slope * (value - self.centre)).clamp(self.least, self.most)
     }
 }
 
-/// First failures of the population by a model whose m outputs are the checkpoints of one limit state, the predicted
-/// means moved by the errors stated for `values` `(n, m)`, of the same shape.
+/// First failures of the population by a model whose m outputs are the checkpoints of one limit state, with
+/// the predicted means shifted by the errors `(n, m)` stated for the values `(n, m)` of the simulations.
 pub fn shift_population(
     model: &Kriging,
     population: &Population,
     values: MatRef<'_, f64>,
     errors: MatRef<'_, f64>,
     threshold: f64,
-) -> Shifted {
+) -> ShiftedFailures {
     let m = values.ncols();
     let pairs = |n: usize| -> Vec<(f64, f64)> {
         (0..values.nrows()).map(|i| (values[(i, n)], errors[(i, n)])).collect()
@@ -96,21 +106,21 @@ pub fn shift_population(
     let lines: Vec<ErrorLine> = (0..m).map(|n| ErrorLine::fit(&pairs(n))).collect();
     let dual = model.dual();
     let blocks: Vec<usize> = (0..population.len()).step_by(BLOCK).collect();
-    let of_block = |start: usize| -> Vec<(u32, u32)> {
+    let by_block = |start: usize| -> Vec<(u32, u32)> {
         let means =
             model.predict_means(population.columns(start..population.len().min(start + BLOCK)), &dual, 0..m);
         let mut errors = vec![0.0; m];
         let first_failures = |j: usize| {
             let history = means.col_as_slice(j);
-            errors.iter_mut().zip(&lines).zip(history).for_each(|((e, line), y)| *e = line.at(*y));
+            errors.iter_mut().zip(&lines).zip(history).for_each(|((e, line), y)| *e = line.evaluate(*y));
             let with = |sign| first_failure_with(history, &errors, sign, threshold);
             (with(1.0), with(-1.0))
         };
         (0..means.ncols()).map(first_failures).collect()
     };
     let (larger, smaller) =
-        blocks.into_par_iter().map(of_block).collect::<Vec<_>>().into_iter().flatten().unzip();
-    Shifted { larger, smaller }
+        blocks.into_par_iter().map(by_block).collect::<Vec<_>>().into_iter().flatten().unzip();
+    ShiftedFailures { larger, smaller }
 }
 
 #[cfg(test)]
@@ -123,10 +133,10 @@ mod tests {
     #[test]
     fn a_line_follows_the_errors_and_stays_among_them() {
         let line = ErrorLine::fit(&[(0.0, 0.1), (1.0, 0.3), (2.0, 0.5), (3.0, 0.7)]);
-        assert!((line.at(1.5) - 0.4).abs() < 1e-15 && (line.at(2.5) - 0.6).abs() < 1e-15);
-        assert_eq!((line.at(-9.0), line.at(9.0)), (0.1, 0.7));
+        assert!((line.evaluate(1.5) - 0.4).abs() < 1e-15 && (line.evaluate(2.5) - 0.6).abs() < 1e-15);
+        assert_eq!((line.evaluate(-9.0), line.evaluate(9.0)), (0.1, 0.7));
         let alike = ErrorLine::fit(&[(5.0, 0.2), (5.0, 0.4)]);
-        assert!((alike.at(7.0) - 0.3).abs() < 1e-15);
+        assert!((alike.evaluate(7.0) - 0.3).abs() < 1e-15);
     }
 
     #[test]
@@ -143,7 +153,7 @@ mod tests {
         let errors = Mat::from_fn(30, 3, |_, _| 0.5);
         let shifted = shift_population(&model, &population, y.as_ref(), errors.as_ref(), 1.0);
         // A second limit state that never fails changes nothing in the system.
-        let never = Shifted { larger: vec![3; 40_000], smaller: vec![3; 40_000] };
+        let never = ShiftedFailures { larger: vec![3; 40_000], smaller: vec![3; 40_000] };
         let band = NumericalBand::count(&[shifted, never], 3);
         for n in 0..3 {
             for (shares, sign) in [(&band.most, 0.5), (&band.least, -0.5)] {

@@ -1,96 +1,150 @@
-//! Subset simulation: samples conditional on a rare event, by intermediate events that each have the share p0 of the one
-//! before.
+//! Subset simulation: samples conditional on a rare event, through intermediate events each of which has the
+//! share p0 = 0.1 of the one before.
 //!
-//! With y(u) the response in independent standard normals u, failing at y >= 0, and levels b_1 < b_2 < ... < 0:
-//! P(y >= 0) = p0^k P(y >= 0 | y >= b_k), where b_(i+1) is the (1 - p0) quantile of y given y >= b_i. Samples of a level are Markov
-//! chains from those of the one before that passed it, u' = rho u + sqrt(1 - rho^2) xi accepted where y(u') >= b_i: stationary under the
-//! condition, whatever the number of variables. The scale sqrt(1 - rho^2) follows the acceptance, towards 0.44.
+//! With y(u) the response in d independent standard normals u, failure at y >= 0, and levels b_1 < b_2 < ...
+//! < b_k < 0:
 //!
-//! The coefficient of variation of the estimate follows from the descent of the samples: with S_j the number of those beyond the
-//! limit that descend from sample j of the first level and S = sum_j S_j,
+//!   P(y >= 0) = p0^k P(y >= 0 | y >= b_k),
 //!
-//!   cov^2 = sum_j (S_j / S)^2,
+//! where b_(i+1) is the (1 - p0) quantile of y given y >= b_i. The samples of a level are Markov chains that
+//! start at the samples of the level before that passed it: the proposal u' = rho u + sqrt(1 - rho^2) xi,
+//! with xi standard normal, is accepted if y(u') >= b_i, else u is repeated. The chain is stationary under
+//! the condition for any number of variables. The scale sqrt(1 - rho^2) is adapted towards an acceptance of
+//! 0.44.
 //!
-//! which has the correlation of the levels in it. That of the last share alone, (1 - p) / (p N) (1 + gamma) with gamma from the
-//! correlation of the indicator along the chains, is taken off for that of p0^k, since the share is counted anew as surrogates
-//! learn. Levels that count as independent, sum_i (1 - p0) / (p0 N) (1 + gamma_i), make it too small.
+//! The coefficient of variation of the estimate follows from the genealogy of the samples: with S_j the
+//! number of samples beyond the limit that descend from sample j of the first level, and S = sum over j of
+//! S_j,
 //!
-//! Source: Au, Beck (2001), eqs. 12 to 29; the chains, Papaioannou et al. (2015), section 3.3; the variance, Lee, Whiteley (2018),
-//! Variance estimation in the particle filter.
+//!   cov^2 = sum over j of (S_j / S)^2,
+//!
+//! which contains the correlation of the levels. The part of the last share, (1 - p) / (p N) (1 + gamma) with
+//!
+//!   gamma = 2 sum over t of (1 - t / length) rho(t)
+//!
+//! from the autocorrelation rho(t) of the indicator along the chains, is subtracted to obtain the part of
+//! p0^k, because the share is counted anew as surrogates learn. Levels treated as independent, sum over i of
+//! (1 - p0) / (p0 N) (1 + gamma_i), would make it too small.
+//!
+//! Valid for continuous responses; an event that consists of separate regions needs enough samples in each of
+//! them at every level.
+//!
+//! # Source
+//! Au, Beck (2001), Estimation of small failure probabilities in high dimensions by subset simulation,
+//! Probabilistic Engineering Mechanics 16(4), also for gamma. Conditional sampling with adapted scale:
+//! Papaioannou, Betz, Zwirglmaier, Straub (2015), MCMC algorithms for subset simulation, Probabilistic
+//! Engineering Mechanics 41. Variance from the genealogy: Lee, Whiteley (2018), Variance estimation in the
+//! particle filter, Biometrika 105(3).
 
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// Share of a level that passes to the next.
+/// Share p0 of a level that passes to the next [1].
 const SHARE: f64 = 0.1;
-/// Acceptance that the step of the chains is led to.
+/// Acceptance to which the scale of the proposals is adapted [1].
 const ACCEPTANCE: f64 = 0.44;
+/// Scale sqrt(1 - rho^2) of the first proposals [1].
+const FIRST_SCALE: f64 = 0.6;
 
-/// Samples conditional on the last level.
+/// Samples conditional on the last level, and the probability of that level.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Subset {
-    /// Independent standard normals `(N, d)` row-major, y >= the last level.
+    /// Independent standard normals `(N, d)` row-major [1]; y >= the last level at each.
     pub u: Vec<f64>,
-    /// Response y of each `(N,)`.
+    /// Response y of each sample `(N,)`.
     pub y: Vec<f64>,
     /// Probability of the last level [1].
     pub probability: f64,
-    /// Its coefficient of variation [1].
+    /// Coefficient of variation of that probability [1].
     pub cov: f64,
-    /// Intermediate levels, ascending; none if the event is not rare.
+    /// Intermediate levels b_i, ascending; none if the event is not rare.
     pub levels: Vec<f64>,
-    /// Factor by which the chains' correlation makes the variance of the failed share larger, less 1 [1].
+    /// Effect of the correlation along the chains [1]: the variance of the failed share is larger by the
+    /// factor 1 + gamma.
     pub gamma: f64,
 }
 
 impl Subset {
-    /// Share of the samples at or beyond the limit [1]; zero if it was not reached in the levels allowed.
+    /// Share of the samples at or beyond the limit [1]; zero if the limit was not reached within the allowed
+    /// levels.
     pub fn failed_share(&self) -> f64 {
         self.y.iter().filter(|y| **y >= 0.0).count() as f64 / self.y.len() as f64
     }
 }
 
-/// Runs up to `most` levels of `n` samples (a multiple of ten) of `d` variables. `respond` gives y at points `(k, d)` row-major.
-pub fn subset_simulation(
-    (d, n, most): (usize, usize, usize),
-    rng: &mut impl Rng,
-    respond: &dyn Fn(&[f64]) -> Vec<f64>,
-) -> Subset {
-    let mut u: Vec<f64> = (0..n * d).map(|_| StandardNormal.sample(rng)).collect();
-    let mut y = respond(&u);
-    let (mut probability, mut levels) = (1.0, Vec::new());
-    // The sample of the first level that each descends from.
-    let mut origin: Vec<usize> = (0..n).collect();
-    // Samples of the level by chain, for the correlation of the indicator; independent at first.
-    let mut length = 1;
-    let mut scale: f64 = 0.6;
-    let seeds = (SHARE * n as f64).round() as usize;
-    while levels.len() < most {
-        let failed = y.iter().filter(|y| **y >= 0.0).count();
-        if failed >= seeds {
-            break;
-        }
-        // The seeds: the largest responses, in the order of the samples.
-        let mut order: Vec<usize> = (0..n).collect();
-        order.sort_by(|a, b| y[*b].total_cmp(&y[*a]).then(a.cmp(b)));
-        let level = 0.5 * (y[order[seeds - 1]] + y[order[seeds]]);
-        let mut from: Vec<usize> = order[..seeds].to_vec();
-        from.sort_unstable();
-        probability *= SHARE;
-        levels.push(level);
+/// Size of a subset simulation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SubsetSimulation {
+    /// Number d of independent standard normal variables.
+    pub variables: usize,
+    /// Number N of samples of each level, a multiple of ten.
+    pub samples: usize,
+    /// Largest number of levels.
+    pub most_levels: usize,
+}
 
-        // One chain a seed; step t of all chains side by side.
-        length = n / seeds;
-        let mut state_u: Vec<f64> = from.iter().flat_map(|j| u[j * d..(j + 1) * d].iter().copied()).collect();
-        let mut state_y: Vec<f64> = from.iter().map(|j| y[*j]).collect();
-        let (mut next_u, mut next_y) = (state_u.clone(), state_y.clone());
+/// Samples of one level.
+struct LevelSamples {
+    /// Independent standard normals `(N, d)` row-major [1].
+    u: Vec<f64>,
+    /// Responses of the samples `(N,)`.
+    y: Vec<f64>,
+    /// Index of the sample of the first level from which each descends `(N,)`.
+    origin: Vec<usize>,
+    /// Length of the chains; 1 for independent samples.
+    length: usize,
+}
+
+impl SubsetSimulation {
+    /// Runs the simulation. `respond` returns the responses `(k,)` at points `(k, d)` row-major.
+    pub fn run(&self, rng: &mut impl Rng, respond: &dyn Fn(&[f64]) -> Vec<f64>) -> Subset {
+        let Self { variables, samples: n, most_levels } = *self;
+        let u: Vec<f64> = (0..n * variables).map(|_| StandardNormal.sample(rng)).collect();
+        let y = respond(&u);
+        let mut samples = LevelSamples { u, y, origin: (0..n).collect(), length: 1 };
+        let (mut probability, mut levels) = (1.0, Vec::new());
+        let mut scale = FIRST_SCALE;
+        let seeds = (SHARE * n as f64).round() as usize;
+        while levels.len() < most_levels {
+            let failed = samples.y.iter().filter(|y| **y >= 0.0).count();
+            if failed >= seeds {
+                break;
+            }
+            let (level, from) = next_level(&samples.y, seeds);
+            probability *= SHARE;
+            levels.push(level);
+            samples = self.advance_chains(&samples, &from, level, &mut scale, rng, respond);
+        }
+        let LevelSamples { u, y, origin, length } = samples;
+        let gamma = chain_correlation(&y, 0.0, length).max(0.0);
+        let cov = if levels.is_empty() { 0.0 } else { level_variation(&y, &origin, gamma) };
+        Subset { u, y, probability, cov, levels, gamma }
+    }
+
+    /// Samples of the next level: one chain from each sample `from` of the level before, step t of all chains
+    /// together. Adapts the scale of the proposals after each step.
+    fn advance_chains(
+        &self,
+        before: &LevelSamples,
+        from: &[usize],
+        level: f64,
+        scale: &mut f64,
+        rng: &mut impl Rng,
+        respond: &dyn Fn(&[f64]) -> Vec<f64>,
+    ) -> LevelSamples {
+        let (d, seeds) = (self.variables, from.len());
+        let length = self.samples / seeds;
+        let mut state_u: Vec<f64> =
+            from.iter().flat_map(|j| before.u[j * d..(j + 1) * d].iter().copied()).collect();
+        let mut state_y: Vec<f64> = from.iter().map(|j| before.y[*j]).collect();
+        let (mut u, mut y) = (state_u.clone(), state_y.clone());
         for _ in 1..length {
-            let rho = (1.0 - scale * scale).sqrt();
-            let normal = |u: &f64, rng: &mut _| {
+            let rho = (1.0 - *scale * *scale).sqrt();
+            let propose = |u: &f64, rng: &mut _| {
                 let xi: f64 = StandardNormal.sample(rng);
-                rho * u + scale * xi
+                rho * u + *scale * xi
             };
-            let proposed: Vec<f64> = state_u.iter().map(|u| normal(u, rng)).collect();
+            let proposed: Vec<f64> = state_u.iter().map(|u| propose(u, rng)).collect();
             let response = respond(&proposed);
             let mut accepted = 0;
             for (i, y) in response.into_iter().enumerate() {
@@ -101,21 +155,28 @@ pub fn subset_simulation(
                 }
             }
             let acceptance = f64::from(accepted) / seeds as f64;
-            scale = (scale * ((acceptance - ACCEPTANCE) / 2.0).exp()).clamp(0.01, 1.0);
-            next_u.extend_from_slice(&state_u);
-            next_y.extend_from_slice(&state_y);
+            *scale = (*scale * ((acceptance - ACCEPTANCE) / 2.0).exp()).clamp(0.01, 1.0);
+            u.extend_from_slice(&state_u);
+            y.extend_from_slice(&state_y);
         }
-        (u, y) = (next_u, next_y);
-        let parents: Vec<usize> = from.iter().map(|j| origin[*j]).collect();
-        origin = parents.iter().copied().cycle().take(length * seeds).collect();
+        let parents: Vec<usize> = from.iter().map(|j| before.origin[*j]).collect();
+        let origin = parents.iter().copied().cycle().take(length * seeds).collect();
+        LevelSamples { u, y, origin, length }
     }
-    let gamma = chain_correlation(&y, 0.0, length).max(0.0);
-    let cov = if levels.is_empty() { 0.0 } else { level_variation(&y, &origin, gamma) };
-    Subset { u, y, probability, cov, levels, gamma }
 }
 
-/// Coefficient of variation of the last level's probability, from the descent of the samples beyond the limit, or where there are
-/// none of all samples.
+/// The next level, which `seeds` of the responses pass, and the indices of those that do, ascending.
+fn next_level(y: &[f64], seeds: usize) -> (f64, Vec<usize>) {
+    let mut order: Vec<usize> = (0..y.len()).collect();
+    order.sort_by(|a, b| y[*b].total_cmp(&y[*a]).then(a.cmp(b)));
+    let level = 0.5 * (y[order[seeds - 1]] + y[order[seeds]]);
+    let mut from: Vec<usize> = order[..seeds].to_vec();
+    from.sort_unstable();
+    (level, from)
+}
+
+/// Coefficient of variation [1] of the last level's probability, from the genealogy of the samples beyond the
+/// limit, or of all samples if none is.
 fn level_variation(y: &[f64], origin: &[usize], gamma: f64) -> f64 {
     let any = y.iter().any(|y| *y >= 0.0);
     let mut descendants = vec![0.0; y.len()];
@@ -128,8 +189,8 @@ fn level_variation(y: &[f64], origin: &[usize], gamma: f64) -> f64 {
     (all - last).max(0.0).sqrt()
 }
 
-/// gamma = 2 sum_t (1 - t / length) rho(t), with rho(t) the correlation of the indicator y >= level at t steps' distance along the chains;
-/// samples stand step after step, all chains of a step together.
+/// gamma [1] of the indicator y >= level over chains of `length` samples; the samples are ordered step by
+/// step, all chains of a step together. Zero if the indicator is constant.
 fn chain_correlation(y: &[f64], level: f64, length: usize) -> f64 {
     let chains = y.len() / length;
     let passed: Vec<f64> = y.iter().map(|y| f64::from(u8::from(*y >= level))).collect();
@@ -153,13 +214,14 @@ mod tests {
     use rand_chacha::ChaCha12Rng;
     use rand_chacha::rand_core::SeedableRng;
 
-    /// Estimate and stated coefficient of variation for a linear response of reliability index beta in d variables.
+    /// Estimate and stated coefficient of variation for a linear response of reliability index beta in d
+    /// variables.
     fn linear(d: usize, beta: f64, n: usize, seed: u64) -> (f64, f64) {
         let respond = |u: &[f64]| -> Vec<f64> {
             u.chunks_exact(d).map(|u| u.iter().sum::<f64>() / (d as f64).sqrt() - beta).collect()
         };
         let mut rng = ChaCha12Rng::seed_from_u64(seed);
-        let subset = subset_simulation((d, n, 14), &mut rng, &respond);
+        let subset = SubsetSimulation { variables: d, samples: n, most_levels: 14 }.run(&mut rng, &respond);
         let share = subset.failed_share();
         let level = *subset.levels.last().unwrap();
         assert!(subset.y.iter().all(|y| *y >= level) && share >= 0.1);
@@ -185,12 +247,14 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_rare_needs_no_level_and_what_never_happens_ends() {
+    fn a_frequent_event_needs_no_level_and_an_impossible_one_ends() {
         let mut rng = ChaCha12Rng::seed_from_u64(1);
-        let often = subset_simulation((1, 1000, 9), &mut rng, &|u| u.iter().map(|u| u - 0.5).collect());
+        let run = |most_levels, rng: &mut ChaCha12Rng, respond: fn(&[f64]) -> Vec<f64>| {
+            SubsetSimulation { variables: 1, samples: 1000, most_levels }.run(rng, &respond)
+        };
+        let often = run(9, &mut rng, |u| u.iter().map(|u| u - 0.5).collect());
         assert_eq!((often.levels.len(), often.probability, often.cov), (0, 1.0, 0.0));
-        let never =
-            subset_simulation((1, 1000, 3), &mut rng, &|u| u.iter().map(|u| u.tanh() - 2.0).collect());
+        let never = run(3, &mut rng, |u| u.iter().map(|u| u.tanh() - 2.0).collect());
         assert_eq!((never.levels.len(), never.failed_share()), (3, 0.0));
         assert!((never.probability - 1e-3).abs() < 1e-15);
     }

@@ -1,44 +1,52 @@
 //! Variance-based sensitivity of the outputs from the surrogates: Sobol indices of first order and total.
 //!
-//! With y(A) and y(B) the responses at two independent samples of n points and y(A_k) those at A with column k taken from B:
+//! With y(A) and y(B) the responses at two independent samples of n points, and y(A_k) those at A with column
+//! k from B:
 //!
 //!   first order S_k = mean[y(B) (y(A_k) - y(A))] / V,    total T_k = mean[(y(A) - y(A_k))^2] / (2 V),
 //!
-//! V the variance of y over A and B, y taken about its mean. S_k is the share of the variance that knowing variable k would remove,
-//! T_k the share that would be left if all others were known. Standard errors are those of the means. The variables
-//! must be independent; the surrogate's own variance is not in it.
+//! with V the variance of y over A and B, and y about its mean. S_k is the share of the variance that
+//! disappears if variable k is known, T_k the share that remains if all other variables are known. The
+//! standard errors are those of the means. Valid for independent variables; the surrogate's own variance is
+//! not included.
 //!
-//! Source: Saltelli et al. (2010), table 2 b and f; Jansen (1999).
+//! # Source
+//! Saltelli et al. (2010), Variance based sensitivity analysis of model output. Design and estimator for the
+//! total sensitivity index, Computer Physics Communications 181(2), table 2 b and f; the latter from Jansen
+//! (1999), Analysis of variance designs for model output, Computer Physics Communications 117.
 
 use super::Estimate;
 use crate::statistics::design::Population;
 use faer::{Mat, MatRef};
 use rayon::prelude::*;
 
-/// Points of each of the two samples: the indices are then known to about 1 / sqrt(4096) = 1.6 % of the variance.
+/// Number of points of each sample: the indices are then known to about 1 / sqrt(4096) = 1.6 % of the
+/// variance.
 const SAMPLES: usize = 4096;
-/// Points predicted together; fixed, so that sums do not depend on the number of threads.
+/// Number of points predicted together; fixed, so that sums do not depend on the number of threads.
 const BLOCK: usize = 512;
 
-/// Indices of one output for one variable.
+/// Sobol indices of one output for one variable.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Sobol {
-    /// S_k [1].
+    /// Index of first order S_k [1].
     pub first_order: Estimate,
-    /// T_k [1].
+    /// Total index T_k [1].
     pub total: Estimate,
 }
 
-/// Sums over a block of points, per output.
+/// Sums over the points, of one output.
 #[derive(Clone)]
 struct Sums {
-    /// Sum and sum of squares of the summands of S and T.
+    /// Sum and sum of squares of the summands of S.
     first: [f64; 2],
+    /// Sum and sum of squares of the summands of T.
     total: [f64; 2],
 }
 
-/// Indices `(outputs)(d,)` of the responses `predict` gives at standardised points `(d, b)`: `(outputs, b)`. The samples are the
-/// first points of the population, at most 4096 each; an output without variance has indices zero.
+/// Sobol indices `(outputs)(d,)` of the responses `(outputs, b)` that `predict` returns at standardised
+/// points `(d, b)`. The two samples are the first points of the population, at most 4096 each. An output
+/// without variance has indices zero.
 pub fn sobol_indices(
     population: &Population,
     outputs: usize,
@@ -56,7 +64,7 @@ pub fn sobol_indices(
     };
     let (a, b) = (predict_all(0), predict_all(n));
     let moments: Vec<(f64, f64)> = (0..outputs).map(|o| moments(o, &a, &b)).collect();
-    let of_variable = |k: usize| -> Vec<Sobol> {
+    let by_variable = |k: usize| -> Vec<Sobol> {
         let mut sums = vec![Sums { first: [0.0; 2], total: [0.0; 2] }; outputs];
         for (block, start) in starts.iter().enumerate() {
             let end = n.min(start + BLOCK);
@@ -88,8 +96,8 @@ pub fn sobol_indices(
         };
         sums.iter().zip(&moments).map(index).collect()
     };
-    let by_variable: Vec<Vec<Sobol>> = (0..d).into_par_iter().map(of_variable).collect();
-    (0..outputs).map(|o| by_variable.iter().map(|outputs| outputs[o]).collect()).collect()
+    let indices: Vec<Vec<Sobol>> = (0..d).into_par_iter().map(by_variable).collect();
+    (0..outputs).map(|o| indices.iter().map(|outputs| outputs[o]).collect()).collect()
 }
 
 /// Mean and variance of output `o` over both samples.
@@ -107,7 +115,8 @@ mod tests {
 
     #[test]
     fn a_function_with_an_interaction_has_its_closed_form() {
-        // y = 2 x1 + x2 + x2 x3 of standard normals: V = 4 + 1 + 1; S = 4/6, 1/6, 0; T = 4/6, 2/6, 1/6. And a constant.
+        // y = 2 x1 + x2 + x2 x3 of standard normals: V = 4 + 1 + 1; S = 4/6, 1/6, 0; T = 4/6, 2/6, 1/6. And a
+        // constant.
         let normal = Distribution::truncated_normal(0.0, 1.0, -8.0, 8.0).unwrap();
         let population = Population::draw(&[normal; 3], 10_000, 5);
         let predict = |x: MatRef<'_, f64>| {

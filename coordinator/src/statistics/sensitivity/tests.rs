@@ -4,7 +4,8 @@ use super::*;
 use crate::statistics::design::InputModel;
 use common::random::{Correlation, GaussianCopula, standard_normal_cdf};
 
-/// P(x_1 + 2 x_2 >= limit) for truncated normals, by Simpson's rule over x_1 and the exact distribution of x_2.
+/// P(x_1 + 2 x_2 >= limit) for truncated normals, by Simpson's rule over x_1 and the exact distribution of
+/// x_2.
 fn exact(a: Distribution, b: Distribution, limit: f64) -> f64 {
     let (lower, upper) = a.support();
     let n = 40_000;
@@ -55,8 +56,8 @@ fn a_linear_limit_state_agrees_with_finite_differences_of_the_exact_probability(
     }
 }
 
-/// P(x_1 + 2 x_2 >= limit) of correlated variables, by Simpson's rule over the normal of x_1, given which the normal of
-/// x_2 has the mean rho u and the variance 1 - rho^2.
+/// P(x_1 + 2 x_2 >= limit) of correlated variables, by Simpson's rule over the normal of x_1, given which the
+/// normal of x_2 has the mean rho u and the variance 1 - rho^2.
 fn exact_correlated(a: Distribution, b: Distribution, rho: f64, limit: f64) -> f64 {
     let n = 8_000;
     let h = 16.0 / n as f64;
@@ -76,7 +77,8 @@ fn exact_correlated(a: Distribution, b: Distribution, rho: f64, limit: f64) -> f
     (0..=n).map(|i| weight(i) * f(-8.0 + h * i as f64)).sum::<f64>() * h / 3.0
 }
 
-/// Derivatives at one limit against finite differences of the exact probability, for laws made by mean and std.
+/// Derivatives at one limit against finite differences of the exact probability, for laws made by mean and
+/// std.
 fn check_correlated(
     make: [&dyn Fn(f64, f64) -> Distribution; 2],
     moments: [(f64, f64); 2],

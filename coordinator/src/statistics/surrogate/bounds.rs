@@ -1,13 +1,20 @@
-//! The parameters of a correlation as free numbers: each logarithm p in [low, high] is written
-//! p = low + (high - low) / (1 + exp(-t)) and the free t is optimised, so no projection is needed and a variable without
-//! influence drifts to its lower bound where the likelihood is flat.
+//! Bounded parameters of a correlation as free numbers: each logarithm p in [low, high] is written as
+//!
+//!   p = low + (high - low) / (1 + exp(-t)),   dp/dt = (high - low) s (1 - s),  s = 1 / (1 + exp(-t)),
+//!
+//! and the free number t is optimised. No projection is needed, and the parameter of a variable without
+//! influence drifts to its lower bound, where the likelihood is flat.
+//!
+//! # Source
+//! The logistic transformation of a bounded parameter; bounds on standardised inputs are this project's own
+//! choice.
 
-use super::{Correlation, Kernel, NoiseShape};
+use super::{Correlation, Kernel};
 
-/// Bounds of theta in standardised inputs: lengths from 0.2 to 700 standard deviations.
+/// Bounds of theta in standardised inputs [1]: lengths from 0.2 to 700 standard deviations.
 pub(super) const THETA: (f64, f64) = (1e-6, 10.0);
-/// Bounds of the nugget. Below 1e-10 a Gaussian correlation matrix of a few hundred points loses its Cholesky
-/// factor to rounding; above 0.3 the noise would have half the standard deviation of the output.
+/// Bounds of the nugget [1]. Below 1e-10 a Gaussian correlation matrix of a few hundred points loses its
+/// Cholesky factor to rounding; above 0.3 the noise would have half the standard deviation of the output.
 pub(super) const NUGGET: (f64, f64) = (1e-10, 0.3);
 
 /// Bounds of every parameter of a correlation in d variables.
@@ -15,17 +22,20 @@ pub(super) const NUGGET: (f64, f64) = (1e-10, 0.3);
 pub(super) struct Bounds {
     kernel: Kernel,
     d: usize,
-    /// Of the noise that goes with the stated errors, if there are any.
+    /// Bounds of the level of the noise in proportion to stated errors [1]; `None` without such errors.
     stated: Option<(f64, f64)>,
 }
 
 impl Bounds {
-    pub fn new(kernel: Kernel, d: usize, noise: Option<&NoiseShape>) -> Self {
-        Self { kernel, d, stated: noise.map(|noise| noise.levels) }
+    /// Bounds in `d` variables; `stated` are those of the level of the stated noise, if the points have such
+    /// noise.
+    pub fn new(kernel: Kernel, d: usize, stated: Option<(f64, f64)>) -> Self {
+        Self { kernel, d, stated }
     }
 
-    /// Logarithmic bounds of parameter `k`: d lengths, the nugget, and the level of the stated noise if there is one.
-    fn of(&self, k: usize) -> (f64, f64) {
+    /// Logarithmic bounds of parameter `k`: d lengths, the nugget, and the level of the stated noise if there
+    /// is one.
+    fn logarithms(&self, k: usize) -> (f64, f64) {
         let (low, high) = match k.checked_sub(self.d) {
             None => THETA,
             Some(0) => NUGGET,
@@ -37,7 +47,7 @@ impl Bounds {
     /// The correlation of free parameters `(d + 1,)` or `(d + 2,)`.
     pub fn correlation(&self, free: &[f64]) -> Correlation {
         let value = |k: usize| {
-            let (low, high) = self.of(k);
+            let (low, high) = self.logarithms(k);
             (low + (high - low) / (1.0 + (-free[k]).exp())).exp()
         };
         Correlation {
@@ -48,7 +58,7 @@ impl Bounds {
         }
     }
 
-    /// Lengths and noise that do no harm, where no likelihood could be had.
+    /// A cautious correlation (long lengths, some noise), for data whose likelihood cannot be evaluated.
     pub fn cautious(&self) -> Correlation {
         let theta = vec![0.1 / self.d as f64; self.d];
         Correlation { kernel: self.kernel, theta, nugget: 1e-4, stated: 0.0 }
@@ -56,19 +66,20 @@ impl Bounds {
 
     /// dp/dt of the bounded logarithm `k` at the free number `t`.
     pub fn slope(&self, k: usize, t: f64) -> f64 {
-        let (low, high) = self.of(k);
+        let (low, high) = self.logarithms(k);
         let s = 1.0 / (1.0 + (-t).exp());
         (high - low) * s * (1.0 - s)
     }
 
-    /// Inverse of [`Bounds::correlation`]; at the bounds a little inside, so that the slope never vanishes altogether.
+    /// Inverse of [`Bounds::correlation`]; parameters at a bound are moved inside by 2 %, so that the slope
+    /// never vanishes.
     pub fn free(&self, correlation: &Correlation) -> Vec<f64> {
         let level = self.stated.map(|_| correlation.stated);
         let all = correlation.theta.iter().copied().chain([correlation.nugget]).chain(level);
         all.enumerate()
             .map(|(k, value)| {
-                let (low, high) = self.of(k);
-                // A parameter that is held has no width: any free number stands for it.
+                let (low, high) = self.logarithms(k);
+                // A held parameter has an interval of no width, which any free number represents.
                 let share = if high > low { (value.ln() - low) / (high - low) } else { 0.5 };
                 let s = share.clamp(0.02, 0.98);
                 (s / (1.0 - s)).ln()
@@ -82,17 +93,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn free_numbers_stand_for_a_correlation_and_back() {
+    fn free_numbers_give_the_correlation_and_back() {
         let correlation =
             Correlation { kernel: Kernel::Matern32, theta: vec![0.3, 2e-3], nugget: 1e-5, stated: 0.02 };
-        let shape = |levels| NoiseShape::between(levels);
-        let bounds = Bounds::new(Kernel::Matern32, 2, Some(&shape((1e-10, 0.3))));
+        let bounds = Bounds::new(Kernel::Matern32, 2, Some((1e-10, 0.3)));
         let back = bounds.correlation(&bounds.free(&correlation));
         for (a, b) in [(back.theta[1], 2e-3), (back.nugget, 1e-5), (back.stated, 0.02)] {
             assert!((a / b - 1.0).abs() < 1e-12, "{a} {b}");
         }
         // Held at 0.7, and without stated errors.
-        let held = Bounds::new(Kernel::Matern32, 2, Some(&shape((0.7, 0.7))));
+        let held = Bounds::new(Kernel::Matern32, 2, Some((0.7, 0.7)));
         assert!((held.correlation(&held.free(&correlation)).stated - 0.7).abs() < 1e-15);
         assert_eq!(held.slope(3, 1.0), 0.0);
         let none = Bounds::new(Kernel::Matern32, 2, None);

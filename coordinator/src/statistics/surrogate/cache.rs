@@ -1,17 +1,25 @@
-//! Predictions of a whole population, kept so that points added to the data at fixed lengths cost one row each.
+//! Cached predictions of a whole population, so that points added to the data at fixed lengths cost one row
+//! each.
 //!
-//! For a block of b population points W = L^-1 R `(n, b)` is kept, and what follows from it: z'W `(m, b)`, the trend's
-//! f - T'W `(p, b)` and the squares of W's columns `(b,)`. None of these depends on the trend's coefficients, which
-//! change with every datum. Rows that [`Kriging::extended`] added to L give new rows of W,
+//! For a block of b population points the cache keeps W = L^-1 R `(n, b)` and what follows from it: z'W
+//! `(m, b)`, the trend's f - T'W `(p, b)` and the squared norms of W's columns `(b,)`. None of these depends
+//! on the coefficients of the trend, which change with every result. The rows that [`Kriging::extended`] adds
+//! to L give new rows of W,
 //!
 //!   W2 = L22^-1 (R2 - L21 W),
 //!
-//! at n b multiplications each, and everything else is added to: no triangular solve, no exponential but for the new
-//! points. If the correlation changed, everything is computed anew.
+//! at n b multiplications each; all other quantities are sums to which these rows are added. So no triangular
+//! solve with the whole factor is needed, and exponentials for the new points only. If the correlation
+//! changed, everything is computed anew.
 //!
-//! W is kept in double precision. Rounded to single (2^-24 of ||w|| < 1) it would move variance factors by up to
-//! 2^-23 sum |C^-1 r|, which is of the size of the factors themselves where a smooth function is known well; the test
-//! `single_precision_would_move_small_variances` shows it. 1e6 points and n = 150 are 1.2 GB.
+//! W is kept in double precision. Rounded to single precision (2^-24 of ||w|| < 1) it would change variance
+//! factors by up to 2^-23 sum |C^-1 r|, which is of the size of the factors themselves where a smooth
+//! function is known well; the test `single_precision_would_move_small_variances` shows it. 1e6 points and n
+//! = 150 take 1.2 GB.
+//!
+//! # Source
+//! Golub, Van Loan (2013), Matrix Computations, section 6.5 (updating factorisations); its use for cached
+//! predictions is this project's own.
 
 use super::Kriging;
 use super::factor::solve_lower;
@@ -20,19 +28,19 @@ use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
 use rayon::prelude::*;
 
-/// Points of a block: one row of W is 4 kB, and r(x) of a block stays in the second-level cache.
+/// Number of points of a block: one row of W is 4 kB, and r(x) of a block stays in the second-level cache.
 const BLOCK: usize = 512;
-/// Rows for which a block makes room at once.
+/// Number of rows for which a block allocates memory at once.
 const ROOM: usize = 16;
 
-/// What [`PredictionCache::update`] had to do.
+/// Work done by [`PredictionCache::update`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Update {
-    /// Everything was computed: the first model, other lengths, or other values of the old points.
+    /// Everything was computed: for the first model, other lengths, or other values of the old points.
     Computed,
-    /// So many rows were added.
+    /// Rows were added.
     Extended {
-        /// New points of the model; may be 0.
+        /// Number of new points of the model; may be 0.
         rows: usize,
     },
 }
@@ -47,18 +55,19 @@ pub struct PredictionCache {
 /// Predictions of one block of the population.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BlockPrediction {
-    /// Means `(m, b)`, in the outputs' units.
+    /// Means `(m, b)` [unit of the output].
     pub mean: Mat<f64>,
-    /// Variance over sigma2 `(b,)` [1], at least 0.
+    /// Variances over sigma2 `(b,)` [1], at least 0.
     pub variance_factor: Vec<f64>,
 }
 
 impl PredictionCache {
-    /// Points of every block but the last.
+    /// Number of points of every block but the last.
     pub const BLOCK: usize = BLOCK;
 
-    /// Brings the cache to `model` and `population`. The population may have grown since the last time; its first points
-    /// must be the same. The result does not depend on the number of threads: blocks are fixed and independent.
+    /// Updates the cache to `model` and `population`. The population may have grown since the last update;
+    /// its first points must be the same. The result does not depend on the number of threads: blocks are
+    /// fixed and independent.
     pub fn update(&mut self, model: &Kriging, population: &Population) -> Update {
         let known = self.model.as_ref().filter(|known| model.extends(known)).map(Kriging::points);
         let blocks = population.len().div_ceil(BLOCK);
@@ -80,31 +89,33 @@ impl PredictionCache {
         update
     }
 
-    /// Predictions of block `i`, of the points from `i * BLOCK` on, by the model of the last update; `None` beyond the
-    /// population.
+    /// Predictions of block `i` (the points from `i * BLOCK` on) by the model of the last update; `None`
+    /// beyond the population.
     pub fn block(&self, i: usize) -> Option<BlockPrediction> {
         Some(self.blocks.get(i)?.predict(self.model.as_ref()?))
     }
 
-    /// Bytes that the cache holds.
+    /// Memory of the cache [bytes].
     pub fn bytes(&self) -> usize {
-        let of = |block: &Block| {
+        let bytes_of = |block: &Block| {
             let w: usize = block.w.iter().map(Vec::capacity).sum();
             8 * (w + block.len() * (1 + block.explained.nrows() + block.trend.nrows()))
         };
-        self.blocks.iter().map(of).sum()
+        self.blocks.iter().map(bytes_of).sum()
     }
 }
 
+/// Cached quantities of one block.
 #[derive(Debug, Clone)]
 struct Block {
-    /// W' `(b, n)` column-major, so that a new row of W is a new column at the end; in parts, so that none is ever moved.
+    /// W' `(b, n)` column-major, so that a new row of W is a new column at the end; in parts, so that none is
+    /// ever moved.
     w: Vec<Vec<f64>>,
-    /// z'W `(m, b)`.
+    /// Explained part z'W of the means `(m, b)`.
     explained: Mat<f64>,
-    /// f - T'W `(p, b)`.
+    /// Trend part f - T'W `(p, b)`.
     trend: Mat<f64>,
-    /// Squares of the columns of W `(b,)`.
+    /// Squared norms of the columns of W `(b,)`.
     squares: Vec<f64>,
 }
 
@@ -117,7 +128,7 @@ impl Block {
         self.squares.len()
     }
 
-    /// From points `(d, b)`.
+    /// Computes the block of points `(d, b)`.
     fn compute(model: &Kriging, points: MatRef<'_, f64>) -> Self {
         let (n, b) = (model.points(), points.ncols());
         let whitened = model.whitened(points);
@@ -131,12 +142,12 @@ impl Block {
             trend: model.trend.trend.basis(points),
             squares: vec![0.0; b],
         };
-        block.take_up(model, whitened.as_ref(), 0);
+        block.add_rows(model, whitened.as_ref(), 0);
         block
     }
 
-    /// Adds what the rows of W from `first` on, `(k, b)`, say.
-    fn take_up(&mut self, model: &Kriging, rows: MatRef<'_, f64>, first: usize) {
+    /// Adds the rows of W from `first` on, `(k, b)`, to the sums.
+    fn add_rows(&mut self, model: &Kriging, rows: MatRef<'_, f64>, first: usize) {
         let z = model.z.subrows(first, rows.nrows());
         let t = model.trend.t.subrows(first, rows.nrows());
         matmul(self.explained.as_mut(), Accum::Add, z.transpose(), rows, 1.0, Par::Seq);
@@ -146,7 +157,8 @@ impl Block {
         }
     }
 
-    /// Adds the rows of the model's points from `n` on; `points` `(d, b)` are those of the block.
+    /// Extends the block by the rows of the model's points from `n` on; `points` `(d, b)` are those of the
+    /// block.
     fn extend(&mut self, model: &Kriging, points: MatRef<'_, f64>, n: usize) {
         let (b, k) = (self.len(), model.points() - n);
         if k == 0 || b == 0 {
@@ -166,10 +178,10 @@ impl Block {
             if self.w.last().is_none_or(|part| part.capacity() < part.len() + b) {
                 self.w.push(Vec::with_capacity(b * ROOM));
             }
-            let part = self.w.last_mut().expect("there is room for a row");
+            let part = self.w.last_mut().expect("a part with room was added");
             part.extend(column.iter());
         }
-        self.take_up(model, rows.transpose(), n);
+        self.add_rows(model, rows.transpose(), n);
     }
 
     fn predict(&self, model: &Kriging) -> BlockPrediction {

@@ -1,12 +1,18 @@
-//! Which form a surrogate takes, by cross-validation.
+//! Choice of the form (kernel and trend) of a surrogate by cross-validation.
 //!
-//! Every candidate (kernel and trend) is fitted by maximum likelihood and judged by the logarithm of its predictive density
-//! at points left out of the fit ([`CrossValidation`]; of fewer than ten points one is left out at fixed lengths), the mean
-//! over points and outputs: learning lives on predicted variances as much as on means, and Q2 looks at the means alone. The incumbent (at first the Gaussian kernel with a constant trend, or the first allowed) gives
-//! way only to a candidate that is better by more than one standard error of the paired differences over the points
-//! and by more than [`LEAST_GAIN`]: so the form does not flip from round to round for nothing.
+//! Every candidate is fitted by maximum likelihood and judged by the mean log predictive density at points
+//! left out of the fit ([`CrossValidation`]; with fewer than ten points one point is left out at fixed
+//! lengths),
 //!
-//! Source: Rasmussen, Williams (2006), section 5.4.2.
+//!   (1/n) sum over i of ln N(y_i; mean_i, variance_i), averaged over the outputs,
+//!
+//! because learning depends on predicted variances as much as on means, while Q2 measures the means alone.
+//! The incumbent (at first the Gaussian kernel with a constant trend, or the first allowed form) is replaced
+//! only by a candidate that is better by more than one standard error of the paired differences over the
+//! points and by more than [`LEAST_GAIN`]. So the form does not change from round to round without a reason.
+//!
+//! # Source
+//! Rasmussen, Williams (2006), Gaussian Processes for Machine Learning, section 5.4.2.
 
 use super::cross_validation::cross_validate;
 use super::{
@@ -14,62 +20,63 @@ use super::{
     Trend, fit_correlation,
 };
 
-/// Gain in mean log density [1] below which two forms count as equal: 1 % of density at a point.
+/// Gain in mean log density [1] below which two forms count as equal: 1 % of the density at a point.
 const LEAST_GAIN: f64 = 0.01;
 
-/// What the fit before came to.
+/// Correlation and trend of the previous fit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Incumbent {
-    /// Its correlation.
+    /// Correlation of the previous fit.
     pub correlation: Correlation,
-    /// Its trend.
+    /// Trend of the previous fit.
     pub trend: Trend,
 }
 
 impl Incumbent {
-    /// Kernel and trend.
+    /// Kernel and trend as a form.
     pub fn form(&self) -> Form {
         Form { kernel: self.correlation.kernel, trend: self.trend }
     }
 }
 
-/// How one form did.
+/// Judgement of one form.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Candidate {
-    /// The form.
+    /// Kernel and trend.
     pub form: Form,
-    /// Mean over points and outputs of the logarithm of the predictive density where points are left out, outputs in units of
+    /// Mean log predictive density at points left out, over points and outputs, with outputs in units of
     /// their standard deviations [1].
     pub log_density: f64,
 }
 
-/// A surrogate of the form that was chosen.
+/// A surrogate of the chosen form.
 #[derive(Debug, Clone)]
 pub struct Chosen {
-    /// Conditioned on the training set.
+    /// Model conditioned on the training set.
     pub model: Kriging,
-    /// Its fit.
+    /// Fit of its correlation.
     pub fitted: Fitted,
-    /// What it is worth where it was not fitted; absent after a fit of little effort, and where there are too few points.
+    /// Its cross-validation; `None` after a warm fit, and with too few points.
     pub cross_validation: Option<CrossValidation>,
-    /// All forms compared, in the order of [`FormSettings::candidates`]; empty where there was nothing to compare.
+    /// All forms compared, in the order of [`FormSettings::candidates`]; empty without a comparison.
     pub candidates: Vec<Candidate>,
-    /// Repairs: starts of all fits that gave nothing usable, forms that could not be conditioned, the nugget raised.
+    /// Number of repairs: starts without a usable point, forms that could not be conditioned, nuggets raised.
     pub repairs: usize,
 }
 
 impl Kriging {
-    /// What the next fit starts from.
+    /// Correlation and trend from which the next fit starts.
     pub fn incumbent(&self) -> Incumbent {
         Incumbent { correlation: self.correlation().clone(), trend: self.trend() }
     }
 }
 
 /// Fits a surrogate. With [`Effort::MultiStart`] the forms that `settings` leave open are compared; with
-/// [`Effort::Warm`] the incumbent's form is kept, where it is allowed. Depends on its arguments only.
+/// [`Effort::Warm`] the form of the incumbent is kept, where it is allowed. The result depends on the
+/// arguments only.
 ///
 /// # Errors
-/// Those of [`Kriging::condition`], of the form that stands without comparison.
+/// Those of [`Kriging::condition`] for the incumbent's form.
 pub fn fit_surrogate(
     training: TrainingSet<'_>,
     settings: FormSettings,
@@ -89,56 +96,57 @@ pub fn fit_surrogate(
         return Ok(first.chosen(vec![], repairs));
     }
 
-    // The others begin at the incumbent's optimum, as a length means much the same to all kernels, but not there alone:
-    // from there they may stop at another optimum than from a start of their own, and the same data would choose
-    // differently. The start that led furthest down for the first serves them all.
+    // The other forms start from the incumbent's optimum, because a length has a similar meaning for all
+    // kernels, and from the fixed start that was best for the first form: from the optimum alone they could
+    // stop at a local optimum that depends on the incumbent, and the same data would give another choice.
     let from = first.fitted.correlation.clone();
     let effort = first.fitted.best_start.map_or(effort, Effort::TwoStarts);
     let mut compared = vec![first];
     for form in forms.iter().filter(|form| **form != standing) {
         match conditioned(training, *form, Some(&from), effort) {
-            Ok(mut attempt) => {
-                repairs += attempt.repairs();
-                attempt.cross_validate(training);
-                // What was judged by points left out is not compared with what could not be.
-                if attempt.cross_validation.is_some() == compared[0].cross_validation.is_some() {
-                    compared.push(attempt);
+            Ok(mut other) => {
+                repairs += other.repairs();
+                other.cross_validate(training);
+                // Cross-validated forms are not compared with forms that could not be cross-validated.
+                if other.cross_validation.is_some() == compared[0].cross_validation.is_some() {
+                    compared.push(other);
                 }
             }
             Err(_) => repairs += 1,
         }
     }
     let best = challenger(&compared).unwrap_or(0);
-    let mut candidates: Vec<Candidate> = compared.iter().map(Attempt::judged).collect();
+    let mut candidates: Vec<Candidate> = compared.iter().map(FittedForm::judged).collect();
     candidates.sort_by_key(|candidate| forms.iter().position(|form| *form == candidate.form));
     Ok(compared.swap_remove(best).chosen(candidates, repairs))
 }
 
 /// One form, fitted and conditioned.
-struct Attempt {
+struct FittedForm {
     form: Form,
     fitted: Fitted,
     model: Kriging,
-    /// Log densities with one point left out at fixed lengths, in the place of a cross-validation.
+    /// Log densities with one point left out at fixed lengths `(n,)`, for fits without cross-validation.
     left_out: Vec<f64>,
     cross_validation: Option<CrossValidation>,
 }
 
+/// Fits and conditions a surrogate of one form.
 fn conditioned(
     training: TrainingSet<'_>,
     form: Form,
     previous: Option<&Correlation>,
     effort: Effort,
-) -> Result<Attempt, SurrogateError> {
+) -> Result<FittedForm, SurrogateError> {
     let fitted = fit_correlation(training, form, previous, effort);
     let TrainingSet { points, values, .. } = training;
     let model =
         Kriging::condition_noisy(points, values, &fitted.correlation, form.trend, training.weights())?;
     let left_out = model.log_densities(values);
-    Ok(Attempt { form, fitted, model, left_out, cross_validation: None })
+    Ok(FittedForm { form, fitted, model, left_out, cross_validation: None })
 }
 
-impl Attempt {
+impl FittedForm {
     fn cross_validate(&mut self, training: TrainingSet<'_>) {
         self.cross_validation = cross_validate(training, self.form, &self.fitted.correlation);
     }
@@ -165,23 +173,27 @@ impl Attempt {
     }
 }
 
-/// The attempt that replaces the first, if any does.
-fn challenger(compared: &[Attempt]) -> Option<usize> {
+/// Index of the form that replaces the first, if any does.
+fn challenger(compared: &[FittedForm]) -> Option<usize> {
     let standing = &compared[0];
-    let clearly = |i: &usize| Gain::of(standing.densities(), compared[*i].densities()).clear(LEAST_GAIN);
+    let clearly =
+        |i: &usize| Gain::between(standing.densities(), compared[*i].densities()).exceeds(LEAST_GAIN);
     let denser = |a: &usize, b: &usize| compared[*a].log_density().total_cmp(&compared[*b].log_density());
     (1..compared.len()).filter(clearly).max_by(denser)
 }
 
-/// By how much one set of log densities is above another, point by point.
+/// Gain of one set of log densities over another, point by point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Gain {
+    /// Mean gain [1].
     pub mean: f64,
+    /// Standard error of the mean [1].
     pub standard_error: f64,
 }
 
 impl Gain {
-    pub fn of(standing: &[f64], other: &[f64]) -> Self {
+    /// Gain of `other` over `standing`, log densities of the same points `(n,)`.
+    pub fn between(standing: &[f64], other: &[f64]) -> Self {
         let n = standing.len() as f64;
         let differences = || standing.iter().zip(other).map(|(a, b)| b - a);
         let mean = differences().sum::<f64>() / n;
@@ -189,7 +201,8 @@ impl Gain {
         Self { mean, standard_error: (variance / n).sqrt() }
     }
 
-    pub fn clear(&self, least: f64) -> bool {
+    /// True if the mean gain exceeds both `least` and its own standard error.
+    pub fn exceeds(&self, least: f64) -> bool {
         self.mean > least.max(self.standard_error)
     }
 }
@@ -222,7 +235,7 @@ mod tests {
         let kinked = Mat::from_fn(60, 1, |i, _| (x[(0, i)] - 0.3).abs() + 0.5 * (x[(1, i)] + 0.2).abs());
         let chosen = choose(&x, &kinked, None, Effort::MultiStart);
         assert_ne!(chosen.model.correlation().kernel, Kernel::Gaussian, "{:?}", chosen.candidates);
-        // The same data choose the same again.
+        // The same data give the same choice.
         let again = choose(&x, &kinked, Some(&chosen.model.incumbent()), Effort::MultiStart);
         assert_eq!(again.model.incumbent().form(), chosen.model.incumbent().form());
     }
@@ -248,9 +261,9 @@ mod tests {
     #[test]
     fn a_gain_within_its_standard_error_changes_nothing() {
         let standing = [0.0; 4];
-        assert!(!Gain::of(&standing, &[1.0, -1.0, 1.0, -0.5]).clear(LEAST_GAIN));
-        assert!(!Gain::of(&standing, &[0.009; 4]).clear(LEAST_GAIN));
-        let gain = Gain::of(&standing, &[1.0, 2.0, 1.0, 2.0]);
-        assert!(gain.clear(LEAST_GAIN) && (gain.standard_error - (1.0f64 / 12.0).sqrt()).abs() < 1e-15);
+        assert!(!Gain::between(&standing, &[1.0, -1.0, 1.0, -0.5]).exceeds(LEAST_GAIN));
+        assert!(!Gain::between(&standing, &[0.009; 4]).exceeds(LEAST_GAIN));
+        let gain = Gain::between(&standing, &[1.0, 2.0, 1.0, 2.0]);
+        assert!(gain.exceeds(LEAST_GAIN) && (gain.standard_error - (1.0f64 / 12.0).sqrt()).abs() < 1e-15);
     }
 }

@@ -1,4 +1,13 @@
-//! Anisotropic correlation r(x, x') = R(r2), r2 = sum_k theta_k (x_k - x'_k)^2, with R as the [`Kernel`] has it.
+//! Anisotropic correlation of two points,
+//!
+//!   r(x, x') = R(r2),   r2 = sum over k of theta_k (x_k - x'_k)^2,   theta_k = 1 / (2 length_k^2),
+//!
+//! with the correlation function R of the [`Kernel`] and standardised inputs x [1]. The matrix of the data is
+//! C = R + nugget I + stated W, with W the diagonal of the points' noise weights. Distances are computed as
+//! |a|^2 + |b|^2 - 2 a.b, by one matrix product; very small ones are accurate to rounding of the norms only.
+//!
+//! # Source
+//! Rasmussen, Williams (2006), Gaussian Processes for Machine Learning, sections 4.2 and 5.1.
 
 use super::Kernel;
 use super::factor::mirror;
@@ -11,38 +20,38 @@ use rayon::prelude::*;
 /// Parameters of the correlation of one surrogate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Correlation {
-    /// R.
+    /// Correlation function R.
     pub kernel: Kernel,
-    /// theta_k = 1 / (2 length_k^2), in standardised inputs `(d,)` [1].
+    /// theta_k = 1 / (2 length_k^2) in standardised inputs `(d,)` [1].
     pub theta: Vec<f64>,
-    /// Variance of the noise that is the same at every point over the process variance, added to the diagonal [1].
+    /// Variance of the noise common to all points over the process variance [1], added to the diagonal.
     pub nugget: f64,
-    /// Mean variance of the noise that goes with the errors the simulations state over the process variance; added
-    /// to the diagonal times each point's weight, see [`super::NoiseShape`] [1].
+    /// Mean variance of the noise in proportion to stated errors over the process variance [1]; multiplied by
+    /// the weight of each point it is added to the diagonal, see [`super::NoiseShape`].
     pub stated: f64,
 }
 
 impl Correlation {
-    /// Variance over the process variance that the noise of one more point can be expected to have [1].
+    /// Expected noise variance of a further point over the process variance [1].
     pub fn noise(&self) -> f64 {
         self.nugget + self.stated
     }
 
-    /// Adds the noise to the diagonal of a correlation matrix `(n, n)`; `weights` `(n,)` of mean 1.
+    /// Adds the noise to the diagonal of a correlation matrix `(n, n)`; `weights` `(n,)` have mean 1 [1].
     pub(crate) fn add_noise(&self, mut matrix: MatMut<'_, f64>, weights: Option<&[f64]>) {
         for i in 0..matrix.nrows() {
             matrix[(i, i)] += self.nugget + weights.map_or(0.0, |weights| self.stated * weights[i]);
         }
     }
 
-    /// Points `(d, n)` multiplied by sqrt(theta), so that r2 is the squared distance.
+    /// Points `(d, n)` multiplied by sqrt(theta) `(d, n)`, so that r2 is their squared distance.
     pub(crate) fn scale(&self, points: MatRef<'_, f64>) -> Mat<f64> {
         let root: Vec<f64> = self.theta.iter().map(|theta| theta.sqrt()).collect();
         Mat::from_fn(points.nrows(), points.ncols(), |k, i| root[k] * points[(k, i)])
     }
 }
 
-/// Columns that one task takes at least: fewer are not worth the way to another thread.
+/// Least number of columns of a parallel task: fewer are not worth another thread.
 const COLUMNS: usize = 64;
 
 /// Correlation matrix `(n, n)` of points `(d, n)`, without the noise; the diagonal is exactly 1.
@@ -52,7 +61,8 @@ pub fn correlation_matrix(correlation: &Correlation, points: MatRef<'_, f64>) ->
     r
 }
 
-/// Its lower triangle; above it is zero.
+/// Lower triangle of the correlation matrix `(n, n)` of points `(d, n)`, without the noise; zero above the
+/// diagonal.
 pub(crate) fn correlation_below(correlation: &Correlation, points: MatRef<'_, f64>) -> Mat<f64> {
     let n = points.ncols();
     let mut r = Mat::zeros(n, n);
@@ -65,8 +75,8 @@ pub(crate) fn correlation_below(correlation: &Correlation, points: MatRef<'_, f6
     r
 }
 
-/// Lower triangles of the correlation matrix into `r` and of -dR/dr2 into `slopes`, `(n, n)` each, the latter with 0 on the
-/// diagonal; above them nothing is touched.
+/// Writes the lower triangles of the correlation matrix to `r` and of -dR/dr2 to `slopes`, `(n, n)` each, the
+/// latter with a diagonal of zeros; entries above the diagonal are not touched.
 pub(crate) fn correlation_and_slopes_into(
     correlation: &Correlation,
     points: MatRef<'_, f64>,
@@ -82,7 +92,7 @@ pub(crate) fn correlation_and_slopes_into(
     });
 }
 
-/// Scaled squared distances of points `(d, n)` from each other: the lower triangle of `(n, n)`.
+/// Writes the scaled squared distances of points `(d, n)` to the lower triangle of `squares` `(n, n)`.
 fn squares_below(correlation: &Correlation, points: MatRef<'_, f64>, mut squares: MatMut<'_, f64>) {
     let scaled = correlation.scale(points);
     let norms = squared_norms(scaled.as_ref());
@@ -102,24 +112,15 @@ fn squares_below(correlation: &Correlation, points: MatRef<'_, f64>, mut squares
     }
 }
 
-/// 2 a.b into |a|^2 + |b|^2 - 2 a.b for all a and one b.
+/// Replaces the products 2 a.b `(n,)` by |a|^2 + |b|^2 - 2 a.b, for all a and one b.
 fn subtract_from_norms(products: &mut [f64], a_norms: &[f64], b_norm: f64) {
     for (product, a_norm) in products.iter_mut().zip(a_norms) {
         *product = -(*product - a_norm - b_norm);
     }
 }
 
-/// Correlation `(n, b)` between points `(d, n)` and points `(d, b)`, without the noise.
-pub fn cross_correlation(correlation: &Correlation, a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Mat<f64> {
-    let (a, b) = (correlation.scale(a), correlation.scale(b));
-    let mut r = Mat::zeros(a.ncols(), b.ncols());
-    let norms = squared_norms(a.as_ref());
-    cross_of_scaled_into(correlation.kernel, r.as_mut(), a.as_ref(), &norms, b.as_ref());
-    r
-}
-
-/// The same of scaled points into `(n, b)`, the squared norms of `a` known, through one matrix product:
-/// |a|^2 + |b|^2 - 2 a.b.
+/// Writes the correlations between scaled points `a` `(d, n)`, with the squared norms `a_norms` `(n,)`, and
+/// scaled points `b` `(d, b)` to `r` `(n, b)`.
 pub(crate) fn cross_of_scaled_into(
     kernel: Kernel,
     mut r: MatMut<'_, f64>,
@@ -140,14 +141,23 @@ fn as_slice(column: ColMut<'_, f64>) -> &mut [f64] {
     column.try_as_col_major_mut().expect("matrices are column-major").as_slice_mut()
 }
 
-/// Squared norm of each column.
+/// Squared norms of the columns `(n,)` of points `(d, n)`.
 pub(crate) fn squared_norms(points: MatRef<'_, f64>) -> Vec<f64> {
     points.col_iter().map(|column| column.iter().map(|x| x * x).sum()).collect()
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
+
+    /// Correlations `(n, b)` [1] between points `a` `(d, n)` and `b` `(d, b)`, without the noise.
+    pub fn cross_correlation(correlation: &Correlation, a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Mat<f64> {
+        let (a, b) = (correlation.scale(a), correlation.scale(b));
+        let mut r = Mat::zeros(a.ncols(), b.ncols());
+        let norms = squared_norms(a.as_ref());
+        cross_of_scaled_into(correlation.kernel, r.as_mut(), a.as_ref(), &norms, b.as_ref());
+        r
+    }
 
     #[test]
     fn matches_the_definition() {

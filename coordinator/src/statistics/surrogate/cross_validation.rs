@@ -1,12 +1,19 @@
-//! Cross-validation with the lengths found anew: what a surrogate is worth where it has not seen the results.
+//! Cross-validation with the lengths fitted anew: errors and predicted variances at points left out of the
+//! fit.
 //!
-//! Leaving one point out of a factor keeps the lengths that this very point helped to find. With 30 lengths from 136
-//! results that flatters: on the flapping-wing drive's asymmetry it gives a Q2 of 0.99 and right variances to a surrogate
-//! whose squared errors at unseen samples are 2.5 times the predicted variance (`coordinator verify`). So the points are dealt out in turn to [`FOLDS`] folds, each is predicted by a
-//! surrogate whose lengths were fitted without it, and the errors are held against the predicted variances.
+//! Leaving one point out of a factor keeps the lengths that this very point helped to find. With 30 lengths
+//! from 136 results that is too favourable: for the asymmetry of `flapping-wing` it gives a Q2 of 0.99 and
+//! right variances to a surrogate whose squared errors at unseen samples are 2.5 times the predicted variance
+//! (`coordinator verify`). So the points are dealt out in turn to five folds, each fold is predicted by a
+//! surrogate whose lengths were fitted without it, and with e_i the error at point i:
 //!
-//! Source: Stone (1974), Cross-validatory choice and assessment of statistical predictions; for Kriging, Bachoc (2013),
-//! Cross validation and maximum likelihood estimations of hyper-parameters of Gaussian processes with model misspecification.
+//!   Q2 = 1 - sum e_i^2 / sum (y_i - mean)^2,   square_i = e_i^2 / (sigma2 (s_i^2 + nugget + stated w_i)).
+//!
+//! # Source
+//! Stone (1974), Cross-validatory choice and assessment of statistical predictions, Journal of the Royal
+//! Statistical Society B 36(2); for Kriging, Bachoc (2013), Cross validation and maximum likelihood
+//! estimations of hyper-parameters of Gaussian processes with model misspecification, Computational
+//! Statistics & Data Analysis 66.
 
 use super::fit::refit;
 use super::leave_one_out::{ROUNDING, log_density, spread};
@@ -14,42 +21,44 @@ use super::{Correlation, Form, Kriging, NoiseShape, TrainingSet};
 use faer::{Mat, MatRef};
 use rayon::prelude::*;
 
-/// Parts of the points, each left out once.
+/// Number of folds, each left out once.
 const FOLDS: usize = 5;
-/// Points from which there are folds; with fewer nothing can be fitted to the rest.
+/// Least number of points for cross-validation; with fewer nothing can be fitted to the rest.
 const LEAST_POINTS: usize = 10;
 
-/// What a surrogate makes of points that had no part in its fit.
+/// Predictions of points that had no part in the fit, against their values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CrossValidation {
-    /// Logarithm of the predictive density of each point `(n,)`, the mean over the outputs, in units of their standard
-    /// deviations.
+    /// Logarithm of the predictive density of each point, mean over the outputs in units of their standard
+    /// deviations `(n,)` [1].
     pub log_densities: Vec<f64>,
-    /// Q2 = 1 - sum e^2 / sum (y - mean)^2, smallest over the outputs [1].
+    /// Q2, smallest over the outputs [1].
     pub q2: f64,
-    /// e^2 over its predicted variance, noise included `(n, m)`; 1 for an output without any variance [1].
+    /// Squared errors over their predicted variances, noise included `(n, m)` [1]; 1 for an output without
+    /// variance.
     pub squares: Mat<f64>,
 }
 
 impl CrossValidation {
-    /// Mean over the outputs of e^2 over its predicted variance at the half of the points whose values `(n, m)` are nearest to
-    /// the threshold [1]: what fails is decided there, and where a response is far from its limit and steep, no stationary
-    /// correlation holds.
+    /// Mean [1] of squared errors over predicted variances, over the outputs and over the half of the points
+    /// whose values `(n, m)` are nearest to the threshold [unit of the output]. Failure is decided there; a
+    /// response that is steep far from its limit fits no stationary correlation.
     pub fn variance_ratio_near(&self, threshold: f64, values: MatRef<'_, f64>) -> f64 {
         let (n, m) = self.squares.shape();
-        let of_output = |o: usize| {
+        let ratio_of = |o: usize| {
             let mut order: Vec<usize> = (0..n).collect();
             let distance = |i: usize| (values[(i, o)] - threshold).abs();
             order.sort_by(|a, b| distance(*a).total_cmp(&distance(*b)).then(a.cmp(b)));
             let near = n.div_ceil(2);
             order[..near].iter().map(|i| self.squares[(*i, o)]).sum::<f64>() / near as f64
         };
-        (0..m).map(of_output).sum::<f64>() / m as f64
+        (0..m).map(ratio_of).sum::<f64>() / m as f64
     }
 }
 
-/// Cross-validates a form; the fits begin at `fitted`, that of all points. `None` with fewer than ten points, points of which
-/// four fifths cannot carry the trend, no output of any variance, or a fold that cannot be conditioned.
+/// Cross-validates a form; the fits start from `fitted`, the correlation of all points. `None` with fewer
+/// than ten points, if four fifths of the points cannot carry the trend, without any output of positive
+/// variance, or if a fold cannot be conditioned.
 pub(super) fn cross_validate(
     training: TrainingSet<'_>,
     form: Form,
@@ -63,14 +72,14 @@ pub(super) fn cross_validate(
     if n < LEAST_POINTS || !carried || outputs.is_empty() {
         return None;
     }
-    let folds: Option<Vec<Left>> = (0..FOLDS)
+    let folds: Option<Vec<FoldErrors>> = (0..FOLDS)
         .into_par_iter()
-        .map(|fold| leave_out(training, form, fitted, |i: &usize| i % FOLDS == fold))
+        .map(|fold| predict_fold(training, form, fitted, |i: &usize| i % FOLDS == fold))
         .collect();
     let mut log_densities = vec![0.0; n];
     let mut sums = vec![0.0; spreads.len()];
     let mut squares = Mat::full(n, spreads.len(), 1.0);
-    for Left { places, errors, variances } in folds? {
+    for FoldErrors { places, errors, variances } in folds? {
         for o in &outputs {
             for (i, place) in places.iter().enumerate() {
                 let (square, variance) = (errors[(i, *o)].powi(2), variances[(i, *o)]);
@@ -84,25 +93,27 @@ pub(super) fn cross_validate(
     Some(CrossValidation { log_densities, q2, squares })
 }
 
-/// What one fold came to.
-struct Left {
-    /// Its points.
+/// Errors of the predictions of one fold.
+struct FoldErrors {
+    /// Indices of its points.
     places: Vec<usize>,
-    /// Errors of their predictions, and the variances predicted of those `(places, m)`.
+    /// Errors of the predictions `(places, m)`.
     errors: Mat<f64>,
+    /// Predicted variances of the errors, noise included `(places, m)`.
     variances: Mat<f64>,
 }
 
-fn leave_out(
+/// Predicts the points that `out` selects by a surrogate fitted to the others.
+fn predict_fold(
     training: TrainingSet<'_>,
     form: Form,
     fitted: &Correlation,
     out: impl Fn(&usize) -> bool,
-) -> Option<Left> {
+) -> Option<FoldErrors> {
     let n = training.points.ncols();
     let (places, kept): (Vec<usize>, Vec<usize>) = (0..n).partition(out);
     let (points, values) = (columns(training.points, &kept), rows(training.values, &kept));
-    let noise = training.noise.map(|noise| noise.of(&kept));
+    let noise = training.noise.map(|noise| noise.subset(&kept));
     let rest = TrainingSet { points: points.as_ref(), values: values.as_ref(), noise: noise.as_ref() };
     let correlation = refit(rest, form, fitted);
     let model =
@@ -119,7 +130,7 @@ fn leave_out(
     let variances = Mat::from_fn(places.len(), m, |i, o| {
         model.sigma2()[o] * (prediction.variance_factor[i] + noise(places[i]))
     });
-    Some(Left { places, errors, variances })
+    Some(FoldErrors { places, errors, variances })
 }
 
 fn columns(of: MatRef<'_, f64>, chosen: &[usize]) -> Mat<f64> {
@@ -137,7 +148,8 @@ mod tests {
 
     const D: usize = 30;
 
-    /// Thirty variables that matter less and less, two of them together, and noise: many lengths for few points.
+    /// Thirty variables that matter less and less, two of them together, and noise: many lengths for few
+    /// points.
     fn drawn(n: usize, first: usize) -> (Mat<f64>, Mat<f64>) {
         let uniform = |i: usize, k: usize| {
             let x = ((first + i) as f64 * 12.9898 + k as f64 * 78.233).sin() * 43_758.545_3;

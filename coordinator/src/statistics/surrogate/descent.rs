@@ -1,4 +1,10 @@
-//! One descent of the likelihood by L-BFGS over bounded logarithms.
+//! One descent of the likelihood by L-BFGS over the free numbers of [`Bounds`].
+//!
+//! # Source
+//! L-BFGS: Liu, Nocedal (1989), On the limited memory BFGS method for large scale optimization, Mathematical
+//! Programming
+//! 45. Line search: More, Thuente (1994), Line search algorithms with guaranteed sufficient decrease, ACM
+//!     Transactions on Mathematical Software 20(3).
 
 use super::bounds::Bounds;
 use super::likelihood::Workspace;
@@ -8,31 +14,35 @@ use argmin::solver::linesearch::MoreThuenteLineSearch;
 use argmin::solver::quasinewton::LBFGS;
 use std::cell::RefCell;
 
-/// Change of f per iteration below which the optimum counts as found; 1e-6 n is 2 ln L, far inside its confidence.
+/// Change of f per iteration below which the optimum counts as found; 1e-6 n in 2 ln L is far inside its
+/// confidence region.
 const VALUE_TOLERANCE: f64 = 1e-6;
-/// Stored corrections of L-BFGS: about one for each parameter of 30 variables, with whose lengths of no influence 8
-/// go down slowly.
+/// Number of corrections that L-BFGS stores: about one per parameter of 30 variables; with 8 the lengths
+/// without influence decrease slowly.
 const MEMORY: usize = 30;
 
-/// What one descent came to.
-pub(super) struct Outcome {
-    /// Best free parameters met and f there.
+/// Result of one descent.
+pub(super) struct DescentResult {
+    /// Best free parameters `(d + 1,)` or `(d + 2,)` and their f; `None` if f could not be evaluated
+    /// anywhere.
     pub best: Option<(Vec<f64>, f64)>,
+    /// Number of evaluations of the likelihood.
     pub evaluations: usize,
 }
 
-/// Goes down from `start` for at most so many iterations.
+/// Descends from the free parameters `start` for at most `iterations` iterations.
 pub(super) fn descend(
     likelihood: &Likelihood<'_>,
     bounds: Bounds,
     start: Vec<f64>,
     iterations: u64,
-) -> Outcome {
+) -> DescentResult {
     let memo = RefCell::new(Memo::default());
     let work = RefCell::new(Workspace::new(likelihood.points.ncols()));
-    let problem = Problem { likelihood, bounds, memo: &memo, work: &work };
+    let problem = LikelihoodProblem { likelihood, bounds, memo: &memo, work: &work };
     let search = MoreThuenteLineSearch::new();
-    // An error of the line search (a step into an indefinite matrix) ends the descent; the best point met counts.
+    // An error of the line search (a step to an indefinite matrix) ends the descent; the best point evaluated
+    // counts.
     let run = LBFGS::new(search, MEMORY)
         .with_tolerance_grad(1e-5)
         .and_then(|solver| solver.with_tolerance_cost(VALUE_TOLERANCE))
@@ -43,10 +53,10 @@ pub(super) fn descend(
         tracing::debug!(%error, "a descent of the likelihood ended early");
     }
     let memo = memo.into_inner();
-    Outcome { best: memo.best, evaluations: memo.evaluations }
+    DescentResult { best: memo.best, evaluations: memo.evaluations }
 }
 
-/// Last point and best point met: the optimiser asks for value and gradient separately.
+/// The last and the best point evaluated: the optimiser requests value and gradient separately.
 #[derive(Default)]
 struct Memo {
     last: Option<(Vec<f64>, LikelihoodValue)>,
@@ -54,15 +64,16 @@ struct Memo {
     evaluations: usize,
 }
 
-struct Problem<'a> {
+/// The likelihood over free parameters, as `argmin` takes it.
+struct LikelihoodProblem<'a> {
     likelihood: &'a Likelihood<'a>,
     bounds: Bounds,
     memo: &'a RefCell<Memo>,
     work: &'a RefCell<Workspace>,
 }
 
-impl Problem<'_> {
-    fn at(&self, free: &[f64]) -> Result<LikelihoodValue, Error> {
+impl LikelihoodProblem<'_> {
+    fn evaluate(&self, free: &[f64]) -> Result<LikelihoodValue, Error> {
         let mut memo = self.memo.borrow_mut();
         if let Some((point, value)) = &memo.last
             && point == free
@@ -85,18 +96,18 @@ impl Problem<'_> {
     }
 }
 
-impl CostFunction for Problem<'_> {
+impl CostFunction for LikelihoodProblem<'_> {
     type Param = Vec<f64>;
     type Output = f64;
     fn cost(&self, param: &Self::Param) -> Result<f64, Error> {
-        Ok(self.at(param)?.value)
+        Ok(self.evaluate(param)?.value)
     }
 }
 
-impl Gradient for Problem<'_> {
+impl Gradient for LikelihoodProblem<'_> {
     type Param = Vec<f64>;
     type Gradient = Vec<f64>;
     fn gradient(&self, param: &Self::Param) -> Result<Vec<f64>, Error> {
-        Ok(self.at(param)?.gradient)
+        Ok(self.evaluate(param)?.gradient)
     }
 }

@@ -1,10 +1,14 @@
-//! A surrogate conditioned on more points with the correlation it has: its factor grows by rows.
+//! A surrogate conditioned on further points with the same correlation: its factor grows by rows.
 //!
 //! With L21 = (L^-1 R12)' and L22 L22' = C22 - L21 L21' the rows of the new points are
-//! T2 = L22^-1 (F2 - L21 T) and z2 = L22^-1 (y2 - L21 z); all old rows stay bit for bit, which is what lets
-//! [`super::PredictionCache`] extend what it knows of a population.
 //!
-//! Source: Golub, Van Loan (2013), section 6.5.4.
+//!   T2 = L22^-1 (F2 - L21 T),   z2 = L22^-1 (y2 - L21 z).
+//!
+//! All old rows stay bit by bit, so [`super::PredictionCache`] can extend its cached predictions of a
+//! population.
+//!
+//! # Source
+//! Golub, Van Loan (2013), Matrix Computations, section 6.5.
 
 use super::correlation::{correlation_below, squared_norms};
 use super::factor::{cholesky, solve_lower};
@@ -13,17 +17,17 @@ use super::{Kriging, SurrogateError};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
 
-/// Least pivot of the factor: where less is left of a new point's variance of 1 it is rounding.
+/// Least squared pivot of the factor [1]: a smaller rest of a new point's variance of 1 is rounding.
 const ROUNDING: f64 = 1e-13;
 
 impl Kriging {
-    /// Conditions on the values `(k, m)` of k more points `(d, k)` too; `weights` `(k,)` are those of their noise in the scale
-    /// of the weights the model has, see [`super::NoiseShape::weights_of`]: points without weights of their own
-    /// count as 1 each.
+    /// Returns the model conditioned on the values `(k, m)` of k further points `(d, k)` as well. `weights`
+    /// `(k,)` are the weights of their noise in the scale of the model's weights, see
+    /// [`super::NoiseShape::weights_of`]; without them each new point has the weight 1.
     ///
     /// # Errors
-    /// [`SurrogateError::NotPositiveDefinite`] where the larger matrix has no factor: the nugget, which cannot be raised
-    /// without touching the old rows, is then too small, and [`Kriging::condition`] is to be used.
+    /// [`SurrogateError::NotPositiveDefinite`] if the larger matrix has no factor. The nugget is then too
+    /// small, and cannot be raised without changing the old rows; use [`Kriging::condition_noisy`].
     pub fn extended(
         &self,
         points: MatRef<'_, f64>,
@@ -48,7 +52,7 @@ impl Kriging {
             pivot: n + pivot,
             nugget: self.correlation.nugget,
         };
-        let l22 = cholesky(below).map_err(|at| refused(at.pivot))?;
+        let l22 = cholesky(below).map_err(|failed| refused(failed.pivot))?;
         if let Some(pivot) = (0..k).find(|i| l22[(*i, *i)].powi(2) < ROUNDING) {
             return Err(refused(pivot));
         }
@@ -61,7 +65,7 @@ impl Kriging {
 
         // The points themselves.
         let scaled = self.correlation.scale(points);
-        extended.scaled = beside(self.scaled.as_ref(), scaled.as_ref());
+        extended.scaled = concatenate(self.scaled.as_ref(), scaled.as_ref());
         extended.norms.extend(squared_norms(scaled.as_ref()));
         if let (Some(all), Some(weights)) = (&mut extended.weights, weights) {
             all.extend(weights);
@@ -74,15 +78,15 @@ impl Kriging {
             Mat::from_fn(n + k, old.ncols(), |i, o| if i < n { old[(i, o)] } else { new[(i - n, o)] })
         };
         let basis = self.trend.trend.basis(points).transpose().to_owned();
-        extended.trend = Whitened::of(self.trend.trend, rows(basis, &self.trend.t));
+        extended.trend = Whitened::from_basis(self.trend.trend, rows(basis, &self.trend.t));
         let shifted = Mat::from_fn(k, values.ncols(), |i, o| values[(i, o)] - self.shift[o]);
         extended.z = rows(shifted, &self.z);
         extended.set_trend();
         Ok(extended)
     }
 
-    /// Whether this model is `other` or what [`Kriging::extended`] made of it: the same correlation, and the same rows
-    /// bit for bit as far as `other` has them.
+    /// True if this model is `other` or an extension of it: it has the same correlation and, bit by bit, the
+    /// rows of `other`.
     pub(super) fn extends(&self, other: &Self) -> bool {
         let n = other.points();
         let same = |a: &Mat<f64>, b: &Mat<f64>| {
@@ -100,8 +104,8 @@ impl Kriging {
     }
 }
 
-/// The columns of two matrices beside each other.
-fn beside(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Mat<f64> {
+/// The columns of `a` followed by those of `b`.
+fn concatenate(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Mat<f64> {
     let n = a.ncols();
     Mat::from_fn(a.nrows(), n + b.ncols(), |k, i| if i < n { a[(k, i)] } else { b[(k, i - n)] })
 }

@@ -1,5 +1,10 @@
-//! Cholesky factor and triangular solves, sequential: below about 1000 points a parallel factorisation costs more
-//! in waiting than it gains, and the surrogates of several limit states run beside each other.
+//! Cholesky factor, triangular solves and inverses of correlation matrices, C = L L'.
+//!
+//! All are sequential: below about 1000 points a parallel factorisation costs more in waiting than it gains,
+//! and the surrogates of several limit states run in parallel.
+//!
+//! # Source
+//! Golub, Van Loan (2013), Matrix Computations, section 4.2; the kernels are those of the crate `faer`.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{LltError, cholesky_in_place, cholesky_in_place_scratch};
@@ -8,14 +13,15 @@ use faer::linalg::triangular_inverse::invert_lower_triangular;
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::{Accum, Mat, MatMut, MatRef, Par, Spec};
 
-/// The matrix has no Cholesky factor; the pivot at which it failed.
+/// The matrix has no Cholesky factor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Indefinite {
+    /// Index of the pivot at which the factorisation failed.
     pub pivot: usize,
 }
 
-/// Lower Cholesky factor L of a symmetric matrix, of which only the lower triangle is read, L L' = A; above the
-/// diagonal L is zero.
+/// Lower Cholesky factor L `(n, n)` of a symmetric matrix A = L L' `(n, n)`, of which only the lower triangle
+/// is read; zero above the diagonal.
 pub(crate) fn cholesky(mut a: Mat<f64>) -> Result<Mat<f64>, Indefinite> {
     factor_in_place(a.as_mut())?;
     for j in 1..a.ncols() {
@@ -24,7 +30,7 @@ pub(crate) fn cholesky(mut a: Mat<f64>) -> Result<Mat<f64>, Indefinite> {
     Ok(a)
 }
 
-/// Overwrites the lower triangle of A with L; nothing above it is read or written.
+/// Overwrites the lower triangle of A with L; entries above the diagonal are neither read nor written.
 pub(crate) fn factor_in_place(a: MatMut<'_, f64>) -> Result<(), Indefinite> {
     let scratch = cholesky_in_place_scratch::<f64>(a.nrows(), Par::Seq, Spec::default());
     let mut memory = MemBuffer::new(scratch);
@@ -42,12 +48,12 @@ pub(crate) fn mirror(a: &mut Mat<f64>) {
     }
 }
 
-/// Overwrites b with L^-1 b.
+/// Overwrites b `(n, k)` with L^-1 b.
 pub(crate) fn solve_lower(l: MatRef<'_, f64>, b: MatMut<'_, f64>) {
     solve_lower_triangular_in_place(l, b, Par::Seq);
 }
 
-/// Overwrites b with L'^-1 b.
+/// Overwrites b `(n, k)` with L'^-1 b.
 pub(crate) fn solve_lower_transposed(l: MatRef<'_, f64>, b: MatMut<'_, f64>) {
     solve_upper_triangular_in_place(l.transpose(), b, Par::Seq);
 }
@@ -61,12 +67,12 @@ pub(crate) fn inverse_below(l: MatRef<'_, f64>) -> Mat<f64> {
     inverse
 }
 
-/// The lower triangle of L^-1; above it nothing is touched.
+/// Writes the lower triangle of L^-1; entries above the diagonal are not touched.
 pub(crate) fn invert_factor(l: MatRef<'_, f64>, l_inverse: MatMut<'_, f64>) {
     invert_lower_triangular(l_inverse, l, Par::Seq);
 }
 
-/// The lower triangle of L'^-1 L^-1 from that of L^-1; above it nothing is touched.
+/// Writes the lower triangle of L'^-1 L^-1 from that of L^-1; entries above the diagonal are not touched.
 pub(crate) fn square_of_inverse(l_inverse: MatRef<'_, f64>, inverse: MatMut<'_, f64>) {
     triangular_matmul(
         inverse,
@@ -81,7 +87,7 @@ pub(crate) fn square_of_inverse(l_inverse: MatRef<'_, f64>, inverse: MatMut<'_, 
     );
 }
 
-/// ln det(L L').
+/// ln det(L L') = 2 sum over i of ln L_ii.
 pub(crate) fn log_determinant(l: MatRef<'_, f64>) -> f64 {
     (0..l.nrows()).map(|i| 2.0 * l[(i, i)].ln()).sum()
 }

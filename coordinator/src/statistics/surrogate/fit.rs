@@ -1,76 +1,85 @@
-//! Maximum likelihood of the correlation parameters: several descents, the best of them to its end.
+//! Maximum likelihood of the correlation parameters theta_1 .. theta_d, nugget and level of the stated noise:
+//! descents from several starts, of which the best is continued to its end.
+//!
+//! The function f to be minimised is that of [`Likelihood`]. It has several local minima; with 400 points and
+//! more the starts compete on 250 of them, because the best start shows there at 3 % of the cost.
+//!
+//! # Source
+//! Multi-start maximum likelihood of Kriging: Lophaven, Nielsen, Sondergaard (2002), DACE, a Matlab Kriging
+//! toolbox; the competition of starts on a part of the points is this project's own.
 
 use super::bounds::{Bounds, NUGGET, THETA};
-use super::descent::{Outcome, descend};
+use super::descent::{DescentResult, descend};
 use super::starts::fixed_starts;
 use super::{Correlation, Form, Likelihood, NoiseShape, Trend};
 use faer::{Mat, MatRef};
 use rayon::prelude::*;
 
-/// Points from which starts are raced on a part of the points: which of them leads to the best optimum shows
-/// there already, at 3 % of the cost of 937 points.
+/// Number of points from which starts compete on a part of the points: the start that leads to the best
+/// optimum shows there already, at 3 % of the cost of 937 points.
 const RACE_FROM: usize = 400;
-/// Points of that part.
+/// Number of points of that part.
 const RACE_POINTS: usize = 250;
-/// Iterations of a raced start, and of the last descent.
+/// Most iterations of a competing start.
 const RACE: u64 = 25;
+/// Most iterations of the last descent.
 const LAST: u64 = 60;
 
-/// Least theta and nugget at which the fit to a part of the points begins: where the whole left a variable or the noise
-/// without any influence, the likelihood is flat and the part could not find otherwise.
+/// Least theta and nugget from which the fit to a part of the points starts: where all points gave a variable
+/// or the noise no influence, the likelihood is flat, and the descent would not leave it.
 const REFIT_FROM: (f64, f64) = (1e-4, 1e-6);
 
-/// How much to spend on a fit.
+/// Effort of a fit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Effort {
-    /// None: the previous parameters stay.
+    /// No fit: the previous parameters stay.
     Keep,
-    /// From the previous parameters.
+    /// One descent from the previous parameters.
     Warm,
-    /// From several fixed starts and the previous parameters.
+    /// Descents from several fixed starts and from the previous parameters.
     MultiStart,
-    /// From the fixed start of this number and the previous parameters.
+    /// Descents from the fixed start of this number and from the previous parameters.
     TwoStarts(usize),
 }
 
-/// What a surrogate is fitted to.
+/// Data to which a surrogate is fitted.
 #[derive(Debug, Clone, Copy)]
 pub struct TrainingSet<'a> {
     /// Points in standardised units `(d, n)` [1].
     pub points: MatRef<'a, f64>,
-    /// Values `(n, m)`.
+    /// Values `(n, m)` [unit of the output].
     pub values: MatRef<'a, f64>,
-    /// What the stated errors say of the points, if anything.
+    /// Noise of the points in proportion to stated errors, if it is used.
     pub noise: Option<&'a NoiseShape>,
 }
 
 impl<'a> TrainingSet<'a> {
-    /// Weights of the points' noise `(n,)`, if they differ.
+    /// Weights of the points' noise `(n,)` [1]; `None` if all are equal.
     pub fn weights(&self) -> Option<&'a [f64]> {
         self.noise.map(|noise| noise.weights.as_slice())
     }
 }
 
-/// A fitted correlation.
+/// Correlation of greatest likelihood, with figures of its fit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fitted {
-    /// The parameters.
+    /// The fitted parameters.
     pub correlation: Correlation,
-    /// f at them.
+    /// f at the fitted parameters, see [`Likelihood`].
     pub value: f64,
-    /// Likelihood evaluations spent.
+    /// Number of evaluations of the likelihood.
     pub evaluations: usize,
-    /// Starts that gave nothing usable.
+    /// Number of starts without any usable point.
     pub failed_starts: usize,
-    /// Number of the fixed start that led furthest down, if there was a race.
+    /// Number of the fixed start that reached the lowest f, if several starts competed.
     pub best_start: Option<usize>,
 }
 
-/// Correlation of greatest likelihood for a surrogate of this form.
+/// Returns the correlation of greatest likelihood for a surrogate of this form.
 ///
-/// Columns of `values` without variance carry no information on lengths and are left out; if none is left the lengths
-/// are the longest allowed. Of the previous parameters the kernel is not asked. The result depends on
-/// the data and `previous` only.
+/// Columns of the values without variance carry no information on lengths and are left out; if none remains,
+/// the lengths are the longest allowed. The kernel of `previous` is ignored. The result depends on the
+/// arguments only.
 pub fn fit_correlation(
     training: TrainingSet<'_>,
     form: Form,
@@ -87,7 +96,7 @@ pub fn fit_correlation(
     }
     let weights = training.weights();
     let likelihood = Likelihood { points: training.points, values: values.as_ref(), trend, weights };
-    let bounds = Bounds::new(kernel, d, training.noise);
+    let bounds = Bounds::new(kernel, d, training.noise.map(|noise| noise.levels));
     let to_free = |correlation: &Correlation| bounds.free(correlation);
     let mut starts: Vec<Vec<f64>> = previous.map(to_free).into_iter().collect();
     let before = starts.len();
@@ -102,15 +111,15 @@ pub fn fit_correlation(
         let outcome = descend(&likelihood, bounds, starts.swap_remove(0), LAST);
         return finish(bounds, outcome.best, outcome.evaluations, 0, None);
     }
-    // All starts side by side, each far enough to tell them apart; then the best to its end.
-    let race = |likelihood: &Likelihood<'_>| -> Vec<Outcome> {
+    // All starts in parallel, each far enough to distinguish them; then the best to its end.
+    let race = |likelihood: &Likelihood<'_>| -> Vec<DescentResult> {
         starts.into_par_iter().map(|start| descend(likelihood, bounds, start, RACE)).collect()
     };
     let whole = n < RACE_FROM;
     let outcomes = if whole { race(&likelihood) } else { race(&part_of(&likelihood).likelihood()) };
     let mut evaluations = outcomes.iter().map(|o| o.evaluations).sum();
     let failed_starts = outcomes.iter().filter(|o| o.best.is_none()).count();
-    let value_of = |outcome: &Outcome| outcome.best.as_ref().map_or(f64::INFINITY, |best| best.1);
+    let value_of = |outcome: &DescentResult| outcome.best.as_ref().map_or(f64::INFINITY, |best| best.1);
     let best_start = outcomes[before..]
         .iter()
         .enumerate()
@@ -120,18 +129,19 @@ pub fn fit_correlation(
     if let Some((free, value)) = &best {
         let last = descend(&likelihood, bounds, free.clone(), LAST);
         evaluations += last.evaluations;
-        // A part's f is not that of all points, and is not compared with it.
+        // f of a part of the points cannot be compared with f of all points.
         best = last.best.filter(|last| !whole || last.1 < *value).or(best.filter(|_| whole));
     }
     finish(bounds, best, evaluations, failed_starts, best_start)
 }
 
-/// Correlation of greatest likelihood for a part of the points, by one descent from that for all of them.
+/// Returns the correlation of greatest likelihood for a part of the points, by one descent from `whole`, that
+/// of all points.
 pub(super) fn refit(part: TrainingSet<'_>, form: Form, whole: &Correlation) -> Correlation {
     let values = standardise(part.values);
     let weights = part.weights();
     let likelihood = Likelihood { points: part.points, values: values.as_ref(), trend: form.trend, weights };
-    let bounds = Bounds::new(form.kernel, part.points.nrows(), part.noise);
+    let bounds = Bounds::new(form.kernel, part.points.nrows(), part.noise.map(|noise| noise.levels));
     let theta = whole.theta.iter().map(|theta| theta.max(REFIT_FROM.0)).collect();
     let start = Correlation { theta, nugget: whole.nugget.max(REFIT_FROM.1), ..whole.clone() };
     match values.ncols() {
@@ -143,6 +153,7 @@ pub(super) fn refit(part: TrainingSet<'_>, form: Form, whole: &Correlation) -> C
     }
 }
 
+/// The fitted correlation of the best free parameters, or a cautious one without any.
 fn finish(
     bounds: Bounds,
     best: Option<(Vec<f64>, f64)>,
@@ -158,7 +169,7 @@ fn finish(
     Fitted { correlation, value, evaluations, failed_starts, best_start }
 }
 
-/// A part of the points of a likelihood.
+/// Data of a part of the points.
 struct Part {
     points: Mat<f64>,
     values: Mat<f64>,
@@ -166,16 +177,16 @@ struct Part {
     weights: Option<Vec<f64>>,
 }
 
-/// [`RACE_POINTS`] points evenly over their order: of the initial design as of what learning added.
+/// [`RACE_POINTS`] points evenly over their order, so of the initial design and of the points added later.
 fn part_of(likelihood: &Likelihood<'_>) -> Part {
     let n = likelihood.points.ncols();
-    let of = |i: usize| i * n / RACE_POINTS;
+    let index = |i: usize| i * n / RACE_POINTS;
     let (d, m) = (likelihood.points.nrows(), likelihood.values.ncols());
     Part {
-        points: Mat::from_fn(d, RACE_POINTS, |k, i| likelihood.points[(k, of(i))]),
-        values: Mat::from_fn(RACE_POINTS, m, |i, o| likelihood.values[(of(i), o)]),
+        points: Mat::from_fn(d, RACE_POINTS, |k, i| likelihood.points[(k, index(i))]),
+        values: Mat::from_fn(RACE_POINTS, m, |i, o| likelihood.values[(index(i), o)]),
         trend: likelihood.trend,
-        weights: likelihood.weights.map(|weights| (0..RACE_POINTS).map(|i| weights[of(i)]).collect()),
+        weights: likelihood.weights.map(|weights| (0..RACE_POINTS).map(|i| weights[index(i)]).collect()),
     }
 }
 
@@ -186,7 +197,8 @@ impl Part {
     }
 }
 
-/// Columns with variance, each to mean 0 and variance 1, so that outputs of any unit weigh the same.
+/// The columns with variance, scaled to mean 0 and variance 1, so that outputs of any unit have the same
+/// weight.
 fn standardise(values: MatRef<'_, f64>) -> faer::Mat<f64> {
     let n = values.nrows() as f64;
     let columns: Vec<Vec<f64>> = values

@@ -1,4 +1,4 @@
-//! What a surrogate is made of: the kernel of its correlation and its trend.
+//! The form of a surrogate: the kernel of its correlation and its trend.
 
 use super::{Kernel, Trend};
 use crate::statistics::named;
@@ -9,30 +9,30 @@ use serde::{Deserialize, Serialize};
 pub struct Form {
     /// Kernel of the correlation.
     pub kernel: Kernel,
-    /// Trend.
+    /// Trend by generalised least squares.
     pub trend: Trend,
 }
 
-/// Kernel and trend as the user fixed them; in files, `auto` stands for a choice by cross-validation, the default of
-/// both.
+/// The forms that are allowed; by default all of them. In files, `auto` stands for a choice by
+/// cross-validation.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct FormSettings {
-    /// The kernel; `None`: by cross-validation.
+    /// The kernel; `None` lets cross-validation choose.
     #[serde(default, with = "named")]
     pub kernel: Option<Kernel>,
-    /// The trend; `None`: by cross-validation.
+    /// The trend; `None` lets cross-validation choose.
     #[serde(default, with = "named")]
     pub trend: Option<Trend>,
 }
 
 impl FormSettings {
-    /// One form and no other.
+    /// Allows one form only.
     pub fn fixed(form: Form) -> Self {
         Self { kernel: Some(form.kernel), trend: Some(form.trend) }
     }
 
-    /// The forms allowed over `n` points in `d` variables, the smoothest kernel and the simplest trend first. A trend
-    /// that the points cannot carry is replaced by the one they can.
+    /// The allowed forms for `n` points in `d` variables, the smoothest kernel and the simplest trend first.
+    /// A trend that the points cannot carry is replaced by the constant one.
     pub fn candidates(&self, d: usize, n: usize) -> Vec<Form> {
         let mut candidates = Vec::new();
         for kernel in Kernel::ALL.into_iter().filter(|kernel| self.kernel.is_none_or(|k| k == *kernel)) {
@@ -52,7 +52,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn candidates_are_what_is_open_and_can_be_carried() {
+    fn candidates_are_the_allowed_forms_that_the_points_can_carry() {
         let all = FormSettings::default();
         assert_eq!(all.candidates(10, 30).len(), 6);
         let carried = all.candidates(20, 30);

@@ -1,26 +1,29 @@
-//! Correlation functions of the scaled squared distance r2 = sum_k theta_k (x_k - x'_k)^2 with theta_k = 1 / (2 length_k^2):
+//! Correlation functions R of the scaled squared distance r2 = sum over k of theta_k (x_k - x'_k)^2 [1], with
+//! theta_k = 1 / (2 length_k^2):
 //!
 //!   Gaussian     R = exp(-r2)
 //!   Matern 5/2   R = (1 + s + s^2 / 3) exp(-s),  s = sqrt(10 r2)
 //!   Matern 3/2   R = (1 + s) exp(-s),            s = sqrt(6 r2)
 //!
-//! All are radial in the scaled space, so a correlation matrix is one matrix product and one pass over its entries, and a
-//! derivative to ln theta_k is dR/dr2 theta_k (x_k - x'_k)^2: one more matrix serves all d of them.
+//! With the distance h in lengths, r2 = h^2 / 2. All three are radial in the scaled space, so a correlation
+//! matrix is one matrix product and one pass over its entries, and the derivative with respect to ln theta_k
+//! is dR/dr2 theta_k (x_k - x'_k)^2: one further matrix serves all d derivatives.
 //!
-//! Source: Rasmussen, Williams (2006), eqs. 4.9 and 4.17.
+//! # Source
+//! Rasmussen, Williams (2006), Gaussian Processes for Machine Learning, eqs. 4.9 and 4.17.
 
 use super::exponential::exp_nonpositive;
 use crate::statistics::named::named;
 
-/// How smooth the modelled function is taken to be.
+/// Correlation function, by the smoothness it assumes of the response.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 pub enum Kernel {
-    /// Derivatives of every order.
+    /// Gaussian, derivatives of every order.
     #[default]
     Gaussian,
-    /// Two derivatives.
+    /// Matern 5/2, two derivatives.
     Matern52,
-    /// One derivative.
+    /// Matern 3/2, one derivative.
     Matern32,
 }
 
@@ -28,8 +31,8 @@ pub enum Kernel {
 named!(Kernel { Gaussian = "gaussian", Matern52 = "matern52", Matern32 = "matern32" });
 
 impl Kernel {
-    /// Overwrites scaled squared distances (those below zero, which only rounding can give, count as zero) with
-    /// correlations [1].
+    /// Overwrites scaled squared distances `(n,)` [1] with correlations [1]. Negative distances, which only
+    /// rounding can give, count as zero.
     pub(crate) fn correlate(self, squares: &mut [f64]) {
         match self {
             Self::Gaussian => squares.iter_mut().for_each(|r2| *r2 = exp_nonpositive(-*r2)),
@@ -44,7 +47,8 @@ impl Kernel {
         }
     }
 
-    /// The same, and -dR/dr2 into `slopes` of the same length [1]: R itself, 5/3 (1 + s) exp(-s), 3 exp(-s).
+    /// Overwrites scaled squared distances `(n,)` [1] with correlations [1] and writes -dR/dr2 [1] to
+    /// `slopes` `(n,)`: R itself, 5/3 (1 + s) exp(-s), 3 exp(-s).
     pub(crate) fn correlate_with_slopes(self, squares: &mut [f64], slopes: &mut [f64]) {
         let pairs = squares.iter_mut().zip(slopes);
         match self {
@@ -72,7 +76,7 @@ impl Kernel {
 mod tests {
     use super::*;
 
-    fn at(kernel: Kernel, r2: f64) -> (f64, f64) {
+    fn value_and_slope(kernel: Kernel, r2: f64) -> (f64, f64) {
         let (mut value, mut slope, mut alone) = ([r2], [0.0], [r2]);
         kernel.correlate_with_slopes(&mut value, &mut slope);
         kernel.correlate(&mut alone);
@@ -92,7 +96,7 @@ mod tests {
                 (1.0 + s3) * (-s3).exp(),
             ];
             for (kernel, expected) in Kernel::ALL.into_iter().zip(expected) {
-                let found = at(kernel, 0.5 * h * h).0;
+                let found = value_and_slope(kernel, 0.5 * h * h).0;
                 assert!((found - expected).abs() <= 1e-15, "{kernel:?} {h}: {found} {expected}");
             }
         }
@@ -103,13 +107,14 @@ mod tests {
         for kernel in Kernel::ALL {
             for r2 in [0.01, 0.3, 1.0, 4.0] {
                 let step = 1e-6;
-                let numeric = (at(kernel, r2 - step).0 - at(kernel, r2 + step).0) / (2.0 * step);
-                assert!((at(kernel, r2).1 - numeric).abs() < 1e-8, "{kernel:?} {r2}: {numeric}");
+                let numeric = (value_and_slope(kernel, r2 - step).0 - value_and_slope(kernel, r2 + step).0)
+                    / (2.0 * step);
+                assert!((value_and_slope(kernel, r2).1 - numeric).abs() < 1e-8, "{kernel:?} {r2}: {numeric}");
             }
-            // At no distance the slope is finite: 1, 5/3, 3.
+            // At zero distance the slope is finite: 1, 5/3, 3.
             let expected = [1.0, 5.0 / 3.0, 3.0][kernel as usize];
-            assert_eq!(at(kernel, 0.0), (1.0, expected));
-            assert_eq!(at(kernel, -1e-17), (1.0, expected));
+            assert_eq!(value_and_slope(kernel, 0.0), (1.0, expected));
+            assert_eq!(value_and_slope(kernel, -1e-17), (1.0, expected));
         }
     }
 }

@@ -1,13 +1,20 @@
-//! Kriging conditioned on data: one factorisation, many outputs.
+//! Kriging conditioned on data: one factorisation for all outputs.
 //!
-//! With C = R + nugget I + stated W = L L', W the diagonal of the points' noise weights, w(x) = L^-1 r(x), z_o = L^-1 y_o and
-//! the trend's coefficients c_o, orthogonal columns Q and their squares D as in [`super::Trend`]'s module:
+//! With C = R + nugget I + stated W = L L', W the diagonal of the points' noise weights, w(x) = L^-1 r(x),
+//! z_o = L^-1 y_o, and the trend's coefficients c_o, orthogonal columns Q and squares D as in [`Trend`]'s
+//! module:
+//!
 //!   mean_o(x)     = f(x)' U^-1 c_o + w(x)' (z_o - Q c_o)
-//!   variance_o(x) = sigma2_o (1 - w'w + sum_k v_k^2 / D_k),  v = U^-T f(x) - Q'w
-//!   sigma2_o      = |z_o - Q c_o|^2 / (n - p + 1), p the coefficients of the trend: the slopes cost degrees of freedom
-//! The variance is that of the smooth function without the simulator's noise; its factor is common to all outputs.
+//!   variance_o(x) = sigma2_o s^2(x),   s^2(x) = 1 - w'w + sum over k of v_k^2 / D_k,   v = U^-T f(x) - Q'w
+//!   sigma2_o      = |z_o - Q c_o|^2 / (n - p + 1), p the number of trend coefficients
 //!
-//! Source: Sacks, Welch, Mitchell, Wynn (1989), eqs. 7 and 9.
+//! The variance is that of the smooth function without the simulator's noise; its factor s^2 is common to all
+//! outputs. The prediction is Gaussian for known lengths and nugget; their own uncertainty is not included,
+//! which is why cross-validation corrects the variances.
+//!
+//! # Source
+//! Sacks, Welch, Mitchell, Wynn (1989), Design and analysis of computer experiments, Statistical Science
+//! 4(4), eqs. 7 and 9.
 
 use super::bounds::NUGGET;
 use super::correlation::{correlation_below, cross_of_scaled_into, squared_norms};
@@ -22,37 +29,42 @@ use std::ops::Range;
 #[derive(Debug, Clone)]
 pub struct Kriging {
     pub(super) correlation: Correlation,
-    /// Weights of the points' noise `(n,)`, if they differ.
+    /// Weights of the points' noise `(n,)` [1]; `None` if all are equal.
     pub(super) weights: Option<Vec<f64>>,
-    /// Points times sqrt(theta) `(d, n)` and their squared norms `(n,)`.
+    /// Points times sqrt(theta) `(d, n)` [1].
     pub(super) scaled: Mat<f64>,
+    /// Squared norms of the scaled points `(n,)` [1].
     pub(super) norms: Vec<f64>,
+    /// Factor L `(n, n)`.
     pub(super) l: Mat<f64>,
     pub(super) trend: Whitened,
-    /// Taken from the outputs before anything else, as solving with values far from zero would cost digits `(m,)`.
+    /// Means of the outputs `(m,)`, subtracted first, because solving with values far from zero would cost
+    /// digits.
     pub(super) shift: Vec<f64>,
     /// z_o of the shifted values `(n, m)`.
     pub(super) z: Mat<f64>,
     /// c of the shifted values `(p, m)`.
     pub(super) coefficients: Mat<f64>,
+    /// Process variances `(m,)` [unit of the output squared].
     sigma2: Vec<f64>,
     /// z_o - Q c_o `(n, m)`.
     pub(super) residual: Mat<f64>,
+    /// Number of times the nugget was raised.
     raised: usize,
 }
 
 /// Prediction at b points.
 #[derive(Debug, Clone)]
 pub struct Prediction {
-    /// Means `(m, b)`, in the outputs' units.
+    /// Means `(m, b)` [unit of the output].
     pub mean: Mat<f64>,
-    /// Variance over sigma2 `(b,)` [1], at least 0.
+    /// Variances over sigma2 `(b,)` [1], at least 0.
     pub variance_factor: Vec<f64>,
 }
 
 impl Kriging {
-    /// Conditions on values `(n, m)` at points `(d, n)` with a constant trend. Where C has no Cholesky factor the nugget
-    /// is raised tenfold until it has; [`Kriging::raised`] counts.
+    /// Conditions a model with a constant trend on values `(n, m)` at points `(d, n)`. If C has no Cholesky
+    /// factor, the nugget is raised tenfold until it has; [`Kriging::raised`] returns how often.
     ///
     /// # Errors
     /// [`SurrogateError`] with fewer than 3 points, or if the largest nugget does not help.
@@ -64,8 +76,9 @@ impl Kriging {
         Self::condition_noisy(points, values, correlation, Trend::Constant, None)
     }
 
-    /// The same with this trend, where the points can carry it ([`Trend::carried_by`]), and the points' noise weights
-    /// `(n,)` of mean 1, see [`super::NoiseShape`]; `None`: all alike.
+    /// Conditions a model on values `(n, m)` at points `(d, n)`, with a trend, which is constant if the
+    /// points cannot carry it ([`Trend::carried_by`]), and with noise weights `(n,)` of mean 1 [1], see
+    /// [`super::NoiseShape`]; `None` for equal weights. The nugget is raised as in [`Kriging::condition`].
     ///
     /// # Errors
     /// Those of [`Kriging::condition`].
@@ -92,10 +105,10 @@ impl Kriging {
                     correlation.nugget = (10.0 * correlation.nugget).clamp(NUGGET.0, NUGGET.1);
                     raised += 1;
                 }
-                Err(at) => {
+                Err(failed) => {
                     return Err(SurrogateError::NotPositiveDefinite {
                         points: n,
-                        pivot: at.pivot,
+                        pivot: failed.pivot,
                         nugget: correlation.nugget,
                     });
                 }
@@ -120,7 +133,8 @@ impl Kriging {
         Ok(model)
     }
 
-    /// Replaces the outputs by others known at the same points `(n, m)`; the correlation and its factor stay.
+    /// Replaces the outputs by other outputs with values `(n, m)` at the same points; the correlation and its
+    /// factor stay.
     pub fn set_values(&mut self, values: MatRef<'_, f64>) {
         let n = values.nrows();
         self.shift = values.col_iter().map(|c| c.iter().sum::<f64>() / n as f64).collect();
@@ -132,18 +146,18 @@ impl Kriging {
         self.set_trend();
     }
 
-    /// Coefficients, residual and variance from z and the trend.
+    /// Computes coefficients, residual and variance from z and the trend.
     pub(super) fn set_trend(&mut self) {
         let (n, m) = self.z.shape();
         self.residual = self.z.clone();
         self.coefficients = Mat::zeros(self.trend.squares.len(), m);
         let freedom = (n + 1 - self.trend.rank()) as f64;
-        let of_output = |o: usize| {
+        let variance_of = |o: usize| {
             let column = self.residual.col_as_slice_mut(o);
             self.coefficients.col_as_slice_mut(o).copy_from_slice(&self.trend.take_from(column));
             column.iter().map(|y| y * y).sum::<f64>() / freedom
         };
-        self.sigma2 = (0..m).map(of_output).collect();
+        self.sigma2 = (0..m).map(variance_of).collect();
     }
 
     /// Number of points n.
@@ -156,7 +170,7 @@ impl Kriging {
         &self.sigma2
     }
 
-    /// The correlation in use, its nugget as raised.
+    /// The correlation in use, with the raised nugget.
     pub fn correlation(&self) -> &Correlation {
         &self.correlation
     }
@@ -166,12 +180,12 @@ impl Kriging {
         self.trend.trend
     }
 
-    /// How often the nugget had to be raised.
+    /// Number of times the nugget was raised.
     pub fn raised(&self) -> usize {
         self.raised
     }
 
-    /// r(x) for points `(d, b)`: `(n, b)`.
+    /// Correlations r(x) `(n, b)` of points `(d, b)` with the data.
     pub(super) fn correlations(&self, points: MatRef<'_, f64>) -> Mat<f64> {
         let scaled = self.correlation.scale(points);
         let mut r = Mat::zeros(self.points(), points.ncols());
@@ -180,7 +194,7 @@ impl Kriging {
         r
     }
 
-    /// r(x)' for points `(d, b)` with the points of the model from `first` on: `(b, n - first)`.
+    /// Correlations r(x)' `(b, n - first)` of points `(d, b)` with the data from `first` on.
     pub(super) fn correlations_with(&self, points: MatRef<'_, f64>, first: usize) -> Mat<f64> {
         let scaled = self.correlation.scale(points);
         let norms = squared_norms(scaled.as_ref());
@@ -190,14 +204,14 @@ impl Kriging {
         r
     }
 
-    /// w = L^-1 r(x) for points `(d, b)`: `(n, b)`.
+    /// w = L^-1 r(x) `(n, b)` of points `(d, b)`.
     pub(super) fn whitened(&self, points: MatRef<'_, f64>) -> Mat<f64> {
         let mut w = self.correlations(points);
         solve_lower(self.l.as_ref(), w.as_mut());
         w
     }
 
-    /// Means and variance factors at points `(d, b)`.
+    /// Means and variance factors at standardised points `(d, b)`.
     pub fn predict(&self, points: MatRef<'_, f64>) -> Prediction {
         let w = self.whitened(points);
         let m = self.shift.len();
@@ -208,14 +222,14 @@ impl Kriging {
         Prediction { mean, variance_factor: w.col_iter().zip(v.col_iter()).map(factor).collect() }
     }
 
-    /// Means of the outputs `outputs` alone at points `(d, b)`: `(outputs.len(), b)`, with [`Kriging::dual`] given.
-    /// Cheaper than [`Kriging::predict`]: no triangular solve, since w' L^-1 r = r(x)' C^-1 r.
+    /// Means `(outputs.len(), b)` [unit of the output] of the outputs `outputs` at points `(d, b)`; `dual` is
+    /// that of [`Kriging::dual`]. Cheaper than [`Kriging::predict`] because it needs no triangular solve.
     pub fn predict_means(&self, points: MatRef<'_, f64>, dual: &Mat<f64>, outputs: Range<usize>) -> Mat<f64> {
         let r = self.correlations(points);
         self.means(points, dual.subcols(outputs.start, outputs.len()), r.as_ref(), outputs)
     }
 
-    /// Trend and a_o' b for each output and each column of b: `(outputs.len(), b)`.
+    /// Trend plus a_o' b `(outputs.len(), b)` for each output and each column of b.
     fn means(
         &self,
         points: MatRef<'_, f64>,
@@ -225,13 +239,13 @@ impl Kriging {
     ) -> Mat<f64> {
         let coefficients = self.coefficients.subcols(outputs.start, outputs.len());
         let mut mean = Mat::from_fn(outputs.len(), points.ncols(), |o, _| self.shift[outputs.start + o]);
-        let basis = self.trend.at(points);
+        let basis = self.trend.orthogonal_basis(points);
         matmul(mean.as_mut(), Accum::Add, coefficients.transpose(), basis, 1.0, Par::Seq);
         matmul(mean.as_mut(), Accum::Add, a.transpose(), b, 1.0, Par::Seq);
         mean
     }
 
-    /// L'^-1 (z_o - Q c_o) `(n, m)`, for [`Kriging::predict_means`].
+    /// Dual coefficients L'^-1 (z_o - Q c_o) `(n, m)` for [`Kriging::predict_means`].
     pub fn dual(&self) -> Mat<f64> {
         let mut dual = self.residual.clone();
         super::factor::solve_lower_transposed(self.l.as_ref(), dual.as_mut());

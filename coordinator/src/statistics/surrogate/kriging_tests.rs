@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::statistics::surrogate::Kernel;
+use crate::statistics::surrogate::correlation::tests::cross_correlation;
 use faer::linalg::solvers::DenseSolveCore;
 
 fn points(n: usize) -> Mat<f64> {
@@ -55,8 +56,8 @@ fn means_alone_agree_with_the_whole_prediction() {
 
 #[test]
 fn noisy_values_of_one_place_are_weighted_by_their_precision() {
-    // Four simulations of the same point. The trend is unknown, so they are all there is to know: the mean is that
-    // weighted by precision, the variance over sigma2 the inverse of the summed precisions.
+    // Four simulations of the same point. The trend is unknown, so they are all there is to know: the mean is
+    // that weighted by precision, the variance over sigma2 the inverse of the summed precisions.
     let x = Mat::from_fn(2, 4, |k, _| 0.3 * k as f64);
     let y = Mat::from_fn(4, 1, |i, _| [1.0, 2.0, 4.0, 8.0][i]);
     let correlation =
@@ -121,7 +122,7 @@ fn the_trend_enters_the_variance_as_in_universal_kriging() {
     let mut c = crate::statistics::surrogate::correlation_matrix(&correlation, x.as_ref());
     correlation.add_noise(c.as_mut(), None);
     let c_inverse = c.partial_piv_lu().inverse();
-    let r = crate::statistics::surrogate::cross_correlation(&correlation, x.as_ref(), at.as_ref());
+    let r = cross_correlation(&correlation, x.as_ref(), at.as_ref());
     let basis = |x: &Mat<f64>| Trend::Linear.basis(x.as_ref()).transpose().to_owned();
     let f = basis(&x);
     let u = basis(&at).transpose() - f.transpose() * &c_inverse * &r;

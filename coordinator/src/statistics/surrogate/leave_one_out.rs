@@ -1,18 +1,25 @@
-//! Leave-one-out check of a surrogate from its factor alone, without refitting.
+//! Leave-one-out errors of a surrogate from its factor alone, without refitting.
 //!
-//! With S = C^-1 - L'^-1 Q D^-1 Q' L^-1 (C^-1 without what the trend takes), leaving point i out changes the prediction
-//! there by e_i = (S y)_i / S_ii, with variance sigma2 / S_ii (simulator noise included).
+//! With S = C^-1 - L'^-1 Q D^-1 Q' L^-1 (C^-1 without the part of the trend), the error of the prediction of
+//! point i from all other points, and the variance of that error, are
 //!
-//! Source: Dubrule (1983), Cross validation of kriging in a unique neighborhood; the predictive density,
-//! Rasmussen, Williams (2006), eqs. 5.10 to 5.12.
+//!   e_i = (S y)_i / S_ii,   variance_i = sigma2 / S_ii  (simulator noise included).
+//!
+//! The lengths and sigma2 are those of all points, which makes the figures too favourable; see
+//! `cross_validation`.
+//!
+//! # Source
+//! Dubrule (1983), Cross validation of kriging in a unique neighborhood, Mathematical Geology 15; the
+//! predictive density: Rasmussen, Williams (2006), Gaussian Processes for Machine Learning, eqs. 5.10 to
+//! 5.12.
 
 use super::Kriging;
 use super::factor::{inverse_below, solve_lower_transposed};
 use super::trend::ratio;
 use faer::MatRef;
 
-/// Least predictive variance over the variance of the values: an error that small is rounding, and a density without a
-/// bound would prefer whichever surrogate happens to round best.
+/// Least predictive variance over the variance of the values [1]: a smaller error is rounding, and an
+/// unbounded density would prefer the surrogate with the smallest rounding errors.
 pub(super) const ROUNDING: f64 = 1e-24;
 
 /// Leave-one-out figures of one output.
@@ -20,12 +27,12 @@ pub(super) const ROUNDING: f64 = 1e-24;
 pub struct LeaveOneOut {
     /// Q2 = 1 - sum e_i^2 / sum (y_i - mean)^2 [1]; 1 for an output without variance.
     pub q2: f64,
-    /// Mean of e_i^2 over its predicted variance [1]; 1 if the predicted variances are right.
+    /// Mean of e_i^2 over its predicted variance [1]; about 1 if the predicted variances are right.
     pub variance_ratio: f64,
 }
 
 impl Kriging {
-    /// Leave-one-out figures per output `(m,)`, for the values `(n, m)` the model was conditioned on.
+    /// Leave-one-out figures per output `(m,)`; `values` `(n, m)` are those the model was conditioned on.
     pub fn leave_one_out(&self, values: MatRef<'_, f64>) -> Vec<LeaveOneOut> {
         let n = self.points();
         let (kept, dual) = (self.kept_precision(), self.dual());
@@ -35,20 +42,20 @@ impl Kriging {
                 if total == 0.0 || self.sigma2()[o] == 0.0 {
                     return LeaveOneOut { q2: 1.0, variance_ratio: 1.0 };
                 }
-                let (mut squares, mut of_predicted) = (0.0, 0.0);
+                let (mut squares, mut ratio) = (0.0, 0.0);
                 for (i, s) in kept.iter().enumerate() {
                     let error = dual[(i, o)] / s;
                     squares += error * error;
-                    of_predicted += error * error * s / (self.sigma2()[o] * n as f64);
+                    ratio += error * error * s / (self.sigma2()[o] * n as f64);
                 }
-                LeaveOneOut { q2: 1.0 - squares / total, variance_ratio: of_predicted }
+                LeaveOneOut { q2: 1.0 - squares / total, variance_ratio: ratio }
             })
             .collect()
     }
 
-    /// Logarithm of the predictive density of each point's values when it is left out `(n,)`, the mean over the
-    /// outputs, with every output in units of the standard deviation of its values `(n, m)` and those that have none
-    /// left out.
+    /// Log predictive density [1] of the values of each point left out `(n,)`, mean over the outputs;
+    /// `values` `(n, m)` are those the model was conditioned on. Outputs are in units of the standard
+    /// deviation of their values; constant outputs are ignored.
     pub fn log_densities(&self, values: MatRef<'_, f64>) -> Vec<f64> {
         let (kept, dual) = (self.kept_precision(), self.dual());
         let mut densities = vec![0.0; self.points()];
@@ -68,26 +75,26 @@ impl Kriging {
         densities
     }
 
-    /// S_ii `(n,)`.
+    /// Diagonal S_ii `(n,)`.
     fn kept_precision(&self) -> Vec<f64> {
         let mut q = self.trend.q.clone();
         solve_lower_transposed(self.l.as_ref(), q.as_mut());
         let c_inverse = inverse_below(self.l.as_ref());
-        let taken = |i: usize| -> f64 {
+        let by_trend = |i: usize| -> f64 {
             q.row(i).iter().zip(&self.trend.squares).map(|(q, square)| ratio(q * q, *square)).sum()
         };
-        (0..self.points()).map(|i| c_inverse[(i, i)] - taken(i)).collect()
+        (0..self.points()).map(|i| c_inverse[(i, i)] - by_trend(i)).collect()
     }
 }
 
-/// Logarithm of the predictive density of a value whose squared error and predicted variance are these, in units of the
-/// standard deviation of all values.
+/// Log predictive density [1] of a value with the squared error `square` and the predicted `variance`, in
+/// units of the standard deviation sqrt(`spread`) of all values.
 pub(super) fn log_density(square: f64, variance: f64, spread: f64) -> f64 {
     let variance = variance / spread + ROUNDING;
     -0.5 * ((std::f64::consts::TAU * variance).ln() + square / (spread * variance))
 }
 
-/// Variance of values `(n,)`.
+/// Variance of values `(n,)`, sum (y - mean)^2 / n.
 pub(super) fn spread(values: faer::ColRef<'_, f64>) -> f64 {
     let n = values.nrows() as f64;
     let mean = values.iter().sum::<f64>() / n;

@@ -1,17 +1,24 @@
 //! Concentrated likelihood of the correlation parameters, with its analytic gradient.
 //!
-//! For each output o with values y_o, C = R(theta) + nugget I + stated W
-//! (W the diagonal of the points' weights, if the simulations state errors), F the basis of the trend, residual
-//! r_o = y_o - F beta_o with beta_o by generalised least squares and sigma2_o = r_o' C^-1 r_o / n, the value is
+//! For each of the m outputs o with values y_o `(n,)`, C = R(theta) + nugget I + stated W (W the diagonal of
+//! the points' weights, if the simulations state errors), F the basis of the trend, the residual r_o = y_o -
+//! F beta_o with beta_o by generalised least squares, and sigma2_o = r_o' C^-1 r_o / n, the value is
 //!
-//!   f = (1/m) sum_o ln sigma2_o + (1/n) ln det C,
+//!   f = (1/m) sum over o of ln sigma2_o + (1/n) ln det C,
 //!
-//! that is -2 ln L / n averaged over the m outputs, constants left out. With alpha_o = C^-1 r_o and
-//! G = C^-1 - (1/m) sum_o alpha_o alpha_o' / sigma2_o the derivative to any parameter p is (1/n) sum_ij G_ij dC_ij/dp;
-//! for ln theta_k it needs sum_ij M_ij (x_ik - x_jk)^2 = 2 sum_i s_i x_ik^2 - 2 x_k' M x_k with M = G o dR/dr2 and s its row
-//! sums, so no `(n, n, d)` array is formed.
+//! that is -2 ln L / n averaged over the outputs, without constants. With alpha_o = C^-1 r_o and G = C^-1 -
+//! (1/m) sum over o of alpha_o alpha_o' / sigma2_o, the derivative with respect to any parameter p is
 //!
-//! Source: Lophaven, Nielsen, Sondergaard (2002), DACE; Rasmussen, Williams (2006), section 5.4.1.
+//!   df/dp = (1/n) sum over i, j of G_ij dC_ij/dp.
+//!
+//! For ln theta_k it needs sum M_ij (x_ik - x_jk)^2 = 2 sum s_i x_ik^2 - 2 x_k' M x_k with M = G o dR/dr2
+//! (entry by entry) and s its row sums, so no `(n, n, d)` array is formed.
+//!
+//! Valid for Gaussian responses; sigma2 and beta are eliminated at their maximum, not integrated out.
+//!
+//! # Source
+//! Lophaven, Nielsen, Sondergaard (2002), DACE, a Matlab Kriging toolbox; the gradient: Rasmussen, Williams
+//! (2006), Gaussian Processes for Machine Learning, section 5.4.1.
 
 use super::correlation::correlation_and_slopes_into;
 use super::factor::{
@@ -22,8 +29,8 @@ use super::{Correlation, Trend};
 use faer::linalg::matmul::triangular::{BlockStructure, matmul as triangular_matmul};
 use faer::{Accum, Mat, MatRef, Par};
 
-/// Least sigma2 over the mean square of the values: a trend that explains them altogether leaves rounding only, and
-/// lengths are not to be found in that.
+/// Least sigma2 over the mean square of the values [1]: a trend that explains the values completely leaves
+/// rounding only, which carries no information on lengths.
 const ROUNDING: f64 = 1e-24;
 
 /// The data of one likelihood.
@@ -31,31 +38,33 @@ const ROUNDING: f64 = 1e-24;
 pub struct Likelihood<'a> {
     /// Points in standardised units `(d, n)` [1].
     pub points: MatRef<'a, f64>,
-    /// Values `(n, m)`, each column of some variance.
+    /// Values `(n, m)`, each column with positive variance.
     pub values: MatRef<'a, f64>,
-    /// The trend, where the points can carry it.
+    /// The trend; constant if the points cannot carry it.
     pub trend: Trend,
-    /// Weights of the points' noise `(n,)`, of mean 1, if the simulations state errors [1].
+    /// Weights of the points' noise `(n,)`, of mean 1 [1]; `None` without stated errors.
     pub weights: Option<&'a [f64]>,
 }
 
-/// Value and gradient.
+/// Value and gradient of f.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LikelihoodValue {
-    /// f, to be minimised.
+    /// The value f, to be minimised [1].
     pub value: f64,
-    /// Derivatives to ln theta_1 .. ln theta_d, to ln nugget and, where there are weights, to ln stated, `(d + 1,)` or
-    /// `(d + 2,)`.
+    /// Derivatives with respect to ln theta_1 .. ln theta_d, ln nugget and, with weights, ln stated,
+    /// `(d + 1,)` or `(d + 2,)` [1].
     pub gradient: Vec<f64>,
 }
 
-/// Three matrices `(n, n)`, of which the lower triangles are used. Their memory is kept from one evaluation to the next:
-/// getting it anew took a third of the time at n = 937.
+/// Three matrices `(n, n)`, of which the lower triangles are used. Their memory is kept between evaluations:
+/// allocation took a third of the time at n = 937.
 #[derive(Debug)]
 pub(super) struct Workspace {
     /// C, then L, then G and M.
     c: Mat<f64>,
+    /// Slopes -dR/dr2 of the correlations.
     slopes: Mat<f64>,
+    /// Inverse factor L^-1.
     l_inverse: Mat<f64>,
 }
 
@@ -66,12 +75,12 @@ impl Workspace {
 }
 
 impl Likelihood<'_> {
-    /// f and its gradient; `None` where C has no Cholesky factor in this arithmetic.
+    /// f and its gradient; `None` if C has no Cholesky factor or a value is not finite.
     pub fn evaluate(&self, correlation: &Correlation) -> Option<LikelihoodValue> {
         self.evaluate_in(&mut Workspace::new(self.points.ncols()), correlation)
     }
 
-    /// The same in the memory of the evaluation before.
+    /// f and its gradient as in [`Likelihood::evaluate`], in memory that is used again.
     pub(super) fn evaluate_in(
         &self,
         work: &mut Workspace,
@@ -131,7 +140,8 @@ impl Likelihood<'_> {
             .then_some(LikelihoodValue { value, gradient })
     }
 
-    /// sum_i s_i x_ik^2 - x_k' M x_k for every variable `(d,)`, from the lower triangle of M, whose diagonal is zero.
+    /// sum_i s_i x_ik^2 - x_k' M x_k for every variable `(d,)`, from the lower triangle of M, whose diagonal
+    /// is zero.
     fn moments(&self, below: MatRef<'_, f64>) -> Vec<f64> {
         let (d, n) = self.points.shape();
         // M times the points and times ones.
@@ -191,26 +201,26 @@ mod tests {
 
     fn compare_with_differences(likelihood: &Likelihood<'_>, kernel: Kernel) {
         let d = likelihood.points.nrows();
-        let at = |p: &[f64]| {
+        let evaluate = |p: &[f64]| {
             let theta = p[..d].iter().map(|p| p.exp()).collect();
             let correlation = Correlation { kernel, theta, nugget: p[d].exp(), stated: p[d + 1].exp() };
             likelihood.evaluate(&correlation).unwrap()
         };
         let p = [-1.0, -0.5, -2.0, -3.0, -6.0, -4.0];
-        let analytic = at(&p).gradient;
+        let analytic = evaluate(&p).gradient;
         assert_eq!(analytic.len(), d + 1 + usize::from(likelihood.weights.is_some()));
         for (k, analytic) in analytic.into_iter().enumerate() {
             let h = 1e-5;
             let (mut up, mut down) = (p, p);
             up[k] += h;
             down[k] -= h;
-            let numeric = (at(&up).value - at(&down).value) / (2.0 * h);
-            let of = (kernel, likelihood.trend, k);
+            let numeric = (evaluate(&up).value - evaluate(&down).value) / (2.0 * h);
+            let case = (kernel, likelihood.trend, k);
             assert!(
                 (numeric - analytic).abs() < 1e-6 * (1.0 + numeric.abs()),
-                "{of:?}: {numeric} {analytic}"
+                "{case:?}: {numeric} {analytic}"
             );
-            assert!(analytic.abs() > 1e-5, "{of:?}: {analytic} says nothing");
+            assert!(analytic.abs() > 1e-5, "{case:?}: {analytic} is too small for this test");
         }
     }
 }

@@ -1,75 +1,81 @@
-//! Noise of single points from the numerical errors that the simulations state.
+//! Noise of single points in proportion to the numerical errors that the simulations state.
 //!
-//! A simulation states an estimate e of the error of each of its values; the true error lies within twice the estimate
-//! in 95 % of cases. Read as a standard deviation it would give point i the noise variance e_i^2. But an estimate is a
-//! bound on all of the error, most of which is the same for neighbouring points and bends the surface instead of
-//! roughening it: no surrogate can tell that part from the truth, and it must not be smoothed away as noise. What counts
-//! as noise is the part that jumps from point to point, and how large that is the values themselves say. So the
-//! stated errors give the shape of the noise over the points,
+//! A simulation states an estimate e of the error of each of its values; the true error lies within twice the
+//! estimate in 95 % of cases. As a standard deviation it would give point i the noise variance e_i^2. But the
+//! estimate bounds the whole error, most of which is common to neighbouring points and bends the surface
+//! instead of roughening it: a surrogate cannot tell that part from the response, and must not smooth it
+//! away. Noise is only the part that jumps from point to point, whose size the values show. So the stated
+//! errors give the shape of the noise over the points,
 //!
 //!   variance_i = level w_i sigma2,   w_i = e_i^2 / mean(e^2),
 //!
-//! and the likelihood finds the level, beside a nugget that is the same everywhere; the level never exceeds the stated
-//! one. In the initial design of the default study of `flapping-wing` (120 simulations; `coordinator run --max-evaluations
-//! 120 --stated-errors full` and `fitted`, `q2` under `surrogates` in `summary.json`) the errors as standard deviations leave a
-//! leave-one-out Q2 of 0.990 for wear and of -0.20 for asymmetry, which is no surrogate at all; with fitted levels, 0.01 %
-//! and 1.2 % of the stated errors, it is 0.9999 and 0.985. That is why the level is not taken as stated.
+//! and the likelihood finds the level [1], in addition to a nugget common to all points; the level never
+//! exceeds the stated one, mean(e^2) over the variance of the values.
 //!
-//! Over the checkpoints that matter e_i^2 is averaged in units of each checkpoint's variance of values, so that one
-//! factorisation serves them all: in the default study of `flapping-wing` the stated errors of one output at 62, 64, 66,
-//! 68 and 70 thousand cycles correlate over the points to within rounding (1.00).
+//! Why the level is not the stated one: in the initial design of the default study of `flapping-wing` (120
+//! simulations; `coordinator run --max-evaluations 120 --stated-errors full` and `fitted`, `q2` under
+//! `surrogates` in `summary.json`) the errors as standard deviations give a leave-one-out Q2 of 0.990 for
+//! wear and of -0.20 for asymmetry, no surrogate at all; with fitted levels, 0.01 % and 1.2 % of the stated
+//! errors, Q2 is 0.9999 and 0.985.
 //!
-//! Source: a diagonal of its own for every point, Ankenman, Nelson, Staum (2010), Stochastic kriging, eq. 3.
+//! Over the checkpoints that matter, e_i^2 is averaged in units of each checkpoint's variance of values, so
+//! that one factorisation serves them all: in the default study of `flapping-wing` the stated errors of one
+//! output at 62, 64, 66, 68 and 70 thousand cycles correlate over the points to within rounding (1.00).
+//!
+//! # Source
+//! A noise variance for every point: Ankenman, Nelson, Staum (2010), Stochastic kriging for simulation
+//! metamodeling, Operations Research 58(2).
 
 use super::bounds::NUGGET;
 use crate::statistics::named::named;
 use faer::{ColRef, MatRef};
 
-/// Mean stated variance over that of the values below which there is nothing to model: at this level the nugget's
-/// lower bound already stands for it.
+/// Mean stated variance over the variance of the values [1] below which stated errors are ignored: the lower
+/// bound of the nugget already covers them.
 const NEGLIGIBLE: f64 = 1e-9;
 
-/// What a surrogate makes of the stated errors.
+/// Use of the stated errors by a surrogate.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum StatedErrors {
-    /// Nothing: all points have the same noise.
+    /// Not used: all points have the same noise.
     Ignored,
-    /// Shape of the noise; its level by likelihood, at most the stated one.
+    /// Used as the shape of the noise; its level is found by likelihood, at most the stated one.
     #[default]
     Fitted,
-    /// Standard deviations as they stand, with the variance of the values in the place of the process variance.
+    /// Used as standard deviations of the noise, with the variance of the values instead of the process
+    /// variance.
     Full,
 }
 
 named!(StatedErrors { Ignored = "ignored", Fitted = "fitted", Full = "full" });
 
-/// How the noise spreads over the points, and between which levels.
+/// Noise in proportion to stated errors: its weights over the points and the bounds of its level.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NoiseShape {
-    /// w_i `(n,)` of mean 1 [1].
+    /// Weights w_i of the points `(n,)`, of mean 1 [1].
     pub weights: Vec<f64>,
-    /// Bounds of [`super::Correlation::stated`]; equal if it is held [1].
+    /// Bounds of the level, [`super::Correlation::stated`] [1]; equal if it is held.
     pub levels: (f64, f64),
     /// Mean stated variance over the variance of the values [1].
     pub mean: f64,
-    /// Variances of the values by column `(a,)`, zero for those that say nothing [unit of the column squared].
+    /// Variances of the values by column `(a,)` [unit of the column squared]; zero for constant columns.
     variances: Vec<f64>,
 }
 
 impl NoiseShape {
-    /// From values `(n, a)` and the errors stated of them, same shape. `None` where they are to be ignored, are
-    /// negligible beside the spread of the values, or the values have no spread.
-    pub fn new(values: MatRef<'_, f64>, errors: MatRef<'_, f64>, reading: StatedErrors) -> Option<Self> {
-        if reading == StatedErrors::Ignored {
+    /// From values `(n, a)` and their stated errors `(n, a)` [unit of the column]. `None` if the errors are
+    /// not used, or are negligible against the spread of the values, or if the values have no spread.
+    pub fn new(values: MatRef<'_, f64>, errors: MatRef<'_, f64>, usage: StatedErrors) -> Option<Self> {
+        if usage == StatedErrors::Ignored {
             return None;
         }
         let n = values.nrows();
-        let of_column = |values: ColRef<'_, f64>| {
+        let variance_of = |values: ColRef<'_, f64>| {
             let mean = values.iter().sum::<f64>() / n as f64;
             let variance = values.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / n as f64;
             if variance.sqrt() > 1e-12 * mean.abs() { variance } else { 0.0 }
         };
-        let variances: Vec<f64> = values.col_iter().map(of_column).collect();
+        let variances: Vec<f64> = values.col_iter().map(variance_of).collect();
         let mut shape = Self { weights: vec![], levels: (0.0, 0.0), mean: 1.0, variances };
         shape.weights = shape.weights_of(errors);
         shape.mean = shape.weights.iter().sum::<f64>() / n as f64;
@@ -77,7 +83,7 @@ impl NoiseShape {
             return None;
         }
         shape.weights.iter_mut().for_each(|w| *w /= shape.mean);
-        let levels = match reading {
+        let levels = match usage {
             StatedErrors::Full => (shape.mean, shape.mean),
             _ => (NUGGET.0, shape.mean.min(NUGGET.1)),
         };
@@ -85,18 +91,13 @@ impl NoiseShape {
         Some(shape)
     }
 
-    /// That of some of the points.
-    pub(super) fn of(&self, points: &[usize]) -> Self {
+    /// The shape over some of the points.
+    pub(super) fn subset(&self, points: &[usize]) -> Self {
         Self { weights: points.iter().map(|i| self.weights[*i]).collect(), ..self.clone() }
     }
 
-    #[cfg(test)]
-    pub(super) fn between(levels: (f64, f64)) -> Self {
-        Self { weights: vec![], levels, mean: 1.0, variances: vec![] }
-    }
-
-    /// Weights `(k,)` of more points with the errors `(k, a)`, in the scale of those that are there: for
-    /// [`super::Kriging::extended`].
+    /// Weights `(k,)` [1] of further points with the stated errors `(k, a)`, in the scale of the present
+    /// weights, for [`super::Kriging::extended`].
     pub fn weights_of(&self, errors: MatRef<'_, f64>) -> Vec<f64> {
         let columns = self.variances.iter().filter(|variance| **variance > 0.0).count().max(1) as f64;
         let mut weights = vec![0.0; errors.nrows()];
@@ -128,7 +129,7 @@ mod tests {
         for (w, expected) in shape.weights.iter().zip([1.0, 1.0, 1.0, 9.0]) {
             assert!((w - expected / 3.0).abs() < 1e-14);
         }
-        // What holds for the points that are there holds for others of the same errors.
+        // Further points with the same errors have the same weights.
         for (w, again) in shape.weights.iter().zip(shape.weights_of(errors.as_ref())) {
             assert!((w / again - 1.0).abs() < 1e-14);
         }
@@ -139,7 +140,8 @@ mod tests {
         assert_eq!(NoiseShape::new(values.as_ref(), errors.as_ref(), StatedErrors::Ignored), None);
     }
 
-    /// 200 points of a smooth function with noise of a tenth of the stated error, which grows along the second axis.
+    /// 200 points of a smooth function with noise of a tenth of the stated error, which grows along the
+    /// second axis.
     fn noisy() -> (Mat<f64>, Mat<f64>, Mat<f64>) {
         let n = 200;
         let x = Mat::from_fn(2, n, |k, i| {
@@ -176,7 +178,7 @@ mod tests {
         let largest = shape.weights.iter().copied().fold(0.0, f64::max);
         let std = (model.sigma2()[0] * (correlation.stated * largest + correlation.nugget)).sqrt();
         assert!((std / 0.1 - 1.0).abs() < 0.2, "{std} {correlation:?}");
-        // With one noise for all points the quiet half would be believed less than it deserves.
+        // With the same noise at all points the quiet half gets too little weight.
         let alike = fit(None);
         assert!(fitted.value < alike.value - 0.5, "{} {}", fitted.value, alike.value);
     }

@@ -1,4 +1,15 @@
-//! Joint posterior of a pool of points: which of them are wrong together, and what one more datum would settle.
+//! Joint posterior covariance of a pool of points, and its reduction by further data.
+//!
+//! Over sigma2, at p points with w = L^-1 r and v as in [`super::Kriging`]'s module,
+//!
+//!   K = R_pp - W'W + V' D^-1 V,   after a result at point j:  K - c_j c_j' / (c_jj + noise),
+//!
+//! with c_j the column j of K. It is common to all outputs of a model, and independent of their values.
+//!
+//! # Source
+//! Rasmussen, Williams (2006), Gaussian Processes for Machine Learning, sections 2.2 and 2.7; the reduction
+//! by a point without its value: Ginsbourger, Le Riche, Carraro (2010), Kriging is well-suited to parallelize
+//! optimization.
 
 use super::Kriging;
 use super::correlation::correlation_matrix;
@@ -10,13 +21,14 @@ use faer::{Accum, Mat, MatRef, Par};
 /// Posterior covariance of p points over sigma2, common to all outputs of a model.
 #[derive(Debug, Clone)]
 pub struct Posterior {
-    /// `(p, p)` [1].
+    /// K `(p, p)` [1].
     covariance: Mat<f64>,
+    /// Expected noise variance of a further result over sigma2 [1].
     noise: f64,
 }
 
 impl Posterior {
-    /// K_pp - W'W + V' D^-1 V of `model` at points `(d, p)`.
+    /// Posterior covariance of `model` at standardised points `(d, p)`.
     pub fn new(model: &Kriging, points: MatRef<'_, f64>) -> Self {
         let w = model.whitened(points);
         let v = model.trend.extrapolation(points, w.as_ref());
@@ -33,7 +45,7 @@ impl Posterior {
         self.covariance.nrows()
     }
 
-    /// Whether the pool is empty.
+    /// True without any point.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -43,22 +55,19 @@ impl Posterior {
         self.covariance[(i, i)].max(0.0)
     }
 
-    /// Variance over sigma2 that the noise of one more simulation can be expected to have [1].
+    /// Expected noise variance of a further result over sigma2 [1].
     pub fn noise(&self) -> f64 {
         self.noise
     }
 
-    /// Covariances of all points with point `j`, over sigma2 `(p,)` [1].
+    /// Covariances of all points with point `j` over sigma2 `(p,)` [1].
     pub fn column(&self, j: usize) -> &[f64] {
         self.covariance.col_as_slice(j)
     }
 
-    /// Adds point `j` to the data at fixed lengths and variance, without asking for its value: whatever it turns out
-    /// to be, the covariance shrinks by c_j c_j' / (c_jj + noise). This is the Kriging believer's step (the means stay
-    /// as predicted) at the cost of one outer product.
-    ///
-    /// # Source
-    /// Ginsbourger, Le Riche, Carraro (2010), section 3.3.
+    /// Adds point `j` to the data at fixed lengths and variance without its value: the covariance is reduced
+    /// by c_j c_j' / (c_jj + noise), whatever the value. This is the step of the Kriging believer, whose
+    /// means stay as predicted, at the cost of one outer product.
     pub fn believe(&mut self, j: usize) {
         let column = self.column(j).to_vec();
         let denominator = column[j].max(0.0) + self.noise;
@@ -71,10 +80,11 @@ impl Posterior {
         }
     }
 
-    /// Multiplies standard normal draws `(p, r)` into joint deviations from the mean over sqrt(sigma2), `(p, r)`.
+    /// Returns joint deviations from the mean over sqrt(sigma2) `(p, r)` [1], from standard normal draws
+    /// `(p, r)`.
     ///
-    /// A covariance that rounding made indefinite is lifted by 1e-10, 1e-8, ... of its largest variance; the lift is
-    /// returned too.
+    /// The diagonal is raised by 1e-12 of the largest variance, and by 1e-10, 1e-8, ... if rounding made the
+    /// covariance indefinite; the share used is returned too.
     pub fn realise(&self, normals: MatRef<'_, f64>) -> (Mat<f64>, f64) {
         let p = self.len();
         let largest = (0..p).map(|i| self.variance(i)).fold(0.0, f64::max);
@@ -86,7 +96,7 @@ impl Posterior {
             }
             match cholesky(lifted) {
                 Ok(l) => break l,
-                // All variances zero: nothing deviates.
+                // All variances are zero.
                 Err(_) if largest == 0.0 || lift > 1.0 => break Mat::zeros(p, p),
                 Err(_) => lift *= 100.0,
             }

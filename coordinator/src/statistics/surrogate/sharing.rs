@@ -1,30 +1,36 @@
-//! Whether the outputs of one limit state are as well served by one correlation as by separate ones.
+//! Comparison of one correlation for all outputs of a limit state with separate correlations.
 //!
-//! The checkpoints are split into an early and a late half; each half is fitted alone, from the shared optimum, and the
-//! leave-one-out log densities of the two are compared with those of the shared correlation, point by point. Leaving one out
-//! flatters both (see `cross_validation`), the separate ones more, as they have more lengths.
+//! The checkpoints are split into an early and a late half; each half is fitted alone, from the shared
+//! optimum, and its leave-one-out log densities are compared with those of the shared correlation, point by
+//! point. Leave-one-out at fixed lengths is too favourable to both (see `cross_validation`), and more so to
+//! the separate ones, which have more lengths.
+//!
+//! # Source
+//! Leave-one-out densities: Rasmussen, Williams (2006), Gaussian Processes for Machine Learning, eqs. 5.10 to
+//! 5.12; the comparison of halves is this project's own.
 
 use super::choice::Gain;
 use super::{Correlation, Effort, Form, Kriging, SurrogateError, TrainingSet, fit_correlation};
 
-/// Gain in mean log density [1] from which separate correlations are worth a factorisation each: 5 % of density at a
-/// point, beside twice its standard error.
+/// Gain in mean log density [1] from which separate correlations are worth a factorisation each, together
+/// with twice its standard error: 5 % of the density at a point.
 const WORTH: f64 = 0.05;
 
-/// Shared against separate correlations.
+/// Comparison of a shared correlation with separate ones.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sharing {
     /// Mean log density with one correlation for all outputs, see [`super::Candidate::log_density`] [1].
     pub shared: f64,
-    /// With one for the early and one for the late outputs [1].
+    /// Mean log density with one correlation for the early and one for the late outputs [1].
     pub separate: f64,
     /// Standard error of their difference over the points [1].
     pub standard_error: f64,
-    /// Whether separate ones are clearly better.
+    /// True if separate correlations are clearly better.
     pub separate_would_gain: bool,
 }
 
-/// Compares the correlation shared by all outputs with one for each half of them. `None` with fewer than two outputs.
+/// Compares the correlation shared by all outputs with one for each half of them. `None` with fewer than two
+/// outputs.
 ///
 /// # Errors
 /// Those of [`Kriging::condition`].
@@ -38,24 +44,24 @@ pub fn compare_sharing(
         return Ok(None);
     }
     let n = training.points.ncols();
-    let (mut together, mut apart) = (vec![0.0; n], vec![0.0; n]);
+    let (mut jointly, mut apart) = (vec![0.0; n], vec![0.0; n]);
     for (first, count) in [(0, m / 2), (m / 2, m - m / 2)] {
         let half = TrainingSet { values: training.values.subcols(first, count), ..training };
         let own = fit_correlation(half, form, Some(shared), Effort::Warm).correlation;
-        for (correlation, sum) in [(shared, &mut together), (&own, &mut apart)] {
+        for (correlation, sum) in [(shared, &mut jointly), (&own, &mut apart)] {
             let weights = half.weights();
             let model = Kriging::condition_noisy(half.points, half.values, correlation, form.trend, weights)?;
             let share = count as f64 / m as f64;
             sum.iter_mut().zip(model.log_densities(half.values)).for_each(|(sum, d)| *sum += share * d);
         }
     }
-    let gain = Gain::of(&together, &apart);
+    let gain = Gain::between(&jointly, &apart);
     let mean = |densities: &[f64]| densities.iter().sum::<f64>() / n as f64;
     Ok(Some(Sharing {
-        shared: mean(&together),
+        shared: mean(&jointly),
         separate: mean(&apart),
         standard_error: gain.standard_error,
-        separate_would_gain: gain.clear(WORTH.max(2.0 * gain.standard_error)),
+        separate_would_gain: gain.exceeds(WORTH.max(2.0 * gain.standard_error)),
     }))
 }
 

@@ -1,14 +1,19 @@
 //! The trend of a surrogate by generalised least squares.
 //!
-//! Basis functions f(x) = 1, or 1, x_1 .. x_d in standardised inputs; F `(n, p)` their values at the points. With T = L^-1 F
-//! made orthogonal column by column, T = Q U with U unit upper triangular and D = Q'Q diagonal, the trend of an output
-//! with z = L^-1 y has the coefficients c = D^-1 Q'z in the basis U^-T f(x), and what it leaves of z is z - Q c.
-//! At x with w = L^-1 r(x) the vector v = U^-T f(x) - Q'w says how far the trend is extrapolated: the variance
-//! grows by sum_k v_k^2 / D_k.
+//! The basis functions are f(x) = 1, or 1, x_1 .. x_d in standardised inputs; F `(n, p)` holds their values
+//! at the points. T = L^-1 F is made orthogonal column by column, T = Q U, with U unit upper triangular and D
+//! = Q'Q diagonal. The trend of an output with z = L^-1 y has the coefficients
+//!
+//!   c = D^-1 Q'z  in the basis U^-T f(x),
+//!
+//! and the residual z - Q c. At x with w = L^-1 r(x) the vector v = U^-T f(x) - Q'w measures the
+//! extrapolation of the trend, which enlarges the variance by sum over k of v_k^2 / D_k.
 //!
 //! A column that depends on those before it (a variable that never varies) has D_k = 0 and is left out.
 //!
-//! Source: Sacks, Welch, Mitchell, Wynn (1989), eqs. 7 and 9; modified Gram-Schmidt, twice, as in Golub, Van Loan (2013),
+//! # Source
+//! Sacks, Welch, Mitchell, Wynn (1989), Design and analysis of computer experiments, Statistical Science
+//! 4(4), eqs. 7 and 9; modified Gram-Schmidt, applied twice: Golub, Van Loan (2013), Matrix Computations,
 //! section 5.2.
 
 use super::factor::solve_lower;
@@ -17,16 +22,16 @@ use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_inverse::invert_unit_upper_triangular;
 use faer::{Accum, Mat, MatRef, Par};
 
-/// Share of a basis column's square below which what the columns before leave of it is rounding.
+/// Share of a basis column's square [1] below which its part orthogonal to the columns before is rounding.
 const DEPENDENT: f64 = 1e-18;
 
-/// Trend of a surrogate.
+/// Trend of a surrogate, by its basis functions.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 pub enum Trend {
-    /// One unknown mean.
+    /// Constant trend: an unknown mean.
     #[default]
     Constant,
-    /// An unknown mean and an unknown slope for every variable.
+    /// Linear trend: an unknown mean and an unknown slope for every variable.
     Linear,
 }
 
@@ -34,7 +39,8 @@ pub enum Trend {
 named!(Trend { Constant = "constant", Linear = "linear" });
 
 impl Trend {
-    /// What `n` points in `d` variables can carry: a linear trend needs d + 1 < n / 2, with fewer it is constant.
+    /// The trend that `n` points in `d` variables can carry: a linear trend needs d + 1 < n / 2, with fewer
+    /// points it is constant.
     pub fn carried_by(self, d: usize, n: usize) -> Self {
         if self == Self::Linear && 2 * (d + 1) < n { Self::Linear } else { Self::Constant }
     }
@@ -47,7 +53,7 @@ impl Trend {
         }
     }
 
-    /// Values of the basis functions at points `(d, b)`: `(p, b)`.
+    /// Values of the basis functions `(p, b)` at standardised points `(d, b)`.
     pub(crate) fn basis(self, points: MatRef<'_, f64>) -> Mat<f64> {
         Mat::from_fn(self.functions(points.nrows()), points.ncols(), |k, i| {
             if k == 0 { 1.0 } else { points[(k - 1, i)] }
@@ -58,34 +64,35 @@ impl Trend {
 /// The trend over the points of one factor L.
 #[derive(Debug, Clone)]
 pub(super) struct Whitened {
+    /// Basis functions.
     pub trend: Trend,
     /// T = L^-1 F `(n, p)`.
     pub t: Mat<f64>,
-    /// Q `(n, p)`; zero where a column depends on those before.
+    /// Q `(n, p)`; a column that depends on those before is zero.
     pub q: Mat<f64>,
-    /// D `(p,)`; zero likewise.
+    /// D `(p,)`; zero for a dependent column.
     pub squares: Vec<f64>,
-    /// U^-T `(p, p)`.
+    /// Transformation U^-T `(p, p)` to the orthogonal basis.
     to_orthogonal: Mat<f64>,
 }
 
 impl Whitened {
-    /// Of points `(d, n)` whose C has the factor `l`.
+    /// The trend over points `(d, n)` whose C has the factor `l` `(n, n)`.
     pub fn new(trend: Trend, points: MatRef<'_, f64>, l: MatRef<'_, f64>) -> Self {
         let mut t = trend.basis(points).transpose().to_owned();
         solve_lower(l, t.as_mut());
-        Self::of(trend, t)
+        Self::from_basis(trend, t)
     }
 
-    /// From T itself.
-    pub fn of(trend: Trend, t: Mat<f64>) -> Self {
+    /// The trend from T `(n, p)`.
+    pub fn from_basis(trend: Trend, t: Mat<f64>) -> Self {
         let p = t.ncols();
         let mut q = t.clone();
         let mut u = Mat::<f64>::identity(p, p);
         let mut squares = vec![0.0; p];
         for k in 0..p {
             let whole = q.col(k).squared_norm_l2();
-            // The second pass takes what rounding left by the first; a single column needs neither.
+            // The second pass removes what rounding left after the first; a single column needs neither.
             for _ in 0..2 {
                 for before in 0..k {
                     let (q_before, q_k) = q.two_cols_mut(before, k);
@@ -106,45 +113,45 @@ impl Whitened {
         Self { trend, t, q, squares, to_orthogonal: inverse.transpose().to_owned() }
     }
 
-    /// How many coefficients are estimated.
+    /// Number of coefficients that are estimated.
     pub fn rank(&self) -> usize {
         self.squares.iter().filter(|square| **square > 0.0).count()
     }
 
-    /// Takes the trend out of z `(n,)`; its coefficients c `(p,)`.
+    /// Subtracts the trend from z `(n,)` and returns its coefficients c `(p,)`.
     pub fn take_from(&self, z: &mut [f64]) -> Vec<f64> {
-        let of = |(q, square): (faer::ColRef<'_, f64>, &f64)| {
+        let take_column = |(q, square): (faer::ColRef<'_, f64>, &f64)| {
             let coefficient = ratio(q.iter().zip(z.iter()).map(|(q, z)| z * q).sum(), *square);
             z.iter_mut().zip(q.iter()).for_each(|(z, q)| *z -= coefficient * q);
             coefficient
         };
-        self.q.col_iter().zip(&self.squares).map(of).collect()
+        self.q.col_iter().zip(&self.squares).map(take_column).collect()
     }
 
-    /// Orthogonal basis U^-T f at points `(d, b)`: `(p, b)`.
-    pub fn at(&self, points: MatRef<'_, f64>) -> Mat<f64> {
+    /// Orthogonal basis U^-T f `(p, b)` at standardised points `(d, b)`.
+    pub fn orthogonal_basis(&self, points: MatRef<'_, f64>) -> Mat<f64> {
         &self.to_orthogonal * self.trend.basis(points)
     }
 
-    /// v = U^-T f - Q'w `(p, b)` at points `(d, b)` with w `(n, b)`.
+    /// v = U^-T f - Q'w `(p, b)` at standardised points `(d, b)`, from w `(n, b)`.
     pub fn extrapolation(&self, points: MatRef<'_, f64>, w: MatRef<'_, f64>) -> Mat<f64> {
-        let mut v = self.at(points);
+        let mut v = self.orthogonal_basis(points);
         matmul(v.as_mut(), Accum::Add, self.q.transpose(), w, -1.0, Par::Seq);
         v
     }
 
-    /// v from u = f - T'w instead of from points: U^-T u `(p, b)`.
+    /// v = U^-T u `(p, b)`, from u = f - T'w `(p, b)`.
     pub fn orthogonal(&self, u: MatRef<'_, f64>) -> Mat<f64> {
         &self.to_orthogonal * u
     }
 
-    /// sum_k v_k^2 / D_k of one column of v.
+    /// sum over k of v_k^2 / D_k [1] of one column of v `(p,)`.
     pub fn variance(&self, v: faer::ColRef<'_, f64>) -> f64 {
         v.iter().zip(&self.squares).map(|(v, square)| ratio(v * v, *square)).sum()
     }
 }
 
-/// a / b, nothing where b is nothing.
+/// a / b; 0 unless b is positive.
 pub(super) fn ratio(a: f64, b: f64) -> f64 {
     if b > 0.0 { a / b } else { 0.0 }
 }
@@ -169,7 +176,7 @@ mod tests {
             let (one, two) = (1.0 + 0.1 * i as f64, (i as f64).sin());
             [one, two, one + two, (0.3 * i as f64).cos()][k]
         });
-        let space = Whitened::of(Trend::Linear, t.clone());
+        let space = Whitened::from_basis(Trend::Linear, t.clone());
         assert_eq!((space.rank(), space.squares[2]), (3, 0.0));
         let gram = space.q.transpose() * &space.q;
         for i in 0..4 {

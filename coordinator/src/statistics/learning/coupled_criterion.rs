@@ -1,25 +1,39 @@
-//! The learning function of each point: U per mode and checkpoint, coupled over competing modes, and the dominance
-//! weight between two of them.
+//! The coupled learning function U_c of a point over competing modes and checkpoints, and the dominance
+//! weight of two modes.
+//!
+//!   U_c(x) = min over n of min over s of U_s(x, n),   U_s as in [`Classification::u`],
+//!
+//! where a mode s is left out at a checkpoint n by which another mode has certainly failed (U >= 2): the
+//! system has failed there whatever mode s does. U_c >= 2 everywhere means that every point is classified
+//! with a risk of at most Phi(-2) per mode and checkpoint. The dominance weight of two modes is
+//!
+//!   k = (mean_2 / mean_1) (sigma_1 s_1 / (sigma_2 s_2)),
+//!
+//! the relative uncertainty of the first mode over that of the second [1].
+//!
+//! # Source
+//! U: Echard, Gayton, Lemaire (2011), AK-MCS, Structural Safety 33(2). Minimum over the components of a
+//! series system: Fauriat, Gayton (2014), AK-SYS, Reliability Engineering & System Safety 123. U_c and k for
+//! competing failures: Cui et al. (2026), China Mechanical Engineering 37(6), 1472-1485, doi
+//! 10.3969/j.issn.1004-132X.2026.06.020.
 
 use super::Classification;
 use rayon::prelude::*;
 
-/// U below which a classification counts as uncertain: Phi(-2) = 2.3 % risk of a wrong sign (Echard et al. 2011).
+/// U below which a classification counts as uncertain: Phi(-2) = 2.3 % risk of a wrong sign (Echard et al.
+/// 2011).
 pub const UNCERTAIN: f64 = 2.0;
 
-/// Coupled learning function of one point.
+/// Coupled learning functions of one point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coupled {
-    /// U_c: smallest U over checkpoints and the modes that decide the system there.
+    /// U_c: smallest U over the checkpoints and the modes that decide on the system there [1].
     pub system: f64,
-    /// Smallest U over checkpoints and all modes: what the curves of the single modes depend on.
+    /// Smallest U over the checkpoints and all modes, which decides on the curves of the single modes [1].
     pub any: f64,
 }
 
-/// Coupled learning function at every point `(N,)`.
-///
-/// The system is in series, so U_c(x, n) = min over modes of U_s(x, n), except that a mode does not count at a
-/// checkpoint by which another has certainly failed (its U >= 2): its own state then changes nothing.
+/// Coupled learning functions of every point `(N,)`, from the classifications by all modes on the same grid.
 pub fn coupled_criterion(modes: &[Classification]) -> Vec<Coupled> {
     let points = modes[0].variance_factor.len();
     (0..points).into_par_iter().map(|j| coupled(modes, j)).collect()
@@ -39,17 +53,18 @@ fn coupled(modes: &[Classification], j: usize) -> Coupled {
     smallest
 }
 
-/// Whether a mode other than `s` has failed by grid checkpoint `n` beyond doubt.
+/// True if a mode other than `s` has certainly failed at point `j` by grid checkpoint `n`: it is predicted to
+/// have failed, with U >= 2.
 pub(super) fn another_has_certainly_failed(modes: &[Classification], s: usize, j: usize, n: usize) -> bool {
     let certain = |mode: &Classification| mode.means_of(j)[n] >= mode.threshold && mode.u(j, n) >= UNCERTAIN;
     modes.iter().enumerate().any(|(other, mode)| other != s && certain(mode))
 }
 
-/// Dominance weight k of two competing modes at point `j` and grid checkpoint `n`:
-/// k = (mean_2 / mean_1) (sigma_1 / sigma_2), with the outputs and their predicted standard deviations in units of
-/// their thresholds (which then cancel): the first mode's relative uncertainty over the second's.
+/// Dominance weight k [1] of two competing modes at point `j` and grid checkpoint `n`, from means and
+/// predicted standard deviations; scaling the outputs by their thresholds would not change it.
 ///
-/// `None` unless there are exactly two modes, both with an uncertainty and a first mean that is not zero.
+/// `None` unless there are exactly two modes, both with a positive standard deviation, and a first mean other
+/// than zero.
 pub fn dominance(modes: &[Classification], j: usize, n: usize) -> Option<f64> {
     let [first, second] = modes else { return None };
     let std = |mode: &Classification| mode.sigma[n] * mode.variance_factor[j].sqrt();
@@ -74,7 +89,8 @@ pub(super) mod tests {
 
     #[test]
     fn a_mode_overtaken_by_certain_failure_does_not_call() {
-        // Point 0: mode a has certainly failed (U = 3), mode b is on its limit. Point 1: a is uncertain instead.
+        // Point 0: mode a has certainly failed (U = 3), mode b is on its limit. Point 1: a is uncertain
+        // instead.
         let a = mode(&[4.0, 2.0], &[1.0, 1.0], 1.0);
         let b = mode(&[10.0, 10.0], &[1.0, 1.0], 10.0);
         let coupled = coupled_criterion(&[a, b]);

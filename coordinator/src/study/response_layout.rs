@@ -1,50 +1,52 @@
-//! What the statistics see of an evaluation: its outputs, and those turned over whose fall below a threshold is a failure,
-//! so that failing always means reaching a threshold from below.
+//! The responses of an evaluation: its outputs, and the negatives of those outputs that fail below a
+//! threshold, so that failure always means that a response reaches its threshold from below.
 
 use super::Observed;
 use crate::statistics::learning::Mode;
 use common::scene::{Fails, LimitState, Scene};
 
-/// Which rows the statistics see, and which of them each limit state watches.
+/// The responses of a scene, and the limit states over them.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Responses {
+pub(super) struct ResponseLayout {
+    /// Number of outputs.
     outputs: usize,
-    /// Outputs that are turned over, in the order of the rows that hold them.
-    turned: Vec<usize>,
-    /// Limit states over the rows, in the scene's order.
+    /// Outputs whose negatives follow the outputs, in this order.
+    negated: Vec<usize>,
+    /// Limit states over the responses, in the order of the scene.
     pub(super) modes: Vec<Mode>,
 }
 
-impl Responses {
-    /// By the limit states of a scene. A scene none of whose outputs may fall too low has the outputs alone.
-    pub(super) fn of(scene: &Scene) -> Self {
+impl ResponseLayout {
+    /// The layout for the limit states of a scene. Without limit states that fail below, the responses are
+    /// the outputs.
+    pub(super) fn from_scene(scene: &Scene) -> Self {
         let outputs = scene.outputs.len();
-        let mut turned: Vec<usize> = Vec::new();
+        let mut negated: Vec<usize> = Vec::new();
         let mut mode = |limit: &LimitState| match limit.fails {
             Fails::Above => Mode { output: limit.output, threshold: limit.threshold },
             Fails::Below => {
-                let place = turned.iter().position(|output| *output == limit.output);
+                let place = negated.iter().position(|output| *output == limit.output);
                 let place = place.unwrap_or_else(|| {
-                    turned.push(limit.output);
-                    turned.len() - 1
+                    negated.push(limit.output);
+                    negated.len() - 1
                 });
                 Mode { output: outputs + place, threshold: -limit.threshold }
             }
         };
         let modes = scene.limit_states.iter().map(&mut mode).collect();
-        Self { outputs, turned, modes }
+        Self { outputs, negated, modes }
     }
 
-    /// Number of rows.
+    /// Number of responses.
     pub(super) fn count(&self) -> usize {
-        self.outputs + self.turned.len()
+        self.outputs + self.negated.len()
     }
 
-    /// Adds the rows that are turned over.
+    /// Appends the negated outputs to the result of an evaluation.
     pub(super) fn complete(&self, mut observed: Observed) -> Observed {
-        for output in &self.turned {
-            let turned = observed.histories[*output].iter().map(|value| -value).collect();
-            observed.histories.push(turned);
+        for output in &self.negated {
+            let negated = observed.histories[*output].iter().map(|value| -value).collect();
+            observed.histories.push(negated);
             let errors = observed.errors[*output].clone();
             observed.errors.push(errors);
         }
@@ -58,14 +60,14 @@ mod tests {
     use common::scene::SceneSource;
 
     #[test]
-    fn what_may_fall_too_low_is_turned_over_once() {
+    fn an_output_that_fails_below_is_negated_once() {
         let text = "scene = { name = \"s\" }\nsimulator = { program = [\"s\"] }\n\
             outputs = [{ name = \"a\" }, { name = \"b\" }]\n\
             limit_states = [{ name = \"1\", output = \"b\", threshold = 2, fails = \"below\" },\n\
             { name = \"2\", output = \"b\", threshold = 9 }, { name = \"3\", output = \"b\", threshold = -1, fails = \"below\" }]\n\
             variables = [{ name = \"x\", mean = 0, std = 1 }]";
         let source = SceneSource::parse(text, "s").unwrap();
-        let responses = Responses::of(source.nominal());
+        let responses = ResponseLayout::from_scene(source.nominal());
         let modes: Vec<_> = responses.modes.iter().map(|mode| (mode.output, mode.threshold)).collect();
         assert_eq!(modes, [(2, -2.0), (1, 9.0), (2, 1.0)]);
         assert_eq!(responses.count(), 3);
@@ -75,6 +77,6 @@ mod tests {
         assert_eq!(complete.errors, [[0.0], [0.5], [0.5]]);
         let mut above = source.nominal().clone();
         above.limit_states.retain(|limit| limit.fails == Fails::Above);
-        assert_eq!(Responses::of(&above).count(), 2);
+        assert_eq!(ResponseLayout::from_scene(&above).count(), 2);
     }
 }

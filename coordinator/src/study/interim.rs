@@ -1,24 +1,26 @@
-//! What is known of the reliability while a study runs, and the rows in which it is told then and at the end.
+//! The reliability during a study and at its end, as rows of the summary.
 
 use crate::results::summary::{PerLimitState, ReliabilityRow};
 use crate::statistics::reliability::{Condition, CurvePoint, reliability_curve};
 use std::collections::BTreeMap;
 
-/// Failure shares and how far they can be trusted.
+/// Failure shares with the errors known for them.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct SoFar {
-    /// `(limit states + 1, m)`, the system last.
+pub(super) struct InterimResult {
+    /// Failure shares `(limit states + 1, m)`, the system last [1].
     pub failed: Vec<Vec<f64>>,
-    /// Samples counted.
+    /// Number of samples counted.
     pub points: usize,
-    /// Surrogate error and simulator noise per curve, at ascending checkpoints; empty without surrogates.
+    /// Surrogate error with simulator noise [1] per curve, at ascending checkpoints; empty without
+    /// surrogates.
     pub surrogate: Vec<Vec<(usize, f64)>>,
-    /// What the samples are conditional on.
+    /// The event the samples are conditional on.
     pub condition: Condition,
 }
 
-impl SoFar {
-    /// One row per checkpoint, without the numerical range; `names` are those of the curves.
+impl InterimResult {
+    /// One row per checkpoint `(m,)`, without the numerical range. `names` are the names of the curves,
+    /// `cycles` `(m,)` the checkpoints [cycles].
     pub fn rows(&self, names: &[String], cycles: &[u32]) -> Vec<ReliabilityRow> {
         let none = Vec::new();
         let curves: Vec<Vec<CurvePoint>> = self

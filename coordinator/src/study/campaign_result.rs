@@ -1,0 +1,27 @@
+//! The result of an active-learning campaign.
+
+use super::classified_population::ClassifiedPopulation;
+use super::failures::Failed;
+use super::observations::Observations;
+use super::round::Assessment;
+use super::step::StopReason;
+use crate::results::summary::Round;
+
+/// Result of an active-learning campaign.
+#[derive(Debug)]
+pub struct CampaignResult {
+    /// The population classified in the last round, with the event it is conditional on.
+    pub classified: ClassifiedPopulation,
+    /// Results of all successful simulations that the surrogates use.
+    pub observations: Observations,
+    /// Surrogates and classification of the last round.
+    pub assessment: Assessment,
+    /// All rounds, in order.
+    pub rounds: Vec<Round>,
+    /// Number of evaluations, failed ones included.
+    pub evaluations: usize,
+    /// Simulations that failed for good.
+    pub failed: Vec<Failed>,
+    /// Reason for the end of learning.
+    pub stop: StopReason,
+}

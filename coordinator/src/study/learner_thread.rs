@@ -1,0 +1,63 @@
+//! The learner thread: fits and classifications run here, so that the study goes on recording results and
+//! serving workers meanwhile.
+
+use super::interim::InterimResult;
+use super::learner::Learner;
+use super::observations::ObservedOutcome;
+use super::step::{CampaignError, Step};
+use crate::results::summary::Round;
+use std::sync::mpsc::{Receiver, Sender};
+use std::time::{Duration, Instant};
+
+/// One answer of the learner.
+pub(super) struct LearnerStep {
+    /// The next step.
+    pub step: Step,
+    /// Purpose of the step in words.
+    pub purpose: String,
+    /// Rounds finished since the last answer.
+    pub rounds: Vec<Round>,
+    /// The reliability after those rounds, if there were any.
+    pub interim: Option<InterimResult>,
+    /// Time the learner took.
+    pub took: Duration,
+}
+
+/// Runs the learner until it is done, fails, or the receiver of `steps` is gone. Where it waits, it receives
+/// the next chunk of `outcomes`.
+///
+/// After each chunk the learner returns all the steps it can before it receives the next chunk, so its steps
+/// do not depend on which outcomes arrived together.
+pub(super) fn run_learner(
+    learner: &mut dyn Learner,
+    outcomes: &Receiver<Vec<ObservedOutcome>>,
+    steps: &Sender<Result<LearnerStep, CampaignError>>,
+) {
+    let mut reported = 0;
+    loop {
+        let started = Instant::now();
+        let next = learner.next_step().map(|step| LearnerStep {
+            step,
+            purpose: learner.purpose(),
+            rounds: learner.rounds()[reported..].to_vec(),
+            interim: if learner.rounds().len() > reported { learner.interim() } else { None },
+            took: started.elapsed(),
+        });
+        reported = learner.rounds().len();
+        let (ends, waits) = match &next {
+            Ok(LearnerStep { step, .. }) => (*step == Step::Done, *step == Step::Wait),
+            Err(_) => (true, false),
+        };
+        if steps.send(next).is_err() || ends {
+            return;
+        }
+        if waits {
+            let Ok(chunk) = outcomes.recv() else { return };
+            if let Err(error) = learner.record(chunk) {
+                // A study that has ended no longer receives the reason.
+                let _ = steps.send(Err(error));
+                return;
+            }
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! Tests of the surrogates by results they were not fitted to: whether a result concerns the limit, and how
+//! large the error of its prediction was.
+//!
+//! A result concerns the limit if it lies on the other side of the threshold than predicted, or nearer to it
+//! than half the predicted distance. An exploring result that does not has tested the surrogates and is not
+//! added to them: far from the limit a response may be so steep (`rp31` among the published problems, 256
+//! x^4) that no stationary correlation fits both it and the surroundings of the limit.
+
+use super::observations::{Observations, Observed};
+use super::surrogates::{ModeResults, Surrogate};
+use crate::statistics::learning::{Mode, running_maximum};
+use faer::{Mat, MatRef};
+
+impl Surrogate {
+    /// Largest error of the predictions of results that are not in the surrogate and concern the limit, in
+    /// predicted standard deviations with the [`Surrogate::inflation`] [1]; 0 without such results.
+    fn prediction_error(&self, results: &ModeResults<'_>) -> f64 {
+        let (n, all) = (self.model.points(), results.points.ncols());
+        if all == n {
+            return 0.0;
+        }
+        let prediction = self.model.predict(results.points.subcols(n, all - n));
+        let (noise, inflation) = (self.model.correlation().noise(), self.inflation());
+        let standardised_error = |i: usize, o: usize| {
+            let (value, mean) = (results.values[(n + i, o)], prediction.mean[(o, i)]);
+            let variance = self.model.sigma2()[o] * (prediction.variance_factor[i] + noise) * inflation;
+            let error = (value - mean).abs() / variance.max(f64::MIN_POSITIVE).sqrt();
+            if concerns_limit(value, mean, results.threshold) { error } else { 0.0 }
+        };
+        let pairs = (0..all - n).flat_map(|i| self.fitted_on.iter().map(move |o| (i, *o)));
+        pairs.map(|(i, o)| standardised_error(i, o)).fold(0.0, f64::max)
+    }
+}
+
+/// True if `value` lies beyond the threshold against the prediction, or at less than half the predicted
+/// distance from it.
+fn concerns_limit(value: f64, predicted: f64, threshold: f64) -> bool {
+    let (left, predicted) = (threshold - value, threshold - predicted);
+    left * predicted < 0.0 || left.abs() < 0.5 * predicted.abs()
+}
+
+/// Largest error [1] of any surrogate at the results observed since its fit, in predicted standard
+/// deviations.
+pub(super) fn largest_prediction_error(
+    surrogates: &[Surrogate],
+    modes: &[Mode],
+    observations: &Observations,
+) -> f64 {
+    let points = observations.points();
+    let error_of = |(surrogate, mode): (&Surrogate, &Mode)| {
+        let values = observations.running_maxima(mode.output);
+        let errors = observations.errors_of_running_maxima(mode.output);
+        let threshold = mode.threshold;
+        surrogate.prediction_error(&ModeResults {
+            points: &points,
+            values: &values,
+            errors: &errors,
+            threshold,
+        })
+    };
+    surrogates.iter().zip(modes).map(error_of).fold(0.0, f64::max)
+}
+
+/// True if a result at the standardised point `z` `(d,)` concerns the limit of any mode, at any checkpoint
+/// its surrogate was fitted on.
+pub(super) fn affects_limit(
+    surrogates: &[Surrogate],
+    modes: &[Mode],
+    z: &[f64],
+    observed: &Observed,
+) -> bool {
+    let point: Mat<f64> = MatRef::from_column_major_slice(z, z.len(), 1).to_owned();
+    surrogates.iter().zip(modes).any(|(surrogate, mode)| {
+        let mean = surrogate.model.predict(point.as_ref()).mean;
+        let values = running_maximum(&observed.histories[mode.output]);
+        surrogate.fitted_on.iter().any(|o| concerns_limit(values[*o], mean[(*o, 0)], mode.threshold))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::concerns_limit;
+
+    #[test]
+    fn a_result_concerns_the_limit_if_nearer_than_predicted_or_beyond() {
+        let cases =
+            [(9.0, 5.0), (10.5, 9.9), (12.0, 20.0), (9.0, 11.0)].map(|(v, p)| concerns_limit(v, p, 10.0));
+        assert_eq!(cases, [true; 4]);
+        let cases =
+            [(5.0, 5.0), (-90.0, 5.0), (6.0, 5.0), (20.0, 12.0)].map(|(v, p)| concerns_limit(v, p, 10.0));
+        assert_eq!(cases, [false; 4]);
+    }
+}
