@@ -150,7 +150,7 @@ fn predict() -> Result<String, Box<dyn std::error::Error>> {
     let block = PredictionCache::BLOCK;
     let starts: Vec<usize> = (0..POPULATION).step_by(block).collect();
 
-    // Mean and variance against the bare solve of as many right-hand sides, blocks of both in parallel.
+    // Mean and variance against the bare solve of as many right-hand sides, blocks of both alternately.
     let l = Mat::from_fn(N, N, |i, j| {
         if i == j {
             2.0
