@@ -6,19 +6,23 @@ use super::sensitivity;
 use super::study::Finished;
 use std::fmt::Write;
 
-const OPENING: &str = "# The published drive and ours
+const OPENING: &str = "# The published drive and the built-in one
 
-Made by a program; not to be edited.
+[Contents](README.md)
+
+Published: Cui et al., Reliability Analysis for Driving Mechanisms of Flapping-wing Aircrafts Considering Competitive Failure and
+Multi-source Uncertainty, China Mechanical Engineering 37(6), 2026, 1472-1485, doi 10.3969/j.issn.1004-132X.2026.06.020. This page is written by a
+program:
 
 ```sh
 coordinator run --scene flapping-wing --out study
 cargo run --release -p coordinator --example reproduction -- study > coordinator/doc/reproduction.md
 ```
 
-`flapping-wing` is a reconstruction: the publication names the mechanism, its materials, its loads in words and its results, but neither
-dimensions, masses, loads nor dampings in full. What was not published was chosen or calibrated so that published results follow. **Rows
-marked *fitted* were targets of that: their agreement shows that the model can be so, not that it foretells it.** Rows marked *free*
-were no targets.
+`flapping-wing` is a reconstruction: the publication names the mechanism, its materials, its loads in words and its results, but not all
+dimensions, masses, loads and dampings. What was not published was chosen or calibrated so that the published results follow. **Rows
+marked *fitted* were targets of that calibration: their agreement shows that the model can reproduce them, not that it predicts them.** Rows
+marked *free* were not targets.
 
 ";
 
@@ -87,9 +91,9 @@ fn write_row(out: &mut String, row: &Row, ours: Option<f64>) -> std::fmt::Result
 fn bores(out: &mut String, nominal: &Run) -> std::fmt::Result {
     writeln!(
         out,
-        "## Worn bores\n\nThe publication shows one bore of the specimens: 0.0249 mm deep at 110 deg and 0.0087 mm at 310 deg, clockwise from \
-         the leftmost point; which hinge, is not said. Of the nominal drive, after 72 000 cycles, at angles counter-clockwise \
-         in the bushing's own frame:\n\n| hinge | deepest | second peak |\n|---|---|---|"
+        "## Worn bores\n\nThe publication shows one bore of the specimens: 0.0249 mm deep at 110 deg and \
+         0.0087 mm at 310 deg, clockwise from \
+         the leftmost point; the joint is not named. The nominal drive after 72 000 cycles, at angles counter-clockwise in the frame of the bushing:\n\n| joint | deepest | second peak |\n|---|---|---|"
     )?;
     for (joint, peaks) in nominal.bores() {
         let shown = |k: usize| {
@@ -101,9 +105,10 @@ fn bores(out: &mut String, nominal: &Run) -> std::fmt::Result {
     }
     writeln!(
         out,
-        "\nHere the load pushes one way through the whole cycle, as the single published force peak asks for, so every bore wears on one side. \
-         A second peak opposite needs a load that changes its sign, like that of a flapping wing in a flow. The two hinges at the crank \
-         wear deepest, since their journal turns all the way round in every cycle.\n"
+        "\nThe simulated load has one direction through the whole cycle, as the single published force peak \
+         requires, so every bore wears on one side. A second, opposite peak needs a load that changes its \
+         sign, like that of a flapping wing in a flow. The two joints at the crank wear deepest, because \
+         their journal makes a full turn in every cycle.\n"
     )
 }
 
@@ -117,7 +122,8 @@ fn owed(
 ) -> std::fmt::Result {
     writeln!(
         out,
-        "## What the conclusions owe to the model\n\nThe nominal drive with one choice changed: largest wear and angular-velocity difference at \
+        "## Influence of modelling choices\n\nThe nominal drive with one choice changed: largest wear and \
+         angular-velocity difference at \
          64, 66 and 68 thousand cycles.\n\n\
          | | wear | | | difference | | |\n|---|---|---|---|---|---|---|\n\
          | | 64 000 | 66 000 | 68 000 | 64 000 | 66 000 | 68 000 |"
@@ -134,20 +140,22 @@ fn owed(
     }
     writeln!(
         out,
-        "\n- The contact law decides what kills the drive. `local-hertz` is the published one: the whole load on one point, which lets a vibration \
-         of the rockers grow as the bores wear. On an elastic foundation the bores carry the load over their width, wear more, and the asymmetry \
-         stays as it was.\n\
-         - Film damping decides when the vibration sets in, and no result of the publication but the asymmetry's curve tells it: it was fitted \
-         to that.\n\
-         - Numerical effort moves the difference by up to {} r/min round that of `reference`: which variant comes out how is luck, as it \
-         is from one drive to the next (see [reliability.md](reliability.md)). Wear moves by up to {} um.",
+        "\n- The contact law decides the failure mode. `local-hertz` is the published law: the whole load \
+         acts at one point, and a vibration of the rockers grows as the bores wear. On an elastic foundation \
+         the bores carry the load along an arc, wear more, and the asymmetry keeps its initial value.\n\
+         - Film damping decides when the vibration sets in. Of the published results only the asymmetry \
+         curve determines it: it was fitted to that curve.\n\
+         - Numerical effort moves the difference by up to {} r/min from that of `reference`: which variant \
+         deviates in which direction is random, as it is from one drive to the next (see \
+         [reliability.md](reliability.md)). Wear moves by up to {} um.",
         shown(numerical(nominal, variants, 1, 30.0 / std::f64::consts::PI)),
         shown(numerical(nominal, variants, 0, 1e6)),
     )?;
     if !others.is_empty() {
         writeln!(
             out,
-            "\nWhole studies with one choice changed:\n\n| | simulations | R of wear | | | R of asymmetry | | |\n|---|---|---|---|---|---|---|---|\n\
+            "\nWhole studies with one choice changed:\n\n| | simulations | R of wear | | | R of asymmetry | \
+             | |\n|---|---|---|---|---|---|---|---|\n\
              | | | 64 000 | 66 000 | 68 000 | 64 000 | 66 000 | 68 000 |"
         )?;
         for study in std::iter::once(study).chain(others) {

@@ -28,8 +28,9 @@ const FIGURES: [Figure; 4] = [
             ("journal_modulus_12", -1.0),
             ("rocker_front_length", -1.0),
         ],
-        why: "What sets the largest wear here is how fast hinges 1 and 2 wear, how wide they are and what they carry; that wear coefficient has the \
-              spread that the published curve of R asks for, so all else is small beside it. The width is not among the published six.",
+        why: "The largest wear is determined by the wear coefficient, the width and the load of joints 1 and \
+              2; that wear coefficient has the \
+              spread that the published curve of R asks for, so all other effects are small in comparison. The width is not among the published six.",
     },
     Figure {
         limit_state: "wear",
@@ -44,8 +45,9 @@ const FIGURES: [Figure; 4] = [
             ("journal_modulus_12", -1.0),
             ("rocker_front_length", -1.0),
         ],
-        why: "A wider spread lowers the failure probability where R is below a half and raises it above: the sign belongs to the life, not to the \
-              variable. What is left is no more than thirty estimates differ from zero by luck.",
+        why: "A wider spread lowers the failure probability where R is below a half and raises it above: the \
+              sign belongs to the life, not to the \
+              variable. The rest is no larger than the random scatter of thirty estimates around zero.",
     },
     Figure {
         limit_state: "asymmetry",
@@ -60,7 +62,8 @@ const FIGURES: [Figure; 4] = [
             ("rocker_front_length", 1.0),
             ("rod_length", -1.0),
         ],
-        why: "The asymmetry of this reconstruction is a vibration of the left rocker, which hinge 4 lets grow: its bore, the load and the \
+        why: "The asymmetry of this reconstruction is a vibration of the left rocker, which hinge 4 lets \
+              grow: its bore, the load and the \
               friction decide when, and the lengths hardly matter. The published order is that of the kinematic difference between the two sides, \
               which is there from the first cycle. This is the widest gap between the two models.",
     },
@@ -70,7 +73,7 @@ const FIGURES: [Figure; 4] = [
         scaled: |row| row.scaled.d_pf_d_std,
         error: |row| row.standard_error.d_pf_d_std / row.d_pf_d_std,
         signs: &[("bushing_radius_5", -1.0), ("bushing_radius_6", -1.0), ("rod_length", -1.0)],
-        why: "As above: R is above a half at this life, so spread means failures.",
+        why: "As above: R is above one half at this life, so that more spread means more failures.",
     },
 ];
 
@@ -82,8 +85,10 @@ pub fn write(out: &mut String, study: &Finished) -> std::fmt::Result {
     writeln!(out, "## Sensitivity\n")?;
     writeln!(
         out,
-        "Change of the failure probability for one standard deviation more of the mean, or for twice the standard deviation (both linearised), where the mode's R is nearest to a half, and its place among the thirty. The publication gives six variables \
-         (three) as the strongest, with their signs; its life is not said. Differences below two standard errors have no sign.\n"
+        "Change of the failure probability if the mean grows by one standard deviation, or if the standard \
+         deviation doubles (both linearised), at the life where R of the mode is nearest to one half, and \
+         rank among the thirty variables. The publication lists six (three) variables as the strongest, with \
+         their signs, without the life. Differences below two standard errors have no sign.\n"
     )?;
     for figure in &FIGURES {
         let cycles = study.half_life(figure.limit_state);
