@@ -62,10 +62,10 @@ const FIGURES: [Figure; 4] = [
             ("rocker_front_length", 1.0),
             ("rod_length", -1.0),
         ],
-        why: "The asymmetry of this reconstruction is a vibration of the left rocker, which hinge 4 lets \
-              grow: its bore, the load and the \
-              friction decide when, and the lengths hardly matter. The published order is that of the kinematic difference between the two sides, \
-              which is there from the first cycle. This is the widest gap between the two models.",
+        why: "The asymmetry of this reconstruction is a vibration of the left rocker that grows in joint 4: its \
+              bore, the load and the friction decide when, and the lengths hardly matter. The published order is \
+              that of the kinematic difference between the two sides, which exists from the first cycle. This is \
+              the largest difference between the two models.",
     },
     Figure {
         limit_state: "asymmetry",
