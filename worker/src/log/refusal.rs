@@ -3,7 +3,7 @@
 //! `tests/tests/refusals.rs` provoke each of them.
 //!
 //! Zenoh's error for a failed connection is only "unable to connect", and a listener gets no error at all; the reason
-//! appears in the log alone. [`RefusalLayer`] reads that log, independently of the level shown to the user:
+//! appears in the log alone. `RefusalLayer` reads that log, independently of the level shown to the user:
 //!
 //! - The last failed connection of this process is kept for [`last_failure`].
 //! - A refused connection to this process is logged as a warning with its cause, at the first, second, fourth, ... time:

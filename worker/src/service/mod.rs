@@ -7,14 +7,11 @@
 //!       Link (the only module of the worker that uses Zenoh)
 //! ```
 //!
-//! Several coordinators share the slots fairly ([`FairShare`]); the end or crash of one does not affect the others.
+//! Several coordinators share the slots fairly (`FairShare`); the end or crash of one does not affect the others.
 //!
 //! The worker keeps no state between work orders: a reply carries the scene with its tasks. An outcome is kept until it
-//! is acknowledged ([`UnacknowledgedResults`]), so a coordinator may stop and the connection may break at any time. The
+//! is acknowledged (`UnacknowledgedResults`), so a coordinator may stop and the connection may break at any time. The
 //! caller needs no tokio runtime; if it has one, it must be multi-threaded (a condition of Zenoh).
-//!
-//! [`FairShare`]: fair_share::FairShare
-//! [`UnacknowledgedResults`]: unacknowledged::UnacknowledgedResults
 
 mod claim_event;
 mod claim_loop;
