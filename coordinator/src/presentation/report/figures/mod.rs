@@ -22,14 +22,14 @@ use super::palette::Ink;
 use crate::results::summary::StudySummary;
 
 /// Scale of the life axes: cycles, or thousands of cycles.
-pub(in crate::presentation::report) struct LifeAxis {
+pub struct LifeAxis {
     divisor: f64,
-    pub(in crate::presentation::report) label: &'static str,
+    pub label: &'static str,
 }
 
 impl LifeAxis {
     /// The scale that suits the life of a study.
-    pub(in crate::presentation::report) fn new(summary: &StudySummary) -> Self {
+    pub fn new(summary: &StudySummary) -> Self {
         let last = summary.reliability.last().map_or(0, |row| row.cycles);
         if last >= 10_000 {
             Self { divisor: 1000.0, label: "life [1000 cycles]" }
@@ -39,13 +39,13 @@ impl LifeAxis {
     }
 
     /// Number on the axis of a life [cycles].
-    pub(in crate::presentation::report) fn place(&self, cycles: u32) -> f64 {
+    pub fn place(&self, cycles: u32) -> f64 {
         f64::from(cycles) / self.divisor
     }
 }
 
 /// Colour of a limit state, the same in every figure.
-pub(in crate::presentation::report) fn ink_of(summary: &StudySummary, name: &str) -> Ink {
+pub fn ink_of(summary: &StudySummary, name: &str) -> Ink {
     summary.limit_states.iter().position(|state| state == name).map_or(Ink::Ink, Ink::Series)
 }
 
@@ -58,17 +58,17 @@ fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
 }
 
 /// A name of a scene as part of a file's name.
-pub(in crate::presentation::report) fn file_name(name: &str) -> String {
+pub fn file_name(name: &str) -> String {
     name.chars().map(|c| if c.is_ascii_alphanumeric() || c == '-' { c } else { '-' }).collect()
 }
 
 /// An identifier as words.
-pub(in crate::presentation::report) fn words(name: &str) -> String {
+pub fn words(name: &str) -> String {
     name.replace('_', " ")
 }
 
 /// With a capital first letter.
-pub(in crate::presentation::report) fn capital(text: &str) -> String {
+pub fn capital(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
