@@ -24,7 +24,7 @@ pub enum SimulationFailure {
         gap: f64,
     },
     /// The mechanism cannot move through the whole cycle: its constraints become dependent.
-    #[error("the mechanism reaches a dead point at time {time} s, where {body} stands at {} deg: joint {joint} can follow no further", angle.to_degrees())]
+    #[error("the mechanism reaches a dead point at time {time} s, where {body} is at {} deg: joint {joint} cannot be closed beyond it", angle.to_degrees())]
     DeadPoint {
         /// Joint that opens first beyond it.
         joint: String,
@@ -36,9 +36,7 @@ pub enum SimulationFailure {
         angle: f64,
     },
     /// Ideal joints forbid the same motion twice.
-    #[error(
-        "the mechanism is over-constrained: joint {joint} forbids a motion that the joints before it forbid already"
-    )]
+    #[error("the mechanism is over-constrained: joint {joint} repeats a constraint of the joints before it")]
     OverConstrained {
         /// The first joint, in the order of the file, that depends on those before it.
         joint: String,

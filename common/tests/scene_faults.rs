@@ -203,7 +203,7 @@ fn variables() {
         ("std = \"2 um\"", "std = \"-2 um\"", "variables.clearance_crank.std"),
         ("std = \"2 um\"", "std = \"2 N\"", "is a force, expected a length"),
         ("std = \"2 um\"", "", "variables.clearance_crank.std: is missing"),
-        ("unit = \"um\"", "unit = \"N\"", "\"N\" is no unit of a length"),
+        ("unit = \"um\"", "unit = \"N\"", "\"N\" is not a unit of a length"),
         ("std = \"2 um\"", "std = \"2 um\"\nmean = \"0 um\"\nlower = \"1 um\"", "do not enclose the mean"),
         (
             "[\"joints.crank.radial_clearance\"]",

@@ -146,7 +146,10 @@ fn fits_that_cannot_be() {
             "variables.clearance_crank.fit: \"H7-e8\" is not a tolerance class",
         ),
         ("fit = \"H7\"\ndiameter = \"8 mm\"", "\"H7\" is the class of one part; a clearance needs both"),
-        ("fit = \"H7/e8\"\ndiameter = \"8 mm\"\nstd = \"2 um\"", "fit gives mean and std"),
+        (
+            "fit = \"H7/e8\"\ndiameter = \"8 mm\"\nstd = \"2 um\"",
+            "give either fit, or mean and std, not both",
+        ),
         (
             "fit = \"H7/e8\"\ndiameter = \"8 mm\"\ncapability = 0",
             ".capability: 0 is out of range, allowed: 0.1 to 10",

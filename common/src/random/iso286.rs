@@ -117,7 +117,7 @@ pub enum ToleranceError {
     },
     /// A fit whose shaft may be as large as its hole.
     #[error(
-        "{fit} at {diameter} mm has a clearance of {mean:.1} +- {three_std:.1} um (three standard deviations): the shaft may stick, and a joint needs a clearance; take a looser fit, e.g. H7/e8"
+        "{fit} at {diameter} mm has a clearance of {mean:.1} +- {three_std:.1} um (three standard deviations): the shaft may be larger than the hole; use a looser fit, e.g. H7/e8"
     )]
     NoClearance {
         /// The fit as written.

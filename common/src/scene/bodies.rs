@@ -53,7 +53,7 @@ fn drive(row: &mut Section) -> Option<Drive> {
         (None, Some(_)) => {
             let table = over_time(row, "angle", ANGLE, Repetition::GoesOn);
             if start.is_some() {
-                let message = "goes with speed; a table of the angle says itself where it starts";
+                let message = "belongs to speed; the start is the first value of the table of angles";
                 row.inconsistent("start_angle", message);
             }
             table.map(Drive::Angle)

@@ -88,7 +88,7 @@ fn check_repetitions(life: &Section, period: f64, bodies: &[BodyRow], loads: &[L
             if (advance / TAU - (advance / TAU).round()).abs() > WHOLE_TURN {
                 let advance = in_first_unit(advance, ANGLE);
                 let message =
-                    format!("advances by {advance} over a cycle, which is no whole number of turns");
+                    format!("advances by {advance} over a cycle, which is not a whole number of turns");
                 life.cx.inconsistent(format!("{place}.angle.value"), message);
             }
         }
@@ -110,7 +110,6 @@ fn check_repetitions(life: &Section, period: f64, bodies: &[BodyRow], loads: &[L
 
 fn does_not_fit(life: &Section, period: f64, place: &str, every: f64) {
     let [period, every] = [period, every].map(|time| in_first_unit(time, TIME));
-    let message =
-        format!("a cycle of {period} is no multiple of {every}, after which {place} repeats itself");
+    let message = format!("a cycle of {period} is not a multiple of {every}, the period of {place}");
     life.inconsistent("period", message);
 }

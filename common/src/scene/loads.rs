@@ -116,7 +116,7 @@ fn motor(row: &mut Section, name: String, bodies: &[BodyRow]) -> Option<Load> {
     let (stall_torque, no_load_speed) = (stall_torque?, no_load_speed?);
     if stall_torque * no_load_speed < 0.0 {
         let message =
-            "stall_torque and no_load_speed have opposite signs: the faster, the harder it would push";
+            "stall_torque and no_load_speed have opposite signs: the torque would grow with the speed";
         row.inconsistent_table(message);
         return None;
     }

@@ -337,7 +337,7 @@ fn flatten(mut own: Table, origin: &str, folder: Option<&Path>, left: usize) -> 
         return Err(single(origin, KEY, FaultKind::ExtendsTooDeep { limit: EXTENDS_LIMIT }));
     }
     let Some(name) = extends.as_str() else {
-        let message = format!("{extends} is no name of a scene or file");
+        let message = format!("{extends} is not the name of a scene or file");
         return Err(single(origin, KEY, FaultKind::Inconsistent { message }));
     };
     let (text, folder) = match (builtin::text(name), folder) {

@@ -54,7 +54,7 @@ pub(super) fn curve(row: &mut Section, key: &'static str, kind: Kind, bodies: &[
     let over = over?;
     if table.repeat && matches!(over, Over::Angle(_)) && repetitions(TAU, span(&table)).is_none() {
         let span = in_first_unit(span(&table), ANGLE);
-        let message = format!("repeats every {span}, and 360 deg is no multiple of that");
+        let message = format!("repeats every {span}, and 360 deg is not a multiple of that");
         section.inconsistent("at", message);
         return None;
     }

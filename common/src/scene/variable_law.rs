@@ -96,7 +96,7 @@ impl WrittenLaw {
         let before = row.cx.fault_count();
         let refuse = |message: &str| row.inconsistent_table(message);
         if fit && (self.has("mean") || self.has("std")) {
-            refuse("fit gives mean and std: leave these out, or the fit");
+            refuse("give either fit, or mean and std, not both");
         }
         let bounded = self.has("lower") || self.has("upper");
         match self.law {

@@ -78,7 +78,7 @@ fn variable(cx: &Context, row: &VariableRow, seen: &BTreeMap<String, Quantity>) 
                 let advice = if bare { format!("; write mean = \"{mean} {unit}\"") } else { String::new() };
                 cx.inconsistent(
                     format!("{path}.unit"),
-                    format!("\"{unit}\" is no unit of {dimension}{advice}"),
+                    format!("\"{unit}\" is not a unit of {dimension}{advice}"),
                 );
                 return None;
             }

@@ -24,7 +24,7 @@ fn drives() {
         "cam",
         "angle = {",
         "start_angle = \"3 deg\"\nangle = {",
-        "bodies.cam.start_angle: goes with speed",
+        "bodies.cam.start_angle: belongs to speed",
     );
     one_fault("crank", "mass = \"0.2 kg\"\n", "", "bodies.crank.mass: is missing, expected a mass");
     one_fault("crank", "inertia = \"1e-5 kg m^2\"\n", "", "bodies.crank.inertia: is missing");

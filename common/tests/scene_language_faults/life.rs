@@ -26,22 +26,21 @@ fn life() {
     let found = faults(life, "\"0.1 s\"", "\"0.15 s\"");
     assert_eq!(found.len(), 2, "{found:#?}");
     for (fault, body) in found.iter().zip(["crank", "cam"]) {
-        let expected = format!(
-            "life.period: a cycle of 0.15 s is no multiple of 0.1 s, after which bodies.{body} repeats"
-        );
+        let expected =
+            format!("life.period: a cycle of 0.15 s is not a multiple of 0.1 s, the period of bodies.{body}");
         assert!(fault.contains(&expected), "{fault}");
     }
     one_fault(
         "push",
         "\"50 ms\"",
         "\"30 ms\"",
-        "life.period: a cycle of 0.1 s is no multiple of 0.03 s, after which loads.push.size repeats itself",
+        "life.period: a cycle of 0.1 s is not a multiple of 0.03 s, the period of loads.push.size",
     );
     one_fault(
         "cam",
         "\"365 deg\"",
         "\"355 deg\"",
-        "bodies.cam.angle.value: advances by 350 deg over a cycle, which is no whole number of turns",
+        "bodies.cam.angle.value: advances by 350 deg over a cycle, which is not a whole number of turns",
     );
     // A motion seen once, from its start, may be cut anywhere.
     let once = EVERYTHING

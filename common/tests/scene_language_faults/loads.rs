@@ -90,7 +90,7 @@ fn loads() {
         "pull",
         "\"180 deg\"",
         "\"200 deg\"",
-        "loads.pull.size.at: repeats every 200 deg, and 360 deg is no multiple of that",
+        "loads.pull.size.at: repeats every 200 deg, and 360 deg is not a multiple of that",
     );
     one_fault(
         "twist",

@@ -48,7 +48,7 @@ pub fn first_cycle() -> CycleHistory {
         }
     };
     let force = |k: usize| {
-        let peak = if k > 4 { 9.27 } else { 5.94 };
+        let peak = if k > 4 { 9.3 } else { 5.9 };
         let bump = |t: f64| (-((t - 0.1 + 0.0008 * (k % 2) as f64) / 0.014).powi(2)).exp();
         (k.to_string(), time.iter().map(|t| 0.3 + (peak - 0.3) * bump(*t)).collect())
     };

@@ -238,7 +238,7 @@ fn evaluation(id: u64, scene: &Scene) -> Evaluation {
     };
     let joint = |k: usize| JointSummary {
         name: k.to_string(),
-        peak_force: if k > 4 { 9.27 } else { 5.94 },
+        peak_force: if k > 4 { 9.3 } else { 5.9 },
         wear_depth: depth(k),
     };
     Evaluation {
