@@ -38,7 +38,10 @@ fn every_link_and_path_exists() {
     assert_none(&missing);
 }
 
-/// The contents page links every document, and the front page links the contents page.
+/// Folder of tables that a command writes.
+const TABLES: &str = "coordinator/doc/tradeoff/";
+
+/// The contents page links every document; the front page and every page of the book link the contents page.
 #[test]
 fn the_book_is_complete() {
     let linked = |name: &str| -> Vec<String> {
@@ -50,9 +53,10 @@ fn the_book_is_complete() {
         if !contents.contains(name) {
             missing.push(format!("{CONTENTS} does not link {name}"));
         }
-    }
-    if !linked("README.md").iter().any(|target| target == CONTENTS) {
-        missing.push(format!("README.md does not link {CONTENTS}"));
+        let is_page = name.starts_with("coordinator/doc/") && !name.starts_with(TABLES);
+        if (is_page || name == "README.md") && !linked(name).iter().any(|target| target == CONTENTS) {
+            missing.push(format!("{name} does not link {CONTENTS}"));
+        }
     }
     assert_none(&missing);
 }
@@ -63,6 +67,24 @@ fn the_glossary_is_in_alphabetical_order() {
     let terms: Vec<String> = rows.iter().map(|row| row[0].to_lowercase()).collect();
     assert!(terms.len() >= 60 && rows.iter().all(|row| row.len() == 2 && !row[1].is_empty()));
     assert!(terms.is_sorted(), "{terms:?}");
+}
+
+/// An extension of each kind touches no more files than this.
+#[test]
+fn extensions_touch_few_files() {
+    let page = &documents()["coordinator/doc/extending.md"];
+    let goals =
+        [("Contact law", 5), ("Load", 4), ("Output", 5), ("Distribution", 3), ("Learning function", 3)];
+    let sections: Vec<&str> = page.split("\n## ").skip(1).collect();
+    assert_eq!(sections.len(), goals.len());
+    for (section, (title, most)) in sections.iter().zip(goals) {
+        assert!(section.starts_with(title), "{title} is expected, not {section}");
+        let numbered =
+            |line: &&str| line.split_once(". ").is_some_and(|(number, _)| number.parse::<u32>().is_ok());
+        let files = section.lines().filter(numbered).count();
+        assert!((1..=most).contains(&files), "{title}: {files} files");
+        assert!(quoted(section).iter().any(|word| word.ends_with(".rs")), "{title}: no file is named");
+    }
 }
 
 /// Each built-in scene has its section, and no other scene has one.
