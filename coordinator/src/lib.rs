@@ -56,7 +56,8 @@
 //! assert!((last.reliability["total"] - 0.734).abs() < 4.0 * last.standard_error["total"]);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
-//! More in `coordinator/examples`.
+//! More examples, run by `cargo run --release -p coordinator --example NAME`: `reliability_of_a_closure`, `scene_in_code`,
+//! `published_problems`; and `own_simulator` of the package `tests`, a simulator on the farm.
 
 pub mod analyses;
 pub mod farm;

@@ -64,7 +64,7 @@ impl Trend {
 /// The trend over the points of one factor L.
 #[derive(Debug, Clone)]
 pub(super) struct Whitened {
-    /// Basis functions.
+    /// Kind of the trend.
     pub trend: Trend,
     /// T = L^-1 F `(n, p)`.
     pub t: Mat<f64>,
