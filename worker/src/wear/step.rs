@@ -71,8 +71,6 @@ pub struct WearStep {
     under_way: Vec<f64>,
     /// Estimated error of the completed blocks, signed [m].
     behind: Vec<f64>,
-    /// Length of the last of them, and the largest share of a frozen history in its error [cycle], [m].
-    frozen: (f64, f64),
 }
 
 /// Most stages of one sub-step.
@@ -101,7 +99,6 @@ impl WearStep {
             block: 0.0,
             under_way: zero.clone(),
             behind: zero,
-            frozen: (0.0, 0.0),
         }
     }
 
@@ -119,13 +116,10 @@ impl WearStep {
     ) -> Result<(), WearStepFailed> {
         rate.rate(depth, &mut self.f1)?;
         stats.stages += 1;
-        let mut largest = 0.0_f64;
         for (i, behind) in self.behind.iter_mut().enumerate() {
-            let frozen = 0.5 * self.block * (self.f1[i] - self.f0[i]);
-            largest = largest.max(frozen.abs());
-            *behind += self.under_way[i] + frozen;
+            let freezing = 0.5 * self.block * (self.f1[i] - self.f0[i]);
+            *behind += self.under_way[i] + freezing;
         }
-        self.frozen = (self.block, largest);
         self.under_way.fill(0.0);
         std::mem::swap(&mut self.f0, &mut self.f1);
         self.block = 0.0;
@@ -136,12 +130,6 @@ impl WearStep {
     /// of all blocks but the last, signed `(points,)` [m].
     pub fn error_behind(&self) -> &[f64] {
         &self.behind
-    }
-
-    /// Length of the last block whose end was renewed [cycle], and how much having frozen its history may
-    /// have added at any control point [m].
-    pub fn frozen(&self) -> (f64, f64) {
-        self.frozen
     }
 
     /// Advances `depth` by `cycles` under the frozen history in `rate`. `mark` receives the depth at each of
