@@ -10,7 +10,6 @@
 //! # Source
 //! de Boor (1978), A Practical Guide to Splines.
 
-use crate::extremum::{largest, smallest};
 use crate::interpolate::{Cubic, PeriodicTridiagonal};
 use crate::lanes::Real;
 use std::f64::consts::TAU;
@@ -50,8 +49,6 @@ pub struct Profile {
     cubic: Vec<[f64; 4]>,
     /// Intervals per radian.
     per_radian: f64,
-    /// Lower bound of R [m].
-    smallest_radius: f64,
     /// Second derivatives at the control points times the squared spacing `(n,)` [m].
     bend: Vec<f64>,
     spline: PeriodicTridiagonal,
@@ -65,7 +62,6 @@ impl Profile {
             depth: vec![0.0; points],
             cubic: vec![[0.0; 4]; points],
             per_radian: points as f64 / TAU,
-            smallest_radius: initial_radius,
             bend: vec![0.0; points],
             spline: PeriodicTridiagonal::new(points),
         };
@@ -83,20 +79,9 @@ impl Profile {
         self.depth.len()
     }
 
-    /// A lower bound of R over the whole bore [m]: next to a deep spot the spline may dip below the initial
-    /// radius a little. The smallest Bezier ordinate of the cubics.
-    pub fn smallest_radius(&self) -> f64 {
-        self.smallest_radius
-    }
-
     /// Wear depths at the control points `(n,)` [m].
     pub fn depth(&self) -> &[f64] {
         &self.depth
-    }
-
-    /// Largest wear depth of the control points [m].
-    pub fn largest_depth(&self) -> f64 {
-        largest(self.depth.iter().copied())
     }
 
     /// Replaces the wear depths by `depth` `(n,)` [m] and recomputes the spline.
@@ -176,9 +161,6 @@ impl Profile {
             self.cubic[i] =
                 [self.initial_radius + w0, w1 - w0 - (2.0 * m0 + m1) / 6.0, 0.5 * m0, (m1 - m0) / 6.0];
         }
-        let bezier =
-            |[a, b, c, d]: &[f64; 4]| a.min(a + b / 3.0).min(a + (2.0 * b + c) / 3.0).min(a + b + c + d);
-        self.smallest_radius = smallest(self.cubic.iter().map(bezier));
     }
 }
 
@@ -273,19 +255,6 @@ mod tests {
         };
         let order = (error(18) / error(36)).log2();
         assert!((order - 4.0).abs() < 0.2, "order {order}");
-    }
-
-    #[test]
-    fn the_smallest_radius_is_a_close_lower_bound() {
-        let mut profile = Profile::round(1.5e-3, 36);
-        let mut depth = vec![0.0; 36];
-        depth[7..10].copy_from_slice(&[1e-5, 2e-5, 1e-5]);
-        profile.set_depth(&depth);
-        let smallest =
-            (0..7200).map(|k| profile.radius_at(TAU * k as f64 / 7200.0).r).fold(f64::INFINITY, f64::min);
-        assert!(smallest < 1.5e-3 - 1e-7, "the spline dips next to the spot");
-        let bound = profile.smallest_radius();
-        assert!(bound <= smallest && smallest - bound < 2e-6, "{bound} against {smallest}");
     }
 
     #[test]

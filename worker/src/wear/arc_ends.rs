@@ -135,10 +135,10 @@ impl ArcEnds {
     /// upwards, at penetration `penetration` [m], where the bore has radius `radius` [m] and slope `slope`
     /// [m/rad]. In table intervals; half a turn where the arc does not end.
     ///
-    /// A place inside the arc that wears until the circle only grazes it ends the arc there from one instant
-    /// to the next, and what lies behind it counts no more; a second patch behind the end is taken in again
-    /// where the gap between them closes. There the end, and with it the wear rate, is not a continuous
-    /// function of the profile.
+    /// Where a place inside the arc wears until the circle only grazes it, the arc ends there from one
+    /// instant to the next, and the part behind it no longer counts; a second patch behind the end joins the
+    /// arc again where the gap between them closes. There the end, and with it the wear rate, is not a
+    /// continuous function of the profile.
     pub fn find(&self, spot: &mut Spot, penetration: f64, radius: f64, slope: f64) -> (f64, f64) {
         let e = penetration + radius - self.journal_radius;
         let circle =

@@ -19,7 +19,7 @@ use std::f64::consts::TAU;
 /// moves between two samples, so that the wear rate is a smooth function of the profile.
 pub const ENTRY: f64 = 0.5 * TAU / 360.0;
 
-/// The contacts of a frozen history, and the bore they are found on.
+/// Contacts of a frozen history on a bore.
 ///
 /// The direction of the eccentricity and the penetration stay as they were, so that a sample's angle is found
 /// once for all stages of a wear step.

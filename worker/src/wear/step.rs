@@ -102,9 +102,9 @@ impl WearStep {
         }
     }
 
-    /// Finds the rate of the history now in `rate` at `depth`, which ends the block before. Half of what that
-    /// rate differs from the one the block ended with, times the block, is the error of having frozen the
-    /// history (trapezoidal against rectangular rule).
+    /// Evaluates the rate for the new contact history at `depth`; this closes the previous block, whose
+    /// freezing error is T/2 (r_new - r_old), with its length T [cycle] and the rates r [m/cycle] of the new
+    /// history and of the old one at its end (trapezoidal against rectangular rule).
     ///
     /// # Errors
     /// [`WearStepFailed`] if a frozen force has no equilibrium on that bore.
