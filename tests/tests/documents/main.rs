@@ -7,6 +7,7 @@ mod markdown;
 mod quick_study;
 mod reproduction;
 mod results;
+mod words;
 
 use markdown::{CONTENTS, anchors, assert_none, documents, links, quoted, read, root, shown_lines, target};
 
