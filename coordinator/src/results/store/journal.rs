@@ -1,10 +1,10 @@
 //! Writing of a campaign file: the journal of the study, and the results at its end.
 
+use super::value_tables::{insert_statement, write_rows, write_stated_errors};
 use super::{CampaignFile, StoreError, exact};
 use crate::farm::evaluate::{EvaluateError, Finished, Request};
 use crate::results::journal::Journal;
 use crate::results::summary::Round;
-use common::outputs::Evaluation;
 use rusqlite::types::Value;
 use rusqlite::{OptionalExtension, Transaction, params, params_from_iter};
 use serde::Serialize;
@@ -159,50 +159,6 @@ impl CampaignFile {
             .map_err(|source| self.database(source))?;
         Ok(())
     }
-}
-
-/// Whether an evaluation states an error of every value.
-fn states_errors(evaluation: &Evaluation) -> bool {
-    let lengths = |rows: &[Vec<f64>]| rows.iter().map(Vec::len).collect::<Vec<_>>();
-    lengths(&evaluation.errors) == lengths(&evaluation.histories)
-}
-
-/// Repeats the stated errors of evaluation `key` in table `output_error`; nothing where there are none.
-pub(super) fn write_stated_errors(
-    transaction: &Transaction<'_>,
-    outputs: &[String],
-    key: i64,
-    evaluation: &Evaluation,
-) -> rusqlite::Result<()> {
-    if !states_errors(evaluation) {
-        return Ok(());
-    }
-    write_rows(transaction, "output_error", outputs, key, &evaluation.cycles, &evaluation.errors)
-}
-
-/// One row per checkpoint, from values `(outputs, m)`.
-fn write_rows(
-    transaction: &Transaction<'_>,
-    table: &str,
-    outputs: &[String],
-    key: i64,
-    cycles: &[u32],
-    values: &[Vec<f64>],
-) -> rusqlite::Result<()> {
-    let sql = insert_statement(table, "evaluation, cycles", outputs);
-    let mut statement = transaction.prepare_cached(&sql)?;
-    for (row, cycles) in cycles.iter().enumerate() {
-        let own = [key.into(), i64::from(*cycles).into()].into_iter();
-        statement.execute(params_from_iter(own.chain(values.iter().map(|of| Value::from(of[row])))))?;
-    }
-    Ok(())
-}
-
-/// Names by position, values by parameter: `own` columns of the table first, then `columns`.
-fn insert_statement(table: &str, own: &str, columns: &[String]) -> String {
-    let names: Vec<&str> = own.split(", ").chain(columns.iter().map(String::as_str)).collect();
-    let places: Vec<String> = (1..=names.len()).map(|k| format!("?{k}")).collect();
-    format!("INSERT INTO {table} ({}) VALUES ({})", names.join(", "), places.join(", "))
 }
 
 /// SQLite's integers are signed; numbers of evaluations are far below their range.

@@ -4,7 +4,8 @@
 //! Version 1 kept the errors that an evaluation states in `evaluation.outcome` alone. Version 2 repeats them in the
 //! table `output_error`, which is created and filled from them. An outcome that states no errors gets no rows.
 
-use super::{StoreError, exact, journal, schema, table_columns};
+use super::value_tables::{table_columns, write_stated_errors};
+use super::{StoreError, exact, schema};
 use rusqlite::Connection;
 use std::path::Path;
 
@@ -32,7 +33,7 @@ pub fn migrate(path: &Path, connection: &mut Connection) -> Result<(), StoreErro
             reason,
         })?;
         if let Ok(evaluation) = outcome {
-            journal::write_stated_errors(&transaction, &outputs, id, &evaluation).map_err(failed)?;
+            write_stated_errors(&transaction, &outputs, id, &evaluation).map_err(failed)?;
         }
     }
     transaction.pragma_update(None, "user_version", schema::SCHEMA_VERSION).map_err(failed)?;

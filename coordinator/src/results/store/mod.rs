@@ -14,6 +14,7 @@ mod read;
 mod schema;
 #[cfg(test)]
 mod tests;
+mod value_tables;
 
 pub use error::StoreError;
 pub use read::StoredEvaluation;
@@ -152,8 +153,8 @@ impl CampaignFile {
             version: value("version")?,
         };
         let created_at = value("created_at")?;
-        let inputs = table_columns(&connection, "input").map_err(failed)?;
-        let outputs = table_columns(&connection, "output").map_err(failed)?;
+        let inputs = value_tables::table_columns(&connection, "input").map_err(failed)?;
+        let outputs = value_tables::table_columns(&connection, "output").map_err(failed)?;
         Ok(Self { connection, dir: dir.into(), meta, created_at, inputs, outputs, _lock: lock })
     }
 
@@ -261,13 +262,4 @@ fn version(path: &Path, connection: &Connection) -> Result<i64, StoreError> {
             Err(StoreError::SchemaVersion { path: path.into(), found, supported: schema::SCHEMA_VERSION })
         }
     }
-}
-
-/// Quoted names of a table's columns of values, in order.
-fn table_columns(connection: &Connection, table: &str) -> rusqlite::Result<Vec<String>> {
-    let mut statement = connection.prepare(
-        "SELECT name FROM pragma_table_info(?1) WHERE name NOT IN ('evaluation', 'cycles') ORDER BY cid",
-    )?;
-    let names = statement.query_map([table], |row| row.get::<_, String>(0))?;
-    names.map(|name| name.map(|name| format!("\"{}\"", name.replace('"', "\"\"")))).collect()
 }
