@@ -70,17 +70,18 @@ impl Profile {
     }
 
     /// Initial radius R2 [m].
-    pub fn initial_radius(&self) -> f64 {
+    pub(crate) fn initial_radius(&self) -> f64 {
         self.initial_radius
     }
 
     /// Number of control points.
-    pub fn points(&self) -> usize {
+    pub(crate) fn points(&self) -> usize {
         self.depth.len()
     }
 
     /// Wear depths at the control points `(n,)` [m].
-    pub fn depth(&self) -> &[f64] {
+    #[cfg(test)]
+    pub(crate) fn depth(&self) -> &[f64] {
         &self.depth
     }
 
@@ -98,13 +99,13 @@ impl Profile {
 
     /// Radius and derivatives in interval `interval` between control points, at its fraction `s` in [0, 1].
     #[inline(always)]
-    pub fn within(&self, interval: usize, s: f64) -> Radius {
+    pub(crate) fn within(&self, interval: usize, s: f64) -> Radius {
         cubic_at(self.cubic[interval], s, self.per_radian)
     }
 
     /// Radius at `x` control points from that at angle zero, in [-n, 2 n) [m].
     #[inline]
-    pub fn turned(&self, x: f64) -> f64 {
+    pub(crate) fn turned(&self, x: f64) -> f64 {
         let n = self.cubic.len();
         let from = x + n as f64;
         let floor = from as usize;
@@ -115,12 +116,12 @@ impl Profile {
 
     /// Coefficients of the cubics, R = a + s (b + s (c + s d)) in the fraction s of each interval `(n, 4)`
     /// [m].
-    pub fn cubics(&self) -> &[[f64; 4]] {
+    pub(crate) fn cubics(&self) -> &[[f64; 4]] {
         &self.cubic
     }
 
     /// Fills `table` with R at `table.len()` equal angles from 0 (a multiple of the control points) [m].
-    pub fn tabulate(&self, table: &mut [f64]) {
+    pub(crate) fn tabulate(&self, table: &mut [f64]) {
         let sub = table.len() / self.cubic.len();
         for (interval, chunk) in self.cubic.iter().zip(table.chunks_exact_mut(sub)) {
             for (j, value) in chunk.iter_mut().enumerate() {
@@ -131,7 +132,7 @@ impl Profile {
 
     /// Fills `table` as [`Self::tabulate`] does, each value moved by -R'' spacing^2 / 12, so that the chords
     /// between the values have the mean of the arcs they stand for to fourth order [m].
-    pub fn tabulate_chords(&self, table: &mut [f64]) {
+    pub(crate) fn tabulate_chords(&self, table: &mut [f64]) {
         self.tabulate(table);
         let sub = table.len() / self.cubic.len();
         for (interval, chunk) in self.cubic.iter().zip(table.chunks_exact_mut(sub)) {
@@ -203,12 +204,12 @@ pub struct Bores {
 
 impl Bores {
     /// One bore per lane, all with the same number of control points.
-    pub fn new(profiles: Vec<Profile>) -> Self {
+    pub(crate) fn new(profiles: Vec<Profile>) -> Self {
         Bores { profiles }
     }
 
     /// Replaces the bore of a lane.
-    pub fn set(&mut self, lane: usize, profile: &Profile) {
+    pub(crate) fn set(&mut self, lane: usize, profile: &Profile) {
         self.profiles[lane].clone_from(profile);
     }
 }

@@ -20,28 +20,28 @@ impl Cubic {
     /// Cubic through the values `y` `(2,)` with the slopes `d` `(2,)` at the ends of the interval, slopes per
     /// length of the interval.
     #[inline(always)]
-    pub fn hermite([y0, y1]: [f64; 2], [d0, d1]: [f64; 2]) -> Self {
+    pub(crate) fn hermite([y0, y1]: [f64; 2], [d0, d1]: [f64; 2]) -> Self {
         let rise = y1 - y0;
         Cubic([y0, d0, 3.0 * rise - 2.0 * d0 - d1, d0 + d1 - 2.0 * rise])
     }
 
     /// Value at the fraction `s`.
     #[inline(always)]
-    pub fn value(&self, s: f64) -> f64 {
+    pub(crate) fn value(&self, s: f64) -> f64 {
         let [a, b, c, d] = self.0;
         a + s * (b + s * (c + s * d))
     }
 
     /// First derivative to s at the fraction `s`.
     #[inline(always)]
-    pub fn slope(&self, s: f64) -> f64 {
+    pub(crate) fn slope(&self, s: f64) -> f64 {
         let [_, b, c, d] = self.0;
         b + s * (2.0 * c + 3.0 * s * d)
     }
 
     /// Second derivative to s at the fraction `s`.
     #[inline(always)]
-    pub fn curvature(&self, s: f64) -> f64 {
+    pub(crate) fn curvature(&self, s: f64) -> f64 {
         let [_, _, c, d] = self.0;
         2.0 * c + 6.0 * s * d
     }
@@ -49,7 +49,7 @@ impl Cubic {
 
 /// Slope at a point between two intervals of length `h0`, `h1` with secants `s0`, `s1`; zero where these have
 /// opposite signs.
-pub fn fritsch_butland([h0, h1]: [f64; 2], [s0, s1]: [f64; 2]) -> f64 {
+pub(crate) fn fritsch_butland([h0, h1]: [f64; 2], [s0, s1]: [f64; 2]) -> f64 {
     if s0 * s1 <= 0.0 {
         return 0.0;
     }
@@ -74,7 +74,7 @@ const GAMMA: f64 = -4.0;
 
 impl PeriodicTridiagonal {
     /// The matrix `(n, n)`, for n of 3 at least.
-    pub fn new(n: usize) -> Self {
+    pub(crate) fn new(n: usize) -> Self {
         let (mut inverse, mut z) = (vec![1.0 / (4.0 - GAMMA); n], vec![0.0; n]);
         for i in 1..n {
             let diagonal = if i == n - 1 { 4.0 - 1.0 / GAMMA } else { 4.0 };
@@ -87,7 +87,7 @@ impl PeriodicTridiagonal {
     }
 
     /// Replaces the right-hand side `y` `(n,)` by the solution.
-    pub fn solve(&self, y: &mut [f64]) {
+    pub(crate) fn solve(&self, y: &mut [f64]) {
         eliminate(&self.inverse, y);
         let factor = (y[0] + y[y.len() - 1] / GAMMA) * self.share;
         y.iter_mut().zip(&self.z).for_each(|(y, z)| *y -= factor * z);

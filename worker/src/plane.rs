@@ -4,38 +4,38 @@ use crate::lanes::Real;
 
 /// Inner product a . b.
 #[inline(always)]
-pub fn dot<R: Real>(a: [R; 2], b: [R; 2]) -> R {
+pub(crate) fn dot<R: Real>(a: [R; 2], b: [R; 2]) -> R {
     a[0] * b[0] + a[1] * b[1]
 }
 
 /// Component of a x b normal to the plane.
 #[inline(always)]
-pub fn cross<R: Real>(a: [R; 2], b: [R; 2]) -> R {
+pub(crate) fn cross<R: Real>(a: [R; 2], b: [R; 2]) -> R {
     a[0] * b[1] - a[1] * b[0]
 }
 
 /// The vector turned by a quarter turn to the left.
 #[inline(always)]
-pub fn left<R: Real>(a: [R; 2]) -> [R; 2] {
+pub(crate) fn left<R: Real>(a: [R; 2]) -> [R; 2] {
     [-a[1], a[0]]
 }
 
 /// Length |a| of a vector.
 #[inline(always)]
-pub fn length<R: Real>(a: [R; 2]) -> R {
+pub(crate) fn length<R: Real>(a: [R; 2]) -> R {
     (a[0] * a[0] + a[1] * a[1]).sqrt()
 }
 
 /// The vector turned by the angle with cosine and sine `cs`.
 #[inline(always)]
-pub fn turned<R: Real>(a: [R; 2], cs: [R; 2]) -> [R; 2] {
+pub(crate) fn turned<R: Real>(a: [R; 2], cs: [R; 2]) -> [R; 2] {
     let [c, s] = cs;
     [c * a[0] - s * a[1], s * a[0] + c * a[1]]
 }
 
 /// The vector turned back by the angle with cosine and sine `cs`.
 #[inline(always)]
-pub fn turned_back<R: Real>(a: [R; 2], cs: [R; 2]) -> [R; 2] {
+pub(crate) fn turned_back<R: Real>(a: [R; 2], cs: [R; 2]) -> [R; 2] {
     let [c, s] = cs;
     [c * a[0] + s * a[1], -s * a[0] + c * a[1]]
 }

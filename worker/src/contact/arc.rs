@@ -111,7 +111,7 @@ impl Integrals {
 
 impl Arc {
     /// A round bore tabulated at `intervals` intervals or more, a multiple of the control points.
-    pub fn new(journal_radius: f64, clearance: f64, control_points: usize, intervals: usize) -> Self {
+    pub(crate) fn new(journal_radius: f64, clearance: f64, control_points: usize, intervals: usize) -> Self {
         let n = intervals.div_ceil(control_points * BLOCK) * control_points * BLOCK;
         let spacing = TAU / n as f64;
         let lift = 1.0 + spacing * spacing / 12.0;
@@ -131,12 +131,12 @@ impl Arc {
     }
 
     /// Number of intervals around the bore.
-    pub fn intervals(&self) -> usize {
+    pub(crate) fn intervals(&self) -> usize {
         self.radius.len()
     }
 
     /// Tabulates a changed profile.
-    pub fn profile_changed(&mut self, profile: &Profile) {
+    pub(crate) fn profile_changed(&mut self, profile: &Profile) {
         profile.tabulate_chords(&mut self.radius);
         let n = self.radius.len();
         for (b, least) in self.block_radius.iter_mut().enumerate() {
@@ -147,12 +147,12 @@ impl Arc {
     }
 
     /// Eccentricity up to which the journal does not touch the bore in any direction [m].
-    pub fn reach(&self) -> f64 {
+    pub(crate) fn reach(&self) -> f64 {
         self.reach
     }
 
     /// Gap function in the direction of the eccentricity itself, |e| + R1 - R [m].
-    pub fn gap_along(&self, e: [f64; 2]) -> f64 {
+    pub(crate) fn gap_along(&self, e: [f64; 2]) -> f64 {
         let n = self.radius.len();
         let x = libm::atan2(e[1], e[0]).rem_euclid(TAU) / TAU * n as f64;
         let k = x as usize;
@@ -162,7 +162,7 @@ impl Arc {
     }
 
     /// Direction in which the gap function is largest, that is of first contact `(2,)` [1].
-    pub fn nearest(&self, e: [f64; 2]) -> [f64; 2] {
+    pub(crate) fn nearest(&self, e: [f64; 2]) -> [f64; 2] {
         let n = self.radius.len();
         let gap = |k: usize| dot(e, self.direction[k % n]) - self.radius[k % n];
         let nearest = (0..n).fold(0, |best, k| if gap(k) > gap(best) { k } else { best });
@@ -199,7 +199,7 @@ impl Arc {
     /// Only the part of an interval with g > 0 counts: its potential is the integral of g^2 / 2, the weights
     /// are the derivatives of that potential to the gaps at its ends.
     #[inline]
-    pub fn integrate(&self, e: [f64; 2], mut weigh: impl FnMut(usize, f64, f64)) -> Integrals {
+    pub(crate) fn integrate(&self, e: [f64; 2], mut weigh: impl FnMut(usize, f64, f64)) -> Integrals {
         let mut sum = Integrals::default();
         let n = self.radius.len();
         let spacing = TAU / n as f64;

@@ -28,7 +28,7 @@ pub struct Restitution {
 
 impl Restitution {
     /// D v0 for the coefficient of restitution e in (0, 1] [1]; zero for e = 1.
-    pub fn new(law: RestitutionLaw, coefficient: f64, least_speed: f64) -> Self {
+    pub(crate) fn new(law: RestitutionLaw, coefficient: f64, least_speed: f64) -> Self {
         let e = coefficient;
         let factor = match law {
             RestitutionLaw::LankaraniNikravesh => 0.75 * (1.0 - e * e),
@@ -39,13 +39,13 @@ impl Restitution {
     }
 
     /// D of a contact that began at this speed of approach [s/m]; a slower one, or none, counts as the least.
-    pub fn damping(&self, approach: f64) -> f64 {
+    pub(crate) fn damping(&self, approach: f64) -> f64 {
         self.factor / approach.max(self.least_speed)
     }
 }
 
 /// D of a joint that has not met an impact yet [s/m], and how it changes with impacts, if it does.
-pub fn initial(damping: &ContactDamping) -> (f64, Option<Restitution>) {
+pub(crate) fn initial(damping: &ContactDamping) -> (f64, Option<Restitution>) {
     match *damping {
         ContactDamping::None => (0.0, None),
         ContactDamping::HuntCrossley { factor } => (factor, None),

@@ -31,7 +31,12 @@ pub struct ContactEnergy {
 
 impl Contact {
     /// The joint's energy and powers at a motion, given its force there.
-    pub fn energy(&self, profile: &Profile, motion: &JointMotion, force: &JointForce) -> ContactEnergy {
+    pub(crate) fn energy(
+        &self,
+        profile: &Profile,
+        motion: &JointMotion,
+        force: &JointForce,
+    ) -> ContactEnergy {
         let surface = self.surface();
         let elastic = self.elastic(profile, motion);
         let JointMotion { w, omega_journal, omega_bushing, .. } = *motion;

@@ -84,7 +84,7 @@ struct Resultant {
 
 impl Foundation {
     /// The law on an unworn bore with `control_points` control points, tabulated finely enough for forces.
-    pub fn new(surface: Surface, control_points: usize) -> Self {
+    pub(crate) fn new(surface: Surface, control_points: usize) -> Self {
         let half_angle = (2.0 * LIGHTEST / surface.clearance).sqrt();
         let intervals = (3.0 * TAU / half_angle).ceil() as usize;
         Self::with_intervals(surface, control_points, intervals.clamp(FEWEST, MOST))
@@ -92,7 +92,7 @@ impl Foundation {
 
     /// The law on an unworn bore tabulated at `intervals` intervals or more, a multiple of the control
     /// points.
-    pub fn with_intervals(surface: Surface, control_points: usize, intervals: usize) -> Self {
+    pub(crate) fn with_intervals(surface: Surface, control_points: usize, intervals: usize) -> Self {
         Foundation {
             modulus: Modulus::new(surface.stiffness, surface.clearance),
             arc: Arc::new(surface.journal_radius, surface.clearance, control_points, intervals),
@@ -101,19 +101,19 @@ impl Foundation {
     }
 
     /// The tabulated bore.
-    pub fn arc(&self) -> &Arc {
+    pub(crate) fn arc(&self) -> &Arc {
         &self.arc
     }
 
     /// Tabulates a changed profile.
-    pub fn profile_changed(&mut self, profile: &Profile) {
+    pub(crate) fn profile_changed(&mut self, profile: &Profile) {
         self.arc.profile_changed(profile);
     }
 
     /// Elastic potential, force and stiffness at the eccentricity `e` [m]; `weigh` receives each interval of
     /// the arc in contact with the parts of the integral of g that belong to its two ends [m rad].
     #[inline]
-    pub fn load(&self, e: [f64; 2], weigh: impl FnMut(usize, f64, f64)) -> FoundationLoad {
+    pub(crate) fn load(&self, e: [f64; 2], weigh: impl FnMut(usize, f64, f64)) -> FoundationLoad {
         let sum = self.arc.integrate(e, weigh);
         let potential = self.modulus.potential(sum.v);
         let mut out = FoundationLoad {
@@ -138,7 +138,7 @@ impl Foundation {
     /// v_t = w.t + omega_i R1 - omega_j (R1 + e.n). The reaction acts on the bushing at e + R1 n, hence its
     /// torque F_N (e x n) + F_T (e.n + R1).
     #[inline]
-    pub fn force<const JACOBIAN: bool>(&self, motion: &JointMotion) -> JointForce {
+    pub(crate) fn force<const JACOBIAN: bool>(&self, motion: &JointMotion) -> JointForce {
         let loaded = self.load(motion.e, |_, _, _| {});
         let elastic = length(loaded.force);
         let mut out = if elastic <= 0.0 {
@@ -288,7 +288,7 @@ fn in_bushing_frame(motion: &JointMotion) -> [f64; 2] {
 
 /// Penetration at which F = K_n delta^1.5 gives the force `force` [N] for the stiffness `stiffness` [N/m^1.5]
 /// [m].
-pub fn equivalent_penetration(force: f64, stiffness: f64) -> f64 {
+pub(crate) fn equivalent_penetration(force: f64, stiffness: f64) -> f64 {
     let root = libm::cbrt(force / stiffness);
     root * root
 }

@@ -40,7 +40,7 @@ pub struct JointForce<R = f64> {
 impl<R: Real> JointForce<R> {
     /// No force; `like` sets the number of lanes.
     #[inline(always)]
-    pub fn none(like: R) -> Self {
+    pub(crate) fn none(like: R) -> Self {
         let zero = like.zero();
         JointForce {
             force: [zero; 2],

@@ -68,7 +68,11 @@ impl<R: Real> LocalHertz<R> {
     /// on the bushing. In free flight (delta <= 0), and where the contact lets go early (1 + D delta_dot <=
     /// 0), only the film acts.
     #[inline(always)]
-    pub fn force<const JACOBIAN: bool>(&self, bore: &impl Bore<R>, motion: &JointMotion<R>) -> JointForce<R> {
+    pub(crate) fn force<const JACOBIAN: bool>(
+        &self,
+        bore: &impl Bore<R>,
+        motion: &JointMotion<R>,
+    ) -> JointForce<R> {
         let s = &self.surface;
         let JointMotion { e, w, omega_journal, omega_bushing } = *motion;
         let nothing = e[0].zero();

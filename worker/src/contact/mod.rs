@@ -33,12 +33,11 @@ mod surface;
 #[cfg(test)]
 mod tests;
 
-pub use arc::Arc;
 pub use damping::Restitution;
-pub use energy::ContactEnergy;
-pub use foundation::{Foundation, FoundationLoad, equivalent_penetration};
+pub use foundation::Foundation;
+pub(crate) use foundation::{FoundationLoad, equivalent_penetration};
 pub use joint_force::{JointForce, JointMotion};
-pub use law::Pressure;
+pub(crate) use law::Pressure;
 pub use local_hertz::LocalHertz;
 pub use stiffness::hertz_stiffness;
 pub use surface::Surface;
@@ -58,7 +57,7 @@ macro_rules! contact_laws {
 
         impl Contact {
             /// The contact law `law` on an unworn bore with `control_points` control points.
-            pub fn with_surface(law: ContactLaw, surface: Surface, control_points: usize) -> Self {
+            pub(crate) fn with_surface(law: ContactLaw, surface: Surface, control_points: usize) -> Self {
                 match law {
                     $(ContactLaw::$law => Contact::$law(Law::new(surface, control_points))),+
                 }
@@ -95,14 +94,14 @@ impl Contact {
     }
 
     /// Distribution of the contact pressure, which decides where the bore wears.
-    pub fn pressure(&self) -> Pressure {
+    pub(crate) fn pressure(&self) -> Pressure {
         with_law!(self, law => law.pressure())
     }
 
     /// Called after each accepted step with the motion reached and its force. In free flight the damping
     /// factor follows the current speed of approach; in contact it keeps its value at impact. No effect for
     /// constant D.
-    pub fn accepted(&mut self, profile: &Profile, motion: &JointMotion, now: &JointForce) {
+    pub(crate) fn accepted(&mut self, profile: &Profile, motion: &JointMotion, now: &JointForce) {
         let Some(restitution) = self.surface().restitution else { return };
         if now.penetration > 0.0 {
             return;
@@ -117,7 +116,7 @@ impl Contact {
     }
 
     /// Restores the damping factor [s/m] fixed at the last impact.
-    pub fn restore_damping(&mut self, damping: f64) {
+    pub(crate) fn restore_damping(&mut self, damping: f64) {
         with_law!(self, law => law.surface_mut()).damping = damping;
     }
 

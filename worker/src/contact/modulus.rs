@@ -44,7 +44,7 @@ pub struct Potential {
 
 impl Modulus {
     /// For Hertz stiffness `stiffness` [N/m^1.5] and radial clearance `clearance` [m].
-    pub fn new(stiffness: f64, clearance: f64) -> Self {
+    pub(crate) fn new(stiffness: f64, clearance: f64) -> Self {
         Modulus {
             light: stiffness * 3.0 * clearance.sqrt() / (4.0 * SQRT_2),
             unit: 15.0 / (8.0 * SQRT_2 * clearance * clearance),
@@ -53,7 +53,7 @@ impl Modulus {
 
     /// U(V) and its derivatives for `v` = V [m^2 rad]; all zero without contact, V = 0.
     #[inline]
-    pub fn potential(&self, v: f64) -> Potential {
+    pub(crate) fn potential(&self, v: f64) -> Potential {
         if v <= 0.0 {
             return Potential::default();
         }

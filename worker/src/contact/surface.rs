@@ -60,7 +60,7 @@ impl Lanewise for Option<Restitution> {
 
 impl Surface {
     /// Constants of a checked joint.
-    pub fn new(joint: &Clearance) -> Self {
+    pub(crate) fn new(joint: &Clearance) -> Self {
         let (damping, restitution) = damping::initial(&joint.contact_damping);
         Surface {
             journal_radius: joint.journal_radius,
@@ -75,7 +75,7 @@ impl Surface {
     }
 
     /// Largest penetration for which Hertz's theory is taken as valid: a tenth of the journal radius [m].
-    pub fn deepest(&self) -> f64 {
+    pub(crate) fn deepest(&self) -> f64 {
         0.1 * self.journal_radius
     }
 }

@@ -10,7 +10,7 @@ const CHECKPOINTS: u32 = 4;
 /// One case.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Case {
-    /// The extreme quantities.
+    /// Name: the extreme quantities.
     pub name: &'static str,
     /// Contact law of every joint with clearance.
     pub law: ContactLaw,

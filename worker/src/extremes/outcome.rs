@@ -54,9 +54,9 @@ pub struct Compared {
 pub struct Row {
     /// The extreme quantities.
     pub case: &'static str,
-    /// Contact law.
+    /// Contact law of all joints with clearance.
     pub law: ContactLaw,
-    /// Outcome.
+    /// Outcome of the case.
     pub outcome: Outcome,
     /// Comparison of every output, if both runs succeeded.
     pub compared: Vec<Compared>,

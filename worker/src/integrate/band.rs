@@ -17,7 +17,7 @@ pub struct Band {
 impl Band {
     /// Layout of an `n` x `n` matrix with `half` diagonals on either side of the main one; all entries are stored where that takes
     /// less than twice the space.
-    pub fn new(n: usize, half: usize) -> Self {
+    pub(crate) fn new(n: usize, half: usize) -> Self {
         if 2 * (2 * half + 1) > n {
             return Band { n, half: n, stride: n, offset: 0 };
         }
@@ -25,34 +25,29 @@ impl Band {
     }
 
     /// The layout with twice as many diagonals on either side of the main one.
-    pub fn widened(&self) -> Self {
+    pub(crate) fn widened(&self) -> Self {
         Band::new(self.n, 2 * self.half)
     }
 
     /// Number of rows.
-    pub fn n(&self) -> usize {
+    pub(crate) fn n(&self) -> usize {
         self.n
     }
 
     /// Number of stored entries.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         if self.offset == 0 { self.n * self.n } else { self.n * (self.stride + 1) }
-    }
-
-    /// True if the matrix has no rows.
-    pub fn is_empty(&self) -> bool {
-        self.n == 0
     }
 
     /// Index of entry (i, j) in the storage.
     #[inline(always)]
-    pub fn index(&self, i: usize, j: usize) -> usize {
+    pub(crate) fn index(&self, i: usize, j: usize) -> usize {
         i * self.stride + j + self.offset
     }
 
     /// Stored columns of row `i`; by symmetry of the layout also the stored rows of column `i`.
     #[inline(always)]
-    pub fn kept(&self, i: usize) -> Range<usize> {
+    pub(crate) fn kept(&self, i: usize) -> Range<usize> {
         i.saturating_sub(self.half)..(i + self.half + 1).min(self.n)
     }
 }

@@ -41,20 +41,20 @@ impl StepControl {
     }
 
     /// Shortens the next step after a discontinuous change of the system, e.g. of a bore.
-    pub fn after_jump(&mut self) {
+    pub(crate) fn after_jump(&mut self) {
         self.step = self.largest * FIRST_STEP;
     }
 
     /// The step to try [s] if the time `left` [s] remains in the span.
     #[inline]
-    pub fn next(&self, left: f64) -> f64 {
+    pub(crate) fn next(&self, left: f64) -> f64 {
         within_remaining(self.step, left)
     }
 
     /// Sets the next step after an accepted one of length `h` [s] and error over tolerance `error` [1]. A step cut short by the
     /// end of a span does not lengthen it.
     #[inline]
-    pub fn lengthen(&mut self, h: f64, error: f64) {
+    pub(crate) fn lengthen(&mut self, h: f64, error: f64) {
         let growth = (0.9 / error.max(1e-6).sqrt().sqrt()).clamp(0.3, 3.0);
         if h >= self.step || growth < 1.0 {
             self.step = (h * growth).min(self.largest);
@@ -62,7 +62,7 @@ impl StepControl {
     }
 
     /// Sets the next step after a refused one of length `h` [s] and error over tolerance `error` [1].
-    pub fn shorten(&mut self, h: f64, error: f64) {
+    pub(crate) fn shorten(&mut self, h: f64, error: f64) {
         let shrink = if error.is_finite() { (0.9 / error.sqrt().sqrt()).clamp(0.1, 0.5) } else { 0.1 };
         self.step = h * shrink;
     }
@@ -70,7 +70,7 @@ impl StepControl {
 
 /// `step`, or what the time `left` allows [s]: the last two steps of a span share it equally, so that no sliver remains.
 #[inline]
-pub fn within_remaining(step: f64, left: f64) -> f64 {
+pub(crate) fn within_remaining(step: f64, left: f64) -> f64 {
     if step >= left {
         left
     } else if 2.0 * step > left {

@@ -1,4 +1,4 @@
-//! Integration of several systems at once, one per SIMD lane, each with a step length of its own.
+//! Integration of several systems at once, one per SIMD lane, each with its own step length.
 //!
 //! Scheme and decisions are those of [`super::Stepper`]: [`SpanProgress`] accepts or refuses the step of every lane. Two
 //! things differ, which is why there are two steppers: ideal joints and contact laws that depend on their history are handled by
@@ -23,12 +23,12 @@ pub struct LaneState {
 
 impl LaneState {
     /// The start of a span of time [s].
-    pub fn new(span: Range<f64>, control: StepControl) -> Self {
+    pub(crate) fn new(span: Range<f64>, control: StepControl) -> Self {
         LaneState { progress: SpanProgress::new(span, control), fresh: true, tried: 0.0 }
     }
 
     /// True if this round is the first that linearises the present state.
-    pub fn is_fresh(&self) -> bool {
+    pub(crate) fn is_fresh(&self) -> bool {
         self.fresh
     }
 }
@@ -70,7 +70,7 @@ pub struct LaneStepper<R> {
 
 impl<R: Real> LaneStepper<R> {
     /// Idle lanes, with room in `at` for the linearisation; idle lanes compute steps of length `idle` [s].
-    pub fn new(like: R, at: Linearised<R>, idle: f64) -> Self {
+    pub(crate) fn new(like: R, at: Linearised<R>, idle: f64) -> Self {
         let n = at.f.len();
         LaneStepper {
             scheme: Rosenbrock::new(like, &at.band),
@@ -85,14 +85,14 @@ impl<R: Real> LaneStepper<R> {
     }
 
     /// Writes a state `(n,)` into a lane.
-    pub fn load_state(&mut self, lane: usize, q: &[f64], v: &[f64]) {
+    pub(crate) fn load_state(&mut self, lane: usize, q: &[f64], v: &[f64]) {
         self.q.iter_mut().zip(q).for_each(|(to, from)| to.set_lane(lane, *from));
         self.v.iter_mut().zip(v).for_each(|(to, from)| to.set_lane(lane, *from));
     }
 
     /// First half of a round: linearises the state of every lane and tries a step from it.
     #[inline(always)]
-    pub fn try_steps(&mut self, system: &mut impl Scaled<R>) {
+    pub(crate) fn try_steps(&mut self, system: &mut impl Scaled<R>) {
         let like = self.error;
         let lanes = &mut self.lanes;
         let h = like.each(|k| match &mut lanes[k] {
@@ -115,7 +115,7 @@ impl<R: Real> LaneStepper<R> {
     }
 
     /// True if the force of a lane is finite at the state linearised in this round.
-    pub fn is_finite(&self, lane: usize) -> bool {
+    pub(crate) fn is_finite(&self, lane: usize) -> bool {
         self.force.lane(lane) == 0.0
     }
 
@@ -123,7 +123,7 @@ impl<R: Real> LaneStepper<R> {
     ///
     /// # Errors
     /// [`IntegrationError`] without a joint; the state is then the last accepted one.
-    pub fn finish_round(&mut self, lane: usize) -> Result<LaneOutcome, IntegrationError> {
+    pub(crate) fn finish_round(&mut self, lane: usize) -> Result<LaneOutcome, IntegrationError> {
         let Some(state) = &mut self.lanes[lane] else { return Ok(LaneOutcome::UnderWay) };
         let progress = &mut state.progress;
         progress.counts.forces += 1;
@@ -146,18 +146,18 @@ impl<R: Real> LaneStepper<R> {
     }
 
     /// Errors (position, velocity) of every coordinate of the step last tried in a lane.
-    pub fn errors(&self, lane: usize) -> impl Iterator<Item = (f64, f64)> + '_ {
+    pub(crate) fn errors(&self, lane: usize) -> impl Iterator<Item = (f64, f64)> + '_ {
         self.scheme.error_q.iter().zip(&self.scheme.error_v).map(move |(q, v)| (q.lane(lane), v.lane(lane)))
     }
 
     /// Reads the state `(n,)` of a lane.
-    pub fn read_state(&self, lane: usize, q: &mut [f64], v: &mut [f64]) {
+    pub(crate) fn read_state(&self, lane: usize, q: &mut [f64], v: &mut [f64]) {
         q.iter_mut().zip(&self.q).for_each(|(to, from)| *to = from.lane(lane));
         v.iter_mut().zip(&self.v).for_each(|(to, from)| *to = from.lane(lane));
     }
 
     /// Reads forces, eccentricities and joint states of a lane from the linearisation of this round, without the matrices.
-    pub fn read_forces(&self, lane: usize, to: &mut Linearised) {
+    pub(crate) fn read_forces(&self, lane: usize, to: &mut Linearised) {
         to.f.iter_mut().zip(&self.at.f).for_each(|(to, from)| *to = from.lane(lane));
         for (to, from) in to.joints.iter_mut().zip(&self.at.joints) {
             to.force = from.force.map(|x| x.lane(lane));

@@ -17,7 +17,7 @@ const CANCELLED: f64 = 1e-9;
 /// Factors the matrix `a` in place: L below the diagonal, the inverses of the pivots on it, U above. Returns one in lanes
 /// where every pivot kept its digits, else zero.
 #[inline(always)]
-pub fn factor<R: Real>(a: &mut [R], band: &Band, like: R) -> R {
+pub(crate) fn factor<R: Real>(a: &mut [R], band: &Band, like: R) -> R {
     let a = &mut a[..band.len()];
     let (one, zero) = (like.like(1.0), like.zero());
     let mut sound = one;
@@ -49,7 +49,7 @@ pub fn factor<R: Real>(a: &mut [R], band: &Band, like: R) -> R {
 
 /// Solves A x = b with the factors of [`factor`]; `x` holds b `(n,)` at first, then the solution.
 #[inline(always)]
-pub fn solve<R: Real>(a: &[R], band: &Band, x: &mut [R]) {
+pub(crate) fn solve<R: Real>(a: &[R], band: &Band, x: &mut [R]) {
     let n = band.n();
     let (a, x) = (&a[..band.len()], &mut x[..n]);
     for i in 1..n {
@@ -74,7 +74,7 @@ pub fn solve<R: Real>(a: &[R], band: &Band, x: &mut [R]) {
 
 /// Adds `factor` times the product of the matrix `a` with `x` `(n,)` to `y` `(n,)`.
 #[inline(always)]
-pub fn add_product<R: Real>(a: &[R], band: &Band, factor: R, x: &[R], y: &mut [R]) {
+pub(crate) fn add_product<R: Real>(a: &[R], band: &Band, factor: R, x: &[R], y: &mut [R]) {
     let n = band.n();
     let (a, x, y) = (&a[..band.len()], &x[..n], &mut y[..n]);
     for (i, y) in y.iter_mut().enumerate() {

@@ -23,14 +23,14 @@ mod rosenbrock;
 mod stepper;
 
 pub use band::Band;
-pub use control::{StepControl, within_remaining};
-pub use lane_stepper::{LaneOutcome, LaneState, LaneStepper, Scaled};
-pub use linear::add_product;
-pub use pivoted::Pivoted;
-pub use progress::{
-    IntegrationError, SpanProgress, StepCounts, StepDecision, nan_as_infinite, worst_coordinate,
-};
-pub use rosenbrock::Rosenbrock;
+pub use control::StepControl;
+pub(crate) use control::within_remaining;
+pub(crate) use lane_stepper::{LaneOutcome, LaneState, LaneStepper, Scaled};
+pub(crate) use linear::add_product;
+pub(crate) use pivoted::Pivoted;
+pub use progress::{IntegrationError, StepCounts};
+pub(crate) use progress::{SpanProgress, StepDecision, nan_as_infinite, worst_coordinate};
+pub(crate) use rosenbrock::Rosenbrock;
 pub use stepper::{StateObserver, Stepper};
 
 use crate::contact::JointForce;
@@ -107,7 +107,7 @@ pub struct Linearised<R = f64> {
 
 impl<R: Real> Linearised<R> {
     /// Zeros for the degrees of freedom of `band` and for `joints` joints, in as many lanes as `like`.
-    pub fn new(like: R, band: Band, joints: usize) -> Self {
+    pub(crate) fn new(like: R, band: Band, joints: usize) -> Self {
         let zero = like.zero();
         Linearised {
             f: vec![zero; band.n()],
@@ -122,7 +122,7 @@ impl<R: Real> Linearised<R> {
     }
 
     /// Without degrees of freedom or joints.
-    pub fn empty() -> Self {
+    pub(crate) fn empty() -> Self {
         Linearised {
             f: vec![],
             band: Band::default(),

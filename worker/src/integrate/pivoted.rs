@@ -22,7 +22,7 @@ pub struct Pivoted {
 
 impl Pivoted {
     /// Space for the factors of a matrix of this layout.
-    pub fn new(narrow: Band) -> Self {
+    pub(crate) fn new(narrow: Band) -> Self {
         let wide = narrow.widened();
         Pivoted { narrow, wide, a: vec![0.0; wide.len()], pivots: vec![0; narrow.n()] }
     }
@@ -31,7 +31,7 @@ impl Pivoted {
     ///
     /// # Errors
     /// [`SingularMatrix`] if a pivot is zero or not finite.
-    pub fn factor(&mut self, entry: impl Fn(usize) -> f64) -> Result<(), SingularMatrix> {
+    pub(crate) fn factor(&mut self, entry: impl Fn(usize) -> f64) -> Result<(), SingularMatrix> {
         let Pivoted { narrow, wide, a, pivots } = self;
         a.fill(0.0);
         for i in 0..narrow.n() {
@@ -68,7 +68,7 @@ impl Pivoted {
     }
 
     /// Solves A x = b with the factors; `x` holds b `(n,)` at first, then the solution.
-    pub fn solve(&self, x: &mut [f64]) {
+    pub(crate) fn solve(&self, x: &mut [f64]) {
         let Pivoted { narrow, wide, a, pivots } = self;
         for k in 0..wide.n() {
             x.swap(k, pivots[k]);

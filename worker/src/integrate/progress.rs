@@ -9,9 +9,9 @@ use std::ops::Range;
 /// Work done in one or more spans of time.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct StepCounts {
-    /// Accepted steps.
+    /// Number of accepted steps.
     pub steps: u64,
-    /// Refused steps.
+    /// Number of refused steps.
     pub rejected: u64,
     /// Evaluations of the force, with or without derivatives.
     pub forces: u64,
@@ -21,7 +21,7 @@ pub struct StepCounts {
 
 impl StepCounts {
     /// Adds the counts of another span.
-    pub fn add(&mut self, other: &StepCounts) {
+    pub(crate) fn add(&mut self, other: &StepCounts) {
         self.steps += other.steps;
         self.rejected += other.rejected;
         self.forces += other.forces;
@@ -75,7 +75,7 @@ pub enum IntegrationError {
 
 impl IntegrationError {
     /// Adds the joint with the largest error to the errors that name one.
-    pub fn with_joint(self, responsible: Option<usize>) -> Self {
+    pub(crate) fn with_joint(self, responsible: Option<usize>) -> Self {
         match self {
             IntegrationError::StepTooSmall { time, step, error, .. } => {
                 IntegrationError::StepTooSmall { time, step, error, joint: responsible }
@@ -112,19 +112,19 @@ pub enum StepDecision {
 
 impl SpanProgress {
     /// The start of a span of time [s].
-    pub fn new(span: Range<f64>, control: StepControl) -> Self {
+    pub(crate) fn new(span: Range<f64>, control: StepControl) -> Self {
         SpanProgress { time: span.start, end: span.end, control, counts: StepCounts::default() }
     }
 
     /// True if the end of the span is reached.
     #[inline]
-    pub fn is_complete(&self) -> bool {
+    pub(crate) fn is_complete(&self) -> bool {
         self.time >= self.end
     }
 
     /// Length of the step to try [s].
     #[inline]
-    pub fn next_step(&self) -> f64 {
+    pub(crate) fn next_step(&self) -> f64 {
         self.control.next(self.end - self.time)
     }
 
@@ -132,7 +132,7 @@ impl SpanProgress {
     ///
     /// # Errors
     /// [`IntegrationError::TooManySteps`] without a joint.
-    pub fn check_bound(&self) -> Result<(), IntegrationError> {
+    pub(crate) fn check_bound(&self) -> Result<(), IntegrationError> {
         let bound = self.control.bound;
         if self.counts.steps < bound {
             return Ok(());
@@ -145,7 +145,7 @@ impl SpanProgress {
     ///
     /// # Errors
     /// [`IntegrationError::StepTooSmall`] without a joint, if the step is refused and the next one would be below its bound.
-    pub fn decide(&mut self, h: f64, error: f64) -> Result<StepDecision, IntegrationError> {
+    pub(crate) fn decide(&mut self, h: f64, error: f64) -> Result<StepDecision, IntegrationError> {
         if error <= 1.0 {
             self.time = if h == self.end - self.time { self.end } else { self.time + h };
             self.counts.steps += 1;
@@ -164,13 +164,13 @@ impl SpanProgress {
 
 /// `error`, or infinity where it is not a number, so that a comparison with a bound refuses it.
 #[inline]
-pub fn nan_as_infinite(error: f64) -> f64 {
+pub(crate) fn nan_as_infinite(error: f64) -> f64 {
     // A comparison with NaN is false.
     if error <= f64::MAX { error } else { f64::INFINITY }
 }
 
 /// The coordinate with the largest of these errors of position and velocity `(n,)`, each over its scale.
-pub fn worst_coordinate(
+pub(crate) fn worst_coordinate(
     errors: impl Iterator<Item = (f64, f64)>,
     (scale_q, scale_v): (&[f64], &[f64]),
 ) -> Option<usize> {

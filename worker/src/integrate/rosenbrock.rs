@@ -74,7 +74,7 @@ struct Start<'a, R> {
 
 impl<R: Real> Rosenbrock<R> {
     /// Work space for the degrees of freedom of `band`, in as many lanes as `like`.
-    pub fn new(like: R, band: &Band) -> Self {
+    pub(crate) fn new(like: R, band: &Band) -> Self {
         let zero = || vec![like.zero(); band.n()];
         Rosenbrock {
             matrix: vec![like.zero(); band.len()],
@@ -94,7 +94,7 @@ impl<R: Real> Rosenbrock<R> {
     /// Computes a step of length `h` [s] from (`t`, `q`, `v`), where `at` is the linearisation there. Returns zero in lanes
     /// where the matrix of the step is as good as singular, else one.
     #[inline(always)]
-    pub fn step<D: Dynamics<R>>(
+    pub(crate) fn step<D: Dynamics<R>>(
         &mut self,
         system: &mut D,
         at: &Linearised<R>,
@@ -209,7 +209,7 @@ impl<R: Real> Rosenbrock<R> {
     /// Largest error of the step just computed, times the inverse scales of position and velocity that `inverse` returns for each
     /// coordinate [1]; not a number if anything of the step is not finite.
     #[inline(always)]
-    pub fn error(&self, inverse: impl Fn(usize) -> (R, R)) -> R {
+    pub(crate) fn error(&self, inverse: impl Fn(usize) -> (R, R)) -> R {
         let like = self.new_q[0];
         let (mut worst, mut nothing) = (like.zero(), like.zero());
         for i in 0..self.new_q.len() {

@@ -33,7 +33,7 @@ const fn alternating_inverse_factorials<const N: usize>(first: usize) -> [f64; N
 
 /// Sine and cosine, to 1e-15 of angles below 1e6 [rad].
 #[inline(always)]
-pub fn sincos<R: Real>(angle: R) -> (R, R) {
+pub(crate) fn sincos<R: Real>(angle: R) -> (R, R) {
     let turns = (angle * (1.0 / PI)).round();
     let r = ((angle - turns * PI_PARTS[0]) - turns * PI_PARTS[1]) - turns * PI_PARTS[2];
     // Half turns change the signs of both: +1 for even, -1 for odd ones.
@@ -76,7 +76,7 @@ const ARCTANGENT: [f64; 11] = [
 
 /// Angle of the vector (x, y) in [-pi, pi], to 1e-15 [rad]; zero of the zero vector.
 #[inline(always)]
-pub fn atan2<R: Real>(y: R, x: R) -> R {
+pub(crate) fn atan2<R: Real>(y: R, x: R) -> R {
     let (ax, ay) = (x.abs(), y.abs());
     let (small, large) = (ax.smaller(ay), ax.larger(ay));
     // Beyond tan(pi/8) turned back by pi/4.
@@ -106,7 +106,7 @@ const EXPONENTIAL: [f64; 16] = {
 /// Hyperbolic tangent, to 1e-14: (1 - z) / (1 + z) with z = exp(-2 |x|), which is a 64th power of the
 /// exponential of at most 0.63.
 #[inline(always)]
-pub fn tanh<R: Real>(x: R) -> R {
+pub(crate) fn tanh<R: Real>(x: R) -> R {
     let y = x.abs().smaller(x.like(20.0)) * (-2.0 / 64.0);
     let mut z = polynomial(y, &EXPONENTIAL);
     for _ in 0..6 {

@@ -12,7 +12,7 @@ mod elementary;
 mod lanewise;
 mod real;
 
-pub use elementary::{atan2, sincos, tanh};
-pub use lanewise::Lanewise;
+pub(crate) use elementary::{atan2, sincos, tanh};
+pub(crate) use lanewise::Lanewise;
 pub(crate) use lanewise::lanewise;
-pub use real::{Lanes, Real};
+pub(crate) use real::{Lanes, Real};

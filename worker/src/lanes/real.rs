@@ -127,13 +127,13 @@ pub struct Lanes<S: Simd> {
 impl<S: Simd> Lanes<S> {
     /// `value` in every lane.
     #[inline(always)]
-    pub fn all(simd: S, value: f64) -> Self {
+    pub(crate) fn all(simd: S, value: f64) -> Self {
         Lanes { simd, value: simd.splat_f64s(value) }
     }
 
     /// The numbers, lane by lane.
     #[inline(always)]
-    pub fn values(&self) -> &[f64] {
+    pub(crate) fn values(&self) -> &[f64] {
         bytemuck::cast_slice(std::slice::from_ref(&self.value))
     }
 }

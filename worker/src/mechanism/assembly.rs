@@ -137,7 +137,7 @@ fn follow(
 
 /// Accelerations of the ideal mechanism in these poses, per body of the scene as in [`Pose`] [m/s^2,
 /// rad/s^2]; `None` if joints and drives do not determine the motion in one of them.
-pub fn ideal_accelerations(scene: &Scene, poses: &[Pose]) -> Option<Vec<Vec<Option<[f64; 3]>>>> {
+pub(crate) fn ideal_accelerations(scene: &Scene, poses: &[Pose]) -> Option<Vec<Vec<Option<[f64; 3]>>>> {
     let closure = Closure::new(scene);
     let flat = |x: &[Option<[f64; 3]>]| DVector::from_vec(x.iter().flatten().flatten().copied().collect());
     let acceleration = |pose: &Pose| closure.acceleration(pose.time, &flat(&pose.q), &flat(&pose.v));

@@ -59,7 +59,7 @@ struct Gaps {
 
 impl<'a> Closure<'a> {
     /// The closure equations of a checked scene.
-    pub fn new(scene: &'a Scene) -> Self {
+    pub(crate) fn new(scene: &'a Scene) -> Self {
         let mut n = 0;
         let mut first = Vec::with_capacity(scene.bodies.len());
         for body in &scene.bodies {
@@ -82,17 +82,17 @@ impl<'a> Closure<'a> {
     }
 
     /// Size of the mechanism: its longest arm [m].
-    pub fn size(&self) -> f64 {
+    pub(crate) fn size(&self) -> f64 {
         self.size
     }
 
     /// Duration of a cycle [s].
-    pub fn period(&self) -> f64 {
+    pub(crate) fn period(&self) -> f64 {
         self.scene.life.period
     }
 
     /// Coordinates of the scene's approximate start.
-    pub fn start(&self) -> DVector<f64> {
+    pub(crate) fn start(&self) -> DVector<f64> {
         let mut q = DVector::zeros(self.n);
         for (body, first) in self.scene.bodies.iter().zip(&self.first) {
             if let (Motion::Free { centre_of_mass, start_position, start_angle, .. }, Some(k)) =
@@ -168,7 +168,7 @@ impl<'a> Closure<'a> {
     }
 
     /// Largest component of a change of coordinates, as a length [m].
-    pub fn largest(&self, x: &DVector<f64>) -> f64 {
+    pub(crate) fn largest(&self, x: &DVector<f64>) -> f64 {
         let length = |k: usize| if k % 3 == 2 { x[k].abs() * self.size } else { x[k].abs() };
         largest((0..x.len()).map(length))
     }
@@ -177,7 +177,7 @@ impl<'a> Closure<'a> {
     ///
     /// # Errors
     /// [`Open`] with the joint of the largest remaining gap.
-    pub fn close(&self, t: f64, q: &mut DVector<f64>, iterations: &mut u64) -> Result<(), Open> {
+    pub(crate) fn close(&self, t: f64, q: &mut DVector<f64>, iterations: &mut u64) -> Result<(), Open> {
         let mut worst = Open { joint: 0, gap: f64::INFINITY };
         for _ in 0..MOST_ITERATIONS {
             let Gaps { phi, jacobian, .. } = self.gaps(t, q);
@@ -203,7 +203,7 @@ impl<'a> Closure<'a> {
 
     /// Velocities at a closed position `(n,)`: the projection of the start's velocities that satisfies drives
     /// and joints. For t > 0 the drives must determine the motion.
-    pub fn velocity(&self, t: f64, q: &DVector<f64>) -> DVector<f64> {
+    pub(crate) fn velocity(&self, t: f64, q: &DVector<f64>) -> DVector<f64> {
         let Gaps { jacobian, rate, .. } = self.gaps(t, q);
         let mut free = if t == 0.0 { self.start_velocity() } else { DVector::zeros(self.n) };
         let mut lengths = free.clone();
@@ -214,7 +214,7 @@ impl<'a> Closure<'a> {
 
     /// Accelerations at (q, v) `(n,)`: (dphi/dq) qdd = -(second time derivative of phi at qdd = 0); `None` if
     /// the closures leave a freedom, or nearly so.
-    pub fn acceleration(&self, t: f64, q: &DVector<f64>, v: &DVector<f64>) -> Option<DVector<f64>> {
+    pub(crate) fn acceleration(&self, t: f64, q: &DVector<f64>, v: &DVector<f64>) -> Option<DVector<f64>> {
         let jacobian = self.gaps(t, q).jacobian;
         let mut second = DVector::zeros(self.m);
         for (c, &row) in self.constraints.iter().zip(&self.row) {
@@ -247,7 +247,7 @@ impl<'a> Closure<'a> {
     }
 
     /// Branch of a mechanism without freedom on either side of a dead point: true if det(dphi/dq) > 0.
-    pub fn orientation(&self, t: f64, q: &DVector<f64>) -> Option<bool> {
+    pub(crate) fn orientation(&self, t: f64, q: &DVector<f64>) -> Option<bool> {
         if self.m != self.n || self.n == 0 {
             return None;
         }
@@ -259,13 +259,13 @@ impl<'a> Closure<'a> {
     }
 
     /// Whether drives and joints leave no freedom at a closed position.
-    pub fn is_determined(&self, q: &DVector<f64>) -> bool {
+    pub(crate) fn is_determined(&self, q: &DVector<f64>) -> bool {
         let Gaps { jacobian, .. } = self.gaps(0.0, q);
         self.n > 0 && self.m >= self.n && jacobian.rank(DEPENDENT) == self.n
     }
 
     /// The first ideal joint whose rows depend linearly on those of the ideal joints before it.
-    pub fn first_dependent_joint(&self, q: &DVector<f64>) -> Option<usize> {
+    pub(crate) fn first_dependent_joint(&self, q: &DVector<f64>) -> Option<usize> {
         let jacobian = self.gaps(0.0, q).jacobian;
         let ideal = |joint: usize| !matches!(self.scene.joints[joint].kind, JointKind::Clearance(_));
         self.first_dependent_row(&jacobian, ideal)
@@ -296,7 +296,7 @@ impl<'a> Closure<'a> {
 
     /// Joint with the largest share in the combination of rows closest to zero (left singular vector of the
     /// smallest singular value).
-    pub fn weakest_joint(&self, t: f64, q: &DVector<f64>) -> usize {
+    pub(crate) fn weakest_joint(&self, t: f64, q: &DVector<f64>) -> usize {
         let svd = self.gaps(t, q).jacobian.svd(true, false);
         let Some(u) = svd.u else { return 0 };
         let weakest = svd.singular_values.imin();
@@ -306,7 +306,7 @@ impl<'a> Closure<'a> {
     }
 
     /// Coordinates of each free body, by body of the scene.
-    pub fn split(&self, x: &DVector<f64>) -> Vec<Option<[f64; 3]>> {
+    pub(crate) fn split(&self, x: &DVector<f64>) -> Vec<Option<[f64; 3]>> {
         self.first.iter().map(|first| first.map(|k| [x[k], x[k + 1], x[k + 2]])).collect()
     }
 }

@@ -48,7 +48,7 @@ enum Kind {
 }
 
 /// First row of each constraint, and the total number of rows.
-pub fn first_rows(constraints: &[Constraint]) -> (Vec<usize>, usize) {
+pub(crate) fn first_rows(constraints: &[Constraint]) -> (Vec<usize>, usize) {
     let mut rows = 0;
     let mut first = Vec::with_capacity(constraints.len());
     for c in constraints {
@@ -81,7 +81,7 @@ impl Geometry {
 
 impl Constraint {
     /// The constraint that closes a joint of this kind; a joint with clearance closes as a revolute one.
-    pub fn new(scene_joint: usize, ends: [End; 2], kind: &JointKind) -> Self {
+    pub(crate) fn new(scene_joint: usize, ends: [End; 2], kind: &JointKind) -> Self {
         let kind = match kind {
             JointKind::Revolute | JointKind::Clearance(_) => Kind::Revolute,
             JointKind::Prismatic { axis, angle } => {
@@ -94,7 +94,7 @@ impl Constraint {
     }
 
     /// Number of scalar constraints (rows) of the joint.
-    pub fn rows(&self) -> usize {
+    pub(crate) fn rows(&self) -> usize {
         match self.kind {
             Kind::Revolute | Kind::Prismatic(..) => 2,
             Kind::Fixed(_) => 3,
@@ -102,7 +102,7 @@ impl Constraint {
     }
 
     /// Whether row `k` is an angle [rad]; else it is a length [m].
-    pub fn is_angle(&self, k: usize) -> bool {
+    pub(crate) fn is_angle(&self, k: usize) -> bool {
         match self.kind {
             Kind::Revolute => false,
             Kind::Prismatic(..) => k == 1,
@@ -112,7 +112,7 @@ impl Constraint {
 
     /// Size of the force the joint transmits, for multipliers `lambda` of its rows [N]. A prismatic joint's
     /// moment is not part of it.
-    pub fn force(&self, lambda: &[f64]) -> f64 {
+    pub(crate) fn force(&self, lambda: &[f64]) -> f64 {
         match self.kind {
             Kind::Prismatic(..) => lambda[0].abs(),
             Kind::Revolute | Kind::Fixed(_) => libm::hypot(lambda[0], lambda[1]),
@@ -120,7 +120,7 @@ impl Constraint {
     }
 
     /// Value phi `(rows,)` [m, rad] and derivative G `(rows, 6)` to the coordinates of the pair.
-    pub fn position(&self, first: &Frame, second: &Frame) -> (RowValues, RowDerivatives) {
+    pub(crate) fn position(&self, first: &Frame, second: &Frame) -> (RowValues, RowDerivatives) {
         let g = Geometry::new(&self.ends, first, second);
         let mut phi = [0.0; MOST_ROWS];
         let mut rows = [[0.0; 6]; MOST_ROWS];
@@ -150,7 +150,7 @@ impl Constraint {
     }
 
     /// Centripetal part h `(rows,)` of phi'' = G a + h [m/s^2, rad/s^2].
-    pub fn centripetal(&self, first: &Frame, second: &Frame) -> RowValues {
+    pub(crate) fn centripetal(&self, first: &Frame, second: &Frame) -> RowValues {
         let g = Geometry::new(&self.ends, first, second);
         let (wa, wb) = (first.omega * first.omega, second.omega * second.omega);
         let d2 = [0, 1].map(|k| wb * g.b[k] - wa * g.a[k]);
@@ -165,7 +165,7 @@ impl Constraint {
 
     /// Derivatives of G a + h to the coordinates and to their rates, at constant accelerations `a` of the
     /// pair.
-    pub fn acceleration_derivatives(
+    pub(crate) fn acceleration_derivatives(
         &self,
         first: &Frame,
         second: &Frame,
@@ -215,7 +215,7 @@ impl Constraint {
     }
 
     /// Derivative of G' lambda to the coordinates, at constant `lambda` `(6, 6)`.
-    pub fn reaction_derivative(&self, first: &Frame, second: &Frame, lambda: &[f64]) -> [[f64; 6]; 6] {
+    pub(crate) fn reaction_derivative(&self, first: &Frame, second: &Frame, lambda: &[f64]) -> [[f64; 6]; 6] {
         let g = Geometry::new(&self.ends, first, second);
         let mut to_q = [[0.0; 6]; 6];
         match self.kind {

@@ -76,7 +76,7 @@ impl Placed<'_> {
 
 impl Elimination {
     /// The elimination for an island with the diagonal mass matrix `mass` `(n,)` [kg, kg m^2].
-    pub fn new(constraints: Vec<Constraint>, mass: &[f64]) -> Self {
+    pub(crate) fn new(constraints: Vec<Constraint>, mass: &[f64]) -> Self {
         let n = mass.len();
         let (first, m) = first_rows(&constraints);
         Elimination {
@@ -94,7 +94,7 @@ impl Elimination {
     }
 
     /// Number m of scalar constraints.
-    pub fn rows(&self) -> usize {
+    pub(crate) fn rows(&self) -> usize {
         self.m
     }
 
@@ -150,7 +150,7 @@ impl Elimination {
     }
 
     /// Adds the reactions to the applied force `f`; false if the constraints are dependent here.
-    pub fn add_reactions(&mut self, at: Placed, f: &mut [f64]) -> bool {
+    pub(crate) fn add_reactions(&mut self, at: Placed, f: &mut [f64]) -> bool {
         if !self.factor(at) {
             return false;
         }
@@ -187,7 +187,7 @@ impl Elimination {
 
     /// After [`Self::add_reactions`] to `to.f`: turns the derivatives of the applied force in `to` into those
     /// of the force with reactions, stores the multipliers, and adds the reactions on prescribed bodies.
-    pub fn reduce_derivatives(&mut self, at: Placed, to: &mut Linearised) {
+    pub(crate) fn reduce_derivatives(&mut self, at: Placed, to: &mut Linearised) {
         let n = self.n;
         to.lambda.copy_from_slice(&self.lambda);
         self.explicit_reaction_terms(at, to);
@@ -294,7 +294,7 @@ impl Elimination {
 
     /// One Newton step of the positions back onto the constraints, dq = -M^-1/2 Q R^-T phi; returns the
     /// largest gap before it (angles times `size`) [m], or `None` if the constraints are dependent here.
-    pub fn close_positions(&mut self, at: Placed, size: f64, q: &mut [f64]) -> Option<f64> {
+    pub(crate) fn close_positions(&mut self, at: Placed, size: f64, q: &mut [f64]) -> Option<f64> {
         if !self.factor(at) {
             return None;
         }
@@ -313,7 +313,7 @@ impl Elimination {
 
     /// After [`Self::close_positions`] has found no gap: projects the velocities onto the constraints, dv =
     /// -M^-1/2 Q (Q' M^1/2 v + R^-T dphi/dt).
-    pub fn close_velocities(&mut self, at: Placed, v: &mut [f64]) {
+    pub(crate) fn close_velocities(&mut self, at: Placed, v: &mut [f64]) {
         for joint in 0..self.constraints.len() {
             let (first, c) = self.joint(joint);
             let (_, rows) = c.position(&at.frames[c.ends[0].frame], &at.frames[c.ends[1].frame]);

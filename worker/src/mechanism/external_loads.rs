@@ -16,7 +16,7 @@ pub struct ExternalLoads {
 
 impl ExternalLoads {
     /// The loads of a scene on `body`.
-    pub fn new(scene: &Scene, body: usize) -> Self {
+    pub(crate) fn new(scene: &Scene, body: usize) -> Self {
         let mut frames = IslandFrames::new(scene, vec![]);
         let frame = frames.frame(body);
         let is_prescribed = |b: &usize| !matches!(scene.bodies[*b].motion, Motion::Free { .. });
@@ -33,7 +33,7 @@ impl ExternalLoads {
     }
 
     /// Moment of the loads about the body's axis at time `t` [s] [N m].
-    pub fn moment(&self, t: f64) -> f64 {
+    pub(crate) fn moment(&self, t: f64) -> f64 {
         if self.loads.is_empty() {
             return 0.0;
         }

@@ -24,7 +24,7 @@ pub(super) struct Acting<'a, R, J> {
 impl<R: Real, J: Touching<R>> Acting<'_, R, J> {
     /// Forces of joints with clearance and of loads at time `t`, and with `JACOBIAN` their derivatives.
     #[inline(always)]
-    pub fn applied<const JACOBIAN: bool>(&self, t: R, f: &mut [R], at: &mut Linearised<R>) {
+    pub(crate) fn applied<const JACOBIAN: bool>(&self, t: R, f: &mut [R], at: &mut Linearised<R>) {
         f.copy_from_slice(self.weight);
         if JACOBIAN {
             let zero = t.zero();

@@ -23,7 +23,7 @@ pub struct Frame<R = f64> {
 impl<R: Real> Frame<R> {
     /// Frame of a free body with coordinates q = (x, y, angle) and their rates v.
     #[inline(always)]
-    pub fn free(q: &[R], v: &[R]) -> Self {
+    pub(crate) fn free(q: &[R], v: &[R]) -> Self {
         let (sin, cos) = sincos(q[2]);
         Frame { x: [q[0], q[1]], angle: q[2], cs: [cos, sin], v: [v[0], v[1]], omega: v[2] }
     }
@@ -31,7 +31,7 @@ impl<R: Real> Frame<R> {
     /// Frame of a body that turns about its reference point `position` [m], at the angle with derivatives
     /// `jet`.
     #[inline(always)]
-    pub fn turning(position: [R; 2], jet: &Jet<R>) -> Self {
+    pub(crate) fn turning(position: [R; 2], jet: &Jet<R>) -> Self {
         let [angle, omega, ..] = *jet;
         let (sin, cos) = sincos(angle);
         Frame { x: position, angle, cs: [cos, sin], v: [angle.zero(); 2], omega }
@@ -39,26 +39,26 @@ impl<R: Real> Frame<R> {
 
     /// A vector of the body's frame in global axes.
     #[inline(always)]
-    pub fn turn(&self, s: [R; 2]) -> [R; 2] {
+    pub(crate) fn turn(&self, s: [R; 2]) -> [R; 2] {
         turned(s, self.cs)
     }
 
     /// A global vector in the body's axes.
     #[inline(always)]
-    pub fn turn_back(&self, a: [R; 2]) -> [R; 2] {
+    pub(crate) fn turn_back(&self, a: [R; 2]) -> [R; 2] {
         turned_back(a, self.cs)
     }
 
     /// Position of a point of the body given in its frame [m].
     #[inline(always)]
-    pub fn point(&self, s: [R; 2]) -> [R; 2] {
+    pub(crate) fn point(&self, s: [R; 2]) -> [R; 2] {
         let a = self.turn(s);
         [self.x[0] + a[0], self.x[1] + a[1]]
     }
 
     /// Velocity of a point of the body given in its frame [m/s].
     #[inline(always)]
-    pub fn velocity(&self, s: [R; 2]) -> [R; 2] {
+    pub(crate) fn velocity(&self, s: [R; 2]) -> [R; 2] {
         let a = self.turn(s);
         [self.v[0] - self.omega * a[1], self.v[1] + self.omega * a[0]]
     }

@@ -39,7 +39,7 @@ pub struct WearingJoint {
 
 impl WearingJoint {
     /// Replaces the wear depths of the bore by `depth` `(points,)` [m].
-    pub fn set_depth(&mut self, depth: &[f64]) {
+    pub(crate) fn set_depth(&mut self, depth: &[f64]) {
         self.profile.set_depth(depth);
         self.contact.profile_changed(&self.profile);
     }
@@ -125,12 +125,12 @@ impl Island {
     }
 
     /// The island's ideal joints as constraints.
-    pub fn constraints(&self) -> &[Constraint] {
+    pub(crate) fn constraints(&self) -> &[Constraint] {
         &self.ideal.constraints
     }
 
     /// Number of scalar constraints of the ideal joints.
-    pub fn constraint_rows(&self) -> usize {
+    pub(crate) fn constraint_rows(&self) -> usize {
         self.ideal.rows()
     }
 
@@ -152,7 +152,7 @@ impl Island {
     }
 
     /// Force in each ideal joint at the state of `at`, in the order of [`Self::constraints`] [N].
-    pub fn ideal_forces<'a>(&'a self, at: &'a Linearised) -> impl Iterator<Item = f64> + 'a {
+    pub(crate) fn ideal_forces<'a>(&'a self, at: &'a Linearised) -> impl Iterator<Item = f64> + 'a {
         let mut first = 0;
         self.ideal.constraints.iter().map(move |c| {
             let lambda = &at.lambda[first..first + c.rows()];
@@ -213,7 +213,7 @@ impl Island {
     }
 
     /// Evaluates all body frames at (t, q, v); later queries refer to this state.
-    pub fn set_state(&mut self, t: f64, q: &[f64], v: &[f64]) {
+    pub(crate) fn set_state(&mut self, t: f64, q: &[f64], v: &[f64]) {
         let free = self.bodies.len();
         for (k, frame) in self.frames[..free].iter_mut().enumerate() {
             *frame = Frame::free(&q[3 * k..3 * k + 3], &v[3 * k..3 * k + 3]);
@@ -227,7 +227,7 @@ impl Island {
     }
 
     /// Energies and powers of masses and loads, at the state last set.
-    pub fn load_power(&self, t: f64, v: &[f64]) -> LoadPower {
+    pub(crate) fn load_power(&self, t: f64, v: &[f64]) -> LoadPower {
         let kinetic = v.iter().zip(&self.mass).map(|(v, mass)| 0.5 * mass * v * v).sum();
         let mut power = LoadPower { stored: kinetic, ..LoadPower::default() };
         for (slot, weight) in self.weight.chunks_exact(3).enumerate() {
@@ -251,13 +251,13 @@ impl Island {
     }
 
     /// Motion of a joint with clearance, at the state last set.
-    pub fn joint_motion(&self, joint: usize) -> JointMotion {
+    pub(crate) fn joint_motion(&self, joint: usize) -> JointMotion {
         let [i, j] = self.joints[joint].ends;
         joint_motion(&self.frames[i.frame], i.arm, &self.frames[j.frame], j.arm)
     }
 
     /// Angular velocities of the prescribed bodies, at the state last set [rad/s].
-    pub fn prescribed_speeds(&self) -> impl Iterator<Item = f64> + '_ {
+    pub(crate) fn prescribed_speeds(&self) -> impl Iterator<Item = f64> + '_ {
         self.jets.iter().map(|jet| jet[1])
     }
 }

@@ -16,17 +16,17 @@ pub struct IslandFrames<'a> {
 
 impl<'a> IslandFrames<'a> {
     /// The frames of the free bodies `bodies` of a scene.
-    pub fn new(scene: &'a Scene, bodies: Vec<usize>) -> Self {
+    pub(crate) fn new(scene: &'a Scene, bodies: Vec<usize>) -> Self {
         IslandFrames { scene, free: bodies.len(), frames: bodies }
     }
 
     /// Prescribed bodies that have a frame.
-    pub fn touched(&self) -> &[usize] {
+    pub(crate) fn touched(&self) -> &[usize] {
         &self.frames[self.free..]
     }
 
     /// Motions of the prescribed bodies that have a frame.
-    pub fn prescribed(&self) -> Vec<Prescribed> {
+    pub(crate) fn prescribed(&self) -> Vec<Prescribed> {
         self.touched().iter().filter_map(|&b| Prescribed::from_body(&self.scene.bodies[b])).collect()
     }
 }

@@ -90,7 +90,12 @@ fn separation<R: Real>(fi: &Frame<R>, ai: [R; 2], fj: &Frame<R>, aj: [R; 2]) -> 
 /// Motion of a joint with its journal at `arm_i` of the body in frame `fi` and its bushing at `arm_j` of that
 /// in `fj`, in the bushing's frame.
 #[inline(always)]
-pub fn joint_motion<R: Real>(fi: &Frame<R>, arm_i: [R; 2], fj: &Frame<R>, arm_j: [R; 2]) -> JointMotion<R> {
+pub(crate) fn joint_motion<R: Real>(
+    fi: &Frame<R>,
+    arm_i: [R; 2],
+    fj: &Frame<R>,
+    arm_j: [R; 2],
+) -> JointMotion<R> {
     let (e, w) = separation(fi, fi.turn(arm_i), fj, fj.turn(arm_j));
     JointMotion { e: fj.turn_back(e), w: fj.turn_back(w), omega_journal: fi.omega, omega_bushing: fj.omega }
 }
@@ -106,7 +111,7 @@ pub trait Touching<R: Real> {
 /// Generalised forces of a joint with its journal on the body in frame `fi` and its bushing on that in `fj`;
 /// with `JACOBIAN` their exact derivatives.
 #[inline(always)]
-pub fn pair_force<R: Real, const JACOBIAN: bool>(
+pub(crate) fn pair_force<R: Real, const JACOBIAN: bool>(
     touching: &impl Touching<R>,
     fi: &Frame<R>,
     fj: &Frame<R>,

@@ -53,7 +53,7 @@ pub struct IslandLanes<R> {
 /// Whether the motion of an island can be computed in lanes: all its joints have clearance, the local contact
 /// law and no memory. Under the foundation nearly all the time goes into each joint's own arc, and ideal
 /// joints are eliminated one island at a time.
-pub fn fits_lanes(island: &Island) -> bool {
+pub(crate) fn fits_lanes(island: &Island) -> bool {
     let is_simple = |joint: &WearingJoint| {
         matches!(joint.contact, Contact::LocalHertz(_)) && joint.contact.surface().restitution.is_none()
     };
@@ -61,7 +61,7 @@ pub fn fits_lanes(island: &Island) -> bool {
 }
 
 /// Whether two islands that fit lanes fit the lanes of one [`IslandLanes`].
-pub fn same_topology(a: &Island, b: &Island) -> bool {
+pub(crate) fn same_topology(a: &Island, b: &Island) -> bool {
     let joint = |a: &WearingJoint, b: &WearingJoint| {
         a.ends.has_same_topology(&b.ends) && a.profile.points() == b.profile.points()
     };
@@ -75,7 +75,7 @@ pub fn same_topology(a: &Island, b: &Island) -> bool {
 
 impl<R: Real> IslandLanes<R> {
     /// `island` in every lane; `like` sets the number of lanes.
-    pub fn new(island: &Island, like: R) -> Self {
+    pub(crate) fn new(island: &Island, like: R) -> Self {
         let all = |values: &[f64]| values.iter().map(|x| x.in_lanes(like)).collect::<Vec<R>>();
         let zero = like.zero();
         let joint = |joint: &WearingJoint| JointLanes {
@@ -106,7 +106,7 @@ impl<R: Real> IslandLanes<R> {
     }
 
     /// Replaces lane `lane` by an island of the same topology.
-    pub fn set(&mut self, lane: usize, island: &Island) {
+    pub(crate) fn set(&mut self, lane: usize, island: &Island) {
         for (to, from) in self.joints.iter_mut().zip(&island.joints) {
             from.ends.write_lane::<R>(lane, &mut to.ends);
             from.contact.surface().write_lane::<R>(lane, &mut to.law.surface);
@@ -132,7 +132,7 @@ impl<R: Real> IslandLanes<R> {
     }
 
     /// Storage for the linearisation.
-    pub fn linearised(&self) -> Linearised<R> {
+    pub(crate) fn linearised(&self) -> Linearised<R> {
         let zero = self.mass[0].zero();
         Linearised {
             prescribed: vec![[zero; 3]; self.prescribed.len()],

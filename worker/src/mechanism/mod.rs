@@ -23,11 +23,12 @@ mod piecewise_cubic;
 mod prescribed;
 mod topology;
 
-pub use assembly::{Pose, ideal_accelerations, ideal_cycle};
+pub(crate) use assembly::ideal_accelerations;
+pub use assembly::{Pose, ideal_cycle};
 pub use constraint::Constraint;
-pub use external_loads::ExternalLoads;
+pub(crate) use external_loads::ExternalLoads;
 pub use frame::{End, Frame};
-pub use island::{Island, LoadPower, WearingJoint};
-pub use lanes::{IslandLanes, fits_lanes, same_topology};
+pub use island::{Island, WearingJoint};
+pub(crate) use lanes::{IslandLanes, fits_lanes, same_topology};
 pub use prescribed::Prescribed;
 pub use topology::islands;

@@ -35,7 +35,7 @@ enum Place {
 
 impl PiecewiseCubic {
     /// The monotone cubic of Fritsch and Carlson: continuously differentiable, no overshoot between points.
-    pub fn monotone(table: &Table) -> Self {
+    pub(crate) fn monotone(table: &Table) -> Self {
         let (x, y) = (&table.at, &table.value);
         let n = x.len();
         let secant = |k: usize| (y[k + 1] - y[k]) / (x[k + 1] - x[k]);
@@ -51,7 +51,7 @@ impl PiecewiseCubic {
 
     /// The twice continuously differentiable cubic spline; with slope zero at both ends unless the table
     /// repeats.
-    pub fn spline(table: &Table) -> Self {
+    pub(crate) fn spline(table: &Table) -> Self {
         let (x, y) = (&table.at, &table.value);
         let n = x.len();
         let step = |k: usize| x[k + 1] - x[k];
@@ -121,7 +121,7 @@ impl PiecewiseCubic {
     }
 
     /// Value and derivatives at `x`. A repeated table continues from its last value.
-    pub fn jet(&self, x: f64) -> Jet {
+    pub(crate) fn jet(&self, x: f64) -> Jet {
         match self.locate(x) {
             Place::Inside { interval, s, turns } => {
                 let Cubic([y0, d0, c, d]) = self.cubic(interval);
@@ -134,7 +134,7 @@ impl PiecewiseCubic {
     }
 
     /// Integral from the first argument to `x`.
-    pub fn integral(&self, x: f64) -> f64 {
+    pub(crate) fn integral(&self, x: f64) -> f64 {
         let whole = self.integral[self.integral.len() - 1];
         match self.locate(x) {
             Place::Inside { interval, s, turns } => {

@@ -41,7 +41,7 @@ impl Prescribed {
 
     /// Angle and its first three derivatives at time `t` [s] [rad, rad/s, rad/s^2, rad/s^3].
     #[inline]
-    pub fn jet(&self, t: f64) -> Jet {
+    pub(crate) fn jet(&self, t: f64) -> Jet {
         match &self.angle {
             Angle::Still => [0.0; 4],
             Angle::Constant { start, speed } => [start + speed * t, *speed, 0.0, 0.0],
@@ -59,17 +59,17 @@ impl Prescribed {
     }
 
     /// Frame of the body at time `t` [s].
-    pub fn frame(&self, t: f64) -> Frame {
+    pub(crate) fn frame(&self, t: f64) -> Frame {
         Frame::turning(self.position, &self.jet(t))
     }
 
     /// Position of the body's reference point `(2,)` [m].
-    pub fn position(&self) -> [f64; 2] {
+    pub(crate) fn position(&self) -> [f64; 2] {
         self.position
     }
 
     /// Whether the body is fixed.
-    pub fn is_still(&self) -> bool {
+    pub(crate) fn is_still(&self) -> bool {
         self.angle == Angle::Still
     }
 }

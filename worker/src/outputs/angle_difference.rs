@@ -15,12 +15,12 @@ pub struct AngleDifference<'a> {
 
 impl<'a> AngleDifference<'a> {
     /// Difference of the angles of two bodies.
-    pub fn of_angles(a: &'a SignedBody, b: &'a SignedBody) -> Self {
+    pub(crate) fn of_angles(a: &'a SignedBody, b: &'a SignedBody) -> Self {
         AngleDifference { quantity: BodyTrack::angle_in, a, b }
     }
 
     /// Difference of the angular velocities of two bodies.
-    pub fn of_speeds(a: &'a SignedBody, b: &'a SignedBody) -> Self {
+    pub(crate) fn of_speeds(a: &'a SignedBody, b: &'a SignedBody) -> Self {
         AngleDifference { quantity: BodyTrack::omega_in, a, b }
     }
 }

@@ -62,13 +62,13 @@ pub struct MomentTrack {
 
 impl MomentTrack {
     /// Removes all instants.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.time.clear();
         self.moment.clear();
     }
 
     /// Adds the moment [N m] at a time [s].
-    pub fn push(&mut self, time: f64, moment: f64) {
+    pub(crate) fn push(&mut self, time: f64, moment: f64) {
         self.time.push(time);
         self.moment.push(moment);
     }

@@ -30,7 +30,7 @@ pub struct EnergyLedger {
 
 impl EnergyLedger {
     /// Adds the step from the last instant to this one, at time `t` [s], by the trapezoidal rule.
-    pub fn push(&mut self, t: f64, now: PowerState) {
+    pub(crate) fn push(&mut self, t: f64, now: PowerState) {
         if let Some((before, last)) = self.last {
             let half = 0.5 * (t - before);
             let work = |power: fn(&PowerState) -> f64| half * (power(&last) + power(&now));
@@ -46,13 +46,13 @@ impl EnergyLedger {
     }
 
     /// The balance so far.
-    pub fn balance(&self) -> EnergyBalance {
+    pub(crate) fn balance(&self) -> EnergyBalance {
         self.balance
     }
 }
 
 /// Sum of the balances of several islands.
-pub fn sum_of_islands(balances: impl Iterator<Item = EnergyBalance>) -> EnergyBalance {
+pub(crate) fn sum_of_islands(balances: impl Iterator<Item = EnergyBalance>) -> EnergyBalance {
     balances.fold(EnergyBalance::default(), |a, b| EnergyBalance {
         input: a.input + b.input,
         stored: a.stored + b.stored,

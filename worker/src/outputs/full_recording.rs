@@ -22,13 +22,13 @@ pub struct FullRecording {
 
 impl FullRecording {
     /// An empty recording for the joints of an island.
-    pub fn new(island: &Island) -> Self {
+    pub(crate) fn new(island: &Island) -> Self {
         let joints = island.joints.len() + island.constraints().len();
         FullRecording { forces: vec![ForceTrack::default(); joints], ..FullRecording::default() }
     }
 
     /// Adds an accepted state at time `t` [s], at which the island was last linearised.
-    pub fn push(&mut self, island: &Island, t: f64, q: &[f64], v: &[f64], at: &Linearised) {
+    pub(crate) fn push(&mut self, island: &Island, t: f64, q: &[f64], v: &[f64], at: &Linearised) {
         let half = self.time.last().map_or(0.0, |last| 0.5 * (t - last));
         let contacts = at.joints.iter().map(|j| (libm::hypot(j.force[0], j.force[1]), j.normal > 0.0));
         let ideal = island.ideal_forces(at).map(|force| (force, true));
@@ -42,12 +42,12 @@ impl FullRecording {
     }
 
     /// Energy balance of the cycle.
-    pub fn balance(&self) -> EnergyBalance {
+    pub(crate) fn balance(&self) -> EnergyBalance {
         self.ledger.balance()
     }
 
     /// Motion of the island's bodies at times `at` [s], increasing and within the cycle.
-    pub fn motion(&self, island: &Island, scene: &Scene, at: &[f64]) -> Vec<BodyMotion> {
+    pub(crate) fn motion(&self, island: &Island, scene: &Scene, at: &[f64]) -> Vec<BodyMotion> {
         let n = island.coordinates();
         let column =
             |states: &[f64], k: usize| -> Vec<f64> { states.iter().skip(k).step_by(n).copied().collect() };

@@ -1,6 +1,6 @@
 //! From the recorded motion of a cycle to the outputs of a scene.
 //!
-//! An output that follows from the motion is a [`MotionOutput`] in a file of its own: what it needs recorded, its value, and how
+//! An output that follows from the motion is a [`MotionOutput`] in its own file: what it needs recorded, its value, and how
 //! it reads values between two time steps. [`motion_output`] lists them all.
 //!
 //! | file | contents |
@@ -24,14 +24,14 @@ mod recorder;
 mod recording_request;
 mod trace;
 
-pub use energy::sum_of_islands;
-pub use full_recording::FullRecording;
-pub use motion_output::{MotionOutput, Sampling};
-pub use position_error::PointTrack;
-pub use recorded_cycle::{RecordedCycle, sample_times};
-pub use recorder::Recorder;
-pub use recording_request::RecordingRequest;
-pub use trace::{BodyTrack, ForceTrack};
+pub(crate) use energy::sum_of_islands;
+pub(crate) use full_recording::FullRecording;
+pub(crate) use motion_output::{MotionOutput, Sampling};
+pub(crate) use position_error::PointTrack;
+pub(crate) use recorded_cycle::{RecordedCycle, sample_times};
+pub(crate) use recorder::Recorder;
+pub(crate) use recording_request::RecordingRequest;
+pub(crate) use trace::{BodyTrack, ForceTrack};
 
 use angle_difference::AngleDifference;
 use common::scene::{OutputKind, Scene};
@@ -40,7 +40,7 @@ use peak_joint_force::PeakJointForce;
 use position_error::PositionError;
 
 /// The output of this kind, if it follows from the motion of a cycle; `None` for the wear and for external simulators.
-pub fn motion_output(kind: &OutputKind) -> Option<Box<dyn MotionOutput + '_>> {
+pub(crate) fn motion_output(kind: &OutputKind) -> Option<Box<dyn MotionOutput + '_>> {
     match kind {
         OutputKind::LargestWear { .. } | OutputKind::External { .. } => None,
         OutputKind::AngularVelocityDifference { a, b } => Some(Box::new(AngleDifference::of_speeds(a, b))),
@@ -52,7 +52,7 @@ pub fn motion_output(kind: &OutputKind) -> Option<Box<dyn MotionOutput + '_>> {
 }
 
 /// What the outputs of a scene need recorded of its motion.
-pub fn recording_request(scene: &Scene) -> RecordingRequest {
+pub(crate) fn recording_request(scene: &Scene) -> RecordingRequest {
     let mut request = RecordingRequest::default();
     for output in scene.outputs.iter().filter_map(|output| motion_output(&output.kind)) {
         output.request(&mut request);

@@ -17,7 +17,7 @@ impl Sampling {
     ///
     /// # Source
     /// Error of piecewise Hermite and linear interpolation: de Boor, A Practical Guide to Splines (1978).
-    pub fn missed_peak(self, phase: f64) -> f64 {
+    pub(crate) fn missed_peak(self, phase: f64) -> f64 {
         match self {
             Sampling::Cubic => phase * phase * phase * phase / 384.0,
             Sampling::Steps => phase * phase / 8.0,

@@ -36,13 +36,13 @@ const WITHIN: [f64; 3] = [0.25, 0.5, 0.75];
 
 impl PointTrack {
     /// Removes all states.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.time.clear();
         self.position.iter_mut().chain(&mut self.velocity).for_each(Vec::clear);
     }
 
     /// Adds a state: time [s], position [m] and velocity [m/s].
-    pub fn push(&mut self, time: f64, position: [f64; 2], velocity: [f64; 2]) {
+    pub(crate) fn push(&mut self, time: f64, position: [f64; 2], velocity: [f64; 2]) {
         self.time.push(time);
         for k in 0..2 {
             self.position[k].push(position[k]);
@@ -59,7 +59,7 @@ impl PointTrack {
     }
 
     /// Largest distance from `other`, whose track covers the same span of time [m].
-    pub fn largest_distance(&self, other: &PointTrack) -> f64 {
+    pub(crate) fn largest_distance(&self, other: &PointTrack) -> f64 {
         let mut largest: f64 = 0.0;
         let mut j = 0;
         for k in 0..self.time.len().saturating_sub(1) {

@@ -10,7 +10,7 @@ use std::borrow::Cow;
 const SAMPLES: usize = 1000;
 
 /// Times of a cycle, in equal intervals, at which prescribed motions are sampled and displayed histories given `(1001,)` [s].
-pub fn sample_times(scene: &Scene) -> Vec<f64> {
+pub(crate) fn sample_times(scene: &Scene) -> Vec<f64> {
     (0..=SAMPLES).map(|k| scene.life.period * k as f64 / SAMPLES as f64).collect()
 }
 
@@ -26,7 +26,7 @@ pub struct RecordedCycle<'a> {
 
 impl<'a> RecordedCycle<'a> {
     /// Motion of a body of the scene: as recorded, or as prescribed; empty for a fixed body.
-    pub fn body(&self, body: usize) -> Cow<'a, BodyTrack> {
+    pub(crate) fn body(&self, body: usize) -> Cow<'a, BodyTrack> {
         if let Some(recorded) = self.islands.iter().find_map(|(island, recorder)| recorder.body(island, body))
         {
             return Cow::Borrowed(recorded);
@@ -42,7 +42,7 @@ impl<'a> RecordedCycle<'a> {
     }
 
     /// Path of a requested point, and its path on the mechanism with ideal joints.
-    pub fn paths(&self, point: &Attachment) -> Option<(&'a PointTrack, &'a PointTrack)> {
+    pub(crate) fn paths(&self, point: &Attachment) -> Option<(&'a PointTrack, &'a PointTrack)> {
         let recorded = self.islands.iter().find_map(|(_, recorder)| recorder.point(point));
         let ideal = self.ideal_paths.iter().find(|(place, _)| place == point).map(|(_, path)| path);
         recorded.zip(ideal)
@@ -54,7 +54,7 @@ impl<'a> RecordedCycle<'a> {
     }
 
     /// Largest force of a joint of the scene over the cycle [N], if it was recorded.
-    pub fn peak_force(&self, joint: usize) -> Option<f64> {
+    pub(crate) fn peak_force(&self, joint: usize) -> Option<f64> {
         self.islands.iter().find_map(|(island, recorder)| recorder.peak_force(island, joint))
     }
 }

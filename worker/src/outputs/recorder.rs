@@ -29,7 +29,7 @@ pub struct Recorder {
 
 impl Recorder {
     /// A recorder of what is `requested` of an island; contact histories are cut into `samples` intervals per cycle.
-    pub fn new(island: &Island, scene: &Scene, requested: &RecordingRequest, samples: usize) -> Self {
+    pub(crate) fn new(island: &Island, scene: &Scene, requested: &RecordingRequest, samples: usize) -> Self {
         let slots = |bodies: &[usize]| -> Vec<usize> {
             (0..island.bodies.len()).filter(|&s| bodies.contains(&island.bodies[s])).collect()
         };
@@ -54,22 +54,22 @@ impl Recorder {
     }
 
     /// Motion of a body of the scene, if it is in this island and requested.
-    pub fn body(&self, island: &Island, body: usize) -> Option<&BodyTrack> {
+    pub(crate) fn body(&self, island: &Island, body: usize) -> Option<&BodyTrack> {
         self.bodies.iter().find(|(slot, ..)| island.bodies[*slot] == body).map(|(.., track)| track)
     }
 
     /// Path of a point, if it is on this island and requested.
-    pub fn point(&self, at: &Attachment) -> Option<&PointTrack> {
+    pub(crate) fn point(&self, at: &Attachment) -> Option<&PointTrack> {
         self.points.iter().find(|(place, ..)| place == at).map(|(.., track)| track)
     }
 
     /// Moment of this island on a driven body of the scene, if the island touches that body and it is requested.
-    pub fn moment(&self, island: &Island, body: usize) -> Option<&MomentTrack> {
+    pub(crate) fn moment(&self, island: &Island, body: usize) -> Option<&MomentTrack> {
         self.moments.iter().find(|(k, _)| island.touched[*k] == body).map(|(_, track)| track)
     }
 
     /// Largest force of a joint of the scene over the cycle, if it is in this island and requested [N].
-    pub fn peak_force(&self, island: &Island, joint: usize) -> Option<f64> {
+    pub(crate) fn peak_force(&self, island: &Island, joint: usize) -> Option<f64> {
         let contacts = island.joints.iter().map(|j| j.scene_joint);
         let all = contacts.chain(island.constraints().iter().map(|c| c.scene_joint));
         let peaks = self.peak_forces.as_ref()?;
@@ -77,7 +77,7 @@ impl Recorder {
     }
 
     /// Removes the recording, for a new cycle.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.histories.iter_mut().for_each(ContactHistory::clear);
         self.bodies.iter_mut().for_each(|(.., track)| track.clear());
         self.points.iter_mut().for_each(|(.., track)| track.clear());
@@ -89,7 +89,7 @@ impl Recorder {
     }
 
     /// Closes the recording at the end of the cycle.
-    pub fn finish(&mut self) {
+    pub(crate) fn finish(&mut self) {
         self.histories.iter_mut().for_each(ContactHistory::close_stretch);
     }
 }

@@ -24,7 +24,7 @@ pub struct BodyTrack {
 
 impl BodyTrack {
     /// Removes all states.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.time.clear();
         self.angle.clear();
         self.omega.clear();
@@ -32,7 +32,7 @@ impl BodyTrack {
     }
 
     /// Adds a state: time [s], angle [rad], angular velocity [rad/s], angular acceleration [rad/s^2].
-    pub fn push(&mut self, time: f64, angle: f64, omega: f64, alpha: f64) {
+    pub(crate) fn push(&mut self, time: f64, angle: f64, omega: f64, alpha: f64) {
         self.time.push(time);
         self.angle.push(angle);
         self.omega.push(omega);
@@ -41,7 +41,7 @@ impl BodyTrack {
 
     /// Angle and its rate at time `t` [s] in interval `k`, by cubic Hermite interpolation.
     #[inline]
-    pub fn angle_in(&self, k: usize, t: f64) -> (f64, f64) {
+    pub(crate) fn angle_in(&self, k: usize, t: f64) -> (f64, f64) {
         cubic(&self.time, &self.angle, [self.omega[k], self.omega[k + 1]], k, t)
     }
 
@@ -51,7 +51,7 @@ impl BodyTrack {
     /// A step far longer than the period of a contact vibration skips it: little of the vibration remains in the velocity,
     /// but much in the acceleration, and a cubic with that slope would have peaks that do not exist.
     #[inline]
-    pub fn omega_in(&self, k: usize, t: f64) -> (f64, f64) {
+    pub(crate) fn omega_in(&self, k: usize, t: f64) -> (f64, f64) {
         let change = |k: usize| (self.omega[k + 1] - self.omega[k]).abs();
         let around = k.saturating_sub(1)..=(k + 1).min(self.time.len() - 2);
         let most = LARGEST_SLOPE * around.map(change).fold(0.0, f64::max) / (self.time[k + 1] - self.time[k]);
@@ -60,13 +60,13 @@ impl BodyTrack {
     }
 
     /// Angular velocity at times `at` [s], increasing and within the track, by linear interpolation [rad/s].
-    pub fn speed_at(&self, at: &[f64]) -> Vec<f64> {
+    pub(crate) fn speed_at(&self, at: &[f64]) -> Vec<f64> {
         linear(&self.time, &self.omega, at)
     }
 
     /// Angle [rad] and angular velocity [rad/s] at times `at` [s], increasing and within the track, each by cubic Hermite
     /// interpolation.
-    pub fn resample(&self, at: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    pub(crate) fn resample(&self, at: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let mut k = 0;
         at.iter()
             .map(|&t| {
@@ -103,7 +103,7 @@ pub struct ForceTrack {
 
 impl ForceTrack {
     /// Adds the force [N] at the end of a step of length 2 `half` [s]; the joint is in free flight unless it `touches`.
-    pub fn push(&mut self, time: f64, force: f64, touches: bool, half: f64) {
+    pub(crate) fn push(&mut self, time: f64, force: f64, touches: bool, half: f64) {
         // Trapezoidal rule: each end of a step stands for half of it.
         for free in [std::mem::replace(&mut self.is_free, !touches), !touches] {
             self.free += if free { half } else { 0.0 };
@@ -113,12 +113,12 @@ impl ForceTrack {
     }
 
     /// Largest force [N].
-    pub fn peak(&self) -> f64 {
+    pub(crate) fn peak(&self) -> f64 {
         self.force.iter().fold(0.0, |a, &b| a.max(b))
     }
 
     /// Force at times `at` [s], increasing and within the track, by linear interpolation [N].
-    pub fn resample(&self, at: &[f64]) -> Vec<f64> {
+    pub(crate) fn resample(&self, at: &[f64]) -> Vec<f64> {
         linear(&self.time, &self.force, at)
     }
 }

@@ -69,7 +69,7 @@ pub struct GapSolver {
 
 impl GapSolver {
     /// Closed joints (gaps of zero), with space in `at` for the system's linearisation.
-    pub fn new(at: Linearised) -> Self {
+    pub(crate) fn new(at: Linearised) -> Self {
         let n = at.f.len();
         let zero = || vec![0.0; n];
         GapSolver {
@@ -94,7 +94,7 @@ impl GapSolver {
     }
 
     /// The gaps at the last accepted time `(n,)` [m, rad].
-    pub fn gaps(&self) -> &[f64] {
+    pub(crate) fn gaps(&self) -> &[f64] {
         &self.past[0]
     }
 
@@ -103,7 +103,7 @@ impl GapSolver {
     ///
     /// # Errors
     /// [`NotConverged`] if no equilibrium is found.
-    pub fn solve_rest<D: Stepped>(
+    pub(crate) fn solve_rest<D: Stepped>(
         &mut self,
         system: &mut D,
         ideal: &IdealMotion,
@@ -143,7 +143,7 @@ impl GapSolver {
     ///
     /// # Errors
     /// [`NotConverged`] if Newton's method does not converge.
-    pub fn try_step<D: Stepped>(
+    pub(crate) fn try_step<D: Stepped>(
         &mut self,
         system: &mut D,
         ideal: &IdealMotion,
@@ -167,7 +167,7 @@ impl GapSolver {
 
     /// Estimates the local error of the step of length `h` [s] just tried, the largest over the coordinates in their scales [1].
     /// It vanishes where stiffness dominates, whatever the rate. Overwrites the update and the prediction.
-    pub fn estimate_error(&mut self, h: f64, scale: &[f64]) -> f64 {
+    pub(crate) fn estimate_error(&mut self, h: f64, scale: &[f64]) -> f64 {
         let span = self.time[0] + h - self.time[self.known - 1];
         self.update.fill(0.0);
         for (predicted, trial) in self.predicted.iter_mut().zip(&self.trial) {
@@ -179,7 +179,7 @@ impl GapSolver {
     }
 
     /// Accepts the step just tried, which ends at time `t` [s].
-    pub fn accept(&mut self, t: f64) {
+    pub(crate) fn accept(&mut self, t: f64) {
         self.past.rotate_right(1);
         self.time.rotate_right(1);
         self.past[0].copy_from_slice(&self.trial);

@@ -29,19 +29,19 @@ pub struct IdealMotion {
 
 impl IdealMotion {
     /// The motion through (q, v, a) at equal times of a cycle of `period` [s], both ends included `(intervals + 1, 3, n)`.
-    pub fn new(period: f64, n: usize, node: Vec<f64>) -> Self {
+    pub(crate) fn new(period: f64, n: usize, node: Vec<f64>) -> Self {
         IdealMotion { period, n, node }
     }
 
     /// Number of degrees of freedom.
-    pub fn coordinates(&self) -> usize {
+    pub(crate) fn coordinates(&self) -> usize {
         self.n
     }
 
     /// Writes position, velocity and acceleration at time `t` [s] to `q`, `v`, `a` `(n,)`. Outside the cycle the motion repeats
     /// itself; angles that turn fully return to their value at the start.
     #[inline]
-    pub fn evaluate(&self, t: f64, q: &mut [f64], v: &mut [f64], a: &mut [f64]) {
+    pub(crate) fn evaluate(&self, t: f64, q: &mut [f64], v: &mut [f64], a: &mut [f64]) {
         let n = self.n;
         let intervals = self.node.len() / (3 * n) - 1;
         let h = self.period / intervals as f64;
@@ -96,7 +96,7 @@ impl IdealMotion {
 ///
 /// # Errors
 /// [`Unsuitable`] if the scene has ideal joints, or if its motion is not determined or does not repeat itself.
-pub fn ideal_motions(
+pub(crate) fn ideal_motions(
     scene: &Scene,
     islands: &[&Island],
     poses: &[Pose],

@@ -26,7 +26,7 @@ mod stepper;
 mod unsuitable;
 mod wear_rates;
 
-pub use ideal_motion::{IdealMotion, ideal_motions};
-pub use stepper::{QuasiStaticCounts, QuasiStaticStepper, StepBounds};
+pub(crate) use ideal_motion::{IdealMotion, ideal_motions};
+pub(crate) use stepper::{QuasiStaticCounts, QuasiStaticStepper, StepBounds};
 pub use unsuitable::Unsuitable;
-pub use wear_rates::wear_rate_difference;
+pub(crate) use wear_rates::wear_rate_difference;

@@ -16,9 +16,9 @@ use crate::integrate::{Linearised, StateObserver, StepDecision, Stepped, within_
 /// Work done in one or more spans of time.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct QuasiStaticCounts {
-    /// Accepted steps.
+    /// Number of accepted steps.
     pub steps: u64,
-    /// Refused steps.
+    /// Number of refused steps.
     pub refused: u64,
     /// Newton iterations, each an evaluation of force and derivatives.
     pub iterations: u64,
@@ -57,18 +57,18 @@ const FIRST_STEP: f64 = 1e-2;
 impl QuasiStaticStepper {
     /// A stepper on this ideal motion, with space in `at` for the island's linearisation and local errors up to `tolerance` in
     /// its scales [1].
-    pub fn new(ideal: IdealMotion, at: Linearised, tolerance: f64, bounds: StepBounds) -> Self {
+    pub(crate) fn new(ideal: IdealMotion, at: Linearised, tolerance: f64, bounds: StepBounds) -> Self {
         let solver = GapSolver::new(at);
         QuasiStaticStepper { ideal, solver, tolerance, bounds, step: bounds.largest, time: 0.0 }
     }
 
     /// The gaps `(n,)`: coordinates minus those of the ideal mechanism [m, rad].
-    pub fn gaps(&self) -> &[f64] {
+    pub(crate) fn gaps(&self) -> &[f64] {
         self.solver.gaps()
     }
 
     /// Coordinates and their rates at the time reached `(n,)` each.
-    pub fn state(&self) -> (&[f64], &[f64]) {
+    pub(crate) fn state(&self) -> (&[f64], &[f64]) {
         (&self.solver.q, &self.solver.v)
     }
 
@@ -76,7 +76,7 @@ impl QuasiStaticStepper {
     ///
     /// # Errors
     /// [`Unsuitable::NoRest`] if no equilibrium is found.
-    pub fn start<D: Stepped>(
+    pub(crate) fn start<D: Stepped>(
         &mut self,
         system: &mut D,
         t: f64,
@@ -94,7 +94,7 @@ impl QuasiStaticStepper {
     ///
     /// # Errors
     /// [`Unsuitable`]: the step or the number of steps left its bounds, or a joint the range of its contact law.
-    pub fn run<D: Stepped, W: StateObserver<D>>(
+    pub(crate) fn run<D: Stepped, W: StateObserver<D>>(
         &mut self,
         system: &mut D,
         end: f64,

@@ -33,27 +33,27 @@ pub enum Unsuitable {
     /// The search for the equilibrium of the gaps failed: the contact forces do not balance load and inertia.
     #[error("at t = {time} s the gaps find no equilibrium")]
     NoRest {
-        /// Time [s].
+        /// Time reached [s].
         time: f64,
     },
     /// The step fell below its bound: a joint lost contact and no other force holds the body.
     #[error("at t = {time} s nothing holds the gaps: the step fell to {step} s")]
     LostHold {
-        /// Time [s].
+        /// Time reached [s].
         time: f64,
-        /// Step [s].
+        /// Length of the step to try next [s].
         step: f64,
     },
     /// The number of steps reached its bound.
     #[error("at t = {time} s the bound on steps was reached")]
     TooManySteps {
-        /// Time [s].
+        /// Time reached [s].
         time: f64,
     },
     /// A joint left the range of its contact law.
     #[error("at t = {time} s joint number {joint} of its island is outside the contact law's range")]
     OutOfRange {
-        /// Time [s].
+        /// Time reached [s].
         time: f64,
         /// Index of the joint in its island.
         joint: usize,

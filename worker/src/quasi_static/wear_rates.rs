@@ -5,7 +5,7 @@
 ///
 /// Rates are given for every joint of the scene and every control point `(joints, points)` [m per cycle]. The result is zero if
 /// nothing wears under either model, infinite if a joint wears under `a` alone.
-pub fn wear_rate_difference(a: &[Vec<f64>], b: &[Vec<f64>], joints: &[usize]) -> f64 {
+pub(crate) fn wear_rate_difference(a: &[Vec<f64>], b: &[Vec<f64>], joints: &[usize]) -> f64 {
     let largest = |rates: &[Vec<f64>], j: usize| rates[j].iter().fold(0.0, |m: f64, x| m.max(*x));
     let largest_of_all = joints.iter().map(|&j| largest(b, j)).fold(0.0, f64::max);
     let off = joints.iter().map(|&j| (largest(a, j) - largest(b, j)).abs()).fold(0.0, f64::max);

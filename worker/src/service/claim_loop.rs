@@ -73,7 +73,7 @@ pub(super) struct ClaimLoop {
 
 impl ClaimLoop {
     /// The claims to coordinator number `coordinator`.
-    pub fn new(
+    pub(crate) fn new(
         config: ServiceConfig,
         worker: WorkerId,
         coordinator: usize,
@@ -109,7 +109,7 @@ impl ClaimLoop {
     ///
     /// # Errors
     /// [`ServiceError`].
-    pub fn run(mut self, inbox: &Receiver<ClaimEvent>) -> Result<Departure, ServiceError> {
+    pub(crate) fn run(mut self, inbox: &Receiver<ClaimEvent>) -> Result<Departure, ServiceError> {
         let departure = self.serve(inbox);
         self.slots.shares().stop_competing(self.coordinator);
         self.withdraw(|_| true);

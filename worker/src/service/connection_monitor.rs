@@ -18,7 +18,7 @@ pub(super) struct ConnectionMonitor {
 
 impl ConnectionMonitor {
     /// A monitor for the coordinator at `endpoint`; `give_up_after` bounds the silence, `None`: no bound.
-    pub fn new(endpoint: &str, give_up_after: Option<Duration>) -> Self {
+    pub(crate) fn new(endpoint: &str, give_up_after: Option<Duration>) -> Self {
         Self {
             endpoint: endpoint.to_owned(),
             give_up_after,
@@ -30,7 +30,7 @@ impl ConnectionMonitor {
     }
 
     /// Registers an answer of the coordinator: the silence ends.
-    pub fn on_answer(&mut self) {
+    pub(crate) fn on_answer(&mut self) {
         if !self.was_connected {
             tracing::info!("connected to the coordinator at {}", self.endpoint);
         } else if self.warned_at.is_some() {
@@ -41,7 +41,7 @@ impl ConnectionMonitor {
     }
 
     /// Registers an attempt without answer, started at `since`.
-    pub fn on_failure(&mut self, since: Instant, reason: String) {
+    pub(crate) fn on_failure(&mut self, since: Instant, reason: String) {
         tracing::debug!("no answer from {}: {reason}", self.endpoint);
         self.silent_since = self.silent_since.or(Some(since));
         self.last_reason = reason;
@@ -51,7 +51,7 @@ impl ConnectionMonitor {
     ///
     /// # Errors
     /// [`ServiceError::Unreachable`] once the silence exceeds `give_up_after`.
-    pub fn check(&mut self, now: Instant) -> Result<(), ServiceError> {
+    pub(crate) fn check(&mut self, now: Instant) -> Result<(), ServiceError> {
         let Some(since) = self.silent_since else { return Ok(()) };
         let silence = now.saturating_duration_since(since);
         if self.give_up_after.is_some_and(|limit| silence >= limit) {

@@ -85,7 +85,7 @@ pub(super) struct FairShare(Mutex<ShareState>);
 
 impl FairShare {
     /// Shares among coordinators; `inboxes` are those of their claim loops.
-    pub fn new(inboxes: impl IntoIterator<Item = Sender<ClaimEvent>>) -> Self {
+    pub(crate) fn new(inboxes: impl IntoIterator<Item = Sender<ClaimEvent>>) -> Self {
         let member = |inbox| Member { inbox, tasks: 0, requested: None, competes: false, used: 0.0 };
         let now = Instant::now();
         let members = inboxes.into_iter().map(member).collect();
@@ -94,7 +94,7 @@ impl FairShare {
 
     /// Number of tasks that may be requested from coordinator `k`, of `slots` in all. The coordinator competes for slots
     /// until [`FairShare::stop_competing`].
-    pub fn allowance(&self, k: usize, slots: usize, now: Instant) -> usize {
+    pub(crate) fn allowance(&self, k: usize, slots: usize, now: Instant) -> usize {
         let mut state = self.state();
         state.count_use(now);
         state.start_competing(k);
@@ -114,12 +114,12 @@ impl FairShare {
     }
 
     /// Registers a request of `tasks` tasks from coordinator `k`.
-    pub fn request(&self, k: usize, tasks: usize, now: Instant) {
+    pub(crate) fn request(&self, k: usize, tasks: usize, now: Instant) {
         self.state().members[k].requested = Some((tasks, now));
     }
 
     /// Registers the reply of coordinator `k` with `tasks` tasks; zero if there is no reply.
-    pub fn answered(&self, k: usize, tasks: usize, now: Instant) {
+    pub(crate) fn answered(&self, k: usize, tasks: usize, now: Instant) {
         let mut state = self.state();
         state.count_use(now);
         let requested = state.members[k].requested.take();
@@ -130,7 +130,7 @@ impl FairShare {
     }
 
     /// Coordinator `k` stops competing for slots; the others are notified.
-    pub fn stop_competing(&self, k: usize) {
+    pub(crate) fn stop_competing(&self, k: usize) {
         let mut state = self.state();
         if std::mem::replace(&mut state.members[k].competes, false) {
             state.notify_others(k);
@@ -138,7 +138,7 @@ impl FairShare {
     }
 
     /// Registers that `tasks` tasks of coordinator `k` have ended or were dropped.
-    pub fn ended(&self, k: usize, tasks: usize, now: Instant) {
+    pub(crate) fn ended(&self, k: usize, tasks: usize, now: Instant) {
         let mut state = self.state();
         state.count_use(now);
         state.members[k].tasks = state.members[k].tasks.saturating_sub(tasks);
@@ -148,7 +148,7 @@ impl FairShare {
     }
 
     /// Time without tasks of any coordinator.
-    pub fn idle_for(&self, now: Instant) -> Duration {
+    pub(crate) fn idle_for(&self, now: Instant) -> Duration {
         let state = self.state();
         let busy = state.members.iter().any(|member| member.tasks > 0);
         if busy { Duration::ZERO } else { now.saturating_duration_since(state.idle_since) }

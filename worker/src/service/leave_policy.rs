@@ -31,7 +31,7 @@ pub(super) struct LeavePolicy {
 
 impl LeavePolicy {
     /// The policy of a worker that started at `start`.
-    pub fn new(config: &ServiceConfig, start: Instant) -> Self {
+    pub(crate) fn new(config: &ServiceConfig, start: Instant) -> Self {
         let walltime = config.walltime;
         let working = walltime.map(|t| t - RESERVED.min(t.mul_f64(RESERVED_SHARE)));
         Self {
@@ -43,7 +43,7 @@ impl LeavePolicy {
     }
 
     /// Registers a stop request.
-    pub fn request_stop(&mut self, now: Instant) {
+    pub(crate) fn request_stop(&mut self, now: Instant) {
         if self.draining.is_none_or(|(reason, _)| reason != Reason::Stopped) {
             let until = self.time_up.map_or(now + self.drain, |up| up.min(now + self.drain));
             self.draining = Some((Reason::Stopped, until));
@@ -51,13 +51,13 @@ impl LeavePolicy {
     }
 
     /// True if the worker takes no new tasks.
-    pub fn is_draining(&self) -> bool {
+    pub(crate) fn is_draining(&self) -> bool {
         self.draining.is_some()
     }
 
     /// Starts draining at the end of the run time or of the idle timeout. `longest` is the longest expected task, which must
     /// not start unless it can finish in time; `idle` is the time without tasks.
-    pub fn check(&mut self, now: Instant, longest: Option<Duration>, idle: Duration) {
+    pub(crate) fn check(&mut self, now: Instant, longest: Option<Duration>, idle: Duration) {
         if self.draining.is_some() {
             return;
         }
@@ -71,18 +71,23 @@ impl LeavePolicy {
     }
 
     /// The departure due before the first connection, if any.
-    pub fn over_before_work(&self, now: Instant, idle: Duration) -> Option<Departure> {
+    pub(crate) fn over_before_work(&self, now: Instant, idle: Duration) -> Option<Departure> {
         let up = self.time_up.is_some_and(|up| now >= up).then_some(Departure::TimeUp { lost: 0 });
         up.or(self.idle_timeout.is_some_and(|timeout| idle >= timeout).then_some(Departure::Idle))
     }
 
     /// True if the worker is to leave now, with `running` tasks.
-    pub fn must_leave(&self, now: Instant, running: usize) -> bool {
+    pub(crate) fn must_leave(&self, now: Instant, running: usize) -> bool {
         self.draining.is_some_and(|(_, until)| running == 0 || now >= until)
     }
 
     /// Latest time of the next [`LeavePolicy::check`].
-    pub fn next_check(&self, now: Instant, longest: Option<Duration>, idle: Duration) -> Option<Instant> {
+    pub(crate) fn next_check(
+        &self,
+        now: Instant,
+        longest: Option<Duration>,
+        idle: Duration,
+    ) -> Option<Instant> {
         if let Some((_, until)) = self.draining {
             return Some(until);
         }
@@ -92,7 +97,7 @@ impl LeavePolicy {
     }
 
     /// The departure with `lost` outcomes that could not be returned.
-    pub fn departure(&self, lost: usize) -> Departure {
+    pub(crate) fn departure(&self, lost: usize) -> Departure {
         match self.draining {
             Some((Reason::Idle, _)) if lost == 0 => Departure::Idle,
             Some((Reason::Walltime, _)) => Departure::TimeUp { lost },

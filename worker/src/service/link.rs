@@ -51,7 +51,7 @@ impl Link {
     ///
     /// # Errors
     /// [`ServiceError::Unreachable`] once `monitor` gives up.
-    pub fn connect(
+    pub(crate) fn connect(
         settings: &LinkSettings,
         service: &ServiceConfig,
         worker: &WorkerId,
@@ -111,7 +111,7 @@ impl Link {
     ///
     /// # Errors
     /// Error text of Zenoh.
-    pub fn send_claim(&self, sequence: u64, frame: Vec<u8>) -> Result<(), String> {
+    pub(crate) fn send_claim(&self, sequence: u64, frame: Vec<u8>) -> Result<(), String> {
         let end = QueryEnd { sequence, inbox: self.inbox.clone() };
         let query = self
             .session
@@ -130,7 +130,7 @@ impl Link {
     }
 
     /// Closes the session; gives up after [`CLOSE_TIMEOUT`].
-    pub fn close(&self) {
+    pub(crate) fn close(&self) {
         let (done, finished) = channel();
         let session = self.session.clone();
         let closing = std::thread::Builder::new().name("worker-close".into()).spawn(move || {

@@ -27,12 +27,12 @@ impl<F: Fn(f64) -> Result<Evaluation, SimulationFailure> + Send + Sync> Simulato
 }
 
 /// A job with the sample `[x]`.
-pub fn job(x: f64) -> Job {
+pub(crate) fn job(x: f64) -> Job {
     Job::standalone("", &[x], Accuracy::draft())
 }
 
 /// An evaluation with one output `history`.
-pub fn evaluation(history: Vec<f64>) -> Evaluation {
+pub(crate) fn evaluation(history: Vec<f64>) -> Evaluation {
     let cycles = (1..=history.len()).map(|k| 1000 * u32::try_from(k).unwrap()).collect();
     let diagnostics = Diagnostics::default();
     Evaluation {

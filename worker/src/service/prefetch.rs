@@ -29,7 +29,7 @@ pub(super) struct PrefetchEstimator {
 
 impl PrefetchEstimator {
     /// Registers a task that took a slot `wall` seconds and ended `took` after its arrival.
-    pub fn task_ended(&mut self, wall: f64, took: Duration) {
+    pub(crate) fn task_ended(&mut self, wall: f64, took: Duration) {
         self.wall = mean(self.wall, wall);
         self.ended += 1;
         self.latest.truncate(RECENT - 1);
@@ -37,18 +37,18 @@ impl PrefetchEstimator {
     }
 
     /// Registers a reply that arrived `after` its claim.
-    pub fn reply_received(&mut self, after: Duration) {
+    pub(crate) fn reply_received(&mut self, after: Duration) {
         self.reply = mean(self.reply, after.as_secs_f64());
     }
 
     /// Longest expected time of a task from arrival to end; `None` before the first task has ended.
-    pub fn longest(&self) -> Option<Duration> {
+    pub(crate) fn longest(&self) -> Option<Duration> {
         self.latest.iter().max().map(|longest| longest.mul_f64(MARGIN))
     }
 
     /// Tasks to prefetch: as many as `slots` threads finish during one reply time. Zero if a slot would wait for less than
     /// 0.5 % of its time; at most the number of tasks ended so far, since the next ones may be longer.
-    pub fn tasks(&self, slots: usize) -> usize {
+    pub(crate) fn tasks(&self, slots: usize) -> usize {
         let tasks = match (self.wall, self.reply) {
             (Some(wall), Some(reply)) if reply > WAIT_SHARE * wall => {
                 (slots as f64 * reply / wall.max(f64::MIN_POSITIVE)).ceil().min(MOST_PREFETCHED) as usize

@@ -21,18 +21,18 @@ struct QueueState {
 
 impl Queue {
     /// An empty queue for `slots` slots.
-    pub fn new(slots: usize) -> Self {
+    pub(crate) fn new(slots: usize) -> Self {
         Queue { slots, state: Mutex::default(), changed: Condvar::new() }
     }
 
     /// Appends a job.
-    pub fn push(&self, job: Job) {
+    pub(crate) fn push(&self, job: Job) {
         self.state().waiting.push_back(job);
         self.changed.notify_one();
     }
 
     /// Removes and returns the waiting jobs that are `unwanted`.
-    pub fn withdraw(&self, unwanted: impl Fn(&Job) -> bool) -> Vec<Job> {
+    pub(crate) fn withdraw(&self, unwanted: impl Fn(&Job) -> bool) -> Vec<Job> {
         let mut state = self.state();
         let all = std::mem::take(&mut state.waiting).into_iter();
         let (out, kept): (Vec<Job>, VecDeque<Job>) =
@@ -49,7 +49,7 @@ impl Queue {
     }
 
     /// Removes all waiting jobs; no slot gets a job afterwards.
-    pub fn close(&self) {
+    pub(crate) fn close(&self) {
         let mut state = self.state();
         state.closed = true;
         state.waiting.clear();
@@ -57,21 +57,21 @@ impl Queue {
     }
 
     /// Waits for a job for an idle slot; `None` once the queue is closed.
-    pub fn first(&self) -> Option<Job> {
+    pub(crate) fn first(&self) -> Option<Job> {
         let idle = |state: &mut QueueState| !state.closed && state.waiting.is_empty();
         let mut state = self.changed.wait_while(self.state(), idle).unwrap_or_else(PoisonError::into_inner);
         state.take()
     }
 
     /// Another job for a slot already running `mine`, unless that exceeds its fair share.
-    pub fn another(&self, mine: usize) -> Option<Job> {
+    pub(crate) fn another(&self, mine: usize) -> Option<Job> {
         let mut state = self.state();
         let share = (state.running + state.waiting.len()).div_ceil(self.slots);
         if mine < share { state.take() } else { None }
     }
 
     /// Counts the end of a job.
-    pub fn ended(&self) {
+    pub(crate) fn ended(&self) {
         let mut state = self.state();
         state.running = state.running.saturating_sub(1);
     }

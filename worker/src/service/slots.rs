@@ -25,7 +25,7 @@ pub(super) struct Slots {
 impl Slots {
     /// Starts the threads of `config` under the name `worker`; `inboxes` are those of the claim loops, in the order of the
     /// coordinators.
-    pub fn start(
+    pub(crate) fn start(
         config: &ServiceConfig,
         worker: &str,
         simulator: Arc<dyn Simulator>,
@@ -52,22 +52,22 @@ impl Slots {
     }
 
     /// Number of jobs that can run at once.
-    pub fn at_once(&self) -> usize {
+    pub(crate) fn at_once(&self) -> usize {
         self.at_once
     }
 
     /// How the coordinators share the slots.
-    pub fn shares(&self) -> &FairShare {
+    pub(crate) fn shares(&self) -> &FairShare {
         &self.shares
     }
 
     /// Appends a job to the queue.
-    pub fn start_job(&self, job: Job) {
+    pub(crate) fn start_job(&self, job: Job) {
         self.queue.push(job);
     }
 
     /// Removes the waiting tasks of a coordinator that are `unwanted`; returns them.
-    pub fn withdraw(&self, coordinator: usize, unwanted: impl Fn(&Task) -> bool) -> Vec<Task> {
+    pub(crate) fn withdraw(&self, coordinator: usize, unwanted: impl Fn(&Task) -> bool) -> Vec<Task> {
         let jobs = self.queue.withdraw(|job| job.coordinator == coordinator && unwanted(&job.task));
         self.shares.ended(coordinator, jobs.len(), Instant::now());
         jobs.into_iter().map(|job| job.task).collect()

@@ -25,39 +25,39 @@ pub(super) struct UnacknowledgedResults(Vec<Entry>);
 
 impl UnacknowledgedResults {
     /// Number of outcomes.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.0.len()
     }
 
     /// Encoded size of all outcomes [bytes].
-    pub fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         self.0.iter().map(|entry| entry.bytes).sum()
     }
 
     /// Tasks of the outcomes.
-    pub fn keys(&self) -> impl Iterator<Item = TaskKey> {
+    pub(crate) fn keys(&self) -> impl Iterator<Item = TaskKey> {
         self.0.iter().map(|entry| entry.outcome.task.key)
     }
 
     /// Adds an outcome, to be sent with the next claim.
-    pub fn push(&mut self, outcome: Outcome, now: Instant) {
+    pub(crate) fn push(&mut self, outcome: Outcome, now: Instant) {
         let bytes = codec::encoded_size(&outcome).unwrap_or(CLAIM_BYTES);
         self.0.push(Entry { outcome, bytes, due: now, pause: FIRST_PAUSE });
     }
 
     /// Schedules the outcome of this task to be sent at once; false if there is none.
-    pub fn resend_if_held(&mut self, task: &Task, now: Instant) -> bool {
+    pub(crate) fn resend_if_held(&mut self, task: &Task, now: Instant) -> bool {
         let found = self.0.iter_mut().find(|entry| entry.outcome.task.same_work(task));
         found.map(|entry| entry.due = now).is_some()
     }
 
     /// Time of the next send; `None` without outcomes.
-    pub fn next_due(&self) -> Option<Instant> {
+    pub(crate) fn next_due(&self) -> Option<Instant> {
         self.0.iter().map(|entry| entry.due).min()
     }
 
     /// Outcomes to send now, within the size of a claim; the others stay due.
-    pub fn take_due(&mut self, now: Instant) -> Vec<Outcome> {
+    pub(crate) fn take_due(&mut self, now: Instant) -> Vec<Outcome> {
         let mut due = Vec::new();
         let mut bytes = 0;
         for entry in self.0.iter_mut().filter(|entry| entry.due <= now) {
@@ -73,12 +73,12 @@ impl UnacknowledgedResults {
     }
 
     /// Removes acknowledged outcomes.
-    pub fn forget(&mut self, acknowledged: &[TaskKey]) {
+    pub(crate) fn forget(&mut self, acknowledged: &[TaskKey]) {
         self.0.retain(|entry| !acknowledged.contains(&entry.outcome.task.key));
     }
 
     /// Schedules all outcomes to be sent at once: the last claim was lost, or the coordinator has restarted.
-    pub fn resend_all(&mut self, now: Instant) {
+    pub(crate) fn resend_all(&mut self, now: Instant) {
         for entry in &mut self.0 {
             (entry.due, entry.pause) = (now, FIRST_PAUSE);
         }

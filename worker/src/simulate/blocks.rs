@@ -16,7 +16,7 @@ use crate::interpolate::{Cubic, fritsch_butland};
 
 /// Lives at which a cycle is simulated [cycles]: 0, the ends of the graded first block, then every `jump` cycles, rounded to the
 /// checkpoints, which are `every` cycles apart, to the end of life at `cycles`.
-pub fn block_ends(cycles: u32, jump: u32, every: u32) -> Vec<u32> {
+pub(crate) fn block_ends(cycles: u32, jump: u32, every: u32) -> Vec<u32> {
     let jump = match jump.clamp(1, cycles) {
         jump if jump >= every => jump / every * every,
         jump => (1..=jump).rev().find(|j| every.is_multiple_of(*j)).unwrap_or(1),
@@ -35,7 +35,7 @@ pub fn block_ends(cycles: u32, jump: u32, every: u32) -> Vec<u32> {
 
 /// Values at the `checkpoints` from `values` at the simulated `lives` [cycles], at least two: monotone cubic interpolation (Fritsch
 /// and Butland), which adds no extremum between two simulated cycles.
-pub fn at_checkpoints(lives: &[u32], values: &[f64], checkpoints: &[u32]) -> Vec<f64> {
+pub(crate) fn at_checkpoints(lives: &[u32], values: &[f64], checkpoints: &[u32]) -> Vec<f64> {
     let x: Vec<f64> = lives.iter().map(|&l| f64::from(l)).collect();
     let n = x.len();
     let h: Vec<f64> = x.windows(2).map(|w| w[1] - w[0]).collect();

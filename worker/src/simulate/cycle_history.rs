@@ -21,7 +21,7 @@ pub struct FirstCycle {
 impl Run<'_> {
     /// Outputs of the scene that follow from the motion of the cycle recorded last, zero in the place of the others
     /// `(outputs,)` [SI].
-    pub fn motion_outputs(&self) -> Vec<f64> {
+    pub(crate) fn motion_outputs(&self) -> Vec<f64> {
         let cycle = self.recorded_cycle();
         let outputs = self.scene.outputs.iter().map(|output| motion_output(&output.kind));
         outputs.map(|output| output.map_or(0.0, |output| output.value(&cycle))).collect()
@@ -36,7 +36,7 @@ impl Run<'_> {
     }
 
     /// Energy balance of the cycle recorded last, which was recorded fully.
-    pub fn energy(&self) -> EnergyBalance {
+    pub(crate) fn energy(&self) -> EnergyBalance {
         sum_of_islands(self.full_recordings().map(FullRecording::balance))
     }
 
@@ -45,7 +45,7 @@ impl Run<'_> {
     }
 
     /// Summary of the cycle recorded last, which was recorded fully; with its history if cycles are displayed.
-    pub fn first_cycle(&self) -> FirstCycle {
+    pub(crate) fn first_cycle(&self) -> FirstCycle {
         let period = self.scene.life.period;
         let has_clearance = |name: &str| {
             let mut joints = self.islands.iter().flat_map(|state| &state.island.joints);
@@ -62,7 +62,7 @@ impl Run<'_> {
     }
 
     /// Motion and joint forces of the cycle recorded last, which was recorded fully.
-    pub fn cycle_history(&self) -> CycleHistory {
+    pub(crate) fn cycle_history(&self) -> CycleHistory {
         let time = sample_times(self.scene);
         let cycle = self.recorded_cycle();
         let mut bodies: Vec<BodyTrace> = Vec::new();

@@ -61,7 +61,7 @@ pub struct MeasuredLives<'a> {
 
 impl MeasuredLives<'_> {
     /// Values of one output `(k,)` [SI].
-    pub fn of_output(&self, output: usize) -> Vec<f64> {
+    pub(crate) fn of_output(&self, output: usize) -> Vec<f64> {
         self.outputs.iter().map(|values| values[output]).collect()
     }
 }
@@ -78,13 +78,13 @@ pub struct ErrorEstimate {
 
 impl ErrorEstimate {
     /// Adds a probe; lives ascend.
-    pub fn add_probe(&mut self, probe: Probe) {
+    pub(crate) fn add_probe(&mut self, probe: Probe) {
         self.probes.push(probe);
     }
 
     /// Adds the wear depth `(joints, points)` [m] at `life` [cycles], the end of a block whose wear step is closed. Of the errors
     /// of a control point so far the largest counts: errors that cancel later are not known to do so.
-    pub fn add_wear(&mut self, run: &Run, life: u32, depth: Vec<Vec<f64>>) {
+    pub(crate) fn add_wear(&mut self, run: &Run, life: u32, depth: Vec<Vec<f64>>) {
         let mut error = vec![Vec::new(); depth.len()];
         for state in &run.islands {
             for (joint, step) in state.island.joints.iter().zip(&state.steps) {
@@ -103,7 +103,7 @@ impl ErrorEstimate {
 
     /// Error of every output at every checkpoint `(outputs, m)` [SI], given the `histories` there and the outputs in the
     /// simulated cycles; `largest_step` is a fraction of the cycle [1].
-    pub fn errors(
+    pub(crate) fn errors(
         &self,
         scene: &Scene,
         histories: &[Vec<f64>],

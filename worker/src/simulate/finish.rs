@@ -11,7 +11,7 @@ impl Run<'_> {
     ///
     /// # Errors
     /// [`SimulationFailure::NotFinite`] if a value is not finite.
-    pub fn finish(
+    pub(crate) fn finish(
         &self,
         cycles: Vec<u32>,
         histories: Vec<Vec<f64>>,

@@ -25,7 +25,7 @@ pub struct CycleSpan {
 
 impl CycleSpan {
     /// The cycle of a scene, with the warm-up of this accuracy.
-    pub fn new(scene: &Scene, accuracy: &Accuracy) -> Self {
+    pub(crate) fn new(scene: &Scene, accuracy: &Accuracy) -> Self {
         let period = scene.life.period;
         CycleSpan { period, kept: (1.0 - accuracy.warm_up).max(0.0) * period }
     }
@@ -67,7 +67,7 @@ pub struct StateSnapshot {
 
 impl StateSnapshot {
     /// A snapshot of the state `q`, `v` `(n,)` and of the island's joints.
-    pub fn new(island: &Island, q: &[f64], v: &[f64]) -> Self {
+    pub(crate) fn new(island: &Island, q: &[f64], v: &[f64]) -> Self {
         let mut snapshot =
             StateSnapshot { q: q.to_vec(), v: v.to_vec(), damping: vec![0.0; island.joints.len()] };
         snapshot.update(island, q, v);
@@ -75,7 +75,7 @@ impl StateSnapshot {
     }
 
     /// Replaces the snapshot by the state `q`, `v` `(n,)` and the island's joints as they are.
-    pub fn update(&mut self, island: &Island, q: &[f64], v: &[f64]) {
+    pub(crate) fn update(&mut self, island: &Island, q: &[f64], v: &[f64]) {
         self.q.copy_from_slice(q);
         self.v.copy_from_slice(v);
         for (damping, joint) in self.damping.iter_mut().zip(&island.joints) {
@@ -84,7 +84,7 @@ impl StateSnapshot {
     }
 
     /// Restores the state `q`, `v` `(n,)` and the joints of the island.
-    pub fn restore(&self, island: &mut Island, q: &mut [f64], v: &mut [f64]) {
+    pub(crate) fn restore(&self, island: &mut Island, q: &mut [f64], v: &mut [f64]) {
         q.copy_from_slice(&self.q);
         v.copy_from_slice(&self.v);
         for (damping, joint) in self.damping.iter().zip(&mut island.joints) {
@@ -101,7 +101,7 @@ pub struct CycleTools {
 
 impl IslandState {
     /// Starts the island from the pose of the ideal mechanism; its recorder records what is `requested`.
-    pub fn new(
+    pub(crate) fn new(
         island: Island,
         pose: &Pose,
         scene: &Scene,
@@ -135,14 +135,14 @@ impl IslandState {
     }
 
     /// Stepper and empty recorder for another accuracy of the time steps; `period` is the length of a cycle [s].
-    pub fn tools_for(&self, period: f64, accuracy: &Accuracy) -> CycleTools {
+    pub(crate) fn tools_for(&self, period: f64, accuracy: &Accuracy) -> CycleTools {
         let mut recorder = self.recorder.clone();
         recorder.clear();
         CycleTools { stepper: stepper(&self.island, period, accuracy), recorder }
     }
 
     /// Exchanges stepper and recorder with `tools`.
-    pub fn exchange_tools(&mut self, tools: &mut CycleTools) {
+    pub(crate) fn exchange_tools(&mut self, tools: &mut CycleTools) {
         std::mem::swap(&mut self.stepper, &mut tools.stepper);
         std::mem::swap(&mut self.recorder, &mut tools.recorder);
     }
@@ -158,7 +158,7 @@ fn stepper(island: &Island, period: f64, accuracy: &Accuracy) -> Stepper {
 }
 
 /// The failure of an evaluation whose integration stopped: adds the life `cycle` [cycles] and the names of joints.
-pub fn failure(error: IntegrationError, cycle: u32, island: &Island) -> SimulationFailure {
+pub(crate) fn failure(error: IntegrationError, cycle: u32, island: &Island) -> SimulationFailure {
     let name = |joint: usize| island.joints[joint].name.clone();
     match error {
         IntegrationError::StepTooSmall { time, step, error, joint } => {

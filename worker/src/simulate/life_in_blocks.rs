@@ -30,7 +30,7 @@ pub enum CycleModel {
 ///
 /// # Errors
 /// The first error of the wear, of a probe or of `next_cycle`.
-pub async fn simulate_life<E: From<SimulationFailure>>(
+pub(crate) async fn simulate_life<E: From<SimulationFailure>>(
     run: &mut Run<'_>,
     next_cycle: impl AsyncFn(&mut Run) -> Result<(), E>,
     model: CycleModel,

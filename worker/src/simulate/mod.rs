@@ -45,6 +45,7 @@ use run::{Run, WornDisplay};
 use side_by_side::{LaneQueue, RunningEvaluation, run_alone, run_side_by_side};
 use std::time::Duration;
 
+pub use crate::quasi_static::Unsuitable;
 pub use first_look::{FirstLook, IslandModel, first_look};
 pub use side_by_side::LaneWidth;
 
@@ -92,7 +93,7 @@ pub fn simulate_counted(scene: &Scene, accuracy: &Accuracy, options: SimulateOpt
 pub struct SimulationInput {
     /// Scene of one sample.
     pub scene: Scene,
-    /// Numerical settings.
+    /// Numerical settings of the evaluation.
     pub accuracy: Accuracy,
     /// What is returned besides the outputs.
     pub options: SimulateOptions,

@@ -23,7 +23,10 @@ impl Run<'_> {
     ///
     /// # Errors
     /// [`SimulationFailure`] if the second run fails.
-    pub async fn finish_without_wear(&mut self, first: FirstCycle) -> Result<Evaluation, SimulationFailure> {
+    pub(crate) async fn finish_without_wear(
+        &mut self,
+        first: FirstCycle,
+    ) -> Result<Evaluation, SimulationFailure> {
         let values = self.motion_outputs();
         let finer = self.accuracy.refined(FINER);
         self.restart_cycle(&finer);

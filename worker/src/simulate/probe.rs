@@ -57,7 +57,7 @@ impl Run<'_> {
     ///
     /// # Errors
     /// [`SimulationFailure`] if the further cycle fails.
-    pub async fn probe(&mut self, life: u32) -> Result<Probe, SimulationFailure> {
+    pub(crate) async fn probe(&mut self, life: u32) -> Result<Probe, SimulationFailure> {
         let measured = self.cycle_values(life)?;
         let finer = self.accuracy.refined(FINER);
         let period = self.scene.life.period;
@@ -173,7 +173,7 @@ fn relative_change(now: &[f64], was: &[f64]) -> f64 {
 
 /// True if the cycle simulated at the end of this block of a life of `end` [cycles] is probed: the first ones at or after the first
 /// checkpoint, one and two thirds of the life, and its end.
-pub fn is_probed(block: Range<u32>, checkpoint_every: u32, end: u32) -> bool {
+pub(crate) fn is_probed(block: Range<u32>, checkpoint_every: u32, end: u32) -> bool {
     let wanted = [checkpoint_every, end / 3, end / 3 * 2, end].map(|life| life.clamp(1, end));
     wanted.iter().any(|&life| block.start < life && life <= block.end)
 }

@@ -16,7 +16,7 @@ const IDEAL_INTERVALS: usize = 90;
 
 /// The whole life under the quasi-static model, if the accuracy allows it, the scene has no output other than wear, and both
 /// comparisons with the dynamics agree; else `None`, and of `run` only the counts have changed.
-pub async fn try_quasi_static(run: &mut Run<'_>) -> Option<LifeHistory> {
+pub(crate) async fn try_quasi_static(run: &mut Run<'_>) -> Option<LifeHistory> {
     let mut trial = run.clone();
     match trial.simulate_quasi_static_life().await {
         Ok(life) => {
@@ -65,7 +65,7 @@ impl Run<'_> {
     ///
     /// # Errors
     /// [`Unsuitable`] if the dynamics has to drive the wear.
-    pub fn check_quasi_static(&self) -> Result<f64, Unsuitable> {
+    pub(crate) fn check_quasi_static(&self) -> Result<f64, Unsuitable> {
         let mut trial = self.clone();
         trial.start_quasi_static()?;
         Ok(trial.tier_difference.iter().copied().fold(0.0, f64::max))

@@ -26,7 +26,7 @@ pub struct QuasiStaticIsland {
 
 impl QuasiStaticIsland {
     /// An island with closed joints on its ideal motion.
-    pub fn new(ideal: IdealMotion, island: &Island, scene: &Scene, accuracy: &Accuracy) -> Self {
+    pub(crate) fn new(ideal: IdealMotion, island: &Island, scene: &Scene, accuracy: &Accuracy) -> Self {
         let period = scene.life.period;
         let bounds = StepBounds {
             largest: LARGEST_STEP * period,
@@ -46,7 +46,7 @@ impl QuasiStaticIsland {
     ///
     /// # Errors
     /// [`Unsuitable`] if the gaps cannot be integrated.
-    pub fn run_cycle(
+    pub(crate) fn run_cycle(
         &mut self,
         state: &mut IslandState,
         cycle: &CycleSpan,

@@ -54,7 +54,7 @@ impl<'a> Run<'a> {
     ///
     /// # Errors
     /// [`SimulationFailure`] if the mechanism cannot be assembled or moved, or an output is not modelled.
-    pub fn assemble(
+    pub(crate) fn assemble(
         queue: LaneQueue,
         scene: &'a Scene,
         accuracy: &'a Accuracy,
@@ -96,7 +96,7 @@ impl<'a> Run<'a> {
     ///
     /// # Errors
     /// [`SimulationFailure`] if the integration stops.
-    pub async fn settle(&mut self) -> Result<(), SimulationFailure> {
+    pub(crate) async fn settle(&mut self) -> Result<(), SimulationFailure> {
         let period = self.scene.life.period;
         for cycle in (1..=self.scene.life.settle_cycles).rev() {
             let start = -f64::from(cycle) * period;
@@ -107,7 +107,7 @@ impl<'a> Run<'a> {
     }
 
     /// True if a joint wears.
-    pub fn wears(&self) -> bool {
+    pub(crate) fn wears(&self) -> bool {
         self.islands.iter().any(|m| m.island.joints.iter().any(|j| j.wear_coefficient > 0.0))
     }
 
@@ -122,7 +122,7 @@ impl<'a> Run<'a> {
     }
 
     /// Returns to the start of the cycle just measured, with time steps of another accuracy.
-    pub fn restart_cycle(&mut self, accuracy: &Accuracy) {
+    pub(crate) fn restart_cycle(&mut self, accuracy: &Accuracy) {
         for state in &mut self.islands {
             state.cycle_start.restore(&mut state.island, &mut state.q, &mut state.v);
             let mut tools = state.tools_for(self.scene.life.period, accuracy);
@@ -134,7 +134,7 @@ impl<'a> Run<'a> {
     ///
     /// # Errors
     /// [`SimulationFailure`] if the integration stops.
-    pub async fn measure(&mut self) -> Result<(), SimulationFailure> {
+    pub(crate) async fn measure(&mut self) -> Result<(), SimulationFailure> {
         let CycleSpan { period, kept } = CycleSpan::new(self.scene, self.accuracy);
         for state in &mut self.islands {
             state.recorder.clear();
@@ -161,7 +161,7 @@ impl<'a> Run<'a> {
     ///
     /// # Errors
     /// [`SimulationFailure`] if the integration stops.
-    pub async fn next_cycle(&mut self) -> Result<(), SimulationFailure> {
+    pub(crate) async fn next_cycle(&mut self) -> Result<(), SimulationFailure> {
         self.warm_up().await?;
         self.measure().await
     }
@@ -171,7 +171,7 @@ impl<'a> Run<'a> {
     ///
     /// # Errors
     /// [`SimulationFailure`] if the integration stops.
-    pub async fn last_cycle(&mut self) -> Result<(), SimulationFailure> {
+    pub(crate) async fn last_cycle(&mut self) -> Result<(), SimulationFailure> {
         if self.display.is_none() {
             return self.next_cycle().await;
         }
@@ -189,7 +189,7 @@ impl<'a> Run<'a> {
     ///
     /// # Errors
     /// [`SimulationFailure`] if the integration stops.
-    pub async fn further_cycle(&mut self) -> Result<(), SimulationFailure> {
+    pub(crate) async fn further_cycle(&mut self) -> Result<(), SimulationFailure> {
         self.islands.iter_mut().for_each(|state| state.recorder.clear());
         self.integrate(0.0..self.scene.life.period, true).await?;
         self.islands.iter_mut().for_each(|state| state.recorder.finish());
@@ -201,7 +201,7 @@ impl<'a> Run<'a> {
     ///
     /// # Errors
     /// [`SimulationFailure::WearStep`] if the wear rate does not exist.
-    pub fn close_wear(&mut self) -> Result<(), SimulationFailure> {
+    pub(crate) fn close_wear(&mut self) -> Result<(), SimulationFailure> {
         for (index, state) in self.islands.iter_mut().enumerate() {
             let IslandState { island, recorder, rates, steps, depth, .. } = state;
             let recorder = self.quasi_static.get(index).map_or(&*recorder, |island| &island.recorder);
@@ -219,7 +219,7 @@ impl<'a> Run<'a> {
     }
 
     /// Depth at every control point of every joint of the scene, empty for ideal joints `(joints, points)` [m].
-    pub fn depths(&self) -> Vec<Vec<f64>> {
+    pub(crate) fn depths(&self) -> Vec<Vec<f64>> {
         let mut all = vec![Vec::new(); self.scene.joints.len()];
         for state in &self.islands {
             for (joint, depth) in state.island.joints.iter().zip(&state.depth) {
@@ -230,7 +230,7 @@ impl<'a> Run<'a> {
     }
 
     /// Keeps the bores as they are at `life` [cycles], if cycles are displayed.
-    pub fn keep_bores(&mut self, life: u32) {
+    pub(crate) fn keep_bores(&mut self, life: u32) {
         if self.display.is_none() {
             return;
         }
@@ -254,14 +254,14 @@ impl<'a> Run<'a> {
     }
 
     /// Records everything of the following cycles.
-    pub fn start_full_recording(&mut self) {
+    pub(crate) fn start_full_recording(&mut self) {
         for state in &mut self.islands {
             state.recorder.full = Some(FullRecording::new(&state.island));
         }
     }
 
     /// Records of the following cycles only what wear and outputs need.
-    pub fn stop_full_recording(&mut self) {
+    pub(crate) fn stop_full_recording(&mut self) {
         self.islands.iter_mut().for_each(|state| state.recorder.full = None);
     }
 
@@ -270,7 +270,7 @@ impl<'a> Run<'a> {
     ///
     /// # Errors
     /// [`SimulationFailure`] if a wear step fails or a wall is worn through.
-    pub fn wear(
+    pub(crate) fn wear(
         &mut self,
         block: Range<u32>,
         checkpoints: &[u32],

@@ -54,7 +54,7 @@ pub struct Spot {
 
 impl Spot {
     /// Contact in the direction of `e` `(2,)` [m], on a table of `n` intervals.
-    pub fn new(e: [f64; 2], n: usize) -> Self {
+    pub(crate) fn new(e: [f64; 2], n: usize) -> Self {
         let length = libm::hypot(e[0], e[1]);
         let turn = libm::atan2(e[1], e[0]) / TAU;
         let place = n as f64 * if turn < 0.0 { turn + 1.0 } else { turn };
@@ -67,7 +67,7 @@ impl Spot {
     }
 
     /// Interval between control points that contains the contact, and its fraction there in [0, 1).
-    pub fn within(&self) -> (usize, f64) {
+    pub(crate) fn within(&self) -> (usize, f64) {
         let interval = self.place as usize / SUBDIVISION;
         (interval, self.place / SUBDIVISION as f64 - interval as f64)
     }
@@ -100,7 +100,7 @@ struct Inside {
 impl ArcEnds {
     /// For a journal of radius `journal_radius` [m] in a bore with `points` control points, not tabulated
     /// yet.
-    pub fn new(journal_radius: f64, points: usize) -> Self {
+    pub(crate) fn new(journal_radius: f64, points: usize) -> Self {
         let n = SUBDIVISION * points;
         let spacing = TAU / points as f64;
         ArcEnds {
@@ -118,12 +118,12 @@ impl ArcEnds {
     }
 
     /// Number of table intervals n.
-    pub fn intervals(&self) -> usize {
+    pub(crate) fn intervals(&self) -> usize {
         self.gap.len()
     }
 
     /// Tabulates a changed profile.
-    pub fn profile_changed(&mut self, profile: &Profile) {
+    pub(crate) fn profile_changed(&mut self, profile: &Profile) {
         profile.tabulate(&mut self.gap);
         self.gap.iter_mut().for_each(|gap| *gap = self.journal_radius - *gap);
         for (hollow, [_, _, c, d]) in self.hollow.iter_mut().zip(profile.cubics()) {
@@ -139,7 +139,7 @@ impl ArcEnds {
     /// instant to the next, and the part behind it no longer counts; a second patch behind the end joins the
     /// arc again where the gap between them closes. There the end, and with it the wear rate, is not a
     /// continuous function of the profile.
-    pub fn find(&self, spot: &mut Spot, penetration: f64, radius: f64, slope: f64) -> (f64, f64) {
+    pub(crate) fn find(&self, spot: &mut Spot, penetration: f64, radius: f64, slope: f64) -> (f64, f64) {
         let e = penetration + radius - self.journal_radius;
         let circle =
             Circle { e: [e * spot.u[0], e * spot.u[1]], penetration, curvature: 0.5 / self.journal_radius };

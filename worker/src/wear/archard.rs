@@ -50,7 +50,7 @@ enum FrozenContacts {
 
 impl WearRate {
     /// Rate of a joint with wear coefficient `coefficient` [1/Pa], width `width` [m] and this contact law.
-    pub fn new(coefficient: f64, width: f64, contact: &Contact, profile: &Profile) -> Self {
+    pub(crate) fn new(coefficient: f64, width: f64, contact: &Contact, profile: &Profile) -> Self {
         let (surface, points) = (*contact.surface(), profile.points());
         WearRate {
             coefficient,
@@ -66,7 +66,7 @@ impl WearRate {
     }
 
     /// Replaces the frozen history by that of the cycle just simulated.
-    pub fn freeze(&mut self, history: &ContactHistory) {
+    pub(crate) fn freeze(&mut self, history: &ContactHistory) {
         match &mut self.contacts {
             FrozenContacts::UniformOverArc(arcs) => arcs.freeze(history.samples()),
             FrozenContacts::Foundation(contacts) => contacts.freeze(&self.profile, history.samples()),
@@ -74,7 +74,8 @@ impl WearRate {
     }
 
     /// Evaluations of the foundation so far; zero under a law without one.
-    pub fn evaluations(&self) -> u64 {
+    #[cfg(test)]
+    pub(crate) fn evaluations(&self) -> u64 {
         match &self.contacts {
             FrozenContacts::UniformOverArc(_) => 0,
             FrozenContacts::Foundation(contacts) => contacts.evaluations(),
@@ -86,7 +87,7 @@ impl WearRate {
     ///
     /// # Errors
     /// [`NoEquilibrium`] if a frozen force has no equilibrium on that bore.
-    pub fn rate(&mut self, depth: &[f64], rate: &mut [f64]) -> Result<(), NoEquilibrium> {
+    pub(crate) fn rate(&mut self, depth: &[f64], rate: &mut [f64]) -> Result<(), NoEquilibrium> {
         self.profile.set_depth(depth);
         let per = match &mut self.contacts {
             FrozenContacts::UniformOverArc(arcs) => {

@@ -32,7 +32,7 @@ pub struct ConformalContacts {
 
 impl ConformalContacts {
     /// Without samples, for a bore with `points` control points.
-    pub fn new(surface: Surface, points: usize) -> Self {
+    pub(crate) fn new(surface: Surface, points: usize) -> Self {
         ConformalContacts {
             law: Foundation::with_intervals(surface, points, INTERVALS),
             samples: Vec::new(),
@@ -41,7 +41,7 @@ impl ConformalContacts {
     }
 
     /// Replaces the history by the samples of a cycle simulated on `profile`.
-    pub fn freeze(&mut self, profile: &Profile, samples: &[ContactSample]) {
+    pub(crate) fn freeze(&mut self, profile: &Profile, samples: &[ContactSample]) {
         self.samples.clear();
         self.samples.extend_from_slice(samples);
         self.law.profile_changed(profile);
@@ -49,7 +49,8 @@ impl ConformalContacts {
     }
 
     /// Evaluations of the foundation so far.
-    pub fn evaluations(&self) -> u64 {
+    #[cfg(test)]
+    pub(crate) fn evaluations(&self) -> u64 {
         self.evaluations
     }
 
@@ -57,7 +58,7 @@ impl ConformalContacts {
     ///
     /// # Errors
     /// [`NoEquilibrium`] if a frozen force has no equilibrium on that bore.
-    pub fn shares(&mut self, profile: &Profile, shares: &mut [f64]) -> Result<(), NoEquilibrium> {
+    pub(crate) fn shares(&mut self, profile: &Profile, shares: &mut [f64]) -> Result<(), NoEquilibrium> {
         shares.fill(0.0);
         self.law.profile_changed(profile);
         for sample in &mut self.samples {

@@ -57,7 +57,11 @@ pub struct NoEquilibrium(pub f64);
 ///
 /// # Errors
 /// [`NoEquilibrium`] if the force is beyond the law's range, or the bore has radii that are not finite.
-pub fn equilibrium(law: &Foundation, force: [f64; 2], start: [f64; 2]) -> Result<Equilibrium, NoEquilibrium> {
+pub(crate) fn equilibrium(
+    law: &Foundation,
+    force: [f64; 2],
+    start: [f64; 2],
+) -> Result<Equilibrium, NoEquilibrium> {
     let surface = &law.surface;
     let wanted = libm::hypot(force[0], force[1]);
     let direction = [force[0] / wanted, force[1] / wanted];

@@ -37,7 +37,7 @@ const NOTHING: ContactSample = ContactSample { e: [0.0; 2], penetration: 0.0, fo
 
 impl ContactHistory {
     /// An empty history that cuts a cycle of `period` [s] into about `samples` intervals.
-    pub fn new(period: f64, samples: usize) -> Self {
+    pub(crate) fn new(period: f64, samples: usize) -> Self {
         ContactHistory {
             samples: Vec::with_capacity(2 * samples),
             interval: period / samples as f64,
@@ -47,14 +47,14 @@ impl ContactHistory {
     }
 
     /// Removes all samples, for a new cycle.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.samples.clear();
         self.elapsed = 0.0;
         self.sum = NOTHING;
     }
 
     /// Adds an instant with eccentricity `e` `(2,)` [m] and weight `duration` [s].
-    pub fn push(&mut self, duration: f64, e: [f64; 2], contact: &JointForce) {
+    pub(crate) fn push(&mut self, duration: f64, e: [f64; 2], contact: &JointForce) {
         let JointForce { penetration, normal, direction, sliding, .. } = *contact;
         let work = normal * sliding.abs() * duration;
         if work > 0.0 {
@@ -72,7 +72,7 @@ impl ContactHistory {
     }
 
     /// Ends the current interval; to be called at the end of the cycle.
-    pub fn close_stretch(&mut self) {
+    pub(crate) fn close_stretch(&mut self) {
         let s = self.sum;
         if s.work > 0.0 {
             self.samples.push(ContactSample {
@@ -87,12 +87,7 @@ impl ContactHistory {
     }
 
     /// Samples of the intervals with contact, in order of time.
-    pub fn samples(&self) -> &[ContactSample] {
+    pub(crate) fn samples(&self) -> &[ContactSample] {
         &self.samples
-    }
-
-    /// Integral of F_N |v_t| dt over the cycle [N m].
-    pub fn work(&self) -> f64 {
-        self.samples.iter().map(|s| s.work).sum()
     }
 }

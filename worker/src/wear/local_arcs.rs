@@ -44,7 +44,7 @@ struct Sample {
 
 impl LocalArcs {
     /// Without samples, for a journal of radius `journal_radius` [m] in a bore with `points` control points.
-    pub fn new(journal_radius: f64, points: usize) -> Self {
+    pub(crate) fn new(journal_radius: f64, points: usize) -> Self {
         LocalArcs {
             ends: ArcEnds::new(journal_radius, points),
             samples: Vec::new(),
@@ -53,7 +53,7 @@ impl LocalArcs {
     }
 
     /// Replaces the history by the samples of a cycle.
-    pub fn freeze(&mut self, samples: &[ContactSample]) {
+    pub(crate) fn freeze(&mut self, samples: &[ContactSample]) {
         let n = self.ends.intervals();
         let sample =
             |s: &ContactSample| Sample { spot: Spot::new(s.e, n), penetration: s.penetration, work: s.work };
@@ -63,7 +63,7 @@ impl LocalArcs {
 
     /// Sum over the samples of work per length of arc, F S / |AB|, at every control point inside the arc
     /// `(points,)` [N].
-    pub fn shares(&mut self, profile: &Profile, shares: &mut [f64]) {
+    pub(crate) fn shares(&mut self, profile: &Profile, shares: &mut [f64]) {
         self.ends.profile_changed(profile);
         self.unrolled.fill(0.0);
         let points = shares.len();

@@ -144,7 +144,8 @@ fn what_is_outside_every_arc_does_not_wear_at_all() {
     let points = 36;
     let profile = Profile::round(R1 + CLEARANCE, points);
     let mut arcs = super::local_arcs::LocalArcs::new(R1, points);
-    let sample = super::ContactSample { e: [0.0, -CLEARANCE], penetration: 1e-7, force: [0.0; 2], work: 1.0 };
+    let sample =
+        super::history::ContactSample { e: [0.0, -CLEARANCE], penetration: 1e-7, force: [0.0; 2], work: 1.0 };
     arcs.freeze(&[sample]);
     let mut shares = vec![1.0; points];
     arcs.shares(&profile, &mut shares);

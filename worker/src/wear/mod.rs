@@ -21,7 +21,6 @@ mod step_tests;
 #[cfg(test)]
 mod volume_tests;
 
-pub use archard::WearRate;
-pub use equilibrium::NoEquilibrium;
-pub use history::{ContactHistory, ContactSample};
-pub use step::{WearStep, WearStepFailed, WearStepStats};
+pub(crate) use archard::WearRate;
+pub(crate) use history::ContactHistory;
+pub(crate) use step::{WearStep, WearStepFailed, WearStepStats};

@@ -88,7 +88,7 @@ const PROBE: f64 = 1e-8;
 
 impl WearStep {
     /// A wear step for `points` control points with the relative tolerance `tolerance` [1].
-    pub fn new(points: usize, tolerance: f64) -> Self {
+    pub(crate) fn new(points: usize, tolerance: f64) -> Self {
         let zero = vec![0.0; points];
         WearStep {
             tolerance,
@@ -108,7 +108,7 @@ impl WearStep {
     ///
     /// # Errors
     /// [`WearStepFailed`] if a frozen force has no equilibrium on that bore.
-    pub fn renew(
+    pub(crate) fn renew(
         &mut self,
         rate: &mut WearRate,
         depth: &[f64],
@@ -128,7 +128,7 @@ impl WearStep {
 
     /// Estimated error of the depth at every control point, from the sub-steps and from the frozen histories
     /// of all blocks but the last, signed `(points,)` [m].
-    pub fn error_behind(&self) -> &[f64] {
+    pub(crate) fn error_behind(&self) -> &[f64] {
         &self.behind
     }
 
@@ -138,7 +138,7 @@ impl WearStep {
     ///
     /// # Errors
     /// [`WearStepFailed`] if a sub-step of the smallest length still misses the tolerance.
-    pub fn advance(
+    pub(crate) fn advance(
         &mut self,
         rate: &mut WearRate,
         depth: &mut [f64],

@@ -41,7 +41,7 @@ pub struct LoadForce<R = f64> {
 impl<R: Real> LoadForce<R> {
     /// No force on these frames; `like` sets the number of lanes.
     #[inline(always)]
-    pub fn none(frames: [usize; 2], like: R) -> Self {
+    pub(crate) fn none(frames: [usize; 2], like: R) -> Self {
         let zero = like.zero();
         LoadForce {
             frames,
@@ -65,7 +65,7 @@ impl<R: Real> Rows<R> for LoadForce<R> {
 
 /// Each number of `x` times `factor`.
 #[inline(always)]
-pub fn times<R: Real>(x: &[R; 6], factor: R) -> [R; 6] {
+pub(crate) fn times<R: Real>(x: &[R; 6], factor: R) -> [R; 6] {
     let mut out = *x;
     for y in &mut out {
         *y = *y * factor;

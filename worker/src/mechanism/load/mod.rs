@@ -31,21 +31,21 @@ macro_rules! island_loads {
         impl<R: Real> IslandLoad<R> {
             /// The force at time `t` [s].
             #[inline(always)]
-            pub fn force(&self, t: R, frames: &[Frame<R>]) -> LoadForce<R> {
+            pub(crate) fn force(&self, t: R, frames: &[Frame<R>]) -> LoadForce<R> {
                 match self {
                     $(IslandLoad::$kind(load) => load.force(t, frames)),+
                 }
             }
 
             /// The frames that the load couples.
-            pub fn frames(&self) -> Vec<usize> {
+            pub(crate) fn frames(&self) -> Vec<usize> {
                 match self {
                     $(IslandLoad::$kind(load) => load.frames()),+
                 }
             }
 
             /// Whether the load's work counts as input: it has neither a potential nor a damper.
-            pub fn drives(&self) -> bool {
+            pub(crate) fn drives(&self) -> bool {
                 match self {
                     $(IslandLoad::$kind(_) => <$kind<R> as LoadLaw<R>>::DRIVES),+
                 }
@@ -79,7 +79,7 @@ island_loads!(DirectionalSpring, Spring, TorsionSpring, PointForce, BodyTorque, 
 
 impl IslandLoad {
     /// The load of a scene, with its frames from `frames`.
-    pub fn new(load: &Load, frames: &mut impl FrameIndices) -> Self {
+    pub(crate) fn new(load: &Load, frames: &mut impl FrameIndices) -> Self {
         match *load {
             Load::DirectionalSpring { ref at, ref anchor, direction, stiffness, free_length, .. } => {
                 let ends = [frames.end(at), frames.end(anchor)];

@@ -18,7 +18,7 @@ pub enum Size<R = f64> {
 
 impl Size {
     /// Size by a table of a scene, monotone between its points.
-    pub fn new(curve: &Curve, frames: &mut impl FrameIndices) -> Self {
+    pub(crate) fn new(curve: &Curve, frames: &mut impl FrameIndices) -> Self {
         let table = PiecewiseCubic::monotone(&curve.table);
         match curve.over {
             Over::Time => Size::OverTime(vec![table]),
@@ -30,7 +30,7 @@ impl Size {
 impl<R: Real> Size<R> {
     /// Value of the size, its derivative to time, and the index of a frame with the derivative to its angle.
     #[inline(always)]
-    pub fn evaluate(&self, t: R, frames: &[Frame<R>]) -> (R, R, Option<(usize, R)>) {
+    pub(crate) fn evaluate(&self, t: R, frames: &[Frame<R>]) -> (R, R, Option<(usize, R)>) {
         match self {
             Size::Constant(size) => (*size, t.zero(), None),
             Size::OverTime(tables) => {
@@ -45,7 +45,7 @@ impl<R: Real> Size<R> {
     }
 
     /// The frames that a load of this size on `frame` couples.
-    pub fn frames(&self, frame: usize) -> Vec<usize> {
+    pub(crate) fn frames(&self, frame: usize) -> Vec<usize> {
         match self {
             Size::OverAngle(_, other) => vec![frame, *other],
             _ => vec![frame],

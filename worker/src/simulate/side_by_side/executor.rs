@@ -26,7 +26,10 @@ pub struct RunningEvaluation<'a, T> {
 
 impl<'a, T> RunningEvaluation<'a, T> {
     /// Starts an evaluation whose islands wait in `queue`.
-    pub fn new<F: Future<Output = T> + 'a>(queue: &LaneQueue, stages: impl FnOnce(LaneQueue) -> F) -> Self {
+    pub(crate) fn new<F: Future<Output = T> + 'a>(
+        queue: &LaneQueue,
+        stages: impl FnOnce(LaneQueue) -> F,
+    ) -> Self {
         let queue = queue.for_another();
         RunningEvaluation { cpu_time: queue.cpu_time(), stages: Box::pin(stages(queue)) }
     }
@@ -42,7 +45,7 @@ impl<'a, T> RunningEvaluation<'a, T> {
 }
 
 /// Runs one evaluation by itself and returns its result.
-pub fn run_alone<'a, T: 'a, F: Future<Output = T> + 'a>(stages: impl FnOnce(LaneQueue) -> F) -> T {
+pub(crate) fn run_alone<'a, T: 'a, F: Future<Output = T> + 'a>(stages: impl FnOnce(LaneQueue) -> F) -> T {
     let queue = LaneQueue::default();
     let mut evaluation = Some(RunningEvaluation::new(&queue, stages));
     let mut result = None;
@@ -55,7 +58,7 @@ pub fn run_alone<'a, T: 'a, F: Future<Output = T> + 'a>(stages: impl FnOnce(Lane
 
 /// Runs the evaluations that `next` returns, at most `most` at a time, until it returns `None` and all have ended; `done` receives
 /// each result with the number of its evaluation, counted from zero in the order of `next`, and its processor time.
-pub fn run_side_by_side<'a, T>(
+pub(crate) fn run_side_by_side<'a, T>(
     width: LaneWidth,
     queue: &LaneQueue,
     most: usize,

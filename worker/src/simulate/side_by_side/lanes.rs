@@ -20,13 +20,13 @@ pub struct LanePool<S: Simd> {
 
 impl<S: Simd> LanePool<S> {
     /// A pool without groups.
-    pub fn new(simd: S) -> Self {
+    pub(crate) fn new(simd: S) -> Self {
         LanePool { simd, groups: vec![] }
     }
 
     /// Loads the queued islands into lanes and runs one group until an island of it has ended, charging the time in equal shares to
     /// the evaluations in the group. Returns the number of islands that ended; zero if no island was queued.
-    pub fn run_group(&mut self, queue: &LaneQueue) -> usize {
+    pub(crate) fn run_group(&mut self, queue: &LaneQueue) -> usize {
         self.load_queued(queue);
         let Some(group) = next_group(&mut self.groups) else { return 0 };
         let charged: Vec<CpuTime> = group.occupants.iter().flatten().map(PendingSpan::cpu_time).collect();

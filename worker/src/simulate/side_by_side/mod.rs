@@ -15,5 +15,6 @@ mod executor;
 mod lanes;
 mod queue;
 
-pub use executor::{LaneWidth, RunningEvaluation, run_alone, run_side_by_side};
-pub use queue::{Integrated, LaneQueue, Span};
+pub use executor::LaneWidth;
+pub(crate) use executor::{RunningEvaluation, run_alone, run_side_by_side};
+pub(crate) use queue::{Integrated, LaneQueue, Span};

@@ -27,7 +27,7 @@ pub struct Span {
 pub struct Integrated {
     /// The island at the last accepted state.
     pub state: IslandState,
-    /// Work done.
+    /// Work done in the span.
     pub counts: StepCounts,
     /// An error if the end of the span was not reached.
     pub result: Result<(), IntegrationError>,
@@ -49,12 +49,12 @@ pub struct PendingSpan {
 
 impl PendingSpan {
     /// Processor time of the evaluation that waits.
-    pub fn cpu_time(&self) -> CpuTime {
+    pub(crate) fn cpu_time(&self) -> CpuTime {
         Rc::clone(&self.cpu_time)
     }
 
     /// Returns the island to its evaluation.
-    pub fn complete(self, counts: StepCounts, result: Result<(), IntegrationError>) {
+    pub(crate) fn complete(self, counts: StepCounts, result: Result<(), IntegrationError>) {
         *self.slot.borrow_mut() = Some(Integrated { state: self.span.state, counts, result });
     }
 
@@ -81,17 +81,17 @@ pub struct LaneQueue {
 
 impl LaneQueue {
     /// A handle to this queue for another evaluation, with processor time of zero.
-    pub fn for_another(&self) -> Self {
+    pub(crate) fn for_another(&self) -> Self {
         LaneQueue { waiting: Rc::clone(&self.waiting), cpu_time: CpuTime::default() }
     }
 
     /// Processor time charged to this evaluation so far.
-    pub fn cpu_time(&self) -> CpuTime {
+    pub(crate) fn cpu_time(&self) -> CpuTime {
         Rc::clone(&self.cpu_time)
     }
 
     /// Integrates every span; the results are in the order of the spans.
-    pub async fn integrate(&self, spans: Vec<Span>) -> Vec<Integrated> {
+    pub(crate) async fn integrate(&self, spans: Vec<Span>) -> Vec<Integrated> {
         let slots: Vec<Slot> = spans.into_iter().map(|span| self.submit(span)).collect();
         poll_fn(|_| {
             if slots.iter().any(|slot| slot.borrow().is_none()) {
@@ -115,7 +115,7 @@ impl LaneQueue {
     }
 
     /// Removes the first waiting span that satisfies `fits`.
-    pub fn take(&self, fits: impl Fn(&Span) -> bool) -> Option<PendingSpan> {
+    pub(crate) fn take(&self, fits: impl Fn(&Span) -> bool) -> Option<PendingSpan> {
         let mut waiting = self.waiting.borrow_mut();
         let place = waiting.iter().position(|pending| fits(&pending.span))?;
         waiting.remove(place)
