@@ -1,6 +1,6 @@
 //! Writing of a campaign file: the journal of the study, and the results at its end.
 
-use super::value_tables::{insert_statement, write_rows, write_stated_errors};
+use super::value_tables::{insert_statement, states_errors, write_rows, write_stated_errors};
 use super::{CampaignFile, StoreError, exact};
 use crate::farm::evaluate::{EvaluateError, Finished, Request};
 use crate::results::journal::Journal;

@@ -14,7 +14,7 @@ pub fn table_columns(connection: &Connection, table: &str) -> rusqlite::Result<V
 }
 
 /// Whether an evaluation states an error of every value.
-fn states_errors(evaluation: &Evaluation) -> bool {
+pub fn states_errors(evaluation: &Evaluation) -> bool {
     let lengths = |rows: &[Vec<f64>]| rows.iter().map(Vec::len).collect::<Vec<_>>();
     lengths(&evaluation.errors) == lengths(&evaluation.histories)
 }
