@@ -7,7 +7,7 @@ use common::scene::{Clearance, ContactDamping, ContactLaw, Curve, Drive, JointKi
 /// enough for a table of all cases in a minute or two.
 const CHECKPOINTS: u32 = 4;
 
-/// One case.
+/// A scene with one or several extreme quantities.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Case {
     /// Name: the extreme quantities.

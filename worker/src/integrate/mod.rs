@@ -83,7 +83,7 @@ pub trait Stepped: Dynamics {
 /// f and its derivatives at one instant.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Linearised<R = f64> {
-    /// f `(n,)`.
+    /// Generalised force f `(n,)` [N, N m].
     pub f: Vec<R>,
     /// Layout of the matrices.
     pub band: Band,

@@ -9,15 +9,17 @@
 //! | `angle_difference.rs`, `peak_joint_force.rs`, `position_error.rs`, `driving_torque.rs` | the outputs |
 //! | `recording_request.rs`, `recorder.rs` | what to record of an island, and the recording |
 //! | `recorded_cycle.rs` | the recordings of all islands of a cycle, as outputs read them |
-//! | `trace.rs` | angle of a body and force of a joint over time |
+//! | `trace.rs`, `point_track.rs`, `moment_track.rs` | angle of a body, force of a joint, path of a point and moment on a body over time |
 //! | `full_recording.rs`, `energy.rs` | everything of a cycle that is displayed |
 
 mod angle_difference;
 mod driving_torque;
 mod energy;
 mod full_recording;
+mod moment_track;
 mod motion_output;
 mod peak_joint_force;
+mod point_track;
 mod position_error;
 mod recorded_cycle;
 mod recorder;
@@ -27,7 +29,7 @@ mod trace;
 pub(crate) use energy::sum_of_islands;
 pub(crate) use full_recording::FullRecording;
 pub(crate) use motion_output::{MotionOutput, Sampling};
-pub(crate) use position_error::PointTrack;
+pub(crate) use point_track::PointTrack;
 pub(crate) use recorded_cycle::{RecordedCycle, sample_times};
 pub(crate) use recorder::Recorder;
 pub(crate) use recording_request::RecordingRequest;

@@ -1,7 +1,7 @@
 //! Recording of one island over a cycle: contact histories for the wear, what the outputs request, and everything if the
 //! cycle is displayed.
 
-use super::driving_torque::MomentTrack;
+use super::moment_track::MomentTrack;
 use super::{BodyTrack, FullRecording, PointTrack, RecordingRequest};
 use crate::contact::JointForce;
 use crate::integrate::{Dynamics, Linearised, StateObserver};

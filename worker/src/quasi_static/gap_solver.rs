@@ -61,7 +61,7 @@ pub struct GapSolver {
     pub q: Vec<f64>,
     /// Velocities there [m/s, rad/s].
     pub v: Vec<f64>,
-    /// Linearisation there.
+    /// Linearisation at that state.
     pub at: Linearised,
     /// Newton iterations so far, each an evaluation of force and derivatives.
     pub iterations: u64,

@@ -17,6 +17,9 @@
 //! | `stepper.rs` | steps with error control through a span of time |
 //! | `wear_rates.rs` | difference of the wear rates of two models of the motion |
 //! | `unsuitable.rs` | reasons to use the dynamics instead |
+//!
+//! # Source
+//! Derived here from M qdd = f by splitting the coordinates into ideal motion and gaps.
 
 #[cfg(test)]
 mod convergence_tests;

@@ -61,7 +61,7 @@ pub struct IslandState {
 pub struct StateSnapshot {
     q: Vec<f64>,
     v: Vec<f64>,
-    /// `(joints,)` [s/m].
+    /// Damping of the joints `(joints,)` [s/m].
     damping: Vec<f64>,
 }
 
