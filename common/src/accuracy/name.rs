@@ -50,7 +50,7 @@ pub enum AccuracyNameError {
         part: String,
         /// Name of the knob.
         knob: &'static str,
-        /// Allowed values.
+        /// Values that are allowed, in words.
         allowed: &'static str,
     },
 }

@@ -1,8 +1,12 @@
 //! The one way data flows, and the rooms of the house: who may name whom. A back reference fails here with its
 //! file and line.
 
+mod documentation;
+mod graph;
+mod names;
 mod paths;
 
+use graph::FileGraph;
 use paths::{Named, SourceFile, module_of, read};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -123,7 +127,8 @@ fn crate_sources(name: &str) -> BTreeMap<PathBuf, SourceFile> {
         .collect();
     files.retain(|file, _| {
         let module = module_of(file);
-        !(1..=module.len()).any(|length| for_tests.contains(&module[..length]))
+        let named_tests = module.last().is_some_and(|name| name.ends_with("_tests"));
+        !named_tests && !(1..=module.len()).any(|length| for_tests.contains(&module[..length]))
     });
     files
 }
@@ -239,6 +244,24 @@ fn data_flows_one_way() {
     let mut found = back_references("common", &COMMON);
     found.extend(back_references("worker", &WORKER));
     found.extend(back_references("coordinator", &COORDINATOR));
+    none(&found);
+}
+
+/// The files of a crate use each other in one direction only: a circle of files is one concept cut in pieces, or
+/// two that hide in one file.
+#[test]
+fn files_use_each_other_one_way() {
+    let mut found = Vec::new();
+    for name in ["common", "worker", "coordinator"] {
+        let files = crate_sources(name);
+        let graph = FileGraph::new(&files);
+        let uses: usize = graph.uses().values().map(BTreeSet::len).sum();
+        assert!(uses > files.len(), "{name}: {uses} uses read between {} files", files.len());
+        for circle in graph.circles() {
+            let names: Vec<_> = circle.iter().map(|file| file.display().to_string()).collect();
+            found.push(format!("{name}/src: {}", names.join(", ")));
+        }
+    }
     none(&found);
 }
 
