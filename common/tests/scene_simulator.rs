@@ -160,7 +160,7 @@ fn every_slip_is_named() {
         (
             "unit = \"K\"",
             "unit = \"mm\"",
-            &["variables.temperature.unit", "no unit of a plain number; write mean = \"293 mm\""],
+            &["variables.temperature.unit", "not a unit of a plain number; write mean = \"293 mm\""],
         ),
         (
             "unit = \"K\"",

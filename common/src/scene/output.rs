@@ -92,7 +92,10 @@ impl OutputKind {
             }
             OutputKind::PeakJointForce { joints: loaded } => format!("largest force in {}", joints(loaded)),
             OutputKind::PositionError { at } => {
-                format!("largest distance of a point of {} from where ideal joints have it", body(at.body))
+                format!(
+                    "largest distance of a point of {} from its position with ideal joints",
+                    body(at.body)
+                )
             }
             OutputKind::DrivingTorque { body: driven } => {
                 format!("largest torque that drives {}", body(*driven))

@@ -13,7 +13,7 @@ use super::status::StatusArguments;
 use super::study_options::{ResumeArguments, RunArguments};
 use super::tradeoff::TradeoffArguments;
 use super::verify::{ReplayArguments, VerifyArguments};
-use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap::{Arg, ArgAction, Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::fmt::Write;
 
 /// Groups of the first page of the help.
@@ -63,6 +63,9 @@ fn grouped() -> clap::Command {
     );
     command
         .mut_args(|argument| if is_own(&argument) { argument } else { argument.hide(true) })
+        // One line per option for `--help` too.
+        .disable_help_flag(true)
+        .arg(Arg::new("help").short('h').long("help").action(ArgAction::HelpShort).help("Print help"))
         .help_template(page)
 }
 
@@ -230,7 +233,7 @@ mod tests {
 
     #[test]
     fn the_first_help_page_names_every_command_once_on_one_screen() {
-        let page = grouped().render_long_help().to_string();
+        let page = grouped().render_help().to_string();
         assert!(page.lines().count() <= SCREEN, "{} lines:\n{page}", page.lines().count());
         assert!(!page.contains("--max-evaluations"), "{page}");
         let command = CommandLine::command();

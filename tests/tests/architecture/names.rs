@@ -1,6 +1,6 @@
 //! One type name, one meaning within a crate.
 
-use super::{crate_sources, none};
+use super::{crate_sources, none, root};
 use std::collections::BTreeMap;
 
 /// Type names that stand twice in a crate, with the reason. At most five.
@@ -32,5 +32,27 @@ fn a_type_name_has_one_meaning_in_a_crate() {
             }
         }
     }
+    none(&found);
+}
+
+/// `is_...` and `has_...` answer a question: they change nothing.
+#[test]
+fn predicates_do_not_act() {
+    let mut found = Vec::new();
+    let mut read = 0;
+    for name in ["common", "worker", "coordinator"] {
+        for file in crate_sources(name).into_keys() {
+            let path = format!("{name}/src/{}", file.display());
+            let text = std::fs::read_to_string(root().join(&path)).unwrap();
+            for predicate in ["fn is_", "fn has_"].iter().flat_map(|start| text.match_indices(start)) {
+                let signature = text[predicate.0..].split(['{', ';']).next().unwrap();
+                read += 1;
+                if signature.contains("&mut ") {
+                    found.push(format!("{path}: {}", signature.trim()));
+                }
+            }
+        }
+    }
+    assert!(read > 40, "only {read} predicates were read");
     none(&found);
 }

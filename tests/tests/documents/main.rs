@@ -101,6 +101,6 @@ fn every_built_in_scene_has_its_section() {
             shown.iter().any(|line| line.split(' ').any(|word| word == *name)),
             "{name}: no command to run"
         );
-        assert!(section.contains("Reference values"), "{name}: no reference values");
+        assert!(section.contains("\n- Reference: "), "{name}: no reference values");
     }
 }
