@@ -155,7 +155,10 @@ fn a_scene_is_offered_by_umbridge_on_this_machine_alone() {
     let mut log = std::io::BufReader::new(child.stderr.take().unwrap());
     let mut line = String::new();
     std::io::BufRead::read_line(&mut log, &mut line).unwrap();
-    assert!(line.contains("serving evaluations of four-bar as model \"forward\" at http://127.0.0.1:"), "{line}");
+    assert!(
+        line.contains("serving evaluations of four-bar as model \"forward\" at http://127.0.0.1:"),
+        "{line}"
+    );
     let killed = Command::new("kill").args(["-TERM", &child.id().to_string()]).status();
     assert!(killed.unwrap().success());
     assert_eq!(child.wait().unwrap().code(), Some(0));

@@ -225,12 +225,12 @@ impl Distribution {
         self.law().to_standard_normal(x)
     }
 
-    /// Mean E[X] [unit of the variable].
+    /// Mean `E[X]` [unit of the variable].
     pub fn mean(&self) -> f64 {
         self.law().mean()
     }
 
-    /// Standard deviation sqrt(Var[X]) [unit of the variable].
+    /// Standard deviation `sqrt(Var[X])` [unit of the variable].
     pub fn std(&self) -> f64 {
         self.law().std()
     }

@@ -13,7 +13,7 @@
 //!   the journal's surface over the bushing's, regularisation speed v_0 [m/s];
 //! - the film force -c_f w through the centres, film damping c_f [N s/m], in contact and in free flight.
 //!
-//! Valid for penetrations up to a tenth of the journal radius ([`Surface::deepest`]). Below about v_0
+//! Valid for penetrations up to a tenth of the journal radius (`Surface::deepest`). Below about v_0
 //! friction is viscous: the model has no state of sticking.
 //!
 //! # Source

@@ -36,7 +36,7 @@ pub struct LifeChange {
     pub changed: f64,
     /// Checkpoint of the largest difference between the curves, the first of equal ones.
     pub largest: PairedReliability,
-    /// Checkpoints at which the reference is nearest to each of [`LEVELS`]; `None` if it never comes within 0.25.
+    /// Checkpoints at which the reference is nearest to each of `LEVELS`; `None` if it never comes within 0.25.
     pub at_levels: [Option<PairedReliability>; 3],
 }
 
