@@ -13,7 +13,7 @@ use super::status::StatusArguments;
 use super::study_options::{ResumeArguments, RunArguments};
 use super::tradeoff::TradeoffArguments;
 use super::verify::{ReplayArguments, VerifyArguments};
-use clap::{Arg, ArgAction, Args, CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::fmt::Write;
 
 /// Groups of the first page of the help.
@@ -62,10 +62,11 @@ fn grouped() -> clap::Command {
         groups(&command)
     );
     command
-        .mut_args(|argument| if is_own(&argument) { argument } else { argument.hide(true) })
-        // One line per option for `--help` too.
-        .disable_help_flag(true)
-        .arg(Arg::new("help").short('h').long("help").action(ArgAction::HelpShort).help("Print help"))
+        // Without long texts `--help` prints one line per option, as `-h` does.
+        .mut_args(|argument| {
+            let argument = argument.long_help(None::<&str>);
+            if is_own(&argument) { argument } else { argument.hide(true) }
+        })
         .help_template(page)
 }
 
@@ -233,7 +234,7 @@ mod tests {
 
     #[test]
     fn the_first_help_page_names_every_command_once_on_one_screen() {
-        let page = grouped().render_help().to_string();
+        let page = grouped().try_get_matches_from(["coordinator", "--help"]).unwrap_err().to_string();
         assert!(page.lines().count() <= SCREEN, "{} lines:\n{page}", page.lines().count());
         assert!(!page.contains("--max-evaluations"), "{page}");
         let command = CommandLine::command();
