@@ -3,7 +3,6 @@
 use coordinator::statistics::design::InputModel;
 use coordinator::statistics::learning::Mode;
 use coordinator::statistics::models::PublishedProblem;
-use coordinator::statistics::reliability::reliability_curve;
 use coordinator::statistics::surrogate::StatedErrors;
 use coordinator::study::{
     Campaign, CampaignError, CampaignResult, ClassifiedPopulation, LARGEST_POPULATION, Observed, Plan,
@@ -65,11 +64,8 @@ fn result(problem: &PublishedProblem, learned: &CampaignResult, seconds: f64) ->
     let assessment = &learned.assessment;
     let system = assessment.curves.len() - 1;
     let m = problem.shape.1;
-    let errors = assessment.errors.by_curve[system].iter().zip(&assessment.noise_shift[system]);
-    let on_grid: Vec<(usize, f64)> =
-        assessment.grid.iter().copied().zip(errors.map(|(error, noise)| error.hypot(*noise))).collect();
-    let ClassifiedPopulation { population, condition, .. } = &learned.classified;
-    let curve = reliability_curve(&assessment.curves[system], population.len(), &on_grid, condition);
+    let ClassifiedPopulation { population, .. } = &learned.classified;
+    let stated = learned.reliability()[system][m - 1];
     let wrong = |j: &usize| {
         let truly = (problem.evaluate)(&population.physical(*j)).iter().flatten().any(|y| *y >= 0.0);
         let predicted = assessment.modes.iter().any(|mode| (mode.first_failure[*j] as usize) < m);
@@ -77,8 +73,8 @@ fn result(problem: &PublishedProblem, learned: &CampaignResult, seconds: f64) ->
     };
     Run {
         calls: learned.evaluations,
-        pf: 1.0 - curve[m - 1].reliability,
-        standard_error: curve[m - 1].standard_error,
+        pf: 1.0 - stated.reliability,
+        standard_error: stated.standard_error,
         population: population.len(),
         misclassified: (0..population.len()).filter(wrong).count(),
         stop: learned.stop,

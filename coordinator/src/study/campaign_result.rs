@@ -2,10 +2,12 @@
 
 use super::classified_population::ClassifiedPopulation;
 use super::failures::Failed;
+use super::interim::InterimResult;
 use super::observations::Observations;
 use super::round::Assessment;
 use super::step::StopReason;
 use crate::results::summary::Round;
+use crate::statistics::reliability::CurvePoint;
 
 /// Result of an active-learning campaign.
 #[derive(Debug)]
@@ -24,4 +26,21 @@ pub struct CampaignResult {
     pub failed: Vec<Failed>,
     /// Reason for the end of learning.
     pub stop: StopReason,
+}
+
+impl CampaignResult {
+    /// R(n) with its standard error, as a study states it, per curve `(limit states + 1)(m,)`, the system last.
+    pub fn reliability(&self) -> Vec<Vec<CurvePoint>> {
+        self.shares().curves()
+    }
+
+    /// Failure shares with their errors.
+    pub(super) fn shares(&self) -> InterimResult {
+        InterimResult {
+            failed: self.assessment.curves.clone(),
+            points: self.classified.population.len(),
+            surrogate: self.assessment.combined_errors(),
+            condition: self.classified.condition,
+        }
+    }
 }

@@ -19,19 +19,20 @@ pub(super) struct InterimResult {
 }
 
 impl InterimResult {
+    /// R(n) with its standard error, per curve `(limit states + 1)(m,)`.
+    pub fn curves(&self) -> Vec<Vec<CurvePoint>> {
+        let none = Vec::new();
+        let curve = |(c, failed): (usize, &Vec<f64>)| {
+            let surrogate = self.surrogate.get(c).unwrap_or(&none);
+            reliability_curve(failed, self.points, surrogate, &self.condition)
+        };
+        self.failed.iter().enumerate().map(curve).collect()
+    }
+
     /// One row per checkpoint `(m,)`, without the numerical range. `names` are the names of the curves,
     /// `cycles` `(m,)` the checkpoints [cycles].
     pub fn rows(&self, names: &[String], cycles: &[u32]) -> Vec<ReliabilityRow> {
-        let none = Vec::new();
-        let curves: Vec<Vec<CurvePoint>> = self
-            .failed
-            .iter()
-            .enumerate()
-            .map(|(c, failed)| {
-                let surrogate = self.surrogate.get(c).unwrap_or(&none);
-                reliability_curve(failed, self.points, surrogate, &self.condition)
-            })
-            .collect();
+        let curves = self.curves();
         let row = |(n, cycles): (usize, &u32)| {
             let value = |of: fn(&CurvePoint) -> f64| -> PerLimitState {
                 names.iter().zip(&curves).map(|(name, curve)| (name.clone(), of(&curve[n]))).collect()

@@ -156,12 +156,7 @@ pub(super) fn from_learning(scene: &Scene, settings: &Settings, learned: &Campai
     let points: Vec<usize> = (0..population.len()).collect();
     let sampled = Sampled { population, points: &points, probability: condition.probability };
     Findings {
-        shares: InterimResult {
-            failed: assessment.curves.clone(),
-            points: population.len(),
-            surrogate: assessment.combined_errors(),
-            condition: *condition,
-        },
+        shares: learned.shares(),
         numerical: numerical_band(scene, learned),
         distributions: output_distributions(scene, learned),
         derivatives: sensitivities(&sampled, &first_failures, &assessment.grid, m),

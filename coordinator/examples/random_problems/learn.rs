@@ -1,0 +1,133 @@
+//! One random problem, learned once as `run` learns a scene without a section `[study]`.
+
+use super::problem::{Class, RandomProblem};
+use super::truth::Truth;
+use coordinator::statistics::design::InputModel;
+use coordinator::statistics::learning::Mode;
+use coordinator::study::{
+    Campaign, CampaignError, CampaignResult, LARGEST_POPULATION, Plan, Problem, Settings, StopReason,
+};
+use std::time::Instant;
+
+/// Half of the width of a 95 % interval in standard errors [1].
+pub const INTERVAL: f64 = 1.96;
+
+/// Stated and true failure probability at one checkpoint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Comparison {
+    /// Stated failure probability of the system [1].
+    pub pf: f64,
+    /// Its stated standard error [1].
+    pub standard_error: f64,
+    /// True failure probability [1].
+    pub truth: f64,
+    /// Standard error of that [1].
+    pub truth_error: f64,
+}
+
+impl Comparison {
+    /// Distance of the stated value from the truth, in standard errors of the difference [1].
+    pub fn distance(&self) -> f64 {
+        (self.pf - self.truth) / self.standard_error.hypot(self.truth_error)
+    }
+
+    /// Stated 95 % interval of the failure probability [1].
+    pub fn interval(&self) -> (f64, f64) {
+        let half = INTERVAL * self.standard_error;
+        ((self.pf - half).max(0.0), self.pf + half)
+    }
+}
+
+/// Result of one run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Run {
+    /// Number of the problem in the family.
+    pub index: u64,
+    /// Its class.
+    pub class: Class,
+    /// Number of variables d, and of limit states.
+    pub shape: (usize, usize),
+    /// Comparison at every checkpoint `(m,)`; empty if too many simulations failed.
+    pub checkpoints: Vec<Comparison>,
+    /// Failure probability by the true responses over the population that the engine classified [1].
+    pub on_population: f64,
+    /// Evaluations spent.
+    pub calls: usize,
+    /// Points of the population.
+    pub population: usize,
+    /// Reason of the stop; `None` if too many simulations failed.
+    pub stop: Option<StopReason>,
+    /// Wall time [s].
+    pub seconds: f64,
+}
+
+/// Learns a problem. A study that too many failed simulations ended is a result without a comparison.
+///
+/// # Errors
+/// [`CampaignError::Surrogate`].
+pub fn learn(problem: &RandomProblem, truth: &Truth, settings: Settings) -> Result<Run, CampaignError> {
+    let started = Instant::now();
+    let m = problem.checkpoints();
+    let modes = problem.modes.len();
+    let plan = Plan {
+        targets: settings.targets(),
+        largest_population: settings.samples.max(LARGEST_POPULATION),
+        retry: false,
+        settings,
+    };
+    let statistics = Problem {
+        inputs: InputModel::from(&problem.variables),
+        outputs: modes,
+        modes: (0..modes).map(|output| Mode { output, threshold: 0.0 }).collect(),
+        checkpoints: (1..=m as u32).collect(),
+    };
+    let mut calls = 0;
+    let simulate = |sample: &[f64]| {
+        calls += 1;
+        problem.simulate(sample, truth.limit, truth.spread)
+    };
+    let learned = Campaign::new(statistics, plan).learn_from(simulate, |_| {});
+    let blank = Run {
+        index: problem.index,
+        class: problem.class,
+        shape: (problem.dimension(), modes),
+        checkpoints: vec![],
+        on_population: f64::NAN,
+        calls,
+        population: 0,
+        stop: None,
+        seconds: started.elapsed().as_secs_f64(),
+    };
+    match learned {
+        Ok(learned) => Ok(compared(problem, truth, &learned, blank)),
+        Err(CampaignError::TooManyFailures { .. }) => Ok(blank),
+        Err(error) => Err(error),
+    }
+}
+
+/// The run with the comparison of its result with the truth.
+fn compared(problem: &RandomProblem, truth: &Truth, learned: &CampaignResult, blank: Run) -> Run {
+    let m = problem.checkpoints();
+    let stated = learned.reliability();
+    let system = &stated[stated.len() - 1];
+    let checkpoints = (0..m).map(|n| Comparison {
+        pf: 1.0 - system[n].reliability,
+        standard_error: system[n].standard_error,
+        truth: truth.pf[n],
+        truth_error: truth.standard_error[n],
+    });
+    let population = &learned.classified.population;
+    let mut history = vec![0.0; m];
+    let mut fails = |j: &usize| {
+        problem.running_maximum(population.standardised(*j), &mut history);
+        history[m - 1] >= truth.limit
+    };
+    let failed = (0..population.len()).filter(|j| fails(j)).count();
+    Run {
+        checkpoints: checkpoints.collect(),
+        on_population: learned.classified.condition.probability * failed as f64 / population.len() as f64,
+        population: population.len(),
+        stop: Some(learned.stop),
+        ..blank
+    }
+}
