@@ -93,6 +93,21 @@ impl Accuracy {
         }
     }
 
+    /// The first setting that is not a number in its range, by name; the ranges are those that the knobs of a name can reach.
+    pub fn out_of_range(&self) -> Option<&'static str> {
+        let Accuracy { step_tolerance, largest_step, wear_tolerance, warm_up, .. } = *self;
+        let checks = [
+            ("step_tolerance", (1e-12..=1e3).contains(&step_tolerance)),
+            ("largest_step", (1e-7..=1.0).contains(&largest_step)),
+            ("steps_bound", (1..=1_000_000_000).contains(&self.steps_bound)),
+            ("wear_samples", (20..=100_000).contains(&self.wear_samples)),
+            ("cycle_jump", (1..=1_000_000).contains(&self.cycle_jump)),
+            ("wear_tolerance", (1e-9..=1.0).contains(&wear_tolerance)),
+            ("warm_up", (0.0..=10.0).contains(&warm_up)),
+        ];
+        checks.into_iter().find(|(_, is_right)| !is_right).map(|(setting, _)| setting)
+    }
+
     /// The preset of this name, see [`Accuracy::NAMES`].
     pub fn by_name(name: &str) -> Option<Self> {
         match name {

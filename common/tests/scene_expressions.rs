@@ -5,7 +5,7 @@ use common::scene::quantity::*;
 use proptest::prelude::*;
 
 fn parameters(name: &str) -> Result<Quantity, ExpressionError> {
-    let quantity = |value, kind: Kind| Ok(Quantity { value, dimension: kind.dimension });
+    let quantity = |value, kind: Kind| Ok(Quantity { value, dimension: kind.dimension, angle: kind.angle });
     match name {
         "rod_length" => quantity(0.0400549, LENGTH),
         "rod_inclination" => quantity(3.0_f64.to_radians(), ANGLE),
@@ -136,5 +136,25 @@ proptest! {
     fn numbers_keep_their_bits(x in proptest::num::f64::NORMAL) {
         let found = evaluate(&format!("{x:?}"), &mut parameters).map(|quantity| quantity.value.to_bits());
         prop_assert_eq!(found, Ok(x.to_bits()));
+    }
+}
+
+#[test]
+fn a_unit_of_angle_is_kept_through_products_with_plain_numbers() {
+    let angle =
+        |text: &str| evaluate(text, &mut parameters).unwrap_or_else(|error| panic!("{text}: {error}")).angle;
+    for text in ["30", "900 1/min", "2 * 900 1/min", "1 / 0.1 s", "-5 %", "sin(30 deg)", "2^3", "rod_mass"] {
+        let found = angle(text);
+        // A parameter of another kind is open here, as the kinds are.
+        let expected = if text == "rod_mass" { AngleUnit::Open } else { AngleUnit::Absent };
+        assert_eq!(found, expected, "{text}");
+    }
+    for text in
+        ["30 deg", "900 r/min", "900 rpm", "-2 * rod_inclination / 3", "30 deg + 1 rad", "abs(-1 mrad)"]
+    {
+        assert_eq!(angle(text), AngleUnit::Present, "{text}");
+    }
+    for text in ["2 * pi", "pi / 0.5 s", "3 m/s / 20 mm", "sqrt(5 N/m / 2 kg)", "30 + 1 deg", "1 r / 0.1 s"] {
+        assert_eq!(angle(text), AngleUnit::Open, "{text}");
     }
 }

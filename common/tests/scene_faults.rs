@@ -57,6 +57,43 @@ fn units_and_expressions() {
 }
 
 #[test]
+fn issue_a_missing_or_misplaced_unit_of_angle_was_taken_for_radians() {
+    one_fault(
+        "speed = \"900 r/min\"",
+        "speed = \"900 1/min\"",
+        "bodies.crank.speed: \"900 1/min\" has no unit of angle, expected an angular velocity (r/min, rad/s, ...)",
+    );
+    one_fault(
+        "start_angle = \"0 deg\"",
+        "start_angle = \"30\"",
+        "\"30\" has no unit of angle, expected an angle",
+    );
+    let found = faults("friction = 0.05", "friction = \"3 deg\"");
+    assert_eq!(found.len(), 3, "{found:#?}");
+    assert!(found[0].ends_with("\"friction\" has a unit of angle, expected a plain number"), "{}", found[0]);
+    // The mean of a variable is written as the value that it changes.
+    let variable = "\n[[variables]]\nname = \"start\"\nchanges = [\"bodies.coupler.start_angle\"]\nstd = \"1 deg\"\nmean = ";
+    let with = |mean: &str| format!("{FOUR_BAR}{variable}\"{mean}\"\n");
+    let refused = SceneSource::parse(&with("0.9"), "my.toml").unwrap_err().to_string();
+    assert!(refused.contains("variables.start.mean: \"0.9\" has no unit of angle"), "{refused}");
+    let source = SceneSource::parse(&with("53 deg"), "my.toml").unwrap();
+    let set = |text: &str| source.parse_setting(text).map_err(|faults| faults.to_string());
+    assert!(set("start=0.9").unwrap_err().contains("has no unit of angle"));
+    assert!(set("parameters.friction=4deg").unwrap_err().contains("has a unit of angle"));
+    assert!(set("start=0.9rad").is_ok() && set("parameters.friction=0.07").is_ok());
+    // Calculations may have either.
+    for (from, to) in [
+        ("speed = \"900 r/min\"", "speed = \"2 * pi / 0.1 s\""),
+        ("speed = \"900 r/min\"", "speed = \"1.2 m/s / crank_length\""),
+        ("start_angle = \"0 deg\"", "start_angle = \"pi / 6\""),
+        ("friction = 0.05", "friction = \"tan(3 deg)\""),
+    ] {
+        let text = FOUR_BAR.replacen(from, to, 1);
+        assert!(SceneSource::parse(&text, "my.toml").is_ok(), "{to}");
+    }
+}
+
+#[test]
 fn ranges() {
     for (from, to, expected) in [
         ("clearance = \"30 um\"", "clearance = \"-30 um\"", "joints.crank.radial_clearance"),

@@ -61,7 +61,7 @@ fn drives() {
     assert_eq!(inertia, Some(on_axis));
 
     let (Drive::Angle(table), _) = drive("lever") else { panic!() };
-    same_table(&table, &[0.0, 1.0], &[0.0, PI / 18.0], false);
+    same_table(&table, &[0.0, 0.05, 0.1], &[0.0, PI / 18.0, 0.0], true);
 }
 
 #[test]
@@ -254,8 +254,31 @@ fn the_period_is_that_of_the_only_drive() {
     let angle = format!("angle = {{ over = \"time\", {table}, value = [\"0 deg\", \"9 deg\", \"0 deg\"] }}");
     same(&[period(&angle)], &[0.4 - 0.1]);
     let speed =
-        format!("speed = {{ over = \"time\", {table}, value = [\"0 r/min\", \"9 r/min\", \"0 r/min\"] }}");
+        format!("speed = {{ over = \"time\", {table}, value = [\"0 r/min\", \"400 r/min\", \"0 r/min\"] }}");
     same(&[period(&speed)], &[0.4 - 0.1]);
+}
+
+#[test]
+fn issue_loads_that_do_not_repeat_were_stepped_back_without_a_word() {
+    let keys = |text: &str| -> Vec<String> {
+        let source = SceneSource::parse(text, "my.toml").unwrap();
+        source.warnings().into_iter().map(|warning| warning.key).collect()
+    };
+    // A table over the angle of a free body may be left where the body turns back.
+    assert_eq!(keys(EVERYTHING), [""; 0]);
+    let once = EVERYTHING.replacen("over = { angle = \"rod\" }", "over = \"time\"", 1).replacen(
+        "at = [\"-30 deg\", \"30 deg\"]",
+        "at = [\"0 s\", \"0.05 s\"]",
+        1,
+    );
+    assert_eq!(keys(&once), ["loads.twist.torque"]);
+    let crank = EVERYTHING.replacen("over = { angle = \"rod\" }", "over = { angle = \"crank\" }", 1);
+    assert_eq!(keys(&crank), ["loads.twist.torque"]);
+    let lever = EVERYTHING.replacen("over = { angle = \"rod\" }", "over = { angle = \"lever\" }", 1);
+    assert_eq!(keys(&lever), [""; 0]);
+    for name in SceneSource::builtin_names() {
+        assert_eq!(SceneSource::builtin(name).unwrap().warnings(), [], "{name}");
+    }
 }
 
 #[test]

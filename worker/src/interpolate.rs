@@ -1,16 +1,11 @@
-//! Interpolation: cubic Hermite polynomials, slopes of monotone cubics, and the periodic tridiagonal system
-//! of cubic splines.
+//! Interpolation: cubic Hermite polynomials, and the periodic tridiagonal system of cubic splines.
 //!
 //! Hermite: y(s) = y0 + s (d0 + s (3 r - 2 d0 - d1 + s (d0 + d1 - 2 r))), r = y1 - y0, with the values y0, y1
 //! and the slopes d0, d1 per interval at its ends, s in [0, 1].
 //!
-//! Fritsch and Butland: slope between secants s0, s1 over intervals h0, h1 as their weighted harmonic mean,
-//! zero where the secants have opposite signs: the piecewise cubic has no extremum between its points.
-//!
 //! # Source
-//! Fritsch, Butland (1984), SIAM J. Sci. Stat. Comput. 5, 300-304. Periodic tridiagonal systems by the
-//! formula of Sherman and Morrison: Press, Teukolsky, Vetterling, Flannery (2007), Numerical Recipes, chapter
-//! 2.7.
+//! Periodic tridiagonal systems by the formula of Sherman and Morrison: Press, Teukolsky, Vetterling, Flannery (2007), Numerical
+//! Recipes, chapter 2.7.
 
 /// Cubic a + s (b + s (c + s d)) in the fraction s of an interval: the coefficients [a, b, c, d].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,16 +40,6 @@ impl Cubic {
         let [_, _, c, d] = self.0;
         2.0 * c + 6.0 * s * d
     }
-}
-
-/// Slope at a point between two intervals of length `h0`, `h1` with secants `s0`, `s1`; zero where these have
-/// opposite signs.
-pub(crate) fn fritsch_butland([h0, h1]: [f64; 2], [s0, s1]: [f64; 2]) -> f64 {
-    if s0 * s1 <= 0.0 {
-        return 0.0;
-    }
-    let (w0, w1) = (2.0 * h1 + h0, h1 + 2.0 * h0);
-    (w0 + w1) / (w0 / s0 + w1 / s1)
 }
 
 /// The periodic tridiagonal matrix with 4 on its diagonal and 1 next to it, factorised: A + u v' with A
@@ -118,12 +103,6 @@ mod tests {
         let (s, h) = (0.3, 1e-6);
         let difference = (cubic.slope(s + h) - cubic.slope(s - h)) / (2.0 * h);
         assert!((cubic.curvature(s) - difference).abs() < 1e-8);
-    }
-
-    #[test]
-    fn a_slope_between_equal_secants_is_the_secant_and_at_an_extremum_zero() {
-        assert_eq!(fritsch_butland([1.0, 2.0], [3.0, 3.0]), 3.0);
-        assert_eq!(fritsch_butland([1.0, 2.0], [3.0, -3.0]), 0.0);
     }
 
     #[test]

@@ -53,6 +53,14 @@ pub enum AccuracyNameError {
         /// Values that are allowed, in words.
         allowed: &'static str,
     },
+    /// The knobs together lead a setting out of its range.
+    #[error("{name:?}: the knobs together lead {setting} out of its range")]
+    Together {
+        /// The whole name.
+        name: String,
+        /// Name of the setting.
+        setting: &'static str,
+    },
 }
 
 /// List of the knobs for messages and help texts.
@@ -72,6 +80,9 @@ impl FromStr for NamedAccuracy {
                 Some(_) => return Err(AccuracyNameError::Misplaced { part: part.to_owned() }),
                 None => with_knob(accuracy, part)?,
             };
+        }
+        if let Some(setting) = accuracy.out_of_range() {
+            return Err(AccuracyNameError::Together { name: name.to_owned(), setting });
         }
         Ok(NamedAccuracy { name: name.to_owned(), accuracy })
     }
@@ -146,6 +157,7 @@ mod tests {
             ("step-xnan", "allowed for step-x: 0.05 to 20"),
             ("step-x-1", "0.05 to 20"),
             ("wear-tolerance-inf", "1e-9 to 1"),
+            ("draft+step-x20+step-x20+step-x20", "lead step_tolerance out of its range"),
         ] {
             let error = name.parse::<NamedAccuracy>().unwrap_err().to_string();
             assert!(error.contains(said), "{name}: {error}");

@@ -7,7 +7,7 @@
 use super::expression::{ExpressionError, evaluate, read_unit};
 use super::faults::{Fault, FaultKind, in_first_unit, nearest};
 use super::parameters::{Lookup, Parameters, why_not_a_name};
-use super::quantity::{Dimension, Kind, NUMBER, Quantity};
+use super::quantity::{AngleUnit, Kind, Quantity};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use toml::{Table, Value};
@@ -171,10 +171,9 @@ impl<'s> Context<'s> {
     }
 
     fn written(&self, key: &str, value: &Value, expected: Option<Kind>) -> Option<Quantity> {
-        let bare = |value: f64| Quantity { value, dimension: Dimension::NONE };
         let found = match value {
-            Value::Integer(n) => Ok(bare(*n as f64)),
-            Value::Float(x) if x.is_finite() => Ok(bare(*x)),
+            Value::Integer(n) => Ok(Quantity::plain(*n as f64)),
+            Value::Float(x) if x.is_finite() => Ok(Quantity::plain(*x)),
             Value::Float(_) => Err(ExpressionError::NotFinite),
             Value::String(text) => evaluate(text, &mut |name| self.parameter(name)),
             other => {
@@ -186,12 +185,20 @@ impl<'s> Context<'s> {
         let shown = || value.to_string();
         let kind = match (found, expected) {
             (Ok(quantity), None) => return Some(quantity),
-            (Ok(_), Some(expected)) if !value.is_str() && expected != NUMBER => {
+            (Ok(_), Some(expected)) if !value.is_str() && !expected.takes_bare_numbers() => {
                 FaultKind::NoUnit { value: shown(), expected }
             }
             (Ok(quantity), Some(expected)) if quantity.dimension != expected.dimension => {
                 // A text such as "5" has no unit either; "a plain number" would be a puzzling answer.
                 FaultKind::WrongUnit { value: shown(), found: quantity.dimension, expected }
+            }
+            (Ok(quantity), Some(expected)) if !expected.takes(quantity.angle) => {
+                let value = shown();
+                if quantity.angle == AngleUnit::Present {
+                    FaultKind::AngleUnit { value, expected }
+                } else {
+                    FaultKind::NoAngleUnit { value, expected }
+                }
             }
             (Ok(quantity), Some(_)) => return Some(quantity),
             (Err(ExpressionError::Broken(_)), _) => return None,

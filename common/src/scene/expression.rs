@@ -8,7 +8,7 @@
 //! like a unit, `2 mm * width` and `2 N * s` cannot be confused. Functions: sin, cos, tan, sqrt, abs; constant: pi.
 //! Sine and cosine come from `libm`, so that a scene has the same bits on every machine.
 
-use super::quantity::{Dimension, Quantity, Unit, unit};
+use super::quantity::{AngleUnit, Dimension, Quantity, Unit, unit};
 use thiserror::Error;
 
 /// Parentheses and signs may nest this deep, so that a hostile text cannot exhaust the stack.
@@ -116,7 +116,7 @@ pub fn read_unit(text: &str) -> Result<Unit, ExpressionError> {
     let one = evaluate(&format!("1 {text}"), &mut |name| {
         Err(ExpressionError::UnknownName { name: name.to_owned(), nearest: None })
     })?;
-    Ok(Unit { multiply: one.value, divide: 1.0, dimension: one.dimension })
+    Ok(Unit { multiply: one.value, divide: 1.0, dimension: one.dimension, angle: one.angle })
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -212,6 +212,7 @@ impl<'t> Parser<'_, 't> {
                 return Err(ExpressionError::Mixed { verb, left, right });
             }
             left.value += sign * right.value;
+            left.angle = left.angle.plus(right.angle);
         }
     }
 
@@ -227,7 +228,8 @@ impl<'t> Parser<'_, 't> {
             let right = self.signed()?;
             let (value, power) =
                 if divide { (left.value / right.value, -1) } else { (left.value * right.value, 1) };
-            left = Quantity { value, dimension: left.dimension.times(right.dimension.power(power)) };
+            let dimension = left.dimension.times(right.dimension.power(power));
+            left = Quantity { value, dimension, angle: angle_of_product(&left, &right) };
         }
     }
 
@@ -251,7 +253,8 @@ impl<'t> Parser<'_, 't> {
         // Repeated multiplication: the same bits everywhere, unlike a library's pow.
         let product = (0..n.unsigned_abs()).fold(1.0, |product, _| product * base.value);
         let value = if n < 0 { 1.0 / product } else { product };
-        Ok(Quantity { value, dimension: base.dimension.power(n) })
+        let angle = if base.is_plain_number() { AngleUnit::Absent } else { AngleUnit::Open };
+        Ok(Quantity { value, dimension: base.dimension.power(n), angle })
     }
 
     fn exponent(&mut self) -> Result<i16, ExpressionError> {
@@ -275,7 +278,9 @@ impl<'t> Parser<'_, 't> {
             Token::Sign(sign) => {
                 Err(ExpressionError::Unexpected { found: sign.to_string(), expected: EXPECTED })
             }
-            Token::Name("pi") => Ok(Quantity { value: std::f64::consts::PI, dimension: Dimension::NONE }),
+            Token::Name("pi") => {
+                Ok(Quantity { angle: AngleUnit::Open, ..Quantity::plain(std::f64::consts::PI) })
+            }
             Token::Name(name) if self.accept('(') => {
                 let argument = self.parenthesis()?;
                 function(name, argument)
@@ -315,6 +320,7 @@ impl<'t> Parser<'_, 't> {
     /// The unit after a number, if there is one.
     fn with_unit(&mut self, number: f64) -> Result<Quantity, ExpressionError> {
         let (mut multiply, mut divide, mut dimension) = (1.0, 1.0, Dimension::NONE);
+        let mut angle = AngleUnit::Absent;
         // `2 1/Pa`: the 1 only carries the fraction bar.
         let bare_one = matches!(self.peek(), Some(Token::Number(1.0, _)));
         if bare_one
@@ -346,8 +352,21 @@ impl<'t> Parser<'_, 't> {
                 divide *= under;
             }
             dimension = dimension.times(factor.dimension.power(n));
+            if factor.angle == AngleUnit::Present {
+                angle = AngleUnit::Present;
+            }
         }
-        Ok(Quantity { value: number * multiply / divide, dimension })
+        Ok(Quantity { value: number * multiply / divide, dimension, angle })
+    }
+}
+
+/// That of a product or quotient: a plain number changes nothing; of two units of angle, or of none among units that may cancel to
+/// an angle, it is open.
+fn angle_of_product(left: &Quantity, right: &Quantity) -> AngleUnit {
+    match (left.is_plain_number(), right.is_plain_number()) {
+        (true, _) => right.angle,
+        (_, true) => left.angle,
+        _ => AngleUnit::Open,
     }
 }
 
@@ -357,7 +376,7 @@ fn function(name: &str, x: Quantity) -> Result<Quantity, ExpressionError> {
             let expected = "an angle or a plain number";
             return Err(ExpressionError::Argument { function, found: x.dimension, expected });
         }
-        Ok(Quantity { value: f(x.value), dimension: Dimension::NONE })
+        Ok(Quantity::plain(f(x.value)))
     };
     match name {
         "sin" => angle("sin", libm::sin),
@@ -365,7 +384,7 @@ fn function(name: &str, x: Quantity) -> Result<Quantity, ExpressionError> {
         "tan" => angle("tan", libm::tan),
         "abs" => Ok(Quantity { value: x.value.abs(), ..x }),
         "sqrt" => match x.dimension.square_root() {
-            Some(dimension) => Ok(Quantity { value: x.value.sqrt(), dimension }),
+            Some(dimension) => Ok(Quantity { value: x.value.sqrt(), dimension, angle: AngleUnit::Open }),
             None => Err(ExpressionError::Argument {
                 function: "sqrt",
                 found: x.dimension,

@@ -101,6 +101,22 @@ pub enum FaultKind {
         /// The kind of quantity that belongs there.
         expected: Kind,
     },
+    /// A text without a unit of angle where one is needed: `30`, or `900 1/min`.
+    #[error("{value} has no unit of angle, expected {} ({}, ...)", expected.name, expected.units)]
+    NoAngleUnit {
+        /// The value as written.
+        value: String,
+        /// The kind of quantity that belongs there.
+        expected: Kind,
+    },
+    /// A unit of angle where none belongs.
+    #[error("{value} has a unit of angle, expected {}", expected.name)]
+    AngleUnit {
+        /// The value as written.
+        value: String,
+        /// The kind of quantity that belongs there.
+        expected: Kind,
+    },
     /// A unit of another kind.
     #[error("{value} is {found}, expected {} ({})", expected.name, units(expected))]
     WrongUnit {

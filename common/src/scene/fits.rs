@@ -3,7 +3,7 @@
 
 use super::context::{Context, Range};
 use super::faults::FaultKind;
-use super::quantity::{Dimension, Kind, LENGTH, NUMBER};
+use super::quantity::{Kind, LENGTH, NUMBER};
 use super::section::Section;
 use crate::random::{Feature, Fit, ToleranceClass, ToleranceError};
 
@@ -43,20 +43,13 @@ impl WrittenFit {
         &self,
         cx: &Context,
         path: &str,
-        dimension: Dimension,
+        kind: Kind,
         changes: &[String],
     ) -> Option<(f64, f64)> {
         let key = format!("{path}.fit");
         let value = format!("\"{}\"", self.written);
-        if dimension != LENGTH.dimension {
-            cx.fault(
-                key,
-                FaultKind::WrongUnit {
-                    value,
-                    found: LENGTH.dimension,
-                    expected: Kind::from_dimension(dimension),
-                },
-            );
+        if kind.dimension != LENGTH.dimension {
+            cx.fault(key, FaultKind::WrongUnit { value, found: LENGTH.dimension, expected: kind });
             return None;
         }
         for changed in changes {

@@ -4,16 +4,19 @@ use super::body_row::{BodyRow, MotionWord};
 use super::context::Range;
 use super::drive::{Drive, Over};
 use super::faults::in_first_unit;
-use super::limits::COUNT_LIMIT;
+use super::limits::{CHECKPOINT_LIMIT, COUNT_LIMIT};
 use super::load::Load;
 use super::model::Life;
 use super::quantity::{ANGLE, TIME};
 use super::section::Section;
 use super::tables::{repetitions, span};
+use crate::monotone::monotone_integral;
 use std::f64::consts::TAU;
 
 /// Most settling cycles: more are a typing error rather than intent.
 const SETTLE_LIMIT: i64 = 1000;
+/// How a scene is written whose motion is seen once.
+const ONCE: &str = " with cycles = 1, checkpoint_every = 1, settle_cycles = 0";
 /// An angle that advances by whole turns over a cycle does so to within this: six digits of a turn [turns].
 const WHOLE_TURN: f64 = 1e-6;
 
@@ -38,13 +41,22 @@ pub(super) fn life(file: &mut Section, bodies: &[BodyRow], loads: &[Load]) -> Op
         );
         return None;
     }
+    if let (Some(cycles), Some(every)) = (cycles, every)
+        && cycles / every > i64::from(CHECKPOINT_LIMIT)
+    {
+        let allowed = format!("so long that cycles = {cycles} has at most {CHECKPOINT_LIMIT} checkpoints");
+        section.out_of_range("checkpoint_every", every.to_string(), allowed);
+        return None;
+    }
     let (period, cycles, every, settle) = (period?, cycles?, every?, settle?);
-    // A single cycle without any before it is a motion seen once, from its start: it may be cut anywhere.
-    if (cycles, settle) != (1, 0) {
+    // All fit: COUNT_LIMIT is below u32::MAX.
+    let (cycles, checkpoint_every, settle_cycles) = (cycles as u32, every as u32, settle as u32);
+    let life = Life { period, cycles, checkpoint_every, settle_cycles };
+    // A motion seen once may be cut anywhere.
+    if !life.is_single_cycle() {
         check_repetitions(&section, period, bodies, loads);
     }
-    // All fit: COUNT_LIMIT is below u32::MAX.
-    Some(Life { period, cycles: cycles as u32, checkpoint_every: every as u32, settle_cycles: settle as u32 })
+    Some(life)
 }
 
 /// One turn, or one repetition of the table, of the only driven body.
@@ -77,20 +89,33 @@ fn repeats_every(drive: &Drive) -> Option<f64> {
 fn check_repetitions(life: &Section, period: f64, bodies: &[BodyRow], loads: &[Load]) {
     for body in bodies {
         let Some(drive) = body.drive() else { continue };
-        let Some(every) = repeats_every(drive) else { continue };
         let place = format!("bodies.{}", body.name);
+        let key_of = if matches!(drive, Drive::Angle(_)) { "angle" } else { "speed" };
+        let Some(every) = repeats_every(drive) else {
+            let message = format!(
+                "is false, but the cycles follow each other: let the table repeat, or see it once{ONCE}"
+            );
+            life.cx.inconsistent(format!("{place}.{key_of}.repeat"), message);
+            continue;
+        };
         let Some(times) = repetitions(period, every) else {
             does_not_fit(life, period, &place, every);
             continue;
         };
-        if let Drive::Angle(table) = drive {
-            let advance = times * (table.value[table.value.len() - 1] - table.value[0]);
-            if (advance / TAU - (advance / TAU).round()).abs() > WHOLE_TURN {
-                let advance = in_first_unit(advance, ANGLE);
-                let message =
-                    format!("advances by {advance} over a cycle, which is not a whole number of turns");
-                life.cx.inconsistent(format!("{place}.angle.value"), message);
-            }
+        let (advance, remedy) = match drive {
+            Drive::ConstantSpeed { .. } => continue,
+            Drive::Angle(table) => (table.value[table.value.len() - 1] - table.value[0], ""),
+            Drive::Speed { table, .. } => (
+                monotone_integral(table),
+                ": change the speeds or the times, which need not be decimal numbers (\"1/15 * 1 s\")",
+            ),
+        };
+        let turns = times * advance / TAU;
+        if (turns - turns.round()).abs() > WHOLE_TURN * turns.abs().max(1.0) {
+            let advance = in_first_unit(times * advance, ANGLE);
+            let message =
+                format!("advances by {advance} over a cycle, which is not a whole number of turns{remedy}");
+            life.cx.inconsistent(format!("{place}.{key_of}.value"), message);
         }
     }
     for load in loads {

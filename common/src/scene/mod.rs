@@ -45,11 +45,13 @@ pub mod source;
 mod tables;
 mod variable_law;
 mod variables;
+mod warnings;
 
 pub use attachment::Attachment;
 pub use drive::{Curve, Drive, Over, Table};
 pub use faults::{Fault, FaultKind, Faults};
 pub use joint::{Clearance, ContactDamping, ContactLaw, Joint, JointKind, Material, RestitutionLaw};
+pub use limits::VALUE_LIMIT;
 pub use load::Load;
 pub use model::{
     Body, DrivenInertia, ExternalSimulator, Fails, Life, LimitState, Motion, Point, Program, Scene,
@@ -59,3 +61,4 @@ pub use output::{Output, OutputKind, SignedBody};
 pub use output_unit::OutputUnit;
 pub use reference::published_results;
 pub use source::SceneSource;
+pub use warnings::Warning;

@@ -211,6 +211,11 @@ impl Life {
     pub fn checkpoints(&self) -> Vec<u32> {
         (1..=self.cycles / self.checkpoint_every).map(|k| k * self.checkpoint_every).collect()
     }
+
+    /// True if one cycle without any before it is the whole life: a motion seen once, from its start, which need not repeat.
+    pub fn is_single_cycle(&self) -> bool {
+        (self.cycles, self.settle_cycles) == (1, 0)
+    }
 }
 
 /// Default settings of a study.

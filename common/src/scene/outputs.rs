@@ -27,7 +27,12 @@ pub(super) struct OutputRow {
 impl OutputRow {
     /// An output that an external simulator returns.
     pub(super) fn declared(name: &str, output: Option<Output>) -> Self {
-        OutputRow { name: name.to_owned(), kind: Some(NUMBER), output, declared: true }
+        OutputRow {
+            name: name.to_owned(),
+            kind: Some(Kind::from_dimension(NUMBER.dimension)),
+            output,
+            declared: true,
+        }
     }
 }
 

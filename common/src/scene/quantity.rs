@@ -1,6 +1,7 @@
 //! Physical dimensions, the kinds of quantity in a scene, and the units in which they may be written.
 //!
-//! Three base dimensions suffice for planar mechanics: kg, m, s. An angle is dimensionless.
+//! Three base dimensions suffice for planar mechanics: kg, m, s. An angle is dimensionless; whether a unit of angle was written is
+//! kept beside the dimension, so that `900 1/min` is no angular velocity and `3 deg` no coefficient of friction.
 
 use std::fmt;
 
@@ -82,6 +83,25 @@ impl fmt::Display for Dimension {
     }
 }
 
+/// Whether a quantity was written with a unit of angle (`deg`, `rad`, `r`, ...).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum AngleUnit {
+    /// Written without one.
+    Absent,
+    /// Written with one.
+    Present,
+    /// The result of a calculation that may stand for either, such as `2 * pi` or a speed over a radius.
+    #[default]
+    Open,
+}
+
+impl AngleUnit {
+    /// That of a sum.
+    pub(super) fn plus(self, other: Self) -> Self {
+        if self == other { self } else { AngleUnit::Open }
+    }
+}
+
 /// A value in SI with its dimension.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Quantity {
@@ -89,6 +109,30 @@ pub struct Quantity {
     pub value: f64,
     /// Dimension of the value.
     pub dimension: Dimension,
+    /// Whether a unit of angle is part of it.
+    pub angle: AngleUnit,
+}
+
+impl Quantity {
+    /// A number without any unit.
+    pub fn plain(value: f64) -> Self {
+        Quantity { value, dimension: Dimension::NONE, angle: AngleUnit::Absent }
+    }
+
+    /// True if no unit at all is part of it.
+    pub(super) fn is_plain_number(&self) -> bool {
+        self.dimension == Dimension::NONE && self.angle == AngleUnit::Absent
+    }
+
+    /// The kind of quantities that can stand in the place of this one; a dimension without a kind gets one without units.
+    pub fn kind(&self) -> Kind {
+        match (self.dimension, self.angle) {
+            (Dimension::NONE, AngleUnit::Present) => ANGLE,
+            (Dimension::NONE, AngleUnit::Absent) => NUMBER,
+            (dimension, AngleUnit::Present) if dimension == ANGULAR_VELOCITY.dimension => ANGULAR_VELOCITY,
+            (dimension, _) => Kind::from_dimension(dimension),
+        }
+    }
 }
 
 /// A kind of quantity that a field expects.
@@ -102,53 +146,73 @@ pub struct Kind {
     pub units: &'static str,
     /// SI unit of the kind.
     pub si: &'static str,
+    /// Whether its units have one of angle; open where both occur.
+    pub angle: AngleUnit,
 }
 
 impl Kind {
+    /// True if a quantity with or without a unit of angle is of this kind.
+    pub fn takes(&self, angle: AngleUnit) -> bool {
+        let open = self.angle == AngleUnit::Open || angle == AngleUnit::Open;
+        open || self.angle == angle
+    }
+
+    /// True if a number without a unit is of this kind.
+    pub(super) fn takes_bare_numbers(&self) -> bool {
+        self.dimension == Dimension::NONE && self.angle != AngleUnit::Present
+    }
+
     /// The name, and in parentheses the units suggested.
     pub fn in_words(&self) -> String {
         let name = self.name;
         if self.units.is_empty() { name.to_owned() } else { format!("{name} ({}, ...)", self.units) }
     }
 
-    /// The first kind of a dimension; a dimension without a kind gets one without units.
+    /// The first kind of a dimension, with or without a unit of angle; a dimension without a kind gets one without units.
     pub fn from_dimension(dimension: Dimension) -> Kind {
-        let unnamed = Kind { name: "the quantity that is changed", dimension, units: "", si: "" };
-        KINDS.iter().copied().find(|kind| kind.dimension == dimension).unwrap_or(unnamed)
+        let angle = AngleUnit::Open;
+        let unnamed = Kind { name: "the quantity that is changed", dimension, units: "", si: "", angle };
+        let found = KINDS.iter().find(|kind| kind.dimension == dimension);
+        found.map_or(unnamed, |kind| Kind { angle, ..*kind })
     }
 }
 
 macro_rules! kinds {
-    ($($constant:ident $name:literal ($kg:literal $m:literal $s:literal) $units:literal $si:literal;)*) => {
+    ($($constant:ident $name:literal ($kg:literal $m:literal $s:literal) $units:literal $si:literal $angle:ident;)*) => {
         $(#[doc = concat!("Expects ", $name, ".")]
-        pub const $constant: Kind =
-            Kind { name: $name, dimension: Dimension::new($kg, $m, $s), units: $units, si: $si };)*
+        pub const $constant: Kind = Kind {
+            name: $name,
+            dimension: Dimension::new($kg, $m, $s),
+            units: $units,
+            si: $si,
+            angle: AngleUnit::$angle,
+        };)*
         /// Every kind; of two with the same dimension the first one names it.
         const KINDS: &[Kind] = &[$($constant),*];
     };
 }
 
 kinds! {
-    NUMBER "a plain number" (0 0 0) "" "1";
-    ANGLE "an angle" (0 0 0) "deg, rad" "rad";
-    LENGTH "a length" (0 1 0) "mm, um, m" "m";
-    MASS "a mass" (1 0 0) "g, kg" "kg";
-    TIME "a time" (0 0 1) "s, ms" "s";
-    INERTIA "a moment of inertia" (1 2 0) "kg m^2, g mm^2" "kg m^2";
-    ANGULAR_VELOCITY "an angular velocity" (0 0 -1) "r/min, rad/s" "rad/s";
-    SPEED "a speed" (0 1 -1) "mm/s, m/s" "m/s";
-    ACCELERATION "an acceleration" (0 1 -2) "m/s^2" "m/s^2";
-    FORCE "a force" (1 1 -2) "N, mN, kN" "N";
-    TORQUE "a torque" (1 2 -2) "N m, N mm" "N m";
-    STIFFNESS "a stiffness" (1 0 -2) "N/m, N/mm" "N/m";
-    DAMPING "a damping" (1 0 -1) "N s/m" "N s/m";
-    TORSIONAL_STIFFNESS "a torsional stiffness" (1 2 -2) "N m/rad, N m/deg" "N m/rad";
-    TORSIONAL_DAMPING "a torsional damping" (1 2 -1) "N m s/rad" "N m s/rad";
-    PRESSURE "a pressure" (1 -1 -2) "GPa, MPa, Pa" "Pa";
-    INVERSE_PRESSURE "an inverse pressure" (-1 1 2) "1/Pa, mm^2/N" "1/Pa";
-    INVERSE_SPEED "an inverse speed" (0 -1 1) "s/m" "s/m";
-    AREA "an area" (0 2 0) "mm^2, m^2" "m^2";
-    VOLUME "a volume" (0 3 0) "mm^3, m^3" "m^3";
+    NUMBER "a plain number" (0 0 0) "" "1" Absent;
+    ANGLE "an angle" (0 0 0) "deg, rad" "rad" Present;
+    LENGTH "a length" (0 1 0) "mm, um, m" "m" Open;
+    MASS "a mass" (1 0 0) "g, kg" "kg" Open;
+    TIME "a time" (0 0 1) "s, ms" "s" Open;
+    INERTIA "a moment of inertia" (1 2 0) "kg m^2, g mm^2" "kg m^2" Open;
+    ANGULAR_VELOCITY "an angular velocity" (0 0 -1) "r/min, rad/s" "rad/s" Present;
+    SPEED "a speed" (0 1 -1) "mm/s, m/s" "m/s" Open;
+    ACCELERATION "an acceleration" (0 1 -2) "m/s^2" "m/s^2" Open;
+    FORCE "a force" (1 1 -2) "N, mN, kN" "N" Open;
+    TORQUE "a torque" (1 2 -2) "N m, N mm" "N m" Open;
+    STIFFNESS "a stiffness" (1 0 -2) "N/m, N/mm" "N/m" Open;
+    DAMPING "a damping" (1 0 -1) "N s/m" "N s/m" Open;
+    TORSIONAL_STIFFNESS "a torsional stiffness" (1 2 -2) "N m/rad, N m/deg" "N m/rad" Open;
+    TORSIONAL_DAMPING "a torsional damping" (1 2 -1) "N m s/rad" "N m s/rad" Open;
+    PRESSURE "a pressure" (1 -1 -2) "GPa, MPa, Pa" "Pa" Open;
+    INVERSE_PRESSURE "an inverse pressure" (-1 1 2) "1/Pa, mm^2/N" "1/Pa" Open;
+    INVERSE_SPEED "an inverse speed" (0 -1 1) "s/m" "s/m" Open;
+    AREA "an area" (0 2 0) "mm^2, m^2" "m^2" Open;
+    VOLUME "a volume" (0 3 0) "mm^3, m^3" "m^3" Open;
 }
 
 /// A unit: SI value = number * multiply / divide. Two numbers, so that decimal prefixes round once.
@@ -160,13 +224,20 @@ pub struct Unit {
     pub divide: f64,
     /// Dimension of the unit.
     pub dimension: Dimension,
+    /// Whether it is a unit of angle or contains one.
+    pub angle: AngleUnit,
 }
 
 const TURN: f64 = 2.0 * std::f64::consts::PI;
 
 /// A factor, a divisor and a dimension.
 const fn unit_of(multiply: f64, divide: f64, dimension: Dimension) -> Unit {
-    Unit { multiply, divide, dimension }
+    Unit { multiply, divide, dimension, angle: AngleUnit::Absent }
+}
+
+/// A unit of angle, or one that contains it.
+const fn angular(multiply: f64, divide: f64, dimension: Dimension) -> Unit {
+    Unit { multiply, divide, dimension, angle: AngleUnit::Present }
 }
 
 /// Every unit by its symbol. `Hz` is left out on purpose: it could mean turns or radians.
@@ -195,12 +266,12 @@ pub const UNITS: &[(&str, Unit)] = &[
     ("kPa", unit_of(1e3, 1.0, PRESSURE.dimension)),
     ("MPa", unit_of(1e6, 1.0, PRESSURE.dimension)),
     ("GPa", unit_of(1e9, 1.0, PRESSURE.dimension)),
-    ("rad", unit_of(1.0, 1.0, Dimension::NONE)),
-    ("mrad", unit_of(1.0, 1e3, Dimension::NONE)),
-    ("deg", unit_of(std::f64::consts::PI, 180.0, Dimension::NONE)),
-    ("r", unit_of(TURN, 1.0, Dimension::NONE)),
-    ("rev", unit_of(TURN, 1.0, Dimension::NONE)),
-    ("rpm", unit_of(TURN, 60.0, ANGULAR_VELOCITY.dimension)),
+    ("rad", angular(1.0, 1.0, Dimension::NONE)),
+    ("mrad", angular(1.0, 1e3, Dimension::NONE)),
+    ("deg", angular(std::f64::consts::PI, 180.0, Dimension::NONE)),
+    ("r", angular(TURN, 1.0, Dimension::NONE)),
+    ("rev", angular(TURN, 1.0, Dimension::NONE)),
+    ("rpm", angular(TURN, 60.0, ANGULAR_VELOCITY.dimension)),
     ("%", unit_of(1.0, 1e2, Dimension::NONE)),
 ];
 

@@ -8,7 +8,7 @@ use super::correlations::{CorrelationRow, correlation_rows};
 use super::faults::{Fault, FaultKind};
 use super::joints::{JointRow, joints};
 use super::life::life;
-use super::limits::COUNT_LIMIT;
+use super::limits::{COUNT_LIMIT, VALUE_LIMIT};
 use super::load::Load;
 use super::loads::loads;
 use super::model::{ExternalSimulator, Life, LimitState, Scene, StudySettings};
@@ -93,6 +93,9 @@ impl Parts {
             Some(_) => external(file),
             None => mechanism(file),
         };
+        if let Some(life) = &model.life {
+            check_size(file, life, model.outputs.len());
+        }
         let limit_states = limit_states(file, &model.outputs);
         let study = study(file, simulator.is_none());
         Parts { name_and_title, simulator, model, limit_states, study }
@@ -152,6 +155,16 @@ fn external(file: &mut Section) -> Model {
     let life = declared_life(file);
     let outputs = declared_outputs(file, life.as_ref());
     Model { bodies: vec![], joints: vec![], loads: vec![], gravity: Some([0.0; 2]), outputs, life }
+}
+
+/// Checks that all outputs at all checkpoints fit into a worker's message.
+fn check_size(file: &Section, life: &Life, outputs: usize) {
+    let checkpoints = (life.cycles / life.checkpoint_every) as usize;
+    if checkpoints * outputs > VALUE_LIMIT {
+        let message =
+            format!("{checkpoints} checkpoints of {outputs} outputs are more than {VALUE_LIMIT} values");
+        file.inconsistent("life.checkpoint_every", message);
+    }
 }
 
 /// Reads `[scene]`: name and title.

@@ -2,7 +2,7 @@
 //! behind the UM-Bridge protocol. Its random variables are the inputs, its outputs and life are declared.
 
 use super::context::Range;
-use super::limits::COUNT_LIMIT;
+use super::limits::{CHECKPOINT_LIMIT, COUNT_LIMIT};
 use super::model::{ExternalSimulator, Life, Program, SimulatorKind, UmBridgeModel};
 use super::output::{Output, OutputKind};
 use super::outputs::OutputRow;
@@ -15,8 +15,6 @@ use toml::{Table, Value};
 const TIMEOUT: f64 = 600.0;
 /// Default of the name of a model, as is customary for UM-Bridge servers.
 const USUAL_MODEL: &str = "forward";
-/// Most checkpoints of a life; each has a surrogate per output.
-const CHECKPOINT_LIMIT: u32 = 100_000;
 
 /// Reads `[simulator]`; the outer `None` without one, the inner one if it is faulty.
 pub(super) fn simulator(file: &mut Section) -> Option<Option<ExternalSimulator>> {

@@ -8,10 +8,11 @@ use super::expression::{ExpressionError, evaluate, read_unit};
 use super::faults::{Fault, FaultKind, Faults, in_unit, nearest};
 use super::merge::merge;
 use super::model::Scene;
-use super::quantity::{Dimension, Kind, Quantity};
+use super::quantity::{AngleUnit, Dimension, Kind, Quantity};
 use super::resolve::resolve;
 use super::simulator::settle_folder;
 use super::variables::variables;
+use super::warnings::{Warning, warnings};
 use crate::random::RandomVariable;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -150,6 +151,11 @@ impl SceneSource {
         self.unused_parameters.clone()
     }
 
+    /// What is valid but most likely not meant, with the path of the key.
+    pub fn warnings(&self) -> Vec<Warning> {
+        warnings(&self.nominal)
+    }
+
     /// The nominal scene: every random variable at its mean.
     pub fn nominal(&self) -> &Scene {
         &self.nominal
@@ -229,21 +235,27 @@ impl SceneSource {
         };
         let (name, value) = (name.trim(), value.trim());
         let variable = self.variables().iter().find(|variable| variable.name == name);
-        let dimension = match variable.map(|variable| (variable, variable.changes.first())) {
+        let expected = match variable.map(|variable| (variable, variable.changes.first())) {
             // An input of a simulator has the dimension of its unit, if that is a known one.
-            Some((input, None)) => read_unit(&input.unit).map_or(Dimension::NONE, |unit| unit.dimension),
-            Some((_, Some(key))) => self.seen[key].dimension,
-            None => self.seen.get(name).ok_or_else(|| self.unknown_setting(name))?.dimension,
+            Some((input, None)) => {
+                Kind::from_dimension(read_unit(&input.unit).map_or(Dimension::NONE, |unit| unit.dimension))
+            }
+            Some((_, Some(key))) => self.seen[key].kind(),
+            None => self.seen.get(name).ok_or_else(|| self.unknown_setting(name))?.kind(),
         };
         let shown = format!("\"{value}\"");
         let mut nothing =
             |name: &str| Err(ExpressionError::UnknownName { name: name.to_owned(), nearest: None });
         match evaluate(value, &mut nothing) {
             Err(error) => Err(fault(FaultKind::Expression { value: shown, message: error.to_string() })),
-            Ok(found) if found.dimension != dimension => {
-                let expected = Kind::from_dimension(dimension);
+            Ok(found) if found.dimension != expected.dimension => {
                 Err(fault(FaultKind::WrongUnit { value: shown, found: found.dimension, expected }))
             }
+            Ok(found) if !expected.takes(found.angle) => Err(fault(if found.angle == AngleUnit::Present {
+                FaultKind::AngleUnit { value: shown, expected }
+            } else {
+                FaultKind::NoAngleUnit { value: shown, expected }
+            })),
             Ok(found) => Ok((name.to_owned(), found.value)),
         }
     }

@@ -3,7 +3,7 @@
 use super::context::{Context, Range};
 use super::faults::{FaultKind, in_first_unit};
 use super::fits::WrittenFit;
-use super::quantity::{Dimension, Kind, NUMBER, Quantity};
+use super::quantity::{Kind, NUMBER, Quantity};
 use super::section::Section;
 use crate::random::{Distribution, Extreme, LawError};
 use std::collections::BTreeMap;
@@ -147,18 +147,16 @@ impl WrittenLaw {
         nominal: Quantity,
         changes: &[String],
     ) -> Option<Distribution> {
-        let dimension = nominal.dimension;
+        let kind = nominal.kind();
         let value = |key: &str, default: f64| match self.values.get(key) {
-            Some(written) => {
-                cx.quantity(&format!("{path}.{key}"), written, Kind::from_dimension(dimension), Range::Any)
-            }
+            Some(written) => cx.quantity(&format!("{path}.{key}"), written, kind, Range::Any),
             None => Some(default),
         };
         let (mean, std) = match &self.fit {
-            Some(fit) => fit.moments(cx, path, dimension, changes)?,
+            Some(fit) => fit.moments(cx, path, kind, changes)?,
             None => {
                 let mean = value("mean", nominal.value)?;
-                (mean, self.std(cx, path, mean, dimension)?)
+                (mean, self.std(cx, path, mean, kind)?)
             }
         };
         let reach = self.truncation * std;
@@ -179,16 +177,15 @@ impl WrittenLaw {
             LawWord::Triangular => Distribution::triangular(lower, value("mode", mean)?, upper),
             LawWord::Constant => Distribution::constant(mean),
         };
-        made.map_err(|error| self.refuse(cx, path, error, dimension)).ok()
+        made.map_err(|error| self.refuse(cx, path, error, kind)).ok()
     }
 
     /// The standard deviation, a quantity or a share of the mean; 0 for a distribution without this key.
-    fn std(&self, cx: &Context, path: &str, mean: f64, dimension: Dimension) -> Option<f64> {
+    fn std(&self, cx: &Context, path: &str, mean: f64, kind: Kind) -> Option<f64> {
         let Some(written) = self.values.get("std") else { return Some(0.0) };
         let relative = written.as_str().is_some_and(|text| text.trim_end().ends_with('%'));
-        let expected = if relative { Dimension::NONE } else { dimension };
-        let mut std =
-            cx.quantity(&format!("{path}.std"), written, Kind::from_dimension(expected), Range::Any)?;
+        let expected = if relative { NUMBER } else { kind };
+        let mut std = cx.quantity(&format!("{path}.std"), written, expected, Range::Any)?;
         if relative {
             std *= mean.abs();
         }
@@ -202,8 +199,8 @@ impl WrittenLaw {
     }
 
     /// Records a parameter that the distribution does not allow, in the units of the scene.
-    fn refuse(&self, cx: &Context, path: &str, error: LawError, dimension: Dimension) {
-        let shown = |value| in_first_unit(value, Kind::from_dimension(dimension));
+    fn refuse(&self, cx: &Context, path: &str, error: LawError, kind: Kind) {
+        let shown = |value| in_first_unit(value, kind);
         match error {
             LawError::OutOfRange { parameter, value, above, below } => {
                 let allowed = match (above.is_finite(), below.is_finite()) {

@@ -4,7 +4,7 @@
 use super::context::Context;
 use super::expression::read_unit;
 use super::faults::{FaultKind, in_first_unit};
-use super::quantity::{Dimension, Kind, Quantity};
+use super::quantity::{Dimension, Quantity};
 use super::section::Section;
 use super::variable_law::WrittenLaw;
 use crate::random::RandomVariable;
@@ -113,8 +113,8 @@ fn nominal(cx: &Context, row: &VariableRow, seen: &BTreeMap<String, Quantity>) -
             Some(first) if first.value != found.value && row.law.takes_nominal() => {
                 let message = format!(
                     "the nominal values differ ({} and {}), so mean must be given",
-                    in_first_unit(first.value, Kind::from_dimension(first.dimension)),
-                    in_first_unit(found.value, Kind::from_dimension(found.dimension))
+                    in_first_unit(first.value, first.kind()),
+                    in_first_unit(found.value, found.kind())
                 );
                 cx.inconsistent(place, message);
                 return None;

@@ -91,6 +91,12 @@ pub enum WireError {
         /// Name of the quantity.
         quantity: String,
     },
+    /// A setting of the accuracy that no name stands for: it could exhaust the memory of a worker, or its time.
+    #[error("the accuracy setting {setting} is out of its range")]
+    OutOfRange {
+        /// Name of the setting.
+        setting: &'static str,
+    },
     /// The name of a worker is not allowed in a key.
     #[error("the worker's name is empty, too long or has characters other than letters, digits, - _ .")]
     BadWorkerName,
@@ -106,7 +112,7 @@ pub trait Message: Serialize + DeserializeOwned {
     /// Checks the conditions that the types do not express.
     ///
     /// # Errors
-    /// [`WireError::NotFinite`], [`WireError::BadWorkerName`].
+    /// [`WireError::NotFinite`], [`WireError::OutOfRange`], [`WireError::BadWorkerName`].
     fn check(&self) -> Result<(), WireError>;
 }
 

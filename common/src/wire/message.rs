@@ -206,8 +206,7 @@ impl Message for Notice {
 }
 
 fn check_accuracy(a: &Accuracy) -> Result<(), WireError> {
-    let knobs = [a.step_tolerance, a.largest_step, a.wear_tolerance, a.warm_up];
-    numbers::all_finite("accuracy", &knobs)
+    a.out_of_range().map_or(Ok(()), |setting| Err(WireError::OutOfRange { setting }))
 }
 
 fn check_task(task: &Task) -> Result<(), WireError> {

@@ -155,7 +155,7 @@ fn status() -> impl Strategy<Value = Status> {
 
 fn accuracy(x: f64) -> Accuracy {
     Accuracy {
-        step_tolerance: x,
+        step_tolerance: if (1e-12..=1e3).contains(&x) { x } else { 1e-6 },
         largest_step: 0.01,
         steps_bound: 100,
         wear_samples: 200,
@@ -324,6 +324,32 @@ fn numbers_that_are_not_finite_are_refused_both_ways() {
     }
     let bad = Claim { finished: vec![outcome(1.0, vec![2.0], f64::INFINITY)], ..empty_claim() };
     assert_eq!(encode(&bad), Err(WireError::NotFinite { quantity: "histories[0][1]".into() }));
+}
+
+#[test]
+fn issue_settings_that_exhaust_a_worker_passed_if_they_were_finite() {
+    let order = |accuracy: Accuracy| {
+        encode(&Reply {
+            acknowledged: vec![],
+            next: Next::Work(WorkOrder {
+                scene: String::new(),
+                accuracy,
+                accuracy_name: String::new(),
+                tasks: vec![],
+            }),
+        })
+    };
+    let good = Accuracy::balanced();
+    assert!(order(good).is_ok());
+    for (setting, bad) in [
+        ("wear_samples", Accuracy { wear_samples: 1 << 40, ..good }),
+        ("steps_bound", Accuracy { steps_bound: u64::MAX, ..good }),
+        ("largest_step", Accuracy { largest_step: -1.0, ..good }),
+        ("step_tolerance", Accuracy { step_tolerance: f64::NAN, ..good }),
+        ("cycle_jump", Accuracy { cycle_jump: 0, ..good }),
+    ] {
+        assert_eq!(order(bad), Err(WireError::OutOfRange { setting }));
+    }
 }
 
 #[test]

@@ -91,12 +91,17 @@ fn tables() {
     );
     one_fault(
         "lever",
-        "at = [\"0 s\", \"1 s\"], value = [\"0 deg\", \"10 deg\"]",
-        "at = [\"0 s\"], value = [\"0 deg\"]",
+        "at = [\"0 s\", \"50 ms\", \"0.1 s\"], value = [\"0 deg\", \"10 deg\", \"0 deg\"]",
+        "at = [\"0 s\"], value = [\"0 deg\"], repeat = false",
         "bodies.lever.angle.at: has 1 of the at least 2 arguments of a table",
     );
     // Two points that repeat would be a straight line.
-    one_fault("lever", "repeat = false", "repeat = true", "has 2 of the at least 3 arguments of a table");
+    one_fault(
+        "lever",
+        "\"50 ms\", \"0.1 s\"], value = [\"0 deg\", \"10 deg\", \"0 deg\"]",
+        "\"0.1 s\"], value = [\"0 deg\", \"10 deg\"]",
+        "has 2 of the at least 3 arguments of a table",
+    );
     let all = faults("name = \"wheel\"", "\"20 ms\", \"50 ms\"]", "\"20 ms\", \"5 ms\", \"1 ms\"]");
     assert_eq!(all.len(), 3, "{all:#?}");
 }

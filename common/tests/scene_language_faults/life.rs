@@ -22,10 +22,23 @@ fn life() {
         "life.settle_cycles: -1 is out of range, allowed: 0 to 1000",
     );
     fault("settle_cycles = 3", "settle_cycles = 1001", "life.settle_cycles: 1001 is out of range");
-    // 0.15 s holds three tables of the wheel, and half of a turn of the crank and of the cam.
-    let found = faults(life, "\"0.1 s\"", "\"0.15 s\"");
-    assert_eq!(found.len(), 2, "{found:#?}");
-    for (fault, body) in found.iter().zip(["crank", "cam"]) {
+    // issue: a hundred million checkpoints passed, and failed after the simulation.
+    fault(
+        "cycles = 2000\ncheckpoint_every = 1000",
+        "cycles = 100000000\ncheckpoint_every = 1",
+        "life.checkpoint_every: 1 is out of range, allowed: so long that cycles = 100000000 has at most 100000 checkpoints",
+    );
+    fault(
+        "cycles = 2000\ncheckpoint_every = 1000",
+        "cycles = 90000\ncheckpoint_every = 1",
+        "life.checkpoint_every: 90000 checkpoints of 8 outputs are more than 200000 values",
+    );
+    // 0.15 s holds three tables of the wheel, half a turn each, and half of a turn of the crank, the cam and the lever.
+    let mut found = faults(life, "\"0.1 s\"", "\"0.15 s\"");
+    assert_eq!(found.len(), 4, "{found:#?}");
+    let wheel = found.remove(1);
+    assert!(wheel.contains("bodies.wheel.speed.value: advances by 540 deg over a cycle"), "{wheel}");
+    for (fault, body) in found.iter().zip(["crank", "cam", "lever"]) {
         let expected =
             format!("life.period: a cycle of 0.15 s is not a multiple of 0.1 s, the period of bodies.{body}");
         assert!(fault.contains(&expected), "{fault}");
@@ -41,6 +54,27 @@ fn life() {
         "\"365 deg\"",
         "\"355 deg\"",
         "bodies.cam.angle.value: advances by 350 deg over a cycle, which is not a whole number of turns",
+    );
+    // issue: motions that do not repeat passed, and were simulated as if they did.
+    one_fault(
+        "lever",
+        "value = [\"0 deg\", \"10 deg\", \"0 deg\"]",
+        "value = [\"0 deg\", \"10 deg\", \"0 deg\"], repeat = false",
+        "bodies.lever.angle.repeat: is false, but the cycles follow each other: let the table repeat, or see it once with \
+         cycles = 1, checkpoint_every = 1, settle_cycles = 0",
+    );
+    one_fault(
+        "wheel",
+        "\"0 r/min\"] }",
+        "\"0 r/min\"], repeat = false }",
+        "bodies.wheel.speed.repeat: is false, but the cycles follow each other",
+    );
+    // 1200 r/min for half of 50 ms is half a turn, two of which make a cycle; 1200.1 r/min are not.
+    one_fault(
+        "wheel",
+        "\"1200 r/min\"",
+        "\"1200.1 r/min\"",
+        "bodies.wheel.speed.value: advances by 360.03 deg over a cycle, which is not a whole number of turns: change the",
     );
     // A motion seen once, from its start, may be cut anywhere.
     let once = EVERYTHING

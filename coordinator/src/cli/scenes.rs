@@ -30,8 +30,8 @@ pub fn scenes(show: Option<&str>, as_json: bool) -> Result<(), CommandError> {
     print(&list.map(|scene| format!("{:width$}  {}\n", scene.name, scene.title)).collect::<String>())
 }
 
-/// Checks a scene: its text, its bounds, and the ideal linkage through a whole cycle. Unused parameters are listed but
-/// are no fault.
+/// Checks a scene: its text, its bounds, and the ideal linkage through a whole cycle. Unused parameters and
+/// warnings are listed but are no fault.
 ///
 /// # Errors
 /// [`CommandError::Scene`] with all faults, or the errors of [`check_linkage`].
@@ -41,14 +41,14 @@ pub fn check(file: &str, as_json: bool) -> Result<(), CommandError> {
     if scene.simulator.is_none() {
         check_linkage(source.origin(), scene)?;
     }
-    let unused = source.unused_parameters();
+    let (unused, warnings) = (source.unused_parameters(), source.warnings());
     if as_json {
         return print(&to_json(&json!({ "file": file, "scene": scene.name, "valid": true,
-                                       "unused_parameters": unused }))?);
+                                       "unused_parameters": unused, "warnings": warnings }))?);
     }
-    let unused: String =
-        unused.iter().map(|name| format!("{file}: parameters.{name}: nothing reads it\n")).collect();
-    print(&format!("{file}: valid; {}\n{unused}", counts(scene)))
+    let unused = unused.iter().map(|name| format!("{file}: parameters.{name}: nothing reads it\n"));
+    let warnings = warnings.iter().map(|warning| format!("{file}: {warning}\n"));
+    print(&format!("{file}: valid; {}\n{}", counts(scene), unused.chain(warnings).collect::<String>()))
 }
 
 /// Checks that the scene has a mechanism that can be modelled, and that its ideal linkage closes through the cycle.
@@ -61,7 +61,8 @@ pub fn check_linkage(origin: &str, scene: &Scene) -> Result<(), CommandError> {
     }
     let failed = |failure| CommandError::of_simulation(origin, scene, failure);
     worker::mechanism::islands(scene).map_err(failed)?;
-    worker::mechanism::ideal_cycle(scene, 2, &mut 0).map_err(failed)?;
+    let poses = worker::mechanism::ideal_cycle(scene, 2, &mut 0).map_err(failed)?;
+    worker::mechanism::turns_per_cycle(scene, &poses).map_err(failed)?;
     Ok(())
 }
 

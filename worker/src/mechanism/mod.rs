@@ -22,6 +22,7 @@ mod order_tests;
 mod piecewise_cubic;
 mod prescribed;
 mod topology;
+mod turns;
 
 pub(crate) use assembly::ideal_accelerations;
 pub use assembly::{Pose, ideal_cycle};
@@ -32,3 +33,4 @@ pub use island::{Island, WearingJoint};
 pub(crate) use lanes::{IslandLanes, fits_lanes, same_topology};
 pub use prescribed::Prescribed;
 pub use topology::islands;
+pub use turns::turns_per_cycle;

@@ -5,7 +5,8 @@
 //! Butland (1984), SIAM J. Sci. Stat. Comput. 5, 300-304. Cubic spline: de Boor (1978), A Practical Guide to
 //! Splines.
 
-use crate::interpolate::{Cubic, fritsch_butland};
+use crate::interpolate::Cubic;
+use common::monotone::{cubic_integral, monotone_slopes};
 use common::scene::Table;
 use nalgebra::{DMatrix, DVector};
 
@@ -36,17 +37,7 @@ enum Place {
 impl PiecewiseCubic {
     /// The monotone cubic of Fritsch and Carlson: continuously differentiable, no overshoot between points.
     pub(crate) fn monotone(table: &Table) -> Self {
-        let (x, y) = (&table.at, &table.value);
-        let n = x.len();
-        let secant = |k: usize| (y[k + 1] - y[k]) / (x[k + 1] - x[k]);
-        let inner =
-            |k: usize| fritsch_butland([x[k] - x[k - 1], x[k + 1] - x[k]], [secant(k - 1), secant(k)]);
-        let mut slope: Vec<f64> = (0..n).map(|k| if k == 0 || k + 1 == n { 0.0 } else { inner(k) }).collect();
-        if table.repeat {
-            let end = fritsch_butland([x[n - 1] - x[n - 2], x[1] - x[0]], [secant(n - 2), secant(0)]);
-            (slope[0], slope[n - 1]) = (end, end);
-        }
-        Self::with_slopes(table, slope)
+        Self::with_slopes(table, monotone_slopes(table))
     }
 
     /// The twice continuously differentiable cubic spline; with slope zero at both ends unless the table
@@ -89,7 +80,7 @@ impl PiecewiseCubic {
         for k in 0..node.len() - 1 {
             let h = table.at[k + 1] - table.at[k];
             let ([y0, d0], [y1, d1]) = (node[k], node[k + 1]);
-            integral.push(integral[k] + h * (0.5 * (y0 + y1) + h * (d0 - d1) / 12.0));
+            integral.push(integral[k] + cubic_integral(h, [y0, y1], [d0, d1]));
         }
         PiecewiseCubic { at: table.at.clone(), node, integral, repeat: table.repeat }
     }

@@ -25,12 +25,16 @@ pub struct IdealMotion {
     n: usize,
     /// (q, v, a) at equal times from 0 to the period `(intervals + 1, 3, n)`.
     node: Vec<f64>,
+    /// Whole turns of every coordinate per cycle, zero for lengths `(n,)` [rad].
+    turns: Vec<f64>,
 }
 
 impl IdealMotion {
     /// The motion through (q, v, a) at equal times of a cycle of `period` [s], both ends included `(intervals + 1, 3, n)`.
     pub(crate) fn new(period: f64, n: usize, node: Vec<f64>) -> Self {
-        IdealMotion { period, n, node }
+        let advance = |i: usize| node[node.len() - 3 * n + i] - node[i];
+        let turns = (0..n).map(|i| if i % 3 == 2 { TAU * (advance(i) / TAU).round() } else { 0.0 }).collect();
+        IdealMotion { period, n, node, turns }
     }
 
     /// Number of degrees of freedom.
@@ -39,13 +43,17 @@ impl IdealMotion {
     }
 
     /// Writes position, velocity and acceleration at time `t` [s] to `q`, `v`, `a` `(n,)`. Outside the cycle the motion repeats
-    /// itself; angles that turn fully return to their value at the start.
+    /// itself; angles that turn fully go on.
     #[inline]
     pub(crate) fn evaluate(&self, t: f64, q: &mut [f64], v: &mut [f64], a: &mut [f64]) {
         let n = self.n;
         let intervals = self.node.len() / (3 * n) - 1;
         let h = self.period / intervals as f64;
-        let within = if (0.0..=self.period).contains(&t) { t } else { t.rem_euclid(self.period) };
+        let (within, cycles) = if (0.0..=self.period).contains(&t) {
+            (t, 0.0)
+        } else {
+            (t.rem_euclid(self.period), (t / self.period).floor())
+        };
         let k = ((within / h) as usize).min(intervals - 1);
         let s = within / h - k as f64;
         let (start, end) = self.node[3 * n * k..3 * n * (k + 2)].split_at(3 * n);
@@ -58,7 +66,7 @@ impl IdealMotion {
             let c3 = 10.0 * d - 4.0 * dv + 0.5 * da;
             let c4 = -15.0 * d + 7.0 * dv - da;
             let c5 = 6.0 * d - 3.0 * dv + 0.5 * da;
-            q[i] = q0 + s * (v0 + s * (0.5 * a0 + s * (c3 + s * (c4 + s * c5))));
+            q[i] = q0 + s * (v0 + s * (0.5 * a0 + s * (c3 + s * (c4 + s * c5)))) + cycles * self.turns[i];
             v[i] = (v0 + s * (a0 + s * (3.0 * c3 + s * (4.0 * c4 + s * 5.0 * c5)))) / h;
             a[i] = (a0 + s * (6.0 * c3 + s * (12.0 * c4 + s * 20.0 * c5))) / (h * h);
         }
@@ -162,15 +170,22 @@ mod tests {
             motion.evaluate(t, &mut q, &mut v, &mut a);
             (q, v)
         };
-        for k in 0..40 {
+        for k in 0..45 {
             let (t, h) = (-0.2 + 0.0107 * f64::from(k), 1e-7);
             let ((low, _), (_, v), (high, _)) =
                 (position_and_velocity(t - h), position_and_velocity(t), position_and_velocity(t + h));
-            for i in 0..2 {
+            for i in 0..3 {
                 assert!(((high[i] - low[i]) / (2.0 * h) - v[i]).abs() < 1e-5 * 50.0, "{t}");
             }
         }
         assert!(motion.mismatch_at_the_ends() < 1e-12, "a whole turn is no gap");
+        for seam in [0.0, 0.25] {
+            let [(before, _), (after, _)] = [-1e-9, 1e-9].map(|h| position_and_velocity(seam + h));
+            assert!(
+                (before[2] - after[2]).abs() < 1e-6,
+                "issue: angles fell back by a turn where a cycle ends"
+            );
+        }
     }
 
     #[test]

@@ -174,6 +174,14 @@ mod tests {
     }
 
     #[test]
+    fn issue_the_largest_result_of_a_valid_scene_did_not_fit_into_a_message() {
+        let mut all = evaluation(vec![0.5; common::scene::VALUE_LIMIT / 2]);
+        all.histories.push(all.histories[0].clone());
+        all.errors.push(all.errors[0].clone());
+        assert!(outcome_of(|_| Ok(all.clone())).is_ok());
+    }
+
+    #[test]
     fn a_result_too_large_for_a_message_is_a_failure() {
         let result = outcome_of(|_| Ok(evaluation(vec![0.5; MAX_OUTCOME / 8 + 1])));
         assert!(matches!(result, Err(SimulationFailure::NotModelled { .. })));

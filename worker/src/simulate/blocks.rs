@@ -12,7 +12,8 @@
 //! Cui et al., China Mechanical Engineering 37(6), 2026, 1472-1485, doi 10.3969/j.issn.1004-132X.2026.06.020. Interpolation between
 //! simulated cycles: Fritsch, Butland, SIAM Journal on Scientific and Statistical Computing 5 (1984).
 
-use crate::interpolate::{Cubic, fritsch_butland};
+use crate::interpolate::Cubic;
+use common::monotone::fritsch_butland;
 
 /// Lives at which a cycle is simulated [cycles]: 0, the ends of the graded first block, then every `jump` cycles, rounded to the
 /// checkpoints, which are `every` cycles apart, to the end of life at `cycles`.

@@ -7,6 +7,7 @@ use crate::wear::{WearRate, WearStep};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::scene::Scene;
+use std::f64::consts::TAU;
 
 /// Lower bound of the time step, as a fraction of the cycle [1].
 pub const SMALLEST_STEP: f64 = 1e-9;
@@ -19,7 +20,7 @@ const SMALLEST_PHASE: f64 = 1e-3;
 pub struct CycleSpan {
     /// Length of the cycle [s].
     pub period: f64,
-    /// Time of the state from which the warm-up of the next cycle starts [s].
+    /// Time of the state from which the warm-up of the next cycle starts, at the same phase [s].
     pub kept: f64,
 }
 
@@ -27,7 +28,9 @@ impl CycleSpan {
     /// The cycle of a scene, with the warm-up of this accuracy.
     pub(crate) fn new(scene: &Scene, accuracy: &Accuracy) -> Self {
         let period = scene.life.period;
-        CycleSpan { period, kept: (1.0 - accuracy.warm_up).max(0.0) * period }
+        let warm_up = accuracy.warm_up;
+        let kept = if warm_up < 1.0 { 1.0 - warm_up } else { (-warm_up).rem_euclid(1.0) };
+        CycleSpan { period, kept: kept * period }
     }
 }
 
@@ -44,6 +47,10 @@ pub struct IslandState {
     pub q: Vec<f64>,
     /// Velocities `(n,)` [m/s, rad/s].
     pub v: Vec<f64>,
+    /// Time of the state [s].
+    pub time: f64,
+    /// Whole turns of the bodies per cycle `(n / 3,)` [1].
+    turns: Vec<f64>,
     /// State from which the next warm-up starts.
     pub warm_up_start: StateSnapshot,
     /// State at the start of the cycle measured last.
@@ -56,9 +63,10 @@ pub struct IslandState {
     pub depth: Vec<Vec<f64>>,
 }
 
-/// A state to return to: coordinates, velocities, and the damping fixed at each joint's last impact.
+/// A state to return to: time, coordinates, velocities, and the damping fixed at each joint's last impact.
 #[derive(Clone)]
 pub struct StateSnapshot {
+    time: f64,
     q: Vec<f64>,
     v: Vec<f64>,
     /// Damping of the joints `(joints,)` [s/m].
@@ -66,31 +74,31 @@ pub struct StateSnapshot {
 }
 
 impl StateSnapshot {
-    /// A snapshot of the state `q`, `v` `(n,)` and of the island's joints.
-    pub(crate) fn new(island: &Island, q: &[f64], v: &[f64]) -> Self {
-        let mut snapshot =
-            StateSnapshot { q: q.to_vec(), v: v.to_vec(), damping: vec![0.0; island.joints.len()] };
-        snapshot.update(island, q, v);
+    /// A snapshot of the state `q`, `v` `(n,)` at `time` [s] and of the island's joints.
+    pub(crate) fn new(island: &Island, time: f64, q: &[f64], v: &[f64]) -> Self {
+        let damping = vec![0.0; island.joints.len()];
+        let mut snapshot = StateSnapshot { time, q: q.to_vec(), v: v.to_vec(), damping };
+        snapshot.update(island, time, q, v);
         snapshot
     }
 
-    /// Replaces the snapshot by the state `q`, `v` `(n,)` and the island's joints as they are.
-    pub(crate) fn update(&mut self, island: &Island, q: &[f64], v: &[f64]) {
+    /// Replaces the snapshot by the state `q`, `v` `(n,)` at `time` [s] and the island's joints as they are.
+    pub(crate) fn update(&mut self, island: &Island, time: f64, q: &[f64], v: &[f64]) {
+        self.time = time;
         self.q.copy_from_slice(q);
         self.v.copy_from_slice(v);
         for (damping, joint) in self.damping.iter_mut().zip(&island.joints) {
             *damping = joint.contact.surface().damping;
         }
     }
+}
 
-    /// Restores the state `q`, `v` `(n,)` and the joints of the island.
-    pub(crate) fn restore(&self, island: &mut Island, q: &mut [f64], v: &mut [f64]) {
-        q.copy_from_slice(&self.q);
-        v.copy_from_slice(&self.v);
-        for (damping, joint) in self.damping.iter().zip(&mut island.joints) {
-            joint.contact.restore_damping(*damping);
-        }
-    }
+/// Where the ideal mechanism has the bodies at the start, and how often they turn.
+pub struct IslandStart<'a> {
+    /// Positions and velocities of the bodies.
+    pub pose: &'a Pose,
+    /// Whole turns of every body of the scene per cycle `(bodies,)` [1].
+    pub turns: &'a [f64],
 }
 
 /// Stepper and recorder of an island for a cycle at another accuracy.
@@ -100,14 +108,15 @@ pub struct CycleTools {
 }
 
 impl IslandState {
-    /// Starts the island from the pose of the ideal mechanism; its recorder records what is `requested`.
+    /// Starts the island from `start`, where the ideal mechanism has it; its recorder records what is `requested`.
     pub(crate) fn new(
         island: Island,
-        pose: &Pose,
+        start: &IslandStart,
         scene: &Scene,
         requested: &RecordingRequest,
         accuracy: &Accuracy,
     ) -> Self {
+        let IslandStart { pose, turns } = start;
         let pick = |from: &[Option<[f64; 3]>]| -> Vec<f64> {
             island.bodies.iter().flat_map(|&b| from[b].unwrap_or_default()).collect()
         };
@@ -115,8 +124,10 @@ impl IslandState {
         IslandState {
             stepper: stepper(&island, scene.life.period, accuracy),
             recorder: Recorder::new(&island, scene, requested, accuracy.wear_samples),
-            warm_up_start: StateSnapshot::new(&island, &q, &v),
-            cycle_start: StateSnapshot::new(&island, &q, &v),
+            warm_up_start: StateSnapshot::new(&island, pose.time, &q, &v),
+            cycle_start: StateSnapshot::new(&island, pose.time, &q, &v),
+            time: pose.time,
+            turns: island.bodies.iter().map(|&body| turns[body]).collect(),
             q,
             v,
             rates: island
@@ -132,6 +143,45 @@ impl IslandState {
             depth: island.joints.iter().map(|j| vec![0.0; j.profile.points()]).collect(),
             island,
         }
+    }
+
+    /// Returns to the state of `snapshot`, which is one of this island.
+    fn restore(&mut self, snapshot: StateSnapshot) {
+        let StateSnapshot { time, q, v, damping } = snapshot;
+        for (damping, joint) in damping.iter().zip(&mut self.island.joints) {
+            joint.contact.restore_damping(*damping);
+        }
+        (self.time, self.q, self.v) = (time, q, v);
+    }
+
+    /// Returns to the state from which the next warm-up starts.
+    pub(crate) fn restore_warm_up_start(&mut self) {
+        self.restore(self.warm_up_start.clone());
+    }
+
+    /// Returns to the start of the cycle measured last.
+    pub(crate) fn restore_cycle_start(&mut self) {
+        self.restore(self.cycle_start.clone());
+    }
+
+    /// Keeps the present state as the start of the cycle measured last.
+    pub(crate) fn keep_cycle_start(&mut self) {
+        self.cycle_start.update(&self.island, self.time, &self.q, &self.v);
+    }
+
+    /// Keeps the present state as the one from which the next warm-up starts.
+    pub(crate) fn keep_warm_up_start(&mut self) {
+        self.warm_up_start.update(&self.island, self.time, &self.q, &self.v);
+    }
+
+    /// Takes the present state for that at `time` [s] of another cycle of `period` [s]: each angle loses the turns in between, as
+    /// those of the driven bodies do.
+    pub(crate) fn begin(&mut self, time: f64, period: f64) {
+        let cycles = ((self.time - time) / period).round();
+        for (angle, turns) in self.q.iter_mut().skip(2).step_by(3).zip(&self.turns) {
+            *angle -= TAU * cycles * turns;
+        }
+        self.time = time;
     }
 
     /// Stepper and empty recorder for another accuracy of the time steps; `period` is the length of a cycle [s].

@@ -23,10 +23,13 @@ pub enum CycleModel {
     Dynamic,
     /// Quasi-static cycles, which are not probed.
     QuasiStatic,
+    /// No cycle but the one measured, which is the whole life.
+    Single,
 }
 
 /// Wears the bores to the end of life; `next_cycle` simulates the cycle of `model` after each block, the last one of the dynamics
-/// excepted.
+/// excepted, and none of a
+/// single cycle.
 ///
 /// # Errors
 /// The first error of the wear, of a probe or of `next_cycle`.
@@ -35,7 +38,7 @@ pub(crate) async fn simulate_life<E: From<SimulationFailure>>(
     next_cycle: impl AsyncFn(&mut Run) -> Result<(), E>,
     model: CycleModel,
 ) -> Result<LifeHistory, E> {
-    let (scene, accuracy, dynamic) = (run.scene, run.accuracy, model == CycleModel::Dynamic);
+    let (scene, accuracy, dynamic) = (run.scene, run.accuracy, model != CycleModel::QuasiStatic);
     let (end, every) = (scene.life.cycles, scene.life.checkpoint_every);
     let lives = block_ends(end, accuracy.cycle_jump, every);
     let mut estimate = ErrorEstimate::default();
@@ -52,13 +55,13 @@ pub(crate) async fn simulate_life<E: From<SimulationFailure>>(
         run.wear(from..to, &checkpoints, &mut wear)?;
         estimate.add_wear(run, from, depths);
         run.keep_bores(to);
-        if dynamic && to == end {
-            run.last_cycle().await?;
-        } else {
-            next_cycle(run).await?;
+        match model {
+            CycleModel::Single => {}
+            CycleModel::Dynamic if to == end => run.last_cycle().await?,
+            CycleModel::Dynamic | CycleModel::QuasiStatic => next_cycle(run).await?,
         }
         measured.push(run.motion_outputs());
-        if dynamic && is_probed(from..to, every, end) {
+        if model == CycleModel::Dynamic && is_probed(from..to, every, end) {
             estimate.add_probe(run.probe(to).await?);
         }
     }

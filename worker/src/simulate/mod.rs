@@ -7,7 +7,7 @@
 //! lives the measured cycle is probed, from which the evaluation estimates its own error.
 //!
 //! If wear is the only output, the cycles between the first and the last may be quasi-static; if nothing wears, one cycle
-//! stands for the whole life.
+//! stands for the whole life. If the life is a single cycle, that cycle alone is measured, and wears the bores.
 //!
 //! | file | contents |
 //! |---|---|
@@ -148,9 +148,13 @@ async fn evaluate(run: &mut Run<'_>) -> Result<Evaluation, SimulationFailure> {
         return run.finish_without_wear(first).await;
     }
 
-    let life = match try_quasi_static(run).await {
-        Some(life) => life,
-        None => simulate_life(run, async |run: &mut Run| run.next_cycle().await, CycleModel::Dynamic).await?,
+    let next_cycle = async |run: &mut Run| run.next_cycle().await;
+    let life = if run.scene.life.is_single_cycle() {
+        simulate_life(run, next_cycle, CycleModel::Single).await?
+    } else if let Some(life) = try_quasi_static(run).await {
+        life
+    } else {
+        simulate_life(run, next_cycle, CycleModel::Dynamic).await?
     };
     run.finish(run.scene.life.checkpoints(), life.histories, life.errors, first)
 }

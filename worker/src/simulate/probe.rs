@@ -1,5 +1,5 @@
 //! A probe of a measured cycle: the cycle after it on the same profile, with shorter time steps. Differences between the two are
-//! due to the time steps or to motion that had not settled.
+//! due to the time steps or to motion that had not settled. A motion seen once is probed by its own cycle.
 //!
 //! With time steps shorter by the factor r = 1.75 a scheme of order 4 has 1 / r^4 = 1/9 of the error, so the difference of the two
 //! cycles is 8/9 of the error of the measured one.
@@ -79,7 +79,7 @@ impl Run<'_> {
     }
 
     /// Simulates further cycles and keeps the largest changes: one of a periodic motion, up to [`MOST_CYCLES`] of others, and one
-    /// for each damping factor.
+    /// for each damping factor. Of a motion seen once, the same cycle again, for each damping factor.
     async fn compare_further_cycles(
         &mut self,
         life: u32,
@@ -87,18 +87,23 @@ impl Run<'_> {
     ) -> Result<Probe, SimulationFailure> {
         let (motion, wear) = (vec![0.0; measured.motion.len()], vec![0.0; measured.wear.len()]);
         let mut probe = Probe { life, motion, wear, aperiodic: false };
-        let remembers = self.depends_on_last_impact();
+        let (remembers, once) = (self.depends_on_last_impact(), self.scene.life.is_single_cycle());
         for cycle in 0..MOST_CYCLES {
+            if once {
+                self.islands.iter_mut().for_each(IslandState::restore_cycle_start);
+            }
             if let Some(factor) = DAMPING_FACTORS.get(cycle).filter(|_| remembers) {
-                self.scale_remembered_damping(*factor);
+                let since_measured = || DAMPING_FACTORS[..=cycle].iter().product();
+                self.scale_remembered_damping(if once { since_measured() } else { *factor });
             }
             self.further_cycle().await?;
             let aperiodic = probe.add_cycle(measured, &self.cycle_values(life)?);
             let factors_left = remembers && cycle + 1 < DAMPING_FACTORS.len();
-            if aperiodic == 0 && !factors_left {
+            if (once || aperiodic == 0) && !factors_left {
                 break;
             }
         }
+        probe.aperiodic &= !once;
         Ok(probe)
     }
 

@@ -59,7 +59,7 @@ impl QuasiStaticIsland {
         stepper.run(&mut state.island, cycle.kept, recorder, counts)?;
         start.copy_from_slice(stepper.gaps());
         let (q, v) = stepper.state();
-        state.warm_up_start.update(&state.island, q, v);
+        state.warm_up_start.update(&state.island, cycle.kept, q, v);
         stepper.run(&mut state.island, cycle.period, recorder, counts)?;
         recorder.finish();
         Ok(())

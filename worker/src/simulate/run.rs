@@ -1,10 +1,10 @@
 //! The stages of an evaluation: settle, measure a cycle, wear a block, warm up.
 
-use super::island_state::{CycleSpan, IslandState, failure};
+use super::island_state::{CycleSpan, IslandStart, IslandState, failure};
 use super::quasi_static_island::QuasiStaticIsland;
 use super::side_by_side::{Integrated, LaneQueue, Span};
 use crate::integrate::StepCounts;
-use crate::mechanism::{Frame, Pose, ideal_cycle, islands};
+use crate::mechanism::{Frame, Pose, ideal_cycle, islands, turns_per_cycle};
 use crate::outputs::{FullRecording, PointTrack, recording_request};
 use crate::wear::WearStepStats;
 use common::accuracy::Accuracy;
@@ -70,9 +70,11 @@ impl<'a> Run<'a> {
                 what: "a position error where the drives leave the ideal motion open".into(),
             });
         }
+        let turns = turns_per_cycle(scene, &poses)?;
+        let start = IslandStart { pose: &poses[0], turns: &turns };
         let islands = islands
             .into_iter()
-            .map(|island| IslandState::new(island, &poses[0], scene, &requested, accuracy))
+            .map(|island| IslandState::new(island, &start, scene, &requested, accuracy))
             .collect();
         Ok(Run {
             queue,
@@ -114,7 +116,7 @@ impl<'a> Run<'a> {
     /// Integrates from the state kept of the cycle before, on the profile as it is now, to the start of a cycle.
     async fn warm_up(&mut self) -> Result<(), SimulationFailure> {
         for state in &mut self.islands {
-            state.warm_up_start.restore(&mut state.island, &mut state.q, &mut state.v);
+            state.restore_warm_up_start();
             state.stepper.control.after_jump();
         }
         let period = self.scene.life.period;
@@ -124,7 +126,7 @@ impl<'a> Run<'a> {
     /// Returns to the start of the cycle just measured, with time steps of another accuracy.
     pub(crate) fn restart_cycle(&mut self, accuracy: &Accuracy) {
         for state in &mut self.islands {
-            state.cycle_start.restore(&mut state.island, &mut state.q, &mut state.v);
+            state.restore_cycle_start();
             let mut tools = state.tools_for(self.scene.life.period, accuracy);
             state.exchange_tools(&mut tools);
         }
@@ -138,19 +140,17 @@ impl<'a> Run<'a> {
         let CycleSpan { period, kept } = CycleSpan::new(self.scene, self.accuracy);
         for state in &mut self.islands {
             state.recorder.clear();
-            state.cycle_start.update(&state.island, &state.q, &state.v);
+            state.keep_cycle_start();
         }
         if kept > 0.0 {
             self.integrate(0.0..kept, true).await?;
         }
-        for state in &mut self.islands {
-            state.warm_up_start.update(&state.island, &state.q, &state.v);
-        }
+        self.islands.iter_mut().for_each(IslandState::keep_warm_up_start);
         self.integrate(kept..period, true).await?;
         for state in &mut self.islands {
             state.recorder.finish();
             if kept == 0.0 {
-                state.warm_up_start.update(&state.island, &state.q, &state.v);
+                state.keep_warm_up_start();
             }
         }
         self.simulated += 1;
@@ -242,10 +242,13 @@ impl<'a> Run<'a> {
 
     /// Integrates every island over a span of the cycle [s], recording it or not.
     async fn integrate(&mut self, time: Range<f64>, record: bool) -> Result<(), SimulationFailure> {
-        let islands = std::mem::take(&mut self.islands);
+        let period = self.scene.life.period;
+        let mut islands = std::mem::take(&mut self.islands);
+        islands.iter_mut().for_each(|state| state.begin(time.start, period));
         let spans = islands.into_iter().map(|state| Span { state, time: time.clone(), record }).collect();
         let mut first = Ok(());
-        for Integrated { state, counts, result } in self.queue.integrate(spans).await {
+        for Integrated { mut state, counts, result } in self.queue.integrate(spans).await {
+            state.time = time.end;
             self.counts.add(&counts);
             first = first.and(result.map_err(|error| failure(error, self.cycle, &state.island)));
             self.islands.push(state);

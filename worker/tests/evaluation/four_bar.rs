@@ -146,3 +146,19 @@ fn the_mirror_image_wears_in_the_mirror() {
     println!("wear in the mirror: {off}");
     assert!(off < 1e-6, "{off}");
 }
+
+#[test]
+fn issue_a_warm_up_of_one_cycle_and_a_part_began_at_another_phase() {
+    let scene = short("four-bar", &[], CYCLES);
+    let at_end = |warm_up: f64| {
+        let evaluation = evaluate(&scene, &Accuracy { warm_up, ..Accuracy::draft() });
+        [0, 1].map(|output| evaluation.histories[output][1])
+    };
+    let whole = at_end(1.0);
+    for warm_up in [0.0, 0.05, 1.02, 1.5, 2.0] {
+        let found = at_end(warm_up);
+        for (found, expected) in found.iter().zip(whole) {
+            assert!((found / expected - 1.0).abs() < 5e-3, "{warm_up}: {found} against {expected}");
+        }
+    }
+}

@@ -1,0 +1,73 @@
+//! Whole turns of the bodies per cycle, from the ideal motion: a cycle that begins again at an earlier time begins with every angle
+//! less the turns in between, as the drives, which are functions of time, have them.
+//!
+//!   turns = round((angle(T) - angle(0)) / 2 pi), T the period of the cycle [s].
+
+use super::assembly::Pose;
+use super::prescribed::Prescribed;
+use common::failure::SimulationFailure;
+use common::scene::{Load, OutputKind, Scene};
+use std::f64::consts::TAU;
+
+/// Whole turns of every body of `scene` per cycle `(bodies,)` [1], from the `poses` of its ideal motion at both ends of the cycle;
+/// zero for free bodies if the first pose is the only one, because drives and joints leave the motion open.
+///
+/// # Errors
+/// [`SimulationFailure::NotModelled`] if cycle follows cycle and a torsion spring or the difference of two angles would differ from
+/// one to the next by whole turns, or by turns that the drives leave open.
+pub fn turns_per_cycle(scene: &Scene, poses: &[Pose]) -> Result<Vec<f64>, SimulationFailure> {
+    let period = scene.life.period;
+    let (first, last) = (&poses[0], &poses[poses.len() - 1]);
+    let of_body = |body: usize| -> Option<f64> {
+        let angles = match Prescribed::from_body(&scene.bodies[body]) {
+            Some(given) => [given.angle(0.0), given.angle(period)],
+            None if poses.len() > 1 => [first, last].map(|pose| pose.q[body].map_or(0.0, |q| q[2])),
+            None => return None,
+        };
+        Some(((angles[1] - angles[0]) / TAU).round())
+    };
+    let turns: Vec<Option<f64>> = (0..scene.bodies.len()).map(of_body).collect();
+    if !scene.life.is_single_cycle() {
+        check_differences(scene, &turns)?;
+    }
+    Ok(turns.into_iter().map(Option::unwrap_or_default).collect())
+}
+
+/// Checks that every angle between two bodies that a spring or an output depends on is that of the cycle before.
+fn check_differences(scene: &Scene, turns: &[Option<f64>]) -> Result<(), SimulationFailure> {
+    let refuse = |what: String| Err(SimulationFailure::NotModelled { what });
+    // The angle between them is that of a cycle before only if neither turns, or both are known.
+    let is_open = |a: usize, b: usize| match (turns[a], turns[b]) {
+        (None, Some(turns)) | (Some(turns), None) => turns != 0.0,
+        _ => false,
+    };
+    let names = |a: usize, b: usize| format!("{} and {}", scene.bodies[a].name, scene.bodies[b].name);
+    for load in &scene.loads {
+        let Load::TorsionSpring { name, a, b, .. } = load else { continue };
+        if is_open(*a, *b) {
+            let bodies = names(*a, *b);
+            return refuse(format!(
+                "the torsion spring {name}: by how many turns {bodies} differ after a cycle is left open by the drives"
+            ));
+        }
+        let more = turns[*a].unwrap_or_default() - turns[*b].unwrap_or_default();
+        if more != 0.0 {
+            let bodies = names(*a, *b);
+            return refuse(format!(
+                "the torsion spring {name} between {bodies}, which every cycle winds up by {} deg: no cycle repeats",
+                more * 360.0
+            ));
+        }
+    }
+    for output in &scene.outputs {
+        let OutputKind::AngleDifference { a, b } = &output.kind else { continue };
+        if is_open(a.body, b.body) {
+            return refuse(format!(
+                "the output {}: by how many turns {} differ after a cycle is left open by the drives",
+                output.name,
+                names(a.body, b.body)
+            ));
+        }
+    }
+    Ok(())
+}
