@@ -6,7 +6,6 @@
 //! | input | [`random`] | distributions, the Gaussian copula, tolerances of ISO 286 |
 //! | | [`accuracy`] | numerical settings of a simulation, by name |
 //! | | [`scene`] | scenes: read from TOML, checked, resolved for a sample |
-//! | | [`monotone`] | monotone cubics through tables |
 //! | result | [`failure`], [`outputs`] | results of an evaluation, or the reason why there is none |
 //! | transport | [`umbridge`], [`wire`] | the UM-Bridge protocol; the messages between coordinator and worker |
 //!
@@ -48,7 +47,6 @@
 
 pub mod accuracy;
 pub mod failure;
-pub mod monotone;
 pub mod outputs;
 pub mod random;
 pub mod scene;

@@ -7,10 +7,10 @@ use super::faults::in_first_unit;
 use super::limits::{CHECKPOINT_LIMIT, COUNT_LIMIT};
 use super::load::Load;
 use super::model::Life;
+use super::monotone::monotone_integral;
 use super::quantity::{ANGLE, TIME};
 use super::section::Section;
 use super::tables::{repetitions, span};
-use crate::monotone::monotone_integral;
 use std::f64::consts::TAU;
 
 /// Most settling cycles: more are a typing error rather than intent.

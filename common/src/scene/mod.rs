@@ -32,6 +32,7 @@ mod load;
 mod loads;
 mod merge;
 pub mod model;
+pub mod monotone;
 mod output;
 mod output_unit;
 mod outputs;

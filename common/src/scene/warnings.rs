@@ -3,7 +3,7 @@
 use super::drive::{Curve, Drive, Over};
 use super::load::Load;
 use super::model::{Motion, Scene};
-use crate::monotone::monotone_integral;
+use super::monotone::monotone_integral;
 use serde::Serialize;
 use std::f64::consts::PI;
 use std::fmt;

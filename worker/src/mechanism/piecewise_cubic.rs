@@ -6,8 +6,8 @@
 //! Splines.
 
 use crate::interpolate::Cubic;
-use common::monotone::{cubic_integral, monotone_slopes};
 use common::scene::Table;
+use common::scene::monotone::{cubic_integral, monotone_slopes};
 use nalgebra::{DMatrix, DVector};
 
 /// Value and first three derivatives at one argument.

@@ -13,7 +13,7 @@
 //! simulated cycles: Fritsch, Butland, SIAM Journal on Scientific and Statistical Computing 5 (1984).
 
 use crate::interpolate::Cubic;
-use common::monotone::fritsch_butland;
+use common::scene::monotone::fritsch_butland;
 
 /// Lives at which a cycle is simulated [cycles]: 0, the ends of the graded first block, then every `jump` cycles, rounded to the
 /// checkpoints, which are `every` cycles apart, to the end of life at `cycles`.
