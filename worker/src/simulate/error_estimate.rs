@@ -10,8 +10,8 @@
 //! - r, irregularity of y over the simulated lives, for motions that do not repeat themselves on the unworn bores;
 //! - e, relative error of the wear, which displaces the life by e N.
 //!
-//! For a wear depth it is the root of the sum of squares of the error of the wear steps and twice the relative change of the
-//! wear rate in the probes times the depth. No value has a relative error below 1e-10, rounding.
+//! For a wear depth it is the root of the sum of squares of the error of the wear steps, that of the spacing of the control
+//! points, and twice the relative change of the wear rate in the probes times the depth. No value has a relative error below 1e-10, rounding.
 //!
 //! Valid as an estimate, not as a bound: [`MOTION_SAFETY`] lists how often it held.
 //!
@@ -45,10 +45,14 @@ const WORN_MOTION: f64 = 1e-4;
 /// Lower bound of the relative error of a value: rounding of some million steps [1].
 const ROUNDING: f64 = 1e-10;
 
-/// Depth of one joint and the estimated error of its wear steps `(points,)` each [m].
+/// Depth of one joint and its estimated errors.
+#[derive(Default)]
 struct WornJoint {
+    /// Depth and the error of its wear steps `(points,)` [m].
     depth: Vec<f64>,
     error: Vec<f64>,
+    /// Error of the largest depth from the spacing of the control points [m].
+    spacing: f64,
 }
 
 /// Outputs measured in the simulated cycles of a life.
@@ -85,20 +89,23 @@ impl ErrorEstimate {
     /// Adds the wear depth `(joints, points)` [m] at `life` [cycles], the end of a block whose wear step is closed. Of the errors
     /// of a control point so far the largest counts: errors that cancel later are not known to do so.
     pub(crate) fn add_wear(&mut self, run: &Run, life: u32, depth: Vec<Vec<f64>>) {
-        let mut error = vec![Vec::new(); depth.len()];
+        let joint = |depth| WornJoint { depth, ..WornJoint::default() };
+        let mut worn: Vec<WornJoint> = depth.into_iter().map(joint).collect();
         for state in &run.islands {
-            for (joint, step) in state.island.joints.iter().zip(&state.steps) {
-                error[joint.scene_joint] = step.error_behind().iter().map(|e| e.abs()).collect();
+            let wear = state.steps.iter().zip(&state.finer);
+            for (joint, (step, finer)) in state.island.joints.iter().zip(wear) {
+                let worn = &mut worn[joint.scene_joint];
+                worn.error = step.error_behind().iter().map(|e| e.abs()).collect();
+                worn.spacing = finer.spacing_error();
             }
         }
         if let Some(before) = self.worn.last() {
-            for (error, before) in error.iter_mut().zip(before) {
-                error.iter_mut().zip(&before.error).for_each(|(e, b)| *e = e.max(*b));
+            for (worn, before) in worn.iter_mut().zip(before) {
+                worn.error.iter_mut().zip(&before.error).for_each(|(e, b)| *e = e.max(*b));
             }
         }
         self.lives.push(life);
-        self.worn
-            .push(depth.into_iter().zip(error).map(|(depth, error)| WornJoint { depth, error }).collect());
+        self.worn.push(worn);
     }
 
     /// Error of every output at every checkpoint `(outputs, m)` [SI], given the `histories` there and the outputs in the
@@ -168,8 +175,8 @@ impl ErrorEstimate {
     /// Error of the largest depth of these joints at `life`, and that depth [m].
     ///
     /// The error of the wear steps is how much deeper the deepest point would be if every point were off by its
-    /// own estimate; that of the time steps is the probes' relative one of the depth. The two are independent: their squares
-    /// add.
+    /// own estimate, and likewise that of the control points; that of the time steps is the probes' relative one of the depth.
+    /// The three are independent: their squares add.
     fn wear_error(&self, joints: &[usize], life: u32) -> (f64, f64) {
         let block = self.lives.partition_point(|&end| end < life).min(self.lives.len().saturating_sub(1));
         let Some(worn) = self.worn.get(block) else { return (0.0, 0.0) };
@@ -183,7 +190,8 @@ impl ErrorEstimate {
             let deepest = worn[j].depth.iter().fold(0.0_f64, |a, &b| a.max(b));
             a.max(WEAR_SAFETY * deepest * self.largest_near(life, |p| p.wear[j]))
         });
-        (libm::hypot(steps, time), depth)
+        let spacing = largest(|w, i| w.depth[i] + w.spacing) - depth;
+        (libm::hypot(libm::hypot(steps, spacing), time), depth)
     }
 
     /// The larger value of the two probes around `life`; if one of them or the first of all found an aperiodic motion, at least
@@ -242,16 +250,17 @@ mod tests {
 
     #[test]
     fn wear_error_joins_the_steps_of_the_deepest_point_with_the_rate() {
-        let worn = WornJoint { depth: vec![10.0, 9.0], error: vec![0.1, 1.3] };
+        let worn = WornJoint { depth: vec![10.0, 9.0], error: vec![0.1, 1.3], spacing: 0.4 };
         let estimate = ErrorEstimate {
             probes: vec![probe(100, 0.0, 0.02)],
             lives: vec![0, 100],
             worn: vec![vec![], vec![worn]],
         };
-        // The second point might be the deepest, by 0.3; the rate is off by 2 %, counted WEAR_SAFETY times.
+        // The second point might be the deepest, by 0.3, the spacing hides 0.4; the rate is off by 2 %, counted
+        // WEAR_SAFETY times.
         let (error, depth) = estimate.wear_error(&[0], 70);
         assert_eq!(depth, 10.0);
-        assert!((error - 0.3_f64.hypot(WEAR_SAFETY * 0.2)).abs() < 1e-12, "{error}");
+        assert!((error - 0.5_f64.hypot(WEAR_SAFETY * 0.2)).abs() < 1e-12, "{error}");
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use crate::integrate::{IntegrationError, StepControl, Stepped, Stepper};
 use crate::mechanism::{Island, Pose};
 use crate::outputs::{Recorder, RecordingRequest};
-use crate::wear::{WearRate, WearStep};
+use crate::wear::{FinerBore, WearRate, WearStep};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::scene::Scene;
@@ -59,6 +59,8 @@ pub struct IslandState {
     pub rates: Vec<WearRate>,
     /// Wear step of each joint with clearance `(joints,)`.
     pub steps: Vec<WearStep>,
+    /// Bore of each joint with clearance with more control points, for the error of the wear `(joints,)`.
+    pub finer: Vec<FinerBore>,
     /// Wear depth of each joint with clearance at its control points `(joints, points)` [m].
     pub depth: Vec<Vec<f64>>,
 }
@@ -139,6 +141,14 @@ impl IslandState {
                 .joints
                 .iter()
                 .map(|j| WearStep::new(j.profile.points(), accuracy.wear_tolerance))
+                .collect(),
+            finer: island
+                .joints
+                .iter()
+                .map(|j| {
+                    let tolerance = accuracy.wear_tolerance;
+                    FinerBore::new(j.wear_coefficient, j.width, &j.contact, &j.profile, tolerance)
+                })
                 .collect(),
             depth: island.joints.iter().map(|j| vec![0.0; j.profile.points()]).collect(),
             island,

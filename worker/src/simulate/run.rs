@@ -3,6 +3,7 @@
 use super::island_state::{CycleSpan, IslandStart, IslandState, failure};
 use super::quasi_static_island::QuasiStaticIsland;
 use super::side_by_side::{Integrated, LaneQueue, Span};
+use crate::extremum::largest as largest_of;
 use crate::integrate::StepCounts;
 use crate::mechanism::{Frame, Pose, ideal_cycle, islands, turns_per_cycle};
 use crate::outputs::{FullRecording, PointTrack, recording_request};
@@ -295,6 +296,7 @@ impl<'a> Run<'a> {
                     largest[mark][joint.scene_joint] = depth.iter().fold(0.0, |a: f64, &b| a.max(b));
                 };
                 let length = f64::from(to - from);
+                let deepest_before = largest_of(depth.iter().copied());
                 let advanced =
                     state.steps[k].advance(rate, depth, length, &marks, note_largest, &mut self.wear_counts);
                 advanced.map_err(|failed| SimulationFailure::WearStep {
@@ -306,6 +308,8 @@ impl<'a> Run<'a> {
                     let joint = joint.name.clone();
                     return Err(SimulationFailure::WornThrough { cycle: to, joint, depth, wall });
                 }
+                let deepest = largest_of(depth.iter().copied());
+                state.finer[k].advance(&recorder.histories[k], length, deepest, deepest - deepest_before);
                 joint.set_depth(depth);
             }
         }

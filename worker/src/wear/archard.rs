@@ -5,18 +5,16 @@
 //! the cycle with normal force F [N], sliding distance S = integral of |v_t| dt [m] and work F S [N m]; L is
 //! the width of the bore [m]. Per cycle N, the depth h_i [m] of control point i grows by
 //!
-//! - `local-hertz`: dh_i/dN = K_H sum F S a_i / (L |AB|), where AB is the contact arc of the sample on the
-//!   present profile, |AB| its length [m] and a_i the degree to which point i lies inside it (1 inside, 0
-//!   outside);
+//! - `local-hertz`: dh_i/dN = K_H sum F S w_i / (L R spacing), where w_i [1] is the mean of the hat function
+//!   of point i over the contact arc of the sample on the present profile, and R [m] the mean radius there;
 //! - `foundation`: dh = K_H p |v_t| dt, that is dh_i/dN = K_H sum p_i S, where p_i [Pa] is the pressure that
 //!   carries F on the present profile, averaged with the hat function of point i.
 //!
 //! The history fixes forces and sliding distances; the contact is found again on the present profile, because
 //! a spot that wears unloads itself. That feedback makes the wear step stiff.
 //!
-//! Valid for mild sliding wear with a constant K_H; only the bushing wears, and wear never decreases. The
-//! local rule does not keep the worn volume of an arc narrower than the spacing of the control points; the
-//! foundation rule does.
+//! Both keep Archard's volume for every arc. Valid for mild sliding wear with a constant K_H; only the bushing
+//! wears, and wear never decreases.
 //!
 //! # Source
 //! Archard (1953), J. Appl. Phys. 24, 981-988. Arc rule of the local law: the seed paper, Cui et al., China
@@ -89,14 +87,15 @@ impl WearRate {
     /// [`NoEquilibrium`] if a frozen force has no equilibrium on that bore.
     pub(crate) fn rate(&mut self, depth: &[f64], rate: &mut [f64]) -> Result<(), NoEquilibrium> {
         self.profile.set_depth(depth);
+        let spacing = TAU / rate.len() as f64;
         let per = match &mut self.contacts {
             FrozenContacts::UniformOverArc(arcs) => {
                 arcs.shares(&self.profile, rate);
-                self.width
+                spacing * self.width
             }
             FrozenContacts::Foundation(contacts) => {
                 contacts.shares(&self.profile, rate)?;
-                TAU / rate.len() as f64 * self.profile.initial_radius() * self.width
+                spacing * self.profile.initial_radius() * self.width
             }
         };
         rate.iter_mut().for_each(|r| *r *= self.coefficient / per);

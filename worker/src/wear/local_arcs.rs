@@ -1,23 +1,27 @@
-//! Wear under `local-hertz`: each contact sample distributes its work evenly over its contact arc on the
-//! present bore.
+//! Wear under `local-hertz`: each contact sample wears its contact arc evenly on the present bore, shared out
+//! over the control points so that the worn volume is Archard's.
 //!
-//! Share of control point i: q_i = sum F S a_i / |AB| [N], with the work F S [N m] of a sample, the length
-//! |AB| [m] of its arc along the worn bore (Simpson's rule over the angle) and the degree a_i in [0, 1] to
-//! which the point lies inside the arc. a_i rises linearly over [`ENTRY`] at both ends of the arc, which
-//! makes the rate continuous in the profile. `archard.rs` multiplies by K_H / L.
+//! Share of control point i: q_i = sum F S w_i / R [N], with the work F S [N m] of a sample and the mean
+//! radius R [m] of the worn bore along its arc AB (Simpson's rule over the angle). w_i is the mean over the arc
+//! of the hat function phi_i [1], which is 1 at point i and falls to 0 at its neighbours: the w_i of a sample
+//! sum to 1 for every arc, wherever it lies between the points. `archard.rs` multiplies by K_H / (L spacing).
+//! An arc many spacings long gives F S / |AB| to every point inside, as the published rule does; a narrow one
+//! is smeared over the points next to it, whose depth then falls short of that in the middle of the arc
+//! (`finer_bore.rs` estimates that error).
 //!
 //! # Source
 //! Cui et al., China Mechanical Engineering 37(6), 2026, 1472-1485, doi 10.3969/j.issn.1004-132X.2026.06.020:
-//! every control point inside the arc AB receives K_H F S / (|AB| L). The linear entry is added here.
+//! the arc AB wears evenly by K_H F S / (|AB| L), at the control points inside it. The shares by hat functions
+//! are chosen here: the published rule gives an arc between two points no wear at all.
 
 use super::arc_ends::{ArcEnds, SUBDIVISION, Spot};
 use super::history::ContactSample;
 use crate::bore::{Profile, Radius};
-use std::f64::consts::TAU;
+use std::ops::Range;
 
-/// Width over which a control point enters the arc [rad]: half a degree, below the distance the arc's end
-/// moves between two samples, so that the wear rate is a smooth function of the profile.
-pub const ENTRY: f64 = 0.5 * TAU / 360.0;
+/// Width of an arc below which its work goes to its middle, in spacings of the points [1]: there the
+/// difference of two integrals of a hat function has lost its digits.
+const NARROWEST: f64 = 1e-6;
 
 /// Contacts of a frozen history on a bore.
 ///
@@ -27,8 +31,8 @@ pub const ENTRY: f64 = 0.5 * TAU / 360.0;
 pub struct LocalArcs {
     ends: ArcEnds,
     samples: Vec<Sample>,
-    /// Shares on three turns, one before and one after the bore's own `(3 points,)`: there an arc is one
-    /// piece.
+    /// Shares on three turns, one before and one after the bore's own `(3 points,)`: there
+    /// an arc is one piece.
     unrolled: Vec<f64>,
 }
 
@@ -61,23 +65,20 @@ impl LocalArcs {
         self.samples.extend(samples.iter().map(sample));
     }
 
-    /// Sum over the samples of work per length of arc, F S / |AB|, at every control point inside the arc
-    /// `(points,)` [N].
+    /// Sum over the samples of work per radius, shared out over the control points: F S w_i / R `(points,)` [N].
     pub(crate) fn shares(&mut self, profile: &Profile, shares: &mut [f64]) {
         self.ends.profile_changed(profile);
-        self.unrolled.fill(0.0);
         let points = shares.len();
-        let radians = TAU / self.ends.intervals() as f64;
+        self.unrolled.fill(0.0);
         for Sample { spot, penetration, work } in &mut self.samples {
             let (interval, s) = spot.within();
             let Radius { r, d1, .. } = profile.within(interval, s);
             let (before, after) = self.ends.find(spot, *penetration, r, d1);
-            // Length of the arc along the worn bore, by Simpson's rule over its angle.
+            // Mean radius along the arc, by Simpson's rule over its angle.
             let start = (spot.place - before) / SUBDIVISION as f64;
             let end = (spot.place + after) / SUBDIVISION as f64;
             let mean = (profile.turned(start) + 4.0 * r + profile.turned(end)) / 6.0;
-            let share = *work / (mean * (before + after) * radians);
-            enter(&mut self.unrolled, points, start, end, share);
+            share_out(&mut self.unrolled, points, start..end, *work / mean);
         }
         let (first, rest) = self.unrolled.split_at(points);
         let (second, third) = rest.split_at(points);
@@ -87,27 +88,34 @@ impl LocalArcs {
     }
 }
 
-/// Adds `share` at the control points from `start` to `end`, counted in control points from that at angle
-/// zero; at the ends of the arc in proportion to how far a point has entered it over the width [`ENTRY`].
+/// Shares `amount` out over the points next to and inside the `arc`, counted in points from that at angle
+/// zero: to each in proportion to the integral of its hat function over the arc.
 #[inline]
-fn enter(unrolled: &mut [f64], points: usize, start: f64, end: f64, share: f64) {
-    let per_width = TAU / (ENTRY * points as f64);
-    let half = 0.5 / per_width;
-    // Points above these; the offset makes truncation the floor.
-    let offset = points as f64;
-    let above = |x: f64| (x + offset) as usize + 1;
-    let first = above(start - half);
-    // At most a turn: an arc does not meet itself.
-    let end_of = above(end + half).min(first + points);
-    let full = above(start + half).min(end_of);
-    let end_of_full = above(end - half).clamp(full, end_of);
-    let partly = |k: usize| {
-        let at = k as f64 - offset;
-        share
-            * (0.5 + (end - at) * per_width).clamp(0.0, 1.0)
-            * (0.5 + (at - start) * per_width).clamp(0.0, 1.0)
-    };
-    unrolled[first..full].iter_mut().zip(first..).for_each(|(sum, k)| *sum += partly(k));
-    unrolled[full..end_of_full].iter_mut().for_each(|sum| *sum += share);
-    unrolled[end_of_full..end_of].iter_mut().zip(end_of_full..).for_each(|(sum, k)| *sum += partly(k));
+fn share_out(unrolled: &mut [f64], points: usize, arc: Range<f64>, amount: f64) {
+    // The offset of a turn makes truncation the floor.
+    let (start, end) = (arc.start + points as f64, arc.end + points as f64);
+    let width = end - start;
+    if width < NARROWEST {
+        let middle = 0.5 * (start + end);
+        let (below, s) = (middle as usize, middle.fract());
+        unrolled[below] += (1.0 - s) * amount;
+        unrolled[below + 1] += s * amount;
+        return;
+    }
+    let density = amount / width;
+    let (first, last) = (start as usize, end as usize + 1);
+    // Points whose hat the arc covers wholly: those of the intervals wholly inside.
+    let covered = first + 2..(last - 1).max(first + 2);
+    let partly = |k: usize| density * (below_hat(end - k as f64) - below_hat(start - k as f64));
+    (first..covered.start.min(last + 1)).for_each(|k| unrolled[k] += partly(k));
+    unrolled[covered.clone()].iter_mut().for_each(|sum| *sum += density);
+    (covered.end..=last).for_each(|k| unrolled[k] += partly(k));
+}
+
+/// Integral up to `x` of the hat function max(0, 1 - |x|) [1].
+#[inline]
+fn below_hat(x: f64) -> f64 {
+    let outside = 1.0 - x.abs().min(1.0);
+    let tail = 0.5 * outside * outside;
+    if x < 0.0 { tail } else { 1.0 - tail }
 }

@@ -3,7 +3,8 @@
 //!
 //! Order of use: `history` records contact samples; `archard` turns them into a wear rate on the present
 //! profile, for `local-hertz` by `local_arcs` and `arc_ends`, for `foundation` by `conformal` and
-//! `equilibrium`; `step` integrates that rate over a block.
+//! `equilibrium`; `step` integrates that rate over a block; `finer_bore`
+//! shows what the spacing of the control points costs.
 
 mod arc_ends;
 mod archard;
@@ -11,6 +12,7 @@ mod conformal;
 mod equilibrium;
 #[cfg(test)]
 mod equilibrium_tests;
+mod finer_bore;
 mod history;
 mod local_arcs;
 #[cfg(test)]
@@ -22,5 +24,6 @@ mod step_tests;
 mod volume_tests;
 
 pub(crate) use archard::WearRate;
+pub(crate) use finer_bore::FinerBore;
 pub(crate) use history::ContactHistory;
 pub(crate) use step::{WearStep, WearStepFailed, WearStepStats};

@@ -1,7 +1,7 @@
 //! Archard's volume K_H F S and the wear step, under contact histories made for the purpose.
 
 use super::step_tests::{COEFFICIENT, POINTS, SURFACE, WIDTH, foundation};
-use super::{ContactHistory, WearRate, WearStep, WearStepStats};
+use super::{ContactHistory, FinerBore, WearRate, WearStep, WearStepStats};
 use crate::bore::Profile;
 use crate::contact::{Contact, Foundation, JointForce, LocalHertz};
 use std::f64::consts::TAU;
@@ -14,8 +14,12 @@ fn round() -> Profile {
     Profile::round(SURFACE.journal_radius + SURFACE.clearance, POINTS)
 }
 
-fn local() -> Contact {
+fn local(_points: usize) -> Contact {
     Contact::LocalHertz(LocalHertz { surface: SURFACE })
+}
+
+fn foundation_of(points: usize) -> Contact {
+    Contact::Foundation(Foundation::new(SURFACE, points))
 }
 
 /// A history with the same force and sliding in each of these directions, the work of a cycle shared between
@@ -125,7 +129,7 @@ fn foundation_wears_the_volume_its_pressure_asks_for() {
 fn local_law_wears_archards_volume_under_a_load_that_sweeps_round() {
     // What is missing to equality (9e-4) is the chord by which the arc's ends are found between table angles.
     let directions: Vec<f64> = (0..1440).map(|k| TAU * (f64::from(k) + 0.5) / 1440.0).collect();
-    let mut rate = rate(&local(), &history(&directions));
+    let mut rate = rate(&local(POINTS), &history(&directions));
     let mut depth = vec![0.0; POINTS];
     for block in 1..=4 {
         let old = depth.clone();
@@ -142,7 +146,7 @@ fn local_law_wears_archards_volume_under_a_load_that_sweeps_round() {
 #[test]
 fn wear_does_not_depend_on_how_a_block_is_cut() {
     let swinging: Vec<f64> = (0..200).map(|k| 0.8 * (TAU * f64::from(k) / 200.0).sin()).collect();
-    for contact in [local(), foundation()] {
+    for contact in [local(POINTS), foundation()] {
         let history = history(&swinging);
         let run = |blocks: u32| {
             let mut rate = rate(&contact, &history);
@@ -173,6 +177,49 @@ fn wear_does_not_depend_on_how_a_block_is_cut() {
         let largest = once.iter().fold(0.0_f64, |a, b| a.max(*b));
         for (a, b) in once.iter().zip(&often) {
             assert!((a - b).abs() < 1e-3 * largest, "{a} against {b} of {largest}");
+        }
+    }
+}
+
+/// Largest depth after 2000 cycles under this history, in blocks of 250, at `points` control points, and the
+/// stated error of their spacing [m].
+fn scar(contact: &Contact, history: &ContactHistory, points: usize) -> (f64, f64) {
+    let profile = Profile::round(SURFACE.journal_radius + SURFACE.clearance, points);
+    let mut rate = WearRate::new(COEFFICIENT, WIDTH, contact, &profile);
+    rate.freeze(history);
+    let mut step = WearStep::new(points, 5e-3);
+    let mut copy = FinerBore::new(COEFFICIENT, WIDTH, contact, &profile, 5e-3);
+    let mut depth = vec![0.0; points];
+    for _ in 0..8 {
+        step.advance(&mut rate, &mut depth, 250.0, &[], |_, _| {}, &mut WearStepStats::default())
+            .unwrap_or_else(|failed| panic!("{points} points: {failed:?}"));
+        copy.advance(history, 250.0, depth.iter().fold(0.0, |a: f64, &b| a.max(b)), 0.0);
+    }
+    (depth.iter().fold(0.0, |a: f64, &b| a.max(b)), copy.spacing_error())
+}
+
+#[test]
+fn scar_is_converged_within_the_stated_spacing_error() {
+    // A load that swings through 2, 11 and 92 deg about a control point and about places
+    // between: against eight times as many control points.
+    for (name, contact) in [("local-hertz", local as fn(usize) -> Contact), ("foundation", foundation_of)] {
+        for swing in [0.02, 0.1, 0.8] {
+            for direction in [0.0, 3.0, 5.0_f64] {
+                let swinging: Vec<f64> = (0..400)
+                    .map(|k| direction.to_radians() + swing * (TAU * f64::from(k) / 400.0).sin())
+                    .collect();
+                let history = history(&swinging);
+                let (depth, stated) = scar(&contact(POINTS), &history, POINTS);
+                let (finer, _) = scar(&contact(8 * POINTS), &history, 8 * POINTS);
+                let off = (depth - finer).abs();
+                println!(
+                    "{name}, swing {swing}, {direction} deg: {:.3} um, off by {:.2} %, stated {:.2} %",
+                    1e6 * finer,
+                    100.0 * off / finer,
+                    100.0 * stated / finer
+                );
+                assert!(off < stated + 2e-3 * finer, "{depth:e} against {finer:e}, stated {stated:e}");
+            }
         }
     }
 }

