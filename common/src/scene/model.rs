@@ -233,9 +233,50 @@ pub struct StudySettings {
     pub seed: u64,
 }
 
+impl StudySettings {
+    /// The settings of a scene of `variables` random variables without `[study]`.
+    ///
+    /// The initial design has 12 simulations and 3/2 per variable from the ninth on: learning places the others
+    /// better. A batch is as small as two machines allow, four, and grows by two for every eight variables, as
+    /// more directions have to be tried.
+    pub fn for_variables(variables: usize) -> Self {
+        StudySettings {
+            population: 100_000,
+            initial: (3 * variables / 2).max(12),
+            batch: 2 * (2 + variables / 8),
+            max_evaluations: (10 * variables).max(600),
+            seed: 1,
+        }
+    }
+}
+
 impl Default for StudySettings {
-    /// The settings of a scene without `[study]`.
+    /// The settings of a scene of few variables without `[study]`.
     fn default() -> Self {
-        StudySettings { population: 100_000, initial: 120, batch: 12, max_evaluations: 600, seed: 1 }
+        Self::for_variables(0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::SceneSource;
+
+    #[test]
+    fn a_study_grows_with_the_variables_of_its_scene() {
+        let study = |d: usize, own: &str| {
+            let variables: String =
+                (0..d).map(|k| format!("{{ name = \"x{k}\", mean = 0, std = 1 }},")).collect();
+            let text = format!(
+                "scene = {{ name = \"s\" }}\nsimulator = {{ program = [\"s\"] }}\noutputs = [{{ name = \"a\" }}]\n\
+                 limit_states = [{{ name = \"high\", output = \"a\", threshold = 5 }}]\nvariables = [{variables}]\n{own}"
+            );
+            let study = SceneSource::parse(&text, "s").unwrap().nominal().study;
+            (study.initial, study.batch, study.max_evaluations)
+        };
+        let found = [1, 8, 9, 30, 100].map(|d| study(d, ""));
+        assert_eq!(found, [(12, 4, 600), (12, 6, 600), (13, 6, 600), (45, 10, 600), (150, 28, 1000)]);
+        // What a scene sets stays.
+        assert_eq!(study(30, "study = { initial = 60, batch = 16 }"), (60, 16, 600));
     }
 }

@@ -48,7 +48,8 @@ pub(super) fn resolve(origin: &str, document: &Table, overrides: &Overrides) -> 
             None => file.wrong_type("parameters", parameters, "a table"),
         }
     }
-    let parts = Parts::read(&mut file);
+    let variables_written = document.get("variables").and_then(toml::Value::as_array).map_or(0, Vec::len);
+    let parts = Parts::read(&mut file, variables_written);
     let mut rows = variable_rows(&mut file, parts.simulator.is_some());
     let correlations = correlation_rows(&mut file);
     if !rows.is_empty() && parts.limit_states.is_empty() {
@@ -86,7 +87,8 @@ struct Parts {
 }
 
 impl Parts {
-    fn read(file: &mut Section) -> Self {
+    /// Reads the parts of a scene of `variables` random variables.
+    fn read(file: &mut Section, variables: usize) -> Self {
         let name_and_title = head(file);
         let simulator = simulator(file);
         let model = match simulator {
@@ -97,7 +99,7 @@ impl Parts {
             check_size(file, life, model.outputs.len());
         }
         let limit_states = limit_states(file, &model.outputs);
-        let study = study(file, simulator.is_none());
+        let study = study(file, simulator.is_none(), variables);
         Parts { name_and_title, simulator, model, limit_states, study }
     }
 
@@ -176,9 +178,9 @@ fn head(file: &mut Section) -> Option<(String, String)> {
     Some((name?.to_owned(), title?.to_owned()))
 }
 
-/// Reads `[study]`: defaults of a study, and the accuracy of a mechanism.
-fn study(file: &mut Section, simulates: bool) -> Option<(StudySettings, NamedAccuracy)> {
-    let default = StudySettings::default();
+/// Reads `[study]`: defaults of a study of `variables` random variables, and the accuracy of a mechanism.
+fn study(file: &mut Section, simulates: bool, variables: usize) -> Option<(StudySettings, NamedAccuracy)> {
+    let default = StudySettings::for_variables(variables);
     let Some(mut section) = file.section_if_any("study") else {
         return Some((default, NamedAccuracy::default()));
     };
