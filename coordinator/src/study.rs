@@ -22,6 +22,7 @@
 //! ```
 
 mod campaign;
+mod campaign_data;
 mod campaign_result;
 mod classified_population;
 mod dispatching;
@@ -65,18 +66,17 @@ pub use settings::{LARGEST_POPULATION, Method, SettingError, Settings, StudyAccu
 pub use step::{CampaignError, SampleRequest, Step, StopReason};
 pub use surrogates::Surrogate;
 pub use verification::{
-    SimulatedPoint, Verification, Verified, VerifiedRow, completed, first_failures, verify,
+    SimulatedPoint, StoredOutcome, Verification, Verified, VerifiedRow, completed, first_failures, verify,
+    verify_study,
 };
 
 use crate::farm::evaluate::Evaluator;
 use crate::results::journal::Journal;
 use crate::results::progress::{Observer, Progress};
 use crate::results::summary::Timing;
-use crate::statistics::design::InputModel;
 use common::scene::Scene;
 use dispatching::Dispatcher;
 use monte_carlo::DirectSimulation;
-use response_layout::ResponseLayout;
 use result::Findings;
 use std::time::Instant;
 
@@ -123,13 +123,7 @@ pub fn run(
 
 /// The reliability problem of a scene.
 pub fn problem_of(scene: &Scene) -> Problem {
-    let responses = ResponseLayout::from_scene(scene);
-    Problem {
-        inputs: InputModel::from_scene(scene),
-        outputs: responses.count(),
-        modes: responses.modes,
-        checkpoints: scene.life.checkpoints(),
-    }
+    Problem::from_scene(scene)
 }
 
 /// Active learning to its end.

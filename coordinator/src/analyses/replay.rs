@@ -2,7 +2,7 @@
 //! samples are the population. The error of every round is therefore known, and a change of the learner can be judged
 //! on a real mechanism in seconds.
 
-use crate::statistics::learning::curves;
+use crate::statistics::learning::{StoppingTargets, curves};
 use crate::study::{
     Campaign, CampaignError, Observed, Plan, SimulatedPoint, StopReason, Surrogate, problem_of,
 };
@@ -72,7 +72,10 @@ pub fn replay(
 ) -> Result<Replayed, ReplayError> {
     let problem = problem_of(scene);
     let settings = Settings { samples: samples.len(), ..settings.clone() };
-    let plan = Plan { largest_population: samples.len(), retry: false, ..Plan::new(&settings, scene) };
+    // The population is all there is: it neither grows nor becomes conditional.
+    let targets = StoppingTargets { cov: f64::INFINITY, ..settings.targets() };
+    let plan =
+        Plan { largest_population: samples.len(), retry: false, targets, ..Plan::new(&settings, scene) };
     let simulated: Vec<Vec<u32>> = first_failures(scene, samples);
     let views: Vec<&[u32]> = simulated.iter().map(Vec::as_slice).collect();
     let truth = curves(&views, problem.checkpoints.len());

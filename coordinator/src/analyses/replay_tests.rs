@@ -3,7 +3,10 @@
 use super::replay::{ReplayError, replay};
 use crate::statistics::design::Population;
 use crate::statistics::surrogate::Kernel;
-use crate::study::{Observed, Settings, SimulatedPoint, problem_of, verify};
+use crate::study::{
+    Campaign, Observed, Plan, Settings, SimulatedPoint, StoredOutcome, completed, problem_of, verify,
+    verify_study,
+};
 use common::scene::{Scene, SceneSource};
 
 fn scene() -> Scene {
@@ -77,4 +80,33 @@ fn surrogates_agree_with_simulations_of_what_they_learned_and_not_with_others() 
     let row = found.rows.iter().find(|row| row.cycles == 40).unwrap();
     let difference = row.predicted[0] - row.simulated[0];
     assert!(difference > 0.03 && difference > 5.0 * row.standard_error[0], "{row:?}");
+}
+
+#[test]
+fn issue_a_study_is_judged_by_the_surrogates_it_ended_with() {
+    let scene = scene();
+    let settings = settings(&scene);
+    let mut stored = Vec::new();
+    let learned = Campaign::new(problem_of(&scene), Plan::new(&settings, &scene))
+        .learn_from(
+            |x| {
+                let point = simulated(x.to_vec());
+                let complete = completed(&scene, std::slice::from_ref(&point)).swap_remove(0);
+                stored.push(StoredOutcome { sample: point.sample, outcome: Ok(point.observed) });
+                Ok(complete)
+            },
+            |_| {},
+        )
+        .unwrap();
+    let unseen = samples(&scene, 300);
+    let found = verify_study(&scene, &settings, &stored, &unseen).unwrap().unwrap();
+    // Exploring results that confirmed the surrogates are in none of them.
+    let own = &learned.assessment.surrogates;
+    assert_eq!(found.learned_from, own[0].model.points());
+    let q2 = own[0].leave_one_out.iter().map(|l| l.q2).fold(1.0, f64::min);
+    assert_eq!(found.surrogates[0].q2_leave_one_out.to_bits(), q2.to_bits());
+    // Of an interrupted study those of its last round, and of a foreign one none.
+    assert!(verify_study(&scene, &settings, &stored[..30], &unseen).unwrap().is_some());
+    stored[5].sample[0] += 1e-9;
+    assert!(verify_study(&scene, &settings, &stored, &unseen).unwrap().is_none());
 }

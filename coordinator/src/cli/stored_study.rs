@@ -3,7 +3,7 @@
 use super::error::CommandError;
 use common::scene::{Scene, SceneSource};
 use coordinator::results::store::{CampaignFile, FILE_NAME, StoreError};
-use coordinator::study::{Observed, Settings, SimulatedPoint};
+use coordinator::study::{Observed, Settings, SimulatedPoint, StoredOutcome};
 use std::path::Path;
 
 /// A campaign file with its scene and settings.
@@ -72,6 +72,20 @@ impl StoredStudy {
                     observed: Observed::from_evaluation(evaluation),
                 });
             }
+            Ok(())
+        })?;
+        Ok(all)
+    }
+
+    /// All evaluations, failed ones included, in the order of their numbers.
+    ///
+    /// # Errors
+    /// [`CommandError::Store`].
+    pub fn outcomes(&self) -> Result<Vec<StoredOutcome>, CommandError> {
+        let mut all = Vec::new();
+        self.campaign.for_each(|stored| -> Result<(), StoreError> {
+            let outcome = stored.outcome.map(Observed::from_evaluation);
+            all.push(StoredOutcome { sample: stored.sample, outcome });
             Ok(())
         })?;
         Ok(all)

@@ -8,7 +8,9 @@ use super::stored_study::StoredStudy;
 use super::study_options::LearnerArguments;
 use clap::Args;
 use coordinator::analyses::replay::{Replayed, replay};
-use coordinator::study::{Settings, SimulatedPoint, StudyError, Verification, verify as compare};
+use coordinator::study::{
+    Method, Settings, SimulatedPoint, StudyError, Verification, verify as refit, verify_study,
+};
 use std::collections::HashSet;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -24,7 +26,7 @@ pub struct VerifyArguments {
     /// Folder of a study whose simulations are compared with the surrogates of the first one
     #[arg(long, value_name = "DIR", required_unless_present = "rounds")]
     pub against: Option<PathBuf>,
-    /// Fit the surrogates to the first N evaluations of the study only [default: all]
+    /// Fit surrogates to the first N evaluations of the study, instead of those it ended with
     #[arg(long, value_name = "N", value_parser = positive, conflicts_with = "rounds")]
     pub evaluations: Option<usize>,
     /// Learn again from the simulations of a direct Monte Carlo study (--method monte-carlo), its samples being the
@@ -84,8 +86,18 @@ fn verify_against(arguments: &VerifyArguments, against: &Path, as_json: bool) ->
             return Err(CommandError::TooFewSimulations { dir: dir.to_path_buf(), points, least: LEAST });
         }
     }
-    let found = compare(study.scene(), &study.settings, &learned, &unseen)
-        .map_err(|error| CommandError::Study { error: StudyError::Campaign(error), dir: dir.clone() })?;
+    let failed = |error| CommandError::Study { error: StudyError::Campaign(error), dir: dir.clone() };
+    let (scene, settings) = (study.scene(), &study.settings);
+    let learns = settings.method == Method::ActiveLearning && arguments.evaluations.is_none();
+    let own = if learns {
+        verify_study(scene, settings, &study.outcomes()?, &unseen).map_err(failed)?
+    } else {
+        None
+    };
+    let found = match own {
+        Some(found) => found,
+        None => refit(scene, settings, &learned, &unseen).map_err(failed)?,
+    };
     if as_json { print(&to_json(&found)?) } else { print(&verification_text(&found)) }
 }
 

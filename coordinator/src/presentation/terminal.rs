@@ -106,7 +106,12 @@ impl ProgressText {
     }
 }
 
+/// R with its standard error, or P_f where R has no digits left to show.
 fn current_reliability(round: &Round) -> String {
+    let pf = 1.0 - round.reliability_total;
+    if pf > 0.0 && pf < 1e-3 {
+        return format!("P_f({}) = {pf:.2e} ± {:.1e}", count(round.cycles.into()), round.standard_error());
+    }
     format!(
         "R({}) = {} ± {}",
         count(round.cycles.into()),
@@ -218,6 +223,20 @@ mod tests {
 
     fn seconds(seconds: u64) -> Duration {
         Duration::from_secs(seconds)
+    }
+
+    #[test]
+    fn issue_rare_failures_are_shown_by_their_probability_and_its_error() {
+        let round = Round {
+            cycles: 500,
+            reliability_total: 1.0 - 3.2e-5,
+            surrogate_error: 1e-6,
+            cov_pf: 0.05,
+            ..Round::default()
+        };
+        assert_eq!(current_reliability(&round), "P_f(500) = 3.20e-5 ± 1.9e-6");
+        let safe = Round { reliability_total: 1.0, ..round };
+        assert!(current_reliability(&safe).starts_with("R(500) = 1.0000"));
     }
 
     #[test]

@@ -9,38 +9,28 @@
 //! Echard, Gayton, Lemaire (2011), AK-MCS: an active learning reliability method combining Kriging and Monte
 //! Carlo simulation, Structural Safety 33(2).
 
+use super::campaign_data::CampaignData;
 use super::campaign_result::CampaignResult;
 use super::classified_population::ClassifiedPopulation;
 use super::failures::{Failed, check_failures};
 use super::interim::InterimResult;
-use super::observations::{Observations, ObservedOutcome};
+use super::observations::ObservedOutcome;
 use super::plan::{Plan, Problem};
-use super::prediction_check::{affects_limit, largest_prediction_error};
+use super::prediction_check::{judge, largest_prediction_error};
 use super::requests::{PendingSample, Requests};
 use super::round::{Assessment, RoundInput, assess};
 use super::step::{CampaignError, SampleRequest, Step, StopReason};
 use super::surrogate_state::SurrogateState;
+use super::surrogates::Surrogate;
 use crate::results::summary::Round;
-use crate::statistics::design::{Population, choose_by_latin_hypercube};
-use crate::statistics::learning::{Rule, Stopping};
+use crate::statistics::design::{Population, Stream, choose_by_latin_hypercube, open_stream};
+use crate::statistics::learning::{Rule, Stopping, draw_rim};
 use crate::statistics::surrogate::Effort;
 use std::collections::VecDeque;
 
 /// Error in predicted standard deviations from which a result contradicts the surrogates while a stopping
 /// rule holds: 6e-5 for a normal error.
 const CONTRADICTION: f64 = 4.0;
-
-/// What the simulations gave.
-#[derive(Debug)]
-struct CampaignData {
-    /// Results the surrogates are conditioned on.
-    observations: Observations,
-    /// Standardised points `(d,)` of exploring results that agreed with their prediction and are in no
-    /// surrogate.
-    confirmed: Vec<Vec<f64>>,
-    /// Simulations that failed for good.
-    failed: Vec<Failed>,
-}
 
 /// How far learning has come.
 #[derive(Debug, Default)]
@@ -75,11 +65,7 @@ impl Campaign {
         let population = Population::draw(&problem.inputs, plan.settings.samples, plan.settings.seed);
         Self {
             requests: Requests::new(population.len()),
-            data: CampaignData {
-                observations: Observations::new(problem.inputs.dimension(), problem.outputs),
-                confirmed: Vec::new(),
-                failed: Vec::new(),
-            },
+            data: CampaignData::new(problem.inputs.dimension(), problem.outputs),
             surrogates: SurrogateState::new(problem.modes.len()),
             progress: LearningProgress::default(),
             classified: ClassifiedPopulation::new(population),
@@ -133,30 +119,22 @@ impl Campaign {
         let chunk = self.requests.finish_oldest(outcomes.len());
         for (pending, outcome) in chunk.into_iter().zip(outcomes) {
             match outcome {
-                Ok(observed)
-                    if pending.exploring
-                        && !affects_limit(
-                            &self.surrogates.models,
-                            &self.problem.modes,
-                            &pending.z,
-                            &observed,
-                        ) =>
-                {
-                    self.data.confirmed.push(pending.z);
+                Ok(observed) if pending.exploring => {
+                    let verdict = judge(&self.surrogates.models, &self.problem.modes, &pending.z, &observed);
+                    self.data.add_exploring(pending.z, observed, verdict);
                 }
                 Ok(observed) => self.data.observations.add(&pending.z, observed),
                 Err(cause) if self.plan.retry && !pending.stricter => {
                     self.requests.retries.push_back((PendingSample { stricter: true, ..pending }, cause));
                 }
-                Err(cause) => self.data.failed.push(Failed { z: pending.z, cause }),
+                Err(cause) => self.data.add_failed(pending.z, cause, pending.exploring),
             }
         }
         if initial {
             self.data.observations.close_design();
         }
         self.progress.assessment = None;
-        let causes = self.data.failed.iter().map(|f| &f.cause);
-        check_failures(causes, self.requests.received, self.plan.settings.max_failed)
+        check_failures(self.data.unexpected_failures(), self.requests.received, self.plan.settings.max_failed)
     }
 
     /// Runs the campaign to its end with simulations made here, one after the other. `observe` receives the
@@ -184,11 +162,6 @@ impl Campaign {
             }
         }
         Ok(self.finish().expect("a campaign that is done has a result"))
-    }
-
-    /// Number of results, confirmed ones included.
-    fn results(&self) -> usize {
-        self.data.observations.len() + self.data.confirmed.len()
     }
 
     /// Simulations the budget leaves.
@@ -221,13 +194,12 @@ impl Campaign {
     /// Requests the next chunk: exploring points first, then those of the learning function.
     fn request_chunk(&mut self) -> Step {
         let count = self.plan.settings.chunk().min(self.budget_left());
-        let exploring = self.progress.stopping.exploring(self.results(), count);
+        let exploring = self.progress.stopping.exploring(self.data.results() + self.data.failed.len(), count);
+        let mut chunk = self.explore(exploring);
         let assessment = self.progress.assessment.as_mut().expect("all outcomes have been assessed");
-        let (population, requested) = (&self.classified.population, &self.requests.requested);
-        let mut chosen = assessment.explore(population, requested, &self.data.confirmed, exploring);
-        let exploring = chosen.len();
-        chosen.extend(assessment.selection.choose(&assessment.modes, count - chosen.len()));
-        if chosen.is_empty() {
+        let chosen = assessment.selection.choose(&assessment.modes, count - chunk.len());
+        chunk.extend(chosen.into_iter().map(|j| self.take(j)));
+        if chunk.is_empty() {
             // Every point of the population was simulated or is under way.
             if self.requests.under_way() == 0 {
                 self.progress.stop = Some(StopReason::Rule(Rule::Learning));
@@ -235,14 +207,38 @@ impl Campaign {
             }
             return Step::Wait;
         }
-        let mut chunk: Vec<PendingSample> = chosen.into_iter().map(|j| self.take(j)).collect();
-        chunk[..exploring].iter_mut().for_each(|pending| pending.exploring = true);
         self.requests.begin(chunk)
+    }
+
+    /// The next `count` exploring points: of the population, or of the rim where failures are rare.
+    fn explore(&mut self, count: usize) -> Vec<PendingSample> {
+        if count == 0 {
+            return vec![];
+        }
+        let assessment = self.progress.assessment.as_mut().expect("all outcomes have been assessed");
+        let Self { classified, requests, data, problem, plan, .. } = self;
+        let mut known = data.explored();
+        known.extend(requests.points_under_way().map(<[f64]>::to_vec));
+        let failed = assessment.governing_failed();
+        if !classified.is_rare(plan, failed) {
+            let chosen = assessment.explore(&classified.population, &requests.requested, &known, count);
+            let exploring = |j| PendingSample { exploring: true, ..self.take(j) };
+            return chosen.into_iter().map(exploring).collect();
+        }
+        let pf = classified.condition.probability * failed.max(1.0 / classified.population.len() as f64);
+        let round = u32::try_from(self.progress.rounds.len()).unwrap_or(u32::MAX);
+        let rim = draw_rim(&problem.inputs, pf, &mut open_stream(plan.settings.seed, Stream::Rim(round)));
+        let pending = |z: Vec<f64>| {
+            let sample = problem.inputs.to_physical(&z);
+            PendingSample { z, sample, member: None, stricter: false, exploring: true }
+        };
+        assessment.explore_rim(rim, &known, count).into_iter().map(pending).collect()
     }
 
     /// Marks point `j` of the population as requested.
     fn take(&mut self, j: usize) -> PendingSample {
-        self.requests.requested[j] = true;
+        let conditional = self.classified.condition.levels > 0;
+        self.requests.mark(&self.classified.population, j, conditional);
         let z = self.classified.population.standardised(j).to_vec();
         let sample = self.classified.population.physical(j);
         PendingSample { z, sample, member: Some(j), stricter: false, exploring: false }
@@ -256,8 +252,10 @@ impl Campaign {
             let cov = self.classified.coefficient_of_variation(failed);
             self.add_round(&assessment, cov);
             self.surrogates.previous_curves = Some(assessment.curves.clone());
-            let points = self.results();
-            let held = self.progress.stopping.record_round(met, points, &self.plan.targets);
+            let rare = self.classified.is_rare(&self.plan, failed);
+            let targets = &self.plan.targets;
+            let needed = (targets.hold, targets.points_to_hold(self.problem.inputs.dimension(), rare));
+            let held = self.progress.stopping.record_round(met, self.data.results(), needed);
             if held && self.requests.under_way() == 0 {
                 let models = &assessment.surrogates;
                 if self.classified.replace_if_needed(&self.problem, &self.plan, models, failed, cov) {
@@ -281,9 +279,9 @@ impl Campaign {
     }
 
     fn restart_on_new_population(&mut self) {
-        self.requests.requested = vec![false; self.classified.population.len()];
+        self.requests.mark_known(&self.classified.population);
         self.surrogates.reset_population();
-        if self.classified.condition.levels == 0 {
+        if self.classified.is_similar() {
             self.progress.stopping.reset_for_larger_population();
         } else {
             self.progress.stopping.reset();
@@ -298,9 +296,16 @@ impl Campaign {
         let mut effort = self.surrogates.effort(n);
         let mut repairs = 0;
         let error = || largest_prediction_error(&self.surrogates.models, &self.problem.modes, observations);
-        if self.progress.stopping.is_holding() && error() > CONTRADICTION {
-            self.progress.stopping.reset();
-            effort = Effort::MultiStart;
+        let contradicted = std::mem::take(&mut self.data.contradicted);
+        if self.progress.stopping.is_holding() {
+            let far_off = error() > CONTRADICTION;
+            if far_off {
+                effort = Effort::MultiStart;
+            }
+            if far_off || contradicted {
+                self.progress.stopping.reset();
+                self.classified.require_another_draw();
+            }
         }
         let under_way = self.requests.members_under_way();
         loop {
@@ -344,6 +349,12 @@ impl Campaign {
         self.progress.assessment.as_ref()
     }
 
+    /// Indices of the limit states whose outputs were the same in every simulation so far.
+    pub(super) fn constant_limit_states(&self) -> Vec<usize> {
+        let constant = |mode: &usize| self.data.observations.is_constant(self.problem.modes[*mode].output);
+        (0..self.problem.modes.len()).filter(constant).collect()
+    }
+
     /// The reliability after the last round, if no outcome was recorded since.
     pub(super) fn interim(&self) -> Option<InterimResult> {
         let assessment = self.progress.assessment.as_ref()?;
@@ -355,6 +366,11 @@ impl Campaign {
         })
     }
 
+    /// The surrogates of the last round, one per limit state; empty before the first.
+    pub(super) fn into_surrogates(self) -> Vec<Surrogate> {
+        self.surrogates.models
+    }
+
     /// Number of evaluations whose outcome has been recorded, failed ones included.
     pub fn evaluations(&self) -> usize {
         self.requests.received
@@ -364,7 +380,11 @@ impl Campaign {
     pub fn finish(mut self) -> Option<CampaignResult> {
         let stop = self.progress.stop?;
         // Failures that the budget left no repetition for.
-        let retries = self.requests.retries.drain(..).map(|(pending, cause)| Failed { z: pending.z, cause });
+        let retries = self.requests.retries.drain(..).map(|(pending, cause)| Failed {
+            z: pending.z,
+            cause,
+            expected: false,
+        });
         self.data.failed.extend(retries);
         Some(CampaignResult {
             classified: self.classified,

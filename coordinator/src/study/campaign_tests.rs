@@ -4,6 +4,7 @@ use super::{Campaign, CampaignResult, ClassifiedPopulation, Observed, Plan, Prob
 use crate::statistics::design::InputModel;
 use crate::statistics::learning::{Mode, StoppingTargets};
 use crate::statistics::models;
+use crate::statistics::reliability::reliability_curve;
 use common::random::{Correlation, Distribution, GaussianCopula, standard_normal_cdf, standard_normal_pdf};
 
 /// The four-branch system with k = 7 as an output that fails at 0.
@@ -176,4 +177,104 @@ fn correlated_lognormals_beside_a_constant_have_their_closed_form() {
     let standard_error = (exact * (1.0 - exact) / learned.classified.population.len() as f64).sqrt();
     assert!((found - exact).abs() < 4.0 * standard_error, "{found} {exact}");
     assert!(learned.evaluations <= 80, "{} calls", learned.evaluations);
+}
+
+/// Settings of a user: a batch of `batch` after an initial design of `initial`.
+fn plan(samples: usize, initial: usize, batch: usize, seed: u64) -> Plan {
+    let settings = Settings { samples, initial, batch, max_evaluations: 300, seed, ..Settings::default() };
+    let targets = settings.targets();
+    Plan { settings, targets, largest_population: samples, retry: false }
+}
+
+fn static_problem(inputs: InputModel, threshold: f64) -> Problem {
+    Problem { inputs, outputs: 1, modes: vec![Mode { output: 0, threshold }], checkpoints: vec![1] }
+}
+
+fn standard_normals(d: usize) -> InputModel {
+    InputModel::from(&vec![Distribution::normal(0.0, 1.0).unwrap(); d])
+}
+
+#[test]
+fn issue_a_corner_without_results_does_not_end_a_study_of_batch_one() {
+    // Beyond -1.8 standard deviations, 3.6 % of the population, no simulation gives a result.
+    let simulate = |x: &[f64]| {
+        if x[0] < -1.8 {
+            return Err(common::failure::SimulationFailure::NotModelled { what: "beyond".into() });
+        }
+        Ok(Observed::exact(vec![vec![x[0] + 0.5 * x[1]]]))
+    };
+    let (beta, scale) = (2.0, 1.25_f64.sqrt());
+    for (batch, seed) in [(1, 1), (1, 2), (2, 1), (2, 2)] {
+        let problem = static_problem(standard_normals(2), beta * scale);
+        let learned = Campaign::new(problem, plan(20_000, 12, batch, seed)).learn_from(simulate, |_| {});
+        let learned = learned.unwrap_or_else(|error| panic!("batch {batch}, seed {seed}: {error}"));
+        let (found, exact) = (learned.assessment.curves[0][0], standard_normal_cdf(-beta));
+        let n = learned.classified.population.len() as f64;
+        assert!((found - exact).abs() < 4.0 * (exact / n).sqrt(), "{batch} {seed}: {found} {exact}");
+        assert!(learned.evaluations <= 60, "batch {batch}, seed {seed}: {} calls", learned.evaluations);
+    }
+}
+
+#[test]
+fn issue_an_event_that_is_impossible_ends_with_a_bound() {
+    // The sum of two variables between 0 and 1 never reaches 10.
+    let inputs = InputModel::from(&[Distribution::uniform(0.0, 1.0).unwrap(); 2]);
+    let problem = static_problem(inputs, 10.0);
+    let simulate = |x: &[f64]| Ok(Observed::exact(vec![vec![x[0] + x[1]]]));
+    let learned = Campaign::new(problem, plan(10_000, 12, 4, 1)).learn_from(simulate, |_| {}).unwrap();
+    let condition = learned.classified.condition;
+    assert!(learned.evaluations <= 80, "{} calls", learned.evaluations);
+    assert!(matches!(learned.stop, super::StopReason::Rule(_)), "{:?}", learned.stop);
+    assert!(condition.levels > 0 && condition.probability > 1e-9, "{condition:?}");
+    let curve = reliability_curve(&learned.assessment.curves[0], 100_000, &[], &condition)[0];
+    assert_eq!((curve.reliability, curve.standard_error), (1.0, condition.probability));
+}
+
+#[test]
+fn issue_a_rare_branch_beyond_a_kink_is_found() {
+    // Two half-planes at a right angle and more; the one that matters is nearly flat up to a kink that no
+    // population of 100 000 points passes, and the other leads away from it.
+    let (beta, other, kink, slope): (f64, f64, f64, f64) = (5.2, 6.4, 4.3, 0.2);
+    let response = move |x: &[f64]| {
+        let (a, b) = (x[0], -0.5 * x[0] + 0.75_f64.sqrt() * x[1]);
+        let broken =
+            if b < kink { slope * b / kink } else { slope + (1.0 - slope) * (b - kink) / (beta - kink) };
+        (a / other).max(broken)
+    };
+    let exact = standard_normal_cdf(-beta) + standard_normal_cdf(-other);
+    for seed in [1, 2] {
+        let mut plan = plan(20_000, 60, 12, seed);
+        plan.largest_population = 100_000;
+        let simulate = |x: &[f64]| Ok(Observed::exact(vec![vec![response(x)]]));
+        let learned = Campaign::new(static_problem(standard_normals(2), 1.0), plan)
+            .learn_from(simulate, |_| {})
+            .unwrap();
+        let ClassifiedPopulation { condition, population, .. } = &learned.classified;
+        let failed = learned.assessment.governing_failed();
+        let (pf, cov) =
+            (condition.probability * failed, condition.coefficient_of_variation(failed, population.len()));
+        eprintln!("seed {seed}: {} calls, {pf:.3e} of {exact:.3e}, cov {cov:.3}", learned.evaluations);
+        assert!((pf / exact - 1.0).abs() < 4.0 * cov && cov < 0.2, "seed {seed}: {pf} {exact} {cov}");
+    }
+}
+
+#[test]
+fn issue_samples_are_not_requested_twice() {
+    let inputs = standard_normals(3);
+    let simulate = |x: &[f64]| x[0] + 2.0 * x[1] + 0.5 * x[2];
+    // A population that grows, and a conditional one, whose chains repeat points.
+    for (threshold, largest) in [(7.0, 100_000), (9.5, 20_000)] {
+        let mut requested = std::collections::HashSet::new();
+        let mut plan = plan(5_000, 12, 4, 3);
+        plan.largest_population = largest;
+        let learned = Campaign::new(static_problem(inputs.clone(), threshold), plan).learn_from(
+            |x| {
+                let bits: Vec<u64> = x.iter().map(|x| x.to_bits()).collect();
+                assert!(requested.insert(bits), "{x:?} was simulated before");
+                Ok(Observed::exact(vec![vec![simulate(x)]]))
+            },
+            |_| {},
+        );
+        assert!(learned.unwrap().classified.population.len() > 5_000);
+    }
 }

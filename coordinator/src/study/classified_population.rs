@@ -10,8 +10,18 @@ use crate::statistics::reliability::Condition;
 /// Relative change of a failure probability between two conditional populations below which it counts as
 /// settled.
 const SETTLED: f64 = 0.1;
+/// Change between two draws over the coefficient of variation of each, about one standard deviation of the
+/// difference, up to which it counts as settled too.
+const SCATTER: f64 = 1.5;
 /// Conditional populations after which it is taken as it is.
-const MOST_DRAWS: u32 = 8;
+const MOST_DRAWS: u32 = 10;
+/// Samples of a level at first: a probability of 1e-9 is then known to about 6 %.
+const SAMPLES: usize = 100_000;
+/// Most samples of a level, drawn where failures lie so that the chains of fewer are too much alike.
+const MOST_SAMPLES: usize = 400_000;
+/// Coefficient of variation of a rare failure probability above which more samples are drawn, over the one
+/// wanted of others: levels and chains cost a factor of about two.
+const RARE_COV: f64 = 2.0;
 
 /// The population that a campaign classifies.
 #[derive(Debug)]
@@ -24,6 +34,13 @@ pub struct ClassifiedPopulation {
     unconditional: Option<Population>,
     /// Number of conditional populations drawn so far.
     draws: u32,
+    /// Samples of a level.
+    samples: usize,
+    /// True if the last change left the population much as it was: it grew, or was drawn again without a
+    /// contradicted prediction.
+    similar: bool,
+    /// True if a prediction was contradicted since the last change.
+    contradicted: bool,
     /// Failure probability when the last conditional population was replaced [1].
     pf_before: Option<f64>,
 }
@@ -31,7 +48,36 @@ pub struct ClassifiedPopulation {
 impl ClassifiedPopulation {
     /// A population of independent samples of the variables.
     pub(super) fn new(population: Population) -> Self {
-        Self { population, condition: Condition::NONE, unconditional: None, draws: 0, pf_before: None }
+        Self {
+            population,
+            condition: Condition::NONE,
+            unconditional: None,
+            draws: 0,
+            samples: SAMPLES,
+            similar: false,
+            contradicted: false,
+            pf_before: None,
+        }
+    }
+
+    /// True if failures are too rare for an unconditional population: the population is conditional, or will be
+    /// at the next stop with the failed share of the system `failed` [1].
+    pub(super) fn is_rare(&self, plan: &Plan, failed: f64) -> bool {
+        self.unconditional.is_some()
+            || (self.coefficient_of_variation(failed) > plan.targets.cov
+                && self.size_needed(plan, failed).is_none())
+    }
+
+    /// True if the last change left the population much as it was.
+    pub(super) fn is_similar(&self) -> bool {
+        self.similar
+    }
+
+    /// Has a conditional population drawn anew before the next stop, after a contradicted prediction: the region
+    /// it was drawn in may not be the one that fails.
+    pub(super) fn require_another_draw(&mut self) {
+        self.contradicted = true;
+        self.pf_before = None;
     }
 
     /// Independent samples of the variables: this population, or the one from before it became conditional.
@@ -66,20 +112,36 @@ impl ClassifiedPopulation {
             }
             if let Some(size) = self.size_needed(plan, failed) {
                 self.population.grow_to(size);
+                self.similar = true;
                 return true;
             }
+            (self.similar, self.contradicted) = (false, false);
         } else {
             let pf = self.condition.probability * failed;
-            // A surrogate without any failure is not settled: the simulations on the last level will change
-            // it.
-            let settled = |before: f64| failed > 0.0 && (pf / before - 1.0).abs() < SETTLED;
-            if self.pf_before.is_some_and(settled) || self.draws >= MOST_DRAWS {
+            // Two draws without any failure: simulations on the last level have not changed that.
+            // Two draws differ by their own scatter, too.
+            let change = SETTLED.max(SCATTER * cov);
+            let settled = |before: f64| {
+                if failed > 0.0 { (pf / before - 1.0).abs() < change } else { before == 0.0 }
+            };
+            if self.draws >= MOST_DRAWS {
                 return false;
+            }
+            self.similar = !std::mem::take(&mut self.contradicted);
+            if self.pf_before.is_some_and(settled) {
+                let excess = (cov / (RARE_COV * plan.targets.cov)).powi(2);
+                if failed == 0.0 || excess <= 1.0 || self.samples == MOST_SAMPLES {
+                    return false;
+                }
+                // A multiple of ten, as a level needs.
+                let wanted = (SAMPLES as f64 * excess / 10.0).ceil() as usize * 10;
+                self.samples = wanted.min(MOST_SAMPLES);
             }
             self.pf_before = Some(pf);
         }
         let mut rng = open_stream(plan.settings.seed, Stream::Subset(self.draws));
-        let (drawn, condition) = conditional_population(problem, self.unconditional(), surrogates, &mut rng);
+        let (drawn, condition) =
+            conditional_population(problem, self.unconditional(), surrogates, self.samples, &mut rng);
         let replaced = std::mem::replace(&mut self.population, drawn);
         self.unconditional.get_or_insert(replaced);
         self.condition = condition;

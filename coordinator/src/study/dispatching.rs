@@ -170,6 +170,13 @@ impl Record<'_> {
         self.observer.notice(&Progress::Reliability { rows, samples: interim.points });
     }
 
+    /// Warns of a limit state whose output was the same in every simulation of the initial design.
+    fn note_constant(&mut self, limit_state: &str) {
+        let what = "its output is the same in every simulation of the initial design";
+        let text = format!("limit state {limit_state}: {what}; it does not depend on any variable");
+        self.observer.notice(&Progress::Warning(text));
+    }
+
     /// Passes finished rounds to the journal and the observer.
     fn note_rounds(&mut self, rounds: Vec<Round>) -> Result<(), StudyError> {
         for round in rounds {
@@ -246,9 +253,10 @@ impl StudyRequests<'_, '_> {
             self.return_oldest_chunk();
             match self.steps.try_recv() {
                 Ok(answer) => {
-                    let LearnerStep { step, purpose, rounds, interim, took } = answer?;
+                    let LearnerStep { step, purpose, rounds, interim, constant, took } = answer?;
                     self.record.learner += took;
                     self.record.note_rounds(rounds)?;
+                    constant.into_iter().for_each(|mode| self.record.note_constant(&self.names[mode]));
                     if let Some(interim) = interim {
                         self.record.note_interim(&interim, self.names, self.checkpoints);
                     }

@@ -36,6 +36,9 @@ pub struct Failed {
     pub z: Vec<f64>,
     /// Cause of the failure.
     pub cause: SimulationFailure,
+    /// True for an exploring point nearer to an earlier failure than to any result: it adds nothing to what was
+    /// known, and does not count against the largest share of failures.
+    pub expected: bool,
 }
 
 /// Fails if more than `share` of at least ten simulations failed.
@@ -129,7 +132,7 @@ mod tests {
             let z = population.standardised(j);
             if z[0] > 1.0 {
                 let cause = SimulationFailure::NotModelled { what: "beyond".into() };
-                failed.push(Failed { z: z.to_vec(), cause });
+                failed.push(Failed { z: z.to_vec(), cause, expected: false });
             } else {
                 points.extend_from_slice(z);
             }

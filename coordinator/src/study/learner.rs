@@ -18,6 +18,10 @@ pub(super) trait Learner: Send {
     fn purpose(&self) -> String;
     /// The reliability after the last round, for progress messages; called when a round has ended.
     fn interim(&self) -> Option<InterimResult>;
+    /// Indices of the limit states whose outputs were the same in every simulation so far.
+    fn constant_limit_states(&self) -> Vec<usize> {
+        vec![]
+    }
 }
 
 impl Learner for Campaign {
@@ -42,5 +46,9 @@ impl Learner for Campaign {
 
     fn interim(&self) -> Option<InterimResult> {
         Campaign::interim(self)
+    }
+
+    fn constant_limit_states(&self) -> Vec<usize> {
+        Campaign::constant_limit_states(self)
     }
 }

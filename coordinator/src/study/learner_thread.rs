@@ -19,6 +19,8 @@ pub(super) struct LearnerStep {
     pub rounds: Vec<Round>,
     /// The reliability after those rounds, if there were any.
     pub interim: Option<InterimResult>,
+    /// Limit states whose outputs were the same in every simulation of the initial design.
+    pub constant: Vec<usize>,
     /// Time the learner took.
     pub took: Duration,
 }
@@ -41,6 +43,11 @@ pub(super) fn run_learner(
             purpose: learner.purpose(),
             rounds: learner.rounds()[reported..].to_vec(),
             interim: if learner.rounds().len() > reported { learner.interim() } else { None },
+            constant: if reported == 0 && !learner.rounds().is_empty() {
+                learner.constant_limit_states()
+            } else {
+                vec![]
+            },
             took: started.elapsed(),
         });
         reported = learner.rounds().len();

@@ -86,6 +86,11 @@ impl Observations {
         self.z.is_empty()
     }
 
+    /// Standardised points `(d,)` [1], one after the other.
+    pub fn standardised(&self) -> impl Iterator<Item = &[f64]> {
+        self.z.chunks_exact(self.d)
+    }
+
     /// Standardised points as columns `(d, n)` [1].
     pub fn points(&self) -> Mat<f64> {
         Mat::from_fn(self.d, self.len(), |k, i| self.z[i * self.d + k])
@@ -94,6 +99,11 @@ impl Observations {
     /// Histories of one output `(n)(m,)` [unit of the output].
     pub fn histories(&self, output: usize) -> &[Vec<f64>] {
         &self.histories[output]
+    }
+
+    /// True if all histories of one output are equal.
+    pub fn is_constant(&self, output: usize) -> bool {
+        self.histories[output].windows(2).all(|pair| pair[0] == pair[1])
     }
 
     /// Histories of one output as a matrix `(n, m)` [unit of the output].
@@ -156,5 +166,14 @@ mod tests {
             observations.running_maxima(0).row(0).iter().copied().collect::<Vec<_>>(),
             [1.0, 3.0, 3.0, 4.0]
         );
+    }
+
+    #[test]
+    fn an_output_that_no_variable_changes_is_constant() {
+        let mut observations = Observations::new(1, 2);
+        for z in [0.0, 1.0, 2.0] {
+            observations.add(&[z], Observed::exact(vec![vec![3.0, 4.0], vec![3.0, z]]));
+        }
+        assert!(observations.is_constant(0) && !observations.is_constant(1));
     }
 }

@@ -1,5 +1,6 @@
 //! What an active-learning campaign works on.
 
+use super::response_layout::ResponseLayout;
 use super::{LARGEST_POPULATION, Settings};
 use crate::statistics::design::InputModel;
 use crate::statistics::learning::{Mode, StoppingTargets};
@@ -16,6 +17,19 @@ pub struct Problem {
     pub modes: Vec<Mode>,
     /// Checkpoints of life [cycles] `(m,)`; a static problem has one.
     pub checkpoints: Vec<u32>,
+}
+
+impl Problem {
+    /// The reliability problem of a scene.
+    pub fn from_scene(scene: &Scene) -> Self {
+        let responses = ResponseLayout::from_scene(scene);
+        Self {
+            inputs: InputModel::from_scene(scene),
+            outputs: responses.count(),
+            modes: responses.modes,
+            checkpoints: scene.life.checkpoints(),
+        }
+    }
 }
 
 /// Settings of a campaign, and what follows from them and the problem.

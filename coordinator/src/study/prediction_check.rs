@@ -32,11 +32,33 @@ impl Surrogate {
     }
 }
 
+/// What a result says about its prediction; the later the graver.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Verdict {
+    /// On the predicted side of the threshold, no nearer than half the predicted distance.
+    Confirmed,
+    /// On the predicted side, at less than half the predicted distance.
+    Near,
+    /// On the other side.
+    Contradicted,
+}
+
+/// The verdict of `value` on a prediction.
+fn verdict(value: f64, predicted: f64, threshold: f64) -> Verdict {
+    let (left, predicted) = (threshold - value, threshold - predicted);
+    if (left > 0.0) != (predicted > 0.0) {
+        Verdict::Contradicted
+    } else if left.abs() < 0.5 * predicted.abs() {
+        Verdict::Near
+    } else {
+        Verdict::Confirmed
+    }
+}
+
 /// True if `value` lies beyond the threshold against the prediction, or at less than half the predicted
 /// distance from it.
 fn concerns_limit(value: f64, predicted: f64, threshold: f64) -> bool {
-    let (left, predicted) = (threshold - value, threshold - predicted);
-    left * predicted < 0.0 || left.abs() < 0.5 * predicted.abs()
+    verdict(value, predicted, threshold) > Verdict::Confirmed
 }
 
 /// Largest error [1] of any surrogate at the results observed since its fit, in predicted standard
@@ -61,25 +83,22 @@ pub(super) fn largest_prediction_error(
     surrogates.iter().zip(modes).map(error_of).fold(0.0, f64::max)
 }
 
-/// True if a result at the standardised point `z` `(d,)` concerns the limit of any mode, at any checkpoint
-/// its surrogate was fitted on.
-pub(super) fn affects_limit(
-    surrogates: &[Surrogate],
-    modes: &[Mode],
-    z: &[f64],
-    observed: &Observed,
-) -> bool {
+/// The gravest verdict of a result at the standardised point `z` `(d,)` over the modes and the checkpoints
+/// their surrogates were fitted on.
+pub(super) fn judge(surrogates: &[Surrogate], modes: &[Mode], z: &[f64], observed: &Observed) -> Verdict {
     let point: Mat<f64> = MatRef::from_column_major_slice(z, z.len(), 1).to_owned();
-    surrogates.iter().zip(modes).any(|(surrogate, mode)| {
+    let of_mode = |(surrogate, mode): (&Surrogate, &Mode)| {
         let mean = surrogate.model.predict(point.as_ref()).mean;
         let values = running_maximum(&observed.histories[mode.output]);
-        surrogate.fitted_on.iter().any(|o| concerns_limit(values[*o], mean[(*o, 0)], mode.threshold))
-    })
+        let verdicts = surrogate.fitted_on.iter().map(|o| verdict(values[*o], mean[(*o, 0)], mode.threshold));
+        verdicts.max().unwrap_or(Verdict::Confirmed)
+    };
+    surrogates.iter().zip(modes).map(of_mode).max().unwrap_or(Verdict::Confirmed)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::concerns_limit;
+    use super::{Verdict, concerns_limit, verdict};
 
     #[test]
     fn a_result_concerns_the_limit_if_nearer_than_predicted_or_beyond() {
@@ -89,5 +108,8 @@ mod tests {
         let cases =
             [(5.0, 5.0), (-90.0, 5.0), (6.0, 5.0), (20.0, 12.0)].map(|(v, p)| concerns_limit(v, p, 10.0));
         assert_eq!(cases, [false; 4]);
+        let cases = [(9.0, 5.0), (10.5, 9.9), (9.0, 11.0), (5.0, 5.0)].map(|(v, p)| verdict(v, p, 10.0));
+        let [near, contradicted] = [Verdict::Near, Verdict::Contradicted];
+        assert_eq!(cases, [near, contradicted, contradicted, Verdict::Confirmed]);
     }
 }

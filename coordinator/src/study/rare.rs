@@ -26,19 +26,18 @@ use faer::MatRef;
 use rand::Rng;
 use rayon::prelude::*;
 
-/// Number of samples of a level: a probability of 1e-9 is then known to about 6 %.
-const SAMPLES: usize = 100_000;
 /// Most levels, for probabilities down to 1e-12.
 const LEVELS: usize = 12;
 /// Number of points predicted together.
 const BLOCK: usize = 512;
 
-/// Draws a population of the same variables conditional on the last intermediate event, and returns it with
-/// that event.
+/// Draws a population of the same variables conditional on the last intermediate event, with `samples` points
+/// at each level, and returns it with that event.
 pub(super) fn conditional_population(
     problem: &Problem,
     population: &Population,
     surrogates: &[Surrogate],
+    samples: usize,
     rng: &mut impl Rng,
 ) -> (Population, Condition) {
     let (d, inputs) = (population.dimension(), population.inputs());
@@ -63,7 +62,7 @@ pub(super) fn conditional_population(
         };
         u.par_chunks(BLOCK * d).flat_map_iter(block).collect()
     };
-    let simulation = SubsetSimulation { variables: d, samples: SAMPLES, most_levels: LEVELS };
+    let simulation = SubsetSimulation { variables: d, samples, most_levels: LEVELS };
     let subset = simulation.run(rng, &respond);
     let z = subset.u.chunks_exact(d).flat_map(standardised).collect();
     let condition = Condition {

@@ -2,8 +2,9 @@
 //! many count against the budget.
 
 use super::step::{SampleRequest, Step};
+use crate::statistics::design::Population;
 use common::failure::SimulationFailure;
-use std::collections::VecDeque;
+use std::collections::{HashSet, VecDeque};
 
 /// A requested simulation.
 #[derive(Debug, Clone)]
@@ -23,8 +24,10 @@ pub(super) struct PendingSample {
 /// Requests in the order in which they were made.
 #[derive(Debug, Default)]
 pub(super) struct Requests {
-    /// Marks the points of the present population that were requested `(N,)`.
+    /// Marks the points of the present population that were requested `(N,)`, all copies of them included.
     pub requested: Vec<bool>,
+    /// Bits of the standardised points requested so far.
+    known: HashSet<Vec<u64>>,
     /// Samples that failed once, to be requested again, each with its cause.
     pub retries: VecDeque<(PendingSample, SimulationFailure)>,
     /// Number of simulations requested.
@@ -41,9 +44,27 @@ impl Requests {
         Self { requested: vec![false; population], ..Self::default() }
     }
 
+    /// Marks the points of a new or larger population that were requested before.
+    pub fn mark_known(&mut self, population: &Population) {
+        let known = |j| self.known.contains(&bits(population.standardised(j)));
+        self.requested = (0..population.len()).map(known).collect();
+    }
+
+    /// Marks point `j` of the population as requested, and where points are `repeated`, as along the chains of
+    /// a conditional population, all copies of it.
+    pub fn mark(&mut self, population: &Population, j: usize, repeated: bool) {
+        self.requested[j] = true;
+        if repeated {
+            let z = population.standardised(j);
+            let copies = (0..population.len()).filter(|i| population.standardised(*i) == z);
+            copies.for_each(|i| self.requested[i] = true);
+        }
+    }
+
     /// Registers a chunk as under way and returns the step that requests it.
     pub fn begin(&mut self, chunk: Vec<PendingSample>) -> Step {
         self.total += chunk.len();
+        self.known.extend(chunk.iter().map(|pending| bits(&pending.z)));
         let request = |p: &PendingSample| SampleRequest { sample: p.sample.clone(), stricter: p.stricter };
         let requests = chunk.iter().map(request).collect();
         self.chunks.push_back(chunk);
@@ -63,8 +84,50 @@ impl Requests {
         self.chunks.iter().map(Vec::len).sum()
     }
 
+    /// Standardised points `(d,)` of the samples under way.
+    pub fn points_under_way(&self) -> impl Iterator<Item = &[f64]> {
+        self.chunks.iter().flatten().map(|pending| pending.z.as_slice())
+    }
+
     /// Indices in the population of the samples under way.
     pub fn members_under_way(&self) -> Vec<usize> {
         self.chunks.iter().flatten().filter_map(|pending| pending.member).collect()
+    }
+}
+
+/// Bits of a standardised point `(d,)`.
+fn bits(z: &[f64]) -> Vec<u64> {
+    z.iter().map(|z| z.to_bits()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use common::random::Distribution;
+
+    #[test]
+    fn issue_requested_points_are_known_in_every_later_population() {
+        let variable = Distribution::normal(0.0, 1.0).unwrap();
+        let mut population = Population::draw(&[variable; 2], 10, 1);
+        let mut requests = Requests::new(10);
+        let pending = |population: &Population, j: usize| PendingSample {
+            z: population.standardised(j).to_vec(),
+            sample: population.physical(j),
+            member: Some(j),
+            stricter: false,
+            exploring: false,
+        };
+        requests.mark(&population, 3, false);
+        requests.begin(vec![pending(&population, 3)]);
+        population.grow_to(30);
+        requests.mark_known(&population);
+        assert_eq!((0..30).filter(|j| requests.requested[*j]).collect::<Vec<_>>(), [3]);
+        // Chains repeat points: the third is a known one, the others are two copies of a new one.
+        let (known, new) = (population.standardised(3).to_vec(), vec![5.0, 1.0]);
+        let chains = population.with_points([&new[..], &new, &known].concat());
+        requests.mark_known(&chains);
+        assert_eq!(requests.requested, [false, false, true]);
+        requests.mark(&chains, 0, true);
+        assert_eq!(requests.requested, [true; 3]);
     }
 }

@@ -234,14 +234,17 @@ fn targets_met(learned: &CampaignResult, settings: &Settings) -> bool {
 fn stop_in_words(learned: &CampaignResult, settings: &Settings) -> String {
     let targets = settings.targets();
     let figures = &learned.assessment.figures;
+    let condition = &learned.classified.condition;
+    let variables = learned.classified.population.dimension();
+    let held = targets.points_to_hold(variables, condition.levels > 0);
     let reason = match learned.stop {
         StopReason::Rule(Rule::Learning) => format!(
             "every U_c >= {} and no curve changed by more than {} of the smaller of R and P_f, {} rounds and {} points running, after a fresh fit",
-            targets.min_u, targets.relative_change, targets.hold, targets.hold_points
+            targets.min_u, targets.relative_change, targets.hold, held
         ),
         StopReason::Rule(Rule::Error) => format!(
             "the estimated surrogate error of every curve is below {} and no curve changed by more than {}, {} rounds and {} points running, after a fresh fit",
-            targets.error, targets.change, targets.hold, targets.hold_points
+            targets.error, targets.change, targets.hold, held
         ),
         StopReason::Budget => format!(
             "the budget of {} evaluations is spent; the estimated surrogate error is {:.2e} (target {})",
@@ -252,7 +255,12 @@ fn stop_in_words(learned: &CampaignResult, settings: &Settings) -> String {
     let cov = learned.rounds.last().map_or(f64::INFINITY, |round| round.cov_pf);
     if system.iter().all(|failed| *failed == 0.0) {
         let points = learned.classified.population.len();
-        format!("{reason}; no failure was found among {points} points of the population")
+        let bound = if condition.levels > 0 {
+            format!(", which represent a probability of {:.0e}", condition.probability)
+        } else {
+            String::new()
+        };
+        format!("{reason}; no failure was found among {points} points of the population{bound}")
     } else if cov > targets.cov {
         format!("{reason}; the coefficient of variation of P_f is still {cov:.3} (target {})", targets.cov)
     } else {

@@ -11,7 +11,7 @@ use crate::statistics::design::{Population, Stream, open_stream};
 use crate::statistics::learning::{
     Classification, Coupled, CurveErrors, Exploration, Figures, JointPool, Selection, SelectionOptions,
     UNCERTAIN, checkpoints_that_matter, choose_pool, classify, classify_cached, coupled_criterion, curves,
-    dominance, estimate_errors, explore, noise_shifts,
+    dominance, estimate_errors, explore, noise_shifts, spread,
 };
 use crate::statistics::reliability::governing_checkpoint;
 use crate::statistics::surrogate::{Effort, Kriging, PredictionCache};
@@ -22,8 +22,9 @@ use rayon::prelude::*;
 const GRID: usize = 24;
 /// Least size of the pool per point of a batch.
 const POOL_PER_BATCH: usize = 8;
-/// Most memory for the cached predictions of all modes [bytes].
-const CACHE: usize = 4 << 30;
+/// Most memory for the cached predictions of all modes [bytes]. Beyond it every round predicts the population
+/// anew, in a time that grows with the square of the results instead of in proportion to them.
+const CACHE: usize = 1 << 30;
 
 /// Result of one round.
 #[derive(Debug)]
@@ -84,6 +85,21 @@ impl Assessment {
         chosen
     }
 
+    /// Returns `count` of the standardised points `rim` `(c)(d,)` with the largest predicted variance; `known` as
+    /// in [`Assessment::explore`].
+    pub(super) fn explore_rim(
+        &self,
+        mut rim: Vec<Vec<f64>>,
+        known: &[Vec<f64>],
+        count: usize,
+    ) -> Vec<Vec<f64>> {
+        let models: Vec<&Kriging> = self.surrogates.iter().map(|surrogate| &surrogate.model).collect();
+        let points: Vec<&[f64]> = rim.iter().map(Vec::as_slice).collect();
+        let feasible = |points: MatRef<'_, f64>| self.feasibility.probability(points);
+        let chosen = spread(&models, &points, known, feasible, count);
+        chosen.into_iter().map(|place| std::mem::take(&mut rim[place])).collect()
+    }
+
     /// The row of this round in the summary, for a population of `population` points under a condition of
     /// probability `condition`. The campaign adds round number, evaluations, governing cycle and coefficient
     /// of variation.
@@ -95,7 +111,7 @@ impl Assessment {
             min_u: figures.min_u.min(100.0),
             share_uncertain: self.share_uncertain,
             change_of_r: figures.change.map(relative),
-            surrogate_error: figures.error,
+            surrogate_error: condition * figures.error,
             dominance: self.dominance,
             reliability_total: 1.0 - condition * self.governing_failed(),
             repairs: self.repairs,
@@ -152,8 +168,11 @@ pub(super) fn assess(
     let curves = failure_curves(input, &modes);
     let coupled = coupled_criterion(&modes);
     let pool = joint_pool(input, &surrogates, &coupled);
-    let errors = curve_errors(input, &surrogates, &modes, &coupled, &pool);
-    let noise: Vec<f64> = surrogates.iter().map(|s| s.model.correlation().noise().sqrt()).collect();
+    let mut rng = open_stream(input.plan.settings.seed, Stream::Realisations(input.round));
+    let errors = estimate_errors(&modes, &coupled, &pool, &mut rng);
+    // The noise of the simulations, in units of the enlarged standard deviations.
+    let noise_of = |s: &Surrogate| (s.model.correlation().noise() / s.inflation()).sqrt();
+    let noise: Vec<f64> = surrogates.iter().map(noise_of).collect();
     let noise_shift = noise_shifts(&modes, &noise);
 
     let governing = governing_checkpoint(&curves[curves.len() - 1]);
@@ -238,11 +257,12 @@ fn classify_modes(
         .zip(&problem.modes)
         .zip(caches)
         .map(|((surrogate, mode), cache)| {
-            if cached {
+            let classification = if cached {
                 classify_cached(cache, &surrogate.model, population, mode.threshold, grid)
             } else {
                 classify(&surrogate.model, population, mode.threshold, grid)
-            }
+            };
+            classification.with_inflation(surrogate.inflation())
         })
         .collect()
 }
@@ -259,19 +279,6 @@ fn joint_pool(input: &RoundInput<'_>, surrogates: &[Surrogate], coupled: &[Coupl
     let pool = choose_pool(coupled, input.requested, least, input.plan.settings.seed, input.round);
     let models: Vec<&Kriging> = surrogates.iter().map(|surrogate| &surrogate.model).collect();
     JointPool::new(pool, input.under_way, input.population, &models)
-}
-
-/// Surrogate errors of the curves from realisations of the joint posteriors.
-fn curve_errors(
-    input: &RoundInput<'_>,
-    surrogates: &[Surrogate],
-    modes: &[Classification],
-    coupled: &[Coupled],
-    pool: &JointPool,
-) -> CurveErrors {
-    let inflation: Vec<f64> = surrogates.iter().map(Surrogate::inflation).collect();
-    let mut rng = open_stream(input.plan.settings.seed, Stream::Realisations(input.round));
-    estimate_errors(modes, coupled, pool, &inflation, &mut rng)
 }
 
 /// The figures of the stopping rules; `governing` is the governing checkpoint and its place on the grid.

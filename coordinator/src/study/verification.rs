@@ -1,5 +1,9 @@
 //! Validation of surrogates against simulations that they were not fitted to, point by point.
 //!
+//! The surrogates of a study are those it ended with: its learning is repeated from the stored outcomes, so that forms,
+//! lengths and the results they were fitted to are the same to the last bit. An exploring result that confirmed the
+//! surrogates is in none of them.
+//!
 //! A study estimates R(n) over its population, direct Monte Carlo over other samples. The difference of the two
 //! estimates is mostly sampling error: 5000 samples leave a standard error of 0.007 where R = 1/2. Here the surrogates
 //! classify the very points that were simulated, so that the sampling error cancels and the error of the surrogates
@@ -11,10 +15,10 @@
 //! The standard error of paired differences is that of common random numbers: Glasserman (2003), Monte Carlo Methods in
 //! Financial Engineering, Springer.
 
-use super::observations::{Observations, Observed};
+use super::observations::{Observations, Observed, ObservedOutcome};
 use super::response_layout::ResponseLayout;
 use super::surrogates::{FitOptions, ModeResults, Surrogate};
-use super::{CampaignError, Settings};
+use super::{Campaign, CampaignError, Plan, Problem, Settings, Step};
 use crate::statistics::design::InputModel;
 use crate::statistics::learning::{Mode, checkpoints_that_matter};
 use crate::statistics::surrogate::Effort;
@@ -22,6 +26,7 @@ use common::scene::Scene;
 use faer::Mat;
 use rayon::prelude::*;
 use serde::Serialize;
+use std::collections::VecDeque;
 
 /// Largest number of checkpoints on which a surrogate's correlation lengths are fitted, as in learning.
 const GRID: usize = 24;
@@ -88,7 +93,67 @@ impl Verification {
     }
 }
 
-/// Fits surrogates to `learned`, as a study does at its end, and compares them with `unseen`.
+/// Outcome of one evaluation of a study.
+#[derive(Debug, Clone)]
+pub struct StoredOutcome {
+    /// Values of the random variables `(d,)`, SI.
+    pub sample: Vec<f64>,
+    /// Simulated histories per output of the scene, or the failure.
+    pub outcome: ObservedOutcome,
+}
+
+/// Compares the surrogates that a study ended with, from its outcomes in the order of their requests, with `unseen`.
+/// `None` if they are not the outcomes that this version would have requested.
+///
+/// # Errors
+/// [`CampaignError`].
+pub fn verify_study(
+    scene: &Scene,
+    settings: &Settings,
+    stored: &[StoredOutcome],
+    unseen: &[SimulatedPoint],
+) -> Result<Option<Verification>, CampaignError> {
+    let surrogates = repeat_learning(scene, settings, stored)?;
+    Ok(surrogates.map(|surrogates| {
+        let learned_from = surrogates[0].model.points();
+        compare(scene, &surrogates, learned_from, unseen)
+    }))
+}
+
+/// Repeats the learning of a study from its outcomes and returns its last surrogates; `None` if another sample than the
+/// stored one is requested.
+fn repeat_learning(
+    scene: &Scene,
+    settings: &Settings,
+    stored: &[StoredOutcome],
+) -> Result<Option<Vec<Surrogate>>, CampaignError> {
+    let responses = ResponseLayout::from_scene(scene);
+    let mut campaign = Campaign::new(Problem::from_scene(scene), Plan::new(settings, scene));
+    let mut left = stored.iter();
+    let mut under_way = VecDeque::new();
+    loop {
+        match campaign.next_step()? {
+            Step::Evaluate(requests) => under_way.push_back(requests),
+            Step::Wait => {
+                let requests = under_way.pop_front().expect("a campaign waits for requested samples only");
+                let outcomes: Vec<&StoredOutcome> = left.by_ref().take(requests.len()).collect();
+                if outcomes.iter().zip(&requests).any(|(stored, request)| stored.sample != request.sample) {
+                    return Ok(None);
+                }
+                if outcomes.len() < requests.len() {
+                    // The study was interrupted here.
+                    break;
+                }
+                let complete = |stored: &StoredOutcome| stored.outcome.clone().map(|o| responses.complete(o));
+                campaign.record(outcomes.into_iter().map(complete).collect())?;
+            }
+            Step::Done => break,
+        }
+    }
+    Ok(Some(campaign.into_surrogates()).filter(|surrogates| !surrogates.is_empty()))
+}
+
+/// Fits surrogates to `learned`, in one fit from several starts, and compares them with `unseen`.
 ///
 /// # Errors
 /// [`CampaignError::Surrogate`].
@@ -99,10 +164,8 @@ pub fn verify(
     unseen: &[SimulatedPoint],
 ) -> Result<Verification, CampaignError> {
     let responses = ResponseLayout::from_scene(scene);
-    let (learned, unseen) =
-        (observations(scene, &responses, learned), observations(scene, &responses, unseen));
-    let (points, unseen_points) = (learned.points(), unseen.points());
-    let m = scene.life.checkpoints().len();
+    let learned = observations(scene, &responses, learned);
+    let points = learned.points();
     let fitted = responses
         .modes
         .par_iter()
@@ -123,10 +186,23 @@ pub fn verify(
                 .map_err(|source| CampaignError::Surrogate { mode: s, source })
         })
         .collect::<Result<Vec<Surrogate>, CampaignError>>()?;
+    Ok(compare(scene, &fitted, learned.len(), unseen))
+}
 
+/// Compares surrogates, fitted to `learned_from` simulations, with `unseen`.
+fn compare(
+    scene: &Scene,
+    fitted: &[Surrogate],
+    learned_from: usize,
+    unseen: &[SimulatedPoint],
+) -> Verification {
+    let responses = ResponseLayout::from_scene(scene);
+    let unseen = observations(scene, &responses, unseen);
+    let unseen_points = unseen.points();
+    let m = scene.life.checkpoints().len();
     let mut predicted: Vec<Vec<u32>> = Vec::new();
     let mut surrogates = Vec::new();
-    for ((mode, surrogate), limit) in responses.modes.iter().zip(&fitted).zip(&scene.limit_states) {
+    for ((mode, surrogate), limit) in responses.modes.iter().zip(fitted).zip(&scene.limit_states) {
         let prediction = surrogate.model.predict(unseen_points.as_ref());
         let values = unseen.running_maxima(mode.output);
         predicted.push(firsts(unseen.len(), m, |j, n| prediction.mean[(n, j)] >= mode.threshold));
@@ -141,13 +217,13 @@ pub fn verify(
     let simulated = first_failures_of(&responses, &unseen, m);
     let mut names: Vec<String> = scene.limit_states.iter().map(|limit| limit.name.clone()).collect();
     names.push("total".to_owned());
-    Ok(Verification {
-        learned_from: learned.len(),
+    Verification {
+        learned_from,
         points: unseen.len(),
         surrogates,
         curves: names,
         rows: rows(&scene.life.checkpoints(), &simulated, &predicted),
-    })
+    }
 }
 
 /// The simulations in the form that a campaign receives, `(N,)`.

@@ -34,6 +34,8 @@ pub enum Stream {
     Realisations(u32),
     /// Subset simulation; a stream per draw.
     Subset(u32),
+    /// Directions in which the rim is explored; a stream per round.
+    Rim(u32),
 }
 
 /// Returns the generator of a stream under a seed, at its beginning.
@@ -44,6 +46,7 @@ pub fn open_stream(seed: u64, stream: Stream) -> ChaCha12Rng {
         Stream::Pool(round) => (1 << 32) + u64::from(round),
         Stream::Realisations(round) => (2 << 32) + u64::from(round),
         Stream::Subset(draw) => (3 << 32) + u64::from(draw),
+        Stream::Rim(round) => (4 << 32) + u64::from(round),
     };
     let mut rng = ChaCha12Rng::seed_from_u64(seed);
     rng.set_stream(number);

@@ -28,7 +28,8 @@ pub struct Classification {
     pub mean: Vec<f64>,
     /// Variance of the prediction over the process variance `(N,)` [1].
     pub variance_factor: Vec<f64>,
-    /// Process standard deviation at the checkpoints of the grid `(a,)` [unit of output].
+    /// Process standard deviation at the checkpoints of the grid `(a,)`, enlarged by
+    /// [`Classification::with_inflation`] [unit of output].
     pub sigma: Vec<f64>,
     /// Index of the checkpoint by which the point is predicted to have failed `(N,)`; m if never.
     pub first_failure: Vec<u32>,
@@ -37,6 +38,13 @@ pub struct Classification {
 }
 
 impl Classification {
+    /// The classification with all predicted variances multiplied by `factor` [1].
+    #[must_use]
+    pub fn with_inflation(mut self, factor: f64) -> Self {
+        self.sigma.iter_mut().for_each(|sigma| *sigma *= factor.sqrt());
+        self
+    }
+
     /// Number a of checkpoints of the grid.
     pub fn grid(&self) -> usize {
         self.sigma.len()

@@ -14,8 +14,8 @@
 //!
 //!   Var_a = c (1 - 1/a) + v / a,   c = (Var_p - v / p) / (1 - 1/p),
 //!
-//! with v the mean variance of one point's indicator. Predicted variances are multiplied by the factor by
-//! which cross-validation finds them too small.
+//! with v the mean variance of one point's indicator. Predicted variances, here and in U, are multiplied by the
+//! factor by which cross-validation finds them too small ([`Classification::with_inflation`]).
 //!
 //! Valid as far as the posterior is: Gaussian, with the lengths and the form taken as known.
 //!
@@ -49,18 +49,16 @@ impl CurveErrors {
 }
 
 /// Estimates the surrogate errors of the failure shares. `coupled` `(N,)` is the coupled criterion of the
-/// population, `inflation` `(modes,)` the factor (>= 1) on the variances of each mode [1], `rng` the stream
-/// of the realisations.
+/// population, `rng` the stream of the realisations. Variances are enlarged as those of the classifications.
 pub fn estimate_errors(
     modes: &[Classification],
     coupled: &[Coupled],
     pool: &JointPool,
-    inflation: &[f64],
     rng: &mut impl Rng,
 ) -> CurveErrors {
     let (a, points) = (modes[0].grid(), coupled.len());
     let deviations = draw_deviations(pool, rng);
-    let counts = count_failures(modes, pool, inflation, &deviations);
+    let counts = count_failures(modes, pool, &deviations);
     let uncertain_share = pool.uncertain() as f64 / points as f64;
     let certain = |c: &&Coupled| c.any >= 3.0 && c.any.is_finite();
     let rest: f64 =
@@ -86,12 +84,7 @@ fn draw_deviations(pool: &JointPool, rng: &mut impl Rng) -> Vec<Mat<f64>> {
 }
 
 /// Failure counts over the sampled points, one per mode and last the system's.
-fn count_failures(
-    modes: &[Classification],
-    pool: &JointPool,
-    inflation: &[f64],
-    deviations: &[Mat<f64>],
-) -> Vec<FailureCounts> {
+fn count_failures(modes: &[Classification], pool: &JointPool, deviations: &[Mat<f64>]) -> Vec<FailureCounts> {
     let a = modes[0].grid();
     let curves = modes.len() + 1;
     let mut counts = vec![FailureCounts::new(a); curves];
@@ -101,12 +94,11 @@ fn count_failures(
         by_mean[curves - 1] = a;
         firsts[curves - 1] = [a; REALISATIONS];
         for (s, mode) in modes.iter().enumerate() {
-            let scale = inflation[s].sqrt();
             let margins: Vec<f64> = mode
                 .means_of(*j)
                 .iter()
                 .zip(&mode.sigma)
-                .map(|(mean, sigma)| (mode.threshold - mean) / (sigma * scale).max(f64::MIN_POSITIVE))
+                .map(|(mean, sigma)| (mode.threshold - mean) / sigma.max(f64::MIN_POSITIVE))
                 .collect();
             by_mean[s] = first_reached(&margins, 0.0);
             by_mean[curves - 1] = by_mean[curves - 1].min(by_mean[s]);
@@ -215,7 +207,7 @@ mod tests {
         let coupled = vec![Coupled { system: 0.0, any: 0.0 }; n];
         let error = |distance| {
             let mut rng = open_stream(1, Stream::Realisations(0));
-            estimate_errors(&modes, &coupled, &joint(n, distance), &[1.0], &mut rng).by_curve[0][0]
+            estimate_errors(&modes, &coupled, &joint(n, distance), &mut rng).by_curve[0][0]
         };
         // All points sit on the limit and count as failed; a realisation has half of them failed. Together:
         // the share is 0 or 1, the root mean square difference sqrt(1/2). The trend's variance of 1/3 is
@@ -233,7 +225,7 @@ mod tests {
         let coupled = coupled_criterion(&modes);
         assert_eq!(choose_pool(&coupled, &[false, false], 0, 1, 0).members, [0usize; 0]);
         let mut rng = open_stream(1, Stream::Realisations(0));
-        let errors = estimate_errors(&modes, &coupled, &joint(0, 1.0), &[1.0], &mut rng);
+        let errors = estimate_errors(&modes, &coupled, &joint(0, 1.0), &mut rng);
         assert_eq!(errors.largest(), 0.0);
     }
 }

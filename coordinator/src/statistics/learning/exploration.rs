@@ -14,18 +14,38 @@
 //!
 //! with s_t^2 the variance factor after the points chosen before were believed ([`Posterior::believe`]).
 //!
+//! Rare failures lie beyond the rim of any population that can be drawn, and a population conditional on them
+//! has points in the known regions only. There the candidates lie in random directions, in independent
+//! standard normals u at the radius
+//!
+//!   |u|^2 = beta^2 + d - 1,   beta = -Phi^-1(P_f),
+//!
+//! where a half-space of the present failure probability is cut at its most probable point, the other
+//! variables being as large as they usually are: a region that changes P_f comes nearer to the mean than that,
+//! and covers a cone of these directions.
+//!
 //! # Source
 //! Largest predicted variance as a sequential design: Sacks, Welch, Mitchell, Wynn (1989), Design and
-//! analysis of computer experiments, Statistical Science 4(4).
+//! analysis of computer experiments, Statistical Science 4(4). Distance of the most probable point: Hasofer,
+//! Lind (1974), Exact and invariant second-moment code format, Journal of the Engineering Mechanics Division
+//! 100(1); samples on spheres: Bucher (2009), Asymptotic sampling for high-dimensional reliability analysis,
+//! Probabilistic Engineering Mechanics 24(4).
 
 use super::Classification;
-use crate::statistics::design::Population;
+use crate::statistics::design::{InputModel, Population};
 use crate::statistics::surrogate::{Kriging, Posterior};
+use common::random::standard_normal_quantile;
 use faer::{Mat, MatRef};
+use rand::Rng;
+use rand_distr::{Distribution, StandardNormal};
 
 /// Number of points of largest variance among which the choice is made; each choice lowers the variance of
 /// its neighbours.
 const CANDIDATES: usize = 128;
+/// Number of directions of the rim among which the choice is made.
+const DIRECTIONS: usize = 512;
+/// Failure probabilities between which the radius of the rim follows the present one [1].
+const RIM: (f64, f64) = (1e-12, 0.1);
 
 /// Input of an exploration.
 #[derive(Debug, Clone, Copy)]
@@ -59,18 +79,47 @@ pub fn explore(
         candidates.truncate(CANDIDATES);
     }
     candidates.sort_unstable_by(by_variance);
+    let points: Vec<&[f64]> = candidates.iter().map(|j| population.standardised(*j)).collect();
+    spread(models, &points, known, feasible, count).into_iter().map(|place| candidates[place]).collect()
+}
 
-    let points = Mat::from_fn(population.dimension(), candidates.len() + known.len(), |k, i| {
-        candidates.get(i).map_or_else(|| known[i - candidates.len()][k], |j| population.standardised(*j)[k])
+/// Points of the rim for a failure probability `pf` [1], standardised `(DIRECTIONS)(d,)` [1], in random
+/// directions.
+pub fn draw_rim(inputs: &InputModel, pf: f64, rng: &mut impl Rng) -> Vec<Vec<f64>> {
+    let d = inputs.dimension();
+    let beta = -standard_normal_quantile(pf.clamp(RIM.0, RIM.1));
+    let radius = (beta * beta + d as f64 - 1.0).sqrt();
+    let point = |_| {
+        let u: Vec<f64> = (0..d).map(|_| StandardNormal.sample(rng)).collect();
+        let length = u.iter().map(|u| u * u).sum::<f64>().sqrt().max(f64::MIN_POSITIVE);
+        let on_rim: Vec<f64> = u.iter().map(|u| u * radius / length).collect();
+        inputs.standardise(&inputs.from_independent_normals(&on_rim))
+    };
+    (0..DIRECTIONS).map(point).collect()
+}
+
+/// Chooses `count` of the standardised `points` `(c)(d,)` one after the other, each where the variance of any
+/// model is largest after the points `known` `(d,)` and those chosen before; returns their places.
+pub fn spread(
+    models: &[&Kriging],
+    points: &[&[f64]],
+    known: &[Vec<f64>],
+    feasible: impl Fn(MatRef<'_, f64>) -> Vec<f64>,
+    count: usize,
+) -> Vec<usize> {
+    let d = points.first().map_or(0, |point| point.len());
+    let candidates = points.len();
+    let points = Mat::from_fn(d, candidates + known.len(), |k, i| {
+        points.get(i).map_or_else(|| known[i - candidates][k], |point| point[k])
     });
     let feasible = feasible(points.as_ref());
     let mut posteriors: Vec<Posterior> =
         models.iter().map(|model| Posterior::new(model, points.as_ref())).collect();
-    for place in candidates.len()..points.ncols() {
+    for place in candidates..points.ncols() {
         posteriors.iter_mut().for_each(|posterior| posterior.believe(place));
     }
     let mut chosen = Vec::with_capacity(count);
-    let mut free: Vec<usize> = (0..candidates.len()).collect();
+    let mut free: Vec<usize> = (0..candidates).collect();
     while chosen.len() < count {
         let score = |i: &usize| posteriors.iter().map(|p| p.variance(*i)).fold(0.0, f64::max) * feasible[*i];
         // The first at a tie: the one of largest initial variance.
@@ -79,7 +128,7 @@ pub fn explore(
         };
         posteriors.iter_mut().for_each(|posterior| posterior.believe(pick));
         free.retain(|i| *i != pick);
-        chosen.push(candidates[pick]);
+        chosen.push(pick);
     }
     chosen
 }
@@ -87,13 +136,14 @@ pub fn explore(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::statistics::design::{Stream, open_stream};
     use crate::statistics::learning::classify;
     use crate::statistics::surrogate::{Correlation, Kernel};
-    use common::random::Distribution;
+    use common::random;
 
     #[test]
     fn the_rim_is_explored_in_every_direction_and_never_a_requested_point() {
-        let normal = Distribution::truncated_normal(0.0, 1.0, -8.0, 8.0).unwrap();
+        let normal = random::Distribution::truncated_normal(0.0, 1.0, -8.0, 8.0).unwrap();
         let population = Population::draw(&[normal; 2], 2000, 1);
         let data = Mat::from_fn(2, 9, |k, i| [i % 3, i / 3][k] as f64 - 1.0);
         let values = Mat::from_fn(9, 1, |i, _| i as f64);
@@ -128,6 +178,20 @@ mod tests {
         for j in explored(&requested, &known, everywhere) {
             assert!(!requested[j] && known.iter().all(|z| distance(j, z) > 0.5));
         }
+        // On the rim of a rare event, at its distance and in all directions.
+        let inputs = population.inputs();
+        let rim = draw_rim(inputs, 1e-7, &mut open_stream(1, Stream::Rim(0)));
+        let points: Vec<&[f64]> = rim.iter().map(Vec::as_slice).collect();
+        let angles: Vec<f64> = spread(&[&model], &points, &[], everywhere, 6)
+            .into_iter()
+            .map(|place| {
+                assert!((points[place][0].hypot(points[place][1]) - 5.294).abs() < 1e-3);
+                points[place][1].atan2(points[place][0])
+            })
+            .collect();
+        let nearest = |a: f64| angles.iter().map(|b| (a - b).cos().acos()).fold(f64::INFINITY, f64::min);
+        let widest = (0..360).map(|a| nearest(f64::from(a).to_radians())).fold(0.0, f64::max);
+        assert!(widest < 0.9, "{widest} {angles:?}");
         // To the left no simulation gives a result.
         let right = |points: MatRef<'_, f64>| {
             (0..points.ncols()).map(|j| if points[(0, j)] > 0.0 { 1.0 } else { 0.0 }).collect()

@@ -42,7 +42,7 @@ pub use checkpoints::checkpoints_that_matter;
 pub use classification::{Classification, classify, classify_cached, curves};
 pub use coupled_criterion::{Coupled, UNCERTAIN, coupled_criterion, dominance};
 pub use error::{CurveErrors, estimate_errors};
-pub use exploration::{Exploration, explore};
+pub use exploration::{Exploration, draw_rim, explore, spread};
 pub use function::LearningFunction;
 pub use noise::noise_shifts;
 pub use pool::{JointPool, Pool, choose_pool};

@@ -10,10 +10,11 @@
 //!     ever although their sum is known.
 //!
 //! Guards: at least 30 results; the rule is met with a fit from several starts to at least nine tenths of the
-//! results; and it holds in every round until two rounds have passed and eight new results have been received
-//! (four where the population only grew), half of them at the largest predicted variance
-//! ([`super::explore`]), none of which contradicts its prediction. A stop without any predicted failure is
-//! stated by the report.
+//! results; and it holds in every round until two rounds have passed and enough new results have been received:
+//! eight, one more for every variable beyond four, sixteen at most; where failures are rare eight and twice
+//! the number of variables, twenty-four at most. Half as many suffice where the population
+//! only grew. Every other one is taken at the largest predicted variance ([`super::explore`]), and none of
+//! these may contradict its prediction. A stop without any predicted failure is stated by the report.
 //!
 //! # Source
 //! Rule (a): Echard, Gayton, Lemaire (2011), AK-MCS, Structural Safety 33(2); the change between rounds: Cui
@@ -43,7 +44,7 @@ pub struct StoppingTargets {
     pub least_points: usize,
     /// Number of rounds over which a rule must hold.
     pub hold: usize,
-    /// Number of new results over which a rule must hold; half as many for a population that only grew.
+    /// Least number of new results over which a rule must hold, see [`StoppingTargets::points_to_hold`].
     pub hold_points: usize,
     /// Coefficient of variation of P_f above which the population is enlarged [1].
     pub cov: f64,
@@ -99,6 +100,17 @@ impl StoppingTargets {
         Self { error, relative_error: default.relative_error * (error / default.error), ..default }
     }
 
+    /// Number of new results over which a rule must hold, with `d` variables and for `rare` failures or not:
+    /// half of them explore, and there are more directions to explore the more variables there are.
+    pub fn points_to_hold(&self, d: usize, rare: bool) -> usize {
+        let least = self.hold_points;
+        if least == 0 {
+            return 0;
+        }
+        let by_dimension = (least + d.saturating_sub(4)).min(2 * least);
+        if rare { by_dimension.max(least + 2 * d).min(3 * least) } else { by_dimension }
+    }
+
     /// The first rule that these figures meet, if any.
     pub fn met(&self, figures: &Figures) -> Option<Rule> {
         let change = figures.change.filter(|_| figures.points >= self.least_points)?;
@@ -125,8 +137,14 @@ pub struct Stopping {
 }
 
 impl Stopping {
-    /// Records a round with `points` results; returns true once a rule has held long enough.
-    pub fn record_round(&mut self, met: Option<Rule>, points: usize, targets: &StoppingTargets) -> bool {
+    /// Records a round with `points` results; returns true once a rule has held over `rounds` rounds and
+    /// `needed` results, half as many for a population that only grew.
+    pub fn record_round(
+        &mut self,
+        met: Option<Rule>,
+        points: usize,
+        (rounds, needed): (usize, usize),
+    ) -> bool {
         if met.is_none() {
             self.held = 0;
             return false;
@@ -135,8 +153,8 @@ impl Stopping {
             self.since = points;
         }
         self.held += 1;
-        let needed = if self.held_before { targets.hold_points.div_ceil(2) } else { targets.hold_points };
-        self.held >= targets.hold && points - self.since >= needed
+        let needed = if self.held_before { needed.div_ceil(2) } else { needed };
+        self.held >= rounds && points - self.since >= needed
     }
 
     /// True if a rule was met in the last round.
@@ -195,23 +213,46 @@ mod tests {
 
     #[test]
     fn a_rule_must_hold_for_two_rounds_and_eight_points_running() {
-        let targets = StoppingTargets::default();
+        let targets = (2, StoppingTargets::default().points_to_hold(2, false));
         let mut stopping = Stopping::default();
-        assert!(!stopping.record_round(Some(Rule::Error), 40, &targets));
-        assert!(!stopping.record_round(None, 50, &targets));
+        assert!(!stopping.record_round(Some(Rule::Error), 40, targets));
+        assert!(!stopping.record_round(None, 50, targets));
         assert_eq!(stopping.exploring(50, 1), 0);
-        assert!(!stopping.record_round(Some(Rule::Error), 56, &targets));
-        assert!(!stopping.record_round(Some(Rule::Error), 63, &targets));
+        assert!(!stopping.record_round(Some(Rule::Error), 56, targets));
+        assert!(!stopping.record_round(Some(Rule::Error), 63, targets));
         // Every other point explores, whether requested one by one or together.
         assert_eq!([56, 57, 58].map(|points| stopping.exploring(points, 1)), [1, 0, 1]);
         assert_eq!((stopping.exploring(56, 5), stopping.exploring(57, 4)), (3, 2));
-        assert!(stopping.record_round(Some(Rule::Learning), 64, &targets));
+        assert!(stopping.record_round(Some(Rule::Learning), 64, targets));
         // Over a larger population half as many; after a contradiction all of them.
         stopping.reset_for_larger_population();
-        assert!(!stopping.is_holding() && !stopping.record_round(Some(Rule::Error), 64, &targets));
-        assert!(stopping.record_round(Some(Rule::Error), 68, &targets));
+        assert!(!stopping.is_holding() && !stopping.record_round(Some(Rule::Error), 64, targets));
+        assert!(stopping.record_round(Some(Rule::Error), 68, targets));
         stopping.reset();
-        assert!(!stopping.record_round(Some(Rule::Error), 70, &targets));
-        assert!(!stopping.record_round(Some(Rule::Error), 74, &targets));
+        assert!(!stopping.record_round(Some(Rule::Error), 70, targets));
+        assert!(!stopping.record_round(Some(Rule::Error), 74, targets));
+    }
+
+    #[test]
+    fn more_variables_and_rare_failures_need_more_points() {
+        let targets = StoppingTargets::default();
+        let needed = [1, 4, 6, 15, 100].map(|d| targets.points_to_hold(d, false));
+        assert_eq!(needed, [8, 8, 10, 16, 16]);
+        assert_eq!([1, 2, 6, 15, 100].map(|d| targets.points_to_hold(d, true)), [10, 12, 20, 24, 24]);
+        assert_eq!(StoppingTargets { hold_points: 0, ..targets }.points_to_hold(9, true), 0);
+    }
+
+    /// The points of the initial design do not count: the first round has no change to meet a rule with, and the
+    /// count begins with the first round that meets one.
+    #[test]
+    fn initial_points_do_not_count_for_the_hold() {
+        let (targets, mut stopping) = (StoppingTargets::default(), Stopping::default());
+        let first = Figures { points: 120, change: None, ..figures() };
+        let needed = (2, targets.points_to_hold(2, false));
+        assert!(!stopping.record_round(targets.met(&first), 120, needed) && !stopping.is_holding());
+        let second = Figures { points: 126, ..figures() };
+        assert!(!stopping.record_round(targets.met(&second), 126, needed));
+        assert!(!stopping.record_round(targets.met(&second), 132, needed));
+        assert!(stopping.record_round(targets.met(&second), 134, needed));
     }
 }

@@ -8,7 +8,8 @@
 //! where e [1] is the surrogate error of the share, gamma [1] the effect of correlated samples (zero for
 //! independent ones) and cov(P(E)) the coefficient of variation of P(E). The terms are taken as independent.
 //! p' is the posterior mean of a share under a uniform prior: no failure among N samples does not prove that
-//! there is none.
+//! there is none. Without any failure under a condition, at any checkpoint, the levels have not come to the
+//! limit; then P(E) is an upper bound of P_f, and is stated as the standard error.
 //!
 //! # Source
 //! Standard error of a share: the binomial distribution; p': Laplace's rule of succession. Correlated samples
@@ -60,7 +61,11 @@ pub fn reliability_curve(
     surrogate: &[(usize, f64)],
     condition: &Condition,
 ) -> Vec<CurvePoint> {
+    let never_reached = condition.levels > 0 && failed.iter().all(|share| *share == 0.0);
     let point = |(n, share): (usize, &f64)| {
+        if never_reached {
+            return CurvePoint { reliability: 1.0, standard_error: condition.probability };
+        }
         let count = points as f64;
         let expected = (count * share + 1.0) / (count + 2.0);
         let sampling = expected * (1.0 - expected) / count * (1.0 + condition.gamma);
@@ -126,6 +131,16 @@ mod tests {
         assert!((point.standard_error / 1e-4 - (sampling + 1e-4_f64).sqrt()).abs() < 1e-12);
         let cov = condition.coefficient_of_variation(0.2, 400);
         assert!((cov - (4.0 * 4.0 / 400.0 + 0.0025_f64).sqrt()).abs() < 1e-15);
+    }
+
+    #[test]
+    fn issue_levels_that_never_reach_the_limit_bound_the_probability() {
+        let condition = Condition { probability: 1e-6, cov: 0.05, gamma: 0.0, levels: 6 };
+        let curve = reliability_curve(&[0.0, 0.0], 100_000, &[], &condition);
+        assert!(curve.iter().all(|p| p.reliability == 1.0 && p.standard_error == 1e-6));
+        // Where failures come later in life, earlier checkpoints have an error by counting.
+        let early = reliability_curve(&[0.0, 0.3], 100_000, &[], &condition)[0];
+        assert!(early.standard_error < 2e-11);
     }
 
     #[test]

@@ -26,6 +26,10 @@
 //! p0^k, because the share is counted anew as surrogates learn. Levels treated as independent, sum over i of
 //! (1 - p0) / (p0 N) (1 + gamma_i), would make it too small.
 //!
+//! Levels that no longer rise end the simulation: if the last rise was smaller than the one before, and as large
+//! a rise at every level left would cover less than a hundredth of the distance to the limit, the limit lies
+//! beyond what the response can reach, or at least beyond the levels.
+//!
 //! Valid for continuous responses; an event that consists of separate regions needs enough samples in each of
 //! them at every level.
 //!
@@ -45,6 +49,8 @@ const SHARE: f64 = 0.1;
 const ACCEPTANCE: f64 = 0.44;
 /// Scale sqrt(1 - rho^2) of the first proposals [1].
 const FIRST_SCALE: f64 = 0.6;
+/// Share of the distance to the limit that the levels left must cover at the last rise [1].
+const LEAST_RISE: f64 = 0.01;
 
 /// Samples conditional on the last level, and the probability of that level.
 #[derive(Debug, Clone, PartialEq)]
@@ -111,6 +117,9 @@ impl SubsetSimulation {
                 break;
             }
             let (level, from) = next_level(&samples.y, seeds);
+            if no_longer_rise(&levels, level, most_levels) {
+                break;
+            }
             probability *= SHARE;
             levels.push(level);
             samples = self.advance_chains(&samples, &from, level, &mut scale, rng, respond);
@@ -173,6 +182,15 @@ fn next_level(y: &[f64], seeds: usize) -> (f64, Vec<usize>) {
     let mut from: Vec<usize> = order[..seeds].to_vec();
     from.sort_unstable();
     (level, from)
+}
+
+/// True if the next `level` rises less than the one before it did, and too little to reach the limit in `most`
+/// levels.
+fn no_longer_rise(levels: &[f64], level: f64, most: usize) -> bool {
+    let [.., earlier, last] = levels else { return levels.last().is_some_and(|last| level <= *last) };
+    let (rise, before) = (level - last, last - earlier);
+    let left = (most - levels.len()) as f64;
+    rise <= 0.0 || (rise < before && rise * left < LEAST_RISE * -last)
 }
 
 /// Coefficient of variation [1] of the last level's probability, from the genealogy of the samples beyond the
@@ -257,5 +275,21 @@ mod tests {
         let never = run(3, &mut rng, |u| u.iter().map(|u| u.tanh() - 2.0).collect());
         assert_eq!((never.levels.len(), never.failed_share()), (3, 0.0));
         assert!((never.probability - 1e-3).abs() < 1e-15);
+    }
+
+    #[test]
+    fn issue_levels_of_an_impossible_event_end_when_they_no_longer_rise() {
+        // The sum of two uniforms never reaches 10.
+        let sum = |u: &[f64]| -> Vec<f64> {
+            u.chunks_exact(2).map(|u| standard_normal_cdf(u[0]) + standard_normal_cdf(u[1]) - 10.0).collect()
+        };
+        let mut rng = ChaCha12Rng::seed_from_u64(1);
+        let subset = SubsetSimulation { variables: 2, samples: 2000, most_levels: 12 }.run(&mut rng, &sum);
+        assert!(subset.levels.len() < 8 && subset.failed_share() == 0.0, "{:?}", subset.levels);
+        // A constant response has no level at all above the first.
+        let constant = |u: &[f64]| vec![-1.0; u.len() / 2];
+        let subset =
+            SubsetSimulation { variables: 2, samples: 2000, most_levels: 12 }.run(&mut rng, &constant);
+        assert_eq!(subset.levels.len(), 1);
     }
 }

@@ -1,0 +1,93 @@
+//! What the simulations of a campaign gave: results in the surrogates, exploring results that confirmed them,
+//! and failures.
+
+use super::failures::Failed;
+use super::observations::{Observations, Observed};
+use super::prediction_check::Verdict;
+use common::failure::SimulationFailure;
+
+/// What the simulations gave.
+#[derive(Debug)]
+pub(super) struct CampaignData {
+    /// Results the surrogates are conditioned on.
+    pub observations: Observations,
+    /// Standardised points `(d,)` of exploring results that agreed with their prediction and are in no
+    /// surrogate.
+    confirmed: Vec<Vec<f64>>,
+    /// Simulations that failed for good.
+    pub failed: Vec<Failed>,
+    /// True if an exploring result since the last assessment lies on the other side of a limit than predicted.
+    pub contradicted: bool,
+}
+
+impl CampaignData {
+    /// Nothing yet, of `d` variables and `outputs` outputs.
+    pub fn new(d: usize, outputs: usize) -> Self {
+        Self {
+            observations: Observations::new(d, outputs),
+            confirmed: Vec::new(),
+            failed: Vec::new(),
+            contradicted: false,
+        }
+    }
+
+    /// Number of results, confirmed ones included.
+    pub fn results(&self) -> usize {
+        self.observations.len() + self.confirmed.len()
+    }
+
+    /// Adds an exploring result at the standardised point `z` `(d,)`: to the data of the surrogates if it
+    /// concerns a limit.
+    pub fn add_exploring(&mut self, z: Vec<f64>, observed: Observed, verdict: Verdict) {
+        self.contradicted |= verdict == Verdict::Contradicted;
+        match verdict {
+            Verdict::Confirmed => self.confirmed.push(z),
+            Verdict::Near | Verdict::Contradicted => self.observations.add(&z, observed),
+        }
+    }
+
+    /// Adds a simulation that failed for good at the standardised point `z` `(d,)`. A failure while exploring
+    /// was to be expected where the nearest simulation failed, too.
+    pub fn add_failed(&mut self, z: Vec<f64>, cause: SimulationFailure, exploring: bool) {
+        let expected = exploring && self.is_nearest_to_a_failure(&z);
+        self.failed.push(Failed { z, cause, expected });
+    }
+
+    /// Causes of the failures that were not to be expected.
+    pub fn unexpected_failures(&self) -> impl Iterator<Item = &SimulationFailure> + Clone {
+        self.failed.iter().filter(|failed| !failed.expected).map(|failed| &failed.cause)
+    }
+
+    /// Standardised points `(d,)` that exploring need not try again and that are in no surrogate: confirmed
+    /// results and failures.
+    pub fn explored(&self) -> Vec<Vec<f64>> {
+        self.confirmed.iter().chain(self.failed.iter().map(|failed| &failed.z)).cloned().collect()
+    }
+
+    /// True if the simulation nearest to the standardised point `z` `(d,)` failed.
+    fn is_nearest_to_a_failure(&self, z: &[f64]) -> bool {
+        let distance = |known: &[f64]| z.iter().zip(known).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
+        let results = self.observations.standardised().chain(self.confirmed.iter().map(Vec::as_slice));
+        let result = results.map(distance).fold(f64::INFINITY, f64::min);
+        self.failed.iter().any(|failed| distance(&failed.z) < result)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn issue_one_corner_without_results_counts_once() {
+        let mut data = CampaignData::new(1, 1);
+        data.observations.add(&[0.0], Observed::exact(vec![vec![1.0]]));
+        let cause = SimulationFailure::NotModelled { what: "beyond".into() };
+        // The first failure of a corner counts, the exploring points that follow it do not, another corner does.
+        for (z, exploring) in [(4.0, true), (4.2, true), (3.5, true), (-4.0, true), (4.1, false)] {
+            data.add_failed(vec![z], cause.clone(), exploring);
+        }
+        let expected = data.failed.iter().map(|failed| failed.expected).collect::<Vec<_>>();
+        assert_eq!(expected, [false, true, true, false, false]);
+        assert_eq!((data.unexpected_failures().count(), data.explored().len(), data.results()), (3, 5, 1));
+    }
+}
