@@ -90,7 +90,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             );
             continue;
         }
-        let defaults = Settings::default();
+        let defaults = Settings::for_variables(problem.dimension());
         let samples = arguments.samples.unwrap_or(defaults.samples);
         let run = learn::learn(&problem, &truth, Settings { samples, seed: index + 1, ..defaults })?;
         write(&table::line(&run))?;

@@ -114,7 +114,7 @@ fn max_failed() -> f64 {
 }
 
 impl Default for Settings {
-    /// Settings of a scene without a section `[study]`.
+    /// Settings of a scene of few variables without a section `[study]`.
     fn default() -> Self {
         Self::from(StudySettings::default())
     }
@@ -167,6 +167,11 @@ impl Settings {
     pub fn from_stored(stored: &serde_json::Value) -> serde_json::Result<Self> {
         let settings = Self::deserialize(stored)?;
         Ok(Self { accuracy: settings.accuracy.exact(), ..settings })
+    }
+
+    /// Settings of a scene of `variables` random variables without a section `[study]`.
+    pub fn for_variables(variables: usize) -> Self {
+        Self::from(StudySettings::for_variables(variables))
     }
 
     /// Bounds of the stopping rules.
