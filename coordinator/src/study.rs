@@ -104,7 +104,7 @@ pub fn run(
             let mut direct = DirectSimulation::new(&problem, settings);
             dispatcher.run(&mut direct)?;
             dispatcher.notice(&Progress::Ending);
-            direct.findings()?
+            direct.findings(scene)?
         }
     };
     let (surrogate, idle) = dispatcher.learner_seconds();

@@ -249,6 +249,7 @@ fn metrics_and_status_describe_a_running_study() {
         );
         assert!(page.contains("Running study: 0 of 8 planned evaluations"), "{page}");
         assert!(get(&live, "/", "evil.example").starts_with("HTTP/1.1 403"));
+        assert!(get(&metrics, "/metrics", "evil.example").starts_with("HTTP/1.1 403"));
         let news = get(&live, "/news/1", &live);
         assert!(news.contains("\"ended\":false") && news.contains("Running study"), "{news}");
         let mut worker =

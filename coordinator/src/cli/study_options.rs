@@ -93,6 +93,9 @@ pub struct LearnerArguments {
     /// full as standard deviations (ak) [default: fitted]
     #[arg(long, value_parser = word::<StatedErrors>(StatedErrors::NAMES))]
     pub stated_errors: Option<StatedErrors>,
+    /// Memory for the population and its cached predictions [MB]; a smaller one costs time (ak) [default: 2000]
+    #[arg(long, value_name = "MB", value_parser = positive)]
+    pub memory: Option<usize>,
 }
 
 impl RunArguments {
@@ -126,6 +129,7 @@ impl LearnerArguments {
         replace(&mut settings.forms.kernel, self.kernel);
         replace(&mut settings.forms.trend, self.trend);
         replace(&mut settings.stated_errors, self.stated_errors);
+        replace(&mut settings.memory, self.memory);
         settings.target_error = self.target_error.or(settings.target_error);
     }
 }

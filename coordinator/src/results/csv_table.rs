@@ -1,7 +1,10 @@
-//! CSV text of results and figures: a header and rows of as many cells, quoted where RFC 4180 requires it.
+//! CSV text of results and figures: a header and rows of as many cells, quoted where RFC 4180 requires it. Names and
+//! texts that a spreadsheet would take for a formula begin with an apostrophe.
 //!
 //! # Source
 //! Shafranovich (2005), RFC 4180, Common format and MIME type for comma-separated values files.
+
+use std::borrow::Cow;
 
 /// A table under construction.
 #[derive(Debug)]
@@ -9,14 +12,15 @@ pub struct CsvTable(csv::Writer<Vec<u8>>);
 
 impl CsvTable {
     /// A table with these names of its columns.
-    pub fn new<C: AsRef<[u8]>>(columns: impl IntoIterator<Item = C>) -> Self {
+    pub fn new<C: AsRef<str>>(columns: impl IntoIterator<Item = C>) -> Self {
         let mut table = Self(csv::Writer::from_writer(Vec::new()));
         table.push(columns);
         table
     }
 
     /// Appends a row: one cell per column.
-    pub fn push<C: AsRef<[u8]>>(&mut self, cells: impl IntoIterator<Item = C>) {
+    pub fn push<C: AsRef<str>>(&mut self, cells: impl IntoIterator<Item = C>) {
+        let cells = cells.into_iter().map(|cell| plain_text(cell.as_ref()).into_owned());
         self.0.write_record(cells).expect("a row in memory has as many cells as there are columns");
     }
 
@@ -24,6 +28,16 @@ impl CsvTable {
     pub fn into_text(self) -> String {
         let bytes = self.0.into_inner().expect("writing to memory does not fail");
         String::from_utf8(bytes).expect("cells are text")
+    }
+}
+
+/// A cell as it is written: with an apostrophe before a first character from which spreadsheets read a formula, unless
+/// it is a number.
+pub fn plain_text(cell: &str) -> Cow<'_, str> {
+    if cell.starts_with(['=', '+', '-', '@', '\t', '\r']) && cell.parse::<f64>().is_err() {
+        Cow::Owned(format!("'{cell}"))
+    } else {
+        Cow::Borrowed(cell)
     }
 }
 
@@ -35,6 +49,13 @@ pub fn number(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn issue_no_name_is_a_formula() {
+        let table = CsvTable::new(["=HYPERLINK(1),<b>", "+a", "-b", "@c", "d=e"]);
+        assert_eq!(table.into_text(), "\"'=HYPERLINK(1),<b>\",'+a,'-b,'@c,d=e\n");
+        assert_eq!((plain_text("=1+1"), plain_text("-1.5e-3")), ("'=1+1".into(), "-1.5e-3".into()));
+    }
 
     #[test]
     fn cells_are_quoted_only_where_they_need_it() {

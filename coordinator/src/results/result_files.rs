@@ -1,7 +1,7 @@
 //! The result files of a finished study: `summary.json`, `reliability.csv`, `samples.csv`. Each is written under a
 //! temporary name and renamed, so that a reader never finds half a file.
 
-use crate::results::csv_table::{CsvTable, number};
+use crate::results::csv_table::{CsvTable, number, plain_text};
 use crate::results::store::{CampaignFile, StoreError};
 use crate::results::summary::{PerLimitState, StudySummary};
 use common::scene::Scene;
@@ -47,7 +47,10 @@ pub fn write_atomically(
         fill(&mut file)?;
         let file = file.into_inner().map_err(|error| failed(error.into_error()))?;
         file.sync_all().map_err(failed)?;
-        std::fs::rename(&part, path).map_err(failed)
+        std::fs::rename(&part, path).map_err(failed)?;
+        // The name of a file is on the disk with its folder.
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+        File::open(folder.unwrap_or(Path::new("."))).and_then(|folder| folder.sync_all()).map_err(failed)
     };
     let written = write();
     if written.is_err() {
@@ -123,7 +126,7 @@ pub fn write_samples_csv(path: &Path, campaign: &CampaignFile, scene: &Scene) ->
             columns.extend(checkpoints.iter().map(|cycles| format!("{key}@{cycles}")));
         }
         columns.extend(["failure", "worker", "wall_s", "finished_at"].map(str::to_owned));
-        writer.write_record(&columns).map_err(failed)?;
+        writer.write_record(columns.iter().map(|name| plain_text(name).into_owned())).map_err(failed)?;
         campaign.for_each(|stored| {
             let mut cells = vec![stored.id.to_string()];
             cells.extend(stored.sample.iter().copied().map(number));
@@ -138,7 +141,8 @@ pub fn write_samples_csv(path: &Path, campaign: &CampaignFile, scene: &Scene) ->
                 }));
             }
             let failure = stored.outcome.err().map_or(String::new(), |failure| failure.to_string());
-            cells.extend([failure, stored.worker, number(stored.wall), stored.finished_at.to_string()]);
+            let [failure, worker] = [&failure, &stored.worker].map(|text| plain_text(text).into_owned());
+            cells.extend([failure, worker, number(stored.wall), stored.finished_at.to_string()]);
             writer.write_record(&cells).map_err(failed)
         })?;
         writer.flush().map_err(|source| ResultFileError::Write { path: path.into(), source })

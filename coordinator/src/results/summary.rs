@@ -73,6 +73,11 @@ impl StudySummary {
         if self.of_mechanism() { "mechanism" } else { "system" }
     }
 
+    /// True if every sample was simulated, without surrogates.
+    pub fn is_direct(&self) -> bool {
+        matches!(self.method.as_str(), "monte-carlo" | "latin-hypercube")
+    }
+
     /// True if the study has a single checkpoint.
     pub fn is_static(&self) -> bool {
         self.reliability.len() == 1
@@ -130,7 +135,8 @@ pub struct FirstFailureRow {
 /// Simulations without a result, also when repeated at a stricter accuracy.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Failures {
-    /// Estimated share of the population where a simulation is more likely to fail than not [1].
+    /// Estimated share of the population where a simulation is more likely to fail than not [1]; with direct
+    /// simulation the share of the samples without a result.
     pub barred_share: f64,
     /// The failed simulations.
     pub simulations: Vec<FailureRow>,
@@ -162,7 +168,7 @@ pub struct EvaluationCounts {
     pub total: usize,
     /// Evaluations of the initial design.
     pub initial: usize,
-    /// Evaluations added by learning.
+    /// Evaluations added by learning; with direct simulation the samples.
     pub added: usize,
     /// Evaluations without a result.
     pub failed: usize,

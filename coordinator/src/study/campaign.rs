@@ -361,6 +361,7 @@ impl Campaign {
         Some(InterimResult {
             failed: assessment.curves.clone(),
             points: self.classified.population.len(),
+            missing: 0.0,
             surrogate: assessment.combined_errors(),
             condition: self.classified.condition,
         })

@@ -39,6 +39,7 @@ impl CampaignResult {
         InterimResult {
             failed: self.assessment.curves.clone(),
             points: self.classified.population.len(),
+            missing: 0.0,
             surrogate: self.assessment.combined_errors(),
             condition: self.classified.condition,
         }

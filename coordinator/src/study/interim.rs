@@ -11,6 +11,8 @@ pub(super) struct InterimResult {
     pub failed: Vec<Vec<f64>>,
     /// Number of samples counted.
     pub points: usize,
+    /// Share of all samples [1] that have no result and are not counted; zero where surrogates predict them.
+    pub missing: f64,
     /// Surrogate error with simulator noise [1] per curve, at ascending checkpoints; empty without
     /// surrogates.
     pub surrogate: Vec<Vec<(usize, f64)>>,
@@ -24,7 +26,8 @@ impl InterimResult {
         let none = Vec::new();
         let curve = |(c, failed): (usize, &Vec<f64>)| {
             let surrogate = self.surrogate.get(c).unwrap_or(&none);
-            reliability_curve(failed, self.points, surrogate, &self.condition)
+            let curve = reliability_curve(failed, self.points, surrogate, &self.condition);
+            curve.into_iter().map(|point| point.with_missing(self.missing)).collect()
         };
         self.failed.iter().enumerate().map(curve).collect()
     }

@@ -376,3 +376,21 @@ fn monte_carlo_counts_what_it_simulated() {
     assert!((rpm - 2.15 * 30.0 / std::f64::consts::PI).abs() < 0.2, "{rpm}");
     assert!(result.surrogates.is_empty());
 }
+
+#[test]
+fn issue_direct_simulation_with_failed_samples_states_a_true_interval() {
+    // Those that fail have the larger wear.
+    let mut evaluator = MadeUp { fails: |x, _| z(x, 0) > 1.2, noise: 0.0, ..MadeUp::new() };
+    let settings = Settings { method: Method::MonteCarlo, samples: 600, ..small() };
+    let result = study(&settings, &mut evaluator, &mut InMemoryJournal::default()).unwrap();
+    let mut beyond = 0;
+    for (n, row) in result.summary.reliability.iter().enumerate() {
+        let (r, exact) = (row.reliability["wear"], truth(&settings, 600, 0.0)[0][n]);
+        assert!((r - exact).abs() <= 1.96 * row.standard_error["wear"], "{n}: {r} {exact}");
+        beyond += u32::from((r - exact).abs() > 3.0 * (r * (1.0 - r) / 600.0_f64).sqrt());
+    }
+    assert!(beyond > 3, "without failures the interval would hold by itself: {beyond}");
+    let (counts, failures) = (result.summary.evaluations, result.summary.failures);
+    assert!(counts.failed == failures.simulations.len() && counts.failed > 40, "{counts:?}");
+    assert!((failures.barred_share - counts.failed as f64 / 600.0).abs() < 1e-12);
+}

@@ -2,18 +2,20 @@
 //! surrogates.
 //!
 //! R(n) = 1 - N_f(n) / N, with N_f(n) the number of the N samples that have failed by checkpoint n; failed
-//! simulations are left out of N.
+//! simulations are left out of N, and the standard error of R contains what they may have been
+//! ([`CurvePoint::with_missing`](crate::statistics::reliability::CurvePoint::with_missing)).
 
-use super::failures::check_failures;
+use super::failures::{Failed, check_failures};
 use super::interim::InterimResult;
 use super::learner::Learner;
 use super::observations::ObservedOutcome;
 use super::result::{Findings, LearnerFindings};
 use super::round::largest_change;
+use super::rows::failure_rows;
 use super::{
     CampaignError, Method, Observed, Problem, SampleRequest, SettingError, Settings, Step, StudyError,
 };
-use crate::results::summary::{Convergence, EvaluationCounts, Round};
+use crate::results::summary::{Convergence, EvaluationCounts, Failures, Round};
 use crate::statistics::design::Population;
 use crate::statistics::learning::{curves, running_maximum};
 use crate::statistics::reliability::{
@@ -21,7 +23,7 @@ use crate::statistics::reliability::{
     first_failure_shares, first_failure_with, governing_checkpoint,
 };
 use crate::statistics::sensitivity::{Sampled, sensitivities};
-use common::failure::SimulationFailure;
+use common::scene::Scene;
 use std::collections::VecDeque;
 use std::ops::Range;
 
@@ -50,7 +52,7 @@ pub(super) struct DirectSimulation<'a> {
     first_failures: Vec<Vec<u32>>,
     /// Their first failures with responses shifted by the stated errors, per mode.
     shifted: Vec<ShiftedFailures>,
-    failures: Vec<SimulationFailure>,
+    failures: Vec<Failed>,
     rounds: Vec<Round>,
     /// Failure shares of the last round `(modes + 1, m)`.
     curves: Option<Vec<Vec<f64>>>,
@@ -82,12 +84,19 @@ impl<'a> DirectSimulation<'a> {
         }
     }
 
+    /// Share of the samples requested so far whose simulation failed [1].
+    fn missing(&self) -> f64 {
+        let recorded = self.requested - self.chunks.iter().map(Range::len).sum::<usize>();
+        1.0 - self.points.len() as f64 / recorded.max(1) as f64
+    }
+
     /// The findings, after the outcomes of all samples.
     ///
     /// # Errors
     /// [`StudyError::Setting`] if no sample gave a result.
-    pub fn findings(self) -> Result<Findings, StudyError> {
+    pub fn findings(self, scene: &Scene) -> Result<Findings, StudyError> {
         let samples = self.population.len();
+        let missing = self.missing();
         let Some(failed) = self.curves else {
             let error = SettingError {
                 key: "samples",
@@ -105,8 +114,13 @@ impl<'a> DirectSimulation<'a> {
             shares: InterimResult {
                 failed,
                 points: self.points.len(),
+                missing,
                 surrogate: vec![],
                 condition: Condition::NONE,
+            },
+            failures: Failures {
+                barred_share: missing,
+                simulations: failure_rows(scene, &self.problem.inputs, &self.failures),
             },
             numerical: NumericalBand::count(&self.shifted, m),
             distributions: self
@@ -158,7 +172,9 @@ impl Learner for DirectSimulation<'_> {
         let range = self.chunks.pop_front().expect("outcomes belong to a chunk under way");
         self.recorded += 1;
         if range.is_empty() {
-            self.failures.extend(outcomes.into_iter().filter_map(Result::err));
+            let z = self.problem.inputs.standardise(&self.problem.inputs.means());
+            let failed = outcomes.into_iter().filter_map(Result::err);
+            self.failures.extend(failed.map(|cause| Failed { z: z.clone(), cause, expected: false }));
             return Ok(());
         }
         for (j, outcome) in range.clone().zip(outcomes) {
@@ -170,10 +186,13 @@ impl Learner for DirectSimulation<'_> {
                     let all = self.histories.iter_mut();
                     all.zip(observed.histories).for_each(|(all, history)| all.push(history));
                 }
-                Err(failure) => self.failures.push(failure),
+                Err(cause) => {
+                    let z = self.population.standardised(j).to_vec();
+                    self.failures.push(Failed { z, cause, expected: false });
+                }
             }
         }
-        check_failures(self.failures.iter(), range.end + 1, self.failed_share)?;
+        check_failures(self.failures.iter().map(|failed| &failed.cause), range.end + 1, self.failed_share)?;
         if !self.points.is_empty() {
             let now = curves_of(self.problem, &self.first_failures);
             let previous = self.curves.as_deref();
@@ -201,6 +220,7 @@ impl Learner for DirectSimulation<'_> {
         Some(InterimResult {
             failed,
             points: self.points.len(),
+            missing: self.missing(),
             surrogate: vec![],
             condition: Condition::NONE,
         })

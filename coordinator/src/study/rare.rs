@@ -71,5 +71,5 @@ pub(super) fn conditional_population(
         gamma: subset.gamma,
         levels: subset.levels.len(),
     };
-    (population.with_points(z), condition)
+    (population.with_descendants(z, subset.origin), condition)
 }

@@ -87,6 +87,8 @@ pub(super) struct Findings {
     pub derivatives: Vec<Sensitivity>,
     /// Shares of first failures, see [`first_failure_shares`].
     pub first_failures: Vec<Vec<f64>>,
+    /// Simulations without a result.
+    pub failures: Failures,
     /// Counts of evaluations.
     pub evaluations: EvaluationCounts,
     /// Rounds and the reason of the stop.
@@ -98,7 +100,6 @@ pub(super) struct Findings {
 /// Findings that only active learning has.
 #[derive(Default)]
 pub(super) struct LearnerFindings {
-    failures: Failures,
     sobol: Vec<SobolRow>,
     surrogates: Vec<SurrogateReport>,
     /// Rows of the summary, in the order of `surrogates`.
@@ -161,6 +162,7 @@ pub(super) fn from_learning(scene: &Scene, settings: &Settings, learned: &Campai
         distributions: output_distributions(scene, learned),
         derivatives: sensitivities(&sampled, &first_failures, &assessment.grid, m),
         first_failures: first_failure_shares(&modes, m),
+        failures: failures(scene, learned),
         evaluations: EvaluationCounts {
             total: learned.evaluations,
             initial: settings.initial.min(learned.evaluations),
@@ -189,7 +191,6 @@ fn learner_findings(scene: &Scene, learned: &CampaignResult) -> LearnerFindings 
     };
     let surrogates: Vec<SurrogateReport> = scene.limit_states.iter().zip(fitted).map(report).collect();
     LearnerFindings {
-        failures: failures(scene, learned),
         sobol: sobol(scene, learned),
         rows: surrogates.iter().zip(fitted).map(|(report, surrogate)| report.row(surrogate)).collect(),
         surrogates,
@@ -294,7 +295,7 @@ impl Findings {
             evaluations: self.evaluations,
             reliability: self.reliability(scene, &names, &cycles),
             first_failure: cycles.iter().enumerate().map(first_failure).collect(),
-            failures: self.learner.failures,
+            failures: self.failures,
             moments: cycles.iter().enumerate().map(moments).collect(),
             sensitivity: self
                 .derivatives

@@ -10,8 +10,8 @@ use crate::results::summary::Round;
 use crate::statistics::design::{Population, Stream, open_stream};
 use crate::statistics::learning::{
     Classification, Coupled, CurveErrors, Exploration, Figures, JointPool, Selection, SelectionOptions,
-    UNCERTAIN, checkpoints_that_matter, choose_pool, classify, classify_cached, coupled_criterion, curves,
-    dominance, estimate_errors, explore, noise_shifts, spread,
+    UNCERTAIN, checkpoints_that_matter, choose_pool, classify_cached, coupled_criterion, curves, dominance,
+    estimate_errors, explore, noise_shifts, spread,
 };
 use crate::statistics::reliability::governing_checkpoint;
 use crate::statistics::surrogate::{Effort, Kriging, PredictionCache};
@@ -22,9 +22,9 @@ use rayon::prelude::*;
 const GRID: usize = 24;
 /// Least size of the pool per point of a batch.
 const POOL_PER_BATCH: usize = 8;
-/// Most memory for the cached predictions of all modes [bytes]. Beyond it every round predicts the population
-/// anew, in a time that grows with the square of the results instead of in proportion to them.
-const CACHE: usize = 1 << 30;
+/// Numbers per point of the population besides its values and classification: coupled criterion, marks of requests,
+/// and what the end of a study computes.
+const OTHERS: usize = 16;
 
 /// Result of one round.
 #[derive(Debug)]
@@ -239,30 +239,26 @@ fn common_grid(surrogates: &[Surrogate]) -> Vec<usize> {
     grid
 }
 
-/// Classifies the population by every mode, through the caches where they fit into memory.
+/// Classifies the population by every mode, through the caches as far as they fit into memory.
 fn classify_modes(
     input: &RoundInput<'_>,
     surrogates: &[Surrogate],
     caches: &mut [PredictionCache],
     grid: &[usize],
 ) -> Vec<Classification> {
-    let RoundInput { problem, population, observations, .. } = *input;
-    let bytes = population.len() * observations.len() * problem.modes.len() * size_of::<f64>();
-    let cached = bytes <= CACHE;
-    if !cached {
-        caches.fill(PredictionCache::default());
-    }
+    let RoundInput { problem, plan, population, .. } = *input;
+    // What remains of the memory for the caches beside the population and its classification.
+    let numbers_of_point = population.dimension() + problem.modes.len() * (grid.len() + 2) + OTHERS;
+    let others = population.len() * numbers_of_point * size_of::<f64>();
+    let limit = plan.settings.memory_bytes().saturating_sub(others) / problem.modes.len();
     surrogates
         .iter()
         .zip(&problem.modes)
         .zip(caches)
         .map(|((surrogate, mode), cache)| {
-            let classification = if cached {
-                classify_cached(cache, &surrogate.model, population, mode.threshold, grid)
-            } else {
-                classify(&surrogate.model, population, mode.threshold, grid)
-            };
-            classification.with_inflation(surrogate.inflation())
+            cache.set_limit(limit);
+            classify_cached(cache, &surrogate.model, population, mode.threshold, grid)
+                .with_inflation(surrogate.inflation())
         })
         .collect()
 }

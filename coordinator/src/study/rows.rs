@@ -3,6 +3,7 @@
 
 use super::{CampaignResult, Failed};
 use crate::results::summary::{FailureRow, Failures, FirstFailureRow, SobolError, SobolRow};
+use crate::statistics::design::InputModel;
 use crate::statistics::reliability::Condition;
 use crate::statistics::sensitivity::sobol_indices;
 use common::scene::Scene;
@@ -63,13 +64,19 @@ pub(super) fn first_failure(
 
 /// The failed simulations, and the share of the population they represent.
 pub(super) fn failures(scene: &Scene, campaign: &CampaignResult) -> Failures {
-    let sample = |z: &[f64]| -> BTreeMap<String, f64> {
-        let values = campaign.classified.population.inputs().to_physical(z);
-        scene.variables.iter().zip(values).map(|(variable, x)| (variable.name.clone(), x)).collect()
-    };
-    let failure = |failed: &Failed| FailureRow { cause: failed.cause.to_string(), sample: sample(&failed.z) };
+    let inputs = campaign.classified.population.inputs();
     Failures {
         barred_share: campaign.assessment.feasibility.barred_share(campaign.classified.unconditional()),
-        simulations: campaign.failed.iter().map(failure).collect(),
+        simulations: failure_rows(scene, inputs, &campaign.failed),
     }
+}
+
+/// The failed simulations with their causes and samples.
+pub(super) fn failure_rows(scene: &Scene, inputs: &InputModel, failed: &[Failed]) -> Vec<FailureRow> {
+    let sample = |z: &[f64]| -> BTreeMap<String, f64> {
+        let values = inputs.to_physical(z);
+        scene.variables.iter().zip(values).map(|(variable, x)| (variable.name.clone(), x)).collect()
+    };
+    let row = |failed: &Failed| FailureRow { cause: failed.cause.to_string(), sample: sample(&failed.z) };
+    failed.iter().map(row).collect()
 }

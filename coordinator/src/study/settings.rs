@@ -12,8 +12,14 @@ use thiserror::Error;
 /// Largest Monte Carlo population: 480 MB at 30 variables.
 pub const LARGEST_POPULATION: usize = 2_000_000;
 
+/// Default memory for the population and its cached predictions [MB].
+const MEMORY: usize = 2000;
+
 /// Fewest evaluations from which a surrogate is fitted.
 const SMALLEST_DESIGN: usize = 3;
+
+/// Most random variables, and most outputs: columns of a table of the campaign file, one or two of which are its own.
+const MOST_COLUMNS: usize = 1998;
 
 /// Default share of failed evaluations above which a study ends [1].
 const MAX_FAILED: f64 = 0.2;
@@ -103,6 +109,10 @@ pub struct Settings {
     /// Surrogate error of any R(n) at which learning may stop [1]; `None` for that of [`StoppingTargets::default`].
     #[serde(default)]
     pub target_error: Option<f64>,
+    /// Memory for the population and its cached predictions [MB]. Predictions that do not fit are computed anew in every
+    /// round, which changes their last bits.
+    #[serde(default = "memory", skip_serializing_if = "is_default_memory")]
+    pub memory: usize,
 }
 
 fn ignored() -> StatedErrors {
@@ -111,6 +121,15 @@ fn ignored() -> StatedErrors {
 
 fn max_failed() -> f64 {
     MAX_FAILED
+}
+
+fn memory() -> usize {
+    MEMORY
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_default_memory(memory: &usize) -> bool {
+    *memory == MEMORY
 }
 
 impl Default for Settings {
@@ -143,6 +162,7 @@ impl From<StudySettings> for Settings {
             forms: FormSettings::default(),
             max_failed: MAX_FAILED,
             target_error: None,
+            memory: MEMORY,
         }
     }
 }
@@ -179,6 +199,11 @@ impl Settings {
         self.target_error.map_or_else(StoppingTargets::default, StoppingTargets::from_error)
     }
 
+    /// Memory for the population and its cached predictions [bytes].
+    pub(super) fn memory_bytes(&self) -> usize {
+        self.memory.saturating_mul(1_000_000)
+    }
+
     /// Points proposed together: half a batch, so that one half is simulated while the other is learned from.
     ///
     /// Chunk k + 2 is proposed from the outcomes up to chunk k and the points, not the outcomes, of chunk k + 1. This
@@ -213,6 +238,12 @@ impl Settings {
             let value = format!("{} and {}", scene.limit_states.len(), scene.variables.len());
             let allowed = "a study needs at least one limit state and one random variable";
             return refuse("limit_states and variables", value, allowed);
+        }
+        for (key, count) in [("variables", scene.variables.len()), ("outputs", scene.outputs.len())] {
+            if count > MOST_COLUMNS {
+                let allowed = format!("a campaign file holds at most {MOST_COLUMNS}");
+                return refuse(key, count.to_string(), &allowed);
+            }
         }
         if self.samples == 0 {
             return refuse("samples", "0".to_owned(), "at least 1");
@@ -298,6 +329,15 @@ mod tests {
         let direct = Settings { method: Method::MonteCarlo, samples: 5, ..settings() };
         assert_eq!(direct.check(source.nominal()), Ok(()));
         assert_eq!(refused(Settings { samples: 0, ..direct }).key, "samples");
+    }
+
+    #[test]
+    fn issue_more_variables_than_a_campaign_file_holds_are_refused() {
+        let source = SceneSource::builtin("four-bar").unwrap();
+        let mut scene = source.nominal().clone();
+        scene.variables = vec![scene.variables[0].clone(); MOST_COLUMNS + 1];
+        let error = settings().check(&scene).unwrap_err();
+        assert_eq!(error.to_string(), "study setting variables = 1999: a campaign file holds at most 1998");
     }
 
     #[test]

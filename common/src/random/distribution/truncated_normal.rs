@@ -170,9 +170,10 @@ impl Law for TruncatedNormal {
     /// z / std + (phi(b) - phi(a)) / (std Z) and (z^2 - 1) / std + (b phi(b) - a phi(a)) / (std Z), for the parent's
     /// mean and standard deviation at fixed bounds.
     ///
-    /// The bounds do not move with the parameter, although a scene may have set them at mean +- 3 std: a moving
-    /// bound would add a boundary term which a score function cannot carry, and at three standard deviations fixed
-    /// bounds change the derivative by less than 3 phi(3) = 1.3 % of itself.
+    /// The bounds do not move with the parameter, although a scene may have set them at mean +- 3 std and an edit of its
+    /// mean would move them: a moving bound adds a boundary term, which a score function cannot carry. For a limit t
+    /// standard deviations above the mean and moving bounds at +- b the derivatives by the mean differ by the factor
+    /// (phi(t) - phi(b)) / phi(t): with b = 3, 0.98 at t = 1, 0.92 at t = 2, 0.75 at t = 2.5, 0.44 at t = 2.8.
     fn scores(&self, x: f64) -> [f64; 2] {
         let s = self.standardised();
         let (phi_a, phi_b) = s.bound_densities();

@@ -3,7 +3,7 @@
 use super::CalibrationError;
 use super::least_squares::{Fit, LeastSquares};
 use super::report::{CalibrationResult, Counts, result};
-use super::responses::{CalibrationPoint, ResponseSurrogates};
+use super::responses::{CalibrationPoint, POPULATION, ResponseSurrogates};
 use super::space::{ParameterKind, Space};
 use super::targets::CalibrationTargets;
 use crate::farm::evaluate::{EvaluateError, Evaluator, Finished, Request};
@@ -52,7 +52,9 @@ pub fn calibrate(
     space: &Space,
     progress: &mut dyn FnMut(CalibrationProgress),
 ) -> Result<CalibrationResult, CalibrationError> {
-    let targets = targets.targets.as_slice();
+    let targets: Vec<_> =
+        targets.targets.iter().map(|target| target.clone().counted_over(POPULATION)).collect();
+    let targets = targets.as_slice();
     let dimension = space.dimension();
     let first = if settings.simulations == 0 { (4 * dimension).max(40) } else { settings.simulations };
     let least = dimension / 2 + 10;

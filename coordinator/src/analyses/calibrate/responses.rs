@@ -15,8 +15,8 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-/// Number of samples of the random variables for means, standard deviations and reliabilities.
-const POPULATION: usize = 1000;
+/// Number of samples of the random variables for means, standard deviations and reliabilities: points of a Latin hypercube.
+pub(super) const POPULATION: usize = 2000;
 
 /// Responses that share the correlation of one surrogate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -91,7 +91,7 @@ impl<'a> ResponseSurrogates<'a> {
         let q2 = fitted.iter().map(|(group, _, _, q2)| (*group, *q2)).collect();
         let surrogates =
             fitted.into_iter().map(|(group, columns, model, _)| (group, (columns, model))).collect();
-        let population = Population::draw(space.inputs.clone(), POPULATION, seed);
+        let population = Population::latin_hypercube(&space.inputs, POPULATION, seed);
         Ok(Self { space, targets, surrogates, population, q2 })
     }
 

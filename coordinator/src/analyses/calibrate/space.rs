@@ -6,10 +6,13 @@
 //!
 //! `x_k = f_mean mean_k + f_spread std_k z_k`
 //!
-//! with `x_k` the variable [SI], `z_k` the standardised variable [1], and the factors `f_mean`, `f_spread` [1].
+//! with `x_k` the variable [SI], `z_k` the standardised variable [1], and the factors `f_mean`, `f_spread` [1]. Lognormal
+//! and Weibull variables, whose shape depends on both, are those of the new mean and standard deviation at the same
+//! probability, and so remain positive.
 
 use super::CalibrationError;
 use crate::statistics::design::InputModel;
+use common::random::Distribution;
 use common::scene::{Fault, FaultKind, Faults, Scene, SceneSource};
 use toml::{Table, Value};
 
@@ -94,8 +97,7 @@ impl Space {
             }
         }
         let variables = self.inputs.variables().iter().zip(z).enumerate();
-        let x = variables
-            .map(|(k, (law, z))| mean_by[k] * law.parent_mean() + spread_by[k] * law.parent_std() * z);
+        let x = variables.map(|(k, (law, z))| transformed(law, *z, mean_by[k], spread_by[k]));
         x.chain(keyed).collect()
     }
 
@@ -127,6 +129,19 @@ impl Space {
         };
         self.free.iter().map(middle).collect()
     }
+}
+
+/// Value [SI] of a variable of standardised value z [1] with factors on its mean and standard deviation [1].
+fn transformed(law: &Distribution, z: f64, mean_by: f64, spread_by: f64) -> f64 {
+    let (mean, std) = (mean_by * law.parent_mean(), spread_by * law.parent_std());
+    let same = [mean_by, spread_by] == [1.0, 1.0];
+    let changed = match law {
+        Distribution::Lognormal(_) if !same => Distribution::lognormal(mean, std),
+        Distribution::Weibull(_) if !same => Distribution::weibull(mean, std),
+        _ => return mean + std * z,
+    };
+    let normal = law.to_standard_normal(law.parent_mean() + law.parent_std() * z);
+    changed.map_or(mean + std * z, |law| law.from_standard_normal(normal))
 }
 
 /// The scene with a uniform variable for each parameter that changes keys.
@@ -161,4 +176,26 @@ fn with_parameters(source: &SceneSource, free: &[FreeParameter]) -> Result<Scene
     }
     let text = toml::to_string(&document).map_err(|error| syntax(error.to_string()))?;
     Ok(SceneSource::parse(&text, source.origin())?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn issue_factors_keep_a_lognormal_and_a_weibull_variable_what_they_are() {
+        for law in [Distribution::lognormal(2.0, 1.0).unwrap(), Distribution::weibull(2.0, 1.0).unwrap()] {
+            let n = 20_000_u32;
+            let probability = |i: u32| (f64::from(i) + 0.5) / f64::from(n);
+            let z = |i: u32| (law.quantile(probability(i)) - 2.0) / 1.0;
+            let x: Vec<f64> = (0..n).map(|i| transformed(&law, z(i), 0.5, 1.5)).collect();
+            assert!(x.iter().all(|x| *x > 0.0), "a shift would make a third of them negative");
+            let mean = x.iter().sum::<f64>() / f64::from(n);
+            let std = (x.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / f64::from(n)).sqrt();
+            assert!((mean - 1.0).abs() < 5e-3 && (std - 1.5).abs() < 3e-2, "{mean} {std}");
+            assert_eq!(transformed(&law, 0.7, 1.0, 1.0), 2.7);
+        }
+        let normal = Distribution::normal(2.0, 1.0).unwrap();
+        assert_eq!(transformed(&normal, -2.0, 0.5, 1.0), -1.0);
+    }
 }

@@ -62,6 +62,19 @@ pub struct Target {
     pub unit: ShownUnit,
 }
 
+impl Target {
+    /// The target with the sampling error of `points` samples in its tolerance: that of a reliability, which is a share of
+    /// them, sqrt(R (1 - R) / N), an upper bound for a Latin hypercube.
+    #[must_use]
+    pub fn counted_over(mut self, points: usize) -> Self {
+        if matches!(self.quantity, TargetQuantity::Reliability { .. }) {
+            let variance = (self.value * (1.0 - self.value)).max(0.0) / points as f64;
+            self.tolerance = self.tolerance.hypot(variance.sqrt());
+        }
+        self
+    }
+}
+
 /// Unit of a number as written in the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ShownUnit {
@@ -78,4 +91,20 @@ pub struct CalibrationTargets {
     pub free: Vec<FreeParameter>,
     /// Numbers to be met, at least one.
     pub targets: Vec<Target>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn issue_the_sampling_error_of_a_reliability_is_part_of_its_tolerance() {
+        let unit = ShownUnit { symbol: String::new(), si: 1.0 };
+        let reliability = TargetQuantity::Reliability { limit_state: None, n: 3 };
+        let target =
+            |quantity| Target { name: "R".into(), quantity, value: 0.5, tolerance: 0.02, unit: unit.clone() };
+        let widened = target(reliability).counted_over(1000).tolerance;
+        assert!((widened - (0.02_f64.powi(2) + 2.5e-4).sqrt()).abs() < 1e-15, "{widened}");
+        assert_eq!(target(TargetQuantity::Mean { output: 0, n: 3 }).counted_over(1000).tolerance, 0.02);
+    }
 }

@@ -2,7 +2,7 @@
 //! runs in a separate process group: a signal to the study does not reach it, and its child processes end with it.
 
 use super::slots::{StopSignal, WaitError};
-use rustix::process::{Pid, Signal, kill_process_group};
+use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, kill_process_group, waitid};
 use std::collections::{BTreeSet, VecDeque};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
@@ -19,8 +19,10 @@ const KEPT_LINES: usize = 5;
 const KEPT_OF_LINE: usize = 400;
 /// Time for a program to exit once its standard input is closed.
 const FAREWELL: Duration = Duration::from_millis(500);
-/// Interval at which the exit of a program is polled.
+/// Interval at which the exit of a program is polled once its input is closed.
 const EXIT_POLL: Duration = Duration::from_millis(5);
+/// Interval at which the exit of a program is polled while a reply is awaited.
+const EXIT_LOOK: Duration = Duration::from_millis(250);
 
 /// Process groups that are running.
 static RUNNING: Mutex<BTreeSet<i32>> = Mutex::new(BTreeSet::new());
@@ -49,10 +51,15 @@ pub enum LineError {
 }
 
 /// A running program. When dropped, its standard input is closed, and it is killed if it does not exit.
+///
+/// The process is reaped last: until then the system gives its number, and that of its group, to no other, so
+/// that no signal reaches a stranger.
 #[derive(Debug)]
 pub struct Process {
     child: Child,
     group: i32,
+    /// How it ended, once it was reaped.
+    status: Option<String>,
     /// Lines for the writing thread; dropping it closes the program's standard input.
     input: Option<Sender<String>>,
     lines: Receiver<String>,
@@ -85,7 +92,8 @@ impl Process {
         let (sender, lines) = channel();
         let stderr = Arc::new(Mutex::new(VecDeque::new()));
         let pipes = (child.stdin.take(), child.stdout.take(), child.stderr.take());
-        let process = Self { child, group, input: Some(input), lines, stderr: Arc::clone(&stderr) };
+        let process =
+            Self { child, group, status: None, input: Some(input), lines, stderr: Arc::clone(&stderr) };
         let (Some(mut to), Some(from), Some(errors)) = pipes else { unreachable!("all three are piped") };
         spawn("input", move || {
             // A program that stops reading is detected by the missing reply.
@@ -110,24 +118,48 @@ impl Process {
 
     /// Sends a line, which ends with a newline, and waits for one line in return, at most `timeout`.
     ///
+    /// An exit is noticed by the end of standard output, and, where a child process of the program keeps that open, by
+    /// the process itself.
+    ///
     /// # Errors
     /// [`LineError`].
     pub fn ask(&mut self, line: String, timeout: Duration, stop: &StopSignal) -> Result<String, LineError> {
         if let Some(input) = &self.input {
-            // If the writing thread has ended, the program has exited and its output will end too.
+            // If the writing thread has ended, the program has exited.
             let _ = input.send(line);
         }
-        stop.wait(&self.lines, timeout).map_err(|none| match none {
-            WaitError::TimedOut => LineError::TimedOut,
-            WaitError::Stopped => LineError::Stopped,
-            WaitError::Disconnected => {
-                let status = self.finish();
-                // The last lines of standard error may still be in the pipe.
-                self.wait_for_stderr();
-                let stderr = locked(&self.stderr).iter().cloned().collect::<Vec<_>>().join(" / ");
-                LineError::Ended { status, stderr }
+        let started = Instant::now();
+        loop {
+            let left = timeout.saturating_sub(started.elapsed());
+            match stop.wait(&self.lines, left.min(EXIT_LOOK)) {
+                Ok(reply) => return Ok(reply),
+                Err(WaitError::Stopped) => return Err(LineError::Stopped),
+                Err(WaitError::Disconnected) => return Err(self.ended()),
+                Err(WaitError::TimedOut) if self.has_exited() => {
+                    // A line may still be in the pipe.
+                    return stop.wait(&self.lines, FAREWELL).map_err(|_| self.ended());
+                }
+                Err(WaitError::TimedOut) if left <= EXIT_LOOK => return Err(LineError::TimedOut),
+                Err(WaitError::TimedOut) => {}
             }
-        })
+        }
+    }
+
+    fn ended(&mut self) -> LineError {
+        let status = self.finish();
+        // The last lines of standard error may still be in the pipe.
+        self.wait_for_stderr();
+        let stderr = locked(&self.stderr).iter().cloned().collect::<Vec<_>>().join(" / ");
+        LineError::Ended { status, stderr }
+    }
+
+    /// True if the program has exited; it is not reaped.
+    fn has_exited(&self) -> bool {
+        let options = WaitIdOptions::EXITED | WaitIdOptions::NOHANG | WaitIdOptions::NOWAIT;
+        self.status.is_some()
+            || Pid::from_raw(self.group).is_some_and(|process| {
+                waitid(WaitId::Pid(process), options).is_ok_and(|ended| ended.is_some())
+            })
     }
 
     /// Kills the program and its child processes at once.
@@ -135,20 +167,18 @@ impl Process {
         self.end();
     }
 
-    /// Closes the program's input, waits for its exit, kills it if necessary; returns how it ended.
+    /// Closes the program's input, waits for its exit, kills what is left of its group; returns how it ended.
     fn finish(&mut self) -> String {
         self.input = None;
         let started = Instant::now();
-        loop {
-            match self.child.try_wait() {
-                Ok(Some(status)) => return status.to_string(),
-                Ok(None) if started.elapsed() < FAREWELL => std::thread::sleep(EXIT_POLL),
-                _ => {
-                    self.end();
-                    return "its standard output closed".to_owned();
-                }
-            }
+        while !self.has_exited() && started.elapsed() < FAREWELL {
+            std::thread::sleep(EXIT_POLL);
         }
+        if self.has_exited() {
+            return self.end();
+        }
+        self.end();
+        "its standard output closed".to_owned()
     }
 
     /// Waits until standard error is closed, at most [`FAREWELL`].
@@ -159,19 +189,22 @@ impl Process {
         }
     }
 
-    fn end(&mut self) {
+    /// Kills the program, if it runs, with its child processes, and then reaps it; returns how it ended.
+    fn end(&mut self) -> String {
+        if let Some(status) = &self.status {
+            return status.clone();
+        }
         kill_group(self.group);
-        // The process was killed; this only reaps it.
-        let _ = self.child.wait();
+        locked(&RUNNING).remove(&self.group);
+        let status = self.child.wait().map_or_else(|error| error.to_string(), |status| status.to_string());
+        self.status = Some(status.clone());
+        status
     }
 }
 
 impl Drop for Process {
     fn drop(&mut self) {
         self.finish();
-        // Child processes that outlived the program.
-        kill_group(self.group);
-        locked(&RUNNING).remove(&self.group);
     }
 }
 
@@ -238,6 +271,19 @@ mod tests {
         let stderr = "no 2 / no 3 / no 4 / no 5 / no 6".to_owned();
         let status = "exit status: 3".to_owned();
         assert_eq!(ask(&mut process, "go", PATIENCE), Err(LineError::Ended { status, stderr }));
+    }
+
+    #[test]
+    fn issue_an_exit_is_noticed_while_a_child_process_holds_standard_output() {
+        let mut process = shell("read line; sleep 300 & exit 3");
+        let started = Instant::now();
+        let error = ask(&mut process, "go", PATIENCE).unwrap_err();
+        let status = "exit status: 3".to_owned();
+        assert_eq!(error, LineError::Ended { status, stderr: String::new() });
+        assert!(started.elapsed() < PATIENCE / 2, "{:?}", started.elapsed());
+        // Nothing is killed once the process was reaped.
+        assert!(process.has_exited() && !locked(&RUNNING).contains(&process.group));
+        assert_eq!(process.end(), "exit status: 3");
     }
 
     #[test]

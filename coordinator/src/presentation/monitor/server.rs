@@ -87,12 +87,16 @@ pub struct MonitorServer {
 }
 
 impl MonitorServer {
-    /// Serves `/metrics`.
+    /// Serves `/metrics`. At a loopback address only requests to a loopback host name are answered, as by
+    /// [`MonitorServer::live`]; an address that other machines reach is read under any name.
     ///
     /// # Errors
     /// [`MonitorError::Refused`].
     pub fn metrics(address: SocketAddr, source: StatusSource) -> Result<Self, MonitorError> {
-        Self::start("--metrics", address, Router::new().route("/metrics", get(metrics)).with_state(source))
+        let router = Router::new().route("/metrics", get(metrics)).with_state(source);
+        let closed = address.ip().is_loopback();
+        let router = if closed { router.layer(from_fn(require_loopback_host)) } else { router };
+        Self::start("--metrics", address, router)
     }
 
     /// Serves the live report for requests to a loopback host name only: a page of another host name cannot read it through

@@ -153,12 +153,18 @@ fn failures_over_life(input: &ReportInput) -> Vec<String> {
 fn failed_runs(summary: &StudySummary) -> Option<String> {
     let first = summary.failures.simulations.first()?;
     let counts = summary.evaluations;
+    let share = percent(summary.failures.barred_share);
+    let meaning = if summary.is_direct() {
+        format!(
+            "the intervals of R contain both extremes, that all or none of these {share} of the samples have failed"
+        )
+    } else {
+        format!("an estimated {share} of the population cannot be simulated")
+    };
     Some(format!(
-        "{} of {} simulations gave no result and are excluded; an estimated {} of the population cannot be simulated. First \
-         cause: {}.",
+        "{} of {} simulations gave no result and are excluded; {meaning}. First cause: {}.",
         count(counts.failed as u64),
         count(counts.total as u64),
-        percent(summary.failures.barred_share),
         first.cause.trim_end_matches('.')
     ))
 }
@@ -171,7 +177,9 @@ pub fn effort(summary: &StudySummary) -> String {
         1 => "1 without a result".to_string(),
         n => format!("{} without a result", count(n as u64)),
     };
-    let surrogate = if counts.added > 0 || !summary.convergence.rounds.is_empty() {
+    let surrogate = if summary.is_direct() {
+        format!(", of the nominal point and of {} samples", count(counts.added as u64))
+    } else if counts.added > 0 || !summary.convergence.rounds.is_empty() {
         format!(
             ", {} of them placed by learning, represent a population of {} {}",
             count(counts.added as u64),

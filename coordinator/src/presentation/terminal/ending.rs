@@ -22,8 +22,10 @@ pub fn final_text(summary: &StudySummary, dir: &Path) -> String {
     text += &noise(summary);
     let counts = summary.evaluations;
     let time = summary.timing_s;
+    let [first, then] =
+        if summary.is_direct() { ["nominal", "samples"] } else { ["initial", "added by learning"] };
     text += &format!(
-        "evaluations: {} ({} initial, {} added by learning, {} failed)\n",
+        "evaluations: {} ({} {first}, {} {then}, {} failed)\n",
         counts.total, counts.initial, counts.added, counts.failed
     );
     text += &format!(
@@ -124,5 +126,13 @@ mod tests {
             assert!(text.contains(part), "{part}\n{text}");
         }
         assert!(lines.len() < 30);
+    }
+
+    #[test]
+    fn issue_nothing_is_added_by_learning_in_a_direct_simulation() {
+        let mut summary = test_study::study().summary;
+        summary.method = "monte-carlo".to_owned();
+        let text = final_text(&summary, Path::new("out"));
+        assert!(text.contains("(120 nominal, 96 samples, 1 failed)"), "{text}");
     }
 }

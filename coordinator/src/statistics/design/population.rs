@@ -23,6 +23,8 @@ use std::ops::Range;
 pub struct Population {
     inputs: InputModel,
     z: Vec<f64>,
+    /// Index of the independent sample from which each point descends `(n,)`; empty if all points are independent.
+    origins: Vec<u32>,
     rng: ChaCha12Rng,
 }
 
@@ -39,7 +41,7 @@ impl Population {
     /// Draws `n` points under `seed`. Distributions without a copula are independent.
     pub fn draw(inputs: impl Into<InputModel>, n: usize, seed: u64) -> Self {
         let rng = open_stream(seed, Stream::Population);
-        let mut population = Self { inputs: inputs.into(), z: Vec::new(), rng };
+        let mut population = Self { inputs: inputs.into(), z: Vec::new(), origins: Vec::new(), rng };
         population.grow_to(n);
         population
     }
@@ -47,12 +49,18 @@ impl Population {
     /// A Latin hypercube of `n` points under `seed`; it must not grow.
     pub fn latin_hypercube(inputs: &InputModel, n: usize, seed: u64) -> Self {
         let z = super::latin_hypercube(inputs, n, seed);
-        Self { inputs: inputs.clone(), z, rng: open_stream(seed, Stream::Population) }
+        Self { inputs: inputs.clone(), z, origins: Vec::new(), rng: open_stream(seed, Stream::Population) }
     }
 
     /// A population of the same variables with the standardised points `(n, d)` row-major; it must not grow.
     pub fn with_points(&self, z: Vec<f64>) -> Self {
-        Self { inputs: self.inputs.clone(), z, rng: self.rng.clone() }
+        self.with_descendants(z, Vec::new())
+    }
+
+    /// The same with points of Markov chains, each descending from one of some independent samples, `origins`
+    /// `(n,)`.
+    pub fn with_descendants(&self, z: Vec<f64>, origins: Vec<u32>) -> Self {
+        Self { inputs: self.inputs.clone(), z, origins, rng: self.rng.clone() }
     }
 
     /// Appends points of the same stream up to `n` points: the result equals that of [`Population::draw`] for
@@ -89,6 +97,11 @@ impl Population {
     /// The input model: the random variables with their dependence.
     pub fn inputs(&self) -> &InputModel {
         &self.inputs
+    }
+
+    /// Index of the independent sample from which each point descends `(n,)`; empty if all points are independent.
+    pub fn origins(&self) -> &[u32] {
+        &self.origins
     }
 
     /// Point `j` in standardised units `(d,)` [1].

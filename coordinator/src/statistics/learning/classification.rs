@@ -75,15 +75,11 @@ pub(super) fn distance_over_std(distance: f64, std: f64) -> f64 {
 /// kept. The result does not depend on the number of threads: blocks are fixed and independent.
 pub fn classify(model: &Kriging, population: &Population, threshold: f64, grid: &[usize]) -> Classification {
     let sigma = sigma_on(model, grid);
-    classify_blocks(population.len(), sigma, threshold, grid, |block| {
-        let start = block * BLOCK;
-        let prediction = model.predict(population.columns(start..population.len().min(start + BLOCK)));
-        (prediction.mean, prediction.variance_factor)
-    })
+    classify_blocks(population.len(), sigma, threshold, grid, |block| predict_block(model, population, block))
 }
 
 /// Classifies the population as [`classify`] does, through a cache of this mode's predictions, which is
-/// updated first. If the model is that of the last call with more points at the same lengths
+/// updated first. Blocks that the cache has no room for are predicted. If the model is that of the last call with more points at the same lengths
 /// ([`Kriging::extended`]), only the new points are computed.
 pub fn classify_cached(
     cache: &mut PredictionCache,
@@ -95,9 +91,18 @@ pub fn classify_cached(
     cache.update(model, population);
     let sigma = sigma_on(model, grid);
     classify_blocks(population.len(), sigma, threshold, grid, |block| {
-        let prediction = cache.block(block).expect("the cache was updated to this population");
-        (prediction.mean, prediction.variance_factor)
+        cache.block(block).map_or_else(
+            || predict_block(model, population, block),
+            |prediction| (prediction.mean, prediction.variance_factor),
+        )
     })
+}
+
+/// Means `(m, b)` [unit of the output] and variance factors `(b,)` [1] of one block.
+fn predict_block(model: &Kriging, population: &Population, block: usize) -> (Mat<f64>, Vec<f64>) {
+    let start = block * BLOCK;
+    let prediction = model.predict(population.columns(start..population.len().min(start + BLOCK)));
+    (prediction.mean, prediction.variance_factor)
 }
 
 /// Process standard deviations at the checkpoints of the grid `(a,)` [unit of the output].

@@ -25,6 +25,23 @@ pub struct CurvePoint {
     pub standard_error: f64,
 }
 
+/// Half of the width of a 95 % interval in standard errors [1].
+const INTERVAL: f64 = 1.96;
+
+impl CurvePoint {
+    /// The point of an R counted over the samples with a result, if the share f = `missing` [1] of all samples has
+    /// none. R over all samples lies between (1 - f) R, if all of these failed, and (1 - f) R + f, if none did; so
+    ///
+    ///   standard error' = standard error + f max(R, 1 - R) / 1.96,
+    ///
+    /// which widens the 95 % interval by the larger distance to these bounds.
+    #[must_use]
+    pub fn with_missing(self, missing: f64) -> Self {
+        let r = self.reliability;
+        Self { standard_error: self.standard_error + missing * r.max(1.0 - r) / INTERVAL, ..self }
+    }
+}
+
 /// The event a population is conditional on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Condition {
@@ -141,6 +158,19 @@ mod tests {
         // Where failures come later in life, earlier checkpoints have an error by counting.
         let early = reliability_curve(&[0.0, 0.3], 100_000, &[], &condition)[0];
         assert!(early.standard_error < 2e-11);
+    }
+
+    #[test]
+    fn an_interval_with_missing_samples_contains_both_bounds() {
+        for (r, missing) in [(0.881, 0.0845), (0.05, 0.2), (1.0, 0.1)] {
+            let point = CurvePoint { reliability: r, standard_error: 0.004 }.with_missing(missing);
+            let half = INTERVAL * point.standard_error;
+            let sampling = INTERVAL * 0.004;
+            assert!(r - half <= (1.0 - missing) * r - sampling + 1e-12, "{r}");
+            assert!(r + half >= (1.0 - missing) * r + missing + sampling - 1e-12, "{r}");
+        }
+        let point = CurvePoint { reliability: 0.9, standard_error: 0.01 };
+        assert_eq!(point.with_missing(0.0), point);
     }
 
     #[test]

@@ -68,6 +68,8 @@ pub struct Subset {
     /// Effect of the correlation along the chains [1]: the variance of the failed share is larger by the
     /// factor 1 + gamma.
     pub gamma: f64,
+    /// Index of the independent sample of the first level from which each sample descends `(N,)`.
+    pub origin: Vec<u32>,
 }
 
 impl Subset {
@@ -127,7 +129,8 @@ impl SubsetSimulation {
         let LevelSamples { u, y, origin, length } = samples;
         let gamma = chain_correlation(&y, 0.0, length).max(0.0);
         let cov = if levels.is_empty() { 0.0 } else { level_variation(&y, &origin, gamma) };
-        Subset { u, y, probability, cov, levels, gamma }
+        let origin = origin.into_iter().map(|j| u32::try_from(j).expect("fewer than 2^32 samples")).collect();
+        Subset { u, y, probability, cov, levels, gamma, origin }
     }
 
     /// Samples of the next level: one chain from each sample `from` of the level before, step t of all chains

@@ -7,8 +7,16 @@
 //!   dP_f/dp = E[I s] = E[(I - P_f) s],   standard error = sqrt(Var[(I - P_f) s] / N).
 //!
 //! The second form holds because a score has mean zero; it has the smaller variance, above all where P_f is
-//! near 1. The standard error contains sampling only, not the surrogate error. The bounds of bounded
-//! variables are held fixed.
+//! near 1. The standard error contains sampling only, not the surrogate error; for a Latin hypercube, which is
+//! taken as independent samples, it is too large. The bounds of bounded variables are held fixed.
+//!
+//! Under a condition C that every failure implies, dP_f/dp = P(C) E[I s | C]. The samples given C descend by
+//! Markov chains from N independent samples j of the first level; with T_j the sum of I s over the descendants
+//! of j among the N samples given C,
+//!
+//!   standard error^2 = P(C)^2 [sum over j of T_j^2 / N^2 - (sum over j of T_j)^2 / N^3],
+//!
+//! which contains the uncertainty of P(C) and the correlation along the chains and between levels.
 //!
 //! The score of independent variables is that of x_k alone. With a Gaussian copula, f(x) = c(u) prod_j
 //! f_j(x_j), u_j = Phi^-1(F_j(x_j)), the parameter of variable k moves u_k at a fixed x as well:
@@ -23,7 +31,8 @@
 //! analysis, AIAA Journal 32(8); Millwater (2009), Universal properties of kernel functions for probabilistic
 //! sensitivity analysis, Probabilistic Engineering Mechanics 24(1). Over conditional samples: Song, Lu, Qiao
 //! (2009), Subset simulation for structural reliability sensitivity analysis, Reliability Engineering &
-//! System Safety 94(2). The copula's term follows by the chain rule.
+//! System Safety 94(2). Their variance from the genealogy: Lee, Whiteley (2018), Variance estimation in the
+//! particle filter, Biometrika 105(3). The copula's term follows by the chain rule.
 //!
 //! # Example
 //! The probability that a normal variable of mean 1 and standard deviation 2 exceeds 3 is Phi(-1); its
@@ -85,6 +94,41 @@ impl Estimate {
 /// population lies further out.
 const LARGEST_NORMAL: f64 = 9.0;
 
+/// Sums of I s over the descendants of each origin, by first failure.
+struct DescendantSums {
+    /// Sums `(origins with descendants, m + 1)`.
+    by_origin: Vec<Vec<f64>>,
+}
+
+impl DescendantSums {
+    /// `descent` `(N,)` numbers the origins with descendants from 0.
+    fn new(scores: &[f64], first_failure: &[u32], descent: &[usize], m: usize) -> Self {
+        let origins = descent.iter().max().map_or(0, |last| last + 1);
+        let mut by_origin = vec![vec![0.0; m + 1]; origins];
+        for ((s, first), origin) in scores.iter().zip(first_failure).zip(descent) {
+            by_origin[*origin][*first as usize] += s;
+        }
+        Self { by_origin }
+    }
+
+    /// Estimate of E[I s | C] at checkpoint `n` over `points` samples.
+    fn estimate(&self, n: usize, points: usize) -> Estimate {
+        let count = points as f64;
+        let sums = self.by_origin.iter().map(|sums| sums[..=n].iter().sum::<f64>());
+        let (sum, squares) = sums.fold((0.0, 0.0), |(sum, squares), t| (sum + t, squares + t * t));
+        let variance = (squares - sum * sum / count).max(0.0) / (count * count);
+        Estimate { value: sum / count, standard_error: variance.sqrt() }
+    }
+}
+
+/// Sums of one score over classified samples.
+enum CurveSums {
+    /// Over independent samples.
+    Independent(ScoreSums),
+    /// Over samples that descend from fewer independent ones.
+    Descendants(DescendantSums),
+}
+
 /// Sums of a score and of its square by first failure.
 struct ScoreSums {
     /// Sum and sum of squares `(m + 1, 2)`; the last row is of the points that never fail.
@@ -128,8 +172,7 @@ pub struct Sampled<'a> {
 /// curve, variable.
 ///
 /// `first_failures` `(curves)(N,)` holds the index of the checkpoint by which each sample has failed, m if
-/// never. Under a condition C that every failure implies, dP_f/dp = P(C) E[I s | C]; the mean of a score
-/// given C is not zero, so the first form is used.
+/// never. Where the population descends from fewer independent samples, the form for a condition is used.
 pub fn sensitivities(
     sampled: &Sampled<'_>,
     first_failures: &[Vec<u32>],
@@ -141,35 +184,60 @@ pub fn sensitivities(
     let failed_share = |first: &[u32], n: usize| {
         first.iter().filter(|first| **first as usize <= n).count() as f64 / count as f64
     };
+    let descent = numbered_origins(population, points);
     // Sums per variable, parameter and curve.
-    let sums: Vec<[Vec<ScoreSums>; 2]> = population
+    let sums: Vec<[Vec<CurveSums>; 2]> = population
         .variables()
         .par_iter()
         .enumerate()
         .map(|(k, variable)| {
             let scores: Vec<[f64; 2]> = points.iter().map(|j| scores(population, variable, *j, k)).collect();
-            [0, 1].map(|parameter| -> Vec<ScoreSums> {
+            [0, 1].map(|parameter| -> Vec<CurveSums> {
                 let scores: Vec<f64> = scores.iter().map(|s| s[parameter]).collect();
-                first_failures.iter().map(|first| ScoreSums::new(&scores, first, m)).collect()
+                let sums = |first: &Vec<u32>| match &descent {
+                    None => CurveSums::Independent(ScoreSums::new(&scores, first, m)),
+                    Some(descent) => CurveSums::Descendants(DescendantSums::new(&scores, first, descent, m)),
+                };
+                first_failures.iter().map(sums).collect()
             })
         })
         .collect();
     let mut rows = Vec::new();
     for checkpoint in checkpoints {
         for (curve, first) in first_failures.iter().enumerate() {
-            let pf = if probability < 1.0 { 0.0 } else { failed_share(first, *checkpoint) };
+            let pf = failed_share(first, *checkpoint);
+            let estimate = |sums: &[CurveSums]| {
+                let given_condition = match &sums[curve] {
+                    CurveSums::Independent(sums) => sums.estimate(*checkpoint, pf, count),
+                    CurveSums::Descendants(sums) => sums.estimate(*checkpoint, count),
+                };
+                given_condition.times(probability)
+            };
             for (variable, [mean, std]) in sums.iter().enumerate() {
                 rows.push(Sensitivity {
                     curve,
                     checkpoint: *checkpoint,
                     variable,
-                    to_mean: mean[curve].estimate(*checkpoint, pf, count).times(probability),
-                    to_std: std[curve].estimate(*checkpoint, pf, count).times(probability),
+                    to_mean: estimate(mean),
+                    to_std: estimate(std),
                 });
             }
         }
     }
     rows
+}
+
+/// Number, from 0, of the origin of each sample `(N,)`; `None` if the samples are independent.
+fn numbered_origins(population: &Population, points: &[usize]) -> Option<Vec<usize>> {
+    let origins = population.origins();
+    if origins.is_empty() {
+        return None;
+    }
+    let mut distinct: Vec<u32> = points.iter().map(|j| origins[*j]).collect();
+    distinct.sort_unstable();
+    distinct.dedup();
+    let number = |j: &usize| distinct.binary_search(&origins[*j]).expect("each origin is among them");
+    Some(points.iter().map(number).collect())
 }
 
 /// Scores of point `j` for the mean and the standard deviation of variable `k` `(2,)`

@@ -15,7 +15,8 @@
 //! W is kept in double precision. Rounded to single precision (2^-24 of ||w|| < 1) it would change variance
 //! factors by up to 2^-23 sum |C^-1 r|, which is of the size of the factors themselves where a smooth
 //! function is known well; the test `single_precision_would_move_small_variances` shows it. 1e6 points and n
-//! = 150 take 1.2 GB.
+//! = 150 would take 1.2 GB, so a cache has a limit of memory: the first blocks are kept as far as they fit, the
+//! others are computed anew whenever they are needed.
 //!
 //! # Source
 //! Golub, Van Loan (2013), Matrix Computations, section 6.5 (updating factorisations); its use for cached
@@ -46,10 +47,20 @@ pub enum Update {
 }
 
 /// Cached predictions of a population by one model.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct PredictionCache {
     model: Option<Kriging>,
+    /// The first blocks of the population, as many as fit.
     blocks: Vec<Block>,
+    /// Most memory of the blocks [bytes].
+    limit: usize,
+}
+
+impl Default for PredictionCache {
+    /// An empty cache without a limit.
+    fn default() -> Self {
+        Self { model: None, blocks: Vec::new(), limit: usize::MAX }
+    }
 }
 
 /// Predictions of one block of the population.
@@ -65,13 +76,20 @@ impl PredictionCache {
     /// Number of points of every block but the last.
     pub const BLOCK: usize = BLOCK;
 
+    /// Sets the most memory that the blocks may take after the next update [bytes].
+    pub fn set_limit(&mut self, bytes: usize) {
+        self.limit = bytes;
+    }
+
     /// Updates the cache to `model` and `population`. The population may have grown since the last update;
     /// its first points must be the same. The result does not depend on the number of threads: blocks are
     /// fixed and independent.
     pub fn update(&mut self, model: &Kriging, population: &Population) -> Update {
         let known = self.model.as_ref().filter(|known| model.extends(known)).map(Kriging::points);
-        let blocks = population.len().div_ceil(BLOCK);
-        self.blocks.resize_with(blocks, Block::empty);
+        let bytes_of_block =
+            8 * BLOCK * (model.points() + ROOM + model.z.ncols() + model.trend.t.ncols() + 1);
+        let kept = population.len().div_ceil(BLOCK).min(self.limit / bytes_of_block);
+        self.blocks.resize_with(kept, Block::empty);
         self.blocks.par_iter_mut().enumerate().for_each(|(i, block)| {
             let points = population.columns(i * BLOCK..population.len().min((i + 1) * BLOCK));
             match known {
@@ -90,7 +108,7 @@ impl PredictionCache {
     }
 
     /// Predictions of block `i` (the points from `i * BLOCK` on) by the model of the last update; `None`
-    /// beyond the population.
+    /// beyond the population, and where the limit of memory leaves no room.
     pub fn block(&self, i: usize) -> Option<BlockPrediction> {
         Some(self.blocks.get(i)?.predict(self.model.as_ref()?))
     }

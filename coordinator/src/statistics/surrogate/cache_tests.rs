@@ -78,6 +78,37 @@ fn points_and_population_added_bit_by_bit_equal_a_prediction_from_scratch() {
 }
 
 #[test]
+fn issue_a_cache_stays_within_its_limit_of_memory() {
+    let population = population(6000);
+    let (x, y) = data(&population, 60);
+    let mut model = Kriging::condition_noisy(
+        x.subcols(0, 40),
+        y.subrows(0, 40),
+        &correlation(Kernel::Gaussian),
+        Trend::Constant,
+        None,
+    )
+    .unwrap();
+    let mut cache = PredictionCache::default();
+    cache.set_limit(1_000_000);
+    let mut kept = usize::MAX;
+    for to in [40, 41, 60] {
+        let from = model.points();
+        if to > from {
+            model = model.extended(x.subcols(from, to - from), y.subrows(from, to - from), None).unwrap();
+        }
+        cache.update(&model, &population);
+        assert!(cache.bytes() <= 1_000_000, "{}", cache.bytes());
+        let now = (0..12).take_while(|i| cache.block(*i).is_some()).count();
+        assert!((2..12).contains(&now) && now <= kept, "{now} {kept}");
+        kept = now;
+    }
+    let fresh = model.predict(population.columns(0..PredictionCache::BLOCK));
+    let difference = (&cache.block(0).unwrap().mean - &fresh.mean).norm_max();
+    assert!(difference < 1e-7, "{difference:e}");
+}
+
+#[test]
 fn the_number_of_threads_changes_no_bit() {
     let population = population(3000);
     let (x, y) = data(&population, 40);

@@ -44,8 +44,8 @@ pub fn sensitivities(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
         let Some(first) = rows.first() else { continue };
         let caption = format!(
             "Change of the probability of failure by {} at {} cycles if the mean or the standard deviation of a variable \
-             increases by one standard deviation; positive: more failures. Thin lines: 1.96 standard errors. The {} \
-             largest of {}.",
+             increases by one standard deviation, with the bounds of bounded variables held; positive: more failures. Thin \
+             lines: 1.96 standard errors. The {} largest of {}.",
             state.name,
             count(first.cycles.into()),
             rows.len().min(SHOWN),

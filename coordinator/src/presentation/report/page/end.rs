@@ -66,8 +66,10 @@ fn failures(input: &ReportInput) -> Markup {
     let listed = input.failures.iter().take(FAILURES_LISTED);
     html! {
         p {
-            "Evaluations without a result: " (count(input.failures.len() as u64)) ". They are excluded from the design"
-            @if learned {
+            "Evaluations without a result: " (count(input.failures.len() as u64)) ". They are excluded"
+            @if input.summary.is_direct() {
+                "; the intervals of R contain both extremes, that all or none of these samples have failed"
+            } @else if learned {
                 "; the share of the population that cannot be simulated is estimated at "
                 (percent(input.summary.failures.barred_share))
             }
