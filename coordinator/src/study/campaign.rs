@@ -180,7 +180,7 @@ impl Campaign {
         let sample = self.problem.inputs.means();
         let z = self.problem.inputs.standardise(&sample);
         let mut chunk = vec![PendingSample { z, sample, member: None, stricter: false, exploring: false }];
-        chunk.extend(chosen.into_iter().map(|j| self.take(j)));
+        chunk.extend(chosen.into_iter().map(|j| self.requests.take(&self.classified, j)));
         self.requests.begin(chunk)
     }
 
@@ -197,8 +197,15 @@ impl Campaign {
         let exploring = self.progress.stopping.exploring(self.data.results() + self.data.failed.len(), count);
         let mut chunk = self.explore(exploring);
         let assessment = self.progress.assessment.as_mut().expect("all outcomes have been assessed");
-        let chosen = assessment.selection.choose(&assessment.modes, count - chunk.len());
-        chunk.extend(chosen.into_iter().map(|j| self.take(j)));
+        // One after the other: a choice marks its copies in a conditional population, which the selection, made
+        // before, does not know.
+        let Assessment { selection, modes, .. } = assessment;
+        while chunk.len() < count {
+            let Some(j) = selection.choose(modes, 1).pop() else { break };
+            if !self.requests.requested[j] {
+                chunk.push(self.requests.take(&self.classified, j));
+            }
+        }
         if chunk.is_empty() {
             // Every point of the population was simulated or is under way.
             if self.requests.under_way() == 0 {
@@ -222,7 +229,7 @@ impl Campaign {
         let failed = assessment.governing_failed();
         if !classified.is_rare(plan, failed) {
             let chosen = assessment.explore(&classified.population, &requests.requested, &known, count);
-            let exploring = |j| PendingSample { exploring: true, ..self.take(j) };
+            let exploring = |j| PendingSample { exploring: true, ..requests.take(classified, j) };
             return chosen.into_iter().map(exploring).collect();
         }
         let pf = classified.condition.probability * failed.max(1.0 / classified.population.len() as f64);
@@ -233,15 +240,6 @@ impl Campaign {
             PendingSample { z, sample, member: None, stricter: false, exploring: true }
         };
         assessment.explore_rim(rim, &known, count).into_iter().map(pending).collect()
-    }
-
-    /// Marks point `j` of the population as requested.
-    fn take(&mut self, j: usize) -> PendingSample {
-        let conditional = self.classified.condition.levels > 0;
-        self.requests.mark(&self.classified.population, j, conditional);
-        let z = self.classified.population.standardised(j).to_vec();
-        let sample = self.classified.population.physical(j);
-        PendingSample { z, sample, member: Some(j), stricter: false, exploring: false }
     }
 
     /// Assesses all outcomes received and decides whether learning stops or needs another population.

@@ -1,6 +1,7 @@
 //! The simulations a campaign has requested: which are under way, which are repeated after a failure, and how
 //! many count against the budget.
 
+use super::classified_population::ClassifiedPopulation;
 use super::step::{SampleRequest, Step};
 use crate::statistics::design::Population;
 use common::failure::SimulationFailure;
@@ -50,15 +51,18 @@ impl Requests {
         self.requested = (0..population.len()).map(known).collect();
     }
 
-    /// Marks point `j` of the population as requested, and where points are `repeated`, as along the chains of
-    /// a conditional population, all copies of it.
-    pub fn mark(&mut self, population: &Population, j: usize, repeated: bool) {
+    /// Marks point `j` of the population as requested, along the chains of a conditional population all copies
+    /// of it, and returns it.
+    pub fn take(&mut self, classified: &ClassifiedPopulation, j: usize) -> PendingSample {
+        let population = &classified.population;
         self.requested[j] = true;
-        if repeated {
+        if classified.condition.levels > 0 {
             let z = population.standardised(j);
             let copies = (0..population.len()).filter(|i| population.standardised(*i) == z);
             copies.for_each(|i| self.requested[i] = true);
         }
+        let (z, sample) = (population.standardised(j).to_vec(), population.physical(j));
+        PendingSample { z, sample, member: Some(j), stricter: false, exploring: false }
     }
 
     /// Registers a chunk as under way and returns the step that requests it.
@@ -103,6 +107,7 @@ fn bits(z: &[f64]) -> Vec<u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::statistics::reliability::Condition;
     use common::random::Distribution;
 
     #[test]
@@ -110,15 +115,8 @@ mod tests {
         let variable = Distribution::normal(0.0, 1.0).unwrap();
         let mut population = Population::draw(&[variable; 2], 10, 1);
         let mut requests = Requests::new(10);
-        let pending = |population: &Population, j: usize| PendingSample {
-            z: population.standardised(j).to_vec(),
-            sample: population.physical(j),
-            member: Some(j),
-            stricter: false,
-            exploring: false,
-        };
-        requests.mark(&population, 3, false);
-        requests.begin(vec![pending(&population, 3)]);
+        let taken = requests.take(&ClassifiedPopulation::new(population.clone()), 3);
+        requests.begin(vec![taken]);
         population.grow_to(30);
         requests.mark_known(&population);
         assert_eq!((0..30).filter(|j| requests.requested[*j]).collect::<Vec<_>>(), [3]);
@@ -127,7 +125,9 @@ mod tests {
         let chains = population.with_points([&new[..], &new, &known].concat());
         requests.mark_known(&chains);
         assert_eq!(requests.requested, [false, false, true]);
-        requests.mark(&chains, 0, true);
+        let mut chains = ClassifiedPopulation::new(chains);
+        chains.condition = Condition { probability: 1e-3, cov: 0.0, gamma: 0.0, levels: 3 };
+        assert_eq!(requests.take(&chains, 0).z, new);
         assert_eq!(requests.requested, [true; 3]);
     }
 }
