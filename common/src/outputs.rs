@@ -1,6 +1,8 @@
 //! Results of one evaluation, in SI units.
 
+use crate::scene::Output;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// Result of one evaluation: the life of the mechanism for one sample of its random variables.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -11,6 +13,10 @@ pub struct Evaluation {
     pub histories: Vec<Vec<f64>>,
     /// Estimate of the numerical error of every value in `histories`, of the same shape and unit.
     pub errors: Vec<Vec<f64>>,
+    /// Value of each output in the first cycle, before any wear `(outputs,)`, in the output's SI unit; `None` for an output
+    /// whose value is not known, empty if none is.
+    #[serde(default)]
+    pub start: Vec<Option<f64>>,
     /// Per joint: state at the end of life and force peak of the first cycle.
     pub joints: Vec<JointSummary>,
     /// The settled first cycle of the unworn mechanism, if it was requested.
@@ -29,12 +35,24 @@ impl Evaluation {
         Self {
             cycles,
             histories,
+            start: Vec::new(),
             errors: Vec::new(),
             joints: Vec::new(),
             first_cycle: None,
             worn: None,
             diagnostics: Diagnostics::default(),
         }
+    }
+}
+
+impl Evaluation {
+    /// The known values at the start of life by output and unit, e.g. `max_wear_depth_m`, in the unit of the key.
+    pub fn start_by_key(&self, outputs: &[Output]) -> BTreeMap<String, f64> {
+        let known = |(output, value): (&Output, &Option<f64>)| {
+            let unit = output.kind.unit();
+            value.map(|value| (unit.key(&output.name), unit.to_file(value)))
+        };
+        outputs.iter().zip(&self.start).filter_map(known).collect()
     }
 }
 

@@ -130,6 +130,7 @@ fn made_up(scene: &Scene, sample: &[f64]) -> Evaluation {
         errors: Vec::new(),
         first_cycle: None,
         worn: None,
+        start: vec![],
         joints: Vec::new(),
         diagnostics: Diagnostics::default(),
     }

@@ -57,6 +57,7 @@ pub fn practice_result(sample: &[f64]) -> Result<Evaluation, SimulationFailure> 
         joints: vec![],
         first_cycle: None,
         worn: None,
+        start: vec![],
         diagnostics: Diagnostics { steps: x as u64, ..Diagnostics::default() },
     })
 }

@@ -35,6 +35,7 @@ pub fn evaluation(sample: &[f64]) -> Result<Evaluation, SimulationFailure> {
         joints: vec![],
         first_cycle: None,
         worn: None,
+        start: vec![],
         diagnostics: Diagnostics::default(),
     })
 }

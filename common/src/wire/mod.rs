@@ -32,4 +32,4 @@ pub use reason::reason;
 pub use status::{FarmStatus, Phase, ReliabilitySoFar, Status, StudyStatus, WorkerStatus};
 
 /// Version of the messages. It changes with every change of their layout or meaning; there is no negotiation.
-pub const PROTOCOL_VERSION: u16 = 4;
+pub const PROTOCOL_VERSION: u16 = 5;

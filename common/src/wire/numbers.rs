@@ -15,7 +15,7 @@ pub struct NonFinite {
 
 /// The first number of an evaluation that is not finite; `None` if all are finite.
 pub fn find_non_finite(evaluation: &Evaluation) -> Option<NonFinite> {
-    let Evaluation { cycles, histories, errors, joints, first_cycle, worn, diagnostics } = evaluation;
+    let Evaluation { cycles, histories, errors, start, joints, first_cycle, worn, diagnostics } = evaluation;
     for (name, rows) in [("histories", histories), ("errors", errors)] {
         for (output, row) in rows.iter().enumerate() {
             if let Some(at) = position(row) {
@@ -25,6 +25,9 @@ pub fn find_non_finite(evaluation: &Evaluation) -> Option<NonFinite> {
         }
     }
     let elsewhere = |quantity: String| Some(NonFinite { quantity, cycle: None });
+    if let Some(output) = start.iter().position(|value| value.is_some_and(|value| !value.is_finite())) {
+        return elsewhere(format!("start[{output}]"));
+    }
     for joint in joints {
         if !joint.peak_force.is_finite() {
             return elsewhere(format!("peak force of joint {}", joint.name));

@@ -24,6 +24,7 @@ struct PrintedReply<'r> {
     outputs: BTreeMap<String, &'r [f64]>,
     /// Numerical error of each, under the same names, if the simulator states any.
     numerical_error: BTreeMap<String, &'r [f64]>,
+    start: BTreeMap<String, f64>,
     wall_s: f64,
 }
 
@@ -101,6 +102,7 @@ pub fn simulate(
         cycles: &evaluation.cycles,
         outputs: by_name(scene, &evaluation.histories),
         numerical_error: by_name(scene, &evaluation.errors),
+        start: evaluation.start_by_key(&scene.outputs),
         wall_s: wall,
     };
     to_json(&printed)

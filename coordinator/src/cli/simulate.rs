@@ -46,6 +46,7 @@ struct PrintedEvaluation<'r> {
     outputs: BTreeMap<String, Vec<f64>>,
     /// Estimated numerical error of each, under the same names.
     numerical_error: BTreeMap<String, Vec<f64>>,
+    start: BTreeMap<String, f64>,
     first_cycle: Option<PrintedCycle<'r>>,
     joints: Vec<PrintedJoint<'r>>,
     worn: Option<PrintedWorn<'r>>,
@@ -181,6 +182,7 @@ fn printed<'r>(
         cycles: &evaluation.cycles,
         outputs: by_name(&evaluation.histories),
         numerical_error: by_name(&evaluation.errors),
+        start: evaluation.start_by_key(&scene.outputs),
         first_cycle: evaluation.first_cycle.as_ref().map(printed_cycle),
         worn: evaluation.worn.as_ref().map(|worn| printed_worn(worn, &evaluation.joints)),
         joints: evaluation

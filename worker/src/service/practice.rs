@@ -42,6 +42,7 @@ pub(crate) fn evaluation(history: Vec<f64>) -> Evaluation {
         joints: vec![],
         first_cycle: None,
         worn: None,
+        start: vec![],
         diagnostics,
     }
 }

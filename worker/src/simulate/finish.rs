@@ -1,23 +1,23 @@
 //! The result of an evaluation.
 
 use super::cycle_history::FirstCycle;
+use super::life_in_blocks::LifeHistory;
 use super::run::Run;
 use common::failure::SimulationFailure;
 use common::outputs::{Diagnostics, Evaluation, JointSummary};
 
 impl Run<'_> {
-    /// Assembles the result from the `histories` of the outputs and their `errors` `(outputs, m)` [SI] at the checkpoints
-    /// `cycles` `(m,)`.
+    /// Assembles the result from the outputs over life.
     ///
     /// # Errors
     /// [`SimulationFailure::NotFinite`] if a value is not finite.
     pub(crate) fn finish(
         &self,
-        cycles: Vec<u32>,
-        histories: Vec<Vec<f64>>,
-        errors: Vec<Vec<f64>>,
+        life: LifeHistory,
         first: FirstCycle,
     ) -> Result<Evaluation, SimulationFailure> {
+        let LifeHistory { histories, errors, start } = life;
+        let cycles = self.scene.life.checkpoints();
         for (output, history) in self.scene.outputs.iter().zip(&histories) {
             if let Some(k) = history.iter().position(|x| !x.is_finite()) {
                 return Err(SimulationFailure::NotFinite {
@@ -37,6 +37,7 @@ impl Run<'_> {
             cycles,
             histories,
             errors,
+            start: start.into_iter().map(|value| value.is_finite().then_some(value)).collect(),
             joints,
             first_cycle: first.history,
             worn: self.display.as_ref().and_then(|display| display.life.clone()),

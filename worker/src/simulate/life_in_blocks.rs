@@ -14,6 +14,8 @@ pub struct LifeHistory {
     pub histories: Vec<Vec<f64>>,
     /// Estimates of their errors.
     pub errors: Vec<Vec<f64>>,
+    /// Values in the first cycle, before any wear `(outputs,)` [SI].
+    pub start: Vec<f64>,
 }
 
 /// Model of the motion in the cycles between two blocks.
@@ -78,5 +80,6 @@ pub(crate) async fn simulate_life<E: From<SimulationFailure>>(
         });
     }
     let errors = estimate.errors(scene, &histories, &measured, accuracy.largest_step);
-    Ok(LifeHistory { histories, errors })
+    // An output of the wear is zero on the unworn bores, as is its measured value.
+    Ok(LifeHistory { histories, errors, start: measured.outputs[0].clone() })
 }

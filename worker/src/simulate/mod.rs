@@ -156,5 +156,5 @@ async fn evaluate(run: &mut Run<'_>) -> Result<Evaluation, SimulationFailure> {
     } else {
         simulate_life(run, next_cycle, CycleModel::Dynamic).await?
     };
-    run.finish(run.scene.life.checkpoints(), life.histories, life.errors, first)
+    run.finish(life, first)
 }

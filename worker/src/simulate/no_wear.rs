@@ -7,6 +7,7 @@
 //! Hairer, Nørsett, Wanner: Solving Ordinary Differential Equations I (1993), section II.4 (Richardson extrapolation).
 
 use super::cycle_history::FirstCycle;
+use super::life_in_blocks::LifeHistory;
 use super::run::Run;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
@@ -32,10 +33,10 @@ impl Run<'_> {
         self.restart_cycle(&finer);
         self.measure().await?;
         let again = self.motion_outputs();
-        let cycles = self.scene.life.checkpoints();
+        let count = self.scene.life.checkpoints().len();
         let error = |value: f64, again: f64| (SAFETY * (value - again).abs()).max(ROUNDING * value.abs());
-        let errors = values.iter().zip(again).map(|(&v, a)| vec![error(v, a); cycles.len()]).collect();
-        let histories = values.iter().map(|&v| vec![v; cycles.len()]).collect();
-        self.finish(cycles, histories, errors, first)
+        let errors = values.iter().zip(again).map(|(&v, a)| vec![error(v, a); count]).collect();
+        let histories = values.iter().map(|&v| vec![v; count]).collect();
+        self.finish(LifeHistory { histories, errors, start: values }, first)
     }
 }

@@ -22,6 +22,7 @@ fn evaluation(scene: &Scene, shares: &[(f64, f64)]) -> Evaluation {
         joints: vec![],
         first_cycle: None,
         worn: None,
+        start: vec![],
         diagnostics: Diagnostics::default(),
     }
 }

@@ -59,6 +59,7 @@ fn stand_in(scene: &Scene, request: &Request) -> Result<Evaluation, SimulationFa
         joints: scene.joints.iter().map(joint).collect(),
         first_cycle: None,
         worn: None,
+        start: vec![],
         diagnostics: Diagnostics::default(),
     })
 }

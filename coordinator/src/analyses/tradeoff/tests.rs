@@ -14,6 +14,7 @@ fn measured(seconds: f64, history: &[f64], stated: f64) -> Measured {
         joints: vec![],
         first_cycle: None,
         worn: None,
+        start: vec![],
         diagnostics: Diagnostics { steps: 100, ..Diagnostics::default() },
     };
     Measured { seconds, outcome: Ok(evaluation) }

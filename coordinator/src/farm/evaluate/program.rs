@@ -91,7 +91,7 @@ impl Setup {
             }
         };
         let outputs = by_name("outputs")?.ok_or("it has neither \"outputs\" nor \"failure\"")?;
-        self.expected.evaluation(outputs, by_name("errors")?)
+        self.expected.evaluation(outputs, by_name("errors")?, by_name("start")?)
     }
 }
 

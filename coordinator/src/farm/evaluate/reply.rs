@@ -33,7 +33,8 @@ impl Expected {
         self.outputs.iter().map(|(_, single)| if *single { 1 } else { self.cycles.len() }).collect()
     }
 
-    /// Builds an evaluation from values by name and, if stated, numerical errors of the same shape.
+    /// Builds an evaluation from values by name and, if given, numerical errors of the same shape and values at the start of
+    /// life. An output with a single value has it from the start.
     ///
     /// # Errors
     /// A message for the user if a name or shape does not fit the scene. A value that is not a finite number makes a
@@ -42,6 +43,7 @@ impl Expected {
         &self,
         values: &Map<String, Value>,
         errors: Option<&Map<String, Value>>,
+        start: Option<&Map<String, Value>>,
     ) -> Result<EvaluationResult, String> {
         let mut histories = Vec::new();
         for (name, single) in &self.outputs {
@@ -64,6 +66,7 @@ impl Expected {
         };
         Ok(Ok(Evaluation {
             cycles: self.cycles.clone(),
+            start: self.start(&histories, start)?,
             histories,
             errors,
             joints: vec![],
@@ -71,6 +74,26 @@ impl Expected {
             worn: None,
             diagnostics: Diagnostics::default(),
         }))
+    }
+
+    /// Values of the outputs at the start of life `(outputs,)`; empty if none is known.
+    fn start(
+        &self,
+        histories: &[Vec<f64>],
+        given: Option<&Map<String, Value>>,
+    ) -> Result<Vec<Option<f64>>, String> {
+        let start_of_output = |((name, single), history): (&(String, bool), &Vec<f64>)| match given
+            .and_then(|given| given.get(name))
+        {
+            Some(value) => match value.as_f64() {
+                Some(number) if number.is_finite() => Ok(Some(number)),
+                _ => Err(format!("the start of output \"{name}\" is {value} instead of a number")),
+            },
+            None => Ok(single.then(|| history[0])),
+        };
+        let found: Vec<_> =
+            self.outputs.iter().zip(histories).map(start_of_output).collect::<Result<_, _>>()?;
+        Ok(if found.iter().any(Option::is_some) { found } else { vec![] })
     }
 
     /// Stated errors of all outputs `(outputs, m)`; zero for an output without stated errors.
@@ -206,7 +229,22 @@ mod tests {
 
     fn evaluation(outputs: Value, errors: Option<Value>) -> Result<EvaluationResult, String> {
         let errors = errors.as_ref().map(|errors| errors.as_object().unwrap());
-        expected().evaluation(outputs.as_object().unwrap(), errors)
+        expected().evaluation(outputs.as_object().unwrap(), errors, None)
+    }
+
+    #[test]
+    fn the_start_of_life_is_taken_by_name() {
+        let with = |start: Value| {
+            let outputs = json!({ "g": [1, 2], "h": 3 });
+            let found = expected().evaluation(outputs.as_object().unwrap(), None, start.as_object());
+            found.map(|evaluation| evaluation.unwrap().start)
+        };
+        assert_eq!(with(Value::Null), Ok(vec![None, Some(3.0)]));
+        assert_eq!(with(json!({ "g": 0.5 })), Ok(vec![Some(0.5), Some(3.0)]));
+        assert_eq!(
+            with(json!({ "g": [0.5] })).unwrap_err(),
+            "the start of output \"g\" is [0.5] instead of a number"
+        );
     }
 
     #[test]

@@ -189,7 +189,7 @@ impl UmBridgeClient {
         };
         let by_name: Map<String, Value> =
             self.expected.outputs.iter().zip(self.expected.lengths()).map(cut).collect();
-        self.expected.evaluation(&by_name, None)
+        self.expected.evaluation(&by_name, None, None)
     }
 }
 

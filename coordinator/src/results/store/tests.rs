@@ -81,6 +81,7 @@ fn finished(id: u64) -> Finished {
         cycles: vec![1000, 2000],
         histories: vec![x.clone()],
         errors: vec![x.iter().map(|value| value.abs() / 7.0).collect()],
+        start: vec![Some(0.1 / 3.0)],
         joints: vec![JointSummary { name: "1".into(), peak_force: 0.1 + 0.2, wear_depth: x }],
         first_cycle,
         diagnostics: Diagnostics {
