@@ -31,6 +31,7 @@ mod failures;
 mod interim;
 mod learner;
 mod learner_thread;
+mod lives;
 mod monte_carlo;
 mod observations;
 mod plan;
@@ -51,12 +52,15 @@ mod verification;
 mod campaign_tests;
 #[cfg(test)]
 mod life_tests;
+#[cfg(test)]
+mod lives_tests;
 
 pub use campaign::Campaign;
 pub use campaign_result::CampaignResult;
 pub use classified_population::ClassifiedPopulation;
 pub use error::StudyError;
 pub use failures::{Failed, Feasibility};
+pub use lives::LEVELS;
 pub use observations::{Observations, Observed, ObservedOutcome};
 pub use plan::{Plan, Problem};
 pub use result::blank;

@@ -163,6 +163,6 @@ impl RandomProblem {
             return Ok(Observed::exact(histories));
         }
         let errors = self.units.iter().map(|unit| vec![unit * self.noise.share * spread; m]).collect();
-        Ok(Observed { histories, errors })
+        Ok(Observed { errors, ..Observed::exact(histories) })
     }
 }

@@ -7,6 +7,7 @@ use clap::Args;
 use coordinator::presentation::report::{self, SUMMARY_DOCUMENT};
 use coordinator::results::store::CampaignFile;
 use coordinator::results::summary::{SensitivityRow, SobolRow, StudySummary};
+use coordinator::statistics::reliability::REACH;
 use serde_json::json;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -78,13 +79,13 @@ fn table_into(out: &mut String, summary: &StudySummary) -> std::fmt::Result {
         };
         writeln!(
             out,
-            "{state}, at {cycles} cycles: change of the failure probability with one standard deviation"
+            "{state}, at {cycles} cycles: change of the failure probability with one standard deviation (95 % intervals)"
         )?;
         let shares = summary.sobol.iter().any(|row| row.limit_state == *state && row.cycles == cycles);
         let heading = if shares { "  variance alone  with others" } else { "" };
         writeln!(out, "  {:24} {:>20} {:>20}{heading}", "variable", "more mean", "more std")?;
         for row in strongest(summary, state, cycles) {
-            let pair = |value: f64, error: f64| format!("{value:+.4} +- {error:.4}");
+            let pair = |value: f64, error: f64| format!("{value:+.4} ± {:.4}", REACH * error);
             // The errors of the derivatives, on the scale of the scaled derivatives.
             let std_of = |derivative: f64, scaled: f64| {
                 if derivative == 0.0 { 0.0 } else { (scaled / derivative).abs() }

@@ -8,6 +8,7 @@ use super::stored_study::StoredStudy;
 use super::study_options::LearnerArguments;
 use clap::Args;
 use coordinator::analyses::replay::{Replayed, replay};
+use coordinator::statistics::reliability::REACH;
 use coordinator::study::{
     Method, Settings, SimulatedPoint, StudyError, Verification, verify as refit, verify_study,
 };
@@ -148,7 +149,8 @@ fn write_verification(out: &mut String, found: &Verification) -> std::fmt::Resul
             surrogate.variance_ratio.sqrt()
         )?;
     }
-    write!(out, "\n{:>10}", "cycles")?;
+    writeln!(out, "\ndifferences with their 95 % intervals")?;
+    write!(out, "{:>10}", "cycles")?;
     for curve in &found.curves {
         write!(out, " | {:^36}", format!("R {curve}: simulated, predicted"))?;
     }
@@ -159,7 +161,7 @@ fn write_verification(out: &mut String, found: &Verification) -> std::fmt::Resul
             row.simulated.iter().zip(&row.predicted).zip(&row.standard_error)
         {
             let difference = predicted - simulated;
-            write!(out, " | {simulated:.4} {predicted:.4} {difference:+.4} +- {error:.4}   ")?;
+            write!(out, " | {simulated:.4} {predicted:.4} {difference:+.4} ± {:.4}    ", REACH * error)?;
         }
         writeln!(out)?;
     }

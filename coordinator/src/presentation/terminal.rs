@@ -5,9 +5,10 @@ mod ending;
 
 pub use ending::final_text;
 
-use crate::presentation::report::format::{count, duration, fixed, percent};
+use crate::presentation::report::format::{count, duration, fixed, percent, reliability, with_width};
 use crate::results::progress::{Observer, Progress};
 use crate::results::summary::Round;
+use crate::statistics::reliability::REACH;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
@@ -80,7 +81,7 @@ impl ProgressText {
     }
 
     /// Evaluations, rate, time left in this round, current R; e.g.
-    /// `84/120 evaluations (initial design), 1.3/s, 27.7 s left in this round, R(66 000) = 0.347 ± 0.006`.
+    /// `84/120 evaluations (initial design), 1.3/s, 27.7 s left in this round, R(66 000) = 0.347 ± 0.012 (95 %)`.
     pub fn state(&self, now: Duration) -> String {
         let mut text = format!("{}/{} evaluations", self.done, self.planned.max(self.done));
         if !self.purpose.is_empty() {
@@ -108,16 +109,14 @@ impl ProgressText {
 
 /// R with its standard error, or P_f where R has no digits left to show.
 fn current_reliability(round: &Round) -> String {
-    let pf = 1.0 - round.reliability_total;
+    let (r, width) = (round.reliability_total, REACH * round.standard_error());
+    let pf = 1.0 - r;
     if pf > 0.0 && pf < 1e-3 {
-        return format!("P_f({}) = {pf:.2e} ± {:.1e}", count(round.cycles.into()), round.standard_error());
+        return format!("P_f({}) = {} (95 %)", count(round.cycles.into()), with_width(pf, width));
     }
-    format!(
-        "R({}) = {} ± {}",
-        count(round.cycles.into()),
-        fixed(round.reliability_total, 4),
-        fixed(round.standard_error(), 4)
-    )
+    let value = reliability(r, (r - width).max(0.0), (r + width).min(1.0));
+    let equal = if value.starts_with(['>', '<']) { "" } else { "= " };
+    format!("R({}) {equal}{value} (95 %)", count(round.cycles.into()))
 }
 
 /// A finished round in one line.
@@ -234,9 +233,9 @@ mod tests {
             cov_pf: 0.05,
             ..Round::default()
         };
-        assert_eq!(current_reliability(&round), "P_f(500) = 3.20e-5 ± 1.9e-6");
+        assert_eq!(current_reliability(&round), "P_f(500) = 3.20e\u{2212}5 ± 3.7e\u{2212}6 (95 %)");
         let safe = Round { reliability_total: 1.0, ..round };
-        assert!(current_reliability(&safe).starts_with("R(500) = 1.0000"));
+        assert!(current_reliability(&safe).starts_with("R(500) "));
     }
 
     #[test]
@@ -267,9 +266,9 @@ mod tests {
         assert_eq!(lines.len(), 9);
         assert_eq!(
             lines[1],
-            "round 1: 132 evaluations, R(66 000) = 0.2990 ± 0.0227, changed by 6.0 %, uncertain 18.6 %, min U 0.180"
+            "round 1: 132 evaluations, R(66 000) = 0.299 ± 0.044 (95 %), changed by 6.0 %, uncertain 18.6 %, min U 0.180"
         );
-        assert!(text.state(seconds(5)).ends_with("± 0.0040"), "{}", text.state(seconds(5)));
+        assert!(text.state(seconds(5)).ends_with("± 0.0078 (95 %)"), "{}", text.state(seconds(5)));
     }
 
     #[test]

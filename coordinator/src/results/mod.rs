@@ -28,6 +28,7 @@
 
 pub mod csv_table;
 pub mod journal;
+pub mod life_summary;
 pub mod progress;
 pub mod result_files;
 pub mod store;

@@ -83,7 +83,8 @@ pub fn summary_json(summary: &StudySummary) -> Result<String, ResultFileError> {
 
 /// `reliability.csv` as text: `cycles`, then `R_<limit state>, se_<limit state>` in the scene's order, then
 /// `R_total, se_total`; then, in the same order, `numerical_low_<limit state>, numerical_high_<limit state>`: R with all
-/// responses shifted by the numerical errors that the simulations state.
+/// responses shifted by the numerical errors that the simulations state; then `low_<limit state>, high_<limit state>`, the 95 %
+/// interval of R without them.
 pub fn reliability_csv(summary: &StudySummary) -> String {
     let keys: Vec<&str> = summary.limit_states.iter().map(String::as_str).chain(["total"]).collect();
     let mut columns = vec!["cycles".to_owned()];
@@ -91,6 +92,7 @@ pub fn reliability_csv(summary: &StudySummary) -> String {
     columns.extend(
         keys.iter().flat_map(|key| [format!("numerical_low_{key}"), format!("numerical_high_{key}")]),
     );
+    columns.extend(keys.iter().flat_map(|key| [format!("low_{key}"), format!("high_{key}")]));
     let mut table = CsvTable::new(&columns);
     for row in &summary.reliability {
         let value =
@@ -101,6 +103,10 @@ pub fn reliability_csv(summary: &StudySummary) -> String {
         }
         for key in &keys {
             let range = row.numerical.get(*key).map(|range| [number(range.lower), number(range.upper)]);
+            cells.extend(range.unwrap_or_default());
+        }
+        for key in &keys {
+            let range = row.interval_of(key).map(|range| [number(range.lower), number(range.upper)]);
             cells.extend(range.unwrap_or_default());
         }
         table.push(&cells);
@@ -179,7 +185,7 @@ mod tests {
         assert_eq!(keys(&json["evaluations"]), ["added", "failed", "initial", "total"]);
         assert_eq!(
             keys(&json["reliability"][0]),
-            ["asymmetry", "cycles", "numerical", "standard_error", "total", "wear"]
+            ["asymmetry", "cycles", "interval", "numerical", "standard_error", "total", "wear"]
         );
         assert_eq!(
             keys(&json["moments"][0]),
@@ -211,7 +217,7 @@ mod tests {
             lines.next().unwrap(),
             "cycles,R_wear,se_wear,R_asymmetry,se_asymmetry,R_total,se_total,numerical_low_wear,\
              numerical_high_wear,numerical_low_asymmetry,numerical_high_asymmetry,numerical_low_total,\
-             numerical_high_total"
+             numerical_high_total,low_wear,high_wear,low_asymmetry,high_asymmetry,low_total,high_total"
         );
         for (line, row) in lines.by_ref().zip(&summary.reliability) {
             let values: Vec<f64> = line.split(',').map(|value| value.parse().unwrap()).collect();

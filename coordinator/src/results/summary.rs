@@ -3,6 +3,8 @@
 //! The field names are the keys of the file: they may be added to, but not changed. Keys of outputs are their name and
 //! unit, e.g. `max_wear_depth_m`.
 
+use super::life_summary::{LifeCurveRow, LifeRow, UnresolvedFall};
+use crate::statistics::reliability::REACH;
 use common::accuracy::Accuracy;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -38,6 +40,16 @@ pub struct StudySummary {
     pub limit_states: Vec<String>,
     /// Reliabilities, one row per checkpoint.
     pub reliability: Vec<ReliabilityRow>,
+    /// Lives at the usual levels of reliability, per limit state and in total; empty with a single checkpoint and in studies by
+    /// earlier versions.
+    #[serde(default)]
+    pub lives: Vec<LifeRow>,
+    /// Reliability between the checkpoints, per limit state and in total, from which the lives are read; empty where `lives` is.
+    #[serde(default)]
+    pub curves: Vec<LifeCurveRow>,
+    /// The interval that contains too much of the fall of R for its checkpoints, if there is one.
+    #[serde(default)]
+    pub unresolved_fall: Option<UnresolvedFall>,
     /// First failures, one row per checkpoint; empty in studies by earlier versions.
     #[serde(default)]
     pub first_failure: Vec<FirstFailureRow>,
@@ -188,15 +200,30 @@ pub struct ReliabilityRow {
     /// Range of R(n) with all responses shifted by their stated numerical errors to the unsafe and to the safe side. Not part
     /// of the standard error; empty in studies by earlier versions.
     #[serde(default)]
-    pub numerical: BTreeMap<String, NumericalRange>,
+    pub numerical: BTreeMap<String, ReliabilityRange>,
+    /// 95 % interval of R(n) per curve: R -+ 1.96 standard errors, where no failure or no survivor was seen the rule of three;
+    /// empty in studies by earlier versions.
+    #[serde(default)]
+    pub interval: BTreeMap<String, ReliabilityRange>,
 }
 
-/// Range of a reliability under numerical errors.
+impl ReliabilityRow {
+    /// 95 % interval of the reliability `key`, without the numerical error.
+    pub fn interval_of(&self, key: &str) -> Option<ReliabilityRange> {
+        let interval = self.interval.get(key).copied();
+        interval.or_else(|| {
+            let (r, reach) = (*self.reliability.get(key)?, REACH * *self.standard_error.get(key)?);
+            Some(ReliabilityRange { lower: (r - reach).max(0.0), upper: (r + reach).min(1.0) })
+        })
+    }
+}
+
+/// Range of a reliability: its 95 % interval, or its range under numerical errors.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct NumericalRange {
-    /// R with every response larger by its stated error.
+pub struct ReliabilityRange {
+    /// Lower limit; under numerical errors R with every response larger by its stated error.
     pub lower: f64,
-    /// R with every response smaller by its stated error.
+    /// Upper limit; under numerical errors R with every response smaller by its stated error.
     pub upper: f64,
 }
 

@@ -1,7 +1,7 @@
 //! The reliability during a study and at its end, as rows of the summary.
 
-use crate::results::summary::{PerLimitState, ReliabilityRow};
-use crate::statistics::reliability::{Condition, CurvePoint, reliability_curve};
+use crate::results::summary::{PerLimitState, ReliabilityRange, ReliabilityRow};
+use crate::statistics::reliability::{Condition, CurvePoint, half_width, reliability_curve};
 use std::collections::BTreeMap;
 
 /// Failure shares with the errors known for them.
@@ -40,7 +40,9 @@ impl InterimResult {
             let value = |of: fn(&CurvePoint) -> f64| -> PerLimitState {
                 names.iter().zip(&curves).map(|(name, curve)| (name.clone(), of(&curve[n]))).collect()
             };
+            let interval = |(c, name): (usize, &String)| (name.clone(), self.interval(c, n, &curves[c][n]));
             ReliabilityRow {
+                interval: names.iter().enumerate().map(interval).collect(),
                 cycles: *cycles,
                 reliability: value(|point| point.reliability),
                 standard_error: value(|point| point.standard_error),
@@ -48,5 +50,11 @@ impl InterimResult {
             }
         };
         cycles.iter().enumerate().map(row).collect()
+    }
+    /// 95 % interval of R at checkpoint `n` of curve `c`.
+    fn interval(&self, c: usize, n: usize, point: &CurvePoint) -> ReliabilityRange {
+        let width = half_width(self.failed[c][n], point, self.points, &self.condition);
+        let (r, width) = (point.reliability, self.condition.probability * width);
+        ReliabilityRange { lower: (r - width).max(0.0), upper: (r + width).min(1.0) }
     }
 }

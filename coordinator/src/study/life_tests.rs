@@ -158,6 +158,7 @@ impl Evaluator for MadeUp {
                     joints: vec![],
                     first_cycle: None,
                     worn: None,
+                    start: vec![],
                     diagnostics: Diagnostics::default(),
                 })
             };

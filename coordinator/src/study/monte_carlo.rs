@@ -8,19 +8,17 @@
 use super::failures::{Failed, check_failures};
 use super::interim::InterimResult;
 use super::learner::Learner;
+use super::lives::add_simulated;
 use super::observations::ObservedOutcome;
 use super::result::{Findings, LearnerFindings};
 use super::round::largest_change;
 use super::rows::failure_rows;
-use super::{
-    CampaignError, Method, Observed, Problem, SampleRequest, SettingError, Settings, Step, StudyError,
-};
+use super::{CampaignError, Method, Problem, SampleRequest, SettingError, Settings, Step, StudyError};
 use crate::results::summary::{Convergence, EvaluationCounts, Failures, Round};
 use crate::statistics::design::Population;
 use crate::statistics::learning::{curves, running_maximum};
 use crate::statistics::reliability::{
-    Condition, NumericalBand, ShiftedFailures, coefficient_of_variation, distributions_from_samples,
-    first_failure_shares, first_failure_with, governing_checkpoint,
+    Condition, LifeCounts, coefficient_of_variation, distributions_from_samples, governing_checkpoint,
 };
 use crate::statistics::sensitivity::{Sampled, sensitivities};
 use common::scene::Scene;
@@ -50,8 +48,8 @@ pub(super) struct DirectSimulation<'a> {
     histories: Vec<Vec<Vec<f64>>>,
     /// Index of their first failure `(modes + 1)(points,)`, the system last.
     first_failures: Vec<Vec<u32>>,
-    /// Their first failures with responses shifted by the stated errors, per mode.
-    shifted: Vec<ShiftedFailures>,
+    /// Their lives.
+    lives: LifeCounts,
     failures: Vec<Failed>,
     rounds: Vec<Round>,
     /// Failure shares of the last round `(modes + 1, m)`.
@@ -77,7 +75,7 @@ impl<'a> DirectSimulation<'a> {
             points: Vec::new(),
             histories: vec![Vec::new(); problem.outputs],
             first_failures: vec![Vec::new(); problem.modes.len() + 1],
-            shifted: vec![ShiftedFailures { larger: vec![], smaller: vec![] }; problem.modes.len()],
+            lives: LifeCounts::new(problem.modes.len(), problem.checkpoints.len()),
             failures: Vec::new(),
             rounds: Vec::new(),
             curves: None,
@@ -108,8 +106,6 @@ impl<'a> DirectSimulation<'a> {
         let m = self.problem.checkpoints.len();
         let grid: Vec<usize> = undecided(&failed);
         let sampled = Sampled { population: &self.population, points: &self.points, probability: 1.0 };
-        let modes: Vec<&[u32]> =
-            self.first_failures[..self.problem.modes.len()].iter().map(Vec::as_slice).collect();
         Ok(Findings {
             shares: InterimResult {
                 failed,
@@ -122,14 +118,13 @@ impl<'a> DirectSimulation<'a> {
                 barred_share: missing,
                 simulations: failure_rows(scene, &self.problem.inputs, &self.failures),
             },
-            numerical: NumericalBand::count(&self.shifted, m),
+            lives: self.lives,
             distributions: self
                 .histories
                 .iter()
                 .map(|all| distributions_from_samples(&all.iter().map(Vec::as_slice).collect::<Vec<_>>()))
                 .collect(),
             derivatives: sensitivities(&sampled, &self.first_failures, &grid, m),
-            first_failures: first_failure_shares(&modes, m),
             evaluations: EvaluationCounts {
                 total: samples + 1,
                 initial: 1,
@@ -182,7 +177,7 @@ impl Learner for DirectSimulation<'_> {
                 Ok(observed) => {
                     self.points.push(j);
                     add_first_failures(self.problem, &observed.histories, &mut self.first_failures);
-                    add_shifted(self.problem, &observed, &mut self.shifted);
+                    add_simulated(self.problem, &observed, &mut self.lives);
                     let all = self.histories.iter_mut();
                     all.zip(observed.histories).for_each(|(all, history)| all.push(history));
                 }
@@ -238,15 +233,6 @@ fn add_first_failures(problem: &Problem, outputs: &[Vec<f64>], first_failures: &
         all.push(first);
     }
     first_failures[problem.modes.len()].push(earliest);
-}
-
-/// Appends the first failures of one evaluation by mode, with its values shifted by their stated errors.
-fn add_shifted(problem: &Problem, observed: &Observed, shifted: &mut [ShiftedFailures]) {
-    for (mode, all) in problem.modes.iter().zip(shifted) {
-        let (history, errors) = (&observed.histories[mode.output], &observed.errors[mode.output]);
-        all.larger.push(first_failure_with(history, errors, 1.0, mode.threshold));
-        all.smaller.push(first_failure_with(history, errors, -1.0, mode.threshold));
-    }
 }
 
 /// Failure shares `(modes + 1, m)` from the first failures of the modes and the system.

@@ -12,24 +12,26 @@ pub struct Observed {
     pub histories: Vec<Vec<f64>>,
     /// Stated numerical errors of the histories `(outputs)(m,)` [unit of the output], at least 0.
     pub errors: Vec<Vec<f64>>,
+    /// Values at the start of life `(outputs,)` [unit of the output]; `None` where they are not known.
+    pub start: Vec<Option<f64>>,
 }
 
 /// Result of one sample.
 pub type ObservedOutcome = Result<Observed, SimulationFailure>;
 
 impl Observed {
-    /// Histories `(outputs)(m,)` without numerical errors.
+    /// Histories `(outputs)(m,)` without numerical errors, from an unknown start.
     pub fn exact(histories: Vec<Vec<f64>>) -> Self {
         let errors = histories.iter().map(|history| vec![0.0; history.len()]).collect();
-        Self { histories, errors }
+        Self { errors, start: vec![None; histories.len()], histories }
     }
 
     /// The histories of an evaluation; its errors are zero if it states none.
     pub fn from_evaluation(evaluation: Evaluation) -> Self {
-        if evaluation.errors.is_empty() {
-            return Self::exact(evaluation.histories);
-        }
-        Self { histories: evaluation.histories, errors: evaluation.errors }
+        let Evaluation { histories, errors, mut start, .. } = evaluation;
+        start.resize(histories.len(), None);
+        let exact = Self::exact(histories);
+        Self { errors: if errors.is_empty() { exact.errors } else { errors }, start, ..exact }
     }
 }
 
@@ -44,6 +46,8 @@ pub struct Observations {
     histories: Vec<Vec<Vec<f64>>>,
     /// Stated errors `(outputs)(n)(m,)` [unit of the output].
     errors: Vec<Vec<Vec<f64>>>,
+    /// Values at the start of life `(outputs)(n,)` [unit of the output].
+    start: Vec<Vec<Option<f64>>>,
     /// Number of points of the initial design.
     design: usize,
 }
@@ -56,6 +60,7 @@ impl Observations {
             z: Vec::new(),
             histories: vec![Vec::new(); outputs],
             errors: vec![Vec::new(); outputs],
+            start: vec![Vec::new(); outputs],
             design: 0,
         }
     }
@@ -68,6 +73,9 @@ impl Observations {
         }
         for (all, errors) in self.errors.iter_mut().zip(observed.errors) {
             all.push(errors);
+        }
+        for (all, start) in self.start.iter_mut().zip(observed.start) {
+            all.push(start);
         }
     }
 
@@ -104,6 +112,11 @@ impl Observations {
     /// True if all histories of one output are equal.
     pub fn is_constant(&self, output: usize) -> bool {
         self.histories[output].windows(2).all(|pair| pair[0] == pair[1])
+    }
+
+    /// Values of one output at the start of life `(n,)` [unit of the output], if all of them are known.
+    pub fn starts(&self, output: usize) -> Option<Vec<f64>> {
+        self.start[output].iter().copied().collect()
     }
 
     /// Histories of one output as a matrix `(n, m)` [unit of the output].
@@ -156,8 +169,13 @@ mod tests {
     fn a_running_maximum_keeps_the_error_of_its_value() {
         let mut observations = Observations::new(1, 1);
         let histories = vec![vec![1.0, 3.0, 2.0, 4.0]];
-        observations.add(&[0.0], Observed { histories, errors: vec![vec![0.1, 0.3, 0.9, 0.2]] });
+        observations.add(
+            &[0.0],
+            Observed { errors: vec![vec![0.1, 0.3, 0.9, 0.2]], start: vec![Some(0.5)], histories },
+        );
+        assert_eq!(observations.starts(0), Some(vec![0.5]));
         observations.add(&[1.0], Observed::exact(vec![vec![5.0; 4]]));
+        assert_eq!(observations.starts(0), None);
         let errors = observations.errors_of_running_maxima(0);
         let row = |i: usize| errors.row(i).iter().copied().collect::<Vec<f64>>();
         assert_eq!(row(0), [0.1, 0.3, 0.3, 0.2]);

@@ -49,6 +49,7 @@ impl ResponseLayout {
             observed.histories.push(negated);
             let errors = observed.errors[*output].clone();
             observed.errors.push(errors);
+            observed.start.push(observed.start[*output].map(|value| -value));
         }
         observed
     }
@@ -71,10 +72,15 @@ mod tests {
         let modes: Vec<_> = responses.modes.iter().map(|mode| (mode.output, mode.threshold)).collect();
         assert_eq!(modes, [(2, -2.0), (1, 9.0), (2, 1.0)]);
         assert_eq!(responses.count(), 3);
-        let observed = Observed { histories: vec![vec![1.0], vec![3.0]], errors: vec![vec![0.0], vec![0.5]] };
+        let observed = Observed {
+            histories: vec![vec![1.0], vec![3.0]],
+            errors: vec![vec![0.0], vec![0.5]],
+            start: vec![None, Some(2.0)],
+        };
         let complete = responses.complete(observed);
         assert_eq!(complete.histories, [[1.0], [3.0], [-3.0]]);
         assert_eq!(complete.errors, [[0.0], [0.5], [0.5]]);
+        assert_eq!(complete.start, [None, Some(2.0), Some(-2.0)]);
         let mut above = source.nominal().clone();
         above.limit_states.retain(|limit| limit.fails == Fails::Above);
         assert_eq!(ResponseLayout::from_scene(&above).count(), 2);

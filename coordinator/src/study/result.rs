@@ -1,17 +1,15 @@
 //! The result of a study, from the findings of active learning or direct simulation.
 
 use super::interim::InterimResult;
-use super::response_layout::ResponseLayout;
+use super::lives::{learned_lives, life_findings};
 use super::rows::{failures, first_failure, sobol};
 use super::{CampaignResult, ClassifiedPopulation, Settings, StopReason, Surrogate};
 use crate::results::summary::{
-    ConditionRow, Convergence, EvaluationCounts, Failures, MomentsRow, NumericalRange, ReliabilityRow,
+    ConditionRow, Convergence, EvaluationCounts, Failures, MomentsRow, ReliabilityRange, ReliabilityRow,
     SensitivityError, SensitivityRow, SobolRow, StudySummary, SurrogateRow, Timing, WorkerShare,
 };
 use crate::statistics::learning::Rule;
-use crate::statistics::reliability::{
-    NumericalBand, OutputDistribution, first_failure_shares, predict_distributions, shift_population,
-};
+use crate::statistics::reliability::{LifeCounts, NumericalBand, OutputDistribution, predict_distributions};
 use crate::statistics::sensitivity::{Sampled, Sensitivity, sensitivities};
 use crate::statistics::surrogate::{Correlation, LeaveOneOut, Sharing, Trend};
 use common::scene::{LimitState, Output, Scene};
@@ -79,14 +77,12 @@ impl SurrogateReport {
 pub(super) struct Findings {
     /// Failure shares and their errors.
     pub shares: InterimResult,
-    /// Failure shares under numerical errors.
-    pub numerical: NumericalBand,
+    /// Lives of the population.
+    pub lives: LifeCounts,
     /// Distributions of the outputs at every checkpoint `(outputs)(m,)`.
     pub distributions: Vec<Vec<OutputDistribution>>,
     /// Derivatives of the failure probabilities.
     pub derivatives: Vec<Sensitivity>,
-    /// Shares of first failures, see [`first_failure_shares`].
-    pub first_failures: Vec<Vec<f64>>,
     /// Simulations without a result.
     pub failures: Failures,
     /// Counts of evaluations.
@@ -131,6 +127,9 @@ pub fn blank(scene: &Scene, settings: &Settings) -> StudySummary {
         evaluations: EvaluationCounts::default(),
         limit_states: scene.limit_states.iter().map(|limit| limit.name.clone()).collect(),
         reliability: Vec::new(),
+        lives: Vec::new(),
+        curves: Vec::new(),
+        unresolved_fall: None,
         first_failure: Vec::new(),
         failures: Failures::default(),
         conditional: None,
@@ -158,10 +157,9 @@ pub(super) fn from_learning(scene: &Scene, settings: &Settings, learned: &Campai
     let sampled = Sampled { population, points: &points, probability: condition.probability };
     Findings {
         shares: learned.shares(),
-        numerical: numerical_band(scene, learned),
+        lives: learned_lives(scene, learned),
         distributions: output_distributions(scene, learned),
         derivatives: sensitivities(&sampled, &first_failures, &assessment.grid, m),
-        first_failures: first_failure_shares(&modes, m),
         failures: failures(scene, learned),
         evaluations: EvaluationCounts {
             total: learned.evaluations,
@@ -195,22 +193,6 @@ fn learner_findings(scene: &Scene, learned: &CampaignResult) -> LearnerFindings 
         rows: surrogates.iter().zip(fitted).map(|(report, surrogate)| report.row(surrogate)).collect(),
         surrogates,
     }
-}
-
-/// Failure shares with the population's responses shifted by the stated errors.
-fn numerical_band(scene: &Scene, learned: &CampaignResult) -> NumericalBand {
-    let shifted: Vec<_> = ResponseLayout::from_scene(scene)
-        .modes
-        .iter()
-        .zip(&learned.assessment.surrogates)
-        .map(|(mode, surrogate)| {
-            let values = learned.observations.running_maxima(mode.output);
-            let errors = learned.observations.errors_of_running_maxima(mode.output);
-            let (values, errors) = (values.as_ref(), errors.as_ref());
-            shift_population(&surrogate.model, &learned.classified.population, values, errors, mode.threshold)
-        })
-        .collect();
-    NumericalBand::count(&shifted, scene.life.checkpoints().len())
 }
 
 /// Distributions of the outputs themselves (not their running maxima), with the lengths of the first limit state that
@@ -248,8 +230,16 @@ fn stop_in_words(learned: &CampaignResult, settings: &Settings) -> String {
             targets.error, targets.change, targets.hold, held
         ),
         StopReason::Budget => format!(
-            "the budget of {} evaluations is spent; the estimated surrogate error is {:.2e} (target {})",
-            settings.max_evaluations, figures.error, targets.error
+            "the budget of {} evaluations is spent; {}",
+            settings.max_evaluations,
+            if figures.error > targets.error {
+                format!("the estimated surrogate error is {:.1e} (target {})", figures.error, targets.error)
+            } else {
+                format!(
+                    "the estimated surrogate error is below its target {}, but has not been for {} rounds and {} points",
+                    targets.error, targets.hold, held
+                )
+            }
         ),
     };
     let system = &learned.assessment.curves[learned.assessment.curves.len() - 1];
@@ -282,8 +272,12 @@ impl Findings {
         let names = curve_names(scene);
         let limits = &names[..scene.limit_states.len()];
         let condition = &self.shares.condition;
+        let first_failures = self.lives.first_failure_shares();
         let first_failure =
-            |(n, cycles): (usize, &u32)| first_failure(limits, &self.first_failures, condition, *cycles, n);
+            |(n, cycles): (usize, &u32)| first_failure(limits, &first_failures, condition, *cycles, n);
+        let numerical = self.lives.numerical_band();
+        let states_errors = scene.simulator.is_none() || numerical.most != numerical.least;
+        let life = life_findings(&self.lives, &self.shares, &names, &cycles, states_errors);
         let moments = |(n, cycles): (usize, &u32)| moments(scene, &self.distributions, *cycles, n);
         let summary = StudySummary {
             population: self.shares.points,
@@ -293,7 +287,10 @@ impl Findings {
                 levels: condition.levels,
             }),
             evaluations: self.evaluations,
-            reliability: self.reliability(scene, &names, &cycles),
+            reliability: self.reliability(states_errors.then_some(&numerical), &names, &cycles),
+            lives: life.lives,
+            curves: life.curves,
+            unresolved_fall: life.unresolved,
             first_failure: cycles.iter().enumerate().map(first_failure).collect(),
             failures: self.failures,
             moments: cycles.iter().enumerate().map(moments).collect(),
@@ -321,15 +318,20 @@ impl Findings {
         }
     }
 
-    /// R(n) of every curve, with its range under numerical errors unless a simulator states none.
-    fn reliability(&self, scene: &Scene, names: &[String], cycles: &[u32]) -> Vec<ReliabilityRow> {
+    /// R(n) of every curve, with its range under numerical errors unless the simulator states none.
+    fn reliability(
+        &self,
+        numerical: Option<&NumericalBand>,
+        names: &[String],
+        cycles: &[u32],
+    ) -> Vec<ReliabilityRow> {
         let mut rows = self.shares.rows(names, cycles);
-        if scene.simulator.is_none() || self.numerical.most != self.numerical.least {
+        if let Some(numerical) = numerical {
             let probability = self.shares.condition.probability;
             for (n, row) in rows.iter_mut().enumerate() {
-                let range = |c: usize| NumericalRange {
-                    lower: 1.0 - probability * self.numerical.most[c][n],
-                    upper: 1.0 - probability * self.numerical.least[c][n],
+                let range = |c: usize| ReliabilityRange {
+                    lower: 1.0 - probability * numerical.most[c][n],
+                    upper: 1.0 - probability * numerical.least[c][n],
                 };
                 row.numerical = names.iter().enumerate().map(|(c, name)| (name.clone(), range(c))).collect();
             }

@@ -46,7 +46,7 @@ pub(super) fn sobol(scene: &Scene, campaign: &CampaignResult) -> Vec<SobolRow> {
 }
 
 /// Shares of first failures by checkpoint `n`; `shares` `(modes + 1, m)` as from
-/// [`crate::statistics::reliability::first_failure_shares`].
+/// [`crate::statistics::reliability::LifeCounts::first_failure_shares`].
 pub(super) fn first_failure(
     names: &[String],
     shares: &[Vec<f64>],

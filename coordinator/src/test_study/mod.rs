@@ -8,6 +8,7 @@ use crate::presentation::report::{
     CheckpointDistribution, DISTRIBUTIONS_DOCUMENT, ReportInput, SUMMARY_DOCUMENT,
 };
 use crate::results::journal::Journal;
+use crate::results::life_summary::{CyclesRange, LifeCurveRow, LifeRow};
 use crate::results::store::{CampaignFile, CampaignMeta};
 use crate::results::summary::*;
 use common::accuracy::Accuracy;
@@ -17,6 +18,7 @@ use common::scene::{Scene, SceneSource};
 use mechanism::{depth, rod_on_pins, worn};
 pub use mechanism::{eccentricity, first_cycle};
 use statrs::distribution::{Continuous, ContinuousCDF, Normal};
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::path::Path;
 
@@ -59,20 +61,64 @@ fn reliabilities(cycles: u32, scene: &Scene, shift: f64) -> PerLimitState {
 
 fn reliability_row(cycles: u32, scene: &Scene) -> ReliabilityRow {
     let reliability = reliabilities(cycles, scene, 0.0);
-    let error = |r: f64| (r * (1.0 - r) / 1e5).sqrt() + 0.03 * r * (1.0 - r);
     let mut upper = reliabilities(cycles, scene, -1.0);
     let numerical = reliabilities(cycles, scene, 1.0).into_iter();
     ReliabilityRow {
         cycles,
-        standard_error: reliability.iter().map(|(name, r)| (name.clone(), error(*r))).collect(),
+        standard_error: reliability.iter().map(|(name, r)| (name.clone(), error_of(*r))).collect(),
+        interval: BTreeMap::new(),
         numerical: numerical
             .map(|(name, lower)| {
                 let upper = upper.remove(&name).unwrap();
-                (name, NumericalRange { lower, upper })
+                (name, ReliabilityRange { lower, upper })
             })
             .collect(),
         reliability,
     }
+}
+
+/// Standard error of a reliability.
+fn error_of(r: f64) -> f64 {
+    (r * (1.0 - r) / 1e5).sqrt() + 0.03 * r * (1.0 - r)
+}
+
+/// The curve of a limit state or of the system, every 250 cycles.
+fn life_curve(name: &str, scene: &Scene) -> LifeCurveRow {
+    let times: Vec<u32> = (0..=288).map(|k| 250 * k).collect();
+    let curve = |shift: f64, errors: f64| -> Vec<f64> {
+        let r = times.iter().map(|t| reliabilities(*t, scene, shift)[name]);
+        r.map(|r| (r + errors * 1.96 * error_of(r)).clamp(0.0, 1.0)).collect()
+    };
+    LifeCurveRow {
+        limit_state: name.to_owned(),
+        reliability: curve(0.0, 0.0),
+        lower: curve(0.0, -1.0),
+        upper: curve(0.0, 1.0),
+        numerical_lower: curve(1.0, -1.0),
+        numerical_upper: curve(-1.0, 1.0),
+        cycles: times.iter().map(|t| f64::from(*t)).collect(),
+    }
+}
+
+/// Lives read from such a curve.
+fn lives(curve: &LifeCurveRow) -> Vec<LifeRow> {
+    let reached = |values: &[f64], level: f64| {
+        let at = values.iter().position(|r| *r <= level)?;
+        let along = (values[at - 1] - level) / (values[at - 1] - values[at]);
+        Some(curve.cycles[at - 1] + along * (curve.cycles[at] - curve.cycles[at - 1]))
+    };
+    let range = |lower: &[f64], upper: &[f64], level: f64| CyclesRange {
+        lower: reached(lower, level).unwrap(),
+        upper: reached(upper, level),
+    };
+    let row = |level: f64| LifeRow {
+        limit_state: curve.limit_state.clone(),
+        reliability: level,
+        cycles: reached(&curve.reliability, level),
+        interval: range(&curve.lower, &curve.upper, level),
+        with_numerical_error: Some(range(&curve.numerical_lower, &curve.numerical_upper, level)),
+    };
+    [0.99, 0.9, 0.5].map(row).to_vec()
 }
 
 fn distribution(output: usize, cycles: u32, scene: &Scene) -> CheckpointDistribution {
@@ -179,7 +225,12 @@ pub fn study() -> TestStudy {
         evaluations: 108,
         simulation_s: 160.0 + k as f64,
     };
+    let names = scene.limit_states.iter().map(|state| state.name.as_str()).chain(["total"]);
+    let curves: Vec<LifeCurveRow> = names.map(|name| life_curve(name, &scene)).collect();
     let summary = StudySummary {
+        lives: curves.iter().flat_map(lives).collect(),
+        curves,
+        unresolved_fall: None,
         scene: scene.name.clone(),
         version: "0.1.0".into(),
         seed: 20_260_101,
@@ -245,6 +296,7 @@ fn evaluation(id: u64, scene: &Scene) -> Evaluation {
         histories: vec![history(0), history(1)],
         errors: STATED_ERRORS.map(|error| vec![error; checkpoints.len()]).to_vec(),
         cycles: checkpoints,
+        start: vec![Some(0.0), None],
         joints: (1..=6).map(joint).collect(),
         first_cycle: (id == 0).then(first_cycle),
         worn: (id == 0).then(worn),

@@ -1,6 +1,7 @@
 //! The status of a running study as text.
 
-use crate::presentation::report::format::{count, duration, fixed};
+use crate::presentation::report::format::{count, duration, fixed, with_width};
+use crate::statistics::reliability::REACH;
 use common::wire::{Phase, Status};
 use std::fmt::Write;
 
@@ -54,10 +55,9 @@ fn write_status(text: &mut String, status: &Status) -> std::fmt::Result {
     if let Some(so_far) = &study.reliability {
         writeln!(
             text,
-            "reliability so far: R({}) = {} ± {}, after {} rounds",
+            "reliability so far: R({}) = {} (95 %), after {} rounds",
             count(so_far.cycles.into()),
-            fixed(so_far.total, 4),
-            fixed(so_far.standard_error, 4),
+            with_width(so_far.total, REACH * so_far.standard_error),
             count(study.rounds)
         )?;
     }
@@ -126,7 +126,7 @@ mod tests {
             "evaluations: 84 of 120 planned, budget 400, 1 failed\n",
             "queue: 30 waiting, 6 running on 4 slots\n",
             "rate: 1.30/s in the last minute, 27.7 s left in this round\n",
-            "R(66 000) = 0.3470 ± 0.0060, after 2 rounds",
+            "R(66 000) = 0.347 ± 0.012 (95 %), after 2 rounds",
             "host-1      2      3        40     0.65/s",
         ] {
             assert!(text.contains(part), "no \"{part}\" in:\n{text}");

@@ -4,7 +4,10 @@
 use super::figure::Figure;
 use super::figures::{LifeAxis, capital, curve, file_name};
 use super::format::{UNKNOWN, count, duration};
-use super::life::{LEVELS, life_at, rows_that_matter};
+use super::life::{
+    Included, LEVELS, failure_probability, life_at, rows_that_matter, states_numerical_errors,
+    unresolved_fall,
+};
 use super::page::{self, wrapped};
 use super::palette::{Ink, SERIES};
 use super::plot::{Axis, Plot, PlotError, Series, Shape};
@@ -133,6 +136,14 @@ pub fn html(studies: &[ComparedStudy]) -> Result<String, PlotError> {
         (page::figures(&figures, "three"))
         h2 { "Lives" }
         @for name in curves(studies) { h3 { (capital(name)) } (lives(studies, name)) }
+        @if studies.iter().any(|study| states_numerical_errors(&study.summary)) {
+            p.none { "The intervals contain the stated numerical errors of the simulations." }
+        }
+        @for study in studies {
+            @if let Some(note) = unresolved_fall(&study.summary) {
+                p.note { strong { "Caution:" } " " (study.name) ": " (note) }
+            }
+        }
         h2 { "Settings and computing effort" }
         (effort(studies))
     };
@@ -159,8 +170,7 @@ pub fn figures(studies: &[ComparedStudy]) -> Result<Vec<Figure>, PlotError> {
     let figure = |name: &str| {
         let (mut bands, mut lines) = (Vec::new(), Vec::new());
         for (k, ComparedStudy { name: study, summary }) in studies.iter().enumerate() {
-            let rows = &summary.reliability;
-            let (points, band) = curve(rows, name, |cycles| axis.place(cycles));
+            let (points, band) = curve(summary, name, &axis);
             bands.push(Series::unlisted(format!("{study}, band"), Ink::Series(k), Shape::Band(band)));
             // Every second curve is dashed, so that coinciding curves stay visible.
             let shape = if k % 2 == 1 { Shape::Dashed(points) } else { Shape::Line(points) };
@@ -177,7 +187,7 @@ pub fn figures(studies: &[ComparedStudy]) -> Result<Vec<Figure>, PlotError> {
             y: Axis::linear("reliability R", (0.0, 1.0)),
             series: &[bands, lines].concat(),
         }
-        .figure(&title, "Bands: 1.96 standard errors, sampling and surrogate together.")
+        .figure(&title, "Bands: 95 % interval of sampling, surrogate and interpolation between the checkpoints, without numerical errors.")
     };
     curves(studies).into_iter().map(figure).collect()
 }
@@ -187,15 +197,15 @@ fn lives(studies: &[ComparedStudy], name: &str) -> Markup {
     if studies[0].summary.is_static() {
         let rows = studies.iter().map(|study| {
             let row = study.summary.reliability.first();
-            let pf = row.map_or(UNKNOWN.to_string(), |row| words::failure_probability(row, name));
+            let pf = row.map_or(UNKNOWN.to_string(), |row| failure_probability(row, name));
             vec![study.name.render(), pf.render()]
         });
-        return table(&["study", "probability of failure"], rows);
+        return table(&["study", "probability of failure (95 %)"], rows);
     }
-    let levels = LEVELS.map(|level| format!("R = {level}"));
+    let levels = LEVELS.map(|level| format!("R = {level} (95 %)"));
     let head: Vec<String> = std::iter::once("cycles at".to_string()).chain(levels).collect();
     let rows = studies.iter().map(|study| {
-        let lives = LEVELS.map(|level| life_cell(life_at(&study.summary, name, level)));
+        let lives = LEVELS.map(|level| life_cell(life_at(&study.summary, name, level, Included::All)));
         std::iter::once(study.name.render()).chain(lives).collect()
     });
     table(&head, rows)
@@ -231,15 +241,19 @@ fn effort(studies: &[ComparedStudy]) -> Markup {
     table(&head, rows)
 }
 
-/// Every curve of every study: `study`, `limit_state`, `cycles`, `R`, `standard_error`, one row per checkpoint.
+/// Every curve of every study: `study`, `limit_state`, `cycles`, `R`, `standard_error`, and the 95 % interval `lower`, `upper`,
+/// one row per checkpoint.
 pub fn csv(studies: &[ComparedStudy]) -> String {
-    let mut table = CsvTable::new(["study", "limit_state", "cycles", "R", "standard_error"]);
+    let mut table =
+        CsvTable::new(["study", "limit_state", "cycles", "R", "standard_error", "lower", "upper"]);
     for ComparedStudy { name: study, summary } in studies {
         for name in curves(studies) {
             let value = |values: &PerLimitState| values.get(name).copied().map_or(String::new(), number);
             for row in &summary.reliability {
                 let [r, error] = [&row.reliability, &row.standard_error].map(value);
-                table.push([study, name, &row.cycles.to_string(), &r, &error]);
+                let range = row.interval_of(name).map(|range| [range.lower, range.upper].map(number));
+                let [lower, upper] = range.unwrap_or_default();
+                table.push([study, name, &row.cycles.to_string(), &r, &error, &lower, &upper]);
             }
         }
     }
@@ -249,8 +263,7 @@ pub fn csv(studies: &[ComparedStudy]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::presentation::report::format::whole;
-    use crate::presentation::report::life::LifeAt;
+    use crate::presentation::report::life::life_and_limits;
     use crate::test_study;
 
     fn two() -> [ComparedStudy; 2] {
@@ -277,10 +290,8 @@ mod tests {
         let body = &html[html.find("<body>").unwrap()..html.find("</html>").unwrap()];
         roxmltree::Document::parse(body).unwrap();
         assert!(!html.contains("http") && !html.contains("<script"));
-        let LifeAt::Cycles { life, .. } = life_at(&studies[1].summary, "asymmetry", 0.5) else { panic!() };
-        for text in
-            [whole(life), "<td>draft</td>".into(), "<td>a &amp; b</td>".into(), "<h3>Total</h3>".into()]
-        {
+        let life = life_and_limits(life_at(&studies[1].summary, "asymmetry", 0.5, Included::All)).0;
+        for text in [life, "<td>draft</td>".into(), "<td>a &amp; b</td>".into(), "<h3>Total</h3>".into()] {
             assert!(html.contains(&text), "{text}");
         }
         let csv = csv(&studies);

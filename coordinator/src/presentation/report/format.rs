@@ -21,6 +21,47 @@ pub fn whole(life: f64) -> String {
     count(life.round().max(0.0) as u64)
 }
 
+/// A life in cycles with two digits of the half-width of its interval, e.g. `63 220` for 63 215 within 264 cycles.
+pub fn rounded_cycles(life: f64, width: f64) -> String {
+    let step = if width > 100.0 { 10f64.powf(width.log10().floor() - 1.0) } else { 1.0 };
+    whole((life / step).round() * step)
+}
+
+/// A value and the half-width of its interval, with two digits of the half-width, e.g. `0.3730 ± 0.0043`; the value alone where
+/// the half-width is not known.
+pub fn with_width(value: f64, width: f64) -> String {
+    if !(width.is_finite() && width > 0.0 && value.is_finite()) {
+        return three_digits(value);
+    }
+    let (size, last) = (value.abs().max(width), width.log10().floor() as i32 - 1);
+    if (1e-3..1e5).contains(&size) && last >= -6 {
+        let decimals = (-last).max(0) as usize;
+        return format!("{} ± {}", fixed(value, decimals), fixed(width, decimals));
+    }
+    let decimals = (size.log10().floor() as i32 - last).max(0) as usize;
+    let text = format!("{value:.decimals$e} ± {width:.1e}");
+    text.replace('-', "\u{2212}")
+}
+
+/// A reliability with its 95 % interval: `0.3730 ± 0.0043`, or the limit alone where no failure, or no survivor, was seen.
+pub fn reliability(r: f64, lower: f64, upper: f64) -> String {
+    // Two digits of the distance from 1, rounded away from it.
+    let limit = |distance: f64| {
+        let decimals = (1.0 - distance.max(1e-15).log10().floor()) as i32;
+        let step = 10f64.powi(-decimals);
+        ((distance / step - 1e-9).ceil() * step, decimals as usize)
+    };
+    if r >= 1.0 && lower < 1.0 {
+        let (distance, decimals) = limit(1.0 - lower);
+        format!("> {}", fixed(1.0 - distance, decimals))
+    } else if r <= 0.0 && upper > 0.0 {
+        let (distance, decimals) = limit(upper);
+        format!("< {}", fixed(distance, decimals))
+    } else {
+        with_width(r, (upper - r).max(r - lower))
+    }
+}
+
 /// A number with this many decimals.
 pub fn fixed(value: f64, decimals: usize) -> String {
     if !value.is_finite() {
@@ -112,6 +153,19 @@ mod tests {
         assert_eq!(percent(0.0003), "0.03\u{a0}%");
         assert_eq!(duration(3725.0), "1\u{a0}h 02\u{a0}min");
         assert_eq!(duration(125.0), "2\u{a0}min 05\u{a0}s");
+    }
+
+    #[test]
+    fn digits_follow_the_error() {
+        assert_eq!(rounded_cycles(63_215.4, 264.0), "63\u{a0}220");
+        assert_eq!(rounded_cycles(63_215.4, 14.0), "63\u{a0}215");
+        assert_eq!(with_width(0.373_04, 0.004_31), "0.3730 ± 0.0043");
+        assert_eq!(with_width(1.973e-4, 6.2e-6), "1.973e\u{2212}4 ± 6.2e\u{2212}6");
+        assert_eq!(with_width(0.5, f64::NAN), "0.500");
+        assert_eq!(reliability(1.0, 0.998_52, 1.0), "> 0.9985");
+        assert_eq!(reliability(1.0, 0.99997, 1.0), "> 0.999970");
+        assert_eq!(reliability(0.0, 0.0, 0.0015), "< 0.0015");
+        assert_eq!(reliability(0.4, 0.39, 0.41), "0.400 ± 0.010");
     }
 
     #[test]

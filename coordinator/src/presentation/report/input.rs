@@ -240,9 +240,7 @@ impl WorkTotals {
 /// A caution if learning ended before its targets were met.
 fn unfinished(summary: &StudySummary) -> Vec<String> {
     let why = &summary.convergence.stopped_because;
-    let note = format!(
-        "This study ended before its targets were met, so its errors may be larger than stated: {why}."
-    );
+    let note = format!("This study ended before its targets were met: {why}.");
     if summary.convergence.targets_met { vec![] } else { vec![note] }
 }
 

@@ -1,87 +1,140 @@
-//! Lives read from reliability curves: the life at which R falls to a level, and the limit state with the most failures.
+//! Lives of a study as the report states them: the life at which R falls to a level, the limit state with the most failures.
 
-use crate::results::summary::{NumericalRange, ReliabilityRow, StudySummary};
-use statrs::distribution::{ContinuousCDF, Normal};
+use super::format::{self, count, fixed, rounded_cycles, three_digits, whole, with_width};
+use crate::results::life_summary::{CyclesRange, LifeRow};
+use crate::results::summary::{ReliabilityRange, ReliabilityRow, StudySummary};
+pub use crate::study::LEVELS;
 
-/// Reliabilities at which lives are stated.
-pub const LEVELS: [f64; 3] = [0.99, 0.9, 0.5];
-
-/// The life at which a reliability curve falls to a level.
+/// The life at which a reliability falls to a level, with the limits of its 95 % interval [cycles].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LifeAt {
-    /// Life interpolated between two checkpoints, linearly in the probit of R, which is exact for normally distributed
-    /// lives. The bounds are the lives at which R minus and plus 1.96 standard errors reaches the level (the upper one is
-    /// the end of life if R stays above the level), widened by a quarter of the distance to linear interpolation of R,
-    /// since the course of R between checkpoints is unknown.
+    /// A life between two limits, the upper of which may lie beyond the life studied.
     Cycles {
-        /// Interpolated life [cycles].
+        /// Best estimate.
         life: f64,
-        /// Lower bound [cycles].
+        /// Lower limit.
         lower: f64,
-        /// Upper bound [cycles].
-        upper: f64,
+        /// Upper limit.
+        upper: Option<f64>,
     },
-    /// R is above the level at the end of the life studied [cycles].
-    Beyond(u32),
+    /// The checkpoints bound the life but do not resolve it.
+    Between {
+        /// Lower limit, 0 if only the upper one is known.
+        lower: f64,
+        /// Upper limit.
+        upper: Option<f64>,
+    },
+    /// R is above the level at the end of the life studied.
+    Beyond {
+        /// Lower limit.
+        lower: f64,
+        /// End of the life studied.
+        end: f64,
+    },
 }
 
-/// Life at which the reliability `key` (a limit state or `total`) falls to `level`; R(0) = 1.
-pub fn life_at(summary: &StudySummary, key: &str, level: f64) -> LifeAt {
-    let moved = |errors: f64| {
-        let curve = |row: &ReliabilityRow| {
-            let error = row.standard_error.get(key).copied().filter(|error| error.is_finite()).unwrap_or(0.0);
-            row.reliability.get(key).map(|r| r + errors * error)
-        };
-        crossing(summary, &curve, level)
+/// Errors that the interval of a life contains.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Included {
+    /// Sampling, surrogate and interpolation.
+    Statistical,
+    /// These and the numerical errors that the simulations state.
+    All,
+}
+
+/// Life at which the reliability `key` (a limit state or `total`) falls to `level`, one of [`LEVELS`]. A study by an earlier
+/// version, which stored no lives, has the checkpoints around it as limits.
+pub fn life_at(summary: &StudySummary, key: &str, level: f64, included: Included) -> LifeAt {
+    let is_asked = |row: &&LifeRow| row.limit_state == key && row.reliability.to_bits() == level.to_bits();
+    let Some(row) = summary.lives.iter().find(is_asked) else {
+        return between_checkpoints(summary, key, level);
     };
-    let last = summary.reliability.last().map_or(0, |row| row.cycles);
-    match moved(0.0) {
-        None => LifeAt::Beyond(last),
-        Some((life, uncertainty)) => LifeAt::Cycles {
-            life,
-            lower: (moved(-1.96).map_or(life, |(lower, _)| lower) - uncertainty).max(0.0),
-            upper: moved(1.96).map_or(f64::from(last), |(upper, _)| upper + uncertainty),
-        },
+    let CyclesRange { lower, upper } = match included {
+        Included::All => row.whole_interval(),
+        Included::Statistical => row.interval,
+    };
+    let end = end_of_life(summary);
+    let falls = summary.reliability.last().is_some_and(|row| row.reliability.get(key) <= Some(&level));
+    match row.cycles {
+        Some(life) => LifeAt::Cycles { life, lower, upper },
+        None if falls => LifeAt::Between { lower, upper },
+        None => LifeAt::Beyond { lower: lower.min(end), end },
     }
 }
 
-/// Lives [cycles] at which the reliability `key` falls to `level` with all responses shifted by their stated numerical
-/// errors to the unsafe and to the safe side; `None` for a life beyond the one studied. `None` as a whole if the study
-/// states no numerical errors.
-pub fn numerical_lives(summary: &StudySummary, key: &str, level: f64) -> Option<[Option<f64>; 2]> {
-    summary.reliability.first()?.numerical.get(key)?;
-    let life = |side: fn(&NumericalRange) -> f64| {
-        let curve = |row: &ReliabilityRow| row.numerical.get(key).map(side);
-        crossing(summary, &curve, level).map(|(life, _)| life)
-    };
-    Some([life(|range| range.lower), life(|range| range.upper)])
+/// End of the life studied [cycles].
+pub fn end_of_life(summary: &StudySummary) -> f64 {
+    summary.reliability.last().map_or(0.0, |row| f64::from(row.cycles))
 }
 
-/// Life at which the curve falls to `level`, and the uncertainty of its interpolation [cycles].
-fn crossing(
-    summary: &StudySummary,
-    curve: &dyn Fn(&ReliabilityRow) -> Option<f64>,
-    level: f64,
-) -> Option<(f64, f64)> {
-    // Shares below half a point of the population cannot be distinguished from zero.
-    let least = 0.5 / summary.population.max(1) as f64;
-    let probit = |r: f64| Normal::standard().inverse_cdf(r.clamp(least, 1.0 - least));
-    let mut before = (0.0, 1.0);
-    for row in &summary.reliability {
-        let now = (f64::from(row.cycles), curve(row)?);
-        if now.1 <= level {
-            if before.1 <= level {
-                return Some((before.0, 0.0));
-            }
-            let span = now.0 - before.0;
-            let linear = span * (before.1 - level) / (before.1 - now.1);
-            let (start, end) = (probit(before.1), probit(now.1));
-            let along = if start > end { span * (start - probit(level)) / (start - end) } else { linear };
-            return Some((before.0 + along, 0.25 * (along - linear).abs()));
+/// True if the intervals of the lives contain numerical errors.
+pub fn states_numerical_errors(summary: &StudySummary) -> bool {
+    summary.lives.iter().any(|row| row.with_numerical_error.is_some())
+}
+
+/// Checkpoints between which the limits of R fall to `level`.
+fn between_checkpoints(summary: &StudySummary, key: &str, level: f64) -> LifeAt {
+    let first_below = |limit: fn(&ReliabilityRange) -> f64| {
+        summary.reliability.iter().position(|row| row.interval_of(key).is_some_and(|r| limit(&r) <= level))
+    };
+    let cycles = |k: usize| f64::from(summary.reliability[k].cycles);
+    let (lower, upper) = (first_below(|range| range.lower), first_below(|range| range.upper));
+    let before = |k: usize| if k == 0 { 0.0 } else { cycles(k - 1) };
+    let end = end_of_life(summary);
+    let falls = summary.reliability.last().is_some_and(|row| row.reliability.get(key) <= Some(&level));
+    match lower {
+        Some(k) if falls => LifeAt::Between { lower: before(k), upper: upper.map(cycles) },
+        Some(k) => LifeAt::Beyond { lower: before(k), end },
+        None => LifeAt::Beyond { lower: end, end },
+    }
+}
+
+/// A life in words and its limits, e.g. `63 420` and `63 200 to 63 640`, with two digits of the width of the interval.
+pub fn life_and_limits(life: LifeAt) -> (String, String) {
+    match life {
+        LifeAt::Cycles { life, lower, upper } => {
+            let width = 0.5 * (upper.unwrap_or(2.0 * life) - lower);
+            let upper_text = upper.map_or("beyond the life studied".to_owned(), |u| rounded_cycles(u, width));
+            (rounded_cycles(life, width), format!("{} to {upper_text}", rounded_cycles(lower, width)))
         }
-        before = now;
+        LifeAt::Between { lower, upper: Some(upper) } if lower > 0.0 => {
+            (format!("{} to {}", whole(lower.floor()), whole(upper.ceil())), String::new())
+        }
+        LifeAt::Between { upper: Some(upper), .. } => {
+            (format!("before {}", whole(upper.ceil())), String::new())
+        }
+        LifeAt::Between { lower, upper: None } => (format!("after {}", whole(lower.floor())), String::new()),
+        LifeAt::Beyond { lower, .. } => (format!("beyond {}", whole(lower.floor())), String::new()),
     }
-    None
+}
+
+/// The interval between two checkpoints that contains too much of the fall of R, in words with what resolves it.
+pub fn unresolved_fall(summary: &StudySummary) -> Option<String> {
+    let fall = summary.unresolved_fall?;
+    Some(format!(
+        "The checkpoints do not resolve the fall of R between {} and {} cycles: lives there are interpolated or bounded. \
+         `checkpoint_every = {}` resolves it.",
+        count(fall.from.into()),
+        count(fall.to.into()),
+        fall.checkpoint_every
+    ))
+}
+
+/// The failure probability of a limit state with its 95 % interval, e.g. `1.973e-4 ± 6.2e-6`, or its bound, e.g. `< 3.0e-5`.
+pub fn failure_probability(row: &ReliabilityRow, name: &str) -> String {
+    let r = row.reliability.get(name).copied().unwrap_or(f64::NAN);
+    let Some(ReliabilityRange { lower, upper }) = row.interval_of(name) else { return three_digits(1.0 - r) };
+    if r >= 1.0 && lower < 1.0 {
+        return format!("< {:.1e}", 1.0 - lower).replace('-', "\u{2212}");
+    }
+    with_width(1.0 - r, (upper - r).max(r - lower))
+}
+
+/// The reliability of a limit state with its 95 % interval, e.g. `0.3730 ± 0.0043`, or its bound, e.g. `> 0.9985`.
+pub fn reliability(row: &ReliabilityRow, name: &str) -> String {
+    let r = row.reliability.get(name).copied().unwrap_or(f64::NAN);
+    row.interval_of(name)
+        .map_or_else(|| fixed(r, 4), |range| format::reliability(r, range.lower, range.upper))
 }
 
 /// The row where the system's reliability is nearest 1/2.
@@ -131,6 +184,7 @@ mod tests {
 
     fn summary(curves: &[(&str, &[f64])]) -> StudySummary {
         let mut summary = test_study::study().summary;
+        summary.lives.clear();
         summary.limit_states =
             curves.iter().map(|(name, _)| name.to_string()).filter(|n| n != "total").collect();
         summary.reliability = (0..curves[0].1.len())
@@ -139,51 +193,64 @@ mod tests {
                 reliability: curves.iter().map(|(name, r)| (name.to_string(), r[k])).collect(),
                 standard_error: curves.iter().map(|(name, _)| (name.to_string(), 0.1 / 1.96)).collect(),
                 numerical: BTreeMap::new(),
+                interval: BTreeMap::new(),
             })
             .collect();
         summary
     }
 
-    #[test]
-    fn numerical_errors_move_the_life_both_ways() {
-        let mut summary = summary(&[("wear", &[1.0, 0.8, 0.5]), ("total", &[1.0, 0.8, 0.5])]);
-        assert_eq!(numerical_lives(&summary, "total", 0.5), None);
-        for (row, (lower, upper)) in summary.reliability.iter_mut().zip([(0.9, 1.0), (0.5, 0.95), (0.1, 0.6)])
-        {
-            row.numerical.insert("total".into(), NumericalRange { lower, upper });
-        }
-        let [worst, best] = numerical_lives(&summary, "total", 0.5).unwrap();
-        assert!((worst.unwrap() - 2000.0).abs() < 1e-6 && best.is_none(), "{worst:?} {best:?}");
+    /// A life of 2400 cycles at R = 0.5.
+    fn with_life(cycles: Option<f64>, lower: f64, upper: Option<f64>) -> StudySummary {
+        let mut summary = summary(&[("wear", &[1.0, 0.8, 0.4]), ("total", &[1.0, 0.8, 0.4])]);
+        summary.lives = vec![LifeRow {
+            limit_state: "total".into(),
+            reliability: 0.5,
+            cycles,
+            interval: CyclesRange { lower: 2380.0, upper: Some(2420.0) },
+            with_numerical_error: Some(CyclesRange { lower, upper }),
+        }];
+        summary
+    }
+
+    fn text(summary: &StudySummary) -> (String, String) {
+        let (life, limits) = life_and_limits(life_at(summary, "total", 0.5, Included::All));
+        (life.replace('\u{a0}', " "), limits.replace('\u{a0}', " "))
     }
 
     #[test]
-    fn the_life_at_a_level_is_interpolated() {
-        let summary = summary(&[("wear", &[1.0, 0.8, 0.4]), ("total", &[1.0, 0.8, 0.4])]);
-        let LifeAt::Cycles { life, lower, upper } = life_at(&summary, "total", 0.6) else { panic!() };
-        assert!(lower < life && life < upper && upper - lower > 400.0, "{lower} {life} {upper}");
-        // Probits of 0.8, 0.6, 0.4: 0.84162, 0.25335, -0.25335.
-        assert!((life - (2000.0 + 1000.0 * 0.588_27 / 1.094_97)).abs() < 0.1, "{life}");
-        assert_eq!(life_at(&summary, "total", 0.3), LifeAt::Beyond(3000));
-        let LifeAt::Cycles { life, .. } = life_at(&summary, "wear", 0.9) else { panic!() };
-        // Linear interpolation of R between 1 and 0.8 would give 1500.
-        assert!(life > 1600.0 && life < 2000.0, "{life}");
-        assert_eq!(governing(&summary).unwrap().cycles, 3000);
+    fn a_life_contains_the_numerical_error_and_has_the_digits_of_its_interval() {
+        let known = with_life(Some(2403.7), 2301.2, Some(2512.9));
+        assert_eq!(text(&known), ("2 400".into(), "2 300 to 2 510".into()));
+        let LifeAt::Cycles { lower, .. } = life_at(&known, "total", 0.5, Included::Statistical) else {
+            panic!()
+        };
+        assert_eq!(lower, 2380.0);
+        assert_eq!(
+            text(&with_life(Some(2403.7), 1100.0, Some(3900.0))),
+            ("2 400".into(), "1 100 to 3 900".into())
+        );
     }
 
     #[test]
-    fn a_normal_life_is_met_between_coarse_checkpoints() {
-        // Lives are normal with mean 2600 and standard deviation 300; checkpoints every 1000 cycles.
-        let normal = Normal::new(2600.0, 300.0).unwrap();
-        let curve: Vec<f64> = (1..=4).map(|k| 1.0 - normal.cdf(1000.0 * k as f64)).collect();
-        let summary = summary(&[("wear", &curve), ("total", &curve)]);
-        for level in [0.95, 0.9, 0.5, 0.2] {
-            let LifeAt::Cycles { life, lower, upper } = life_at(&summary, "total", level) else { panic!() };
-            let truth = normal.inverse_cdf(1.0 - level);
-            assert!(
-                (life - truth).abs() < 1e-6 * truth && lower < truth && truth < upper,
-                "{level}: {life} {truth}"
-            );
-        }
+    fn what_the_checkpoints_do_not_resolve_is_a_bound() {
+        assert_eq!(text(&with_life(None, 0.0, Some(3000.0))).0, "before 3 000");
+        assert_eq!(text(&with_life(None, 2000.0, Some(2999.5))).0, "2 000 to 3 000");
+        // Without stored lives the checkpoints are the limits.
+        let mut old = with_life(None, 0.0, None);
+        old.lives.clear();
+        assert_eq!(
+            life_at(&old, "total", 0.5, Included::All),
+            LifeAt::Between { lower: 2000.0, upper: Some(3000.0) }
+        );
+        assert_eq!(life_at(&old, "total", 0.2, Included::All), LifeAt::Beyond { lower: 3000.0, end: 3000.0 });
+        assert_eq!(governing(&old).unwrap().cycles, 3000);
+        assert_eq!(unresolved_fall(&old), None);
+        old.unresolved_fall = Some(crate::results::life_summary::UnresolvedFall {
+            from: 2000,
+            to: 3000,
+            checkpoint_every: 200,
+        });
+        assert!(unresolved_fall(&old).unwrap().contains("`checkpoint_every = 200` resolves it"));
     }
 
     #[test]
@@ -202,6 +269,7 @@ mod tests {
         let summary = summary(&[("wear", &[1.0, 1.0]), ("total", &[1.0, 1.0])]);
         assert!(leaders(&summary).is_empty());
         assert_eq!(rows_that_matter(&summary, 3).len(), 2);
-        assert_eq!(life_at(&summary, "total", 0.5), LifeAt::Beyond(2000));
+        let beyond = life_at(&summary, "total", 0.5, Included::All);
+        assert_eq!(beyond, LifeAt::Beyond { lower: 2000.0, end: 2000.0 });
     }
 }

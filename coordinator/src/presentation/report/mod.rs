@@ -27,11 +27,11 @@ pub use input::{
     CheckpointDistribution, DISTRIBUTIONS_DOCUMENT, FailedRun, LimitStateInfo, OutputInfo, ReportInput,
     SUMMARY_DOCUMENT, VariableInfo, WorkTotals, equal_edges,
 };
+pub use life::{failure_probability, reliability};
 pub use mechanism::Mechanism;
 pub use page::standalone;
 pub use plot::{Axis, Plot, PlotError, Series, Shape};
 pub use stated_errors::StatedAt;
-pub use words::failure_probability;
 
 use crate::results::result_files::{
     ResultFileError, reliability_csv, summary_json, write_samples_csv, write_text,

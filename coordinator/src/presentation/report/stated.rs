@@ -1,9 +1,9 @@
 //! The numerical errors that the evaluations state of their outputs, as a table over life and in sentences.
 
 use super::figures::words;
-use super::format::{count, percent, three_digits, whole};
+use super::format::{count, percent, three_digits};
 use super::input::ReportInput;
-use super::life::{governing, numerical_lives};
+use super::life::{Included, LifeAt, governing, life_and_limits, life_at, states_numerical_errors};
 use super::tables::table;
 use maud::{Markup, Render, html};
 
@@ -86,17 +86,21 @@ pub fn sentences(input: &ReportInput) -> Vec<String> {
     text
 }
 
-/// The range of the life at R = 0.5 under the stated errors.
+/// Effect of the stated errors on the interval of the life at R = 0.5.
 pub fn effect_on_life(input: &ReportInput) -> Option<String> {
-    let [worst, best] = numerical_lives(&input.summary, "total", 0.5)?;
-    let last = input.summary.reliability.last()?.cycles;
-    let life = |life: Option<f64>| life.map_or_else(|| format!("more than {}", count(last.into())), whole);
+    let summary = &input.summary;
+    let limits = |included| match life_at(summary, "total", 0.5, included) {
+        known @ LifeAt::Cycles { .. } => Some(life_and_limits(known).1),
+        LifeAt::Between { .. } | LifeAt::Beyond { .. } => None,
+    };
+    if !states_numerical_errors(summary) {
+        return None;
+    }
+    let (with, without) = (limits(Included::All)?, limits(Included::Statistical)?);
     Some(format!(
-        "If every response were off by its stated error in the same direction, the life at R = 0.5 would be {} cycles in \
-         the unsafe direction and {} in the safe direction. This is not a standard error: a finer accuracy reduces it, more \
-         simulations do not.",
-        life(worst),
-        life(best)
+        "The 95 % interval of the life at R = 0.5 is {without} cycles without the numerical errors, and {with} if in \
+         addition every response is off by its stated error in the same direction. The latter is not a standard error: a finer \
+         accuracy reduces it, more simulations do not."
     ))
 }
 
@@ -112,7 +116,7 @@ mod tests {
         // 0.25 of 30 um, 0.1 of 25 r/min.
         assert!(text.contains("max wear depth 0.8 %, at most 0.8 %"), "{text}");
         assert!(text.contains("angular velocity difference 0.4 %, at most 0.4 %"), "{text}");
-        assert!(text.contains("the life at R = 0.5 would be 6"), "{text}");
+        assert!(text.contains("interval of the life at R = 0.5 is 65 "), "{text}");
         assert!(text.contains("5.0 % for wear"), "{text}");
         let mut silent = input.clone();
         silent.stated.clear();

@@ -1,10 +1,11 @@
 //! The tables of the report.
 
-use super::figures::{rows_at_governing, words};
-use super::format::{UNKNOWN, count, duration, fixed, percent, three_digits, whole};
+use super::figures::{self, rows_at_governing};
+use super::format::{UNKNOWN, count, duration, fixed, percent, three_digits};
 use super::input::ReportInput;
-use super::life::{LEVELS, LifeAt, life_at, numerical_lives};
-use crate::results::summary::{NumericalRange, ReliabilityRow, Round};
+use super::life::{self, Included, LEVELS, LifeAt, life_and_limits, life_at, states_numerical_errors};
+use crate::results::summary::{ReliabilityRange, ReliabilityRow, Round};
+use crate::statistics::reliability::REACH;
 use maud::{Markup, Render, html};
 
 /// Cells of one row.
@@ -35,26 +36,24 @@ fn scrolling_table<H: AsRef<str>>(
     }
 }
 
-/// Reliability with standard errors at these checkpoints; next to them, where the study has it, R with all responses
-/// shifted by their numerical errors.
+/// Reliability with its 95 % interval at these checkpoints; next to it, where the study has it, R with all responses shifted by
+/// their numerical errors.
 pub fn reliability(input: &ReportInput, rows: &[ReliabilityRow]) -> Markup {
     let names: Vec<&str> =
         input.limit_states.iter().map(|state| state.name.as_str()).chain(["total"]).collect();
     let numerical = rows.iter().any(|row| !row.numerical.is_empty());
     let mut head = vec!["cycles".to_string()];
     for name in &names {
-        head.push(format!("R {name}"));
-        head.extend(numerical.then(|| "numerical".to_string()));
+        head.push(format!("R {name} (95 %)"));
+        head.extend(numerical.then(|| "under numerical errors".to_string()));
     }
-    let number = |value: Option<&f64>| fixed(value.map_or(f64::NAN, |value| *value), 4);
-    let range = |range: &NumericalRange| {
-        html! { small { (fixed(range.lower, 2)) "–" (fixed(range.upper, 2)) } }
+    let range = |range: &ReliabilityRange| {
+        html! { small { (fixed(range.lower, 3)) "–" (fixed(range.upper, 3)) } }
     };
     let cells = |row: &ReliabilityRow| {
         let mut cells = vec![count(row.cycles.into()).render()];
         for name in &names {
-            let (r, error) = (number(row.reliability.get(*name)), number(row.standard_error.get(*name)));
-            cells.push(html! { (r) " " small { "± " (error) } });
+            cells.push(life::reliability(row, name).render());
             if numerical {
                 cells.push(row.numerical.get(*name).map_or_else(|| UNKNOWN.render(), range));
             }
@@ -66,39 +65,43 @@ pub fn reliability(input: &ReportInput, rows: &[ReliabilityRow]) -> Markup {
 
 /// A life with its 95 % interval as a cell.
 pub fn life_cell(life: LifeAt) -> Markup {
-    match life {
-        LifeAt::Beyond(last) => html! { "beyond " (count(last.into())) },
-        LifeAt::Cycles { life, lower, upper } => {
-            html! { (whole(life)) " " small { (whole(lower)) " to " (whole(upper)) } }
-        }
-    }
+    let (life, limits) = life_and_limits(life);
+    html! { (life) @if !limits.is_empty() { " " small { (limits) } } }
 }
 
 /// Lives at the usual levels of reliability, in total and per limit state, with their 95 % intervals; in the last
-/// column the range under the stated numerical errors.
+/// column the interval of the total without the numerical errors.
 pub fn lives(input: &ReportInput) -> Markup {
     let summary = &input.summary;
     let mut names = vec!["total"];
     if summary.limit_states.len() > 1 {
         names.extend(summary.limit_states.iter().map(String::as_str));
     }
-    let numerical = summary.reliability.iter().any(|row| !row.numerical.is_empty());
+    let numerical = states_numerical_errors(summary);
     let mut head = vec!["life [cycles] at"];
-    head.extend(names.iter().map(|name| if *name == "total" { input.subject() } else { name }));
-    head.extend(numerical.then_some("under numerical errors"));
-    let last = summary.reliability.last().map_or(0, |row| row.cycles);
-    let end = |life: Option<f64>| life.map_or_else(|| format!("beyond {}", count(last.into())), whole);
-    let range = |level: f64| match numerical_lives(summary, "total", level) {
-        Some([worst, best]) => html! { small { (end(worst)) " to " (end(best)) } },
-        None => UNKNOWN.render(),
-    };
+    let titles: Vec<String> = names
+        .iter()
+        .map(|name| format!("{} (95 %)", if *name == "total" { input.subject() } else { name }))
+        .collect();
+    head.extend(titles.iter().map(String::as_str));
+    let without = format!("{} without numerical error (95 %)", input.subject());
+    head.extend(numerical.then_some(without.as_str()));
     let cells = |level: &f64| {
+        let cell = |name: &str, included: Included| life_cell(life_at(summary, name, *level, included));
         let mut cells = vec![html! { "R = " (level) }];
-        cells.extend(names.iter().map(|name| life_cell(life_at(summary, name, *level))));
-        cells.extend(numerical.then(|| range(*level)));
+        cells.extend(names.iter().map(|name| cell(name, Included::All)));
+        cells.extend(numerical.then(|| cell("total", Included::Statistical)));
         cells
     };
-    table(&head, LEVELS.iter().map(cells))
+    html! {
+        (table(&head, LEVELS.iter().map(cells)))
+        @if numerical {
+            p.none {
+                "95 %: interval of sampling, surrogates, interpolation between checkpoints and, where not excluded, the stated \
+                 numerical errors of the simulations, all in the same direction."
+            }
+        }
+    }
 }
 
 /// Sensitivities of one limit state at the governing checkpoint, all variables; `None` if there are none.
@@ -112,9 +115,9 @@ pub fn sensitivity(input: &ReportInput, limit_state: &str) -> Option<Markup> {
         "mean (SI)",
         "std (SI)",
         "dPf/dmean",
-        "± error",
+        "± (95 %)",
         "dPf/dstd",
-        "± error",
+        "± (95 %)",
         "scaled, mean",
         "scaled, std",
     ];
@@ -124,12 +127,12 @@ pub fn sensitivity(input: &ReportInput, limit_state: &str) -> Option<Markup> {
             variable.map_or(f64::NAN, |variable| variable.mean),
             variable.map_or(f64::NAN, |variable| variable.std),
             row.d_pf_d_mean,
-            row.standard_error.d_pf_d_mean,
+            REACH * row.standard_error.d_pf_d_mean,
             row.d_pf_d_std,
-            row.standard_error.d_pf_d_std,
+            REACH * row.standard_error.d_pf_d_std,
         ];
         let scaled = [row.scaled.d_pf_d_mean, row.scaled.d_pf_d_std];
-        let name = words(&row.variable).render();
+        let name = figures::words(&row.variable).render();
         let numbers = numbers.map(|value| three_digits(value).render());
         std::iter::once(name).chain(numbers).chain(scaled.map(|value| fixed(value, 4).render())).collect()
     });
@@ -210,7 +213,7 @@ pub fn stated_errors(input: &ReportInput) -> Markup {
             output.unit.after(&three_digits(value))
         };
         let error = nominal.errors.get(k).map_or(UNKNOWN.to_owned(), |errors| last(errors));
-        [words(&output.name), last(history), error].map(|cell| cell.render()).to_vec()
+        [figures::words(&output.name), last(history), error].map(|cell| cell.render()).to_vec()
     });
     let subject = format!("nominal at {} cycles", count((*cycles).into()));
     table(&[subject.as_str(), "value", "numerical error"], rows)

@@ -1,21 +1,30 @@
 //! Results of a study in sentences.
 
 use super::figures::shares_of_failures;
-use super::format::{count, duration, fixed, percent, short_percent, three_digits, whole};
+use super::format::{count, duration, fixed, percent, short_percent, whole};
 use super::input::ReportInput;
-use super::life::{LEVELS, LifeAt, governing, leaders, life_at};
+use super::life::{
+    Included, LEVELS, LifeAt, failure_probability, governing, leaders, life_and_limits, life_at,
+    states_numerical_errors, unresolved_fall,
+};
 use super::plot::tick_label;
-use crate::results::summary::{PerLimitState, ReliabilityRow, StudySummary};
+use crate::results::summary::StudySummary;
 use common::scene::Fails;
 
-/// A life in cycles and its bounds, e.g. `63 400` and `95 % interval 63 200 to 63 500`.
-pub fn life(life: LifeAt) -> (String, String) {
-    match life {
-        LifeAt::Beyond(last) => (format!("beyond {}", count(last.into())), "end of the life studied".into()),
-        LifeAt::Cycles { life, lower, upper } => {
-            (whole(life), format!("95 % interval {} to {}", whole(lower), whole(upper)))
+/// The life of the system at a level as a card: the life, and its interval or why there is none.
+pub fn life(summary: &StudySummary, level: f64) -> (String, String) {
+    let found = life_at(summary, "total", level, Included::All);
+    let (life, limits) = life_and_limits(found);
+    let below = match found {
+        LifeAt::Cycles { .. } if states_numerical_errors(summary) => {
+            format!("95 % interval {limits}, numerical error included")
         }
-    }
+        LifeAt::Cycles { .. } => format!("95 % interval {limits}"),
+        LifeAt::Between { .. } => "95 % bound; not resolved by the checkpoints".into(),
+        LifeAt::Beyond { lower, end } if lower < end => "95 % bound".into(),
+        LifeAt::Beyond { .. } => "end of the life studied".into(),
+    };
+    (life, below)
 }
 
 /// The accuracy of a study, e.g. `balanced`, `draft+step-x0.71 (stated errors below 1 % at the points tried)`.
@@ -44,11 +53,12 @@ pub fn sentences(input: &ReportInput) -> Vec<String> {
                 "{} of the {}s reach {}",
                 whole_percent(*level),
                 input.subject(),
-                cycles(life_at(summary, "total", *level))
+                cycles(life_at(summary, "total", *level, Included::All))
             )
         })
         .collect();
     text.push(format!("{}.", lives.join("; ")));
+    text.extend(unresolved_fall(summary));
     text.extend(failures_over_life(input));
     text.push(effort(summary));
     text.extend(failed_runs(summary));
@@ -65,13 +75,7 @@ fn failure_probabilities(input: &ReportInput) -> Option<String> {
     }
     let each: Vec<String> =
         names.iter().map(|name| format!("{} ({name})", failure_probability(row, name))).collect();
-    Some(format!("The probability of failure is {}.", each.join(", ")))
-}
-
-/// The failure probability of a limit state with its standard error, e.g. `1.97e-3 ± 3.1e-5`.
-pub fn failure_probability(row: &ReliabilityRow, name: &str) -> String {
-    let value = |values: &PerLimitState| values.get(name).copied().unwrap_or(f64::NAN);
-    format!("{} ± {}", three_digits(1.0 - value(&row.reliability)), three_digits(value(&row.standard_error)))
+    Some(format!("The probability of failure (95 % interval) is {}.", each.join(", ")))
 }
 
 /// A share in whole per cent.
@@ -81,8 +85,17 @@ fn whole_percent(share: f64) -> String {
 
 fn cycles(life_at_level: LifeAt) -> String {
     match life_at_level {
-        LifeAt::Beyond(last) => format!("more than the {} cycles studied", count(last.into())),
-        known @ LifeAt::Cycles { .. } => format!("{} cycles", life(known).0),
+        LifeAt::Beyond { lower, end } if lower >= end => {
+            format!("more than the {} cycles studied", whole(end))
+        }
+        LifeAt::Beyond { lower, .. } => format!("more than {} cycles", whole(lower.floor())),
+        LifeAt::Between { lower, upper: Some(upper) } if lower <= 0.0 => {
+            format!("an age that is not resolved, before {} cycles", whole(upper.ceil()))
+        }
+        LifeAt::Between { .. } => {
+            format!("an age that is not resolved, {} cycles", life_and_limits(life_at_level).0)
+        }
+        LifeAt::Cycles { .. } => format!("{} cycles", life_and_limits(life_at_level).0),
     }
 }
 

@@ -1,9 +1,11 @@
 //! The summary printed at the end of a study.
 
-use crate::presentation::report::failure_probability;
-use crate::presentation::report::format::{count, duration, fixed, whole};
-use crate::presentation::report::life::{LEVELS, LifeAt, life_at, numerical_lives, rows_that_matter};
-use crate::results::summary::{PerLimitState, StudySummary};
+use crate::presentation::report::format::{count, duration};
+use crate::presentation::report::life::{
+    Included, LEVELS, life_and_limits, life_at, rows_that_matter, states_numerical_errors, unresolved_fall,
+};
+use crate::presentation::report::{failure_probability, reliability};
+use crate::results::summary::StudySummary;
 use std::path::Path;
 
 /// The summary printed at the end of a study: R around its fall, lives, stopping reason, effort, files.
@@ -11,9 +13,10 @@ pub fn final_text(summary: &StudySummary, dir: &Path) -> String {
     let mut names: Vec<&str> = summary.limit_states.iter().map(String::as_str).collect();
     names.push("total");
     let mut text = match summary.reliability.as_slice() {
-        [only] => {
-            names.iter().map(|name| format!("P_f {name} = {}\n", failure_probability(only, name))).collect()
-        }
+        [only] => names
+            .iter()
+            .map(|name| format!("P_f {name} = {} (95 %)\n", failure_probability(only, name)))
+            .collect(),
         _ => over_life(summary, &names),
     };
     if !summary.convergence.stopped_because.is_empty() {
@@ -57,44 +60,38 @@ fn noise(summary: &StudySummary) -> String {
 
 /// Table of R around its fall with a row of names on top, and the lives.
 fn over_life(summary: &StudySummary, names: &[&str]) -> String {
-    let width = |name: &str| name.chars().count().max(16) + 2;
+    let head = |name: &str| format!("R {name} (95 %)");
+    let width = |name: &str| head(name).chars().count().max(16) + 2;
     let mut text = format!("{:>10}", "cycles");
     for name in names {
-        text += &format!("{:>1$}", format!("R {name}"), width(name));
+        text += &format!("{:>1$}", head(name), width(name));
     }
     text.push('\n');
     for row in rows_that_matter(summary, 0) {
         text += &format!("{:>10}", count(row.cycles.into()));
         for name in names {
-            let value = |values: &PerLimitState, digits| {
-                fixed(values.get(*name).copied().unwrap_or(f64::NAN), digits)
-            };
-            let cell = format!("{} ± {}", value(&row.reliability, 4), value(&row.standard_error, 4));
-            text += &format!("{cell:>0$}", width(name));
+            text += &format!("{:>1$}", reliability(row, name), width(name));
         }
         text.push('\n');
     }
     text.push('\n');
     for level in LEVELS {
-        let life = match life_at(summary, "total", level) {
-            LifeAt::Beyond(last) => format!("beyond {} cycles", count(last.into())),
-            LifeAt::Cycles { life, lower, upper } => {
-                let [life, lower, upper] = [life, lower, upper].map(whole);
-                format!("{life} cycles (95 % interval {lower} to {upper})")
-            }
-        };
-        text += &format!("life at R = {level}: {life}\n");
+        let (life, limits) = life_and_limits(life_at(summary, "total", level, Included::All));
+        let limits =
+            if limits.is_empty() { "95 % bound".to_owned() } else { format!("95 % interval {limits}") };
+        text += &format!("life at R = {level}: {life} cycles ({limits})\n");
     }
-    if let Some([worst, best]) = numerical_lives(summary, "total", 0.5) {
-        let last = summary.reliability.last().map_or(0, |row| row.cycles);
-        let life =
-            |life: Option<f64>| life.map_or_else(|| format!("more than {}", count(last.into())), whole);
-        text += &format!(
-            "numerical: if every response were off by its stated error in the same direction, life at R = 0.5 would be {} or {} \
-             cycles\n",
-            life(worst),
-            life(best)
-        );
+    if states_numerical_errors(summary) {
+        let (_, without) = life_and_limits(life_at(summary, "total", 0.5, Included::Statistical));
+        text += "intervals contain the stated numerical errors, all in the same direction";
+        text += &if without.is_empty() {
+            "\n".to_owned()
+        } else {
+            format!("; without them R = 0.5: {without}\n")
+        };
+    }
+    if let Some(note) = unresolved_fall(summary) {
+        text += &format!("caution: {note}\n");
     }
     text
 }
@@ -110,13 +107,15 @@ mod tests {
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(
             lines[0].split_whitespace().collect::<Vec<_>>(),
-            ["cycles", "R", "wear", "R", "asymmetry", "R", "total"]
+            ["cycles", "R", "wear", "(95", "%)", "R", "asymmetry", "(95", "%)", "R", "total", "(95", "%)"]
         );
         let row = lines.iter().find(|line| line.trim_start().starts_with("66 000")).unwrap();
-        assert!(row.contains("0.4772 ± "), "{row}");
+        assert!(row.contains("0.477 ± "), "{row}");
         assert_eq!(row.chars().count(), lines[0].chars().count());
         for part in [
             "life at R = 0.5: 65 4",
+            "cycles (95 % interval 6",
+            "without them R = 0.5: 65 ",
             "stopped because the estimated error",
             "noise: 3.0 % of the variance of wear is numerical noise",
             "evaluations: 216 (120 initial, 96 added by learning, 1 failed)",

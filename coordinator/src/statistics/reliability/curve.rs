@@ -97,7 +97,8 @@ pub fn reliability_curve(
     failed.iter().enumerate().map(point).collect()
 }
 
-fn surrogate_error_at(n: usize, surrogate: &[(usize, f64)]) -> f64 {
+/// Surrogate error of the share at checkpoint `n` [1], see [`reliability_curve`].
+pub(super) fn surrogate_error_at(n: usize, surrogate: &[(usize, f64)]) -> f64 {
     match (surrogate.first(), surrogate.last()) {
         (Some((first, _)), Some((last, _))) if (*first..=*last).contains(&n) => {
             surrogate.iter().min_by_key(|(at, _)| at.abs_diff(n)).map_or(0.0, |(_, error)| *error)

@@ -1,6 +1,6 @@
 //! Reliability over life R(n) with its standard error, its range under the numerical errors of the
-//! simulations, shares of first failures, distributions of the outputs, and subset simulation for rare
-//! failures.
+//! simulations, lives between the checkpoints, shares of first failures, distributions of the outputs, and
+//! subset simulation for rare failures.
 //!
 //! # Source
 //! Each file names its own.
@@ -20,16 +20,22 @@
 //! assert!((pf / 3.167e-5 - 1.0).abs() < 0.5);
 //! ```
 
+mod crossing;
 mod curve;
 mod distribution;
-mod first_failure;
+mod life_counts;
+mod life_curve;
 mod numerical;
+mod population_lives;
 mod subset;
 
+pub use crossing::{Crossing, Track};
 pub use curve::{Condition, CurvePoint, coefficient_of_variation, governing_checkpoint, reliability_curve};
 pub use distribution::{
     Histogram, OutputDistribution, PROBABILITIES, distributions_from_samples, predict_distributions,
 };
-pub use first_failure::first_failure_shares;
-pub use numerical::{NumericalBand, ShiftedFailures, first_failure_with, shift_population};
+pub use life_counts::{LifeCounts, LifeEstimate, LifePosition, ModeLives, ResponseErrors, mode_lives};
+pub use life_curve::{LifeAtLevel, LifeCurve, LifeCurveInput, REACH, half_width};
+pub use numerical::NumericalBand;
+pub use population_lives::{PredictedMode, population_lives};
 pub use subset::{Subset, SubsetSimulation};

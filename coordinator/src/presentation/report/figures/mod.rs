@@ -16,7 +16,7 @@ pub use learning::learning;
 pub use numerical::numerical;
 pub use orbits::orbits;
 pub use outputs::{distributions, histories};
-pub use reliability::{curve, first_failure, reliability, shares_of_failures};
+pub use reliability::{band, beginning, curve, first_failure, reliability, shares_of_failures};
 
 use super::palette::Ink;
 use crate::results::summary::StudySummary;
@@ -40,7 +40,12 @@ impl LifeAxis {
 
     /// Number on the axis of a life [cycles].
     pub fn place(&self, cycles: u32) -> f64 {
-        f64::from(cycles) / self.divisor
+        self.place_time(cycles.into())
+    }
+
+    /// Number on the axis of a time between two cycles [cycles].
+    pub fn place_time(&self, cycles: f64) -> f64 {
+        cycles / self.divisor
     }
 }
 

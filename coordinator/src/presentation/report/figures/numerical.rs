@@ -1,13 +1,13 @@
 //! Figures of the stated numerical errors: their effect on R, and their size over life.
 
-use super::{LifeAxis, capital, file_name, ink_of, words};
+use super::{LifeAxis, band, beginning, capital, curve, file_name, ink_of, words};
 use crate::presentation::report::figure::Figure;
 use crate::presentation::report::input::ReportInput;
 use crate::presentation::report::life::rows_that_matter;
 use crate::presentation::report::palette::Ink;
-use crate::presentation::report::plot::{Axis, Plot, PlotError, Points, Series, Shape};
+use crate::presentation::report::plot::{Axis, Band, Plot, PlotError, Points, Series, Shape};
 use crate::presentation::report::stated_errors::StatedAt;
-use crate::results::summary::ReliabilityRow;
+use crate::results::summary::{ReliabilityRow, StudySummary};
 
 /// The range of R under the stated errors per limit state and in total, and per limit state the size of the errors
 /// over life.
@@ -23,35 +23,44 @@ fn range_of_reliability(input: &ReportInput) -> Result<Option<Figure>, PlotError
         return Ok(None);
     }
     let rows = rows_that_matter(&input.summary, 6);
-    let (Some(first), Some(last)) = (rows.first(), rows.last()) else { return Ok(None) };
+    let (Some(first), Some(last)) = (beginning(&input.summary, rows), rows.last()) else { return Ok(None) };
     let axis = LifeAxis::new(&input.summary);
     let (mut bands, mut lines) = (Vec::new(), Vec::new());
     for state in &input.limit_states {
         let name = state.name.as_str();
         let ink = ink_of(&input.summary, name);
-        let band: Vec<_> = rows
-            .iter()
-            .filter_map(|row| {
-                let range = row.numerical.get(name)?;
-                Some((axis.place(row.cycles), range.lower, range.upper))
-            })
-            .collect();
-        if band.is_empty() {
+        let range = numerical_band(&input.summary, rows, name, &axis);
+        if range.is_empty() {
             return Ok(None);
         }
-        bands.push(Series::unlisted(format!("{name}, range"), ink, Shape::Band(band)));
-        let r = |row: &ReliabilityRow| Some((axis.place(row.cycles), *row.reliability.get(name)?));
-        lines.push(Series::new(name, ink, Shape::Line(rows.iter().filter_map(r).collect())));
+        bands.push(Series::unlisted(format!("{name}, range"), ink, Shape::Band(range)));
+        let points = curve(&input.summary, name, &axis).0;
+        lines.push(Series::new(name, ink, Shape::Line(points)));
     }
     let plot = Plot {
         figure: "reliability-numerical",
-        x: Axis::linear(axis.label, (axis.place(first.cycles), axis.place(last.cycles))),
+        x: Axis::linear(axis.label, (axis.place(first), axis.place(last.cycles))),
         y: Axis::linear("reliability R", (0.0, 1.0)),
         series: &[bands, lines].concat(),
     };
-    let caption = "R with all responses shifted by their stated errors to the unsafe and to the safe side. These are \
-                   extreme cases, not standard errors.";
+    let caption = "Bands: 95 % interval with, in addition, all responses shifted by their stated errors to the unsafe and to the \
+                   safe side. These shifts are extreme cases, not standard errors.";
     plot.figure("Reliability under numerical errors", caption).map(Some)
+}
+
+/// The 95 % band of R with the stated errors; at the checkpoints of a study by an earlier version the range of R under them.
+fn numerical_band(summary: &StudySummary, rows: &[ReliabilityRow], name: &str, axis: &LifeAxis) -> Band {
+    if let Some(curve) = summary.curves.iter().find(|curve| curve.limit_state == name) {
+        if curve.numerical_lower.is_empty() {
+            return vec![];
+        }
+        return band(summary, curve, axis, [&curve.numerical_lower, &curve.numerical_upper]);
+    }
+    let range = |row: &ReliabilityRow| {
+        let range = row.numerical.get(name)?;
+        Some((axis.place(row.cycles), range.lower, range.upper))
+    };
+    rows.iter().filter_map(range).collect()
 }
 
 fn sizes(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {

@@ -7,23 +7,59 @@ use crate::presentation::report::input::ReportInput;
 use crate::presentation::report::life::{governing, rows_that_matter};
 use crate::presentation::report::palette::Ink;
 use crate::presentation::report::plot::{Axis, Band, Plot, PlotError, Points, Series, Shape};
+use crate::results::life_summary::LifeCurveRow;
 use crate::results::summary::{ReliabilityRow, StudySummary};
 
-/// Standard errors to either side that a band shows.
-pub const BAND: f64 = 1.96;
-
-/// R of a curve with its band at these rows, as points and (x, lower, upper).
-pub fn curve(rows: &[ReliabilityRow], name: &str, x: impl Fn(u32) -> f64) -> (Points, Band) {
-    let points = rows.iter().filter_map(|row| Some((x(row.cycles), *row.reliability.get(name)?)));
-    let band = rows.iter().filter_map(|row| {
-        let r = *row.reliability.get(name)?;
-        let reach = BAND * row.standard_error.get(name).copied().unwrap_or(0.0);
-        Some((x(row.cycles), (r - reach).max(0.0), (r + reach).min(1.0)))
-    });
-    (points.collect(), band.collect())
+/// R of a curve with its 95 % band, as points and (x, lower, upper): the curve from which the lives are read. A study by an
+/// earlier version has straight lines between the checkpoints.
+pub fn curve(summary: &StudySummary, name: &str, axis: &LifeAxis) -> (Points, Band) {
+    let Some(curve) = summary.curves.iter().find(|curve| curve.limit_state == name) else {
+        return checkpoints(&summary.reliability, name, axis).into_iter().unzip();
+    };
+    let points = along(summary, curve, axis, &curve.reliability);
+    (points, band(summary, curve, axis, [&curve.lower, &curve.upper]))
 }
 
-/// Reliability over life per limit state and in total, with bands of 1.96 standard errors.
+/// The band between two limits of a curve, as (x, lower, upper).
+pub fn band(summary: &StudySummary, curve: &LifeCurveRow, axis: &LifeAxis, limits: [&[f64]; 2]) -> Band {
+    let [lower, upper] = limits.map(|limit| along(summary, curve, axis, limit));
+    lower.into_iter().zip(upper).map(|((x, lower), (_, upper))| (x, lower, upper)).collect()
+}
+
+/// Values of a curve at its own points and at the checkpoints, between which it is straight.
+fn along(summary: &StudySummary, curve: &LifeCurveRow, axis: &LifeAxis, values: &[f64]) -> Points {
+    let checkpoints = summary.reliability.iter().map(|row| f64::from(row.cycles));
+    let mut times: Vec<f64> = curve.cycles.iter().copied().chain(checkpoints).collect();
+    times.sort_unstable_by(f64::total_cmp);
+    times.dedup();
+    let last = curve.cycles.len().saturating_sub(1);
+    let value = |time: f64| {
+        let next = curve.cycles.partition_point(|t| *t < time).clamp(1, last.max(1));
+        let (t0, t1) = (curve.cycles[next - 1], curve.cycles[next]);
+        values[next - 1] + (time - t0) / (t1 - t0) * (values[next] - values[next - 1])
+    };
+    times.into_iter().map(|time| (axis.place_time(time), value(time))).collect()
+}
+
+/// R of a curve at the checkpoints and its 95 % interval there.
+fn checkpoints(rows: &[ReliabilityRow], name: &str, axis: &LifeAxis) -> Vec<((f64, f64), (f64, f64, f64))> {
+    let point = |row: &ReliabilityRow| {
+        let (x, r) = (axis.place(row.cycles), *row.reliability.get(name)?);
+        let range = row.interval_of(name)?;
+        Some(((x, r), (x, range.lower, range.upper)))
+    };
+    rows.iter().filter_map(point).collect()
+}
+
+/// Beginning of the figures of R [cycles]: the first of these rows, or the start of life if some have failed by the first
+/// checkpoint.
+pub fn beginning(summary: &StudySummary, rows: &[ReliabilityRow]) -> Option<u32> {
+    let (first, of_all) = (rows.first()?, summary.reliability.first()?);
+    let failed = of_all.reliability.values().any(|r| *r < 0.9995);
+    Some(if failed { 0 } else { first.cycles })
+}
+
+/// Reliability over life per limit state and in total, with 95 % bands; the checkpoints as dots with error bars.
 ///
 /// # Errors
 /// [`PlotError`].
@@ -32,30 +68,37 @@ pub fn reliability(summary: &StudySummary) -> Result<Option<Figure>, PlotError> 
         return Ok(None);
     }
     let rows = rows_that_matter(summary, 3);
-    let (Some(first), Some(last)) = (rows.first(), rows.last()) else { return Ok(None) };
+    let (Some(first), Some(last)) = (beginning(summary, rows), rows.last()) else { return Ok(None) };
     let axis = LifeAxis::new(summary);
     let mut names: Vec<&str> = summary.limit_states.iter().map(String::as_str).collect();
     if names.len() != 1 {
         names.push("total");
     }
-    let (mut bands, mut lines) = (Vec::new(), Vec::new());
+    let (mut bands, mut lines, mut dots) = (Vec::new(), Vec::new(), Vec::new());
     for name in names {
-        let (points, band) = curve(rows, name, |cycles| axis.place(cycles));
+        let (points, band) = curve(summary, name, &axis);
         let ink = ink_of(summary, name);
         bands.push(Series::unlisted(format!("{name}, band"), ink, Shape::Band(band)));
         let shape = if name == "total" { Shape::Dashed(points) } else { Shape::Line(points) };
         lines.push(Series::new(name, ink, shape));
+        // Straight lines between checkpoints show these by their corners.
+        if !summary.curves.is_empty() {
+            let measured = checkpoints(rows, name, &axis).into_iter();
+            let measured = measured.map(|((x, r), (_, lower, upper))| [x, r, lower, upper]).collect();
+            dots.push(Series::unlisted(format!("{name}, checkpoints"), ink, Shape::Measured(measured)));
+        }
     }
     let plot = Plot {
         figure: "reliability",
-        x: Axis::linear(axis.label, (axis.place(first.cycles), axis.place(last.cycles))),
+        x: Axis::linear(axis.label, (axis.place(first), axis.place(last.cycles))),
         y: Axis::linear("reliability R", (0.0, 1.0)),
-        series: &[bands, lines].concat(),
+        series: &[bands, lines, dots].concat(),
     };
     let caption = format!(
         "Probability of no failure up to this life, per limit state and for the whole {}, which fails with its first limit \
-         state. Bands: 1.96 standard errors, sampling and surrogate together; the effect of numerical errors of the \
-         simulations is shown further below.",
+         state. Dots: checkpoints; lines between them: crossing times interpolated for every {}. Bands and bars: 95 % interval \
+         of sampling, surrogate and interpolation; the effect of numerical errors of the simulations is shown further below.",
+        summary.subject(),
         summary.subject()
     );
     plot.figure("Reliability over life", &caption).map(Some)
@@ -104,8 +147,8 @@ pub fn first_failure(input: &ReportInput) -> Result<Option<Figure>, PlotError> {
     let shares =
         governing(summary).and_then(|row| Some((row.cycles, shares_of_failures(summary, row.cycles)?)));
     let caption = format!(
-        "Stacked shares: limit state by which each {} failed first. Several at once: between the same two \
-         checkpoints.{}",
+        "Stacked shares: limit state by which each {} failed first. Several at once: at the same interpolated time, or \
+         between two checkpoints that do not resolve it.{}",
         summary.subject(),
         shares.map_or(String::new(), |(cycles, shares)| format!(
             " First causes of the failures up to {} cycles: {}.",
@@ -127,7 +170,7 @@ pub fn shares_of_failures(summary: &StudySummary, cycles: u32) -> Option<Vec<Str
     let by = |name: &String| Some(format!("{} by {name}", percent(row.first.get(name)? / all)));
     let mut parts: Vec<String> = summary.limit_states.iter().filter_map(by).collect();
     if row.together > 0.0 {
-        parts.push(format!("{} by several between the same two checkpoints", percent(row.together / all)));
+        parts.push(format!("{} by several at once", percent(row.together / all)));
     }
     Some(parts)
 }

@@ -1,7 +1,7 @@
 //! The head of the page: subject, method and main results of the study.
 
 use crate::presentation::report::input::ReportInput;
-use crate::presentation::report::life::{LEVELS, life_at};
+use crate::presentation::report::life::{LEVELS, failure_probability};
 use crate::presentation::report::{tables, words};
 use maud::{Markup, html};
 
@@ -21,11 +21,12 @@ pub fn head(input: &ReportInput) -> Markup {
             @if summary.is_static() {
                 div.tile {
                     p { "P" sub { "f" } }
-                    p.figure { (words::failure_probability(&summary.reliability[0], "total")) }
+                    p.figure { (failure_probability(&summary.reliability[0], "total")) }
+                    p { "95 % interval" }
                 }
             } @else {
                 @for level in LEVELS {
-                    @let (life, bounds) = words::life(life_at(summary, "total", level));
+                    @let (life, bounds) = words::life(summary, level);
                     div.tile {
                         p { "R = " (level) }
                         p.figure { (life) }

@@ -44,7 +44,7 @@ impl Legend<'_> {
                         root.draw(&PathElement::new(dash, stroke(series.ink, 2.0)))?;
                     }
                 }
-                Shape::Marked(_) => {
+                Shape::Marked(_) | Shape::Measured(_) => {
                     root.draw(&Circle::new((px(x + 9.0), px(y)), px(3.0), series.ink.rgb().filled()))?;
                 }
                 Shape::Line(_) | Shape::Dotted(_) => {

@@ -119,6 +119,8 @@ mod tests {
             Shape::Dashed(vec![]),
             Shape::Dotted(vec![]),
             Shape::Marked(vec![((0.5, f64::NAN), "nowhere".into())]),
+            Shape::Measured(vec![]),
+            Shape::Measured(vec![[0.5, f64::NAN, 0.0, 1.0]]),
             Shape::Band(vec![]),
             Shape::Steps(vec![]),
             Shape::Level(f64::NAN),

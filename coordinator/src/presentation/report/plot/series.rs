@@ -21,6 +21,8 @@ pub enum Shape {
     Dotted(Vec<(f64, f64)>),
     /// Dots without lines, each with a word next to it (none if empty).
     Marked(Vec<((f64, f64), String)>),
+    /// Dots with vertical error bars: [x, y, lower, upper].
+    Measured(Vec<[f64; 4]>),
     /// Area between a lower and an upper value: (x, lower, upper).
     Band(Vec<(f64, f64, f64)>),
     /// Bars side by side from zero: (left, right, height).
@@ -76,6 +78,7 @@ fn rows(series: &Series) -> Vec<CsvRow<'_>> {
         Shape::Line(points) | Shape::Dashed(points) | Shape::Dotted(points) => {
             points.iter().map(point).collect()
         }
+        Shape::Measured(points) => points.iter().map(|[x, y, _, _]| point(&(*x, *y))).collect(),
         Shape::Marked(marks) => marks.iter().map(|(at, mark)| CsvRow { mark, ..point(at) }).collect(),
         Shape::Band(points) => {
             points.iter().map(|(x, low, high)| CsvRow { upper: Some(*high), ..point(&(*x, *low)) }).collect()

@@ -55,6 +55,7 @@ pub(super) fn draw_series(
             dots(chart, points, ink)
         }
         Shape::Marked(marks) => marked(chart, frame, marks, ink),
+        Shape::Measured(points) => measured(chart, frame, points, ink),
         Shape::Band(band) => filled_band(chart, frame, band, ink),
         Shape::Steps(bars) => steps(chart, frame, bars, ink),
         Shape::Level(y) => {
@@ -103,6 +104,23 @@ fn marked(
         })
     });
     chart.draw_series(labels).map(|_| ())
+}
+
+/// Dots with vertical error bars, smaller the more there are.
+fn measured(
+    chart: &mut Chart<'_, '_>,
+    frame: &Frame,
+    points: &[[f64; 4]],
+    ink: Ink,
+) -> Result<(), DrawError> {
+    for [x, _, lower, upper] in points {
+        line(chart, frame.inside(&[(*x, *lower), (*x, *upper)]), stroke(ink, 1.2))?;
+    }
+    let centres: Points = points.iter().map(|[x, y, _, _]| (*x, *y)).collect();
+    let centres = frame.inside(&centres);
+    let radius = if centres.len() > 30 { 1.8 } else { 2.8 };
+    let dot = |centre| Circle::new(centre, px(radius), ink.rgb().filled());
+    chart.draw_series(centres.into_iter().map(dot)).map(|_| ())
 }
 
 fn filled_band(chart: &mut Chart<'_, '_>, frame: &Frame, band: &Band, ink: Ink) -> Result<(), DrawError> {

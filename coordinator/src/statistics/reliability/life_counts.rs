@@ -1,0 +1,272 @@
+//! Counts of the lives of many samples: when each limit state of a sample is reached, by the best estimate, by its bounds,
+//! and with the response shifted by its errors.
+//!
+//! Every interval between two checkpoints is divided into equal parts; a life falls into a part, and the parts of one interval
+//! never mix with those of the next, so that the shares at the checkpoints are those of the classification. The system's life
+//! is the shortest of its limit states, for each estimate by itself.
+
+use super::crossing::{Crossing, Track};
+use super::numerical::NumericalBand;
+
+/// A life: the interval in which it ends, and the share of the interval.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LifePosition {
+    /// Index of the checkpoint at the end of the interval.
+    pub interval: u32,
+    /// Share of the interval that has passed [1].
+    pub share: f64,
+}
+
+impl LifePosition {
+    /// A life beyond the last checkpoint.
+    pub const NEVER: Self = Self { interval: u32::MAX, share: 0.0 };
+
+    /// The shorter of two lives.
+    #[must_use]
+    pub fn earlier(self, other: Self) -> Self {
+        let other_first = (other.interval, other.share) < (self.interval, self.share);
+        if other_first { other } else { self }
+    }
+}
+
+/// Least number of parts of all intervals together.
+const PARTS: usize = 4096;
+/// Least number of parts of one interval.
+const LEAST_PARTS: usize = 2;
+
+/// An estimate of a life.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LifeEstimate {
+    /// Best estimate.
+    Best,
+    /// Shortest life that the values at the checkpoints allow.
+    Earliest,
+    /// Longest life that they allow.
+    Latest,
+    /// Shortest life with the response larger by its stated numerical error.
+    Unsafe,
+    /// Longest life with the response smaller by its stated numerical error.
+    Safe,
+    /// Best estimate with the response larger by its predicted standard deviation.
+    Larger,
+    /// Best estimate with the response smaller by its predicted standard deviation.
+    Smaller,
+}
+
+/// Number of estimates.
+const ESTIMATES: usize = 7;
+
+/// Lives of one sample by one limit state, one per [`LifeEstimate`].
+pub type ModeLives = [LifePosition; ESTIMATES];
+
+/// Errors of the values of one response at the checkpoints.
+#[derive(Debug, Clone, Copy)]
+pub struct ResponseErrors<'a> {
+    /// Stated numerical errors `(m,)` [unit of the output].
+    pub numerical: &'a [f64],
+    /// Predicted standard deviations `(m,)` [unit of the output]; empty for simulated values.
+    pub predicted: &'a [f64],
+}
+
+/// Lives of a response by a threshold [unit of the output]. `first` is the index of the first checkpoint by which it has failed,
+/// m if never; `room` is memory for its shifted values.
+pub fn mode_lives(
+    track: &Track<'_>,
+    errors: &ResponseErrors<'_>,
+    threshold: f64,
+    first: usize,
+    room: &mut Vec<f64>,
+) -> ModeLives {
+    let m = track.times.len();
+    let place = |k: usize, share: fn(&Crossing) -> f64, crossing: &Crossing| LifePosition {
+        interval: k as u32,
+        share: share(crossing),
+    };
+    let mut lives = [LifePosition::NEVER; ESTIMATES];
+    if first < m {
+        let crossing = track.crossing(first, threshold);
+        let estimates: [fn(&Crossing) -> f64; 3] = [|c| c.best, |c| c.earliest, |c| c.latest];
+        for (life, estimate) in lives.iter_mut().zip(estimates) {
+            *life = place(first, estimate, &crossing);
+        }
+    }
+    let mut shifted = |of: &[f64], sign: f64, share: fn(&Crossing) -> f64| {
+        room.clear();
+        room.extend(track.values.iter().zip(of).map(|(value, error)| value + sign * error));
+        let Some(k) = room.iter().position(|value| *value >= threshold) else { return LifePosition::NEVER };
+        let start = track.start.map(|start| start + sign * of[0]);
+        place(k, share, &Track { values: room, start, ..*track }.crossing(k, threshold))
+    };
+    lives[LifeEstimate::Unsafe as usize] = shifted(errors.numerical, 1.0, |c| c.earliest);
+    lives[LifeEstimate::Safe as usize] = shifted(errors.numerical, -1.0, |c| c.latest);
+    let best = lives[LifeEstimate::Best as usize];
+    let predicted = errors.predicted;
+    let by_prediction =
+        |sign: f64, shifted: &mut dyn FnMut(&[f64], f64, fn(&Crossing) -> f64) -> LifePosition| {
+            if predicted.is_empty() { best } else { shifted(predicted, sign, |c| c.best) }
+        };
+    lives[LifeEstimate::Larger as usize] = by_prediction(1.0, &mut shifted);
+    lives[LifeEstimate::Smaller as usize] = by_prediction(-1.0, &mut shifted);
+    lives
+}
+
+/// Counts over the samples of a population.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct LifeCounts {
+    /// Number of limit states.
+    modes: usize,
+    /// Number m of intervals.
+    intervals: usize,
+    /// Number of parts of one interval.
+    parts: usize,
+    /// Number of samples.
+    samples: usize,
+    /// Number of lives that end in each part `(modes + 1, estimates, m parts)`, the system last.
+    counts: Vec<u32>,
+    /// Number of samples that each limit state fails first, then of those that several fail at once `(modes + 1, m)`.
+    first: Vec<u32>,
+}
+
+impl LifeCounts {
+    /// No samples yet of `modes` limit states over m `intervals`.
+    pub fn new(modes: usize, intervals: usize) -> Self {
+        let parts = PARTS.div_ceil(intervals.max(1)).max(LEAST_PARTS);
+        let counts = vec![0; (modes + 1) * ESTIMATES * intervals * parts];
+        Self { modes, intervals, parts, samples: 0, counts, first: vec![0; (modes + 1) * intervals] }
+    }
+
+    /// Adds a sample: the lives by each limit state `(modes,)`.
+    pub fn add(&mut self, lives: &[ModeLives]) {
+        self.samples += 1;
+        for estimate in 0..ESTIMATES {
+            let mut system = LifePosition::NEVER;
+            for (mode, lives) in lives.iter().enumerate() {
+                self.count(mode, estimate, lives[estimate]);
+                system = system.earlier(lives[estimate]);
+            }
+            self.count(self.modes, estimate, system);
+            if estimate == LifeEstimate::Best as usize && system != LifePosition::NEVER {
+                let mut firsts = (0..self.modes).filter(|mode| lives[*mode][estimate] == system);
+                let mode = firsts.next().unwrap_or(self.modes);
+                let cause = if firsts.next().is_some() { self.modes } else { mode };
+                self.first[cause * self.intervals + system.interval as usize] += 1;
+            }
+        }
+    }
+
+    fn count(&mut self, curve: usize, estimate: usize, life: LifePosition) {
+        if life != LifePosition::NEVER {
+            let part = ((life.share * self.parts as f64).ceil() as usize).clamp(1, self.parts) - 1;
+            let parts = self.intervals * self.parts;
+            let row = (curve * ESTIMATES + estimate) * parts;
+            self.counts[row + life.interval as usize * self.parts + part] += 1;
+        }
+    }
+
+    /// Adds the counts of other samples.
+    #[must_use]
+    pub fn merged(mut self, other: &Self) -> Self {
+        self.samples += other.samples;
+        self.counts.iter_mut().zip(&other.counts).for_each(|(a, b)| *a += b);
+        self.first.iter_mut().zip(&other.first).for_each(|(a, b)| *a += b);
+        self
+    }
+
+    /// Number of parts of one interval.
+    pub fn parts(&self) -> usize {
+        self.parts
+    }
+
+    /// Number of curves: the limit states and the system.
+    pub fn curves(&self) -> usize {
+        self.modes + 1
+    }
+
+    /// Shares of the samples that have failed by the end of each part, by one estimate of their lives `(m parts,)` [1]. Curve
+    /// `curve` is a limit state, or the system after the last one.
+    pub fn failed(&self, curve: usize, estimate: LifeEstimate) -> Vec<f64> {
+        let parts = self.intervals * self.parts;
+        let row = (curve * ESTIMATES + estimate as usize) * parts;
+        self.cumulated(&self.counts[row..row + parts])
+    }
+
+    fn cumulated(&self, counts: &[u32]) -> Vec<f64> {
+        let add = |sum: &mut u64, count: &u32| {
+            *sum += u64::from(*count);
+            Some(*sum as f64 / self.samples.max(1) as f64)
+        };
+        counts.iter().scan(0, add).collect()
+    }
+
+    /// Shares at the checkpoints with all responses shifted by their stated numerical errors.
+    pub fn numerical_band(&self) -> NumericalBand {
+        let at_checkpoints = |curve: usize, estimate: LifeEstimate| {
+            self.failed(curve, estimate).into_iter().skip(self.parts - 1).step_by(self.parts).collect()
+        };
+        let shares =
+            |estimate: LifeEstimate| (0..self.curves()).map(|c| at_checkpoints(c, estimate)).collect();
+        NumericalBand { least: shares(LifeEstimate::Safe), most: shares(LifeEstimate::Unsafe) }
+    }
+
+    /// Shares of the samples that have failed by each checkpoint, by the limit state that failed first; last those
+    /// that several failed at once `(modes + 1, m)` [1]. They add up to the failure share of the system.
+    pub fn first_failure_shares(&self) -> Vec<Vec<f64>> {
+        self.first.chunks(self.intervals).map(|counts| self.cumulated(counts)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn life(interval: u32, share: f64) -> ModeLives {
+        [LifePosition { interval, share }; ESTIMATES]
+    }
+
+    #[test]
+    fn every_failure_of_the_system_has_one_cause() {
+        let never = [LifePosition::NEVER; ESTIMATES];
+        let mut counts = LifeCounts::new(2, 3);
+        // The third sample fails by both limit states in one interval, by the second one first; the fourth by both at once.
+        for lives in [[life(0, 0.5), never], [life(2, 0.1), never], [life(2, 0.5), life(2, 0.4)]] {
+            counts.add(&lives);
+        }
+        counts.add(&[life(1, 1.0), life(1, 1.0)]);
+        let expected = [[0.25, 0.25, 0.5], [0.0, 0.0, 0.25], [0.0, 0.25, 0.25]];
+        assert_eq!(counts.first_failure_shares(), expected);
+        let parts = counts.parts();
+        for estimate in [LifeEstimate::Best, LifeEstimate::Smaller] {
+            let system = counts.failed(2, estimate);
+            let at_checkpoints = [1, 2, 3].map(|k| system[k * parts - 1]);
+            assert_eq!(at_checkpoints, [0.25, 0.5, 1.0]);
+        }
+        let whole = counts.clone().merged(&counts);
+        assert_eq!(whole.failed(0, LifeEstimate::Best), counts.failed(0, LifeEstimate::Best));
+        assert_eq!(whole.samples, 8);
+    }
+
+    #[test]
+    fn errors_move_lives_to_their_sides() {
+        let (times, values) = ([1.0, 2.0, 3.0], [1.0, 2.0, 3.0]);
+        let track = Track { times: &times, values: &values, start: Some(0.0) };
+        let errors = ResponseErrors { numerical: &[0.5; 3], predicted: &[0.25; 3] };
+        let lives = mode_lives(&track, &errors, 2.5, 2, &mut Vec::new());
+        let time = |estimate: LifeEstimate| {
+            let life = lives[estimate as usize];
+            f64::from(life.interval) + life.share
+        };
+        let expected = [
+            (LifeEstimate::Best, 2.5),
+            (LifeEstimate::Unsafe, 2.0),
+            (LifeEstimate::Safe, 3.0),
+            (LifeEstimate::Larger, 2.25),
+            (LifeEstimate::Smaller, 2.75),
+        ];
+        for (estimate, life) in expected {
+            assert!((time(estimate) - life).abs() < 1e-8, "{estimate:?} {lives:?}");
+        }
+        let beyond = mode_lives(&track, &errors, 3.2, 3, &mut Vec::new());
+        assert_eq!(beyond[LifeEstimate::Best as usize], LifePosition::NEVER);
+        assert_ne!(beyond[LifeEstimate::Unsafe as usize], LifePosition::NEVER);
+    }
+}

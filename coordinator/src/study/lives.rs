@@ -1,0 +1,197 @@
+//! Lives of a study: counted over the population by the surrogates, or over the samples of a direct simulation, and their
+//! rows in the summary.
+
+use super::interim::InterimResult;
+use super::observations::Observed;
+use super::response_layout::ResponseLayout;
+use super::{CampaignResult, Problem};
+use crate::results::life_summary::{CyclesRange, LifeCurveRow, LifeRow, UnresolvedFall};
+use crate::statistics::learning::running_maximum;
+use crate::statistics::reliability::{
+    LifeAtLevel, LifeCounts, LifeCurve, LifeCurveInput, ModeLives, PredictedMode, ResponseErrors, Track,
+    mode_lives, population_lives,
+};
+use common::scene::Scene;
+use faer::Mat;
+
+/// Reliabilities at which lives are stated.
+pub const LEVELS: [f64; 3] = [0.99, 0.9, 0.5];
+
+/// A fall of R between two checkpoints from above the first to below the second value is not resolved by them [1].
+const FALL: (f64, f64) = (0.9, 0.1);
+
+/// Number of checkpoints that should lie within the fall.
+const WITHIN: f64 = 5.0;
+
+/// Checkpoints as times `(m,)` [cycles].
+fn times(checkpoints: &[u32]) -> Vec<f64> {
+    checkpoints.iter().map(|cycles| f64::from(*cycles)).collect()
+}
+
+/// Lives of the population by the surrogates of a campaign.
+pub(super) fn learned_lives(scene: &Scene, learned: &CampaignResult) -> LifeCounts {
+    let observations = &learned.observations;
+    let layout = ResponseLayout::from_scene(scene);
+    let parts = layout.modes.iter().zip(&learned.assessment.surrogates).map(|(mode, surrogate)| {
+        let values = observations.running_maxima(mode.output);
+        let mut model = surrogate.model.clone();
+        if let Some(start) = observations.starts(mode.output) {
+            let with_start = |i: usize, n: usize| if n == 0 { start[i] } else { values[(i, n - 1)] };
+            model.set_values(Mat::from_fn(values.nrows(), values.ncols() + 1, with_start).as_ref());
+        }
+        (model, values, observations.errors_of_running_maxima(mode.output))
+    });
+    let parts: Vec<_> = parts.collect();
+    let assessed = learned.assessment.modes.iter().zip(&learned.assessment.surrogates);
+    let modes: Vec<PredictedMode<'_>> = parts
+        .iter()
+        .zip(assessed)
+        .map(|((model, values, errors), (classified, surrogate))| PredictedMode {
+            model,
+            inflation: surrogate.inflation(),
+            values: values.as_ref(),
+            errors: errors.as_ref(),
+            threshold: classified.threshold,
+            first_failure: &classified.first_failure,
+            variance_factor: &classified.variance_factor,
+        })
+        .collect();
+    population_lives(&modes, &learned.classified.population, &times(&scene.life.checkpoints()))
+}
+
+/// Adds the lives of one simulation.
+pub(super) fn add_simulated(problem: &Problem, observed: &Observed, lives: &mut LifeCounts) {
+    let times = times(&problem.checkpoints);
+    let mut room = Vec::new();
+    let mut by_mode = |mode: &crate::statistics::learning::Mode| -> ModeLives {
+        let values = running_maximum(&observed.histories[mode.output]);
+        let first = values.iter().position(|y| *y >= mode.threshold).unwrap_or(times.len());
+        let start = observed.start.get(mode.output).copied().flatten();
+        let errors = ResponseErrors { numerical: &observed.errors[mode.output], predicted: &[] };
+        mode_lives(
+            &Track { times: &times, values: &values, start },
+            &errors,
+            mode.threshold,
+            first,
+            &mut room,
+        )
+    };
+    let all: Vec<ModeLives> = problem.modes.iter().map(&mut by_mode).collect();
+    lives.add(&all);
+}
+
+/// Curves, lives and the fall that the checkpoints do not resolve, for the summary.
+#[derive(Debug, Default)]
+pub(super) struct LifeFindings {
+    pub curves: Vec<LifeCurveRow>,
+    pub lives: Vec<LifeRow>,
+    pub unresolved: Option<UnresolvedFall>,
+}
+
+/// Reads curves and lives from the counts. `names` are those of the curves, the system last; `numerical` tells whether the
+/// simulations state errors.
+pub(super) fn life_findings(
+    counts: &LifeCounts,
+    shares: &InterimResult,
+    names: &[String],
+    checkpoints: &[u32],
+    numerical: bool,
+) -> LifeFindings {
+    // A study with one checkpoint has no life.
+    if checkpoints.len() < 2 {
+        return LifeFindings::default();
+    }
+    let none = Vec::new();
+    let curve = |c: usize| {
+        LifeCurve::new(&LifeCurveInput {
+            counts,
+            curve: c,
+            checkpoints,
+            points: shares.points,
+            missing: shares.missing,
+            surrogate: shares.surrogate.get(c).unwrap_or(&none),
+            condition: &shares.condition,
+        })
+    };
+    let curves: Vec<LifeCurve> = (0..names.len()).map(curve).collect();
+    let row =
+        |(name, curve): (&String, &LifeCurve)| LEVELS.map(|level| life_row(name, curve, level, numerical));
+    let lives: Vec<LifeRow> = names.iter().zip(&curves).flat_map(row).collect();
+    let unresolved = curves
+        .last()
+        .and_then(|total| unresolved_fall(total, shares, checkpoints, &lives[lives.len() - 3..]));
+    let rows = names.iter().zip(curves).map(|(name, curve)| curve_row(name, curve, numerical));
+    LifeFindings { curves: rows.collect(), lives, unresolved }
+}
+
+fn life_row(name: &str, curve: &LifeCurve, level: f64, numerical: bool) -> LifeRow {
+    let range = |LifeAtLevel { lower, upper, .. }: LifeAtLevel| CyclesRange { lower, upper };
+    let found = curve.life_at(level, false);
+    LifeRow {
+        limit_state: name.to_owned(),
+        reliability: level,
+        cycles: found.life,
+        interval: range(found),
+        with_numerical_error: numerical.then(|| range(curve.life_at(level, true))),
+    }
+}
+
+fn curve_row(name: &str, curve: LifeCurve, numerical: bool) -> LifeCurveRow {
+    let or_none = |limit: Vec<f64>| if numerical { limit } else { vec![] };
+    LifeCurveRow {
+        limit_state: name.to_owned(),
+        cycles: curve.cycles,
+        reliability: curve.reliability,
+        lower: curve.lower,
+        upper: curve.upper,
+        numerical_lower: or_none(curve.unsafe_lower),
+        numerical_upper: or_none(curve.safe_upper),
+    }
+}
+
+/// The interval in which R of the system falls from above 0.9 to below 0.1, or in which a life is bounded but not resolved.
+fn unresolved_fall(
+    total: &LifeCurve,
+    shares: &InterimResult,
+    checkpoints: &[u32],
+    lives: &[LifeRow],
+) -> Option<UnresolvedFall> {
+    let failed = shares.failed.last()?;
+    let reliability = |k: usize| 1.0 - shares.condition.probability * failed[k];
+    let falls = |k: &usize| {
+        let before = if *k == 0 { 1.0 } else { reliability(k - 1) };
+        before > FALL.0 && reliability(*k) < FALL.1
+    };
+    let bounded = |life: &LifeRow| {
+        let level = life.reliability;
+        let k = (0..checkpoints.len()).find(|k| reliability(*k) <= level)?;
+        life.cycles.is_none().then_some(k)
+    };
+    let k = (0..checkpoints.len()).find(falls).or_else(|| lives.iter().find_map(bounded))?;
+    let (from, to) = (if k == 0 { 0 } else { checkpoints[k - 1] }, checkpoints[k]);
+    let between = |level: f64| total.life_at(level, false).life;
+    // The fall as it was interpolated; otherwise all that is known is that it lies within the interval.
+    let width = match (between(FALL.0), between(FALL.1)) {
+        (Some(first), Some(last)) => last - first,
+        _ => 0.5 * f64::from(to - from),
+    };
+    let every = largest_divisor(checkpoints[checkpoints.len() - 1], width / WITHIN);
+    Some(UnresolvedFall { from, to, checkpoint_every: every.min((to - from).div_ceil(2)) })
+}
+
+/// The largest divisor of `cycles` that is not above `most` [cycles]; 1 below that.
+fn largest_divisor(cycles: u32, most: f64) -> u32 {
+    let least = (f64::from(cycles) / most.max(1.0)).ceil() as u32;
+    cycles / (least.max(1)..=cycles).find(|number| cycles.is_multiple_of(*number)).unwrap_or(cycles)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_distance_of_checkpoints_divides_the_life() {
+        let found = [0.3, 1.0, 37.0, 1500.0, 9e9].map(|most| largest_divisor(2000, most));
+        assert_eq!(found, [1, 1, 25, 1000, 2000]);
+    }
+}
