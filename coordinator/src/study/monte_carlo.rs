@@ -48,7 +48,7 @@ pub(super) struct DirectSimulation<'a> {
     histories: Vec<Vec<Vec<f64>>>,
     /// Index of their first failure `(modes + 1)(points,)`, the system last.
     first_failures: Vec<Vec<u32>>,
-    /// Their lives.
+    /// Counts of their lives by limit state.
     lives: LifeCounts,
     failures: Vec<Failed>,
     rounds: Vec<Round>,

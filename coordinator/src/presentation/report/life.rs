@@ -10,23 +10,23 @@ pub use crate::study::LEVELS;
 pub enum LifeAt {
     /// A life between two limits, the upper of which may lie beyond the life studied.
     Cycles {
-        /// Best estimate.
+        /// Best estimate of the life.
         life: f64,
-        /// Lower limit.
+        /// Lower limit of its interval.
         lower: f64,
-        /// Upper limit.
+        /// Upper limit of its interval.
         upper: Option<f64>,
     },
     /// The checkpoints bound the life but do not resolve it.
     Between {
         /// Lower limit, 0 if only the upper one is known.
         lower: f64,
-        /// Upper limit.
+        /// Upper limit of its interval.
         upper: Option<f64>,
     },
     /// R is above the level at the end of the life studied.
     Beyond {
-        /// Lower limit.
+        /// Lower limit of its interval.
         lower: f64,
         /// End of the life studied.
         end: f64,

@@ -34,7 +34,7 @@ type Point = (f64, f64);
 /// Crossing of a threshold within an interval, as shares of its length [1].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Crossing {
-    /// Best estimate.
+    /// Best estimate of the life.
     pub best: f64,
     /// Earliest crossing that the known values allow.
     pub earliest: f64,

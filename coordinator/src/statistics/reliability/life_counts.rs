@@ -37,7 +37,7 @@ const LEAST_PARTS: usize = 2;
 /// An estimate of a life.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LifeEstimate {
-    /// Best estimate.
+    /// Best estimate of the life.
     Best,
     /// Shortest life that the values at the checkpoints allow.
     Earliest,

@@ -90,7 +90,7 @@ pub struct LifeCurve {
 pub struct LifeAtLevel {
     /// Best estimate; `None` if it lies beyond the life studied, or if the checkpoints do not resolve it.
     pub life: Option<f64>,
-    /// Lower limit.
+    /// Lower limit of its interval.
     pub lower: f64,
     /// Upper limit; `None` beyond the life studied.
     pub upper: Option<f64>,

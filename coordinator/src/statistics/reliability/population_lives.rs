@@ -1,5 +1,9 @@
 //! Lives of a population by the surrogates: every point's response is predicted at the start of life and at the checkpoints,
 //! and its crossing of the threshold interpolated.
+//!
+//! # Source
+//! The crossing as in `crossing.rs`, the numerical errors as in `numerical.rs`; the predictions are those of Kriging, see
+//! [`crate::statistics::surrogate`].
 
 use super::crossing::Track;
 use super::life_counts::{LifeCounts, ModeLives, ResponseErrors, mode_lives};
