@@ -7,6 +7,7 @@ use super::error::CommandError;
 use super::external;
 use super::farm::cores;
 use super::model::Model;
+use super::nominal::nominal_warnings;
 use super::output::{count, print, to_json};
 use super::shared::Verbosity;
 use common::scene::*;
@@ -32,12 +33,16 @@ pub fn explain(name: &str, accuracy: &AccuracyArguments, verbosity: Verbosity) -
         .map_err(|failure| CommandError::of_simulation(source.origin(), scene, failure))?;
     let accuracy = accuracy.for_study(&source, scene.study.seed, cores(), verbosity.quiet, Arc::default())?;
     let model = Model::new(scene, &accuracy.setting);
+    let mut warnings = source.warnings();
+    warnings.extend(nominal_warnings(scene));
     if verbosity.json {
         let mut value = serde_json::to_value(scene)?;
         value["model"] = model.to_json();
+        value["warnings"] = serde_json::to_value(warnings)?;
         return print(&to_json(&value)?);
     }
-    print(&text(scene, &model))
+    let warnings = warnings.iter().map(|warning| format!("Warning: {warning}\n"));
+    print(&format!("{}{}", text(scene, &model), warnings.collect::<String>()))
 }
 
 fn text(scene: &Scene, model: &Model) -> String {

@@ -15,6 +15,7 @@ mod farm;
 mod init;
 mod model;
 mod monitor;
+mod nominal;
 mod output;
 mod results;
 mod run;

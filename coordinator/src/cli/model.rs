@@ -5,32 +5,19 @@ use common::accuracy::NamedAccuracy;
 use common::scene::{Motion, Scene};
 use serde_json::{Value, json};
 use std::fmt::Write;
-use std::time::Instant;
 use worker::simulate::{FirstLook, IslandModel, first_look};
 
-/// The first cycle of a scene, or the failure of its simulation, with the time it took.
+/// The first cycle of a scene, or the failure of its simulation.
 pub struct Model {
     look: Result<FirstLook, String>,
     accuracy: String,
-    /// Dynamic cycles simulated for this, and their time [s].
-    looked: (f64, f64),
 }
 
 impl Model {
     /// Simulates the settled first cycle at the accuracy of the study.
     pub fn new(scene: &Scene, accuracy: &NamedAccuracy) -> Self {
-        let start = Instant::now();
         let look = first_look(scene, &accuracy.accuracy).map_err(|failure| failure.to_string());
-        let cycles = f64::from(scene.life.settle_cycles) + 1.0;
-        Model { look, accuracy: accuracy.name.clone(), looked: (cycles, start.elapsed().as_secs_f64()) }
-    }
-
-    /// Expected time of one evaluation [s]. The one trial cycle of the quasi-static tier counts as dynamic, so the
-    /// estimate is conservative.
-    fn seconds(&self, look: &FirstLook) -> f64 {
-        let per_cycle = self.looked.1 / self.looked.0;
-        // Measured on the built-in scenes: a quasi-static cycle takes a tenth of a dynamic one.
-        per_cycle * (look.dynamic_cycles + 0.1 * look.quasi_static_cycles)
+        Model { look, accuracy: accuracy.name.clone() }
     }
 
     /// The model as JSON.
@@ -52,7 +39,7 @@ impl Model {
             "steps_per_cycle": look.steps_per_cycle,
             "dynamic_cycles": look.dynamic_cycles,
             "quasi_static_cycles": look.quasi_static_cycles,
-            "expected_s": self.seconds(look),
+            "expected_s": look.expected.as_secs_f64(),
         })
     }
 
@@ -90,7 +77,7 @@ impl Model {
             look.steps_per_cycle,
             look.dynamic_cycles,
             look.quasi_static_cycles,
-            self.seconds(look)
+            look.expected.as_secs_f64()
         )
     }
 }

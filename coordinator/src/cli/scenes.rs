@@ -2,6 +2,7 @@
 
 use super::error::CommandError;
 use super::external;
+use super::nominal::nominal_warnings;
 use super::output::{count, print, to_json};
 use common::scene::{Scene, SceneSource};
 use serde_json::json;
@@ -30,7 +31,8 @@ pub fn scenes(show: Option<&str>, as_json: bool) -> Result<(), CommandError> {
     print(&list.map(|scene| format!("{:width$}  {}\n", scene.name, scene.title)).collect::<String>())
 }
 
-/// Checks a scene: its text, its bounds, and the ideal linkage through a whole cycle. Unused parameters and
+/// Checks a scene: its text, its bounds, the ideal linkage through a whole cycle, and the nominal mechanism against its limits.
+/// Unused parameters and
 /// warnings are listed but are no fault.
 ///
 /// # Errors
@@ -41,7 +43,8 @@ pub fn check(file: &str, as_json: bool) -> Result<(), CommandError> {
     if scene.simulator.is_none() {
         check_linkage(source.origin(), scene)?;
     }
-    let (unused, warnings) = (source.unused_parameters(), source.warnings());
+    let (unused, mut warnings) = (source.unused_parameters(), source.warnings());
+    warnings.extend(nominal_warnings(scene));
     if as_json {
         return print(&to_json(&json!({ "file": file, "scene": scene.name, "valid": true,
                                        "unused_parameters": unused, "warnings": warnings }))?);

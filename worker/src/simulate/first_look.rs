@@ -1,4 +1,4 @@
-//! Model and cost of the evaluation of a scene, from its settled first cycle alone.
+//! Model and cost of the evaluation of a scene, from its settled first cycle and a first block of wear.
 
 use super::blocks::block_ends;
 use super::probe::{FINER, is_probed};
@@ -9,6 +9,7 @@ use crate::quasi_static::Unsuitable;
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::scene::Scene;
+use std::time::{Duration, Instant};
 
 /// The model of one island.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,6 +49,8 @@ pub struct FirstLook {
     /// Largest relative difference of the quasi-static wear rates from those of the dynamics on the unworn bores [1], or the reason
     /// why the dynamics has to drive the wear.
     pub tier: Result<f64, Unsuitable>,
+    /// Outputs of the first measured cycle, on the unworn bores; no wear `(outputs,)` [SI].
+    pub outputs: Vec<f64>,
     /// Accepted time steps of the measured cycle, all islands together.
     pub steps_per_cycle: u64,
     /// Cycles that a whole evaluation simulates dynamically: settling, measuring, warming up, probing; a cycle with shorter time
@@ -55,9 +58,12 @@ pub struct FirstLook {
     pub dynamic_cycles: f64,
     /// Cycles that it simulates quasi-statically, warming up included.
     pub quasi_static_cycles: f64,
+    /// Expected time of a whole evaluation.
+    pub expected: Duration,
 }
 
-/// Assembles a scene, settles it, measures a cycle, and tries the quasi-static model on it.
+/// Assembles a scene, settles it, measures a cycle, tries the quasi-static model on it, probes it, and wears a copy of the bores over a
+/// first block, each part timed.
 ///
 /// # Errors
 /// [`SimulationFailure`] as in an evaluation.
@@ -65,36 +71,100 @@ pub fn first_look(scene: &Scene, accuracy: &Accuracy) -> Result<FirstLook, Simul
     run_alone(|queue| examine(queue, scene, accuracy))
 }
 
+/// Result of a stage, and the time it took.
+async fn timed<T>(
+    stage: impl Future<Output = Result<T, SimulationFailure>>,
+) -> Result<(T, Duration), SimulationFailure> {
+    let begun = Instant::now();
+    let result = stage.await?;
+    Ok((result, begun.elapsed()))
+}
+
 async fn examine(
     queue: LaneQueue,
     scene: &Scene,
     accuracy: &Accuracy,
 ) -> Result<FirstLook, SimulationFailure> {
+    let begun = Instant::now();
     let mut run = Run::assemble(queue, scene, accuracy)?;
     let islands = run.islands.iter().map(|state| IslandModel::new(scene, &state.island)).collect();
     run.settle().await?;
     let before = run.counts.steps;
-    run.measure().await?;
-    let steps_per_cycle = run.counts.steps - before;
-    let wears = run.wears();
-    let tier = run.check_quasi_static();
-    let settle = f64::from(scene.life.settle_cycles);
-    let (mut dynamic_cycles, mut quasi_static_cycles) = (settle + 1.0, 0.0);
-    if !wears {
+    let settled = begun.elapsed();
+    let ((), cycle) = timed(run.measure()).await?;
+    let mut look = FirstLook {
+        islands,
+        wears: run.wears(),
+        tier: Err(Unsuitable::Unwanted),
+        outputs: run.motion_outputs(),
+        steps_per_cycle: run.counts.steps - before,
+        dynamic_cycles: f64::from(scene.life.settle_cycles) + 1.0,
+        quasi_static_cycles: 0.0,
+        expected: settled + cycle,
+    };
+    if !look.wears {
         // A second run of the cycle, at half the step, for its error.
-        dynamic_cycles += 2.0;
-    } else {
-        let (end, every) = (scene.life.cycles, scene.life.checkpoint_every);
-        let lives = block_ends(end, accuracy.cycle_jump, every);
-        let blocks = (lives.len() - 1) as f64;
-        let warm = 1.0 + accuracy.warm_up;
-        if tier.is_ok() {
-            dynamic_cycles += warm;
-            quasi_static_cycles = (blocks + 1.0) * warm;
-        } else {
-            let probes = lives.windows(2).filter(|w| is_probed(w[0]..w[1], every, end)).count() as f64;
-            dynamic_cycles += blocks * warm + probes * FINER;
-        }
+        look.dynamic_cycles += 2.0;
+        look.expected += 2 * cycle;
+        return Ok(look);
     }
-    Ok(FirstLook { islands, wears, tier, steps_per_cycle, dynamic_cycles, quasi_static_cycles })
+    let begun = Instant::now();
+    look.tier = run.check_quasi_static();
+    let tried = begun.elapsed();
+    let (end, every) = (scene.life.cycles, scene.life.checkpoint_every);
+    let lives = block_ends(end, accuracy.cycle_jump, every);
+    let blocks = lives.len() - 1;
+    let warm = 1.0 + accuracy.warm_up;
+    look.expected += run.time_of_wear(&lives);
+    if look.tier.is_ok() {
+        look.dynamic_cycles += warm;
+        look.quasi_static_cycles = (blocks + 1) as f64 * warm;
+        // What was tried is one cycle with its comparison; the comparison is made twice, the cycle after each block.
+        look.expected += cycle.mul_f64(warm) + tried.mul_f64((blocks + 1) as f64);
+        return Ok(look);
+    }
+    let counted = run.simulated;
+    let (probe, probing) = timed(run.probe(0)).await?;
+    look.expected += tried + probing;
+    look.dynamic_cycles += FINER * (run.simulated - counted) as f64;
+    let measured = if scene.life.is_single_cycle() {
+        0.0
+    } else {
+        let probes = lives.windows(2).filter(|w| is_probed(w[0]..w[1], every, end)).count();
+        // A probe is as many cycles as on the unworn bores if the motion is irregular there, else one.
+        let cycles = (run.simulated - counted).max(1) as f64;
+        let share = if probe.aperiodic { 1.0 } else { 1.0 / cycles };
+        look.dynamic_cycles += FINER * probes as f64 * cycles * share;
+        look.expected += probing.mul_f64(probes as f64 * share);
+        blocks as f64 * warm
+    };
+    look.dynamic_cycles += measured;
+    look.expected += cycle.mul_f64(measured);
+    Ok(look)
+}
+
+impl Run<'_> {
+    /// Expected time of the wear steps of a whole life between the simulated `lives` [cycles], from those of the first lives up to the
+    /// first whole block, under the contact of the first cycle: the stages of a longer block grow with the square root of its length.
+    /// What fails under that contact need not fail in an evaluation: the blocks after it are not tried.
+    fn time_of_wear(&self, lives: &[u32]) -> Duration {
+        /// Blocks that are tried.
+        const TRIED: usize = 5;
+        let mut trial = self.clone();
+        let mut wear = vec![vec![]; self.scene.outputs.len()];
+        let (mut sum, mut last) = (Duration::ZERO, Duration::ZERO);
+        let (mut tried, mut fails) = (1, false);
+        for (k, block) in lives.windows(2).enumerate() {
+            let cycles = f64::from(block[1] - block[0]);
+            if k < TRIED && !fails {
+                let begun = Instant::now();
+                fails = trial.wear(block[0]..block[1], &[], &mut wear).is_err();
+                (last, tried) = (begun.elapsed(), block[1] - block[0]);
+                sum += last;
+            } else {
+                sum += last.mul_f64((cycles / f64::from(tried)).sqrt());
+            }
+        }
+        sum
+    }
 }

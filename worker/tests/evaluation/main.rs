@@ -2,6 +2,7 @@
 
 mod energy;
 mod errors;
+mod expected_cost;
 mod failures;
 mod foundation;
 mod four_bar;
