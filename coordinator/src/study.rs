@@ -29,6 +29,7 @@ mod dispatching;
 mod error;
 mod failures;
 mod interim;
+mod learn_from;
 mod learner;
 mod learner_thread;
 mod lives;
@@ -111,6 +112,7 @@ pub fn run(
             direct.findings(scene)?
         }
     };
+    dispatcher.end()?;
     let (surrogate, idle) = dispatcher.learner_seconds();
     let total = started.elapsed().as_secs_f64();
     let timing = Timing { total, simulation: dispatcher.simulation_seconds(), surrogate, idle };

@@ -212,6 +212,7 @@ fn bad_settings() {
         ("load_torqe=1 N m", &["no variable \"load_torqe\"", "did you mean \"load_torque\"?"][..]),
         ("load_torque=1 kg", &["\"1 kg\" is a mass, expected a torque (N m, N mm, ...)"]),
         ("load_torque", &["expected variable=value"]),
+        ("life.cycles=100", &["life.cycles", "no random variable and no quantity", "`extends`"]),
         ("friction=-0.1", &["friction", "-0.1", "allowed: 0 to 2"]),
     ] {
         let message = refused(&["simulate", "--scene", "four-bar", "--set", setting], 2);
@@ -219,6 +220,8 @@ fn bad_settings() {
             assert!(message.contains(part), "no \"{part}\" in: {message}");
         }
     }
+    let twice = ["simulate", "--scene", "four-bar", "--set", "friction=0.1", "--set", "friction=0.2"];
+    one_message(&refused(&twice, 2), &["--set", "friction is set twice"]);
     let message = refused(&["simulate", "--scene", "four-bar", "--set", "a=1", "--set", "friction=1 N"], 2);
     assert!(message.contains("2 faults"), "{message}");
 }
@@ -260,7 +263,7 @@ fn addresses_that_cannot_be_listened_on() {
     one_message(&refused(&with(&["--listen", "tcp/0.0.0.0:0"]), 2), &["tcp/0.0.0.0:0", "--insecure"]);
     one_message(
         &refused(&with(&["--listen", "nowhere"]), 2),
-        &["--listen nowhere", "expected e.g. tcp/127.0.0.1:7447"],
+        &["--listen nowhere", "e.g. tcp/127.0.0.1:7447"],
     );
     one_message(&refused(&with(&["--config", "no.json5"]), 2), &["no.json5"]);
     // No folder was created.
@@ -294,9 +297,13 @@ fn an_output_folder_in_use() {
     let mut lines = BufReader::new(waiting.0.stderr.take().unwrap()).lines().map(Result::unwrap);
     assert!(lines.any(|line| line.starts_with("waiting for workers: worker --connect tcp/127.0.0.1:")));
 
-    for command in [&run[..], &["resume", dir], &["report", dir]] {
+    for command in [&run[..], &["resume", dir]] {
         one_message(&refused(command, 2), &[dir, "in use by another running coordinator"]);
     }
+    // Reading takes no lock.
+    one_message(&refused(&["report", dir], 2), &[dir, "not finished"]);
+    let status = coordinator(&["status", dir]);
+    assert!(String::from_utf8_lossy(&status.stdout).starts_with("four-bar: running"), "{status:?}");
 
     // Ctrl-C: everything done so far is saved, and the study can go on.
     let killed = Command::new("kill").args(["-INT", &waiting.0.id().to_string()]).status().unwrap();

@@ -231,14 +231,14 @@ fn metrics_and_status_describe_a_running_study() {
         let page = get(&metrics, "/metrics", &metrics);
         assert!(page.starts_with("HTTP/1.1 200") && page.contains("text/plain; version=0.0.4"), "{page}");
         for line in
-            ["hingewise_phase{phase=\"waiting\"} 1", "hingewise_tasks_queued 8", "hingewise_workers 0"]
+            ["hingewise_phase{phase=\"waiting\"} 1", "hingewise_tasks_queued 1", "hingewise_workers 0"]
         {
             assert!(page.lines().any(|l| l == line), "no {line} in {page}");
         }
         let (code, json, error) = command(&["status", &endpoint, "--json"]);
         assert_eq!(code, Some(0), "{error}");
         let status: serde_json::Value = serde_json::from_str(&json).unwrap();
-        assert_eq!((&status["study"]["planned"], &status["study"]["budget"]), (&8.into(), &12.into()));
+        assert_eq!((&status["study"]["planned"], &status["study"]["budget"]), (&1.into(), &12.into()));
         let (_, text, _) = command(&["status", &endpoint]);
         assert!(text.contains("waiting for workers") && text.contains("no worker is connected"), "{text}");
 
@@ -247,7 +247,7 @@ fn metrics_and_status_describe_a_running_study() {
         assert!(
             page.starts_with("HTTP/1.1 200") && page.contains("content-security-policy: default-src 'none'")
         );
-        assert!(page.contains("Running study: 0 of 8 planned evaluations"), "{page}");
+        assert!(page.contains("Running study: 0 of 1 planned evaluations, nominal point"), "{page}");
         assert!(get(&live, "/", "evil.example").starts_with("HTTP/1.1 403"));
         assert!(get(&metrics, "/metrics", "evil.example").starts_with("HTTP/1.1 403"));
         let news = get(&live, "/news/1", &live);

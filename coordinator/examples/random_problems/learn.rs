@@ -100,7 +100,7 @@ pub fn learn(problem: &RandomProblem, truth: &Truth, settings: Settings) -> Resu
     };
     match learned {
         Ok(learned) => Ok(compared(problem, truth, &learned, blank)),
-        Err(CampaignError::TooManyFailures { .. }) => Ok(blank),
+        Err(CampaignError::TooManyFailures { .. } | CampaignError::TooFewResults { .. }) => Ok(blank),
         Err(error) => Err(error),
     }
 }

@@ -3,9 +3,7 @@
 //! on a real mechanism in seconds.
 
 use crate::statistics::learning::{StoppingTargets, curves};
-use crate::study::{
-    Campaign, CampaignError, Observed, Plan, SimulatedPoint, StopReason, Surrogate, problem_of,
-};
+use crate::study::{Campaign, Observed, Plan, SimulatedPoint, StopReason, StudyError, Surrogate, problem_of};
 use crate::study::{Settings, completed, first_failures};
 use common::failure::SimulationFailure;
 use common::scene::Scene;
@@ -25,7 +23,7 @@ pub enum ReplayError {
     Foreign(usize),
     /// The surrogates cannot be fitted, or too many simulations failed.
     #[error(transparent)]
-    Campaign(#[from] CampaignError),
+    Study(StudyError),
 }
 
 /// One round of learning with its true error.
@@ -89,15 +87,19 @@ pub fn replay(
     }
     let started = Instant::now();
     let mut rounds: Vec<ReplayedRound> = Vec::new();
-    let simulate =
-        |sample: &[f64]| -> Result<Observed, SimulationFailure> { Ok((*known[&bits(sample)]).clone()) };
+    let simulate = |sample: &[f64]| -> Result<Observed, SimulationFailure> {
+        let unknown =
+            || SimulationFailure::NotModelled { what: "a sample that was not simulated".to_owned() };
+        known.get(&bits(sample)).map(|observed| (*observed).clone()).ok_or_else(unknown)
+    };
     let learned = campaign.learn_from(simulate, |campaign| {
         if campaign.rounds().len() > rounds.len()
             && let Some(round) = round_of(campaign, &truth)
         {
             rounds.push(round);
         }
-    })?;
+    });
+    let learned = learned.map_err(|error| ReplayError::Study(StudyError::from_campaign(error, scene)))?;
     let stopped_by = match learned.stop {
         StopReason::Budget => "budget".to_owned(),
         StopReason::Rule(rule) => format!("{rule:?}").to_lowercase(),

@@ -54,6 +54,17 @@ fn a_replay_knows_the_error_of_every_round_and_refuses_other_samples() {
 }
 
 #[test]
+fn issue_a_replay_of_few_samples_panicked() {
+    let scene = scene();
+    for (count, learning) in [(60, "gain"), (100, "gain"), (150, "u"), (150, "gain")] {
+        let settings = Settings { learning: learning.parse().unwrap(), ..settings(&scene) };
+        let found = replay(&scene, &settings, &simulated(vec![0.0, 0.0]), &samples(&scene, count)).unwrap();
+        assert_eq!(found.population, count);
+        assert!(found.rounds.last().unwrap().evaluations <= count + 1, "{found:?}");
+    }
+}
+
+#[test]
 fn surrogates_agree_with_simulations_of_what_they_learned_and_not_with_others() {
     let scene = scene();
     let settings = settings(&scene);

@@ -5,7 +5,7 @@ use super::error::CommandError;
 use super::farm::WorkerFarm;
 use super::output::{check_destination, deliver, to_json};
 use super::scenes::check_linkage;
-use super::shared::{DEFAULT_SCENE, FarmArguments, Verbosity, positive};
+use super::shared::{DEFAULT_SCENE, FarmArguments, Verbosity, positive, seed, whole};
 use clap::Args;
 use common::scene::SceneSource;
 use coordinator::analyses::calibrate::{
@@ -31,10 +31,10 @@ pub struct CalibrateArguments {
     #[arg(long, value_name = "N", value_parser = positive)]
     pub simulations: Option<usize>,
     /// Further rounds around the optimum, each with a third as many simulations
-    #[arg(long, value_name = "N", default_value = "2")]
+    #[arg(long, value_name = "N", default_value = "2", value_parser = whole)]
     pub rounds: usize,
     /// Seed of every random draw
-    #[arg(long, value_name = "N", default_value = "1")]
+    #[arg(long, value_name = "N", default_value = "1", value_parser = seed)]
     pub seed: u64,
     /// Write the report (Markdown, or JSON with --json) to this file instead of standard output
     #[arg(long, value_name = "FILE")]

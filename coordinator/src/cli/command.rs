@@ -6,7 +6,7 @@ use super::compare::CompareArguments;
 use super::doctor::DoctorArguments;
 use super::extremes::ExtremesArguments;
 use super::init::InitArguments;
-use super::results::StudyFolder;
+use super::results::{ReportArguments, StudyFolder};
 use super::shared::{DEFAULT_SCENE, Verbosity};
 use super::simulate::SimulateArguments;
 use super::status::StatusArguments;
@@ -47,9 +47,18 @@ pub struct CommandLine {
 impl CommandLine {
     /// Reads the command line of this process; ends the process with a message if it is wrong.
     pub fn read() -> Self {
-        let matches = grouped().get_matches();
+        let matches = accept_negative_numbers(grouped()).get_matches();
         Self::from_arg_matches(&matches).unwrap_or_else(|error| error.exit())
     }
+}
+
+/// Reads `-1` after an option as its value, so that the message says what is allowed.
+fn accept_negative_numbers(command: clap::Command) -> clap::Command {
+    let accept = |argument: clap::Arg| {
+        let has_value = argument.get_action().takes_values() && !argument.is_positional();
+        if has_value { argument.allow_negative_numbers(true) } else { argument }
+    };
+    command.mut_args(accept).mut_subcommands(|command| command.mut_args(accept))
 }
 
 /// The command line, with a first help page on one screen: the commands in groups, and none of the options of `run`.
@@ -98,8 +107,15 @@ Examples:
   coordinator run --scene four-bar --max-error 1%
   coordinator run --workers 0 --listen tcp/0.0.0.0:7447 --config tls.json5")]
     Run(Box<RunArguments>),
-    /// Continue an interrupted study; no finished evaluation is run again
-    #[command(after_help = "Example:\n  coordinator resume hingewise-flapping-wing --workers auto")]
+    /// Continue an interrupted study, or go on with other settings; no finished evaluation is run again
+    #[command(after_help = "\
+With another budget, target error or share of failures the result is that of a study that had these settings from the
+start. A larger population (ak) keeps all results and grows once learning has ended on the present one.
+
+Examples:
+  coordinator resume hingewise-flapping-wing --workers auto
+  coordinator resume study --max-evaluations 120
+  coordinator resume direct --samples 2000")]
     Resume(ResumeArguments),
     /// Run one evaluation in this process and print it as JSON
     #[command(after_help = "\
@@ -161,8 +177,11 @@ Examples:
     #[command(after_help = "Example:\n  coordinator sensitivity hingewise-flapping-wing --json")]
     Sensitivity(StudyFolder),
     /// Write the result files and the report of a finished study again
-    #[command(after_help = "Example:\n  coordinator report hingewise-flapping-wing")]
-    Report(StudyFolder),
+    #[command(after_help = "\
+Examples:
+  coordinator report hingewise-flapping-wing
+  coordinator report archive/study --out study-report")]
+    Report(ReportArguments),
     /// Compare the reliability curves of several finished studies on one page
     #[command(after_help = "\
 Writes a page with curves and bands per limit state and in total, the lives at R = 0.99, 0.9 and 0.5, and the cost of each
@@ -223,13 +242,29 @@ mod tests {
     const SCREEN: usize = 40;
 
     fn parse(line: &str) -> Result<CommandLine, clap::Error> {
-        CommandLine::try_parse_from(line.split_whitespace())
+        let matches = accept_negative_numbers(grouped()).try_get_matches_from(line.split_whitespace())?;
+        CommandLine::from_arg_matches(&matches)
+    }
+
+    #[test]
+    fn negative_numbers_are_answered_with_what_is_allowed() {
+        for (line, allowed) in [
+            ("coordinator --workers -1", "allowed: auto, or a whole number from 0 to 1024"),
+            ("coordinator run --workers -1", "allowed: auto, or a whole number from 0 to 1024"),
+            ("coordinator run --seed -5", "allowed: a whole number from 0 to 18446744073709551615"),
+            ("coordinator run --samples -3", "allowed: a whole number >= 1"),
+            ("coordinator run --max-failed -1", "allowed: a share above 0"),
+            ("coordinator tradeoff --out x --points -2", "allowed: a whole number >= 1"),
+        ] {
+            let said = parse(line).unwrap_err().to_string();
+            assert!(said.contains(allowed), "{line}: {said}");
+        }
     }
 
     #[test]
     fn the_grammar_is_consistent() {
         CommandLine::command().debug_assert();
-        grouped().debug_assert();
+        accept_negative_numbers(grouped()).debug_assert();
     }
 
     #[test]

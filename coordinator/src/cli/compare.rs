@@ -2,9 +2,10 @@
 
 use super::error::CommandError;
 use super::output::{check_destination, print, to_json};
+use super::stored_study::summary_of;
 use clap::Args;
+use coordinator::presentation::report::ReportError;
 use coordinator::presentation::report::compare::{ComparedStudy, check, csv, html};
-use coordinator::presentation::report::{ReportError, SUMMARY_DOCUMENT};
 use coordinator::results::result_files::write_text;
 use coordinator::results::store::CampaignFile;
 use serde_json::json;
@@ -47,9 +48,7 @@ pub fn compare(arguments: &CompareArguments, as_json: bool) -> Result<(), Comman
 }
 
 fn study(dir: &Path, name: String) -> Result<ComparedStudy, CommandError> {
-    let summary = CampaignFile::open(dir)?.document(SUMMARY_DOCUMENT)?;
-    let summary = summary.ok_or_else(|| CommandError::NotFinished { dir: dir.to_path_buf() })?;
-    Ok(ComparedStudy { name, summary })
+    Ok(ComparedStudy { name, summary: summary_of(&CampaignFile::look(dir)?)? })
 }
 
 /// Names of the studies: those of their folders if these differ, else the paths as given.

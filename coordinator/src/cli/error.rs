@@ -13,8 +13,8 @@ use coordinator::presentation::monitor::MonitorError;
 use coordinator::presentation::report::ReportError;
 use coordinator::presentation::report::compare::Incomparable;
 use coordinator::results::result_files::ResultFileError;
-use coordinator::results::store::StoreError;
-use coordinator::study::{SettingError, StudyError};
+use coordinator::results::store::{StoreError, is_unusable_path};
+use coordinator::study::{CampaignError, SettingError, StudyError};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 use worker::mechanism::Prescribed;
@@ -174,6 +174,22 @@ pub enum CommandError {
         /// Folder of the study.
         dir: PathBuf,
     },
+    /// A study that ended without a result.
+    #[error("{}: this study ended without a result: {reason}", dir.display())]
+    EndedWithoutResult {
+        /// Folder of the study.
+        dir: PathBuf,
+        /// Reason with what can be done about it.
+        reason: String,
+    },
+    /// A folder of a study in which nothing can be written.
+    #[error("{}: no file can be written here ({error}); name another folder with --out", dir.display())]
+    ReadOnlyStudy {
+        /// Folder of the study.
+        dir: PathBuf,
+        /// The error of the operating system.
+        error: std::io::Error,
+    },
     /// Two studies that differ in the scene or the accuracy.
     #[error("{} and {} differ in their {difference}; expected are studies of the same scene at the same accuracy", dir.display(), against.display())]
     NotComparable {
@@ -212,7 +228,7 @@ pub enum CommandError {
         dir: PathBuf,
     },
     /// The study ended with an error.
-    #[error("{error}; everything done so far is saved in {}", dir.display())]
+    #[error("{error}; {}", what_to_do(error, dir))]
     Study {
         /// Folder of the study.
         dir: PathBuf,
@@ -273,7 +289,6 @@ impl CommandError {
             | Self::NoMechanism { .. }
             | Self::NotForSimulators { .. }
             | Self::Simulator(_)
-            | Self::Folder { .. }
             | Self::NotModelled { .. }
             | Self::NothingToStudy { .. }
             | Self::Setting(_)
@@ -283,10 +298,13 @@ impl CommandError {
             | Self::Existing { .. }
             | Self::SceneName { .. }
             | Self::NotFinished { .. }
+            | Self::EndedWithoutResult { .. }
+            | Self::ReadOnlyStudy { .. }
             | Self::NotComparable { .. }
             | Self::TooFewSimulations { .. }
             | Self::Replay { error: ReplayError::Foreign(_), .. }
             | Self::Calibration(CalibrationError::Targets { .. } | CalibrationError::Scene(_))
+            | Self::Monitor(_)
             | Self::MisplacedOptions => BAD_INPUT,
             Self::Interrupted { .. }
             | Self::Calibration(CalibrationError::Evaluate(EvaluateError::Interrupted))
@@ -296,7 +314,11 @@ impl CommandError {
             Self::Study { error: StudyError::Setting(_), .. } => BAD_INPUT,
             Self::Store(error) if error.is_bad_input() => BAD_INPUT,
             Self::Dispatch(error) if error.is_bad_input() => BAD_INPUT,
-            Self::Monitor(error) if error.is_bad_input() => BAD_INPUT,
+            Self::ResultFile(error) | Self::Report(ReportError::File(error)) if error.is_bad_input() => {
+                BAD_INPUT
+            }
+            Self::Report(ReportError::Store(error)) if error.is_bad_input() => BAD_INPUT,
+            Self::Folder { error, .. } if is_unusable_path(error) => BAD_INPUT,
             Self::Client(error) if error.is_bad_input() => BAD_INPUT,
             Self::Worker(ServiceError::Settings { .. }) => BAD_INPUT,
             // A reader that closes the pipe has what it needs.
@@ -310,6 +332,18 @@ impl CommandError {
         match error {
             StudyError::Evaluate(EvaluateError::Interrupted) => Self::Interrupted { dir: dir.to_path_buf() },
             error => Self::Study { dir: dir.to_path_buf(), error },
+        }
+    }
+
+    /// The error of a report into the study's own folder `dir`, where writing may not be allowed.
+    pub fn of_report_in(self, dir: &Path) -> Self {
+        match self {
+            Self::Report(ReportError::File(ResultFileError::Write { source: error, .. }))
+                if is_unusable_path(&error) =>
+            {
+                Self::ReadOnlyStudy { dir: dir.to_path_buf(), error }
+            }
+            error => error,
         }
     }
 
@@ -327,6 +361,22 @@ impl CommandError {
             SimulationFailure::NotModelled { what } => Self::NotModelled { origin, what },
             failure => Self::Simulation { origin, failure },
         }
+    }
+}
+
+/// What a user can do about a study in `dir` that ended with this error.
+fn what_to_do(error: &StudyError, dir: &Path) -> String {
+    let dir = dir.display();
+    match error {
+        StudyError::Campaign(CampaignError::TooManyFailures { failed, total, .. }) => {
+            // The next full ten percent, with a tenth in reserve.
+            let share = (*failed * 10 / (*total).max(1) + 2).min(10) * 10;
+            format!("to go on in spite of them: `coordinator resume {dir} --max-failed {share}%`")
+        }
+        StudyError::Campaign(CampaignError::Nominal { .. }) => {
+            format!("once its cause is removed from the simulator, `coordinator resume {dir}` tries again")
+        }
+        _ => format!("everything done so far is saved in {dir}"),
     }
 }
 

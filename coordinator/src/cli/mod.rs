@@ -24,6 +24,7 @@ mod shared;
 mod signals;
 mod simulate;
 mod status;
+mod stored_status;
 mod stored_study;
 mod study_options;
 mod tradeoff;
@@ -65,7 +66,7 @@ fn run_command(arguments: CommandLine) -> Result<(), CommandError> {
         CommandArguments::Run(options) => run::run(&options, verbosity),
         CommandArguments::Resume(options) => run::resume(&options, verbosity),
         CommandArguments::Sensitivity(study) => results::sensitivity(&study.dir, json),
-        CommandArguments::Report(study) => results::report(&study.dir, json),
+        CommandArguments::Report(study) => results::report(&study, json),
         CommandArguments::Compare(options) => compare::compare(&options, json),
         CommandArguments::Init(options) => init::init(&options, json),
         CommandArguments::Extremes(options) => extremes::extremes(&options, verbosity),

@@ -2,9 +2,9 @@
 
 use super::error::CommandError;
 use super::output::{print, to_json};
-use super::stored_study::scene_of;
+use super::stored_study::{not_finished, scene_of, summary_of};
 use clap::Args;
-use coordinator::presentation::report::{self, SUMMARY_DOCUMENT};
+use coordinator::presentation::report;
 use coordinator::results::store::CampaignFile;
 use coordinator::results::summary::{SensitivityRow, SobolRow, StudySummary};
 use coordinator::statistics::reliability::REACH;
@@ -22,27 +22,40 @@ pub struct StudyFolder {
     pub dir: PathBuf,
 }
 
+/// Arguments of `coordinator report`.
+#[derive(Debug, Clone, Args)]
+pub struct ReportArguments {
+    /// Folder of the study
+    pub dir: PathBuf,
+    /// Folder for the files, created if missing [default: that of the study]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
 /// Writes the result files and the report of a finished study again.
 ///
 /// # Errors
 /// [`CommandError::Store`], [`CommandError::NotFinished`], or the error of a file that cannot be written.
-pub fn report(dir: &Path, as_json: bool) -> Result<(), CommandError> {
-    let campaign = CampaignFile::open(dir)?;
-    let page = write_results(&campaign)?;
+pub fn report(arguments: &ReportArguments, as_json: bool) -> Result<(), CommandError> {
+    let ReportArguments { dir, out } = arguments;
+    let campaign = CampaignFile::look(dir)?;
+    let page = match out {
+        Some(out) => write_results(&campaign, out)?,
+        None => write_results(&campaign, dir).map_err(|error| error.of_report_in(dir))?,
+    };
     if as_json {
         return print(&to_json(&json!({ "report": page }))?);
     }
     print(&format!("{}\n", page.display()))
 }
 
-/// Writes every result file of a finished study; returns the path of the report.
+/// Writes every result file of a finished study to the folder `out`; returns the path of the report.
 ///
 /// # Errors
 /// [`CommandError::NotFinished`], or the error of a file that cannot be written.
-pub fn write_results(campaign: &CampaignFile) -> Result<PathBuf, CommandError> {
+pub fn write_results(campaign: &CampaignFile, out: &Path) -> Result<PathBuf, CommandError> {
     let source = scene_of(campaign)?;
-    report::write_all(campaign, source.nominal())?
-        .ok_or_else(|| CommandError::NotFinished { dir: campaign.dir().to_path_buf() })
+    report::write_all(campaign, source.nominal(), out)?.ok_or_else(|| not_finished(campaign))
 }
 
 /// Prints the sensitivities of the failure probabilities of a finished study.
@@ -50,10 +63,7 @@ pub fn write_results(campaign: &CampaignFile) -> Result<PathBuf, CommandError> {
 /// # Errors
 /// [`CommandError::Store`], [`CommandError::NotFinished`].
 pub fn sensitivity(dir: &Path, as_json: bool) -> Result<(), CommandError> {
-    let campaign = CampaignFile::open(dir)?;
-    let summary: StudySummary = campaign
-        .document(SUMMARY_DOCUMENT)?
-        .ok_or_else(|| CommandError::NotFinished { dir: dir.to_path_buf() })?;
+    let summary = summary_of(&CampaignFile::look(dir)?)?;
     if as_json {
         return print(&to_json(&summary.sensitivity)?);
     }

@@ -12,7 +12,7 @@ use super::results::write_results;
 use super::scenes::check_linkage;
 use super::shared::{DEFAULT_SCENE, Verbosity};
 use super::signals::interruption;
-use super::stored_study::StoredStudy;
+use super::stored_study::{END_DOCUMENT, StoredStudy};
 use super::study_options::{ResumeArguments, RunArguments};
 use common::scene::SceneSource;
 use coordinator::farm::dispatch::CampaignSpec;
@@ -49,7 +49,7 @@ pub fn run(arguments: &RunArguments, verbosity: Verbosity) -> Result<(), Command
         scene: scene.name.clone(),
         scene_source: source.text().to_owned(),
         settings: serde_json::to_value(&settings)?,
-        command: std::env::args().collect::<Vec<_>>().join(" "),
+        command: command_line(),
         version: env!("CARGO_PKG_VERSION").to_owned(),
     };
     // Listen first: an address that cannot be used must not leave a folder behind.
@@ -64,29 +64,56 @@ pub fn run(arguments: &RunArguments, verbosity: Verbosity) -> Result<(), Command
     finish(StoredStudy { campaign, source, settings }, evaluator, monitor, verbosity)
 }
 
-/// Continues a study to its end.
+/// Continues a study to its end, with other settings if the arguments name any: then another leg of it begins.
 ///
 /// # Errors
 /// [`CommandError`].
 pub fn resume(arguments: &ResumeArguments, verbosity: Verbosity) -> Result<(), CommandError> {
-    let ResumeArguments { dir, farm, monitor } = arguments;
-    let campaign = CampaignFile::open(dir)?;
-    if let Some(summary) = campaign.document::<StudySummary>(SUMMARY_DOCUMENT)? {
+    let ResumeArguments { dir, extension, farm, monitor } = arguments;
+    let mut study = StoredStudy::read(CampaignFile::open(dir)?)?;
+    let extended = extension.extended(&study.settings, study.campaign.count()?)?;
+    extended.check(study.scene())?;
+    let begins_leg = extended != study.settings;
+    let summary = study.campaign.document::<StudySummary>(SUMMARY_DOCUMENT)?;
+    if let Some(summary) = summary.filter(|_| !begins_leg) {
         if !verbosity.quiet {
             eprintln!("this study is finished; writing its results again");
         }
-        write_results(&campaign)?;
-        return print_summary(&summary, campaign.dir(), verbosity);
+        write_results(&study.campaign, dir)?;
+        return print_summary(&summary, dir, verbosity);
     }
-    let study = StoredStudy::read(campaign)?;
     if !verbosity.quiet {
-        eprintln!("{} evaluations are done already", study.campaign.count()?);
+        say_what_is_done(&study, &extended)?;
     }
+    study.settings = extended;
     let campaign = || announced(&study.source, &study.settings, true);
     let evaluator = CommandEvaluator::open(&study.source, campaign, farm)?;
     let watched = WatchedStudy { dir, scene: study.scene(), settings: &study.settings };
     let monitor = Monitor::open(monitor, farm.insecure, &evaluator, &watched)?;
+    study.campaign.forget_failed_start()?;
+    if begins_leg {
+        let settings = serde_json::to_value(&study.settings)?;
+        study.campaign.begin_leg(settings, &command_line(), env!("CARGO_PKG_VERSION"))?;
+    }
     finish(study, evaluator, monitor, verbosity)
+}
+
+/// Says on standard error what a study goes on from.
+fn say_what_is_done(study: &StoredStudy, extended: &Settings) -> Result<(), CommandError> {
+    eprintln!("{} evaluations are done already", study.campaign.count()?);
+    if extended.larger_populations != study.settings.larger_populations {
+        eprintln!(
+            "the population grows to {} points once learning has ended on the present one: all results are used, where a \
+             new study of that size would choose other points",
+            extended.population()
+        );
+    }
+    Ok(())
+}
+
+/// The command line of this process.
+fn command_line() -> String {
+    std::env::args().collect::<Vec<_>>().join(" ")
 }
 
 /// Runs a study to its end and writes its results.
@@ -108,12 +135,17 @@ fn finish(
     let mut watch = monitor.watch(&scene.name, &mut terminal);
     let result = coordinator::study::run(scene, settings, evaluator.evaluator(), campaign, &mut watch);
     terminal.finish();
-    let result = result.map_err(|error| CommandError::of_study(error, &dir))?;
+    let result = result.map_err(|error| CommandError::of_study(error, &dir));
+    if let Err(error @ CommandError::Study { .. }) = &result {
+        // For the commands that read the study; a failure to store the reason must not hide it here.
+        let _ = campaign.put_document(END_DOCUMENT, &error.to_string());
+    }
+    let result = result?;
     evaluator.close();
     campaign.put_document(DISTRIBUTIONS_DOCUMENT, &for_report(&result.distributions))?;
     // The summary comes last: with it, the study counts as finished.
     campaign.put_document(SUMMARY_DOCUMENT, &result.summary)?;
-    write_results(campaign)?;
+    write_results(campaign, &dir)?;
     monitor.end();
     print_summary(&result.summary, &dir, verbosity)
 }

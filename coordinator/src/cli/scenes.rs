@@ -5,6 +5,7 @@ use super::external;
 use super::nominal::nominal_warnings;
 use super::output::{count, print, to_json};
 use common::scene::{Scene, SceneSource};
+use coordinator::farm::evaluate::external::check as check_simulator;
 use serde_json::json;
 
 /// Lists the built-in scenes, or prints the text of the one named by `show`.
@@ -31,17 +32,17 @@ pub fn scenes(show: Option<&str>, as_json: bool) -> Result<(), CommandError> {
     print(&list.map(|scene| format!("{:width$}  {}\n", scene.name, scene.title)).collect::<String>())
 }
 
-/// Checks a scene: its text, its bounds, the ideal linkage through a whole cycle, and the nominal mechanism against its limits.
-/// Unused parameters and
-/// warnings are listed but are no fault.
+/// Checks a scene: its text, its bounds, the ideal linkage through a whole cycle and the nominal mechanism against its limits, or that
+/// its program exists. Unused parameters and warnings are listed but are no fault.
 ///
 /// # Errors
-/// [`CommandError::Scene`] with all faults, or the errors of [`check_linkage`].
+/// [`CommandError::Scene`] with all faults, the errors of [`check_linkage`], or [`CommandError::Simulator`].
 pub fn check(file: &str, as_json: bool) -> Result<(), CommandError> {
     let source = SceneSource::load(file)?;
     let scene = source.nominal();
-    if scene.simulator.is_none() {
-        check_linkage(source.origin(), scene)?;
+    match &scene.simulator {
+        None => check_linkage(source.origin(), scene)?,
+        Some(simulator) => check_simulator(simulator)?,
     }
     let (unused, mut warnings) = (source.unused_parameters(), source.warnings());
     warnings.extend(nominal_warnings(scene));

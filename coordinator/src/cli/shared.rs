@@ -68,6 +68,22 @@ pub fn positive(text: &str) -> Result<usize, String> {
     }
 }
 
+/// Reads a whole number.
+///
+/// # Errors
+/// The allowed values, in words.
+pub fn whole(text: &str) -> Result<usize, String> {
+    text.parse().map_err(|_| "allowed: a whole number >= 0".to_owned())
+}
+
+/// Reads the seed of random draws.
+///
+/// # Errors
+/// The allowed values, in words.
+pub fn seed(text: &str) -> Result<u64, String> {
+    text.parse().map_err(|_| format!("allowed: a whole number from 0 to {}", u64::MAX))
+}
+
 /// Reads a share: `1%`, `1 %` or `0.01` [1].
 ///
 /// # Errors

@@ -10,7 +10,7 @@ use clap::Args;
 use common::outputs::{
     BodyMotion, BodyTrace, CycleHistory, Diagnostics, EnergyBalance, Evaluation, JointSummary, WornLife,
 };
-use common::scene::{Faults, OutputUnit, Scene, SceneSource};
+use common::scene::{Fault, FaultKind, Faults, OutputUnit, Scene, SceneSource};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -153,11 +153,38 @@ fn settings(source: &SceneSource, all: &[String]) -> Result<Vec<(String, f64)>, 
     let mut settings = Vec::new();
     for setting in all {
         match source.parse_setting(setting) {
+            Ok((name, _)) if settings.iter().any(|(known, _)| *known == name) => {
+                faults.push(unsettable(setting, format!("{name} is set twice")));
+            }
             Ok(setting) => settings.push(setting),
+            Err(found) if is_unknown(&found) && is_other_key(source, setting) => {
+                let message = "this key is no random variable and no quantity, and only those can be set; write a scene \
+                    that `extends` this one and changes it";
+                faults.push(unsettable(setting, message.to_owned()));
+            }
             Err(found) => faults.extend(found.0),
         }
     }
     if faults.is_empty() { Ok(settings) } else { Err(Faults(faults).into()) }
+}
+
+fn unsettable(setting: &str, message: String) -> Fault {
+    Fault { file: "--set".to_owned(), key: setting.to_owned(), kind: FaultKind::Inconsistent { message } }
+}
+
+fn is_unknown(faults: &Faults) -> bool {
+    faults.0.iter().any(|fault| matches!(fault.kind, FaultKind::UnknownReference { .. }))
+}
+
+/// Whether the name in `name=value` is a key of the scene with a whole number, a text or a switch, e.g. `life.cycles`.
+fn is_other_key(source: &SceneSource, setting: &str) -> bool {
+    let name = setting.split_once('=').map_or(setting, |(name, _)| name.trim());
+    let mut parts = name.split('.');
+    let (Some(first), Ok(document)) = (parts.next(), source.text().parse::<toml::Table>()) else {
+        return false;
+    };
+    let value = parts.try_fold(document.get(first), |value, key| Some(value?.get(key)));
+    value.flatten().is_some_and(|value| value.is_integer() || value.is_bool())
 }
 
 fn printed<'r>(

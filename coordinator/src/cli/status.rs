@@ -2,12 +2,13 @@
 
 use super::error::CommandError;
 use super::output::{print, to_json};
+use super::stored_status::stored_status;
 use clap::Args;
 use common::wire::{Phase, Status};
 use coordinator::farm::dispatch::{ClientError, ClientSession};
 use coordinator::presentation::monitor::text::status_text;
 use std::io::IsTerminal;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use worker::log::refusal;
 
@@ -16,9 +17,10 @@ pub const EXAMPLES: &str = "\
 Examples:
   coordinator status tcp/127.0.0.1:7447
   coordinator status tcp/127.0.0.1:7447 --watch
+  coordinator status hingewise-flapping-wing
   coordinator status tls/coordinator.example:7447 --config worker.json5 --json
 
-ENDPOINT is the address that `coordinator run --listen` names. Exit codes: 0 printed, 1 no answer, 2 bad input.";
+The address is that of `coordinator run --listen`. Exit codes: 0 printed, 1 no answer, 2 bad input.";
 
 /// Longest wait for an answer.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -30,7 +32,8 @@ const REPEAT: Duration = Duration::from_secs(10);
 /// Arguments of `coordinator status`.
 #[derive(Debug, Clone, Args)]
 pub struct StatusArguments {
-    /// Address of the coordinator, e.g. tcp/127.0.0.1:7447
+    /// Address of the coordinator, e.g. tcp/127.0.0.1:7447, or the folder of a study, which need not be running
+    #[arg(value_name = "ENDPOINT-or-DIR")]
     pub endpoint: String,
     /// Zenoh configuration (JSON5), e.g. for TLS and passwords; that of a worker can be used
     #[arg(long, value_name = "ZENOH.json5")]
@@ -45,6 +48,10 @@ pub struct StatusArguments {
 /// # Errors
 /// [`CommandError::Visit`] if the coordinator does not answer.
 pub fn status(arguments: &StatusArguments, as_json: bool) -> Result<(), CommandError> {
+    let dir = Path::new(&arguments.endpoint);
+    if dir.is_dir() {
+        return stored_status(dir, as_json);
+    }
     let begun = Instant::now();
     let session = ClientSession::open(&arguments.endpoint, arguments.config.as_deref());
     let session = session.map_err(|error| explained(error, begun))?;

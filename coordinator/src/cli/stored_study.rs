@@ -2,9 +2,14 @@
 
 use super::error::CommandError;
 use common::scene::{Scene, SceneSource};
+use coordinator::presentation::report::SUMMARY_DOCUMENT;
 use coordinator::results::store::{CampaignFile, FILE_NAME, StoreError};
+use coordinator::results::summary::StudySummary;
 use coordinator::study::{Observed, Settings, SimulatedPoint, StoredOutcome};
 use std::path::Path;
+
+/// Name of the document with the reason why a study ended without a result.
+pub const END_DOCUMENT: &str = "end";
 
 /// A campaign file with its scene and settings.
 pub struct StoredStudy {
@@ -17,12 +22,12 @@ pub struct StoredStudy {
 }
 
 impl StoredStudy {
-    /// Opens the folder of a study.
+    /// Opens the folder of a study for reading, which may be running.
     ///
     /// # Errors
     /// [`CommandError::Store`], [`CommandError::Scene`] or [`CommandError::ForeignSettings`].
-    pub fn open(dir: &Path) -> Result<Self, CommandError> {
-        Self::read(CampaignFile::open(dir)?)
+    pub fn look(dir: &Path) -> Result<Self, CommandError> {
+        Self::read(CampaignFile::look(dir)?)
     }
 
     /// Reads scene and settings of an open campaign file.
@@ -90,6 +95,24 @@ impl StoredStudy {
         })?;
         Ok(all)
     }
+}
+
+/// The error of a command on the results of a study that has none, with the reason if it is known.
+pub fn not_finished(campaign: &CampaignFile) -> CommandError {
+    let dir = campaign.dir().to_path_buf();
+    // A file that cannot be read any further has no known reason.
+    match campaign.document(END_DOCUMENT) {
+        Ok(Some(reason)) => CommandError::EndedWithoutResult { dir, reason },
+        _ => CommandError::NotFinished { dir },
+    }
+}
+
+/// The summary of a finished study.
+///
+/// # Errors
+/// [`CommandError::Store`], [`CommandError::NotFinished`] or [`CommandError::EndedWithoutResult`].
+pub fn summary_of(campaign: &CampaignFile) -> Result<StudySummary, CommandError> {
+    campaign.document(SUMMARY_DOCUMENT)?.ok_or_else(|| not_finished(campaign))
 }
 
 /// The scene stored in a campaign file.

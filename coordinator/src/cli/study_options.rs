@@ -2,12 +2,12 @@
 
 use super::accuracy::AccuracyArguments;
 use super::monitor::MonitorArguments;
-use super::shared::{FarmArguments, positive, share, word, word_or_auto};
+use super::shared::{FarmArguments, positive, seed, share, word, word_or_auto};
 use clap::Args;
 use common::scene::Scene;
 use coordinator::statistics::learning::LearningFunction;
 use coordinator::statistics::surrogate::{Kernel, StatedErrors, Trend};
-use coordinator::study::{Method, Settings};
+use coordinator::study::{Method, SettingError, Settings};
 use std::path::PathBuf;
 
 /// A setting that may be left to the program: `None` for `auto`.
@@ -34,15 +34,84 @@ pub struct RunArguments {
     pub monitor: MonitorArguments,
 }
 
-/// Options of `coordinator resume`; none of them changes the result of the study.
+/// Options of `coordinator resume`; those of the farm and of the monitor do not change the result of the study.
 #[derive(Debug, Clone, Args, PartialEq)]
 pub struct ResumeArguments {
     /// Folder of the study
     pub dir: PathBuf,
     #[command(flatten)]
+    pub extension: ExtensionArguments,
+    #[command(flatten)]
     pub farm: FarmArguments,
     #[command(flatten)]
     pub monitor: MonitorArguments,
+}
+
+/// Settings with which a study goes on; they start another leg of it.
+#[derive(Debug, Clone, Default, Args, PartialEq)]
+#[command(next_help_heading = "Go on with other settings")]
+pub struct ExtensionArguments {
+    /// Larger budget of evaluations (ak)
+    #[arg(long, value_name = "N", value_parser = positive)]
+    pub max_evaluations: Option<usize>,
+    /// More samples: a larger population (ak), or more evaluations (monte-carlo)
+    #[arg(long, value_name = "N", value_parser = positive)]
+    pub samples: Option<usize>,
+    /// Surrogate error of any R(n) at which learning may stop (ak)
+    #[arg(long, value_name = "SHARE", value_parser = share)]
+    pub target_error: Option<f64>,
+    /// Share of failed evaluations above which the study ends
+    #[arg(long, value_name = "SHARE", value_parser = share)]
+    pub max_failed: Option<f64>,
+}
+
+impl ExtensionArguments {
+    /// The settings with which a study of these settings goes on after `done` evaluations.
+    ///
+    /// # Errors
+    /// A setting that the study's method does not have, or one below what is done.
+    pub fn extended(&self, settings: &Settings, done: usize) -> Result<Settings, SettingError> {
+        let mut extended = settings.clone();
+        replace(&mut extended.max_failed, self.max_failed);
+        let refuse = |key, value: String, allowed: String| Err(SettingError { key, value, allowed });
+        if settings.method == Method::ActiveLearning {
+            if let Some(budget) = self.max_evaluations.filter(|budget| *budget < done) {
+                return refuse(
+                    "max_evaluations",
+                    budget.to_string(),
+                    format!("at least the {done} that are done"),
+                );
+            }
+            replace(&mut extended.max_evaluations, self.max_evaluations);
+            extended.target_error = self.target_error.or(extended.target_error);
+        } else {
+            let allowed =
+                || format!("no learning with --method {}; extend it by --samples", settings.method.name());
+            if let Some(budget) = self.max_evaluations {
+                return refuse("max_evaluations", budget.to_string(), allowed());
+            }
+            if let Some(error) = self.target_error {
+                return refuse("target_error", error.to_string(), allowed());
+            }
+        }
+        let present = settings.population();
+        match (self.samples.filter(|samples| *samples != present), settings.method) {
+            (None, _) => Ok(extended),
+            (Some(samples), Method::LatinHypercube) => {
+                let allowed =
+                    format!("a Latin hypercube of {present} samples cannot be enlarged; start a new study");
+                refuse("samples", samples.to_string(), allowed)
+            }
+            (Some(samples), _) if samples < present => {
+                refuse("samples", samples.to_string(), format!("at least the {present} of the study"))
+            }
+            (Some(samples), Method::MonteCarlo) => Ok(Settings { samples, ..extended }),
+            (Some(samples), Method::ActiveLearning) => {
+                extended.larger_populations.push(samples);
+                Ok(extended)
+            }
+        }
+    }
 }
 
 /// Method of a study and size of its samples.
@@ -56,7 +125,7 @@ pub struct MethodArguments {
     #[arg(long, value_name = "N", value_parser = positive)]
     pub samples: Option<usize>,
     /// Seed of every random draw; the same seed gives the same result with any number of workers
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = seed)]
     pub seed: Option<u64>,
     /// Share of failed evaluations above which the study ends, e.g. 20% [default: 20%]
     #[arg(long, value_name = "SHARE", value_parser = share)]
@@ -161,6 +230,33 @@ mod tests {
         assert_eq!(found.max_evaluations, scene.study.max_evaluations);
         assert_eq!((found.forms.kernel, found.forms.trend), (Some(Kernel::Matern52), None));
         assert_eq!(found.targets().relative_error, 0.01);
+    }
+
+    #[test]
+    fn an_extension_keeps_what_is_done() {
+        let learning = Settings { samples: 4000, max_evaluations: 40, ..Settings::default() };
+        let more =
+            ExtensionArguments { max_evaluations: Some(60), samples: Some(9000), ..Default::default() };
+        let extended = more.extended(&learning, 40).unwrap();
+        assert_eq!((extended.samples, extended.population(), extended.max_evaluations), (4000, 9000, 60));
+        assert_eq!(ExtensionArguments::default().extended(&learning, 40), Ok(learning.clone()));
+        assert_eq!(more.extended(&extended, 60), Ok(extended.clone()));
+
+        let refused = |arguments: &ExtensionArguments, settings: &Settings, key: &str| {
+            assert_eq!(arguments.extended(settings, 50).unwrap_err().key, key);
+        };
+        let fewer = |samples| ExtensionArguments { samples: Some(samples), ..Default::default() };
+        refused(
+            &ExtensionArguments { max_evaluations: Some(49), ..Default::default() },
+            &learning,
+            "max_evaluations",
+        );
+        refused(&fewer(3999), &learning, "samples");
+        let direct = Settings { method: Method::MonteCarlo, samples: 100, ..Settings::default() };
+        assert_eq!(fewer(150).extended(&direct, 101).unwrap().samples, 150);
+        refused(&fewer(99), &direct, "samples");
+        refused(&more, &direct, "max_evaluations");
+        refused(&fewer(150), &Settings { method: Method::LatinHypercube, ..direct }, "samples");
     }
 
     #[test]

@@ -4,7 +4,7 @@
 use super::error::CommandError;
 use super::output::{print, to_json};
 use super::shared::positive;
-use super::stored_study::StoredStudy;
+use super::stored_study::{StoredStudy, not_finished};
 use super::study_options::LearnerArguments;
 use clap::Args;
 use coordinator::analyses::replay::{Replayed, replay};
@@ -71,7 +71,7 @@ pub fn verify(arguments: &VerifyArguments, as_json: bool) -> Result<(), CommandE
 
 fn verify_against(arguments: &VerifyArguments, against: &Path, as_json: bool) -> Result<(), CommandError> {
     let dir = &arguments.dir;
-    let (study, other) = (StoredStudy::open(dir)?, StoredStudy::open(against)?);
+    let (study, other) = (StoredStudy::look(dir)?, StoredStudy::look(against)?);
     if let Some(difference) = study.difference(&other) {
         let (dir, against) = (dir.clone(), against.to_path_buf());
         return Err(CommandError::NotComparable { dir, against, difference });
@@ -82,12 +82,15 @@ fn verify_against(arguments: &VerifyArguments, against: &Path, as_json: bool) ->
     let seen: HashSet<Vec<u64>> = learned.iter().map(bits).collect();
     let mut unseen = other.simulated()?;
     unseen.retain(|point| !seen.contains(&bits(point)));
-    for (dir, points) in [(dir.as_path(), learned.len()), (against, unseen.len())] {
+    for (study, points) in [(&study, learned.len()), (&other, unseen.len())] {
         if points < LEAST {
-            return Err(CommandError::TooFewSimulations { dir: dir.to_path_buf(), points, least: LEAST });
+            return Err(too_few(study, points, LEAST));
         }
     }
-    let failed = |error| CommandError::Study { error: StudyError::Campaign(error), dir: dir.clone() };
+    let failed = |error| CommandError::Study {
+        error: StudyError::from_campaign(error, study.scene()),
+        dir: dir.clone(),
+    };
     let (scene, settings) = (study.scene(), &study.settings);
     let learns = settings.method == Method::ActiveLearning && arguments.evaluations.is_none();
     let own = if learns {
@@ -102,23 +105,30 @@ fn verify_against(arguments: &VerifyArguments, against: &Path, as_json: bool) ->
     if as_json { print(&to_json(&found)?) } else { print(&verification_text(&found)) }
 }
 
+/// The error of a study with too few simulations, or the reason why it ended before it had more.
+fn too_few(study: &StoredStudy, points: usize, least: usize) -> CommandError {
+    match not_finished(&study.campaign) {
+        ended @ CommandError::EndedWithoutResult { .. } => ended,
+        _ => CommandError::TooFewSimulations { dir: study.campaign.dir().to_path_buf(), points, least },
+    }
+}
+
 /// Learns again from the simulations of a direct Monte Carlo study and prints the errors of every round.
 ///
 /// # Errors
 /// [`CommandError`] if the study cannot be read, or its samples are not those of its seed.
 pub fn rounds(dir: &Path, arguments: &RoundsArguments, as_json: bool) -> Result<(), CommandError> {
-    let study = StoredStudy::open(dir)?;
+    let study = StoredStudy::look(dir)?;
     let mut samples = study.simulated()?;
     if samples.len() < 2 {
-        return Err(CommandError::TooFewSimulations { dir: dir.to_path_buf(), points: 0, least: 2 });
+        return Err(too_few(&study, 0, 2));
     }
     let nominal = samples.remove(0);
     samples.truncate(arguments.samples.unwrap_or(usize::MAX));
     let mut settings = Settings { seed: study.settings.seed, ..Settings::from(study.scene()) };
     arguments.learner.apply_to(&mut settings);
     if samples.len() < settings.initial {
-        let (points, least) = (samples.len(), settings.initial);
-        return Err(CommandError::TooFewSimulations { dir: dir.to_path_buf(), points, least });
+        return Err(too_few(&study, samples.len(), settings.initial));
     }
     let found = replay(study.scene(), &settings, &nominal, &samples)
         .map_err(|error| CommandError::Replay { dir: dir.to_path_buf(), error })?;

@@ -35,6 +35,8 @@ impl ProgressText {
     /// Records progress and returns the line to print without a terminal, if any: one per round, one per warning, and one
     /// about evaluations every ten seconds at most.
     pub fn line(&mut self, now: Duration, progress: &Progress) -> Option<String> {
+        // The nominal point is a batch of its own, and the next one follows without delay.
+        let after_nominal = self.planned == 1 && matches!(progress, Progress::BatchStarted { .. });
         self.record(now, progress);
         match progress {
             Progress::Warning(text) => Some(format!("warning: {text}")),
@@ -46,8 +48,10 @@ impl ProgressText {
             Progress::Evaluated { recalled: true, .. } | Progress::Reliability { .. } | Progress::Ending => {
                 None
             }
+            // Nothing of this batch is left to be simulated.
+            Progress::BatchStarted { planned, .. } if self.done >= *planned => None,
             Progress::BatchStarted { .. } | Progress::Evaluated { .. } => {
-                let due = self.last_line.is_none_or(|last| now >= last + LINE_EVERY);
+                let due = after_nominal || self.last_line.is_none_or(|last| now >= last + LINE_EVERY);
                 due.then(|| {
                     self.last_line = Some(now);
                     self.state(now)
@@ -124,14 +128,21 @@ fn round_line(round: &Round) -> String {
     let change =
         round.change_of_r.map_or(String::new(), |change| format!(", changed by {}", percent(change)));
     format!(
-        "round {}: {} evaluations, {}{change}, uncertain {}, min U {}",
+        "round {}: {} evaluations, {}{change}{}",
         round.round,
         round.evaluations,
         current_reliability(round),
-        percent(round.share_uncertain),
-        fixed(round.min_u, 3)
+        uncertainty(round)
     )
     .replace('\u{a0}', " ")
+}
+
+/// Uncertain share and smallest learning function of a round; nothing in direct simulation, which has no surrogates.
+fn uncertainty(round: &Round) -> String {
+    if (round.min_u, round.surrogate_error) == (0.0, 0.0) {
+        return String::new();
+    }
+    format!(", uncertain {}, min U {}", percent(round.share_uncertain), fixed(round.min_u, 3))
 }
 
 /// Form of the output.

@@ -8,12 +8,13 @@ use std::collections::BTreeMap;
 
 /// Record of the evaluations of a study.
 pub trait Journal {
-    /// The recorded outcome of this request, if it was finished before. A recorded request with another sample
-    /// under the same number is an error: the journal belongs to another study.
+    /// The recorded outcome of this request, if it was finished before. A study whose settings were changed makes other
+    /// requests: a journal may return the outcome of the same sample under another number, and then keeps it under this
+    /// one. Requests are looked up in the order of their numbers.
     ///
     /// # Errors
     /// [`EvaluateError::Record`] if the journal cannot be read or belongs to another study.
-    fn finished(&self, request: &Request) -> Result<Option<Finished>, EvaluateError>;
+    fn finished(&mut self, request: &Request) -> Result<Option<Finished>, EvaluateError>;
 
     /// Records an outcome; it is durable when this returns.
     ///
@@ -28,6 +29,13 @@ pub trait Journal {
     fn record_all(&mut self, outcomes: &[(Request, Finished)]) -> Result<(), EvaluateError> {
         outcomes.iter().try_for_each(|(request, finished)| self.record(request, finished))
     }
+
+    /// Notes that the study has ended after this number of requests: recorded evaluations beyond it are no part of its
+    /// result.
+    ///
+    /// # Errors
+    /// [`EvaluateError::Record`] if it cannot be written.
+    fn ended(&mut self, requests: u64) -> Result<(), EvaluateError>;
 
     /// Records a finished round of learning. `resume` does not need it.
     ///
@@ -57,7 +65,7 @@ impl InMemoryJournal {
 }
 
 impl Journal for InMemoryJournal {
-    fn finished(&self, request: &Request) -> Result<Option<Finished>, EvaluateError> {
+    fn finished(&mut self, request: &Request) -> Result<Option<Finished>, EvaluateError> {
         match self.outcomes.get(&request.id) {
             Some((sample, _)) if *sample != request.sample => {
                 Err(EvaluateError::Record(format!("evaluation {} has another sample", request.id).into()))
@@ -73,6 +81,11 @@ impl Journal for InMemoryJournal {
                 format!("evaluation {} was recorded before", request.id).into(),
             ));
         }
+        Ok(())
+    }
+
+    fn ended(&mut self, requests: u64) -> Result<(), EvaluateError> {
+        self.outcomes.retain(|id, _| *id < requests);
         Ok(())
     }
 

@@ -2,7 +2,7 @@
 //! temporary name and renamed, so that a reader never finds half a file.
 
 use crate::results::csv_table::{CsvTable, number, plain_text};
-use crate::results::store::{CampaignFile, StoreError};
+use crate::results::store::{CampaignFile, StoreError, is_unusable_path};
 use crate::results::summary::{PerLimitState, StudySummary};
 use common::scene::Scene;
 use std::fs::File;
@@ -27,6 +27,17 @@ pub enum ResultFileError {
     /// The campaign file cannot be read.
     #[error(transparent)]
     Store(#[from] StoreError),
+}
+
+impl ResultFileError {
+    /// True if the user named a file or folder that cannot be used (exit code 2), false for other failures (exit code 1).
+    pub fn is_bad_input(&self) -> bool {
+        match self {
+            Self::Write { source, .. } => is_unusable_path(source),
+            Self::NotFinite(_) => false,
+            Self::Store(error) => error.is_bad_input(),
+        }
+    }
 }
 
 /// Writes a file completely or not at all: a temporary file in the same folder, flushed to the disk, then renamed.

@@ -8,6 +8,7 @@ use crate::statistics::reliability::REACH;
 use common::accuracy::Accuracy;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::path::Path;
 
 /// One value per limit state, by name; [`StudySummary::limit_states`] has their order.
 pub type PerLimitState = BTreeMap<String, f64>;
@@ -262,6 +263,10 @@ pub struct Convergence {
     pub stopped_because: String,
     /// True if the targets were met; false if the budget was spent first, or too few failures were found.
     pub targets_met: bool,
+    /// Budget for `resume --max-evaluations`, if the budget ended learning before its targets were met; absent otherwise,
+    /// and in studies by earlier versions.
+    #[serde(default)]
+    pub larger_budget: Option<usize>,
     /// Rounds of learning, in their order.
     pub rounds: Vec<Round>,
 }
@@ -293,6 +298,14 @@ pub struct Round {
     pub reliability_total: f64,
     /// Repairs of the surrogates this round (nugget raised, likelihood start failed).
     pub repairs: usize,
+}
+
+impl Convergence {
+    /// The command that goes on with the study in the folder `dir`, if a larger budget would help.
+    pub fn command_to_go_on(&self, dir: &Path) -> Option<String> {
+        let budget = self.larger_budget?;
+        Some(format!("coordinator resume {} --max-evaluations {budget}", dir.display()))
+    }
 }
 
 impl Round {

@@ -12,21 +12,20 @@
 use super::campaign_data::CampaignData;
 use super::campaign_result::CampaignResult;
 use super::classified_population::ClassifiedPopulation;
-use super::failures::{Failed, check_failures};
+use super::failures::{Failed, check_failures, check_nominal, check_results};
 use super::interim::InterimResult;
 use super::observations::ObservedOutcome;
 use super::plan::{Plan, Problem};
 use super::prediction_check::{judge, largest_prediction_error};
 use super::requests::{PendingSample, Requests};
 use super::round::{Assessment, RoundInput, assess};
-use super::step::{CampaignError, SampleRequest, Step, StopReason};
+use super::step::{CampaignError, Step, StopReason};
 use super::surrogate_state::SurrogateState;
 use super::surrogates::Surrogate;
 use crate::results::summary::Round;
 use crate::statistics::design::{Population, Stream, choose_by_latin_hypercube, open_stream};
 use crate::statistics::learning::{Rule, Stopping, draw_rim};
 use crate::statistics::surrogate::Effort;
-use std::collections::VecDeque;
 
 /// Error in predicted standard deviations from which a result contradicts the surrogates while a stopping
 /// rule holds: 6e-5 for a normal error.
@@ -77,10 +76,22 @@ impl Campaign {
     /// Returns the next step. Fits and classifies if outcomes were recorded since the last call.
     ///
     /// # Errors
-    /// [`CampaignError::Surrogate`].
+    /// [`CampaignError::Surrogate`], [`CampaignError::TooFewResults`].
     pub fn next_step(&mut self) -> Result<Step, CampaignError> {
+        loop {
+            let step = self.step_on_this_population()?;
+            let larger = &self.plan.settings.larger_populations;
+            if step != Step::Done || !self.classified.grow_to_next(larger) {
+                return Ok(step);
+            }
+            self.restart_on_new_population();
+            (self.progress.stop, self.progress.assessment) = (None, None);
+        }
+    }
+
+    fn step_on_this_population(&mut self) -> Result<Step, CampaignError> {
         if self.requests.total == 0 {
-            return Ok(self.request_initial_design());
+            return Ok(self.request_nominal_point());
         }
         let waiting = self.requests.under_way();
         if self.progress.stop.is_some() {
@@ -91,6 +102,9 @@ impl Campaign {
         }
         if self.progress.rounds.is_empty() && waiting > 0 {
             return Ok(Step::Wait);
+        }
+        if !self.data.observations.has_design() {
+            return Ok(self.request_initial_design());
         }
         if self.progress.assessment.is_none() {
             self.assess_and_decide()?;
@@ -113,10 +127,11 @@ impl Campaign {
     /// Records the outcomes of the oldest chunk under way, in the order of its samples.
     ///
     /// # Errors
-    /// [`CampaignError::TooManyFailures`].
+    /// [`CampaignError::Nominal`], [`CampaignError::TooManyFailures`].
     pub fn record(&mut self, outcomes: Vec<ObservedOutcome>) -> Result<(), CampaignError> {
-        let initial = self.requests.received == 0;
         let chunk = self.requests.finish_oldest(outcomes.len());
+        let is_nominal = self.data.observations.is_empty();
+        let is_repetition = chunk.iter().all(|pending| pending.stricter);
         for (pending, outcome) in chunk.into_iter().zip(outcomes) {
             match outcome {
                 Ok(observed) if pending.exploring => {
@@ -130,38 +145,15 @@ impl Campaign {
                 Err(cause) => self.data.add_failed(pending.z, cause, pending.exploring),
             }
         }
-        if initial {
+        self.progress.assessment = None;
+        if is_nominal {
+            return check_nominal(&self.data.failed);
+        }
+        if self.progress.rounds.is_empty() && !is_repetition {
             self.data.observations.close_design();
         }
-        self.progress.assessment = None;
-        check_failures(self.data.unexpected_failures(), self.requests.received, self.plan.settings.max_failed)
-    }
-
-    /// Runs the campaign to its end with simulations made here, one after the other. `observe` receives the
-    /// campaign after each step.
-    ///
-    /// # Errors
-    /// [`CampaignError`].
-    pub fn learn_from(
-        mut self,
-        mut simulate: impl FnMut(&[f64]) -> ObservedOutcome,
-        mut observe: impl FnMut(&Self),
-    ) -> Result<CampaignResult, CampaignError> {
-        let mut under_way = VecDeque::new();
-        loop {
-            let step = self.next_step()?;
-            observe(&self);
-            match step {
-                Step::Evaluate(requests) => under_way.push_back(requests),
-                Step::Wait => {
-                    let requests: Vec<SampleRequest> =
-                        under_way.pop_front().expect("a campaign waits for requested samples only");
-                    self.record(requests.iter().map(|request| simulate(&request.sample)).collect())?;
-                }
-                Step::Done => break,
-            }
-        }
-        Ok(self.finish().expect("a campaign that is done has a result"))
+        let samples = self.requests.samples_received();
+        check_failures(self.data.unexpected_failures(), samples, self.plan.settings.max_failed)
     }
 
     /// Simulations the budget leaves.
@@ -169,18 +161,17 @@ impl Campaign {
         self.plan.settings.max_evaluations.saturating_sub(self.requests.total)
     }
 
-    /// Requests the nominal point first, then the points of the population nearest to a Latin hypercube.
+    /// Requests the nominal point, alone: a simulator that cannot answer is found out by one evaluation.
+    fn request_nominal_point(&mut self) -> Step {
+        self.requests.begin(vec![PendingSample::nominal(&self.problem.inputs)])
+    }
+
+    /// Requests the rest of the initial design: the points of the population nearest to a Latin hypercube.
     fn request_initial_design(&mut self) -> Step {
-        let count = self.plan.settings.initial.min(self.plan.settings.max_evaluations);
-        let chosen = choose_by_latin_hypercube(
-            &self.classified.population,
-            count.saturating_sub(1),
-            self.plan.settings.seed,
-        );
-        let sample = self.problem.inputs.means();
-        let z = self.problem.inputs.standardise(&sample);
-        let mut chunk = vec![PendingSample { z, sample, member: None, stricter: false, exploring: false }];
-        chunk.extend(chosen.into_iter().map(|j| self.requests.take(&self.classified, j)));
+        let count = self.plan.settings.initial.saturating_sub(1).min(self.budget_left());
+        let (population, seed) = (&self.classified.population, self.plan.settings.seed);
+        let chosen = choose_by_latin_hypercube(population, count, seed);
+        let chunk = chosen.into_iter().map(|j| self.requests.take(&self.classified, j)).collect();
         self.requests.begin(chunk)
     }
 
@@ -244,6 +235,9 @@ impl Campaign {
 
     /// Assesses all outcomes received and decides whether learning stops or needs another population.
     fn assess_and_decide(&mut self) -> Result<(), CampaignError> {
+        let unrepeated = self.requests.retries.iter().map(|(_, cause)| cause);
+        let causes = self.data.failed.iter().map(|failed| &failed.cause).chain(unrepeated);
+        check_results(self.data.observations.len(), causes, self.requests.samples_received())?;
         loop {
             let (assessment, met) = self.assess_until_fresh()?;
             let failed = assessment.governing_failed();

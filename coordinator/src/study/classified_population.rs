@@ -91,6 +91,13 @@ impl ClassifiedPopulation {
         self.condition.coefficient_of_variation(failed, self.population.len())
     }
 
+    /// Enlarges an unconditional population to the first of these sizes that is larger; returns true if it did.
+    pub(super) fn grow_to_next(&mut self, sizes: &[usize]) -> bool {
+        let present = self.population.len();
+        let size = sizes.iter().copied().find(|size| *size > present && self.unconditional.is_none());
+        size.map(|size| self.population.grow_to(size)).is_some()
+    }
+
     /// Replaces or enlarges the population if the coefficient of variation requires it; returns true if it
     /// did.
     ///

@@ -28,7 +28,7 @@ struct Chunk {
 
 /// Evaluates the samples of a learner, each under the next request number.
 pub(super) struct Dispatcher<'a> {
-    outputs: usize,
+    scene: &'a Scene,
     responses: ResponseLayout,
     /// Names of the limit states and, last, of the system.
     names: Vec<String>,
@@ -59,7 +59,7 @@ impl<'a> Dispatcher<'a> {
     /// `stricter` is the accuracy for the repetition of failed samples, `budget` the bound on evaluations
     /// that the observer is shown.
     pub fn new(
-        scene: &Scene,
+        scene: &'a Scene,
         stricter: Option<Accuracy>,
         budget: usize,
         evaluator: &'a mut dyn Evaluator,
@@ -76,7 +76,7 @@ impl<'a> Dispatcher<'a> {
             idle: Duration::ZERO,
         };
         Self {
-            outputs: scene.outputs.len(),
+            scene,
             responses: ResponseLayout::from_scene(scene),
             names: result::curve_names(scene),
             checkpoints: scene.life.checkpoints(),
@@ -92,13 +92,13 @@ impl<'a> Dispatcher<'a> {
     /// # Errors
     /// [`StudyError`]; finished evaluations are in the journal by then.
     pub fn run(&mut self, learner: &mut dyn Learner) -> Result<(), StudyError> {
-        let Self { outputs, responses, names, checkpoints, stricter, budget, evaluator, record } = self;
+        let Self { scene, responses, names, checkpoints, stricter, budget, evaluator, record } = self;
         let (outcomes, recorded) = channel();
         let (sender, steps) = channel();
         std::thread::scope(|scope| {
             scope.spawn(move || run_learner(learner, &recorded, &sender));
             let mut study = StudyRequests {
-                outputs: *outputs,
+                scene,
                 responses,
                 names,
                 checkpoints,
@@ -124,6 +124,14 @@ impl<'a> Dispatcher<'a> {
                 None => Ok(()),
             }
         })
+    }
+
+    /// Notes in the journal that the study makes no further request.
+    ///
+    /// # Errors
+    /// [`StudyError::Evaluate`].
+    pub fn end(&mut self) -> Result<(), StudyError> {
+        Ok(self.record.journal.ended(self.record.next_id)?)
     }
 
     /// Passes a notice to the observer.
@@ -189,7 +197,7 @@ impl Record<'_> {
 
 /// A study in progress, between the learner thread and the evaluator.
 struct StudyRequests<'s, 'a> {
-    outputs: usize,
+    scene: &'s Scene,
     responses: &'s ResponseLayout,
     names: &'s [String],
     checkpoints: &'s [u32],
@@ -253,7 +261,8 @@ impl StudyRequests<'_, '_> {
             self.return_oldest_chunk();
             match self.steps.try_recv() {
                 Ok(answer) => {
-                    let LearnerStep { step, purpose, rounds, interim, constant, took } = answer?;
+                    let LearnerStep { step, purpose, rounds, interim, constant, took } =
+                        answer.map_err(|error| StudyError::from_campaign(error, self.scene))?;
                     self.record.learner += took;
                     self.record.note_rounds(rounds)?;
                     constant.into_iter().for_each(|mode| self.record.note_constant(&self.names[mode]));
@@ -295,7 +304,7 @@ impl StudyRequests<'_, '_> {
         share.0 += 1;
         share.1 += finished.wall;
         let id = finished.id;
-        let observed = checked(finished, self.outputs, self.checkpoints)?;
+        let observed = checked(finished, self.scene, self.checkpoints)?;
         let outcome = observed.map(|observed| self.responses.complete(observed));
         let chunk = self.chunks.iter_mut().rev().find(|chunk| chunk.first <= id);
         let chunk = chunk.expect("every request has a chunk");
@@ -343,7 +352,9 @@ fn notice(observer: &mut dyn Observer, done: usize, outcome: &Finished, recalled
 
 /// Checks that the histories and their stated errors have the shape of the scene, are finite, and that no
 /// error is negative. An evaluation that states no errors counts as exact.
-fn checked(outcome: Finished, outputs: usize, checkpoints: &[u32]) -> Result<ObservedOutcome, StudyError> {
+fn checked(outcome: Finished, scene: &Scene, checkpoints: &[u32]) -> Result<ObservedOutcome, StudyError> {
+    let outputs = scene.outputs.len();
+    let output = |o: usize| format!("output \"{}\"", scene.outputs[o].name);
     let Finished { id, worker, outcome, .. } = outcome;
     let evaluation = match outcome {
         Ok(evaluation) => evaluation,
@@ -358,10 +369,10 @@ fn checked(outcome: Finished, outputs: usize, checkpoints: &[u32]) -> Result<Obs
     }
     for (o, history) in evaluation.histories.iter().enumerate() {
         if history.len() != checkpoints.len() {
-            return malformed(format!("output {o} has {} values", history.len()));
+            return malformed(format!("{} has {} values", output(o), history.len()));
         }
         if let Some(n) = history.iter().position(|value| !value.is_finite()) {
-            return malformed(format!("output {o} is {} at {} cycles", history[n], checkpoints[n]));
+            return malformed(format!("{} is {} at {} cycles", output(o), history[n], checkpoints[n]));
         }
     }
     if !evaluation.errors.is_empty() && evaluation.errors.len() != outputs {
@@ -369,12 +380,14 @@ fn checked(outcome: Finished, outputs: usize, checkpoints: &[u32]) -> Result<Obs
     }
     for (o, errors) in evaluation.errors.iter().enumerate() {
         if errors.len() != checkpoints.len() {
-            return malformed(format!("output {o} has {} stated errors", errors.len()));
+            return malformed(format!("{} has {} stated errors", output(o), errors.len()));
         }
         if let Some(n) = errors.iter().position(|error| !(error.is_finite() && *error >= 0.0)) {
             return malformed(format!(
-                "the stated error of output {o} is {} at {} cycles",
-                errors[n], checkpoints[n]
+                "the stated error of {} is {} at {} cycles",
+                output(o),
+                errors[n],
+                checkpoints[n]
             ));
         }
     }

@@ -3,6 +3,8 @@
 use super::settings::SettingError;
 use super::step::CampaignError;
 use crate::farm::evaluate::EvaluateError;
+use crate::statistics::surrogate::SurrogateError;
+use common::scene::Scene;
 use thiserror::Error;
 
 /// Reason why a study has no result.
@@ -16,7 +18,15 @@ pub enum StudyError {
     Evaluate(#[from] EvaluateError),
     /// Learning cannot continue.
     #[error(transparent)]
-    Campaign(#[from] CampaignError),
+    Campaign(CampaignError),
+    /// A surrogate could not be fitted.
+    #[error("surrogate of limit state {limit_state}: {source}")]
+    Surrogate {
+        /// Name of the limit state.
+        limit_state: String,
+        /// Error of the fit.
+        source: SurrogateError,
+    },
     /// The evaluator ended without the outcome of a request.
     #[error("evaluation {id} has no outcome")]
     Unanswered {
@@ -33,4 +43,16 @@ pub enum StudyError {
         /// Description of the misfit.
         what: String,
     },
+}
+
+impl StudyError {
+    /// The error of a campaign of `scene`, with the name of the limit state that it concerns.
+    pub fn from_campaign(error: CampaignError, scene: &Scene) -> Self {
+        match error {
+            CampaignError::Surrogate { mode, source } => {
+                Self::Surrogate { limit_state: scene.limit_states[mode].name.clone(), source }
+            }
+            error => Self::Campaign(error),
+        }
+    }
 }

@@ -13,6 +13,7 @@
 //! Journel (1983), Nonparametric estimation of spatial distributions (indicator Kriging).
 
 use super::CampaignError;
+use super::settings::SMALLEST_DESIGN;
 use crate::statistics::design::Population;
 use crate::statistics::surrogate::{Correlation, Kriging};
 use common::failure::SimulationFailure;
@@ -54,15 +55,57 @@ pub(super) fn check_failures<'a>(
     if total < FAILED_AFTER || failed as f64 <= share * total as f64 {
         return Ok(());
     }
-    let like =
-        |a: &SimulationFailure| failures.clone().filter(|b| discriminant(a) == discriminant(b)).count();
-    // The first failure of the most frequent kind.
-    let cause = failures.clone().fold(None, |best: Option<(&SimulationFailure, usize)>, a| {
-        let count = like(a);
-        if best.is_some_and(|(_, most)| count <= most) { best } else { Some((a, count)) }
-    });
-    let (cause, count) = cause.expect("more than a share failed");
+    let MostFrequent { cause, count } = MostFrequent::among(failures).expect("more than a share failed");
     Err(CampaignError::TooManyFailures { failed, total, count, cause: cause.clone() })
+}
+
+/// Fails if the simulation of the nominal point, the only one so far, failed for good.
+///
+/// # Errors
+/// [`CampaignError::Nominal`].
+pub(super) fn check_nominal(failed: &[Failed]) -> Result<(), CampaignError> {
+    failed.first().map_or(Ok(()), |failed| Err(CampaignError::Nominal { cause: failed.cause.clone() }))
+}
+
+/// Fails if simulations failed and the `results` of the others, of `total` samples, do not suffice for a surrogate.
+///
+/// # Errors
+/// [`CampaignError::TooFewResults`] with the most frequent kind of failure.
+pub(super) fn check_results<'a>(
+    results: usize,
+    failures: impl Iterator<Item = &'a SimulationFailure> + Clone,
+    total: usize,
+) -> Result<(), CampaignError> {
+    match MostFrequent::among(failures) {
+        Some(MostFrequent { cause, count }) if results < SMALLEST_DESIGN => {
+            Err(CampaignError::TooFewResults { results, total, count, cause: cause.clone() })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The most frequent kind of failure.
+pub(super) struct MostFrequent<'a> {
+    /// The first failure of this kind.
+    pub cause: &'a SimulationFailure,
+    /// Number of failures of this kind.
+    pub count: usize,
+}
+
+impl<'a> MostFrequent<'a> {
+    /// The most frequent kind among these failures, the earliest of equally frequent ones; `None` without failures.
+    pub fn among(failures: impl Iterator<Item = &'a SimulationFailure> + Clone) -> Option<Self> {
+        let like =
+            |a: &SimulationFailure| failures.clone().filter(|b| discriminant(a) == discriminant(b)).count();
+        failures.clone().fold(None, |best: Option<Self>, cause| {
+            let count = like(cause);
+            if best.as_ref().is_some_and(|best| count <= best.count) {
+                best
+            } else {
+                Some(Self { cause, count })
+            }
+        })
+    }
 }
 
 /// Estimated probability that a simulation gives a result.

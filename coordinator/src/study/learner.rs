@@ -39,6 +39,7 @@ impl Learner for Campaign {
 
     fn purpose(&self) -> String {
         match self.rounds().len() {
+            0 if self.evaluations() == 0 => "nominal point".to_owned(),
             0 => "initial design".to_owned(),
             round => format!("round {round}"),
         }

@@ -134,6 +134,7 @@ impl<'a> DirectSimulation<'a> {
             convergence: Convergence {
                 stopped_because: format!("all {samples} samples were simulated"),
                 targets_met: true,
+                larger_budget: None,
                 rounds: self.rounds,
             },
             learner: LearnerFindings::default(),
@@ -149,6 +150,9 @@ impl Learner for DirectSimulation<'_> {
             self.chunks.push_back(0..0);
             let sample = self.problem.inputs.means();
             return Ok(Step::Evaluate(vec![SampleRequest { sample, stricter: false }]));
+        }
+        if self.recorded == 0 {
+            return Ok(Step::Wait);
         }
         let range = self.requested..self.population.len().min(self.requested + CHUNK);
         if range.is_empty() && self.chunks.is_empty() {
@@ -167,10 +171,8 @@ impl Learner for DirectSimulation<'_> {
         let range = self.chunks.pop_front().expect("outcomes belong to a chunk under way");
         self.recorded += 1;
         if range.is_empty() {
-            let z = self.problem.inputs.standardise(&self.problem.inputs.means());
-            let failed = outcomes.into_iter().filter_map(Result::err);
-            self.failures.extend(failed.map(|cause| Failed { z: z.clone(), cause, expected: false }));
-            return Ok(());
+            let failure = outcomes.into_iter().find_map(Result::err);
+            return failure.map_or(Ok(()), |cause| Err(CampaignError::Nominal { cause }));
         }
         for (j, outcome) in range.clone().zip(outcomes) {
             match outcome {

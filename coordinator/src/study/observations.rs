@@ -84,6 +84,11 @@ impl Observations {
         self.design = self.len();
     }
 
+    /// Whether the initial design has been declared.
+    pub fn has_design(&self) -> bool {
+        self.design > 0
+    }
+
     /// Number of points n.
     pub fn len(&self) -> usize {
         self.z.len() / self.d

@@ -3,7 +3,7 @@
 
 use super::classified_population::ClassifiedPopulation;
 use super::step::{SampleRequest, Step};
-use crate::statistics::design::Population;
+use crate::statistics::design::{InputModel, Population};
 use common::failure::SimulationFailure;
 use std::collections::{HashSet, VecDeque};
 
@@ -22,6 +22,15 @@ pub(super) struct PendingSample {
     pub exploring: bool,
 }
 
+impl PendingSample {
+    /// The nominal point: every variable at its mean.
+    pub fn nominal(inputs: &InputModel) -> Self {
+        let sample = inputs.means();
+        let z = inputs.standardise(&sample);
+        Self { z, sample, member: None, stricter: false, exploring: false }
+    }
+}
+
 /// Requests in the order in which they were made.
 #[derive(Debug, Default)]
 pub(super) struct Requests {
@@ -35,6 +44,8 @@ pub(super) struct Requests {
     pub total: usize,
     /// Number of outcomes received.
     pub received: usize,
+    /// Number of them that were repetitions of a failed simulation.
+    repeated: usize,
     /// Chunks under way, the oldest first.
     chunks: VecDeque<Vec<PendingSample>>,
 }
@@ -80,7 +91,13 @@ impl Requests {
         let chunk = self.chunks.pop_front().expect("outcomes belong to a chunk under way");
         assert_eq!(chunk.len(), count, "every requested sample has one outcome");
         self.received += count;
+        self.repeated += chunk.iter().filter(|pending| pending.stricter).count();
         chunk
+    }
+
+    /// Number of samples with an outcome, each counted once.
+    pub fn samples_received(&self) -> usize {
+        self.received - self.repeated
     }
 
     /// Number of simulations under way.

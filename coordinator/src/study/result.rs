@@ -170,6 +170,7 @@ pub(super) fn from_learning(scene: &Scene, settings: &Settings, learned: &Campai
         convergence: Convergence {
             stopped_because: stop_in_words(learned, settings),
             targets_met: targets_met(learned, settings),
+            larger_budget: matches!(learned.stop, StopReason::Budget).then_some(2 * settings.max_evaluations),
             rounds: learned.rounds.clone(),
         },
         learner: learner_findings(scene, learned),

@@ -16,7 +16,7 @@ pub const LARGEST_POPULATION: usize = 2_000_000;
 const MEMORY: usize = 2000;
 
 /// Fewest evaluations from which a surrogate is fitted.
-const SMALLEST_DESIGN: usize = 3;
+pub(super) const SMALLEST_DESIGN: usize = 3;
 
 /// Most random variables, and most outputs: columns of a table of the campaign file, one or two of which are its own.
 const MOST_COLUMNS: usize = 1998;
@@ -113,6 +113,10 @@ pub struct Settings {
     /// round, which changes their last bits.
     #[serde(default = "memory", skip_serializing_if = "is_default_memory")]
     pub memory: usize,
+    /// Sizes to which the population of active learning grows, one after the other, each time learning has ended: those
+    /// of later legs (`resume --samples`).
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub larger_populations: Vec<usize>,
 }
 
 fn ignored() -> StatedErrors {
@@ -163,6 +167,7 @@ impl From<StudySettings> for Settings {
             max_failed: MAX_FAILED,
             target_error: None,
             memory: MEMORY,
+            larger_populations: Vec::new(),
         }
     }
 }
@@ -192,6 +197,11 @@ impl Settings {
     /// Settings of a scene of `variables` random variables without a section `[study]`.
     pub fn for_variables(variables: usize) -> Self {
         Self::from(StudySettings::for_variables(variables))
+    }
+
+    /// Number of samples in the last leg: points of the population, or evaluations of direct simulation.
+    pub fn population(&self) -> usize {
+        self.larger_populations.last().copied().unwrap_or(self.samples)
     }
 
     /// Bounds of the stopping rules.
@@ -260,8 +270,12 @@ impl Settings {
                 return refuse(key, value.to_string(), &design);
             }
         }
-        if self.samples > LARGEST_POPULATION {
-            return refuse("samples", self.samples.to_string(), &format!("at most {LARGEST_POPULATION}"));
+        if self.population() > LARGEST_POPULATION {
+            return refuse(
+                "samples",
+                self.population().to_string(),
+                &format!("at most {LARGEST_POPULATION}"),
+            );
         }
         if self.batch == 0 {
             return refuse("batch", "0".to_owned(), "at least 1");

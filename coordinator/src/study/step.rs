@@ -38,12 +38,32 @@ pub enum StopReason {
 /// Reason why a campaign cannot continue.
 #[derive(Debug, Error)]
 pub enum CampaignError {
+    /// The nominal mechanism cannot be simulated, which is found out before any other sample is.
+    #[error("the nominal mechanism cannot be simulated: {cause}{}", advice(cause))]
+    Nominal {
+        /// Cause of the failure.
+        cause: SimulationFailure,
+    },
+    /// Too few simulations of the initial design gave a result for a surrogate.
+    #[error(
+        "{results} of {total} simulations gave a result, too few for a surrogate; {count} failed like this: {cause}"
+    )]
+    TooFewResults {
+        /// Number of results.
+        results: usize,
+        /// Number of simulated samples.
+        total: usize,
+        /// Number of failures of the most frequent kind.
+        count: usize,
+        /// The first failure of that kind.
+        cause: SimulationFailure,
+    },
     /// More than the allowed share of the simulations failed.
     #[error("{failed} of {total} simulations failed, {count} of them like this: {cause}")]
     TooManyFailures {
         /// Number of failed simulations.
         failed: usize,
-        /// Number of simulations.
+        /// Number of simulated samples.
         total: usize,
         /// Number of failures of the most frequent kind.
         count: usize,
@@ -58,4 +78,14 @@ pub enum CampaignError {
         /// Error of the fit.
         source: SurrogateError,
     },
+}
+
+/// What a user can do about the failure of the first simulation.
+fn advice(cause: &SimulationFailure) -> &'static str {
+    match cause {
+        SimulationFailure::TimedOut { .. } => {
+            "; a program has to flush its output after every reply, and a slow one needs a longer simulator.timeout"
+        }
+        _ => "",
+    }
 }

@@ -257,6 +257,7 @@ pub fn study() -> TestStudy {
         convergence: Convergence {
             stopped_because: "the estimated error of every R(n) stayed below 0.006 over two rounds".into(),
             targets_met: true,
+            larger_budget: None,
             rounds: (0..9).map(round).collect(),
         },
         surrogates: vec![SurrogateRow {

@@ -26,7 +26,7 @@ struct SlowJournal {
 }
 
 impl Journal for SlowJournal {
-    fn finished(&self, request: &Request) -> Result<Option<Finished>, EvaluateError> {
+    fn finished(&mut self, request: &Request) -> Result<Option<Finished>, EvaluateError> {
         self.file.finished(request)
     }
 
@@ -40,6 +40,10 @@ impl Journal for SlowJournal {
         self.recorded += outcomes.len();
         self.furthest_ahead = self.furthest_ahead.max(self.begun.load(Ordering::SeqCst) - self.recorded);
         Ok(())
+    }
+
+    fn ended(&mut self, requests: u64) -> Result<(), EvaluateError> {
+        self.file.ended(requests)
     }
 
     fn note_round(&mut self, round: &Round) -> Result<(), EvaluateError> {

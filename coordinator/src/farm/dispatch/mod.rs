@@ -40,7 +40,9 @@ pub enum DispatchError {
         endpoint: String,
     },
     /// The text is not an endpoint, or the system cannot listen on it.
-    #[error("--listen {endpoint}: {reason}; expected e.g. tcp/127.0.0.1:7447")]
+    #[error(
+        "--listen {endpoint}: {reason}; expected a free address of this machine, e.g. tcp/127.0.0.1:7447"
+    )]
     Endpoint {
         /// Endpoint to listen on.
         endpoint: String,

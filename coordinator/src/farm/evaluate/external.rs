@@ -1,13 +1,24 @@
 //! Opens the external simulator named by a scene: a program or an UM-Bridge model server.
 
 use super::Evaluator;
-use super::program::{ProgramSlot, Setup};
+use super::program::{ProgramSlot, Setup, check_program_file};
 pub use super::simulator_error::SimulatorError;
 use super::slots::SlotEvaluator;
 use super::umbridge::{ModelSlot, UmBridgeClient};
 use common::scene::{ExternalSimulator, Scene, SimulatorKind};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+
+/// Checks what can be known of a simulator without using it: that its program exists and can be executed.
+///
+/// # Errors
+/// [`SimulatorError::Start`].
+pub fn check(simulator: &ExternalSimulator) -> Result<(), SimulatorError> {
+    match &simulator.kind {
+        SimulatorKind::Program(program) => check_program_file(program),
+        SimulatorKind::UmBridge(_) => Ok(()),
+    }
+}
 
 /// Opens the simulator of a scene on `slots` slots. The first program is started here, so that a program that cannot
 /// start is reported at once; the model of a server is checked against the scene.

@@ -50,6 +50,18 @@ pub enum LineError {
     Stopped,
 }
 
+/// Path of the program of a command: a relative path starts at `folder`, a bare name is searched for by the system.
+///
+/// # Errors
+/// The command is empty.
+pub fn program_path(command: &[String], folder: &Path) -> std::io::Result<PathBuf> {
+    let Some(program) = command.first() else {
+        return Err(std::io::Error::other("the command is empty"));
+    };
+    let named = PathBuf::from(program);
+    Ok(if named.components().count() > 1 { folder.join(named) } else { named })
+}
+
 /// A running program. When dropped, its standard input is closed, and it is killed if it does not exit.
 ///
 /// The process is reaped last: until then the system gives its number, and that of its group, to no other, so
@@ -73,13 +85,8 @@ impl Process {
     /// The operating system cannot start the program.
     pub fn start(command: &[String], folder: &Path) -> std::io::Result<Self> {
         use std::os::unix::process::CommandExt;
-        let [program, arguments @ ..] = command else {
-            return Err(std::io::Error::other("the command is empty"));
-        };
-        let named = PathBuf::from(program);
-        let named = if named.components().count() > 1 { folder.join(named) } else { named };
-        let mut child = Command::new(named)
-            .args(arguments)
+        let mut child = Command::new(program_path(command, folder)?)
+            .args(&command[1..])
             .current_dir(folder)
             .process_group(0)
             .stdin(Stdio::piped())

@@ -5,7 +5,7 @@
 //! same shape under `errors` if the program estimates any, or `{"id": 7, "failure": "..."}`. A process that exceeds the
 //! time limit is killed and replaced; a process that exits is replaced and gets the request once more.
 
-use super::process::{LineError, Process};
+use super::process::{LineError, Process, program_path};
 use super::reply::{Expected, parse, shown};
 use super::simulator_error::SimulatorError;
 use super::slots::{Slot, StopSignal};
@@ -13,9 +13,9 @@ use super::{EvaluateError, EvaluationResult, Request};
 use common::failure::SimulationFailure;
 use common::random::Distribution;
 use common::scene::{Program, Scene};
-use serde::Serialize;
-use serde_json::{Map, Value};
-use std::path::PathBuf;
+use serde::{Serialize, Serializer};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -60,11 +60,11 @@ impl Setup {
         #[derive(Serialize)]
         struct Line<'a> {
             id: u64,
-            sample: Map<String, Value>,
+            sample: SampleByName<'a>,
             cycles: &'a [u32],
         }
-        let values = self.expected.inputs.iter().cloned().zip(sample.iter().map(|value| Value::from(*value)));
-        let line = Line { id, sample: values.collect(), cycles: &self.expected.cycles };
+        let sample = SampleByName { names: &self.expected.inputs, values: sample };
+        let line = Line { id, sample, cycles: &self.expected.cycles };
         let text = serde_json::to_string(&line).expect("a map of numbers by name is JSON");
         text + "\n"
     }
@@ -92,6 +92,62 @@ impl Setup {
         };
         let outputs = by_name("outputs")?.ok_or("it has neither \"outputs\" nor \"failure\"")?;
         self.expected.evaluation(outputs, by_name("errors")?, by_name("start")?)
+    }
+}
+
+/// Values of the inputs by name, in the order of the scene, which a map would not keep.
+struct SampleByName<'a> {
+    names: &'a [String],
+    values: &'a [f64],
+}
+
+impl Serialize for SampleByName<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.names.iter().zip(self.values))
+    }
+}
+
+/// Checks that the program of a scene exists and can be executed, without starting it.
+///
+/// # Errors
+/// [`SimulatorError::Start`].
+pub fn check_program_file(program: &Program) -> Result<(), SimulatorError> {
+    let folder = PathBuf::from(&program.folder);
+    let found = executable(&program.command, &folder);
+    found.map_err(|reason| start_error(&program.command, &folder, reason))
+}
+
+fn start_error(command: &[String], folder: &Path, reason: std::io::Error) -> SimulatorError {
+    SimulatorError::Start { program: command.join(" "), folder: folder.display().to_string(), reason }
+}
+
+/// Fails like the start of a command in `folder` would if its program is missing or not executable.
+fn executable(command: &[String], folder: &Path) -> std::io::Result<()> {
+    let named = program_path(command, folder)?;
+    if !folder.is_dir() {
+        return Err(std::io::ErrorKind::NotADirectory.into());
+    }
+    if named.components().count() > 1 {
+        return is_executable(&named);
+    }
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let missing = std::io::Error::from(std::io::ErrorKind::NotFound);
+    let tried = std::env::split_paths(&path).map(|folder| is_executable(&folder.join(&named)));
+    tried.fold(Err(missing), |best, tried| match (best, tried) {
+        (Ok(()), _) | (_, Ok(())) => Ok(()),
+        // A file without permission says more than a missing one.
+        (_, Err(error)) if error.kind() == std::io::ErrorKind::PermissionDenied => Err(error),
+        (best, Err(_)) => best,
+    })
+}
+
+fn is_executable(file: &Path) -> std::io::Result<()> {
+    use std::os::unix::fs::PermissionsExt;
+    let found = std::fs::metadata(file)?;
+    if found.is_file() && found.permissions().mode() & 0o111 != 0 {
+        Ok(())
+    } else {
+        Err(std::io::ErrorKind::PermissionDenied.into())
     }
 }
 
@@ -123,12 +179,8 @@ impl ProgramSlot {
     pub fn start(&mut self) -> Result<(), SimulatorError> {
         if self.process.is_none() {
             let Setup { command, folder, .. } = &*self.setup;
-            let failed = |reason| SimulatorError::Start {
-                program: self.setup.name(),
-                folder: folder.display().to_string(),
-                reason,
-            };
-            self.process = Some(Process::start(command, folder).map_err(failed)?);
+            let started = Process::start(command, folder);
+            self.process = Some(started.map_err(|reason| start_error(command, folder, reason))?);
         }
         Ok(())
     }
@@ -211,5 +263,40 @@ impl Slot for ProgramSlot {
 
     fn name(&self) -> String {
         format!("program/{}", self.number)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use common::scene::SceneSource;
+
+    #[test]
+    fn sample_keys_keep_the_order_of_the_scene() {
+        let text = "scene = { name = \"s\" }\nsimulator = { program = [\"sh\"] }\noutputs = [{ name = \"a\" }]\n\
+            variables = [{ name = \"z\", mean = 1, std = 1 }, { name = \"a\", mean = 2, std = 1 }]";
+        let source = SceneSource::parse(text, "s").unwrap();
+        let program = Program { command: vec!["sh".into()], folder: ".".into() };
+        let setup = Setup::new(&program, 1.0, source.nominal());
+        assert_eq!(
+            setup.line(3, &[0.5, 2.0]),
+            "{\"id\":3,\"sample\":{\"z\":0.5,\"a\":2.0},\"cycles\":[1]}\n"
+        );
+    }
+
+    #[test]
+    fn a_missing_program_is_found_without_starting_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let check = |command: &str| {
+            let command = vec![command.to_owned()];
+            check_program_file(&Program { command, folder: folder.path().display().to_string() })
+        };
+        assert!(check("sh").is_ok());
+        std::fs::write(folder.path().join("model"), "").unwrap();
+        for (command, reason) in [("no-such-program", "entity not found"), ("./model", "permission denied")] {
+            let said = check(command).unwrap_err().to_string();
+            assert!(said.contains(&format!("\"{command}\" cannot be started in")), "{said}");
+            assert!(said.ends_with(reason), "{said}");
+        }
     }
 }

@@ -52,13 +52,6 @@ pub enum MonitorError {
     },
 }
 
-impl MonitorError {
-    /// True if the option must be changed (exit code 2).
-    pub fn is_bad_input(&self) -> bool {
-        !matches!(self, MonitorError::Refused { .. })
-    }
-}
-
 /// Address to listen on: of a port alone the loopback address of this machine, or a full address. An address that other
 /// machines can reach is accepted only if `open` is `Ok`; its error names the allowed addresses.
 ///
@@ -200,7 +193,7 @@ mod tests {
         assert_eq!(listen_address("--live", "8080", closed).unwrap(), "127.0.0.1:8080".parse().unwrap());
         assert_eq!(listen_address("--live", "[::1]:7", closed).unwrap().port(), 7);
         let error = listen_address("--metrics", "0.0.0.0:9464", closed).unwrap_err();
-        assert!(error.is_bad_input() && error.to_string().contains("--metrics 0.0.0.0:9464"), "{error}");
+        assert!(error.to_string().contains("--metrics 0.0.0.0:9464"), "{error}");
         assert!(listen_address("--metrics", "0.0.0.0:9464", Ok(())).is_ok());
         for slip in ["", "70000", "localhost:8080", "http://127.0.0.1:1"] {
             assert!(

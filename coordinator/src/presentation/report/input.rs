@@ -8,6 +8,7 @@ use crate::results::summary::StudySummary;
 use common::outputs::{Diagnostics, Evaluation};
 use common::scene::{ContactLaw, Fails, JointKind, OutputKind, OutputUnit, Scene};
 use serde::{Deserialize, Serialize};
+use std::path::Path;
 
 /// Name of the document that holds the [`StudySummary`].
 pub const SUMMARY_DOCUMENT: &str = "summary";
@@ -140,7 +141,9 @@ impl ReportInput {
     pub fn from_campaign(campaign: &CampaignFile, scene: &Scene) -> Result<Option<Self>, StoreError> {
         let Some(summary) = campaign.document(SUMMARY_DOCUMENT)? else { return Ok(None) };
         let distributions = campaign.document(DISTRIBUTIONS_DOCUMENT)?.unwrap_or_default();
+        let go_on = go_on(&summary, campaign.dir());
         let mut input = Self::new(scene, summary, distributions);
+        input.notes.splice(0..0, go_on);
         input.scene_source = campaign.meta().scene_source.clone();
         input.settings = campaign.meta().settings.clone();
         input.command = campaign.meta().command.clone();
@@ -168,7 +171,7 @@ impl ReportInput {
     fn new(scene: &Scene, summary: StudySummary, distributions: Vec<CheckpointDistribution>) -> Self {
         Self {
             title: scene.title.clone(),
-            notes: [unfinished(&summary), rough(&summary), notes(scene)].concat(),
+            notes: [rough(&summary), notes(scene)].concat(),
             summary,
             limit_states: scene
                 .limit_states
@@ -237,11 +240,15 @@ impl WorkTotals {
     }
 }
 
-/// A caution if learning ended before its targets were met.
-fn unfinished(summary: &StudySummary) -> Vec<String> {
+/// A caution if learning ended before its targets were met, with the command that goes on.
+fn go_on(summary: &StudySummary, dir: &Path) -> Option<String> {
     let why = &summary.convergence.stopped_because;
-    let note = format!("This study ended before its targets were met: {why}.");
-    if summary.convergence.targets_met { vec![] } else { vec![note] }
+    // The page may be read on another machine: the name of the folder says which study it is.
+    let name = dir.file_name().map_or(dir, Path::new);
+    let command = summary.convergence.command_to_go_on(name);
+    let command = command.map_or(String::new(), |command| format!(" To go on with it: {command}."));
+    let note = format!("This study ended before its targets were met: {why}.{command}");
+    (!summary.convergence.targets_met).then_some(note)
 }
 
 /// A caution if the accuracy is meant for a first look only.
@@ -291,11 +298,14 @@ mod tests {
     #[test]
     fn a_draft_or_unfinished_study_has_a_caution() {
         let mut summary = test_study::study().summary;
-        assert!(rough(&summary).is_empty() && unfinished(&summary).is_empty());
+        assert!(rough(&summary).is_empty() && go_on(&summary, Path::new("a/b")).is_none());
         summary.accuracy = "draft".into();
         summary.convergence.targets_met = false;
         assert!(rough(&summary)[0].contains("first look"));
-        assert!(unfinished(&summary)[0].contains(&summary.convergence.stopped_because));
+        summary.convergence.larger_budget = Some(80);
+        let said = go_on(&summary, Path::new("a/b")).unwrap();
+        assert!(said.contains(&summary.convergence.stopped_because), "{said}");
+        assert!(said.ends_with("To go on with it: coordinator resume b --max-evaluations 80."), "{said}");
     }
 
     #[test]

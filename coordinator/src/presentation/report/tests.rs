@@ -280,7 +280,7 @@ fn a_delivered_study_has_every_file_and_they_can_be_rewritten() {
     names.iter().for_each(|name| std::fs::remove_file(dir.path().join(name)).unwrap());
     drop(campaign);
     let campaign = CampaignFile::open(dir.path()).unwrap();
-    assert_eq!(write_all(&campaign, &test_study::scene()).unwrap(), Some(page));
+    assert_eq!(write_all(&campaign, &test_study::scene(), dir.path()).unwrap(), Some(page));
     assert_eq!(read(), first);
 }
 

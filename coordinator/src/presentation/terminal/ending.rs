@@ -22,6 +22,9 @@ pub fn final_text(summary: &StudySummary, dir: &Path) -> String {
     if !summary.convergence.stopped_because.is_empty() {
         text += &format!("stopped because {}\n", summary.convergence.stopped_because);
     }
+    if let Some(command) = summary.convergence.command_to_go_on(dir) {
+        text += &format!("the study ended before its targets were met; go on with `{command}`\n");
+    }
     text += &noise(summary);
     let counts = summary.evaluations;
     let time = summary.timing_s;
@@ -32,10 +35,11 @@ pub fn final_text(summary: &StudySummary, dir: &Path) -> String {
         counts.total, counts.initial, counts.added, counts.failed
     );
     text += &format!(
-        "time: {} ({} of simulation on {} workers, {} of surrogates)\n",
+        "time: {} ({} of simulation on {} worker{}, {} of surrogates)\n",
         duration(time.total),
         duration(time.simulation),
         summary.workers.len(),
+        if summary.workers.len() == 1 { "" } else { "s" },
         duration(time.surrogate)
     );
     text += &format!("report: {}\n", dir.join("report.html").display());
@@ -100,6 +104,16 @@ fn over_life(summary: &StudySummary, names: &[&str]) -> String {
 mod tests {
     use super::*;
     use crate::test_study;
+
+    #[test]
+    fn a_spent_budget_names_the_command_that_goes_on() {
+        let mut summary = test_study::study().summary;
+        summary.convergence.larger_budget = Some(432);
+        summary.workers.truncate(1);
+        let text = final_text(&summary, Path::new("out/study"));
+        assert!(text.contains("go on with `coordinator resume out/study --max-evaluations 432`"), "{text}");
+        assert!(text.contains(" on 1 worker, "), "{text}");
+    }
 
     #[test]
     fn the_final_text_has_table_lives_reason_effort_and_files() {

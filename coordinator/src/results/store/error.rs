@@ -1,6 +1,7 @@
 //! Errors of the campaign file.
 
 use crate::farm::evaluate::EvaluateError;
+use rusqlite::ErrorCode;
 use std::path::PathBuf;
 use thiserror::Error;
 
@@ -110,16 +111,40 @@ pub enum StoreError {
 impl StoreError {
     /// True if the user named a wrong folder (exit code 2), false for other failures (exit code 1).
     pub fn is_bad_input(&self) -> bool {
-        matches!(
-            self,
+        match self {
             Self::InUse { .. }
-                | Self::AlreadyHoldsCampaign { .. }
-                | Self::NoCampaign { .. }
-                | Self::NotACampaign { .. }
-                | Self::SchemaVersion { .. }
-                | Self::Migration { .. }
-        )
+            | Self::AlreadyHoldsCampaign { .. }
+            | Self::NoCampaign { .. }
+            | Self::NotACampaign { .. }
+            | Self::SchemaVersion { .. }
+            | Self::Migration { .. } => true,
+            Self::Folder { source, .. } => is_unusable_path(source),
+            Self::Database { source, .. } => matches!(
+                source.sqlite_error_code(),
+                Some(ErrorCode::ReadOnly | ErrorCode::CannotOpen | ErrorCode::PermissionDenied)
+            ),
+            Self::Encoding { .. } | Self::AnotherStudy { .. } | Self::WrongNumber { .. } => false,
+        }
     }
+}
+
+/// Whether an error of the operating system is the fault of the path, which the user has to change, rather than of the
+/// disk.
+pub fn is_unusable_path(error: &std::io::Error) -> bool {
+    use std::io::ErrorKind::{
+        AlreadyExists, InvalidFilename, IsADirectory, NotADirectory, NotFound, PermissionDenied,
+        ReadOnlyFilesystem,
+    };
+    matches!(
+        error.kind(),
+        PermissionDenied
+            | NotFound
+            | NotADirectory
+            | IsADirectory
+            | AlreadyExists
+            | InvalidFilename
+            | ReadOnlyFilesystem
+    )
 }
 
 impl From<StoreError> for EvaluateError {

@@ -10,8 +10,8 @@ use rusqlite::{OptionalExtension, Transaction, params, params_from_iter};
 use serde::Serialize;
 
 impl Journal for CampaignFile {
-    fn finished(&self, request: &Request) -> Result<Option<Finished>, EvaluateError> {
-        Ok(self.find(request)?)
+    fn finished(&mut self, request: &Request) -> Result<Option<Finished>, EvaluateError> {
+        Ok(self.recall(request)?)
     }
 
     fn record(&mut self, request: &Request, finished: &Finished) -> Result<(), EvaluateError> {
@@ -20,6 +20,10 @@ impl Journal for CampaignFile {
 
     fn record_all(&mut self, outcomes: &[(Request, Finished)]) -> Result<(), EvaluateError> {
         Ok(self.insert(outcomes.iter().map(|(request, finished)| (request, finished)))?)
+    }
+
+    fn ended(&mut self, requests: u64) -> Result<(), EvaluateError> {
+        Ok(self.set_aside_from(to_key(requests))?)
     }
 
     fn note_round(&mut self, round: &Round) -> Result<(), EvaluateError> {
@@ -37,11 +41,26 @@ impl Journal for CampaignFile {
 }
 
 impl CampaignFile {
+    /// The recorded outcome of a request: that of its number or, after a change of the settings, one of the same sample
+    /// under another number, which gets this one.
+    fn recall(&mut self, request: &Request) -> Result<Option<Finished>, StoreError> {
+        match self.find(request) {
+            Err(StoreError::AnotherStudy { .. }) | Ok(None) if request.id > 0 => {
+                let sample = exact::sample_to_bytes(&request.sample);
+                self.move_to(to_key(request.id), &sample, request.accuracy.is_some())?;
+                self.find(request)
+            }
+            found => found,
+        }
+    }
+
+    /// The outcome recorded under the number of a request.
     fn find(&self, request: &Request) -> Result<Option<Finished>, StoreError> {
         let found = self
             .connection
             .prepare_cached(
-                "SELECT sample, with_first_cycle, outcome, worker, coalesce(wall_s, 0.0) FROM evaluation WHERE id = ?1",
+                "SELECT sample, with_first_cycle, outcome, worker, coalesce(wall_s, 0.0), stricter FROM evaluation
+                 WHERE id = ?1",
             )
             .and_then(|mut statement| {
                 statement
@@ -52,18 +71,24 @@ impl CampaignFile {
                             row.get::<_, Vec<u8>>(2)?,
                             row.get(3)?,
                             row.get(4)?,
+                            row.get::<_, bool>(5)?,
                         ))
                     })
                     .optional()
             })
             .map_err(|source| self.database(source))?;
-        let Some((sample, with_first_cycle, outcome, worker, wall)) = found else { return Ok(None) };
+        let Some((sample, with_first_cycle, outcome, worker, wall, is_stricter)) = found else {
+            return Ok(None);
+        };
         let another = |difference| StoreError::AnotherStudy { path: self.path(), id: request.id, difference };
         if sample != exact::sample_to_bytes(&request.sample) {
             return Err(another("sample"));
         }
         if with_first_cycle != request.with_first_cycle {
             return Err(another("wish for the first cycle"));
+        }
+        if is_stricter != request.accuracy.is_some() {
+            return Err(another("accuracy"));
         }
         let outcome = exact::outcome_from_bytes(&outcome)
             .map_err(|reason| self.encoding(format!("outcome of evaluation {}", request.id), reason))?;
@@ -122,8 +147,9 @@ impl CampaignFile {
         let key = to_key(request.id);
         transaction
             .prepare_cached(
-                "INSERT INTO evaluation (id, failure, worker, wall_s, finished_at, with_first_cycle, sample, outcome)
-                 VALUES (?1, ?2, ?3, ?4, strftime('%Y-%m-%dT%H:%M:%fZ', 'now'), ?5, ?6, ?7)",
+                "INSERT INTO evaluation
+                 (id, failure, worker, wall_s, finished_at, with_first_cycle, sample, outcome, stricter)
+                 VALUES (?1, ?2, ?3, ?4, strftime('%Y-%m-%dT%H:%M:%fZ', 'now'), ?5, ?6, ?7, ?8)",
             )?
             .execute(params![
                 key,
@@ -133,6 +159,7 @@ impl CampaignFile {
                 request.with_first_cycle,
                 exact::sample_to_bytes(&request.sample),
                 outcome,
+                request.accuracy.is_some(),
             ])?;
         let values = std::iter::once(Value::from(key)).chain(request.sample.iter().map(|v| Value::from(*v)));
         let sql = insert_statement("input", "evaluation", &self.inputs);

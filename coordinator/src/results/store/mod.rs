@@ -6,27 +6,34 @@
 //! evaluation (milliseconds against seconds of simulation). Exclusion: a lock on `DIR/campaign.lock`, which the
 //! operating system releases when the process ends. Readers may open the database meanwhile.
 
+mod connection;
 mod error;
 mod exact;
 mod journal;
+mod leg;
+#[cfg(test)]
+mod leg_tests;
 mod migration;
 mod read;
+mod read_only;
 mod schema;
 #[cfg(test)]
 mod tests;
 mod value_tables;
 
-pub use error::StoreError;
+pub use connection::FILE_NAME;
+pub use error::{StoreError, is_unusable_path};
+pub use leg::Leg;
 pub use read::StoredEvaluation;
 
 use common::scene::Scene;
+use connection::connect;
+use read_only::{ReadConnection, connect_read_only};
 use rusqlite::{Connection, OpenFlags};
 use serde::{Deserialize, Serialize};
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
-
-/// Name of the campaign file in its folder.
-pub const FILE_NAME: &str = "campaign.db";
+use tempfile::TempDir;
 
 /// Name of the lock in its folder.
 const LOCK_NAME: &str = "campaign.lock";
@@ -55,8 +62,18 @@ pub struct CampaignFile {
     created_at: String,
     inputs: Vec<String>,
     outputs: Vec<String>,
-    /// Lock of the folder; `None` if the file is open for reading only.
-    _lock: Option<File>,
+    /// What is held until the file is closed.
+    _held: Held,
+}
+
+/// What an open campaign file holds besides its connection.
+#[derive(Debug)]
+#[allow(dead_code)] // kept for its Drop
+enum Held {
+    /// The lock of the folder: the file is open for writing.
+    Lock(File),
+    /// The folder of the copy that is read, if the file itself cannot be.
+    Copy(Option<TempDir>),
 }
 
 impl CampaignFile {
@@ -86,10 +103,7 @@ impl CampaignFile {
     /// [`StoreError::InUse`], [`StoreError::NoCampaign`], [`StoreError::NotACampaign`],
     /// [`StoreError::SchemaVersion`], [`StoreError::Migration`], or what the file system or SQLite report.
     pub fn open(dir: &Path) -> Result<Self, StoreError> {
-        let path = dir.join(FILE_NAME);
-        if !path.is_file() {
-            return Err(StoreError::NoCampaign { dir: dir.into() });
-        }
+        let path = campaign_path(dir)?;
         let lock = lock(dir)?;
         if is_empty_database(&path)? {
             return Err(StoreError::NoCampaign { dir: dir.into() });
@@ -98,41 +112,39 @@ impl CampaignFile {
         Self::from_connection(dir, connection, lock)
     }
 
-    /// Opens the campaign in `dir` for reading, while another process may write it: the file is neither locked nor changed.
-    /// Documents put into this value are stored in memory and hide those of the file.
+    /// Opens the campaign in `dir` for reading, while another process may write it, or where nothing may be written: the
+    /// file is neither locked nor changed, and one of an earlier layout stays as it is. Documents put into this value are
+    /// stored in memory and hide those of the file.
     ///
     /// # Errors
-    /// Those of [`CampaignFile::open`], but for a file in use; one of an earlier layout is
-    /// [`StoreError::SchemaVersion`].
+    /// Those of [`CampaignFile::open`], but for a file in use.
     pub fn look(dir: &Path) -> Result<Self, StoreError> {
-        let path = dir.join(FILE_NAME);
-        if !path.is_file() {
+        let path = campaign_path(dir)?;
+        let ReadConnection { connection, copy } = connect_read_only(&path)?;
+        if has_no_table(&path, &connection)? {
             return Err(StoreError::NoCampaign { dir: dir.into() });
         }
-        let connection = connect(&path, OpenFlags::SQLITE_OPEN_READ_ONLY)?;
-        let found = version(&path, &connection)?;
-        if found != schema::SCHEMA_VERSION {
-            return Err(StoreError::SchemaVersion { path, found, supported: schema::SCHEMA_VERSION });
-        }
+        version(&path, &connection)?;
         // A temporary table goes before one of the file.
         let own = format!(
             "PRAGMA temp_store = MEMORY; CREATE TEMP TABLE {}; INSERT INTO temp.document SELECT * FROM main.document;",
             schema::DOCUMENT
         );
         connection.execute_batch(&own).map_err(|source| StoreError::Database { path, source })?;
-        Self::read(dir, connection, None)
+        Self::read(dir, connection, Held::Copy(copy))
     }
 
     fn from_connection(dir: &Path, mut connection: Connection, lock: File) -> Result<Self, StoreError> {
         let path = dir.join(FILE_NAME);
-        if version(&path, &connection)? == migration::FROM {
-            migration::migrate(&path, &mut connection)?;
+        let found = version(&path, &connection)?;
+        if found < schema::SCHEMA_VERSION {
+            migration::migrate(&path, &mut connection, found)?;
         }
         make_durable(&connection).map_err(|source| StoreError::Database { path, source })?;
-        Self::read(dir, connection, Some(lock))
+        Self::read(dir, connection, Held::Lock(lock))
     }
 
-    fn read(dir: &Path, connection: Connection, lock: Option<File>) -> Result<Self, StoreError> {
+    fn read(dir: &Path, connection: Connection, held: Held) -> Result<Self, StoreError> {
         let path = dir.join(FILE_NAME);
         let failed = |source| StoreError::Database { path: path.clone(), source };
         let value = |key: &str| -> Result<String, StoreError> {
@@ -155,7 +167,7 @@ impl CampaignFile {
         let created_at = value("created_at")?;
         let inputs = value_tables::table_columns(&connection, "input").map_err(failed)?;
         let outputs = value_tables::table_columns(&connection, "output").map_err(failed)?;
-        Ok(Self { connection, dir: dir.into(), meta, created_at, inputs, outputs, _lock: lock })
+        Ok(Self { connection, dir: dir.into(), meta, created_at, inputs, outputs, _held: held })
     }
 
     /// Folder of the study.
@@ -186,6 +198,24 @@ impl CampaignFile {
     }
 }
 
+/// Path of the campaign file in a folder.
+fn campaign_path(dir: &Path) -> Result<PathBuf, StoreError> {
+    let path = dir.join(FILE_NAME);
+    match std::fs::metadata(&path) {
+        Ok(file) if file.is_file() => Ok(path),
+        Err(source) if source.kind() == std::io::ErrorKind::PermissionDenied => {
+            Err(StoreError::Folder { dir: dir.into(), source })
+        }
+        _ => Err(StoreError::NoCampaign { dir: dir.into() }),
+    }
+}
+
+/// Whether a process holds the lock of this folder: a study is running in it.
+pub fn is_running(dir: &Path) -> bool {
+    let file = File::open(dir.join(LOCK_NAME));
+    file.is_ok_and(|file| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)))
+}
+
 /// Locks the folder for this process; fails at once if it is locked.
 fn lock(dir: &Path) -> Result<File, StoreError> {
     let folder = |source| StoreError::Folder { dir: dir.into(), source };
@@ -198,15 +228,6 @@ fn lock(dir: &Path) -> Result<File, StoreError> {
     }
 }
 
-fn connect(path: &Path, flags: OpenFlags) -> Result<Connection, StoreError> {
-    let failed = |source| StoreError::Database { path: path.into(), source };
-    let connection =
-        Connection::open_with_flags(path, flags | OpenFlags::SQLITE_OPEN_NO_MUTEX).map_err(failed)?;
-    // A reader may hold the file for a moment.
-    connection.busy_timeout(std::time::Duration::from_secs(10)).map_err(failed)?;
-    Ok(connection)
-}
-
 /// Some network file systems have no write-ahead log; SQLite then stays with its rollback journal, which is as
 /// durable under FULL and only slower.
 fn make_durable(connection: &Connection) -> rusqlite::Result<()> {
@@ -216,7 +237,10 @@ fn make_durable(connection: &Connection) -> rusqlite::Result<()> {
 
 /// Whether the file is a database without any table, which a process killed in [`CampaignFile::create`] leaves.
 fn is_empty_database(path: &Path) -> Result<bool, StoreError> {
-    let connection = connect(path, OpenFlags::SQLITE_OPEN_READ_WRITE)?;
+    has_no_table(path, &connect(path, OpenFlags::SQLITE_OPEN_READ_WRITE)?)
+}
+
+fn has_no_table(path: &Path, connection: &Connection) -> Result<bool, StoreError> {
     connection.query_row("SELECT count(*) = 0 FROM sqlite_schema", [], |row| row.get(0)).map_err(|source| {
         if source.sqlite_error_code() == Some(rusqlite::ErrorCode::NotADatabase) {
             return StoreError::NotACampaign { path: path.into() };
@@ -243,6 +267,7 @@ fn start(connection: &mut Connection, meta: &CampaignMeta, scene: &Scene) -> rus
         "INSERT INTO campaign (key, value) VALUES ('created_at', strftime('%Y-%m-%dT%H:%M:%fZ', 'now'))",
         [],
     )?;
+    schema::insert_leg(&transaction, 0, [&settings, &meta.command, &meta.version])?;
     transaction.commit()
 }
 

@@ -38,9 +38,19 @@ impl CampaignFile {
     /// [`StoreError`].
     pub fn count(&self) -> Result<usize, StoreError> {
         self.connection
-            .query_row("SELECT count(*) FROM evaluation", [], |row| row.get::<_, i64>(0))
+            .query_row("SELECT count(*) FROM evaluation WHERE id >= 0", [], |row| row.get::<_, i64>(0))
             .map(|count| count.unsigned_abs() as usize)
             .map_err(|source| self.database(source))
+    }
+
+    /// Number of recorded evaluations that failed.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub fn failed_count(&self) -> Result<usize, StoreError> {
+        let sql = "SELECT count(*) FROM evaluation WHERE id >= 0 AND failure IS NOT NULL";
+        let count = self.connection.query_row(sql, [], |row| row.get::<_, i64>(0));
+        count.map(|count| count.unsigned_abs() as usize).map_err(|source| self.database(source))
     }
 
     /// The evaluation of this number, if recorded.
@@ -67,7 +77,7 @@ impl CampaignFile {
     ) -> Result<(), E> {
         let mut statement = self
             .connection
-            .prepare(&format!("SELECT {COLUMNS} FROM evaluation ORDER BY id"))
+            .prepare(&format!("SELECT {COLUMNS} FROM evaluation WHERE id >= 0 ORDER BY id"))
             .map_err(|source| self.database(source))?;
         let rows = statement.query_map([], raw).map_err(|source| self.database(source))?;
         for row in rows {

@@ -1,26 +1,40 @@
 //! Layout of `campaign.db`, for the program and for queries by users: `campaign` (scene, settings, command, version),
 //! `evaluation` (one row each), `input` and `output` (values by name, one column per variable or output, SI),
 //! `output_error` (the numerical error that an evaluation states of each value of `output`, same columns and units),
-//! `learning_round`, `document` (results as JSON).
+//! `learning_round`, `document` (results as JSON), `leg` (settings, command and version of every leg; those of the first
+//! leg but for its settings are also in `campaign`, whose settings are those of the last leg). `evaluation.stricter` is 1
+//! for the repetition of a failed simulation with finer time steps. Numbers below zero are evaluations that are no part of
+//! the result, see [`super::leg`].
 //!
 //! The columns `sample` and `outcome` of `evaluation` are what the program reads back: little-endian f64 and
 //! CBOR, exact to the last bit, where SQL's REAL would lose a negative zero and a NaN. The tables `input`,
 //! `output` and `output_error` repeat them for queries.
 //!
-//! Version 1 had no table `output_error`; see [`super::migration`].
+//! Version 1 had no table `output_error`, version 2 no table `leg` and no column `stricter`; see [`super::migration`].
 
 use common::scene::Scene;
+use rusqlite::{Connection, params};
 use std::collections::BTreeSet;
 
 /// Application id of a campaign file: "HgwC".
 pub const APPLICATION_ID: i64 = 0x4867_7743;
 
 /// Version of this layout, in `PRAGMA user_version`.
-pub const SCHEMA_VERSION: i64 = 2;
+pub const SCHEMA_VERSION: i64 = 3;
 
 /// The table of results.
 pub const DOCUMENT: &str =
     "document (name TEXT PRIMARY KEY, written_at TEXT NOT NULL, json TEXT NOT NULL) WITHOUT ROWID";
+
+/// The table of legs, see [`super::leg`].
+pub const LEG: &str = "leg (
+  number INTEGER PRIMARY KEY,
+  started_at TEXT NOT NULL,
+  evaluations INTEGER NOT NULL,
+  settings TEXT NOT NULL,
+  command TEXT NOT NULL,
+  version TEXT NOT NULL
+)";
 
 /// Statements that create the tables for a scene.
 pub fn statements(scene: &Scene) -> String {
@@ -34,7 +48,8 @@ CREATE TABLE evaluation (
   finished_at TEXT NOT NULL,
   with_first_cycle INTEGER NOT NULL,
   sample BLOB NOT NULL,
-  outcome BLOB NOT NULL
+  outcome BLOB NOT NULL,
+  stricter INTEGER NOT NULL DEFAULT 0
 );
 CREATE TABLE input (
   evaluation INTEGER PRIMARY KEY REFERENCES evaluation (id){inputs}
@@ -43,12 +58,24 @@ CREATE TABLE input (
 {output_error};
 CREATE TABLE learning_round (round INTEGER PRIMARY KEY, evaluations INTEGER NOT NULL, noted_at TEXT NOT NULL, json TEXT NOT NULL);
 CREATE TABLE {DOCUMENT};
+CREATE TABLE {LEG};
 PRAGMA application_id = {APPLICATION_ID};
 PRAGMA user_version = {SCHEMA_VERSION};",
         inputs = reals(&input_columns(scene)),
         output = output_table("output", &output_columns(scene)),
         output_error = output_table("output_error", &output_columns(scene)),
     )
+}
+
+/// Records a leg; `texts` are its settings, its command line and the version of the program.
+pub fn insert_leg(connection: &Connection, evaluations: usize, texts: [&str; 3]) -> rusqlite::Result<()> {
+    let [settings, command, version] = texts;
+    connection.execute(
+        "INSERT INTO leg (started_at, evaluations, settings, command, version)
+         VALUES (strftime('%Y-%m-%dT%H:%M:%fZ', 'now'), ?1, ?2, ?3, ?4)",
+        params![evaluations as i64, settings, command, version],
+    )?;
+    Ok(())
 }
 
 /// Statement that creates a table of one row per evaluation and checkpoint, with these quoted columns.

@@ -10,7 +10,7 @@ use common::scene::{Fails, Life, LimitState, Output, OutputKind, StudySettings};
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
 
-fn scene() -> Scene {
+pub(super) fn scene() -> Scene {
     let variable = |name: &str| RandomVariable {
         name: name.into(),
         distribution: Distribution::truncated_normal(1.0, 0.1, 0.7, 1.3).unwrap(),
@@ -43,7 +43,7 @@ fn scene() -> Scene {
     }
 }
 
-fn meta() -> CampaignMeta {
+pub(super) fn meta() -> CampaignMeta {
     CampaignMeta {
         scene: "two".into(),
         scene_source: "[scene]\nname = \"two\" # µ\n".into(),
@@ -59,11 +59,11 @@ fn awkward(id: u64) -> Vec<f64> {
     vec![values[id as usize % values.len()], 0.1 * id as f64]
 }
 
-fn request(id: u64) -> Request {
+pub(super) fn request(id: u64) -> Request {
     Request { id, sample: awkward(id), with_first_cycle: id == 0, accuracy: None }
 }
 
-fn finished(id: u64) -> Finished {
+pub(super) fn finished(id: u64) -> Finished {
     let x = awkward(id);
     let first_cycle = (id == 0).then(|| CycleHistory {
         time: vec![0.0, 1.0 / 3.0],
@@ -96,7 +96,7 @@ fn finished(id: u64) -> Finished {
     Finished { id, outcome, worker: format!("host/{id}"), wall: 0.1 + id as f64 / 3.0 }
 }
 
-fn record(file: &mut CampaignFile, ids: impl Iterator<Item = u64>) {
+pub(super) fn record(file: &mut CampaignFile, ids: impl Iterator<Item = u64>) {
     ids.for_each(|id| file.record(&request(id), &finished(id)).unwrap());
 }
 
@@ -115,7 +115,7 @@ fn evaluations_come_back_to_the_last_bit() {
     let mut file = CampaignFile::create(dir.path(), &meta(), &scene()).unwrap();
     record(&mut file, 0..10);
     drop(file);
-    let file = CampaignFile::open(dir.path()).unwrap();
+    let mut file = CampaignFile::open(dir.path()).unwrap();
     for id in 0..10 {
         assert_same_bits(&file.finished(&request(id)).unwrap().unwrap(), &finished(id));
     }
@@ -164,15 +164,15 @@ fn people_can_query_values_by_name() {
 }
 
 #[test]
-fn another_sample_under_a_known_number_is_refused() {
+fn another_nominal_point_is_refused_and_the_first_outcome_stays() {
     let dir = tempfile::tempdir().unwrap();
     let mut file = CampaignFile::create(dir.path(), &meta(), &scene()).unwrap();
-    record(&mut file, 1..2);
-    let mut foreign = request(1);
+    record(&mut file, 0..2);
+    let mut foreign = request(0);
     foreign.sample[1] = foreign.sample[1].next_up();
     let message = file.finished(&foreign).unwrap_err().to_string();
-    assert!(message.contains("evaluation 1 was recorded with another sample"), "{message}");
-    assert!(file.record(&foreign, &finished(1)).is_err());
+    assert!(message.contains("evaluation 0 was recorded with another sample"), "{message}");
+    assert!(file.record(&foreign, &finished(0)).is_err());
     assert!(file.record(&request(1), &finished(2)).is_err());
     // The same outcome twice is harmless, and the first one stays.
     let late = Finished { worker: "late".into(), ..finished(1) };
@@ -258,10 +258,11 @@ fn a_file_of_the_first_layout_is_brought_up_with_its_stated_errors() {
     silent.outcome.as_mut().unwrap().errors.clear();
     file.record(&request(5), &silent).unwrap();
     drop(file);
-    let first_layout = "DROP TABLE output_error; PRAGMA user_version = 1;";
+    let first_layout = "DROP TABLE output_error; DROP TABLE leg; ALTER TABLE evaluation DROP COLUMN stricter;
+        PRAGMA user_version = 1;";
     Connection::open(&path).unwrap().execute_batch(first_layout).unwrap();
 
-    let file = CampaignFile::open(dir.path()).unwrap();
+    let mut file = CampaignFile::open(dir.path()).unwrap();
     for id in 0..5 {
         assert_same_bits(&file.finished(&request(id)).unwrap().unwrap(), &finished(id));
     }
@@ -308,7 +309,7 @@ fn a_copy_taken_in_the_middle_holds_everything_recorded() {
         }
         let wal = copy.path().join(format!("{FILE_NAME}-wal"));
         wal_bytes.push(std::fs::metadata(&wal).unwrap().len());
-        let copied = CampaignFile::open(copy.path()).unwrap();
+        let mut copied = CampaignFile::open(copy.path()).unwrap();
         assert_eq!(copied.count().unwrap(), id as usize + 1);
         assert_same_bits(&copied.finished(&request(id)).unwrap().unwrap(), &finished(id));
     }
@@ -354,7 +355,7 @@ fn a_killed_process_loses_nothing_it_had_recorded() {
     child.wait().unwrap();
     let last = recorded.last().or(eleventh).unwrap();
     assert!(matches!(in_use, Err(StoreError::InUse { .. })));
-    let file = CampaignFile::open(dir.path()).unwrap();
+    let mut file = CampaignFile::open(dir.path()).unwrap();
     assert!(file.count().unwrap() as u64 > last);
     for id in 0..=last {
         assert_same_bits(&file.finished(&request(id)).unwrap().unwrap(), &finished(id));

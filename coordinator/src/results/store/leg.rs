@@ -1,0 +1,177 @@
+//! Legs of a campaign: each `resume` with other settings goes on with the study under them and is recorded.
+//!
+//! A leg makes its requests anew from the first one on. An evaluation that was recorded before under another number gets
+//! the number of its request; one that no request asks for any longer gets a number below zero, and is no part of the
+//! result.
+
+use super::schema::insert_leg;
+use super::{CampaignFile, StoreError};
+use rusqlite::{Connection, OptionalExtension, params};
+use serde_json::Value;
+
+/// Tables with the number of an evaluation, and the column that holds it.
+const NUMBERED: [(&str, &str); 4] =
+    [("evaluation", "id"), ("input", "evaluation"), ("output", "evaluation"), ("output_error", "evaluation")];
+
+/// One leg of a campaign.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Leg {
+    /// Number of the leg, from 1.
+    pub number: u32,
+    /// Start of the leg (UTC, ISO 8601).
+    pub started_at: String,
+    /// Evaluations recorded before it.
+    pub evaluations: usize,
+    /// Settings of the study from this leg on.
+    pub settings: Value,
+    /// Command line that started the leg.
+    pub command: String,
+    /// Version of the program.
+    pub version: String,
+}
+
+impl CampaignFile {
+    /// Starts a leg: from now on the study has these settings, and is not finished.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub fn begin_leg(&mut self, settings: Value, command: &str, version: &str) -> Result<(), StoreError> {
+        let evaluations = self.count()?;
+        let text = settings.to_string();
+        let begin = |connection: &Connection| -> rusqlite::Result<()> {
+            let transaction = connection.unchecked_transaction()?;
+            insert_leg(&transaction, evaluations, [&text, command, version])?;
+            transaction.execute("UPDATE campaign SET value = ?1 WHERE key = 'settings'", [&text])?;
+            transaction.execute_batch("DELETE FROM document; DELETE FROM learning_round;")?;
+            transaction.commit()
+        };
+        begin(&self.connection).map_err(|source| self.database(source))?;
+        self.meta.settings = settings;
+        Ok(())
+    }
+
+    /// The legs of the campaign, the first one included; a file that has never been opened for writing since legs were
+    /// introduced has none.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub fn legs(&self) -> Result<Vec<Leg>, StoreError> {
+        let read = |connection: &Connection| -> rusqlite::Result<Vec<(Leg, String)>> {
+            let known = "SELECT count(*) > 0 FROM sqlite_schema WHERE name = 'leg'";
+            if !connection.query_row(known, [], |row| row.get::<_, bool>(0))? {
+                return Ok(vec![]);
+            }
+            let sql =
+                "SELECT number, started_at, evaluations, settings, command, version FROM leg ORDER BY number";
+            let mut statement = connection.prepare(sql)?;
+            let rows = statement.query_map([], |row| {
+                let leg = Leg {
+                    number: row.get(0)?,
+                    started_at: row.get(1)?,
+                    evaluations: row.get::<_, i64>(2)?.unsigned_abs() as usize,
+                    settings: Value::Null,
+                    command: row.get(4)?,
+                    version: row.get(5)?,
+                };
+                Ok((leg, row.get(3)?))
+            })?;
+            rows.collect()
+        };
+        let rows = read(&self.connection).map_err(|source| self.database(source))?;
+        let with_settings = |(leg, settings): (Leg, String)| {
+            let settings = serde_json::from_str(&settings).map_err(|error| self.encoding("leg", error))?;
+            Ok(Leg { settings, ..leg })
+        };
+        rows.into_iter().map(with_settings).collect()
+    }
+
+    /// Removes the failed evaluations of a study in which none has succeeded: its cause may be gone, and there is nothing
+    /// to go on from.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub fn forget_failed_start(&mut self) -> Result<(), StoreError> {
+        let forget = |connection: &Connection| -> rusqlite::Result<()> {
+            let transaction = connection.unchecked_transaction()?;
+            let succeeded = "SELECT count(*) > 0 FROM evaluation WHERE failure IS NULL";
+            if !transaction.query_row(succeeded, [], |row| row.get::<_, bool>(0))? {
+                transaction.execute_batch("DELETE FROM input; DELETE FROM evaluation;")?;
+            }
+            transaction.commit()
+        };
+        forget(&self.connection).map_err(|source| self.database(source))
+    }
+
+    /// Takes the evaluations from number `requests` on out of the study: its requests have ended before them.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub(super) fn set_aside_from(&mut self, requests: i64) -> Result<(), StoreError> {
+        let set_aside = |connection: &Connection| -> rusqlite::Result<()> {
+            let transaction = begin_renumbering(connection)?;
+            let sql = "SELECT id FROM evaluation WHERE id >= ?1";
+            let unused: Vec<i64> = transaction
+                .prepare(sql)?
+                .query_map([requests], |row| row.get(0))?
+                .collect::<Result<_, _>>()?;
+            for id in unused {
+                renumber(&transaction, id, free_number(&transaction)?)?;
+            }
+            transaction.commit()
+        };
+        set_aside(&self.connection).map_err(|source| self.database(source))
+    }
+
+    /// Gives number `id` to the recorded evaluation of this sample, if there is one; an evaluation of another sample that
+    /// has the number is set aside.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub(super) fn move_to(&mut self, id: i64, sample: &[u8], is_stricter: bool) -> Result<(), StoreError> {
+        let move_to = |connection: &Connection| -> rusqlite::Result<()> {
+            let found: Option<i64> = connection
+                .prepare_cached(
+                    "SELECT id FROM (
+                       SELECT id FROM evaluation WHERE id > ?1 AND sample = ?2 AND stricter = ?3
+                       UNION ALL SELECT id FROM evaluation WHERE id < 0 AND sample = ?2 AND stricter = ?3
+                     ) ORDER BY id < 0, abs(id) LIMIT 1",
+                )?
+                .query_row(params![id, sample, is_stricter], |row| row.get(0))
+                .optional()?;
+            let occupied = "SELECT count(*) > 0 FROM evaluation WHERE id = ?1";
+            let occupied: bool = connection.prepare_cached(occupied)?.query_row([id], |row| row.get(0))?;
+            if found.is_none() && !occupied {
+                return Ok(());
+            }
+            let transaction = begin_renumbering(connection)?;
+            if occupied {
+                renumber(&transaction, id, free_number(&transaction)?)?;
+            }
+            if let Some(found) = found {
+                renumber(&transaction, found, id)?;
+            }
+            transaction.commit()
+        };
+        move_to(&self.connection).map_err(|source| self.database(source))
+    }
+}
+
+/// A transaction in which rows of a table may refer to a number that follows later.
+fn begin_renumbering(connection: &Connection) -> rusqlite::Result<rusqlite::Transaction<'_>> {
+    let transaction = connection.unchecked_transaction()?;
+    transaction.execute_batch("PRAGMA defer_foreign_keys = ON")?;
+    Ok(transaction)
+}
+
+/// The first free number below zero.
+fn free_number(connection: &Connection) -> rusqlite::Result<i64> {
+    connection.query_row("SELECT min(0, coalesce(min(id), 0)) - 1 FROM evaluation", [], |row| row.get(0))
+}
+
+fn renumber(connection: &Connection, from: i64, to: i64) -> rusqlite::Result<()> {
+    for (table, column) in NUMBERED {
+        let sql = format!("UPDATE {table} SET {column} = ?2 WHERE {column} = ?1");
+        connection.prepare_cached(&sql)?.execute([from, to])?;
+    }
+    Ok(())
+}

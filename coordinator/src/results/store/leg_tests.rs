@@ -1,0 +1,141 @@
+//! Legs of a campaign, renumbered evaluations, and files that can only be read.
+
+use super::read_only::{from_copy, unchanging};
+use super::tests::{finished, meta, record, request, scene};
+use super::*;
+use crate::farm::evaluate::{Finished, Request};
+use crate::results::journal::Journal;
+use common::accuracy::Accuracy;
+use serde_json::json;
+
+/// Numbers of all evaluations, those below zero included.
+fn numbers(file: &CampaignFile) -> Vec<i64> {
+    let mut statement = file.connection.prepare("SELECT id FROM evaluation ORDER BY id").unwrap();
+    statement.query_map([], |row| row.get(0)).unwrap().map(Result::unwrap).collect()
+}
+
+/// The request of evaluation `sample` under another number.
+fn renumbered(id: u64, sample: u64) -> Request {
+    Request { id, ..request(sample) }
+}
+
+#[test]
+fn a_leg_takes_its_outcomes_from_other_numbers() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut file = CampaignFile::create(dir.path(), &meta(), &scene()).unwrap();
+    record(&mut file, 0..6);
+    file.put_document("summary", &1).unwrap();
+    file.begin_leg(json!({ "seed": 1, "max_evaluations": 9 }), "coordinator resume", "0.2").unwrap();
+    assert_eq!(file.document::<u32>("summary").unwrap(), None);
+
+    // Requests 0 and 1 as before; 2 has a new sample, 3 that of 5, 4 that of 2.
+    let mut recall =
+        |request: &Request| file.finished(request).unwrap().map(|found| (found.id, found.worker));
+    assert_eq!(recall(&request(0)), Some((0, "host/0".into())));
+    assert_eq!(recall(&request(1)), Some((1, "host/1".into())));
+    assert_eq!(recall(&renumbered(2, 70)), None);
+    assert_eq!(recall(&renumbered(3, 5)), Some((3, "host/5".into())));
+    assert_eq!(recall(&renumbered(4, 2)), Some((4, "host/2".into())));
+    file.record(&renumbered(2, 70), &Finished { id: 2, ..finished(70) }).unwrap();
+    file.ended(5).unwrap();
+    assert_eq!(numbers(&file), [-3, -2, 0, 1, 2, 3, 4]);
+    assert_eq!(file.count().unwrap(), 5);
+    // The tables of values follow.
+    let input = "SELECT input.k FROM input WHERE evaluation = 3";
+    let k: f64 = file.connection.query_row(input, [], |row| row.get(0)).unwrap();
+    assert_eq!(k, request(5).sample[0]);
+    drop(file);
+
+    // The settings are those of the last leg, and every leg is known.
+    let file = CampaignFile::open(dir.path()).unwrap();
+    assert_eq!(file.meta().settings["max_evaluations"], 9);
+    assert_eq!(file.meta().command, meta().command);
+    let legs = file.legs().unwrap();
+    let shown: Vec<_> = legs.iter().map(|leg| (leg.number, leg.evaluations, leg.command.as_str())).collect();
+    assert_eq!(shown, [(1, 0, "coordinator run --scene two"), (2, 6, "coordinator resume")]);
+    assert_eq!(legs[0].settings, meta().settings);
+}
+
+#[test]
+fn a_repetition_with_finer_steps_is_no_other_evaluation() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut file = CampaignFile::create(dir.path(), &meta(), &scene()).unwrap();
+    let finer = Request { accuracy: Some(Accuracy::default()), ..renumbered(2, 3) };
+    record(&mut file, 0..1);
+    file.record(&renumbered(1, 3), &Finished { id: 1, ..finished(3) }).unwrap();
+    file.record(&finer, &Finished { id: 2, ..finished(4) }).unwrap();
+    // Requested in the other order, each finds its own outcome.
+    assert_eq!(file.finished(&renumbered(1, 80)).unwrap(), None);
+    assert!(file.finished(&renumbered(2, 3)).unwrap().unwrap().outcome.is_err());
+    assert!(file.finished(&Request { id: 3, ..finer }).unwrap().unwrap().outcome.is_ok());
+}
+
+#[test]
+fn a_study_without_a_result_forgets_its_failures() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut file = CampaignFile::create(dir.path(), &meta(), &scene()).unwrap();
+    record(&mut file, 3..4);
+    file.forget_failed_start().unwrap();
+    assert_eq!(file.count().unwrap(), 0);
+    record(&mut file, 3..5);
+    file.forget_failed_start().unwrap();
+    assert_eq!((file.count().unwrap(), file.failed_count().unwrap()), (2, 1));
+}
+
+#[test]
+fn a_file_of_the_second_layout_gets_its_first_leg() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut file = CampaignFile::create(dir.path(), &meta(), &scene()).unwrap();
+    record(&mut file, 0..4);
+    // The repetition of the failed evaluation 3.
+    file.record(&renumbered(4, 3), &Finished { id: 4, ..finished(4) }).unwrap();
+    drop(file);
+    let second_layout =
+        "DROP TABLE leg; ALTER TABLE evaluation DROP COLUMN stricter; PRAGMA user_version = 2;";
+    Connection::open(dir.path().join(FILE_NAME)).unwrap().execute_batch(second_layout).unwrap();
+
+    // It can be read as it is.
+    let look = CampaignFile::look(dir.path()).unwrap();
+    assert_eq!((look.count().unwrap(), look.legs().unwrap()), (5, vec![]));
+    drop(look);
+    let mut file = CampaignFile::open(dir.path()).unwrap();
+    let leg = file.legs().unwrap().pop().unwrap();
+    assert_eq!((leg.number, leg.evaluations, leg.settings), (1, 0, meta().settings));
+    assert_eq!(leg.started_at, file.created_at());
+    let finer = Request { accuracy: Some(Accuracy::default()), ..renumbered(4, 3) };
+    assert!(file.finished(&finer).unwrap().unwrap().outcome.is_ok());
+}
+
+#[test]
+fn a_file_is_read_where_nothing_can_be_written() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join(FILE_NAME);
+    let rows = |connection: &Connection| -> i64 {
+        connection.query_row("SELECT count(*) FROM evaluation", [], |row| row.get(0)).unwrap()
+    };
+    let mut file = CampaignFile::create(dir.path(), &meta(), &scene()).unwrap();
+    record(&mut file, 0..4);
+    // What a killed study leaves: the last results are in the log.
+    let copy = from_copy(&path).unwrap();
+    assert_eq!(rows(&copy.connection), 4);
+    drop(file);
+    assert_eq!(rows(&unchanging(&path).unwrap().connection), 4);
+    let odd = dir.path().join("a b%41?#");
+    std::fs::create_dir(&odd).unwrap();
+    std::fs::copy(&path, odd.join(FILE_NAME)).unwrap();
+    assert_eq!(rows(&unchanging(&odd.join(FILE_NAME)).unwrap().connection), 4);
+}
+
+#[test]
+fn readers_neither_lock_nor_wait() {
+    let dir = tempfile::tempdir().unwrap();
+    assert!(!is_running(dir.path()));
+    let mut file = CampaignFile::create(dir.path(), &meta(), &scene()).unwrap();
+    record(&mut file, 0..3);
+    assert!(is_running(dir.path()));
+    let readers = [CampaignFile::look(dir.path()).unwrap(), CampaignFile::look(dir.path()).unwrap()];
+    assert!(readers.iter().all(|reader| reader.count().unwrap() == 3));
+    drop(file);
+    assert!(!is_running(dir.path()));
+    CampaignFile::open(dir.path()).unwrap();
+}
