@@ -3,7 +3,7 @@
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::scene::{LimitState, Scene, Warning};
-use worker::simulate::{SimulateOptions, first_look, simulate};
+use worker::simulate::{SimulateOptions, simulate};
 
 /// Checkpoints up to the life of the nominal mechanism that resolve the lives of others: their spread is some tens of per cent.
 const CHECKPOINTS_WITHIN_LIFE: f64 = 10.0;
@@ -23,12 +23,11 @@ pub fn nominal_warnings(scene: &Scene) -> Vec<Warning> {
 }
 
 fn past_limits(scene: &Scene) -> Result<Vec<Warning>, SimulationFailure> {
-    let accuracy = Accuracy::draft();
-    let unworn = first_look(scene, &accuracy)?.outputs;
-    let evaluation = simulate(scene, &accuracy, SimulateOptions::default())?;
+    let evaluation = simulate(scene, &Accuracy::draft(), SimulateOptions::default())?;
     let warnings = scene.limit_states.iter().filter_map(|limit| {
         let history = &evaluation.histories[limit.output];
-        let message = warning(scene, limit, unworn[limit.output], history[0])?;
+        let unworn = evaluation.start.get(limit.output).copied().flatten()?;
+        let message = warning(scene, limit, unworn, history[0])?;
         Some(Warning { key: format!("limit_states.{}", limit.name), message })
     });
     Ok(warnings.collect())

@@ -49,8 +49,6 @@ pub struct FirstLook {
     /// Largest relative difference of the quasi-static wear rates from those of the dynamics on the unworn bores [1], or the reason
     /// why the dynamics has to drive the wear.
     pub tier: Result<f64, Unsuitable>,
-    /// Outputs of the first measured cycle, on the unworn bores; no wear `(outputs,)` [SI].
-    pub outputs: Vec<f64>,
     /// Accepted time steps of the measured cycle, all islands together.
     pub steps_per_cycle: u64,
     /// Cycles that a whole evaluation simulates dynamically: settling, measuring, warming up, probing; a cycle with shorter time
@@ -96,7 +94,6 @@ async fn examine(
         islands,
         wears: run.wears(),
         tier: Err(Unsuitable::Unwanted),
-        outputs: run.motion_outputs(),
         steps_per_cycle: run.counts.steps - before,
         dynamic_cycles: f64::from(scene.life.settle_cycles) + 1.0,
         quasi_static_cycles: 0.0,
