@@ -274,6 +274,7 @@ mod tests {
     #[test]
     fn sample_keys_keep_the_order_of_the_scene() {
         let text = "scene = { name = \"s\" }\nsimulator = { program = [\"sh\"] }\noutputs = [{ name = \"a\" }]\n\
+            limit_states = [{ name = \"l\", output = \"a\", threshold = 1 }]\n\
             variables = [{ name = \"z\", mean = 1, std = 1 }, { name = \"a\", mean = 2, std = 1 }]";
         let source = SceneSource::parse(text, "s").unwrap();
         let program = Program { command: vec!["sh".into()], folder: ".".into() };
