@@ -41,6 +41,7 @@ fn sound_frames() -> Vec<Vec<u8>> {
         cycles: vec![1000, 2000, 3000],
         histories: vec![vec![1e-6, 2e-6, 3e-6]; 2],
         errors: vec![vec![1e-9; 3]; 2],
+        start: vec![Some(0.0), None],
         joints: vec![JointSummary { name: "crank".into(), peak_force: 55.0, wear_depth: vec![1e-7; 36] }],
         first_cycle: Some(CycleHistory {
             time: vec![0.0, 0.1],

@@ -259,7 +259,6 @@ impl Default for StudySettings {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::scene::SceneSource;
 
     #[test]

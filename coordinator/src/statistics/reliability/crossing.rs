@@ -29,7 +29,7 @@
 const HALVINGS: usize = 30;
 
 /// A point of a response: time [cycles] and value [unit of the output].
-type Point = (f64, f64);
+type TimeAndValue = (f64, f64);
 
 /// Crossing of a threshold within an interval, as shares of its length [1].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,7 +76,7 @@ impl Track<'_> {
     }
 
     /// Point `k`, the start of life being -1.
-    fn point(&self, k: isize) -> Option<Point> {
+    fn point(&self, k: isize) -> Option<TimeAndValue> {
         match usize::try_from(k) {
             Ok(k) => Some((*self.times.get(k)?, self.values[k])),
             Err(_) if k == -1 => Some((0.0, self.start?)),
@@ -124,7 +124,7 @@ impl Track<'_> {
     fn best(&self, k: isize, bracket: &Bracket) -> Option<f64> {
         let Bracket { left, right, threshold } = *bracket;
         if let Some(start) = self.start {
-            let logarithms = |(time, value): Point| {
+            let logarithms = |(time, value): TimeAndValue| {
                 let point = (time.ln(), (value - start).ln());
                 (point.0.is_finite() && point.1.is_finite()).then_some(point)
             };
@@ -148,8 +148,8 @@ impl Track<'_> {
 /// The interval of a crossing: the threshold lies above the left and not above the right value.
 #[derive(Debug, Clone, Copy)]
 struct Bracket {
-    left: Point,
-    right: Point,
+    left: TimeAndValue,
+    right: TimeAndValue,
     threshold: f64,
 }
 
@@ -186,7 +186,7 @@ impl Bracket {
 
     /// Crossing of the parabola through the right point and two later ones, continued backwards; 0 if it lies above the
     /// threshold already at the left end.
-    fn extrapolated(&self, second: Point, third: Point) -> f64 {
+    fn extrapolated(&self, second: TimeAndValue, third: TimeAndValue) -> f64 {
         let h = self.width();
         let bend = (secant(second, third) - secant(self.right, second)) / (third.0 - self.right.0);
         let slope = secant(self.right, second) - bend * (second.0 - self.right.0);
@@ -215,16 +215,16 @@ impl Extent {
     }
 }
 
-fn secant(a: Point, b: Point) -> f64 {
+fn secant(a: TimeAndValue, b: TimeAndValue) -> f64 {
     (b.1 - a.1) / (b.0 - a.0)
 }
 
 /// Abscissa at which the monotone cubic between the two middle points has the ordinate `y`; the outer points determine its
 /// slopes at its ends.
-fn monotone_cubic(points: [Option<Point>; 4], y: f64) -> f64 {
+fn monotone_cubic(points: [Option<TimeAndValue>; 4], y: f64) -> f64 {
     let [before, Some(left), Some(right), after] = points else { return f64::NAN };
     let (h, middle) = (right.0 - left.0, secant(left, right));
-    let slope_with = |outer: Option<Point>, end: Point| match outer {
+    let slope_with = |outer: Option<TimeAndValue>, end: TimeAndValue| match outer {
         None => None,
         Some(outer) => Some((secant(outer, end), (outer.0 - end.0).abs())),
     };

@@ -4,6 +4,9 @@
 //! Every interval between two checkpoints is divided into equal parts; a life falls into a part, and the parts of one interval
 //! never mix with those of the next, so that the shares at the checkpoints are those of the classification. The system's life
 //! is the shortest of its limit states, for each estimate by itself.
+//!
+//! # Source
+//! Derived here, from the crossings of `crossing.rs`.
 
 use super::crossing::{Crossing, Track};
 use super::numerical::NumericalBand;
