@@ -195,7 +195,7 @@ fn an_error_budget_chooses_the_accuracy() {
         assert!(told.contains(&format!("accuracy {name}: the cheapest")), "{told}");
         (name, found["diagnostics"]["steps"].as_u64().unwrap())
     };
-    let (loose, tight) = (chosen("50%"), chosen("0.0005"));
+    let (loose, tight) = (chosen("50%"), chosen("0.01"));
     assert_eq!(loose.0, "draft+step-x1.41");
     assert!(loose.1 < tight.1, "{loose:?} {tight:?}");
 }
@@ -234,7 +234,7 @@ fn tradeoff_measures_every_setting_and_writes_its_files() {
     let column = |name: &str| head.iter().position(|h| *h == name).unwrap();
     let balanced = lines.find(|line| line.starts_with("balanced,")).unwrap();
     let value = |name: &str| balanced.split(',').nth(column(name)).unwrap().parse::<f64>().unwrap();
-    assert!(value("max_wear_depth_error") < 2e-3, "{balanced}");
+    assert!(value("max_wear_depth_error") < 4e-3, "{balanced}");
     assert!(value("max_wear_depth_within_twice") >= 0.95, "{balanced}");
     assert_eq!(value("failures"), 0.0);
     for output in ["max_wear_depth", "coupler_joint_speed"] {

@@ -63,7 +63,8 @@ impl Study {
 
     fn command(&self, arguments: &str) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_coordinator"));
-        command.args(arguments.split(' ')).current_dir(self.folder.path());
+        // With it, Python would write every reply at once.
+        command.args(arguments.split(' ')).current_dir(self.folder.path()).env_remove("PYTHONUNBUFFERED");
         command
     }
 

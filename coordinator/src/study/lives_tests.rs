@@ -42,7 +42,7 @@ impl Law {
     }
 }
 
-/// A scene with a checkpoint every so many cycles and one lognormal wear rate of median 1.
+/// A scene with a checkpoint at regular intervals and one lognormal wear rate of median 1.
 fn scene(every: u32) -> Scene {
     let mean = (0.5 * SPREAD * SPREAD).exp();
     let std = mean * (SPREAD * SPREAD).exp_m1().sqrt();
