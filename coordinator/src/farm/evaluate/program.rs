@@ -131,14 +131,16 @@ fn executable(command: &[String], folder: &Path) -> std::io::Result<()> {
         return is_executable(&named);
     }
     let path = std::env::var_os("PATH").unwrap_or_default();
-    let missing = std::io::Error::from(std::io::ErrorKind::NotFound);
-    let tried = std::env::split_paths(&path).map(|folder| is_executable(&folder.join(&named)));
-    tried.fold(Err(missing), |best, tried| match (best, tried) {
-        (Ok(()), _) | (_, Ok(())) => Ok(()),
-        // A file without permission says more than a missing one.
-        (_, Err(error)) if error.kind() == std::io::ErrorKind::PermissionDenied => Err(error),
-        (best, Err(_)) => best,
-    })
+    let mut reason = std::io::Error::from(std::io::ErrorKind::NotFound);
+    for folder in std::env::split_paths(&path) {
+        match is_executable(&folder.join(&named)) {
+            Ok(()) => return Ok(()),
+            // A file without permission says more than a missing one.
+            Err(error) if error.kind() == std::io::ErrorKind::PermissionDenied => reason = error,
+            Err(_) => {}
+        }
+    }
+    Err(reason)
 }
 
 fn is_executable(file: &Path) -> std::io::Result<()> {

@@ -90,8 +90,8 @@ impl Track<'_> {
         let slope = secant(left, right);
         let mut found = Extent::new(bracket.chord());
         let (before, after) = (self.point(k - 2), self.point(k + 1));
-        let continued = before.map(|point| bracket.from_left(secant(point, left)));
-        let backwards = after.map(|point| bracket.from_right(secant(right, point)));
+        let continued = before.map(|point| bracket.line_through_left(secant(point, left)));
+        let backwards = after.map(|point| bracket.line_through_right(secant(right, point)));
         match (continued, backwards) {
             (Some(first), Some(second)) => {
                 let slopes = (before.map(|p| secant(p, left)), after.map(|p| secant(right, p)));
@@ -164,13 +164,13 @@ impl Bracket {
     }
 
     /// Crossing of the line of this slope through the left point.
-    fn from_left(&self, slope: f64) -> f64 {
+    fn line_through_left(&self, slope: f64) -> f64 {
         let share = (self.threshold - self.left.1) / (slope.max(0.0) * self.width());
         if share.is_nan() { 1.0 } else { share.min(1.0) }
     }
 
     /// Crossing of the line of this slope through the right point.
-    fn from_right(&self, slope: f64) -> f64 {
+    fn line_through_right(&self, slope: f64) -> f64 {
         let share = 1.0 - (self.right.1 - self.threshold) / (slope.max(0.0) * self.width());
         if share.is_nan() { 1.0 } else { share.max(0.0) }
     }
@@ -224,9 +224,8 @@ fn secant(a: TimeAndValue, b: TimeAndValue) -> f64 {
 fn monotone_cubic(points: [Option<TimeAndValue>; 4], y: f64) -> f64 {
     let [before, Some(left), Some(right), after] = points else { return f64::NAN };
     let (h, middle) = (right.0 - left.0, secant(left, right));
-    let slope_with = |outer: Option<TimeAndValue>, end: TimeAndValue| match outer {
-        None => None,
-        Some(outer) => Some((secant(outer, end), (outer.0 - end.0).abs())),
+    let slope_with = |outer: Option<TimeAndValue>, end: TimeAndValue| {
+        outer.map(|outer| (secant(outer, end), (outer.0 - end.0).abs()))
     };
     let (first, last) = (slope_with(before, left), slope_with(after, right));
     let inner = |neighbour: Option<(f64, f64)>, opposite: Option<(f64, f64)>| match (neighbour, opposite) {
@@ -270,8 +269,11 @@ mod tests {
     use super::*;
     use std::f64::consts::LN_2;
 
+    /// A response over time, as shares of the threshold and of the median life.
+    type Growth = fn(f64) -> f64;
+
     /// Growth of a response from 0 at the start of life, as a share of the threshold at the median life.
-    fn laws() -> [(&'static str, fn(f64) -> f64); 6] {
+    fn laws() -> [(&'static str, Growth); 6] {
         [
             ("linear", |t| t),
             ("root", f64::sqrt),

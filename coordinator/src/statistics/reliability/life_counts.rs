@@ -104,12 +104,10 @@ pub fn mode_lives(
     lives[LifeEstimate::Safe as usize] = shifted(errors.numerical, -1.0, |c| c.latest);
     let best = lives[LifeEstimate::Best as usize];
     let predicted = errors.predicted;
-    let by_prediction =
-        |sign: f64, shifted: &mut dyn FnMut(&[f64], f64, fn(&Crossing) -> f64) -> LifePosition| {
-            if predicted.is_empty() { best } else { shifted(predicted, sign, |c| c.best) }
-        };
-    lives[LifeEstimate::Larger as usize] = by_prediction(1.0, &mut shifted);
-    lives[LifeEstimate::Smaller as usize] = by_prediction(-1.0, &mut shifted);
+    let mut by_prediction =
+        |sign: f64| if predicted.is_empty() { best } else { shifted(predicted, sign, |c| c.best) };
+    lives[LifeEstimate::Larger as usize] = by_prediction(1.0);
+    lives[LifeEstimate::Smaller as usize] = by_prediction(-1.0);
     lives
 }
 

@@ -41,8 +41,11 @@ fn along(summary: &StudySummary, curve: &LifeCurveRow, axis: &LifeAxis, values: 
     times.into_iter().map(|time| (axis.place_time(time), value(time))).collect()
 }
 
-/// R of a curve at the checkpoints and its 95 % interval there.
-fn checkpoints(rows: &[ReliabilityRow], name: &str, axis: &LifeAxis) -> Vec<((f64, f64), (f64, f64, f64))> {
+/// R of a curve at a checkpoint, (x, R), and its 95 % interval there, (x, lower, upper).
+type DrawnCheckpoint = ((f64, f64), (f64, f64, f64));
+
+/// R of a curve at the checkpoints.
+fn checkpoints(rows: &[ReliabilityRow], name: &str, axis: &LifeAxis) -> Vec<DrawnCheckpoint> {
     let point = |row: &ReliabilityRow| {
         let (x, r) = (axis.place(row.cycles), *row.reliability.get(name)?);
         let range = row.interval_of(name)?;
