@@ -43,9 +43,7 @@ impl Evaluation {
             diagnostics: Diagnostics::default(),
         }
     }
-}
 
-impl Evaluation {
     /// The known values at the start of life by output and unit, e.g. `max_wear_depth_m`, in the unit of the key.
     pub fn start_by_key(&self, outputs: &[Output]) -> BTreeMap<String, f64> {
         let known = |(output, value): (&Output, &Option<f64>)| {

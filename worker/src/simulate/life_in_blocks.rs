@@ -29,9 +29,8 @@ pub enum CycleModel {
     Single,
 }
 
-/// Wears the bores to the end of life; `next_cycle` simulates the cycle of `model` after each block, the last one of the dynamics
-/// excepted, and none of a
-/// single cycle.
+/// Wears the bores to the end of life; `next_cycle` simulates the cycle of `model` after each block, except the last one of the
+/// dynamics and all of a single cycle.
 ///
 /// # Errors
 /// The first error of the wear, of a probe or of `next_cycle`.

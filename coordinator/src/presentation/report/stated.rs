@@ -100,7 +100,7 @@ pub fn effect_on_life(input: &ReportInput) -> Option<String> {
     Some(format!(
         "The 95 % interval of the life at R = 0.5 is {without} cycles without the numerical errors, and {with} if in \
          addition every response is off by its stated error in the same direction. The latter is not a standard error: a finer \
-         accuracy reduces it, more simulations do not."
+         accuracy and, for the wear, more control points reduce it, more simulations do not."
     ))
 }
 

@@ -3,7 +3,7 @@
 //!
 //! A stated error is a bound (a value lies within twice of it in 95 % of cases), and neighbouring simulations
 //! err alike. So the range is the worst case, all errors at once in the same direction. It is no standard
-//! error; more simulations do not narrow it, only finer time and wear steps do.
+//! error; more simulations do not narrow it, only finer time and wear steps and more control points do.
 //!
 //! With surrogates the error of a point of the population follows from a straight line through the stated
 //! errors e_i over the values y_i at the same checkpoint, by least squares, clamped to the range of the
