@@ -9,7 +9,7 @@
 
 use common::random::Distribution;
 use coordinator::statistics::design::Population;
-use coordinator::statistics::learning::classify_cached;
+use coordinator::statistics::learning::{ClassifiedMode, classify_cached};
 use coordinator::statistics::surrogate::{
     Correlation, Effort, Form, FormSettings, Kernel, Kriging, Likelihood, PredictionCache, TrainingSet,
     Trend, Update, fit_correlation, fit_surrogate,
@@ -181,7 +181,8 @@ fn predict() -> Result<String, Box<dyn std::error::Error>> {
     // Points added one by one: the model extended, the cache and the classification updated to it.
     let mut cache = PredictionCache::default();
     let mut model = condition(N - 5)?;
-    classify_cached(&mut cache, &model, &population, 0.0, &[0]);
+    let mode = ClassifiedMode { index: 0, threshold: 0.0, grid: &[0], inflation: 1.0 };
+    classify_cached(&mut cache, &model, &population, &mode);
     let mut added = f64::INFINITY;
     for i in N - 5..N {
         let start = Instant::now();
@@ -189,7 +190,7 @@ fn predict() -> Result<String, Box<dyn std::error::Error>> {
         if cache.update(&model, &population) != (Update::Extended { rows: 1 }) {
             return Err("the cache did not see that one point was added".into());
         }
-        std::hint::black_box(classify_cached(&mut cache, &model, &population, 0.0, &[0]));
+        std::hint::black_box(classify_cached(&mut cache, &model, &population, &mode));
         added = f64::min(added, start.elapsed().as_secs_f64());
     }
     Ok(format!(
@@ -214,12 +215,13 @@ fn memory() -> Result<String, Box<dyn std::error::Error>> {
     model.set_values(known);
     let mut cache = PredictionCache::default();
     let grid: Vec<usize> = (0..24).map(|i| 3 * i).collect();
+    let mode = ClassifiedMode { index: 0, threshold: 1.0, grid: &grid, inflation: 1.0 };
     let start = Instant::now();
-    classify_cached(&mut cache, &model, &population, 1.0, &grid);
+    classify_cached(&mut cache, &model, &population, &mode);
     let first = start.elapsed().as_secs_f64();
     model = model.extended(points.subcols(142, 8), values.subrows(142, 8), None)?;
     let start = Instant::now();
-    let classification = classify_cached(&mut cache, &model, &population, 1.0, &grid);
+    let classification = classify_cached(&mut cache, &model, &population, &mode);
     let second = start.elapsed().as_secs_f64();
     Ok(format!(
         "{{\"before_kB\": {before}, \"cache_kB\": {}, \"now_kB\": {}, \"peak_kB\": {}, \"computed_s\": {first}, \

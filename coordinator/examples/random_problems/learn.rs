@@ -47,8 +47,12 @@ pub struct Run {
     pub class: Class,
     /// Number of variables d, and of limit states.
     pub shape: (usize, usize),
+    /// True failure probability at the end of life with its standard error [1].
+    pub truth: (f64, f64),
     /// Comparison at every checkpoint `(m,)`; empty if too many simulations failed.
     pub checkpoints: Vec<Comparison>,
+    /// Stated surrogate error at the end of life [1].
+    pub surrogate_error: f64,
     /// Failure probability by the true responses over the population that the engine classified [1].
     pub on_population: f64,
     /// Evaluations spent.
@@ -61,11 +65,17 @@ pub struct Run {
     pub seconds: f64,
 }
 
-/// Learns a problem. A study that too many failed simulations ended is a result without a comparison.
+/// Learns a problem. A study that too many failed simulations ended is a result without a comparison. With `trace` every
+/// simulation and round is written to standard error.
 ///
 /// # Errors
 /// [`CampaignError::Surrogate`].
-pub fn learn(problem: &RandomProblem, truth: &Truth, settings: Settings) -> Result<Run, CampaignError> {
+pub fn learn(
+    problem: &RandomProblem,
+    truth: &Truth,
+    settings: Settings,
+    trace: bool,
+) -> Result<Run, CampaignError> {
     let started = Instant::now();
     let m = problem.checkpoints();
     let modes = problem.modes.len();
@@ -84,14 +94,30 @@ pub fn learn(problem: &RandomProblem, truth: &Truth, settings: Settings) -> Resu
     let mut calls = 0;
     let simulate = |sample: &[f64]| {
         calls += 1;
-        problem.simulate(sample, truth.limit, truth.spread)
+        let outcome = problem.simulate(sample, truth.limit, truth.spread);
+        if trace {
+            let last = |history: &Vec<f64>| history.last().copied();
+            let values: Result<Vec<_>, _> =
+                outcome.as_ref().map(|observed| observed.histories.iter().filter_map(last).collect());
+            eprintln!("{calls}: {:.2?} {values:.3?}", problem.in_standard_deviations(sample));
+        }
+        outcome
     };
-    let learned = Campaign::new(statistics, plan).learn_from(simulate, |_| {});
+    let mut traced = 0;
+    let write_rounds = |campaign: &Campaign| {
+        for round in campaign.rounds().iter().skip(traced).filter(|_| trace) {
+            eprintln!("{round:?}");
+        }
+        traced = campaign.rounds().len();
+    };
+    let learned = Campaign::new(statistics, plan).learn_from(simulate, write_rounds);
     let blank = Run {
         index: problem.index,
         class: problem.class,
         shape: (problem.dimension(), modes),
+        truth: (truth.pf[m - 1], truth.standard_error[m - 1]),
         checkpoints: vec![],
+        surrogate_error: f64::NAN,
         on_population: f64::NAN,
         calls,
         population: 0,
@@ -117,6 +143,7 @@ fn compared(problem: &RandomProblem, truth: &Truth, learned: &CampaignResult, bl
         truth_error: truth.standard_error[n],
     });
     let population = &learned.classified.population;
+    let of_system = learned.assessment.errors.by_curve.last().and_then(|errors| errors.last());
     let mut history = vec![0.0; m];
     let mut fails = |j: &usize| {
         problem.running_maximum(population.standardised(*j), &mut history);
@@ -125,6 +152,7 @@ fn compared(problem: &RandomProblem, truth: &Truth, learned: &CampaignResult, bl
     let failed = (0..population.len()).filter(|j| fails(j)).count();
     Run {
         checkpoints: checkpoints.collect(),
+        surrogate_error: learned.classified.condition.probability * of_system.copied().unwrap_or(f64::NAN),
         on_population: learned.classified.condition.probability * failed as f64 / population.len() as f64,
         population: population.len(),
         stop: Some(learned.stop),

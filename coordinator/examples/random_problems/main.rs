@@ -57,6 +57,9 @@ struct Arguments {
     /// Write one line per problem to this file
     #[arg(long, value_name = "FILE")]
     csv: Option<String>,
+    /// Write every simulation and round to standard error
+    #[arg(long)]
+    trace: bool,
     /// Print only the truths, learn nothing
     #[arg(long)]
     truths: bool,
@@ -92,7 +95,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
         let defaults = Settings::for_variables(problem.dimension());
         let samples = arguments.samples.unwrap_or(defaults.samples);
-        let run = learn::learn(&problem, &truth, Settings { samples, seed: index + 1, ..defaults })?;
+        let settings = Settings { samples, seed: index + 1, ..defaults };
+        let run = learn::learn(&problem, &truth, settings, arguments.trace)?;
         write(&table::line(&run))?;
         runs.push(run);
     }

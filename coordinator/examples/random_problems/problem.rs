@@ -113,6 +113,11 @@ impl RandomProblem {
         }
     }
 
+    /// Standardised point z `(d,)` [1] of values x `(d,)` of the variables.
+    pub fn in_standard_deviations(&self, x: &[f64]) -> Vec<f64> {
+        self.variables.iter().zip(x).map(|(v, x)| (x - v.parent_mean()) / v.parent_std()).collect()
+    }
+
     /// Largest response of the limit states up to each checkpoint `(m,)` at z `(d,)` [1]: without noise, the truth.
     pub fn running_maximum(&self, z: &[f64], largest: &mut [f64]) {
         largest.fill(f64::NEG_INFINITY);
@@ -138,8 +143,7 @@ impl RandomProblem {
     /// What a simulation at x `(d,)` returns: each limit state's output, which fails at zero. `limit` and `spread` are
     /// limit and standard deviation of the response [1].
     pub fn simulate(&self, x: &[f64], limit: f64, spread: f64) -> ObservedOutcome {
-        let z: Vec<f64> =
-            self.variables.iter().zip(x).map(|(v, x)| (x - v.parent_mean()) / v.parent_std()).collect();
+        let z = self.in_standard_deviations(x);
         let fails = match &self.failing {
             Failing::Never => false,
             Failing::Sporadic(share) => hash_to_unit(x, u64::MAX) < *share,

@@ -12,7 +12,7 @@ const COMPARED: (f64, f64) = (1e-4, 0.9999);
 
 /// Header of [`line`], as CSV.
 pub const HEADER: &str = "problem,class,variables,limit_states,truth,truth_error,pf,lower,upper,standard_error,distance,\
-                          on_population,calls,population,stop,seconds";
+                          surrogate_error,on_population,calls,population,stop,seconds";
 
 /// Name of a reason to stop.
 fn stop_name(stop: Option<StopReason>) -> &'static str {
@@ -26,12 +26,12 @@ fn stop_name(stop: Option<StopReason>) -> &'static str {
 /// Result at the end of life as a line of CSV.
 pub fn line(run: &Run) -> String {
     let (d, modes) = run.shape;
-    let nothing =
-        Comparison { pf: f64::NAN, standard_error: f64::NAN, truth: f64::NAN, truth_error: f64::NAN };
+    let (truth, truth_error) = run.truth;
+    let nothing = Comparison { pf: f64::NAN, standard_error: f64::NAN, truth, truth_error };
     let last = run.checkpoints.last().copied().unwrap_or(nothing);
     let (lower, upper) = last.interval();
     format!(
-        "{},{},{d},{modes},{:.4e},{:.1e},{:.4e},{:.4e},{:.4e},{:.2e},{:.2},{:.4e},{},{},{},{:.1}",
+        "{},{},{d},{modes},{:.4e},{:.1e},{:.4e},{:.4e},{:.4e},{:.2e},{:.2},{:.2e},{:.4e},{},{},{},{:.1}",
         run.index,
         run.class.name(),
         last.truth,
@@ -41,6 +41,7 @@ pub fn line(run: &Run) -> String {
         upper,
         last.standard_error,
         last.distance(),
+        run.surrogate_error,
         run.on_population,
         run.calls,
         run.population,
@@ -163,7 +164,9 @@ mod tests {
             index: 1,
             class: Class::Kink,
             shape: (2, 1),
+            truth: (0.01, 0.0),
             checkpoints,
+            surrogate_error: 1e-4,
             on_population: 0.01,
             calls: 50,
             population: 1000,

@@ -46,7 +46,9 @@ pub(super) fn learned_lives(scene: &Scene, learned: &CampaignResult) -> LifeCoun
     let modes: Vec<PredictedMode<'_>> = parts
         .iter()
         .zip(assessed)
-        .map(|((model, values, errors), (classified, surrogate))| PredictedMode {
+        .enumerate()
+        .map(|(index, ((model, values, errors), (classified, surrogate)))| PredictedMode {
+            index,
             model,
             inflation: surrogate.inflation(),
             values: values.as_ref(),

@@ -1,7 +1,10 @@
 //! Rare events: where failures are too few in any population that can be classified, the population is
-//! replaced by samples conditional on an intermediate event, drawn by subset simulation on the surrogates.
+//! replaced by samples conditional on an intermediate event, drawn on the surrogates.
 //!
-//! The response of the subset simulation is the largest over the limit states of
+//! The event is the last level of a subset simulation. Its samples, and points along random directions from the
+//! origin, show the regions of the event, and importance sampling over all of them gives its probability and the
+//! population. Where that finds no sufficient mixture, as with many variables, the samples are those of a larger
+//! subset simulation. The response of either is the largest over the limit states of
 //!
 //!   y = (mean - threshold) / sigma + 2 s,
 //!
@@ -21,15 +24,25 @@ use super::plan::Problem;
 use super::surrogates::Surrogate;
 use crate::statistics::design::Population;
 use crate::statistics::learning::UNCERTAIN;
-use crate::statistics::reliability::{Condition, SubsetSimulation};
+use crate::statistics::reliability::{Condition, ImportanceSampling, Subset, SubsetSimulation};
 use faer::MatRef;
 use rand::Rng;
+use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
 /// Most levels, for probabilities down to 1e-12.
 const LEVELS: usize = 12;
 /// Number of points predicted together.
 const BLOCK: usize = 512;
+/// Samples of a level of the subset simulation that looks for the event.
+const SEARCH: usize = 20_000;
+/// Random directions in which the event is looked for, and steps along each.
+const DIRECTIONS: (usize, usize) = (512, 36);
+/// Length of a step: the reliability index of a plane limit there, with the other variables as large as they usually
+/// are.
+const STEP: f64 = 0.25;
+/// Coefficient of variation of an importance sampling above which subset simulation is tried [1].
+const SUFFICIENT: f64 = 0.1;
 
 /// Draws a population of the same variables conditional on the last intermediate event, with `samples` points
 /// at each level, and returns it with that event.
@@ -62,8 +75,7 @@ pub(super) fn conditional_population(
         };
         u.par_chunks(BLOCK * d).flat_map_iter(block).collect()
     };
-    let simulation = SubsetSimulation { variables: d, samples, most_levels: LEVELS };
-    let subset = simulation.run(rng, &respond);
+    let subset = conditional_samples(d, samples, rng, &respond);
     let z = subset.u.chunks_exact(d).flat_map(standardised).collect();
     let condition = Condition {
         probability: subset.probability,
@@ -72,4 +84,42 @@ pub(super) fn conditional_population(
         levels: subset.levels.len(),
     };
     (population.with_descendants(z, subset.origin), condition)
+}
+
+/// Samples in independent standard normals conditional on the last intermediate event.
+fn conditional_samples(
+    variables: usize,
+    samples: usize,
+    rng: &mut impl Rng,
+    respond: &dyn Fn(&[f64]) -> Vec<f64>,
+) -> Subset {
+    let search = SubsetSimulation { variables, samples: SEARCH, most_levels: LEVELS }.run(rng, respond);
+    let sampled = search.levels.last().and_then(|last| {
+        // Levels that do not come to the limit say nothing of a region elsewhere that does.
+        let level = if search.failed_share() > 0.0 { *last } else { 0.0 };
+        let known = [search.u.clone(), along_directions(variables, rng)].concat();
+        let mut sampled = ImportanceSampling { variables, samples, level }.run(known, rng, respond)?;
+        sampled.levels.clone_from(&search.levels);
+        Some(sampled)
+    });
+    if let Some(sampled) = sampled.filter(|sampled| sampled.cov <= SUFFICIENT) {
+        return sampled;
+    }
+    SubsetSimulation { variables, samples, most_levels: LEVELS }.run(rng, respond)
+}
+
+/// Points along random directions from the origin `(k, d)` row-major.
+fn along_directions(variables: usize, rng: &mut impl Rng) -> Vec<f64> {
+    let (directions, steps) = DIRECTIONS;
+    let mut points = Vec::with_capacity(directions * steps * variables);
+    for _ in 0..directions {
+        let direction: Vec<f64> = (0..variables).map(|_| StandardNormal.sample(rng)).collect();
+        let length = direction.iter().map(|u| u * u).sum::<f64>().sqrt().max(f64::MIN_POSITIVE);
+        for step in 1..=steps {
+            let index = STEP * step as f64;
+            let radius = (index * index + variables as f64 - 1.0).sqrt();
+            points.extend(direction.iter().map(|u| radius * u / length));
+        }
+    }
+    points
 }

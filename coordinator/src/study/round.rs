@@ -9,7 +9,7 @@ use super::surrogates::{FitOptions, ModeResults, Surrogate};
 use crate::results::summary::Round;
 use crate::statistics::design::{Population, Stream, open_stream};
 use crate::statistics::learning::{
-    Classification, Coupled, CurveErrors, Exploration, Figures, JointPool, Selection, SelectionOptions,
+    Classification, ClassifiedMode, Coupled, CurveErrors, Exploration, Figures, JointPool, Selection, SelectionOptions,
     UNCERTAIN, checkpoints_that_matter, choose_pool, classify_cached, coupled_criterion, curves, dominance,
     estimate_errors, explore, noise_shifts, spread,
 };
@@ -255,10 +255,12 @@ fn classify_modes(
         .iter()
         .zip(&problem.modes)
         .zip(caches)
-        .map(|((surrogate, mode), cache)| {
+        .enumerate()
+        .map(|(index, ((surrogate, mode), cache))| {
             cache.set_limit(limit);
-            classify_cached(cache, &surrogate.model, population, mode.threshold, grid)
-                .with_inflation(surrogate.inflation())
+            let inflation = surrogate.inflation();
+            let mode = ClassifiedMode { index, threshold: mode.threshold, grid, inflation };
+            classify_cached(cache, &surrogate.model, population, &mode)
         })
         .collect()
 }

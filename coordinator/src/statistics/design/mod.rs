@@ -5,12 +5,14 @@
 //! # Source
 //! The generator is ChaCha with 12 rounds: Bernstein (2008), ChaCha, a variant of Salsa20.
 
+mod deviation;
 mod initial_design;
 mod input_model;
 mod latin_hypercube;
 mod points;
 mod population;
 
+pub use deviation::deviation;
 pub use initial_design::choose_by_latin_hypercube;
 pub use input_model::InputModel;
 pub use latin_hypercube::latin_hypercube;

@@ -1,18 +1,33 @@
 //! Classification of the population by the surrogate of one mode.
 //!
-//! At checkpoint n a point has failed if max over k <= n of mean_k(x) >= threshold, with mean_k the Kriging
-//! mean of the running maximum at checkpoint k. The learning function of a point is
+//! At checkpoint n point j has failed if
+//!
+//!   max over k <= n of mean_k(x_j) + sigma_k s(x_j) zeta_j >= threshold,
+//!
+//! with mean_k the Kriging mean of the running maximum at checkpoint k, the process standard deviation sigma_k
+//! [unit of the output], the variance factor s^2 [1] of the prediction, and zeta_j a standard normal number of
+//! its own for every point and mode ([`deviation`]). The share of the points that failed is then the
+//! posterior mean of the failure probability,
+//!
+//!   E P_f = mean over j of Phi((mean_n(x_j) - threshold) / (sigma_n s(x_j))),
+//!
+//! up to a scatter of sqrt(sum of Phi (1 - Phi)) / N, which is below that of counting. Counting the means instead
+//! takes every place where no simulation has been for safe where failures are the exception: regions not yet
+//! found are missing from such a count.
+//!
+//! The learning function of a point is
 //!
 //!   U(x, n) = |mean_n(x) - threshold| / (sigma_n s(x)),
 //!
-//! with the process standard deviation sigma_n [unit of the output] and the variance factor s^2 [1] of the
-//! prediction. Phi(-U) is the probability that the sign of the prediction is wrong, if the response is
-//! Gaussian as the surrogate assumes.
+//! with the running maximum of the means. Phi(-U) is the probability that the sign of the prediction is wrong, if
+//! the response is Gaussian as the surrogate assumes.
 //!
 //! # Source
-//! Echard, Gayton, Lemaire (2011), AK-MCS, Structural Safety 33(2).
+//! U: Echard, Gayton, Lemaire (2011), AK-MCS, Structural Safety 33(2). Posterior mean of the failure
+//! probability: Dubourg, Sudret, Deheeger (2013), Metamodel-based importance sampling for structural reliability
+//! analysis, Probabilistic Engineering Mechanics 33.
 
-use crate::statistics::design::Population;
+use crate::statistics::design::{Population, deviation};
 use crate::statistics::surrogate::{Kriging, PredictionCache};
 use faer::Mat;
 use rayon::prelude::*;
@@ -29,22 +44,15 @@ pub struct Classification {
     /// Variance of the prediction over the process variance `(N,)` [1].
     pub variance_factor: Vec<f64>,
     /// Process standard deviation at the checkpoints of the grid `(a,)`, enlarged by
-    /// [`Classification::with_inflation`] [unit of output].
+    /// [`ClassifiedMode::inflation`] [unit of output].
     pub sigma: Vec<f64>,
-    /// Index of the checkpoint by which the point is predicted to have failed `(N,)`; m if never.
+    /// Index of the checkpoint by which the point is taken to have failed `(N,)`; m if never.
     pub first_failure: Vec<u32>,
     /// Threshold of the mode [unit of the output].
     pub threshold: f64,
 }
 
 impl Classification {
-    /// The classification with all predicted variances multiplied by `factor` [1].
-    #[must_use]
-    pub fn with_inflation(mut self, factor: f64) -> Self {
-        self.sigma.iter_mut().for_each(|sigma| *sigma *= factor.sqrt());
-        self
-    }
-
     /// Number a of checkpoints of the grid.
     pub fn grid(&self) -> usize {
         self.sigma.len()
@@ -70,12 +78,23 @@ pub(super) fn distance_over_std(distance: f64, std: f64) -> f64 {
     if std > 0.0 { distance.abs() / std } else { f64::INFINITY }
 }
 
-/// Classifies the population by a model whose m outputs are the checkpoints of one mode. `threshold` is that
-/// of the mode [unit of the output], `grid` `(a,)` holds the indices of the checkpoints at which means are
-/// kept. The result does not depend on the number of threads: blocks are fixed and independent.
-pub fn classify(model: &Kriging, population: &Population, threshold: f64, grid: &[usize]) -> Classification {
-    let sigma = sigma_on(model, grid);
-    classify_blocks(population.len(), sigma, threshold, grid, |block| predict_block(model, population, block))
+/// The limit state by which a population is classified.
+#[derive(Debug, Clone, Copy)]
+pub struct ClassifiedMode<'a> {
+    /// Index of the mode: that of its deviations.
+    pub index: usize,
+    /// Threshold [unit of the output].
+    pub threshold: f64,
+    /// Indices of the checkpoints at which means are kept `(a,)`, ascending.
+    pub grid: &'a [usize],
+    /// Factor by which predicted variances are enlarged [1].
+    pub inflation: f64,
+}
+
+/// Classifies the population by a model whose m outputs are the checkpoints of one mode. The result does not
+/// depend on the number of threads: blocks are fixed and independent.
+pub fn classify(model: &Kriging, population: &Population, mode: &ClassifiedMode<'_>) -> Classification {
+    classify_blocks(population.len(), model, mode, |block| predict_block(model, population, block))
 }
 
 /// Classifies the population as [`classify`] does, through a cache of this mode's predictions, which is
@@ -85,12 +104,10 @@ pub fn classify_cached(
     cache: &mut PredictionCache,
     model: &Kriging,
     population: &Population,
-    threshold: f64,
-    grid: &[usize],
+    mode: &ClassifiedMode<'_>,
 ) -> Classification {
     cache.update(model, population);
-    let sigma = sigma_on(model, grid);
-    classify_blocks(population.len(), sigma, threshold, grid, |block| {
+    classify_blocks(population.len(), model, mode, |block| {
         cache.block(block).map_or_else(
             || predict_block(model, population, block),
             |prediction| (prediction.mean, prediction.variance_factor),
@@ -105,20 +122,16 @@ fn predict_block(model: &Kriging, population: &Population, block: usize) -> (Mat
     (prediction.mean, prediction.variance_factor)
 }
 
-/// Process standard deviations at the checkpoints of the grid `(a,)` [unit of the output].
-fn sigma_on(model: &Kriging, grid: &[usize]) -> Vec<f64> {
-    grid.iter().map(|n| model.sigma2()[*n].sqrt()).collect()
-}
-
 /// Classifies `points` points from the means `(m, b)` and variance factors `(b,)` that `predict` returns for
 /// each block.
 fn classify_blocks(
     points: usize,
-    sigma: Vec<f64>,
-    threshold: f64,
-    grid: &[usize],
+    model: &Kriging,
+    classified: &ClassifiedMode<'_>,
     predict: impl Fn(usize) -> (Mat<f64>, Vec<f64>) + Sync,
 ) -> Classification {
+    let ClassifiedMode { index, threshold, grid, inflation } = *classified;
+    let sigma: Vec<f64> = model.sigma2().iter().map(|sigma2| (sigma2 * inflation).sqrt()).collect();
     let a = grid.len();
     let mut mean = vec![0.0; points * a];
     let mut variance_factor = vec![0.0; points];
@@ -132,7 +145,9 @@ fn classify_blocks(
             variance_factor.copy_from_slice(&factors);
             for (j, first) in first_failure.iter_mut().enumerate() {
                 let history = means.col_as_slice(j);
-                let failed = history.iter().position(|y| *y >= threshold).unwrap_or(history.len());
+                let in_sigma = factors[j].max(0.0).sqrt() * deviation(index, block * BLOCK + j);
+                let reached = |(y, sigma): (&f64, &f64)| y + sigma * in_sigma >= threshold;
+                let failed = history.iter().zip(&sigma).position(reached).unwrap_or(history.len());
                 *first = u32::try_from(failed).expect("a life has fewer than 2^32 checkpoints");
                 let (mut largest, mut next) = (f64::NEG_INFINITY, 0);
                 for (n, kept) in grid.iter().zip(&mut mean[j * a..(j + 1) * a]) {
@@ -142,6 +157,7 @@ fn classify_blocks(
                 }
             }
         });
+    let sigma = grid.iter().map(|n| sigma[*n]).collect();
     Classification { mean, variance_factor, sigma, first_failure, threshold }
 }
 
@@ -170,7 +186,7 @@ pub fn curves(first_failures: &[&[u32]], m: usize) -> Vec<Vec<f64>> {
 mod tests {
     use super::*;
     use crate::statistics::surrogate::{Correlation, Kernel};
-    use common::random::Distribution;
+    use common::random::{Distribution, standard_normal_cdf};
 
     #[test]
     fn curves_count_each_mode_and_the_first_of_them() {
@@ -179,6 +195,32 @@ mod tests {
         assert_eq!(curves[0], vec![0.25, 0.25, 0.5]);
         assert_eq!(curves[1], vec![0.0, 0.25, 0.5]);
         assert_eq!(curves[2], vec![0.25, 0.5, 0.75]);
+    }
+
+    #[test]
+    fn a_region_without_simulations_counts_with_its_probability() {
+        // Simulated near zero only, where the response is 0: beyond a few lengths the prediction is the mean of
+        // zero again, with a standard deviation that makes a failure at 1 as probable as the posterior says.
+        let normal = Distribution::truncated_normal(0.0, 1.0, -8.0, 8.0).unwrap();
+        let population = Population::draw(&[normal], 50_000, 1);
+        let x = Mat::from_fn(1, 5, |_, i| 0.4 * i as f64 - 0.8);
+        let y = Mat::from_fn(5, 1, |i, _| [0.3, -0.4, 0.1, 0.5, -0.5][i]);
+        let correlation =
+            Correlation { kernel: Kernel::Gaussian, theta: vec![4.0], nugget: 1e-9, stated: 0.0 };
+        let model = Kriging::condition(x.as_ref(), y.as_ref(), &correlation).unwrap();
+        for inflation in [1.0, 2.0] {
+            let mode = ClassifiedMode { index: 0, threshold: 1.0, grid: &[0], inflation };
+            let classified = classify(&model, &population, &mode);
+            let counted = curves(&[&classified.first_failure], 1)[0][0];
+            let by_means = classified.mean.iter().filter(|mean| **mean >= 1.0).count();
+            let probability = |j: usize| {
+                let std = classified.sigma[0] * classified.variance_factor[j].sqrt();
+                standard_normal_cdf((classified.mean[j] - 1.0) / std.max(1e-12))
+            };
+            let expected = (0..population.len()).map(probability).sum::<f64>() / 5e4;
+            assert!(by_means == 0 && expected > 5e-3, "{by_means} {expected}");
+            assert!((counted - expected).abs() < 4.0 * (expected / 5e4).sqrt(), "{counted} {expected}");
+        }
     }
 
     #[test]
@@ -194,16 +236,16 @@ mod tests {
         });
         let theta = vec![0.02, 0.1, 0.1, 0.03];
         let correlation = Correlation { kernel: Kernel::Gaussian, theta, nugget: 1e-9, stated: 0.0 };
-        let (threshold, grid) = (1.0, [1, 3, 4]);
+        let mode = ClassifiedMode { index: 0, threshold: 1.0, grid: &[1, 3, 4], inflation: 1.0 };
         let mut cache = PredictionCache::default();
         let mut model = Kriging::condition(x.subcols(0, 40), y.subrows(0, 40), &correlation).unwrap();
         for (from, to) in [(40, 41), (41, 48), (48, 60)] {
-            classify_cached(&mut cache, &model, &population, threshold, &grid);
+            classify_cached(&mut cache, &model, &population, &mode);
             model = model.extended(x.subcols(from, to - from), y.subrows(from, to - from), None).unwrap();
         }
-        let cached = classify_cached(&mut cache, &model, &population, threshold, &grid);
+        let cached = classify_cached(&mut cache, &model, &population, &mode);
         let whole = Kriging::condition(x.as_ref(), y.as_ref(), &correlation).unwrap();
-        let fresh = classify(&whole, &population, threshold, &grid);
+        let fresh = classify(&whole, &population, &mode);
         assert_eq!(cached.first_failure, fresh.first_failure);
         assert!(fresh.first_failure.iter().any(|n| *n < 5) && fresh.first_failure.contains(&5));
         for j in 0..population.len() {

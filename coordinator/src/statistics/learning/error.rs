@@ -2,20 +2,21 @@
 //!
 //! Joint realisations of the surrogates are drawn at the pool. The modes are independent; the checkpoints of
 //! one mode have the same deviation in units of their sigma, because neighbouring checkpoints err together.
-//! Each realisation r is classified like the mean and gives a failure share F_r of the uncertain points. The
-//! error of a curve at a checkpoint is the root mean square difference between the share by means and the
-//! shares by realisations,
+//! Each realisation r gives a failure share F_r of the uncertain points. The share that is stated has their mean,
+//! see [`super::classify`], and a scatter by the deviations of its a uncertain points, independent of each other.
+//! It differs from the share F_mean of the means by as much as the predicted standard deviations say, which are
+//! known to about their half. So the error of a curve at a checkpoint is
 //!
-//!   error = (uncertain / N) sqrt(Var_r F_r + (F_mean - E_r F_r)^2) + rest,
+//!   error = (a / N) sqrt(Var_r F_r + v / a + (E_r F_r - F_mean)^2 / 4) + rest,
 //!
-//! where `rest` = (1/N) sum of Phi(-U) over the points outside the pool bounds their part. If the pool is a
-//! sample of p of the a uncertain points, the variance of the share over all of them follows from that over
-//! the sample:
+//! with v the mean variance of one point's indicator; `rest` = (1/N) sum of Phi(-U) over the points outside the
+//! pool bounds their part. If the pool is a sample of p of the uncertain points, the variance of the share over
+//! all of them follows from that over the sample:
 //!
-//!   Var_a = c (1 - 1/a) + v / a,   c = (Var_p - v / p) / (1 - 1/p),
+//!   Var_r F_r = c (1 - 1/a) + v / a,   c = (Var_p - v / p) / (1 - 1/p).
 //!
-//! with v the mean variance of one point's indicator. Predicted variances, here and in U, are multiplied by the
-//! factor by which cross-validation finds them too small ([`Classification::with_inflation`]).
+//! Predicted variances, here and in U, are multiplied by the factor by which cross-validation finds them too
+//! small ([`super::ClassifiedMode::inflation`]).
 //!
 //! Valid as far as the posterior is: Gaussian, with the lengths and the form taken as known.
 //!
@@ -33,6 +34,8 @@ use rand_distr::{Distribution, StandardNormal};
 
 /// Number of realisations: the standard deviation is then known to 1 / sqrt(2 * 128) = 6 %.
 const REALISATIONS: usize = 128;
+/// Relative uncertainty of the predicted standard deviations [1].
+const UNCERTAINTY: f64 = 0.5;
 
 /// Estimated surrogate errors of the failure shares at the checkpoints of the grid.
 #[derive(Debug, Clone, PartialEq)]
@@ -154,7 +157,7 @@ impl FailureCounts {
         }
     }
 
-    /// Mean square difference [1] between the realised shares and the share by means at checkpoint `n`.
+    /// Mean square difference [1] between the realised shares and the one stated at checkpoint `n`.
     fn mean_square(&self, n: usize, pool: &JointPool) -> f64 {
         let (sampled, uncertain) = (pool.sampled().len(), pool.uncertain());
         if sampled == 0 {
@@ -165,15 +168,15 @@ impl FailureCounts {
         let shares: Vec<f64> = self.realised.chunks_exact(self.a + 1).map(share).collect();
         let mean = shares.iter().sum::<f64>() / shares.len() as f64;
         let spread = shares.iter().map(|f| (f - mean).powi(2)).sum::<f64>() / (shares.len() - 1) as f64;
-        let bias = share(&self.by_mean) - mean;
-        let variance = if sampled < uncertain {
-            let (v, all) = (self.indicator_variance[n] / p, uncertain as f64);
+        let (v, all) = (self.indicator_variance[n] / p, uncertain as f64);
+        let realised = if sampled < uncertain {
             let between = ((spread - v / p) / (1.0 - 1.0 / p)).max(0.0);
             between * (1.0 - 1.0 / all) + v / all
         } else {
             spread
         };
-        variance + bias * bias
+        let shift = UNCERTAINTY * (mean - share(&self.by_mean));
+        realised + v / all + shift * shift
     }
 }
 
@@ -209,13 +212,13 @@ mod tests {
             let mut rng = open_stream(1, Stream::Realisations(0));
             estimate_errors(&modes, &coupled, &joint(n, distance), &mut rng).by_curve[0][0]
         };
-        // All points sit on the limit and count as failed; a realisation has half of them failed. Together:
-        // the share is 0 or 1, the root mean square difference sqrt(1/2). The trend's variance of 1/3 is
-        // common to all.
-        assert!((error(0.0) - 0.5_f64.sqrt()).abs() < 0.1, "{}", error(0.0));
+        // All points sit on the limit and count as failed by their means; a realisation has half of them failed.
+        // Together: the share is 0 or 1, of standard deviation 1/2, and half the shift of 1/2 is added. The trend's
+        // variance of 1/3 is common to all.
+        assert!((error(0.0) - 0.5_f64.hypot(0.25)).abs() < 0.1, "{}", error(0.0));
         // Apart: correlation 0.25 through the trend; the arcsine law gives Var = asin(0.25) / (2 pi) =
         // 0.0402.
-        let expected = (0.25 + (0.25_f64).asin() / (2.0 * std::f64::consts::PI)).sqrt();
+        let expected = ((0.25_f64).asin() / (2.0 * std::f64::consts::PI)).sqrt().hypot(0.25);
         assert!((error(50.0) - expected).abs() < 0.05, "{} {expected}", error(50.0));
     }
 

@@ -18,11 +18,11 @@
 //! has points in the known regions only. There the candidates lie in random directions, in independent
 //! standard normals u at the radius
 //!
-//!   |u|^2 = beta^2 + d - 1,   beta = -Phi^-1(P_f),
+//!   |u|^2 = beta^2 + d - 1,   beta = -Phi^-1(P_f / 100),
 //!
-//! where a half-space of the present failure probability is cut at its most probable point, the other
-//! variables being as large as they usually are: a region that changes P_f comes nearer to the mean than that,
-//! and covers a cone of these directions.
+//! where a half-space of a hundredth of the present failure probability is cut at its most probable point, the
+//! other variables being as large as they usually are: a region that changes P_f by more comes nearer to the mean
+//! than that, and covers a cone of these directions.
 //!
 //! # Source
 //! Largest predicted variance as a sequential design: Sacks, Welch, Mitchell, Wynn (1989), Design and
@@ -44,6 +44,8 @@ use rand_distr::{Distribution, StandardNormal};
 const CANDIDATES: usize = 128;
 /// Number of directions of the rim among which the choice is made.
 const DIRECTIONS: usize = 512;
+/// Probability of a region that matters over the present failure probability [1].
+const MATTERS: f64 = 0.01;
 /// Failure probabilities between which the radius of the rim follows the present one [1].
 const RIM: (f64, f64) = (1e-12, 0.1);
 
@@ -87,7 +89,7 @@ pub fn explore(
 /// directions.
 pub fn draw_rim(inputs: &InputModel, pf: f64, rng: &mut impl Rng) -> Vec<Vec<f64>> {
     let d = inputs.dimension();
-    let beta = -standard_normal_quantile(pf.clamp(RIM.0, RIM.1));
+    let beta = -standard_normal_quantile((MATTERS * pf).clamp(RIM.0, RIM.1));
     let radius = (beta * beta + d as f64 - 1.0).sqrt();
     let point = |_| {
         let u: Vec<f64> = (0..d).map(|_| StandardNormal.sample(rng)).collect();
@@ -137,7 +139,7 @@ pub fn spread(
 mod tests {
     use super::*;
     use crate::statistics::design::{Stream, open_stream};
-    use crate::statistics::learning::classify;
+    use crate::statistics::learning::{ClassifiedMode, classify};
     use crate::statistics::surrogate::{Correlation, Kernel};
     use common::random;
 
@@ -150,7 +152,8 @@ mod tests {
         let correlation =
             Correlation { kernel: Kernel::Gaussian, theta: vec![0.3; 2], nugget: 1e-8, stated: 0.0 };
         let model = Kriging::condition(data.as_ref(), values.as_ref(), &correlation).unwrap();
-        let modes = [classify(&model, &population, 20.0, &[0])];
+        let mode = ClassifiedMode { index: 0, threshold: 20.0, grid: &[0], inflation: 1.0 };
+        let modes = [classify(&model, &population, &mode)];
         let explored = |requested: &[bool], known: &[Vec<f64>], feasible: fn(MatRef<'_, f64>) -> Vec<f64>| {
             let models = [&model];
             let exploration =
@@ -180,7 +183,7 @@ mod tests {
         }
         // On the rim of a rare event, at its distance and in all directions.
         let inputs = population.inputs();
-        let rim = draw_rim(inputs, 1e-7, &mut open_stream(1, Stream::Rim(0)));
+        let rim = draw_rim(inputs, 1e-5, &mut open_stream(1, Stream::Rim(0)));
         let points: Vec<&[f64]> = rim.iter().map(Vec::as_slice).collect();
         let angles: Vec<f64> = spread(&[&model], &points, &[], everywhere, 6)
             .into_iter()

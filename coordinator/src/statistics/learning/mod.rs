@@ -4,7 +4,7 @@
 //!
 //! A limit state ("mode") s has failed by checkpoint n if its response reached the threshold at any
 //! checkpoint up to n. The surrogates therefore model the running maximum of each response's history, and
-//! predicted means are taken as running maxima too: failure is absorbing in the data and in the prediction.
+//! predictions are taken as running maxima too: failure is absorbing in the data and in the prediction.
 //! The system is in series, it fails with its first mode.
 //!
 //! | file | computes |
@@ -39,7 +39,7 @@ mod selection;
 mod stopping;
 
 pub use checkpoints::checkpoints_that_matter;
-pub use classification::{Classification, classify, classify_cached, curves};
+pub use classification::{Classification, ClassifiedMode, classify, classify_cached, curves};
 pub use coupled_criterion::{Coupled, UNCERTAIN, coupled_criterion, dominance};
 pub use error::{CurveErrors, estimate_errors};
 pub use exploration::{Exploration, draw_rim, explore, spread};

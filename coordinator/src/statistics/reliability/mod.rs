@@ -1,6 +1,6 @@
 //! Reliability over life R(n) with its standard error, its range under the numerical errors of the
 //! simulations, lives between the checkpoints, shares of first failures, distributions of the outputs, and
-//! subset simulation for rare failures.
+//! subset simulation and importance sampling for rare failures.
 //!
 //! # Source
 //! Each file names its own.
@@ -23,6 +23,7 @@
 mod crossing;
 mod curve;
 mod distribution;
+mod importance;
 mod life_counts;
 mod life_curve;
 mod numerical;
@@ -34,6 +35,7 @@ pub use curve::{Condition, CurvePoint, coefficient_of_variation, governing_check
 pub use distribution::{
     Histogram, OutputDistribution, PROBABILITIES, distributions_from_samples, predict_distributions,
 };
+pub use importance::ImportanceSampling;
 pub use life_counts::{LifeCounts, LifeEstimate, LifePosition, ModeLives, ResponseErrors, mode_lives};
 pub use life_curve::{LifeAtLevel, LifeCurve, LifeCurveInput, REACH, half_width};
 pub use numerical::NumericalBand;

@@ -1,5 +1,6 @@
 //! Lives of a population by the surrogates: every point's response is predicted at the start of life and at the checkpoints,
-//! and its crossing of the threshold interpolated.
+//! and its crossing of the threshold interpolated. The response of a point is its predicted mean and its deviation from that,
+//! as in the classification, so that lives and failure shares belong together.
 //!
 //! # Source
 //! The crossing as in `crossing.rs`, the numerical errors as in `numerical.rs`; the predictions are those of Kriging, see
@@ -8,7 +9,7 @@
 use super::crossing::Track;
 use super::life_counts::{LifeCounts, ModeLives, ResponseErrors, mode_lives};
 use super::numerical::ErrorLine;
-use crate::statistics::design::Population;
+use crate::statistics::design::{Population, deviation};
 use crate::statistics::surrogate::Kriging;
 use faer::{Mat, MatRef};
 use rayon::prelude::*;
@@ -33,6 +34,8 @@ pub struct PredictedMode<'a> {
     pub first_failure: &'a [u32],
     /// Variance of the prediction of each point over the process variance `(N,)` [1].
     pub variance_factor: &'a [f64],
+    /// Index of the mode: that of the deviations of its points.
+    pub index: usize,
 }
 
 /// A mode with what is the same for all points.
@@ -41,7 +44,8 @@ struct PreparedMode<'a> {
     dual: Mat<f64>,
     /// Stated error over the value at each checkpoint `(m,)`.
     lines: Vec<ErrorLine>,
-    /// Standard deviation of the prediction at each checkpoint where the variance factor is 1 `(m,)` [unit of the output].
+    /// Standard deviation of each output of the model where the variance factor is 1: at the start, if it is known, and
+    /// at the checkpoints [unit of the output].
     scale: Vec<f64>,
     /// True if the first output of the model is the start of life.
     has_start: bool,
@@ -58,20 +62,24 @@ impl<'a> PreparedMode<'a> {
         Self {
             dual: mode.model.dual(),
             lines: (0..m).map(|k| ErrorLine::fit(&pairs(k))).collect(),
-            scale: sigma2[usize::from(has_start)..].iter().map(|s| (s * mode.inflation).sqrt()).collect(),
+            scale: sigma2.iter().map(|s| (s * mode.inflation).sqrt()).collect(),
             has_start,
             mode,
         }
     }
 
-    /// Lives of point `j`, whose predicted values are `means`: at the start, if it is known, and at the checkpoints.
+    /// Lives of point `j`, whose predicted means are `means`: at the start, if it is known, and at the checkpoints.
     fn lives(&self, j: usize, means: &[f64], times: &[f64], room: &mut Room) -> ModeLives {
-        let (start, values) = if self.has_start { (Some(means[0]), &means[1..]) } else { (None, means) };
-        let std = self.mode.variance_factor[j].sqrt();
+        let std = self.mode.variance_factor[j].max(0.0).sqrt();
+        let in_sigma = std * deviation(self.mode.index, j);
+        room.values.clear();
+        room.values.extend(means.iter().zip(&self.scale).map(|(mean, scale)| mean + scale * in_sigma));
+        let checkpoints = usize::from(self.has_start);
+        let (start, values) = (self.has_start.then_some(room.values[0]), &room.values[checkpoints..]);
         room.numerical.clear();
         room.numerical.extend(self.lines.iter().zip(values).map(|(line, y)| line.evaluate(*y)));
         room.predicted.clear();
-        room.predicted.extend(self.scale.iter().map(|scale| scale * std));
+        room.predicted.extend(self.scale[checkpoints..].iter().map(|scale| scale * std));
         let errors = ResponseErrors { numerical: &room.numerical, predicted: &room.predicted };
         let first = self.mode.first_failure[j] as usize;
         let track = Track { times, values, start };
@@ -79,9 +87,10 @@ impl<'a> PreparedMode<'a> {
     }
 }
 
-/// Memory for the errors and shifted values of one point.
+/// Memory for the values of one point, their errors and shifted values.
 #[derive(Default)]
 struct Room {
+    values: Vec<f64>,
     numerical: Vec<f64>,
     predicted: Vec<f64>,
     shifted: Vec<f64>,
@@ -145,6 +154,7 @@ mod tests {
             threshold: 2.0,
             first_failure: &first_failure,
             variance_factor: &vec![0.0; population.len()],
+            index: 0,
         };
         let counts = population_lives(&[mode], &population, &[1.0, 2.0, 3.0]);
         let parts = counts.parts();
