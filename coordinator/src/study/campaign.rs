@@ -142,7 +142,10 @@ impl Campaign {
                 Err(cause) if self.plan.retry && !pending.stricter => {
                     self.requests.retries.push_back((PendingSample { stricter: true, ..pending }, cause));
                 }
-                Err(cause) => self.data.add_failed(pending.z, cause, pending.exploring),
+                Err(cause) => {
+                    let beyond = pending.member.is_none();
+                    self.data.add_failed(pending.z, cause, pending.exploring, beyond);
+                }
             }
         }
         self.progress.assessment = None;

@@ -47,9 +47,10 @@ impl CampaignData {
     }
 
     /// Adds a simulation that failed for good at the standardised point `z` `(d,)`. A failure while exploring
-    /// was to be expected where the nearest simulation failed, too.
-    pub fn add_failed(&mut self, z: Vec<f64>, cause: SimulationFailure, exploring: bool) {
-        let expected = exploring && self.is_nearest_to_a_failure(&z);
+    /// was to be expected where the nearest simulation failed, too, and `beyond` the population, where the
+    /// simulator may not reach.
+    pub fn add_failed(&mut self, z: Vec<f64>, cause: SimulationFailure, exploring: bool, beyond: bool) {
+        let expected = exploring && (beyond || self.is_nearest_to_a_failure(&z));
         self.failed.push(Failed { z, cause, expected });
     }
 
@@ -84,10 +85,13 @@ mod tests {
         let cause = SimulationFailure::NotModelled { what: "beyond".into() };
         // The first failure of a corner counts, the exploring points that follow it do not, another corner does.
         for (z, exploring) in [(4.0, true), (4.2, true), (3.5, true), (-4.0, true), (4.1, false)] {
-            data.add_failed(vec![z], cause.clone(), exploring);
+            data.add_failed(vec![z], cause.clone(), exploring, false);
         }
         let expected = data.failed.iter().map(|failed| failed.expected).collect::<Vec<_>>();
         assert_eq!(expected, [false, true, true, false, false]);
         assert_eq!((data.unexpected_failures().count(), data.explored().len(), data.results()), (3, 5, 1));
+        // Beyond the population no failure counts.
+        data.add_failed(vec![0.1], cause, true, true);
+        assert_eq!((data.unexpected_failures().count(), data.failed.len()), (3, 6));
     }
 }
