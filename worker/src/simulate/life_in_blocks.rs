@@ -4,6 +4,7 @@ use super::blocks::{at_checkpoints, block_ends};
 use super::error_estimate::{ErrorEstimate, MeasuredLives};
 use super::probe::is_probed;
 use super::run::Run;
+use super::several_cycles::SeveralCycles;
 use common::failure::SimulationFailure;
 use common::scene::OutputKind;
 
@@ -43,10 +44,13 @@ pub(crate) async fn simulate_life<E: From<SimulationFailure>>(
     let (end, every) = (scene.life.cycles, scene.life.checkpoint_every);
     let lives = block_ends(end, accuracy.cycle_jump, every);
     let mut estimate = ErrorEstimate::default();
-    let mut measured = vec![run.motion_outputs()];
+    let mut rattles = false;
     if dynamic {
-        estimate.add_probe(run.probe(0).await?);
+        let probe = run.probe(0).await?;
+        rattles = probe.rattles;
+        estimate.add_probe(probe);
     }
+    let mut measured = vec![measured_outputs(run, 0, rattles, &mut estimate).await?];
     let mut wear = vec![vec![]; scene.outputs.len()];
     run.keep_bores(0);
     for block in lives.windows(2) {
@@ -61,8 +65,8 @@ pub(crate) async fn simulate_life<E: From<SimulationFailure>>(
             CycleModel::Dynamic if to == end => run.last_cycle().await?,
             CycleModel::Dynamic | CycleModel::QuasiStatic => next_cycle(run).await?,
         }
-        measured.push(run.motion_outputs());
-        if model == CycleModel::Dynamic && is_probed(from..to, every, end) {
+        measured.push(measured_outputs(run, to, rattles, &mut estimate).await?);
+        if model == CycleModel::Dynamic && !rattles && is_probed(from..to, every, end) {
             estimate.add_probe(run.probe(to).await?);
         }
     }
@@ -81,4 +85,23 @@ pub(crate) async fn simulate_life<E: From<SimulationFailure>>(
     let errors = estimate.errors(scene, &histories, &measured, accuracy.largest_step);
     // An output of the wear is zero on the unworn bores, as is its measured value.
     Ok(LifeHistory { histories, errors, start: measured.outputs[0].clone() })
+}
+
+/// Outputs of the motion on the bores of `life` [cycles] `(outputs,)` [SI]: in the cycle just measured, or if the motion `rattles` their
+/// means over further cycles too, whose spread is added to the `estimate`.
+///
+/// # Errors
+/// [`SimulationFailure`] if a further cycle fails.
+async fn measured_outputs(
+    run: &mut Run<'_>,
+    life: u32,
+    rattles: bool,
+    estimate: &mut ErrorEstimate,
+) -> Result<Vec<f64>, SimulationFailure> {
+    if !rattles {
+        return Ok(run.motion_outputs());
+    }
+    let SeveralCycles { motion, spread } = run.several_cycles(life).await?;
+    estimate.add_spread(spread);
+    Ok(motion)
 }
