@@ -319,6 +319,7 @@ mod tests {
             probes: vec![probe(100, 0.0, 0.02)],
             lives: vec![0, 100],
             worn: vec![vec![], vec![worn]],
+            ..ErrorEstimate::default()
         };
         // The second point might be the deepest, by 0.3, the spacing hides 0.4; the rate is off by 2 %, counted
         // WEAR_SAFETY times.
