@@ -13,9 +13,9 @@
 //! For a wear depth it is the root of the sum of squares of the error of the wear steps, that of the spacing of the control
 //! points, and twice the relative change of the wear rate in the probes times the depth. No value has a relative error below 1e-10, rounding.
 //!
-//! Where no cycle repeats the one before, each simulated life has several cycles (`several_cycles.rs`). Of such a motion y is the mean,
-//! and its estimate is [`SCATTER`] times the standard deviation of single cycles plus s |y|; for a wear depth as many times its standard
-//! error takes the place of the change in the probes.
+//! Where no cycle repeats the one before, several motions wear the bores (`several_cycles.rs`). Of such a motion y is the mean,
+//! and its estimate is [`SCATTER`] times the standard deviation of single cycles plus s |y|; for a wear depth as many times the standard
+//! error of the mean of what the motions have worn takes the place of the change in the probes.
 //!
 //! Valid as an estimate, not as a bound: [`MOTION_SAFETY`] lists how often it held.
 //!
@@ -24,7 +24,7 @@
 
 use super::probe::Probe;
 use super::run::Run;
-use super::several_cycles::CycleSpread;
+use super::several_cycles::{CycleSpread, MOTIONS, mean_and_variance};
 use crate::outputs::{Sampling, motion_output};
 use common::scene::{OutputKind, Scene};
 use std::f64::consts::TAU;
@@ -50,9 +50,9 @@ const WORN_MOTION: f64 = 1e-4;
 /// Lower bound of the relative error of a value: rounding of some million steps [1].
 const ROUNDING: f64 = 1e-10;
 
-/// Stated error over the standard deviation of what is scattered [1]: 95 of 100 values are within, Student's t of the five degrees of
-/// freedom of six cycles. With 2 instead, 91 of 100 depths of 30 starts of `slider-crank` were within at `draft`, 88 at `balanced`.
-const SCATTER: f64 = 2.57;
+/// Stated error over the standard deviation of what is scattered [1]. With it 95 to 100 of 100 depths of 50 starts of `slider-crank`
+/// are within their stated errors, at every checkpoint (`worker/tests/evaluation/rattling.rs`).
+const SCATTER: f64 = 2.0;
 
 /// Depth of one joint and its estimated errors.
 #[derive(Default)]
@@ -82,6 +82,8 @@ impl MeasuredLives<'_> {
 /// Probes and wear of an evaluation, from which its error is estimated.
 #[derive(Default)]
 pub struct ErrorEstimate {
+    /// Life of the first checkpoint [cycles].
+    first_checkpoint: u32,
     probes: Vec<Probe>,
     /// Spread of the cycles at each simulated life of a motion that does not repeat itself, else empty.
     spreads: Vec<CycleSpread>,
@@ -92,6 +94,11 @@ pub struct ErrorEstimate {
 }
 
 impl ErrorEstimate {
+    /// An estimate for a life whose first checkpoint is at `first_checkpoint` [cycles].
+    pub(crate) fn new(first_checkpoint: u32) -> Self {
+        ErrorEstimate { first_checkpoint, ..ErrorEstimate::default() }
+    }
+
     /// Adds a probe; lives ascend.
     pub(crate) fn add_probe(&mut self, probe: Probe) {
         self.probes.push(probe);
@@ -206,12 +213,11 @@ impl ErrorEstimate {
         };
         let depth = largest(|w, i| w.depth[i]);
         let steps = largest(|w, i| w.depth[i] + w.error[i]) - depth;
-        let time = joints.iter().fold(0.0_f64, |a, &j| {
+        let rates = joints.iter().fold(0.0_f64, |a, &j| {
             let deepest = worn[j].depth.iter().fold(0.0_f64, |a, &b| a.max(b));
-            a.max(WEAR_SAFETY * deepest * self.largest_near(life, |p| p.wear[j]))
+            a.max(deepest * self.relative_rate_error(j, life))
         });
         let spacing = largest(|w, i| w.depth[i] + w.spacing) - depth;
-        let rates = if self.spreads.is_empty() { time } else { self.scatter_of_depth(joints, life, worn) };
         (libm::hypot(libm::hypot(steps, spacing), rates), depth)
     }
 
@@ -220,23 +226,40 @@ impl ErrorEstimate {
         self.spreads.iter().map(|spread| spread.motion[output]).fold(0.0, f64::max)
     }
 
-    /// How much deeper the deepest of `worn`, the points of these `joints`, would be if every depth at `life` were larger by
-    /// [`SCATTER`] of its standard errors [m].
-    fn scatter_of_depth(&self, joints: &[usize], life: u32, worn: &[WornJoint]) -> f64 {
-        let (mut depth, mut deeper) = (0.0_f64, 0.0_f64);
-        for &joint in joints {
-            for (point, &reached) in worn[joint].depth.iter().enumerate() {
-                let usual = usual_variance(&self.spreads, joint, point);
-                let variance = |(spread, next): (&CycleSpread, &CycleSpread)| {
-                    let cycles = f64::from(next.life.min(life).saturating_sub(spread.life));
-                    cycles * cycles * spread.wear(joint, point).1.max(usual)
-                };
-                let blocks = self.spreads.iter().zip(&self.spreads[1..]).map(variance);
-                depth = depth.max(reached);
-                deeper = deeper.max(reached + SCATTER * blocks.sum::<f64>().sqrt());
+    /// Relative error of the wear rates of a joint up to `life` from the cycles that were simulated [1].
+    fn relative_rate_error(&self, joint: usize, life: u32) -> f64 {
+        if self.spreads.is_empty() {
+            WEAR_SAFETY * self.largest_near(life, |p| p.wear[joint])
+        } else {
+            SCATTER * self.scatter_of_depth(joint)
+        }
+    }
+
+    /// Standard error of the mean over all motions of a joint's depth over the depth [1]: the root of the mean, over the ends of the
+    /// blocks from the first checkpoint on, of
+    ///
+    ///   sum of s_i^2 / (M sum of D_i^2)
+    ///
+    /// over the control points at least half as deep as the deepest, with the mean D_i [m] and the variance s_i^2 [m^2] of what M motions
+    /// have worn. These ratios differ little along a life.
+    fn scatter_of_depth(&self, joint: usize) -> f64 {
+        let mut worn = vec![vec![0.0; self.spreads[0].wear[0][joint].len()]; MOTIONS];
+        let (mut sum, mut ends) = (0.0, 0.0);
+        for (spread, next) in self.spreads.iter().zip(&self.spreads[1..]) {
+            let cycles = f64::from(next.life - spread.life);
+            for (worn, rates) in worn.iter_mut().zip(&spread.wear) {
+                worn.iter_mut().zip(&rates[joint]).for_each(|(depth, rate)| *depth += cycles * rate);
+            }
+            let (mean, variance) = mean_and_variance(&worn);
+            let deepest = mean.iter().fold(0.0_f64, |a, &b| a.max(b));
+            let deep = mean.iter().zip(&variance).filter(|(mean, _)| 2.0 * **mean >= deepest);
+            let (squares, variances) = deep.fold((0.0, 0.0), |(a, b), (mean, v)| (a + mean * mean, b + v));
+            if next.life >= self.first_checkpoint && squares > 0.0 {
+                ends += 1.0;
+                sum += variances / (MOTIONS as f64 * squares);
             }
         }
-        deeper - depth
+        if ends > 0.0 { (sum / ends).sqrt() } else { 0.0 }
     }
 
     /// The larger value of the two probes around `life`; if one of them or the first of all found an aperiodic motion, at least
@@ -256,25 +279,6 @@ impl ErrorEstimate {
     fn is_aperiodic_unworn(&self) -> bool {
         self.probes.first().is_some_and(|p| p.life == 0 && p.aperiodic)
     }
-}
-
-/// Variance of the mean wear rate of a control point on one bore, from all simulated lives [m^2 per cycle^2]: the mean of what the
-/// cycles of each life show, or what the distances of the means from the line through their neighbours show, if that is more. A motion
-/// may keep to a phase for longer than the cycles that are measured.
-///
-/// For values x_a, x, x_b of variance v each, with the share w of the way from a to b, the distance has the variance
-/// (1 + (1 - w)^2 + w^2) v.
-fn usual_variance(spreads: &[CycleSpread], joint: usize, point: usize) -> f64 {
-    let within = spreads.iter().map(|spread| spread.wear(joint, point).1).sum::<f64>() / spreads.len() as f64;
-    let distance = |three: &[CycleSpread]| {
-        let share = f64::from(three[1].life - three[0].life) / f64::from(three[2].life - three[0].life);
-        let [before, rate, after] = [0, 1, 2].map(|k| three[k].wear(joint, point).0);
-        let off = before + share * (after - before) - rate;
-        off * off / (1.0 + (1.0 - share) * (1.0 - share) + share * share)
-    };
-    let distances: Vec<f64> = spreads.windows(3).map(distance).collect();
-    let between = distances.iter().sum::<f64>() / distances.len().max(1) as f64;
-    within.max(between)
 }
 
 /// Largest distance of a value from the straight line through its two neighbours, which an aperiodic motion owes to details of the

@@ -3,7 +3,7 @@
 use super::blocks::block_ends;
 use super::probe::{FINER, is_probed};
 use super::run::Run;
-use super::several_cycles::CYCLES;
+use super::several_cycles::MOTIONS;
 use super::side_by_side::{LaneQueue, run_alone};
 use crate::mechanism::Island;
 use crate::quasi_static::Unsuitable;
@@ -130,8 +130,8 @@ async fn examine(
         0.0
     } else if probe.rattles {
         // Every wear step has the contacts of all cycles.
-        look.expected += wear * (CYCLES - 1) as u32;
-        blocks as f64 * (accuracy.warm_up + CYCLES as f64) + (CYCLES - 1) as f64
+        look.expected += wear * (MOTIONS - 1) as u32;
+        blocks as f64 * (accuracy.warm_up + MOTIONS as f64) + (MOTIONS - 1) as f64
     } else {
         let probes = lives.windows(2).filter(|w| is_probed(w[0]..w[1], every, end)).count();
         // A probe is as many cycles as on the unworn bores if the motion is irregular there, else one.

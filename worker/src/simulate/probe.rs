@@ -27,10 +27,6 @@ const APERIODIC_WEAR: f64 = 0.02;
 /// Largest number of further cycles of an aperiodic motion.
 const MOST_CYCLES: usize = 3;
 
-/// Further cycles whose wear rates are not those of the cycle before, from which on a motion rattles: `slider-crank` has phases of
-/// some cycles that nearly repeat.
-const RATTLING_CYCLES: usize = 2;
-
 /// Factors of the damping that joints with a coefficient of restitution took from their last impact, one further cycle after the
 /// other: 8 times, then an eighth [1]. A contact that begins anew in the cycle corrects it; one that lasts keeps the damping
 /// of an impact during settling, which is arbitrary, and what depends on that is part of the error.
@@ -47,7 +43,8 @@ pub struct Probe {
     pub wear: Vec<f64>,
     /// True if the motion does not repeat itself.
     pub aperiodic: bool,
-    /// True if the wear rates of most of the largest number of further cycles are not those of the cycle before.
+    /// True if the wear rates of the second further cycle or a later one are not those of the cycle before; those of the first may
+    /// differ where the motion had not settled.
     pub rattles: bool,
 }
 
@@ -94,7 +91,6 @@ impl Run<'_> {
         let (motion, wear) = (vec![0.0; measured.motion.len()], vec![0.0; measured.wear.len()]);
         let mut probe = Probe { life, motion, wear, aperiodic: false, rattles: false };
         let mut latest = measured.wear.clone();
-        let mut different = 0;
         let (remembers, once) = (self.depends_on_last_impact(), self.scene.life.is_single_cycle());
         for cycle in 0..MOST_CYCLES {
             if once {
@@ -106,16 +102,15 @@ impl Run<'_> {
             }
             self.further_cycle().await?;
             let further = self.cycle_values(life)?;
-            different += usize::from(is_other_wear(&further.wear, &latest));
+            probe.rattles |= !once && cycle > 0 && is_other_wear(&further.wear, &latest);
             let aperiodic = probe.add_cycle(measured, &further);
             latest = further.wear;
             let factors_left = remembers && cycle + 1 < DAMPING_FACTORS.len();
-            if (once || aperiodic == 0) && !factors_left {
+            if probe.rattles || (once || aperiodic == 0) && !factors_left {
                 break;
             }
         }
         probe.aperiodic &= !once;
-        probe.rattles = !once && different >= RATTLING_CYCLES;
         Ok(probe)
     }
 

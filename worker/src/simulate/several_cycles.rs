@@ -1,25 +1,41 @@
-//! Means over several cycles of a motion that does not repeat itself, and how far the cycles spread.
+//! Means over several motions of a mechanism that does not repeat itself, and how far they spread.
 //!
-//! For the wear rate r_m,i [m per cycle] of control point i in cycle m = 1..M on the same bore the mean drives the block that follows,
-//! and a block of T cycles adds T^2 v_i to the variance of the depth [m^2], with the variance v_i of the mean. For independent cycles
-//! v_i = s_i^2 / M, with the variance s_i^2 of the single ones; `slider-crank` keeps to one kind of motion for longer than M cycles now and
-//! then, so that the scatter of the means from life to life counts where it is larger (`error_estimate.rs`).
+//! On the unworn bores c = 1..M motions are started, each from a cycle with a narrower clearance that makes its impacts fall elsewhere.
+//! After every block each of them is continued by one cycle on the bores as worn by all: the mean of the M contact histories drives
+//! the wear. With the wear rate r_c,b [m per cycle] of a control point in motion c before block b of T_b cycles, motion c alone has
+//! worn
+//!
+//!   D_c = sum over b of T_b r_c,b                                        [m],
+//!
+//! and the variance of their mean is s^2 / M, with the variance s^2 of the D_c (independent replications). The cycles of one motion need
+//! not be independent, as those of `slider-crank` are not: on the worn bore it keeps to one of two kinds of motion.
 //!
 //! An output of the motion is the mean over the M cycles too; stated is how far single cycles spread.
 //!
 //! # Source
-//! Variance of a mean of independent values, and of a sum: Cochran, Sampling Techniques (1977), chapter 2.
+//! Method of independent replications: Law, Simulation Modeling and Analysis (2015), section 9.5.
 
+use super::island_state::{IslandState, StateSnapshot};
 use super::run::Run;
 use crate::wear::ContactHistory;
 use common::failure::SimulationFailure;
+use common::scene::JointKind;
 
-/// Cycles on each bore whose mean is taken. The wear rate of the deepest point of `slider-crank` differs by 14 to 17 % from cycle to
-/// cycle; means of six states its depth within 10 % from the first checkpoint on, at less than twice the cost of single cycles with
-/// their probes.
-pub(crate) const CYCLES: usize = 6;
+/// Motions whose mean is taken.
+pub(crate) const MOTIONS: usize = 6;
 
-/// Cycles measured one after the other on the same bores.
+/// Share of the clearance by which that of the cycle before a motion starts is smaller, from motion to motion [1].
+const NARROWER: f64 = 0.03;
+
+/// Motions of a mechanism on the same bores.
+#[derive(Default)]
+pub struct SeveralMotions {
+    /// State of the further motions, one less than [`MOTIONS`], from which their next warm-up starts `(motions, islands)`; empty
+    /// before they have been started.
+    further: Vec<Vec<StateSnapshot>>,
+}
+
+/// Cycles measured on the same bores, one of each motion.
 pub struct SeveralCycles {
     /// Mean of every output of the motion `(outputs,)` [SI].
     pub motion: Vec<f64>,
@@ -34,59 +50,85 @@ pub struct CycleSpread {
     pub life: u32,
     /// Variance of every output of the motion over single cycles `(outputs,)` [SI^2].
     pub motion: Vec<f64>,
-    /// Mean wear rate [m per cycle] at every control point of every joint of the scene, and its variance [m^2 per cycle^2]
-    /// `(joints, 2, points)`; empty for joints that do not wear.
-    wear: Vec<(Vec<f64>, Vec<f64>)>,
+    /// Wear rate in each motion at every control point of every joint of the scene `(motions, joints, points)` [m per cycle]; empty for
+    /// joints that do not wear.
+    pub wear: Vec<Vec<Vec<f64>>>,
 }
 
-impl CycleSpread {
-    /// Mean wear rate of a control point [m per cycle], and its variance [m^2 per cycle^2]; zero if the joint does not wear.
-    pub(crate) fn wear(&self, joint: usize, point: usize) -> (f64, f64) {
-        let (rate, variance) = &self.wear[joint];
-        let value = |of_points: &[f64]| of_points.get(point).copied().unwrap_or(0.0);
-        (value(rate), value(variance))
-    }
-}
-
-impl Run<'_> {
-    /// Measures further cycles after the one just measured, on the bores of `life` [cycles], and puts the mean of all contact histories
-    /// in the place of the last one.
+impl SeveralMotions {
+    /// Continues all motions by a cycle on the bores of `life` [cycles], of which that of the first has just been measured, and puts
+    /// the mean of all contact histories in the place of the last one.
     ///
     /// # Errors
     /// [`SimulationFailure`] if a cycle fails.
-    pub(crate) async fn several_cycles(&mut self, life: u32) -> Result<SeveralCycles, SimulationFailure> {
+    pub(crate) async fn measure(
+        &mut self,
+        run: &mut Run<'_>,
+        life: u32,
+    ) -> Result<SeveralCycles, SimulationFailure> {
+        let first = warm_up_starts(run);
         let mut histories: Vec<Vec<ContactHistory>> =
-            self.islands.iter().map(|state| state.recorder.histories.clone()).collect();
-        let (mut motion, mut wear) = (vec![self.motion_outputs()], vec![self.wear_rates(life)?]);
-        for _ in 1..CYCLES {
-            self.measure().await?;
-            motion.push(self.motion_outputs());
-            wear.push(self.wear_rates(life)?);
-            for (all, state) in histories.iter_mut().zip(&self.islands) {
+            run.islands.iter().map(|state| state.recorder.histories.clone()).collect();
+        let (mut motion, mut wear) = (vec![run.motion_outputs()], vec![run.wear_rates(life)?]);
+        for k in 1..MOTIONS {
+            if let Some(start) = self.further.get_mut(k - 1) {
+                set_warm_up_starts(run, start);
+                run.next_cycle().await?;
+                *start = warm_up_starts(run);
+            } else {
+                run.start_motion(NARROWER * k as f64).await?;
+                self.further.push(warm_up_starts(run));
+            }
+            motion.push(run.motion_outputs());
+            wear.push(run.wear_rates(life)?);
+            for (all, state) in histories.iter_mut().zip(&run.islands) {
                 all.iter_mut().zip(&state.recorder.histories).for_each(|(all, one)| all.append(one));
             }
         }
-        for (mut all, state) in histories.into_iter().zip(&mut self.islands) {
-            all.iter_mut().for_each(|history| history.divide_work(CYCLES));
+        for (mut all, state) in histories.into_iter().zip(&mut run.islands) {
+            all.iter_mut().for_each(|history| history.divide_work(MOTIONS));
             state.recorder.histories = all;
         }
+        set_warm_up_starts(run, &first);
         let (mean, of_single_cycles) = mean_and_variance(&motion);
-        let joints = 0..self.scene.joints.len();
-        let wear = joints.map(|joint| {
-            let rates: Vec<Vec<f64>> = wear.iter().map(|joints| joints[joint].clone()).collect();
-            let (rate, mut variance) = mean_and_variance(&rates);
-            variance.iter_mut().for_each(|variance| *variance /= CYCLES as f64);
-            (rate, variance)
-        });
-        Ok(SeveralCycles {
-            motion: mean,
-            spread: CycleSpread { life, motion: of_single_cycles, wear: wear.collect() },
-        })
+        Ok(SeveralCycles { motion: mean, spread: CycleSpread { life, motion: of_single_cycles, wear } })
+    }
+}
+
+fn warm_up_starts(run: &Run) -> Vec<StateSnapshot> {
+    run.islands.iter().map(|state| state.warm_up_start.clone()).collect()
+}
+
+fn set_warm_up_starts(run: &mut Run, starts: &[StateSnapshot]) {
+    run.islands.iter_mut().zip(starts).for_each(|(state, start)| state.warm_up_start.clone_from(start));
+}
+
+impl Run<'_> {
+    /// Starts a motion from where the ideal mechanism has the bodies, with a cycle in bores whose clearance is smaller by the share
+    /// `narrower` [1], which no contact outlasts, and measures the cycle after it.
+    async fn start_motion(&mut self, narrower: f64) -> Result<(), SimulationFailure> {
+        let scene = self.scene;
+        let less = |joint: usize| match &scene.joints[joint].kind {
+            JointKind::Clearance(clearance) => narrower * clearance.radial_clearance(),
+            _ => 0.0,
+        };
+        let assembled = Run::assemble(self.queue.clone(), scene, self.accuracy)?;
+        for (state, start) in self.islands.iter_mut().zip(assembled.islands) {
+            state.restore(start.cycle_start);
+            for joint in &mut state.island.joints {
+                joint.set_depth(&vec![-less(joint.scene_joint); joint.profile.points()]);
+            }
+        }
+        self.settling_cycle().await?;
+        for IslandState { island, depth, .. } in &mut self.islands {
+            island.joints.iter_mut().zip(depth).for_each(|(joint, depth)| joint.set_depth(depth));
+        }
+        self.measure().await
     }
 }
 
 /// Mean and variance over the rows `(m, n)`, m > 1, of every column `(n,)` each.
-fn mean_and_variance(rows: &[Vec<f64>]) -> (Vec<f64>, Vec<f64>) {
+pub(crate) fn mean_and_variance(rows: &[Vec<f64>]) -> (Vec<f64>, Vec<f64>) {
     let m = rows.len() as f64;
     let column = |k: usize| {
         let mean = rows.iter().map(|row| row[k]).sum::<f64>() / m;

@@ -13,17 +13,19 @@ fn run(scene: &Scene, accuracy: &Accuracy) -> Evaluation {
 #[test]
 fn issue_the_stated_wear_error_of_a_rattling_mechanism_exceeded_the_wear() {
     let scene = scene("slider-crank", &[]);
-    let evaluation = run(&scene, &Accuracy::draft());
-    for (k, (depth, error)) in evaluation.histories[0].iter().zip(&evaluation.errors[0]).enumerate() {
-        println!("{} cycles: {depth:.4e} m +- {:.1} %", evaluation.cycles[k], 100.0 * error / depth);
-        assert!(*error < 0.18 * depth, "{} cycles: {depth} +- {error}", evaluation.cycles[k]);
+    // With single cycles, each probed by three others, it took these steps and stated 200 %.
+    for (accuracy, bound, steps_before) in
+        [(Accuracy::draft(), 0.2, 30_162), (Accuracy::balanced(), 0.12, 45_487)]
+    {
+        let evaluation = run(&scene, &accuracy);
+        for (k, (depth, error)) in evaluation.histories[0].iter().zip(&evaluation.errors[0]).enumerate() {
+            println!("{} cycles: {depth:.4e} m +- {:.1} %", evaluation.cycles[k], 100.0 * error / depth);
+            assert!(*error < bound * depth, "{} cycles: {depth} +- {error}", evaluation.cycles[k]);
+        }
+        let steps = evaluation.diagnostics.steps;
+        println!("{steps} steps, {} cycles", evaluation.diagnostics.simulated_cycles);
+        assert!(steps < 2 * steps_before, "{steps} steps");
     }
-    let last = evaluation.cycles.len() - 1;
-    assert!(evaluation.errors[0][last] < 0.12 * evaluation.histories[0][last]);
-    // With single cycles, each probed by three others, it took 30 012 steps and stated 200 %.
-    let steps = evaluation.diagnostics.steps;
-    println!("{steps} steps, {} cycles", evaluation.diagnostics.simulated_cycles);
-    assert!(steps < 60_000, "{steps} steps");
 }
 
 #[test]
@@ -34,7 +36,8 @@ fn what_repeats_is_measured_in_single_cycles() {
     assert_eq!(run(&scene, &Accuracy::draft()).diagnostics.simulated_cycles, 10);
 }
 
-/// Fifty evaluations that differ only in the number of settling cycles: each measures other cycles of the same motion.
+/// Fifty evaluations with other numbers of settling cycles and clearances that differ by 50 nm: each measures other cycles of the same
+/// mechanism.
 ///
 ///     cargo test --release -p worker --test evaluation rattling -- --ignored --nocapture
 #[test]
@@ -46,20 +49,21 @@ fn stated_errors_against_fifty_starts() {
             .map(|settle| {
                 let mut scene = scene("slider-crank", &[]);
                 scene.life.settle_cycles = settle;
-                every_joint(&mut scene, |clearance| clearance.friction *= 1.0 + 1e-6 * f64::from(settle));
+                every_joint(&mut scene, |clearance| clearance.bushing_radius += 5e-8 * f64::from(settle));
                 run(&scene, &Accuracy { tier: Tier::Dynamic, ..accuracy })
             })
             .collect();
         for run in &runs {
             let last = run.cycles.len() - 1;
             let (depth, error) = (run.histories[0][last], run.errors[0][last]);
-            let cycles = run.diagnostics.simulated_cycles;
-            println!("{depth:.4e} m +- {:.1} % at the end, {cycles} cycles", 100.0 * error / depth);
+            let steps = run.diagnostics.steps;
+            println!("{depth:.4e} m +- {:.1} % at the end, {steps} steps", 100.0 * error / depth);
         }
         let cycles = &runs[0].cycles;
         for output in 0..runs[0].histories.len() {
             println!(
-                "output {output}: cycles, mean, scatter of the runs, mean stated error, runs within theirs, rms ratio"
+                "output {output}: cycles, mean, scatter of the runs, mean stated error, runs within half of theirs, within theirs, \
+                 rms ratio, runs that state less than 10 %"
             );
             let mut outside = 0.0;
             for (k, cycle) in cycles.iter().enumerate() {
@@ -72,18 +76,20 @@ fn stated_errors_against_fifty_starts() {
                 let ratios: Vec<f64> =
                     values.iter().zip(&stated).map(|(x, s)| (x - mean).abs() / s).collect();
                 let within = ratios.iter().filter(|ratio| **ratio <= 1.0).count();
+                let half = ratios.iter().filter(|ratio| **ratio <= 0.5).count();
+                let ten = stated.iter().zip(&values).filter(|(s, x)| **s < 0.1 * **x).count();
                 let rms = (ratios.iter().map(|ratio| ratio * ratio).sum::<f64>() / n).sqrt();
                 let error = stated.iter().sum::<f64>() / n;
                 println!(
-                    "{cycle:6} {mean:.4e} {:5.1} % {:5.1} % {within:3} {rms:.2}",
+                    "{cycle:6} {mean:.4e} {:5.1} % {:5.1} % {half:3} {within:3} {rms:.2}, {ten:3}",
                     100.0 * scatter / mean,
                     100.0 * error / mean
                 );
                 outside += (n - within as f64) / (n * cycles.len() as f64);
             }
-            // The stated errors hold 95 of 100; the runs are 50, and their checkpoints depend on each other.
+            // The stated errors hold in 95 of 100 runs; the checkpoints of a run depend on each other.
             assert!(
-                outside < 0.12,
+                outside < 0.08,
                 "output {output}: {outside} of the values are outside their stated error"
             );
         }
