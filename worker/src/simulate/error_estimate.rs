@@ -146,7 +146,8 @@ impl ErrorEstimate {
         for (k, output) in scene.outputs.iter().enumerate() {
             let error: Vec<f64> = match &output.kind {
                 OutputKind::LargestWear { joints } => {
-                    checkpoints.iter().map(|&life| self.wear_error(joints, life).0).collect()
+                    let values = checkpoints.iter().zip(&histories[k]);
+                    values.map(|(&life, &value)| self.wear_error_within(joints, life, value)).collect()
                 }
                 kind => {
                     let sampling = motion_output(kind).map_or(Sampling::Cubic, |output| output.sampling());
@@ -197,6 +198,15 @@ impl ErrorEstimate {
             _ => 0.0,
         });
         relative.fold(0.0, f64::max)
+    }
+
+    /// Error of the largest depth `depth` of these joints at `life`, which may be within a block [m]: that at the end of the block, and of
+    /// several motions as large a share of the depth as there.
+    fn wear_error_within(&self, joints: &[usize], life: u32, depth: f64) -> f64 {
+        match self.wear_error(joints, life) {
+            (error, reached) if reached > 0.0 && !self.spreads.is_empty() => error * depth / reached,
+            (error, _) => error,
+        }
     }
 
     /// Error of the largest depth of these joints at `life`, and that depth [m].
