@@ -129,9 +129,9 @@ async fn examine(
     let measured = if scene.life.is_single_cycle() {
         0.0
     } else if probe.rattles {
-        // Every wear step has the contacts of all cycles.
+        // Every wear step has the contacts of all motions. Each further one starts with a settling cycle and a measured one.
         look.expected += wear * (MOTIONS - 1) as u32;
-        blocks as f64 * (accuracy.warm_up + MOTIONS as f64) + (MOTIONS - 1) as f64
+        MOTIONS as f64 * blocks as f64 * warm + 2.0 * (MOTIONS - 1) as f64
     } else {
         let probes = lives.windows(2).filter(|w| is_probed(w[0]..w[1], every, end)).count();
         // A probe is as many cycles as on the unworn bores if the motion is irregular there, else one.
