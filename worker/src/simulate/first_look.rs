@@ -3,6 +3,7 @@
 use super::blocks::block_ends;
 use super::probe::{FINER, is_probed};
 use super::run::Run;
+use super::several_cycles::MOTIONS;
 use super::side_by_side::{LaneQueue, run_alone};
 use crate::mechanism::Island;
 use crate::quasi_static::Unsuitable;
@@ -112,7 +113,8 @@ async fn examine(
     let lives = block_ends(end, accuracy.cycle_jump, every);
     let blocks = lives.len() - 1;
     let warm = 1.0 + accuracy.warm_up;
-    look.expected += run.time_of_wear(&lives);
+    let wear = run.time_of_wear(&lives);
+    look.expected += wear;
     if look.tier.is_ok() {
         look.dynamic_cycles += warm;
         look.quasi_static_cycles = (blocks + 1) as f64 * warm;
@@ -126,6 +128,10 @@ async fn examine(
     look.dynamic_cycles += FINER * (run.simulated - counted) as f64;
     let measured = if scene.life.is_single_cycle() {
         0.0
+    } else if probe.rattles {
+        // Every wear step has the contacts of all motions. Each further one starts with a settling cycle and a measured one.
+        look.expected += wear * (MOTIONS - 1) as u32;
+        MOTIONS as f64 * blocks as f64 * warm + 2.0 * (MOTIONS - 1) as f64
     } else {
         let probes = lives.windows(2).filter(|w| is_probed(w[0]..w[1], every, end)).count();
         // A probe is as many cycles as on the unworn bores if the motion is irregular there, else one.

@@ -156,7 +156,7 @@ impl IslandState {
     }
 
     /// Returns to the state of `snapshot`, which is one of this island.
-    fn restore(&mut self, snapshot: StateSnapshot) {
+    pub(crate) fn restore(&mut self, snapshot: StateSnapshot) {
         let StateSnapshot { time, q, v, damping } = snapshot;
         for (damping, joint) in damping.iter().zip(&mut self.island.joints) {
             joint.contact.restore_damping(*damping);

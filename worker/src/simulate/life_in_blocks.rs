@@ -4,6 +4,7 @@ use super::blocks::{at_checkpoints, block_ends};
 use super::error_estimate::{ErrorEstimate, MeasuredLives};
 use super::probe::is_probed;
 use super::run::Run;
+use super::several_cycles::{SeveralCycles, SeveralMotions};
 use common::failure::SimulationFailure;
 use common::scene::OutputKind;
 
@@ -42,11 +43,14 @@ pub(crate) async fn simulate_life<E: From<SimulationFailure>>(
     let (scene, accuracy, dynamic) = (run.scene, run.accuracy, model != CycleModel::QuasiStatic);
     let (end, every) = (scene.life.cycles, scene.life.checkpoint_every);
     let lives = block_ends(end, accuracy.cycle_jump, every);
-    let mut estimate = ErrorEstimate::default();
-    let mut measured = vec![run.motion_outputs()];
+    let mut estimate = ErrorEstimate::new(every);
+    let mut motions = None;
     if dynamic {
-        estimate.add_probe(run.probe(0).await?);
+        let probe = run.probe(0).await?;
+        motions = probe.rattles.then(SeveralMotions::default);
+        estimate.add_probe(probe);
     }
+    let mut measured = vec![measured_outputs(run, 0, motions.as_mut(), &mut estimate).await?];
     let mut wear = vec![vec![]; scene.outputs.len()];
     run.keep_bores(0);
     for block in lives.windows(2) {
@@ -61,8 +65,8 @@ pub(crate) async fn simulate_life<E: From<SimulationFailure>>(
             CycleModel::Dynamic if to == end => run.last_cycle().await?,
             CycleModel::Dynamic | CycleModel::QuasiStatic => next_cycle(run).await?,
         }
-        measured.push(run.motion_outputs());
-        if model == CycleModel::Dynamic && is_probed(from..to, every, end) {
+        measured.push(measured_outputs(run, to, motions.as_mut(), &mut estimate).await?);
+        if model == CycleModel::Dynamic && motions.is_none() && is_probed(from..to, every, end) {
             estimate.add_probe(run.probe(to).await?);
         }
     }
@@ -81,4 +85,21 @@ pub(crate) async fn simulate_life<E: From<SimulationFailure>>(
     let errors = estimate.errors(scene, &histories, &measured, accuracy.largest_step);
     // An output of the wear is zero on the unworn bores, as is its measured value.
     Ok(LifeHistory { histories, errors, start: measured.outputs[0].clone() })
+}
+
+/// Outputs of the motion on the bores of `life` [cycles] `(outputs,)` [SI]: in the cycle just measured, or if there are several
+/// `motions` their means over a cycle of each, whose spread is added to the `estimate`.
+///
+/// # Errors
+/// [`SimulationFailure`] if a further cycle fails.
+async fn measured_outputs(
+    run: &mut Run<'_>,
+    life: u32,
+    motions: Option<&mut SeveralMotions>,
+    estimate: &mut ErrorEstimate,
+) -> Result<Vec<f64>, SimulationFailure> {
+    let Some(motions) = motions else { return Ok(run.motion_outputs()) };
+    let SeveralCycles { motion, spread } = motions.measure(run, life).await?;
+    estimate.add_spread(spread);
+    Ok(motion)
 }

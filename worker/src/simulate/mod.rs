@@ -16,6 +16,7 @@
 //! | `life_in_blocks.rs`, `blocks.rs` | a life block by block; the ends of the blocks |
 //! | `no_wear.rs`, `quasi_static.rs`, `quasi_static_island.rs` | lives without wear; wear by the quasi-static model |
 //! | `probe.rs`, `error_estimate.rs` | probes of a measured cycle, and the stated error |
+//! | `several_cycles.rs` | means over cycles of a motion that does not repeat |
 //! | `cycle_history.rs`, `finish.rs` | outputs and history of a cycle; the result |
 //! | `island_state.rs` | an island with its state, stepper, recorder and wear |
 //! | `side_by_side/` | several evaluations in the SIMD lanes of one core |
@@ -33,6 +34,7 @@ mod probe;
 mod quasi_static;
 mod quasi_static_island;
 mod run;
+mod several_cycles;
 mod side_by_side;
 
 use common::accuracy::Accuracy;

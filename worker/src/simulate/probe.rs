@@ -43,6 +43,9 @@ pub struct Probe {
     pub wear: Vec<f64>,
     /// True if the motion does not repeat itself.
     pub aperiodic: bool,
+    /// True if the wear rates of the second further cycle or a later one are not those of the cycle before; those of the first may
+    /// differ where the motion had not settled.
+    pub rattles: bool,
 }
 
 /// Outputs of the motion `(outputs,)` [SI] and wear rates `(joints, points)` [m per cycle] of one cycle.
@@ -86,7 +89,8 @@ impl Run<'_> {
         measured: &CycleValues,
     ) -> Result<Probe, SimulationFailure> {
         let (motion, wear) = (vec![0.0; measured.motion.len()], vec![0.0; measured.wear.len()]);
-        let mut probe = Probe { life, motion, wear, aperiodic: false };
+        let mut probe = Probe { life, motion, wear, aperiodic: false, rattles: false };
+        let mut latest = measured.wear.clone();
         let (remembers, once) = (self.depends_on_last_impact(), self.scene.life.is_single_cycle());
         for cycle in 0..MOST_CYCLES {
             if once {
@@ -97,9 +101,12 @@ impl Run<'_> {
                 self.scale_remembered_damping(if once { since_measured() } else { *factor });
             }
             self.further_cycle().await?;
-            let aperiodic = probe.add_cycle(measured, &self.cycle_values(life)?);
+            let further = self.cycle_values(life)?;
+            probe.rattles |= !once && cycle > 0 && is_other_wear(&further.wear, &latest);
+            let aperiodic = probe.add_cycle(measured, &further);
+            latest = further.wear;
             let factors_left = remembers && cycle + 1 < DAMPING_FACTORS.len();
-            if (once || aperiodic == 0) && !factors_left {
+            if probe.rattles || (once || aperiodic == 0) && !factors_left {
                 break;
             }
         }
@@ -125,7 +132,7 @@ impl Run<'_> {
 
     /// Wear per cycle at every control point of every joint of the scene under the contact of the cycle recorded last; empty
     /// for a joint that does not wear `(joints, points)` [m per cycle].
-    fn wear_rates(&mut self, cycle: u32) -> Result<Vec<Vec<f64>>, SimulationFailure> {
+    pub(crate) fn wear_rates(&mut self, cycle: u32) -> Result<Vec<Vec<f64>>, SimulationFailure> {
         let mut all = vec![Vec::new(); self.scene.joints.len()];
         for IslandState { island, recorder, rates, depth, .. } in &mut self.islands {
             for (k, joint) in island.joints.iter().enumerate().filter(|(_, j)| j.wear_coefficient > 0.0) {
@@ -161,6 +168,11 @@ impl Probe {
         self.aperiodic |= above > 0;
         above
     }
+}
+
+/// True if the wear rates `(joints, points)` of a joint are not those `before`.
+fn is_other_wear(now: &[Vec<f64>], before: &[Vec<f64>]) -> bool {
+    now.iter().zip(before).any(|(now, before)| relative_change(now, before) > APERIODIC_WEAR)
 }
 
 /// Relative change of the volume worn per cycle or of the largest rate, whichever is more, from `was` to `now` `(points,)` [1];

@@ -18,7 +18,7 @@ use std::ops::Range;
 #[derive(Clone)]
 pub struct Run<'a> {
     /// Integrates the islands.
-    queue: LaneQueue,
+    pub queue: LaneQueue,
     pub scene: &'a Scene,
     pub accuracy: &'a Accuracy,
     pub islands: Vec<IslandState>,
@@ -106,6 +106,17 @@ impl<'a> Run<'a> {
             self.integrate(start..start + period, false).await?;
             self.simulated += 1;
         }
+        Ok(())
+    }
+
+    /// Simulates a cycle from the present state without recording it; the time steps start small.
+    ///
+    /// # Errors
+    /// [`SimulationFailure`] if the integration stops.
+    pub(crate) async fn settling_cycle(&mut self) -> Result<(), SimulationFailure> {
+        self.islands.iter_mut().for_each(|state| state.stepper.control.after_jump());
+        self.integrate(-self.scene.life.period..0.0, false).await?;
+        self.simulated += 1;
         Ok(())
     }
 

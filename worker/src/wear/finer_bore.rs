@@ -22,7 +22,8 @@ use crate::contact::Contact;
 use crate::extremum::largest;
 
 /// Error over the largest difference [1]: 2 where it halves with the spacing, as at the edge of a scar, 4/3 where the
-/// profile is smooth.
+/// profile is smooth. Of 768 depths under random loads (`stated_spacing_errors_of_random_loads`) 95 % are within the estimate; with
+/// 1.5 it would be 85 %.
 const SAFETY: f64 = 2.0;
 /// Share of the life behind over which differences count [1].
 const RECENT: f64 = 0.75;

@@ -86,6 +86,16 @@ impl ContactHistory {
         self.sum = NOTHING;
     }
 
+    /// Appends the samples of a further cycle.
+    pub(crate) fn append(&mut self, further: &ContactHistory) {
+        self.samples.extend_from_slice(&further.samples);
+    }
+
+    /// Turns the history of several cycles into that of their mean: the same contacts, each with its share of the work.
+    pub(crate) fn divide_work(&mut self, cycles: usize) {
+        self.samples.iter_mut().for_each(|sample| sample.work /= cycles as f64);
+    }
+
     /// Samples of the intervals with contact, in order of time.
     pub(crate) fn samples(&self) -> &[ContactSample] {
         &self.samples

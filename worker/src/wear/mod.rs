@@ -17,6 +17,8 @@ mod history;
 mod local_arcs;
 #[cfg(test)]
 mod local_arcs_tests;
+#[cfg(test)]
+mod spacing_tests;
 mod step;
 #[cfg(test)]
 mod step_tests;

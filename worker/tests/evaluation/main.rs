@@ -14,6 +14,7 @@ mod loads;
 mod nominal;
 mod published;
 mod quasi_static;
+mod rattling;
 mod restitution;
 mod scenes;
 mod side_by_side;

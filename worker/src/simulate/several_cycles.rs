@@ -1,0 +1,150 @@
+//! Means over several motions of a mechanism that does not repeat itself, and how far they spread.
+//!
+//! On the unworn bores c = 1..M motions are started, each from a cycle with a narrower clearance that makes its impacts fall elsewhere.
+//! After every block each of them is continued by one cycle on the bores as worn by all: the mean of the M contact histories drives
+//! the wear. With the wear rate r_c,b [m per cycle] of a control point in motion c before block b of T_b cycles, motion c alone has
+//! worn
+//!
+//!   D_c = sum over b of T_b r_c,b                                        [m],
+//!
+//! and the variance of their mean is s^2 / M, with the variance s^2 of the D_c (independent replications). The cycles of one motion need
+//! not be independent, as those of `slider-crank` are not: on the worn bore it keeps to one of two kinds of motion.
+//!
+//! An output of the motion is the mean over the M cycles too; stated is how far single cycles spread.
+//!
+//! # Source
+//! Method of independent replications: Law, Simulation Modeling and Analysis (2015), section 9.5.
+
+use super::island_state::{IslandState, StateSnapshot};
+use super::run::Run;
+use crate::wear::ContactHistory;
+use common::failure::SimulationFailure;
+use common::scene::JointKind;
+
+/// Motions whose mean is taken.
+pub(crate) const MOTIONS: usize = 6;
+
+/// Share of the clearance by which that of the cycle before a motion starts is smaller, from motion to motion [1].
+const NARROWER: f64 = 0.03;
+
+/// Motions of a mechanism on the same bores.
+#[derive(Default)]
+pub struct SeveralMotions {
+    /// State of the further motions, one less than [`MOTIONS`], from which their next warm-up starts `(motions, islands)`; empty
+    /// before they have been started.
+    further: Vec<Vec<StateSnapshot>>,
+}
+
+/// Cycles measured on the same bores, one of each motion.
+pub struct SeveralCycles {
+    /// Mean of every output of the motion `(outputs,)` [SI].
+    pub motion: Vec<f64>,
+    /// How far they spread.
+    pub spread: CycleSpread,
+}
+
+/// Spread of the cycles on one bore.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CycleSpread {
+    /// Life of the bore [cycles].
+    pub life: u32,
+    /// Variance of every output of the motion over single cycles `(outputs,)` [SI^2].
+    pub motion: Vec<f64>,
+    /// Wear rate in each motion at every control point of every joint of the scene `(motions, joints, points)` [m per cycle]; empty for
+    /// joints that do not wear.
+    pub wear: Vec<Vec<Vec<f64>>>,
+}
+
+impl SeveralMotions {
+    /// Continues all motions by a cycle on the bores of `life` [cycles], of which that of the first has just been measured, and puts
+    /// the mean of all contact histories in the place of the last one.
+    ///
+    /// # Errors
+    /// [`SimulationFailure`] if a cycle fails.
+    pub(crate) async fn measure(
+        &mut self,
+        run: &mut Run<'_>,
+        life: u32,
+    ) -> Result<SeveralCycles, SimulationFailure> {
+        let first = warm_up_starts(run);
+        let mut histories: Vec<Vec<ContactHistory>> =
+            run.islands.iter().map(|state| state.recorder.histories.clone()).collect();
+        let (mut motion, mut wear) = (vec![run.motion_outputs()], vec![run.wear_rates(life)?]);
+        for k in 1..MOTIONS {
+            if let Some(start) = self.further.get_mut(k - 1) {
+                set_warm_up_starts(run, start);
+                run.next_cycle().await?;
+                *start = warm_up_starts(run);
+            } else {
+                run.start_motion(NARROWER * k as f64).await?;
+                self.further.push(warm_up_starts(run));
+            }
+            motion.push(run.motion_outputs());
+            wear.push(run.wear_rates(life)?);
+            for (all, state) in histories.iter_mut().zip(&run.islands) {
+                all.iter_mut().zip(&state.recorder.histories).for_each(|(all, one)| all.append(one));
+            }
+        }
+        for (mut all, state) in histories.into_iter().zip(&mut run.islands) {
+            all.iter_mut().for_each(|history| history.divide_work(MOTIONS));
+            state.recorder.histories = all;
+        }
+        set_warm_up_starts(run, &first);
+        let (mean, of_single_cycles) = mean_and_variance(&motion);
+        Ok(SeveralCycles { motion: mean, spread: CycleSpread { life, motion: of_single_cycles, wear } })
+    }
+}
+
+fn warm_up_starts(run: &Run) -> Vec<StateSnapshot> {
+    run.islands.iter().map(|state| state.warm_up_start.clone()).collect()
+}
+
+fn set_warm_up_starts(run: &mut Run, starts: &[StateSnapshot]) {
+    run.islands.iter_mut().zip(starts).for_each(|(state, start)| state.warm_up_start.clone_from(start));
+}
+
+impl Run<'_> {
+    /// Starts a motion from where the ideal mechanism has the bodies, with a cycle in bores whose clearance is smaller by the share
+    /// `narrower` [1], which no contact outlasts, and measures the cycle after it.
+    async fn start_motion(&mut self, narrower: f64) -> Result<(), SimulationFailure> {
+        let scene = self.scene;
+        let less = |joint: usize| match &scene.joints[joint].kind {
+            JointKind::Clearance(clearance) => narrower * clearance.radial_clearance(),
+            _ => 0.0,
+        };
+        let assembled = Run::assemble(self.queue.clone(), scene, self.accuracy)?;
+        for (state, start) in self.islands.iter_mut().zip(assembled.islands) {
+            state.restore(start.cycle_start);
+            for joint in &mut state.island.joints {
+                joint.set_depth(&vec![-less(joint.scene_joint); joint.profile.points()]);
+            }
+        }
+        self.settling_cycle().await?;
+        for IslandState { island, depth, .. } in &mut self.islands {
+            island.joints.iter_mut().zip(depth).for_each(|(joint, depth)| joint.set_depth(depth));
+        }
+        self.measure().await
+    }
+}
+
+/// Mean and variance over the rows `(m, n)`, m > 1, of every column `(n,)` each.
+pub(crate) fn mean_and_variance(rows: &[Vec<f64>]) -> (Vec<f64>, Vec<f64>) {
+    let m = rows.len() as f64;
+    let column = |k: usize| {
+        let mean = rows.iter().map(|row| row[k]).sum::<f64>() / m;
+        let squares: f64 = rows.iter().map(|row| (row[k] - mean) * (row[k] - mean)).sum();
+        (mean, squares / (m - 1.0))
+    };
+    (0..rows[0].len()).map(column).unzip()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn mean_and_variance_are_those_of_the_columns() {
+        let (mean, variance) = mean_and_variance(&[vec![1.0, 5.0], vec![2.0, 5.0], vec![6.0, 5.0]]);
+        assert_eq!((mean, variance), (vec![3.0, 5.0], vec![7.0, 0.0]));
+    }
+}
