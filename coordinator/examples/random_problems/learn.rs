@@ -103,6 +103,9 @@ pub fn learn(
         }
         outcome
     };
+    if trace {
+        eprintln!("{:?}, {:?}, failures are likely at {:.2?}", problem.noise, problem.failing, problem.centres);
+    }
     let mut traced = 0;
     let write_rounds = |campaign: &Campaign| {
         for round in campaign.rounds().iter().skip(traced).filter(|_| trace) {

@@ -112,6 +112,7 @@ impl Campaign {
         // A rule that is met must hold over all results: no new request until those under way have arrived.
         let settling = self.progress.stop.is_none() && self.progress.stopping.is_holding() && waiting > 0;
         if self.progress.stop.is_none() && self.budget_left() == 0 && waiting == 0 {
+            self.redraw_at_the_end()?;
             self.progress.stop = Some(StopReason::Budget);
         }
         if self.progress.stop.is_some()
@@ -135,8 +136,9 @@ impl Campaign {
         for (pending, outcome) in chunk.into_iter().zip(outcomes) {
             match outcome {
                 Ok(observed) if pending.exploring => {
-                    let verdict = judge(&self.surrogates.models, &self.problem.modes, &pending.z, &observed);
-                    self.data.add_exploring(pending.z, observed, verdict);
+                    let judgement =
+                        judge(&self.surrogates.models, &self.problem.modes, &pending.z, &observed);
+                    self.data.add_exploring(pending.z, observed, judgement);
                 }
                 Ok(observed) => self.data.observations.add(&pending.z, observed),
                 Err(cause) if self.plan.retry && !pending.stricter => {
@@ -218,10 +220,10 @@ impl Campaign {
         }
         let assessment = self.progress.assessment.as_mut().expect("all outcomes have been assessed");
         let Self { classified, requests, data, problem, plan, .. } = self;
-        let mut known = data.explored();
-        known.extend(requests.points_under_way().map(<[f64]>::to_vec));
         let failed = assessment.governing_failed();
         if !classified.is_rare(plan, failed) {
+            let mut known = data.explored();
+            known.extend(requests.points_under_way().map(<[f64]>::to_vec));
             let chosen = assessment.explore(&classified.population, &requests.requested, &known, count);
             let exploring = |j| PendingSample { exploring: true, ..requests.take(classified, j) };
             return chosen.into_iter().map(exploring).collect();
@@ -229,11 +231,13 @@ impl Campaign {
         let pf = classified.condition.probability * failed.max(1.0 / classified.population.len() as f64);
         let round = u32::try_from(self.progress.rounds.len()).unwrap_or(u32::MAX);
         let rim = draw_rim(&problem.inputs, pf, &mut open_stream(plan.settings.seed, Stream::Rim(round)));
+        let under_way = requests.points_under_way().map(|z| (z, 1.0));
+        let known = data.explored_with_factors().into_iter().chain(under_way);
         let pending = |z: Vec<f64>| {
             let sample = problem.inputs.to_physical(&z);
             PendingSample { z, sample, member: None, stricter: false, exploring: true }
         };
-        assessment.explore_rim(rim, &known, count).into_iter().map(pending).collect()
+        assessment.explore_rim(rim, known, count).into_iter().map(pending).collect()
     }
 
     /// Assesses all outcomes received and decides whether learning stops or needs another population.
@@ -262,6 +266,24 @@ impl Campaign {
             self.progress.assessment = Some(assessment);
             return Ok(());
         }
+    }
+
+    /// Draws a conditional population once more where the budget ends learning before it has settled: the last results
+    /// may have shown failures outside the event it is conditional on. What changes counts as an error.
+    fn redraw_at_the_end(&mut self) -> Result<(), CampaignError> {
+        let Some(assessment) = self.progress.assessment.as_ref().filter(|_| self.classified.is_conditional()) else {
+            return Ok(());
+        };
+        let before = self.classified.condition.probability * assessment.governing_failed();
+        self.classified.draw(&self.problem, &self.plan, &assessment.surrogates);
+        self.restart_on_new_population();
+        let (assessment, _) = self.assess_until_fresh()?;
+        let failed = assessment.governing_failed();
+        self.classified.add_change(before, failed);
+        let cov = self.classified.coefficient_of_variation(failed);
+        self.add_round(&assessment, cov);
+        self.progress.assessment = Some(assessment);
+        Ok(())
     }
 
     fn add_round(&mut self, assessment: &Assessment, cov_pf: f64) {

@@ -3,7 +3,7 @@
 
 use super::failures::Failed;
 use super::observations::{Observations, Observed};
-use super::prediction_check::Verdict;
+use super::prediction_check::{Judgement, Verdict};
 use common::failure::SimulationFailure;
 
 /// What the simulations gave.
@@ -14,6 +14,9 @@ pub(super) struct CampaignData {
     /// Standardised points `(d,)` of exploring results that agreed with their prediction and are in no
     /// surrogate.
     confirmed: Vec<Vec<f64>>,
+    /// Standardised points `(d,)` of exploring results nearer to a limit than predicted, with their
+    /// [`Judgement::approach`].
+    approaches: Vec<(Vec<f64>, f64)>,
     /// Simulations that failed for good.
     pub failed: Vec<Failed>,
     /// True if an exploring result since the last assessment lies on the other side of a limit than predicted.
@@ -26,6 +29,7 @@ impl CampaignData {
         Self {
             observations: Observations::new(d, outputs),
             confirmed: Vec::new(),
+            approaches: Vec::new(),
             failed: Vec::new(),
             contradicted: false,
         }
@@ -38,9 +42,12 @@ impl CampaignData {
 
     /// Adds an exploring result at the standardised point `z` `(d,)`: to the data of the surrogates if it
     /// concerns a limit.
-    pub fn add_exploring(&mut self, z: Vec<f64>, observed: Observed, verdict: Verdict) {
-        self.contradicted |= verdict == Verdict::Contradicted;
-        match verdict {
+    pub fn add_exploring(&mut self, z: Vec<f64>, observed: Observed, judgement: Judgement) {
+        self.contradicted |= judgement.verdict == Verdict::Contradicted;
+        if judgement.approach > 0.0 {
+            self.approaches.push((z.clone(), judgement.approach));
+        }
+        match judgement.verdict {
             Verdict::Confirmed => self.confirmed.push(z),
             Verdict::Near | Verdict::Contradicted => self.observations.add(&z, observed),
         }
@@ -63,6 +70,19 @@ impl CampaignData {
     /// results and failures.
     pub fn explored(&self) -> Vec<Vec<f64>> {
         self.confirmed.iter().chain(self.failed.iter().map(|failed| &failed.z)).cloned().collect()
+    }
+
+    /// All simulated points `(d,)` [1] with a factor on squared distances from them [1]: around results that came nearer
+    /// to a limit than predicted, by the share a of the predicted distance, the factor is 1 / (1 - a)^3, 1000 at most,
+    /// so that exploring follows the first sign of a region of failures.
+    pub fn explored_with_factors(&self) -> Vec<(&[f64], f64)> {
+        let factor = |z: &[f64]| {
+            let approach = self.approaches.iter().find(|(at, _)| at == z).map_or(0.0, |(_, approach)| *approach);
+            (1.0 - approach).max(0.1).powi(-3)
+        };
+        let results = self.observations.standardised().chain(self.confirmed.iter().map(Vec::as_slice));
+        let failed = self.failed.iter().map(|failed| (&failed.z[..], 1.0));
+        results.map(|z| (z, factor(z))).chain(failed).collect()
     }
 
     /// True if the simulation nearest to the standardised point `z` `(d,)` failed.

@@ -9,7 +9,7 @@ use crate::statistics::reliability::Condition;
 
 /// Relative change of a failure probability between two conditional populations below which it counts as
 /// settled.
-const SETTLED: f64 = 0.1;
+const SETTLED: f64 = 0.05;
 /// Change between two draws over the coefficient of variation of each, about one standard deviation of the
 /// difference, up to which it counts as settled too.
 const SCATTER: f64 = 1.5;
@@ -63,7 +63,7 @@ impl ClassifiedPopulation {
     /// True if failures are too rare for an unconditional population: the population is conditional, or will be
     /// at the next stop with the failed share of the system `failed` [1].
     pub(super) fn is_rare(&self, plan: &Plan, failed: f64) -> bool {
-        self.unconditional.is_some()
+        self.is_conditional()
             || (self.coefficient_of_variation(failed) > plan.targets.cov
                 && self.size_needed(plan, failed).is_none())
     }
@@ -146,6 +146,12 @@ impl ClassifiedPopulation {
             }
             self.pf_before = Some(pf);
         }
+        self.draw(problem, plan, surrogates);
+        true
+    }
+
+    /// Replaces the population by a new one conditional on an intermediate event.
+    pub(super) fn draw(&mut self, problem: &Problem, plan: &Plan, surrogates: &[Surrogate]) {
         let mut rng = open_stream(plan.settings.seed, Stream::Subset(self.draws));
         let (drawn, condition) =
             conditional_population(problem, self.unconditional(), surrogates, self.samples, &mut rng);
@@ -153,7 +159,20 @@ impl ClassifiedPopulation {
         self.unconditional.get_or_insert(replaced);
         self.condition = condition;
         self.draws += 1;
-        true
+    }
+
+    /// True if the population is conditional on an event.
+    pub(super) fn is_conditional(&self) -> bool {
+        self.unconditional.is_some()
+    }
+
+    /// Adds the change of the failure probability by the last draw, from `before` [1] to that of the share `failed`
+    /// [1], to the coefficient of variation of the event.
+    pub(super) fn add_change(&mut self, before: f64, failed: f64) {
+        let now = self.condition.probability * failed;
+        if now > 0.0 {
+            self.condition.cov = self.condition.cov.hypot(before / now - 1.0);
+        }
     }
 
     /// Size of the population for the target coefficient of variation, 1.1 (1 - P_f) / (P_f cov^2), with a

@@ -87,22 +87,40 @@ pub(super) fn largest_prediction_error(
     surrogates.iter().zip(modes).map(error_of).fold(0.0, f64::max)
 }
 
-/// The gravest verdict of a result at the standardised point `z` `(d,)` over the modes and the checkpoints
-/// their surrogates were fitted on.
-pub(super) fn judge(surrogates: &[Surrogate], modes: &[Mode], z: &[f64], observed: &Observed) -> Verdict {
+/// Comparison of a result with its prediction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Judgement {
+    /// The gravest verdict over modes and checkpoints.
+    pub verdict: Verdict,
+    /// Largest share of the predicted distance from a limit by which the result is nearer to it [1]; 1 beyond it.
+    pub approach: f64,
+}
+
+/// The share of the predicted distance by which `value` is nearer to the threshold than predicted, 0 to 1 [1].
+fn approach(value: f64, predicted: f64, threshold: f64) -> f64 {
+    if predicted >= threshold { 0.0 } else { ((value - predicted) / (threshold - predicted)).clamp(0.0, 1.0) }
+}
+
+/// Judges a result at the standardised point `z` `(d,)` over the modes and the checkpoints their surrogates were
+/// fitted on.
+pub(super) fn judge(surrogates: &[Surrogate], modes: &[Mode], z: &[f64], observed: &Observed) -> Judgement {
     let point: Mat<f64> = MatRef::from_column_major_slice(z, z.len(), 1).to_owned();
-    let of_mode = |(surrogate, mode): (&Surrogate, &Mode)| {
+    let mut gravest = Judgement { verdict: Verdict::Confirmed, approach: 0.0 };
+    for (surrogate, mode) in surrogates.iter().zip(modes) {
         let mean = surrogate.model.predict(point.as_ref()).mean;
         let values = running_maximum(&observed.histories[mode.output]);
-        let verdicts = surrogate.fitted_on.iter().map(|o| verdict(values[*o], mean[(*o, 0)], mode.threshold));
-        verdicts.max().unwrap_or(Verdict::Confirmed)
-    };
-    surrogates.iter().zip(modes).map(of_mode).max().unwrap_or(Verdict::Confirmed)
+        for o in &surrogate.fitted_on {
+            let (value, mean) = (values[*o], mean[(*o, 0)]);
+            gravest.verdict = gravest.verdict.max(verdict(value, mean, mode.threshold));
+            gravest.approach = gravest.approach.max(approach(value, mean, mode.threshold));
+        }
+    }
+    gravest
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Verdict, concerns_limit, verdict};
+    use super::{Verdict, approach, concerns_limit, verdict};
 
     #[test]
     fn a_result_concerns_the_limit_if_nearer_than_predicted_or_beyond() {
@@ -115,5 +133,10 @@ mod tests {
         let cases = [(9.0, 5.0), (10.5, 9.9), (9.0, 11.0), (5.0, 5.0)].map(|(v, p)| verdict(v, p, 10.0));
         let [near, contradicted] = [Verdict::Near, Verdict::Contradicted];
         assert_eq!(cases, [near, contradicted, contradicted, Verdict::Confirmed]);
+    }
+    #[test]
+    fn an_approach_is_a_share_of_the_predicted_distance() {
+        let cases = [(8.0, 5.0), (11.0, 5.0), (4.0, 5.0), (10.5, 12.0)].map(|(v, p)| approach(v, p, 10.0));
+        assert_eq!(cases, [0.6, 1.0, 0.0, 0.0]);
     }
 }

@@ -1,7 +1,7 @@
 //! Rare events: where failures are too few in any population that can be classified, the population is
 //! replaced by samples conditional on an intermediate event, drawn on the surrogates.
 //!
-//! The event is the last level of a subset simulation. Its samples, and points along random directions from the
+//! The event is the last level but one of a subset simulation. Its samples, and points along random directions from the
 //! origin, show the regions of the event, and importance sampling over all of them gives its probability and the
 //! population. Where that finds no sufficient mixture, as with many variables, the samples are those of a larger
 //! subset simulation. The response of either is the largest over the limit states of
@@ -95,8 +95,10 @@ fn conditional_samples(
 ) -> Subset {
     let search = SubsetSimulation { variables, samples: SEARCH, most_levels: LEVELS }.run(rng, respond);
     let sampled = search.levels.last().and_then(|last| {
-        // Levels that do not come to the limit say nothing of a region elsewhere that does.
-        let level = if search.failed_share() > 0.0 { *last } else { 0.0 };
+        // Levels that do not come to the limit say nothing of a region elsewhere that does. Beyond a kink failures may
+        // lie outside the last level where the surrogates are too sure, so the event is the level before.
+        let before = search.levels.len().checked_sub(2).map_or(*last, |place| search.levels[place]);
+        let level = if search.failed_share() > 0.0 { before } else { 0.0 };
         let known = [search.u.clone(), along_directions(variables, rng)].concat();
         let mut sampled = ImportanceSampling { variables, samples, level }.run(known, rng, respond)?;
         sampled.levels.clone_from(&search.levels);

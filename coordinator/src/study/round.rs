@@ -11,7 +11,7 @@ use crate::statistics::design::{Population, Stream, open_stream};
 use crate::statistics::learning::{
     Classification, ClassifiedMode, Coupled, CurveErrors, Exploration, Figures, JointPool, Selection, SelectionOptions,
     UNCERTAIN, checkpoints_that_matter, choose_pool, classify_cached, coupled_criterion, curves, dominance,
-    estimate_errors, explore, noise_shifts, spread,
+    estimate_errors, explore, farthest, noise_shifts,
 };
 use crate::statistics::reliability::governing_checkpoint;
 use crate::statistics::surrogate::{Effort, Kriging, PredictionCache};
@@ -85,18 +85,18 @@ impl Assessment {
         chosen
     }
 
-    /// Returns `count` of the standardised points `rim` `(c)(d,)` with the largest predicted variance; `known` as
-    /// in [`Assessment::explore`].
-    pub(super) fn explore_rim(
+    /// Returns `count` of the standardised points `rim` `(c)(d,)` farthest from the points `known` `(d,)`, which have
+    /// factors on squared distances [1].
+    pub(super) fn explore_rim<'a>(
         &self,
         mut rim: Vec<Vec<f64>>,
-        known: &[Vec<f64>],
+        known: impl Iterator<Item = (&'a [f64], f64)>,
         count: usize,
     ) -> Vec<Vec<f64>> {
-        let models: Vec<&Kriging> = self.surrogates.iter().map(|surrogate| &surrogate.model).collect();
         let points: Vec<&[f64]> = rim.iter().map(Vec::as_slice).collect();
-        let feasible = |points: MatRef<'_, f64>| self.feasibility.probability(points);
-        let chosen = spread(&models, &points, known, feasible, count);
+        let columns = Mat::from_fn(points.first().map_or(0, |z| z.len()), points.len(), |k, i| points[i][k]);
+        let feasible = self.feasibility.probability(columns.as_ref());
+        let chosen = farthest(&points, known, &feasible, count);
         chosen.into_iter().map(|place| std::mem::take(&mut rim[place])).collect()
     }
 

@@ -15,7 +15,7 @@
 //! | `function` | learning functions of one point: U, EFF, H |
 //! | `pool` | the uncertain points with their joint posterior |
 //! | `selection` | the next samples, chosen by a learning function |
-//! | `exploration` | samples at the largest predicted variance |
+//! | `exploration` | samples at the largest predicted variance, or far from all others |
 //! | `error` | surrogate error of the failure shares |
 //! | `noise` | effect of the simulator's noise on the failure shares |
 //! | `stopping` | the stopping rules |
@@ -42,7 +42,7 @@ pub use checkpoints::checkpoints_that_matter;
 pub use classification::{Classification, ClassifiedMode, classify, classify_cached, curves};
 pub use coupled_criterion::{Coupled, UNCERTAIN, coupled_criterion, dominance};
 pub use error::{CurveErrors, estimate_errors};
-pub use exploration::{Exploration, draw_rim, explore, spread};
+pub use exploration::{Exploration, draw_rim, explore, farthest};
 pub use function::LearningFunction;
 pub use noise::noise_shifts;
 pub use pool::{JointPool, Pool, choose_pool};

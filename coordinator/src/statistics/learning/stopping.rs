@@ -11,9 +11,9 @@
 //!
 //! Guards: at least 30 results; the rule is met with a fit from several starts to at least nine tenths of the
 //! results; and it holds in every round until two rounds have passed and enough new results have been received:
-//! eight, one more for every variable beyond four, sixteen at most; where failures are rare eight and twice
-//! the number of variables, twenty-four at most. Half as many suffice where the population
-//! only grew. Every other one is taken at the largest predicted variance ([`super::explore`]), and none of
+//! eight, one more for every variable beyond four, sixteen at most; where failures are rare eight and four
+//! for every variable, forty at most. Half as many suffice where the population
+//! only grew. Every other one explores ([`super::explore`], [`super::farthest`]), and none of
 //! these may contradict its prediction. A stop without any predicted failure is stated by the report.
 //!
 //! # Source
@@ -108,7 +108,7 @@ impl StoppingTargets {
             return 0;
         }
         let by_dimension = (least + d.saturating_sub(4)).min(2 * least);
-        if rare { by_dimension.max(least + 2 * d).min(3 * least) } else { by_dimension }
+        if rare { by_dimension.max(least + 4 * d).min(5 * least) } else { by_dimension }
     }
 
     /// The first rule that these figures meet, if any.
@@ -238,7 +238,7 @@ mod tests {
         let targets = StoppingTargets::default();
         let needed = [1, 4, 6, 15, 100].map(|d| targets.points_to_hold(d, false));
         assert_eq!(needed, [8, 8, 10, 16, 16]);
-        assert_eq!([1, 2, 6, 15, 100].map(|d| targets.points_to_hold(d, true)), [10, 12, 20, 24, 24]);
+        assert_eq!([1, 2, 6, 15, 100].map(|d| targets.points_to_hold(d, true)), [12, 16, 32, 40, 40]);
         assert_eq!(StoppingTargets { hold_points: 0, ..targets }.points_to_hold(9, true), 0);
     }
 
