@@ -104,7 +104,10 @@ pub fn learn(
         outcome
     };
     if trace {
-        eprintln!("{:?}, {:?}, failures are likely at {:.2?}", problem.noise, problem.failing, problem.centres);
+        eprintln!(
+            "{:?}, {:?}, failures are likely at {:.2?}",
+            problem.noise, problem.failing, problem.centres
+        );
     }
     let mut traced = 0;
     let write_rounds = |campaign: &Campaign| {

@@ -271,7 +271,8 @@ impl Campaign {
     /// Draws a conditional population once more where the budget ends learning before it has settled: the last results
     /// may have shown failures outside the event it is conditional on. What changes counts as an error.
     fn redraw_at_the_end(&mut self) -> Result<(), CampaignError> {
-        let Some(assessment) = self.progress.assessment.as_ref().filter(|_| self.classified.is_conditional()) else {
+        let Some(assessment) = self.progress.assessment.as_ref().filter(|_| self.classified.is_conditional())
+        else {
             return Ok(());
         };
         let before = self.classified.condition.probability * assessment.governing_failed();

@@ -77,7 +77,8 @@ impl CampaignData {
     /// so that exploring follows the first sign of a region of failures.
     pub fn explored_with_factors(&self) -> Vec<(&[f64], f64)> {
         let factor = |z: &[f64]| {
-            let approach = self.approaches.iter().find(|(at, _)| at == z).map_or(0.0, |(_, approach)| *approach);
+            let approach =
+                self.approaches.iter().find(|(at, _)| at == z).map_or(0.0, |(_, approach)| *approach);
             (1.0 - approach).max(0.1).powi(-3)
         };
         let results = self.observations.standardised().chain(self.confirmed.iter().map(Vec::as_slice));

@@ -86,7 +86,7 @@ fn four_branch_within_three_standard_errors_and_110_calls() {
 #[test]
 fn issue_false_stop_with_twelve_starting_points() {
     // A surrogate with very long lengths predicts too small variances: U >= 2 everywhere and hardly a failure
-    // predicted. Seed 26 is such a case: without the guards it ends after one round, having found next to nothing.
+    // predicted. Seed 6 is such a case: without the guards it ends after one round, having found next to nothing.
     let unguarded = StoppingTargets {
         least_points: 0,
         hold: 1,
@@ -94,10 +94,13 @@ fn issue_false_stop_with_twelve_starting_points() {
         cov: f64::INFINITY,
         ..StoppingTargets::default()
     };
-    let trapped = learn_until(20_000, 12, 26, unguarded);
+    let trapped = learn_until(20_000, 12, 6, unguarded);
     let (truth, found) = shares(&trapped);
-    assert!(trapped.evaluations < 30 && found < 0.2 * truth, "the trap of this test is gone: {found} {truth}");
-    for seed in 24..29 {
+    assert!(
+        trapped.evaluations < 30 && found < 0.2 * truth,
+        "the trap of this test is gone: {found} {truth}"
+    );
+    for seed in [6, 24, 25, 26, 27] {
         let learned = learn(20_000, 12, seed);
         let (truth, found) = shares(&learned);
         assert!(learned.evaluations >= 30, "seed {seed}");
@@ -243,8 +246,7 @@ fn issue_a_rare_branch_beyond_a_kink_is_found() {
         (a / other).max(broken)
     };
     let exact = standard_normal_cdf(-beta) + standard_normal_cdf(-other);
-    // On the other branch alone P_f would be 1e-10, with a stated error of 6 %. The chains beyond the kink descend from few
-    // samples of the first levels, so that the stated error is large, but true.
+    // On the other branch alone P_f would be 1e-10, with a stated error of 6 %.
     let mut plan = plan(20_000, 60, 12, 1);
     plan.largest_population = 100_000;
     let simulate = |x: &[f64]| Ok(Observed::exact(vec![vec![response(x)]]));
@@ -255,8 +257,8 @@ fn issue_a_rare_branch_beyond_a_kink_is_found() {
     let (pf, cov) =
         (condition.probability * failed, condition.coefficient_of_variation(failed, population.len()));
     eprintln!("{} calls, {pf:.3e} of {exact:.3e}, cov {cov:.3}", learned.evaluations);
-    let distance = (pf - exact).abs() / (cov * pf);
-    assert!(pf > 0.1 * exact && distance < 4.0, "{pf} {exact} {cov}");
+    let error = cov.hypot(0.02);
+    assert!(cov < 0.05 && (pf / exact - 1.0).abs() < 3.0 * error, "{pf} {exact} {cov}");
 }
 
 #[test]

@@ -9,9 +9,9 @@ use super::surrogates::{FitOptions, ModeResults, Surrogate};
 use crate::results::summary::Round;
 use crate::statistics::design::{Population, Stream, open_stream};
 use crate::statistics::learning::{
-    Classification, ClassifiedMode, Coupled, CurveErrors, Exploration, Figures, JointPool, Selection, SelectionOptions,
-    UNCERTAIN, checkpoints_that_matter, choose_pool, classify_cached, coupled_criterion, curves, dominance,
-    estimate_errors, explore, farthest, noise_shifts,
+    Classification, ClassifiedMode, Coupled, CurveErrors, Exploration, Figures, JointPool, Selection,
+    SelectionOptions, UNCERTAIN, checkpoints_that_matter, choose_pool, classify_cached, coupled_criterion,
+    curves, dominance, estimate_errors, explore, farthest, noise_shifts,
 };
 use crate::statistics::reliability::governing_checkpoint;
 use crate::statistics::surrogate::{Effort, Kriging, PredictionCache};

@@ -217,13 +217,14 @@ mod tests {
         let rim = draw_rim(inputs, 1e-5, &mut open_stream(1, Stream::Rim(0)));
         let points: Vec<&[f64]> = rim.iter().map(Vec::as_slice).collect();
         let known = [5.0, 0.0];
-        let mut angles: Vec<f64> = farthest(&points, [(&known[..], 1.0)].into_iter(), &vec![1.0; points.len()], 5)
-            .into_iter()
-            .map(|place| {
-                assert!((points[place][0].hypot(points[place][1]) - 5.294).abs() < 1e-3);
-                points[place][1].atan2(points[place][0])
-            })
-            .collect();
+        let mut angles: Vec<f64> =
+            farthest(&points, [(&known[..], 1.0)].into_iter(), &vec![1.0; points.len()], 5)
+                .into_iter()
+                .map(|place| {
+                    assert!((points[place][0].hypot(points[place][1]) - 5.294).abs() < 1e-3);
+                    points[place][1].atan2(points[place][0])
+                })
+                .collect();
         angles.push(0.0);
         let nearest = |a: f64| angles.iter().map(|b| (a - b).cos().acos()).fold(f64::INFINITY, f64::min);
         let widest = (0..360).map(|a| nearest(f64::from(a).to_radians())).fold(0.0, f64::max);
