@@ -27,6 +27,7 @@ mod campaign_result;
 mod classified_population;
 mod dispatching;
 mod error;
+mod exploring;
 mod failures;
 mod interim;
 mod learn_from;

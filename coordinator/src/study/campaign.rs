@@ -23,8 +23,8 @@ use super::step::{CampaignError, Step, StopReason};
 use super::surrogate_state::SurrogateState;
 use super::surrogates::Surrogate;
 use crate::results::summary::Round;
-use crate::statistics::design::{Population, Stream, choose_by_latin_hypercube, open_stream};
-use crate::statistics::learning::{Rule, Stopping, draw_rim};
+use crate::statistics::design::{Population, choose_by_latin_hypercube};
+use crate::statistics::learning::{Rule, Stopping};
 use crate::statistics::surrogate::Effort;
 
 /// Error in predicted standard deviations from which a result contradicts the surrogates while a stopping
@@ -33,11 +33,12 @@ const CONTRADICTION: f64 = 4.0;
 
 /// How far learning has come.
 #[derive(Debug, Default)]
-struct LearningProgress {
+pub(super) struct LearningProgress {
     stopping: Stopping,
-    rounds: Vec<Round>,
+    /// The rounds so far.
+    pub rounds: Vec<Round>,
     /// Assessment of all outcomes received; absent until the newest have been assessed.
-    assessment: Option<Assessment>,
+    pub assessment: Option<Assessment>,
     stop: Option<StopReason>,
 }
 
@@ -48,13 +49,13 @@ struct LearningProgress {
 /// depend on the outcomes and not on the time of their arrival.
 #[derive(Debug)]
 pub struct Campaign {
-    problem: Problem,
-    plan: Plan,
-    classified: ClassifiedPopulation,
-    requests: Requests,
-    data: CampaignData,
+    pub(super) problem: Problem,
+    pub(super) plan: Plan,
+    pub(super) classified: ClassifiedPopulation,
+    pub(super) requests: Requests,
+    pub(super) data: CampaignData,
     surrogates: SurrogateState,
-    progress: LearningProgress,
+    pub(super) progress: LearningProgress,
 }
 
 impl Campaign {
@@ -211,33 +212,6 @@ impl Campaign {
             return Step::Wait;
         }
         self.requests.begin(chunk)
-    }
-
-    /// The next `count` exploring points: of the population, or of the rim where failures are rare.
-    fn explore(&mut self, count: usize) -> Vec<PendingSample> {
-        if count == 0 {
-            return vec![];
-        }
-        let assessment = self.progress.assessment.as_mut().expect("all outcomes have been assessed");
-        let Self { classified, requests, data, problem, plan, .. } = self;
-        let failed = assessment.governing_failed();
-        if !classified.is_rare(plan, failed) {
-            let mut known = data.explored();
-            known.extend(requests.points_under_way().map(<[f64]>::to_vec));
-            let chosen = assessment.explore(&classified.population, &requests.requested, &known, count);
-            let exploring = |j| PendingSample { exploring: true, ..requests.take(classified, j) };
-            return chosen.into_iter().map(exploring).collect();
-        }
-        let pf = classified.condition.probability * failed.max(1.0 / classified.population.len() as f64);
-        let round = u32::try_from(self.progress.rounds.len()).unwrap_or(u32::MAX);
-        let rim = draw_rim(&problem.inputs, pf, &mut open_stream(plan.settings.seed, Stream::Rim(round)));
-        let under_way = requests.points_under_way().map(|z| (z, 1.0));
-        let known = data.explored_with_factors().into_iter().chain(under_way);
-        let pending = |z: Vec<f64>| {
-            let sample = problem.inputs.to_physical(&z);
-            PendingSample { z, sample, member: None, stricter: false, exploring: true }
-        };
-        assessment.explore_rim(rim, known, count).into_iter().map(pending).collect()
     }
 
     /// Assesses all outcomes received and decides whether learning stops or needs another population.

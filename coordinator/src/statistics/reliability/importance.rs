@@ -33,7 +33,7 @@ use super::Subset;
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
 
-/// Most centres.
+/// Largest number of centres of a mixture.
 const CENTRES: usize = 64;
 /// Share of the inflated normal among the proposals [1].
 const INFLATED: f64 = 0.1;
@@ -79,7 +79,7 @@ struct Mixture {
 struct Proposals {
     /// Points `(M, d)` row-major.
     u: Vec<f64>,
-    /// Responses `(M,)`.
+    /// Responses y of the proposals `(M,)`.
     y: Vec<f64>,
     /// Weights w `(M,)`; zero outside the event.
     w: Vec<f64>,
