@@ -14,11 +14,12 @@ pub(super) struct PendingSample {
     pub z: Vec<f64>,
     /// The point in the variables' own units `(d,)` [SI].
     pub sample: Vec<f64>,
-    /// Index in the population; the nominal point has none.
+    /// Index in the population; the nominal point and points of the rim have none.
     pub member: Option<usize>,
     /// True for the repetition of a failed simulation.
     pub stricter: bool,
-    /// True if the point was chosen for its predicted variance, see [`crate::statistics::learning::explore`].
+    /// True if the point explores, see [`crate::statistics::learning::explore`] and
+    /// [`crate::statistics::learning::farthest`].
     pub exploring: bool,
 }
 

@@ -105,17 +105,21 @@ fn scar(law: &str, case: &Case, points: usize, states: bool) -> (Vec<f64>, Vec<f
 #[ignore = "a measurement of a minute"]
 fn stated_spacing_errors_of_random_loads() {
     let seed = std::env::var("SEED").ok().and_then(|n| n.parse().ok()).unwrap_or(1);
-    let (mut values, mut outside, mut outside_at_the_end) = (0, 0, 0);
+    // With the factor of the stated error, and with 3/4 and half of it.
+    let (mut values, mut outside, mut outside_at_the_end) = (0, [0; 3], 0);
     for (number, case) in cases(seed, CASES).iter().enumerate() {
         for law in ["local-hertz", "foundation"] {
             let (depth, stated) = scar(law, case, POINTS, true);
             let (twice, _) = scar(law, case, 2 * POINTS, false);
             let (fine, _) = scar(law, case, 8 * POINTS, false);
             // What the tolerances of the wear steps leave.
-            let is_outside = |b: usize| (depth[b] - fine[b]).abs() > stated[b] + 2e-3 * fine[b];
+            let is_outside =
+                |b: usize, share: f64| (depth[b] - fine[b]).abs() > share * stated[b] + 2e-3 * fine[b];
             values += BLOCKS;
-            outside += (0..BLOCKS).filter(|&b| is_outside(b)).count();
-            outside_at_the_end += usize::from(is_outside(BLOCKS - 1));
+            for (outside, share) in outside.iter_mut().zip([1.0, 0.75, 0.5]) {
+                *outside += (0..BLOCKS).filter(|&b| is_outside(b, share)).count();
+            }
+            outside_at_the_end += usize::from(is_outside(BLOCKS - 1, 1.0));
             let share = |depth: &[f64]| 100.0 * (depth[BLOCKS - 1] / fine[BLOCKS - 1] - 1.0);
             println!(
                 "{number} {law}, swing {:.3}, force {:.2} N: {:.2} um, off by {:.2} %, with twice the points {:.2} %, stated {:.2} %",
@@ -128,6 +132,10 @@ fn stated_spacing_errors_of_random_loads() {
             );
         }
     }
-    println!("outside: {outside} of {values}, at the end {outside_at_the_end} of {}", 2 * CASES);
+    println!(
+        "outside by factors 2, 1.5 and 1: {outside:?} of {values}, at the end {outside_at_the_end} of {}",
+        2 * CASES
+    );
+    let [outside, ..] = outside;
     assert!(20 * outside <= values + values / 5, "{outside} of {values} are outside their stated error");
 }

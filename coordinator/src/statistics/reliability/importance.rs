@@ -59,11 +59,6 @@ pub struct ImportanceSampling {
     pub level: f64,
 }
 
-/// Points in the event `(k, d)` row-major.
-struct Known {
-    u: Vec<f64>,
-}
-
 /// The mixture q.
 struct Mixture {
     d: usize,
@@ -96,12 +91,12 @@ impl ImportanceSampling {
     ) -> Option<Subset> {
         let d = self.variables;
         let y = respond(&known);
-        let mut known = Known { u: self.in_event(&known, &y) };
+        let mut known = self.in_event(&known, &y);
         let mut mixture = Mixture::cover(&known, d)?;
         for _ in 0..TRIALS.0 {
             let count = (TRIAL * self.samples as f64) as usize;
             let trial = mixture.propose(count, self.level, rng, respond);
-            known.u.extend(self.in_event(&trial.u, &trial.y));
+            known.extend(self.in_event(&trial.u, &trial.y));
             let enough = trial.variation() <= TRIALS.1;
             mixture = Mixture::cover(&known, d)?;
             if enough {
@@ -142,9 +137,9 @@ impl ImportanceSampling {
 }
 
 impl Mixture {
-    /// The mixture that covers the known points; `None` without any.
-    fn cover(known: &Known, d: usize) -> Option<Self> {
-        let points: Vec<&[f64]> = known.u.chunks_exact(d).collect();
+    /// The mixture that covers the points `known` `(k, d)` row-major, all in the event; `None` without any.
+    fn cover(known: &[f64], d: usize) -> Option<Self> {
+        let points: Vec<&[f64]> = known.chunks_exact(d).collect();
         let square = |u: &[f64]| u.iter().map(|u| u * u).sum::<f64>();
         let mut order: Vec<(f64, usize)> = points.iter().enumerate().map(|(i, u)| (square(u), i)).collect();
         order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
