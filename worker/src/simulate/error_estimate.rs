@@ -10,8 +10,9 @@
 //! - r, irregularity of y over the simulated lives, for motions that do not repeat themselves on the unworn bores;
 //! - e, relative error of the wear, which displaces the life by e N.
 //!
-//! For a wear depth it is the root of the sum of squares of the error of the wear steps, that of the spacing of the control
-//! points, and twice the relative change of the wear rate in the probes times the depth. No value has a relative error below 1e-10, rounding.
+//! For a wear depth it is the root of the sum of squares of two: the error of wear steps, blocks and control points, from a bore
+//! that wears more exactly beside it (`finer_bore.rs`), and twice the relative change of the wear rate in the probes times the depth.
+//! No value has a relative error below 1e-10, rounding.
 //!
 //! Where no cycle repeats the one before, several motions wear the bores (`several_cycles.rs`). Of such a motion y is the mean,
 //! and its estimate is [`SCATTER`] times the standard deviation of single cycles plus s |y|; for a wear depth as many times the standard
@@ -54,14 +55,11 @@ const ROUNDING: f64 = 1e-10;
 /// are within their stated errors, at every checkpoint (`worker/tests/evaluation/rattling.rs`).
 const SCATTER: f64 = 2.0;
 
-/// Depth of one joint and its estimated errors.
-#[derive(Default)]
+/// Largest depth of a bore, and its estimated error from wear steps, blocks and control points [m].
+#[derive(Clone, Copy, Default)]
 struct WornJoint {
-    /// Depth and the error of its wear steps `(points,)` [m].
-    depth: Vec<f64>,
-    error: Vec<f64>,
-    /// Error of the largest depth from the spacing of the control points [m].
-    spacing: f64,
+    depth: f64,
+    error: f64,
 }
 
 /// Outputs measured in the simulated cycles of a life.
@@ -89,7 +87,7 @@ pub struct ErrorEstimate {
     spreads: Vec<CycleSpread>,
     /// Lives at the ends of the blocks [cycles].
     lives: Vec<u32>,
-    /// Wear at these lives of every joint of the scene, empty for joints that do not wear `(lives, joints)`.
+    /// Wear at these lives of every joint of the scene, zero for joints that do not wear `(lives, joints)`.
     worn: Vec<Vec<WornJoint>>,
 }
 
@@ -109,22 +107,13 @@ impl ErrorEstimate {
         self.spreads.push(spread);
     }
 
-    /// Adds the wear depth `(joints, points)` [m] at `life` [cycles], the end of a block whose wear step is closed. Of the errors
-    /// of a control point so far the largest counts: errors that cancel later are not known to do so.
-    pub(crate) fn add_wear(&mut self, run: &Run, life: u32, depth: Vec<Vec<f64>>) {
-        let joint = |depth| WornJoint { depth, ..WornJoint::default() };
-        let mut worn: Vec<WornJoint> = depth.into_iter().map(joint).collect();
+    /// Adds the wear at `life` [cycles], the end of a block, where the bores of `run` have been compared with their copies and had the
+    /// largest depths `deepest` `(joints,)` [m].
+    pub(crate) fn add_wear(&mut self, run: &Run, life: u32, deepest: &[f64]) {
+        let mut worn: Vec<WornJoint> = deepest.iter().map(|&depth| WornJoint { depth, error: 0.0 }).collect();
         for state in &run.islands {
-            let wear = state.steps.iter().zip(&state.finer);
-            for (joint, (step, finer)) in state.island.joints.iter().zip(wear) {
-                let worn = &mut worn[joint.scene_joint];
-                worn.error = step.error_behind().iter().map(|e| e.abs()).collect();
-                worn.spacing = finer.spacing_error();
-            }
-        }
-        if let Some(before) = self.worn.last() {
-            for (worn, before) in worn.iter_mut().zip(before) {
-                worn.error.iter_mut().zip(&before.error).for_each(|(e, b)| *e = e.max(*b));
+            for (joint, finer) in state.island.joints.iter().zip(&state.finer) {
+                worn[joint.scene_joint].error = finer.error();
             }
         }
         self.lives.push(life);
@@ -211,24 +200,16 @@ impl ErrorEstimate {
 
     /// Error of the largest depth of these joints at `life`, and that depth [m].
     ///
-    /// The error of the wear steps is how much deeper the deepest point would be if every point were off by its
-    /// own estimate, and likewise that of the control points; that of the time steps is the probes' relative one of the depth.
-    /// The three are independent: their squares add.
+    /// The error of the wear is how much deeper the deepest joint would be if every joint were off by its own estimate; that of the
+    /// time steps is the probes' relative one of the depth. The two are independent: their squares add.
     fn wear_error(&self, joints: &[usize], life: u32) -> (f64, f64) {
         let block = self.lives.partition_point(|&end| end < life).min(self.lives.len().saturating_sub(1));
         let Some(worn) = self.worn.get(block) else { return (0.0, 0.0) };
-        let largest = |value: fn(&WornJoint, usize) -> f64| {
-            let points = joints.iter().flat_map(|&j| (0..worn[j].depth.len()).map(move |i| (j, i)));
-            points.fold(0.0_f64, |a, (j, i)| a.max(value(&worn[j], i)))
-        };
-        let depth = largest(|w, i| w.depth[i]);
-        let steps = largest(|w, i| w.depth[i] + w.error[i]) - depth;
-        let rates = joints.iter().fold(0.0_f64, |a, &j| {
-            let deepest = worn[j].depth.iter().fold(0.0_f64, |a, &b| a.max(b));
-            a.max(deepest * self.relative_rate_error(j, life))
-        });
-        let spacing = largest(|w, i| w.depth[i] + w.spacing) - depth;
-        (libm::hypot(libm::hypot(steps, spacing), rates), depth)
+        let largest = |value: &dyn Fn(usize) -> f64| joints.iter().fold(0.0_f64, |a, &j| a.max(value(j)));
+        let depth = largest(&|j| worn[j].depth);
+        let wear = largest(&|j| worn[j].depth + worn[j].error) - depth;
+        let rates = largest(&|j| worn[j].depth * self.relative_rate_error(j, life));
+        (libm::hypot(wear, rates), depth)
     }
 
     /// Largest variance of an output of the motion over single cycles, of all simulated lives [SI^2].
@@ -327,19 +308,18 @@ mod tests {
     }
 
     #[test]
-    fn wear_error_joins_the_steps_of_the_deepest_point_with_the_rate() {
-        let worn = WornJoint { depth: vec![10.0, 9.0], error: vec![0.1, 1.3], spacing: 0.4 };
+    fn wear_error_joins_that_of_the_deepest_joint_with_the_rate() {
+        let worn = vec![WornJoint { depth: 10.0, error: 0.1 }, WornJoint { depth: 9.0, error: 1.3 }];
         let estimate = ErrorEstimate {
-            probes: vec![probe(100, 0.0, 0.02)],
+            probes: vec![Probe { wear: vec![0.02; 2], ..probe(100, 0.0, 0.02) }],
             lives: vec![0, 100],
-            worn: vec![vec![], vec![worn]],
+            worn: vec![vec![], worn],
             ..ErrorEstimate::default()
         };
-        // The second point might be the deepest, by 0.3, the spacing hides 0.4; the rate is off by 2 %, counted
-        // WEAR_SAFETY times.
-        let (error, depth) = estimate.wear_error(&[0], 70);
+        // The second joint might be the deepest, by 0.3; the rate is off by 2 %, counted WEAR_SAFETY times.
+        let (error, depth) = estimate.wear_error(&[0, 1], 70);
         assert_eq!(depth, 10.0);
-        assert!((error - 0.5_f64.hypot(WEAR_SAFETY * 0.2)).abs() < 1e-12, "{error}");
+        assert!((error - 0.3_f64.hypot(WEAR_SAFETY * 0.2)).abs() < 1e-12, "{error}");
     }
 
     #[test]

@@ -10,6 +10,7 @@ use crate::quasi_static::Unsuitable;
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::scene::Scene;
+use std::ops::Range;
 use std::time::{Duration, Instant};
 
 /// The model of one island.
@@ -147,27 +148,40 @@ async fn examine(
 }
 
 impl Run<'_> {
-    /// Expected time of the wear steps of a whole life between the simulated `lives` [cycles], from those of the first lives up to the
-    /// first whole block, under the contact of the first cycle: the stages of a longer block grow with the square root of its length.
-    /// What fails under that contact need not fail in an evaluation: the blocks after it are not tried.
+    /// Expected time of the wear steps of a whole life between the simulated `lives` [cycles]: the first ones up to the first whole block
+    /// are timed, and one in the middle of the life, on bores worn so far at once. Between the two, and for blocks of other lengths, the
+    /// time is interpolated: the stages of a longer block grow with the square root of its length.
     fn time_of_wear(&self, lives: &[u32]) -> Duration {
-        /// Blocks that are tried.
-        const TRIED: usize = 5;
+        /// Blocks at the start that are timed.
+        const FIRST: usize = 5;
         let mut trial = self.clone();
-        let mut wear = vec![vec![]; self.scene.outputs.len()];
         let (mut sum, mut last) = (Duration::ZERO, Duration::ZERO);
-        let (mut tried, mut fails) = (1, false);
-        for (k, block) in lives.windows(2).enumerate() {
-            let cycles = f64::from(block[1] - block[0]);
-            if k < TRIED && !fails {
-                let begun = Instant::now();
-                fails = trial.wear(block[0]..block[1], &[], &mut wear).is_err();
-                (last, tried) = (begun.elapsed(), block[1] - block[0]);
-                sum += last;
-            } else {
-                sum += last.mul_f64((cycles / f64::from(tried)).sqrt());
-            }
+        let cycles = |block: &[u32]| f64::from(block[1] - block[0]);
+        let mut blocks = lives.windows(2);
+        let mut length = 1.0;
+        for block in blocks.by_ref().take(FIRST) {
+            (length, last) = (cycles(block), trial.timed_wear(block[0]..block[1]).unwrap_or(last));
+            sum += last;
+        }
+        let rest: Vec<&[u32]> = blocks.collect();
+        let Some((first, middle)) = rest.first().zip(rest.get(rest.len() / 2)) else { return sum };
+        // What fails under the contact of the first cycle need not fail in an evaluation.
+        let worn = trial.timed_wear(first[0]..middle[0].max(first[0] + 1));
+        let in_middle = worn.and_then(|_| trial.timed_wear(middle[0]..middle[1]));
+        let per_root = |time: Duration, length: f64| time.as_secs_f64() / length.sqrt();
+        let early = per_root(last, length);
+        let late = in_middle.map_or(early, |time| per_root(time, cycles(middle)));
+        for (k, block) in rest.iter().enumerate() {
+            let share = (2.0 * k as f64 / rest.len() as f64).min(1.0);
+            sum += Duration::from_secs_f64((early + share * (late - early)) * cycles(block).sqrt());
         }
         sum
+    }
+
+    /// Time of wearing a block under the contact of the cycle just measured; `None` if it fails.
+    fn timed_wear(&mut self, block: Range<u32>) -> Option<Duration> {
+        let begun = Instant::now();
+        let mut wear = vec![vec![]; self.scene.outputs.len()];
+        self.wear(block, &[], &mut wear).ok().map(|()| begun.elapsed())
     }
 }

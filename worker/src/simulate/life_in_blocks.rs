@@ -56,9 +56,9 @@ pub(crate) async fn simulate_life<E: From<SimulationFailure>>(
     for block in lives.windows(2) {
         let (from, to) = (block[0], block[1]);
         let checkpoints: Vec<u32> = (from / every + 1..=to / every).map(|k| k * every).collect();
-        let depths = run.depths();
+        let deepest = run.largest_depths();
         run.wear(from..to, &checkpoints, &mut wear)?;
-        estimate.add_wear(run, from, depths);
+        estimate.add_wear(run, from, &deepest);
         run.keep_bores(to);
         match model {
             CycleModel::Single => {}
@@ -70,8 +70,8 @@ pub(crate) async fn simulate_life<E: From<SimulationFailure>>(
             estimate.add_probe(run.probe(to).await?);
         }
     }
-    run.close_wear()?;
-    estimate.add_wear(run, end, run.depths());
+    run.compare_bores();
+    estimate.add_wear(run, end, &run.largest_depths());
 
     let cycles = scene.life.checkpoints();
     let measured = MeasuredLives { lives: &lives, outputs: &measured };

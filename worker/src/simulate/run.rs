@@ -209,25 +209,15 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    /// Closes the last block's wear step, for its error, with the contact of the cycle just measured.
-    ///
-    /// # Errors
-    /// [`SimulationFailure::WearStep`] if the wear rate does not exist.
-    pub(crate) fn close_wear(&mut self) -> Result<(), SimulationFailure> {
+    /// Compares the bores at the end of life with their finer copies, under the contact of the cycle just measured.
+    pub(crate) fn compare_bores(&mut self) {
         for (index, state) in self.islands.iter_mut().enumerate() {
-            let IslandState { island, recorder, rates, steps, depth, .. } = state;
+            let IslandState { island, recorder, finer, depth, .. } = state;
             let recorder = self.quasi_static.get(index).map_or(&*recorder, |island| &island.recorder);
-            for (k, joint) in island.joints.iter().enumerate().filter(|(_, j)| j.wear_coefficient > 0.0) {
-                rates[k].freeze(&recorder.histories[k]);
-                let renewed = steps[k].renew(&mut rates[k], &depth[k], &mut self.wear_counts);
-                renewed.map_err(|failed| SimulationFailure::WearStep {
-                    cycle: self.cycle,
-                    joint: joint.name.clone(),
-                    error: failed.0,
-                })?;
+            for (k, _) in island.joints.iter().enumerate().filter(|(_, j)| j.wear_coefficient > 0.0) {
+                finer[k].advance(&recorder.histories[k], 0.0, largest_of(depth[k].iter().copied()));
             }
         }
-        Ok(())
     }
 
     /// Depth at every control point of every joint of the scene, empty for ideal joints `(joints, points)` [m].
@@ -239,6 +229,11 @@ impl<'a> Run<'a> {
             }
         }
         all
+    }
+
+    /// Largest depth of every joint of the scene, zero for ideal joints `(joints,)` [m].
+    pub(crate) fn largest_depths(&self) -> Vec<f64> {
+        self.depths().into_iter().map(largest_of).collect()
     }
 
     /// Keeps the bores as they are at `life` [cycles], if cycles are displayed.
@@ -307,7 +302,7 @@ impl<'a> Run<'a> {
                     largest[mark][joint.scene_joint] = depth.iter().fold(0.0, |a: f64, &b| a.max(b));
                 };
                 let length = f64::from(to - from);
-                let deepest_before = largest_of(depth.iter().copied());
+                state.finer[k].advance(&recorder.histories[k], length, largest_of(depth.iter().copied()));
                 let advanced =
                     state.steps[k].advance(rate, depth, length, &marks, note_largest, &mut self.wear_counts);
                 advanced.map_err(|failed| SimulationFailure::WearStep {
@@ -319,8 +314,6 @@ impl<'a> Run<'a> {
                     let joint = joint.name.clone();
                     return Err(SimulationFailure::WornThrough { cycle: to, joint, depth, wall });
                 }
-                let deepest = largest_of(depth.iter().copied());
-                state.finer[k].advance(&recorder.histories[k], length, deepest, deepest - deepest_before);
                 joint.set_depth(depth);
             }
         }

@@ -18,7 +18,7 @@ mod local_arcs;
 #[cfg(test)]
 mod local_arcs_tests;
 #[cfg(test)]
-mod spacing_tests;
+mod random_load_tests;
 mod step;
 #[cfg(test)]
 mod step_tests;

@@ -20,12 +20,6 @@ use super::equilibrium::NoEquilibrium;
 use crate::extremum::largest;
 use crate::interpolate::Cubic;
 
-/// Embedded error estimate of a sub-step of length `step` from y0, f0 to y1, f1, signed: the correction of y1
-/// [m].
-fn embedded(y0: f64, y1: f64, f0: f64, f1: f64, step: f64) -> f64 {
-    0.8 * (y0 - y1) + 0.4 * step * (f0 + f1)
-}
-
 /// Work counters of one or more wear steps.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct WearStepStats {
@@ -65,12 +59,6 @@ pub struct WearStep {
     f0: Vec<f64>,
     f1: Vec<f64>,
     end: Vec<f64>,
-    /// Length of the previous block, whose history the rate in f0 belongs to; zero before the first [cycle].
-    block: f64,
-    /// Embedded errors of the sub-steps of the block under way, signed [m].
-    under_way: Vec<f64>,
-    /// Estimated error of the completed blocks, signed [m].
-    behind: Vec<f64>,
 }
 
 /// Most stages of one sub-step.
@@ -95,41 +83,8 @@ impl WearStep {
             stiffest: (0..points).map(|i| if i % 2 == 0 { 1.0 } else { -1.0 }).collect(),
             f0: zero.clone(),
             f1: zero.clone(),
-            end: zero.clone(),
-            block: 0.0,
-            under_way: zero.clone(),
-            behind: zero,
+            end: zero,
         }
-    }
-
-    /// Evaluates the rate for the new contact history at `depth`; this closes the previous block, whose
-    /// freezing error is T/2 (r_new - r_old), with its length T [cycle] and the rates r [m/cycle] of the new
-    /// history and of the old one at its end (trapezoidal against rectangular rule).
-    ///
-    /// # Errors
-    /// [`WearStepFailed`] if a frozen force has no equilibrium on that bore.
-    pub(crate) fn renew(
-        &mut self,
-        rate: &mut WearRate,
-        depth: &[f64],
-        stats: &mut WearStepStats,
-    ) -> Result<(), WearStepFailed> {
-        rate.rate(depth, &mut self.f1)?;
-        stats.stages += 1;
-        for (i, behind) in self.behind.iter_mut().enumerate() {
-            let freezing = 0.5 * self.block * (self.f1[i] - self.f0[i]);
-            *behind += self.under_way[i] + freezing;
-        }
-        self.under_way.fill(0.0);
-        std::mem::swap(&mut self.f0, &mut self.f1);
-        self.block = 0.0;
-        Ok(())
-    }
-
-    /// Estimated error of the depth at every control point, from the sub-steps and from the frozen histories
-    /// of all blocks but the last, signed `(points,)` [m].
-    pub(crate) fn error_behind(&self) -> &[f64] {
-        &self.behind
     }
 
     /// Advances `depth` by `cycles` under the frozen history in `rate`. `mark` receives the depth at each of
@@ -137,7 +92,8 @@ impl WearStep {
     /// sub-step.
     ///
     /// # Errors
-    /// [`WearStepFailed`] if a sub-step of the smallest length still misses the tolerance.
+    /// [`WearStepFailed`] if a frozen force has no equilibrium on that bore, or if a sub-step of the smallest length
+    /// still misses the tolerance.
     pub(crate) fn advance(
         &mut self,
         rate: &mut WearRate,
@@ -147,8 +103,8 @@ impl WearStep {
         mut mark: impl FnMut(usize, &[f64]),
         stats: &mut WearStepStats,
     ) -> Result<(), WearStepFailed> {
-        self.renew(rate, depth, stats)?;
-        self.block = cycles;
+        rate.rate(depth, &mut self.f0)?;
+        stats.stages += 1;
         let radius = self.spectral_radius(rate, depth, stats)?;
         let (mut done, mut step, mut marked) = (0.0, cycles, 0);
         let fastest = largest(self.f0.iter().copied());
@@ -209,9 +165,6 @@ impl WearStep {
             let smaller = step * (0.8 / libm::cbrt(relative)).clamp(0.1, 0.5);
             return Err(Refused { smaller, error: relative });
         }
-        for (i, sum) in self.under_way.iter_mut().enumerate() {
-            *sum += embedded(depth[i], self.end[i], self.f0[i], self.f1[i], step);
-        }
         *credit += share - error;
         Ok(relative)
     }
@@ -232,7 +185,8 @@ impl WearStep {
         depth.iter().zip(&self.end).zip(ends).fold(
             (0.0, 0.0),
             |(error, added): (f64, f64), ((y0, y1), (f0, f1))| {
-                (error.max(embedded(*y0, *y1, *f0, *f1, step).abs()), added.max(y1 - y0))
+                let estimate = 0.8 * (y0 - y1) + 0.4 * step * (f0 + f1);
+                (error.max(estimate.abs()), added.max(y1 - y0))
             },
         )
     }

@@ -10,6 +10,7 @@ use worker::simulate::{SimulateOptions, first_look, simulate};
 #[test]
 #[ignore = "measures time: for a machine that does nothing else"]
 fn the_expected_time_is_within_a_factor_of_one_and_a_half() {
+    let mut wrong = vec![];
     for accuracy in [Accuracy::draft(), Accuracy::balanced()] {
         for name in SceneSource::builtin_names() {
             for law in [ContactLaw::LocalHertz, ContactLaw::Foundation] {
@@ -23,8 +24,11 @@ fn the_expected_time_is_within_a_factor_of_one_and_a_half() {
                 println!("{name} {law:?}: expected {expected:.3} s, taken {taken:.3} s, ratio {ratio:.2}");
                 // Evaluations of some milliseconds are too short to tell.
                 let is_right = (1.0 / 1.5..1.5).contains(&ratio) || taken < 0.05 || result.is_err();
-                assert!(is_right, "{name} {law:?}: expected {expected} s, taken {taken} s");
+                if !is_right {
+                    wrong.push(format!("{name} {law:?}: expected {expected} s, taken {taken} s"));
+                }
             }
         }
     }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
