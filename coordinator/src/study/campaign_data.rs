@@ -115,4 +115,23 @@ mod tests {
         data.add_failed(vec![0.1], cause, true, true);
         assert_eq!((data.unexpected_failures().count(), data.failed.len()), (3, 6));
     }
+
+    #[test]
+    fn a_result_nearer_to_a_limit_than_predicted_draws_exploring_points() {
+        let mut data = CampaignData::new(1, 1);
+        data.observations.add(&[0.0], Observed::exact(vec![vec![1.0]]));
+        let result = || Observed::exact(vec![vec![1.0]]);
+        let judged = |verdict, approach| Judgement { verdict, approach };
+        data.add_exploring(vec![1.0], result(), judged(Verdict::Confirmed, 0.0));
+        data.add_exploring(vec![2.0], result(), judged(Verdict::Near, 0.5));
+        data.add_exploring(vec![3.0], result(), judged(Verdict::Contradicted, 1.0));
+        let mut factors = data.explored_with_factors();
+        factors.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]));
+        let expected = [(0.0, 1.0), (1.0, 1.0), (2.0, 8.0), (3.0, 1000.0)];
+        for ((at, factor), (z, exact)) in factors.into_iter().zip(expected) {
+            assert_eq!(at, [z]);
+            assert!((factor / exact - 1.0_f64).abs() < 1e-12, "{z}: {factor}");
+        }
+        assert!(data.contradicted && data.results() == 4);
+    }
 }

@@ -1,6 +1,7 @@
 //! Campaigns on a published static case: the series system of four branches.
 
 use super::{Campaign, CampaignResult, ClassifiedPopulation, Observed, Plan, Problem, Settings};
+use crate::results::summary::Round;
 use crate::statistics::design::InputModel;
 use crate::statistics::learning::{Mode, StoppingTargets};
 use crate::statistics::models;
@@ -280,4 +281,49 @@ fn issue_samples_are_not_requested_twice() {
         );
         assert!(learned.unwrap().classified.population.len() > 5_000);
     }
+}
+
+#[test]
+fn failures_that_need_two_conditions_beyond_kinks_are_found() {
+    // Both of two variables must exceed 3.2, and neither shows it below 2.2; a straight branch leads elsewhere.
+    let (beta, kink, slope, other): (f64, f64, f64, f64) = (3.2, 2.2, 0.2, 6.0);
+    let broken = move |x: f64| {
+        if x < kink { slope * x / kink } else { slope + (1.0 - slope) * (x - kink) / (beta - kink) }
+    };
+    let simulate = |x: &[f64]| {
+        let response = (x[0] / other).max(broken(x[1]).min(broken(x[2])));
+        Ok(Observed::exact(vec![vec![response]]))
+    };
+    let exact = standard_normal_cdf(-beta).powi(2) + standard_normal_cdf(-other);
+    for seed in [2] {
+        let mut plan = plan(20_000, 12, 4, seed);
+        plan.largest_population = 100_000;
+        let learned = Campaign::new(static_problem(standard_normals(3), 1.0), plan)
+            .learn_from(simulate, |_| {})
+            .unwrap();
+        let ClassifiedPopulation { condition, population, .. } = &learned.classified;
+        let failed = learned.assessment.governing_failed();
+        let pf = condition.probability * failed;
+        let cov = condition.coefficient_of_variation(failed, population.len()).hypot(0.02);
+        eprintln!("seed {seed}: {} calls, {pf:.3e} of {exact:.3e}, cov {cov:.3}", learned.evaluations);
+        assert!((pf / exact - 1.0).abs() < 3.5 * cov, "seed {seed}: {pf} {exact} {cov}");
+    }
+}
+
+#[test]
+fn a_budget_that_ends_a_conditional_study_draws_its_population_once_more() {
+    let output = |x: &[f64]| x[0] * x[0] - 25.0 - x[1] * x[1];
+    let simulate = |x: &[f64]| Ok(Observed::exact(vec![vec![output(x)]]));
+    let mut plan = plan(20_000, 12, 4, 1);
+    plan.settings.max_evaluations = 64;
+    let learned =
+        Campaign::new(static_problem(standard_normals(2), 0.0), plan).learn_from(simulate, |_| {}).unwrap();
+    assert!(matches!(learned.stop, super::StopReason::Budget), "{:?}", learned.stop);
+    let [.., before, last] = &learned.rounds[..] else { panic!("{} rounds", learned.rounds.len()) };
+    assert_eq!((before.evaluations, last.evaluations), (64, 64));
+    // What the last draw changed is part of the error.
+    let pf = |round: &Round| 1.0 - round.reliability_total;
+    let change = (pf(last) / pf(before) - 1.0).abs();
+    eprintln!("{:.3e} to {:.3e}, cov {:.3} to {:.3}", pf(before), pf(last), before.cov_pf, last.cov_pf);
+    assert!(change > 0.0 && last.cov_pf >= 0.5 * change, "{change} {}", last.cov_pf);
 }
