@@ -110,11 +110,10 @@ impl Foundation {
         self.arc.profile_changed(profile);
     }
 
-    /// Elastic potential, force and stiffness at the eccentricity `e` [m]; `weigh` receives each interval of
-    /// the arc in contact with the parts of the integral of g that belong to its two ends [m rad].
+    /// Elastic potential, force and stiffness at the eccentricity `e` [m].
     #[inline]
-    pub(crate) fn load(&self, e: [f64; 2], weigh: impl FnMut(usize, f64, f64)) -> FoundationLoad {
-        let sum = self.arc.integrate(e, weigh);
+    pub(crate) fn load(&self, e: [f64; 2]) -> FoundationLoad {
+        let sum = self.arc.integrate(e);
         let potential = self.modulus.potential(sum.v);
         let mut out = FoundationLoad {
             energy: potential.energy,
@@ -139,7 +138,7 @@ impl Foundation {
     /// torque F_N (e x n) + F_T (e.n + R1).
     #[inline]
     pub(crate) fn force<const JACOBIAN: bool>(&self, motion: &JointMotion) -> JointForce {
-        let loaded = self.load(motion.e, |_, _, _| {});
+        let loaded = self.load(motion.e);
         let elastic = length(loaded.force);
         let mut out = if elastic <= 0.0 {
             JointForce { penetration: self.free_penetration(motion.e), ..JointForce::default() }
@@ -264,7 +263,7 @@ impl Law for Foundation {
     }
 
     fn elastic(&self, _profile: &Profile, motion: &JointMotion) -> Elastic {
-        let FoundationLoad { energy, force, .. } = self.load(motion.e, |_, _, _| {});
+        let FoundationLoad { energy, force, .. } = self.load(motion.e);
         let size = libm::hypot(force[0], force[1]);
         if size <= 0.0 {
             return Elastic::default();

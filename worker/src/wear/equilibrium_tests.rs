@@ -81,7 +81,7 @@ fn the_potential_is_convex_whatever_the_bore() {
         for _ in 0..400 {
             let mut point = || polar(80e-6 * even.next(), TAU * even.next());
             let (a, b) = (point(), point());
-            let energy = |e: [f64; 2]| law.load(e, |_, _, _| {}).energy;
+            let energy = |e: [f64; 2]| law.load(e).energy;
             let chord = 0.5 * (energy(a) + energy(b));
             let middle = energy([0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]);
             assert!(middle <= chord * (1.0 + 1e-12), "{a:?} {b:?}: {middle} above {chord}");
@@ -107,7 +107,7 @@ fn every_force_within_range_finds_its_rest_on_any_bore() {
                     let found = equilibrium(&law, force, start)
                         .unwrap_or_else(|e| panic!("{e:?}: {force:?} N, {clearance} m, {depth:?}"));
                     let FoundationLoad { force: carried, stiffness: [[a, _], [_, d]], .. } =
-                        law.load(found.e, |_, _, _| {});
+                        law.load(found.e);
                     let left = (carried[0] - force[0]).hypot(carried[1] - force[1]);
                     let bound = f64::max(
                         BALANCED * force[0].hypot(force[1]),

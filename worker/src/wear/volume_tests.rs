@@ -78,7 +78,7 @@ fn pressure_over_force(depth: &[f64]) -> f64 {
         })
         .collect();
     let sums = |e: f64| {
-        let modulus = law.load([e, 0.0], |_, _, _| {}).modulus;
+        let modulus = law.load([e, 0.0]).modulus;
         bore.iter().fold((0.0, 0.0), |(force, pressure), (cos, radius)| {
             let p = modulus * (e * cos + SURFACE.journal_radius - radius).max(0.0) * TAU / GRID as f64;
             (force + p * cos, pressure + p)
