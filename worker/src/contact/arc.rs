@@ -8,9 +8,8 @@
 //! arc: the force of an arc whose half angle spans m intervals is within 0.025 / m^3 (chords through g itself
 //! fall short by 0.25 / m^2).
 //!
-//! Over an interval with g > 0 at both ends V is quadratic in e, so that its sums over all intervals before each angle
-//! give the integrals over any number of such intervals at once. Rounding leaves the force within 1e-9 and V within 1e-6
-//! of itself for contacts of 10 nm and more (see the test).
+//! Over an interval with g > 0 at both ends V is quadratic in e, so that sums over the intervals before each angle give
+//! the integrals over any number of such intervals at once.
 //!
 //! # Source
 //! Derived here, for the Winkler foundation of `foundation.rs` (Winkler 1867; Johnson 1985).
@@ -23,6 +22,8 @@ use std::f64::consts::TAU;
 /// Intervals per block: a block without contact is skipped at once, since most of the arc that could touch
 /// does not.
 const BLOCK: usize = 4;
+/// Intervals over which sums are kept; few enough for a bore to be nearly an arc about one point there.
+const STRETCH: usize = 16;
 
 /// Tabulated bore of one joint.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,8 +40,8 @@ pub struct Arc {
     radius: Vec<f64>,
     /// (1 + s^2 / 12) times the unit vectors at those angles `(intervals, 2)` [1].
     direction: Vec<[f64; 2]>,
-    /// Sums of the integrals' coefficients over all intervals before each angle `(intervals + 1,)`.
-    before: Vec<Quadratic>,
+    /// Stretches of [`STRETCH`] intervals.
+    stretches: Vec<Stretch>,
 }
 
 /// Integrals over the arc in contact.
@@ -101,14 +102,13 @@ impl Integrals {
         }
     }
 
-    /// Adds the same of intervals of length one that are wholly in contact at the eccentricity `e` [m], from the sums
-    /// before the first and after the last of them: e D e - 2 h e + c, D e - h, D.
+    /// Adds the same of intervals of length one that are wholly in contact, with the coefficients `of` at the
+    /// eccentricity `e` [m]: e D e - 2 h e + c, D e - h, D.
     #[inline(always)]
-    fn add_whole(&mut self, e: [f64; 2], before: &Quadratic, after: &Quadratic) {
-        let [xx, xy, yy]: [f64; 3] = std::array::from_fn(|i| after.d[i] - before.d[i]);
-        let [hx, hy]: [f64; 2] = std::array::from_fn(|i| after.h[i] - before.h[i]);
+    fn add_whole(&mut self, (e, of): ([f64; 2], Quadratic)) {
+        let ([xx, xy, yy], [hx, hy]) = (of.d, of.h);
         let p = [xx * e[0] + xy * e[1] - hx, xy * e[0] + yy * e[1] - hy];
-        self.v += e[0] * (p[0] - hx) + e[1] * (p[1] - hy) + (after.c - before.c);
+        self.v += e[0] * (p[0] - hx) + e[1] * (p[1] - hy) + of.c;
         self.p[0] += p[0];
         self.p[1] += p[1];
         self.d[0][0] += xx;
@@ -148,7 +148,7 @@ impl Arc {
             block_radius: vec![journal_radius + clearance; n / BLOCK],
             sine: libm::sin(0.5 * BLOCK as f64 * spacing),
             reach: clearance / lift,
-            before: sums(journal_radius, &radius, &direction),
+            stretches: stretches(journal_radius, &radius, &direction),
             radius,
             direction,
         }
@@ -168,7 +168,7 @@ impl Arc {
         }
         self.reach =
             (smallest(self.block_radius.iter().copied()) - self.journal_radius) / self.direction[0][0];
-        self.before = sums(self.journal_radius, &self.radius, &self.direction);
+        self.stretches = stretches(self.journal_radius, &self.radius, &self.direction);
     }
 
     /// Eccentricity up to which the journal does not touch the bore in any direction [m].
@@ -240,6 +240,15 @@ impl Arc {
         if k.is_multiple_of(BLOCK) && left >= BLOCK && self.block_is_free(e, k) { BLOCK } else { 0 }
     }
 
+    /// Coefficients of the intervals from `from` to before `to`, which is in the same stretch or ends it, and the
+    /// eccentricity that they refer to when it is `e` [m].
+    #[inline(always)]
+    fn whole(&self, e: [f64; 2], from: usize, to: usize) -> ([f64; 2], Quadratic) {
+        let Stretch { centre, sums } = &self.stretches[from / STRETCH];
+        let (before, after) = (&sums[from % STRETCH], &sums[to - from / STRETCH * STRETCH]);
+        ([e[0] - centre[0], e[1] - centre[1]], after.minus(before))
+    }
+
     /// Integrals over the arc in contact at the eccentricity `e` [m]. Intervals wholly in contact come from the sums
     /// over all before them; at the two ends of an arc only the part with g > 0 counts.
     #[inline]
@@ -266,24 +275,29 @@ impl Arc {
                 whole_from.get_or_insert(k);
             } else {
                 if let Some(from) = whole_from.take() {
-                    sum.add_whole(e, &self.before[from], &self.before[k]);
+                    sum.add_whole(self.whole(e, from, k));
                 }
                 if a > 0.0 || b > 0.0 {
                     sum.add([a, b], &Weights::new(a, b), self.direction[k], self.direction[next]);
                 }
             }
-            if next == 0
+            if next.is_multiple_of(STRETCH)
                 && let Some(from) = whole_from.as_mut()
             {
-                sum.add_whole(e, &self.before[*from], &self.before[n]);
-                *from = 0;
+                sum.add_whole(self.whole(e, *from, k + 1));
+                *from = next;
             }
             left -= 1;
             a = b;
             k = next;
         }
         if let Some(from) = whole_from {
-            sum.add_whole(e, &self.before[from], &self.before[k]);
+            sum.add_whole(self.whole(e, from, k.max(from)));
+        }
+        // Of contacts below a tenth of a picometre rounding leaves less than this bound (Cauchy and Schwarz).
+        let extent = sum.d[0][0] + sum.d[1][1];
+        if extent > 0.0 {
+            sum.v = sum.v.max(dot(sum.p, sum.p) / extent);
         }
         sum.scaled(TAU / n as f64)
     }
@@ -313,6 +327,16 @@ impl Arc {
     }
 }
 
+/// Intervals next to each other.
+#[derive(Debug, Clone, PartialEq)]
+struct Stretch {
+    /// Eccentricity at which the journal touches the bore at both ends of the stretch `(2,)` [m]: eccentricities are
+    /// counted from there, so that the coefficients are as small as the bore is uneven.
+    centre: [f64; 2],
+    /// Sums over its first 0 to [`STRETCH`] intervals.
+    sums: [Quadratic; STRETCH + 1],
+}
+
 /// Coefficients of twice the potential e D e - 2 h e + c of intervals wholly in contact, for a spacing of one.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Quadratic {
@@ -325,8 +349,8 @@ struct Quadratic {
 }
 
 impl Quadratic {
-    /// Those of one interval with the unit vectors `u`, `v` at its ends and the bore as far as `a` and `b` [m] beyond
-    /// the journal's radius there.
+    /// Those of one interval with the unit vectors `u`, `v` at its ends and there the gaps -`a` and -`b` [m] at the
+    /// eccentricity from which others are counted.
     fn of_interval(u: [f64; 2], v: [f64; 2], a: f64, b: f64) -> Self {
         let entry =
             |i: usize, j: usize| (u[i] * u[j] + v[i] * v[j]) / 3.0 + (u[i] * v[j] + v[i] * u[j]) / 6.0;
@@ -339,27 +363,45 @@ impl Quadratic {
     }
 
     fn plus(&self, other: &Self) -> Self {
+        let ([xx, xy, yy], [hx, hy]) = (other.d, other.h);
         Quadratic {
-            d: std::array::from_fn(|i| self.d[i] + other.d[i]),
-            h: std::array::from_fn(|i| self.h[i] + other.h[i]),
+            d: [self.d[0] + xx, self.d[1] + xy, self.d[2] + yy],
+            h: [self.h[0] + hx, self.h[1] + hy],
             c: self.c + other.c,
+        }
+    }
+
+    #[inline(always)]
+    fn minus(&self, other: &Self) -> Self {
+        let ([xx, xy, yy], [hx, hy]) = (other.d, other.h);
+        Quadratic {
+            d: [self.d[0] - xx, self.d[1] - xy, self.d[2] - yy],
+            h: [self.h[0] - hx, self.h[1] - hy],
+            c: self.c - other.c,
         }
     }
 }
 
-/// Sums of the coefficients over all intervals before each table angle `(intervals + 1,)`.
-fn sums(journal_radius: f64, radius: &[f64], direction: &[[f64; 2]]) -> Vec<Quadratic> {
+/// The stretches of a bore with these tabulated radii [m] and unit vectors.
+fn stretches(journal_radius: f64, radius: &[f64], direction: &[[f64; 2]]) -> Vec<Stretch> {
     let n = radius.len();
-    let mut sum = Quadratic::default();
-    let mut before = Vec::with_capacity(n + 1);
-    before.push(sum);
-    for k in 0..n {
-        let next = (k + 1) % n;
-        let (a, b) = (radius[k] - journal_radius, radius[next] - journal_radius);
-        sum = sum.plus(&Quadratic::of_interval(direction[k], direction[next], a, b));
-        before.push(sum);
-    }
-    before
+    let play = |k: usize| radius[k] - journal_radius;
+    let after = |k: usize| if k + 1 == n { 0 } else { k + 1 };
+    let of_intervals = |first: usize| {
+        let end = n.min(first + STRETCH);
+        let (u, v) = (direction[first], direction[after(end - 1)]);
+        let (a, b, det) = (play(first), play(after(end - 1)), cross(u, v));
+        let centre = [(a * v[1] - b * u[1]) / det, (b * u[0] - a * v[0]) / det];
+        let uneven = |k: usize| play(k) - dot(centre, direction[k]);
+        let mut sums = [Quadratic::default(); STRETCH + 1];
+        for (i, k) in (first..end).enumerate() {
+            let next = after(k);
+            let interval = Quadratic::of_interval(direction[k], direction[next], uneven(k), uneven(next));
+            sums[i + 1] = sums[i].plus(&interval);
+        }
+        Stretch { centre, sums }
+    };
+    (0..n).step_by(STRETCH).map(of_intervals).collect()
 }
 
 #[cfg(test)]

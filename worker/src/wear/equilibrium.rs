@@ -17,11 +17,10 @@
 use crate::contact::{Foundation, FoundationLoad, equivalent_penetration};
 use crate::plane::{dot, length};
 
-/// Relative residual below which a force counts as carried. The pressure is scaled to the force, and the tolerances of
-/// wear steps are a hundred times as large.
-pub const BALANCED: f64 = 1e-4;
+/// Relative residual below which a force counts as carried.
+pub const BALANCED: f64 = 1e-6;
 /// Rounding of a gap, over the journal's radius. Its effect on the force exceeds BALANCED for forces with a
-/// penetration below about 1e-14 m: means of an interval in which the journal struck both sides of its bore.
+/// penetration below about 1e-12 m: means of an interval in which the journal struck both sides of its bore.
 pub const RESOLVED: f64 = 4.0 * f64::EPSILON;
 /// Least penetration that is solved for, in such roundings; a lighter force gets the same equilibrium.
 const LEAST: f64 = 16.0;
