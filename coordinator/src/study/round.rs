@@ -10,8 +10,8 @@ use crate::results::summary::Round;
 use crate::statistics::design::{Population, Stream, open_stream};
 use crate::statistics::learning::{
     Classification, ClassifiedMode, Coupled, CurveErrors, Exploration, Figures, JointPool, Selection,
-    SelectionOptions, UNCERTAIN, checkpoints_that_matter, choose_pool, classify_cached, coupled_criterion,
-    curves, dominance, estimate_errors, explore, farthest, noise_shifts,
+    SelectionOptions, UNCERTAIN, UNDERSTATED, checkpoints_that_matter, choose_pool, classify_cached,
+    coupled_criterion, curves, dominance, estimate_errors, explore, farthest, noise_shifts,
 };
 use crate::statistics::reliability::governing_checkpoint;
 use crate::statistics::surrogate::{Effort, Kriging, PredictionCache};
@@ -119,13 +119,14 @@ impl Assessment {
         }
     }
 
-    /// Root sum of squares of surrogate error and simulator noise [1] per curve, with the checkpoints of the
-    /// grid.
+    /// Stated error [1] per curve, with the checkpoints of the grid: root sum of squares of [`UNDERSTATED`] times the
+    /// surrogate error and of the simulator's noise.
     pub(super) fn combined_errors(&self) -> Vec<Vec<(usize, f64)>> {
         let curves = self.errors.by_curve.iter().zip(&self.noise_shift);
         curves
             .map(|(errors, noise)| {
-                let combined = errors.iter().zip(noise).map(|(error, noise)| error.hypot(*noise));
+                let combined =
+                    errors.iter().zip(noise).map(|(error, noise)| (UNDERSTATED * error).hypot(*noise));
                 self.grid.iter().copied().zip(combined).collect()
             })
             .collect()

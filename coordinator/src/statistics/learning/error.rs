@@ -7,9 +7,9 @@
 //! It differs from the share F_mean of the means by as much as the predicted standard deviations say, which are
 //! known to about their half. So the error of a curve at a checkpoint is
 //!
-//!   error = 1.2 (a / N) sqrt(Var_r F_r + v / a + (E_r F_r - F_mean)^2 / 4) + rest,
+//!   error = (a / N) sqrt(Var_r F_r + v / a + (E_r F_r - F_mean)^2 / 4) + rest,
 //!
-//! where the factor makes up for what the posterior does not know (its lengths and its form), with v the mean variance of one point's indicator; `rest` = (1/N) sum of Phi(-U) over the points outside the
+//! with v the mean variance of one point's indicator; `rest` = (1/N) sum of Phi(-U) over the points outside the
 //! pool bounds their part. If the pool is a sample of p of the uncertain points, the variance of the share over
 //! all of them follows from that over the sample:
 //!
@@ -18,7 +18,8 @@
 //! Predicted variances, here and in U, are multiplied by the factor by which cross-validation finds them too
 //! small ([`super::ClassifiedMode::inflation`]).
 //!
-//! Valid as far as the posterior is: Gaussian, with the lengths and the form taken as known.
+//! Valid as far as the posterior is: Gaussian, with the lengths and the form taken as known. What is stated is larger by
+//! [`UNDERSTATED`].
 //!
 //! # Source
 //! Realisations of a Gaussian process by the Cholesky factor of its covariance: Rasmussen, Williams (2006),
@@ -36,8 +37,10 @@ use rand_distr::{Distribution, StandardNormal};
 const REALISATIONS: usize = 128;
 /// Relative uncertainty of the predicted standard deviations [1].
 const UNCERTAINTY: f64 = 0.5;
-/// Error over its estimate without this factor, root mean square over 139 random problems (`random_problems --seed 3`) [1].
-const UNDERSTATED: f64 = 1.2;
+/// Stated error over the posterior's [1], for the lengths and the form that it takes as known: without it 91 %, with it 94 %
+/// of 163 random problems lie within their 95 % intervals (`random_problems`, seeds 3 and 4). Rules use the
+/// posterior's error.
+pub const UNDERSTATED: f64 = 1.5;
 
 /// Estimated surrogate errors of the failure shares at the checkpoints of the grid.
 #[derive(Debug, Clone, PartialEq)]
@@ -178,7 +181,7 @@ impl FailureCounts {
             spread
         };
         let shift = UNCERTAINTY * (mean - share(&self.by_mean));
-        UNDERSTATED * UNDERSTATED * (realised + v / all + shift * shift)
+        realised + v / all + shift * shift
     }
 }
 
@@ -217,11 +220,10 @@ mod tests {
         // All points sit on the limit and count as failed by their means; a realisation has half of them failed.
         // Together: the share is 0 or 1, of standard deviation 1/2, and half the shift of 1/2 is added. The trend's
         // variance of 1/3 is common to all.
-        let together = UNDERSTATED * 0.5_f64.hypot(0.25);
-        assert!((error(0.0) - together).abs() < 0.1, "{} {together}", error(0.0));
+        assert!((error(0.0) - 0.5_f64.hypot(0.25)).abs() < 0.1, "{}", error(0.0));
         // Apart: correlation 0.25 through the trend; the arcsine law gives Var = asin(0.25) / (2 pi) =
         // 0.0402.
-        let expected = UNDERSTATED * ((0.25_f64).asin() / (2.0 * std::f64::consts::PI)).sqrt().hypot(0.25);
+        let expected = ((0.25_f64).asin() / (2.0 * std::f64::consts::PI)).sqrt().hypot(0.25);
         assert!((error(50.0) - expected).abs() < 0.05, "{} {expected}", error(50.0));
     }
 
