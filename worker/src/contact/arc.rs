@@ -19,10 +19,8 @@ use crate::extremum::smallest;
 use crate::plane::{cross, dot, length};
 use std::f64::consts::TAU;
 
-/// Intervals per block: a block without contact is skipped at once, since most of the arc that could touch
-/// does not.
-const BLOCK: usize = 4;
-/// Intervals over which sums are kept; few enough for a bore to be nearly an arc about one point there.
+/// Intervals of a stretch, over which sums are kept and which is judged as a whole; few enough for a bore to be nearly an
+/// arc about one point there.
 const STRETCH: usize = 16;
 
 /// Tabulated bore of one joint.
@@ -30,10 +28,6 @@ const STRETCH: usize = 16;
 pub struct Arc {
     /// Journal radius R1 [m].
     journal_radius: f64,
-    /// Smallest tabulated radius of each block `(intervals / BLOCK,)` [m].
-    block_radius: Vec<f64>,
-    /// Sine of half the angle of a block [1].
-    sine: f64,
     /// Eccentricity up to which the journal does not touch the bore [m].
     reach: f64,
     /// R - R'' s^2 / 12 at equal angles `(intervals,)` [m].
@@ -134,7 +128,7 @@ impl Integrals {
 impl Arc {
     /// A round bore tabulated at `intervals` intervals or more, a multiple of the control points.
     pub(crate) fn new(journal_radius: f64, clearance: f64, control_points: usize, intervals: usize) -> Self {
-        let n = intervals.div_ceil(control_points * BLOCK) * control_points * BLOCK;
+        let n = intervals.div_ceil(control_points * 4) * control_points * 4;
         let spacing = TAU / n as f64;
         let lift = 1.0 + spacing * spacing / 12.0;
         let radius = vec![journal_radius + clearance; n];
@@ -145,8 +139,6 @@ impl Arc {
         let direction: Vec<[f64; 2]> = (0..n).map(unit_vector).collect();
         Arc {
             journal_radius,
-            block_radius: vec![journal_radius + clearance; n / BLOCK],
-            sine: libm::sin(0.5 * BLOCK as f64 * spacing),
             reach: clearance / lift,
             stretches: stretches(journal_radius, &radius, &direction),
             radius,
@@ -162,12 +154,7 @@ impl Arc {
     /// Tabulates a changed profile.
     pub(crate) fn profile_changed(&mut self, profile: &Profile) {
         profile.tabulate_chords(&mut self.radius);
-        let n = self.radius.len();
-        for (b, least) in self.block_radius.iter_mut().enumerate() {
-            *least = smallest((b * BLOCK..=(b + 1) * BLOCK).map(|k| self.radius[k % n]));
-        }
-        self.reach =
-            (smallest(self.block_radius.iter().copied()) - self.journal_radius) / self.direction[0][0];
+        self.reach = (smallest(self.radius.iter().copied()) - self.journal_radius) / self.direction[0][0];
         self.stretches = stretches(self.journal_radius, &self.radius, &self.direction);
     }
 
@@ -205,19 +192,6 @@ impl Arc {
         dot(e, self.direction[k]) + self.journal_radius - self.radius[k]
     }
 
-    /// Whether the block of intervals that begins at table angle `k` is certainly without contact.
-    ///
-    /// Within the block e.u is at most e.u_m + |e x u_m| sin(half the block), u_m the unit vector of its
-    /// middle, if e.u_m is not negative. Where it is negative, only a bore narrower than its journal could
-    /// touch.
-    #[inline(always)]
-    fn block_is_free(&self, e: [f64; 2], k: usize) -> bool {
-        let u = self.direction[k + BLOCK / 2];
-        let along = dot(e, u);
-        let reach = along + cross(e, u).abs() * self.sine;
-        along >= 0.0 && reach + self.journal_radius <= self.block_radius[k / BLOCK]
-    }
-
     /// Intervals that could touch at the eccentricity `e` [m]: the first, and their number; `None` if none could.
     #[inline]
     fn window(&self, e: [f64; 2]) -> Option<(usize, usize)> {
@@ -234,66 +208,48 @@ impl Arc {
         Some((first.rem_euclid(n as i64) as usize, (last - first).min(n as i64) as usize))
     }
 
-    /// Number of intervals from table angle `k` on, of `left`, that are certainly without contact and can be skipped.
-    #[inline(always)]
-    fn skipped(&self, e: [f64; 2], k: usize, left: usize) -> usize {
-        if k.is_multiple_of(BLOCK) && left >= BLOCK && self.block_is_free(e, k) { BLOCK } else { 0 }
-    }
-
     /// Coefficients of the intervals from `from` to before `to`, which is in the same stretch or ends it, and the
     /// eccentricity that they refer to when it is `e` [m].
     #[inline(always)]
     fn whole(&self, e: [f64; 2], from: usize, to: usize) -> ([f64; 2], Quadratic) {
-        let Stretch { centre, sums } = &self.stretches[from / STRETCH];
-        let (before, after) = (&sums[from % STRETCH], &sums[to - from / STRETCH * STRETCH]);
-        ([e[0] - centre[0], e[1] - centre[1]], after.minus(before))
+        let stretch = &self.stretches[from / STRETCH];
+        let (before, after) = (&stretch.sums[from % STRETCH], &stretch.sums[to - from / STRETCH * STRETCH]);
+        (stretch.from_centre(e), after.minus(before))
     }
 
     /// Integrals over the arc in contact at the eccentricity `e` [m]. Intervals wholly in contact come from the sums
-    /// over all before them; at the two ends of an arc only the part with g > 0 counts.
+    /// of their stretch; at the two ends of an arc only the part with g > 0 counts.
     #[inline]
     pub(crate) fn integrate(&self, e: [f64; 2]) -> Integrals {
         let mut sum = Integrals::default();
-        let Some((mut k, mut left)) = self.window(e) else { return sum };
         let n = self.radius.len();
-        let mut a = self.gap(e, k);
-        // First of the intervals under way that are wholly in contact.
-        let mut whole_from = None;
-        while left > 0 {
-            if whole_from.is_none() {
-                let skipped = self.skipped(e, k, left);
-                if skipped > 0 {
-                    left -= skipped;
-                    k = if k + skipped == n { 0 } else { k + skipped };
-                    a = self.gap(e, k);
-                    continue;
-                }
+        self.visit(e, |first, end, touch| {
+            if touch == Touch::Whole {
+                sum.add_whole(self.whole(e, first, end));
+                return;
             }
-            let next = if k + 1 == n { 0 } else { k + 1 };
-            let b = self.gap(e, next);
-            if a > 0.0 && b > 0.0 {
-                whole_from.get_or_insert(k);
-            } else {
-                if let Some(from) = whole_from.take() {
-                    sum.add_whole(self.whole(e, from, k));
+            let mut a = self.gap(e, first);
+            // First of the intervals under way that are wholly in contact.
+            let mut whole_from = None;
+            for k in first..end {
+                let next = if k + 1 == n { 0 } else { k + 1 };
+                let b = self.gap(e, next);
+                if a > 0.0 && b > 0.0 {
+                    whole_from.get_or_insert(k);
+                } else {
+                    if let Some(from) = whole_from.take() {
+                        sum.add_whole(self.whole(e, from, k));
+                    }
+                    if a > 0.0 || b > 0.0 {
+                        sum.add([a, b], &Weights::new(a, b), self.direction[k], self.direction[next]);
+                    }
                 }
-                if a > 0.0 || b > 0.0 {
-                    sum.add([a, b], &Weights::new(a, b), self.direction[k], self.direction[next]);
-                }
+                a = b;
             }
-            if next.is_multiple_of(STRETCH)
-                && let Some(from) = whole_from.as_mut()
-            {
-                sum.add_whole(self.whole(e, *from, k + 1));
-                *from = next;
+            if let Some(from) = whole_from {
+                sum.add_whole(self.whole(e, from, end));
             }
-            left -= 1;
-            a = b;
-            k = next;
-        }
-        if let Some(from) = whole_from {
-            sum.add_whole(self.whole(e, from, k.max(from)));
-        }
+        });
         // Of contacts below a tenth of a picometre rounding leaves less than this bound (Cauchy and Schwarz).
         let extent = sum.d[0][0] + sum.d[1][1];
         if extent > 0.0 {
@@ -302,29 +258,53 @@ impl Arc {
         sum.scaled(TAU / n as f64)
     }
 
+    /// Calls `at` with the first interval and the one after the last of every stretch that may be in contact at the
+    /// eccentricity `e` [m].
+    #[inline(always)]
+    fn visit(&self, e: [f64; 2], mut at: impl FnMut(usize, usize, Touch)) {
+        let Some((first, count)) = self.window(e) else { return };
+        let n = self.radius.len();
+        let stretches = self.stretches.len();
+        let (mut s, last) = (first / STRETCH, first + count);
+        // Where the window begins, counted without the turn.
+        let mut begin = s * STRETCH;
+        for _ in 0..stretches {
+            if begin >= last {
+                break;
+            }
+            let (from, end) = (s * STRETCH, n.min((s + 1) * STRETCH));
+            let touch = self.stretches[s].touch(e);
+            if touch != Touch::Free {
+                at(from, end, touch);
+            }
+            begin += end - from;
+            s = if s + 1 == stretches { 0 } else { s + 1 };
+        }
+    }
+
     /// Calls `weigh` with each interval in contact at the eccentricity `e` [m] and the parts of the integral of g that
     /// belong to its two ends [m rad].
     pub(crate) fn weigh(&self, e: [f64; 2], mut weigh: impl FnMut(usize, f64, f64)) {
-        let Some((mut k, mut left)) = self.window(e) else { return };
         let n = self.radius.len();
         let spacing = TAU / n as f64;
-        while left > 0 {
-            let skipped = self.skipped(e, k, left);
-            if skipped > 0 {
-                left -= skipped;
-                k = if k + skipped == n { 0 } else { k + skipped };
-                continue;
+        self.visit(e, |first, end, _| {
+            for k in first..end {
+                let (a, b) = (self.gap(e, k), self.gap(e, if k + 1 == n { 0 } else { k + 1 }));
+                if a > 0.0 || b > 0.0 {
+                    let [first, second] = Weights::new(a, b).first;
+                    weigh(k, first * spacing, second * spacing);
+                }
             }
-            let next = if k + 1 == n { 0 } else { k + 1 };
-            let (a, b) = (self.gap(e, k), self.gap(e, next));
-            if a > 0.0 || b > 0.0 {
-                let [first, second] = Weights::new(a, b).first;
-                weigh(k, first * spacing, second * spacing);
-            }
-            left -= 1;
-            k = next;
-        }
+        });
     }
+}
+
+/// What is known of a stretch as a whole.
+#[derive(Clone, Copy, PartialEq)]
+enum Touch {
+    Free,
+    Partly,
+    Whole,
 }
 
 /// Intervals next to each other.
@@ -333,8 +313,38 @@ struct Stretch {
     /// Eccentricity at which the journal touches the bore at both ends of the stretch `(2,)` [m]: eccentricities are
     /// counted from there, so that the coefficients are as small as the bore is uneven.
     centre: [f64; 2],
+    /// Unit vectors at its ends, and the cosine of half the angle between them [1].
+    ends: [[f64; 2]; 2],
+    half: f64,
+    /// Least and largest gap, with the other sign, of its angles at that eccentricity [m].
+    uneven: [f64; 2],
     /// Sums over its first 0 to [`STRETCH`] intervals.
     sums: [Quadratic; STRETCH + 1],
+}
+
+impl Stretch {
+    /// The eccentricity `e`, counted from the stretch's own [m].
+    #[inline(always)]
+    fn from_centre(&self, e: [f64; 2]) -> [f64; 2] {
+        [e[0] - self.centre[0], e[1] - self.centre[1]]
+    }
+
+    /// Whether the stretch touches at the eccentricity `e` [m]. A wave e.u between the values a and b at the ends is at least
+    /// the smaller of two positive ones, and at most the larger over the cosine of half the angle between them.
+    #[inline(always)]
+    fn touch(&self, e: [f64; 2]) -> Touch {
+        let e = self.from_centre(e);
+        let (a, b) = (dot(e, self.ends[0]), dot(e, self.ends[1]));
+        let [least, most] = self.uneven;
+        let (low, high) = if a < b { (a, b) } else { (b, a) };
+        if high.max(high / self.half) <= least {
+            Touch::Free
+        } else if low > 0.0 && low > most {
+            Touch::Whole
+        } else {
+            Touch::Partly
+        }
+    }
 }
 
 /// Coefficients of twice the potential e D e - 2 h e + c of intervals wholly in contact, for a spacing of one.
@@ -394,12 +404,15 @@ fn stretches(journal_radius: f64, radius: &[f64], direction: &[[f64; 2]]) -> Vec
         let centre = [(a * v[1] - b * u[1]) / det, (b * u[0] - a * v[0]) / det];
         let uneven = |k: usize| play(k) - dot(centre, direction[k]);
         let mut sums = [Quadratic::default(); STRETCH + 1];
+        let (mut least, mut most) = (uneven(first), uneven(first));
         for (i, k) in (first..end).enumerate() {
             let next = after(k);
-            let interval = Quadratic::of_interval(direction[k], direction[next], uneven(k), uneven(next));
-            sums[i + 1] = sums[i].plus(&interval);
+            let (here, there) = (uneven(k), uneven(next));
+            (least, most) = (least.min(there), most.max(there));
+            sums[i + 1] = sums[i].plus(&Quadratic::of_interval(direction[k], direction[next], here, there));
         }
-        Stretch { centre, sums }
+        let half = 0.5 * (end - first) as f64 * TAU / n as f64;
+        Stretch { centre, ends: [u, v], half: libm::cos(half), uneven: [least, most], sums }
     };
     (0..n).step_by(STRETCH).map(of_intervals).collect()
 }
