@@ -29,6 +29,7 @@ mod law;
 mod local_hertz;
 mod modulus;
 mod stiffness;
+mod stretch;
 mod surface;
 #[cfg(test)]
 mod tests;

@@ -240,14 +240,19 @@ impl WorkTotals {
     }
 }
 
-/// A caution if learning ended before its targets were met, with the command that goes on.
+/// A caution if learning ended before its targets were met, with the command that goes on, or found no failure.
 fn go_on(summary: &StudySummary, dir: &Path) -> Option<String> {
     let why = &summary.convergence.stopped_because;
     // The page may be read on another machine: the name of the folder says which study it is.
     let name = dir.file_name().map_or(dir, Path::new);
     let command = summary.convergence.command_to_go_on(name);
     let command = command.map_or(String::new(), |command| format!(" To go on with it: {command}."));
-    let note = format!("This study ended before its targets were met: {why}.{command}");
+    let none_failed = summary.reliability.iter().all(|at| at.reliability["total"] == 1.0);
+    let note = if none_failed && command.is_empty() {
+        format!("Learning found no failure, so that every R is a bound. It ended because {why}.")
+    } else {
+        format!("This study ended before its targets were met: {why}.{command}")
+    };
     (!summary.convergence.targets_met).then_some(note)
 }
 
@@ -306,6 +311,12 @@ mod tests {
         let said = go_on(&summary, Path::new("a/b")).unwrap();
         assert!(said.contains(&summary.convergence.stopped_because), "{said}");
         assert!(said.ends_with("To go on with it: coordinator resume b --max-evaluations 80."), "{said}");
+        summary.convergence.larger_budget = None;
+        for at in &mut summary.reliability {
+            at.reliability.insert("total".into(), 1.0);
+        }
+        let said = go_on(&summary, Path::new("a/b")).unwrap();
+        assert!(said.starts_with("Learning found no failure, so that every R is a bound."), "{said}");
     }
 
     #[test]
