@@ -195,7 +195,7 @@ pub struct ReliabilityRow {
     /// R(n) per limit state, and `total` for the series system; failures are absorbing.
     #[serde(flatten)]
     pub reliability: PerLimitState,
-    /// Standard error per curve: root of the sum of squares of sampling error, estimated surrogate error and the shift by
+    /// Standard error per curve: root of the sum of squares of sampling error, 1.5 times the surrogate error and the shift by
     /// the numerical noise of the simulations.
     pub standard_error: PerLimitState,
     /// Range of R(n) with all responses shifted by their stated numerical errors to the unsafe and to the safe side. Not part

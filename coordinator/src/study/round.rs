@@ -9,8 +9,8 @@ use super::surrogates::{FitOptions, ModeResults, Surrogate};
 use crate::results::summary::Round;
 use crate::statistics::design::{Population, Stream, open_stream};
 use crate::statistics::learning::{
-    Classification, ClassifiedMode, Coupled, CurveErrors, Exploration, Figures, JointPool, Selection,
-    SelectionOptions, UNCERTAIN, UNDERSTATED, checkpoints_that_matter, choose_pool, classify_cached,
+    Classification, ClassifiedMode, Coupled, CurveErrors, Exploration, Figures, JointPool, SURROGATE_SAFETY,
+    Selection, SelectionOptions, UNCERTAIN, checkpoints_that_matter, choose_pool, classify_cached,
     coupled_criterion, curves, dominance, estimate_errors, explore, farthest, noise_shifts,
 };
 use crate::statistics::reliability::governing_checkpoint;
@@ -119,14 +119,14 @@ impl Assessment {
         }
     }
 
-    /// Stated error [1] per curve, with the checkpoints of the grid: root sum of squares of [`UNDERSTATED`] times the
+    /// Stated error [1] per curve, with the checkpoints of the grid: root sum of squares of [`SURROGATE_SAFETY`] times the
     /// surrogate error and of the simulator's noise.
     pub(super) fn combined_errors(&self) -> Vec<Vec<(usize, f64)>> {
         let curves = self.errors.by_curve.iter().zip(&self.noise_shift);
         curves
             .map(|(errors, noise)| {
                 let combined =
-                    errors.iter().zip(noise).map(|(error, noise)| (UNDERSTATED * error).hypot(*noise));
+                    errors.iter().zip(noise).map(|(error, noise)| (SURROGATE_SAFETY * error).hypot(*noise));
                 self.grid.iter().copied().zip(combined).collect()
             })
             .collect()

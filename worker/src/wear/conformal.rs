@@ -13,19 +13,13 @@
 use super::equilibrium::{Equilibrium, NoEquilibrium, equilibrium};
 use super::history::ContactSample;
 use crate::bore::Profile;
-use crate::contact::{Foundation, Surface, equivalent_penetration};
-use crate::plane::{cross, dot, length};
+use crate::contact::{Foundation, Surface};
 
 /// Intervals of the bore at which the foundation is evaluated for wear: 1.25 deg at 36 control points. The
 /// pressure is scaled to the force it carries, so its quadrature need not be that of the force: the volume
 /// test (`foundation_wears_the_volume_its_pressure_asks_for`) finds it within 1e-4, and within 1.4e-5 with
 /// twice that number.
 const INTERVALS: usize = 288;
-
-/// Differences up to which neighbouring samples are joined, of the size of their forces over it and of their
-/// directions over half the arc [1].
-const SIZE: f64 = 0.1;
-const TURN: f64 = 0.25;
 
 /// Contacts of a frozen history on an elastic foundation.
 #[derive(Debug, Clone)]
@@ -46,18 +40,10 @@ impl ConformalContacts {
         }
     }
 
-    /// Replaces the history by the samples of a cycle simulated on `profile`; neighbours whose arcs nearly coincide
-    /// are joined.
+    /// Replaces the history by the samples of a cycle simulated on `profile`.
     pub(crate) fn freeze(&mut self, profile: &Profile, samples: &[ContactSample]) {
         self.samples.clear();
-        let mut rest = samples;
-        while let Some(first) = rest.first() {
-            let alike =
-                rest.iter().take_while(|next| are_alike(&self.law.surface, first, next)).count().max(1);
-            let (group, others) = rest.split_at(alike);
-            self.samples.push(ContactSample::joined(group));
-            rest = others;
-        }
+        self.samples.extend_from_slice(samples);
         self.law.profile_changed(profile);
         self.samples.iter_mut().for_each(|s| s.penetration = self.law.arc().gap_along(s.e));
     }
@@ -80,18 +66,6 @@ impl ConformalContacts {
         }
         Ok(())
     }
-}
-
-/// Whether the arcs in contact of two samples nearly coincide, so that one in their middle wears as both do: their
-/// forces differ by at most [`SIZE`] in size and, in direction, by [`TURN`] of half the arc sqrt(2 delta / c) that the
-/// lighter of them would have on a round bore; on a worn one arcs are wider.
-fn are_alike(surface: &Surface, a: &ContactSample, b: &ContactSample) -> bool {
-    let (f, g) = (length(a.force), length(b.force));
-    let lighter = f.min(g);
-    let half_arc = (2.0 * equivalent_penetration(lighter, surface.stiffness) / surface.clearance).sqrt();
-    (f - g).abs() <= SIZE * lighter
-        && dot(a.force, b.force) > 0.0
-        && cross(a.force, b.force).abs() <= TURN * half_arc * f * g
 }
 
 /// Adds the share of one sample: the pressure that carries its force on the present profile, distributed over

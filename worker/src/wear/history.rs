@@ -23,21 +23,6 @@ pub struct ContactSample {
     pub work: f64,
 }
 
-impl ContactSample {
-    /// The mean of samples with the work as weight, and the sum of their work.
-    pub(super) fn joined(samples: &[ContactSample]) -> Self {
-        let work: f64 = samples.iter().map(|s| s.work).sum();
-        let mean =
-            |value: fn(&ContactSample) -> f64| samples.iter().map(|s| s.work * value(s)).sum::<f64>() / work;
-        ContactSample {
-            e: [mean(|s| s.e[0]), mean(|s| s.e[1])],
-            penetration: mean(|s| s.penetration),
-            force: [mean(|s| s.force[0]), mean(|s| s.force[1])],
-            work,
-        }
-    }
-}
-
 /// Contact history of one joint over one cycle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactHistory {

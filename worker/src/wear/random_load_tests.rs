@@ -138,7 +138,7 @@ fn converged(law: &str, case: &Case, points: usize) -> Vec<f64> {
 ///
 ///     SEED=2 cargo test --release --workspace --lib wear_errors_of_random -- --ignored --nocapture
 #[test]
-#[ignore = "a measurement of some minutes"]
+#[ignore = "a measurement of a minute"]
 fn stated_wear_errors_of_random_loads() {
     let seed = std::env::var("SEED").ok().and_then(|n| n.parse().ok()).unwrap_or(1);
     // With the factor of the stated error, and with 3/4 and half of it.

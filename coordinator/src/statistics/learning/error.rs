@@ -19,7 +19,7 @@
 //! small ([`super::ClassifiedMode::inflation`]).
 //!
 //! Valid as far as the posterior is: Gaussian, with the lengths and the form taken as known. What is stated is larger by
-//! [`UNDERSTATED`].
+//! [`SURROGATE_SAFETY`].
 //!
 //! # Source
 //! Realisations of a Gaussian process by the Cholesky factor of its covariance: Rasmussen, Williams (2006),
@@ -40,7 +40,7 @@ const UNCERTAINTY: f64 = 0.5;
 /// Stated error over the posterior's [1], for the lengths and the form that it takes as known: without it 91 %, with it 94 %
 /// of 163 random problems lie within their 95 % intervals (`random_problems`, seeds 3 and 4). Rules use the
 /// posterior's error.
-pub const UNDERSTATED: f64 = 1.5;
+pub const SURROGATE_SAFETY: f64 = 1.5;
 
 /// Estimated surrogate errors of the failure shares at the checkpoints of the grid.
 #[derive(Debug, Clone, PartialEq)]

@@ -41,7 +41,7 @@ mod stopping;
 pub use checkpoints::checkpoints_that_matter;
 pub use classification::{Classification, ClassifiedMode, classify, classify_cached, curves};
 pub use coupled_criterion::{Coupled, UNCERTAIN, coupled_criterion, dominance};
-pub use error::{CurveErrors, UNDERSTATED, estimate_errors};
+pub use error::{CurveErrors, SURROGATE_SAFETY, estimate_errors};
 pub use exploration::{Exploration, draw_rim, explore, farthest};
 pub use function::LearningFunction;
 pub use noise::noise_shifts;
