@@ -204,7 +204,9 @@ fn a_known_failure_probability_is_found_whatever_happens() {
 
 #[test]
 fn a_second_signal_leaves_no_orphan_either() {
-    let Some(study) = Study::new(&model("", "time.sleep(600)"), "1 h") else { return };
+    // Two processes are at work once the nominal point, which is simulated alone, is answered.
+    let reply = format!("time.sleep(600) if id > 0 else {RIGHT}");
+    let Some(study) = Study::new(&model("", &reply), "1 h") else { return };
     let mut child = study
         .command("run --scene study.toml --workers 2 --out out --quiet")
         .stderr(Stdio::null())
