@@ -13,7 +13,7 @@
 //! # Source
 //! Derived here, for the Winkler foundation of `foundation.rs` (Winkler 1867; Johnson 1985).
 
-use super::stretch::{Quadratic, STRETCH, Stretch, Touch, stretches};
+use super::stretch::{Quadratic, STRETCH, Stretch, Touch, tabulate};
 use crate::bore::Profile;
 use crate::extremum::smallest;
 use crate::plane::{dot, length};
@@ -133,13 +133,9 @@ impl Arc {
             [lift * c, lift * s]
         };
         let direction: Vec<[f64; 2]> = (0..n).map(unit_vector).collect();
-        Arc {
-            journal_radius,
-            reach: clearance / lift,
-            stretches: stretches(journal_radius, &radius, &direction),
-            radius,
-            direction,
-        }
+        let mut stretches = Vec::new();
+        tabulate(&mut stretches, journal_radius, &radius, &direction);
+        Arc { journal_radius, reach: clearance / lift, radius, direction, stretches }
     }
 
     /// Number of intervals around the bore.
@@ -151,7 +147,7 @@ impl Arc {
     pub(crate) fn profile_changed(&mut self, profile: &Profile) {
         profile.tabulate_chords(&mut self.radius);
         self.reach = (smallest(self.radius.iter().copied()) - self.journal_radius) / self.direction[0][0];
-        self.stretches = stretches(self.journal_radius, &self.radius, &self.direction);
+        tabulate(&mut self.stretches, self.journal_radius, &self.radius, &self.direction);
     }
 
     /// Eccentricity up to which the journal does not touch the bore in any direction [m].
@@ -262,7 +258,7 @@ impl Arc {
         let n = self.radius.len();
         let stretches = self.stretches.len();
         let (mut s, last) = (first / STRETCH, first + count);
-        // Where the window begins, counted without the turn.
+        // First interval of stretch `s`; counted on beyond `n` where the window goes on at interval 0.
         let mut begin = s * STRETCH;
         for _ in 0..stretches {
             if begin >= last {

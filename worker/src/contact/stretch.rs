@@ -18,8 +18,11 @@ pub(super) const STRETCH: usize = 16;
 /// What is known of a stretch as a whole.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Touch {
+    /// No interval is in contact.
     Free,
+    /// Each interval has to be looked at.
     Partly,
+    /// Every interval is in contact from end to end.
     Whole,
 }
 
@@ -39,6 +42,27 @@ pub struct Stretch {
 }
 
 impl Stretch {
+    /// The intervals from `first` to before `end` of a bore with these tabulated radii [m] and unit vectors.
+    fn new(first: usize, end: usize, journal_radius: f64, radius: &[f64], direction: &[[f64; 2]]) -> Self {
+        let n = radius.len();
+        let play = |k: usize| radius[k] - journal_radius;
+        let after = |k: usize| if k + 1 == n { 0 } else { k + 1 };
+        let (u, v) = (direction[first], direction[after(end - 1)]);
+        let (a, b, det) = (play(first), play(after(end - 1)), cross(u, v));
+        let centre = [(a * v[1] - b * u[1]) / det, (b * u[0] - a * v[0]) / det];
+        let uneven = |k: usize| play(k) - dot(centre, direction[k]);
+        let mut sums = [Quadratic::default(); STRETCH + 1];
+        let (mut least, mut most) = (uneven(first), uneven(first));
+        for (i, k) in (first..end).enumerate() {
+            let next = after(k);
+            let (here, there) = (uneven(k), uneven(next));
+            (least, most) = (least.min(there), most.max(there));
+            sums[i + 1] = sums[i].plus(&Quadratic::of_interval(direction[k], direction[next], here, there));
+        }
+        let half = 0.5 * (end - first) as f64 * TAU / n as f64;
+        Stretch { centre, ends: [u, v], half: libm::cos(half), uneven: [least, most], sums }
+    }
+
     /// The eccentricity `e`, counted from the stretch's own [m].
     #[inline(always)]
     pub(super) fn relative_to_centre(&self, e: [f64; 2]) -> [f64; 2] {
@@ -108,27 +132,17 @@ impl Quadratic {
     }
 }
 
-/// The stretches of a bore with these tabulated radii [m] and unit vectors.
-pub(super) fn stretches(journal_radius: f64, radius: &[f64], direction: &[[f64; 2]]) -> Vec<Stretch> {
+/// The stretches of a bore with these tabulated radii [m] and unit vectors, into `stretches`.
+pub(super) fn tabulate(
+    stretches: &mut Vec<Stretch>,
+    journal_radius: f64,
+    radius: &[f64],
+    direction: &[[f64; 2]],
+) {
     let n = radius.len();
-    let play = |k: usize| radius[k] - journal_radius;
-    let after = |k: usize| if k + 1 == n { 0 } else { k + 1 };
-    let of_intervals = |first: usize| {
-        let end = n.min(first + STRETCH);
-        let (u, v) = (direction[first], direction[after(end - 1)]);
-        let (a, b, det) = (play(first), play(after(end - 1)), cross(u, v));
-        let centre = [(a * v[1] - b * u[1]) / det, (b * u[0] - a * v[0]) / det];
-        let uneven = |k: usize| play(k) - dot(centre, direction[k]);
-        let mut sums = [Quadratic::default(); STRETCH + 1];
-        let (mut least, mut most) = (uneven(first), uneven(first));
-        for (i, k) in (first..end).enumerate() {
-            let next = after(k);
-            let (here, there) = (uneven(k), uneven(next));
-            (least, most) = (least.min(there), most.max(there));
-            sums[i + 1] = sums[i].plus(&Quadratic::of_interval(direction[k], direction[next], here, there));
-        }
-        let half = 0.5 * (end - first) as f64 * TAU / n as f64;
-        Stretch { centre, ends: [u, v], half: libm::cos(half), uneven: [least, most], sums }
-    };
-    (0..n).step_by(STRETCH).map(of_intervals).collect()
+    stretches.clear();
+    let firsts = (0..n).step_by(STRETCH);
+    stretches.extend(
+        firsts.map(|first| Stretch::new(first, n.min(first + STRETCH), journal_radius, radius, direction)),
+    );
 }
