@@ -7,7 +7,7 @@
 //! - d, largest change of y in the [`Probe`]s around N: time steps, and what had not settled;
 //! - s, share of a peak missed between two time steps ([`crate::outputs::Sampling`]);
 //! - l, straight line between the simulated lives: interpolation between them;
-//! - r, irregularity of y over the simulated lives, for motions that do not repeat themselves on the unworn bores;
+//! - r, irregularity of y over the simulated lives at which the motion does not repeat itself;
 //! - e, relative error of the wear, which displaces the life by e N.
 //!
 //! For a wear depth it is the root of the sum of squares of two: the error of wear steps, blocks and control points, from a bore
@@ -165,7 +165,7 @@ impl ErrorEstimate {
             return history.iter().map(|value| scatter + missed_peak * value.abs()).collect();
         }
         let values = measured.of_output(k);
-        let irregular = if self.is_aperiodic_unworn() { irregularity(measured.lives, &values) } else { 0.0 };
+        let irregular = self.irregularity(measured.lives, &values);
         let checkpoints = scene.life.checkpoints().into_iter().zip(history);
         checkpoints
             .map(|(life, value)| {
@@ -174,7 +174,7 @@ impl ErrorEstimate {
                 MOTION_SAFETY * self.largest_near(life, |p| p.motion[k])
                     + (missed_peak + WORN_MOTION) * value.abs()
                     + (value - secant).abs()
-                    + irregular
+                    + if self.is_aperiodic_near(life) { irregular } else { 0.0 }
                     + slope * behind
             })
             .collect()
@@ -253,33 +253,40 @@ impl ErrorEstimate {
         if ends > 0.0 { (sum / ends).sqrt() } else { 0.0 }
     }
 
-    /// The larger value of the two probes around `life`; if one of them or the first of all found an aperiodic motion, at least
-    /// [`APERIODIC_SAFETY`] times the largest value of all such probes: a few cycles of it show only a part of its spread.
-    fn largest_near(&self, life: u32, value: impl Fn(&Probe) -> f64) -> f64 {
+    /// The two probes around `life`, or the one next to it.
+    fn around(&self, life: u32) -> &[Probe] {
         let next = self.probes.partition_point(|p| p.life < life);
-        let around = &self.probes[next.saturating_sub(1)..(next + 1).min(self.probes.len())];
-        let largest = around.iter().map(&value).fold(0.0, f64::max);
-        if self.is_aperiodic_unworn() || around.iter().any(|p| p.aperiodic) {
+        &self.probes[next.saturating_sub(1)..(next + 1).min(self.probes.len())]
+    }
+
+    /// True if one of the two probes around `life`, or the one on the unworn bores, found a motion that does not repeat itself.
+    fn is_aperiodic_near(&self, life: u32) -> bool {
+        let unworn = self.probes.first().is_some_and(|p| p.life == 0 && p.aperiodic);
+        unworn || self.around(life).iter().any(|p| p.aperiodic)
+    }
+
+    /// The larger value of the two probes around `life`; of an aperiodic motion at least [`APERIODIC_SAFETY`] times the largest value of
+    /// all probes that found one: a few cycles of it show only a part of its spread.
+    fn largest_near(&self, life: u32, value: impl Fn(&Probe) -> f64) -> f64 {
+        let largest = self.around(life).iter().map(&value).fold(0.0, f64::max);
+        if self.is_aperiodic_near(life) {
             let aperiodic = self.probes.iter().filter(|p| p.aperiodic);
             return largest.max(APERIODIC_SAFETY * aperiodic.map(value).fold(0.0, f64::max));
         }
         largest
     }
 
-    /// True if the motion does not repeat itself on the unworn bores.
-    fn is_aperiodic_unworn(&self) -> bool {
-        self.probes.first().is_some_and(|p| p.life == 0 && p.aperiodic)
+    /// Largest distance of a value from the straight line through its two neighbours among the `lives` `(k,)` [cycles] at which the motion
+    /// is aperiodic, and which such a motion owes to details of the bore.
+    fn irregularity(&self, lives: &[u32], values: &[f64]) -> f64 {
+        let distance = |(life, value): (&[u32], &[f64])| {
+            let share = f64::from(life[1] - life[0]) / f64::from(life[2] - life[0]);
+            (value[0] + share * (value[2] - value[0]) - value[1]).abs()
+        };
+        let windows = lives.windows(3).zip(values.windows(3));
+        let aperiodic = windows.filter(|(life, _)| self.is_aperiodic_near(life[1]));
+        aperiodic.map(distance).fold(0.0, f64::max)
     }
-}
-
-/// Largest distance of a value from the straight line through its two neighbours, which an aperiodic motion owes to details of the
-/// bore.
-fn irregularity(lives: &[u32], values: &[f64]) -> f64 {
-    let distance = |(life, value): (&[u32], &[f64])| {
-        let share = f64::from(life[1] - life[0]) / f64::from(life[2] - life[0]);
-        (value[0] + share * (value[2] - value[0]) - value[1]).abs()
-    };
-    lives.windows(3).zip(values.windows(3)).map(distance).fold(0.0, f64::max)
 }
 
 /// Value at `life` of the straight line between the simulated lives around it, and the steepest slope there or next to it.
@@ -305,6 +312,17 @@ mod tests {
         let estimate = ErrorEstimate { probes, ..ErrorEstimate::default() };
         let motion = |life| estimate.largest_near(life, |p| p.motion[0]);
         assert_eq!([5, 10, 20, 30, 31, 90].map(motion), [1.0, 1.0, 3.0, 3.0, 3.0, 3.0]);
+    }
+
+    #[test]
+    fn an_aperiodic_motion_adds_its_irregularity_where_it_was_found() {
+        let aperiodic = Probe { aperiodic: true, ..probe(40, 1.0, 0.1) };
+        let probes = vec![probe(0, 1.0, 0.1), probe(20, 1.0, 0.1), aperiodic];
+        let estimate = ErrorEstimate { probes, ..ErrorEstimate::default() };
+        assert_eq!([10, 20, 21, 40].map(|life| estimate.is_aperiodic_near(life)), [false, false, true, true]);
+        // Off the line by 4 at life 10, where the motion is periodic, and by 2 at life 30.
+        let (lives, values) = ([0, 10, 20, 30, 40], [0.0, 4.0, 0.0, 2.0, 0.0]);
+        assert_eq!(estimate.irregularity(&lives, &values), 2.0);
     }
 
     #[test]

@@ -10,10 +10,12 @@
 //! Archard (1953), J. Appl. Phys. 24, 981-988, with the pressure of a Winkler foundation
 //! (`contact/foundation.rs`).
 
+use super::condense::{Condenser, Touched};
 use super::equilibrium::{Equilibrium, NoEquilibrium, equilibrium};
 use super::history::ContactSample;
 use crate::bore::Profile;
-use crate::contact::{Foundation, Surface};
+use crate::contact::{Foundation, Surface, equivalent_penetration};
+use crate::plane::length;
 
 /// Intervals of the bore at which the foundation is evaluated for wear: 1.25 deg at 36 control points. The
 /// pressure is scaled to the force it carries, so its quadrature need not be that of the force: the volume
@@ -25,6 +27,8 @@ const INTERVALS: usize = 288;
 #[derive(Debug, Clone)]
 pub struct ConformalContacts {
     law: Foundation,
+    condenser: Condenser,
+    /// Means of groups of samples.
     samples: Vec<ContactSample>,
     /// Evaluations of the foundation so far.
     evaluations: u64,
@@ -35,6 +39,7 @@ impl ConformalContacts {
     pub(crate) fn new(surface: Surface, points: usize) -> Self {
         ConformalContacts {
             law: Foundation::with_intervals(surface, points, INTERVALS),
+            condenser: Condenser::new(surface.clearance, points),
             samples: Vec::new(),
             evaluations: 0,
         }
@@ -42,8 +47,12 @@ impl ConformalContacts {
 
     /// Replaces the history by the samples of a cycle simulated on `profile`.
     pub(crate) fn freeze(&mut self, profile: &Profile, samples: &[ContactSample]) {
-        self.samples.clear();
-        self.samples.extend_from_slice(samples);
+        let stiffness = self.law.surface.stiffness;
+        let touched = |s: &ContactSample| Touched {
+            penetration: equivalent_penetration(length(s.force), stiffness),
+            direction: s.force,
+        };
+        self.condenser.condense(samples, touched, &mut self.samples);
         self.law.profile_changed(profile);
         self.samples.iter_mut().for_each(|s| s.penetration = self.law.arc().gap_along(s.e));
     }

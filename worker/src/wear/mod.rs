@@ -2,12 +2,13 @@
 //! cycles.
 //!
 //! Order of use: `history` records contact samples; `archard` turns them into a wear rate on the present
-//! profile, for `local-hertz` by `local_arcs` and `arc_ends`, for `foundation` by `conformal` and
+//! profile, for `local-hertz` by `local_arcs` and `arc_ends`, for `foundation` by `condense`, `conformal` and
 //! `equilibrium`; `step` integrates that rate over a block; `finer_bore`
 //! shows what the spacing of the control points costs.
 
 mod arc_ends;
 mod archard;
+mod condense;
 mod conformal;
 mod equilibrium;
 #[cfg(test)]

@@ -1,0 +1,138 @@
+//! Contact samples of a cycle in groups of nearly the same contact: their wear is found from group to group instead of from
+//! sample to sample.
+//!
+//! A group holds the samples whose penetration delta [m] lies between a power of [`LEVEL`] and the next, and whose direction lies in
+//! the same sector of the bore. A sector is as wide as [`TURN`] of the half angle sqrt(2 delta / c) [rad] of their contact arc on a
+//! round bore, with the clearance c [m]; on a worn bore the arc is wider. Sectors of very light contacts are [`NARROW`] of the spacing
+//! of the control points, below which nothing of the arc's shape is left in the depths. A group is replaced by its mean, weighted
+//! with the work, so that what it leaves out is of second order in its width.
+//!
+//! Used for the elastic foundation, whose equilibria are dear. The arcs of the local law are cheap, and their ends are not continuous
+//! functions of the bore: the more samples share the work, the smoother is the wear rate, and the longer its steps.
+//!
+//! # Source
+//! Chosen here.
+
+use super::history::ContactSample;
+use std::f64::consts::TAU;
+
+/// Ratio of the largest to the smallest penetration of a group [1].
+const LEVEL: f64 = 1.1;
+/// Width of a sector over the half angle of the arc [1], and its least and largest one over the spacing of the control points.
+const TURN: f64 = 0.25;
+const NARROW: f64 = 0.05;
+const WIDE: f64 = 0.5;
+
+/// What decides about the group of a sample.
+#[derive(Debug, Clone, Copy)]
+pub struct Touched {
+    /// Penetration on a round bore [m].
+    pub penetration: f64,
+    /// Direction of the contact, of any length `(2,)`.
+    pub direction: [f64; 2],
+}
+
+/// Groups samples of joints with one clearance and number of control points.
+#[derive(Debug, Clone)]
+pub struct Condenser {
+    /// Radial clearance of the unworn joint [m].
+    clearance: f64,
+    /// Angle between control points [rad].
+    spacing: f64,
+    /// Group (level, sector) and index of every sample.
+    order: Vec<(i32, u32, u32)>,
+}
+
+impl Condenser {
+    /// For a joint with this radial clearance [m] and number of control points.
+    pub(super) fn new(clearance: f64, points: usize) -> Self {
+        Condenser { clearance, spacing: TAU / points as f64, order: Vec::new() }
+    }
+
+    /// Group of a contact.
+    fn group(&self, of: Touched) -> (i32, u32) {
+        let level = (libm::log(of.penetration) / libm::log(LEVEL)).floor();
+        let half_arc = (2.0 * libm::pow(LEVEL, level) / self.clearance).sqrt();
+        let width = (TURN * half_arc).clamp(NARROW * self.spacing, WIDE * self.spacing);
+        let turn = libm::atan2(of.direction[1], of.direction[0]) / TAU + 0.5;
+        (level as i32, (turn * (TAU / width).ceil()) as u32)
+    }
+
+    /// The means of the groups of `samples`, whose contacts are `touched`, into `means`.
+    pub(super) fn condense(
+        &mut self,
+        samples: &[ContactSample],
+        touched: impl Fn(&ContactSample) -> Touched,
+        means: &mut Vec<ContactSample>,
+    ) {
+        self.order.clear();
+        for (index, sample) in samples.iter().enumerate() {
+            let (level, sector) = self.group(touched(sample));
+            self.order.push((level, sector, index as u32));
+        }
+        self.order.sort_unstable();
+        means.clear();
+        for group in self.order.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+            let members = group.iter().map(|&(.., index)| &samples[index as usize]);
+            means.push(if group.len() > 1 { mean(members) } else { samples[group[0].2 as usize] });
+        }
+    }
+}
+
+/// The mean of samples with their work as weight, and the sum of their work.
+fn mean<'a>(samples: impl Iterator<Item = &'a ContactSample> + Clone) -> ContactSample {
+    let work: f64 = samples.clone().map(|s| s.work).sum();
+    let of =
+        |value: fn(&ContactSample) -> f64| samples.clone().map(|s| s.work * value(s)).sum::<f64>() / work;
+    ContactSample {
+        e: [of(|s| s.e[0]), of(|s| s.e[1])],
+        penetration: of(|s| s.penetration),
+        force: [of(|s| s.force[0]), of(|s| s.force[1])],
+        work,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample(angle: f64, penetration: f64, work: f64) -> ContactSample {
+        let u = [angle.cos(), angle.sin()];
+        ContactSample { e: u.map(|u| 25e-6 * u), penetration, force: u, work }
+    }
+
+    fn condensed(samples: &[ContactSample]) -> Vec<ContactSample> {
+        let mut means = vec![];
+        let touched = |s: &ContactSample| Touched { penetration: s.penetration, direction: s.e };
+        Condenser::new(23.5e-6, 36).condense(samples, touched, &mut means);
+        means
+    }
+
+    #[test]
+    fn work_is_kept_and_groups_are_narrow() {
+        // Directions all around and penetrations over a decade, in no order.
+        let samples: Vec<ContactSample> = (0..20_000)
+            .map(|k| {
+                let k = f64::from(k);
+                sample((37.0 * k).sin() * 3.2, 1e-7 * 10f64.powf((k * 0.618_034).fract()), 1.0 + k % 3.0)
+            })
+            .collect();
+        let means = condensed(&samples);
+        assert!(means.len() < samples.len() / 4, "{}", means.len());
+        let work = |samples: &[ContactSample]| samples.iter().map(|s| s.work).sum::<f64>();
+        assert!((work(&means) / work(&samples) - 1.0).abs() < 1e-12);
+        // The mean of unit vectors of a sector of 5 deg or less is nearly a unit vector.
+        let shortest = means.iter().map(|s| crate::plane::length(s.force)).fold(1.0, f64::min);
+        assert!(shortest > 0.999, "{shortest}");
+    }
+
+    #[test]
+    fn a_sample_alone_stays_as_it_is_and_a_pair_becomes_its_mean() {
+        let alone = [sample(0.4, 1e-7, 2.0), sample(2.0, 1e-7, 1.0), sample(0.4, 5e-7, 3.0)];
+        assert_eq!(condensed(&alone).len(), 3);
+        assert_eq!(condensed(&alone[..1]), alone[..1]);
+        let pair = condensed(&[sample(0.4, 1.000e-7, 1.0), sample(0.4, 1.004e-7, 3.0)]);
+        assert_eq!((pair.len(), pair[0].work), (1, 4.0));
+        assert!((pair[0].penetration - 1.003e-7).abs() < 1e-18);
+    }
+}
