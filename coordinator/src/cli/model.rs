@@ -86,6 +86,11 @@ impl Model {
 fn why(look: &FirstLook) -> String {
     match &look.tier {
         _ if !look.wears => "No wear: one cycle represents the whole life".to_owned(),
+        Ok(share) if look.asks_for_motion => format!(
+            "Quasi-static wear rates are within {:.2} % of the dynamics: the gaps on the ideal motion drive the wear, and \
+             dynamic cycles at a few lives give the outputs of the motion",
+            share * 100.0
+        ),
         Ok(share) => format!(
             "Only wear is requested, and quasi-static wear rates are within {:.2} % of the dynamics: the cycles between the \
              first and the last follow the gaps on the ideal motion",

@@ -9,11 +9,22 @@ pub enum Unsuitable {
     /// The accuracy setting asks for the dynamics.
     #[error("the accuracy asks for the dynamics")]
     Unwanted,
-    /// The scene has an output other than wear.
+    /// The scene has an output other than wear, and a contact law under which vibrations may grow as the bores wear.
     #[error("output {output} needs the dynamics")]
     Output {
         /// Name of the output.
         output: String,
+    },
+    /// The scene has an output other than wear, and the motion does not repeat itself.
+    #[error("the motion does not repeat itself")]
+    Aperiodic,
+    /// An output other than wear is too far from straight lines between the lives at which it is measured.
+    #[error("output {output} is off by {share} from a straight line over life")]
+    Curved {
+        /// Name of the output.
+        output: String,
+        /// Difference relative to its value [1].
+        share: f64,
     },
     /// A joint has no clearance: its force is not a function of the gaps.
     #[error("joint {joint} has no clearance")]

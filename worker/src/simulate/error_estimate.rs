@@ -7,7 +7,8 @@
 //! - d, largest change of y in the [`Probe`]s around N: time steps, and what had not settled;
 //! - s, share of a peak missed between two time steps ([`crate::outputs::Sampling`]);
 //! - l, straight line between the simulated lives: interpolation between them;
-//! - r, irregularity of y over the simulated lives at which the motion does not repeat itself;
+//! - r, irregularity of y over the simulated lives at which the motion does not repeat itself, and over all of them if there are
+//!   few since the quasi-static model drives the wear;
 //! - e, relative error of the wear, which displaces the life by e N.
 //!
 //! For a wear depth it is the root of the sum of squares of two: the error of wear steps, blocks and control points, from a bore
@@ -83,6 +84,8 @@ pub struct ErrorEstimate {
     /// Life of the first checkpoint [cycles].
     first_checkpoint: u32,
     probes: Vec<Probe>,
+    /// If the quasi-static model drives the wear, the largest relative difference of its wear rates from those of the dynamics [1].
+    quasi_static: Option<f64>,
     /// Spread of the cycles at each simulated life of a motion that does not repeat itself, else empty.
     spreads: Vec<CycleSpread>,
     /// Lives at the ends of the blocks [cycles].
@@ -95,6 +98,11 @@ impl ErrorEstimate {
     /// An estimate for a life whose first checkpoint is at `first_checkpoint` [cycles].
     pub(crate) fn new(first_checkpoint: u32) -> Self {
         ErrorEstimate { first_checkpoint, ..ErrorEstimate::default() }
+    }
+
+    /// Notes that the quasi-static model drove the wear, with rates off by this share from those of the dynamics at most [1].
+    pub(crate) fn set_quasi_static(&mut self, share: f64) {
+        self.quasi_static = Some(share);
     }
 
     /// Adds a probe; lives ascend.
@@ -174,7 +182,7 @@ impl ErrorEstimate {
                 MOTION_SAFETY * self.largest_near(life, |p| p.motion[k])
                     + (missed_peak + WORN_MOTION) * value.abs()
                     + (value - secant).abs()
-                    + if self.is_aperiodic_near(life) { irregular } else { 0.0 }
+                    + if self.counts_irregularity(life) { irregular } else { 0.0 }
                     + slope * behind
             })
             .collect()
@@ -186,7 +194,7 @@ impl ErrorEstimate {
             (error, depth) if depth > 0.0 => error / depth,
             _ => 0.0,
         });
-        relative.fold(0.0, f64::max)
+        relative.fold(0.0, f64::max) + self.quasi_static.unwrap_or(0.0)
     }
 
     /// Error of the largest depth `depth` of these joints at `life`, which may be within a block [m]: that at the end of the block, and of
@@ -276,17 +284,26 @@ impl ErrorEstimate {
         largest
     }
 
-    /// Largest distance of a value from the straight line through its two neighbours among the `lives` `(k,)` [cycles] at which the motion
-    /// is aperiodic, and which such a motion owes to details of the bore.
-    fn irregularity(&self, lives: &[u32], values: &[f64]) -> f64 {
-        let distance = |(life, value): (&[u32], &[f64])| {
-            let share = f64::from(life[1] - life[0]) / f64::from(life[2] - life[0]);
-            (value[0] + share * (value[2] - value[0]) - value[1]).abs()
-        };
-        let windows = lives.windows(3).zip(values.windows(3));
-        let aperiodic = windows.filter(|(life, _)| self.is_aperiodic_near(life[1]));
-        aperiodic.map(distance).fold(0.0, f64::max)
+    /// True if the irregularity counts at `life`: where the motion is aperiodic it shows what details of the bore do to an output, and
+    /// where the quasi-static model drives the wear, how far an output is from what is interpolated between a few lives.
+    fn counts_irregularity(&self, life: u32) -> bool {
+        self.quasi_static.is_some() || self.is_aperiodic_near(life)
     }
+
+    /// Irregularity of an output over the `lives` `(k,)` [cycles] where it counts.
+    fn irregularity(&self, lives: &[u32], values: &[f64]) -> f64 {
+        largest_bend(lives, values, |life| self.counts_irregularity(life))
+    }
+}
+
+/// Largest distance of a value from the straight line through its two neighbours, among the lives that are `counted`.
+pub(crate) fn largest_bend(lives: &[u32], values: &[f64], counted: impl Fn(u32) -> bool) -> f64 {
+    let distance = |(life, value): (&[u32], &[f64])| {
+        let share = f64::from(life[1] - life[0]) / f64::from(life[2] - life[0]);
+        (value[0] + share * (value[2] - value[0]) - value[1]).abs()
+    };
+    let windows = lives.windows(3).zip(values.windows(3));
+    windows.filter(|(life, _)| counted(life[1])).map(distance).fold(0.0, f64::max)
 }
 
 /// Value at `life` of the straight line between the simulated lives around it, and the steepest slope there or next to it.

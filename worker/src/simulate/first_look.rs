@@ -2,6 +2,7 @@
 
 use super::blocks::block_ends;
 use super::probe::{FINER, is_probed};
+use super::quasi_static::is_measured;
 use super::run::Run;
 use super::several_cycles::MOTIONS;
 use super::side_by_side::{LaneQueue, run_alone};
@@ -48,6 +49,8 @@ pub struct FirstLook {
     pub islands: Vec<IslandModel>,
     /// True if a joint wears, so that more than one cycle is simulated.
     pub wears: bool,
+    /// True if an output other than wear is asked for.
+    pub asks_for_motion: bool,
     /// Largest relative difference of the quasi-static wear rates from those of the dynamics on the unworn bores [1], or the reason
     /// why the dynamics has to drive the wear.
     pub tier: Result<f64, Unsuitable>,
@@ -95,6 +98,7 @@ async fn examine(
     let mut look = FirstLook {
         islands,
         wears: run.wears(),
+        asks_for_motion: run.first_motion_output().is_some(),
         tier: Err(Unsuitable::Unwanted),
         steps_per_cycle: run.counts.steps - before,
         dynamic_cycles: f64::from(scene.life.settle_cycles) + 1.0,
@@ -110,36 +114,56 @@ async fn examine(
     let begun = Instant::now();
     look.tier = run.check_quasi_static();
     let tried = begun.elapsed();
-    let (end, every) = (scene.life.cycles, scene.life.checkpoint_every);
-    let lives = block_ends(end, accuracy.cycle_jump, every);
+    let life = &scene.life;
+    let lives = block_ends(life.cycles, accuracy.cycle_jump, life.checkpoint_every);
     let blocks = lives.len() - 1;
+    let count = |counts: &dyn Fn(&Range<u32>) -> bool| {
+        lives.windows(2).filter(|ends| counts(&(ends[0]..ends[1]))).count() as f64
+    };
+    let probes = count(&|block| is_probed(block, life));
     let warm = 1.0 + accuracy.warm_up;
     let wear = run.time_of_wear(&lives);
     look.expected += wear;
-    if look.tier.is_ok() {
-        look.dynamic_cycles += warm;
-        look.quasi_static_cycles = (blocks + 1) as f64 * warm;
-        // What was tried is one cycle with its comparison; the comparison is made twice, the cycle after each block.
-        look.expected += cycle.mul_f64(warm) + tried.mul_f64((blocks + 1) as f64);
-        return Ok(look);
-    }
-    let counted = run.simulated;
-    let (probe, probing) = timed(run.probe(0)).await?;
-    look.expected += tried + probing;
-    look.dynamic_cycles += FINER * (run.simulated - counted) as f64;
-    let measured = if scene.life.is_single_cycle() {
-        0.0
-    } else if probe.rattles {
-        // Every wear step has the contacts of all motions. Each further one starts with a settling cycle and a measured one.
-        look.expected += wear * (MOTIONS - 1) as u32;
-        MOTIONS as f64 * blocks as f64 * warm + 2.0 * (MOTIONS - 1) as f64
-    } else {
-        let probes = lives.windows(2).filter(|w| is_probed(w[0]..w[1], every, end)).count();
+    let probe = if look.tier.is_err() || look.asks_for_motion {
+        let counted = run.simulated;
+        let (probe, probing) = timed(run.probe(0)).await?;
+        let cycles = (run.simulated - counted) as f64;
+        look.dynamic_cycles += FINER * cycles;
+        look.expected += probing;
+        if look.tier.is_ok() && probe.aperiodic {
+            look.tier = Err(Unsuitable::Aperiodic);
+        }
         // A probe is as many cycles as on the unworn bores if the motion is irregular there, else one.
-        let cycles = (run.simulated - counted).max(1) as f64;
-        let share = if probe.aperiodic { 1.0 } else { 1.0 / cycles };
-        look.dynamic_cycles += FINER * probes as f64 * cycles * share;
-        look.expected += probing.mul_f64(probes as f64 * share);
+        let share = if probe.aperiodic { 1.0 } else { 1.0 / cycles.max(1.0) };
+        Some((probe, share * cycles, probing.mul_f64(share)))
+    } else {
+        None
+    };
+    look.expected += tried;
+    let measured = if look.tier.is_ok() {
+        look.quasi_static_cycles = (blocks + 1) as f64 * warm;
+        // What was tried is one quasi-static cycle with its comparison.
+        look.expected += tried.mul_f64(blocks as f64);
+        if let Some((_, cycles, probing)) = probe {
+            look.dynamic_cycles += FINER * probes * cycles;
+            look.expected += probing.mul_f64(probes);
+            count(&|block| is_measured(block, life)) * warm
+        } else {
+            warm
+        }
+    } else if life.is_single_cycle() {
+        0.0
+    } else if let Some((probe, cycles, probing)) = probe {
+        if probe.rattles {
+            // Every wear step has the contacts of all motions. Each further one starts with a settling cycle and a measured one.
+            look.expected += wear * (MOTIONS - 1) as u32;
+            MOTIONS as f64 * blocks as f64 * warm + 2.0 * (MOTIONS - 1) as f64
+        } else {
+            look.dynamic_cycles += FINER * probes * cycles;
+            look.expected += probing.mul_f64(probes);
+            blocks as f64 * warm
+        }
+    } else {
         blocks as f64 * warm
     };
     look.dynamic_cycles += measured;

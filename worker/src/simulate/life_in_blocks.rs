@@ -2,11 +2,12 @@
 
 use super::blocks::{at_checkpoints, block_ends};
 use super::error_estimate::{ErrorEstimate, MeasuredLives};
-use super::probe::is_probed;
+use super::probe::{Probe, is_probed};
 use super::run::Run;
 use super::several_cycles::{SeveralCycles, SeveralMotions};
 use common::failure::SimulationFailure;
 use common::scene::OutputKind;
+use std::ops::Range;
 
 /// Every output of the scene at every checkpoint `(outputs, m)` [SI].
 #[derive(Debug, Clone, PartialEq)]
@@ -20,66 +21,126 @@ pub struct LifeHistory {
 }
 
 /// Model of the motion in the cycles between two blocks.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum CycleModel {
-    /// Dynamic cycles, some of which are probed for their error.
-    Dynamic,
-    /// Quasi-static cycles, which are not probed.
-    QuasiStatic,
-    /// No cycle but the one measured, which is the whole life.
-    Single,
+pub trait CycleModel {
+    /// Reason why a life under this model has no result.
+    type Error: From<SimulationFailure>;
+
+    /// Simulates the cycle at the end of `block`, on the bores worn so far. True if the motion was measured in a dynamic cycle.
+    async fn simulate_cycle(&self, run: &mut Run<'_>, block: &Range<u32>) -> Result<bool, Self::Error>;
+
+    /// True if a measured cycle is probed: that at the end of `block`, or without one that on the unworn bores.
+    fn is_probed(&self, run: &Run, block: Option<&Range<u32>>) -> bool;
+
+    /// Checks that the model may stay in use, where a probe has been made.
+    fn check_probe(&self, probe: &Probe) -> Result<(), Self::Error> {
+        let _ = probe;
+        Ok(())
+    }
+
+    /// Checks the same at the end of life, with the outputs `measured`, and completes the estimate of the error.
+    fn check_life(
+        &self,
+        run: &Run,
+        measured: &MeasuredLives,
+        estimate: &mut ErrorEstimate,
+    ) -> Result<(), Self::Error> {
+        let _ = (run, measured, estimate);
+        Ok(())
+    }
 }
 
-/// Wears the bores to the end of life; `next_cycle` simulates the cycle of `model` after each block, except the last one of the
-/// dynamics and all of a single cycle.
+/// Dynamic cycles, some of which are probed for their error.
+#[derive(Debug, Clone, Copy)]
+pub struct DynamicCycles;
+
+impl CycleModel for DynamicCycles {
+    type Error = SimulationFailure;
+
+    async fn simulate_cycle(&self, run: &mut Run<'_>, block: &Range<u32>) -> Result<bool, SimulationFailure> {
+        if block.end == run.scene.life.cycles {
+            run.last_cycle().await?
+        } else {
+            run.next_cycle().await?
+        }
+        Ok(true)
+    }
+
+    fn is_probed(&self, run: &Run, block: Option<&Range<u32>>) -> bool {
+        block.is_none_or(|block| is_probed(block, &run.scene.life))
+    }
+}
+
+/// No cycle but the one measured, which is the whole life.
+#[derive(Debug, Clone, Copy)]
+pub struct SingleCycle;
+
+impl CycleModel for SingleCycle {
+    type Error = SimulationFailure;
+
+    async fn simulate_cycle(
+        &self,
+        _run: &mut Run<'_>,
+        _block: &Range<u32>,
+    ) -> Result<bool, SimulationFailure> {
+        Ok(true)
+    }
+
+    fn is_probed(&self, _run: &Run, block: Option<&Range<u32>>) -> bool {
+        block.is_none()
+    }
+}
+
+/// Wears the bores to the end of life under cycles of `model`.
 ///
 /// # Errors
-/// The first error of the wear, of a probe or of `next_cycle`.
-pub(crate) async fn simulate_life<E: From<SimulationFailure>>(
+/// The first error of the wear, of a cycle, of a probe or of a check of the model.
+pub(crate) async fn simulate_life<M: CycleModel>(
     run: &mut Run<'_>,
-    next_cycle: impl AsyncFn(&mut Run) -> Result<(), E>,
-    model: CycleModel,
-) -> Result<LifeHistory, E> {
-    let (scene, accuracy, dynamic) = (run.scene, run.accuracy, model != CycleModel::QuasiStatic);
+    model: M,
+) -> Result<LifeHistory, M::Error> {
+    let (scene, accuracy) = (run.scene, run.accuracy);
     let (end, every) = (scene.life.cycles, scene.life.checkpoint_every);
     let lives = block_ends(end, accuracy.cycle_jump, every);
     let mut estimate = ErrorEstimate::new(every);
     let mut motions = None;
-    if dynamic {
+    if model.is_probed(run, None) {
         let probe = run.probe(0).await?;
+        model.check_probe(&probe)?;
         motions = probe.rattles.then(SeveralMotions::default);
         estimate.add_probe(probe);
     }
+    let mut measured_lives = vec![0];
     let mut measured = vec![measured_outputs(run, 0, motions.as_mut(), &mut estimate).await?];
     let mut wear = vec![vec![]; scene.outputs.len()];
     run.keep_bores(0);
-    for block in lives.windows(2) {
-        let (from, to) = (block[0], block[1]);
+    for (from, to) in lives.windows(2).map(|life| (life[0], life[1])) {
         let checkpoints: Vec<u32> = (from / every + 1..=to / every).map(|k| k * every).collect();
         let deepest = run.largest_depths();
         run.wear(from..to, &checkpoints, &mut wear)?;
         estimate.add_wear(run, from, &deepest);
         run.keep_bores(to);
-        match model {
-            CycleModel::Single => {}
-            CycleModel::Dynamic if to == end => run.last_cycle().await?,
-            CycleModel::Dynamic | CycleModel::QuasiStatic => next_cycle(run).await?,
+        if !model.simulate_cycle(run, &(from..to)).await? {
+            continue;
         }
+        measured_lives.push(to);
         measured.push(measured_outputs(run, to, motions.as_mut(), &mut estimate).await?);
-        if model == CycleModel::Dynamic && motions.is_none() && is_probed(from..to, every, end) {
-            estimate.add_probe(run.probe(to).await?);
+        if motions.is_none() && model.is_probed(run, Some(&(from..to))) {
+            let probe = run.probe(to).await?;
+            model.check_probe(&probe)?;
+            estimate.add_probe(probe);
         }
     }
     run.compare_bores();
     estimate.add_wear(run, end, &run.largest_depths());
 
     let cycles = scene.life.checkpoints();
-    let measured = MeasuredLives { lives: &lives, outputs: &measured };
+    let measured = MeasuredLives { lives: &measured_lives, outputs: &measured };
+    model.check_life(run, &measured, &mut estimate)?;
     let mut histories = Vec::with_capacity(scene.outputs.len());
     for (k, output) in scene.outputs.iter().enumerate() {
         histories.push(match output.kind {
             OutputKind::LargestWear { .. } => std::mem::take(&mut wear[k]),
-            _ => at_checkpoints(&lives, &measured.of_output(k), &cycles),
+            _ => at_checkpoints(measured.lives, &measured.of_output(k), &cycles),
         });
     }
     let errors = estimate.errors(scene, &histories, &measured, accuracy.largest_step);

@@ -6,8 +6,8 @@
 //! gives the outputs of the profile it ran on. The value of a checkpoint belongs to the profile worn to it. At a few
 //! lives the measured cycle is probed, from which the evaluation estimates its own error.
 //!
-//! If wear is the only output, the cycles between the first and the last may be quasi-static; if nothing wears, one cycle
-//! stands for the whole life. If the life is a single cycle, that cycle alone is measured, and wears the bores.
+//! The cycles between the first and the last may be quasi-static, with dynamic ones at a few lives if the motion is asked for; if nothing
+//! wears, one cycle stands for the whole life. If the life is a single cycle, that cycle alone is measured, and wears the bores.
 //!
 //! | file | contents |
 //! |---|---|
@@ -41,7 +41,7 @@ use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
 use common::scene::Scene;
-use life_in_blocks::{CycleModel, simulate_life};
+use life_in_blocks::{DynamicCycles, SingleCycle, simulate_life};
 use quasi_static::try_quasi_static;
 use run::{Run, WornDisplay};
 use side_by_side::{LaneQueue, RunningEvaluation, run_alone, run_side_by_side};
@@ -150,13 +150,12 @@ async fn evaluate(run: &mut Run<'_>) -> Result<Evaluation, SimulationFailure> {
         return run.finish_without_wear(first).await;
     }
 
-    let next_cycle = async |run: &mut Run| run.next_cycle().await;
     let life = if run.scene.life.is_single_cycle() {
-        simulate_life(run, next_cycle, CycleModel::Single).await?
+        simulate_life(run, SingleCycle).await?
     } else if let Some(life) = try_quasi_static(run).await {
         life
     } else {
-        simulate_life(run, next_cycle, CycleModel::Dynamic).await?
+        simulate_life(run, DynamicCycles).await?
     };
     run.finish(life, first)
 }

@@ -10,6 +10,7 @@
 use super::island_state::{CycleTools, IslandState};
 use super::run::Run;
 use common::failure::SimulationFailure;
+use common::scene::Life;
 use std::ops::Range;
 
 /// Factor by which the time steps of the further cycle are shorter [1]. At 1.5 the four-bar at 6 r/min still skips vibrations
@@ -188,11 +189,16 @@ fn relative_change(now: &[f64], was: &[f64]) -> f64 {
     change(volume(now), volume(was)).max(change(largest(now), largest(was)))
 }
 
-/// True if the cycle simulated at the end of this block of a life of `end` [cycles] is probed: the first ones at or after the first
-/// checkpoint, one and two thirds of the life, and its end.
-pub(crate) fn is_probed(block: Range<u32>, checkpoint_every: u32, end: u32) -> bool {
-    let wanted = [checkpoint_every, end / 3, end / 3 * 2, end].map(|life| life.clamp(1, end));
-    wanted.iter().any(|&life| block.start < life && life <= block.end)
+/// True if the cycle simulated at the end of this block of a life is probed: the first ones at or after the first checkpoint, one and two
+/// thirds of the life, and its end.
+pub(crate) fn is_probed(block: &Range<u32>, life: &Life) -> bool {
+    let end = life.cycles;
+    contains_one_of(block, [life.checkpoint_every, end / 3, end / 3 * 2, end].map(|life| life.clamp(1, end)))
+}
+
+/// True if one of these `lives` is in `block`, beyond its start.
+pub(crate) fn contains_one_of<const N: usize>(block: &Range<u32>, lives: [u32; N]) -> bool {
+    lives.iter().any(|&life| block.start < life && life <= block.end)
 }
 
 #[cfg(test)]
@@ -202,8 +208,9 @@ mod tests {
     #[test]
     fn four_lives_are_probed_or_fewer() {
         let probed = |lives: &[u32], every: u32| -> Vec<u32> {
-            let end = lives[lives.len() - 1];
-            lives.windows(2).filter(|w| is_probed(w[0]..w[1], every, end)).map(|w| w[1]).collect()
+            let cycles = lives[lives.len() - 1];
+            let life = Life { period: 1.0, cycles, checkpoint_every: every, settle_cycles: 1 };
+            lives.windows(2).filter(|w| is_probed(&(w[0]..w[1]), &life)).map(|w| w[1]).collect()
         };
         assert_eq!(
             probed(&[0, 125, 250, 1000, 2000, 4000, 6000, 8000, 9000], 1000),

@@ -1,20 +1,31 @@
 //! A life whose wear is driven by the quasi-static model, compared with the dynamics on the unworn bores and on those at the
 //! end of life.
+//!
+//! Outputs of the motion come from dynamic cycles at a few lives, on the bores worn so far, where the wear rates are compared too.
+//! That needs a contact law that conserves energy: under another one vibrations may grow as the bores wear, from one cycle to the next.
 
+use super::error_estimate::{ErrorEstimate, MeasuredLives, largest_bend};
 use super::island_state::CycleSpan;
 use super::life_in_blocks::{CycleModel, LifeHistory, simulate_life};
+use super::probe::{Probe, contains_one_of, is_probed};
 use super::quasi_static_island::QuasiStaticIsland;
 use super::run::Run;
+use crate::contact::Pressure;
 use crate::mechanism::ideal_cycle;
 use crate::quasi_static::{QuasiStaticCounts, Unsuitable, ideal_motions, wear_rate_difference};
 use common::accuracy::Tier;
-use common::scene::{Output, OutputKind};
+use common::scene::{Life, Output, OutputKind};
+use std::ops::Range;
 
 /// Intervals of the tabulated ideal motion; twice as many change the wear of the built-in scenes by less than
 /// 1e-4.
 const IDEAL_INTERVALS: usize = 90;
 
-/// The whole life under the quasi-static model, if the accuracy allows it, the scene has no output other than wear, and both
+/// Share of the tolerance of the wear by which outputs of the motion may be off from straight lines between the lives at which they are
+/// measured [1].
+const STRAIGHT: f64 = 0.25;
+
+/// The whole life under the quasi-static model, if the accuracy and the outputs of the scene allow it and all
 /// comparisons with the dynamics agree; else `None`, and of `run` only the counts have changed.
 pub(crate) async fn try_quasi_static(run: &mut Run<'_>) -> Option<LifeHistory> {
     let mut trial = run.clone();
@@ -31,6 +42,62 @@ pub(crate) async fn try_quasi_static(run: &mut Run<'_>) -> Option<LifeHistory> {
     }
 }
 
+/// True if outputs of the motion are measured at the end of this block: at the lives that are probed, and one, three and five
+/// sixths of the life.
+pub(crate) fn is_measured(block: &Range<u32>, life: &Life) -> bool {
+    is_probed(block, life) || contains_one_of(block, [1, 3, 5].map(|sixth| life.cycles / 6 * sixth))
+}
+
+/// Quasi-static cycles, and dynamic ones at the end of life and, if outputs of the motion are asked for, at some lives before; those
+/// are probed.
+struct QuasiStaticCycles;
+
+impl CycleModel for QuasiStaticCycles {
+    type Error = Unsuitable;
+
+    async fn simulate_cycle(&self, run: &mut Run<'_>, block: &Range<u32>) -> Result<bool, Unsuitable> {
+        run.quasi_static_cycle()?;
+        // A dynamic cycle begins with the state that the gaps have reached.
+        if block.end == run.scene.life.cycles {
+            run.last_cycle().await?;
+        } else if run.first_motion_output().is_some() && is_measured(block, &run.scene.life) {
+            run.next_cycle().await?;
+        } else {
+            return Ok(false);
+        }
+        run.check_against_dynamics()?;
+        Ok(true)
+    }
+
+    fn is_probed(&self, run: &Run, block: Option<&Range<u32>>) -> bool {
+        run.first_motion_output().is_some() && block.is_none_or(|block| is_probed(block, &run.scene.life))
+    }
+
+    /// Outputs that change from cycle to cycle have to be measured after every block.
+    fn check_probe(&self, probe: &Probe) -> Result<(), Unsuitable> {
+        if probe.aperiodic { Err(Unsuitable::Aperiodic) } else { Ok(()) }
+    }
+
+    /// Outputs have to be close to straight lines between the lives at which they are measured.
+    fn check_life(
+        &self,
+        run: &Run,
+        measured: &MeasuredLives,
+        estimate: &mut ErrorEstimate,
+    ) -> Result<(), Unsuitable> {
+        for (k, output) in run.scene.outputs.iter().enumerate() {
+            let values = measured.of_output(k);
+            let largest = values.iter().fold(0.0_f64, |a, value| a.max(value.abs()));
+            let off = largest_bend(measured.lives, &values, |_| true);
+            if off > STRAIGHT * run.accuracy.wear_tolerance * largest {
+                return Err(Unsuitable::Curved { output: output.name.clone(), share: off / largest });
+            }
+        }
+        estimate.set_quasi_static(run.tier_difference.iter().copied().fold(0.0, f64::max));
+        Ok(())
+    }
+}
+
 impl Run<'_> {
     /// The whole life under the quasi-static model, from the settled first cycle just measured.
     ///
@@ -38,11 +105,7 @@ impl Run<'_> {
     /// [`Unsuitable`] if the dynamics has to drive the wear instead.
     async fn simulate_quasi_static_life(&mut self) -> Result<LifeHistory, Unsuitable> {
         self.start_quasi_static()?;
-        let next_cycle = async |run: &mut Run| run.quasi_static_cycle();
-        let mut life = simulate_life(self, next_cycle, CycleModel::QuasiStatic).await?;
-        // One cycle of the dynamics on the worn bores, from the state the gaps have reached.
-        self.last_cycle().await?;
-        self.check_against_dynamics()?;
+        let mut life = simulate_life(self, QuasiStaticCycles).await?;
         for ((errors, values), share) in
             life.errors.iter_mut().zip(&life.histories).zip(&self.tier_difference)
         {
@@ -71,6 +134,18 @@ impl Run<'_> {
         Ok(trial.tier_difference.iter().copied().fold(0.0, f64::max))
     }
 
+    /// The first output of the scene that is not wear.
+    pub(crate) fn first_motion_output(&self) -> Option<&Output> {
+        let is_wear = |output: &&Output| matches!(output.kind, OutputKind::LargestWear { .. });
+        self.scene.outputs.iter().find(|output| !is_wear(output))
+    }
+
+    /// True if the elastic forces of all joints with clearance have a potential, whatever the bore.
+    fn conserves_energy(&self) -> bool {
+        let mut joints = self.islands.iter().flat_map(|state| &state.island.joints);
+        joints.all(|joint| joint.contact.pressure() == Pressure::Foundation)
+    }
+
     /// Copies the counts of an attempt that began as a copy of this run.
     fn copy_counts(&mut self, attempt: &Run) {
         self.counts = attempt.counts;
@@ -81,8 +156,7 @@ impl Run<'_> {
 
     /// Puts every island on its ideal motion, with closed joints.
     fn assemble_quasi_static(&mut self) -> Result<(), Unsuitable> {
-        let is_wear = |output: &&Output| matches!(output.kind, OutputKind::LargestWear { .. });
-        if let Some(output) = self.scene.outputs.iter().find(|output| !is_wear(output)) {
+        if let Some(output) = self.first_motion_output().filter(|_| !self.conserves_energy()) {
             return Err(Unsuitable::Output { output: output.name.clone() });
         }
         let poses = ideal_cycle(self.scene, IDEAL_INTERVALS + 1, &mut self.newton)?;

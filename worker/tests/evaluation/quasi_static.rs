@@ -3,7 +3,7 @@
 use crate::scenes::{every_joint, scene, short};
 use common::accuracy::{Accuracy, Tier};
 use common::outputs::Evaluation;
-use common::scene::{OutputKind, Scene};
+use common::scene::{ContactLaw, OutputKind, Scene};
 use worker::simulate::{SimulateOptions, simulate};
 
 /// The scene with its wear outputs alone, and the limit states on them.
@@ -96,6 +96,41 @@ fn an_output_of_the_motion_asks_for_the_dynamics() {
     let found = evaluate(&scene, &Accuracy::balanced());
     assert!(!found.diagnostics.quasi_static);
     assert_eq!(found, evaluate(&scene, &dynamic()));
+}
+
+/// A scene with the conservative contact law.
+fn conservative(mut scene: Scene) -> Scene {
+    every_joint(&mut scene, |c| c.contact_law = ContactLaw::Foundation);
+    scene
+}
+
+#[test]
+fn under_a_conservative_law_outputs_of_the_motion_come_from_a_few_dynamic_cycles() {
+    for (name, cycles, cycle_jump) in [("flapping-wing", 24_000, 1000), ("four-bar", 4000, 200)] {
+        let scene = conservative(short(name, &[], cycles));
+        let automatic = Accuracy { cycle_jump, ..Accuracy::draft() };
+        let found = evaluate(&scene, &automatic);
+        let exact = evaluate(&scene, &Accuracy { tier: Tier::Dynamic, ..automatic });
+        assert!(found.diagnostics.quasi_static && !exact.diagnostics.quasi_static, "{name}");
+        for (output, errors) in scene.outputs.iter().zip(&found.errors) {
+            let k = scene.outputs.iter().position(|o| o.name == output.name).expect("an output of the scene");
+            let values = found.histories[k].iter().zip(&exact.histories[k]).zip(errors);
+            let worst = values.map(|((a, b), error)| (a - b).abs() / error).fold(0.0, f64::max);
+            println!("{name}, {}: {worst} of the stated error", output.name);
+            assert!(worst < 1.0, "{name}, {}: {worst}", output.name);
+        }
+        let [few, many] = [&found, &exact].map(|e| e.diagnostics.force_evaluations);
+        println!("{name}: {few} force evaluations against {many}");
+        assert!(5 * few < 3 * many, "{name}: {few} force evaluations against {many}");
+    }
+}
+
+#[test]
+fn a_motion_that_does_not_repeat_itself_is_left_to_the_dynamics() {
+    let mut scene = conservative(short("flapping-wing", &[], 2000));
+    every_joint(&mut scene, |c| c.friction = 0.5);
+    let found = evaluate(&scene, &Accuracy::draft());
+    assert!(!found.diagnostics.quasi_static);
 }
 
 /// The four-bar without its load: the journals fly from side to side, for a tenth of the cycle out of contact.

@@ -53,6 +53,10 @@ pub fn reliability(r: f64, lower: f64, upper: f64) -> String {
     };
     if r >= 1.0 && lower < 1.0 {
         let (distance, decimals) = limit(1.0 - lower);
+        // More than six nines are not read but counted.
+        if distance < 1e-6 {
+            return format!("> 1 \u{2212} {distance:.1e}").replace("e-", "e\u{2212}");
+        }
         format!("> {}", fixed(1.0 - distance, decimals))
     } else if r <= 0.0 && upper > 0.0 {
         let (distance, decimals) = limit(upper);
@@ -164,6 +168,7 @@ mod tests {
         assert_eq!(with_width(0.5, f64::NAN), "0.500");
         assert_eq!(reliability(1.0, 0.998_52, 1.0), "> 0.9985");
         assert_eq!(reliability(1.0, 0.99997, 1.0), "> 0.999970");
+        assert_eq!(reliability(1.0, 1.0 - 1.95e-12, 1.0), "> 1 \u{2212} 2.0e\u{2212}12");
         assert_eq!(reliability(0.0, 0.0, 0.0015), "< 0.0015");
         assert_eq!(reliability(0.4, 0.39, 0.41), "0.400 ± 0.010");
     }
