@@ -112,8 +112,10 @@ async fn examine(
         return Ok(look);
     }
     let begun = Instant::now();
-    look.tier = run.check_quasi_static();
+    let copy = run.quasi_static_copy();
     let tried = begun.elapsed();
+    look.tier = copy.as_ref().map(Run::largest_tier_difference).map_err(Clone::clone);
+    let mut worn = copy.unwrap_or_else(|_| run.clone());
     let life = &scene.life;
     let lives = block_ends(life.cycles, accuracy.cycle_jump, life.checkpoint_every);
     let blocks = lives.len() - 1;
@@ -122,8 +124,15 @@ async fn examine(
     };
     let probes = count(&|block| is_probed(block, life));
     let warm = 1.0 + accuracy.warm_up;
-    let wear = run.time_of_wear(&lives);
+    let wear = worn.time_of_wear(&lives);
     look.expected += wear;
+    // Time of a cycle on worn bores over that of the first one, where it begins with the state of the gaps.
+    let slower = if look.tier.is_ok() && worn.quasi_static_cycle().is_ok() {
+        let worn_cycle = timed(worn.next_cycle()).await;
+        worn_cycle.map_or(1.0, |((), time)| time.as_secs_f64() / (warm * cycle.as_secs_f64()))
+    } else {
+        1.0
+    };
     let probe = if look.tier.is_err() || look.asks_for_motion {
         let counted = run.simulated;
         let (probe, probing) = timed(run.probe(0)).await?;
@@ -146,7 +155,7 @@ async fn examine(
         look.expected += tried.mul_f64(blocks as f64);
         if let Some((_, cycles, probing)) = probe {
             look.dynamic_cycles += FINER * probes * cycles;
-            look.expected += probing.mul_f64(probes);
+            look.expected += probing.mul_f64(slower * probes);
             count(&|block| is_measured(block, life)) * warm
         } else {
             warm
@@ -167,32 +176,32 @@ async fn examine(
         blocks as f64 * warm
     };
     look.dynamic_cycles += measured;
-    look.expected += cycle.mul_f64(measured);
+    look.expected += cycle.mul_f64(slower * measured);
     Ok(look)
 }
 
 impl Run<'_> {
     /// Expected time of the wear steps of a whole life between the simulated `lives` [cycles]: the first ones up to the first whole block
     /// are timed, and one in the middle of the life, on bores worn so far at once. Between the two, and for blocks of other lengths, the
-    /// time is interpolated: the stages of a longer block grow with the square root of its length.
-    fn time_of_wear(&self, lives: &[u32]) -> Duration {
+    /// time is interpolated: the stages of a longer block grow with the square root of its length. Leaves the bores worn to the middle
+    /// of the life.
+    fn time_of_wear(&mut self, lives: &[u32]) -> Duration {
         /// Blocks at the start that are timed.
         const FIRST: usize = 5;
-        let mut trial = self.clone();
         let (mut sum, mut last) = (Duration::ZERO, Duration::ZERO);
         let cycles = |block: &[u32]| f64::from(block[1] - block[0]);
         let mut blocks = lives.windows(2);
         let mut length = 1.0;
         for block in blocks.by_ref().take(FIRST) {
-            (length, last) = (cycles(block), trial.timed_wear(block[0]..block[1]).unwrap_or(last));
+            (length, last) = (cycles(block), self.timed_wear(block[0]..block[1]).unwrap_or(last));
             sum += last;
         }
         let rest: Vec<&[u32]> = blocks.collect();
         let [first, _, ..] = rest[..] else { return sum + last * rest.len() as u32 };
         let middle = rest[rest.len() / 2];
         // What fails under the contact of the first cycle need not fail in an evaluation.
-        let worn = trial.timed_wear(first[0]..middle[0]);
-        let in_middle = worn.and_then(|_| trial.timed_wear(middle[0]..middle[1]));
+        let worn = self.timed_wear(first[0]..middle[0]);
+        let in_middle = worn.and_then(|_| self.timed_wear(middle[0]..middle[1]));
         let per_root = |time: Duration, length: f64| time.as_secs_f64() / length.sqrt();
         let early = per_root(last, length);
         let late = in_middle.map_or(early, |time| per_root(time, cycles(middle)));

@@ -93,7 +93,7 @@ impl CycleModel for QuasiStaticCycles {
                 return Err(Unsuitable::Curved { output: output.name.clone(), share: off / largest });
             }
         }
-        estimate.set_quasi_static(run.tier_difference.iter().copied().fold(0.0, f64::max));
+        estimate.set_quasi_static(run.largest_tier_difference());
         Ok(())
     }
 }
@@ -124,14 +124,19 @@ impl Run<'_> {
         self.check_against_dynamics()
     }
 
-    /// Largest relative difference of the quasi-static wear rates from those of the settled first cycle just measured [1].
+    /// A copy of this run under the quasi-static model, from the settled first cycle just measured.
     ///
     /// # Errors
     /// [`Unsuitable`] if the dynamics has to drive the wear.
-    pub(crate) fn check_quasi_static(&self) -> Result<f64, Unsuitable> {
-        let mut trial = self.clone();
-        trial.start_quasi_static()?;
-        Ok(trial.tier_difference.iter().copied().fold(0.0, f64::max))
+    pub(crate) fn quasi_static_copy(&self) -> Result<Self, Unsuitable> {
+        let mut copy = self.clone();
+        copy.start_quasi_static()?;
+        Ok(copy)
+    }
+
+    /// Largest relative difference of the quasi-static wear rates from those of the dynamics found so far [1].
+    pub(crate) fn largest_tier_difference(&self) -> f64 {
+        self.tier_difference.iter().copied().fold(0.0, f64::max)
     }
 
     /// The first output of the scene that is not wear.
@@ -172,7 +177,10 @@ impl Run<'_> {
     }
 
     /// One quasi-static cycle of every island on the bores as they are.
-    fn quasi_static_cycle(&mut self) -> Result<(), Unsuitable> {
+    ///
+    /// # Errors
+    /// [`Unsuitable`] if the gaps cannot be integrated.
+    pub(crate) fn quasi_static_cycle(&mut self) -> Result<(), Unsuitable> {
         let cycle = CycleSpan::new(self.scene, self.accuracy);
         let mut counts = QuasiStaticCounts::default();
         let mut islands = self.islands.iter_mut().zip(&mut self.quasi_static);
