@@ -7,7 +7,7 @@
 //! of the control points, below which nothing of the arc's shape is left in the depths. A group is replaced by its mean, weighted
 //! with the work, so that what it leaves out is of second order in its width.
 //!
-//! Used for the elastic foundation, whose equilibria are dear. The arcs of the local law are cheap, and their ends are not continuous
+//! Used for the elastic foundation, whose equilibria are expensive. The arcs of the local law are cheap, and their ends are not continuous
 //! functions of the bore: the more samples share the work, the smoother is the wear rate, and the longer its steps.
 //!
 //! # Source
