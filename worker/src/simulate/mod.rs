@@ -7,7 +7,7 @@
 //! lives the measured cycle is probed, from which the evaluation estimates its own error.
 //!
 //! The cycles between the first and the last may be quasi-static, with dynamic ones at a few lives if the motion is asked for; if nothing
-//! wears, one cycle stands for the whole life. If the life is a single cycle, that cycle alone is measured, and wears the bores.
+//! wears, one cycle represents the whole life. If the life is a single cycle, only that cycle is measured, and the wear follows from it.
 //!
 //! | file | contents |
 //! |---|---|
