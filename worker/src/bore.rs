@@ -104,7 +104,7 @@ impl Profile {
     }
 
     /// Radius at `x` control points from that at angle zero, in [-n, 2 n) [m].
-    #[inline]
+    #[inline(always)]
     pub(crate) fn turned(&self, x: f64) -> f64 {
         let n = self.cubic.len();
         let from = x + n as f64;
@@ -112,12 +112,6 @@ impl Profile {
         let s = from - floor as f64;
         let once = if floor >= n { floor - n } else { floor };
         Cubic(self.cubic[if once >= n { once - n } else { once }]).value(s)
-    }
-
-    /// Coefficients of the cubics, R = a + s (b + s (c + s d)) in the fraction s of each interval `(n, 4)`
-    /// [m].
-    pub(crate) fn cubics(&self) -> &[[f64; 4]] {
-        &self.cubic
     }
 
     /// Fills `table` with R at `table.len()` equal angles from 0 (a multiple of the control points) [m].

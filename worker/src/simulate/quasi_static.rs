@@ -42,10 +42,13 @@ pub(crate) async fn try_quasi_static(run: &mut Run<'_>) -> Option<LifeHistory> {
     }
 }
 
-/// True if outputs of the motion are measured at the end of this block: at the lives that are probed, and one, three and five
-/// sixths of the life.
+/// True if outputs of the motion are measured at the end of this block: the first one at or after the first checkpoint and after every
+/// sixth of the life, and at the lives that are probed.
 pub(crate) fn is_measured(block: &Range<u32>, life: &Life) -> bool {
-    is_probed(block, life) || contains_one_of(block, [1, 3, 5].map(|sixth| life.cycles / 6 * sixth))
+    let first = life.checkpoint_every.clamp(1, life.cycles);
+    is_probed(block, life)
+        || contains_one_of(block, [first])
+        || contains_one_of(block, [1, 2, 3, 5].map(|sixth| life.cycles / 6 * sixth))
 }
 
 /// Quasi-static cycles, and dynamic ones at the end of life and, if outputs of the motion are asked for, at some lives before; those

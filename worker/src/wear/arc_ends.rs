@@ -9,15 +9,11 @@
 //! order: the next term is (e/R1)^4 / 8, below 1e-11 m here. The arc ends at the first table angle where p is
 //! no longer positive, on the chord from the table angle before.
 //!
-//! The search passes over whole intervals between control points where p cannot have a zero: between two
-//! angles h apart p lies above its chord less a parabola of height h^2/8 times the largest p'' there (if that
-//! is positive), and p'' <= -R'' - e cos(phi) + e^2/R1, with R'' linear within an interval and cos(phi)
-//! smallest at its far end. The search starts from the end found before. Both give the end that a walk from
-//! angle to angle would find.
+//! The search tries eight table angles at a time: the end is the one that a walk from angle to angle finds. Towards smaller angles it is the same search on the mirrored bore.
 //!
 //! # Source
 //! Arc ends by the law of cosines: Cui et al., China Mechanical Engineering 37(6), 2026, 1472-1485,
-//! doi 10.3969/j.issn.1004-132X.2026.06.020. The search is derived here.
+//! doi 10.3969/j.issn.1004-132X.2026.06.020. The expansion is derived here.
 
 use crate::bore::Profile;
 use std::f64::consts::TAU;
@@ -26,30 +22,30 @@ use std::f64::consts::TAU;
 /// the ends of a 20 deg arc by 0.2 %.
 pub const SUBDIVISION: usize = 8;
 
-/// A bore tabulated for the search.
+/// Table angles tried at once: what the compiler makes vectors of.
+const AT_ONCE: usize = 8;
+
+/// A bore tabulated for the search, over two turns: half a turn from any angle of the first is one piece.
 #[derive(Debug, Clone)]
 pub struct ArcEnds {
     /// Journal radius R1 [m].
     journal_radius: f64,
-    /// Unit vectors at the table's angles `(n,)` [1].
-    direction: Vec<[f64; 2]>,
-    /// R1 - R there `(n,)` [m].
+    /// Cosines and sines of the table's angles `(2 n,)` each [1].
+    cos: Vec<f64>,
+    sin: Vec<f64>,
+    /// R1 - R there `(2 n,)` [m].
     gap: Vec<f64>,
-    /// Largest -R'' h^2 / 8 between two control points h apart `(points,)` [m].
-    hollow: Vec<f64>,
-    /// h^2 / 8 [1].
-    eighth: f64,
+    /// R1 - R of the mirrored bore, at the negative angles `(2 n,)` [m].
+    mirrored_gap: Vec<f64>,
 }
 
-/// Direction of a contact, and the ends of its arc found by the last search.
+/// Direction of a contact.
 #[derive(Debug, Clone, Copy)]
 pub struct Spot {
     /// Unit vector of the eccentricity `(2,)` [1].
     pub u: [f64; 2],
     /// Its angle in table intervals, in [0, n).
     pub place: f64,
-    /// Table angles passed on either side before the arc ended, downwards and upwards.
-    passed: [usize; 2],
 }
 
 impl Spot {
@@ -62,7 +58,6 @@ impl Spot {
             u: if length > 0.0 { [e[0] / length, e[1] / length] } else { [1.0, 0.0] },
             // A turn just below zero is rounded to a whole one.
             place: if place < n as f64 { place } else { 0.0 },
-            passed: [0; 2],
         }
     }
 
@@ -73,28 +68,56 @@ impl Spot {
     }
 }
 
-/// Journal circle of one contact.
-struct Circle {
+/// Journal circle of one contact, and one side of the bore.
+#[derive(Clone, Copy)]
+struct Side<'a> {
+    /// R1 - R from the first table angle of this side on [m].
+    gap: &'a [f64],
+    /// Cosines and sines of these angles [1].
+    cos: &'a [f64],
+    sin: &'a [f64],
     /// Eccentricity `(2,)` [m].
     e: [f64; 2],
-    /// Penetration delta [m].
-    penetration: f64,
     /// 1 / (2 R1) [1/m].
     curvature: f64,
 }
 
-/// Part of the arc that certainly lies inside: whole intervals between control points, seen from the contact.
-struct Inside {
-    /// Distance of its end in table intervals.
-    from: f64,
-    /// Table angles within it.
-    angles: usize,
-    /// Distance p of the circle beyond the bore at its end [m].
-    depth: f64,
-    /// Table angle at the far end of the interval that follows.
-    corner: usize,
-    /// Height of the parabola below the chord in that interval [m].
-    sag: f64,
+impl Side<'_> {
+    /// How far the circle lies beyond the bore at the `m`-th angle [m].
+    #[inline(always)]
+    fn beyond(&self, m: usize) -> f64 {
+        let along = self.e[0] * self.cos[m] + self.e[1] * self.sin[m];
+        let across = self.e[0] * self.sin[m] - self.e[1] * self.cos[m];
+        self.gap[m] + along - across * across * self.curvature
+    }
+
+    /// The first angle at which the circle is not beyond the bore, if it is among the first `most`.
+    #[inline(always)]
+    fn first_outside(&self, most: usize) -> Option<usize> {
+        for first in (0..most).step_by(AT_ONCE) {
+            let group = Side {
+                gap: &self.gap[first..first + AT_ONCE],
+                cos: &self.cos[first..first + AT_ONCE],
+                sin: &self.sin[first..first + AT_ONCE],
+                ..*self
+            };
+            // Loops, not closures, and every comparison made: vectors of this processor.
+            let (mut p, mut inside) = ([0.0; AT_ONCE], true);
+            for (k, p) in p.iter_mut().enumerate() {
+                *p = group.beyond(k);
+            }
+            for p in p {
+                inside &= p > 0.0;
+            }
+            if inside {
+                continue;
+            }
+            if let Some(k) = p.iter().position(|p| *p <= 0.0) {
+                return (first + k < most).then_some(first + k);
+            }
+        }
+        None
+    }
 }
 
 impl ArcEnds {
@@ -102,33 +125,27 @@ impl ArcEnds {
     /// yet.
     pub(crate) fn new(journal_radius: f64, points: usize) -> Self {
         let n = SUBDIVISION * points;
-        let spacing = TAU / points as f64;
-        ArcEnds {
-            journal_radius,
-            direction: (0..n)
-                .map(|k| {
-                    let (s, c) = libm::sincos(TAU * k as f64 / n as f64);
-                    [c, s]
-                })
-                .collect(),
-            gap: vec![0.0; n],
-            hollow: vec![0.0; points],
-            eighth: spacing * spacing / 8.0,
-        }
+        let (sin, cos) = (0..2 * n).map(|k| libm::sincos(TAU * (k % n) as f64 / n as f64)).unzip();
+        ArcEnds { journal_radius, cos, sin, gap: vec![0.0; 2 * n], mirrored_gap: vec![0.0; 2 * n] }
     }
 
     /// Number of table intervals n.
     pub(crate) fn intervals(&self) -> usize {
-        self.gap.len()
+        self.gap.len() / 2
     }
 
     /// Tabulates a changed profile.
     pub(crate) fn profile_changed(&mut self, profile: &Profile) {
-        profile.tabulate(&mut self.gap);
-        self.gap.iter_mut().for_each(|gap| *gap = self.journal_radius - *gap);
-        for (hollow, [_, _, c, d]) in self.hollow.iter_mut().zip(profile.cubics()) {
-            *hollow = -0.25 * c.min(c + 3.0 * d);
-        }
+        let n = self.intervals();
+        let (gap, mirrored) = (&mut self.gap, &mut self.mirrored_gap);
+        profile.tabulate(&mut gap[..n]);
+        gap[..n].iter_mut().for_each(|gap| *gap = self.journal_radius - *gap);
+        gap.copy_within(..n, n);
+        // The angle zero is its own mirror image.
+        mirrored
+            .iter_mut()
+            .zip(gap[..n + 1].iter().rev().chain(gap[..n].iter().rev()))
+            .for_each(|(to, from)| *to = *from);
     }
 
     /// Distances from the direction of the contact at `spot` to the two ends of its arc, downwards and
@@ -139,122 +156,40 @@ impl ArcEnds {
     /// instant to the next, and the part behind it no longer counts; a second patch behind the end joins the
     /// arc again where the gap between them closes. There the end, and with it the wear rate, is not a
     /// continuous function of the profile.
-    pub(crate) fn find(&self, spot: &mut Spot, penetration: f64, radius: f64, slope: f64) -> (f64, f64) {
-        let e = penetration + radius - self.journal_radius;
-        let circle =
-            Circle { e: [e * spot.u[0], e * spot.u[1]], penetration, curvature: 0.5 / self.journal_radius };
+    #[inline(always)]
+    pub(crate) fn find(&self, spot: &Spot, penetration: f64, radius: f64, slope: f64) -> (f64, f64) {
+        let n = self.intervals();
+        let size = penetration + radius - self.journal_radius;
+        let e = [size * spot.u[0], size * spot.u[1]];
         let below = spot.place as usize;
         let lead = spot.place - below as f64;
-        let [down, up] = &mut spot.passed;
-        // Towards smaller angles the first table angle is `below`; the slope changes sign.
-        (
-            self.end::<false>(&circle, below, lead, slope, down),
-            self.end::<true>(&circle, below, 1.0 - lead, -slope, up),
-        )
+        // In the mirrored bore the first table angle is that of `below`, and slopes change sign.
+        let down = self.side(&self.mirrored_gap, n - below, [e[0], -e[1]]);
+        let up = self.side(&self.gap, below + 1, e);
+        let slope = slope * TAU / n as f64;
+        (end(&down, n, lead, penetration, slope), end(&up, n, 1.0 - lead, penetration, -slope))
     }
 
-    /// Table angle `m` places after the first one next to the contact.
-    #[inline]
-    fn angle<const UP: bool>(&self, below: usize, m: usize) -> usize {
-        let n = self.gap.len();
-        if UP {
-            let k = below + 1 + m;
-            if k >= n { k - n } else { k }
-        } else if below >= m {
-            below - m
-        } else {
-            below + n - m
-        }
-    }
-
-    /// How far the circle lies beyond the bore at table angle `k`, and e cos(phi) there [m].
-    #[inline]
-    fn beyond(&self, circle: &Circle, k: usize) -> (f64, f64) {
-        let (u, e) = (self.direction[k], circle.e);
-        let along = e[0] * u[0] + e[1] * u[1];
-        let across = e[0] * u[1] - e[1] * u[0];
-        (self.gap[k] + along - across * across * circle.curvature, along)
-    }
-
-    /// One end of the arc; `first` is the distance to the first table angle on this side, `slope` that of p
-    /// outwards [m/rad]. Leaves the number of table angles passed in `passed`.
-    #[inline]
-    fn end<const UP: bool>(
-        &self,
-        circle: &Circle,
-        below: usize,
-        first: f64,
-        slope: f64,
-        passed: &mut usize,
-    ) -> f64 {
-        let n = self.gap.len();
-        let inside = self.whole_intervals::<UP>(circle, below, first);
-        // From the end found before to the last angle inside, if certainly no angle before that is outside.
-        let (mut m, mut p) = (inside.angles, inside.depth);
-        let mut guess = (*passed).clamp(inside.angles, inside.corner + 1);
-        while guess > inside.angles {
-            let q = self.beyond(circle, self.angle::<UP>(below, guess - 1)).0;
-            if q > 0.0 {
-                let share = (first + (guess - 1) as f64 - inside.from) / SUBDIVISION as f64;
-                if positive(inside.depth, q, inside.sag * share * share) {
-                    (m, p) = (guess, q);
-                }
-                break;
-            }
-            guess -= 1;
-        }
-        // Angle by angle to the first one outside.
-        while m <= n / 2 {
-            let next = self.beyond(circle, self.angle::<UP>(below, m)).0;
-            if next <= 0.0 {
-                *passed = m;
-                if m == 0 {
-                    return first_end(circle.penetration, slope * TAU / n as f64, first, next);
-                }
-                return first + (m - 1) as f64 + p / (p - next);
-            }
-            p = next;
-            m += 1;
-        }
-        *passed = 0;
-        n as f64 / 2.0
-    }
-
-    /// Passes over the intervals between control points in which p has no zero; arguments as in
-    /// [`Self::end`].
-    #[inline]
-    fn whole_intervals<const UP: bool>(&self, circle: &Circle, below: usize, first: f64) -> Inside {
-        let n = self.gap.len();
-        let bend = 2.0 * circle.curvature * (circle.e[0] * circle.e[0] + circle.e[1] * circle.e[1]);
-        let (mut from, mut angles, mut depth) = (0.0, 0, circle.penetration);
-        let mut corner = if UP { SUBDIVISION - 1 - below % SUBDIVISION } else { below % SUBDIVISION };
-        let mut interval = below / SUBDIVISION;
-        loop {
-            let (p, along) = self.beyond(circle, self.angle::<UP>(below, corner));
-            let sag = (self.hollow[interval] + self.eighth * (bend - along)).max(0.0);
-            if !positive(depth, p, sag) || corner + SUBDIVISION >= n / 2 {
-                return Inside { from, angles, depth, corner, sag };
-            }
-            (from, angles, depth) = (first + corner as f64, corner + 1, p);
-            corner += SUBDIVISION;
-            interval = match (UP, interval) {
-                (true, i) if i + 1 == self.hollow.len() => 0,
-                (true, i) => i + 1,
-                (false, 0) => self.hollow.len() - 1,
-                (false, i) => i - 1,
-            };
-        }
+    /// The side of the bore with these gaps that begins at the table angle `first`, for the eccentricity `e` [m].
+    #[inline(always)]
+    fn side<'a>(&'a self, gap: &'a [f64], first: usize, e: [f64; 2]) -> Side<'a> {
+        let curvature = 0.5 / self.journal_radius;
+        Side { gap: &gap[first..], cos: &self.cos[first..], sin: &self.sin[first..], e, curvature }
     }
 }
 
-/// Whether a chord from `a` to `b` less a parabola of height `sag` >= 0 between them is positive all along.
-#[inline]
-fn positive(a: f64, b: f64, sag: f64) -> bool {
-    // a (1 - t) + b t - 4 sag t (1 - t): where it is steeper than the parabola, the lower end is the least of
-    // it.
-    let fall = a - b;
-    let slope = fall + 4.0 * sag;
-    a.min(b) > 0.0 && (fall.abs() >= 4.0 * sag || slope * slope < 16.0 * sag * a)
+/// One end of the arc on a table of `n` intervals; `first` is the distance to the first table angle on this side, `slope` that of p
+/// outwards [m per interval].
+#[inline(always)]
+fn end(side: &Side, n: usize, first: f64, penetration: f64, slope: f64) -> f64 {
+    match side.first_outside(n / 2 + 1) {
+        None => n as f64 / 2.0,
+        Some(0) => first_end(penetration, slope, first, side.beyond(0)),
+        Some(m) => {
+            let (p, next) = (side.beyond(m - 1), side.beyond(m));
+            first + (m - 1) as f64 + p / (p - next)
+        }
+    }
 }
 
 /// End of the arc within the first table interval: positive root of delta + slope x + q x^2, where q makes

@@ -17,11 +17,8 @@
 use super::arc_ends::{ArcEnds, SUBDIVISION, Spot};
 use super::history::ContactSample;
 use crate::bore::{Profile, Radius};
+use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
-
-/// Width of an arc below which its work goes to its middle, in spacings of the points [1]: there the
-/// difference of two integrals of a hat function has lost its digits.
-const NARROWEST: f64 = 1e-6;
 
 /// Contacts of a frozen history on a bore.
 ///
@@ -68,54 +65,66 @@ impl LocalArcs {
     /// Sum over the samples of work per radius, shared out over the control points: F S w_i / R `(points,)` [N].
     pub(crate) fn shares(&mut self, profile: &Profile, shares: &mut [f64]) {
         self.ends.profile_changed(profile);
-        let points = shares.len();
         self.unrolled.fill(0.0);
-        for Sample { spot, penetration, work } in &mut self.samples {
-            let (interval, s) = spot.within();
-            let Radius { r, d1, .. } = profile.within(interval, s);
-            let (before, after) = self.ends.find(spot, *penetration, r, d1);
-            // Mean radius along the arc, by Simpson's rule over its angle.
-            let start = (spot.place - before) / SUBDIVISION as f64;
-            let end = (spot.place + after) / SUBDIVISION as f64;
-            let mean = (profile.turned(start) + 4.0 * r + profile.turned(end)) / 6.0;
-            share_out(&mut self.unrolled, points, start..end, *work / mean);
-        }
-        let (first, rest) = self.unrolled.split_at(points);
-        let (second, third) = rest.split_at(points);
+        Arch::new().dispatch(Sharing { arcs: self, profile });
+        let (first, rest) = self.unrolled.split_at(shares.len());
+        let (second, third) = rest.split_at(shares.len());
         for (i, sum) in shares.iter_mut().enumerate() {
             *sum = first[i] + second[i] + third[i];
         }
     }
 }
 
-/// Shares `amount` out over the points next to and inside the `arc`, counted in points from that at angle
-/// zero: to each in proportion to the integral of its hat function over the arc.
-#[inline]
-fn share_out(unrolled: &mut [f64], points: usize, arc: Range<f64>, amount: f64) {
-    // The offset of a turn makes truncation the floor.
-    let (start, end) = (arc.start + points as f64, arc.end + points as f64);
-    let width = end - start;
-    if width < NARROWEST {
-        let middle = 0.5 * (start + end);
-        let (below, s) = (middle as usize, middle.fract());
-        unrolled[below] += (1.0 - s) * amount;
-        unrolled[below + 1] += s * amount;
-        return;
-    }
-    let density = amount / width;
-    let (first, last) = (start as usize, end as usize + 1);
-    // Points whose hat the arc covers wholly: those of the intervals wholly inside.
-    let covered = first + 2..(last - 1).max(first + 2);
-    let partly = |k: usize| density * (below_hat(end - k as f64) - below_hat(start - k as f64));
-    (first..covered.start.min(last + 1)).for_each(|k| unrolled[k] += partly(k));
-    unrolled[covered.clone()].iter_mut().for_each(|sum| *sum += density);
-    (covered.end..=last).for_each(|k| unrolled[k] += partly(k));
+/// Adds the shares of all samples on a bore, compiled for the vectors of the processor.
+struct Sharing<'a> {
+    arcs: &'a mut LocalArcs,
+    profile: &'a Profile,
 }
 
-/// Integral up to `x` of the hat function max(0, 1 - |x|) [1].
-#[inline]
-fn below_hat(x: f64) -> f64 {
-    let outside = 1.0 - x.abs().min(1.0);
-    let tail = 0.5 * outside * outside;
-    if x < 0.0 { tail } else { 1.0 - tail }
+impl WithSimd for Sharing<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        let LocalArcs { ends, samples, unrolled } = self.arcs;
+        // The offset of a turn makes truncation the floor.
+        let turn = self.profile.points() as f64;
+        for Sample { spot, penetration, work } in &*samples {
+            let (interval, s) = spot.within();
+            let Radius { r, d1, .. } = self.profile.within(interval, s);
+            let (before, after) = ends.find(spot, *penetration, r, d1);
+            // Mean radius along the arc, by Simpson's rule over its angle.
+            let start = (spot.place - before) / SUBDIVISION as f64;
+            let end = (spot.place + after) / SUBDIVISION as f64;
+            let mean = (self.profile.turned(start) + 4.0 * r + self.profile.turned(end)) / 6.0;
+            share_out(unrolled, turn + start..turn + end, *work / mean);
+        }
+    }
+}
+
+/// Shares `amount` out over the points next to and inside the `arc`, counted in points from the first of `unrolled`: to each in
+/// proportion to the integral of its hat function over the arc.
+#[inline(always)]
+fn share_out(unrolled: &mut [f64], arc: Range<f64>, amount: f64) {
+    let (i, j) = (arc.start as usize, arc.end as usize);
+    let (s, t) = (arc.start - i as f64, arc.end - j as f64);
+    if i == j {
+        // Between two points each has the hat function's value in the middle of the arc.
+        let middle = 0.5 * (s + t);
+        unrolled[i] += (1.0 - middle) * amount;
+        unrolled[i + 1] += middle * amount;
+        return;
+    }
+    let density = amount / (arc.end - arc.start);
+    // Parts of the hat functions of i and i + 1 before the start, and of j and j + 1 behind the end.
+    let (before, behind) = (0.5 * s * s, 0.5 * (1.0 - t) * (1.0 - t));
+    unrolled[i] += 0.5 * (1.0 - s) * (1.0 - s) * density;
+    unrolled[j + 1] += 0.5 * t * t * density;
+    if j == i + 1 {
+        unrolled[j] += (1.0 - before - behind) * density;
+    } else {
+        unrolled[i + 1] += (1.0 - before) * density;
+        unrolled[i + 2..j].iter_mut().for_each(|sum| *sum += density);
+        unrolled[j] += (1.0 - behind) * density;
+    }
 }
