@@ -59,7 +59,7 @@ impl Accuracy {
             // Ten times the steps of a cycle of the flapping-wing drive; of the extremes that succeed, the hardest, 6 r/min under
             // `foundation`, needs more than 60 000 (`coordinator extremes`).
             steps_bound: 100_000,
-            wear_samples: 600,
+            wear_samples: 300,
             cycle_jump: 4000,
             wear_tolerance: 2e-2,
             warm_up: 0.05,

@@ -102,13 +102,8 @@ fn evaluation(bencher: Bencher, preset: &str) {
         .bench_local(|| simulate(black_box(&scene), &accuracy, SimulateOptions::default()));
 }
 
-/// Eight lives of the drive with wear coefficients of their own: one after the other, or side by side, each in lanes of one
-/// number or as wide as the processor has them.
-#[divan::bench(args = ["one by one, 1 lane", "one by one", "side by side, 1 lane", "side by side"], sample_count = 2, sample_size = 1)]
-fn batch_of_eight(bencher: Bencher, how: &str) {
-    const BATCH: usize = 8;
-    let width = if how.ends_with("1 lane") { LaneWidth::One } else { LaneWidth::Widest };
-    let most = if how.starts_with("one") { 1 } else { BATCH };
+/// Lives of the drive with wear coefficients of their own.
+fn lives(count: usize) -> Vec<SimulationInput> {
     let input = |k: usize| {
         let mut scene = flapping_wing();
         for joint in &mut scene.joints {
@@ -118,11 +113,45 @@ fn batch_of_eight(bencher: Bencher, how: &str) {
         }
         SimulationInput { scene, accuracy: Accuracy::balanced(), options: SimulateOptions::default() }
     };
-    let inputs: Vec<SimulationInput> = (0..BATCH).map(input).collect();
-    bencher.counter(ItemsCount::new(BATCH)).bench_local(|| {
-        let mut inputs = inputs.iter().cloned();
-        simulate_side_by_side(width, most, &mut || inputs.next().map(Ok), &mut |_, found, _| {
-            black_box(found.expect("the drive can be simulated"));
-        });
+    (0..count).map(input).collect()
+}
+
+/// Runs these lives in lanes of this width, at most `most` at a time.
+fn run(inputs: &[SimulationInput], width: LaneWidth, most: usize) {
+    let mut inputs = inputs.iter().cloned();
+    simulate_side_by_side(width, most, &mut || inputs.next().map(Ok), &mut |_, found, _| {
+        black_box(found.expect("the drive can be simulated"));
     });
+}
+
+/// Eight lives: one after the other, or side by side, each in lanes of one number or as wide as the processor has them.
+#[divan::bench(
+    args = [
+        "one by one, 1 lane",
+        "one by one, 4 lanes",
+        "one by one",
+        "side by side, 1 lane",
+        "side by side, 4 lanes",
+        "side by side",
+    ],
+    sample_count = 2,
+    sample_size = 1
+)]
+fn batch_of_eight(bencher: Bencher, how: &str) {
+    const BATCH: usize = 8;
+    let width = match how.split_once(", ") {
+        Some((_, "1 lane")) => LaneWidth::Holding(1),
+        Some(_) => LaneWidth::Holding(4),
+        None => LaneWidth::Widest,
+    };
+    let most = if how.starts_with("one") { 1 } else { BATCH };
+    let inputs = lives(BATCH);
+    bencher.counter(ItemsCount::new(BATCH)).bench_local(|| run(&inputs, width, most));
+}
+
+/// Twenty-four lives in the widest lanes, so many at a time.
+#[divan::bench(args = [1, 2, 3, 4, 5, 6, 8, 12], sample_count = 1, sample_size = 1)]
+fn at_a_time(bencher: Bencher, most: usize) {
+    let inputs = lives(24);
+    bencher.counter(ItemsCount::new(inputs.len())).bench_local(|| run(&inputs, LaneWidth::Widest, most));
 }

@@ -94,24 +94,13 @@ impl Profile {
     /// Radius and derivatives at angle `psi` in (-2 pi, 2 pi) [rad].
     #[inline(always)]
     pub fn radius_at(&self, psi: f64) -> Radius {
-        look_up(psi, self.per_radian, |_| self.cubic.as_slice())
+        look_up(psi, self.points(), self.per_radian, &self.cubic)
     }
 
     /// Radius and derivatives in interval `interval` between control points, at its fraction `s` in [0, 1].
     #[inline(always)]
     pub(crate) fn within(&self, interval: usize, s: f64) -> Radius {
         cubic_at(self.cubic[interval], s, self.per_radian)
-    }
-
-    /// Radius at `x` control points from that at angle zero, in [-n, 2 n) [m].
-    #[inline(always)]
-    pub(crate) fn turned(&self, x: f64) -> f64 {
-        let n = self.cubic.len();
-        let from = x + n as f64;
-        let floor = from as usize;
-        let s = from - floor as f64;
-        let once = if floor >= n { floor - n } else { floor };
-        Cubic(self.cubic[if once >= n { once - n } else { once }]).value(s)
     }
 
     /// Fills `table` with R at `table.len()` equal angles from 0 (a multiple of the control points) [m].
@@ -159,28 +148,27 @@ impl Profile {
     }
 }
 
-/// Radius and derivatives of bores with equal numbers of control points: `table(k)` holds the cubics of lane
-/// k.
+/// Radius and derivatives of bores with `points` control points, one per lane: `cubics` holds those of the first bore, then those of
+/// the second, and so on `(lanes, points, 4)`.
 #[inline(always)]
-fn look_up<'a, R: Real>(psi: R, per_radian: f64, table: impl Fn(usize) -> &'a [[f64; 4]]) -> Radius<R> {
-    let mut place = psi.zero();
-    let mut cubic = [psi.zero(); 4];
+fn look_up<R: Real>(psi: R, points: usize, per_radian: f64, cubics: &[[f64; 4]]) -> Radius<R> {
+    /// Added to a whole number below 2^32, leaves it in the last bits.
+    const SHIFT: f64 = 4503599627370496.0;
+    let (zero, n) = (psi.zero(), psi.like(points as f64));
+    let x = psi * per_radian;
+    let x = R::select(x.below(zero), x + n, x);
+    let x = R::select(x.below(n), x, x - n);
+    // Whole numbers belong to either neighbour. NaN takes the first interval, and stays NaN.
+    let floor = (x - 0.5).round().larger(zero).smaller(n - 1.0);
+    let whole = floor + SHIFT;
+    let mut cubic = [zero; 4];
     for lane in 0..R::LANES {
-        let table = table(lane);
-        let n = table.len();
-        let mut x = psi.lane(lane) * per_radian;
-        if x < 0.0 {
-            x += n as f64;
-        }
-        // NaN takes the first interval, and stays NaN.
-        let floor = x as usize;
-        place.set_lane(lane, x - floor as f64);
-        let interval = &table[if floor >= n { (floor - n).min(n - 1) } else { floor }];
+        let interval = &cubics[lane * points + whole.lane(lane).to_bits() as u32 as usize];
         for k in 0..4 {
             cubic[k].set_lane(lane, interval[k]);
         }
     }
-    cubic_at(cubic, place, per_radian)
+    cubic_at(cubic, x - floor, per_radian)
 }
 
 /// Radius and derivatives of a cubic at the fraction `s` of its interval, `k` intervals per radian.
@@ -193,25 +181,34 @@ fn cubic_at<R: Real>([a, b, c, d]: [R; 4], s: R, k: f64) -> Radius<R> {
 /// One bore per lane, all with the same number of control points.
 #[derive(Debug, Clone)]
 pub struct Bores {
-    profiles: Vec<Profile>,
+    /// Number of control points.
+    points: usize,
+    /// Intervals per radian.
+    per_radian: f64,
+    /// Cubics of the bores, lane by lane `(lanes, points, 4)`; see [`Profile`].
+    cubics: Vec<[f64; 4]>,
 }
 
 impl Bores {
-    /// One bore per lane, all with the same number of control points.
-    pub(crate) fn new(profiles: Vec<Profile>) -> Self {
-        Bores { profiles }
+    /// `profile` in each of `lanes` lanes.
+    pub(crate) fn new(profile: &Profile, lanes: usize) -> Self {
+        Bores {
+            points: profile.points(),
+            per_radian: profile.per_radian,
+            cubics: profile.cubic.repeat(lanes),
+        }
     }
 
     /// Replaces the bore of a lane.
     pub(crate) fn set(&mut self, lane: usize, profile: &Profile) {
-        self.profiles[lane].clone_from(profile);
+        self.cubics[lane * self.points..][..self.points].copy_from_slice(&profile.cubic);
     }
 }
 
 impl<R: Real> Bore<R> for Bores {
     #[inline(always)]
     fn radius_at(&self, psi: R) -> Radius<R> {
-        look_up(psi, self.profiles[0].per_radian, |lane| self.profiles[lane].cubic.as_slice())
+        look_up(psi, self.points, self.per_radian, &self.cubics)
     }
 }
 

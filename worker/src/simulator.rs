@@ -1,7 +1,9 @@
 //! The simulator of the `worker` command: text of a scene and sample in, one evaluation out.
 
 use crate::service::{Job, Simulator};
-use crate::simulate::{LaneWidth, SimulateOptions, SimulationInput, simulate, simulate_side_by_side};
+use crate::simulate::{
+    LaneWidth, SimulateOptions, SimulationInput, simulate, simulate_side_by_side, widest_lanes,
+};
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
 use common::scene::SceneSource;
@@ -9,9 +11,11 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-/// Evaluations that a thread runs side by side. Two evaluations of two islands each fill four lanes; a third one fills the
-/// lanes of an evaluation that updates its wear. More gain nothing and take 6 MB each.
-const SIDE_BY_SIDE: usize = 3;
+/// Evaluations that a thread runs side by side, for so many lanes: half as many with two islands each fill them, and half as many
+/// again fill the lanes of those that update their wear. More gain nothing and take memory (`cargo bench`: `at_a_time`).
+fn evaluations_for(lanes: usize) -> usize {
+    (3 * lanes).div_ceil(4)
+}
 
 /// The simulator of the `worker` command and of the coordinator's local workers.
 pub fn simulator() -> Arc<dyn Simulator> {
@@ -57,7 +61,7 @@ impl Simulator for Mechanism {
     }
 
     fn side_by_side(&self) -> usize {
-        SIDE_BY_SIDE
+        evaluations_for(widest_lanes())
     }
 
     fn simulate_together(
@@ -66,7 +70,7 @@ impl Simulator for Mechanism {
         done: &mut dyn FnMut(usize, Result<Evaluation, SimulationFailure>, Duration),
     ) {
         let mut input = || next().map(|job| self.input(&job));
-        simulate_side_by_side(LaneWidth::Widest, SIDE_BY_SIDE, &mut input, done);
+        simulate_side_by_side(LaneWidth::Widest, self.side_by_side(), &mut input, done);
     }
 }
 

@@ -117,7 +117,7 @@ mod tests {
             };
             let (after, before) = (penetrations(moved(1e-6)), penetrations(moved(-1e-6)));
             for (k, mut law) in laws(SURFACE).into_iter().enumerate() {
-                let now = law.force::<false>(&worn(), &motion);
+                let now = law.force::<false>(&worn(), &motion).0;
                 assert!(now.penetration < 0.0 && now.normal == 0.0);
                 law.accepted(&worn(), &motion, &now);
                 let approach = (after[k] - before[k]) / 2e-6;
@@ -134,7 +134,7 @@ mod tests {
         for mut law in laws(SURFACE) {
             let profile = worn();
             let mut accept = |motion: &JointMotion| {
-                let now = law.force::<false>(&profile, motion);
+                let now = law.force::<false>(&profile, motion).0;
                 law.accepted(&profile, motion, &now);
                 law.surface().damping
             };
@@ -151,7 +151,7 @@ mod tests {
         for mut law in laws(constant) {
             let before = law.clone();
             let motion = moving_at(0.8, -1e-7);
-            let now = law.force::<false>(&worn(), &motion);
+            let now = law.force::<false>(&worn(), &motion).0;
             law.accepted(&worn(), &motion, &now);
             assert_eq!(law, before);
         }

@@ -113,7 +113,7 @@ mod tests {
                 for k in 0..400 {
                     let t = 2.3e-4 * f64::from(k);
                     let motion = rattle(&profile, t);
-                    let force = law.force::<false>(&profile, &motion);
+                    let force = law.force::<false>(&profile, &motion).0;
                     let ledger = law.energy(&profile, &motion, &force);
                     assert!(ledger.friction >= 0.0 && ledger.damping >= 0.0 && ledger.film >= 0.0);
                     assert!(ledger.stored >= 0.0);
@@ -122,7 +122,7 @@ mod tests {
                     // Rate of the stored energy along the motion itself, of fourth order in the step.
                     let stored = |s: f64| {
                         let motion = rattle(&profile, t + s);
-                        law.energy(&profile, &motion, &law.force::<false>(&profile, &motion)).stored
+                        law.energy(&profile, &motion, &law.force::<false>(&profile, &motion).0).stored
                     };
                     let h = 1e-6;
                     let rate =
@@ -146,11 +146,11 @@ mod tests {
         for (profile, is_worn) in [(unworn(), false), (worn(), true)] {
             let [local, foundation] = laws(SURFACE, &profile);
             for motion in motions(&profile) {
-                let force = foundation.force::<false>(&profile, &motion);
+                let force = foundation.force::<false>(&profile, &motion).0;
                 let found = foundation.energy(&profile, &motion, &force).unphysical;
                 assert!(found.abs() < 1e-13 * size(&force, &motion), "foundation: {found}");
 
-                let force = local.force::<false>(&profile, &motion);
+                let force = local.force::<false>(&profile, &motion).0;
                 let found = local.energy(&profile, &motion, &force).unphysical;
                 let r = motion.e[0].hypot(motion.e[1]);
                 let along = (motion.e[0] * motion.w[1] - motion.e[1] * motion.w[0]) / r;
@@ -170,7 +170,7 @@ mod tests {
             let away = motions(&profile)[3];
             let motion =
                 JointMotion { w: [-20.0 * away.e[0] / 23.5e-6, -20.0 * away.e[1] / 23.5e-6], ..away };
-            let force = law.force::<false>(&profile, &motion);
+            let force = law.force::<false>(&profile, &motion).0;
             let ledger = law.energy(&profile, &motion, &force);
             assert!(force.normal == 0.0 && ledger.stored > 0.0 && ledger.damping > 0.0);
             assert!(ledger.unphysical.abs() < 1e-13 * size(&force, &motion));
@@ -185,7 +185,7 @@ mod tests {
             let delta = motion.e[0].hypot(motion.e[1]) - SURFACE.clearance;
             let expected = 0.4 * SURFACE.stiffness * delta.powf(2.5);
             for law in laws(SURFACE, &profile) {
-                let stored = law.energy(&profile, &motion, &law.force::<false>(&profile, &motion)).stored;
+                let stored = law.energy(&profile, &motion, &law.force::<false>(&profile, &motion).0).stored;
                 // Of the foundation: its modulus is fitted within 4e-5, the ends of the arc add their share.
                 assert!((stored / expected - 1.0).abs() < 1e-4, "{stored} against {expected}");
             }

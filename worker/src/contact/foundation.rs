@@ -17,7 +17,7 @@
 //! Contact Mechanics, chapter 4. The modulus that reproduces Hertz's force is derived in `modulus.rs`.
 
 use super::arc::Arc;
-use super::joint_force::{JointForce, JointMotion, in_bushing_axes};
+use super::joint_force::{ForceSlopes, JointForce, JointMotion};
 use super::law::{Elastic, Law, Pressure};
 use super::modulus::Modulus;
 use super::surface::Surface;
@@ -130,23 +130,27 @@ impl Foundation {
         out
     }
 
-    /// Force on the journal; with `JACOBIAN` its exact derivative.
+    /// Force on the journal; with `JACOBIAN` its exact derivative, else no slopes.
     ///
     /// The elastic force -dU/de has size F_el and direction -n. Damping and friction follow
     /// the resultant: delta_dot = n.(w - omega_j x e), F_N = F_el max(0, 1 + D delta_dot),
     /// v_t = w.t + omega_i R1 - omega_j (R1 + e.n). The reaction acts on the bushing at e + R1 n, hence its
     /// torque F_N (e x n) + F_T (e.n + R1).
     #[inline]
-    pub(crate) fn force<const JACOBIAN: bool>(&self, motion: &JointMotion) -> JointForce {
+    pub(crate) fn force<const JACOBIAN: bool>(&self, motion: &JointMotion) -> (JointForce, ForceSlopes) {
         let loaded = self.load(motion.e);
         let elastic = length(loaded.force);
-        let mut out = if elastic <= 0.0 {
-            JointForce { penetration: self.free_penetration(motion.e), ..JointForce::default() }
+        let (mut out, mut slopes) = if elastic <= 0.0 {
+            let penetration = self.free_penetration(motion.e);
+            (JointForce { penetration, ..JointForce::default() }, ForceSlopes::none(0.0))
         } else {
             self.contact_force::<JACOBIAN>(motion, &loaded, elastic)
         };
-        self.surface.add_film::<JACOBIAN>(motion, &mut out);
-        out
+        self.surface.add_film(motion, &mut out);
+        if JACOBIAN {
+            self.surface.add_film_slopes(&mut slopes);
+        }
+        (out, slopes)
     }
 
     /// Penetration in free flight, not above zero [m].
@@ -163,7 +167,7 @@ impl Foundation {
         motion: &JointMotion,
         loaded: &FoundationLoad,
         elastic: f64,
-    ) -> JointForce {
+    ) -> (JointForce, ForceSlopes) {
         let s = &self.surface;
         let JointMotion { e, w, omega_journal, omega_bushing } = *motion;
         let n = [loaded.force[0] / elastic, loaded.force[1] / elastic];
@@ -176,14 +180,14 @@ impl Foundation {
         let factor = 1.0 + s.damping * bn;
         let penetration = equivalent_penetration(elastic, s.stiffness);
         if factor.is_nan() || factor <= 0.0 {
-            return JointForce { penetration, ..JointForce::default() };
+            return (JointForce { penetration, ..JointForce::default() }, ForceSlopes::none(0.0));
         }
         let normal = elastic * factor;
         let arm = s.journal_radius + en;
         let sliding = wt + omega_journal * s.journal_radius - omega_bushing * arm;
         let (mu, mu_v) = s.friction(sliding);
         let friction = mu * normal;
-        let mut out = JointForce {
+        let out = JointForce {
             force: [-normal * n[0] - friction * t[0], -normal * n[1] - friction * t[1]],
             torque_journal: -s.journal_radius * friction,
             torque_bushing: normal * lever + friction * arm,
@@ -191,20 +195,20 @@ impl Foundation {
             direction: n,
             penetration,
             sliding,
-            ..JointForce::default()
         };
+        let mut slopes = ForceSlopes::none(0.0);
         if JACOBIAN {
             let resultant =
                 Resultant { n, t, en, et, bn, bt, elastic, factor, normal, mu, mu_v, friction, arm, lever };
-            out.jacobian = self.jacobian(&resultant, &loaded.stiffness, omega_bushing);
+            slopes = ForceSlopes { u: n, rows: self.slopes(&resultant, &loaded.stiffness, omega_bushing) };
         }
-        out
+        (out, slopes)
     }
 
-    /// Derivative of (force, torques) without the film to (e, w, omega_i, omega_j) `(4, 6)`, with the
-    /// foundation's stiffness `k` `(2, 2)` [N/m].
+    /// Derivative of (force, torques) without the film to (e, w, omega_i, omega_j), in the axes (n, t) `(4, 6)`, with
+    /// the foundation's stiffness `k` `(2, 2)` [N/m].
     #[inline]
-    fn jacobian(&self, resultant: &Resultant, k: &[[f64; 2]; 2], omega_bushing: f64) -> [[f64; 6]; 4] {
+    fn slopes(&self, resultant: &Resultant, k: &[[f64; 2]; 2], omega_bushing: f64) -> [[f64; 6]; 4] {
         let s = &self.surface;
         let &Resultant { n, t, en, et, bn, bt, elastic, factor, normal, mu, mu_v, friction, arm, lever } =
             resultant;
@@ -218,7 +222,7 @@ impl Foundation {
         let et_c = [0.0, 1.0, 0.0, 0.0, 0.0, 0.0];
         let rate_own = [0.0, omega_bushing, 1.0, 0.0, 0.0, et];
         let sliding_own = [-omega_bushing, 0.0, 0.0, 1.0, s.journal_radius, -arm];
-        let mut jacobian = [[0.0; 6]; 4];
+        let mut rows = [[0.0; 6]; 4];
         for c in 0..6 {
             let turn = turn_c[c];
             let d_rate = rate_own[c] + bt * turn;
@@ -227,12 +231,12 @@ impl Foundation {
             let d_friction = mu * d_normal + mu_v * normal * d_sliding;
             let d_arm = en_c[c] + et * turn;
             let d_lever = -(et_c[c] - en * turn);
-            jacobian[0][c] = -d_normal + friction * turn;
-            jacobian[1][c] = -d_friction - normal * turn;
-            jacobian[2][c] = -s.journal_radius * d_friction;
-            jacobian[3][c] = d_normal * lever + normal * d_lever + d_friction * arm + friction * d_arm;
+            rows[0][c] = -d_normal + friction * turn;
+            rows[1][c] = -d_friction - normal * turn;
+            rows[2][c] = -s.journal_radius * d_friction;
+            rows[3][c] = d_normal * lever + normal * d_lever + d_friction * arm + friction * d_arm;
         }
-        in_bushing_axes(&jacobian, n, t)
+        rows
     }
 }
 
@@ -258,7 +262,11 @@ impl Law for Foundation {
     }
 
     #[inline]
-    fn force<const JACOBIAN: bool>(&self, _profile: &Profile, motion: &JointMotion) -> JointForce {
+    fn force<const JACOBIAN: bool>(
+        &self,
+        _profile: &Profile,
+        motion: &JointMotion,
+    ) -> (JointForce, ForceSlopes) {
         Foundation::force::<JACOBIAN>(self, motion)
     }
 
@@ -326,7 +334,7 @@ mod tests {
                         omega_bushing: 0.0,
                     };
                     let hertz = stiffness * libm::pow(delta, 1.5);
-                    let off = (law.force::<false>(&motion).normal / hertz - 1.0).abs();
+                    let off = (law.force::<false>(&motion).0.normal / hertz - 1.0).abs();
                     let half_angle = libm::acos(clearance / e);
                     let spanned = half_angle / TAU * law.arc().intervals() as f64;
                     let fitted = if delta < 0.1 * clearance { 4e-5 } else { 4e-4 };

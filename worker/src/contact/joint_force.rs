@@ -32,9 +32,16 @@ pub struct JointForce<R = f64> {
     pub penetration: R,
     /// Sliding speed v_t of the journal's surface over the bushing's [m/s].
     pub sliding: R,
-    /// Derivative of (force, torque_journal, torque_bushing) to (e, w, omega_journal, omega_bushing) `(4,
-    /// 6)`; zero unless computed with `JACOBIAN`.
-    pub jacobian: [[R; 6]; 4],
+}
+
+/// Derivatives of the force and torques of one joint to its motion, in the axes of its contact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ForceSlopes<R = f64> {
+    /// Unit vector u of the first axis in the bushing's frame; the second, t, is its left normal `(2,)` [1].
+    pub u: [R; 2],
+    /// Derivatives of (force along u, force along t, torque_journal, torque_bushing) to (e along u, e along t, w
+    /// along u, w along t, omega_journal, omega_bushing) `(4, 6)`.
+    pub rows: [[R; 6]; 4],
 }
 
 impl<R: Real> JointForce<R> {
@@ -50,28 +57,39 @@ impl<R: Real> JointForce<R> {
             direction: [zero; 2],
             penetration: zero,
             sliding: zero,
-            jacobian: [[zero; 6]; 4],
         }
     }
 }
 
-/// Turns a Jacobian with rows 0, 1 (force) and columns 0..4 (e, w) in the axes (u, t) into the bushing's axes
-/// `(4, 6)`.
-#[inline(always)]
-pub(super) fn in_bushing_axes<R: Real>(polar: &[[R; 6]; 4], u: [R; 2], t: [R; 2]) -> [[R; 6]; 4] {
-    let mut turned = *polar;
-    for row in &mut turned {
-        for pair in [0, 2] {
-            let (a, b) = (row[pair], row[pair + 1]);
-            row[pair] = a * u[0] + b * t[0];
-            row[pair + 1] = a * u[1] + b * t[1];
+impl<R: Real> ForceSlopes<R> {
+    /// No dependence on the motion; `like` sets the number of lanes.
+    #[inline(always)]
+    pub(crate) fn none(like: R) -> Self {
+        let zero = like.zero();
+        ForceSlopes { u: [like.like(1.0), zero], rows: [[zero; 6]; 4] }
+    }
+}
+
+#[cfg(test)]
+impl ForceSlopes {
+    /// Derivatives of (force, torque_journal, torque_bushing) to (e, w, omega_journal, omega_bushing) in the bushing's
+    /// axes `(4, 6)`.
+    pub(crate) fn in_bushing_axes(&self) -> [[f64; 6]; 4] {
+        let (u, t) = (self.u, crate::plane::left(self.u));
+        let mut turned = self.rows;
+        for row in &mut turned {
+            for pair in [0, 2] {
+                let (a, b) = (row[pair], row[pair + 1]);
+                row[pair] = a * u[0] + b * t[0];
+                row[pair + 1] = a * u[1] + b * t[1];
+            }
         }
+        let mut jacobian = turned;
+        for c in 0..6 {
+            let (a, b) = (turned[0][c], turned[1][c]);
+            jacobian[0][c] = a * u[0] + b * t[0];
+            jacobian[1][c] = a * u[1] + b * t[1];
+        }
+        jacobian
     }
-    let mut jacobian = turned;
-    for c in 0..6 {
-        let (a, b) = (turned[0][c], turned[1][c]);
-        jacobian[0][c] = a * u[0] + b * t[0];
-        jacobian[1][c] = a * u[1] + b * t[1];
-    }
-    jacobian
 }

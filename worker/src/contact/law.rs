@@ -1,6 +1,6 @@
 //! What one contact law defines; everything else is shared by all laws.
 
-use super::joint_force::{JointForce, JointMotion};
+use super::joint_force::{ForceSlopes, JointForce, JointMotion};
 use super::surface::Surface;
 use crate::bore::Profile;
 
@@ -21,8 +21,12 @@ pub(super) trait Law {
     /// Distribution of the contact pressure, which decides where the bore wears.
     fn pressure(&self) -> Pressure;
 
-    /// Force at this motion; with `JACOBIAN` its exact derivative too.
-    fn force<const JACOBIAN: bool>(&self, profile: &Profile, motion: &JointMotion) -> JointForce;
+    /// Force at this motion; with `JACOBIAN` its exact derivative, else no slopes.
+    fn force<const JACOBIAN: bool>(
+        &self,
+        profile: &Profile,
+        motion: &JointMotion,
+    ) -> (JointForce, ForceSlopes);
 
     /// Energy, force and rate of the elastic part of the contact; all zero in free flight.
     fn elastic(&self, profile: &Profile, motion: &JointMotion) -> Elastic;

@@ -13,11 +13,11 @@
 //! 10.3969/j.issn.1004-132X.2026.06.020. Force and damping after Lankarani, Nikravesh (1990), J. Mech. Design
 //! 112, 369-376.
 
-use super::joint_force::{JointForce, JointMotion, in_bushing_axes};
+use super::joint_force::{ForceSlopes, JointForce, JointMotion};
 use super::law::{Elastic, Law, Pressure};
 use super::surface::Surface;
 use crate::bore::{Bore, Profile, Radius};
-use crate::lanes::{Real, atan2};
+use crate::lanes::{Real, direction_angle};
 use crate::plane::{dot, left, length};
 
 /// The law with its constants.
@@ -29,9 +29,8 @@ pub struct LocalHertz<R = f64> {
 
 /// Motion along the eccentricity and across it.
 struct Polar<R> {
-    /// Unit vector u of the eccentricity, and its left normal t `(2,)` [1].
+    /// Unit vector u of the eccentricity `(2,)` [1].
     u: [R; 2],
-    t: [R; 2],
     /// 1 / |e| [1/m].
     inverse: R,
     /// Bore in the direction of u.
@@ -61,7 +60,7 @@ struct Normal<R> {
 }
 
 impl<R: Real> LocalHertz<R> {
-    /// Force on the journal; with `JACOBIAN` its exact derivative.
+    /// Force on the journal; with `JACOBIAN` its exact derivative, else no slopes.
     ///
     /// With u the unit vector of e, t its left normal, r = |e|: delta_dot = w.u - R' (w.t / r - omega_j), v_t
     /// = w.t + omega_i R1 - omega_j R, force = -F_N u - F_T t - c_f w, torques -R1 F_T on the journal, +R F_T
@@ -72,17 +71,17 @@ impl<R: Real> LocalHertz<R> {
         &self,
         bore: &impl Bore<R>,
         motion: &JointMotion<R>,
-    ) -> JointForce<R> {
+    ) -> (JointForce<R>, ForceSlopes<R>) {
         let s = &self.surface;
         let JointMotion { e, w, omega_journal, omega_bushing } = *motion;
         let nothing = e[0].zero();
         let one = nothing.like(1.0);
         let r = length(e);
-        let bore = bore.radius_at(atan2(e[1], e[0]));
-        let delta = r + s.journal_radius - bore.r;
         // At the centre of the bore, without contact, any direction serves.
         let inverse = one / R::select(nothing.below(r), r, one);
         let u = [e[0] * inverse, e[1] * inverse];
+        let bore = bore.radius_at(direction_angle(u));
+        let delta = r + s.journal_radius - bore.r;
         let t = left(u);
         let (wu, wt) = (dot(w, u), dot(w, t));
         let turn = wt * inverse - omega_bushing;
@@ -105,49 +104,63 @@ impl<R: Real> LocalHertz<R> {
             direction: [R::select(touches, u[0], nothing), R::select(touches, u[1], nothing)],
             penetration: delta,
             sliding,
-            jacobian: [[nothing; 6]; 4],
         };
+        s.add_film(motion, &mut out);
+        let mut slopes = ForceSlopes::none(nothing);
         if JACOBIAN {
-            let polar = Polar { u, t, inverse, bore, wu, wt, turn };
+            let polar = Polar { u, inverse, bore, wu, wt, turn };
             let normal = Normal { root, elastic, factor, normal, mu, mu_v, friction };
-            out.jacobian = self.jacobian(&polar, &normal, omega_bushing);
+            slopes = ForceSlopes { u, rows: self.slopes(&polar, &normal, omega_bushing) };
+            s.add_film_slopes(&mut slopes);
         }
-        s.add_film::<JACOBIAN>(motion, &mut out);
-        out
+        (out, slopes)
     }
 
-    /// Derivative of (force, torques) without the film to (e, w, omega_i, omega_j) `(4, 6)`.
+    /// Derivative of (force, torques) without the film to (e, w, omega_i, omega_j), in the axes (u, t) `(4, 6)`.
     #[inline(always)]
-    fn jacobian(&self, polar: &Polar<R>, contact: &Normal<R>, omega_bushing: R) -> [[R; 6]; 4] {
+    fn slopes(&self, polar: &Polar<R>, contact: &Normal<R>, omega_bushing: R) -> [[R; 6]; 4] {
         let s = &self.surface;
-        let &Polar { u, t, inverse, bore, wu, wt, turn } = polar;
+        let &Polar { u, inverse, bore, wu, wt, turn } = polar;
         let &Normal { root, elastic, factor, normal, mu, mu_v, friction } = contact;
-        let nothing = root.zero();
-        let one = nothing.like(1.0);
+        let nothing = u[0].zero();
         let slope = s.stiffness * root * factor * 1.5;
         let ed = elastic * s.damping;
         let bend = bore.d1 * inverse;
-        // Columns: along u, along t (per length), w along u, w along t, omega_i, omega_j.
-        let delta_c = [one, -bend, nothing, nothing, nothing, nothing];
-        let rate_c =
-            [bend * wt * inverse, (wt - bore.d2 * turn + bend * wu) * inverse, one, -bend, nothing, bore.d1];
-        let sliding_c =
-            [nothing, (-wu - omega_bushing * bore.d1) * inverse, nothing, one, s.journal_radius, -bore.r];
-        let mut jacobian = [[nothing; 6]; 4];
+        // Normal force. delta grows by 1 along u and by -bend along t; its rate by (bend wt / r, (wt - R'' turn + bend
+        // wu) / r) with e, by (1, -bend) with w and by R' with omega_j.
+        let rate_t = (wt - bore.d2 * turn + bend * wu) * inverse;
+        let dn = [
+            slope + ed * (bend * wt * inverse),
+            ed * rate_t - slope * bend,
+            ed,
+            -(ed * bend),
+            nothing,
+            ed * bore.d1,
+        ];
+        // Friction. The sliding speed grows by -(wu + omega_j R') / r with e along t, by 1 with w along t, by R1 with
+        // omega_i and by -R with omega_j.
+        let grip = mu_v * normal;
+        let mut df = [nothing; 6];
         for c in 0..6 {
-            let dn = slope * delta_c[c] + ed * rate_c[c];
-            let df = mu * dn + mu_v * normal * sliding_c[c];
-            jacobian[0][c] = -dn;
-            jacobian[1][c] = -df;
-            jacobian[2][c] = -s.journal_radius * df;
-            jacobian[3][c] = bore.r * df;
+            df[c] = mu * dn[c];
+        }
+        df[1] -= grip * ((wu + omega_bushing * bore.d1) * inverse);
+        df[3] += grip;
+        df[4] = grip * s.journal_radius;
+        df[5] -= grip * bore.r;
+        let mut rows = [[nothing; 6]; 4];
+        for c in 0..6 {
+            rows[0][c] = -dn[c];
+            rows[1][c] = -df[c];
+            rows[2][c] = -(s.journal_radius * df[c]);
+            rows[3][c] = bore.r * df[c];
         }
         // The unit vectors turn with the direction of e, du = t dpsi, dt = -u dpsi; the bore's radius
         // changes.
-        jacobian[0][1] += friction * inverse;
-        jacobian[1][1] -= normal * inverse;
-        jacobian[3][1] += bend * friction;
-        in_bushing_axes(&jacobian, u, t)
+        rows[0][1] += friction * inverse;
+        rows[1][1] -= normal * inverse;
+        rows[3][1] += bend * friction;
+        rows
     }
 }
 
@@ -169,7 +182,11 @@ impl Law for LocalHertz {
     }
 
     #[inline]
-    fn force<const JACOBIAN: bool>(&self, profile: &Profile, motion: &JointMotion) -> JointForce {
+    fn force<const JACOBIAN: bool>(
+        &self,
+        profile: &Profile,
+        motion: &JointMotion,
+    ) -> (JointForce, ForceSlopes) {
         LocalHertz::force::<JACOBIAN>(self, profile, motion)
     }
 

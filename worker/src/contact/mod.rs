@@ -37,7 +37,7 @@ mod tests;
 pub use damping::Restitution;
 pub use foundation::Foundation;
 pub(crate) use foundation::{FoundationLoad, equivalent_penetration};
-pub use joint_force::{JointForce, JointMotion};
+pub use joint_force::{ForceSlopes, JointForce, JointMotion};
 pub(crate) use law::Pressure;
 pub use local_hertz::LocalHertz;
 pub use stiffness::hertz_stiffness;
@@ -121,9 +121,13 @@ impl Contact {
         with_law!(self, law => law.surface_mut()).damping = damping;
     }
 
-    /// Force at this motion; with `JACOBIAN` its exact derivative too.
+    /// Force at this motion; with `JACOBIAN` its exact derivative, else no slopes.
     #[inline]
-    pub fn force<const JACOBIAN: bool>(&self, profile: &Profile, motion: &JointMotion) -> JointForce {
+    pub fn force<const JACOBIAN: bool>(
+        &self,
+        profile: &Profile,
+        motion: &JointMotion,
+    ) -> (JointForce, ForceSlopes) {
         with_law!(self, law => Law::force::<JACOBIAN>(law, profile, motion))
     }
 

@@ -9,7 +9,7 @@
 //! 580-587.
 
 use super::damping::{self, Restitution};
-use super::joint_force::{JointForce, JointMotion};
+use super::joint_force::{ForceSlopes, JointForce, JointMotion};
 use super::stiffness::hertz_stiffness;
 use crate::lanes::{Lanewise, Real, lanewise, tanh};
 use common::scene::Clearance;
@@ -84,18 +84,24 @@ impl<R: Real> Surface<R> {
     /// F_T / F_N = mu tanh(v / v_0) at the sliding speed v [m/s], and its derivative to v [s/m].
     #[inline(always)]
     pub(super) fn friction(&self, v: R) -> (R, R) {
-        let th = tanh(v / self.friction_speed);
-        (self.friction * th, self.friction * (th.like(1.0) - th * th) / self.friction_speed)
+        let per_speed = v.like(1.0) / self.friction_speed;
+        let th = tanh(v * per_speed);
+        (self.friction * th, self.friction * (th.like(1.0) - th * th) * per_speed)
     }
 
     /// Adds the film's force -c_f w through the centres.
     #[inline(always)]
-    pub(super) fn add_film<const JACOBIAN: bool>(&self, motion: &JointMotion<R>, out: &mut JointForce<R>) {
+    pub(super) fn add_film(&self, motion: &JointMotion<R>, out: &mut JointForce<R>) {
         for k in 0..2 {
             out.force[k] -= self.film * motion.w[k];
-            if JACOBIAN {
-                out.jacobian[k][2 + k] -= self.film;
-            }
+        }
+    }
+
+    /// Adds the derivative of the film's force, which is the same in all axes.
+    #[inline(always)]
+    pub(super) fn add_film_slopes(&self, slopes: &mut ForceSlopes<R>) {
+        for k in 0..2 {
+            slopes.rows[k][2 + k] -= self.film;
         }
     }
 }

@@ -74,14 +74,14 @@ fn jacobians_agree_with_central_differences() {
     for law in laws(SURFACE, &profile) {
         let mut worst: f64 = 0.0;
         for motion in motions(&profile) {
-            let at = law.force::<true>(&profile, &motion);
+            let (at, slopes) = law.force::<true>(&profile, &motion);
             assert!(at.normal > 0.0 && at.sliding.abs() < 10.0 * SURFACE.friction_speed);
-            let plain = law.force::<false>(&profile, &motion);
+            let plain = law.force::<false>(&profile, &motion).0;
             assert_eq!(rows(&at), rows(&plain), "with and without derivative");
             for (column, step) in [1e-10, 1e-10, 1e-8, 1e-8, 1e-5, 1e-5].into_iter().enumerate() {
-                let plus = rows(&law.force::<false>(&profile, &moved(&motion, column, step)));
-                let minus = rows(&law.force::<false>(&profile, &moved(&motion, column, -step)));
-                for (r, row) in at.jacobian.iter().enumerate() {
+                let plus = rows(&law.force::<false>(&profile, &moved(&motion, column, step)).0);
+                let minus = rows(&law.force::<false>(&profile, &moved(&motion, column, -step)).0);
+                for (r, row) in slopes.in_bushing_axes().iter().enumerate() {
                     let largest = |of: &[f64]| of.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
                     let scale = match column {
                         0 | 1 => largest(&row[..2]),
@@ -112,7 +112,8 @@ fn friction_opposes_sliding_and_dissipates_what_it_should() {
     let smooth = laws(Surface { friction: 0.0, ..SURFACE }, &profile);
     for (with, without) in rubbing.iter().zip(&smooth) {
         for motion in motions(&profile) {
-            let (f, g) = (with.force::<false>(&profile, &motion), without.force::<false>(&profile, &motion));
+            let (f, g) =
+                (with.force::<false>(&profile, &motion).0, without.force::<false>(&profile, &motion).0);
             assert_eq!(f.normal, g.normal);
             let rubbed = power(&f, &motion) - power(&g, &motion);
             let size = SURFACE.friction * f.normal * (f.sliding / SURFACE.friction_speed).tanh();
@@ -133,14 +134,14 @@ fn the_film_dissipates_c_w_squared_and_acts_alone_in_free_flight() {
     let motion = JointMotion { e: [9e-6, -4e-6], w: [0.02, 0.03], omega_journal: 50.0, omega_bushing: -7.0 };
     let dry = laws(Surface { film: 0.0, ..SURFACE }, &profile);
     for (wet, dry) in laws(SURFACE, &profile).iter().zip(&dry) {
-        let f = wet.force::<true>(&profile, &motion);
+        let f = wet.force::<true>(&profile, &motion).0;
         assert_eq!(rows(&f), [-SURFACE.film * 0.02, -SURFACE.film * 0.03, 0.0, 0.0]);
         assert!(f.penetration < 0.0);
         assert_eq!((f.normal, f.direction), (0.0, [0.0; 2]));
-        assert_eq!(rows(&dry.force::<true>(&profile, &motion)), [0.0; 4]);
+        assert_eq!(rows(&dry.force::<true>(&profile, &motion).0), [0.0; 4]);
         for motion in motions(&profile) {
-            let film = power(&wet.force::<false>(&profile, &motion), &motion)
-                - power(&dry.force::<false>(&profile, &motion), &motion);
+            let film = power(&wet.force::<false>(&profile, &motion).0, &motion)
+                - power(&dry.force::<false>(&profile, &motion).0, &motion);
             let expected = -SURFACE.film * (motion.w[0].powi(2) + motion.w[1].powi(2));
             assert!((film - expected).abs() < 1e-10 * expected.abs(), "{film} against {expected}");
         }
@@ -157,15 +158,15 @@ fn foundation_loses_only_what_damping_takes_and_balances_momentum() {
     let [_, undamped] = laws(Surface { friction: 0.0, film: 0.0, damping: 0.0, ..SURFACE }, &profile);
     let [_, whole] = laws(Surface { film: 0.0, ..SURFACE }, &profile);
     for motion in motions(&profile) {
-        let f = foundation.force::<false>(&profile, &motion);
-        let elastic = undamped.force::<false>(&profile, &motion);
+        let f = foundation.force::<false>(&profile, &motion).0;
+        let elastic = undamped.force::<false>(&profile, &motion).0;
         let stored = -power(&elastic, &motion);
         let rate = stored / elastic.normal;
         let lost = -power(&f, &motion) - stored;
         let expected = elastic.normal * SURFACE.damping * rate * rate;
         assert!((lost - expected).abs() < 1e-10 * expected.max(stored.abs()), "{lost} against {expected}");
         // No moment comes out of nothing: e x F + M_journal + M_bushing = 0.
-        let f = whole.force::<false>(&profile, &motion);
+        let f = whole.force::<false>(&profile, &motion).0;
         let moment =
             motion.e[0] * f.force[1] - motion.e[1] * f.force[0] + f.torque_journal + f.torque_bushing;
         assert!(moment.abs() < 1e-12 * SURFACE.journal_radius * f.normal, "{moment}");
@@ -179,6 +180,7 @@ fn loop_work(law: &Contact, profile: &Profile, path: impl Fn(f64) -> [f64; 2]) -
     let (mut work, mut absolute) = (0.0, 0.0);
     let force = |e: [f64; 2]| {
         law.force::<false>(profile, &JointMotion { e, w: [0.0; 2], omega_journal: 0.0, omega_bushing: 0.0 })
+            .0
             .force
     };
     let mut e = path(0.0);

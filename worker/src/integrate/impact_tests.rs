@@ -3,7 +3,9 @@
 
 use super::{Band, Dynamics, Linearised, StateObserver, StepControl, StepCounts, Stepped, Stepper};
 use crate::bore::Profile;
-use crate::contact::{Contact, Foundation, JointForce, JointMotion, LocalHertz, Restitution, Surface};
+use crate::contact::{
+    Contact, ForceSlopes, Foundation, JointForce, JointMotion, LocalHertz, Restitution, Surface,
+};
 use common::scene::RestitutionLaw;
 
 /// A journal without other forces in a fixed bore: coordinates e, masses (m, m).
@@ -27,7 +29,7 @@ impl Impact {
         }
     }
 
-    fn contact<const JACOBIAN: bool>(&self, q: &[f64], v: &[f64]) -> JointForce {
+    fn contact<const JACOBIAN: bool>(&self, q: &[f64], v: &[f64]) -> (JointForce, ForceSlopes) {
         self.law.force::<JACOBIAN>(&self.bore, &motion(q, v))
     }
 }
@@ -58,14 +60,15 @@ impl Dynamics for Impact {
         &self.mass
     }
     fn force(&mut self, _t: f64, q: &[f64], v: &[f64], f: &mut [f64]) {
-        f.copy_from_slice(&self.contact::<false>(q, v).force);
+        f.copy_from_slice(&self.contact::<false>(q, v).0.force);
     }
     fn linearise(&mut self, _t: f64, q: &[f64], v: &[f64], at: &mut Linearised) {
-        let contact = self.contact::<true>(q, v);
+        let (contact, slopes) = self.contact::<true>(q, v);
+        let jacobian = slopes.in_bushing_axes();
         at.f.copy_from_slice(&contact.force);
         for r in 0..2 {
-            at.k[2 * r..2 * r + 2].copy_from_slice(&contact.jacobian[r][..2]);
-            at.d[2 * r..2 * r + 2].copy_from_slice(&contact.jacobian[r][2..4]);
+            at.k[2 * r..2 * r + 2].copy_from_slice(&jacobian[r][..2]);
+            at.d[2 * r..2 * r + 2].copy_from_slice(&jacobian[r][2..4]);
         }
         at.joints[0] = contact;
     }

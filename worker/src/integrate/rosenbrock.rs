@@ -63,11 +63,12 @@ pub struct Rosenbrock<R = f64> {
     pub error_v: Vec<R>,
 }
 
-/// Where a step starts: linearisation, time [s], length of the step [s], positions and velocities `(n,)`.
+/// Where a step starts: linearisation, time [s], length of the step [s] and its inverse [1/s], positions and velocities `(n,)`.
 struct Start<'a, R> {
     at: &'a Linearised<R>,
     t: R,
     h: R,
+    per_h: R,
     q: &'a [R],
     v: &'a [R],
 }
@@ -103,7 +104,7 @@ impl<R: Real> Rosenbrock<R> {
         q: &[R],
         v: &[R],
     ) -> R {
-        let start = Start { at, t, h, q, v };
+        let start = Start { at, t, h, per_h: h.like(1.0) / h, q, v };
         // A size known at compile time, of two bodies, makes straight code of the innermost loops.
         let pair = Band::new(6, 6);
         if at.band == pair {
@@ -114,9 +115,9 @@ impl<R: Real> Rosenbrock<R> {
 
     #[inline(always)]
     fn banded_step<D: Dynamics<R>>(&mut self, band: Band, system: &mut D, start: &Start<R>) -> R {
-        let Start { at, h, .. } = *start;
+        let Start { at, h, per_h, .. } = *start;
         let gh = h * GAMMA;
-        let per_gh = h.like(1.0) / gh;
+        let per_gh = per_h * (1.0 / GAMMA);
         for ((to, d), k) in self.matrix.iter_mut().zip(&at.d).zip(&at.k) {
             *to = -*d - gh * *k;
         }
@@ -156,10 +157,9 @@ impl<R: Real> Rosenbrock<R> {
     #[allow(clippy::needless_range_loop)]
     #[inline(always)]
     fn solve_stage(&mut self, stage: usize, band: Band, mass: &[R], start: &Start<R>) {
-        let Start { at, h, v, .. } = *start;
+        let Start { at, h, per_h, v, .. } = *start;
         let n = band.n();
         let gh = h * GAMMA;
-        let per_h = h.like(1.0) / h;
         let (before, rest) = self.uv.split_at_mut(stage);
         let rhs = &mut rest[0];
         let (vel, force) = if stage == 0 { (v, at.f.as_slice()) } else { (&*self.v, &*self.f) };

@@ -11,8 +11,10 @@
 mod elementary;
 mod lanewise;
 mod real;
+mod vectorised;
 
-pub(crate) use elementary::{atan2, sincos, tanh};
+pub(crate) use elementary::{direction_angle, sincos, tanh};
 pub(crate) use lanewise::Lanewise;
 pub(crate) use lanewise::lanewise;
 pub(crate) use real::{Lanes, Real};
+pub(crate) use vectorised::{Vectorised, vectorise};

@@ -1,11 +1,13 @@
 //! Generalised forces of an island: the forces of its joints with clearance and of its loads, assembled with
 //! their derivatives.
 
+// In lanes, closures of iterators are not compiled for the instruction set of the loop around them.
+#![allow(clippy::needless_range_loop)]
+
 use super::frame::Frame;
-use super::joint::{Rows, Touching, pair_force};
+use super::joint::{Blocks, Touching, pair_force};
 use super::load::{IslandLoad, NO_FRAME};
 use super::piecewise_cubic::Jet;
-use crate::contact::JointForce;
 use crate::integrate::Linearised;
 use crate::lanes::Real;
 
@@ -38,9 +40,7 @@ impl<R: Real, J: Touching<R>> Acting<'_, R, J> {
             let pair = pair_force::<R, JACOBIAN>(joint, &self.frames[i.frame], &self.frames[j.frame]);
             self.add::<JACOBIAN>([i.frame, j.frame], &pair.f, &pair.slopes, f, at);
             if JACOBIAN {
-                let joint = &mut at.joints[index];
-                // The joint's own derivatives are not needed any more.
-                *joint = JointForce { jacobian: joint.jacobian, ..pair.joint };
+                at.joints[index] = pair.joint;
                 at.e[index] = pair.e;
             }
         }
@@ -60,45 +60,74 @@ impl<R: Real, J: Touching<R>> Acting<'_, R, J> {
         &self,
         frames: [usize; 2],
         force: &[R; 6],
-        slopes: &impl Rows<R>,
+        slopes: &impl Blocks<R>,
+        f: &mut [R],
+        at: &mut Linearised<R>,
+    ) {
+        self.add_to::<JACOBIAN, 0>(frames, force, slopes, f, at);
+        self.add_to::<JACOBIAN, 1>(frames, force, slopes, f, at);
+    }
+
+    /// The part of [`Self::add`] that acts on body `ON` of the pair.
+    #[inline(always)]
+    fn add_to<const JACOBIAN: bool, const ON: usize>(
+        &self,
+        frames: [usize; 2],
+        force: &[R; 6],
+        slopes: &impl Blocks<R>,
         f: &mut [R],
         at: &mut Linearised<R>,
     ) {
         let free = self.frames.len() - self.jets.len();
-        for (side, &frame) in frames.iter().enumerate() {
-            if frame >= free {
-                if JACOBIAN && frame != NO_FRAME {
-                    let on = &mut at.prescribed[frame - free];
-                    for k in 0..3 {
-                        on[k] += force[3 * side + k];
-                    }
+        let frame = frames[ON];
+        if frame >= free {
+            if JACOBIAN && frame != NO_FRAME {
+                let on = &mut at.prescribed[frame - free];
+                for r in 0..3 {
+                    on[r] += force[3 * ON + r];
                 }
-                continue;
             }
+            return;
+        }
+        let f = &mut f[3 * frame..3 * frame + 3];
+        for r in 0..3 {
+            f[r] += force[3 * ON + r];
+        }
+        if JACOBIAN {
+            self.add_block::<ON, 0>(frames, slopes, at);
+            self.add_block::<ON, 1>(frames, slopes, at);
+        }
+    }
+
+    /// Adds the derivatives of the force on the free body `ON` of a pair to the motion of body `TO`.
+    #[inline(always)]
+    fn add_block<const ON: usize, const TO: usize>(
+        &self,
+        frames: [usize; 2],
+        slopes: &impl Blocks<R>,
+        at: &mut Linearised<R>,
+    ) {
+        let free = self.frames.len() - self.jets.len();
+        let (row, to) = (3 * frames[ON], frames[TO]);
+        if to == NO_FRAME {
+            return;
+        }
+        let [k, d] = slopes.block::<ON, TO>();
+        if to < free {
             for r in 0..3 {
-                let row = 3 * frame + r;
-                f[row] += force[3 * side + r];
-                if !JACOBIAN {
-                    continue;
+                let first = at.band.index(row + r, 3 * to);
+                let (at_k, at_d) = (&mut at.k[first..first + 3], &mut at.d[first..first + 3]);
+                for c in 0..3 {
+                    at_k[c] += k[r][c];
+                    at_d[c] += d[r][c];
                 }
-                let (k, d) = slopes.row(3 * side + r);
-                for (other, &to) in frames.iter().enumerate() {
-                    if to == NO_FRAME {
-                        continue;
-                    }
-                    if to < free {
-                        let first = at.band.index(row, 3 * to);
-                        let (at_k, at_d) = (&mut at.k[first..first + 3], &mut at.d[first..first + 3]);
-                        for c in 0..3 {
-                            at_k[c] += k[3 * other + c];
-                            at_d[c] += d[3 * other + c];
-                        }
-                    } else {
-                        // A prescribed body only turns.
-                        let [_, omega, alpha, _] = self.jets[to - free];
-                        at.ft[row] += k[3 * other + 2] * omega + d[3 * other + 2] * alpha;
-                    }
-                }
+            }
+        } else {
+            // A prescribed body only turns.
+            let [_, omega, alpha, _] = self.jets[to - free];
+            let ft = &mut at.ft[row..row + 3];
+            for r in 0..3 {
+                ft[r] += k[r][2] * omega + d[r][2] * alpha;
             }
         }
     }

@@ -10,7 +10,7 @@ use super::load::{IslandLoad, NO_FRAME};
 use super::piecewise_cubic::Jet;
 use super::prescribed::Prescribed;
 use crate::bore::Profile;
-use crate::contact::{Contact, JointForce, JointMotion};
+use crate::contact::{Contact, ForceSlopes, JointForce, JointMotion};
 use crate::extremum::{largest, smallest};
 use crate::integrate::{Band, Dynamics, Linearised, Stepped};
 use crate::plane::length;
@@ -268,7 +268,7 @@ impl Touching<f64> for WearingJoint {
     }
 
     #[inline(always)]
-    fn force<const JACOBIAN: bool>(&self, motion: &JointMotion) -> JointForce {
+    fn force<const JACOBIAN: bool>(&self, motion: &JointMotion) -> (JointForce, ForceSlopes) {
         self.contact.force::<JACOBIAN>(&self.profile, motion)
     }
 }

@@ -14,14 +14,17 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::frame::{End, Frame};
-use crate::contact::{JointForce, JointMotion};
+use crate::contact::{ForceSlopes, JointForce, JointMotion};
 use crate::lanes::Real;
 use crate::plane::{cross, dot, left};
 
-/// Derivatives of the generalised force on a pair of bodies, row by row.
-pub trait Rows<R> {
-    /// Derivatives of entry `r` of the force to the six coordinates and to their rates.
-    fn row(&self, r: usize) -> ([R; 6], [R; 6]);
+/// Derivatives of a force `(3,)` to three coordinates and to their rates `(3, 3)`.
+pub type Block<R> = [[[R; 3]; 3]; 2];
+
+/// Derivatives of the generalised force on a pair of bodies, block by block.
+pub trait Blocks<R> {
+    /// Derivatives of the force on body `ON` of the pair to the coordinates of body `TO` and to their rates.
+    fn block<const ON: usize, const TO: usize>(&self) -> Block<R>;
 }
 
 /// Generalised forces of a pair of bodies.
@@ -37,39 +40,37 @@ pub struct PairForce<R = f64> {
     pub slopes: PairSlopes<R>,
 }
 
-/// Derivatives of (F, M_i, M_j) in global axes, and the arms that turn them into those of the generalised
-/// force.
+/// Derivatives of the force on the journal's body in global axes and of the moments on both bodies: rows (F_x, F_y, M_i
+/// + a_i x F, M_j - a_j x F). The bodies' positions and velocities act through e and w alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PairSlopes<R = f64> {
-    /// Derivatives to the coordinates `(4, 6)`; zero unless computed with `JACOBIAN`.
-    to_q: [[R; 6]; 4],
-    /// Derivatives to their rates `(4, 6)`.
-    to_v: [[R; 6]; 4],
-    /// Arms of journal and bushing in global axes `(2, 2)` [m].
-    arms: [[R; 2]; 2],
-    /// Derivative of the moment of F to the arm's own angle, on either body.
-    swing: [R; 2],
+    /// To e and to w, in global axes `(4, 2)` each.
+    to_e: [[R; 2]; 4],
+    to_w: [[R; 2]; 4],
+    /// To the angles of journal and bushing at constant positions, and to the angular velocities `(4, 2)` each.
+    to_angle: [[R; 2]; 4],
+    to_omega: [[R; 2]; 4],
 }
 
-impl<R: Real> Rows<R> for PairSlopes<R> {
+impl<R: Real> Blocks<R> for PairSlopes<R> {
     #[inline(always)]
-    fn row(&self, r: usize) -> ([R; 6], [R; 6]) {
-        let mut rows = [self.to_q[0], self.to_v[0]];
-        for (row, from) in rows.iter_mut().zip([&self.to_q, &self.to_v]) {
-            for c in 0..6 {
-                let along = [from[0][c], from[1][c]];
-                row[c] = match r {
-                    0 | 1 => along[r],
-                    2 => from[2][c] + cross(self.arms[0], along),
-                    3 | 4 => -along[r - 3],
-                    _ => from[3][c] - cross(self.arms[1], along),
-                };
+    fn block<const ON: usize, const TO: usize>(&self) -> Block<R> {
+        let zero = self.to_e[0][0].zero();
+        let mut block = [[[zero; 3]; 3]; 2];
+        for (block, (along, turning)) in
+            block.iter_mut().zip([(&self.to_e, &self.to_angle), (&self.to_w, &self.to_omega)])
+        {
+            for r in 0..3 {
+                // The force on the bushing's body is the opposite one, and e falls with its position.
+                let row = if r == 2 { 2 + ON } else { r };
+                let opposite = r < 2 && ON == 1;
+                for c in 0..2 {
+                    block[r][c] = if opposite != (TO == 1) { -along[row][c] } else { along[row][c] };
+                }
+                block[r][2] = if opposite { -turning[row][TO] } else { turning[row][TO] };
             }
         }
-        if r == 2 || r == 5 {
-            rows[0][r] += self.swing[r / 3];
-        }
-        (rows[0], rows[1])
+        block
     }
 }
 
@@ -104,8 +105,8 @@ pub(crate) fn joint_motion<R: Real>(
 pub trait Touching<R: Real> {
     /// Ends of the joint: journal, bushing.
     fn ends(&self) -> [End<R>; 2];
-    /// Force of the joint at this motion; with `JACOBIAN` its exact derivative too.
-    fn force<const JACOBIAN: bool>(&self, motion: &JointMotion<R>) -> JointForce<R>;
+    /// Force of the joint at this motion; with `JACOBIAN` its exact derivative, else no slopes.
+    fn force<const JACOBIAN: bool>(&self, motion: &JointMotion<R>) -> (JointForce<R>, ForceSlopes<R>);
 }
 
 /// Generalised forces of a joint with its journal on the body in frame `fi` and its bushing on that in `fj`;
@@ -125,13 +126,14 @@ pub(crate) fn pair_force<R: Real, const JACOBIAN: bool>(
         omega_journal: fi.omega,
         omega_bushing: fj.omega,
     };
-    let joint = touching.force::<JACOBIAN>(&motion);
+    let (joint, slopes) = touching.force::<JACOBIAN>(&motion);
     let force = fj.turn(joint.force);
-    let nothing = force[0].zero();
-    let mut slopes =
-        PairSlopes { to_q: [[nothing; 6]; 4], to_v: [[nothing; 6]; 4], arms: [ai, aj], swing: [nothing; 2] };
+    let nothing = [[force[0].zero(); 2]; 4];
+    let mut pair = PairSlopes { to_e: nothing, to_w: nothing, to_angle: nothing, to_omega: nothing };
     if JACOBIAN {
-        slopes.fill(&joint.jacobian, [fi, fj], [e, w], force);
+        let axis = fj.turn(slopes.u);
+        pair.turn_law(&slopes.rows, axis, [e, w], force);
+        pair.add_arms([fi, fj], [ai, aj], force);
     }
     PairForce {
         f: [
@@ -144,62 +146,59 @@ pub(crate) fn pair_force<R: Real, const JACOBIAN: bool>(
         ],
         joint,
         e: motion.e,
-        slopes,
+        slopes: pair,
     }
 }
 
 impl<R: Real> PairSlopes<R> {
-    /// Computes the derivatives from the law's `jacobian` in the bushing's frame, for the frames of journal
-    /// and bushing, e [m] and its rate w [m/s] and the force `force` [N] in global axes.
+    /// Fills in the derivatives of the joint's force and torques from `rows` in the contact's axes, the first of which is `u` in
+    /// global axes; e [m], w [m/s] and the force `force` [N] are in global axes as well. The angle of the journal has no effect yet,
+    /// that of the bushing turns the law.
     #[inline(always)]
-    fn fill(&mut self, jacobian: &[[R; 6]; 4], [fi, fj]: [&Frame<R>; 2], [e, w]: [[R; 2]; 2], force: [R; 2]) {
-        let [ai, aj] = self.arms;
-        let (pi, pj) = (left(ai), left(aj));
-        self.swing = [cross(pi, force), -cross(pj, force)];
-        self.turn_law(jacobian, fj.cs);
+    fn turn_law(&mut self, rows: &[[R; 6]; 4], u: [R; 2], [e, w]: [[R; 2]; 2], force: [R; 2]) {
+        let t = left(u);
+        let (eu, et, wu, wt) = (dot(e, u), dot(e, t), dot(w, u), dot(w, t));
         for r in 0..4 {
-            let (ke, kw) = ([self.to_q[r][0], self.to_q[r][1]], [self.to_v[r][0], self.to_v[r][1]]);
-            // The law turns with the bushing's angle as well.
-            let mut turn = ke[0] * e[1] - ke[1] * e[0] + kw[0] * w[1] - kw[1] * w[0];
-            if r == 0 {
-                turn -= force[1];
-            } else if r == 1 {
-                turn += force[0];
+            let row = &rows[r];
+            for c in 0..2 {
+                self.to_e[r][c] = row[0] * u[c] + row[1] * t[c];
+                self.to_w[r][c] = row[2] * u[c] + row[3] * t[c];
             }
-            let (own, others) = (dot(kw, pi), dot(kw, pj));
-            self.to_q[r][2] = dot(ke, pi) - fi.omega * dot(kw, ai);
-            self.to_q[r][3] = -ke[0];
-            self.to_q[r][4] = -ke[1];
-            self.to_q[r][5] = fj.omega * dot(kw, aj) - dot(ke, pj) + turn;
-            self.to_v[r][2] += own;
-            self.to_v[r][3] = -kw[0];
-            self.to_v[r][4] = -kw[1];
-            self.to_v[r][5] -= others;
+            self.to_angle[r][1] = row[0] * et - row[1] * eu + row[2] * wt - row[3] * wu;
+            self.to_omega[r] = [row[4], row[5]];
         }
+        for columns in [&mut self.to_e, &mut self.to_w, &mut self.to_angle, &mut self.to_omega] {
+            for c in 0..2 {
+                let (along, across) = (columns[0][c], columns[1][c]);
+                columns[0][c] = along * u[0] + across * t[0];
+                columns[1][c] = along * u[1] + across * t[1];
+            }
+        }
+        self.to_angle[0][1] -= force[1];
+        self.to_angle[1][1] += force[0];
     }
 
-    /// Fills the columns of e, w and the angular velocities from the law's `jacobian`, turned from the
-    /// bushing's frame with the cosine and sine `[c, s]` of its angle into global axes.
+    /// Adds what the arms `arms` of journal and bushing [m] contribute: e and w change with the bodies' angles and angular
+    /// velocities, and the force has moments on the bodies.
     #[inline(always)]
-    fn turn_law(&mut self, jacobian: &[[R; 6]; 4], [c, s]: [R; 2]) {
+    fn add_arms(&mut self, [fi, fj]: [&Frame<R>; 2], arms: [[R; 2]; 2], force: [R; 2]) {
+        let [ai, aj] = arms;
+        let (pi, pj) = (left(ai), left(aj));
         for r in 0..4 {
-            let turned = |column: usize, k: usize| {
-                let (along, across) = (jacobian[r][column], jacobian[r][column + 1]);
-                if k == 0 { along * c - across * s } else { along * s + across * c }
-            };
-            self.to_q[r][0] = turned(0, 0);
-            self.to_q[r][1] = turned(0, 1);
-            self.to_v[r][0] = turned(2, 0);
-            self.to_v[r][1] = turned(2, 1);
-            self.to_v[r][2] = jacobian[r][4];
-            self.to_v[r][5] = jacobian[r][5];
+            let (ke, kw) = (self.to_e[r], self.to_w[r]);
+            self.to_angle[r][0] = dot(ke, pi) - fi.omega * dot(kw, ai);
+            self.to_angle[r][1] += fj.omega * dot(kw, aj) - dot(ke, pj);
+            self.to_omega[r][0] += dot(kw, pi);
+            self.to_omega[r][1] -= dot(kw, pj);
         }
-        for rows in [&mut self.to_q, &mut self.to_v] {
-            for column in 0..6 {
-                let (along, across) = (rows[0][column], rows[1][column]);
-                rows[0][column] = c * along - s * across;
-                rows[1][column] = s * along + c * across;
+        for columns in [&mut self.to_e, &mut self.to_w, &mut self.to_angle, &mut self.to_omega] {
+            for c in 0..2 {
+                let along = [columns[0][c], columns[1][c]];
+                columns[2][c] += cross(ai, along);
+                columns[3][c] -= cross(aj, along);
             }
         }
+        self.to_angle[2][0] += cross(pi, force);
+        self.to_angle[3][1] -= cross(pj, force);
     }
 }

@@ -9,7 +9,7 @@ use super::load::IslandLoad;
 use super::piecewise_cubic::Jet;
 use super::prescribed::Prescribed;
 use crate::bore::Bores;
-use crate::contact::{Contact, JointForce, JointMotion, LocalHertz};
+use crate::contact::{Contact, ForceSlopes, JointForce, JointMotion, LocalHertz};
 use crate::integrate::{Band, Dynamics, Linearised, Scaled};
 use crate::lanes::{Lanewise, Real};
 
@@ -81,7 +81,7 @@ impl<R: Real> IslandLanes<R> {
         let joint = |joint: &WearingJoint| JointLanes {
             ends: joint.ends.in_lanes(like),
             law: LocalHertz { surface: joint.contact.surface().in_lanes(like) },
-            bores: Bores::new(vec![joint.profile.clone(); R::LANES]),
+            bores: Bores::new(&joint.profile, R::LANES),
         };
         let motion = |motion: &Prescribed| PrescribedLanes {
             motions: vec![motion.clone(); R::LANES],
@@ -186,7 +186,7 @@ impl<R: Real> Touching<R> for JointLanes<R> {
     }
 
     #[inline(always)]
-    fn force<const JACOBIAN: bool>(&self, motion: &JointMotion<R>) -> JointForce<R> {
+    fn force<const JACOBIAN: bool>(&self, motion: &JointMotion<R>) -> (JointForce<R>, ForceSlopes<R>) {
         self.law.force::<JACOBIAN>(&self.bores, motion)
     }
 }

@@ -1,10 +1,11 @@
 //! Largest difference of two bodies' angles or angular velocities over a cycle.
 
+use super::trace::Piece;
 use super::{BodyTrack, MotionOutput, RecordedCycle, RecordingRequest};
 use common::scene::SignedBody;
 
-/// Value and rate of a track within an interval of its times, at a time [s].
-type Quantity = fn(&BodyTrack, usize, f64) -> (f64, f64);
+/// A quantity of a track in an interval of its times.
+type Quantity = fn(&BodyTrack, usize) -> Piece;
 
 /// The outputs `angle-difference` [rad] and `angular-velocity-difference` [rad/s].
 pub struct AngleDifference<'a> {
@@ -47,30 +48,41 @@ fn largest_difference(
     (b, sign_b): (&BodyTrack, f64),
 ) -> f64 {
     let (mut i, mut j) = (0, 0);
-    let mut t0 = a.time[0].max(b.time[0]);
+    let (mut on_a, mut on_b) = (quantity(a, 0), quantity(b, 0));
+    let mut t0 = on_a.span[0].max(on_b.span[0]);
+    let (mut at_a, mut at_b) = (on_a.at(t0), on_b.at(t0));
+    let difference =
+        |(x, dx): (f64, f64), (y, dy): (f64, f64)| (sign_a * x - sign_b * y, sign_a * dx - sign_b * dy);
     let mut largest: f64 = 0.0;
-    while i + 1 < a.time.len() && j + 1 < b.time.len() {
-        let t1 = a.time[i + 1].min(b.time[j + 1]);
+    loop {
+        let t1 = on_a.span[1].min(on_b.span[1]);
         if t1 > t0 {
-            let difference = |t: f64| {
-                let ((x, dx), (y, dy)) = (quantity(a, i, t), quantity(b, j, t));
-                (sign_a * x - sign_b * y, sign_a * dx - sign_b * dy)
-            };
-            let ((y0, d0), (y1, d1)) = (difference(t0), difference(t1));
+            let (y0, d0) = difference(at_a, at_b);
+            (at_a, at_b) = (on_a.at(t1), on_b.at(t1));
+            let (y1, d1) = difference(at_a, at_b);
             largest = largest.max(y0.abs()).max(y1.abs());
             if d0 * d1 < 0.0 {
                 largest = largest.max(extremum(y0, d0 * (t1 - t0), y1, d1 * (t1 - t0)).abs());
             }
             t0 = t1;
         }
-        if a.time[i + 1] <= t1 {
+        if on_a.span[1] <= t1 {
             i += 1;
+            if i + 1 == a.time.len() {
+                return largest;
+            }
+            on_a = quantity(a, i);
+            at_a = on_a.at(t0);
         }
-        if b.time[j + 1] <= t1 {
+        if on_b.span[1] <= t1 {
             j += 1;
+            if j + 1 == b.time.len() {
+                return largest;
+            }
+            on_b = quantity(b, j);
+            at_b = on_b.at(t0);
         }
     }
-    largest
 }
 
 /// Value at the interior extremum of the cubic on [0, 1] with end values y and end slopes d of opposite sign.

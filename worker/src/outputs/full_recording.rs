@@ -1,18 +1,28 @@
-//! Everything of a cycle that is displayed: forces of all joints, motion of all bodies, energy.
+//! Forces of all joints over a cycle: their peaks and free flight, and if the cycle is displayed their histories, the motion of all
+//! bodies and the energy.
 
 use super::energy::{EnergyLedger, PowerState};
-use super::trace::cubic;
+use super::trace::Piece;
 use super::{BodyTrack, ForceTrack};
 use crate::integrate::Linearised;
 use crate::mechanism::Island;
 use common::outputs::{BodyMotion, EnergyBalance};
 use common::scene::Scene;
 
-/// Recording of everything of one island over a cycle.
+/// Recording of all joints of one island over a cycle.
 #[derive(Debug, Clone, Default)]
 pub struct FullRecording {
     /// One track per joint: those with clearance, then the ideal ones.
     pub forces: Vec<ForceTrack>,
+    /// Time of the last state [s].
+    last: Option<f64>,
+    /// Everything else, if the cycle is displayed.
+    displayed: Option<DisplayedMotion>,
+}
+
+/// Motion and energy of one island over a displayed cycle.
+#[derive(Debug, Clone, Default)]
+struct DisplayedMotion {
     time: Vec<f64>,
     /// States `(steps, n)`.
     q: Vec<f64>,
@@ -21,33 +31,54 @@ pub struct FullRecording {
 }
 
 impl FullRecording {
-    /// An empty recording for the joints of an island.
-    pub(crate) fn new(island: &Island) -> Self {
+    /// An empty recording for the joints of an island, of a cycle that is `displayed` or not.
+    pub(crate) fn new(island: &Island, displayed: bool) -> Self {
         let joints = island.joints.len() + island.constraints().len();
-        FullRecording { forces: vec![ForceTrack::default(); joints], ..FullRecording::default() }
+        FullRecording {
+            forces: vec![ForceTrack::default(); joints],
+            last: None,
+            displayed: displayed.then(DisplayedMotion::default),
+        }
+    }
+
+    /// True if states are added at which the island has been set.
+    pub(crate) fn is_displayed(&self) -> bool {
+        self.displayed.is_some()
     }
 
     /// Adds an accepted state at time `t` [s], at which the island was last linearised.
     pub(crate) fn push(&mut self, island: &Island, t: f64, q: &[f64], v: &[f64], at: &Linearised) {
-        let half = self.time.last().map_or(0.0, |last| 0.5 * (t - last));
+        let half = self.last.replace(t).map_or(0.0, |last| 0.5 * (t - last));
         let contacts = at.joints.iter().map(|j| (libm::hypot(j.force[0], j.force[1]), j.normal > 0.0));
         let ideal = island.ideal_forces(at).map(|force| (force, true));
         for (track, (force, touches)) in self.forces.iter_mut().zip(contacts.chain(ideal)) {
-            track.push(t, force, touches, half);
+            track.push(force, touches, half);
+            if self.displayed.is_some() {
+                track.keep(t, force);
+            }
         }
-        self.time.push(t);
-        self.q.extend_from_slice(q);
-        self.v.extend_from_slice(v);
-        self.ledger.push(t, power_state(island, t, v, at));
+        if let Some(motion) = &mut self.displayed {
+            motion.time.push(t);
+            motion.q.extend_from_slice(q);
+            motion.v.extend_from_slice(v);
+            motion.ledger.push(t, power_state(island, t, v, at));
+        }
     }
 
-    /// Energy balance of the cycle.
-    pub(crate) fn balance(&self) -> EnergyBalance {
-        self.ledger.balance()
+    /// Energy balance of the cycle, if it is displayed.
+    pub(crate) fn balance(&self) -> Option<EnergyBalance> {
+        self.displayed.as_ref().map(|motion| motion.ledger.balance())
     }
 
-    /// Motion of the island's bodies at times `at` [s], increasing and within the cycle.
+    /// Motion of the island's bodies at times `at` [s], increasing and within the cycle; empty unless the cycle is displayed.
     pub(crate) fn motion(&self, island: &Island, scene: &Scene, at: &[f64]) -> Vec<BodyMotion> {
+        self.displayed.as_ref().map_or_else(Vec::new, |motion| motion.resample(island, scene, at))
+    }
+}
+
+impl DisplayedMotion {
+    /// See [`FullRecording::motion`].
+    fn resample(&self, island: &Island, scene: &Scene, at: &[f64]) -> Vec<BodyMotion> {
         let n = island.coordinates();
         let column =
             |states: &[f64], k: usize| -> Vec<f64> { states.iter().skip(k).step_by(n).copied().collect() };
@@ -59,7 +90,7 @@ impl FullRecording {
                     while j + 2 < self.time.len() && self.time[j + 1] < t {
                         j += 1;
                     }
-                    cubic(&self.time, &value, [rate[j], rate[j + 1]], j, t).0
+                    Piece::new(&self.time, &value, [rate[j], rate[j + 1]], j).at(t).0
                 })
                 .collect()
         };

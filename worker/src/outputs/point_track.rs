@@ -1,6 +1,6 @@
 //! Path of a point of a body over a cycle, at the times of the integrator.
 
-use super::trace::cubic;
+use super::trace::Piece;
 
 /// Position and velocity of a point, at increasing times.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -36,7 +36,7 @@ impl PointTrack {
     fn position_in(&self, k: usize, t: f64) -> [f64; 2] {
         [0, 1].map(|axis| {
             let velocity = &self.velocity[axis];
-            cubic(&self.time, &self.position[axis], [velocity[k], velocity[k + 1]], k, t).0
+            Piece::new(&self.time, &self.position[axis], [velocity[k], velocity[k + 1]], k).at(t).0
         })
     }
 

@@ -14,7 +14,7 @@ use common::scene::{Attachment, Scene};
 pub struct Recorder {
     /// Contact history of each joint with clearance `(joints,)`.
     pub histories: Vec<ContactHistory>,
-    /// Everything, if the cycle is displayed.
+    /// Forces of all joints, and everything if the cycle is displayed.
     pub full: Option<FullRecording>,
     /// Requested bodies: index into the bodies of the island, moment of inertia [kg m^2], motion.
     bodies: Vec<(usize, f64, BodyTrack)>,

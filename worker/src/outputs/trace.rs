@@ -39,24 +39,24 @@ impl BodyTrack {
         self.alpha.push(alpha);
     }
 
-    /// Angle and its rate at time `t` [s] in interval `k`, by cubic Hermite interpolation.
+    /// Angle in interval `k`, by cubic Hermite interpolation.
     #[inline]
-    pub(crate) fn angle_in(&self, k: usize, t: f64) -> (f64, f64) {
-        cubic(&self.time, &self.angle, [self.omega[k], self.omega[k + 1]], k, t)
+    pub(crate) fn angle_in(&self, k: usize) -> Piece {
+        Piece::new(&self.time, &self.angle, [self.omega[k], self.omega[k + 1]], k)
     }
 
-    /// Angular velocity and its rate at time `t` [s] in interval `k`, by cubic Hermite interpolation. Accelerations are limited
-    /// to [`LARGEST_SLOPE`] times the largest change of velocity over the interval and its two neighbours.
+    /// Angular velocity in interval `k`, by cubic Hermite interpolation. Accelerations are limited to [`LARGEST_SLOPE`] times the
+    /// largest change of velocity over the interval and its two neighbours.
     ///
     /// A step far longer than the period of a contact vibration skips it: little of the vibration remains in the velocity,
     /// but much in the acceleration, and a cubic with that slope would have peaks that do not exist.
     #[inline]
-    pub(crate) fn omega_in(&self, k: usize, t: f64) -> (f64, f64) {
+    pub(crate) fn omega_in(&self, k: usize) -> Piece {
         let change = |k: usize| (self.omega[k + 1] - self.omega[k]).abs();
         let around = k.saturating_sub(1)..=(k + 1).min(self.time.len() - 2);
         let most = LARGEST_SLOPE * around.map(change).fold(0.0, f64::max) / (self.time[k + 1] - self.time[k]);
         let slopes = [self.alpha[k], self.alpha[k + 1]].map(|a| a.clamp(-most, most));
-        cubic(&self.time, &self.omega, slopes, k, t)
+        Piece::new(&self.time, &self.omega, slopes, k)
     }
 
     /// Angular velocity at times `at` [s], increasing and within the track, by linear interpolation [rad/s].
@@ -73,28 +73,49 @@ impl BodyTrack {
                 while k + 2 < self.time.len() && self.time[k + 1] < t {
                     k += 1;
                 }
-                (self.angle_in(k, t).0, self.omega_in(k, t).0)
+                (self.angle_in(k).at(t).0, self.omega_in(k).at(t).0)
             })
             .unzip()
     }
 }
 
-/// Value and slope at time `t` [s] of the cubic through values and slopes at both ends of interval `k`.
-#[inline]
-pub(super) fn cubic(time: &[f64], value: &[f64], slope: [f64; 2], k: usize, t: f64) -> (f64, f64) {
-    let h = time[k + 1] - time[k];
-    let s = (t - time[k]) / h;
-    let cubic = Cubic::hermite([value[k], value[k + 1]], [slope[0] * h, slope[1] * h]);
-    (cubic.value(s), cubic.slope(s) / h)
+/// A quantity between two neighbouring times of a track.
+#[derive(Debug, Clone, Copy)]
+pub struct Piece {
+    /// The times [s].
+    pub span: [f64; 2],
+    /// The quantity over the fraction of the span.
+    cubic: Cubic,
 }
 
-/// Force magnitude of one joint, at increasing times.
+impl Piece {
+    /// The cubic through values and slopes at both ends of interval `k`.
+    #[inline]
+    pub(super) fn new(time: &[f64], value: &[f64], slope: [f64; 2], k: usize) -> Self {
+        let h = time[k + 1] - time[k];
+        let cubic = Cubic::hermite([value[k], value[k + 1]], [slope[0] * h, slope[1] * h]);
+        Piece { span: [time[k], time[k + 1]], cubic }
+    }
+
+    /// Value and slope at time `t` [s].
+    #[inline]
+    pub(super) fn at(&self, t: f64) -> (f64, f64) {
+        let [start, end] = self.span;
+        let h = end - start;
+        let s = (t - start) / h;
+        (self.cubic.value(s), self.cubic.slope(s) / h)
+    }
+}
+
+/// Force magnitude of one joint: its peak, and what is kept of it at increasing times.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ForceTrack {
+    /// Largest magnitude so far [N].
+    pub peak: f64,
     /// Time `(n,)` [s].
-    pub time: Vec<f64>,
+    time: Vec<f64>,
     /// Magnitude `(n,)` [N].
-    pub force: Vec<f64>,
+    force: Vec<f64>,
     /// Time in free flight so far [s].
     pub free: f64,
     /// True if the last instant was one of free flight.
@@ -103,21 +124,21 @@ pub struct ForceTrack {
 
 impl ForceTrack {
     /// Adds the force [N] at the end of a step of length 2 `half` [s]; the joint is in free flight unless it `touches`.
-    pub(crate) fn push(&mut self, time: f64, force: f64, touches: bool, half: f64) {
+    pub(crate) fn push(&mut self, force: f64, touches: bool, half: f64) {
         // Trapezoidal rule: each end of a step stands for half of it.
         for free in [std::mem::replace(&mut self.is_free, !touches), !touches] {
             self.free += if free { half } else { 0.0 };
         }
+        self.peak = self.peak.max(force);
+    }
+
+    /// Keeps the force [N] at `time` [s] for the history.
+    pub(crate) fn keep(&mut self, time: f64, force: f64) {
         self.time.push(time);
         self.force.push(force);
     }
 
-    /// Largest force [N].
-    pub(crate) fn peak(&self) -> f64 {
-        self.force.iter().fold(0.0, |a, &b| a.max(b))
-    }
-
-    /// Force at times `at` [s], increasing and within the track, by linear interpolation [N].
+    /// Kept force at times `at` [s], increasing and within the track, by linear interpolation [N].
     pub(crate) fn resample(&self, at: &[f64]) -> Vec<f64> {
         linear(&self.time, &self.force, at)
     }
@@ -151,17 +172,17 @@ mod tests {
             passed.push(t, 0.0, 1e-3 * t, if k % 2 == 0 { 50.0 } else { -50.0 });
         }
         let unlimited = |k: usize, t: f64| {
-            cubic(&followed.time, &followed.omega, [followed.alpha[k], followed.alpha[k + 1]], k, t)
+            Piece::new(&followed.time, &followed.omega, [followed.alpha[k], followed.alpha[k + 1]], k).at(t)
         };
         for k in 0..59 {
             let t = followed.time[k] + 0.5;
             // An end of the track has a neighbour on one side alone.
             if (1..58).contains(&k) {
-                assert_eq!(followed.omega_in(k, t), unlimited(k, t));
+                assert_eq!(followed.omega_in(k).at(t), unlimited(k, t));
             }
             // Slopes at the cap differ from the straight line by at most 2.5 times its rise, of which a cubic shows
             // a quarter; with the accelerations as they are it would be 50 * 1.2 / 4.
-            assert!((passed.omega_in(k, t).0 - 1e-3 * t).abs() < 0.625 * 1.2e-3);
+            assert!((passed.omega_in(k).at(t).0 - 1e-3 * t).abs() < 0.625 * 1.2e-3);
         }
     }
 

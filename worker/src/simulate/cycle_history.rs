@@ -35,9 +35,9 @@ impl Run<'_> {
         }
     }
 
-    /// Energy balance of the cycle recorded last, which was recorded fully.
+    /// Energy balance of the cycle recorded last, which is displayed.
     pub(crate) fn energy(&self) -> EnergyBalance {
-        sum_of_islands(self.full_recordings().map(FullRecording::balance))
+        sum_of_islands(self.full_recordings().filter_map(FullRecording::balance))
     }
 
     fn full_recordings(&self) -> impl Iterator<Item = &FullRecording> {
@@ -55,7 +55,7 @@ impl Run<'_> {
         free_flight.retain(|(name, _)| has_clearance(name));
         FirstCycle {
             history: self.display.as_ref().map(|_| self.cycle_history()),
-            peaks: self.joint_values(ForceTrack::peak),
+            peaks: self.joint_values(|force| force.peak),
             free_flight,
             energy: self.display.as_ref().map(|_| self.energy()),
         }

@@ -240,24 +240,33 @@ pub(crate) fn failure(error: IntegrationError, cycle: u32, island: &Island) -> S
 #[cfg(test)]
 mod tests {
     use crate::simulate::run::Run;
-    use crate::simulate::side_by_side::run_alone;
+    use crate::simulate::side_by_side::{LaneWidth, run_alone};
     use common::accuracy::Accuracy;
     use common::scene::{ContactDamping, JointKind, RestitutionLaw, SceneSource};
 
     #[test]
     fn issue_a_cycle_begun_again_started_with_the_damping_of_another_instant() {
+        // Whether a contact begins anew within the cycle measured is a matter of luck: this motion is chaotic.
+        let begun_anew: usize =
+            [0.92, 0.93, 0.945, 0.951, 0.96, 0.97].into_iter().map(cycles_begun_again).sum();
+        assert!(begun_anew >= 2, "of six motions {begun_anew} had a contact that began anew");
+    }
+
+    /// Measures a cycle of a rattling pin with this coefficient of restitution, then twice more from its start. Returns one if a
+    /// contact began within the cycle, else zero.
+    fn cycles_begun_again(coefficient: f64) -> usize {
         let mut scene = SceneSource::builtin("slider-crank").expect("built in").nominal().clone();
         for joint in &mut scene.joints {
             if let JointKind::Clearance(clearance) = &mut joint.kind {
                 clearance.contact_damping = ContactDamping::Restitution {
                     law: RestitutionLaw::Flores,
-                    coefficient: 0.95,
+                    coefficient,
                     least_speed: 1e-4,
                 };
             }
         }
         let accuracy = Accuracy::draft();
-        run_alone(|queue| async {
+        run_alone(LaneWidth::Widest, |queue| async {
             let mut run = Run::assemble(queue, &scene, &accuracy).expect("assembled");
             let damping = |run: &Run| -> Vec<f64> {
                 let joints = run.islands.iter().flat_map(|m| &m.island.joints);
@@ -269,7 +278,7 @@ mod tests {
             run.settle().await.expect("settled");
             let began = damping(&run);
             run.measure().await.expect("measured");
-            assert_ne!(damping(&run), began, "no contact began anew within the cycle");
+            let begun_anew = damping(&run) != began;
             // The time steps of a cycle begun again start small, those of the first went on from the settling.
             let mut again = async || {
                 run.restart_cycle(&accuracy);
@@ -280,6 +289,7 @@ mod tests {
             let (first, second) = (again().await, again().await);
             assert_eq!(first.0, began);
             assert_eq!(first, second);
-        });
+            usize::from(begun_anew)
+        })
     }
 }

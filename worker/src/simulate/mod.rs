@@ -44,6 +44,7 @@ use common::scene::Scene;
 use life_in_blocks::{DynamicCycles, SingleCycle, simulate_life};
 use quasi_static::try_quasi_static;
 use run::{Run, WornDisplay};
+pub(crate) use side_by_side::widest_lanes;
 use side_by_side::{LaneQueue, RunningEvaluation, run_alone, run_side_by_side};
 use std::time::Duration;
 
@@ -87,7 +88,7 @@ pub struct CountedEvaluation {
 
 /// Simulates like [`simulate`], and counts the time steps even if the evaluation fails.
 pub fn simulate_counted(scene: &Scene, accuracy: &Accuracy, options: SimulateOptions) -> CountedEvaluation {
-    run_alone(|queue| simulate_stages(queue, scene, accuracy, options))
+    run_alone(LaneWidth::for_scene(scene), |queue| simulate_stages(queue, scene, accuracy, options))
 }
 
 /// One of several evaluations that run side by side.

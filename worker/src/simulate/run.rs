@@ -263,10 +263,11 @@ impl<'a> Run<'a> {
         first
     }
 
-    /// Records everything of the following cycles.
+    /// Records the forces of all joints in the following cycles, and everything if cycles are displayed.
     pub(crate) fn start_full_recording(&mut self) {
+        let displayed = self.display.is_some();
         for state in &mut self.islands {
-            state.recorder.full = Some(FullRecording::new(&state.island));
+            state.recorder.full = Some(FullRecording::new(&state.island, displayed));
         }
     }
 

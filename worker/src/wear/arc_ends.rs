@@ -6,10 +6,11 @@
 //! p = R1 - R + e cos(phi) - e^2 sin^2(phi) / (2 R1), e = delta + R(u) - R1 [m],
 //!
 //! with the journal radius R1, the worn bore R and the penetration delta [m]; the root is expanded to second
-//! order: the next term is (e/R1)^4 / 8, below 1e-11 m here. The arc ends at the first table angle where p is
-//! no longer positive, on the chord from the table angle before.
+//! order: the next term is (e/R1)^4 / 8, below 1e-11 m here. The arc ends before the first table angle where p is
+//! no longer positive, at the root of the parabola through p there and at the table angles before and behind.
 //!
-//! The search tries eight table angles at a time: the end is the one that a walk from angle to angle finds. Towards smaller angles it is the same search on the mirrored bore.
+//! The search tries eight table angles at a time: the end is the one that a walk from angle to angle finds. Towards
+//! smaller angles it is the same search on the mirrored bore.
 //!
 //! # Source
 //! Arc ends by the law of cosines: Cui et al., China Mechanical Engineering 37(6), 2026, 1472-1485,
@@ -18,9 +19,8 @@
 use crate::bore::Profile;
 use std::f64::consts::TAU;
 
-/// Table intervals per control point: 1.25 deg at 36 control points; a linear interpolation there misplaces
-/// the ends of a 20 deg arc by 0.2 %.
-pub const SUBDIVISION: usize = 8;
+/// Table intervals per control point: 2.5 deg at 36 control points, which misplaces the ends of an arc by 2e-4 of its width at most.
+pub const SUBDIVISION: usize = 4;
 
 /// Table angles tried at once: what the compiler makes vectors of.
 const AT_ONCE: usize = 8;
@@ -66,6 +66,71 @@ impl Spot {
         let interval = self.place as usize / SUBDIVISION;
         (interval, self.place / SUBDIVISION as f64 - interval as f64)
     }
+}
+
+/// Both ends of a few contact arcs, downwards and upwards, each between two neighbouring table angles: number by number, for the
+/// vectors of the processor.
+#[derive(Debug, Clone, Copy)]
+pub struct Brackets<const N: usize> {
+    /// p > 0 at the nearer angle, p <= 0 at the farther one, and p at the next one [m].
+    p: [[f64; N]; 3],
+    /// Distance of the nearer angle from the contact's direction, and from there to the farther one [table intervals].
+    near: [f64; N],
+    step: [f64; N],
+    /// R1 - R at both angles [m].
+    gap: [[f64; N]; 2],
+}
+
+impl<const N: usize> Brackets<N> {
+    /// Room for `N` ends.
+    #[inline(always)]
+    pub(crate) fn new() -> Self {
+        let zero = [0.0; N];
+        Brackets { p: [[1.0; N], [-1.0; N], [-3.0; N]], near: zero, step: zero, gap: [zero; 2] }
+    }
+
+    /// Sets end `k` between table angles.
+    #[inline(always)]
+    fn between(&mut self, k: usize, p: [f64; 3], near: f64, gap: [f64; 2]) {
+        for (to, p) in self.p.iter_mut().zip(p) {
+            to[k] = p;
+        }
+        (self.near[k], self.step[k]) = (near, 1.0);
+        (self.gap[0][k], self.gap[1][k]) = (gap[0], gap[1]);
+    }
+
+    /// Sets end `k` at this distance from the contact [table intervals], where R1 - R is `gap` [m].
+    #[inline(always)]
+    fn at(&mut self, k: usize, distance: f64, gap: f64) {
+        self.between(k, [1.0, -1.0, -3.0], distance, [gap; 2]);
+        self.step[k] = 0.0;
+    }
+
+    /// Distance of each end from its contact [table intervals], and R1 - R there [m]: where the parabola through the three p is
+    /// zero, which it is once, as it changes its sign between the first two.
+    #[inline(always)]
+    pub(crate) fn solve(&self) -> [[f64; N]; 2] {
+        let (mut distance, mut gap) = ([0.0; N], [0.0; N]);
+        for k in 0..N {
+            let (a, b, c) = (self.p[0][k], self.p[1][k], self.p[2][k]);
+            let bend = 0.5 * (a - 2.0 * b + c);
+            let slope = b - a - bend;
+            // a + slope s + bend s^2 = 0, the root that stays finite as the bend vanishes.
+            let square = slope * slope - 4.0 * bend * a;
+            let root = (if square > 0.0 { square } else { 0.0 }).sqrt();
+            let s = 2.0 * a / (root - slope);
+            let s = if s < 1.0 { s } else { 1.0 };
+            distance[k] = self.near[k] + self.step[k] * s;
+            gap[k] = self.gap[0][k] + s * (self.gap[1][k] - self.gap[0][k]);
+        }
+        [distance, gap]
+    }
+}
+
+/// One contact: penetration delta and R1 - R in its direction [m].
+struct Contact {
+    penetration: f64,
+    gap: f64,
 }
 
 /// Journal circle of one contact, and one side of the bore.
@@ -129,6 +194,12 @@ impl ArcEnds {
         ArcEnds { journal_radius, cos, sin, gap: vec![0.0; 2 * n], mirrored_gap: vec![0.0; 2 * n] }
     }
 
+    /// Journal radius R1 [m].
+    #[inline(always)]
+    pub(crate) fn journal_radius(&self) -> f64 {
+        self.journal_radius
+    }
+
     /// Number of table intervals n.
     pub(crate) fn intervals(&self) -> usize {
         self.gap.len() / 2
@@ -148,16 +219,23 @@ impl ArcEnds {
             .for_each(|(to, from)| *to = *from);
     }
 
-    /// Distances from the direction of the contact at `spot` to the two ends of its arc, downwards and
-    /// upwards, at penetration `penetration` [m], where the bore has radius `radius` [m] and slope `slope`
-    /// [m/rad]. In table intervals; half a turn where the arc does not end.
+    /// Brackets the two ends of the arc of the contact at `spot`, downwards as end 2 `k` and upwards as end 2 `k` + 1, at penetration
+    /// `penetration` [m], where the bore has radius `radius` [m] and slope `slope` [m/rad].
     ///
     /// Where a place inside the arc wears until the circle only grazes it, the arc ends there from one
     /// instant to the next, and the part behind it no longer counts; a second patch behind the end joins the
     /// arc again where the gap between them closes. There the end, and with it the wear rate, is not a
     /// continuous function of the profile.
     #[inline(always)]
-    pub(crate) fn find(&self, spot: &Spot, penetration: f64, radius: f64, slope: f64) -> (f64, f64) {
+    pub(crate) fn bracket<const N: usize>(
+        &self,
+        spot: &Spot,
+        penetration: f64,
+        radius: f64,
+        slope: f64,
+        k: usize,
+        ends: &mut Brackets<N>,
+    ) {
         let n = self.intervals();
         let size = penetration + radius - self.journal_radius;
         let e = [size * spot.u[0], size * spot.u[1]];
@@ -167,7 +245,9 @@ impl ArcEnds {
         let down = self.side(&self.mirrored_gap, n - below, [e[0], -e[1]]);
         let up = self.side(&self.gap, below + 1, e);
         let slope = slope * TAU / n as f64;
-        (end(&down, n, lead, penetration, slope), end(&up, n, 1.0 - lead, penetration, -slope))
+        let contact = Contact { penetration, gap: self.journal_radius - radius };
+        bracket_end(&down, n, lead, &contact, slope, 2 * k, ends);
+        bracket_end(&up, n, 1.0 - lead, &contact, -slope, 2 * k + 1, ends);
     }
 
     /// The side of the bore with these gaps that begins at the table angle `first`, for the eccentricity `e` [m].
@@ -178,16 +258,28 @@ impl ArcEnds {
     }
 }
 
-/// One end of the arc on a table of `n` intervals; `first` is the distance to the first table angle on this side, `slope` that of p
-/// outwards [m per interval].
+/// One end of the arc on a table of `n` intervals, half a turn away where it does not end; `first` is the distance to the first table
+/// angle on this side, `slope` that of p outwards [m per interval].
 #[inline(always)]
-fn end(side: &Side, n: usize, first: f64, penetration: f64, slope: f64) -> f64 {
+fn bracket_end<const N: usize>(
+    side: &Side,
+    n: usize,
+    first: f64,
+    contact: &Contact,
+    slope: f64,
+    k: usize,
+    ends: &mut Brackets<N>,
+) {
     match side.first_outside(n / 2 + 1) {
-        None => n as f64 / 2.0,
-        Some(0) => first_end(penetration, slope, first, side.beyond(0)),
+        None => ends.at(k, n as f64 / 2.0, side.gap[n / 2]),
+        Some(0) => {
+            let distance = first_end(contact.penetration, slope, first, side.beyond(0));
+            let share = if first > 0.0 { distance / first } else { 1.0 };
+            ends.at(k, distance, contact.gap + share * (side.gap[0] - contact.gap));
+        }
         Some(m) => {
-            let (p, next) = (side.beyond(m - 1), side.beyond(m));
-            first + (m - 1) as f64 + p / (p - next)
+            let p = [side.beyond(m - 1), side.beyond(m), side.beyond(m + 1)];
+            ends.between(k, p, first + (m - 1) as f64, [side.gap[m - 1], side.gap[m]]);
         }
     }
 }

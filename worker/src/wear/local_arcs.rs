@@ -14,10 +14,10 @@
 //! the arc AB wears evenly by K_H F S / (|AB| L), at the control points inside it. The shares by hat functions
 //! are chosen here: the published rule gives an arc between two points no wear at all.
 
-use super::arc_ends::{ArcEnds, SUBDIVISION, Spot};
+use super::arc_ends::{ArcEnds, Brackets, SUBDIVISION, Spot};
 use super::history::ContactSample;
 use crate::bore::{Profile, Radius};
-use pulp::{Arch, Simd, WithSimd};
+use crate::lanes::{Vectorised, vectorise};
 use std::ops::Range;
 
 /// Contacts of a frozen history on a bore.
@@ -66,7 +66,7 @@ impl LocalArcs {
     pub(crate) fn shares(&mut self, profile: &Profile, shares: &mut [f64]) {
         self.ends.profile_changed(profile);
         self.unrolled.fill(0.0);
-        Arch::new().dispatch(Sharing { arcs: self, profile });
+        vectorise(Sharing { arcs: self, profile });
         let (first, rest) = self.unrolled.split_at(shares.len());
         let (second, third) = rest.split_at(shares.len());
         for (i, sum) in shares.iter_mut().enumerate() {
@@ -75,29 +75,39 @@ impl LocalArcs {
     }
 }
 
-/// Adds the shares of all samples on a bore, compiled for the vectors of the processor.
+/// Adds the shares of all samples on a bore.
 struct Sharing<'a> {
     arcs: &'a mut LocalArcs,
     profile: &'a Profile,
 }
 
-impl WithSimd for Sharing<'_> {
-    type Output = ();
+/// Samples whose arcs are found together.
+const TOGETHER: usize = 8;
 
+impl Vectorised for Sharing<'_> {
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _simd: S) {
+    fn run(self) {
         let LocalArcs { ends, samples, unrolled } = self.arcs;
         // The offset of a turn makes truncation the floor.
         let turn = self.profile.points() as f64;
-        for Sample { spot, penetration, work } in &*samples {
-            let (interval, s) = spot.within();
-            let Radius { r, d1, .. } = self.profile.within(interval, s);
-            let (before, after) = ends.find(spot, *penetration, r, d1);
-            // Mean radius along the arc, by Simpson's rule over its angle.
-            let start = (spot.place - before) / SUBDIVISION as f64;
-            let end = (spot.place + after) / SUBDIVISION as f64;
-            let mean = (self.profile.turned(start) + 4.0 * r + self.profile.turned(end)) / 6.0;
-            share_out(unrolled, turn + start..turn + end, *work / mean);
+        let journal = ends.journal_radius();
+        for samples in samples.chunks(TOGETHER) {
+            let mut brackets = Brackets::<{ 2 * TOGETHER }>::new();
+            let mut radius = [1.0; TOGETHER];
+            for (k, Sample { spot, penetration, .. }) in samples.iter().enumerate() {
+                let (interval, s) = spot.within();
+                let Radius { r, d1, .. } = self.profile.within(interval, s);
+                ends.bracket(spot, *penetration, r, d1, k, &mut brackets);
+                radius[k] = r;
+            }
+            let [distance, gap] = brackets.solve();
+            for (k, Sample { spot, work, .. }) in samples.iter().enumerate() {
+                let start = (spot.place - distance[2 * k]) / SUBDIVISION as f64;
+                let end = (spot.place + distance[2 * k + 1]) / SUBDIVISION as f64;
+                // Mean radius along the arc, by Simpson's rule over its angle.
+                let mean = (4.0 * radius[k] + 2.0 * journal - gap[2 * k] - gap[2 * k + 1]) / 6.0;
+                share_out(unrolled, turn + start..turn + end, *work / mean);
+            }
         }
     }
 }

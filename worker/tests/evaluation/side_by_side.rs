@@ -65,7 +65,9 @@ fn an_evaluation_does_not_depend_on_those_next_to_it() {
 #[test]
 fn lanes_of_any_width_give_the_same_bits() {
     let inputs: Vec<_> = mixed().into_iter().map(Ok).collect();
-    assert_eq!(together(LaneWidth::One, 2, &inputs), together(LaneWidth::Widest, 4, &inputs));
+    let widest = together(LaneWidth::Widest, 4, &inputs);
+    assert_eq!(together(LaneWidth::Holding(1), 2, &inputs), widest);
+    assert_eq!(together(LaneWidth::Holding(4), 3, &inputs), widest);
 }
 
 #[test]

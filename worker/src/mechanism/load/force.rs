@@ -1,8 +1,11 @@
 //! Generalised force of a load, and what each kind of load defines.
 
+// In lanes, closures of iterators are not compiled for the instruction set of the loop around them.
+#![allow(clippy::needless_range_loop)]
+
 use crate::lanes::Real;
 use crate::mechanism::frame::Frame;
-use crate::mechanism::joint::Rows;
+use crate::mechanism::joint::{Block, Blocks};
 
 /// Index in place of the second frame of a load that acts on one frame only.
 pub const NO_FRAME: usize = usize::MAX;
@@ -56,10 +59,18 @@ impl<R: Real> LoadForce<R> {
     }
 }
 
-impl<R: Real> Rows<R> for LoadForce<R> {
+impl<R: Real> Blocks<R> for LoadForce<R> {
     #[inline(always)]
-    fn row(&self, r: usize) -> ([R; 6], [R; 6]) {
-        (self.k[r], self.d[r])
+    fn block<const ON: usize, const TO: usize>(&self) -> Block<R> {
+        let mut block = [[[self.stored.zero(); 3]; 3]; 2];
+        for (block, rows) in block.iter_mut().zip([&self.k, &self.d]) {
+            for r in 0..3 {
+                for c in 0..3 {
+                    block[r][c] = rows[3 * ON + r][3 * TO + c];
+                }
+            }
+        }
+        block
     }
 }
 

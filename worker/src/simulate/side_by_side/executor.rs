@@ -2,6 +2,7 @@
 
 use super::lanes::LanePool;
 use super::queue::{CpuTime, LaneQueue};
+use common::scene::{Motion, Scene};
 use pulp::{Arch, Scalar, Simd, WithSimd};
 use std::future::Future;
 use std::pin::Pin;
@@ -13,8 +14,43 @@ use std::time::{Duration, Instant};
 pub enum LaneWidth {
     /// As many as the vectors of this processor.
     Widest,
-    /// One: the scalar instructions of any processor.
-    One,
+    /// So many, or as few more as there are vectors for: one number by the scalar instructions of any processor. Wider vectors than there
+    /// are islands for cost time.
+    Holding(usize),
+}
+
+impl LaneWidth {
+    /// The width for as many islands as the scene may have at most: one for each of its free bodies.
+    pub(crate) fn for_scene(scene: &Scene) -> Self {
+        LaneWidth::Holding(
+            scene.bodies.iter().filter(|body| matches!(body.motion, Motion::Free { .. })).count(),
+        )
+    }
+
+    /// Runs `work` in lanes of this width.
+    fn dispatch<W: WithSimd>(self, work: W) -> W::Output {
+        match self {
+            LaneWidth::Holding(..=1) => work.with_simd(Scalar::new()),
+            #[cfg(target_arch = "x86_64")]
+            LaneWidth::Holding(..=4) if let Some(avx2) = pulp::x86::V3::try_new() => {
+                Simd::vectorize(avx2, work)
+            }
+            _ => Arch::new().dispatch(work),
+        }
+    }
+}
+
+/// Numbers in the widest vectors of this processor.
+pub(crate) fn widest_lanes() -> usize {
+    /// Their number.
+    struct Count;
+    impl WithSimd for Count {
+        type Output = usize;
+        fn with_simd<S: Simd>(self, _simd: S) -> usize {
+            S::F64_LANES
+        }
+    }
+    LaneWidth::Widest.dispatch(Count)
 }
 
 /// A running evaluation with the processor time charged to it: its own stages plus an equal share of every batch of lanes it took
@@ -44,12 +80,15 @@ impl<'a, T> RunningEvaluation<'a, T> {
     }
 }
 
-/// Runs one evaluation by itself and returns its result.
-pub(crate) fn run_alone<'a, T: 'a, F: Future<Output = T> + 'a>(stages: impl FnOnce(LaneQueue) -> F) -> T {
+/// Runs one evaluation by itself, in lanes of this width, and returns its result.
+pub(crate) fn run_alone<'a, T: 'a, F: Future<Output = T> + 'a>(
+    width: LaneWidth,
+    stages: impl FnOnce(LaneQueue) -> F,
+) -> T {
     let queue = LaneQueue::default();
     let mut evaluation = Some(RunningEvaluation::new(&queue, stages));
     let mut result = None;
-    run_side_by_side(LaneWidth::Widest, &queue, 1, &mut || evaluation.take(), &mut |_, done, _| {
+    run_side_by_side(width, &queue, 1, &mut || evaluation.take(), &mut |_, done, _| {
         result = Some(done);
     });
     // Every evaluation that was started is run to its end.
@@ -66,10 +105,7 @@ pub(crate) fn run_side_by_side<'a, T>(
     done: &mut dyn FnMut(usize, T, Duration),
 ) {
     let executor = Executor { queue, most, next, done };
-    match width {
-        LaneWidth::Widest => Arch::new().dispatch(executor),
-        LaneWidth::One => executor.with_simd(Scalar::new()),
-    }
+    width.dispatch(executor);
 }
 
 /// The loop of [`run_side_by_side`], compiled for one instruction set.

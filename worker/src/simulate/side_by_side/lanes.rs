@@ -8,6 +8,7 @@ use crate::integrate::{
 };
 use crate::lanes::Lanes;
 use crate::mechanism::{Island, IslandLanes, same_topology};
+use crate::outputs::FullRecording;
 use crate::simulate::island_state::IslandState;
 use pulp::{Simd, WithSimd};
 use std::time::Instant;
@@ -183,7 +184,7 @@ impl<S: Simd> LaneGroup<S> {
         if pending.span.record {
             self.stepper.read_forces(lane, &mut self.at);
             self.stepper.read_state(lane, &mut self.q, &mut self.v);
-            if recorder.full.is_some() {
+            if recorder.full.as_ref().is_some_and(FullRecording::is_displayed) {
                 island.set_state(time, &self.q, &self.v);
             }
             recorder.observe(island, time, &self.q, &self.v, &self.at);

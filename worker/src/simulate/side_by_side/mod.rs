@@ -16,5 +16,5 @@ mod lanes;
 mod queue;
 
 pub use executor::LaneWidth;
-pub(crate) use executor::{RunningEvaluation, run_alone, run_side_by_side};
+pub(crate) use executor::{RunningEvaluation, run_alone, run_side_by_side, widest_lanes};
 pub(crate) use queue::{Integrated, LaneQueue, Span};
