@@ -256,6 +256,11 @@ impl Distribution {
         self.law().scores(x)
     }
 
+    /// [`Self::scores`] for many values: what does not depend on the value is computed once.
+    pub fn score_function(&self) -> Box<dyn Fn(f64) -> [f64; 2] + '_> {
+        self.law().score_function()
+    }
+
     /// dF(x) / d mean and dF(x) / d std `(2,)` [1/unit of the variable], in the same sense as the scores: the
     /// integrals of score times density from the lower end to x.
     pub fn cdf_derivatives(&self, x: f64) -> [f64; 2] {

@@ -58,6 +58,11 @@ pub(super) trait Law {
     /// Scores d ln f(x) / dp for the mean and the standard deviation `(2,)` [1/unit of the variable].
     fn scores(&self, x: f64) -> [f64; 2];
 
+    /// [`Self::scores`] for many values: what does not depend on the value is computed once.
+    fn score_function(&self) -> Box<dyn Fn(f64) -> [f64; 2] + '_> {
+        Box::new(|x| self.scores(x))
+    }
+
     /// dF(x) / dp for the mean and the standard deviation `(2,)` [1/unit of the variable].
     fn cdf_derivatives(&self, x: f64) -> [f64; 2];
 

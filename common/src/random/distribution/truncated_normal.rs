@@ -175,11 +175,18 @@ impl Law for TruncatedNormal {
     /// standard deviations above the mean and moving bounds at +- b the derivatives by the mean differ by the factor
     /// (phi(t) - phi(b)) / phi(t): with b = 3, 0.98 at t = 1, 0.92 at t = 2, 0.75 at t = 2.5, 0.44 at t = 2.8.
     fn scores(&self, x: f64) -> [f64; 2] {
+        self.score_function()(x)
+    }
+
+    fn score_function(&self) -> Box<dyn Fn(f64) -> [f64; 2] + '_> {
         let s = self.standardised();
         let (phi_a, phi_b) = s.bound_densities();
         let (moment_a, moment_b) = s.bound_moments();
-        let z = self.z(x);
-        [(z + (phi_b - phi_a) / s.mass) / self.std, (z * z - 1.0 + (moment_b - moment_a) / s.mass) / self.std]
+        let (by_mean, by_std) = ((phi_b - phi_a) / s.mass, (moment_b - moment_a) / s.mass);
+        Box::new(move |x| {
+            let z = self.z(x);
+            [(z + by_mean) / self.std, (z * z - 1.0 + by_std) / self.std]
+        })
     }
 
     /// (phi(a) - phi(z) - F (phi(a) - phi(b))) / (std Z), and this with z phi(z) in place of phi(z).

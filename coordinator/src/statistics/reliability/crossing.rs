@@ -25,8 +25,9 @@
 //! and Statistical Computing 5(2). Bounds: error term of the interpolating polynomial, e.g. de Boor (1978), A Practical
 //! Guide to Splines, chapter 1.
 
-/// Halvings in the solution of the cubic: a share of the interval to 1e-9.
-const HALVINGS: usize = 30;
+/// The cubic is solved until its root moves by less than this share of the interval [1], or in so many iterations.
+const ENOUGH: f64 = 1e-9;
+const MOST_ITERATIONS: usize = 60;
 
 /// A point of a response: time [cycles] and value [unit of the output].
 type TimeAndValue = (f64, f64);
@@ -241,12 +242,27 @@ fn monotone_cubic(points: [Option<TimeAndValue>; 4], y: f64) -> f64 {
             + right.1 * t * t * (3.0 - 2.0 * t)
             + h * d1 * t * t * (t - 1.0)
     };
+    // Newton's method, with a bisection wherever it would leave the bracket.
+    let slope = |t: f64| {
+        let u = 1.0 - t;
+        6.0 * (right.1 - left.1) * t * u + h * d0 * u * (1.0 - 3.0 * t) + h * d1 * t * (3.0 * t - 2.0)
+    };
     let (mut low, mut high) = (0.0, 1.0);
-    for _ in 0..HALVINGS {
-        let centre = 0.5 * (low + high);
-        if value(centre) >= y { high = centre } else { low = centre }
+    let mut t = ((y - left.1) / (right.1 - left.1)).clamp(0.0, 1.0);
+    for _ in 0..MOST_ITERATIONS {
+        let off = value(t) - y;
+        if off >= 0.0 {
+            high = t
+        } else {
+            low = t
+        }
+        let newton = t - off / slope(t);
+        if (newton - t).abs() < ENOUGH {
+            break;
+        }
+        t = if low < newton && newton < high { newton } else { 0.5 * (low + high) };
     }
-    left.0 + h * 0.5 * (low + high)
+    left.0 + h * t
 }
 
 /// Slope between two intervals, each given by its secant and width: the weighted harmonic mean, 0 at an extremum.

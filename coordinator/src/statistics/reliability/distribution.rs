@@ -88,14 +88,21 @@ fn distribution(mut values: Vec<f64>, extra_variance: f64) -> OutputDistribution
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;
     let variance = values.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / count;
-    values.sort_unstable_by(f64::total_cmp);
+    let smallest = |values: &[f64]| values.iter().copied().min_by(f64::total_cmp);
+    let (Some(from), Some(to)) = (smallest(&values), values.iter().copied().max_by(f64::total_cmp)) else {
+        unreachable!("a distribution has values");
+    };
+    // Each quantile puts the values below it in front, so that the next one is sought behind it.
+    let mut front = 0;
     let quantile = |p: f64| {
         let place = p * (count - 1.0);
-        let (low, high) = (values[place.floor() as usize], values[place.ceil() as usize]);
-        low + (high - low) * place.fract()
+        let at = place.floor() as usize;
+        let (_, low, behind) = values[front..].select_nth_unstable_by(at - front, f64::total_cmp);
+        let next = smallest(behind).unwrap_or(*low);
+        front = at;
+        *low + (next - *low) * place.fract()
     };
     let quantiles = PROBABILITIES.map(quantile).to_vec();
-    let (from, to) = (values[0], values[values.len() - 1]);
     let mut counts = vec![0; BINS];
     for y in &values {
         let place = if to > from { (y - from) / (to - from) * BINS as f64 } else { 0.0 };

@@ -57,7 +57,7 @@ mod sobol;
 pub use sobol::{Sobol, sobol_indices};
 
 use crate::statistics::design::Population;
-use common::random::{Distribution, standard_normal_pdf};
+use common::random::standard_normal_pdf;
 use rayon::prelude::*;
 
 /// Derivatives of one curve at one checkpoint with respect to the parameters of one variable.
@@ -191,7 +191,8 @@ pub fn sensitivities(
         .par_iter()
         .enumerate()
         .map(|(k, variable)| {
-            let scores: Vec<[f64; 2]> = points.iter().map(|j| scores(population, variable, *j, k)).collect();
+            let own = variable.score_function();
+            let scores: Vec<[f64; 2]> = points.iter().map(|j| scores(population, &own, *j, k)).collect();
             [0, 1].map(|parameter| -> Vec<CurveSums> {
                 let scores: Vec<f64> = scores.iter().map(|s| s[parameter]).collect();
                 let sums = |first: &Vec<u32>| match &descent {
@@ -240,11 +241,11 @@ fn numbered_origins(population: &Population, points: &[usize]) -> Option<Vec<usi
     Some(points.iter().map(number).collect())
 }
 
-/// Scores of point `j` for the mean and the standard deviation of variable `k` `(2,)`
+/// Scores of point `j` for the mean and the standard deviation of variable `k`, which has the scores `own` by itself `(2,)`
 /// [1/unit of the variable].
-fn scores(population: &Population, variable: &Distribution, j: usize, k: usize) -> [f64; 2] {
+fn scores(population: &Population, own: &dyn Fn(f64) -> [f64; 2], j: usize, k: usize) -> [f64; 2] {
     let x = population.physical_value(j, k);
-    let own = variable.scores(x);
+    let own = own(x);
     let copula = population.inputs().copula();
     if !copula.is_correlated(k) {
         return own;
@@ -254,7 +255,7 @@ fn scores(population: &Population, variable: &Distribution, j: usize, k: usize) 
         u.clamp(-LARGEST_NORMAL, LARGEST_NORMAL)
     };
     let slope = copula.score(k, normal) / standard_normal_pdf(normal(k));
-    let moved = variable.cdf_derivatives(x);
+    let moved = population.variables()[k].cdf_derivatives(x);
     [0, 1].map(|p| own[p] + slope * moved[p])
 }
 
