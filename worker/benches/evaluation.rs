@@ -149,7 +149,7 @@ fn batch_of_eight(bencher: Bencher, how: &str) {
     bencher.counter(ItemsCount::new(BATCH)).bench_local(|| run(&inputs, width, most));
 }
 
-/// Twenty-four lives in the widest lanes, so many at a time.
+/// Twenty-four lives in the widest lanes, a given number at a time.
 #[divan::bench(args = [1, 2, 3, 4, 5, 6, 8, 12], sample_count = 1, sample_size = 1)]
 fn at_a_time(bencher: Bencher, most: usize) {
     let inputs = lives(24);

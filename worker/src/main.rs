@@ -52,7 +52,7 @@ struct Arguments {
     /// Allow --serve-umbridge on an address that other machines can reach, without authentication
     #[arg(long, requires = "serve_umbridge", conflicts_with = "connect")]
     insecure: bool,
-    /// Simulation threads, each with up to three evaluations side by side [default: one per core]
+    /// Simulation threads, each with several evaluations side by side [default: one per core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     slots: Option<u16>,
     /// File with further Zenoh settings, e.g. certificates (JSON5)

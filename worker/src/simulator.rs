@@ -11,7 +11,7 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-/// Evaluations that a thread runs side by side, for so many lanes: half as many with two islands each fill them, and half as many
+/// Evaluations that a thread runs side by side, for a number of lanes: half as many with two islands each fill them, and half as many
 /// again fill the lanes of those that update their wear. More gain nothing and take memory (`cargo bench`: `at_a_time`).
 fn evaluations_for(lanes: usize) -> usize {
     (3 * lanes).div_ceil(4)

@@ -8,7 +8,7 @@
 use super::Real;
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, FRAC_PI_4, PI};
 
-/// sin(pi/8).
+/// The sine of pi/8, where the angle to the diagonal gets smaller than that to the axis.
 const SIN_PI_8: f64 = 0.3826834323650898;
 
 /// pi in three parts, the first two with trailing zeros, so that their multiples by whole numbers below 2^21

@@ -77,7 +77,7 @@ impl FullRecording {
 }
 
 impl DisplayedMotion {
-    /// See [`FullRecording::motion`].
+    /// Motion of the bodies at these times, see [`FullRecording::motion`].
     fn resample(&self, island: &Island, scene: &Scene, at: &[f64]) -> Vec<BodyMotion> {
         let n = island.coordinates();
         let column =

@@ -21,7 +21,7 @@ pub const QUICK: [&str; 10] = [
 ];
 
 /// Single parameters, then combinations, in addition to [`QUICK`].
-const MORE: [&str; 23] = [
+const MORE: [&str; 24] = [
     "step-x2",
     "step-x0.5",
     "jump-100",
@@ -31,8 +31,9 @@ const MORE: [&str; 23] = [
     "wear-tolerance-5e-3",
     "wear-tolerance-1e-2",
     "wear-tolerance-5e-2",
+    "samples-75",
     "samples-150",
-    "samples-300",
+    "samples-600",
     "samples-1200",
     "warm-up-0.02",
     "warm-up-0.2",
@@ -40,7 +41,7 @@ const MORE: [&str; 23] = [
     "dynamic",
     "draft+step-x2",
     "draft+step-x0.84",
-    "draft+samples-300",
+    "draft+samples-150",
     "draft+wear-tolerance-5e-2",
     "step-x0.84",
     "step-x0.71+jump-1000",

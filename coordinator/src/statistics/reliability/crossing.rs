@@ -25,7 +25,7 @@
 //! and Statistical Computing 5(2). Bounds: error term of the interpolating polynomial, e.g. de Boor (1978), A Practical
 //! Guide to Splines, chapter 1.
 
-/// The cubic is solved until its root moves by less than this share of the interval [1], or in so many iterations.
+/// The cubic is solved until its root moves by less than this share of the interval [1], with a bound on the iterations.
 const ENOUGH: f64 = 1e-9;
 const MOST_ITERATIONS: usize = 60;
 

@@ -3,7 +3,7 @@
 use super::*;
 use crate::statistics::design::InputModel;
 use crate::statistics::reliability::SubsetSimulation;
-use common::random::{Correlation, GaussianCopula, standard_normal_cdf};
+use common::random::{Correlation, Distribution, GaussianCopula, standard_normal_cdf};
 use rand_chacha::ChaCha12Rng;
 use rand_chacha::rand_core::SeedableRng;
 

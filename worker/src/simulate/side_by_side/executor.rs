@@ -14,8 +14,8 @@ use std::time::{Duration, Instant};
 pub enum LaneWidth {
     /// As many as the vectors of this processor.
     Widest,
-    /// So many, or as few more as there are vectors for: one number by the scalar instructions of any processor. Wider vectors than there
-    /// are islands for cost time.
+    /// At least this number, in the narrowest vectors that have as many: vectors wider than there are islands for cost time. One number takes
+    /// the scalar instructions of any processor.
     Holding(usize),
 }
 
@@ -42,7 +42,7 @@ impl LaneWidth {
 
 /// Numbers in the widest vectors of this processor.
 pub(crate) fn widest_lanes() -> usize {
-    /// Their number.
+    /// Counts the lanes that it is run in.
     struct Count;
     impl WithSimd for Count {
         type Output = usize;
