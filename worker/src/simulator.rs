@@ -11,10 +11,11 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-/// Evaluations that a thread runs side by side, for a number of lanes: half as many with two islands each fill them, and half as many
-/// again fill the lanes of those that update their wear. More gain nothing and take memory (`cargo bench`: `at_a_time`).
+/// Evaluations that a thread runs side by side, for a number of lanes. Two evaluations of two islands each fill four lanes, four fill
+/// eight; with four lanes a third one fills those of an evaluation that updates its wear. More gain nothing and take memory (`cargo bench`:
+/// `at_a_time`).
 fn evaluations_for(lanes: usize) -> usize {
-    (3 * lanes).div_ceil(4)
+    2 + lanes / 4
 }
 
 /// The simulator of the `worker` command and of the coordinator's local workers.

@@ -66,9 +66,9 @@ impl Dynamics for Impact {
         let (contact, slopes) = self.contact::<true>(q, v);
         let jacobian = slopes.in_bushing_axes();
         at.f.copy_from_slice(&contact.force);
-        for r in 0..2 {
-            at.k[2 * r..2 * r + 2].copy_from_slice(&jacobian[r][..2]);
-            at.d[2 * r..2 * r + 2].copy_from_slice(&jacobian[r][2..4]);
+        for (r, row) in jacobian[..2].iter().enumerate() {
+            at.k[2 * r..2 * r + 2].copy_from_slice(&row[..2]);
+            at.d[2 * r..2 * r + 2].copy_from_slice(&row[2..4]);
         }
         at.joints[0] = contact;
     }

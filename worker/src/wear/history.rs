@@ -2,13 +2,15 @@
 //!
 //! Each interval is a [`ContactSample`]: eccentricity, penetration and normal force averaged with the weight
 //! F_N |v_t|, the work density of Archard's law [W], and the work F S = integral of F_N |v_t| dt [N m].
-//! Instants without sliding contact have no weight.
+//! Instants without sliding contact have no weight. An interval also ends where the contact has turned by more than [`LARGEST_TURN`]: a cycle
+//! of many turns, or of impacts, is cut into as many intervals as it needs.
 //!
 //! # Source
 //! Archard (1953), J. Appl. Phys. 24, 981-988: wear is proportional to the work F S. The averaging is chosen
 //! here.
 
 use crate::contact::JointForce;
+use crate::plane::dot;
 
 /// A short interval of the cycle, averaged with the work density F_N |v_t| as weight.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,6 +25,9 @@ pub struct ContactSample {
     pub work: f64,
 }
 
+/// Cosine of the largest angle by which the contact may turn within an interval, 1.25 deg: an eighth of the spacing of 36 control points.
+const LARGEST_TURN: f64 = 0.999_762;
+
 /// Contact history of one joint over one cycle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactHistory {
@@ -31,6 +36,8 @@ pub struct ContactHistory {
     interval: f64,
     elapsed: f64,
     sum: ContactSample,
+    /// Direction of the contact where the interval's first work was done `(2,)` [1].
+    first_direction: [f64; 2],
 }
 
 const NOTHING: ContactSample = ContactSample { e: [0.0; 2], penetration: 0.0, force: [0.0; 2], work: 0.0 };
@@ -43,6 +50,7 @@ impl ContactHistory {
             interval: period / samples as f64,
             elapsed: 0.0,
             sum: NOTHING,
+            first_direction: [0.0; 2],
         }
     }
 
@@ -58,6 +66,12 @@ impl ContactHistory {
         let JointForce { penetration, normal, direction, sliding, .. } = *contact;
         let work = normal * sliding.abs() * duration;
         if work > 0.0 {
+            if self.sum.work > 0.0 && dot(direction, self.first_direction) < LARGEST_TURN {
+                self.close_stretch();
+            }
+            if self.sum.work <= 0.0 {
+                self.first_direction = direction;
+            }
             self.sum.e[0] += work * e[0];
             self.sum.e[1] += work * e[1];
             self.sum.penetration += work * penetration;
