@@ -103,6 +103,17 @@ impl Profile {
         cubic_at(self.cubic[interval], s, self.per_radian)
     }
 
+    /// Radius at `x` control points from that at angle zero, in [-n, 2 n) [m].
+    #[inline(always)]
+    pub(crate) fn turned(&self, x: f64) -> f64 {
+        let n = self.cubic.len();
+        let from = x + n as f64;
+        let floor = from as usize;
+        let s = from - floor as f64;
+        let once = if floor >= n { floor - n } else { floor };
+        Cubic(self.cubic[if once >= n { once - n } else { once }]).value(s)
+    }
+
     /// Fills `table` with R at `table.len()` equal angles from 0 (a multiple of the control points) [m].
     pub(crate) fn tabulate(&self, table: &mut [f64]) {
         let sub = table.len() / self.cubic.len();

@@ -10,8 +10,7 @@
 //! no longer positive, on the chord from the table angle before. (A parabola through three angles is ten times as exact, but under it narrow
 //! scars at many control points wear in thousands of sub-steps.)
 //!
-//! The search tries eight table angles at a time: the end is the one that a walk from angle to angle finds. Towards
-//! smaller angles it is the same search on the mirrored bore.
+//! The search tries eight table angles at a time: the end is the one that a walk from angle to angle finds. Towards smaller angles it is the same search on the mirrored bore.
 //!
 //! # Source
 //! Arc ends by the law of cosines: Cui et al., China Mechanical Engineering 37(6), 2026, 1472-1485,
@@ -20,7 +19,8 @@
 use crate::bore::Profile;
 use std::f64::consts::TAU;
 
-/// Table intervals per control point: 1.25 deg at 36 control points, which misplaces the ends of an arc by 0.2 % of its width at most.
+/// Table intervals per control point: 1.25 deg at 36 control points; a linear interpolation there misplaces
+/// the ends of a 20 deg arc by 0.2 %.
 pub const SUBDIVISION: usize = 8;
 
 /// Table angles tried at once: what the compiler makes vectors of.
@@ -67,61 +67,6 @@ impl Spot {
         let interval = self.place as usize / SUBDIVISION;
         (interval, self.place / SUBDIVISION as f64 - interval as f64)
     }
-}
-
-/// Both ends of a few contact arcs, downwards and upwards, each between two neighbouring table angles: number by number, for the
-/// vectors of the processor.
-#[derive(Debug, Clone, Copy)]
-pub struct Brackets<const N: usize> {
-    /// p > 0 at the nearer angle, and p <= 0 at the farther one [m].
-    p: [[f64; N]; 2],
-    /// Distance of the nearer angle from the contact's direction, and from there to the farther one [table intervals].
-    near: [f64; N],
-    step: [f64; N],
-    /// R1 - R at both angles [m].
-    gap: [[f64; N]; 2],
-}
-
-impl<const N: usize> Brackets<N> {
-    /// Room for `N` ends.
-    #[inline(always)]
-    pub(crate) fn new() -> Self {
-        let zero = [0.0; N];
-        Brackets { p: [[1.0; N], [-1.0; N]], near: zero, step: zero, gap: [zero; 2] }
-    }
-
-    /// Sets end `k` between table angles.
-    #[inline(always)]
-    fn between(&mut self, k: usize, p: [f64; 2], near: f64, gap: [f64; 2]) {
-        (self.p[0][k], self.p[1][k]) = (p[0], p[1]);
-        (self.near[k], self.step[k]) = (near, 1.0);
-        (self.gap[0][k], self.gap[1][k]) = (gap[0], gap[1]);
-    }
-
-    /// Sets end `k` at this distance from the contact [table intervals], where R1 - R is `gap` [m].
-    #[inline(always)]
-    fn at(&mut self, k: usize, distance: f64, gap: f64) {
-        self.between(k, [1.0, -1.0], distance, [gap; 2]);
-        self.step[k] = 0.0;
-    }
-
-    /// Distance of each end from its contact [table intervals], and R1 - R there [m]: where the chord of p is zero.
-    #[inline(always)]
-    pub(crate) fn solve(&self) -> [[f64; N]; 2] {
-        let (mut distance, mut gap) = ([0.0; N], [0.0; N]);
-        for k in 0..N {
-            let s = self.p[0][k] / (self.p[0][k] - self.p[1][k]);
-            distance[k] = self.near[k] + self.step[k] * s;
-            gap[k] = self.gap[0][k] + s * (self.gap[1][k] - self.gap[0][k]);
-        }
-        [distance, gap]
-    }
-}
-
-/// One contact: penetration delta and R1 - R in its direction [m].
-struct Contact {
-    penetration: f64,
-    gap: f64,
 }
 
 /// Journal circle of one contact, and one side of the bore.
@@ -185,12 +130,6 @@ impl ArcEnds {
         ArcEnds { journal_radius, cos, sin, gap: vec![0.0; 2 * n], mirrored_gap: vec![0.0; 2 * n] }
     }
 
-    /// Journal radius R1 [m].
-    #[inline(always)]
-    pub(crate) fn journal_radius(&self) -> f64 {
-        self.journal_radius
-    }
-
     /// Number of table intervals n.
     pub(crate) fn intervals(&self) -> usize {
         self.gap.len() / 2
@@ -210,23 +149,16 @@ impl ArcEnds {
             .for_each(|(to, from)| *to = *from);
     }
 
-    /// Brackets the two ends of the arc of the contact at `spot`, downwards as end 2 `k` and upwards as end 2 `k` + 1, at penetration
-    /// `penetration` [m], where the bore has radius `radius` [m] and slope `slope` [m/rad].
+    /// Distances from the direction of the contact at `spot` to the two ends of its arc, downwards and
+    /// upwards, at penetration `penetration` [m], where the bore has radius `radius` [m] and slope `slope`
+    /// [m/rad]. In table intervals; half a turn where the arc does not end.
     ///
     /// Where a place inside the arc wears until the circle only grazes it, the arc ends there from one
     /// instant to the next, and the part behind it no longer counts; a second patch behind the end joins the
     /// arc again where the gap between them closes. There the end, and with it the wear rate, is not a
     /// continuous function of the profile.
     #[inline(always)]
-    pub(crate) fn bracket<const N: usize>(
-        &self,
-        spot: &Spot,
-        penetration: f64,
-        radius: f64,
-        slope: f64,
-        k: usize,
-        ends: &mut Brackets<N>,
-    ) {
+    pub(crate) fn find(&self, spot: &Spot, penetration: f64, radius: f64, slope: f64) -> (f64, f64) {
         let n = self.intervals();
         let size = penetration + radius - self.journal_radius;
         let e = [size * spot.u[0], size * spot.u[1]];
@@ -236,9 +168,7 @@ impl ArcEnds {
         let down = self.side(&self.mirrored_gap, n - below, [e[0], -e[1]]);
         let up = self.side(&self.gap, below + 1, e);
         let slope = slope * TAU / n as f64;
-        let contact = Contact { penetration, gap: self.journal_radius - radius };
-        bracket_end(&down, n, lead, &contact, slope, 2 * k, ends);
-        bracket_end(&up, n, 1.0 - lead, &contact, -slope, 2 * k + 1, ends);
+        (end(&down, n, lead, penetration, slope), end(&up, n, 1.0 - lead, penetration, -slope))
     }
 
     /// The side of the bore with these gaps that begins at the table angle `first`, for the eccentricity `e` [m].
@@ -249,28 +179,16 @@ impl ArcEnds {
     }
 }
 
-/// One end of the arc on a table of `n` intervals, half a turn away where it does not end; `first` is the distance to the first table
-/// angle on this side, `slope` that of p outwards [m per interval].
+/// One end of the arc on a table of `n` intervals; `first` is the distance to the first table angle on this side, `slope` that of p
+/// outwards [m per interval].
 #[inline(always)]
-fn bracket_end<const N: usize>(
-    side: &Side,
-    n: usize,
-    first: f64,
-    contact: &Contact,
-    slope: f64,
-    k: usize,
-    ends: &mut Brackets<N>,
-) {
+fn end(side: &Side, n: usize, first: f64, penetration: f64, slope: f64) -> f64 {
     match side.first_outside(n / 2 + 1) {
-        None => ends.at(k, n as f64 / 2.0, side.gap[n / 2]),
-        Some(0) => {
-            let distance = first_end(contact.penetration, slope, first, side.beyond(0));
-            let share = if first > 0.0 { distance / first } else { 1.0 };
-            ends.at(k, distance, contact.gap + share * (side.gap[0] - contact.gap));
-        }
+        None => n as f64 / 2.0,
+        Some(0) => first_end(penetration, slope, first, side.beyond(0)),
         Some(m) => {
-            let p = [side.beyond(m - 1), side.beyond(m)];
-            ends.between(k, p, first + (m - 1) as f64, [side.gap[m - 1], side.gap[m]]);
+            let (p, next) = (side.beyond(m - 1), side.beyond(m));
+            first + (m - 1) as f64 + p / (p - next)
         }
     }
 }

@@ -14,7 +14,7 @@
 //! the arc AB wears evenly by K_H F S / (|AB| L), at the control points inside it. The shares by hat functions
 //! are chosen here: the published rule gives an arc between two points no wear at all.
 
-use super::arc_ends::{ArcEnds, Brackets, SUBDIVISION, Spot};
+use super::arc_ends::{ArcEnds, SUBDIVISION, Spot};
 use super::history::ContactSample;
 use crate::bore::{Profile, Radius};
 use crate::lanes::{Vectorised, vectorise};
@@ -81,33 +81,21 @@ struct Sharing<'a> {
     profile: &'a Profile,
 }
 
-/// Samples whose arcs are found together.
-const TOGETHER: usize = 8;
-
 impl Vectorised for Sharing<'_> {
     #[inline(always)]
     fn run(self) {
         let LocalArcs { ends, samples, unrolled } = self.arcs;
         // The offset of a turn makes truncation the floor.
         let turn = self.profile.points() as f64;
-        let journal = ends.journal_radius();
-        for samples in samples.chunks(TOGETHER) {
-            let mut brackets = Brackets::<{ 2 * TOGETHER }>::new();
-            let mut radius = [1.0; TOGETHER];
-            for (k, Sample { spot, penetration, .. }) in samples.iter().enumerate() {
-                let (interval, s) = spot.within();
-                let Radius { r, d1, .. } = self.profile.within(interval, s);
-                ends.bracket(spot, *penetration, r, d1, k, &mut brackets);
-                radius[k] = r;
-            }
-            let [distance, gap] = brackets.solve();
-            for (k, Sample { spot, work, .. }) in samples.iter().enumerate() {
-                let start = (spot.place - distance[2 * k]) / SUBDIVISION as f64;
-                let end = (spot.place + distance[2 * k + 1]) / SUBDIVISION as f64;
-                // Mean radius along the arc, by Simpson's rule over its angle.
-                let mean = (4.0 * radius[k] + 2.0 * journal - gap[2 * k] - gap[2 * k + 1]) / 6.0;
-                share_out(unrolled, turn + start..turn + end, *work / mean);
-            }
+        for Sample { spot, penetration, work } in &*samples {
+            let (interval, s) = spot.within();
+            let Radius { r, d1, .. } = self.profile.within(interval, s);
+            let (before, after) = ends.find(spot, *penetration, r, d1);
+            // Mean radius along the arc, by Simpson's rule over its angle.
+            let start = (spot.place - before) / SUBDIVISION as f64;
+            let end = (spot.place + after) / SUBDIVISION as f64;
+            let mean = (self.profile.turned(start) + 4.0 * r + self.profile.turned(end)) / 6.0;
+            share_out(unrolled, turn + start..turn + end, *work / mean);
         }
     }
 }

@@ -13,9 +13,9 @@ const R1: f64 = 1.5e-3;
 const COEFFICIENT: f64 = 1.288e-13;
 const WIDTH: f64 = 4e-3;
 
-/// Distance from direction `psi` to the end of the arc on the side of `sign` [rad], by a walk over the table's angles, and the radius
-/// there [m], on the chord between the angles around it.
-fn walked(profile: &Profile, psi: f64, penetration: f64, sign: f64) -> (f64, f64) {
+/// Distance from direction `psi` to the end of the arc on the side of `sign`, by a walk over the table's
+/// angles [rad].
+fn walked(profile: &Profile, psi: f64, penetration: f64, sign: f64) -> f64 {
     let n = SUBDIVISION * profile.points();
     let spacing = TAU / n as f64;
     let at = profile.radius_at(psi);
@@ -23,10 +23,6 @@ fn walked(profile: &Profile, psi: f64, penetration: f64, sign: f64) -> (f64, f64
     let beyond = |angle: f64| {
         let (s, c) = (angle - psi).sin_cos();
         R1 + e * c - e * e * s * s / (2.0 * R1) - profile.radius_at(angle.rem_euclid(TAU)).r
-    };
-    let radius = |phi: f64| profile.radius_at((psi + sign * phi).rem_euclid(TAU)).r;
-    let chord = |from: f64, to: f64, phi: f64| {
-        radius(from) + (phi - from) / (to - from) * (radius(to) - radius(from))
     };
     let place = psi / spacing;
     let first = if sign > 0.0 { place.floor() + 1.0 } else { place.floor() };
@@ -38,19 +34,17 @@ fn walked(profile: &Profile, psi: f64, penetration: f64, sign: f64) -> (f64, f64
         let q = (p - penetration - slope * phi) / (phi * phi);
         let root = (slope * slope - 4.0 * q * penetration).sqrt();
         let roots = [(-slope - root) / (2.0 * q), (-slope + root) / (2.0 * q)];
-        let end = roots.into_iter().filter(|x| *x > 0.0).fold(phi, f64::min);
-        return (end, chord(0.0, phi, end));
+        return roots.into_iter().filter(|x| *x > 0.0).fold(phi, f64::min);
     }
     while phi < PI {
         angle += sign * spacing;
         let next = beyond(angle);
         if next <= 0.0 {
-            let end = phi + spacing * p / (p - next);
-            return (end, chord(phi, phi + spacing, end));
+            return phi + spacing * p / (p - next);
         }
         (p, phi) = (next, phi + spacing);
     }
-    (PI, radius(PI))
+    PI
 }
 
 /// Wear per cycle of these samples: (direction, penetration, work).
@@ -58,9 +52,9 @@ fn plain(profile: &Profile, samples: &[(f64, f64, f64)]) -> Vec<f64> {
     let n = profile.points();
     let mut rate = vec![0.0; n];
     for &(psi, penetration, work) in samples {
-        let [(before, first), (after, last)] =
-            [-1.0, 1.0].map(|sign| walked(profile, psi, penetration, sign));
-        let radius_on_arc = (first + 4.0 * profile.radius_at(psi).r + last) / 6.0;
+        let [before, after] = [-1.0, 1.0].map(|sign| walked(profile, psi, penetration, sign));
+        let radius = |angle: f64| profile.radius_at(angle.rem_euclid(TAU)).r;
+        let radius_on_arc = (radius(psi - before) + 4.0 * radius(psi) + radius(psi + after)) / 6.0;
         // Mean over the arc of each point's hat function, summed over the turns it appears in, by the antiderivative
         // of each of its two straight sides.
         let spacing = TAU / n as f64;
@@ -154,39 +148,6 @@ fn rates_are_those_of_the_walk_over_smooth_rough_and_grooved_bores() {
     }
     println!("{compared} rates within {worst:e} of the largest");
     assert!(worst < 1e-9, "{worst:e}");
-}
-
-/// The walk's ends of arcs on a smooth scar against those found by bisection on a table sixty-four times as fine.
-#[test]
-fn ends_of_arcs_are_those_of_the_bore() {
-    let (points, mut even) = (36, Even(0.5));
-    let mut profile = Profile::round(R1 + CLEARANCE, points);
-    let [smooth, ..] = bores(points, 30e-6, &mut even);
-    profile.set_depth(&smooth);
-    let mut worst = 0.0_f64;
-    for _ in 0..2000 {
-        let (psi, delta) = (TAU * even.next(), 10f64.powf(-7.0 + 1.5 * even.next()));
-        let e = delta + profile.radius_at(psi).r - R1;
-        let beyond = |phi: f64| {
-            let (s, c) = phi.sin_cos();
-            R1 + e * c - e * e * s * s / (2.0 * R1) - profile.radius_at((psi + phi).rem_euclid(TAU)).r
-        };
-        let [before, after] = [-1.0, 1.0].map(|sign| {
-            let step = TAU / (64 * SUBDIVISION * points) as f64;
-            let fine = (1..).map(|k| step * f64::from(k)).find(|phi| *phi >= PI || beyond(sign * phi) <= 0.0);
-            let last = fine.expect("half a turn at most");
-            let (mut inside, mut outside) = (last - step, last);
-            for _ in 0..40 {
-                let middle = 0.5 * (inside + outside);
-                *(if beyond(sign * middle) > 0.0 { &mut inside } else { &mut outside }) = middle;
-            }
-            (walked(&profile, psi, delta, sign).0, outside.min(PI))
-        });
-        let width = before.1 + after.1;
-        worst = worst.max((before.0 - before.1).abs() / width).max((after.0 - after.1).abs() / width);
-    }
-    println!("ends within {worst:e} of the width of the arc");
-    assert!(worst < 3e-3, "{worst:e}");
 }
 
 /// One sample with work 1 N m whose arc has the half angle `half` [rad] on a round bore, in direction `psi`.
