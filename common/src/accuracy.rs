@@ -43,15 +43,14 @@ impl Accuracy {
     pub const NAMES: [&str; 3] = ["draft", "balanced", "reference"];
 
     /// The preset for a first impression. For the flapping-wing drive at four points, `coordinator tradeoff` found errors of 0.04 % of
-    /// the limit for the wear and 3.7 % for the asymmetry, which displaces the life it ends by 480 of 66 000 cycles, in 0.57 of the
-    /// time of `balanced` (`coordinator/doc/tradeoff.md`). Fewer samples or longer time steps would save a tenth and cost 9 to 14 %.
+    /// the limit for the wear and 4.2 % for the asymmetry, which displaces the life it ends by 540 of 66 000 cycles, in half the
+    /// time of `balanced` (`coordinator/doc/tradeoff.md`).
     pub const fn draft() -> Self {
         Accuracy { step_tolerance: 2e-3, largest_step: 1.0 / 500.0, cycle_jump: 8000, ..Self::balanced() }
     }
 
     /// The preset for studies, and the default. The measurement named in [`Accuracy::draft`] found the wear within 0.03 %, the
-    /// asymmetry within 2.2 % (1.4 % up to its limit), and the life it ends within 240 cycles. Shorter time steps alone gain nothing;
-    /// blocks of 2000 cycles reach 1.3 % in 1.6 times the time.
+    /// asymmetry within 2.2 % (0.7 % up to its limit), and the life it ends within 120 cycles. Shorter time steps alone gain nothing.
     pub const fn balanced() -> Self {
         Accuracy {
             step_tolerance: 5e-4,
