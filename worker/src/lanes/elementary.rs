@@ -144,6 +144,19 @@ mod tests {
         assert!(sincos(f64::NAN).0.is_nan() && tanh(f64::INFINITY) == 1.0);
     }
 
+    /// Every function of these numbers.
+    fn every<R: Real>(x: R, y: R) -> [R; 7] {
+        [
+            sincos(x).0,
+            sincos(x).1,
+            direction_angle([y, x]),
+            tanh(x),
+            x.larger(y),
+            x.smaller(y),
+            Real::round(x),
+        ]
+    }
+
     /// Every function in lanes against one number at a time.
     struct Compare;
 
@@ -153,26 +166,10 @@ mod tests {
             for k in 0..5000 {
                 let x = Lanes::all(simd, 0.0).each(|lane| (f64::from(k) * 0.037 + 1.3 * lane as f64).tan());
                 let y = x.each(|lane| (f64::from(k) * 0.11 - 0.7 * lane as f64).sin());
-                let found = [
-                    sincos(x).0,
-                    sincos(x).1,
-                    direction_angle([y, x]),
-                    tanh(x),
-                    x.larger(y),
-                    x.smaller(y),
-                    x.round(),
-                ];
+                let found = every(x, y);
                 for lane in 0..S::F64_LANES {
                     let (x, y) = (x.lane(lane), y.lane(lane));
-                    let alone = [
-                        sincos(x).0,
-                        sincos(x).1,
-                        direction_angle([y, x]),
-                        tanh(x),
-                        x.larger(y),
-                        x.smaller(y),
-                        Real::round(x),
-                    ];
+                    let alone = every(x, y);
                     for (found, alone) in found.iter().zip(alone) {
                         assert_eq!(found.lane(lane).to_bits(), alone.to_bits(), "{x} {y}");
                     }

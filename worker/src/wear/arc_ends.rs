@@ -7,8 +7,7 @@
 //!
 //! with the journal radius R1, the worn bore R and the penetration delta [m]; the root is expanded to second
 //! order: the next term is (e/R1)^4 / 8, below 1e-11 m here. The arc ends at the first table angle where p is
-//! no longer positive, on the chord from the table angle before. (A parabola through three angles is ten times as exact, but under it narrow
-//! scars at many control points wear in thousands of sub-steps.)
+//! no longer positive, on the chord from the table angle before.
 //!
 //! The search tries eight table angles at a time: the end is the one that a walk from angle to angle finds. Towards smaller angles it is the same search on the mirrored bore.
 //!

@@ -12,26 +12,24 @@ fn run(scene: &Scene, accuracy: &Accuracy) -> Evaluation {
 
 #[test]
 fn issue_the_stated_wear_error_of_a_rattling_mechanism_exceeded_the_wear() {
-    let mut scene = scene("slider-crank", &[]);
+    const STARTS: u32 = 10;
     // With single cycles, each probed by three others, it took these steps and stated 200 %.
     for (accuracy, bound, steps_before) in
-        [(Accuracy::draft(), 0.12, 30_162), (Accuracy::balanced(), 0.12, 45_487)]
+        [(Accuracy::draft(), 0.12, 30_162.0), (Accuracy::balanced(), 0.1, 45_487.0)]
     {
-        // The motion is chaotic, and so are error and steps of one start (ten starts of `balanced` take 1.9 to 2.1 times the steps): the
-        // middle error of three counts.
-        let mut largest: Vec<f64> = [0.0, 5e-8, 5e-8]
-            .map(|wider| {
-                every_joint(&mut scene, |clearance| clearance.bushing_radius += wider);
-                let evaluation = run(&scene, &accuracy);
-                let steps = evaluation.diagnostics.steps;
-                assert!(10 * steps < 22 * steps_before, "{steps} steps");
-                let relative = evaluation.errors[0].iter().zip(&evaluation.histories[0]).map(|(e, h)| e / h);
-                relative.fold(0.0, f64::max)
-            })
-            .to_vec();
-        println!("stated errors of three starts: {largest:.3?}");
-        largest.sort_by(f64::total_cmp);
-        assert!(largest[1] < bound && largest[2] < 2.0 * bound, "{largest:?}");
+        // The motion is chaotic, and error and steps of one start are a matter of luck: their means over ten starts count.
+        let (mut error, mut steps) = (0.0, 0.0);
+        for start in 0..STARTS {
+            let mut scene = scene("slider-crank", &[]);
+            every_joint(&mut scene, |clearance| clearance.bushing_radius += 5e-8 * f64::from(start));
+            let evaluation = run(&scene, &accuracy);
+            let relative = evaluation.errors[0].iter().zip(&evaluation.histories[0]).map(|(e, h)| e / h);
+            error += relative.fold(0.0, f64::max) / f64::from(STARTS);
+            steps += evaluation.diagnostics.steps as f64 / f64::from(STARTS);
+        }
+        println!("{:.1} % stated at most, {steps:.0} steps", 100.0 * error);
+        assert!(error < bound, "{error}");
+        assert!(steps < 2.0 * steps_before, "{steps} steps");
     }
 }
 
