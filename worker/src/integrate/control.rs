@@ -16,6 +16,8 @@
 //! # Source
 //! Hairer, Nørsett, Wanner: Solving Ordinary Differential Equations I (1993), section II.4.
 
+use crate::lanes::Real;
+
 /// Bounds of the steps of one island, and the step to try next.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepControl {
@@ -51,21 +53,27 @@ impl StepControl {
         within_remaining(self.step, left)
     }
 
-    /// Sets the next step after an accepted one of length `h` [s] and error over tolerance `error` [1]. A step cut short by the
-    /// end of a span does not lengthen it.
+    /// Sets the next step after an accepted one of length `h` [s] with this [`step_ratio`]. A step cut short by the end of a span does
+    /// not lengthen it.
     #[inline]
-    pub(crate) fn lengthen(&mut self, h: f64, error: f64) {
-        let growth = (0.9 / error.max(1e-6).sqrt().sqrt()).clamp(0.3, 3.0);
+    pub(crate) fn lengthen(&mut self, h: f64, ratio: f64) {
+        let growth = ratio.clamp(0.3, 3.0);
         if h >= self.step || growth < 1.0 {
             self.step = (h * growth).min(self.largest);
         }
     }
 
-    /// Sets the next step after a refused one of length `h` [s] and error over tolerance `error` [1].
-    pub(crate) fn shorten(&mut self, h: f64, error: f64) {
-        let shrink = if error.is_finite() { (0.9 / error.sqrt().sqrt()).clamp(0.1, 0.5) } else { 0.1 };
-        self.step = h * shrink;
+    /// Sets the next step after a refused one of length `h` [s] with this [`step_ratio`].
+    pub(crate) fn shorten(&mut self, h: f64, ratio: f64) {
+        self.step = h * ratio.clamp(0.1, 0.5);
     }
+}
+
+/// Ratio 0.9 e^(-1/4) of the length wanted to that of a step with the error over tolerance e = `error` [1], before its bounds; zero if e is
+/// infinite.
+#[inline(always)]
+pub(crate) fn step_ratio<R: Real>(error: R) -> R {
+    error.like(0.9) / error.larger(error.like(1e-6)).sqrt().sqrt()
 }
 
 /// `step`, or what the time `left` allows [s]: the last two steps of a span share it equally, so that no sliver remains.

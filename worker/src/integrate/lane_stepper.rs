@@ -5,8 +5,9 @@
 //! [`super::Stepper`] alone; and all lanes linearise and try a step in the same round, so that a lane whose step was refused
 //! linearises the same state again. The result of a lane does not depend on the other lanes.
 
-use super::progress::nan_as_infinite;
-use super::{Dynamics, IntegrationError, Linearised, Rosenbrock, SpanProgress, StepControl, StepDecision};
+use super::{
+    Dynamics, IntegrationError, Linearised, Rosenbrock, SpanProgress, StepControl, StepDecision, step_ratio,
+};
 use crate::lanes::Real;
 use std::ops::Range;
 
@@ -62,8 +63,12 @@ pub struct LaneStepper<R> {
     pub lanes: Vec<Option<LaneState>>,
     /// Length of the step tried in idle lanes [s].
     idle: f64,
-    /// Largest scaled error of this round; not a number if the step has none.
+    /// Time of the states of this round, zero in idle lanes [s].
+    pub time: R,
+    /// Error over tolerance of the step of this round [1]; infinite if the step has none.
     error: R,
+    /// Ratio of the length wanted to that of this step [1].
+    ratio: R,
     /// Zero times the force: not a number where the force is not finite.
     force: R,
 }
@@ -79,7 +84,9 @@ impl<R: Real> LaneStepper<R> {
             v: vec![like.zero(); n],
             lanes: vec![None; R::LANES],
             idle,
+            time: like.zero(),
             error: like.zero(),
+            ratio: like.zero(),
             force: like.zero(),
         }
     }
@@ -103,6 +110,8 @@ impl<R: Real> LaneStepper<R> {
             _ => self.idle,
         });
         let t = like.each(|k| lanes[k].map_or(0.0, |lane| lane.progress.time));
+        let tolerance = like.each(|k| lanes[k].map_or(1.0, |lane| lane.progress.control.tolerance));
+        self.time = t;
         system.linearise(t, &self.q, &self.v, &mut self.at);
         self.force = like.zero();
         for f in &self.at.f {
@@ -111,7 +120,10 @@ impl<R: Real> LaneStepper<R> {
         let sound = self.scheme.step(system, &self.at, t, h, &self.q, &self.v);
         // Not a number where the matrix was as good as singular.
         let inverse = system.inverse_scales();
-        self.error = self.scheme.error(|i| inverse[i]) / sound;
+        let error = self.scheme.error(|i| inverse[i]) / sound / tolerance;
+        let infinite = error.like(f64::INFINITY);
+        self.error = R::select(error.below(infinite), error, infinite);
+        self.ratio = step_ratio(self.error);
     }
 
     /// True if the force of a lane is finite at the state linearised in this round.
@@ -132,8 +144,8 @@ impl<R: Real> LaneStepper<R> {
         }
         progress.check_bound()?;
         progress.counts.forces += 2;
-        let error = nan_as_infinite(self.error.lane(lane) / progress.control.tolerance);
-        state.fresh = progress.decide(state.tried, error)? == StepDecision::Accepted;
+        let (error, ratio) = (self.error.lane(lane), self.ratio.lane(lane));
+        state.fresh = progress.decide(state.tried, error, ratio)? == StepDecision::Accepted;
         if state.fresh {
             for (to, from) in self.q.iter_mut().zip(&self.scheme.new_q) {
                 to.set_lane(lane, from.lane(lane));
@@ -156,9 +168,14 @@ impl<R: Real> LaneStepper<R> {
         v.iter_mut().zip(&self.v).for_each(|(to, from)| *to = from.lane(lane));
     }
 
+    /// Reads the generalised forces `(n,)` of a lane from the linearisation of this round.
+    pub(crate) fn read_force(&self, lane: usize, to: &mut Linearised) {
+        to.f.iter_mut().zip(&self.at.f).for_each(|(to, from)| *to = from.lane(lane));
+    }
+
     /// Reads forces, eccentricities and joint states of a lane from the linearisation of this round, without the matrices.
     pub(crate) fn read_forces(&self, lane: usize, to: &mut Linearised) {
-        to.f.iter_mut().zip(&self.at.f).for_each(|(to, from)| *to = from.lane(lane));
+        self.read_force(lane, to);
         for (to, from) in to.joints.iter_mut().zip(&self.at.joints) {
             to.force = from.force.map(|x| x.lane(lane));
             to.torque_journal = from.torque_journal.lane(lane);

@@ -24,7 +24,7 @@ mod stepper;
 
 pub use band::Band;
 pub use control::StepControl;
-pub(crate) use control::within_remaining;
+pub(crate) use control::{step_ratio, within_remaining};
 pub(crate) use lane_stepper::{LaneOutcome, LaneState, LaneStepper, Scaled};
 pub(crate) use linear::add_product;
 pub(crate) use pivoted::Pivoted;

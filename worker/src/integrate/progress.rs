@@ -141,19 +141,24 @@ impl SpanProgress {
     }
 
     /// Accepts or refuses a step of length `h` [s] whose estimated error over its tolerance is `error` [1] (infinite if the
-    /// step has no finite one), and adapts the length of the next step.
+    /// step has no finite one), and adapts the length of the next step; `ratio` is the [`step_ratio`](super::step_ratio) of this error.
     ///
     /// # Errors
     /// [`IntegrationError::StepTooSmall`] without a joint, if the step is refused and the next one would be below its bound.
-    pub(crate) fn decide(&mut self, h: f64, error: f64) -> Result<StepDecision, IntegrationError> {
+    pub(crate) fn decide(
+        &mut self,
+        h: f64,
+        error: f64,
+        ratio: f64,
+    ) -> Result<StepDecision, IntegrationError> {
         if error <= 1.0 {
             self.time = if h == self.end - self.time { self.end } else { self.time + h };
             self.counts.steps += 1;
-            self.control.lengthen(h, error);
+            self.control.lengthen(h, ratio);
             return Ok(StepDecision::Accepted);
         }
         self.counts.rejected += 1;
-        self.control.shorten(h, error);
+        self.control.shorten(h, ratio);
         if self.control.step < self.control.smallest {
             let (error, step) = (error.min(f64::MAX), self.control.step);
             return Err(IntegrationError::StepTooSmall { time: self.time, step, error, joint: None });

@@ -7,6 +7,7 @@
 use super::progress::{nan_as_infinite, worst_coordinate};
 use super::{
     IntegrationError, Linearised, Rosenbrock, SpanProgress, StepControl, StepCounts, StepDecision, Stepped,
+    step_ratio,
 };
 use std::ops::Range;
 
@@ -86,7 +87,7 @@ impl Stepper {
             loop {
                 let h = progress.next_step();
                 let error = self.try_step(system, progress, h, q, v);
-                if progress.decide(h, error)? == StepDecision::Accepted {
+                if progress.decide(h, error, step_ratio(error))? == StepDecision::Accepted {
                     break;
                 }
             }

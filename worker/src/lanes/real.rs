@@ -43,6 +43,8 @@ pub trait Real:
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
     /// Where both masks are true.
     fn both(a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// True if the mask is true in any lane.
+    fn any(mask: Self::Mask) -> bool;
 
     /// Zero in every lane.
     #[inline(always)]
@@ -111,6 +113,10 @@ impl Real for f64 {
     #[inline(always)]
     fn both(a: bool, b: bool) -> bool {
         a && b
+    }
+    #[inline(always)]
+    fn any(mask: bool) -> bool {
+        mask
     }
 }
 
@@ -235,5 +241,9 @@ impl<S: Simd> Real for Lanes<S> {
     #[inline(always)]
     fn both((simd, a): Self::Mask, (_, b): Self::Mask) -> Self::Mask {
         (simd, simd.and_m64s(a, b))
+    }
+    #[inline(always)]
+    fn any((simd, mask): Self::Mask) -> bool {
+        simd.first_true_m64s(mask) < S::F64_LANES
     }
 }

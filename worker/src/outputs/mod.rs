@@ -7,12 +7,13 @@
 //! |---|---|
 //! | `motion_output.rs` | the trait of the outputs |
 //! | `angle_difference.rs`, `peak_joint_force.rs`, `position_error.rs`, `driving_torque.rs` | the outputs |
-//! | `recording_request.rs`, `recorder.rs` | what to record of an island, and the recording |
+//! | `recording_request.rs`, `recorder.rs`, `contact_lanes.rs` | what to record of an island, and the recording; contacts of islands in lanes |
 //! | `recorded_cycle.rs` | the recordings of all islands of a cycle, as outputs read them |
 //! | `trace.rs`, `point_track.rs`, `moment_track.rs` | angle of a body, force of a joint, path of a point and moment on a body over time |
 //! | `full_recording.rs`, `energy.rs` | everything of a cycle that is displayed |
 
 mod angle_difference;
+mod contact_lanes;
 mod driving_torque;
 mod energy;
 mod full_recording;
@@ -26,6 +27,7 @@ mod recorder;
 mod recording_request;
 mod trace;
 
+pub(crate) use contact_lanes::ContactLanes;
 pub(crate) use energy::sum_of_islands;
 pub(crate) use full_recording::FullRecording;
 pub(crate) use motion_output::{MotionOutput, Sampling};

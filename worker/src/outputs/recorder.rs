@@ -3,10 +3,9 @@
 
 use super::moment_track::MomentTrack;
 use super::{BodyTrack, FullRecording, PointTrack, RecordingRequest};
-use crate::contact::JointForce;
 use crate::integrate::{Dynamics, Linearised, StateObserver};
 use crate::mechanism::{End, Frame, Island};
-use crate::wear::ContactHistory;
+use crate::wear::{ContactHistory, ContactInstant};
 use common::scene::{Attachment, Scene};
 
 /// Records a cycle of one island.
@@ -24,7 +23,8 @@ pub struct Recorder {
     moments: Vec<(usize, MomentTrack)>,
     /// Largest force so far of each joint, those with clearance first, if requested [N].
     peak_forces: Option<Vec<f64>>,
-    last: Option<(f64, Vec<JointForce>, Vec<[f64; 2]>)>,
+    /// Time [s] and contacts of the last state `(joints,)`.
+    pub(super) last: Option<(f64, Vec<ContactInstant>)>,
 }
 
 impl Recorder {
@@ -94,12 +94,20 @@ impl Recorder {
     }
 }
 
-impl StateObserver<Island> for Recorder {
-    fn observe(&mut self, island: &Island, t: f64, q: &[f64], v: &[f64], at: &Linearised) {
-        // The second half of a cycle begins at the end of the first: that instant is observed twice.
-        if self.last.as_ref().is_some_and(|(time, ..)| *time == t) {
-            return;
-        }
+impl Recorder {
+    /// True if a state at this time [s] was the last one recorded: the second half of a cycle begins at the end of the first, and that
+    /// instant is observed twice.
+    pub(crate) fn has_recorded(&self, t: f64) -> bool {
+        self.last.as_ref().is_some_and(|(time, _)| *time == t)
+    }
+
+    /// True if [`Self::record_motion`] reads the forces of the joints and those on prescribed bodies.
+    pub(crate) fn needs_joint_forces(&self) -> bool {
+        self.full.is_some() || self.peak_forces.is_some() || !self.moments.is_empty()
+    }
+
+    /// Records everything of a state but the contacts.
+    pub(crate) fn record_motion(&mut self, island: &Island, t: f64, q: &[f64], v: &[f64], at: &Linearised) {
         for (slot, inertia, track) in &mut self.bodies {
             let k = 3 * *slot + 2;
             track.push(t, q[k], v[k], at.f[k] / *inertia);
@@ -121,18 +129,31 @@ impl StateObserver<Island> for Recorder {
         if let Some(full) = &mut self.full {
             full.push(island, t, q, v, at);
         }
-        if let Some((time, joints, e)) = &mut self.last {
-            // Trapezoidal rule: each end of the step stands for half of it.
-            let half = 0.5 * (t - *time);
-            for (j, history) in self.histories.iter_mut().enumerate() {
-                history.push(half, e[j], &joints[j]);
-                history.push(half, at.e[j], &at.joints[j]);
-            }
-            *time = t;
-            joints.copy_from_slice(&at.joints);
-            e.copy_from_slice(&at.e);
-        } else {
-            self.last = Some((t, at.joints.clone(), at.e.clone()));
+    }
+
+    /// Adds the contacts of a state to the histories.
+    fn record_contacts(&mut self, t: f64, at: &Linearised) {
+        let now = at.e.iter().zip(&at.joints).map(|(e, joint)| ContactInstant::new(*e, joint));
+        let Some((time, before)) = &mut self.last else {
+            self.last = Some((t, now.collect()));
+            return;
+        };
+        // Trapezoidal rule: each end of the step stands for half of it.
+        let half = 0.5 * (t - *time);
+        for ((history, before), now) in self.histories.iter_mut().zip(before).zip(now) {
+            history.push(half, before);
+            history.push(half, &now);
+            *before = now;
+        }
+        *time = t;
+    }
+}
+
+impl StateObserver<Island> for Recorder {
+    fn observe(&mut self, island: &Island, t: f64, q: &[f64], v: &[f64], at: &Linearised) {
+        if !self.has_recorded(t) {
+            self.record_motion(island, t, q, v, at);
+            self.record_contacts(t, at);
         }
     }
 }

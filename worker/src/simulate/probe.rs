@@ -190,7 +190,7 @@ fn relative_change(now: &[f64], was: &[f64]) -> f64 {
 }
 
 /// True if the cycle simulated at the end of this block of a life is probed: the first ones at or after two thirds of the life, and at
-/// its end. With the probe on the unworn bores the drive simulates 8 of its 45 cycles for them, since its late motion does not repeat.
+/// its end. With the probe on the unworn bores the drive simulates 3 of its 45 cycles for them (`balanced+jump-2000`), an eighth of its time steps.
 pub(crate) fn is_probed(block: &Range<u32>, life: &Life) -> bool {
     let end = life.cycles;
     contains_one_of(block, [end / 3 * 2, end].map(|life| life.clamp(1, end)))

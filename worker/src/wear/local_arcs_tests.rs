@@ -3,7 +3,7 @@
 use super::arc_ends::SUBDIVISION;
 use super::history::ContactSample;
 use super::local_arcs::LocalArcs;
-use super::{ContactHistory, WearRate};
+use super::{ContactHistory, ContactInstant, WearRate};
 use crate::bore::Profile;
 use crate::contact::{Contact, JointForce, LocalHertz, Surface};
 use std::f64::consts::{PI, TAU};
@@ -125,7 +125,7 @@ fn rates_are_those_of_the_walk_over_smooth_rough_and_grooved_bores() {
                     penetration,
                     ..JointForce::default()
                 };
-                history.push(1.0, [CLEARANCE * u[0], CLEARANCE * u[1]], &force);
+                history.push(1.0, &ContactInstant::new([CLEARANCE * u[0], CLEARANCE * u[1]], &force));
                 history.close_stretch();
             }
             let mut law = WearRate::new(COEFFICIENT, WIDTH, &contact, &profile);

@@ -1,7 +1,7 @@
 //! Wear of a bore: Archard's law over the contact history of a cycle, and the wear step over a block of
 //! cycles.
 //!
-//! Order of use: `history` records contact samples; `archard` turns them into a wear rate on the present
+//! Order of use: `interval` and `history` record contact samples; `archard` turns them into a wear rate on the present
 //! profile, for `local-hertz` by `local_arcs` and `arc_ends`, for `foundation` by `condense`, `conformal` and
 //! `equilibrium`; `step` integrates that rate over a block; `finer_bore`
 //! shows what the spacing of the control points costs.
@@ -15,6 +15,7 @@ mod equilibrium;
 mod equilibrium_tests;
 mod finer_bore;
 mod history;
+mod interval;
 mod local_arcs;
 #[cfg(test)]
 mod local_arcs_tests;
@@ -28,5 +29,6 @@ mod volume_tests;
 
 pub(crate) use archard::WearRate;
 pub(crate) use finer_bore::FinerBore;
-pub(crate) use history::ContactHistory;
+pub(crate) use history::{ContactHistory, ContactSample};
+pub(crate) use interval::{ContactInstant, Interval};
 pub(crate) use step::{WearStep, WearStepFailed, WearStepStats};

@@ -2,7 +2,7 @@
 //! at random.
 
 use super::step_tests::{COEFFICIENT, POINTS, SURFACE, WIDTH};
-use super::{ContactHistory, FinerBore, WearRate, WearStep, WearStepStats};
+use super::{ContactHistory, ContactInstant, FinerBore, WearRate, WearStep, WearStepStats};
 use crate::bore::Profile;
 use crate::contact::{Contact, Foundation, JointForce, LocalHertz};
 use crate::extremum::largest;
@@ -69,7 +69,7 @@ fn history(case: &Case, life: f64) -> ContactHistory {
         let (u, reach) = ([psi.cos(), psi.sin()], SURFACE.clearance + penetration);
         let contact =
             JointForce { normal, direction: u, penetration, sliding: 9e-3, ..JointForce::default() };
-        history.push(1.0 / SAMPLES as f64, [reach * u[0], reach * u[1]], &contact);
+        history.push(1.0 / SAMPLES as f64, &ContactInstant::new([reach * u[0], reach * u[1]], &contact));
         history.close_stretch();
     }
     history

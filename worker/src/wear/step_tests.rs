@@ -1,7 +1,7 @@
 //! The wear step under a frozen contact history: its order, its agreement with many small steps, and that it
 //! does not zig-zag however long its blocks are.
 
-use super::{ContactHistory, WearRate, WearStep, WearStepStats};
+use super::{ContactHistory, ContactInstant, WearRate, WearStep, WearStepStats};
 use crate::bore::Profile;
 use crate::contact::{Contact, Foundation, JointForce, LocalHertz, Surface};
 use std::f64::consts::TAU;
@@ -38,7 +38,7 @@ fn cycle() -> ContactHistory {
         let u = [psi.cos(), psi.sin()];
         let sliding = 9e-3 * (1.0 + 0.6 * (phase + 0.4).cos());
         let contact = JointForce { normal, direction: u, penetration, sliding, ..JointForce::default() };
-        history.push(1.0 / f64::from(SAMPLES), [reach * u[0], reach * u[1]], &contact);
+        history.push(1.0 / f64::from(SAMPLES), &ContactInstant::new([reach * u[0], reach * u[1]], &contact));
         history.close_stretch();
     }
     history

@@ -1,7 +1,7 @@
 //! Archard's volume K_H F S and the wear step, under contact histories made for the purpose.
 
 use super::step_tests::{COEFFICIENT, POINTS, SURFACE, WIDTH, foundation};
-use super::{ContactHistory, FinerBore, WearRate, WearStep, WearStepStats};
+use super::{ContactHistory, ContactInstant, FinerBore, WearRate, WearStep, WearStepStats};
 use crate::bore::Profile;
 use crate::contact::{Contact, Foundation, JointForce, LocalHertz};
 use crate::extremum::largest;
@@ -38,7 +38,10 @@ fn history(directions: &[f64]) -> ContactHistory {
             sliding: SLIDING,
             ..JointForce::default()
         };
-        history.push(1.0 / directions.len() as f64, [reach * u[0], reach * u[1]], &contact);
+        history.push(
+            1.0 / directions.len() as f64,
+            &ContactInstant::new([reach * u[0], reach * u[1]], &contact),
+        );
         history.close_stretch();
     }
     history

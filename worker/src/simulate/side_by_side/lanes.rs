@@ -3,12 +3,11 @@
 
 use super::queue::{CpuTime, LaneQueue, PendingSpan};
 use crate::integrate::{
-    IntegrationError, LaneOutcome, LaneState, LaneStepper, Linearised, StateObserver, Stepped,
-    worst_coordinate,
+    IntegrationError, LaneOutcome, LaneState, LaneStepper, Linearised, Stepped, worst_coordinate,
 };
 use crate::lanes::Lanes;
 use crate::mechanism::{Island, IslandLanes, same_topology};
-use crate::outputs::FullRecording;
+use crate::outputs::{ContactLanes, FullRecording};
 use crate::simulate::island_state::IslandState;
 use pulp::{Simd, WithSimd};
 use std::time::Instant;
@@ -72,6 +71,7 @@ struct LaneGroup<S: Simd> {
     topology: Island,
     island_lanes: IslandLanes<Lanes<S>>,
     stepper: LaneStepper<Lanes<S>>,
+    contacts: ContactLanes<Lanes<S>>,
     /// The span in each lane, `None` in idle lanes.
     occupants: Vec<Option<PendingSpan>>,
     /// Number of times another group was run since this one was.
@@ -90,8 +90,13 @@ impl<S: Simd> WithSimd for Round<'_, S> {
 
     #[inline(always)]
     fn with_simd<T: Simd>(self, _simd: T) {
-        let LaneGroup { island_lanes, stepper, .. } = self.0;
+        let LaneGroup { island_lanes, stepper, contacts, occupants, .. } = self.0;
         stepper.try_steps(island_lanes);
+        contacts.record(stepper.time, &stepper.at, &mut |joint, lane, sample| {
+            if let Some(pending) = &mut occupants[lane] {
+                pending.span.state.recorder.histories[joint].add(sample);
+            }
+        });
     }
 }
 
@@ -106,6 +111,7 @@ impl<S: Simd> LaneGroup<S> {
             at: topology.linearised(),
             q: state.q.clone(),
             v: state.v.clone(),
+            contacts: ContactLanes::new(like, state.island.joints.len()),
             occupants: (0..S::F64_LANES).map(|_| None).collect(),
             passed_over: 0,
             topology,
@@ -142,6 +148,9 @@ impl<S: Simd> LaneGroup<S> {
         let state = &pending.span.state;
         self.island_lanes.set(lane, &state.island);
         self.stepper.load_state(lane, &state.q, &state.v);
+        if pending.span.record {
+            self.contacts.load(lane, &state.recorder, pending.span.time.start);
+        }
         self.stepper.lanes[lane] = Some(LaneState::new(pending.span.time.clone(), state.stepper.control));
         self.occupants[lane] = Some(pending);
     }
@@ -162,7 +171,7 @@ impl<S: Simd> LaneGroup<S> {
         ended
     }
 
-    /// Checks the range of a new state of a lane and passes it to the recorder.
+    /// Checks the range of a new state of a lane and records its motion.
     fn check_and_record(&mut self, lane: usize) -> Result<(), IntegrationError> {
         let (Some(state), Some(pending)) = (&self.stepper.lanes[lane], &mut self.occupants[lane]) else {
             return Ok(());
@@ -181,13 +190,17 @@ impl<S: Simd> LaneGroup<S> {
                 return Err(IntegrationError::OutOfRange { time, joint, penetration });
             }
         }
-        if pending.span.record {
-            self.stepper.read_forces(lane, &mut self.at);
+        if pending.span.record && !recorder.has_recorded(time) {
+            if recorder.needs_joint_forces() {
+                self.stepper.read_forces(lane, &mut self.at);
+            } else {
+                self.stepper.read_force(lane, &mut self.at);
+            }
             self.stepper.read_state(lane, &mut self.q, &mut self.v);
             if recorder.full.as_ref().is_some_and(FullRecording::is_displayed) {
                 island.set_state(time, &self.q, &self.v);
             }
-            recorder.observe(island, time, &self.q, &self.v, &self.at);
+            recorder.record_motion(island, time, &self.q, &self.v, &self.at);
         }
         Ok(())
     }
@@ -211,6 +224,9 @@ impl<S: Simd> LaneGroup<S> {
         let state = &mut pending.span.state;
         state.stepper.control = lane_state.progress.control;
         self.stepper.read_state(lane, &mut state.q, &mut state.v);
+        if pending.span.record {
+            self.contacts.unload(lane, &mut state.recorder);
+        }
         pending.complete(lane_state.progress.counts, result);
     }
 }

@@ -1,0 +1,85 @@
+//! Contact histories of the islands in the lanes of a vector, one per lane: what [`Recorder`] does for one island.
+
+use super::Recorder;
+use crate::integrate::Linearised;
+use crate::lanes::{Lanewise, Real};
+use crate::wear::{ContactInstant, ContactSample, Interval};
+
+/// One joint with clearance per lane.
+#[derive(Debug, Clone)]
+struct ContactOfLanes<R> {
+    /// Interval of the history that has not ended yet.
+    interval: Interval<R>,
+    /// Contact at the last state.
+    last: ContactInstant<R>,
+}
+
+/// All joints with clearance of one island per lane.
+#[derive(Debug, Clone)]
+pub struct ContactLanes<R> {
+    joints: Vec<ContactOfLanes<R>>,
+    /// Time of the last state [s].
+    time: R,
+    /// One half in lanes that record, zero in others [1].
+    weight: R,
+}
+
+impl<R: Real> ContactLanes<R> {
+    /// Lanes without recordings, for islands with `joints` joints with clearance; `like` sets the number of lanes.
+    pub(crate) fn new(like: R, joints: usize) -> Self {
+        let nothing = ContactInstant::default();
+        let joint = ContactOfLanes {
+            interval: Interval::new(f64::INFINITY).in_lanes(like),
+            last: nothing.in_lanes(like),
+        };
+        ContactLanes { joints: vec![joint; joints], time: like.zero(), weight: like.zero() }
+    }
+
+    /// Continues the histories of `recorder` in a lane, from its last state or else from the first one, at time `start` [s].
+    pub(crate) fn load(&mut self, lane: usize, recorder: &Recorder, start: f64) {
+        for (to, from) in self.joints.iter_mut().zip(&recorder.histories) {
+            from.interval().write_lane::<R>(lane, &mut to.interval);
+        }
+        let mut time = start;
+        if let Some((last, contacts)) = &recorder.last {
+            time = *last;
+            for (to, from) in self.joints.iter_mut().zip(contacts) {
+                from.write_lane::<R>(lane, &mut to.last);
+            }
+        }
+        self.time.set_lane(lane, time);
+        self.weight.set_lane(lane, 0.5);
+    }
+
+    /// Adds the contacts of the states linearised as `at`, at the times `t` [s]; `ended` receives joint, lane and averages of every
+    /// interval that ends. A state that was added before adds nothing.
+    #[inline(always)]
+    pub(crate) fn record(
+        &mut self,
+        t: R,
+        at: &Linearised<R>,
+        ended: &mut dyn FnMut(usize, usize, ContactSample),
+    ) {
+        // Trapezoidal rule: each end of the step stands for half of it.
+        let half = (t - self.time) * self.weight;
+        for j in 0..self.joints.len() {
+            let joint = &mut self.joints[j];
+            let now = ContactInstant::new(at.e[j], &at.joints[j]);
+            let mut ended = |lane: usize, sample: ContactSample| ended(j, lane, sample);
+            joint.interval.push(half, &joint.last, &mut ended);
+            joint.interval.push(half, &now, &mut ended);
+            joint.last = now;
+        }
+        self.time = t;
+    }
+
+    /// Returns the histories of a lane to its recorder.
+    pub(crate) fn unload(&mut self, lane: usize, recorder: &mut Recorder) {
+        for (from, to) in self.joints.iter().zip(&mut recorder.histories) {
+            to.set_interval(from.interval.lane(lane));
+        }
+        let contacts = self.joints.iter().map(|joint| joint.last.lane(lane));
+        recorder.last = Some((self.time.lane(lane), contacts.collect()));
+        self.weight.set_lane(lane, 0.0);
+    }
+}

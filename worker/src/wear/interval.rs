@@ -1,0 +1,164 @@
+//! The interval of a contact history that has not ended yet, of one joint or of one joint per lane.
+//!
+//! An interval is averaged with the work density of Archard's law F_N |v_t| [W] as weight. It ends after a given duration, and where the
+//! contact has turned by more than [`LARGEST_TURN`]: a cycle of many turns, or of impacts, is cut into as many intervals as it needs.
+
+use super::history::ContactSample;
+use crate::contact::JointForce;
+use crate::lanes::{Real, lanewise};
+use crate::plane::dot;
+
+/// Cosine of the largest angle by which the contact may turn within an interval, 1.25 deg: an eighth of the spacing of 36 control points.
+const LARGEST_TURN: f64 = 0.999_762;
+
+/// A contact at one instant.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct ContactInstant<R = f64> {
+    /// Work density F_N |v_t| [W].
+    density: R,
+    /// Eccentricity in the bushing's frame `(2,)` [m].
+    e: [R; 2],
+    /// Penetration delta [m].
+    penetration: R,
+    /// Normal force F_N [N].
+    normal: R,
+    /// Direction in which the journal presses on the bushing `(2,)` [1].
+    direction: [R; 2],
+}
+
+lanewise!(ContactInstant { density, e, penetration, normal, direction });
+
+impl<R: Real> ContactInstant<R> {
+    /// The contact of a joint with eccentricity `e` `(2,)` [m].
+    #[inline(always)]
+    pub(crate) fn new(e: [R; 2], contact: &JointForce<R>) -> Self {
+        let JointForce { penetration, normal, direction, sliding, .. } = *contact;
+        ContactInstant { density: normal * sliding.abs(), e, penetration, normal, direction }
+    }
+
+    /// The contact in one lane.
+    pub(crate) fn lane(&self, k: usize) -> ContactInstant {
+        ContactInstant {
+            density: self.density.lane(k),
+            e: self.e.map(|x| x.lane(k)),
+            penetration: self.penetration.lane(k),
+            normal: self.normal.lane(k),
+            direction: self.direction.map(|x| x.lane(k)),
+        }
+    }
+}
+
+/// Sums over the instants of an interval so far.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Interval<R = f64> {
+    /// Duration after which it ends [s].
+    longest: R,
+    /// Duration so far [s].
+    elapsed: R,
+    /// Work so far [N m].
+    work: R,
+    /// Integrals of eccentricity, penetration and normal force over the work.
+    e: [R; 2],
+    penetration: R,
+    force: [R; 2],
+    /// Direction of the contact where the first work was done `(2,)` [1].
+    first_direction: [R; 2],
+}
+
+lanewise!(Interval { longest, elapsed, work, e, penetration, force, first_direction });
+
+impl Interval {
+    /// An empty interval that ends after `longest` [s].
+    pub(crate) fn new(longest: f64) -> Self {
+        Interval {
+            longest,
+            elapsed: 0.0,
+            work: 0.0,
+            e: [0.0; 2],
+            penetration: 0.0,
+            force: [0.0; 2],
+            first_direction: [0.0; 2],
+        }
+    }
+}
+
+impl<R: Real> Interval<R> {
+    /// Adds an instant with weight `duration` [s]; `ended` receives the intervals that end, with their lanes.
+    #[inline(always)]
+    pub(crate) fn push(
+        &mut self,
+        duration: R,
+        at: &ContactInstant<R>,
+        ended: &mut dyn FnMut(usize, ContactSample),
+    ) {
+        let zero = duration.zero();
+        let one = zero.like(1.0);
+        let ContactInstant { density, e, penetration, normal, direction } = *at;
+        let work = density * duration;
+        let works = zero.below(work);
+        let turned = dot(direction, self.first_direction).below(zero.like(LARGEST_TURN));
+        let turned = R::both(works, R::both(zero.below(self.work), turned));
+        if R::any(turned) {
+            self.end_lanes(R::select(turned, one, zero), ended);
+        }
+        let begun = zero.below(self.work);
+        let weight = R::select(works, work, zero);
+        let pressed = weight * normal;
+        for k in 0..2 {
+            let first = R::select(begun, self.first_direction[k], direction[k]);
+            self.first_direction[k] = R::select(works, first, self.first_direction[k]);
+            // In lanes without work nothing is added, even where a factor is not a number.
+            self.e[k] += R::select(works, weight * e[k], zero);
+            self.force[k] += R::select(works, pressed * direction[k], zero);
+        }
+        self.penetration += R::select(works, weight * penetration, zero);
+        self.work += weight;
+        self.elapsed += duration;
+        let over = R::select(self.elapsed.below(self.longest), zero, one);
+        if R::any(zero.below(over)) {
+            self.end_lanes(over, ended);
+        }
+    }
+
+    /// Ends the interval in the lanes where `which` is one.
+    #[inline(never)]
+    fn end_lanes(&mut self, which: R, ended: &mut dyn FnMut(usize, ContactSample)) {
+        for lane in (0..R::LANES).filter(|lane| which.lane(*lane) > 0.0) {
+            if let Some(sample) = self.end(lane) {
+                ended(lane, sample);
+            }
+        }
+    }
+
+    /// Ends the interval in one lane; its averages, unless it is without work.
+    pub(crate) fn end(&mut self, lane: usize) -> Option<ContactSample> {
+        let work = self.work.lane(lane);
+        let average = |sum: &mut R| {
+            let average = sum.lane(lane) / work;
+            sum.set_lane(lane, 0.0);
+            average
+        };
+        let sample = ContactSample {
+            e: self.e.each_mut().map(average),
+            penetration: average(&mut self.penetration),
+            force: self.force.each_mut().map(average),
+            work,
+        };
+        self.work.set_lane(lane, 0.0);
+        self.elapsed.set_lane(lane, 0.0);
+        (work > 0.0).then_some(sample)
+    }
+
+    /// The interval in one lane.
+    pub(crate) fn lane(&self, k: usize) -> Interval {
+        Interval {
+            longest: self.longest.lane(k),
+            elapsed: self.elapsed.lane(k),
+            work: self.work.lane(k),
+            e: self.e.map(|x| x.lane(k)),
+            penetration: self.penetration.lane(k),
+            force: self.force.map(|x| x.lane(k)),
+            first_direction: self.first_direction.map(|x| x.lane(k)),
+        }
+    }
+}
