@@ -29,6 +29,8 @@ struct PrescribedLanes<R> {
     position: [R; 2],
     /// Whether the body is fixed in every lane.
     still: bool,
+    /// Angle at time zero [rad] and angular velocity [rad/s], if every lane turns evenly.
+    even: Option<[R; 2]>,
 }
 
 /// One island per lane.
@@ -87,6 +89,7 @@ impl<R: Real> IslandLanes<R> {
             motions: vec![motion.clone(); R::LANES],
             position: motion.position().in_lanes(like),
             still: motion.is_still(),
+            even: None,
         };
         let frame = Frame { x: [zero; 2], angle: zero, cs: [zero; 2], v: [zero; 2], omega: zero };
         let mut lanes = IslandLanes {
@@ -119,6 +122,7 @@ impl<R: Real> IslandLanes<R> {
             from.position().write_lane::<R>(lane, &mut to.position);
             to.motions[lane].clone_from(from);
             to.still = to.motions.iter().all(Prescribed::is_still);
+            to.even = even_rotation(&to.motions, to.position[0]);
         }
         for (to, from) in [(&mut self.mass, &island.mass), (&mut self.weight, &island.weight)] {
             to.iter_mut().zip(from).for_each(|(to, from)| from.write_lane::<R>(lane, to));
@@ -156,10 +160,14 @@ impl<R: Real> IslandLanes<R> {
         }
         for (k, motion) in self.prescribed.iter().enumerate().filter(|(_, motion)| !motion.still) {
             let jet = &mut self.jets[k];
-            for (lane, motion) in motion.motions.iter().enumerate() {
-                let at = motion.jet(t.lane(lane));
-                for k in 0..4 {
-                    jet[k].set_lane(lane, at[k]);
+            if let Some([start, speed]) = motion.even {
+                *jet = [start + speed * t, speed, t.zero(), t.zero()];
+            } else {
+                for (lane, motion) in motion.motions.iter().enumerate() {
+                    let at = motion.jet(t.lane(lane));
+                    for k in 0..4 {
+                        jet[k].set_lane(lane, at[k]);
+                    }
                 }
             }
             self.frames[self.bodies + k] = Frame::turning(motion.position, jet);
@@ -177,6 +185,12 @@ impl<R: Real> IslandLanes<R> {
             jets: &self.jets,
         }
     }
+}
+
+/// Angle at time zero [rad] and angular velocity [rad/s] of these motions, if all of them turn evenly; `like` sets the number of lanes.
+fn even_rotation<R: Real>(motions: &[Prescribed], like: R) -> Option<[R; 2]> {
+    let all: Option<Vec<[f64; 2]>> = motions.iter().map(Prescribed::even_rotation).collect();
+    all.map(|all| [0, 1].map(|k| like.each(|lane| all[lane][k])))
 }
 
 impl<R: Real> Touching<R> for JointLanes<R> {

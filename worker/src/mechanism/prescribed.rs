@@ -68,6 +68,15 @@ impl Prescribed {
         self.position
     }
 
+    /// Angle at time zero [rad] and angular velocity [rad/s] of a body that turns evenly or is fixed.
+    pub(crate) fn even_rotation(&self) -> Option<[f64; 2]> {
+        match self.angle {
+            Angle::Still => Some([0.0; 2]),
+            Angle::Constant { start, speed } => Some([start, speed]),
+            Angle::Table(_) | Angle::Integral { .. } => None,
+        }
+    }
+
     /// Whether the body is fixed.
     pub(crate) fn is_still(&self) -> bool {
         self.angle == Angle::Still

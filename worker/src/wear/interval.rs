@@ -162,3 +162,50 @@ impl<R: Real> Interval<R> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A contact pressed by 2 N in this direction [deg], sliding at 3 m/s.
+    fn pressed(degrees: f64, penetration: f64) -> ContactInstant {
+        let direction = [degrees.to_radians().cos(), degrees.to_radians().sin()];
+        let contact =
+            JointForce { normal: 2.0, sliding: -3.0, direction, penetration, ..JointForce::default() };
+        ContactInstant::new([1e-5 * direction[0], 1e-5 * direction[1]], &contact)
+    }
+
+    fn ended(interval: &mut Interval, instants: &[(f64, ContactInstant)]) -> Vec<ContactSample> {
+        let mut samples = vec![];
+        for (duration, at) in instants {
+            interval.push(*duration, at, &mut |_, sample| samples.push(sample));
+        }
+        samples
+    }
+
+    #[test]
+    fn an_interval_is_averaged_by_its_work() {
+        let mut interval = Interval::new(4.0);
+        // Free flight counts for the duration only, also where the contact has no direction.
+        let free = ContactInstant { e: [f64::NAN; 2], ..ContactInstant::default() };
+        let found =
+            ended(&mut interval, &[(1.0, pressed(0.0, 1e-6)), (1.0, free), (2.0, pressed(0.5, 4e-6))]);
+        assert_eq!(found.len(), 1);
+        let ContactSample { e, penetration, force, work } = found[0];
+        assert!((work - 18.0).abs() < 1e-12 && (penetration - 3e-6).abs() < 1e-18, "{found:?}");
+        let (direction, middle) = (e[1].atan2(e[0]).to_degrees(), force[1].atan2(force[0]).to_degrees());
+        assert!((direction - 1.0 / 3.0).abs() < 1e-4 && (middle - direction).abs() < 1e-12);
+        assert!((force[0] - 2.0).abs() < 1e-4);
+        assert_eq!(interval.end(0), None);
+    }
+
+    #[test]
+    fn an_interval_ends_where_the_contact_has_turned() {
+        let mut interval = Interval::new(100.0);
+        let turning: Vec<_> = (0..10).map(|k| (1.0, pressed(0.5 * f64::from(k), 1e-6))).collect();
+        // Each holds 0, 0.5 and 1 degree from its first contact; the last one has not ended yet.
+        let found = ended(&mut interval, &turning);
+        assert_eq!(found.iter().map(|sample| sample.work).collect::<Vec<_>>(), [18.0; 3]);
+        assert_eq!(interval.end(0).map(|sample| sample.work), Some(6.0));
+    }
+}
