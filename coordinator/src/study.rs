@@ -65,7 +65,10 @@ pub use campaign_result::CampaignResult;
 pub use classified_population::ClassifiedPopulation;
 pub use error::StudyError;
 pub use failures::{Failed, Feasibility};
-pub use from_results::{complete_outcomes, learn_from_results, reassess, result_of};
+pub use from_results::{
+    FurtherLearning, Thresholds, campaign_from_results, complete_outcomes, learn_from_results,
+    learn_with_surrogates, reassess, result_of,
+};
 pub use lives::LEVELS;
 pub use observations::{Observations, Observed, ObservedOutcome};
 pub use plan::{Plan, Problem};

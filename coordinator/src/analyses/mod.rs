@@ -5,6 +5,7 @@
 //! | [`budget`] | the cheapest accuracy within an error budget |
 //! | [`tradeoff`] | time against error of the accuracy settings |
 //! | [`calibrate`] | free parameters fitted to measurements |
+//! | [`what_if`] | reliability of a study's scene with changed distributions and thresholds |
 //! | [`replay`] | learning from a finished direct Monte Carlo study, with the true error of every round |
 
 pub mod budget;
@@ -13,3 +14,4 @@ pub mod replay;
 #[cfg(test)]
 mod replay_tests;
 pub mod tradeoff;
+pub mod what_if;

@@ -151,7 +151,14 @@ fn finish(
 }
 
 /// The campaign as announced to workers. A study has the same id whenever it is resumed.
-fn announced(source: &SceneSource, settings: &Settings, resumed: bool) -> Result<CampaignSpec, CommandError> {
+///
+/// # Errors
+/// [`CommandError::Json`].
+pub fn announced(
+    source: &SceneSource,
+    settings: &Settings,
+    resumed: bool,
+) -> Result<CampaignSpec, CommandError> {
     let stored = serde_json::to_string(settings)?;
     let digest = common::scene::source::digest(&format!("{stored}\n{}", source.text()));
     let accuracy = settings.accuracy.setting.clone();

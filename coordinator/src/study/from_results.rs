@@ -10,15 +10,21 @@
 
 use super::campaign::Campaign;
 use super::campaign_result::CampaignResult;
+use super::dispatching::Dispatcher;
 use super::observations::ObservedOutcome;
 use super::plan::{Plan, Problem};
 use super::response_layout::ResponseLayout;
 use super::result::{Extent, from_learning};
 use super::step::{CampaignError, Step};
+use super::surrogates::Surrogate;
 use super::verification::StoredOutcome;
-use super::{Settings, StudyError, StudyResult};
+use super::{Method, Settings, StudyError, StudyResult};
+use crate::farm::evaluate::Evaluator;
+use crate::results::journal::Journal;
+use crate::results::progress::Observer;
 use crate::results::summary::Timing;
-use crate::statistics::learning::is_settled;
+use crate::statistics::learning::{StoppingTargets, is_settled};
+use crate::statistics::surrogate::Effort;
 use common::scene::Scene;
 use std::collections::HashSet;
 use std::time::Instant;
@@ -71,6 +77,22 @@ impl Campaign {
         campaign
     }
 
+    /// Takes these surrogates of the same results in the same coordinates, e.g. those of another population, instead of
+    /// fitting new ones from several starts. With other `thresholds` than those of their fit, their lengths are fitted
+    /// again from the present ones.
+    #[must_use]
+    pub fn with_surrogates(mut self, surrogates: &[Surrogate], thresholds: Thresholds) -> Self {
+        let n = self.data.observations.len();
+        if surrogates.iter().all(|surrogate| surrogate.model.points() == n) {
+            self.surrogates.models = surrogates.to_vec();
+            self.surrogates.record_fit(Effort::MultiStart, n);
+            if thresholds == Thresholds::Others {
+                self.surrogates.require_fit();
+            }
+        }
+        self
+    }
+
     /// Assesses the results once more if the budget ends learning after its first round and curves of the population are
     /// between 0 and 1 at checkpoints outside of those of the round, where no error is estimated: the round took the
     /// checkpoints from the results, and the population may fail earlier or later.
@@ -114,9 +136,40 @@ pub fn complete_outcomes(scene: &Scene, stored: &[StoredOutcome]) -> Vec<(Vec<f6
     stored.iter().map(complete).collect()
 }
 
-/// Learns the changed scene from the results of a study of `studied`, without any simulation.
+/// Whether surrogates were fitted for the thresholds of a problem.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Thresholds {
+    /// For the same ones.
+    Same,
+    /// For others.
+    Others,
+}
+
+/// The campaign of a changed scene that begins with the results of a study of `studied`, with a budget of
+/// `further` simulations beyond them.
 ///
 /// `settings` are those of the study; `samples` is the size of the population, which stays as it is.
+pub fn campaign_from_results(
+    changed: &Scene,
+    studied: &Scene,
+    settings: &Settings,
+    stored: &[StoredOutcome],
+    further: usize,
+) -> Campaign {
+    let settings = Settings {
+        method: Method::ActiveLearning,
+        max_evaluations: stored.len() + further,
+        larger_populations: vec![],
+        ..settings.clone()
+    };
+    let targets = StoppingTargets { cov: f64::INFINITY, ..settings.targets() };
+    let plan = Plan { targets, largest_population: settings.samples, ..Plan::new(&settings, changed) };
+    let problem = Problem::of_changed_scene(changed, studied);
+    Campaign::with_results(problem, plan, complete_outcomes(changed, stored))
+}
+
+/// Learns the changed scene from the results of a study of `studied`, without any simulation, see
+/// [`campaign_from_results`].
 ///
 /// # Errors
 /// [`StudyError`].
@@ -126,12 +179,27 @@ pub fn learn_from_results(
     settings: &Settings,
     stored: &[StoredOutcome],
 ) -> Result<CampaignResult, StudyError> {
-    let settings = Settings { max_evaluations: stored.len(), ..settings.clone() };
-    let campaign = Campaign::with_results(
-        Problem::of_changed_scene(changed, studied),
-        Plan::new(&settings, changed),
-        complete_outcomes(changed, stored),
-    );
+    learn_with_surrogates(changed, studied, settings, stored, &[])
+}
+
+/// Does the same with the surrogates of another campaign of these results, see [`Campaign::with_surrogates`]; fits them if there
+/// are none.
+///
+/// # Errors
+/// [`StudyError`].
+pub fn learn_with_surrogates(
+    changed: &Scene,
+    studied: &Scene,
+    settings: &Settings,
+    stored: &[StoredOutcome],
+    surrogates: &[Surrogate],
+) -> Result<CampaignResult, StudyError> {
+    let mut campaign = campaign_from_results(changed, studied, settings, stored, 0);
+    if surrogates.len() == changed.limit_states.len() {
+        let same = changed.limit_states == studied.limit_states;
+        let thresholds = if same { Thresholds::Same } else { Thresholds::Others };
+        campaign = campaign.with_surrogates(surrogates, thresholds);
+    }
     campaign.assess_results().map_err(|error| StudyError::from_campaign(error, changed))
 }
 
@@ -162,4 +230,41 @@ pub fn result_of(
     let findings = from_learning(scene, settings, learned, Extent::Curves);
     let timing = Timing { total: started.elapsed().as_secs_f64(), ..Timing::default() };
     findings.result(scene, settings, timing, vec![])
+}
+
+/// A question about a finished study that may ask for further simulations.
+#[derive(Debug, Clone, Copy)]
+pub struct FurtherLearning<'a> {
+    /// The changed scene.
+    pub changed: &'a Scene,
+    /// The scene of the study.
+    pub studied: &'a Scene,
+    /// Settings of the study; `samples` is the size of the population.
+    pub settings: &'a Settings,
+    /// Outcomes of all simulations so far.
+    pub stored: &'a [StoredOutcome],
+    /// Most simulations to add.
+    pub further: usize,
+}
+
+impl FurtherLearning<'_> {
+    /// Goes on learning with simulations by `evaluator`, which are recorded in `journal`: at most as many as allowed, fewer
+    /// if a stopping rule is met before.
+    ///
+    /// # Errors
+    /// [`StudyError`]; finished simulations are in the journal by then.
+    pub fn learn(
+        &self,
+        evaluator: &mut dyn Evaluator,
+        journal: &mut dyn Journal,
+        observer: &mut dyn Observer,
+    ) -> Result<CampaignResult, StudyError> {
+        let Self { changed, studied, settings, stored, further } = *self;
+        let mut campaign = campaign_from_results(changed, studied, settings, stored, further);
+        let stricter = Settings { method: Method::ActiveLearning, ..settings.clone() }.stricter(changed);
+        Dispatcher::new(changed, stricter, stored.len() + further, evaluator, journal, observer)
+            .numbered_from(stored.len() as u64)
+            .run(&mut campaign)?;
+        Ok(campaign.finish().expect("a campaign that is done has a result"))
+    }
 }

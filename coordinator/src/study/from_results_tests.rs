@@ -1,6 +1,6 @@
 //! Campaigns that begin with results, against the learning that gave the results and against the truth.
 
-use super::{Campaign, CampaignResult, Observed, ObservedOutcome, Plan, Problem, Settings, Step};
+use super::{Campaign, CampaignResult, Observed, ObservedOutcome, Plan, Problem, Settings, Step, Thresholds};
 use crate::statistics::design::InputModel;
 use crate::statistics::learning::{Mode, StoppingTargets};
 use common::failure::SimulationFailure;
@@ -117,4 +117,21 @@ fn a_failure_that_a_repetition_mended_is_no_failure() {
     let found = assessed(problem(5.0, 0.5), &outcomes);
     assert_eq!((found.failed.len(), found.evaluations), (1, outcomes.len()));
     assert_eq!(found.observations.len(), outcomes.len() - 3);
+}
+
+#[test]
+fn surrogates_of_one_population_serve_another() {
+    let (outcomes, _) = study();
+    let fitted = assessed(problem(5.0, 0.5), &outcomes).assessment.surrogates;
+    for (mean, std) in [(5.0, 0.5), (5.0, 1.0), (7.0, 0.3)] {
+        let campaign =
+            Campaign::with_results(problem(mean, std), plan(20_000, outcomes.len()), outcomes.clone());
+        let campaign = campaign.with_surrogates(&fitted, Thresholds::Same);
+        let found = campaign.learn_from(|_| panic!("no budget is left"), |_| {}).unwrap();
+        let alone = assessed(problem(mean, std), &outcomes);
+        for (a, b) in found.reliability()[1].iter().zip(&alone.reliability()[1]) {
+            let bound = a.standard_error.max(b.standard_error);
+            assert!((a.reliability - b.reliability).abs() < bound, "{mean} {std}: {a:?} {b:?}");
+        }
+    }
 }

@@ -163,11 +163,7 @@ pub(super) fn from_learning(
     let assessment = &learned.assessment;
     let ClassifiedPopulation { population, condition, .. } = &learned.classified;
     let m = scene.life.checkpoints().len();
-    let modes: Vec<&[u32]> = assessment.modes.iter().map(|mode| &mode.first_failure[..]).collect();
-    // The first failure of the system is the earliest of the limit states.
-    let earliest = |j: usize| modes.iter().map(|first| first[j]).min().unwrap_or(m as u32);
-    let system: Vec<u32> = (0..population.len()).map(earliest).collect();
-    let first_failures: Vec<Vec<u32>> = modes.iter().map(|first| first.to_vec()).chain([system]).collect();
+    let first_failures = assessment.first_failures();
     let points: Vec<usize> = (0..population.len()).collect();
     let sampled = Sampled { population, points: &points, probability: condition.probability };
     Findings {
