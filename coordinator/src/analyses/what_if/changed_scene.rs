@@ -45,7 +45,7 @@ pub fn changed_scene(source: &SceneSource, settings: &[String]) -> Result<SceneS
                 faults.extend(unknown_influence(source, setting, &change));
                 changes.push(change);
             }
-            Err(fault) => faults.push(fault),
+            Err(Faults(found)) => faults.extend(found),
         }
     }
     if !faults.is_empty() {

@@ -39,6 +39,21 @@ pub struct OutsideVariable {
     pub outside_after: f64,
 }
 
+/// Share of a population [1] beyond twice the studied one's by which the region counts as left.
+const MARGIN: f64 = 0.05;
+
+/// True if the share `after` of the changed population outside of a region is clearly larger than that of the studied one.
+fn is_more(before: f64, after: f64) -> bool {
+    after > 2.0 * before + MARGIN
+}
+
+impl OutsideVariable {
+    /// True if the changed population leaves the simulated values of this variable clearly more than the studied one.
+    pub fn is_left(&self) -> bool {
+        is_more(self.outside_before, self.outside_after)
+    }
+}
+
 impl Region {
     /// The region of the results of `after`, whose populations are those of `before` and `after`, in the same coordinates.
     pub fn new(scene: &Scene, before: &CampaignResult, after: &CampaignResult) -> Self {
@@ -76,10 +91,9 @@ impl Region {
 
     /// True if the changed population leaves the region clearly more than the studied one.
     pub fn is_left(&self) -> bool {
-        let more = |before: f64, after: f64| after > 2.0 * before + 0.02;
-        more(self.outside_before, self.outside_after)
-            || more(1.0 - USUAL, self.uncertain_after)
-            || self.variables.iter().any(|v| more(v.outside_before, v.outside_after))
+        is_more(self.outside_before, self.outside_after)
+            || is_more(1.0 - USUAL, self.uncertain_after)
+            || self.variables.iter().any(OutsideVariable::is_left)
     }
 }
 

@@ -171,6 +171,9 @@ fn three_or_more_digits(value: f64) -> String {
 fn signed(change: &ChangeRow) -> String {
     let widths = [change.upper.map(|u| u - change.value), change.lower.map(|l| change.value - l)];
     let width = widths.into_iter().flatten().fold(0.0, f64::max);
+    if change.value == 0.0 {
+        return if width > 0.0 { format!("0 ± {}", three_digits(width)) } else { "0".to_owned() };
+    }
     let text = with_width(change.value, width);
     if change.value > 0.0 { format!("+{text}") } else { text }
 }
@@ -382,7 +385,7 @@ fn region(answer: &WhatIf) -> String {
     let most: Vec<String> = region
         .variables
         .iter()
-        .filter(|v| v.outside_after > 2.0 * v.outside_before + 0.02)
+        .filter(|v| v.is_left())
         .take(3)
         .map(|v| format!("{} ({}, before {})", v.name, percent(v.outside_after), percent(v.outside_before)))
         .collect();

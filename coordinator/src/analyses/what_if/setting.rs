@@ -62,17 +62,21 @@ pub fn fault(setting: &str, message: impl Into<String>) -> Fault {
     Fault { file: "--set".to_owned(), key: setting.to_owned(), kind }
 }
 
+fn refused(setting: &str, message: impl Into<String>) -> Faults {
+    Faults(vec![fault(setting, message)])
+}
+
 /// Reads a setting.
 ///
 /// # Errors
 /// The fault of the setting: an unknown name or key, or a key that changes what is simulated.
-pub fn parse(source: &SceneSource, setting: &str) -> Result<Setting, Fault> {
+pub fn parse(source: &SceneSource, setting: &str) -> Result<Setting, Faults> {
     let Some((key, value)) = setting.split_once('=') else {
-        return Err(fault(setting, "expected KEY=VALUE, e.g. rod_length.std='0.1 mm'"));
+        return Err(refused(setting, "expected KEY=VALUE, e.g. rod_length.std='0.1 mm'"));
     };
     let (key, value) = (key.trim(), value.trim());
     if value.is_empty() {
-        return Err(fault(setting, "expected a value after ="));
+        return Err(refused(setting, "expected a value after ="));
     }
     let value = read_value(value);
     for (word, of) in [("correlation", "coefficient"), ("rank_correlation", "rank")] {
@@ -95,7 +99,7 @@ pub fn parse(source: &SceneSource, setting: &str) -> Result<Setting, Fault> {
         (Some(_), None) => {
             let message =
                 format!("\"{last}\" is no key of a random variable; allowed: {}", VARIABLE_KEYS.join(", "));
-            Err(fault(setting, message))
+            Err(refused(setting, message))
         }
         (None, Some(_)) => {
             // A quantity of the scene may have the same last word.
@@ -115,17 +119,13 @@ fn read_value(text: &str) -> Value {
     bare.parse::<f64>().map_or_else(|_| Value::String(bare.to_owned()), Value::Float)
 }
 
-fn limit_state(source: &SceneSource, setting: &str, name: &str) -> Result<usize, Fault> {
+fn limit_state(source: &SceneSource, setting: &str, name: &str) -> Result<usize, Faults> {
     let states = &source.nominal().limit_states;
-    states.iter().position(|state| state.name == name).ok_or_else(|| Fault {
-        file: "--set".to_owned(),
-        key: setting.to_owned(),
-        kind: FaultKind::UnknownReference {
-            what: "limit state",
-            value: name.to_owned(),
-            nearest: None,
-            known: states.iter().map(|state| state.name.clone()).collect(),
-        },
+    states.iter().position(|state| state.name == name).ok_or_else(|| {
+        let known = states.iter().map(|state| state.name.clone()).collect();
+        let kind =
+            FaultKind::UnknownReference { what: "limit state", value: name.to_owned(), nearest: None, known };
+        Faults(vec![Fault { file: "--set".to_owned(), key: setting.to_owned(), kind }])
     })
 }
 
@@ -135,16 +135,16 @@ fn correlation(
     names: &str,
     key: &'static str,
     value: Value,
-) -> Result<Setting, Fault> {
+) -> Result<Setting, Faults> {
     let names: Vec<&str> = names.split(',').map(str::trim).collect();
     let [first, second] = names[..] else {
-        return Err(fault(
+        return Err(refused(
             setting,
             "expected two random variables, e.g. correlation(rod_length,friction)=0.5",
         ));
     };
     if first == second {
-        return Err(fault(setting, "expected two different random variables"));
+        return Err(refused(setting, "expected two different random variables"));
     }
     let index = |name: &str| {
         let known = source.variables().iter().position(|variable| variable.name == name);
@@ -154,21 +154,21 @@ fn correlation(
 }
 
 /// The fault of an unknown name, with the nearest one.
-fn unknown_variable(source: &SceneSource, setting: &str, name: &str) -> Fault {
+fn unknown_variable(source: &SceneSource, setting: &str, name: &str) -> Faults {
     let found = source.parse_setting(&format!("{name}=1")).err().map(|Faults(faults)| faults);
     match found.and_then(|faults| faults.into_iter().next()) {
         Some(Fault { kind: kind @ FaultKind::UnknownReference { .. }, .. }) => {
-            Fault { file: "--set".to_owned(), key: setting.to_owned(), kind }
+            Faults(vec![Fault { file: "--set".to_owned(), key: setting.to_owned(), kind }])
         }
-        _ => fault(setting, format!("\"{name}\" is no random variable")),
+        _ => refused(setting, format!("\"{name}\" is no random variable")),
     }
 }
 
 /// The fault of a key without a form of a change.
-fn not_a_key(source: &SceneSource, setting: &str, key: &str) -> Fault {
+fn not_a_key(source: &SceneSource, setting: &str, key: &str) -> Faults {
     let is_variable = source.variables().iter().any(|variable| variable.name == key);
     if is_variable {
-        return fault(
+        return refused(
             setting,
             format!(
                 "a random variable has no single value; change its distribution, e.g. {key}.mean=... or {key}.std=..."
@@ -178,7 +178,7 @@ fn not_a_key(source: &SceneSource, setting: &str, key: &str) -> Fault {
     if is_quantity(source, key) {
         return simulated(setting);
     }
-    fault(
+    refused(
         setting,
         format!(
             "expected VARIABLE.KEY with one of the keys {}, LIMIT_STATE.threshold, or correlation(VARIABLE,VARIABLE)",
@@ -193,8 +193,8 @@ fn is_quantity(source: &SceneSource, key: &str) -> bool {
     !source.parse_setting(&format!("{key}=1")).is_err_and(|Faults(faults)| faults.iter().any(unknown))
 }
 
-fn simulated(setting: &str) -> Fault {
-    fault(
+fn simulated(setting: &str) -> Faults {
+    refused(
         setting,
         "this key changes what is simulated, so the results of the study say nothing of it; start a study of the changed \
          scene with `coordinator run`",
