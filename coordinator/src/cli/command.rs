@@ -106,6 +106,7 @@ Examples:
   coordinator run --workers auto
   coordinator run --scene flapping-wing-tolerances --workers 2 --out tolerances --seed 7
   coordinator run --scene my.toml --method monte-carlo --samples 500
+  coordinator run --scene four-bar --set parameters.width='12 mm' --set friction=0.06 --out wider
   coordinator run --scene four-bar --max-error 1%
   coordinator run --workers 0 --listen tcp/0.0.0.0:7447 --config tls.json5")]
     Run(Box<RunArguments>),

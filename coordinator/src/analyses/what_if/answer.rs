@@ -53,6 +53,8 @@ pub struct WhatIf {
     pub surrogate_error: f64,
     /// Surrogate error at which a study with these settings may stop [1].
     pub target_error: f64,
+    /// True if failures of the study are so rare that it has a population conditional on an intermediate event.
+    pub is_rare: bool,
     /// Number of simulations used.
     pub simulations: usize,
     /// Duration of the answer without reading and writing of files [s].
@@ -132,6 +134,7 @@ pub fn ask(study: &FinishedStudy<'_>, changed: &Scene) -> Result<WhatIf, StudyEr
         agreement: agreement(summary, &before_summary),
         surrogate_error: after.assessment.errors.largest(),
         target_error: settings.targets().error,
+        is_rare: summary.conditional.is_some(),
         simulations: outcomes.len(),
         before: before_summary,
         after: after_summary,

@@ -34,6 +34,23 @@ const LAWS: [(&str, &[&str]); 11] = [
 /// # Errors
 /// The faults of all changes, or those of the changed scene.
 pub fn changed_scene(source: &SceneSource, settings: &[String]) -> Result<SceneSource, Faults> {
+    let influence = |setting: &String| {
+        let change = parse(source, setting).ok()?;
+        unknown_influence(source, setting, &change)
+    };
+    let unknown: Vec<Fault> = settings.iter().filter_map(influence).collect();
+    match redistributed(source, settings) {
+        Ok(_) if !unknown.is_empty() => Err(Faults(unknown)),
+        Ok(changed) => Ok(changed),
+        Err(Faults(found)) => Err(Faults([unknown, found].concat())),
+    }
+}
+
+/// The scene with these changes, before any study of it: constant variables may be changed too.
+///
+/// # Errors
+/// The faults of all changes, or those of the changed scene.
+pub fn redistributed(source: &SceneSource, settings: &[String]) -> Result<SceneSource, Faults> {
     let mut faults: Vec<Fault> = Vec::new();
     let mut changes: Vec<Setting> = Vec::new();
     for setting in settings {
@@ -41,10 +58,7 @@ pub fn changed_scene(source: &SceneSource, settings: &[String]) -> Result<SceneS
             Ok(change) if changes.iter().any(|known| known.coincides(&change)) => {
                 faults.push(fault(setting, "this is set twice"));
             }
-            Ok(change) => {
-                faults.extend(unknown_influence(source, setting, &change));
-                changes.push(change);
-            }
+            Ok(change) => changes.push(change),
             Err(Faults(found)) => faults.extend(found),
         }
     }

@@ -12,12 +12,14 @@
 //! | `answer` | reliability, lives and first failures before and after, and their changes |
 //! | `region` | where the changed population leaves the simulated region |
 //! | `report` | the answer as text, JSON and page |
+//! | `sentences` | its meaning and its errors in words |
 
 mod answer;
 mod changed_scene;
 mod changes;
 mod region;
 mod report;
+mod sentences;
 mod setting;
 #[cfg(test)]
 mod tests;
@@ -25,8 +27,8 @@ mod tests;
 pub use answer::{
     Agreement, ChangeRow, FinishedStudy, LifeChange, POPULATION, ReliabilityChange, WhatIf, ask, curve_names,
 };
-pub use changed_scene::changed_scene;
+pub use changed_scene::{changed_scene, redistributed};
 pub use changes::{ChangedCorrelation, ChangedThreshold, ChangedVariable, Changes, Law};
 pub use region::{OutsideVariable, Region};
 pub use report::{json, page, text};
-pub use setting::VARIABLE_KEYS;
+pub use setting::{VARIABLE_KEYS, fault as setting_fault};

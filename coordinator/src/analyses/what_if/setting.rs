@@ -197,6 +197,6 @@ fn simulated(setting: &str) -> Faults {
     refused(
         setting,
         "this key changes what is simulated, so the results of the study say nothing of it; start a study of the changed \
-         scene with `coordinator run`",
+         scene with `coordinator run --set`",
     )
 }

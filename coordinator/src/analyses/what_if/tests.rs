@@ -4,8 +4,9 @@ use super::*;
 use crate::farm::evaluate::{Request, local::LocalEvaluator};
 use crate::results::journal::InMemoryJournal;
 use crate::results::progress::Silent;
+use crate::results::store::{CampaignFile, CampaignMeta, FurtherEvaluations};
 use crate::results::summary::StudySummary;
-use crate::study::{Observed, Settings, StoredOutcome, run};
+use crate::study::{FurtherLearning, Observed, Settings, StoredOutcome, run};
 use common::outputs::Evaluation;
 use common::scene::{Scene, SceneSource};
 
@@ -148,6 +149,62 @@ fn a_population_outside_of_the_simulations_is_named() {
     }
     let page = page(&outside, &sets, 0, scene.nominal(), "coordinator what-if x");
     assert_eq!(page.figures().unwrap().len(), 3);
+}
+
+/// Every outcome that a campaign file holds.
+fn known(file: &CampaignFile) -> Vec<StoredOutcome> {
+    let mut all = Vec::new();
+    file.for_each_known(|sample, outcome| {
+        all.push(StoredOutcome { sample, outcome: outcome.map(Observed::from_evaluation) });
+    })
+    .unwrap();
+    all
+}
+
+#[test]
+fn further_simulations_reduce_the_error_and_leave_the_study_as_it_is() {
+    let source = SceneSource::parse(SCENE, "bar").unwrap();
+    let scene = source.nominal();
+    let cycles = scene.life.checkpoints();
+    let simulate =
+        |request: &Request| Ok(Evaluation::from_histories(cycles.clone(), histories(&request.sample)));
+    let settings = Settings { max_evaluations: 20, ..settings(scene) };
+    let meta = CampaignMeta {
+        scene: "bar".into(),
+        scene_source: SCENE.into(),
+        settings: serde_json::to_value(&settings).unwrap(),
+        command: String::new(),
+        version: String::new(),
+    };
+    let dir = tempfile::tempdir().unwrap();
+    let mut file = CampaignFile::create(dir.path(), &meta, scene).unwrap();
+    let mut evaluator = LocalEvaluator::new(1, simulate);
+    let summary = run(scene, &settings, &mut evaluator, &mut file, &mut Silent).unwrap().summary;
+    let of_study = known(&file);
+
+    let changed = changed_scene(&source, &["force.mean=1.5".to_owned(), "loss.std=0.1".to_owned()]).unwrap();
+    let asked = |outcomes: &[StoredOutcome]| {
+        let study = FinishedStudy { scene, settings: &settings, outcomes, summary: &summary };
+        ask(&study, changed.nominal()).unwrap()
+    };
+    let further = FurtherLearning {
+        changed: changed.nominal(),
+        studied: scene,
+        settings: &settings,
+        stored: &of_study,
+        further: 8,
+    };
+    let mut journal = FurtherEvaluations::of(&mut file);
+    further.learn(&mut evaluator, &mut journal, &mut Silent).unwrap();
+    let all = known(&file);
+    assert!((of_study.len() + 1..=of_study.len() + 8).contains(&all.len()), "{}", all.len());
+    assert!(asked(&all).surrogate_error < 0.5 * asked(&of_study).surrogate_error);
+    assert_eq!(file.count().unwrap(), of_study.len());
+    // The study goes on as if they were not there: its requests find their outcomes, and the result is the same.
+    let refuse = |_: &Request| panic!("every outcome is known");
+    let again = run(scene, &settings, &mut LocalEvaluator::new(1, refuse), &mut file, &mut Silent).unwrap();
+    assert_eq!(again.summary.reliability, summary.reliability);
+    assert_eq!(known(&file).len(), all.len());
 }
 
 #[test]
