@@ -5,6 +5,8 @@
 //! | [`budget`] | the cheapest accuracy within an error budget |
 //! | [`tradeoff`] | time against error of the accuracy settings |
 //! | [`calibrate`] | free parameters fitted to measurements |
+//! | [`scene_settings`] | a scene with values set by key before a study |
+//! | [`what_if`] | reliability of a study's scene with changed distributions and thresholds |
 //! | [`replay`] | learning from a finished direct Monte Carlo study, with the true error of every round |
 
 pub mod budget;
@@ -12,4 +14,6 @@ pub mod calibrate;
 pub mod replay;
 #[cfg(test)]
 mod replay_tests;
+pub mod scene_settings;
 pub mod tradeoff;
+pub mod what_if;

@@ -13,12 +13,14 @@ use super::status::StatusArguments;
 use super::study_options::{ResumeArguments, RunArguments};
 use super::tradeoff::TradeoffArguments;
 use super::verify::{ReplayArguments, VerifyArguments};
+use super::what_if::WhatIfArguments;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::fmt::Write;
 
 /// Groups of the first page of the help.
-const GROUPS: [(&str, &[&str]); 4] = [
+const GROUPS: [(&str, &[&str]); 5] = [
     ("Study", &["run", "resume", "report", "sensitivity", "compare"]),
+    ("Decide", &["what-if"]),
     ("Look", &["simulate", "explain", "status", "scenes"]),
     ("Check", &["init", "check", "doctor", "extremes"]),
     ("Measure", &["tradeoff", "calibrate", "verify"]),
@@ -104,6 +106,7 @@ Examples:
   coordinator run --workers auto
   coordinator run --scene flapping-wing-tolerances --workers 2 --out tolerances --seed 7
   coordinator run --scene my.toml --method monte-carlo --samples 500
+  coordinator run --scene four-bar --set parameters.width='12 mm' --set friction=0.06 --out wider
   coordinator run --scene four-bar --max-error 1%
   coordinator run --workers 0 --listen tcp/0.0.0.0:7447 --config tls.json5")]
     Run(Box<RunArguments>),
@@ -192,6 +195,9 @@ Examples:
   coordinator compare hingewise-four-bar hingewise-four-bar-2 --out compare.html
   coordinator compare steel bronze polymer --out bushings.html")]
     Compare(CompareArguments),
+    /// Reliability of a finished study for changed tolerances, distributions and thresholds, without new simulations
+    #[command(after_help = super::what_if::EXAMPLES)]
+    WhatIf(Box<WhatIfArguments>),
     /// Write a commented scene to start from
     #[command(after_help = "\
 Examples:

@@ -29,6 +29,7 @@ mod stored_study;
 mod study_options;
 mod tradeoff;
 mod verify;
+mod what_if;
 
 use command::{CommandArguments, CommandLine};
 use error::CommandError;
@@ -72,6 +73,7 @@ fn run_command(arguments: CommandLine) -> Result<(), CommandError> {
         CommandArguments::Extremes(options) => extremes::extremes(&options, verbosity),
         CommandArguments::Tradeoff(options) => tradeoff::tradeoff(&options, verbosity),
         CommandArguments::Calibrate(options) => calibrate::calibrate(&options, verbosity),
+        CommandArguments::WhatIf(options) => what_if::what_if(&options, verbosity),
         CommandArguments::Replay(options) => verify::rounds(&options.dir, &options.rounds, json),
         CommandArguments::Verify(options) => verify::verify(&options, json),
         CommandArguments::Simulate(options) => simulate::simulate(&options, verbosity),

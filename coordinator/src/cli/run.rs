@@ -15,6 +15,7 @@ use super::signals::interruption;
 use super::stored_study::{END_DOCUMENT, StoredStudy};
 use super::study_options::{ResumeArguments, RunArguments};
 use common::scene::SceneSource;
+use coordinator::analyses::scene_settings::scene_with;
 use coordinator::farm::dispatch::CampaignSpec;
 use coordinator::presentation::report::{DISTRIBUTIONS_DOCUMENT, SUMMARY_DOCUMENT};
 use coordinator::presentation::terminal::{Terminal, final_text};
@@ -28,7 +29,10 @@ use std::path::{Path, PathBuf};
 /// # Errors
 /// [`CommandError`].
 pub fn run(arguments: &RunArguments, verbosity: Verbosity) -> Result<(), CommandError> {
-    let source = SceneSource::load(arguments.scene.as_deref().unwrap_or(DEFAULT_SCENE))?;
+    let mut source = SceneSource::load(arguments.scene.as_deref().unwrap_or(DEFAULT_SCENE))?;
+    if !arguments.set.is_empty() {
+        source = scene_with(&source, &arguments.set)?;
+    }
     let scene = source.nominal();
     if scene.variables.is_empty() || scene.limit_states.is_empty() {
         return Err(CommandError::NothingToStudy { origin: source.origin().to_owned() });
@@ -151,7 +155,14 @@ fn finish(
 }
 
 /// The campaign as announced to workers. A study has the same id whenever it is resumed.
-fn announced(source: &SceneSource, settings: &Settings, resumed: bool) -> Result<CampaignSpec, CommandError> {
+///
+/// # Errors
+/// [`CommandError::Json`].
+pub fn announced(
+    source: &SceneSource,
+    settings: &Settings,
+    resumed: bool,
+) -> Result<CampaignSpec, CommandError> {
     let stored = serde_json::to_string(settings)?;
     let digest = common::scene::source::digest(&format!("{stored}\n{}", source.text()));
     let accuracy = settings.accuracy.setting.clone();

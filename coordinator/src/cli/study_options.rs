@@ -19,6 +19,10 @@ pub struct RunArguments {
     /// Scene file, or name of a built-in scene [default: flapping-wing]
     #[arg(long, value_name = "NAME-or-FILE", help_heading = "Scene")]
     pub scene: Option<String>,
+    /// Set a quantity of the scene by its key, the mean of a random variable by its name, or a distribution or threshold
+    /// as in `what-if`; repeatable
+    #[arg(long, value_name = "KEY=VALUE", help_heading = "Scene")]
+    pub set: Vec<String>,
     #[command(flatten)]
     pub method: MethodArguments,
     #[command(flatten)]

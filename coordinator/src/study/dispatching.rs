@@ -66,15 +66,9 @@ impl<'a> Dispatcher<'a> {
         journal: &'a mut dyn Journal,
         observer: &'a mut dyn Observer,
     ) -> Self {
-        let record = Record {
-            journal,
-            observer,
-            next_id: 0,
-            done: 0,
-            shares: BTreeMap::new(),
-            learner: Duration::ZERO,
-            idle: Duration::ZERO,
-        };
+        let (learner, idle) = (Duration::ZERO, Duration::ZERO);
+        let record =
+            Record { journal, observer, next_id: 0, done: 0, shares: BTreeMap::new(), learner, idle };
         Self {
             scene,
             responses: ResponseLayout::from_scene(scene),
@@ -85,6 +79,12 @@ impl<'a> Dispatcher<'a> {
             evaluator,
             record,
         }
+    }
+
+    /// Numbers the requests from `first` on, after evaluations that exist.
+    pub fn numbered_from(mut self, first: u64) -> Self {
+        (self.record.next_id, self.record.done) = (first, first as usize);
+        self
     }
 
     /// Evaluates the learner's samples until the learner is done.

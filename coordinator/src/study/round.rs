@@ -64,6 +64,16 @@ impl Assessment {
         self.curves[self.curves.len() - 1][self.governing]
     }
 
+    /// Index of the checkpoint by which each point of the population has failed `(modes + 1)(N,)`, the system last; m if
+    /// never.
+    pub fn first_failures(&self) -> Vec<Vec<u32>> {
+        let mut all: Vec<Vec<u32>> = self.modes.iter().map(|mode| mode.first_failure.clone()).collect();
+        let earliest = |j: usize| all.iter().map(|first| first[j]).min().expect("there is a mode");
+        let system = (0..all[0].len()).map(earliest).collect();
+        all.push(system);
+        all
+    }
+
     /// Returns `count` points of the population with the largest predicted variance, as indices, and removes
     /// them from the selection. `requested` `(N,)` marks the points requested before, `known` holds the
     /// standardised points `(d,)` that were explored before and are in no surrogate.

@@ -4,6 +4,7 @@
 mod animation;
 mod bars;
 pub mod compare;
+pub mod decision;
 mod figure;
 mod figures;
 pub mod format;

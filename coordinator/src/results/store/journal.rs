@@ -104,7 +104,7 @@ impl CampaignFile {
         let transaction = self.connection.unchecked_transaction().map_err(failed)?;
         for (request, finished) in outcomes {
             if let Some(outcome) = self.checked(request, finished)? {
-                self.write(&transaction, request, finished, &outcome).map_err(failed)?;
+                self.write(&transaction, to_key(request.id), request, finished, &outcome).map_err(failed)?;
             }
         }
         transaction.commit().map_err(failed)
@@ -118,6 +118,11 @@ impl CampaignFile {
         if self.find(request)?.is_some() {
             return Ok(None);
         }
+        self.encoded(request, finished).map(Some)
+    }
+
+    /// The outcome's exact bytes, if it fits the scene.
+    pub(super) fn encoded(&self, request: &Request, finished: &Finished) -> Result<Vec<u8>, StoreError> {
         let what = || format!("evaluation {}", request.id);
         if request.sample.len() != self.inputs.len() {
             let reason = format!("{} values for {} variables", request.sample.len(), self.inputs.len());
@@ -134,17 +139,18 @@ impl CampaignFile {
                 return Err(self.encoding(what(), "its stated errors do not fit its histories"));
             }
         }
-        exact::outcome_to_bytes(&finished.outcome).map(Some).map_err(|reason| self.encoding(what(), reason))
+        exact::outcome_to_bytes(&finished.outcome).map_err(|reason| self.encoding(what(), reason))
     }
 
-    fn write(
+    /// Writes an evaluation under the number `key`.
+    pub(super) fn write(
         &self,
         transaction: &Transaction<'_>,
+        key: i64,
         request: &Request,
         finished: &Finished,
         outcome: &[u8],
     ) -> rusqlite::Result<()> {
-        let key = to_key(request.id);
         transaction
             .prepare_cached(
                 "INSERT INTO evaluation

@@ -164,7 +164,7 @@ fn begin_renumbering(connection: &Connection) -> rusqlite::Result<rusqlite::Tran
 }
 
 /// The first free number below zero.
-fn free_number(connection: &Connection) -> rusqlite::Result<i64> {
+pub(super) fn free_number(connection: &Connection) -> rusqlite::Result<i64> {
     connection.query_row("SELECT min(0, coalesce(min(id), 0)) - 1 FROM evaluation", [], |row| row.get(0))
 }
 

@@ -9,6 +9,9 @@
 mod connection;
 mod error;
 mod exact;
+mod further;
+#[cfg(test)]
+mod further_tests;
 mod journal;
 mod leg;
 #[cfg(test)]
@@ -23,6 +26,7 @@ mod value_tables;
 
 pub use connection::FILE_NAME;
 pub use error::{StoreError, is_unusable_path};
+pub use further::FurtherEvaluations;
 pub use leg::Leg;
 pub use read::StoredEvaluation;
 

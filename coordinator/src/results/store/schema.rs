@@ -4,7 +4,7 @@
 //! `learning_round`, `document` (results as JSON), `leg` (settings, command and version of every leg; those of the first
 //! leg but for its settings are also in `campaign`, whose settings are those of the last leg). `evaluation.stricter` is 1
 //! for the repetition of a failed simulation with finer time steps. Numbers below zero are evaluations that are no part of
-//! the result, see [`super::leg`].
+//! the result, see [`super::leg`] and [`super::further`].
 //!
 //! The columns `sample` and `outcome` of `evaluation` are what the program reads back: little-endian f64 and
 //! CBOR, exact to the last bit, where SQL's REAL would lose a negative zero and a NaN. The tables `input`,

@@ -27,6 +27,7 @@ mod importance;
 mod life_counts;
 mod life_curve;
 mod numerical;
+pub mod paired;
 mod population_lives;
 mod subset;
 

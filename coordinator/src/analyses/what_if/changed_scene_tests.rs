@@ -1,0 +1,112 @@
+//! Changed scenes: what each change means, and what is refused.
+
+use super::*;
+
+const SCENE: &str = r#"
+scene = { name = "bar" }
+simulator = { program = ["closure"] }
+life = { cycles = 300, checkpoint_every = 100 }
+outputs = [{ name = "stress", unit = "MPa" }]
+limit_states = [{ name = "yield", output = "stress", threshold = 250 }]
+variables = [
+  { name = "force", mean = "20 kN", std = "10 %" },
+  { name = "gap", distribution = "uniform", lower = "1 um", upper = "3 um" },
+  { name = "area", distribution = "normal", mean = "100 mm^2", std = "2 mm^2", unit = "mm^2" },
+  { name = "fixed", distribution = "constant", mean = 3 },
+]
+correlations = [{ variables = ["force", "area"], coefficient = 0.3 }]
+"#;
+
+fn source() -> SceneSource {
+    SceneSource::parse(SCENE, "bar").unwrap()
+}
+
+fn changed(settings: &[&str]) -> Result<SceneSource, Faults> {
+    let settings: Vec<String> = settings.iter().map(ToString::to_string).collect();
+    changed_scene(&source(), &settings)
+}
+
+/// Mean, standard deviation and bounds of a variable of the changed scene.
+fn law(settings: &[&str], variable: usize) -> (f64, f64, (f64, f64)) {
+    let scene = changed(settings).unwrap();
+    let law = scene.variables()[variable].distribution;
+    (law.parent_mean(), law.given_std(), law.support())
+}
+
+fn near(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-12 * b.abs().max(1e-9)
+}
+
+#[test]
+fn changes_have_the_meaning_that_they_have_in_a_scene_file() {
+    // A relative standard deviation and bounds that are not named follow the mean.
+    let (mean, std, (lower, _)) = law(&["force.mean = 30 kN"], 0);
+    assert!(near(mean, 3e4) && near(std, 3e3) && near(lower, 3e4 - 9e3), "{mean} {std} {lower}");
+    let (mean, std, _) = law(&["variables.force.std=1 kN"], 0);
+    assert!(near(mean, 2e4) && near(std, 1e3));
+    let (_, _, (lower, upper)) = law(&["force.lower=15 kN", "force.upper=\"25 kN\""], 0);
+    assert!(near(lower, 1.5e4) && near(upper, 2.5e4));
+    let scene = changed(&["yield.threshold=260", "correlation(area, force)=-0.2"]).unwrap();
+    assert_eq!(scene.nominal().limit_states[0].threshold, 260.0);
+    assert_eq!(scene.nominal().correlations.len(), 1);
+    assert_eq!(scene.nominal().correlations[0].coefficient, -0.2);
+    let ranked = changed(&["rank_correlation(gap,area)=0.5"]).unwrap();
+    assert_eq!(ranked.nominal().correlations.len(), 2);
+    assert_eq!(changed(&[]).unwrap().nominal(), source().nominal());
+}
+
+#[test]
+fn keys_that_exclude_each_other_are_replaced() {
+    // A uniform variable by its moments instead of its bounds: the mean stays.
+    let (mean, std, _) = law(&["gap.std=0.5 um"], 1);
+    assert!(near(mean, 2e-6) && near(std, 0.5e-6), "{mean} {std}");
+    let (_, _, (lower, upper)) = law(&["gap.upper=4 um"], 1);
+    assert!(near(lower, 1e-6) && near(upper, 4e-6));
+    // Another distribution keeps mean and standard deviation.
+    let (mean, std, _) = law(&["force.distribution=lognormal"], 0);
+    assert!(near(mean, 2e4) && near(std, 2e3));
+    let (mean, std, (lower, _)) = law(&["gap.distribution=normal"], 1);
+    assert!(near(mean, 2e-6) && near(std, 2e-6 / 12f64.sqrt()) && lower == f64::NEG_INFINITY);
+    let (mean, std, _) = law(&["area.distribution=uniform"], 2);
+    assert!(near(mean, 1e-4) && near(std, 2e-6));
+    let held = changed(&["area.distribution=constant", "correlation(force,area)=0"]);
+    // A constant cannot be correlated, whatever the coefficient.
+    assert!(held.unwrap_err().to_string().contains("is constant and cannot be correlated"));
+    let (lower, upper) = law(
+        &["area.distribution=triangular", "area.lower=95 mm^2", "area.mode=100 mm^2", "area.upper=105 mm^2"],
+        2,
+    )
+    .2;
+    assert!(near(lower, 9.5e-5) && near(upper, 1.05e-4));
+}
+
+#[test]
+fn every_fault_is_reported_and_names_what_is_allowed() {
+    let refused = |settings: &[&str]| changed(settings).unwrap_err().to_string();
+    let all =
+        refused(&["forze.std=1 kN", "force.sd=1 kN", "yeld.threshold=3", "area=3", "speed", "force.std="]);
+    for part in [
+        "--set: forze.std=1 kN: there is no variable \"forze\", did you mean \"force\"?",
+        "\"sd\" is no key of a random variable; allowed: distribution, mean, std",
+        "there is no limit state \"yeld\"; there are: yield",
+        "e.g. area.mean=... or area.std=...",
+        "expected KEY=VALUE",
+        "expected a value after =",
+    ] {
+        assert!(all.contains(part), "{part}\n{all}");
+    }
+    assert!(refused(&["force.std=-1 kN", "area.std=0 mm^2"]).starts_with("2 faults"));
+    assert!(
+        refused(&["force.std=1 mm"]).contains("variables.force.std: \"1 mm\" is a length"),
+        "{}",
+        refused(&["force.std=1 mm"])
+    );
+    assert!(refused(&["force.std=1 kN", "force.std=2 kN"]).contains("set twice"));
+    assert!(refused(&["fixed.mean=4"]).contains("was constant in all simulations"));
+    assert!(refused(&["correlation(force,force)=0.5"]).contains("two different random variables"));
+    assert!(refused(&["force.distribution=gauss"]).contains("is unknown"));
+    let four_bar = SceneSource::builtin("four-bar").unwrap();
+    let found =
+        changed_scene(&four_bar, &["parameters.crank_length=21 mm".to_owned()]).unwrap_err().to_string();
+    assert!(found.contains("changes what is simulated"), "{found}");
+}

@@ -1,0 +1,124 @@
+//! What was changed, as data: distributions, correlations and thresholds before and after, in SI units.
+
+use common::random::{Distribution, RandomVariable};
+use common::scene::Scene;
+use serde::Serialize;
+
+/// The changes of a scene.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Changes {
+    /// Changed random variables.
+    pub variables: Vec<ChangedVariable>,
+    /// Changed thresholds.
+    pub thresholds: Vec<ChangedThreshold>,
+    /// Changed correlations.
+    pub correlations: Vec<ChangedCorrelation>,
+}
+
+/// A random variable before and after.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ChangedVariable {
+    /// Name of the variable.
+    pub name: String,
+    /// Unit in which a person reads it; the values here are in SI.
+    pub unit: String,
+    /// Its distribution in the study.
+    pub before: Law,
+    /// Its changed distribution.
+    pub after: Law,
+}
+
+/// A distribution with its parameters [SI].
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Law {
+    /// Name of the distribution, as in a scene file.
+    pub distribution: String,
+    /// Mean, of the parent for a truncated normal.
+    pub mean: f64,
+    /// Standard deviation, of the parent for a truncated normal.
+    pub std: f64,
+    /// Lower bound; absent if there is none.
+    pub lower: Option<f64>,
+    /// Upper bound; absent if there is none.
+    pub upper: Option<f64>,
+}
+
+impl Law {
+    fn of(distribution: &Distribution) -> Self {
+        let (lower, upper) = distribution.support();
+        let finite = |bound: f64| bound.is_finite().then_some(bound);
+        Self {
+            distribution: distribution.name().to_owned(),
+            mean: distribution.parent_mean(),
+            std: distribution.given_std(),
+            lower: finite(lower),
+            upper: finite(upper),
+        }
+    }
+}
+
+/// A threshold before and after [SI unit of its output].
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ChangedThreshold {
+    /// Name of the limit state.
+    pub limit_state: String,
+    /// Its threshold in the study.
+    pub before: f64,
+    /// Its changed threshold.
+    pub after: f64,
+}
+
+/// A correlation of the standard normals of two variables before and after [1].
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ChangedCorrelation {
+    /// Names of the variables.
+    pub variables: [String; 2],
+    /// Coefficient in the study, 0 without one.
+    pub before: f64,
+    /// Changed coefficient.
+    pub after: f64,
+}
+
+impl Changes {
+    /// The differences of two scenes of the same variables and limit states.
+    pub fn between(studied: &Scene, changed: &Scene) -> Self {
+        let pairs = studied.variables.iter().zip(&changed.variables);
+        let variable = |(before, after): (&RandomVariable, &RandomVariable)| ChangedVariable {
+            name: before.name.clone(),
+            unit: before.unit.clone(),
+            before: Law::of(&before.distribution),
+            after: Law::of(&after.distribution),
+        };
+        let states = studied.limit_states.iter().zip(&changed.limit_states);
+        let coefficient = |scene: &Scene, i: usize, k: usize| {
+            let pair = |c: &&common::random::Correlation| {
+                (c.first, c.second) == (i, k) || (c.first, c.second) == (k, i)
+            };
+            scene.correlations.iter().find(pair).map_or(0.0, |c| c.coefficient)
+        };
+        let d = studied.variables.len();
+        let all = (0..d).flat_map(|i| (i + 1..d).map(move |k| (i, k)));
+        let correlation = |(i, k): (usize, usize)| ChangedCorrelation {
+            variables: [i, k].map(|k| studied.variables[k].name.clone()),
+            before: coefficient(studied, i, k),
+            after: coefficient(changed, i, k),
+        };
+        Self {
+            variables: pairs.filter(|(a, b)| a.distribution != b.distribution).map(variable).collect(),
+            thresholds: states
+                .filter(|(a, b)| a.threshold.to_bits() != b.threshold.to_bits())
+                .map(|(a, b)| ChangedThreshold {
+                    limit_state: a.name.clone(),
+                    before: a.threshold,
+                    after: b.threshold,
+                })
+                .collect(),
+            correlations: all.map(correlation).filter(|c| c.before.to_bits() != c.after.to_bits()).collect(),
+        }
+    }
+
+    /// True without any change.
+    pub fn is_empty(&self) -> bool {
+        self.variables.is_empty() && self.thresholds.is_empty() && self.correlations.is_empty()
+    }
+}

@@ -1,0 +1,34 @@
+//! What if: the reliability over life of a study's scene with changed distributions, correlations and thresholds, from the
+//! simulations that the study has.
+//!
+//! The surrogates of a study describe the response to any values of the random variables, whatever their distribution. So
+//! the changed scene needs new populations, not new simulations, as long as it stays where the surrogates know the response.
+//!
+//! | module | content |
+//! |---|---|
+//! | `setting` | reader of one change, `KEY=VALUE` |
+//! | `changed_scene` | the scene with the changes, checked like a scene file |
+//! | `changes` | what was changed, as data |
+//! | `answer` | reliability, lives and first failures before and after, and their changes |
+//! | `region` | where the changed population leaves the simulated region |
+//! | `report` | the answer as text, JSON and page |
+//! | `sentences` | its meaning and its errors in words |
+
+mod answer;
+mod changed_scene;
+mod changes;
+mod region;
+mod report;
+mod sentences;
+mod setting;
+#[cfg(test)]
+mod tests;
+
+pub use answer::{
+    Agreement, ChangeRow, FinishedStudy, LifeChange, POPULATION, ReliabilityChange, WhatIf, ask, curve_names,
+};
+pub use changed_scene::{changed_scene, redistributed};
+pub use changes::{ChangedCorrelation, ChangedThreshold, ChangedVariable, Changes, Law};
+pub use region::{OutsideVariable, Region};
+pub use report::{json, page, text};
+pub use setting::{VARIABLE_KEYS, fault as setting_fault};

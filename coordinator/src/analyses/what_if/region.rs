@@ -1,0 +1,133 @@
+//! How far a changed population leaves the region that the simulations cover: the range of the simulated values of each
+//! variable, and the predicted standard deviations of the surrogates.
+//!
+//! The surrogates' stated errors grow outside of the region as their model says. The model holds there only if the response
+//! goes on as it does inside, which no simulation has shown.
+
+use crate::study::CampaignResult;
+use common::scene::Scene;
+use serde::Serialize;
+
+/// Share of the studied population by which the largest usual standard deviation is defined [1].
+const USUAL: f64 = 0.99;
+
+/// Shares of the populations outside the simulated region.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Region {
+    /// Share of the studied population [1] with at least one variable outside the range of its simulated values.
+    pub outside_before: f64,
+    /// The same share of the changed population.
+    pub outside_after: f64,
+    /// Share of the changed population [1] where a surrogate is less certain than for 99 % of the studied one.
+    pub uncertain_after: f64,
+    /// The variables with the largest shares of the changed population outside, largest first; those with none are left out.
+    pub variables: Vec<OutsideVariable>,
+}
+
+/// The part of a variable's distribution that was not simulated.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct OutsideVariable {
+    /// Name of the variable.
+    pub name: String,
+    /// Smallest simulated value [SI].
+    pub simulated_from: f64,
+    /// Largest simulated value [SI].
+    pub simulated_to: f64,
+    /// Share of the studied population outside of these [1].
+    pub outside_before: f64,
+    /// Share of the changed population outside of these [1].
+    pub outside_after: f64,
+}
+
+/// Share of a population [1] beyond twice the studied one's by which the region counts as left.
+const MARGIN: f64 = 0.05;
+
+/// True if the share `after` of the changed population outside of a region is clearly larger than that of the studied one.
+fn is_more(before: f64, after: f64) -> bool {
+    after > 2.0 * before + MARGIN
+}
+
+impl OutsideVariable {
+    /// True if the changed population leaves the simulated values of this variable clearly more than the studied one.
+    pub fn is_left(&self) -> bool {
+        is_more(self.outside_before, self.outside_after)
+    }
+}
+
+impl Region {
+    /// The region of the results of `after`, whose populations are those of `before` and `after`, in the same coordinates.
+    pub fn new(scene: &Scene, before: &CampaignResult, after: &CampaignResult) -> Self {
+        let d = scene.variables.len();
+        let mut ranges = vec![(f64::INFINITY, f64::NEG_INFINITY); d];
+        for z in after.observations.standardised() {
+            for (range, z) in ranges.iter_mut().zip(z) {
+                *range = (range.0.min(*z), range.1.max(*z));
+            }
+        }
+        let (any_before, by_before) = shares_outside(before, &ranges);
+        let (any_after, by_after) = shares_outside(after, &ranges);
+        let inputs = before.classified.population.inputs();
+        let mut variables: Vec<OutsideVariable> = scene
+            .variables
+            .iter()
+            .enumerate()
+            .filter(|(k, _)| by_after[*k] > 0.0)
+            .map(|(k, variable)| OutsideVariable {
+                name: variable.name.clone(),
+                simulated_from: inputs.physical_value(k, ranges[k].0),
+                simulated_to: inputs.physical_value(k, ranges[k].1),
+                outside_before: by_before[k],
+                outside_after: by_after[k],
+            })
+            .collect();
+        variables.sort_by(|a, b| b.outside_after.total_cmp(&a.outside_after));
+        Self {
+            outside_before: any_before,
+            outside_after: any_after,
+            uncertain_after: uncertain(before, after),
+            variables,
+        }
+    }
+
+    /// True if the changed population leaves the region clearly more than the studied one.
+    pub fn is_left(&self) -> bool {
+        is_more(self.outside_before, self.outside_after)
+            || is_more(1.0 - USUAL, self.uncertain_after)
+            || self.variables.iter().any(OutsideVariable::is_left)
+    }
+}
+
+/// Share of a population outside of any of these ranges, and by variable [1].
+fn shares_outside(learned: &CampaignResult, ranges: &[(f64, f64)]) -> (f64, Vec<f64>) {
+    let population = &learned.classified.population;
+    let (mut any, mut by_variable) = (0usize, vec![0usize; ranges.len()]);
+    for j in 0..population.len() {
+        let mut outside = false;
+        for ((count, range), z) in by_variable.iter_mut().zip(ranges).zip(population.standardised(j)) {
+            if *z < range.0 || *z > range.1 {
+                *count += 1;
+                outside = true;
+            }
+        }
+        any += usize::from(outside);
+    }
+    let share = |count: usize| count as f64 / population.len() as f64;
+    (share(any), by_variable.into_iter().map(share).collect())
+}
+
+/// Share of the changed population [1] where the surrogate of any limit state has a larger standard deviation than for the
+/// share [`USUAL`] of the studied one.
+fn uncertain(before: &CampaignResult, after: &CampaignResult) -> f64 {
+    let modes = before.assessment.modes.iter().zip(&after.assessment.modes);
+    let bounds: Vec<(f64, &[f64])> = modes
+        .map(|(before, after)| {
+            let mut usual = before.variance_factor.clone();
+            let place = ((usual.len() - 1) as f64 * USUAL) as usize;
+            let (_, bound, _) = usual.select_nth_unstable_by(place, f64::total_cmp);
+            (*bound, after.variance_factor.as_slice())
+        })
+        .collect();
+    let n = bounds.first().map_or(0, |(_, factors)| factors.len());
+    let exceeds = |j: &usize| bounds.iter().any(|(bound, factors)| factors[*j] > *bound);
+    (0..n).filter(exceeds).count() as f64 / n.max(1) as f64
+}

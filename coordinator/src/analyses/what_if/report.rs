@@ -1,0 +1,324 @@
+//! The answer to a what-if as text for a terminal, as JSON and as a page with figures.
+
+use super::answer::{ChangeRow, WhatIf, curve_names};
+use super::changes::{ChangedVariable, Law};
+use super::sentences::sentences;
+use crate::presentation::report::decision::{DecisionPage, DecisionTable};
+use crate::presentation::report::format::{count, percent, rounded_cycles, three_digits, with_width};
+use crate::presentation::report::life::{
+    Included, LEVELS, LifeAt, life_and_limits, life_at, reliability, rows_that_matter,
+};
+use crate::results::summary::{FirstFailureRow, StudySummary};
+use common::scene::Scene;
+use common::scene::expression::read_unit;
+use serde_json::{Value, json};
+
+/// Most checkpoints in a table of the text.
+const ROWS: usize = 12;
+
+/// The answer as JSON. `reliability`, `lives`, `first_failure` and `curves` are those of the changed scene in the shape of
+/// `summary.json`, `before` has the same for the studied scene, `evaluations` is the number of simulations that were added.
+pub fn json(answer: &WhatIf, added: usize) -> Value {
+    let of = |summary: &StudySummary| {
+        json!({
+            "reliability": summary.reliability,
+            "lives": summary.lives,
+            "curves": summary.curves,
+            "first_failure": summary.first_failure,
+            "unresolved_fall": summary.unresolved_fall,
+        })
+    };
+    let mut found = of(&answer.after);
+    let own = json!({
+        "scene": answer.after.scene,
+        "version": answer.after.version,
+        "seed": answer.after.seed,
+        "limit_states": answer.after.limit_states,
+        "population": answer.after.population,
+        "evaluations": added,
+        "simulations": answer.simulations,
+        "changes": answer.changes,
+        "before": of(&answer.before),
+        "change": { "reliability": answer.reliability, "lives": answer.lives },
+        "region": answer.region,
+        "agreement": answer.agreement,
+        "surrogate_error": answer.surrogate_error,
+        "target_error": answer.target_error,
+        "seconds": answer.seconds,
+    });
+    if let (Value::Object(found), Value::Object(own)) = (&mut found, own) {
+        found.extend(own);
+    }
+    found
+}
+
+/// The answer as text; `settings` are the changes as typed, `added` is the number of simulations that were added, and
+/// `command` the beginning of the command that would add more.
+pub fn text(answer: &WhatIf, settings: &[String], added: usize, scene: &Scene, command: &str) -> String {
+    let mut text = String::new();
+    let typed = if settings.is_empty() { "nothing changes".to_owned() } else { settings.join(", ") };
+    text += &format!("what if {typed}\n");
+    for [what, before, after] in changes(answer, scene) {
+        text += &format!("  {what}: {before} -> {after}\n");
+    }
+    text.push('\n');
+    for table in
+        [reliability_table(answer), lives_table(answer), first_failure_table(answer)].into_iter().flatten()
+    {
+        text += &in_columns(&table);
+        text.push('\n');
+    }
+    for sentence in sentences(answer, added, command) {
+        text += &format!("{sentence}\n");
+    }
+    text.replace('\u{a0}', " ")
+}
+
+/// The answer as a page.
+pub fn page(
+    answer: &WhatIf,
+    settings: &[String],
+    added: usize,
+    scene: &Scene,
+    command: &str,
+) -> DecisionPage {
+    let typed = if settings.is_empty() { "nothing changes".to_owned() } else { settings.join(", ") };
+    let changes = DecisionTable {
+        heading: "Changes".to_owned(),
+        head: ["", "before", "after"].map(str::to_owned).to_vec(),
+        rows: changes(answer, scene).into_iter().map(|row| row.to_vec()).collect(),
+    };
+    let tables = [reliability_table(answer), lives_table(answer), first_failure_table(answer)];
+    DecisionPage {
+        title: format!("What if: {typed}"),
+        subtitle: format!("Scene: {}", answer.after.scene),
+        sentences: sentences(answer, added, command),
+        curves: vec![
+            ("before".to_owned(), answer.before.clone()),
+            ("after".to_owned(), answer.after.clone()),
+        ],
+        tables: std::iter::once(changes).chain(tables.into_iter().flatten()).collect(),
+    }
+}
+
+/// A table in columns of equal width, the first one to the left.
+fn in_columns(table: &DecisionTable) -> String {
+    let all: Vec<&Vec<String>> = std::iter::once(&table.head).chain(&table.rows).collect();
+    let length = |text: &String| text.chars().count();
+    let widths: Vec<usize> =
+        (0..table.head.len()).map(|k| all.iter().map(|row| length(&row[k])).max().unwrap_or(0)).collect();
+    let line = |row: &&Vec<String>| {
+        let cells = row.iter().zip(&widths).enumerate().map(|(k, (cell, width))| {
+            let space = " ".repeat(width - length(cell));
+            if k == 0 { format!("{cell}{space}") } else { format!("  {space}{cell}") }
+        });
+        format!("{}\n", cells.collect::<String>().trim_end())
+    };
+    all.iter().map(line).collect()
+}
+
+/// What was changed: name, before, after.
+fn changes(answer: &WhatIf, scene: &Scene) -> Vec<[String; 3]> {
+    let changes = &answer.changes;
+    let variables = changes.variables.iter().map(|v: &ChangedVariable| {
+        [v.name.clone(), in_words(&v.before, &v.unit), in_words(&v.after, &v.unit)]
+    });
+    let thresholds = changes.thresholds.iter().map(|changed| {
+        let state = scene.limit_states.iter().find(|state| state.name == changed.limit_state);
+        let unit = state.map(|state| scene.outputs[state.output].kind.unit());
+        let shown = |value: f64| match &unit {
+            Some(unit) => unit.after(&three_or_more_digits(unit.to_shown(value))),
+            None => three_or_more_digits(value),
+        };
+        [format!("threshold of {}", changed.limit_state), shown(changed.before), shown(changed.after)]
+    });
+    let correlations = changes.correlations.iter().map(|changed| {
+        let [a, b] = &changed.variables;
+        [
+            format!("correlation of {a} and {b}, as normals"),
+            three_or_more_digits(changed.before),
+            three_or_more_digits(changed.after),
+        ]
+    });
+    variables.chain(thresholds).chain(correlations).collect()
+}
+
+fn in_words(law: &Law, unit: &str) -> String {
+    // The unit was read when the scene was checked; "1" denotes a plain number.
+    let scale = read_unit(unit).map_or(1.0, |unit| unit.multiply / unit.divide);
+    let shown = |value: f64| three_or_more_digits(value / scale);
+    let mut text = format!("{}, mean {}, std {}", law.distribution, shown(law.mean), shown(law.std));
+    match (law.lower, law.upper) {
+        (Some(lower), Some(upper)) => text += &format!(", from {} to {}", shown(lower), shown(upper)),
+        (Some(lower), None) => text += &format!(", from {}", shown(lower)),
+        (None, Some(upper)) => text += &format!(", to {}", shown(upper)),
+        (None, None) => {}
+    }
+    if unit == "1" { text } else { format!("{text} {unit}") }
+}
+
+/// A value with up to six digits.
+fn three_or_more_digits(value: f64) -> String {
+    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
+    if (1e-3..1e6).contains(&rounded.abs()) || rounded == 0.0 {
+        rounded.to_string()
+    } else {
+        format!("{rounded:e}")
+    }
+}
+
+/// A change with the half-width of its interval and its sign.
+fn signed(change: &ChangeRow) -> String {
+    let widths = [change.upper.map(|u| u - change.value), change.lower.map(|l| change.value - l)];
+    let width = widths.into_iter().flatten().fold(0.0, f64::max);
+    if change.value == 0.0 {
+        return if width > 0.0 { format!("0 ± {}", three_digits(width)) } else { "0".to_owned() };
+    }
+    let text = with_width(change.value, width);
+    if change.value > 0.0 { format!("+{text}") } else { text }
+}
+
+/// R of the system before and after at the checkpoints that matter.
+fn reliability_table(answer: &WhatIf) -> Option<DecisionTable> {
+    let ends = [&answer.before, &answer.after].map(|summary| rows_that_matter(summary, 0));
+    let first = ends.iter().filter_map(|rows| rows.first()).map(|row| row.cycles).min()?;
+    let last = ends.iter().filter_map(|rows| rows.last()).map(|row| row.cycles).max()?;
+    let matters: Vec<usize> = (0..answer.before.reliability.len())
+        .filter(|n| (first..=last).contains(&answer.before.reliability[*n].cycles))
+        .collect();
+    let shown: Vec<usize> = if matters.len() <= ROWS {
+        matters
+    } else {
+        (0..ROWS).map(|i| matters[i * (matters.len() - 1) / (ROWS - 1)]).collect()
+    };
+    let row = |n: usize| {
+        let change = answer.reliability[n].change.get("total").map_or(String::new(), signed);
+        vec![
+            count(answer.before.reliability[n].cycles.into()),
+            reliability(&answer.before.reliability[n], "total"),
+            reliability(&answer.after.reliability[n], "total"),
+            change,
+        ]
+    };
+    Some(DecisionTable {
+        heading: "Reliability of the system".to_owned(),
+        head: ["cycles", "R before (95 %)", "R after (95 %)", "change (95 %)"].map(str::to_owned).to_vec(),
+        rows: shown.into_iter().map(row).collect(),
+    })
+}
+
+/// Lives before and after, per limit state and in total.
+fn lives_table(answer: &WhatIf) -> Option<DecisionTable> {
+    if answer.before.lives.is_empty() || answer.after.lives.is_empty() {
+        return None;
+    }
+    let cell = |summary: &StudySummary, name: &str, level: f64| {
+        let (life, limits) = life_and_limits(life_at(summary, name, level, Included::All));
+        if limits.is_empty() { life } else { format!("{life} ({limits})") }
+    };
+    let change = |name: &str, level: f64| {
+        let is_asked = |row: &&super::LifeChange| {
+            row.limit_state == name && row.reliability.to_bits() == level.to_bits()
+        };
+        let found = answer.lives.iter().find(is_asked).and_then(|row| row.cycles);
+        found.map_or_else(|| bound(answer, name, level), |change| change_of_life(&change))
+    };
+    let mut names = curve_names(&answer.before);
+    if names.len() == 2 {
+        names.remove(0);
+    }
+    names.reverse();
+    let rows = names.iter().flat_map(|name| {
+        LEVELS.map(|level| {
+            vec![
+                format!("{name}, R = {level}"),
+                cell(&answer.before, name, level),
+                cell(&answer.after, name, level),
+                change(name, level),
+            ]
+        })
+    });
+    Some(DecisionTable {
+        heading: "Lives".to_owned(),
+        head: ["life [cycles] at", "before (95 %)", "after (95 %)", "change (95 %)"]
+            .map(str::to_owned)
+            .to_vec(),
+        rows: rows.collect(),
+    })
+}
+
+/// The change of a life, e.g. `+910 (700 to 1 120)`.
+fn change_of_life(change: &ChangeRow) -> String {
+    let ends = [change.lower, change.upper];
+    let width = ends.iter().flatten().map(|end| (end - change.value).abs()).fold(0.0, f64::max);
+    let shown = |value: f64| {
+        let text = rounded_cycles(value.abs(), width);
+        match value {
+            v if v < 0.0 && text != "0" => format!("\u{2212}{text}"),
+            v if v > 0.0 && text != "0" => format!("+{text}"),
+            _ => text,
+        }
+    };
+    match ends {
+        [Some(lower), Some(upper)] => {
+            format!("{} ({} to {})", shown(change.value), shown(lower), shown(upper))
+        }
+        [Some(lower), None] => format!("{} (at least {})", shown(change.value), shown(lower)),
+        [None, Some(upper)] => format!("{} (at most {})", shown(change.value), shown(upper)),
+        [None, None] => shown(change.value),
+    }
+}
+
+/// What is known of a change of life where one of the lives is only bounded.
+fn bound(answer: &WhatIf, name: &str, level: f64) -> String {
+    let [before, after] =
+        [&answer.before, &answer.after].map(|summary| life_at(summary, name, level, Included::Statistical));
+    match (before, after) {
+        (LifeAt::Cycles { upper: Some(upper), .. }, LifeAt::Beyond { lower, .. }) if lower > upper => {
+            format!("more than +{}", rounded_cycles(lower - upper, 0.0))
+        }
+        (LifeAt::Beyond { lower, .. }, LifeAt::Cycles { upper: Some(upper), .. }) if lower > upper => {
+            format!("more than \u{2212}{}", rounded_cycles(lower - upper, 0.0))
+        }
+        _ => "not known".to_owned(),
+    }
+}
+
+/// Shares of the first failures at the checkpoint where R of the studied scene is nearest one half, and at the last one.
+fn first_failure_table(answer: &WhatIf) -> Option<DecisionTable> {
+    let names = &answer.before.limit_states;
+    if names.len() < 2 || answer.before.first_failure.is_empty() {
+        return None;
+    }
+    let r = |n: usize| answer.before.reliability[n].reliability.get("total").copied().unwrap_or(1.0);
+    let distance = |n: &usize| (r(*n) - 0.5).abs();
+    let last = answer.before.first_failure.len().min(answer.after.first_failure.len()) - 1;
+    let half = (0..=last).min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+    let mut shown = vec![half];
+    if half != last {
+        shown.push(last);
+    }
+    let share =
+        |row: &FirstFailureRow, name: &str| row.first.get(name).map_or(String::new(), |s| percent(*s));
+    let rows = shown.into_iter().flat_map(|n| {
+        let (before, after) = (&answer.before.first_failure[n], &answer.after.first_failure[n]);
+        let row = move |name: &String| {
+            vec![
+                format!("{name}, by {} cycles", count(before.cycles.into())),
+                share(before, name),
+                share(after, name),
+            ]
+        };
+        let together = vec![
+            format!("several at the same checkpoint, by {} cycles", count(before.cycles.into())),
+            percent(before.together),
+            percent(after.together),
+        ];
+        names.iter().map(row).chain([together]).collect::<Vec<_>>()
+    });
+    Some(DecisionTable {
+        heading: "First failures".to_owned(),
+        head: ["share that failed first by", "before", "after"].map(str::to_owned).to_vec(),
+        rows: rows.collect(),
+    })
+}
