@@ -29,6 +29,7 @@ mod dispatching;
 mod error;
 mod exploring;
 mod failures;
+mod from_results;
 mod interim;
 mod learn_from;
 mod learner;
@@ -53,6 +54,8 @@ mod verification;
 #[cfg(test)]
 mod campaign_tests;
 #[cfg(test)]
+mod from_results_tests;
+#[cfg(test)]
 mod life_tests;
 #[cfg(test)]
 mod lives_tests;
@@ -62,6 +65,7 @@ pub use campaign_result::CampaignResult;
 pub use classified_population::ClassifiedPopulation;
 pub use error::StudyError;
 pub use failures::{Failed, Feasibility};
+pub use from_results::{complete_outcomes, learn_from_results, reassess, result_of};
 pub use lives::LEVELS;
 pub use observations::{Observations, Observed, ObservedOutcome};
 pub use plan::{Plan, Problem};
@@ -83,7 +87,7 @@ use crate::results::summary::Timing;
 use common::scene::Scene;
 use dispatching::Dispatcher;
 use monte_carlo::DirectSimulation;
-use result::Findings;
+use result::{Extent, Findings};
 use std::time::Instant;
 
 /// Runs a study of `scene` to its end: evaluations by `evaluator`, recorded in `journal`, reported to `observer`.
@@ -144,5 +148,5 @@ fn learn(
     dispatcher.run(&mut campaign)?;
     dispatcher.notice(&Progress::Ending);
     let learned = campaign.finish().expect("a campaign that is done has learned something");
-    Ok(result::from_learning(scene, settings, &learned))
+    Ok(result::from_learning(scene, settings, &learned, Extent::Whole))
 }

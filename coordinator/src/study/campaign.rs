@@ -54,7 +54,7 @@ pub struct Campaign {
     pub(super) classified: ClassifiedPopulation,
     pub(super) requests: Requests,
     pub(super) data: CampaignData,
-    surrogates: SurrogateState,
+    pub(super) surrogates: SurrogateState,
     pub(super) progress: LearningProgress,
 }
 
@@ -113,6 +113,7 @@ impl Campaign {
         // A rule that is met must hold over all results: no new request until those under way have arrived.
         let settling = self.progress.stop.is_none() && self.progress.stopping.is_holding() && waiting > 0;
         if self.progress.stop.is_none() && self.budget_left() == 0 && waiting == 0 {
+            self.assess_missing_checkpoints()?;
             self.redraw_at_the_end()?;
             self.progress.stop = Some(StopReason::Budget);
         }
@@ -261,7 +262,7 @@ impl Campaign {
         Ok(())
     }
 
-    fn add_round(&mut self, assessment: &Assessment, cov_pf: f64) {
+    pub(super) fn add_round(&mut self, assessment: &Assessment, cov_pf: f64) {
         let population = self.classified.population.len();
         let mut row = assessment.row(self.classified.condition.probability, population);
         (row.round, row.evaluations, row.cov_pf) =
@@ -282,7 +283,7 @@ impl Campaign {
 
     /// Assesses the outcomes; if a stopping rule is met with lengths that are not fresh, assesses again after
     /// a fit from several starts.
-    fn assess_until_fresh(&mut self) -> Result<(Assessment, Option<Rule>), CampaignError> {
+    pub(super) fn assess_until_fresh(&mut self) -> Result<(Assessment, Option<Rule>), CampaignError> {
         let observations = &self.data.observations;
         let n = observations.len();
         let mut effort = self.surrogates.effort(n);

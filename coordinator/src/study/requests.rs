@@ -57,6 +57,13 @@ impl Requests {
         Self { requested: vec![false; population], ..Self::default() }
     }
 
+    /// Counts simulations that were made before, at these standardised points `(n)(d,)`, among them repetitions.
+    pub fn begin_with_results(&mut self, points: &[Vec<f64>]) {
+        self.known.extend(points.iter().map(|z| bits(z)));
+        (self.total, self.received) = (points.len(), points.len());
+        self.repeated = points.len() - self.known.len();
+    }
+
     /// Marks the points of a new or larger population that were requested before.
     pub fn mark_known(&mut self, population: &Population) {
         let known = |j| self.known.contains(&bits(population.standardised(j)));

@@ -79,7 +79,7 @@ pub(super) struct Findings {
     pub shares: InterimResult,
     /// Lives of the population.
     pub lives: LifeCounts,
-    /// Distributions of the outputs at every checkpoint `(outputs)(m,)`.
+    /// Distributions of the outputs at every checkpoint `(outputs)(m,)`; empty if they are not computed.
     pub distributions: Vec<Vec<OutputDistribution>>,
     /// Derivatives of the failure probabilities.
     pub derivatives: Vec<Sensitivity>,
@@ -143,8 +143,23 @@ pub fn blank(scene: &Scene, settings: &Settings) -> StudySummary {
     }
 }
 
+/// What is computed from a campaign.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Extent {
+    /// Everything that a summary contains.
+    Whole,
+    /// Reliability, lives and first failures.
+    Curves,
+}
+
 /// The findings of active learning.
-pub(super) fn from_learning(scene: &Scene, settings: &Settings, learned: &CampaignResult) -> Findings {
+pub(super) fn from_learning(
+    scene: &Scene,
+    settings: &Settings,
+    learned: &CampaignResult,
+    extent: Extent,
+) -> Findings {
+    let is_whole = extent == Extent::Whole;
     let assessment = &learned.assessment;
     let ClassifiedPopulation { population, condition, .. } = &learned.classified;
     let m = scene.life.checkpoints().len();
@@ -158,8 +173,12 @@ pub(super) fn from_learning(scene: &Scene, settings: &Settings, learned: &Campai
     Findings {
         shares: learned.shares(),
         lives: learned_lives(scene, learned),
-        distributions: output_distributions(scene, learned),
-        derivatives: sensitivities(&sampled, &first_failures, &assessment.grid, m),
+        distributions: if is_whole { output_distributions(scene, learned) } else { vec![] },
+        derivatives: if is_whole {
+            sensitivities(&sampled, &first_failures, &assessment.grid, m)
+        } else {
+            vec![]
+        },
         failures: failures(scene, learned),
         evaluations: EvaluationCounts {
             total: learned.evaluations,
@@ -173,11 +192,11 @@ pub(super) fn from_learning(scene: &Scene, settings: &Settings, learned: &Campai
             larger_budget: matches!(learned.stop, StopReason::Budget).then_some(2 * settings.max_evaluations),
             rounds: learned.rounds.clone(),
         },
-        learner: learner_findings(scene, learned),
+        learner: learner_findings(scene, learned, extent),
     }
 }
 
-fn learner_findings(scene: &Scene, learned: &CampaignResult) -> LearnerFindings {
+fn learner_findings(scene: &Scene, learned: &CampaignResult, extent: Extent) -> LearnerFindings {
     let cycles = scene.life.checkpoints();
     let fitted = &learned.assessment.surrogates;
     let report = |(limit, surrogate): (&LimitState, &Surrogate)| SurrogateReport {
@@ -190,7 +209,7 @@ fn learner_findings(scene: &Scene, learned: &CampaignResult) -> LearnerFindings 
     };
     let surrogates: Vec<SurrogateReport> = scene.limit_states.iter().zip(fitted).map(report).collect();
     LearnerFindings {
-        sobol: sobol(scene, learned),
+        sobol: if extent == Extent::Whole { sobol(scene, learned) } else { vec![] },
         rows: surrogates.iter().zip(fitted).map(|(report, surrogate)| report.row(surrogate)).collect(),
         surrogates,
     }
@@ -279,6 +298,7 @@ impl Findings {
         let numerical = self.lives.numerical_band();
         let states_errors = scene.simulator.is_none() || numerical.most != numerical.least;
         let life = life_findings(&self.lives, &self.shares, &names, &cycles, states_errors);
+        let has_moments = !self.distributions.is_empty();
         let moments = |(n, cycles): (usize, &u32)| moments(scene, &self.distributions, *cycles, n);
         let summary = StudySummary {
             population: self.shares.points,
@@ -294,7 +314,7 @@ impl Findings {
             unresolved_fall: life.unresolved,
             first_failure: cycles.iter().enumerate().map(first_failure).collect(),
             failures: self.failures,
-            moments: cycles.iter().enumerate().map(moments).collect(),
+            moments: cycles.iter().enumerate().filter(|_| has_moments).map(moments).collect(),
             sensitivity: self
                 .derivatives
                 .iter()

@@ -59,6 +59,11 @@ impl SurrogateState {
         }
     }
 
+    /// Has the lengths fitted anew in the next round.
+    pub fn require_fit(&mut self) {
+        self.fitted_at = 0;
+    }
+
     /// True if the last fit from several starts used nine tenths of `n` results or more.
     pub fn is_fresh(&self, n: usize) -> bool {
         (n as f64) < REFIT * self.fresh_at as f64

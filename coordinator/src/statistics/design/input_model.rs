@@ -4,7 +4,8 @@
 //! - independent standard normals v `(d,)` [1];
 //! - physical values x `(d,)` [SI]: u = L v are normals with the correlation matrix L L' of the copula, and
 //!   x_k = F_k^-1(Phi(u_k)) with F_k the distribution function of variable k;
-//! - standardised values z `(d,)` [1], z_k = (x_k - location_k) / scale_k, the inputs of the surrogates.
+//! - standardised values z `(d,)` [1], z_k = (x_k - location_k) / scale_k, the inputs of the surrogates. Location and
+//!   scale are those of the variables, or of another model of the same variables ([`InputModel::standardised_as`]).
 //!
 //! # Source
 //! Gaussian copula (Nataf transformation): Liu, Der Kiureghian (1986), Multivariate distribution models with
@@ -18,13 +19,46 @@ use common::scene::Scene;
 pub struct InputModel {
     variables: Vec<Distribution>,
     copula: GaussianCopula,
+    /// Location and scale by which each variable is standardised `(d,)` [SI].
+    standards: Vec<Standard>,
+}
+
+/// Location and scale of one standardised variable.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Standard {
+    /// Value at z = 0 [unit of the variable].
+    location: f64,
+    /// Difference of the values at z = 1 and z = 0 [unit of the variable].
+    scale: f64,
+}
+
+impl Standard {
+    fn of(variable: &Distribution) -> Self {
+        Self { location: variable.parent_mean(), scale: variable.parent_std() }
+    }
 }
 
 impl InputModel {
     /// Variables with the dependence of a copula of the same dimension.
     pub fn new(variables: Vec<Distribution>, copula: GaussianCopula) -> Self {
         assert_eq!(variables.len(), copula.dimension(), "a copula has the dimension of its variables");
-        Self { variables, copula }
+        let standards = variables.iter().map(Standard::of).collect();
+        Self { variables, copula, standards }
+    }
+
+    /// The same variables, standardised by location and scale of those of `other`, a model of the same dimension: a point
+    /// then has the same coordinates under both models, whatever their distributions. A variable that is constant in
+    /// `other` keeps its own scale.
+    pub fn standardised_as(mut self, other: &Self) -> Self {
+        assert_eq!(self.dimension(), other.dimension(), "both models have the same variables");
+        for ((own, standard), variable) in
+            self.standards.iter_mut().zip(&other.standards).zip(&other.variables)
+        {
+            if !variable.is_constant() {
+                *own = *standard;
+            }
+        }
+        self
     }
 
     /// The random variables of a scene.
@@ -82,20 +116,26 @@ impl InputModel {
 
     /// z `(d,)` [1] from x `(d,)` [SI].
     pub fn standardise(&self, x: &[f64]) -> Vec<f64> {
-        let z = |(variable, x): (&Distribution, &f64)| (x - variable.parent_mean()) / variable.parent_std();
-        self.variables.iter().zip(x).map(z).collect()
+        x.iter().enumerate().map(|(k, x)| self.standardised_value(k, *x)).collect()
     }
 
     /// x = location + scale z `(d,)` [SI], clamped to the bounds against rounding.
     pub fn to_physical(&self, z: &[f64]) -> Vec<f64> {
-        self.variables.iter().zip(z).map(|(variable, z)| physical(variable, *z)).collect()
+        z.iter().enumerate().map(|(k, z)| self.physical_value(k, *z)).collect()
     }
-}
 
-/// location + scale z of one variable [SI], clamped to its bounds against rounding.
-pub(crate) fn physical(variable: &Distribution, z: f64) -> f64 {
-    let (lower, upper) = variable.support();
-    (variable.parent_mean() + variable.parent_std() * z).clamp(lower, upper)
+    /// z of the value x of variable `k` [SI].
+    pub fn standardised_value(&self, k: usize, x: f64) -> f64 {
+        let Standard { location, scale } = self.standards[k];
+        (x - location) / scale
+    }
+
+    /// location + scale z of variable `k` [SI], clamped to its bounds against rounding.
+    pub fn physical_value(&self, k: usize, z: f64) -> f64 {
+        let (lower, upper) = self.variables[k].support();
+        let Standard { location, scale } = self.standards[k];
+        (location + scale * z).clamp(lower, upper)
+    }
 }
 
 impl From<&[Distribution]> for InputModel {
@@ -136,6 +176,26 @@ mod tests {
         ];
         let pair = |first, second, coefficient| Correlation { first, second, coefficient };
         InputModel::new(variables, GaussianCopula::new(4, &[pair(0, 3, -0.5), pair(0, 1, 0.8)]).unwrap())
+    }
+
+    #[test]
+    fn a_model_standardised_as_another_has_its_coordinates() {
+        let before = model();
+        let variables = vec![
+            Distribution::lognormal(3.0, 0.1).unwrap(),
+            Distribution::constant(1.0).unwrap(),
+            Distribution::normal(4.0, 2.0).unwrap(),
+            Distribution::weibull(11.0, 3.0).unwrap(),
+        ];
+        let after = InputModel::new(variables, before.copula.clone()).standardised_as(&before);
+        let x = after.from_uniforms(&[0.2, 0.7, 0.9, 0.4]);
+        let (z, of_before) = (after.standardise(&x), before.standardise(&x));
+        assert_eq!([z[0], z[1], z[3]], [of_before[0], of_before[1], of_before[3]]);
+        // A constant of the other model has no scale.
+        assert!((z[2] - (x[2] - 4.0) / 2.0).abs() < 1e-15);
+        for (x, again) in x.iter().zip(after.to_physical(&z)) {
+            assert!((x - again).abs() < 1e-14 * x.abs());
+        }
     }
 
     #[test]

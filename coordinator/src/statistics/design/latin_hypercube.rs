@@ -40,7 +40,7 @@ pub fn latin_hypercube(inputs: &InputModel, n: usize, seed: u64) -> Vec<f64> {
     for (k, variable) in inputs.variables().iter().enumerate() {
         for i in (k..n * d).step_by(d) {
             let x = variable.quantile(place(strata[i], within[i]));
-            z[i] = (x - variable.parent_mean()) / variable.parent_std();
+            z[i] = inputs.standardised_value(k, x);
         }
     }
     z

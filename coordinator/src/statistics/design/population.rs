@@ -6,7 +6,6 @@
 //! # Source
 //! Inverse transform: Devroye (1986), Non-Uniform Random Variate Generation, chapter II.
 
-use super::input_model::physical;
 use super::{InputModel, Stream, open_stream};
 use common::random::Distribution;
 use faer::MatRef;
@@ -117,7 +116,7 @@ impl Population {
 
     /// Variable `k` of point `j` in its unit [SI].
     pub fn physical_value(&self, j: usize, k: usize) -> f64 {
-        physical(&self.variables()[k], self.standardised(j)[k])
+        self.inputs.physical_value(k, self.standardised(j)[k])
     }
 
     /// The standardised points `range` as columns `(d, range.len())` [1].

@@ -7,6 +7,11 @@
 /// of the curves, and three standard deviations of a normal response.
 const SETTLED: f64 = 1e-3;
 
+/// True if a failure share [1] is so near to 0 or 1 that its checkpoint does not matter.
+pub fn is_settled(share: f64) -> bool {
+    !(share > SETTLED && share < 1.0 - SETTLED)
+}
+
 /// Returns the indices of the checkpoints that matter for one mode, ascending, never empty.
 ///
 /// A checkpoint matters if the failure share of the initial design (`sample_share` `(m,)` [1]) lies strictly
@@ -25,7 +30,7 @@ pub fn checkpoints_that_matter(
     let m = sample_share.len();
     let matters = |n: &usize| {
         let sampled = sample_share[*n] > 0.0 && sample_share[*n] < 1.0;
-        sampled || predicted_share.is_some_and(|p| p[*n] > SETTLED && p[*n] < 1.0 - SETTLED)
+        sampled || predicted_share.is_some_and(|p| !is_settled(p[*n]))
     };
     let share = predicted_share.unwrap_or(sample_share);
     let jump = share.iter().position(|p| *p >= 0.5).unwrap_or(m - 1);

@@ -38,7 +38,7 @@ mod pool;
 mod selection;
 mod stopping;
 
-pub use checkpoints::checkpoints_that_matter;
+pub use checkpoints::{checkpoints_that_matter, is_settled};
 pub use classification::{Classification, ClassifiedMode, classify, classify_cached, curves};
 pub use coupled_criterion::{Coupled, UNCERTAIN, coupled_criterion, dominance};
 pub use error::{CurveErrors, SURROGATE_SAFETY, estimate_errors};

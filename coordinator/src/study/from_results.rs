@@ -1,0 +1,165 @@
+//! A campaign that begins with results that exist: those of a finished study, assessed on a population that may be
+//! distributed otherwise than the one they were chosen from.
+//!
+//! The surrogates describe the response, not the distribution of its inputs, so they hold for any distribution; where the
+//! population leaves the region of the results, the predicted variances grow, and with them the stated errors. The points
+//! keep the coordinates of the study ([`InputModel::standardised_as`]), so that the bounds of the correlation lengths are
+//! those of its surrogates.
+//!
+//! [`InputModel::standardised_as`]: crate::statistics::design::InputModel::standardised_as
+
+use super::campaign::Campaign;
+use super::campaign_result::CampaignResult;
+use super::observations::ObservedOutcome;
+use super::plan::{Plan, Problem};
+use super::response_layout::ResponseLayout;
+use super::result::{Extent, from_learning};
+use super::step::{CampaignError, Step};
+use super::verification::StoredOutcome;
+use super::{Settings, StudyError, StudyResult};
+use crate::results::summary::Timing;
+use crate::statistics::learning::is_settled;
+use common::scene::Scene;
+use std::collections::HashSet;
+use std::time::Instant;
+
+impl Problem {
+    /// The problem of `changed`, a scene that differs from `studied` in distributions, correlations and thresholds only, in
+    /// the coordinates of the studied scene.
+    pub fn of_changed_scene(changed: &Scene, studied: &Scene) -> Self {
+        let problem = Self::from_scene(changed);
+        let inputs = problem.inputs.standardised_as(&Self::from_scene(studied).inputs);
+        Self { inputs, ..problem }
+    }
+}
+
+impl Campaign {
+    /// A campaign that begins with all these `outcomes` `(sample, outcome)`, in the order of their requests; they count
+    /// as its initial design. Without further budget ([`Settings::max_evaluations`] at most their number) it requests no
+    /// simulation: [`Campaign::next_step`] assesses them on the population of `problem` and is done. Otherwise learning
+    /// goes on from them.
+    ///
+    /// A sample that failed and gave a result when repeated counts as a result. Outcomes have one history per output of
+    /// the problem, see [`complete_outcomes`].
+    pub fn with_results(
+        problem: Problem,
+        plan: Plan,
+        outcomes: impl IntoIterator<Item = (Vec<f64>, ObservedOutcome)>,
+    ) -> Self {
+        let mut campaign = Self::new(problem, plan);
+        let outcomes: Vec<(Vec<f64>, ObservedOutcome)> = outcomes.into_iter().collect();
+        let bits = |sample: &[f64]| sample.iter().map(|x| x.to_bits()).collect::<Vec<u64>>();
+        let mut known: HashSet<Vec<u64>> =
+            outcomes.iter().filter(|(_, outcome)| outcome.is_ok()).map(|(sample, _)| bits(sample)).collect();
+        let count = outcomes.len();
+        let mut points = Vec::with_capacity(count);
+        for (sample, outcome) in outcomes {
+            let z = campaign.problem.inputs.standardise(&sample);
+            match outcome {
+                Ok(observed) => campaign.data.observations.add(&z, observed),
+                // Neither a repetition that failed again, nor one that succeeded.
+                Err(cause) if known.insert(bits(&sample)) => {
+                    campaign.data.add_failed(z.clone(), cause, false, false);
+                }
+                Err(_) => {}
+            }
+            points.push(z);
+        }
+        campaign.data.observations.close_design();
+        campaign.requests.begin_with_results(&points);
+        campaign.requests.mark_known(&campaign.classified.population);
+        campaign
+    }
+
+    /// Assesses the results once more if the budget ends learning after its first round and curves of the population are
+    /// between 0 and 1 at checkpoints outside of those of the round, where no error is estimated: the round took the
+    /// checkpoints from the results, and the population may fail earlier or later.
+    pub(super) fn assess_missing_checkpoints(&mut self) -> Result<(), CampaignError> {
+        let Some(assessment) = self.progress.assessment.as_ref().filter(|_| self.progress.rounds.len() == 1)
+        else {
+            return Ok(());
+        };
+        let (first, last) = (assessment.grid[0], assessment.grid[assessment.grid.len() - 1]);
+        let is_missing = |(n, share): (usize, &f64)| !is_settled(*share) && !(first..=last).contains(&n);
+        if !assessment.curves.iter().any(|curve| curve.iter().enumerate().any(is_missing)) {
+            return Ok(());
+        }
+        self.surrogates.require_fit();
+        let (assessment, _) = self.assess_until_fresh()?;
+        let cov = self.classified.coefficient_of_variation(assessment.governing_failed());
+        self.add_round(&assessment, cov);
+        self.progress.assessment = Some(assessment);
+        Ok(())
+    }
+
+    /// Runs a campaign without further budget to its end.
+    ///
+    /// # Errors
+    /// [`CampaignError`].
+    fn assess_results(mut self) -> Result<CampaignResult, CampaignError> {
+        let step = self.next_step()?;
+        assert_eq!(step, Step::Done, "a campaign without budget requests nothing");
+        Ok(self.finish().expect("a campaign that is done has a result"))
+    }
+}
+
+/// Stored outcomes of a scene in the form that a campaign receives: `(sample, outcome)`, where the outcome has also the
+/// negatives of outputs that fail below a threshold.
+pub fn complete_outcomes(scene: &Scene, stored: &[StoredOutcome]) -> Vec<(Vec<f64>, ObservedOutcome)> {
+    let responses = ResponseLayout::from_scene(scene);
+    let complete = |stored: &StoredOutcome| {
+        let outcome = stored.outcome.clone().map(|observed| responses.complete(observed));
+        (stored.sample.clone(), outcome)
+    };
+    stored.iter().map(complete).collect()
+}
+
+/// Learns the changed scene from the results of a study of `studied`, without any simulation.
+///
+/// `settings` are those of the study; `samples` is the size of the population, which stays as it is.
+///
+/// # Errors
+/// [`StudyError`].
+pub fn learn_from_results(
+    changed: &Scene,
+    studied: &Scene,
+    settings: &Settings,
+    stored: &[StoredOutcome],
+) -> Result<CampaignResult, StudyError> {
+    let settings = Settings { max_evaluations: stored.len(), ..settings.clone() };
+    let campaign = Campaign::with_results(
+        Problem::of_changed_scene(changed, studied),
+        Plan::new(&settings, changed),
+        complete_outcomes(changed, stored),
+    );
+    campaign.assess_results().map_err(|error| StudyError::from_campaign(error, changed))
+}
+
+/// The result of a study of the changed scene from the results of a study of `studied`, without any simulation: as that of
+/// a study, but without sensitivities, Sobol indices and distributions of the outputs.
+///
+/// # Errors
+/// [`StudyError`].
+pub fn reassess(
+    changed: &Scene,
+    studied: &Scene,
+    settings: &Settings,
+    stored: &[StoredOutcome],
+) -> Result<StudyResult, StudyError> {
+    let started = Instant::now();
+    let learned = learn_from_results(changed, studied, settings, stored)?;
+    Ok(result_of(changed, settings, &learned, started))
+}
+
+/// The result of a campaign that began with results at the time `started`, without sensitivities, Sobol indices and
+/// distributions of the outputs.
+pub fn result_of(
+    scene: &Scene,
+    settings: &Settings,
+    learned: &CampaignResult,
+    started: Instant,
+) -> StudyResult {
+    let findings = from_learning(scene, settings, learned, Extent::Curves);
+    let timing = Timing { total: started.elapsed().as_secs_f64(), ..Timing::default() };
+    findings.result(scene, settings, timing, vec![])
+}
