@@ -5,11 +5,17 @@
 //! | [`budget`] | the cheapest accuracy within an error budget |
 //! | [`tradeoff`] | time against error of the accuracy settings |
 //! | [`calibrate`] | free parameters fitted to measurements |
+//! | [`replace`] | the age, or the measured level, of replacement with the least cost |
+//! | [`update`] | single units from what was measured of them |
+//! | [`quantity`] | quantities of outputs as a person writes them |
 //! | [`replay`] | learning from a finished direct Monte Carlo study, with the true error of every round |
 
 pub mod budget;
 pub mod calibrate;
+pub mod quantity;
+pub mod replace;
 pub mod replay;
 #[cfg(test)]
 mod replay_tests;
 pub mod tradeoff;
+pub mod update;

@@ -6,19 +6,22 @@ use super::compare::CompareArguments;
 use super::doctor::DoctorArguments;
 use super::extremes::ExtremesArguments;
 use super::init::InitArguments;
+use super::replace::ReplaceArguments;
 use super::results::{ReportArguments, StudyFolder};
 use super::shared::{DEFAULT_SCENE, Verbosity};
 use super::simulate::SimulateArguments;
 use super::status::StatusArguments;
 use super::study_options::{ResumeArguments, RunArguments};
 use super::tradeoff::TradeoffArguments;
+use super::update::UpdateArguments;
 use super::verify::{ReplayArguments, VerifyArguments};
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::fmt::Write;
 
 /// Groups of the first page of the help.
-const GROUPS: [(&str, &[&str]); 4] = [
+const GROUPS: [(&str, &[&str]); 5] = [
     ("Study", &["run", "resume", "report", "sensitivity", "compare"]),
+    ("Decide", &["update", "replace"]),
     ("Look", &["simulate", "explain", "status", "scenes"]),
     ("Check", &["init", "check", "doctor", "extremes"]),
     ("Measure", &["tradeoff", "calibrate", "verify"]),
@@ -192,6 +195,12 @@ Examples:
   coordinator compare hingewise-four-bar hingewise-four-bar-2 --out compare.html
   coordinator compare steel bronze polymer --out bushings.html")]
     Compare(CompareArguments),
+    /// Update reliability and remaining life of single units by what was measured of them
+    #[command(after_help = super::update::EXAMPLES)]
+    Update(UpdateArguments),
+    /// Find the age, or the measured level, of replacement with the least cost
+    #[command(after_help = super::replace::EXAMPLES)]
+    Replace(ReplaceArguments),
     /// Write a commented scene to start from
     #[command(after_help = "\
 Examples:

@@ -6,6 +6,7 @@ mod bars;
 pub mod compare;
 mod figure;
 mod figures;
+pub mod fleet;
 pub mod format;
 mod input;
 pub mod life;

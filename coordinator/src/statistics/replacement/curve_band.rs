@@ -137,11 +137,10 @@ mod tests {
         let times: Vec<f64> = (0..=2000).map(f64::from).collect();
         let exact = SurvivalCurve::new(&times, &times.iter().map(|t| weibull(*t)).collect::<Vec<_>>());
         let costs = ReplacementCosts { planned: 1.0, failure: 10.0 };
-        let quantities: [&dyn Fn(&SurvivalCurve) -> f64; 3] = [
-            &|curve| curve.restricted_mean(),
-            &|curve| costs.best_age(curve).cost_rate,
-            &|curve| curve.rate(700.0, 900.0).density,
-        ];
+        let quantities: [&dyn Fn(&SurvivalCurve) -> f64; 3] =
+            [&|curve| curve.restricted_mean(), &|curve| costs.best_age(curve).cost_rate, &|curve| {
+                curve.rate(700.0, 900.0).density
+            }];
         let mut rng = ChaCha12Rng::seed_from_u64(5);
         let mut held = [0; 3];
         let studies = 60;

@@ -31,5 +31,7 @@ mod survival_curve;
 
 pub use age_replacement::{AgeReplacement, ReplacementCosts};
 pub use curve_band::{CurveBand, Interval};
-pub use inspection::{InspectedSamples, InspectionPolicy, PolicyCosts, PolicyOutcome, best_policy, outcome_of};
+pub use inspection::{
+    InspectedSamples, InspectionPolicy, PolicyCosts, PolicyOutcome, best_policy, outcome_of,
+};
 pub use survival_curve::{FailureRate, SurvivalCurve};

@@ -102,8 +102,7 @@ fn cholesky(covariance: &Mat<f64>) -> Mat<f64> {
         for l in 0..=k {
             let known: f64 = (0..l).map(|j| factor[(k, j)] * factor[(l, j)]).sum();
             let rest = covariance[(k, l)] - known;
-            factor[(k, l)] =
-                if k == l { rest.max(LEAST_VARIANCE).sqrt() } else { rest / factor[(l, l)] };
+            factor[(k, l)] = if k == l { rest.max(LEAST_VARIANCE).sqrt() } else { rest / factor[(l, l)] };
         }
     }
     factor

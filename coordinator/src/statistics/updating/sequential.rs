@@ -42,7 +42,7 @@ pub trait UnitModel {
 pub struct SequentialMonteCarlo {
     /// Number of particles that are moved.
     pub particles: usize,
-    /// Least effective sample size of weights without moves.
+    /// Least effective sample size of weights without moves; once particles were moved it is half of their number.
     pub least: f64,
 }
 
@@ -118,11 +118,8 @@ impl Run {
         for _ in 0..MOST_STAGES {
             let whole = self.reweighted(newest, phi, 1.0);
             let size = effective_size(&whole);
-            let least = if self.stages == 0 {
-                self.settings.least
-            } else {
-                self.settings.least.min(0.5 * self.settings.particles as f64)
-            };
+            let least =
+                if self.stages == 0 { self.settings.least } else { 0.5 * self.settings.particles as f64 };
             if size >= least {
                 self.particles.weights = whole;
                 return Some(());
@@ -162,8 +159,7 @@ impl Run {
 
     /// The largest temperature that keeps half of the effective size, or half of the particles if these are fewer.
     fn next_temperature(&self, newest: &Evidence, phi: f64) -> Option<f64> {
-        let target =
-            0.5 * self.particles.effective_size().min(self.settings.particles as f64);
+        let target = 0.5 * self.particles.effective_size().min(self.settings.particles as f64);
         let size = |to: f64| effective_size(&self.reweighted(newest, phi, to));
         if size(1.0) >= target {
             return Some(1.0);
@@ -182,13 +178,7 @@ impl Run {
     }
 
     /// Moves all particles until they have lost the correlation with where they began.
-    fn move_particles(
-        &mut self,
-        evidence: &[Evidence],
-        phi: f64,
-        model: &dyn UnitModel,
-        rng: &mut impl Rng,
-    ) {
+    fn move_particles(&mut self, evidence: &[Evidence], phi: f64, model: &dyn UnitModel, rng: &mut impl Rng) {
         let mut proposal = Proposal::new(&self.particles);
         let (n, d) = (self.particles.len(), self.particles.dimension);
         let target = |particles: &Particles, i: usize| {
