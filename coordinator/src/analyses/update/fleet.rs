@@ -18,6 +18,9 @@ use std::collections::BTreeMap;
 /// Probability, times the number of a unit's observations, below which an observation is improbable [1].
 const IMPROBABLE: f64 = 0.01;
 
+/// Least probability that is stated [1].
+const LEAST: f64 = 1e-12;
+
 /// Settings of the updating.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FleetSettings {
@@ -251,9 +254,12 @@ fn warning(observations: &[ObservationRow]) -> Option<String> {
     let least = observations.iter().min_by(|a, b| a.probability.total_cmp(&b.probability))?;
     (least.probability * observations.len() as f64 <= IMPROBABLE).then(|| {
         format!(
-            "{} at {} cycles (line {}) is improbable under the model: probability {:.1e}; check the measurement, or whether the \
+            "{} at {} cycles (line {}) is improbable under the model: probability {}; check the measurement, or whether the \
              study describes this unit",
-            least.quantity, least.cycles, least.line, least.probability
+            least.quantity,
+            least.cycles,
+            least.line,
+            if least.probability < LEAST { format!("below {LEAST:e}") } else { format!("{:.1e}", least.probability) }
         )
     })
 }

@@ -35,24 +35,13 @@ pub fn parse(
     source: &SceneSource,
     model: &LifeModel,
 ) -> Result<Vec<ObservedUnit>, UpdateError> {
-    let mut reader = csv::ReaderBuilder::new()
-        .has_headers(false)
-        .flexible(true)
-        .comment(Some(b'#'))
-        .trim(csv::Trim::All)
-        .from_reader(text.as_bytes());
     let row = RowReader { source, scene: source.nominal(), model };
     let (mut units, mut faults) = (Vec::<ObservedUnit>::new(), Vec::new());
-    for (place, record) in reader.records().enumerate() {
-        let record = match record {
-            Ok(record) => record,
-            Err(error) => {
-                let line = error.position().map_or(1, csv::Position::line);
-                faults.push(UnitFault { line, column: COLUMNS[0], what: error.to_string() });
-                continue;
-            }
-        };
-        let line = record.position().map_or(1, csv::Position::line);
+    let lines = text.lines().zip(1..).map(|(line, number): (&str, u64)| (number, line.trim()));
+    for (place, (line, content)) in
+        lines.filter(|(_, content)| !content.is_empty() && !content.starts_with('#')).enumerate()
+    {
+        let record = cells_of(content);
         let cells: Vec<&str> = record.iter().collect();
         if place == 0 && cells[0].eq_ignore_ascii_case("unit") {
             continue;
@@ -79,6 +68,17 @@ pub fn parse(
     }
     faults.sort_by_key(|fault| fault.line);
     Err(UpdateError::Units(UnitFaults { file: file.to_owned(), faults }))
+}
+
+/// Cells of a line.
+fn cells_of(line: &str) -> csv::StringRecord {
+    let mut reader = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .trim(csv::Trim::All)
+        .from_reader(line.as_bytes());
+    let first = reader.records().next().and_then(Result::ok);
+    first.unwrap_or_else(|| csv::StringRecord::from(vec![line]))
 }
 
 /// A fault of a row: column and what is wrong.

@@ -17,6 +17,8 @@ use rayon::prelude::*;
 
 /// Levels that are tried.
 const LEVELS: usize = 80;
+/// Levels that are tried between the neighbours of the best.
+const FINER: usize = 30;
 
 /// Lives of samples and what their inspections would measure.
 #[derive(Debug, Clone)]
@@ -141,9 +143,18 @@ pub fn best_policy(samples: &InspectedSamples, costs: &PolicyCosts) -> Option<In
         let (last, rate) = rates.enumerate().min_by(|a, b| a.1.total_cmp(&b.1))?;
         Some((InspectionPolicy { level: *level, last }, rate))
     };
+    let best_of = |levels: &[f64]| {
+        let found: Vec<_> = levels.par_iter().filter_map(best_of_level).collect();
+        found.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).map(|(policy, _)| policy)
+    };
     let levels = samples.levels();
-    let found: Vec<_> = levels.par_iter().filter_map(best_of_level).collect();
-    found.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).map(|(policy, _)| policy)
+    let coarse = best_of(&levels)?;
+    // Once more between its neighbours.
+    let place = levels.iter().position(|level| *level == coarse.level)?;
+    let (from, to) = (levels[place.saturating_sub(1)], levels[(place + 1).min(levels.len() - 1)]);
+    let between = |i: usize| from + (to - from) * i as f64 / (FINER - 1) as f64;
+    let finer: Vec<f64> = (0..FINER).map(between).chain([coarse.level]).collect();
+    best_of(&finer)
 }
 
 /// Costs of a policy over the samples by which [`best_policy`] does not choose.
