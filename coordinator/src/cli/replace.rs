@@ -8,21 +8,25 @@ use clap::Args;
 use common::scene::Scene;
 use coordinator::analyses::quantity::output_quantity;
 use coordinator::analyses::replace::{
-    InspectionPlan, check_costs, inspect, replace as age_of_replacement, text,
+    InspectionPlan, Schedule, check_costs, inspect, replace as age_of_replacement, text,
 };
 use coordinator::statistics::replacement::{PolicyCosts, ReplacementCosts};
-use coordinator::study::{LifeModel, Method, learn_from_results};
+use coordinator::study::{LifeModel, Method, Settings, learn_from_results};
 use std::path::PathBuf;
 
 pub const EXAMPLES: &str = "\
 Costs are in any currency; only their ratios decide. Intervals are 95 % intervals with every error that the study states.
-What lies beyond the last checkpoint is not known: it is stated as a bound. With --inspect-every the study must have
+What lies beyond the last checkpoint is not known: it is stated as a bound. With --inspect-every or --inspect-at the study must have
 surrogates (--method ak), from which lives and measured values of 20 000 units follow.
 
 Examples:
   coordinator replace study --failure-cost 10
   coordinator replace study --planned-cost 250 --failure-cost 4000 --curve wear --json
-  coordinator replace study --failure-cost 10 --inspect-every 1000,2000 --inspect-cost 0.05 --inspect-error '0.5 um'";
+  coordinator replace study --failure-cost 10 --inspect-every 1000,2000 --inspect-cost 0.05 --inspect-error '0.5 um'
+  coordinator replace study --failure-cost 10 --inspect-at 4500,5000,5500 --inspect-cost 0.02";
+
+/// Population on which surrogates are assessed.
+const SAMPLES: usize = 20_000;
 
 /// Arguments of `coordinator replace`.
 #[derive(Debug, Clone, Args)]
@@ -39,16 +43,19 @@ pub struct ReplaceArguments {
     #[arg(long, value_name = "NAME", default_value = "total")]
     pub curve: String,
     /// Inspect every N cycles and replace above a measured level; several distances with commas
-    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = cost)]
+    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = cost, group = "schedule")]
     pub inspect_every: Vec<f64>,
+    /// Inspect at these lives instead, increasing, with commas
+    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = cost, group = "schedule")]
+    pub inspect_at: Vec<f64>,
     /// Cost of an inspection
-    #[arg(long, value_name = "C", default_value = "0", value_parser = cost_or_zero, requires = "inspect_every")]
+    #[arg(long, value_name = "C", default_value = "0", value_parser = cost_or_zero, requires = "schedule")]
     pub inspect_cost: f64,
     /// Output that is measured [default: that of the limit states, if it is one]
-    #[arg(long, value_name = "OUTPUT", requires = "inspect_every")]
+    #[arg(long, value_name = "OUTPUT", requires = "schedule")]
     pub inspect_output: Option<String>,
     /// Standard deviation of the measurement's error, with a unit [default: exact]
-    #[arg(long, value_name = "QUANTITY", requires = "inspect_every")]
+    #[arg(long, value_name = "QUANTITY", requires = "schedule")]
     pub inspect_error: Option<String>,
     /// Write the answer (text, or JSON with --json) to this file instead of standard output
     #[arg(long, value_name = "FILE")]
@@ -78,7 +85,7 @@ pub fn replace(arguments: &ReplaceArguments, as_json: bool) -> Result<(), Comman
     let study = StoredStudy::look(&arguments.dir)?;
     let summary = summary_of(&study.campaign)?;
     let mut report = age_of_replacement(&summary, &arguments.curve, &costs).map_err(DecisionError::from)?;
-    if !arguments.inspect_every.is_empty() {
+    if !(arguments.inspect_every.is_empty() && arguments.inspect_at.is_empty()) {
         let plan = plan(arguments, study.scene())?;
         let model = life_model(&study)?;
         report.inspections =
@@ -98,7 +105,9 @@ pub fn life_model(study: &StoredStudy) -> Result<LifeModel, CommandError> {
         let method = study.settings.method.name().to_owned();
         return Err(DecisionError::NoSurrogates { dir, method }.into());
     }
-    let learned = learn_from_results(study.scene(), study.scene(), &study.settings, &study.outcomes()?)
+    // The surrogates are wanted, not the curves of the whole population.
+    let settings = Settings { samples: study.settings.samples.min(SAMPLES), ..study.settings.clone() };
+    let learned = learn_from_results(study.scene(), study.scene(), &settings, &study.outcomes()?)
         .map_err(|error| CommandError::of_study(error, &dir))?;
     Ok(LifeModel::new(study.scene(), &learned))
 }
@@ -136,5 +145,8 @@ fn plan(arguments: &ReplaceArguments, scene: &Scene) -> Result<InspectionPlan, D
         failure: arguments.failure_cost,
         inspection: arguments.inspect_cost,
     };
-    Ok(InspectionPlan { output, error, every: arguments.inspect_every.clone(), costs })
+    let given = (!arguments.inspect_at.is_empty()).then(|| Schedule::At(arguments.inspect_at.clone()));
+    let schedules =
+        arguments.inspect_every.iter().map(|every| Schedule::Every(*every)).chain(given).collect();
+    Ok(InspectionPlan { output, error, schedules, costs })
 }

@@ -236,12 +236,13 @@ impl LifeModel {
     }
 
     /// Standard deviation of the error of a value at a life, besides that of the surrogate: the stated numerical error of the
-    /// simulations or their noise, whichever is larger, at the nearer checkpoint [unit of the output].
-    pub fn error_at(&self, output: usize, value: f64, life: f64) -> f64 {
+    /// simulations (if `numerical`) or their noise, whichever is larger, at the nearer checkpoint [unit of the output].
+    pub fn error_at(&self, output: usize, value: f64, life: f64, numerical: bool) -> f64 {
         let OutputModel { errors, noise, .. } = &self.outputs[output];
         let distance = |n: &usize| (self.times[*n] - life).abs();
         let nearest = (0..self.times.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        nearest.map_or(0.0, |n| errors[n].evaluate(value).max(noise[n]))
+        let stated = |n: usize| if numerical { errors[n].evaluate(value) } else { 0.0 };
+        nearest.map_or(0.0, |n| stated(n).max(noise[n]))
     }
 }
 

@@ -1,5 +1,5 @@
 //! Replacement above a measured level: lives and measured outputs of a population by the surrogates of a study, and the level
-//! and the last age with the least cost per cycle for every distance of inspections.
+//! and the last age with the least cost per cycle for every schedule of inspections.
 
 use super::ReplacementError;
 use crate::statistics::design::{Population, Stream, deviation, open_stream};
@@ -21,17 +21,51 @@ pub struct InspectionPlan {
     pub output: usize,
     /// Standard deviation of the measurement's error [unit of the output].
     pub error: f64,
-    /// Distances of inspections [cycles].
-    pub every: Vec<f64>,
+    /// Schedules that are compared.
+    pub schedules: Vec<Schedule>,
     /// Costs.
     pub costs: PolicyCosts,
 }
 
-/// The best policy for one distance of inspections.
+/// Lives of inspections.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Schedule {
+    /// At all multiples of a distance [cycles].
+    Every(f64),
+    /// At these lives, increasing [cycles].
+    At(Vec<f64>),
+}
+
+impl Schedule {
+    /// Lives of the inspections of `output` within the study [cycles].
+    fn lives(&self, model: &LifeModel, output: usize) -> Result<Vec<f64>, ReplacementError> {
+        let (beginning, end) = (model.beginning(output), model.end());
+        match self {
+            Self::Every(every) => {
+                let least = beginning.max(end / MOST as f64);
+                if !(*every >= least && *every <= end) {
+                    return Err(ReplacementError::Every { every: *every, least, most: end, count: MOST });
+                }
+                let count = (end / every * (1.0 + 1e-9)).floor() as usize;
+                Ok((1..=count).map(|k| (k as f64 * every).min(end)).collect())
+            }
+            Self::At(lives) => {
+                let rising = lives.windows(2).all(|pair| pair[0] < pair[1]);
+                match lives.iter().find(|life| !(beginning..=end).contains(life) || !rising || **life == 0.0)
+                {
+                    Some(life) => Err(ReplacementError::At { life: *life, least: beginning, most: end }),
+                    None => Ok(lives.clone()),
+                }
+            }
+        }
+    }
+}
+
+/// The best policy for one schedule of inspections.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct InspectionRow {
-    /// Distance of the inspections [cycles].
-    pub every: f64,
+    /// Distance of the inspections [cycles]; `null` for given lives.
+    pub every: Option<f64>,
     /// Name of the output that is measured.
     pub output: String,
     /// Replace from this value on (below it, if the output fails below) [unit of the output]; `null` if only the age counts.
@@ -52,23 +86,18 @@ pub struct InspectionRow {
     pub inspections: f64,
 }
 
-/// The best policy for every distance of inspections, in their order.
+/// The best policy for every schedule, in their order.
 ///
 /// # Errors
-/// [`ReplacementError::Every`].
+/// [`ReplacementError::Every`], [`ReplacementError::At`].
 pub fn inspect(
     scene: &Scene,
     model: &LifeModel,
     plan: &InspectionPlan,
     seed: u64,
 ) -> Result<Vec<InspectionRow>, ReplacementError> {
-    let (beginning, end) = (model.beginning(plan.output), model.end());
-    for every in &plan.every {
-        let least = beginning.max(end / MOST as f64);
-        if !(*every >= least && *every <= end) {
-            return Err(ReplacementError::Every { every: *every, least, most: end, count: MOST });
-        }
-    }
+    let times = |schedule: &Schedule| schedule.lives(model, plan.output);
+    let schedules: Vec<Vec<f64>> = plan.schedules.iter().map(times).collect::<Result<_, _>>()?;
     let population = Population::draw(model.inputs(), UNITS, seed);
     let width = model.deviations();
     let deviations: Vec<f64> = (0..UNITS).flat_map(|j| (0..width).map(move |s| deviation(s, j))).collect();
@@ -78,9 +107,8 @@ pub fn inspect(
     let lives: Vec<f64> = responses.lives.chunks_exact(limit_states).map(life).collect();
     let below = scene.limit_states.iter().any(|l| l.output == plan.output && l.fails == Fails::Below);
     let sign = if below { -1.0 } else { 1.0 };
-    let row = |every: &f64| {
-        let count = (end / every * (1.0 + 1e-9)).floor() as usize;
-        let times: Vec<f64> = (1..=count).map(|k| (k as f64 * every).min(end)).collect();
+    let row = |(schedule, times): (&Schedule, Vec<f64>)| {
+        let count = times.len();
         let mut rng = open_stream(seed, Stream::Curve);
         let mut values = Vec::with_capacity(UNITS * count);
         for j in 0..UNITS {
@@ -94,7 +122,7 @@ pub fn inspect(
         let policy = best_policy(&samples, &plan.costs)?;
         let outcome: PolicyOutcome = outcome_of(&samples, &policy, &plan.costs);
         Some(InspectionRow {
-            every: *every,
+            every: if let Schedule::Every(every) = schedule { Some(*every) } else { None },
             output: scene.outputs[plan.output].name.clone(),
             level: (outcome.by_level > 0.0).then_some(sign * policy.level),
             age: samples.times[policy.last],
@@ -106,5 +134,5 @@ pub fn inspect(
             inspections: outcome.inspections,
         })
     };
-    Ok(plan.every.iter().filter_map(row).collect())
+    Ok(plan.schedules.iter().zip(schedules).filter_map(row).collect())
 }

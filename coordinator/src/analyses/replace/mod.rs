@@ -9,11 +9,11 @@ mod inspections;
 mod tests;
 mod text;
 
-pub use inspections::{InspectionPlan, InspectionRow, inspect};
+pub use inspections::{InspectionPlan, InspectionRow, Schedule, inspect};
 pub use text::text;
 
 use crate::results::life_summary::{LifeCurveRow, LifeRow};
-use crate::results::summary::StudySummary;
+use crate::results::summary::{ReliabilityRow, StudySummary};
 use crate::statistics::design::{Stream, open_stream};
 use crate::statistics::replacement::{CurveBand, Interval, ReplacementCosts, SurvivalCurve};
 use serde::Serialize;
@@ -64,6 +64,18 @@ pub enum ReplacementError {
         /// Largest number of inspections.
         count: usize,
     },
+    /// A life of an inspection that is not allowed.
+    #[error(
+        "--inspect-at {life}: allowed: increasing lives from {least} to {most} cycles, the first above 0"
+    )]
+    At {
+        /// The life as given [cycles].
+        life: f64,
+        /// Earliest life [cycles].
+        least: f64,
+        /// Latest life [cycles].
+        most: f64,
+    },
 }
 
 /// A number with its 95 % interval.
@@ -93,6 +105,10 @@ pub struct RateRow {
 /// The answer.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ReplacementReport {
+    /// Simulations that were made.
+    pub evaluations: usize,
+    /// Reliability of the study.
+    pub reliability: Vec<ReliabilityRow>,
     /// Limit state, or `total`.
     pub curve: String,
     /// Cost of a planned replacement.
@@ -125,7 +141,7 @@ pub struct ReplacementReport {
     pub rates: Vec<RateRow>,
     /// Cost per cycle over the age of replacement: cycles, best, lower, upper.
     pub cost_curve: Vec<[f64; 4]>,
-    /// Replacement above a measured level, one row per distance of inspections.
+    /// Replacement above a measured level, one row per schedule of inspections.
     pub inspections: Vec<InspectionRow>,
 }
 
@@ -195,6 +211,8 @@ pub fn replace(
     };
     let lives = summary.lives.iter().filter(|life| life.limit_state == row.limit_state).cloned();
     Ok(ReplacementReport {
+        evaluations: 0,
+        reliability: summary.reliability.clone(),
         curve: row.limit_state.clone(),
         planned_cost: costs.planned,
         failure_cost: costs.failure,

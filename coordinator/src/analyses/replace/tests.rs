@@ -80,13 +80,22 @@ fn a_weibull_life_is_replaced_at_its_age_and_by_its_level() {
     let learned = learn_from_results(scene, scene, &settings, &stored).unwrap();
     let model = LifeModel::new(scene, &learned);
     let costs = PolicyCosts { planned: 1.0, failure: 10.0, inspection: 0.0 };
-    let plan = InspectionPlan { output: 0, error: 0.0, every: vec![100.0, 400.0], costs };
+    let plan = InspectionPlan {
+        output: 0,
+        error: 0.0,
+        schedules: vec![Schedule::Every(100.0), Schedule::Every(400.0)],
+        costs,
+    };
     let rows = inspect(scene, &model, &plan, 1).unwrap();
     // The mean of the last hundred before the life, 949 cycles at cost 1.
     assert!((rows[0].cost_rate * 949.0 - 1.0).abs() < 0.03, "{rows:?}");
     assert!(rows[0].level.is_some_and(|level| (-104.0..-96.0).contains(&level)), "{rows:?}");
     assert!(rows[1].cost_rate > rows[0].cost_rate && rows[0].cost_rate < report.cost_rate.value, "{rows:?}");
-    let beyond = InspectionPlan { every: vec![5000.0], ..plan };
+    let at = |lives: &[f64]| InspectionPlan { schedules: vec![Schedule::At(lives.to_vec())], ..plan.clone() };
+    let given = inspect(scene, &model, &at(&[800.0, 900.0, 1000.0]), 1).unwrap();
+    assert!(given[0].every.is_none() && given[0].cost_rate < report.cost_rate.value * 1.3, "{given:?}");
+    assert!(inspect(scene, &model, &at(&[900.0, 800.0]), 1).is_err());
+    let beyond = InspectionPlan { schedules: vec![Schedule::Every(5000.0)], ..plan };
     assert!(inspect(scene, &model, &beyond, 1).unwrap_err().to_string().contains("allowed: "));
 }
 

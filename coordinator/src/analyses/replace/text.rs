@@ -154,8 +154,8 @@ fn write_inspections(out: &mut String, report: &ReplacementReport, scene: &Scene
         let cost = format!("{:.4e} ± {:.1e}", row.cost_rate, row.standard_error);
         writeln!(
             out,
-            "{:>10.0} {level:>16} {:>10.0} {cost:>24} {:>7.2} % {:>7.1} % {:>11.0} {:>12.1}",
-            row.every,
+            "{:>10} {level:>16} {:>10.0} {cost:>24} {:>7.2} % {:>7.1} % {:>11.0} {:>12.1}",
+            row.every.map_or("given".to_owned(), |every| format!("{every:.0}")),
             row.age,
             100.0 * row.failed,
             100.0 * row.by_level,
@@ -168,8 +168,8 @@ fn write_inspections(out: &mut String, report: &ReplacementReport, scene: &Scene
         let saved = 100.0 * (1.0 - best.cost_rate / report.cost_rate.value);
         writeln!(
             out,
-            "The best of these, every {:.0} cycles, costs {:.1} % {} than age replacement without inspections.",
-            best.every,
+            "{} costs {:.1} % {} than age replacement without inspections.",
+            if report.inspections.len() > 1 { "The best of these" } else { "This" },
             saved.abs(),
             if saved >= 0.0 { "less" } else { "more" }
         )?;

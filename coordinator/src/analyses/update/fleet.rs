@@ -1,17 +1,15 @@
-//! Updating of every unit of a fleet. The prior is the beginning of the study's own population, with its deviations.
+//! Updating of every unit of a fleet: observations as evidence, and the report of each unit from its posterior.
 
 use super::observation::{ObservedUnit, Quantity};
+use super::predictor::{Prior, UnitPredictor};
 use super::result::{FleetReport, ObservationRow, RemainingLife, UnitReport, UpdatedVariable};
 use crate::results::life_summary::{CyclesRange, LifeRow};
 use crate::results::summary::{ReliabilityRow, StudySummary};
-use crate::statistics::design::{Population, Stream, deviation, open_stream};
+use crate::statistics::design::{Stream, open_stream};
 use crate::statistics::reliability::REACH;
-use crate::statistics::updating::{
-    Evidence, Particles, Posterior, Predictions, SequentialMonteCarlo, UnitModel, Unsupported,
-};
-use crate::study::{LEVELS, LifeModel, LifeResponses};
+use crate::statistics::updating::{Evidence, Particles, Posterior, SequentialMonteCarlo, Unsupported};
+use crate::study::{LEVELS, LifeModel};
 use common::scene::Scene;
-use faer::MatRef;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -28,6 +26,9 @@ pub struct FleetSettings {
     pub population: usize,
     /// Updating by weights and moves.
     pub monte_carlo: SequentialMonteCarlo,
+    /// Whether the stated numerical errors of the simulations widen the likelihood of a measurement. They do, unless the units
+    /// themselves were simulated, with the same errors.
+    pub numerical_errors: bool,
     /// Seed of every random draw: that of the study.
     pub seed: u64,
 }
@@ -35,110 +36,13 @@ pub struct FleetSettings {
 impl FleetSettings {
     /// Defaults for a study with this seed.
     pub fn new(seed: u64) -> Self {
-        Self { population: 20_000, monte_carlo: SequentialMonteCarlo { particles: 2000, least: 500.0 }, seed }
-    }
-}
-
-/// The population with its lives and the histories of the measured outputs.
-struct Prior<'a> {
-    model: &'a LifeModel,
-    /// States `(N, d + deviations)` row-major [1].
-    states: Vec<f64>,
-    /// Measured outputs of the fleet.
-    wanted: Vec<usize>,
-    responses: LifeResponses,
-}
-
-impl<'a> Prior<'a> {
-    fn new(model: &'a LifeModel, wanted: Vec<usize>, settings: &FleetSettings) -> Self {
-        let inputs = model.inputs();
-        let population = Population::draw(inputs, settings.population, settings.seed);
-        let width = model.deviations();
-        let deviations: Vec<f64> =
-            (0..population.len()).flat_map(|j| (0..width).map(move |s| deviation(s, j))).collect();
-        let normals = |j: usize| {
-            let x = population.physical(j);
-            let normal = |(variable, x): (&common::random::Distribution, &f64)| {
-                let u = if variable.is_constant() { 0.0 } else { variable.to_standard_normal(*x) };
-                u.clamp(-8.0, 8.0)
-            };
-            let u: Vec<f64> = inputs.variables().iter().zip(&x).map(normal).collect();
-            let own = &deviations[j * width..(j + 1) * width];
-            [inputs.copula().decorrelate(&u).as_slice(), own].concat()
-        };
-        let states = (0..population.len()).into_par_iter().flat_map_iter(normals).collect();
-        let responses = model.respond(population.columns(0..population.len()), &deviations, &wanted);
-        Self { model, states, wanted, responses }
-    }
-}
-
-/// The predictions that the observations of one unit need.
-struct UnitPredictor<'a> {
-    model: &'a LifeModel,
-    /// Measured quantities in the order of their values, with their lives.
-    measured: Vec<(Quantity, f64)>,
-    /// Outputs among them.
-    outputs: Vec<usize>,
-}
-
-impl UnitPredictor<'_> {
-    /// Predictions from lives and histories of `wanted` outputs; `states` are rows of `dimension` coordinates.
-    fn predictions(&self, states: &[f64], wanted: &[usize], responses: &LifeResponses) -> Predictions {
-        let (model, d) = (self.model, self.model.inputs().dimension());
-        let dimension = d + model.deviations();
-        let n = states.len() / dimension;
-        let (mut values, mut errors) = (Vec::new(), Vec::new());
-        for j in 0..n {
-            for (quantity, life) in &self.measured {
-                let (value, error) = match *quantity {
-                    Quantity::Output { output, .. } => {
-                        let place = wanted.iter().position(|w| *w == output).unwrap_or(0);
-                        let value = model.value_at(output, &responses.histories[place], j, *life);
-                        (value, model.error_at(output, value, *life))
-                    }
-                    Quantity::Variable { variable, .. } => {
-                        let v = &states[j * dimension..j * dimension + d];
-                        (physical(model, v, variable), 0.0)
-                    }
-                    Quantity::Survived | Quantity::Failed => continue,
-                };
-                values.push(value);
-                errors.push(error);
-            }
-        }
-        Predictions {
-            values_of_state: self.measured.len(),
-            limit_states: model.limit_states(),
-            values,
-            errors,
-            lives: responses.lives.clone(),
+        Self {
+            population: 20_000,
+            monte_carlo: SequentialMonteCarlo { particles: 2000, least: 500.0 },
+            numerical_errors: true,
+            seed,
         }
     }
-}
-
-impl UnitModel for UnitPredictor<'_> {
-    fn predict(&self, states: &[f64]) -> Predictions {
-        let (inputs, width) = (self.model.inputs(), self.model.deviations());
-        let d = inputs.dimension();
-        let rows = states.chunks_exact(d + width);
-        let points: Vec<f64> = rows
-            .clone()
-            .flat_map(|v| inputs.standardise(&inputs.from_independent_normals(&v[..d])))
-            .collect();
-        let deviations: Vec<f64> = rows.flat_map(|v| v[d..].iter().copied()).collect();
-        let columns = MatRef::from_column_major_slice(&points, d, points.len() / d);
-        let responses = self.model.respond(columns, &deviations, &self.outputs);
-        self.predictions(states, &self.outputs, &responses)
-    }
-}
-
-/// Variable `k` [SI] from independent normals `(d,)`.
-fn physical(model: &LifeModel, v: &[f64], k: usize) -> f64 {
-    let inputs = model.inputs();
-    if inputs.copula().is_correlated(k) {
-        return inputs.from_independent_normals(v)[k];
-    }
-    inputs.variables()[k].from_standard_normal(v[k])
 }
 
 /// Updates every unit.
@@ -152,7 +56,7 @@ pub fn update(
     let mut wanted: Vec<usize> = units.iter().flat_map(ObservedUnit::outputs).collect();
     wanted.sort_unstable();
     wanted.dedup();
-    let prior = Prior::new(model, wanted, settings);
+    let prior = Prior::new(model, wanted, settings.population, settings.seed);
     let updated = |(number, unit): (usize, &ObservedUnit)| update_unit(scene, &prior, unit, number, settings);
     FleetReport {
         scene: scene.name.clone(),
@@ -188,7 +92,7 @@ fn update_unit(
             Quantity::Failed => Evidence::Failed(observation.cycles),
         });
     }
-    let predictor = UnitPredictor { model, measured, outputs };
+    let predictor = UnitPredictor { model, measured, outputs, numerical_errors: settings.numerical_errors };
     let predictions = predictor.predictions(&prior.states, &prior.wanted, &prior.responses);
     let dimension = model.inputs().dimension() + model.deviations();
     let particles = Particles::equal(dimension, prior.states.clone(), predictions);

@@ -10,6 +10,7 @@
 
 mod fleet;
 mod observation;
+mod predictor;
 mod result;
 #[cfg(test)]
 mod tests;

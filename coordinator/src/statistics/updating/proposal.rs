@@ -72,9 +72,9 @@ impl Proposal {
     /// -ln N(v; m, C) up to a constant.
     pub fn distance(&self, v: &[f64]) -> f64 {
         let mut solved: Vec<f64> = Vec::with_capacity(v.len());
-        for k in 0..v.len() {
+        for (k, (v, mean)) in v.iter().zip(&self.mean).enumerate() {
             let known: f64 = (0..k).map(|l| self.factor[(k, l)] * solved[l]).sum();
-            solved.push((v[k] - self.mean[k] - known) / self.factor[(k, k)]);
+            solved.push((v - mean - known) / self.factor[(k, k)]);
         }
         0.5 * solved.iter().map(|x| x * x).sum::<f64>()
     }
