@@ -32,14 +32,7 @@ pub enum DecisionError {
     NoSurrogates {
         /// Folder of the study.
         dir: PathBuf,
-        /// Its method.
+        /// Method of the study.
         method: String,
     },
-}
-
-impl DecisionError {
-    /// True if the input is at fault.
-    pub fn is_bad_input(&self) -> bool {
-        !matches!(self, Self::Update(UpdateError::Study(_)))
-    }
 }

@@ -308,6 +308,7 @@ impl CommandError {
             | Self::TooFewSimulations { .. }
             | Self::Replay { error: ReplayError::Foreign(_), .. }
             | Self::Calibration(CalibrationError::Targets { .. } | CalibrationError::Scene(_))
+            | Self::Decision(_)
             | Self::Monitor(_)
             | Self::MisplacedOptions => BAD_INPUT,
             Self::Interrupted { .. }
@@ -322,7 +323,6 @@ impl CommandError {
                 BAD_INPUT
             }
             Self::Report(ReportError::Store(error)) if error.is_bad_input() => BAD_INPUT,
-            Self::Decision(error) if error.is_bad_input() => BAD_INPUT,
             Self::Folder { error, .. } if is_unusable_path(error) => BAD_INPUT,
             Self::Client(error) if error.is_bad_input() => BAD_INPUT,
             Self::Worker(ServiceError::Settings { .. }) => BAD_INPUT,

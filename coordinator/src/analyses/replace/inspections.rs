@@ -23,7 +23,7 @@ pub struct InspectionPlan {
     pub error: f64,
     /// Schedules that are compared.
     pub schedules: Vec<Schedule>,
-    /// Costs.
+    /// Costs of replacements and inspections.
     pub costs: PolicyCosts,
 }
 

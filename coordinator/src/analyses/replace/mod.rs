@@ -81,11 +81,11 @@ pub enum ReplacementError {
 /// A number with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Stated {
-    /// Best estimate.
+    /// Best estimate of the number.
     pub value: f64,
-    /// Lower limit.
+    /// Lower limit of its interval.
     pub lower: f64,
-    /// Upper limit.
+    /// Upper limit of its interval.
     pub upper: f64,
 }
 
@@ -102,7 +102,7 @@ pub struct RateRow {
     pub hazard: Option<Stated>,
 }
 
-/// The answer.
+/// The answer of `coordinator replace`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ReplacementReport {
     /// Simulations that were made.

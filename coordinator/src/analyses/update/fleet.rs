@@ -7,7 +7,7 @@ use crate::results::life_summary::{CyclesRange, LifeRow};
 use crate::results::summary::{ReliabilityRow, StudySummary};
 use crate::statistics::design::{Stream, open_stream};
 use crate::statistics::reliability::REACH;
-use crate::statistics::updating::{Evidence, Particles, Posterior, SequentialMonteCarlo, Unsupported};
+use crate::statistics::updating::{Evidence, Particles, UnitPosterior, SequentialMonteCarlo, Unsupported};
 use crate::study::{LEVELS, LifeModel};
 use common::scene::Scene;
 use rayon::prelude::*;
@@ -126,7 +126,7 @@ fn impossible(unit: &ObservedUnit, Unsupported { place }: Unsupported) -> UnitRe
     }
 }
 
-fn report(scene: &Scene, model: &LifeModel, unit: &ObservedUnit, posterior: &Posterior) -> UnitReport {
+fn report(scene: &Scene, model: &LifeModel, unit: &ObservedUnit, posterior: &UnitPosterior) -> UnitReport {
     let now = unit.observed_until();
     let rows = unit.observations.iter().zip(&posterior.probabilities);
     let observations: Vec<ObservationRow> = rows
@@ -169,8 +169,8 @@ fn warning(observations: &[ObservationRow]) -> Option<String> {
 }
 
 /// R(n | observations) at the life up to which the unit was observed, and at later checkpoints.
-fn reliability(scene: &Scene, posterior: &Posterior, now: f64) -> Vec<ReliabilityRow> {
-    let Posterior { particles, effective_size, .. } = posterior;
+fn reliability(scene: &Scene, posterior: &UnitPosterior, now: f64) -> Vec<ReliabilityRow> {
+    let UnitPosterior { particles, effective_size, .. } = posterior;
     let later = scene.life.checkpoints().into_iter().filter(|n| f64::from(*n) > now);
     let row = |cycles: u32| {
         let n = f64::from(cycles).max(now);
@@ -196,8 +196,8 @@ fn reliability(scene: &Scene, posterior: &Posterior, now: f64) -> Vec<Reliabilit
 }
 
 /// Quantiles of the life at probabilities `p`, each with its 95 % interval by the effective sample size [cycles].
-fn quantiles(posterior: &Posterior, p: &[f64]) -> Vec<[f64; 3]> {
-    let Posterior { particles, effective_size, .. } = posterior;
+fn quantiles(posterior: &UnitPosterior, p: &[f64]) -> Vec<[f64; 3]> {
+    let UnitPosterior { particles, effective_size, .. } = posterior;
     let triples: Vec<f64> = p
         .iter()
         .flat_map(|p| {
@@ -210,7 +210,7 @@ fn quantiles(posterior: &Posterior, p: &[f64]) -> Vec<[f64; 3]> {
 }
 
 /// Lives of the levels of a study's summary.
-fn lives(model: &LifeModel, posterior: &Posterior) -> Vec<LifeRow> {
+fn lives(model: &LifeModel, posterior: &UnitPosterior) -> Vec<LifeRow> {
     let found = quantiles(posterior, &LEVELS.map(|level| 1.0 - level));
     let finite = |life: f64| life.is_finite().then_some(life);
     let row = |(level, [life, lower, upper]): (&f64, &[f64; 3])| LifeRow {
@@ -223,14 +223,14 @@ fn lives(model: &LifeModel, posterior: &Posterior) -> Vec<LifeRow> {
     LEVELS.iter().zip(&found).map(row).collect()
 }
 
-fn remaining(model: &LifeModel, posterior: &Posterior, now: f64) -> RemainingLife {
+fn remaining(model: &LifeModel, posterior: &UnitPosterior, now: f64) -> RemainingLife {
     let found = quantiles(posterior, &[0.05, 0.5, 0.95]);
     let left = |life: f64| (life <= model.end()).then(|| (life - now).max(0.0));
     let sampling = [0, 1, 2].map(|k: usize| [left(found[k][1]), left(found[k][2])]);
     RemainingLife { p5: left(found[0][0]), p50: left(found[1][0]), p95: left(found[2][0]), sampling }
 }
 
-fn variables(scene: &Scene, model: &LifeModel, posterior: &Posterior) -> Vec<UpdatedVariable> {
+fn variables(scene: &Scene, model: &LifeModel, posterior: &UnitPosterior) -> Vec<UpdatedVariable> {
     let particles = &posterior.particles;
     let d = model.inputs().dimension();
     // Particles without weight say nothing.

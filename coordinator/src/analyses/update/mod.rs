@@ -23,7 +23,6 @@ pub use result::{FleetReport, ObservationRow, RemainingLife, UnitReport, Updated
 pub use text::{csv, text};
 pub use unit_file::{parse as parse_units, read as read_units};
 
-use crate::study::StudyError;
 use std::fmt;
 use thiserror::Error;
 
@@ -70,7 +69,4 @@ pub enum UpdateError {
     /// The file is faulty.
     #[error("{0}")]
     Units(UnitFaults),
-    /// The surrogates of the study cannot be fitted.
-    #[error(transparent)]
-    Study(#[from] StudyError),
 }

@@ -16,7 +16,7 @@ pub enum Quantity {
     Variable {
         /// Index of the variable.
         variable: usize,
-        /// Value [SI].
+        /// Value that was measured [SI].
         value: f64,
         /// Standard deviation of its error [SI].
         error: f64,
@@ -55,7 +55,7 @@ pub struct Observation {
 /// A unit with its observations, in the order of their lives.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObservedUnit {
-    /// Name.
+    /// Name of the unit.
     pub name: String,
     /// At least one observation.
     pub observations: Vec<Observation>,

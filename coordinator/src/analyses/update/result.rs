@@ -13,7 +13,7 @@ pub struct FleetReport {
     pub evaluations: usize,
     /// Reliability of a unit of which nothing is known: that of the study.
     pub reliability: Vec<ReliabilityRow>,
-    /// Its lives.
+    /// Lives of such a unit.
     pub lives: Vec<LifeRow>,
     /// Last checkpoint [cycles].
     pub end: f64,
@@ -23,10 +23,10 @@ pub struct FleetReport {
     pub units: Vec<UnitReport>,
 }
 
-/// One unit.
+/// One unit after its observations.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct UnitReport {
-    /// Name.
+    /// Name of the unit.
     pub unit: String,
     /// Life up to which it was observed [cycles].
     pub observed_until: f64,
@@ -37,9 +37,9 @@ pub struct UnitReport {
     pub reliability: Vec<ReliabilityRow>,
     /// Lives at which R(n | observations) falls to 0.99, 0.9 and 0.5.
     pub lives: Vec<LifeRow>,
-    /// Remaining life.
+    /// Remaining life after the last observation.
     pub remaining: RemainingLife,
-    /// Variables.
+    /// Random variables of the unit.
     pub variables: Vec<UpdatedVariable>,
     /// Observations with their probabilities.
     pub observations: Vec<ObservationRow>,
@@ -58,7 +58,7 @@ pub struct UnitReport {
 pub struct RemainingLife {
     /// Remaining life that 5 % of such units do not reach; 0 if the unit may have failed already, `null` beyond the study.
     pub p5: Option<f64>,
-    /// Median.
+    /// Median of the remaining life.
     pub p50: Option<f64>,
     /// Remaining life that 95 % do not reach.
     pub p95: Option<f64>,
@@ -69,7 +69,7 @@ pub struct RemainingLife {
 /// A random variable after the observations.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct UpdatedVariable {
-    /// Name.
+    /// Name of the variable.
     pub name: String,
     /// Unit in which it is read.
     pub unit: String,
@@ -88,7 +88,7 @@ pub struct UpdatedVariable {
 pub struct ObservationRow {
     /// Line of the file.
     pub line: u64,
-    /// Life [cycles].
+    /// Life of the unit then [cycles].
     pub cycles: f64,
     /// Quantity as written.
     pub quantity: String,

@@ -37,7 +37,11 @@ pub fn parse(
 ) -> Result<Vec<ObservedUnit>, UpdateError> {
     let row = RowReader { source, scene: source.nominal(), model };
     let (mut units, mut faults) = (Vec::<ObservedUnit>::new(), Vec::new());
-    let lines = text.lines().zip(1..).map(|(line, number): (&str, u64)| (number, line.trim()));
+    let lines = text
+        .trim_start_matches('\u{feff}')
+        .lines()
+        .zip(1..)
+        .map(|(line, number): (&str, u64)| (number, line.trim()));
     for (place, (line, content)) in
         lines.filter(|(_, content)| !content.is_empty() && !content.starts_with('#')).enumerate()
     {

@@ -17,14 +17,14 @@ pub struct FleetPage {
     pub end: f64,
     /// R of a unit of which nothing is known, over cycles.
     pub before: Points,
-    /// The units.
+    /// Units in the order of their file.
     pub units: Vec<DrawnUnit>,
 }
 
 /// A unit after its observations.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrawnUnit {
-    /// Name.
+    /// Name of the unit.
     pub name: String,
     /// Life up to which it was observed [cycles].
     pub observed_until: f64,

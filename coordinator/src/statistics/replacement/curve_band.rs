@@ -32,16 +32,16 @@ const LIMITS: (f64, f64) = (0.025, 0.975);
 /// A 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Interval {
-    /// Lower limit.
+    /// Lower limit of the interval.
     pub lower: f64,
-    /// Upper limit.
+    /// Upper limit of the interval.
     pub upper: f64,
 }
 
 /// Curves that may be the true one, within the limits of an estimated curve.
 #[derive(Debug, Clone)]
 pub struct CurveBand {
-    /// The estimate.
+    /// The estimate of the curve.
     pub best: SurvivalCurve,
     /// Realisations with errors correlated as those of counting.
     realisations: Vec<SurvivalCurve>,

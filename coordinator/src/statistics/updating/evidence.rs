@@ -26,7 +26,7 @@ pub enum Evidence {
     Measured {
         /// Index of the value among those that the model predicts.
         index: usize,
-        /// Measured value.
+        /// Value that was measured.
         value: f64,
         /// Standard deviation of the measurement's error, above 0.
         std: f64,

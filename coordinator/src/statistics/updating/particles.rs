@@ -60,7 +60,7 @@ impl Predictions {
     }
 }
 
-/// Weighted states.
+/// Weighted states of a unit.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Particles {
     /// Number D of coordinates of a state.

@@ -56,7 +56,7 @@ pub struct Unsupported {
 
 /// The state of a unit after its observations.
 #[derive(Debug, Clone)]
-pub struct Posterior {
+pub struct UnitPosterior {
     /// Weighted states with predictions.
     pub particles: Particles,
     /// Effective sample size, reduced by the correlation that moves have left [1].
@@ -80,7 +80,7 @@ impl SequentialMonteCarlo {
         evidence: &[Evidence],
         model: &dyn UnitModel,
         rng: &mut impl Rng,
-    ) -> Result<Posterior, Unsupported> {
+    ) -> Result<UnitPosterior, Unsupported> {
         let mut run = Run { settings: *self, particles: prior, correlation: 0.0, stages: 0, moves: (0, 0) };
         let mut probabilities = Vec::with_capacity(evidence.len());
         for place in 0..evidence.len() {
@@ -89,7 +89,7 @@ impl SequentialMonteCarlo {
         }
         let kept = (1.0 - run.correlation) / (1.0 + run.correlation);
         let (accepted, tried) = run.moves;
-        Ok(Posterior {
+        Ok(UnitPosterior {
             effective_size: run.particles.effective_size() * kept,
             particles: run.particles,
             probabilities,

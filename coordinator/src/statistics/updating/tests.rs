@@ -39,7 +39,7 @@ fn conjugate(row: &[f64], y: f64, s: f64) -> (f64, f64) {
     (row[0] * y / variance, (1.0 - row[0] * row[0] / variance).sqrt())
 }
 
-fn moments(posterior: &Posterior, k: usize) -> (f64, f64) {
+fn moments(posterior: &UnitPosterior, k: usize) -> (f64, f64) {
     let particles = &posterior.particles;
     let mean = particles.mean(|i| particles.state(i)[k]);
     (mean, particles.mean(|i| (particles.state(i)[k] - mean).powi(2)).sqrt())
