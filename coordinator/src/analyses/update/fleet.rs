@@ -7,7 +7,7 @@ use crate::results::life_summary::{CyclesRange, LifeRow};
 use crate::results::summary::{ReliabilityRow, StudySummary};
 use crate::statistics::design::{Stream, open_stream};
 use crate::statistics::reliability::REACH;
-use crate::statistics::updating::{Evidence, Particles, UnitPosterior, SequentialMonteCarlo, Unsupported};
+use crate::statistics::updating::{Evidence, Particles, SequentialMonteCarlo, UnitPosterior, Unsupported};
 use crate::study::{LEVELS, LifeModel};
 use common::scene::Scene;
 use rayon::prelude::*;

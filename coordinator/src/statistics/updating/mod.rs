@@ -27,4 +27,4 @@ mod tests;
 
 pub use evidence::Evidence;
 pub use particles::{Particles, Predictions};
-pub use sequential::{UnitPosterior, SequentialMonteCarlo, UnitModel, Unsupported};
+pub use sequential::{SequentialMonteCarlo, UnitModel, UnitPosterior, Unsupported};
