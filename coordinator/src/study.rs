@@ -34,6 +34,7 @@ mod interim;
 mod learn_from;
 mod learner;
 mod learner_thread;
+mod life_model;
 mod lives;
 mod monte_carlo;
 mod observations;
@@ -69,6 +70,7 @@ pub use from_results::{
     FurtherLearning, Thresholds, campaign_from_results, complete_outcomes, learn_from_results,
     learn_with_surrogates, reassess, result_of,
 };
+pub use life_model::{LifeModel, LifeResponses};
 pub use lives::LEVELS;
 pub use observations::{Observations, Observed, ObservedOutcome};
 pub use plan::{Plan, Problem};

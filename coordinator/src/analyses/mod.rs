@@ -7,13 +7,19 @@
 //! | [`calibrate`] | free parameters fitted to measurements |
 //! | [`scene_settings`] | a scene with values set by key before a study |
 //! | [`what_if`] | reliability of a study's scene with changed distributions and thresholds |
+//! | [`replace`] | the age, or the measured level, of replacement with the least cost |
+//! | [`update`] | single units from what was measured of them |
+//! | [`quantity`] | quantities of outputs as a person writes them |
 //! | [`replay`] | learning from a finished direct Monte Carlo study, with the true error of every round |
 
 pub mod budget;
 pub mod calibrate;
+pub mod quantity;
+pub mod replace;
 pub mod replay;
 #[cfg(test)]
 mod replay_tests;
 pub mod scene_settings;
 pub mod tradeoff;
 pub mod what_if;
+pub mod update;

@@ -6,12 +6,14 @@ use super::compare::CompareArguments;
 use super::doctor::DoctorArguments;
 use super::extremes::ExtremesArguments;
 use super::init::InitArguments;
+use super::replace::ReplaceArguments;
 use super::results::{ReportArguments, StudyFolder};
 use super::shared::{DEFAULT_SCENE, Verbosity};
 use super::simulate::SimulateArguments;
 use super::status::StatusArguments;
 use super::study_options::{ResumeArguments, RunArguments};
 use super::tradeoff::TradeoffArguments;
+use super::update::UpdateArguments;
 use super::verify::{ReplayArguments, VerifyArguments};
 use super::what_if::WhatIfArguments;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -20,7 +22,7 @@ use std::fmt::Write;
 /// Groups of the first page of the help.
 const GROUPS: [(&str, &[&str]); 5] = [
     ("Study", &["run", "resume", "report", "sensitivity", "compare"]),
-    ("Decide", &["what-if"]),
+    ("Decide", &["what-if", "update", "replace"]),
     ("Look", &["simulate", "explain", "status", "scenes"]),
     ("Check", &["init", "check", "doctor", "extremes"]),
     ("Measure", &["tradeoff", "calibrate", "verify"]),
@@ -198,6 +200,12 @@ Examples:
     /// Reliability of a finished study for changed tolerances, distributions and thresholds, without new simulations
     #[command(after_help = super::what_if::EXAMPLES)]
     WhatIf(Box<WhatIfArguments>),
+    /// Update reliability and remaining life of single units by what was measured of them
+    #[command(after_help = super::update::EXAMPLES)]
+    Update(UpdateArguments),
+    /// Find the age, or the measured level, of replacement with the least cost
+    #[command(after_help = super::replace::EXAMPLES)]
+    Replace(ReplaceArguments),
     /// Write a commented scene to start from
     #[command(after_help = "\
 Examples:

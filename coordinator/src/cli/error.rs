@@ -1,8 +1,10 @@
 //! Errors of commands: one message and an exit code each.
 
+use super::decision_error::DecisionError;
+use super::drive_angles::drive_at;
 use super::signals::INTERRUPTED;
 use common::failure::SimulationFailure;
-use common::scene::{Faults, Motion, Scene};
+use common::scene::{Faults, Scene};
 use coordinator::analyses::budget::BudgetError;
 use coordinator::analyses::calibrate::CalibrationError;
 use coordinator::analyses::replay::ReplayError;
@@ -17,7 +19,6 @@ use coordinator::results::store::{StoreError, is_unusable_path};
 use coordinator::study::{CampaignError, SettingError, StudyError};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
-use worker::mechanism::Prescribed;
 use worker::service::ServiceError;
 
 const FAILURE: u8 = 1;
@@ -221,6 +222,9 @@ pub enum CommandError {
         /// Error with its cause.
         error: ReplayError,
     },
+    /// A decision from a finished study failed.
+    #[error(transparent)]
+    Decision(#[from] DecisionError),
     /// The user stopped the study.
     #[error("interrupted; everything done so far is saved, continue with `coordinator resume {}`", dir.display())]
     Interrupted {
@@ -304,6 +308,7 @@ impl CommandError {
             | Self::TooFewSimulations { .. }
             | Self::Replay { error: ReplayError::Foreign(_), .. }
             | Self::Calibration(CalibrationError::Targets { .. } | CalibrationError::Scene(_))
+            | Self::Decision(_)
             | Self::Monitor(_)
             | Self::MisplacedOptions => BAD_INPUT,
             Self::Interrupted { .. }
@@ -383,18 +388,4 @@ fn what_to_do(error: &StudyError, dir: &Path) -> String {
 /// The command-line option of a setting, e.g. `--max-evaluations`.
 fn option_of(key: &str) -> String {
     format!("--{}", key.replace('_', "-"))
-}
-
-/// Angles of the driven bodies at a time [s], e.g. `crank angle 123.4 deg`.
-fn drive_at(scene: &Scene, time: f64) -> String {
-    let angles: Vec<String> = scene
-        .bodies
-        .iter()
-        .filter_map(|body| {
-            let motion = Prescribed::from_body(body).filter(|_| body.motion != Motion::Fixed)?;
-            let turned = motion.angle(time).to_degrees().rem_euclid(360.0);
-            Some(format!("{} angle {turned:.1} deg", body.name))
-        })
-        .collect();
-    if angles.is_empty() { format!("t = {time} s") } else { angles.join(", ") }
 }

@@ -5,8 +5,10 @@ mod accuracy;
 mod calibrate;
 mod command;
 mod compare;
+mod decision_error;
 mod distributions;
 mod doctor;
+mod drive_angles;
 mod error;
 mod explain;
 mod external;
@@ -17,6 +19,7 @@ mod model;
 mod monitor;
 mod nominal;
 mod output;
+mod replace;
 mod results;
 mod run;
 mod scenes;
@@ -28,6 +31,7 @@ mod stored_status;
 mod stored_study;
 mod study_options;
 mod tradeoff;
+mod update;
 mod verify;
 mod what_if;
 
@@ -69,6 +73,8 @@ fn run_command(arguments: CommandLine) -> Result<(), CommandError> {
         CommandArguments::Sensitivity(study) => results::sensitivity(&study.dir, json),
         CommandArguments::Report(study) => results::report(&study, json),
         CommandArguments::Compare(options) => compare::compare(&options, json),
+        CommandArguments::Update(options) => update::update(&options, json),
+        CommandArguments::Replace(options) => replace::replace(&options, json),
         CommandArguments::Init(options) => init::init(&options, json),
         CommandArguments::Extremes(options) => extremes::extremes(&options, verbosity),
         CommandArguments::Tradeoff(options) => tradeoff::tradeoff(&options, verbosity),

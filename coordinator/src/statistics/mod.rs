@@ -9,6 +9,8 @@
 //! | [`surrogate`] | Kriging models of the responses |
 //! | [`learning`] | which point is simulated next, and when to stop |
 //! | [`reliability`] | R(n) with its standard error, subset simulation |
+//! | [`replacement`] | age replacement, replacement by inspection, hazard and mean life |
+//! | [`updating`] | the state of one unit from its measurements |
 //! | [`sensitivity`] | derivatives of the failure probability, Sobol indices |
 //! | [`models`] | published problems with reference failure probabilities |
 //! | [`named`] | names of the values of settings |
@@ -18,5 +20,7 @@ pub mod learning;
 pub mod models;
 pub mod named;
 pub mod reliability;
+pub mod replacement;
 pub mod sensitivity;
 pub mod surrogate;
+pub mod updating;

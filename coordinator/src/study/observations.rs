@@ -129,6 +129,11 @@ impl Observations {
         as_matrix(&self.histories[output])
     }
 
+    /// Stated errors of the histories of one output `(n, m)` [unit of the output].
+    pub fn errors(&self, output: usize) -> Mat<f64> {
+        as_matrix(&self.errors[output])
+    }
+
     /// Running maxima of the histories of one output `(n, m)` [unit of the output].
     pub fn running_maxima(&self, output: usize) -> Mat<f64> {
         let maxima: Vec<Vec<f64>> = self.histories[output].iter().map(|h| running_maximum(h)).collect();

@@ -7,6 +7,7 @@ pub mod compare;
 pub mod decision;
 mod figure;
 mod figures;
+pub mod fleet;
 pub mod format;
 mod input;
 pub mod life;

@@ -38,6 +38,10 @@ pub enum Stream {
     Subset(u32),
     /// Directions in which the rim is explored; a stream per round.
     Rim(u32),
+    /// Updating of a unit by its measurements; a stream per unit.
+    Unit(u32),
+    /// Realisations of a curve of reliability, and errors of inspections.
+    Curve,
 }
 
 /// Returns the generator of a stream under a seed, at its beginning.
@@ -49,6 +53,8 @@ pub fn open_stream(seed: u64, stream: Stream) -> ChaCha12Rng {
         Stream::Realisations(round) => (2 << 32) + u64::from(round),
         Stream::Subset(draw) => (3 << 32) + u64::from(draw),
         Stream::Rim(round) => (4 << 32) + u64::from(round),
+        Stream::Unit(unit) => (9 << 32) + u64::from(unit),
+        Stream::Curve => 10 << 32,
     };
     let mut rng = ChaCha12Rng::seed_from_u64(seed);
     rng.set_stream(number);

@@ -266,7 +266,7 @@ fn monotone_cubic(points: [Option<TimeAndValue>; 4], y: f64) -> f64 {
 }
 
 /// Slope between two intervals, each given by its secant and width: the weighted harmonic mean, 0 at an extremum.
-fn harmonic((s0, h0): (f64, f64), (s1, h1): (f64, f64)) -> f64 {
+pub(super) fn harmonic((s0, h0): (f64, f64), (s1, h1): (f64, f64)) -> f64 {
     if s0 * s1 <= 0.0 {
         return 0.0;
     }
@@ -275,7 +275,7 @@ fn harmonic((s0, h0): (f64, f64), (s1, h1): (f64, f64)) -> f64 {
 }
 
 /// Slope at the outer end of an interval, from its secant and width and those of its neighbour.
-fn one_sided((s0, h0): (f64, f64), (s1, h1): (f64, f64)) -> f64 {
+pub(super) fn one_sided((s0, h0): (f64, f64), (s1, h1): (f64, f64)) -> f64 {
     let slope = ((2.0 * h0 + h1) * s0 - h0 * s1) / (h0 + h1);
     if slope * s0 <= 0.0 { 0.0 } else { slope.min(3.0 * s0) }
 }

@@ -24,6 +24,7 @@ mod crossing;
 mod curve;
 mod distribution;
 mod importance;
+mod interpolation;
 mod life_counts;
 mod life_curve;
 mod numerical;
@@ -39,6 +40,6 @@ pub use distribution::{
 pub use importance::ImportanceSampling;
 pub use life_counts::{LifeCounts, LifeEstimate, LifePosition, ModeLives, ResponseErrors, mode_lives};
 pub use life_curve::{LifeAtLevel, LifeCurve, LifeCurveInput, REACH, half_width};
-pub use numerical::NumericalBand;
+pub use numerical::{ErrorLine, NumericalBand};
 pub use population_lives::{PredictedMode, population_lives};
 pub use subset::{Subset, SubsetSimulation};

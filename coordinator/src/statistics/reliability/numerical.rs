@@ -27,7 +27,7 @@ pub struct NumericalBand {
 
 /// Stated error as a straight line over the value, clamped to [least, most].
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct ErrorLine {
+pub struct ErrorLine {
     centre: f64,
     mean: f64,
     slope: f64,

@@ -1,0 +1,138 @@
+//! Replacement above a measured level: lives and measured outputs of a population by the surrogates of a study, and the level
+//! and the last age with the least cost per cycle for every schedule of inspections.
+
+use super::ReplacementError;
+use crate::statistics::design::{Population, Stream, deviation, open_stream};
+use crate::statistics::replacement::{InspectedSamples, PolicyCosts, PolicyOutcome, best_policy, outcome_of};
+use crate::study::LifeModel;
+use common::scene::{Fails, Scene};
+use rand_distr::{Distribution, StandardNormal};
+use serde::Serialize;
+
+/// Number of units.
+const UNITS: usize = 20_000;
+/// Most inspections in the life studied.
+const MOST: usize = 500;
+
+/// Inspections whose level is sought.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InspectionPlan {
+    /// Index of the output that is measured.
+    pub output: usize,
+    /// Standard deviation of the measurement's error [unit of the output].
+    pub error: f64,
+    /// Schedules that are compared.
+    pub schedules: Vec<Schedule>,
+    /// Costs of replacements and inspections.
+    pub costs: PolicyCosts,
+}
+
+/// Lives of inspections.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Schedule {
+    /// At all multiples of a distance [cycles].
+    Every(f64),
+    /// At these lives, increasing [cycles].
+    At(Vec<f64>),
+}
+
+impl Schedule {
+    /// Lives of the inspections of `output` within the study [cycles].
+    fn lives(&self, model: &LifeModel, output: usize) -> Result<Vec<f64>, ReplacementError> {
+        let (beginning, end) = (model.beginning(output), model.end());
+        match self {
+            Self::Every(every) => {
+                let least = beginning.max(end / MOST as f64);
+                if !(*every >= least && *every <= end) {
+                    return Err(ReplacementError::Every { every: *every, least, most: end, count: MOST });
+                }
+                let count = (end / every * (1.0 + 1e-9)).floor() as usize;
+                Ok((1..=count).map(|k| (k as f64 * every).min(end)).collect())
+            }
+            Self::At(lives) => {
+                let rising = lives.windows(2).all(|pair| pair[0] < pair[1]);
+                match lives.iter().find(|life| !(beginning..=end).contains(life) || !rising || **life == 0.0)
+                {
+                    Some(life) => Err(ReplacementError::At { life: *life, least: beginning, most: end }),
+                    None => Ok(lives.clone()),
+                }
+            }
+        }
+    }
+}
+
+/// The best policy for one schedule of inspections.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct InspectionRow {
+    /// Distance of the inspections [cycles]; `null` for given lives.
+    pub every: Option<f64>,
+    /// Name of the output that is measured.
+    pub output: String,
+    /// Replace from this value on (below it, if the output fails below) [unit of the output]; `null` if only the age counts.
+    pub level: Option<f64>,
+    /// Age at which a unit is replaced in any case [cycles].
+    pub age: f64,
+    /// Cost per cycle.
+    pub cost_rate: f64,
+    /// Its standard error by the number of units.
+    pub standard_error: f64,
+    /// Share of the units that fail before they are replaced [1].
+    pub failed: f64,
+    /// Share of the units that are replaced because of the level [1].
+    pub by_level: f64,
+    /// Mean life of a unit until its replacement or failure [cycles].
+    pub mean_life: f64,
+    /// Mean number of inspections of a unit.
+    pub inspections: f64,
+}
+
+/// The best policy for every schedule, in their order.
+///
+/// # Errors
+/// [`ReplacementError::Every`], [`ReplacementError::At`].
+pub fn inspect(
+    scene: &Scene,
+    model: &LifeModel,
+    plan: &InspectionPlan,
+    seed: u64,
+) -> Result<Vec<InspectionRow>, ReplacementError> {
+    let times = |schedule: &Schedule| schedule.lives(model, plan.output);
+    let schedules: Vec<Vec<f64>> = plan.schedules.iter().map(times).collect::<Result<_, _>>()?;
+    let population = Population::draw(model.inputs(), UNITS, seed);
+    let width = model.deviations();
+    let deviations: Vec<f64> = (0..UNITS).flat_map(|j| (0..width).map(move |s| deviation(s, j))).collect();
+    let responses = model.respond(population.columns(0..UNITS), &deviations, &[plan.output]);
+    let limit_states = model.limit_states();
+    let life = |own: &[f64]| own.iter().copied().fold(f64::INFINITY, f64::min);
+    let lives: Vec<f64> = responses.lives.chunks_exact(limit_states).map(life).collect();
+    let below = scene.limit_states.iter().any(|l| l.output == plan.output && l.fails == Fails::Below);
+    let sign = if below { -1.0 } else { 1.0 };
+    let row = |(schedule, times): (&Schedule, Vec<f64>)| {
+        let count = times.len();
+        let mut rng = open_stream(seed, Stream::Curve);
+        let mut values = Vec::with_capacity(UNITS * count);
+        for j in 0..UNITS {
+            for t in &times {
+                let noise: f64 = StandardNormal.sample(&mut rng);
+                let value = model.value_at(plan.output, &responses.histories[0], j, *t);
+                values.push(sign * (value + plan.error * noise));
+            }
+        }
+        let samples = InspectedSamples { lives: lives.clone(), times, values };
+        let policy = best_policy(&samples, &plan.costs)?;
+        let outcome: PolicyOutcome = outcome_of(&samples, &policy, &plan.costs);
+        Some(InspectionRow {
+            every: if let Schedule::Every(every) = schedule { Some(*every) } else { None },
+            output: scene.outputs[plan.output].name.clone(),
+            level: (outcome.by_level > 0.0).then_some(sign * policy.level),
+            age: samples.times[policy.last],
+            cost_rate: outcome.cost_rate,
+            standard_error: outcome.standard_error,
+            failed: outcome.failed,
+            by_level: outcome.by_level,
+            mean_life: outcome.mean_life,
+            inspections: outcome.inspections,
+        })
+    };
+    Ok(plan.schedules.iter().zip(schedules).filter_map(row).collect())
+}

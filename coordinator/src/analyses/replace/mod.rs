@@ -1,0 +1,234 @@
+//! When to replace: the age of replacement with the least cost per cycle, hazard and mean life, from the reliability of a
+//! finished study; and replacement above a measured level, from the surrogates.
+//!
+//! Every number has a 95 % interval from the limits of the curve, with the numerical error of the simulations where they state
+//! one; what the study cannot know, beyond its last checkpoint, is stated as a bound.
+
+mod inspections;
+#[cfg(test)]
+mod tests;
+mod text;
+
+pub use inspections::{InspectionPlan, InspectionRow, Schedule, inspect};
+pub use text::text;
+
+use crate::results::life_summary::{LifeCurveRow, LifeRow};
+use crate::results::summary::{ReliabilityRow, StudySummary};
+use crate::statistics::design::{Stream, open_stream};
+use crate::statistics::replacement::{CurveBand, Interval, ReplacementCosts, SurvivalCurve};
+use serde::Serialize;
+use thiserror::Error;
+
+/// Points of the curve of the cost rate.
+const POINTS: usize = 200;
+
+/// Reasons why there is no answer.
+#[derive(Debug, Error, PartialEq)]
+pub enum ReplacementError {
+    /// The study has no curve of reliability over life.
+    #[error(
+        "this study has no reliability between checkpoints: it has a single checkpoint, or an earlier version made it; run it \
+         with at least two checkpoints"
+    )]
+    NoCurve,
+    /// An unknown curve.
+    #[error("--curve {name}: there is none of that name; allowed: {}", .known.join(", "))]
+    UnknownCurve {
+        /// The name as given.
+        name: String,
+        /// Names of the curves.
+        known: Vec<String>,
+    },
+    /// Costs for which no replacement pays.
+    #[error(
+        "--failure-cost {failure}: allowed: above --planned-cost {planned}; a failure that is no dearer than a planned \
+         replacement never pays for one"
+    )]
+    Costs {
+        /// Cost of a planned replacement.
+        planned: f64,
+        /// Cost of a failure.
+        failure: f64,
+    },
+    /// A distance of inspections that does not fit into the life studied.
+    #[error(
+        "--inspect-every {every}: allowed: {least} to {most} cycles, at most {count} inspections in the life studied"
+    )]
+    Every {
+        /// The distance as given [cycles].
+        every: f64,
+        /// Least distance [cycles].
+        least: f64,
+        /// Largest distance [cycles].
+        most: f64,
+        /// Largest number of inspections.
+        count: usize,
+    },
+    /// A life of an inspection that is not allowed.
+    #[error(
+        "--inspect-at {life}: allowed: increasing lives from {least} to {most} cycles, the first above 0"
+    )]
+    At {
+        /// The life as given [cycles].
+        life: f64,
+        /// Earliest life [cycles].
+        least: f64,
+        /// Latest life [cycles].
+        most: f64,
+    },
+}
+
+/// A number with its 95 % interval.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Stated {
+    /// Best estimate of the number.
+    pub value: f64,
+    /// Lower limit of its interval.
+    pub lower: f64,
+    /// Upper limit of its interval.
+    pub upper: f64,
+}
+
+/// Failure density and hazard between two lives.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct RateRow {
+    /// Beginning of the interval [cycles].
+    pub from: f64,
+    /// Its end [cycles].
+    pub to: f64,
+    /// Mean failure density [1/cycle].
+    pub density: Stated,
+    /// Mean hazard [1/cycle]; `None` where too few survive.
+    pub hazard: Option<Stated>,
+}
+
+/// The answer of `coordinator replace`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ReplacementReport {
+    /// Simulations that were made.
+    pub evaluations: usize,
+    /// Reliability of the study.
+    pub reliability: Vec<ReliabilityRow>,
+    /// Limit state, or `total`.
+    pub curve: String,
+    /// Cost of a planned replacement.
+    pub planned_cost: f64,
+    /// Cost of a failure with its replacement.
+    pub failure_cost: f64,
+    /// Age of replacement with the least cost per cycle [cycles].
+    pub age: Stated,
+    /// True if the cost per cycle has no minimum before the end of the study.
+    pub no_minimum: bool,
+    /// Share of the curves within the limits that have no minimum before the end [1].
+    pub share_without_minimum: f64,
+    /// Cost per cycle at that age.
+    pub cost_rate: Stated,
+    /// Reliability at that age [1].
+    pub reliability_at_age: Stated,
+    /// Cost per cycle of running to failure; an upper bound if `mean_life_is_bound`.
+    pub run_to_failure: Stated,
+    /// Share of the cost per cycle that replacement saves against running to failure; at most that if `mean_life_is_bound`.
+    pub gain: Stated,
+    /// Mean life up to the end of the study [cycles].
+    pub mean_life: Stated,
+    /// True if units outlive the study, so that the mean life is larger.
+    pub mean_life_is_bound: bool,
+    /// Last checkpoint [cycles].
+    pub end: f64,
+    /// Lives that 1, 10 and 50 % of the units do not reach.
+    pub lives: Vec<LifeRow>,
+    /// Failure density and hazard between the checkpoints.
+    pub rates: Vec<RateRow>,
+    /// Cost per cycle over the age of replacement: cycles, best, lower, upper.
+    pub cost_curve: Vec<[f64; 4]>,
+    /// Replacement above a measured level, one row per schedule of inspections.
+    pub inspections: Vec<InspectionRow>,
+}
+
+/// The curve of a limit state, or of the system as `total`.
+///
+/// # Errors
+/// [`ReplacementError::NoCurve`], [`ReplacementError::UnknownCurve`].
+pub fn curve_of<'s>(summary: &'s StudySummary, name: &str) -> Result<&'s LifeCurveRow, ReplacementError> {
+    let known = || summary.curves.iter().map(|curve| curve.limit_state.clone()).collect();
+    if summary.curves.is_empty() {
+        return Err(ReplacementError::NoCurve);
+    }
+    let found = summary.curves.iter().find(|curve| curve.limit_state == name);
+    found.ok_or_else(|| ReplacementError::UnknownCurve { name: name.to_owned(), known: known() })
+}
+
+/// Checks the costs.
+///
+/// # Errors
+/// [`ReplacementError::Costs`].
+pub fn check_costs(costs: &ReplacementCosts) -> Result<(), ReplacementError> {
+    let ReplacementCosts { planned, failure } = *costs;
+    if failure > planned { Ok(()) } else { Err(ReplacementError::Costs { planned, failure }) }
+}
+
+/// Age replacement from a curve of a study's summary.
+///
+/// # Errors
+/// [`ReplacementError`].
+pub fn replace(
+    summary: &StudySummary,
+    name: &str,
+    costs: &ReplacementCosts,
+) -> Result<ReplacementReport, ReplacementError> {
+    check_costs(costs)?;
+    let row = curve_of(summary, name)?;
+    // With every error that is known.
+    let or =
+        |with: &'_ [f64], without: &'_ [f64]| if with.is_empty() { without.to_vec() } else { with.to_vec() };
+    let (lower, upper) = (or(&row.numerical_lower, &row.lower), or(&row.numerical_upper, &row.upper));
+    let mut rng = open_stream(summary.seed, Stream::Curve);
+    let population = summary.population;
+    let band = CurveBand::new(&row.cycles, &row.reliability, [&lower, &upper], population, &mut rng);
+    let stated = |of: &dyn Fn(&SurvivalCurve) -> Option<f64>| {
+        let value = of(&band.best)?;
+        band.interval(of).map(|Interval { lower, upper }| Stated { value, lower, upper })
+    };
+    let sure = |of: &dyn Fn(&SurvivalCurve) -> f64| {
+        stated(&|curve| Some(of(curve))).expect("every curve has this number")
+    };
+    let best = costs.best_age(&band.best);
+    let end = band.best.end();
+    let checkpoints: Vec<f64> = summary.reliability.iter().map(|row| f64::from(row.cycles)).collect();
+    let rate = |k: usize| {
+        let (from, to) = (if k == 0 { 0.0 } else { checkpoints[k - 1] }, checkpoints[k]);
+        RateRow {
+            from,
+            to,
+            density: sure(&|curve| curve.rate(from, to).density),
+            hazard: stated(&|curve| curve.rate(from, to).hazard),
+        }
+    };
+    let at = |k: usize| {
+        let age = end * k as f64 / POINTS as f64;
+        let cost = sure(&|curve| costs.rate(curve, age));
+        [age, cost.value, cost.lower, cost.upper]
+    };
+    let lives = summary.lives.iter().filter(|life| life.limit_state == row.limit_state).cloned();
+    Ok(ReplacementReport {
+        evaluations: 0,
+        reliability: summary.reliability.clone(),
+        curve: row.limit_state.clone(),
+        planned_cost: costs.planned,
+        failure_cost: costs.failure,
+        age: sure(&|curve| costs.best_age(curve).age),
+        no_minimum: best.at_the_end,
+        share_without_minimum: band.share(|curve| costs.best_age(curve).at_the_end),
+        cost_rate: sure(&|curve| costs.best_age(curve).cost_rate),
+        reliability_at_age: sure(&|curve| curve.at(best.age)),
+        run_to_failure: sure(&|curve| costs.of_failures(curve)),
+        gain: sure(&|curve| 1.0 - costs.best_age(curve).cost_rate / costs.of_failures(curve)),
+        mean_life: sure(&SurvivalCurve::restricted_mean),
+        mean_life_is_bound: band.best.last() > 0.0,
+        end,
+        lives: lives.collect(),
+        rates: (0..checkpoints.len()).map(rate).collect(),
+        cost_curve: (1..=POINTS).map(at).collect(),
+        inspections: vec![],
+    })
+}

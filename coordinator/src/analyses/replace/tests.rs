@@ -1,0 +1,124 @@
+use super::*;
+use crate::farm::evaluate::{Request, local::LocalEvaluator};
+use crate::results::journal::InMemoryJournal;
+use crate::results::progress::Silent;
+use crate::statistics::replacement::PolicyCosts;
+use crate::study::{LifeModel, Observed, Settings, StoredOutcome, learn_from_results, run};
+use common::outputs::Evaluation;
+use common::scene::SceneSource;
+use std::sync::Mutex;
+
+/// A part whose life is a Weibull variable of mean 1000 and standard deviation 300 cycles (shape 3.7), simulated by a closure.
+const SCENE: &str = r#"
+scene = { name = "part" }
+simulator = { program = ["closure"] }
+life = { cycles = 2400, checkpoint_every = 100 }
+outputs = [{ name = "excess" }]
+limit_states = [{ name = "worn", output = "excess", threshold = 0 }]
+variables = [{ name = "life", distribution = "weibull", mean = 1000, std = 300 }]
+"#;
+
+const COSTS: ReplacementCosts = ReplacementCosts { planned: 1.0, failure: 10.0 };
+
+fn studied() -> (SceneSource, Settings, StudySummary, Vec<StoredOutcome>) {
+    let source = SceneSource::parse(SCENE, "part").unwrap();
+    let scene = source.nominal();
+    let stored = Mutex::new(Vec::new());
+    let simulate = |request: &Request| {
+        let cycles = scene.life.checkpoints();
+        let history: Vec<f64> = cycles.iter().map(|n| f64::from(*n) - request.sample[0]).collect();
+        let mut evaluation = Evaluation::from_histories(cycles, vec![history]);
+        evaluation.start = vec![Some(-request.sample[0])];
+        let outcome = Ok(Observed::from_evaluation(evaluation.clone()));
+        stored.lock().unwrap().push(StoredOutcome { sample: request.sample.clone(), outcome });
+        Ok(evaluation)
+    };
+    let settings = Settings { samples: 100_000, initial: 6, max_evaluations: 20, ..Settings::from(scene) };
+    let mut evaluator = LocalEvaluator::new(1, simulate);
+    let result = run(scene, &settings, &mut evaluator, &mut InMemoryJournal::default(), &mut Silent).unwrap();
+    drop(evaluator);
+    let stored = stored.into_inner().unwrap();
+    (source, settings, result.summary, stored)
+}
+
+/// The least cost per cycle and its age by a fine sum over the exact R.
+fn exact(scene: &SceneSource) -> (f64, f64) {
+    let law = scene.variables()[0].distribution;
+    let (mut integral, mut best) = (0.0, (f64::INFINITY, 0.0));
+    for k in 0..24_000 {
+        let (from, to) = (0.1 * f64::from(k), 0.1 * f64::from(k + 1));
+        integral += 0.05 * (law.survival(from) + law.survival(to));
+        let rate = COSTS.of_renewal(law.survival(to)) / integral;
+        if rate < best.0 {
+            best = (rate, to);
+        }
+    }
+    best
+}
+
+#[test]
+fn a_weibull_life_is_replaced_at_its_age_and_by_its_level() {
+    let (source, settings, summary, stored) = studied();
+    let scene = source.nominal();
+    let report = replace(&summary, "total", &COSTS).unwrap();
+    let (rate, age) = exact(&source);
+    assert!((report.cost_rate.value / rate - 1.0).abs() < 5e-3, "{:?} {rate}", report.cost_rate);
+    assert!(report.cost_rate.lower < rate && rate < report.cost_rate.upper, "{:?}", report.cost_rate);
+    assert!(report.age.lower < age && age < report.age.upper, "{:?} {age}", report.age);
+    assert!(!report.no_minimum && report.share_without_minimum < 0.01);
+    assert!(report.mean_life.lower < 1000.0 && 1000.0 < report.mean_life.upper, "{:?}", report.mean_life);
+    assert_eq!(report.lives.len(), 3);
+    let last = report.rates[9];
+    let law = source.variables()[0].distribution;
+    let hazard = (law.survival(900.0) / law.survival(1000.0)).ln() / 100.0;
+    let found = last.hazard.unwrap();
+    assert!(found.lower < hazard && hazard < found.upper, "{found:?} {hazard}");
+    let text = text(&report, scene);
+    assert!(text.contains("replace at") && text.contains("B10") && text.contains("hazard"), "{text}");
+
+    // The measured excess tells the life exactly: with free inspections every 100 cycles hardly any unit fails.
+    let learned = learn_from_results(scene, scene, &settings, &stored).unwrap();
+    let model = LifeModel::new(scene, &learned);
+    let costs = PolicyCosts { planned: 1.0, failure: 10.0, inspection: 0.0 };
+    let plan = InspectionPlan {
+        output: 0,
+        error: 0.0,
+        schedules: vec![Schedule::Every(100.0), Schedule::Every(400.0)],
+        costs,
+    };
+    let rows = inspect(scene, &model, &plan, 1).unwrap();
+    // The mean of the last hundred before the life, 949 cycles at cost 1.
+    assert!((rows[0].cost_rate * 949.0 - 1.0).abs() < 0.03, "{rows:?}");
+    assert!(rows[0].level.is_some_and(|level| (-104.0..-96.0).contains(&level)), "{rows:?}");
+    assert!(rows[1].cost_rate > rows[0].cost_rate && rows[0].cost_rate < report.cost_rate.value, "{rows:?}");
+    let at = |lives: &[f64]| InspectionPlan { schedules: vec![Schedule::At(lives.to_vec())], ..plan.clone() };
+    let given = inspect(scene, &model, &at(&[800.0, 900.0, 1000.0]), 1).unwrap();
+    assert!(given[0].every.is_none() && given[0].cost_rate < report.cost_rate.value * 1.3, "{given:?}");
+    assert!(inspect(scene, &model, &at(&[900.0, 800.0]), 1).is_err());
+    let beyond = InspectionPlan { schedules: vec![Schedule::Every(5000.0)], ..plan };
+    assert!(inspect(scene, &model, &beyond, 1).unwrap_err().to_string().contains("allowed: "));
+}
+
+#[test]
+fn what_the_study_does_not_know_is_a_bound() {
+    let mut summary = crate::test_study::study().summary;
+    let curve = LifeCurveRow {
+        limit_state: "total".to_owned(),
+        cycles: vec![0.0, 500.0, 1000.0],
+        reliability: vec![1.0, 0.95, 0.9],
+        lower: vec![1.0, 0.94, 0.88],
+        upper: vec![1.0, 0.96, 0.92],
+        ..LifeCurveRow::default()
+    };
+    summary.curves = vec![curve];
+    let report = replace(&summary, "total", &COSTS).unwrap();
+    assert!(report.mean_life_is_bound && report.no_minimum && report.age.value == 1000.0);
+    let text = text(&report, &crate::test_study::scene());
+    assert!(text.contains("no best age") && text.contains("at least") && text.contains("at most"), "{text}");
+    let known = replace(&summary, "wear", &COSTS).unwrap_err().to_string();
+    assert!(known.contains("allowed: total"), "{known}");
+    let cheap = ReplacementCosts { planned: 2.0, failure: 2.0 };
+    assert_eq!(check_costs(&cheap), Err(ReplacementError::Costs { planned: 2.0, failure: 2.0 }));
+    summary.curves.clear();
+    assert_eq!(replace(&summary, "total", &COSTS), Err(ReplacementError::NoCurve));
+}

@@ -1,0 +1,178 @@
+//! The answer of `coordinator replace` as text.
+
+use super::{RateRow, ReplacementReport, Stated};
+use crate::results::life_summary::LifeRow;
+use common::scene::Scene;
+use std::fmt::Write;
+
+/// Rows of the table of rates.
+const ROWS: usize = 24;
+
+/// The answer as text; the scene has the units of its outputs.
+pub fn text(report: &ReplacementReport, scene: &Scene) -> String {
+    let mut out = String::new();
+    // Writing to a String cannot fail.
+    let _ = write_report(&mut out, report, scene);
+    out
+}
+
+fn write_report(out: &mut String, report: &ReplacementReport, scene: &Scene) -> std::fmt::Result {
+    let ReplacementReport { planned_cost, failure_cost, end, .. } = *report;
+    let subject = if report.curve == "total" { "the whole system".to_owned() } else { report.curve.clone() };
+    writeln!(
+        out,
+        "Age replacement for failures of {subject}: planned replacement {planned_cost}, failure {failure_cost} \
+         (95 % intervals)\n"
+    )?;
+    write_age(out, report)?;
+    let at_least = if report.mean_life_is_bound { "at least " } else { "" };
+    let at_most = if report.mean_life_is_bound { "at most " } else { "" };
+    writeln!(out, "run to failure       {at_most}{} per cycle", digits(&report.run_to_failure))?;
+    writeln!(out, "replacement saves    {at_most}{}", percent(&report.gain))?;
+    writeln!(out, "mean life            {at_least}{} cycles", cycles(&report.mean_life))?;
+    if report.mean_life_is_bound {
+        writeln!(
+            out,
+            "                     units outlive the study, which ends at {end:.0} cycles: the mean life is that up to there"
+        )?;
+    }
+    for life in &report.lives {
+        writeln!(out, "{:<21}{}", format!("B{:.0}", 100.0 * (1.0 - life.reliability)), life_text(life, end))?;
+    }
+    write_rates(out, &report.rates)?;
+    write_inspections(out, report, scene)
+}
+
+fn write_age(out: &mut String, report: &ReplacementReport) -> std::fmt::Result {
+    let ReplacementReport { age, end, .. } = report;
+    if report.no_minimum {
+        writeln!(
+            out,
+            "no best age          the cost per cycle falls up to the end of the study, {end:.0} cycles: replacement before that \
+             does not pay"
+        )?;
+        if age.lower < *end {
+            writeln!(
+                out,
+                "                     within the limits of R there may be a minimum, not before {:.0} cycles",
+                age.lower
+            )?;
+        }
+        writeln!(out, "cost at the end      {} per cycle", digits(&report.cost_rate))?;
+    } else {
+        let later = if age.upper >= *end { " or later" } else { "" };
+        writeln!(
+            out,
+            "replace at           {:.0} cycles ({:.0} to {:.0}{later}), where R = {:.4} ({:.4} to {:.4})",
+            age.value,
+            age.lower,
+            age.upper,
+            report.reliability_at_age.value,
+            report.reliability_at_age.lower,
+            report.reliability_at_age.upper
+        )?;
+        writeln!(out, "cost                 {} per cycle", digits(&report.cost_rate))?;
+    }
+    Ok(())
+}
+
+fn digits(stated: &Stated) -> String {
+    format!("{:.4e} ({:.4e} to {:.4e})", stated.value, stated.lower, stated.upper)
+}
+
+fn percent(stated: &Stated) -> String {
+    format!(
+        "{:.1} % ({:.1} to {:.1} %) of that",
+        100.0 * stated.value,
+        100.0 * stated.lower,
+        100.0 * stated.upper
+    )
+}
+
+fn cycles(stated: &Stated) -> String {
+    format!("{:.0} ({:.0} to {:.0})", stated.value, stated.lower, stated.upper)
+}
+
+/// Life of a level with its interval, or its bound.
+fn life_text(life: &LifeRow, end: f64) -> String {
+    let range = life.whole_interval();
+    let upper = range.upper.map_or(format!("beyond {end:.0}"), |upper| format!("{upper:.0}"));
+    match life.cycles {
+        Some(cycles) => format!("{cycles:.0} cycles ({:.0} to {upper})", range.lower),
+        None => format!("between {:.0} and {upper} cycles", range.lower),
+    }
+}
+
+/// Density and hazard where units fail, at most [`ROWS`] rows.
+fn write_rates(out: &mut String, rates: &[RateRow]) -> std::fmt::Result {
+    let failing: Vec<&RateRow> = rates.iter().filter(|row| row.density.value > 0.0).collect();
+    if failing.is_empty() {
+        return writeln!(out, "\nNo failure was found up to the end of the study: no density and no hazard.");
+    }
+    writeln!(out, "\n{:>21} {:>38} {:>38}", "cycles", "failure density [1/cycle]", "hazard [1/cycle]")?;
+    let step = failing.len().div_ceil(ROWS);
+    for row in failing.iter().step_by(step) {
+        let hazard = row.hazard.as_ref().map_or("too few survivors".to_owned(), short);
+        let span = format!("{:.0} to {:.0}", row.from, row.to);
+        writeln!(out, "{span:>21} {:>38} {hazard:>38}", short(&row.density))?;
+    }
+    if step > 1 {
+        writeln!(out, "(every {step} intervals; --json has all)")?;
+    }
+    Ok(())
+}
+
+fn short(stated: &Stated) -> String {
+    format!("{:.2e} ({:.2e} to {:.2e})", stated.value, stated.lower, stated.upper)
+}
+
+fn write_inspections(out: &mut String, report: &ReplacementReport, scene: &Scene) -> std::fmt::Result {
+    let Some(first) = report.inspections.first() else { return Ok(()) };
+    let output = scene.outputs.iter().find(|output| output.name == first.output);
+    let unit = output.map(|output| output.kind.unit());
+    writeln!(
+        out,
+        "\nReplacement above a measured {}, at a last age in any case (cost with its standard error by counting)",
+        first.output
+    )?;
+    writeln!(
+        out,
+        "{:>10} {:>16} {:>10} {:>24} {:>9} {:>9} {:>11} {:>12}",
+        "every",
+        "replace from",
+        "last age",
+        "cost per cycle",
+        "failed",
+        "by level",
+        "mean life",
+        "inspections"
+    )?;
+    for row in &report.inspections {
+        let shown =
+            |level: f64| unit.as_ref().map(|unit| unit.after(&format!("{:.4}", unit.to_shown(level))));
+        let level = row.level.and_then(shown).unwrap_or("the age only".to_owned());
+        let cost = format!("{:.4e} ± {:.1e}", row.cost_rate, row.standard_error);
+        writeln!(
+            out,
+            "{:>10} {level:>16} {:>10.0} {cost:>24} {:>7.2} % {:>7.1} % {:>11.0} {:>12.1}",
+            row.every.map_or("given".to_owned(), |every| format!("{every:.0}")),
+            row.age,
+            100.0 * row.failed,
+            100.0 * row.by_level,
+            row.mean_life,
+            row.inspections
+        )?;
+    }
+    let least = report.inspections.iter().min_by(|a, b| a.cost_rate.total_cmp(&b.cost_rate));
+    if let Some(best) = least {
+        let saved = 100.0 * (1.0 - best.cost_rate / report.cost_rate.value);
+        writeln!(
+            out,
+            "{} costs {:.1} % {} than age replacement without inspections.",
+            if report.inspections.len() > 1 { "The best of these" } else { "This" },
+            saved.abs(),
+            if saved >= 0.0 { "less" } else { "more" }
+        )?;
+    }
+    Ok(())
+}

@@ -1,0 +1,256 @@
+//! Updating of every unit of a fleet: observations as evidence, and the report of each unit from its posterior.
+
+use super::observation::{ObservedUnit, Quantity};
+use super::predictor::{Prior, UnitPredictor};
+use super::result::{FleetReport, ObservationRow, RemainingLife, UnitReport, UpdatedVariable};
+use crate::results::life_summary::{CyclesRange, LifeRow};
+use crate::results::summary::{ReliabilityRow, StudySummary};
+use crate::statistics::design::{Stream, open_stream};
+use crate::statistics::reliability::REACH;
+use crate::statistics::updating::{Evidence, Particles, SequentialMonteCarlo, UnitPosterior, Unsupported};
+use crate::study::{LEVELS, LifeModel};
+use common::scene::Scene;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// Probability, times the number of a unit's observations, below which an observation is improbable [1].
+const IMPROBABLE: f64 = 0.01;
+
+/// Least probability that is stated [1].
+const LEAST: f64 = 1e-12;
+
+/// Settings of the updating.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FleetSettings {
+    /// Points of the population that are weighted.
+    pub population: usize,
+    /// Updating by weights and moves.
+    pub monte_carlo: SequentialMonteCarlo,
+    /// Whether the stated numerical errors of the simulations widen the likelihood of a measurement. They do, unless the units
+    /// themselves were simulated, with the same errors.
+    pub numerical_errors: bool,
+    /// Seed of every random draw: that of the study.
+    pub seed: u64,
+}
+
+impl FleetSettings {
+    /// Defaults for a study with this seed.
+    pub fn new(seed: u64) -> Self {
+        Self {
+            population: 20_000,
+            monte_carlo: SequentialMonteCarlo { particles: 2000, least: 500.0 },
+            numerical_errors: true,
+            seed,
+        }
+    }
+}
+
+/// Updates every unit.
+pub fn update(
+    scene: &Scene,
+    summary: &StudySummary,
+    model: &LifeModel,
+    units: &[ObservedUnit],
+    settings: &FleetSettings,
+) -> FleetReport {
+    let mut wanted: Vec<usize> = units.iter().flat_map(ObservedUnit::outputs).collect();
+    wanted.sort_unstable();
+    wanted.dedup();
+    let prior = Prior::new(model, wanted, settings.population, settings.seed);
+    let updated = |(number, unit): (usize, &ObservedUnit)| update_unit(scene, &prior, unit, number, settings);
+    FleetReport {
+        scene: scene.name.clone(),
+        evaluations: 0,
+        reliability: summary.reliability.clone(),
+        lives: summary.lives.clone(),
+        end: model.end(),
+        population: settings.population,
+        units: units.par_iter().enumerate().map(updated).collect(),
+    }
+}
+
+fn update_unit(
+    scene: &Scene,
+    prior: &Prior<'_>,
+    unit: &ObservedUnit,
+    number: usize,
+    settings: &FleetSettings,
+) -> UnitReport {
+    let model = prior.model;
+    let mut outputs: Vec<usize> = unit.outputs().collect();
+    outputs.sort_unstable();
+    outputs.dedup();
+    let mut measured = Vec::new();
+    let mut evidence = Vec::new();
+    for observation in &unit.observations {
+        evidence.push(match observation.quantity {
+            quantity @ (Quantity::Output { value, error, .. } | Quantity::Variable { value, error, .. }) => {
+                measured.push((quantity, observation.cycles));
+                Evidence::Measured { index: measured.len() - 1, value, std: error }
+            }
+            Quantity::Survived => Evidence::Survived(observation.cycles),
+            Quantity::Failed => Evidence::Failed(observation.cycles),
+        });
+    }
+    let predictor = UnitPredictor { model, measured, outputs, numerical_errors: settings.numerical_errors };
+    let predictions = predictor.predictions(&prior.states, &prior.wanted, &prior.responses);
+    let dimension = model.inputs().dimension() + model.deviations();
+    let particles = Particles::equal(dimension, prior.states.clone(), predictions);
+    let mut rng = open_stream(settings.seed, Stream::Unit(number as u32));
+    match settings.monte_carlo.update(particles, &evidence, &predictor, &mut rng) {
+        Ok(posterior) => report(scene, model, unit, &posterior),
+        Err(unsupported) => impossible(unit, unsupported),
+    }
+}
+
+/// The report of a unit that no point of the model agrees with.
+fn impossible(unit: &ObservedUnit, Unsupported { place }: Unsupported) -> UnitReport {
+    let observation = &unit.observations[place];
+    UnitReport {
+        unit: unit.name.clone(),
+        observed_until: unit.observed_until(),
+        failed_by: unit.failed_by(),
+        reliability: vec![],
+        lives: vec![],
+        remaining: RemainingLife { p5: None, p50: None, p95: None, sampling: [[None; 2]; 3] },
+        variables: vec![],
+        observations: vec![],
+        effective_size: 0.0,
+        stages: 0,
+        acceptance: None,
+        warning: Some(format!(
+            "{} at {} cycles (line {}) is impossible under the model: no unit of the study agrees with it, and nothing is \
+             stated about this unit",
+            observation.name, observation.cycles, observation.line
+        )),
+    }
+}
+
+fn report(scene: &Scene, model: &LifeModel, unit: &ObservedUnit, posterior: &UnitPosterior) -> UnitReport {
+    let now = unit.observed_until();
+    let rows = unit.observations.iter().zip(&posterior.probabilities);
+    let observations: Vec<ObservationRow> = rows
+        .map(|(o, p)| ObservationRow {
+            line: o.line,
+            cycles: o.cycles,
+            quantity: o.name.clone(),
+            probability: *p,
+        })
+        .collect();
+    UnitReport {
+        unit: unit.name.clone(),
+        observed_until: now,
+        failed_by: unit.failed_by(),
+        reliability: reliability(scene, posterior, now),
+        lives: lives(model, posterior),
+        remaining: remaining(model, posterior, now),
+        variables: variables(scene, model, posterior),
+        effective_size: posterior.effective_size,
+        stages: posterior.stages,
+        acceptance: posterior.acceptance,
+        warning: warning(&observations),
+        observations,
+    }
+}
+
+/// The least probable observation, if it is improbable.
+fn warning(observations: &[ObservationRow]) -> Option<String> {
+    let least = observations.iter().min_by(|a, b| a.probability.total_cmp(&b.probability))?;
+    (least.probability * observations.len() as f64 <= IMPROBABLE).then(|| {
+        format!(
+            "{} at {} cycles (line {}) is improbable under the model: probability {}; check the measurement, or whether the \
+             study describes this unit",
+            least.quantity,
+            least.cycles,
+            least.line,
+            if least.probability < LEAST { format!("below {LEAST:e}") } else { format!("{:.1e}", least.probability) }
+        )
+    })
+}
+
+/// R(n | observations) at the life up to which the unit was observed, and at later checkpoints.
+fn reliability(scene: &Scene, posterior: &UnitPosterior, now: f64) -> Vec<ReliabilityRow> {
+    let UnitPosterior { particles, effective_size, .. } = posterior;
+    let later = scene.life.checkpoints().into_iter().filter(|n| f64::from(*n) > now);
+    let row = |cycles: u32| {
+        let n = f64::from(cycles).max(now);
+        let alive = |s: usize| particles.share(|i| particles.predictions.lives_of(i)[s] > n);
+        let mut r: BTreeMap<String, f64> =
+            scene.limit_states.iter().enumerate().map(|(s, limit)| (limit.name.clone(), alive(s))).collect();
+        r.insert("total".to_owned(), particles.share(|i| particles.predictions.life(i) > n));
+        r.values_mut().for_each(|r| *r = r.clamp(0.0, 1.0));
+        let error = |r: &f64| {
+            let p = (effective_size * (1.0 - r) + 1.0) / (effective_size + 2.0);
+            (p * (1.0 - p) / effective_size.max(1.0)).sqrt()
+        };
+        let standard_error = r.iter().map(|(name, r)| (name.clone(), error(r))).collect();
+        ReliabilityRow {
+            cycles,
+            reliability: r,
+            standard_error,
+            numerical: BTreeMap::new(),
+            interval: BTreeMap::new(),
+        }
+    };
+    std::iter::once(now as u32).chain(later).map(row).collect()
+}
+
+/// Quantiles of the life at probabilities `p`, each with its 95 % interval by the effective sample size [cycles].
+fn quantiles(posterior: &UnitPosterior, p: &[f64]) -> Vec<[f64; 3]> {
+    let UnitPosterior { particles, effective_size, .. } = posterior;
+    let triples: Vec<f64> = p
+        .iter()
+        .flat_map(|p| {
+            let half = REACH * (p * (1.0 - p) / effective_size.max(1.0)).sqrt();
+            [*p, (p - half).max(0.0), (p + half).min(1.0)]
+        })
+        .collect();
+    let found = particles.quantiles(&triples, |i| particles.predictions.life(i));
+    found.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect()
+}
+
+/// Lives of the levels of a study's summary.
+fn lives(model: &LifeModel, posterior: &UnitPosterior) -> Vec<LifeRow> {
+    let found = quantiles(posterior, &LEVELS.map(|level| 1.0 - level));
+    let finite = |life: f64| life.is_finite().then_some(life);
+    let row = |(level, [life, lower, upper]): (&f64, &[f64; 3])| LifeRow {
+        limit_state: "total".to_owned(),
+        reliability: *level,
+        cycles: finite(*life),
+        interval: CyclesRange { lower: lower.min(model.end()), upper: finite(*upper) },
+        with_numerical_error: None,
+    };
+    LEVELS.iter().zip(&found).map(row).collect()
+}
+
+fn remaining(model: &LifeModel, posterior: &UnitPosterior, now: f64) -> RemainingLife {
+    let found = quantiles(posterior, &[0.05, 0.5, 0.95]);
+    let left = |life: f64| (life <= model.end()).then(|| (life - now).max(0.0));
+    let sampling = [0, 1, 2].map(|k: usize| [left(found[k][1]), left(found[k][2])]);
+    RemainingLife { p5: left(found[0][0]), p50: left(found[1][0]), p95: left(found[2][0]), sampling }
+}
+
+fn variables(scene: &Scene, model: &LifeModel, posterior: &UnitPosterior) -> Vec<UpdatedVariable> {
+    let particles = &posterior.particles;
+    let d = model.inputs().dimension();
+    // Particles without weight say nothing.
+    let least = 1e-9 / particles.len() as f64;
+    let rows: Vec<(f64, Vec<f64>)> = (0..particles.len())
+        .filter(|i| particles.weights[*i] > least)
+        .map(|i| (particles.weights[i], model.inputs().from_independent_normals(&particles.state(i)[..d])))
+        .collect();
+    let sum: f64 = rows.iter().map(|(w, _)| w).sum();
+    let mean_of = |of: &dyn Fn(&[f64]) -> f64| rows.iter().map(|(w, x)| w * of(x)).sum::<f64>() / sum;
+    let updated = |(k, variable): (usize, &common::random::RandomVariable)| {
+        let mean = mean_of(&|x| x[k]);
+        UpdatedVariable {
+            name: variable.name.clone(),
+            unit: variable.unit.clone(),
+            mean,
+            std: mean_of(&|x| (x[k] - mean).powi(2)).sqrt(),
+            prior_mean: variable.distribution.mean(),
+            prior_std: variable.distribution.std(),
+        }
+    };
+    scene.variables.iter().enumerate().map(updated).collect()
+}

@@ -1,0 +1,83 @@
+//! What was observed of a unit.
+
+/// The quantity of an observation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Quantity {
+    /// An output of the scene was measured.
+    Output {
+        /// Index of the output.
+        output: usize,
+        /// Value [unit of the output].
+        value: f64,
+        /// Standard deviation of its error [unit of the output].
+        error: f64,
+    },
+    /// A random variable of the scene was measured.
+    Variable {
+        /// Index of the variable.
+        variable: usize,
+        /// Value that was measured [SI].
+        value: f64,
+        /// Standard deviation of its error [SI].
+        error: f64,
+    },
+    /// The unit had not failed by then.
+    Survived,
+    /// The unit had failed by then.
+    Failed,
+}
+
+impl Quantity {
+    /// Rank among observations at the same life: variables, survival, outputs, failure.
+    pub(super) fn rank(&self) -> u8 {
+        match self {
+            Self::Variable { .. } => 0,
+            Self::Survived => 1,
+            Self::Output { .. } => 2,
+            Self::Failed => 3,
+        }
+    }
+}
+
+/// One observation of a unit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Observation {
+    /// Line of the file.
+    pub line: u64,
+    /// Life of the unit then; a variable does not change over life [cycles].
+    pub cycles: f64,
+    /// Name of the quantity as written.
+    pub name: String,
+    /// What was observed.
+    pub quantity: Quantity,
+}
+
+/// A unit with its observations, in the order of their lives.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ObservedUnit {
+    /// Name of the unit.
+    pub name: String,
+    /// At least one observation.
+    pub observations: Vec<Observation>,
+}
+
+impl ObservedUnit {
+    /// Life up to which the unit was observed [cycles].
+    pub fn observed_until(&self) -> f64 {
+        self.observations.iter().map(|o| o.cycles).fold(0.0, f64::max)
+    }
+
+    /// Life by which the unit had failed [cycles].
+    pub fn failed_by(&self) -> Option<f64> {
+        let failed = self.observations.iter().find(|o| o.quantity == Quantity::Failed);
+        failed.map(|o| o.cycles)
+    }
+
+    /// Outputs that were measured.
+    pub fn outputs(&self) -> impl Iterator<Item = usize> + '_ {
+        self.observations.iter().filter_map(|o| match o.quantity {
+            Quantity::Output { output, .. } => Some(output),
+            _ => None,
+        })
+    }
+}

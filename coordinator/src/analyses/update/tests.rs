@@ -1,0 +1,147 @@
+use super::*;
+use crate::statistics::design::Population;
+use crate::study::{LifeModel, Observed, Settings, StoredOutcome, learn_from_results};
+use common::scene::SceneSource;
+
+/// A wear that grows in proportion to time, from an offset, and another output that no limit state watches.
+const SCENE: &str = r#"
+scene = { name = "bushing" }
+simulator = { program = ["closure"] }
+life = { cycles = 2000, checkpoint_every = 100 }
+outputs = [{ name = "wear", unit = "um" }, { name = "play", unit = "um" }]
+limit_states = [{ name = "worn", output = "wear", threshold = 30 }]
+variables = [
+    { name = "rate", mean = 25, std = 3 },
+    { name = "offset", mean = 2, std = 0.5 },
+]
+"#;
+
+fn wear(x: &[f64], n: f64) -> f64 {
+    x[1] + x[0] * n / 1000.0
+}
+
+/// The scene, its predictor and the summary's settings, from 40 simulations.
+fn study() -> (SceneSource, Settings, LifeModel) {
+    let source = SceneSource::parse(SCENE, "bushing").unwrap();
+    let scene = source.nominal();
+    let settings = Settings { samples: 2000, initial: 40, max_evaluations: 40, ..Settings::from(scene) };
+    let inputs = crate::statistics::design::InputModel::from_scene(scene);
+    let population = Population::draw(inputs, 40, 9);
+    let cycles = scene.life.checkpoints();
+    let simulate = |j: usize| {
+        let sample = population.physical(j);
+        let history =
+            |of: &dyn Fn(f64) -> f64| cycles.iter().map(|n| of(f64::from(*n))).collect::<Vec<f64>>();
+        let histories = vec![history(&|n| wear(&sample, n)), history(&|n| 2.0 * sample[1] - n / 1000.0)];
+        let start = vec![Some(sample[1]), Some(2.0 * sample[1])];
+        let outcome = Ok(Observed { start, ..Observed::exact(histories) });
+        StoredOutcome { sample, outcome }
+    };
+    let stored: Vec<StoredOutcome> = (0..40).map(simulate).collect();
+    let learned = learn_from_results(scene, scene, &settings, &stored).unwrap();
+    let model = LifeModel::new(scene, &learned);
+    (source, settings, model)
+}
+
+fn updated(text: &str, particles: usize) -> FleetReport {
+    let (source, settings, model) = study();
+    let units = parse_units(text, "units.csv", &source, &model).unwrap();
+    let summary = crate::test_study::study().summary;
+    let mut fleet = FleetSettings::new(settings.seed);
+    fleet.population = 40_000;
+    fleet.monte_carlo.particles = particles;
+    update(source.nominal(), &summary, &model, &units, &fleet)
+}
+
+/// Posterior of rate and offset under one measurement of the wear at n cycles: mean, and covariance (rr, ro, oo).
+fn conjugate(n: f64, y: f64, error: f64) -> ([f64; 2], [f64; 3]) {
+    let (t, vr, vo) = (n / 1000.0, 9.0, 0.25);
+    let variance = t * t * vr + vo + error * error;
+    let (gr, go) = (t * vr / variance, vo / variance);
+    let off = y - (2.0 + 25.0 * t);
+    ([25.0 + gr * off, 2.0 + go * off], [vr - gr * t * vr, -gr * vo, vo - go * vo])
+}
+
+#[test]
+fn a_measured_wear_has_the_conjugate_closed_form() {
+    let report =
+        updated("unit,cycles,quantity,value,error\nA, 400, wear, 14.0, 1 um\nB,400,wear,12,0.01", 8000);
+    for (unit, (y, error)) in report.units.iter().zip([(14.0, 1.0), (12.0, 0.01)]) {
+        let (mean, covariance) = conjugate(400.0, y, error);
+        let [rate, offset] = [&unit.variables[0], &unit.variables[1]];
+        assert!((rate.mean / mean[0] - 1.0).abs() < 0.01, "{rate:?} {mean:?}");
+        assert!((offset.mean / mean[1] - 1.0).abs() < 0.01, "{offset:?} {mean:?}");
+        let error = 4.0 / (2.0 * unit.effective_size).sqrt();
+        assert!((rate.std / covariance[0].sqrt() - 1.0).abs() < error, "{rate:?} {covariance:?}");
+        assert!((offset.std / covariance[2].sqrt() - 1.0).abs() < error, "{offset:?} {covariance:?}");
+        // The wear at 900 cycles is normal, and R(900) the probability that it is below 30.
+        let (mean_900, t) = (mean[1] + 0.9 * mean[0], 0.9);
+        let std = (covariance[2] + 2.0 * t * covariance[1] + t * t * covariance[0]).sqrt();
+        let exact = common::random::standard_normal_cdf((30.0 - mean_900) / std);
+        let row = unit.reliability.iter().find(|row| row.cycles == 900).unwrap();
+        let bound = 4.0 * row.standard_error["total"];
+        assert!((row.reliability["total"] - exact).abs() < bound, "{row:?} {exact}");
+        assert!(unit.warning.is_none() && unit.reliability[0].reliability["total"] > 0.99, "{unit:?}");
+    }
+    assert_eq!(report.units[0].stages, 0);
+    assert!(report.units[1].stages > 0 && report.units[1].acceptance.unwrap() > 0.2);
+    let text = text(&report);
+    assert!(text.contains("sequential Monte Carlo") && text.contains("rate"), "{text}");
+    assert_eq!(csv(&report).lines().count(), 3);
+}
+
+#[test]
+fn survival_lengthens_and_an_improbable_value_is_warned_of() {
+    let report = updated(
+        "A,1100,survived\nB,400,wear,25,0.1\nC,,offset,1.0,0.01\nC,500,play,1.5,0.1\nD,900,failed\nE,1650,survived\nF,2000,survived\n",
+        2000,
+    );
+    let rate = |k: usize| report.units[k].variables[0].mean;
+    // Survival means slow wear, failure by 900 cycles fast wear.
+    assert!(rate(0) < 24.5 && rate(4 - 1) > 28.0, "{} {}", rate(0), rate(3));
+    let warning = report.units[1].warning.as_ref().unwrap();
+    assert!(warning.contains("wear at 400 cycles (line 2) is improbable"), "{warning}");
+    assert!((report.units[2].variables[1].mean - 1.0).abs() < 0.01 && report.units[2].warning.is_none());
+    assert_eq!(report.units[3].failed_by, Some(900.0));
+    // Survival of 1650 cycles is rare: moved particles, none of which has failed; the least rate, 16, fails at 1781 cycles.
+    let rare = &report.units[4];
+    assert!(rare.stages > 0 && rare.reliability[0].reliability["total"] == 1.0, "{rare:?}");
+    assert!(rare.remaining.p95.is_some_and(|left| left < 150.0), "{:?}", rare.remaining);
+    // No unit lives 2000 cycles.
+    let warning = report.units[5].warning.as_ref().unwrap();
+    assert!(warning.contains("line 6) is impossible under the model"), "{warning}");
+}
+
+#[test]
+fn every_fault_of_a_file_is_named_with_line_and_column() {
+    let (source, _, model) = study();
+    let faults = |text: &str| match parse_units(text, "units.csv", &source, &model) {
+        Err(UpdateError::Units(faults)) => faults.to_string(),
+        other => panic!("{other:?}"),
+    };
+    for (row, expected) in [
+        (
+            "A,400,depth,1,1",
+            "line 1, column quantity: \"depth\" is no quantity of this study; allowed: wear, play, rate",
+        ),
+        ("A,4000,wear,1,1", "column cycles: \"4000\": allowed: a number of cycles from 0 to 2000"),
+        ("A,400,wear,1 N,1", "column value: \"1 N\": expected a number in um"),
+        ("A,400,wear,1,0", "column error: allowed: a standard deviation above 0"),
+        ("A,400,wear,1", "column error: \"\": expected a number in um"),
+        ("A,400,survived,1", "column value: \"1\": survived has no value"),
+        (",400,wear,1,1", "column unit: is empty"),
+        ("A,400,wear,1,1,1", "6 cells, expected 5"),
+        ("A,400,failed\nA,500,wear,15,1", "line 2, column cycles: unit A had failed by 400 cycles (line 1)"),
+        ("A,400,failed\nA,400,survived", "unit A had failed by 400 cycles"),
+        (
+            "A,400,wear,10,0.1\nA,400,wear,11,0.1",
+            "line 2, column value: wear of unit A contradicts line 1: the values differ by 7.1",
+        ),
+        ("", "line 1, column unit: the file has no observation"),
+    ] {
+        let said = faults(row);
+        assert!(said.contains(expected), "{row}: {said}");
+    }
+    let both = faults("A,400,depth,1,1\n# a comment\n\nB,x,wear,1,1");
+    assert!(both.contains("line 1") && both.contains("line 4"), "{both}");
+}

@@ -1,0 +1,38 @@
+//! Errors of the commands that decide from a finished study.
+
+use coordinator::analyses::replace::ReplacementError;
+use coordinator::analyses::update::UpdateError;
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// An error of a decision from a finished study.
+#[derive(Debug, Error)]
+pub enum DecisionError {
+    /// The question about a replacement has no answer.
+    #[error(transparent)]
+    Replacement(#[from] ReplacementError),
+    /// The observations of units cannot be used.
+    #[error(transparent)]
+    Update(#[from] UpdateError),
+    /// An option with a value that is not allowed.
+    #[error("{option} {value}: {fault}")]
+    Option {
+        /// Name of the option.
+        option: &'static str,
+        /// Value as given.
+        value: String,
+        /// Fault and allowed values.
+        fault: String,
+    },
+    /// A study without surrogates.
+    #[error(
+        "{}: this study has no surrogates (method {method}); the responses of units need a study with --method ak",
+        dir.display()
+    )]
+    NoSurrogates {
+        /// Folder of the study.
+        dir: PathBuf,
+        /// Method of the study.
+        method: String,
+    },
+}

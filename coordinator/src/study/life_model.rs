@@ -1,0 +1,263 @@
+//! Lives and responses over life of single points by the surrogates of a campaign.
+//!
+//! The response of a point is its predicted mean plus its deviation, a standard normal number of its own for every limit
+//! state, times the predicted standard deviation, as in the classification: the deviation lasts for life. An output that a
+//! limit state watches has the deviation of that limit state; any other output one of its own, and the correlation lengths of
+//! the first limit state. Lives come from the running maxima, as those of the study; an output is predicted itself.
+//!
+//! # Source
+//! Straub, Papaioannou (2015), Bayesian updating with structural reliability methods, Journal of Engineering Mechanics
+//! 141(3), for likelihoods by a surrogate; the persistent deviation is this project's own, see `deviation.rs`.
+
+use super::response_layout::ResponseLayout;
+use super::{CampaignResult, Surrogate};
+use crate::statistics::design::InputModel;
+use crate::statistics::reliability::{ErrorLine, Track};
+use crate::statistics::surrogate::Kriging;
+use common::scene::{Fails, Scene};
+use faer::{Mat, MatRef};
+use rayon::prelude::*;
+
+/// Number of points predicted together.
+const BLOCK: usize = 512;
+
+/// Predictor of lives and responses of single points.
+#[derive(Debug)]
+pub struct LifeModel {
+    inputs: InputModel,
+    /// Checkpoints `(m,)` [cycles].
+    times: Vec<f64>,
+    modes: Vec<ModeModel>,
+    outputs: Vec<OutputModel>,
+}
+
+/// The running maximum of the response of one limit state.
+#[derive(Debug)]
+struct ModeModel {
+    history: History,
+    threshold: f64,
+}
+
+/// One output of the scene.
+#[derive(Debug)]
+struct OutputModel {
+    history: History,
+    /// Limit state whose prediction has the same correlation, index of its deviation, and the deviation's sign.
+    mode: usize,
+    deviation: usize,
+    sign: f64,
+    /// Stated error over the value at each checkpoint `(m,)`.
+    errors: Vec<ErrorLine>,
+    /// Standard deviation of the simulations' noise at each checkpoint `(m,)` [unit of the output].
+    noise: Vec<f64>,
+}
+
+/// A surrogate of a history: its first output is the start of life, if that is known, the others are the checkpoints.
+#[derive(Debug)]
+struct History {
+    model: Kriging,
+    dual: Mat<f64>,
+    /// Predicted standard deviations where the variance factor is 1 [unit of the output].
+    scale: Vec<f64>,
+    has_start: bool,
+}
+
+impl History {
+    fn new(surrogate: &Surrogate, values: &Mat<f64>, start: Option<Vec<f64>>, inflation: f64) -> Self {
+        let mut model = surrogate.model.clone();
+        let shift = usize::from(start.is_some());
+        let value = |i: usize, n: usize| match &start {
+            Some(start) if n == 0 => start[i],
+            _ => values[(i, n - shift)],
+        };
+        model.set_values(Mat::from_fn(values.nrows(), values.ncols() + shift, value).as_ref());
+        Self {
+            dual: model.dual(),
+            scale: model.sigma2().iter().map(|s| (s * inflation).sqrt()).collect(),
+            has_start: start.is_some(),
+            model,
+        }
+    }
+
+    /// Number of values: start and checkpoints.
+    fn len(&self) -> usize {
+        self.scale.len()
+    }
+
+    /// The history with mean `(len,)` and a deviation in units of [`History::scale`].
+    fn track<'a>(&self, times: &'a [f64], values: &'a [f64]) -> Track<'a> {
+        let (start, values) = if self.has_start { (Some(values[0]), &values[1..]) } else { (None, values) };
+        Track { times, values, start }
+    }
+}
+
+/// Lives and responses at b points.
+#[derive(Debug, Clone, Default)]
+pub struct LifeResponses {
+    /// Lives by each limit state, infinite beyond the last checkpoint `(b, limit states)` row-major [cycles].
+    pub lives: Vec<f64>,
+    /// Histories of the outputs asked for `(outputs)(b, values)` row-major [unit of the output].
+    pub histories: Vec<Vec<f64>>,
+}
+
+impl LifeModel {
+    /// The predictor by the surrogates of a campaign on `scene`.
+    pub fn new(scene: &Scene, learned: &CampaignResult) -> Self {
+        let observations = &learned.observations;
+        let surrogates = &learned.assessment.surrogates;
+        let layout = ResponseLayout::from_scene(scene);
+        let mode = |(mode, surrogate): (&crate::statistics::learning::Mode, &Surrogate)| {
+            let (values, start) =
+                (observations.running_maxima(mode.output), observations.starts(mode.output));
+            let history = History::new(surrogate, &values, start, surrogate.inflation());
+            ModeModel { history, threshold: mode.threshold }
+        };
+        let modes: Vec<ModeModel> = layout.modes.iter().zip(surrogates).map(mode).collect();
+        let mut deviations = modes.len();
+        let mut output = |output: usize| {
+            let watching = scene.limit_states.iter().position(|limit| limit.output == output);
+            let sign = match watching.map(|s| scene.limit_states[s].fails) {
+                Some(Fails::Below) => -1.0,
+                _ => 1.0,
+            };
+            let mode = watching.unwrap_or(0);
+            let deviation = watching.unwrap_or(deviations);
+            deviations += usize::from(watching.is_none());
+            let (values, surrogate) = (observations.values(output), &surrogates[mode]);
+            let inflation = match watching {
+                Some(_) => surrogate.inflation(),
+                None => own_inflation(surrogate, &values),
+            };
+            let history = History::new(surrogate, &values, observations.starts(output), inflation);
+            let noise = history.model.correlation().noise();
+            let first = usize::from(history.has_start);
+            OutputModel {
+                mode,
+                deviation,
+                sign,
+                errors: error_lines(&values, &observations.errors(output)),
+                noise: history.model.sigma2()[first..].iter().map(|s| (s * noise).sqrt()).collect(),
+                history,
+            }
+        };
+        let outputs = (0..scene.outputs.len()).map(&mut output).collect();
+        let times = scene.life.checkpoints().into_iter().map(f64::from).collect();
+        Self { inputs: learned.classified.population.inputs().clone(), times, modes, outputs }
+    }
+
+    /// The random variables.
+    pub fn inputs(&self) -> &InputModel {
+        &self.inputs
+    }
+
+    /// Number of limit states.
+    pub fn limit_states(&self) -> usize {
+        self.modes.len()
+    }
+
+    /// Number of deviations of a point.
+    pub fn deviations(&self) -> usize {
+        let own = self.outputs.iter().filter(|output| output.deviation >= self.modes.len()).count();
+        self.modes.len() + own
+    }
+
+    /// Earliest life at which an output is known [cycles].
+    pub fn beginning(&self, output: usize) -> f64 {
+        if self.outputs[output].history.has_start { 0.0 } else { self.times[0] }
+    }
+
+    /// Last checkpoint [cycles].
+    pub fn end(&self) -> f64 {
+        self.times[self.times.len() - 1]
+    }
+
+    /// Lives, and histories of `wanted` outputs, at standardised points `(d, b)` with `deviations` `(b, deviations)`
+    /// row-major [1].
+    pub fn respond(&self, points: MatRef<'_, f64>, deviations: &[f64], wanted: &[usize]) -> LifeResponses {
+        let blocks: Vec<usize> = (0..points.ncols()).step_by(BLOCK).collect();
+        let width = self.deviations();
+        let of_block = |start: &usize| {
+            let count = BLOCK.min(points.ncols() - start);
+            let own = &deviations[start * width..(start + count) * width];
+            self.respond_block(points.subcols(*start, count), own, wanted)
+        };
+        let parts: Vec<LifeResponses> = blocks.par_iter().map(of_block).collect();
+        let mut all = LifeResponses { lives: vec![], histories: wanted.iter().map(|_| vec![]).collect() };
+        for part in parts {
+            all.lives.extend(part.lives);
+            all.histories.iter_mut().zip(part.histories).for_each(|(all, part)| all.extend(part));
+        }
+        all
+    }
+
+    fn respond_block(&self, points: MatRef<'_, f64>, deviations: &[f64], wanted: &[usize]) -> LifeResponses {
+        let (b, width) = (points.ncols(), self.deviations());
+        let predictions: Vec<_> = self.modes.iter().map(|mode| mode.history.model.predict(points)).collect();
+        let std = |mode: usize, j: usize| predictions[mode].variance_factor[j].max(0.0).sqrt();
+        let mut values = Vec::new();
+        let mut lives = Vec::with_capacity(b * self.modes.len());
+        for j in 0..b {
+            for (s, mode) in self.modes.iter().enumerate() {
+                let in_sigma = std(s, j) * deviations[j * width + s];
+                let mean = predictions[s].mean.col_as_slice(j);
+                values.clear();
+                values.extend(mean.iter().zip(&mode.history.scale).map(|(m, scale)| m + scale * in_sigma));
+                lives.push(self.life(mode, &values));
+            }
+        }
+        let history = |output: &usize| {
+            let OutputModel { history, mode, deviation, sign, .. } = &self.outputs[*output];
+            let means = history.model.predict_means(points, &history.dual, 0..history.len());
+            let mut all = Vec::with_capacity(b * history.len());
+            for j in 0..b {
+                let in_sigma = sign * std(*mode, j) * deviations[j * width + deviation];
+                let column = means.col_as_slice(j).iter();
+                all.extend(column.zip(&history.scale).map(|(mean, scale)| mean + scale * in_sigma));
+            }
+            all
+        };
+        LifeResponses { lives, histories: wanted.iter().map(history).collect() }
+    }
+
+    /// Life of a running maximum by its limit state [cycles].
+    fn life(&self, mode: &ModeModel, values: &[f64]) -> f64 {
+        let track = mode.history.track(&self.times, values);
+        let Some(k) = track.values.iter().position(|y| *y >= mode.threshold) else { return f64::INFINITY };
+        let before = if k == 0 { 0.0 } else { self.times[k - 1] };
+        before + track.crossing(k, mode.threshold).best * (self.times[k] - before)
+    }
+
+    /// Value of `output` of point `j` at a life between [`LifeModel::beginning`] and [`LifeModel::end`], from its histories
+    /// `(b, values)` [unit of the output]; not a number outside.
+    pub fn value_at(&self, output: usize, histories: &[f64], j: usize, life: f64) -> f64 {
+        let history = &self.outputs[output].history;
+        let own = &histories[j * history.len()..(j + 1) * history.len()];
+        history.track(&self.times, own).value_at(life).unwrap_or(f64::NAN)
+    }
+
+    /// Standard deviation of the error of a value at a life, besides that of the surrogate: the stated numerical error of the
+    /// simulations (if `numerical`) or their noise, whichever is larger, at the nearer checkpoint [unit of the output].
+    pub fn error_at(&self, output: usize, value: f64, life: f64, numerical: bool) -> f64 {
+        let OutputModel { errors, noise, .. } = &self.outputs[output];
+        let distance = |n: &usize| (self.times[*n] - life).abs();
+        let nearest = (0..self.times.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let stated = |n: usize| if numerical { errors[n].evaluate(value) } else { 0.0 };
+        nearest.map_or(0.0, |n| stated(n).max(noise[n]))
+    }
+}
+
+/// Stated error over the value at each checkpoint `(m,)`, from simulated values and errors `(n, m)`.
+fn error_lines(values: &Mat<f64>, errors: &Mat<f64>) -> Vec<ErrorLine> {
+    let (n, m) = values.shape();
+    let pairs = |k: usize| (0..n).map(|i| (values[(i, k)], errors[(i, k)])).collect::<Vec<_>>();
+    (0..m).map(|k| ErrorLine::fit(&pairs(k))).collect()
+}
+
+/// Factor on the predicted variances of an output with the correlation of another one, from leave-one-out errors [1].
+fn own_inflation(surrogate: &Surrogate, values: &Mat<f64>) -> f64 {
+    let mut model = surrogate.model.clone();
+    model.set_values(values.as_ref());
+    let all = model.leave_one_out(values.as_ref());
+    let mean = all.iter().map(|l| l.variance_ratio).sum::<f64>() / all.len().max(1) as f64;
+    if mean.is_finite() { mean.max(1.0) } else { 1.0 }
+}

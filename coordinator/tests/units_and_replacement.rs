@@ -1,0 +1,71 @@
+//! Decisions from a finished study with the real `coordinator`: `update` and `replace`.
+
+use serde_json::Value;
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn coordinator(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_coordinator")).args(arguments).output().unwrap()
+}
+
+fn json(arguments: &[&str]) -> Value {
+    let output = coordinator(arguments);
+    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// Standard error of a command that must fail as bad input without a result.
+#[track_caller]
+fn refused(arguments: &[&str]) -> String {
+    let output = coordinator(arguments);
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
+    assert!(output.stdout.is_empty(), "{arguments:?} printed a result");
+    message
+}
+
+#[test]
+fn a_study_answers_for_units_and_replacement() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (study, units, out) = (at("study"), at("units.csv"), at("fleet"));
+    let run = "run --scene four-bar --accuracy draft --samples 4000 --initial 16 --max-evaluations 24 --quiet --out";
+    assert!(coordinator(&run.split(' ').chain([study.as_str()]).collect::<Vec<_>>()).status.success());
+
+    // Of two units the one that has worn more has the shorter remaining life.
+    let observed = "unit,cycles,quantity,value,error\nA,3000,max_wear_depth,4.4 um,0.1 um\n\
+        B,3000,max_wear_depth,5 um,0.1 um\nB,3000,survived\nB,,load_torque,-0.81 N m,0.01 N m\n";
+    std::fs::write(&units, observed).unwrap();
+    let fleet = json(&["update", &study, "--measured", &units, "--out", &out, "--json"]);
+    let left = |k: usize| fleet["units"][k]["remaining"]["p50"].as_f64().unwrap();
+    assert!(left(0) > left(1) && left(1) > 0.0, "{} {}", left(0), left(1));
+    assert_eq!(fleet["units"][1]["reliability"][0]["total"], 1.0);
+    assert!(fleet["evaluations"] == 0 && fleet["lives"].is_array() && fleet["reliability"].is_array());
+    for name in ["update.html", "update.json", "units.csv"] {
+        assert!(Path::new(&out).join(name).is_file(), "{name}");
+    }
+    std::fs::write(&units, "A,3000,depth,4 um,1 um\nA,9000,max_wear_depth,4 N,1 um\n").unwrap();
+    let message = refused(&["update", &study, "--measured", &units]);
+    assert!(
+        message.contains("line 1, column quantity") && message.contains("line 2, column value"),
+        "{message}"
+    );
+    assert!(refused(&["update", &study, "--measured", &at("none.csv")]).contains("none.csv"));
+
+    let answer = json(&["replace", &study, "--failure-cost", "10", "--inspect-every", "1000", "--json"]);
+    let age = &answer["age"];
+    let number = |value: &Value| value.as_f64().unwrap();
+    assert!(number(&age["lower"]) <= number(&age["value"]) && number(&age["value"]) <= number(&age["upper"]));
+    assert!(number(&answer["inspections"][0]["cost_rate"]) > 0.0);
+    for (arguments, allowed) in [
+        (&["--failure-cost", "0.5"][..], "above --planned-cost 1"),
+        (&["--failure-cost", "10", "--curve", "noise"], "allowed: wear, total"),
+        (&["--failure-cost", "10", "--inspect-every", "90000"], "cycles"),
+        (&["--failure-cost", "10", "--inspect-at", "4000,3000"], "increasing"),
+        (&["--failure-cost", "10", "--inspect-every", "500", "--inspect-error", "1 N"], "--inspect-error"),
+        (&["--failure-cost", "10", "--inspect-cost", "1"], "--inspect-every"),
+    ] {
+        let message = refused(&[&["replace", study.as_str()], arguments].concat());
+        assert!(message.contains(allowed), "{arguments:?}: {message}");
+    }
+}
