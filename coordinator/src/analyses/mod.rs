@@ -21,5 +21,5 @@ pub mod replay;
 mod replay_tests;
 pub mod scene_settings;
 pub mod tradeoff;
-pub mod what_if;
 pub mod update;
+pub mod what_if;

@@ -5,6 +5,7 @@ use super::{CampaignFile, StoreError, exact};
 use crate::farm::evaluate::{EvaluateError, Finished, Request};
 use crate::results::journal::Journal;
 use crate::results::summary::Round;
+use common::outputs::Evaluation;
 use rusqlite::types::Value;
 use rusqlite::{OptionalExtension, Transaction, params, params_from_iter};
 use serde::Serialize;
@@ -121,7 +122,8 @@ impl CampaignFile {
         self.encoded(request, finished).map(Some)
     }
 
-    /// The outcome's exact bytes, if it fits the scene.
+    /// The outcome's exact bytes, if it fits the scene. Of an evaluation without its first cycle the bores at the end of life are left out:
+    /// they would be half of a campaign file, and results are made of histories.
     pub(super) fn encoded(&self, request: &Request, finished: &Finished) -> Result<Vec<u8>, StoreError> {
         let what = || format!("evaluation {}", request.id);
         if request.sample.len() != self.inputs.len() {
@@ -139,7 +141,13 @@ impl CampaignFile {
                 return Err(self.encoding(what(), "its stated errors do not fit its histories"));
             }
         }
-        exact::outcome_to_bytes(&finished.outcome).map_err(|reason| self.encoding(what(), reason))
+        let bytes = match &finished.outcome {
+            Ok(evaluation) if !request.with_first_cycle && !evaluation.joints.is_empty() => {
+                exact::outcome_to_bytes(&Ok(Evaluation { joints: vec![], ..evaluation.clone() }))
+            }
+            outcome => exact::outcome_to_bytes(outcome),
+        };
+        bytes.map_err(|reason| self.encoding(what(), reason))
     }
 
     /// Writes an evaluation under the number `key`.

@@ -6,6 +6,8 @@
 //! evaluation (milliseconds against seconds of simulation). Exclusion: a lock on `DIR/campaign.lock`, which the
 //! operating system releases when the process ends. Readers may open the database meanwhile.
 
+#[cfg(test)]
+mod bores_tests;
 mod connection;
 mod error;
 mod exact;

@@ -82,7 +82,10 @@ pub(super) fn finished(id: u64) -> Finished {
         histories: vec![x.clone()],
         errors: vec![x.iter().map(|value| value.abs() / 7.0).collect()],
         start: vec![Some(0.1 / 3.0)],
-        joints: vec![JointSummary { name: "1".into(), peak_force: 0.1 + 0.2, wear_depth: x }],
+        joints: vec![
+            JointSummary { name: "1".into(), peak_force: 0.1 + 0.2, wear_depth: x };
+            usize::from(id == 0)
+        ],
         first_cycle,
         diagnostics: Diagnostics {
             steps: u64::MAX,
