@@ -13,7 +13,7 @@
 //! # Source
 //! Chosen here.
 
-use super::history::ContactSample;
+use super::interval::ContactSample;
 use std::f64::consts::TAU;
 
 /// Ratio of the largest to the smallest penetration of a group [1].

@@ -12,7 +12,7 @@
 
 use super::condense::{Condenser, Touched};
 use super::equilibrium::{Equilibrium, NoEquilibrium, equilibrium};
-use super::history::ContactSample;
+use super::interval::ContactSample;
 use crate::bore::Profile;
 use crate::contact::{Foundation, Surface, equivalent_penetration};
 use crate::plane::length;

@@ -8,20 +8,7 @@
 //! Archard (1953), J. Appl. Phys. 24, 981-988: wear is proportional to the work F S. The averaging is chosen
 //! here.
 
-use super::interval::{ContactInstant, Interval};
-
-/// A short interval of the cycle, averaged with the work density F_N |v_t| as weight.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ContactSample {
-    /// Eccentricity in the bushing's frame `(2,)` [m].
-    pub e: [f64; 2],
-    /// Penetration delta [m].
-    pub penetration: f64,
-    /// Normal force, pointing from the journal into the bushing `(2,)` [N].
-    pub force: [f64; 2],
-    /// Integral of F_N |v_t| dt over the interval [N m].
-    pub work: f64,
-}
+use super::interval::{ContactInstant, ContactSample, Interval};
 
 /// Contact history of one joint over one cycle.
 #[derive(Debug, Clone, PartialEq)]

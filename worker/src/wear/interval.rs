@@ -2,14 +2,29 @@
 //!
 //! An interval is averaged with the work density of Archard's law F_N |v_t| [W] as weight. It ends after a given duration, and where the
 //! contact has turned by more than [`LARGEST_TURN`]: a cycle of many turns, or of impacts, is cut into as many intervals as it needs.
+//!
+//! # Source
+//! Archard (1953), J. Appl. Phys. 24, 981-988: wear is proportional to the work F S. The averaging is chosen here.
 
-use super::history::ContactSample;
 use crate::contact::JointForce;
 use crate::lanes::{Real, lanewise};
 use crate::plane::dot;
 
 /// Cosine of the largest angle by which the contact may turn within an interval, 1.25 deg: an eighth of the spacing of 36 control points.
 const LARGEST_TURN: f64 = 0.999_762;
+
+/// A short interval of the cycle, averaged with the work density F_N |v_t| as weight.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactSample {
+    /// Eccentricity in the bushing's frame `(2,)` [m].
+    pub e: [f64; 2],
+    /// Penetration delta [m].
+    pub penetration: f64,
+    /// Normal force, pointing from the journal into the bushing `(2,)` [N].
+    pub force: [f64; 2],
+    /// Integral of F_N |v_t| dt over the interval [N m].
+    pub work: f64,
+}
 
 /// A contact at one instant.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

@@ -15,7 +15,7 @@
 //! are chosen here: the published rule gives an arc between two points no wear at all.
 
 use super::arc_ends::{ArcEnds, SUBDIVISION, Spot};
-use super::history::ContactSample;
+use super::interval::ContactSample;
 use crate::bore::{Profile, Radius};
 use crate::lanes::{Vectorised, vectorise};
 use std::ops::Range;

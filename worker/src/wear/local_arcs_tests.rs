@@ -1,7 +1,7 @@
 //! The wear rate of the local law against its readable version: a walk from angle to angle, sample by sample.
 
 use super::arc_ends::SUBDIVISION;
-use super::history::ContactSample;
+use super::interval::ContactSample;
 use super::local_arcs::LocalArcs;
 use super::{ContactHistory, ContactInstant, WearRate};
 use crate::bore::Profile;

@@ -29,6 +29,6 @@ mod volume_tests;
 
 pub(crate) use archard::WearRate;
 pub(crate) use finer_bore::FinerBore;
-pub(crate) use history::{ContactHistory, ContactSample};
-pub(crate) use interval::{ContactInstant, Interval};
+pub(crate) use history::ContactHistory;
+pub(crate) use interval::{ContactInstant, ContactSample, Interval};
 pub(crate) use step::{WearStep, WearStepFailed, WearStepStats};
