@@ -39,7 +39,7 @@ fn a_study_answers_for_units_and_replacement() {
     let fleet = json(&["update", &study, "--measured", &units, "--out", &out, "--json"]);
     let left = |k: usize| fleet["units"][k]["remaining"]["p50"].as_f64().unwrap();
     assert!(left(0) > left(1) && left(1) > 0.0, "{} {}", left(0), left(1));
-    assert_eq!(fleet["units"][1]["reliability"][0]["total"], 1.0);
+    assert!(fleet["units"][1]["reliability"][0]["total"].as_f64().unwrap() > 0.999);
     assert!(fleet["evaluations"] == 0 && fleet["lives"].is_array() && fleet["reliability"].is_array());
     for name in ["update.html", "update.json", "units.csv"] {
         assert!(Path::new(&out).join(name).is_file(), "{name}");

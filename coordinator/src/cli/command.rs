@@ -20,20 +20,17 @@ use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::fmt::Write;
 
 /// Groups of the first page of the help.
-const GROUPS: [(&str, &[&str]); 5] = [
+const GROUPS: [(&str, &[&str]); 4] = [
     ("Study", &["run", "resume", "report", "sensitivity", "compare"]),
     ("Decide", &["what-if", "update", "replace"]),
     ("Look", &["simulate", "explain", "status", "scenes"]),
-    ("Check", &["init", "check", "doctor", "extremes"]),
-    ("Measure", &["tradeoff", "calibrate", "verify"]),
+    ("Check", &["init", "check", "doctor", "extremes", "tradeoff", "calibrate", "verify"]),
 ];
 
 const EXAMPLE: &str = "\
 Without a command, `coordinator --workers auto` runs a study with the options of `run`.
 Exit codes: 0 done, 2 bad input, 1 failure, 130 interrupted (all finished evaluations are saved).
-
-Example, about 3 s:
-  coordinator run --scene four-bar --accuracy draft --out study";
+Example, about 3 s: coordinator run --scene four-bar --accuracy draft --out study";
 
 /// Hingewise: reliability over life of mechanisms with wearing hinges
 #[derive(Debug, Parser)]

@@ -109,7 +109,7 @@ fn survival_lengthens_and_an_improbable_value_is_warned_of() {
     assert!(rare.remaining.p95.is_some_and(|left| left < 150.0), "{:?}", rare.remaining);
     // No unit lives 2000 cycles.
     let warning = report.units[5].warning.as_ref().unwrap();
-    assert!(warning.contains("line 6) is impossible under the model"), "{warning}");
+    assert!(warning.contains("line 7) is impossible under the model"), "{warning}");
 }
 
 #[test]
