@@ -92,7 +92,7 @@ use crate::results::summary::Timing;
 use common::scene::Scene;
 use dispatching::Dispatcher;
 use monte_carlo::DirectSimulation;
-use result::{Extent, Findings};
+use result::{Computed, Findings};
 use std::time::Instant;
 
 /// Runs a study of `scene` to its end: evaluations by `evaluator`, recorded in `journal`, reported to `observer`.
@@ -153,5 +153,5 @@ fn learn(
     dispatcher.run(&mut campaign)?;
     dispatcher.notice(&Progress::Ending);
     let learned = campaign.finish().expect("a campaign that is done has learned something");
-    Ok(result::from_learning(scene, settings, &learned, Extent::Whole))
+    Ok(result::from_learning(scene, settings, &learned, Computed::Whole))
 }

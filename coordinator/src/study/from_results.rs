@@ -14,7 +14,7 @@ use super::dispatching::Dispatcher;
 use super::observations::ObservedOutcome;
 use super::plan::{Plan, Problem};
 use super::response_layout::ResponseLayout;
-use super::result::{Extent, from_learning};
+use super::result::{Computed, from_learning};
 use super::step::{CampaignError, Step};
 use super::surrogates::Surrogate;
 use super::verification::StoredOutcome;
@@ -141,7 +141,7 @@ pub fn complete_outcomes(scene: &Scene, stored: &[StoredOutcome]) -> Vec<(Vec<f6
 pub enum Thresholds {
     /// For the same ones.
     Same,
-    /// For others.
+    /// For other ones, so that the lengths are fitted again.
     Others,
 }
 
@@ -227,7 +227,7 @@ pub fn result_of(
     learned: &CampaignResult,
     started: Instant,
 ) -> StudyResult {
-    let findings = from_learning(scene, settings, learned, Extent::Curves);
+    let findings = from_learning(scene, settings, learned, Computed::Curves);
     let timing = Timing { total: started.elapsed().as_secs_f64(), ..Timing::default() };
     findings.result(scene, settings, timing, vec![])
 }

@@ -145,7 +145,7 @@ pub fn blank(scene: &Scene, settings: &Settings) -> StudySummary {
 
 /// What is computed from a campaign.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Extent {
+pub(super) enum Computed {
     /// Everything that a summary contains.
     Whole,
     /// Reliability, lives and first failures.
@@ -157,9 +157,9 @@ pub(super) fn from_learning(
     scene: &Scene,
     settings: &Settings,
     learned: &CampaignResult,
-    extent: Extent,
+    extent: Computed,
 ) -> Findings {
-    let is_whole = extent == Extent::Whole;
+    let is_whole = extent == Computed::Whole;
     let assessment = &learned.assessment;
     let ClassifiedPopulation { population, condition, .. } = &learned.classified;
     let m = scene.life.checkpoints().len();
@@ -192,7 +192,7 @@ pub(super) fn from_learning(
     }
 }
 
-fn learner_findings(scene: &Scene, learned: &CampaignResult, extent: Extent) -> LearnerFindings {
+fn learner_findings(scene: &Scene, learned: &CampaignResult, extent: Computed) -> LearnerFindings {
     let cycles = scene.life.checkpoints();
     let fitted = &learned.assessment.surrogates;
     let report = |(limit, surrogate): (&LimitState, &Surrogate)| SurrogateReport {
@@ -205,7 +205,7 @@ fn learner_findings(scene: &Scene, learned: &CampaignResult, extent: Extent) -> 
     };
     let surrogates: Vec<SurrogateReport> = scene.limit_states.iter().zip(fitted).map(report).collect();
     LearnerFindings {
-        sobol: if extent == Extent::Whole { sobol(scene, learned) } else { vec![] },
+        sobol: if extent == Computed::Whole { sobol(scene, learned) } else { vec![] },
         rows: surrogates.iter().zip(fitted).map(|(report, surrogate)| report.row(surrogate)).collect(),
         surrogates,
     }

@@ -44,7 +44,7 @@ pub struct WhatIf {
     /// Changes of R, one row per checkpoint.
     pub reliability: Vec<ReliabilityChange>,
     /// Changes of the lives, one row per row of the lives.
-    pub lives: Vec<LifeChange>,
+    pub lives: Vec<ChangeOfLife>,
     /// Where the changed population leaves the simulated region.
     pub region: Region,
     /// Comparison of the result for the studied scene with that of the study.
@@ -90,7 +90,7 @@ impl From<Change> for ChangeRow {
 
 /// Change of the life at which a reliability falls to a level.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct LifeChange {
+pub struct ChangeOfLife {
     /// Name of the limit state, or `total`.
     pub limit_state: String,
     /// Level of the reliability [1].
@@ -192,7 +192,7 @@ impl Paired {
         .collect()
     }
 
-    fn lives(&self, before: &StudySummary, after: &StudySummary) -> Vec<LifeChange> {
+    fn lives(&self, before: &StudySummary, after: &StudySummary) -> Vec<ChangeOfLife> {
         let names = curve_names(before);
         let checkpoints: Vec<f64> = before.reliability.iter().map(|row| f64::from(row.cycles)).collect();
         // The checkpoint nearest to a life.
@@ -213,7 +213,7 @@ impl Paired {
                 };
                 Some(change(interval(b, life_before, before), interval(a, life_after, after), r).into())
             });
-            LifeChange { limit_state: b.limit_state.clone(), reliability: b.reliability, cycles: both }
+            ChangeOfLife { limit_state: b.limit_state.clone(), reliability: b.reliability, cycles: both }
         })
         .collect()
     }

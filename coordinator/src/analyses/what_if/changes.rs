@@ -9,9 +9,9 @@ use serde::Serialize;
 pub struct Changes {
     /// Changed random variables.
     pub variables: Vec<ChangedVariable>,
-    /// Changed thresholds.
+    /// Limit states with another threshold.
     pub thresholds: Vec<ChangedThreshold>,
-    /// Changed correlations.
+    /// Pairs of variables with another correlation.
     pub correlations: Vec<ChangedCorrelation>,
 }
 
@@ -23,14 +23,14 @@ pub struct ChangedVariable {
     /// Unit in which a person reads it; the values here are in SI.
     pub unit: String,
     /// Its distribution in the study.
-    pub before: Law,
+    pub before: LawParameters,
     /// Its changed distribution.
-    pub after: Law,
+    pub after: LawParameters,
 }
 
 /// A distribution with its parameters [SI].
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Law {
+pub struct LawParameters {
     /// Name of the distribution, as in a scene file.
     pub distribution: String,
     /// Mean, of the parent for a truncated normal.
@@ -43,7 +43,7 @@ pub struct Law {
     pub upper: Option<f64>,
 }
 
-impl Law {
+impl LawParameters {
     fn of(distribution: &Distribution) -> Self {
         let (lower, upper) = distribution.support();
         let finite = |bound: f64| bound.is_finite().then_some(bound);
@@ -75,7 +75,7 @@ pub struct ChangedCorrelation {
     pub variables: [String; 2],
     /// Coefficient in the study, 0 without one.
     pub before: f64,
-    /// Changed coefficient.
+    /// Coefficient in the changed scene, 0 without one.
     pub after: f64,
 }
 
@@ -86,8 +86,8 @@ impl Changes {
         let variable = |(before, after): (&RandomVariable, &RandomVariable)| ChangedVariable {
             name: before.name.clone(),
             unit: before.unit.clone(),
-            before: Law::of(&before.distribution),
-            after: Law::of(&after.distribution),
+            before: LawParameters::of(&before.distribution),
+            after: LawParameters::of(&after.distribution),
         };
         let states = studied.limit_states.iter().zip(&changed.limit_states);
         let coefficient = |scene: &Scene, i: usize, k: usize| {

@@ -25,10 +25,11 @@ mod setting;
 mod tests;
 
 pub use answer::{
-    Agreement, ChangeRow, FinishedStudy, LifeChange, POPULATION, ReliabilityChange, WhatIf, ask, curve_names,
+    Agreement, ChangeOfLife, ChangeRow, FinishedStudy, POPULATION, ReliabilityChange, WhatIf, ask,
+    curve_names,
 };
 pub use changed_scene::{changed_scene, redistributed};
-pub use changes::{ChangedCorrelation, ChangedThreshold, ChangedVariable, Changes, Law};
+pub use changes::{ChangedCorrelation, ChangedThreshold, ChangedVariable, Changes, LawParameters};
 pub use region::{OutsideVariable, Region};
 pub use report::{json, page, text};
 pub use setting::{VARIABLE_KEYS, fault as setting_fault};

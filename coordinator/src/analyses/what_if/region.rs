@@ -16,7 +16,7 @@ const USUAL: f64 = 0.99;
 pub struct Region {
     /// Share of the studied population [1] with at least one variable outside the range of its simulated values.
     pub outside_before: f64,
-    /// The same share of the changed population.
+    /// Share of the changed population [1] with at least one variable outside that range.
     pub outside_after: f64,
     /// Share of the changed population [1] where a surrogate is less certain than for 99 % of the studied one.
     pub uncertain_after: f64,

@@ -1,7 +1,7 @@
 //! The answer to a what-if as text for a terminal, as JSON and as a page with figures.
 
 use super::answer::{ChangeRow, WhatIf, curve_names};
-use super::changes::{ChangedVariable, Law};
+use super::changes::{ChangedVariable, LawParameters};
 use super::sentences::sentences;
 use crate::presentation::report::decision::{DecisionPage, DecisionTable};
 use crate::presentation::report::format::{count, percent, rounded_cycles, three_digits, with_width};
@@ -127,8 +127,8 @@ fn changes(answer: &WhatIf, scene: &Scene) -> Vec<[String; 3]> {
         let state = scene.limit_states.iter().find(|state| state.name == changed.limit_state);
         let unit = state.map(|state| scene.outputs[state.output].kind.unit());
         let shown = |value: f64| match &unit {
-            Some(unit) => unit.after(&three_or_more_digits(unit.to_shown(value))),
-            None => three_or_more_digits(value),
+            Some(unit) => unit.after(&six_digits(unit.to_shown(value))),
+            None => six_digits(value),
         };
         [format!("threshold of {}", changed.limit_state), shown(changed.before), shown(changed.after)]
     });
@@ -136,17 +136,17 @@ fn changes(answer: &WhatIf, scene: &Scene) -> Vec<[String; 3]> {
         let [a, b] = &changed.variables;
         [
             format!("correlation of {a} and {b}, as normals"),
-            three_or_more_digits(changed.before),
-            three_or_more_digits(changed.after),
+            six_digits(changed.before),
+            six_digits(changed.after),
         ]
     });
     variables.chain(thresholds).chain(correlations).collect()
 }
 
-fn in_words(law: &Law, unit: &str) -> String {
+fn in_words(law: &LawParameters, unit: &str) -> String {
     // The unit was read when the scene was checked; "1" denotes a plain number.
     let scale = read_unit(unit).map_or(1.0, |unit| unit.multiply / unit.divide);
-    let shown = |value: f64| three_or_more_digits(value / scale);
+    let shown = |value: f64| six_digits(value / scale);
     let mut text = format!("{}, mean {}, std {}", law.distribution, shown(law.mean), shown(law.std));
     match (law.lower, law.upper) {
         (Some(lower), Some(upper)) => text += &format!(", from {} to {}", shown(lower), shown(upper)),
@@ -158,7 +158,7 @@ fn in_words(law: &Law, unit: &str) -> String {
 }
 
 /// A value with up to six digits.
-fn three_or_more_digits(value: f64) -> String {
+fn six_digits(value: f64) -> String {
     let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
     if (1e-3..1e6).contains(&rounded.abs()) || rounded == 0.0 {
         rounded.to_string()
@@ -217,7 +217,7 @@ fn lives_table(answer: &WhatIf) -> Option<DecisionTable> {
         if limits.is_empty() { life } else { format!("{life} ({limits})") }
     };
     let change = |name: &str, level: f64| {
-        let is_asked = |row: &&super::LifeChange| {
+        let is_asked = |row: &&super::ChangeOfLife| {
             row.limit_state == name && row.reliability.to_bits() == level.to_bits()
         };
         let found = answer.lives.iter().find(is_asked).and_then(|row| row.cycles);

@@ -16,14 +16,14 @@ pub enum Setting {
         variable: usize,
         /// One of [`VARIABLE_KEYS`].
         key: &'static str,
-        /// The value.
+        /// Its value as in a scene file.
         value: Value,
     },
     /// The threshold of a limit state.
     Threshold {
         /// Index of the limit state.
         limit_state: usize,
-        /// The value.
+        /// Its value as in a scene file.
         value: Value,
     },
     /// The correlation of two random variables.
@@ -32,7 +32,7 @@ pub enum Setting {
         pair: [usize; 2],
         /// `coefficient` or `rank`.
         key: &'static str,
-        /// The value.
+        /// Its value as in a scene file.
         value: Value,
     },
 }

@@ -21,9 +21,9 @@
 /// An estimate with its 95 % interval, in any unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Interval {
-    /// The estimate.
+    /// Best estimate of the quantity.
     pub value: f64,
-    /// Lower limit.
+    /// Lower limit of the interval.
     pub lower: f64,
     /// Upper limit; `None` where it is not known.
     pub upper: Option<f64>,
@@ -34,7 +34,7 @@ pub struct Interval {
 /// A change with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Change {
-    /// The change.
+    /// Best estimate of the change.
     pub value: f64,
     /// Lower limit; `None` where it is not known.
     pub lower: Option<f64>,
