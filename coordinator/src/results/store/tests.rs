@@ -76,16 +76,14 @@ pub(super) fn finished(id: u64) -> Finished {
         wear_depth: vec![vec![x.clone()], vec![vec![0.1 + 0.2]]],
         last_cycle: Some(cycle),
     });
+    let bore = JointSummary { name: "1".into(), peak_force: 0.1 + 0.2, wear_depth: x.clone() };
     let evaluation = Evaluation {
         worn,
         cycles: vec![1000, 2000],
         histories: vec![x.clone()],
         errors: vec![x.iter().map(|value| value.abs() / 7.0).collect()],
         start: vec![Some(0.1 / 3.0)],
-        joints: vec![
-            JointSummary { name: "1".into(), peak_force: 0.1 + 0.2, wear_depth: x };
-            usize::from(id == 0)
-        ],
+        joints: if id == 0 { vec![bore] } else { vec![] },
         first_cycle,
         diagnostics: Diagnostics {
             steps: u64::MAX,
