@@ -11,6 +11,7 @@
 //! | [`reliability`] | R(n) with its standard error, subset simulation |
 //! | [`replacement`] | age replacement, replacement by inspection, hazard and mean life |
 //! | [`updating`] | the state of one unit from its measurements |
+//! | [`optimisation`] | minimum cost under constraints, discrete choices |
 //! | [`sensitivity`] | derivatives of the failure probability, Sobol indices |
 //! | [`models`] | published problems with reference failure probabilities |
 //! | [`named`] | names of the values of settings |
@@ -19,6 +20,7 @@ pub mod design;
 pub mod learning;
 pub mod models;
 pub mod named;
+pub mod optimisation;
 pub mod reliability;
 pub mod replacement;
 pub mod sensitivity;

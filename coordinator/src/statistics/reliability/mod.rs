@@ -1,6 +1,7 @@
 //! Reliability over life R(n) with its standard error, its range under the numerical errors of the
 //! simulations, lives between the checkpoints, shares of first failures, distributions of the outputs, and
-//! subset simulation and importance sampling for rare failures.
+//! subset simulation and importance sampling for rare failures, and line sampling for failure probabilities that are smooth
+//! in the parameters of a design.
 //!
 //! # Source
 //! Each file names its own.
@@ -27,6 +28,7 @@ mod importance;
 mod interpolation;
 mod life_counts;
 mod life_curve;
+mod line_sampling;
 mod numerical;
 pub mod paired;
 mod population_lives;
@@ -41,5 +43,7 @@ pub use importance::ImportanceSampling;
 pub use life_counts::{LifeCounts, LifeEstimate, LifePosition, ModeLives, ResponseErrors, mode_lives};
 pub use life_curve::{LifeAtLevel, LifeCurve, LifeCurveInput, REACH, half_width};
 pub use numerical::{ErrorLine, NumericalBand};
+pub use line_sampling::{LineEstimate, LineRoot, LineSampling, Margins};
+pub use numerical::NumericalBand;
 pub use population_lives::{PredictedMode, population_lives};
 pub use subset::{Subset, SubsetSimulation};
