@@ -6,6 +6,7 @@
 //! | [`tradeoff`] | time against error of the accuracy settings |
 //! | [`calibrate`] | free parameters fitted to measurements |
 //! | [`scene_settings`] | a scene with values set by key before a study |
+//! | [`optimise`] | the cheapest design that reaches a reliability |
 //! | [`what_if`] | reliability of a study's scene with changed distributions and thresholds |
 //! | [`replace`] | the age, or the measured level, of replacement with the least cost |
 //! | [`update`] | single units from what was measured of them |
@@ -16,6 +17,7 @@ pub mod budget;
 pub mod calibrate;
 pub mod quantity;
 pub mod replace;
+pub mod optimise;
 pub mod replay;
 #[cfg(test)]
 mod replay_tests;

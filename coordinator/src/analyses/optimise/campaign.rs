@@ -1,0 +1,191 @@
+//! Campaigns at designs: what the targets need of a study, and its surrogates improved by simulations at a design.
+//!
+//! Only the limit states and the checkpoints of the targets are learned: a response over the life becomes its largest value
+//! up to each of these checkpoints, so that simulations serve the targets alone.
+
+use super::problem::DesignProblem;
+use super::{OptimiseError, Simulate};
+use crate::statistics::design::InputModel;
+use crate::statistics::learning::{Mode, SURROGATE_SAFETY, StoppingTargets};
+use crate::study::{
+    Campaign, CampaignResult, LARGEST_POPULATION, Observed, ObservedOutcome, Plan, Problem, SampleRequest,
+    Settings, Step,
+};
+use std::collections::VecDeque;
+
+/// Surrogate error of the failure probability allowed by a target, over that probability [1]: an error of the reliability
+/// index of 0.01 at 0.9987.
+const RELATIVE_ERROR: f64 = 0.03;
+/// Coefficient of variation of the failure probability of a target over the population [1].
+const COV: f64 = 0.05;
+
+/// A finished study as an optimisation begins with it.
+#[derive(Debug, Clone)]
+pub struct StudyBasis {
+    /// The reliability problem of the study.
+    pub problem: Problem,
+    /// Settings of the study.
+    pub settings: Settings,
+    /// All outcomes of its simulations, `(sample, outcome)`, complete in the sense of
+    /// [`complete_outcomes`](crate::study::complete_outcomes).
+    pub outcomes: Vec<(Vec<f64>, ObservedOutcome)>,
+}
+
+/// The part of a study that the targets need, with all simulations so far.
+pub(super) struct TargetCampaign<'a> {
+    study: &'a StudyBasis,
+    /// Indices of the limit states, and of the checkpoints, that targets name, ascending.
+    pub modes: Vec<usize>,
+    pub checkpoints: Vec<usize>,
+    /// Outcomes reduced to these.
+    outcomes: Vec<(Vec<f64>, ObservedOutcome)>,
+    /// Least P_f that a target allows.
+    least_pf: f64,
+}
+
+impl<'a> TargetCampaign<'a> {
+    /// The part of `study` that the targets of `problem` need.
+    pub fn new(study: &'a StudyBasis, problem: &DesignProblem) -> Self {
+        let all = 0..study.problem.modes.len();
+        let named = |mode: &usize| {
+            problem.targets.iter().any(|target| target.limit_state.is_none_or(|named| named == *mode))
+        };
+        let modes: Vec<usize> = all.filter(named).collect();
+        let mut checkpoints: Vec<usize> = problem.targets.iter().map(|target| target.checkpoint).collect();
+        checkpoints.sort_unstable();
+        checkpoints.dedup();
+        let least_pf = problem.targets.iter().map(|target| 1.0 - target.reliability).fold(1.0, f64::min);
+        let mut made = Self { study, modes, checkpoints, outcomes: vec![], least_pf };
+        made.outcomes = study
+            .outcomes
+            .iter()
+            .map(|(sample, outcome)| (sample.clone(), outcome.clone().map(|observed| made.reduced(&observed))))
+            .collect();
+        made
+    }
+
+    /// Number of simulations so far, failed ones included.
+    pub fn simulations(&self) -> usize {
+        self.outcomes.len()
+    }
+
+    /// The responses of the limit states up to the checkpoints.
+    fn reduced(&self, observed: &Observed) -> Observed {
+        let of_mode = |mode: &usize| -> (Vec<f64>, Vec<f64>) {
+            let output = self.study.problem.modes[*mode].output;
+            let (history, errors) = (&observed.histories[output], &observed.errors[output]);
+            let largest = |last: usize| {
+                (0..=last).reduce(|best, n| if history[n] > history[best] { n } else { best }).unwrap_or(0)
+            };
+            self.checkpoints
+                .iter()
+                .map(|last| {
+                    let n = largest(*last);
+                    (history[n], errors[n])
+                })
+                .unzip()
+        };
+        let (histories, errors): (Vec<Vec<f64>>, Vec<Vec<f64>>) = self.modes.iter().map(of_mode).unzip();
+        Observed { errors, ..Observed::exact(histories) }
+    }
+
+    /// Learns at the design with these inputs, with at most `count` further simulations.
+    pub fn learn(
+        &mut self,
+        inputs: &InputModel,
+        count: usize,
+        simulate: &mut Simulate<'_>,
+    ) -> Result<CampaignResult, OptimiseError> {
+        let study = self.study;
+        let mode = |(output, mode): (usize, &usize)| Mode {
+            output,
+            threshold: study.problem.modes[*mode].threshold,
+        };
+        let problem = Problem {
+            inputs: inputs.clone(),
+            outputs: self.modes.len(),
+            modes: self.modes.iter().enumerate().map(mode).collect(),
+            checkpoints: self.checkpoints.iter().map(|n| study.problem.checkpoints[*n]).collect(),
+        };
+        let default = StoppingTargets::default();
+        // Probabilities that no unconditional population resolves are judged by their relative error alone.
+        let wanted = 1.1 / (self.least_pf * COV.powi(2));
+        let resolved = wanted <= LARGEST_POPULATION as f64;
+        let error = if resolved { (RELATIVE_ERROR * self.least_pf).min(default.error) } else { default.error };
+        let samples = (wanted.min(0.5 * LARGEST_POPULATION as f64) as usize).max(study.settings.samples);
+        let settings = Settings {
+            samples: if resolved { samples } else { study.settings.samples },
+            max_evaluations: self.outcomes.len() + count,
+            larger_populations: vec![],
+            ..study.settings.clone()
+        };
+        let plan = Plan {
+            targets: StoppingTargets { error, relative_error: RELATIVE_ERROR, ..default },
+            largest_population: LARGEST_POPULATION,
+            retry: false,
+            settings,
+        };
+        let mut campaign = Campaign::with_results(problem, plan, self.outcomes.iter().cloned());
+        let mut requested: VecDeque<Vec<SampleRequest>> = VecDeque::new();
+        let mut received: VecDeque<Vec<ObservedOutcome>> = VecDeque::new();
+        loop {
+            match campaign.next_step()? {
+                Step::Evaluate(requests) => requested.push_back(requests),
+                Step::Wait => {
+                    self.simulate_requested(&mut requested, &mut received, simulate)?;
+                    let oldest = received.pop_front().expect("a campaign waits for requested samples only");
+                    campaign.record(oldest)?;
+                }
+                Step::Done => break,
+            }
+        }
+        Ok(campaign.finish().expect("a campaign that is done has a result"))
+    }
+
+    /// Simulates all requested chunks at once.
+    fn simulate_requested(
+        &mut self,
+        requested: &mut VecDeque<Vec<SampleRequest>>,
+        received: &mut VecDeque<Vec<ObservedOutcome>>,
+        simulate: &mut Simulate<'_>,
+    ) -> Result<(), OptimiseError> {
+        let samples: Vec<SampleRequest> = requested.iter().flatten().cloned().collect();
+        if samples.is_empty() {
+            return Ok(());
+        }
+        let mut outcomes = simulate(&samples)?.into_iter();
+        for chunk in requested.drain(..) {
+            let reduced: Vec<ObservedOutcome> = outcomes
+                .by_ref()
+                .take(chunk.len())
+                .map(|outcome| outcome.map(|observed| self.reduced(&observed)))
+                .collect();
+            let pairs = chunk.iter().zip(&reduced);
+            self.outcomes.extend(pairs.map(|(request, outcome)| (request.sample.clone(), outcome.clone())));
+            received.push_back(reduced);
+        }
+        Ok(())
+    }
+
+    /// Place of a target's curve among the curves of the campaign, and of its checkpoint among its columns.
+    pub fn place(&self, limit_state: Option<usize>, checkpoint: usize) -> (usize, usize) {
+        let curve = limit_state.map_or(self.modes.len(), |named| {
+            self.modes.iter().position(|mode| *mode == named).expect("modes of all targets are learned")
+        });
+        let column = self.checkpoints.iter().position(|n| *n == checkpoint);
+        (curve, column.expect("checkpoints of all targets are learned"))
+    }
+
+    /// Surrogate error of P_f of a curve at a column [1], as a study states it, numerical noise included.
+    pub fn surrogate_error(learned: &CampaignResult, curve: usize, column: usize) -> f64 {
+        let assessment = &learned.assessment;
+        let Some(at) = assessment.grid.iter().position(|n| *n == column) else { return 0.0 };
+        let error = SURROGATE_SAFETY * assessment.errors.by_curve[curve][at];
+        learned.classified.condition.probability * error.hypot(assessment.noise_shift[curve][at])
+    }
+
+    /// True if the surrogate error of a target with the failure probability `pf` is small enough.
+    pub fn is_accurate(error: f64, pf: f64) -> bool {
+        error <= SURROGATE_SAFETY * RELATIVE_ERROR * pf
+    }
+}

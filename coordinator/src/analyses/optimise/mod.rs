@@ -1,0 +1,76 @@
+//! Optimisation: the cheapest design whose reliability reaches its targets.
+//!
+//! ```text
+//! problem -> surrogates of the study -> cheapest design on them -> simulations there -> better surrogates
+//!                    ^------------------------ until optimum and reliability agree ----------'
+//! ```
+//!
+//! The surrogates of a study describe its responses, whatever the distribution of the variables, so that the reliability of
+//! any design near the simulated region follows without a simulation ([`reliability`](self)); the optimum found on them is
+//! then confirmed by a campaign at that design, whose simulations improve the surrogates just there.
+//!
+//! Quantities of a design are means, standard deviations and tolerances of random variables.
+
+mod campaign;
+mod moments;
+mod optimum;
+mod problem;
+mod problem_file;
+mod reliability;
+mod report;
+mod result;
+mod solve;
+#[cfg(test)]
+mod tests;
+
+pub use campaign::StudyBasis;
+pub use moments::with_moments;
+pub use optimum::{OptimisationProgress, optimise};
+pub use problem::{DesignProblem, DesignQuantity, Grade, PrintedUnit, QuantityKind, ReliabilityTarget};
+pub use problem_file::{parse as parse_problem, read as read_problem};
+pub use report::markdown;
+pub use result::{
+    Advice, Bound, FrontPoint, Grades, OptimisationResult, OptimisedQuantity, OptimisedTarget, Simulations,
+};
+
+use crate::farm::evaluate::EvaluateError;
+use crate::study::{CampaignError, ObservedOutcome, SampleRequest};
+use common::random::LawError;
+use thiserror::Error;
+
+/// Simulates samples: outcomes in the order of the requests, complete in the sense of
+/// [`complete_outcomes`](crate::study::complete_outcomes).
+pub type Simulate<'a> = dyn FnMut(&[SampleRequest]) -> Result<Vec<ObservedOutcome>, OptimiseError> + 'a;
+
+/// A fault in the file of an optimisation problem.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("{file}: {key}: {what}")]
+pub struct ProblemFault {
+    /// Path of the file.
+    pub file: String,
+    /// Key of the fault.
+    pub key: String,
+    /// Fault and allowed values.
+    pub what: String,
+}
+
+/// Reasons why an optimisation fails.
+#[derive(Debug, Error)]
+pub enum OptimiseError {
+    /// The file of the problem is faulty.
+    #[error("{}", joined(.0))]
+    Problem(Vec<ProblemFault>),
+    /// A design has a distribution that does not exist.
+    #[error("the distribution of a variable does not exist at a design: {0}")]
+    Law(#[from] LawError),
+    /// A campaign at a design cannot continue.
+    #[error(transparent)]
+    Campaign(#[from] CampaignError),
+    /// The evaluator failed or was interrupted.
+    #[error(transparent)]
+    Evaluate(#[from] EvaluateError),
+}
+
+fn joined(faults: &[ProblemFault]) -> String {
+    faults.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
+}

@@ -1,0 +1,162 @@
+//! An optimisation problem: the quantities of a design with their bounds and costs, and the reliabilities to be reached.
+
+use super::moments::with_moments;
+use crate::statistics::design::InputModel;
+use crate::statistics::optimisation::CostModel;
+use common::random::{Distribution, LawError};
+
+/// Parameter of a random variable that a design changes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum QuantityKind {
+    /// The mean.
+    Mean,
+    /// The standard deviation.
+    Std,
+    /// The width of the tolerance zone, 6 C_p standard deviations.
+    Tolerance {
+        /// Capability C_p of the process [1].
+        capability: f64,
+    },
+}
+
+impl QuantityKind {
+    /// Value of the quantity for a variable [SI].
+    pub fn of(self, law: &Distribution) -> f64 {
+        match self {
+            Self::Mean => law.parent_mean(),
+            Self::Std => law.given_std(),
+            Self::Tolerance { capability } => 6.0 * capability * law.given_std(),
+        }
+    }
+
+    /// True for a spread: a standard deviation or a tolerance.
+    pub fn is_spread(self) -> bool {
+        self != Self::Mean
+    }
+}
+
+/// Unit of a quantity as it is printed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PrintedUnit {
+    /// Symbol; empty for a plain number.
+    pub symbol: String,
+    /// The unit in SI.
+    pub si: f64,
+}
+
+/// A standard tolerance grade.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Grade {
+    /// Name, e.g. `IT7`.
+    pub name: String,
+    /// Width of the tolerance zone [SI].
+    pub width: f64,
+}
+
+/// A quantity of the design.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DesignQuantity {
+    /// Name in results: the key it changes, e.g. `rod_length.std`, several joined by `, `.
+    pub name: String,
+    /// Indices of the random variables it changes, at least one.
+    pub variables: Vec<usize>,
+    /// Parameter of these variables.
+    pub kind: QuantityKind,
+    /// Lower bound [SI].
+    pub lower: f64,
+    /// Upper bound [SI].
+    pub upper: f64,
+    /// Unit in results.
+    pub unit: PrintedUnit,
+    /// Cost over the quantity in `cost_unit`.
+    pub cost: CostModel,
+    /// Unit of the quantity in the cost [SI].
+    pub cost_unit: f64,
+    /// Allowed grades by ascending width; empty if every value between the bounds is allowed.
+    pub grades: Vec<Grade>,
+}
+
+impl DesignQuantity {
+    /// Cost at the value [SI] and its derivative [1/SI].
+    pub fn cost_at(&self, value: f64) -> (f64, f64) {
+        let (cost, slope) = self.cost.at(value / self.cost_unit);
+        (cost, slope / self.cost_unit)
+    }
+}
+
+/// A reliability to be reached.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReliabilityTarget {
+    /// Name in results, e.g. `R wear at 8000`.
+    pub name: String,
+    /// Index of the limit state; `None` for all together.
+    pub limit_state: Option<usize>,
+    /// Index of the checkpoint of the study.
+    pub checkpoint: usize,
+    /// Life [cycles].
+    pub cycles: u32,
+    /// Least reliability [1].
+    pub reliability: f64,
+}
+
+/// What is to be minimised: the sum of the costs, such that every target is met.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DesignProblem {
+    /// Quantities of the design, at least one.
+    pub quantities: Vec<DesignQuantity>,
+    /// Reliabilities to be reached, at least one.
+    pub targets: Vec<ReliabilityTarget>,
+}
+
+impl DesignProblem {
+    /// Values of the quantities in a study with these inputs `(q,)` [SI].
+    pub fn present(&self, inputs: &InputModel) -> Vec<f64> {
+        self.quantities
+            .iter()
+            .map(|quantity| quantity.kind.of(&inputs.variables()[quantity.variables[0]]))
+            .collect()
+    }
+
+    /// Distributions of the variables with these values of the quantities `(q,)` [SI].
+    ///
+    /// # Errors
+    /// [`LawError`] of the first distribution that does not exist.
+    pub fn variables(&self, inputs: &InputModel, values: &[f64]) -> Result<Vec<Distribution>, LawError> {
+        let mut moments: Vec<(f64, f64)> =
+            inputs.variables().iter().map(|law| (law.parent_mean(), law.given_std())).collect();
+        let mut changed = vec![false; moments.len()];
+        for (quantity, value) in self.quantities.iter().zip(values) {
+            for k in &quantity.variables {
+                changed[*k] = true;
+                match quantity.kind {
+                    QuantityKind::Mean => moments[*k].0 = *value,
+                    QuantityKind::Std => moments[*k].1 = *value,
+                    QuantityKind::Tolerance { capability } => moments[*k].1 = value / (6.0 * capability),
+                }
+            }
+        }
+        let law = |(k, law): (usize, &Distribution)| {
+            if changed[k] { with_moments(law, moments[k].0, moments[k].1) } else { Ok(*law) }
+        };
+        inputs.variables().iter().enumerate().map(law).collect()
+    }
+
+    /// The input model with these values of the quantities `(q,)` [SI], in the coordinates of `inputs`.
+    ///
+    /// # Errors
+    /// Those of [`DesignProblem::variables`].
+    pub fn inputs(&self, inputs: &InputModel, values: &[f64]) -> Result<InputModel, LawError> {
+        let changed = InputModel::new(self.variables(inputs, values)?, inputs.copula().clone());
+        Ok(changed.standardised_as(inputs))
+    }
+
+    /// Cost of a design `(q,)` [SI].
+    pub fn cost(&self, values: &[f64]) -> f64 {
+        self.quantities.iter().zip(values).map(|(quantity, value)| quantity.cost_at(*value).0).sum()
+    }
+
+    /// True if a quantity has grades.
+    pub fn is_discrete(&self) -> bool {
+        self.quantities.iter().any(|quantity| !quantity.grades.is_empty())
+    }
+}

@@ -1,0 +1,531 @@
+//! Reader of the file of an optimisation problem, TOML; every fault is reported at once.
+
+use super::problem::{DesignProblem, DesignQuantity, Grade, PrintedUnit, QuantityKind, ReliabilityTarget};
+use super::{OptimiseError, ProblemFault};
+use crate::statistics::design::InputModel;
+use crate::statistics::optimisation::{CostModel, CostTable};
+use common::random::ToleranceClass;
+use common::scene::Scene;
+use common::scene::expression::{ExpressionError, evaluate, read_unit};
+use common::scene::quantity::{Dimension, LENGTH};
+use serde::Deserialize;
+use std::path::Path;
+use toml::Value;
+
+/// Grades of the table: IT5 to IT11 are read, IT12 is ten times IT7.
+const GRADES: std::ops::RangeInclusive<u8> = 5..=12;
+/// Relative difference below which two variables have the same value.
+const SAME: f64 = 1e-9;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    #[serde(default)]
+    quantities: Vec<QuantityRow>,
+    #[serde(default)]
+    targets: Vec<TargetRow>,
+}
+
+/// A text, or a list of texts.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum OneOrMore {
+    One(String),
+    More(Vec<String>),
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct QuantityRow {
+    change: OneOrMore,
+    lower: Option<Value>,
+    upper: Option<Value>,
+    capability: Option<f64>,
+    #[serde(default)]
+    grades: Vec<String>,
+    diameter: Option<Value>,
+    cost: CostRow,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CostRow {
+    model: String,
+    c0: Option<f64>,
+    c1: Option<f64>,
+    k: Option<f64>,
+    unit: Option<String>,
+    points: Option<Vec<(Value, f64)>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TargetRow {
+    limit_state: Option<String>,
+    cycles: Option<u32>,
+    reliability: Value,
+}
+
+/// Reads the file of a problem for a scene.
+///
+/// # Errors
+/// [`OptimiseError::Problem`] with all faults.
+pub fn read(path: &Path, scene: &Scene) -> Result<DesignProblem, OptimiseError> {
+    let text = std::fs::read_to_string(path).map_err(|error| {
+        let file = path.display().to_string();
+        OptimiseError::Problem(vec![ProblemFault { file, key: "file".to_owned(), what: error.to_string() }])
+    })?;
+    parse(&text, &path.display().to_string(), scene)
+}
+
+/// Reads the text of such a file, which messages call `file`.
+///
+/// # Errors
+/// [`OptimiseError::Problem`] with all faults.
+pub fn parse(text: &str, file: &str, scene: &Scene) -> Result<DesignProblem, OptimiseError> {
+    let inputs = InputModel::from_scene(scene);
+    let mut reader = Reader { file, scene, inputs: &inputs, faults: vec![] };
+    let rows: File = match toml::from_str(text) {
+        Ok(rows) => rows,
+        Err(error) => {
+            reader.fault("file", error.to_string().trim_end().to_owned());
+            return Err(OptimiseError::Problem(reader.faults));
+        }
+    };
+    if rows.quantities.is_empty() || rows.targets.is_empty() {
+        reader.fault("file", "at least one [[quantities]] and one [[targets]] are needed".to_owned());
+    }
+    let mut quantities: Vec<DesignQuantity> = Vec::new();
+    for (place, row) in rows.quantities.iter().enumerate() {
+        let Some(quantity) = reader.quantity(&format!("quantities[{}]", place + 1), row) else { continue };
+        let same = |other: &DesignQuantity| {
+            other.kind.is_spread() == quantity.kind.is_spread()
+                && other.variables.iter().any(|k| quantity.variables.contains(k))
+        };
+        if let Some(other) = quantities.iter().find(|other| same(other)) {
+            let what = format!("{} changes what {} changes already", quantity.name, other.name);
+            reader.fault(&format!("quantities[{}].change", place + 1), what);
+        }
+        quantities.push(quantity);
+    }
+    let targets: Vec<ReliabilityTarget> = rows
+        .targets
+        .iter()
+        .enumerate()
+        .filter_map(|(place, row)| reader.target(&format!("targets[{}]", place + 1), row))
+        .collect();
+    let problem = DesignProblem { quantities, targets };
+    if reader.faults.is_empty() {
+        reader.check_corners(&problem);
+    }
+    if reader.faults.is_empty() { Ok(problem) } else { Err(OptimiseError::Problem(reader.faults)) }
+}
+
+struct Reader<'a> {
+    file: &'a str,
+    scene: &'a Scene,
+    inputs: &'a InputModel,
+    faults: Vec<ProblemFault>,
+}
+
+/// Dimension of a variable, and the unit in which it is printed.
+struct VariableUnit {
+    dimension: Dimension,
+    printed: PrintedUnit,
+}
+
+impl Reader<'_> {
+    fn fault(&mut self, key: &str, what: String) {
+        self.faults.push(ProblemFault { file: self.file.to_owned(), key: key.to_owned(), what });
+    }
+
+    fn quantity(&mut self, path: &str, row: &QuantityRow) -> Option<DesignQuantity> {
+        let before = self.faults.len();
+        let changes: Vec<&str> = match &row.change {
+            OneOrMore::One(change) => vec![change],
+            OneOrMore::More(changes) => changes.iter().map(String::as_str).collect(),
+        };
+        let key = format!("{path}.change");
+        let found: Vec<(usize, &str)> =
+            changes.iter().filter_map(|change| self.variable_of(&key, change)).collect();
+        if found.len() != changes.len() || found.is_empty() {
+            if changes.is_empty() {
+                self.fault(&key, "is empty, expected VARIABLE.mean, .std or .tolerance".to_owned());
+            }
+            return None;
+        }
+        let word = found[0].1;
+        let capability = row.capability.unwrap_or(1.0);
+        let kind = match word {
+            "mean" => QuantityKind::Mean,
+            "std" => QuantityKind::Std,
+            _ => QuantityKind::Tolerance { capability },
+        };
+        if found.iter().any(|(_, other)| *other != word) {
+            self.fault(&key, "one quantity changes means, standard deviations or tolerances, not several of them; give each its own [[quantities]]".to_owned());
+        }
+        if !(capability > 0.0 && capability.is_finite()) {
+            self.fault(&format!("{path}.capability"), format!("{capability}: expected above 0"));
+        }
+        if row.capability.is_some() && word != "tolerance" {
+            self.fault(&format!("{path}.capability"), "is for tolerances only".to_owned());
+        }
+        let variables: Vec<usize> = found.iter().map(|(k, _)| *k).collect();
+        let unit = self.unit_of(variables[0]);
+        self.check_equal(&key, &variables, kind);
+        let grades = self.grades(path, row, word, unit.dimension);
+        let (lower, upper) = self.bounds(path, row, variables[0], kind, &unit, &grades);
+        let (cost, cost_unit) = self.cost(&format!("{path}.cost"), &row.cost, &unit, &grades)?;
+        (self.faults.len() == before).then(|| DesignQuantity {
+            name: changes.join(", "),
+            variables,
+            kind,
+            lower,
+            upper,
+            unit: unit.printed,
+            cost,
+            cost_unit,
+            grades,
+        })
+    }
+
+    /// Variable and parameter of a key such as `rod_length.std`.
+    fn variable_of<'c>(&mut self, key: &str, change: &'c str) -> Option<(usize, &'c str)> {
+        let known = || self.scene.variables.iter().map(|v| v.name.as_str()).collect::<Vec<_>>().join(", ");
+        let Some((name, word)) = change.rsplit_once('.') else {
+            let what = format!(
+                "{change:?}: expected a variable and what changes of it, e.g. {:?}",
+                format!("{change}.std")
+            );
+            self.fault(key, what);
+            return None;
+        };
+        let Some(k) = self.scene.variables.iter().position(|variable| variable.name == name) else {
+            let what = format!("there is no random variable {name:?}; there are {}", known());
+            self.fault(key, what);
+            return None;
+        };
+        if !["mean", "std", "tolerance"].contains(&word) {
+            self.fault(key, format!("{change:?}: allowed after the variable are .mean, .std and .tolerance"));
+            return None;
+        }
+        if word != "mean" && self.scene.variables[k].distribution.is_constant() {
+            self.fault(key, format!("{change:?}: a constant has no spread"));
+            return None;
+        }
+        Some((k, word))
+    }
+
+    fn unit_of(&self, k: usize) -> VariableUnit {
+        let symbol = self.scene.variables[k].unit.clone();
+        match read_unit(&symbol) {
+            Ok(unit) => VariableUnit {
+                dimension: unit.dimension,
+                printed: PrintedUnit { symbol, si: unit.multiply / unit.divide },
+            },
+            // A unit of the simulator, which is only displayed.
+            Err(_) => VariableUnit { dimension: Dimension::NONE, printed: PrintedUnit { symbol, si: 1.0 } },
+        }
+    }
+
+    /// Variables of one quantity have the same value in the study and the same unit.
+    fn check_equal(&mut self, key: &str, variables: &[usize], kind: QuantityKind) {
+        let value = |k: usize| kind.of(&self.scene.variables[k].distribution);
+        let first = variables[0];
+        let differs = variables.iter().copied().find(|k| {
+            (value(*k) - value(first)).abs() > SAME * value(first).abs()
+                || self.unit_of(*k).dimension != self.unit_of(first).dimension
+        });
+        if let Some(other) = differs {
+            let name = |k: usize| &self.scene.variables[k].name;
+            let what = format!(
+                "{} and {} have different values in the study; give each its own [[quantities]]",
+                name(first),
+                name(other)
+            );
+            self.fault(key, what);
+        }
+    }
+
+    fn grades(
+        &mut self,
+        path: &str,
+        row: &QuantityRow,
+        word: &str,
+        dimension: Dimension,
+    ) -> Vec<Grade> {
+        if row.grades.is_empty() {
+            if row.diameter.is_some() {
+                self.fault(&format!("{path}.diameter"), "is for grades only".to_owned());
+            }
+            return vec![];
+        }
+        let key = format!("{path}.grades");
+        if word != "tolerance" || dimension != LENGTH.dimension {
+            self.fault(&key, "grades are for the tolerance of a length, e.g. \"rod_length.tolerance\"".to_owned());
+            return vec![];
+        }
+        let Some(diameter) = &row.diameter else {
+            self.fault(&format!("{path}.diameter"), "is missing: the nominal size that the grades refer to".to_owned());
+            return vec![];
+        };
+        let length = VariableUnit {
+            dimension,
+            printed: PrintedUnit { symbol: "mm".to_owned(), si: 1e-3 },
+        };
+        let Some(diameter) = self.number(&format!("{path}.diameter"), diameter, &length, None) else {
+            return vec![];
+        };
+        let mut grades: Vec<Grade> = Vec::new();
+        for name in &row.grades {
+            match grade_width(name, diameter) {
+                Ok(width) => grades.push(Grade { name: name.clone(), width }),
+                Err(what) => self.fault(&key, what),
+            }
+        }
+        grades.sort_by(|a, b| a.width.total_cmp(&b.width));
+        if grades.windows(2).any(|pair| pair[0].width == pair[1].width) {
+            self.fault(&key, "a grade is named twice".to_owned());
+        } else if grades.len() == 1 && row.grades.len() == 1 {
+            self.fault(&key, "expected at least two grades to choose from".to_owned());
+        }
+        grades
+    }
+
+    fn bounds(
+        &mut self,
+        path: &str,
+        row: &QuantityRow,
+        variable: usize,
+        kind: QuantityKind,
+        unit: &VariableUnit,
+        grades: &[Grade],
+    ) -> (f64, f64) {
+        if !row.grades.is_empty() {
+            if row.lower.is_some() || row.upper.is_some() {
+                self.fault(path, "give either grades, or lower and upper, not both".to_owned());
+            }
+            let width = |grade: Option<&Grade>| grade.map_or(1.0, |grade| grade.width);
+            return (width(grades.first()), width(grades.last()));
+        }
+        let share = kind.is_spread().then(|| self.scene.variables[variable].distribution.parent_mean().abs());
+        let mut bound = |name: &str, value: &Option<Value>| match value {
+            Some(value) => self.number(&format!("{path}.{name}"), value, unit, share),
+            None => {
+                self.fault(&format!("{path}.{name}"), "is missing".to_owned());
+                None
+            }
+        };
+        let (lower, upper) = (bound("lower", &row.lower), bound("upper", &row.upper));
+        let (Some(lower), Some(upper)) = (lower, upper) else { return (0.0, 1.0) };
+        let (from, to) = (self.shown(lower, unit), self.shown(upper, unit));
+        if kind.is_spread() && lower <= 0.0 {
+            self.fault(&format!("{path}.lower"), format!("{from}: a spread is above 0"));
+        }
+        if lower >= upper {
+            self.fault(&format!("{path}.lower"), format!("{from} is not below upper, {to}"));
+        }
+        (lower, upper)
+    }
+
+    fn shown(&self, value: f64, unit: &VariableUnit) -> String {
+        let number = format!("{}", (value / unit.printed.si * 1e9).round() / 1e9);
+        if unit.printed.symbol.is_empty() { number } else { format!("{number} {}", unit.printed.symbol) }
+    }
+
+    fn cost(
+        &mut self,
+        path: &str,
+        row: &CostRow,
+        unit: &VariableUnit,
+        grades: &[Grade],
+    ) -> Option<(CostModel, f64)> {
+        let before = self.faults.len();
+        let cost_unit = match &row.unit {
+            None => unit.printed.si,
+            Some(text) => match read_unit(text) {
+                Ok(found) if found.dimension == unit.dimension => found.multiply / found.divide,
+                _ => {
+                    let what = format!("{text:?} is not a unit of {}", unit.dimension);
+                    self.fault(&format!("{path}.unit"), what);
+                    1.0
+                }
+            },
+        };
+        let c0 = row.c0.unwrap_or(0.0);
+        let needed: &[(&str, Option<f64>)] = match row.model.as_str() {
+            "reciprocal-power" => &[("c1", row.c1)],
+            "exponential" => &[("c1", row.c1), ("k", row.k)],
+            "linear" => &[("c1", row.c1)],
+            _ => &[],
+        };
+        for (key, _) in needed.iter().filter(|(_, value)| value.is_none()) {
+            self.fault(&format!("{path}.{key}"), "is missing".to_owned());
+        }
+        for (key, value) in [("c0", row.c0), ("c1", row.c1), ("k", row.k)] {
+            if value.is_some_and(|value| !value.is_finite()) {
+                self.fault(&format!("{path}.{key}"), "expected a finite number".to_owned());
+            }
+        }
+        let (c1, k) = (row.c1.unwrap_or(0.0), row.k.unwrap_or(1.0));
+        if row.model != "linear" {
+            for (key, value) in [("c1", row.c1), ("k", row.k)] {
+                if value.is_some_and(|value| value <= 0.0) {
+                    self.fault(&format!("{path}.{key}"), "expected above 0: a wider tolerance costs less".to_owned());
+                }
+            }
+        }
+        let model = match row.model.as_str() {
+            "reciprocal-power" => Some(CostModel::ReciprocalPower { c0, c1, k }),
+            "exponential" => Some(CostModel::Exponential { c0, c1, k }),
+            "linear" => Some(CostModel::Linear { c0, c1 }),
+            "table" => self.table(path, row, unit, grades, cost_unit).map(CostModel::Table),
+            other => {
+                let what = format!("{other:?}: allowed are reciprocal-power, exponential, linear and table");
+                self.fault(&format!("{path}.model"), what);
+                None
+            }
+        };
+        model.filter(|_| self.faults.len() == before).map(|model| (model, cost_unit))
+    }
+
+    fn table(
+        &mut self,
+        path: &str,
+        row: &CostRow,
+        unit: &VariableUnit,
+        grades: &[Grade],
+        cost_unit: f64,
+    ) -> Option<CostTable> {
+        let key = format!("{path}.points");
+        let Some(rows) = &row.points else {
+            self.fault(&key, "is missing, e.g. [[\"1 um\", 8.0], [\"2 um\", 5.0]]".to_owned());
+            return None;
+        };
+        let mut points = Vec::new();
+        for (at, cost) in rows {
+            let grade = grades.iter().find(|grade| at.as_str() == Some(&grade.name));
+            let at = match grade {
+                Some(grade) => grade.width,
+                None => self.number(&key, at, unit, None)?,
+            };
+            points.push((at / cost_unit, *cost));
+        }
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        match CostTable::new(&points) {
+            Ok(table) => Some(table),
+            Err(error) => {
+                self.fault(&key, error.to_string());
+                None
+            }
+        }
+    }
+
+    /// A quantity in SI; `share`: what a percentage refers to.
+    fn number(&mut self, key: &str, value: &Value, unit: &VariableUnit, share: Option<f64>) -> Option<f64> {
+        let text = match value {
+            Value::String(text) => text.clone(),
+            other => other.to_string(),
+        };
+        let bare = matches!(value, Value::Float(_) | Value::Integer(_));
+        if bare && unit.dimension != Dimension::NONE {
+            self.fault(key, format!("{text} has no unit, expected e.g. \"{text} {}\"", unit.printed.symbol));
+            return None;
+        }
+        let mut nothing =
+            |name: &str| Err(ExpressionError::UnknownName { name: name.to_owned(), nearest: None });
+        let relative = text.trim_end().ends_with('%');
+        let what = match evaluate(&text, &mut nothing) {
+            Err(error) => format!("{text:?}: {error}"),
+            Ok(found) if !found.value.is_finite() => format!("{text:?} is not finite"),
+            Ok(found) if relative && share.is_some() => return share.map(|of| of * found.value),
+            Ok(found) if found.dimension == unit.dimension => return Some(found.value),
+            Ok(found) => format!("{text:?} is {}, expected {}", found.dimension, unit.dimension),
+        };
+        self.fault(key, what);
+        None
+    }
+
+    fn target(&mut self, path: &str, row: &TargetRow) -> Option<ReliabilityTarget> {
+        let before = self.faults.len();
+        let name = row.limit_state.as_deref().unwrap_or("total");
+        let known: Vec<&str> = self.scene.limit_states.iter().map(|limit| limit.name.as_str()).collect();
+        let limit_state = known.iter().position(|other| *other == name);
+        if limit_state.is_none() && name != "total" {
+            let what = format!("there is no limit state {name:?}; there are {}, total", known.join(", "));
+            self.fault(&format!("{path}.limit_state"), what);
+        }
+        let all = self.scene.life.checkpoints();
+        let cycles = row.cycles.unwrap_or(all[all.len() - 1]);
+        let checkpoint = all.iter().position(|other| *other == cycles);
+        if checkpoint.is_none() {
+            let (first, last) = (all[0], all[all.len() - 1]);
+            let every = self.scene.life.checkpoint_every;
+            let what = format!("{cycles}: expected a checkpoint of the study, {first} to {last} by {every}");
+            self.fault(&format!("{path}.cycles"), what);
+        }
+        let plain = VariableUnit {
+            dimension: Dimension::NONE,
+            printed: PrintedUnit { symbol: String::new(), si: 1.0 },
+        };
+        let key = format!("{path}.reliability");
+        let reliability = self.number(&key, &row.reliability, &plain, None).unwrap_or(f64::NAN);
+        if self.faults.len() == before && !(reliability > 0.0 && reliability < 1.0) {
+            self.fault(&key, format!("{reliability}: expected above 0 and below 1"));
+        }
+        let checkpoint = checkpoint.filter(|_| self.faults.len() == before)?;
+        let name = if all.len() > 1 { format!("R {name} at {cycles}") } else { format!("R {name}") };
+        Some(ReliabilityTarget { name, limit_state, checkpoint, cycles, reliability })
+    }
+
+    /// Every distribution must exist where all quantities lie on bounds.
+    fn check_corners(&mut self, problem: &DesignProblem) {
+        for (place, quantity) in problem.quantities.iter().enumerate() {
+            let others: Vec<usize> = (0..problem.quantities.len())
+                .filter(|other| {
+                    *other != place
+                        && problem.quantities[*other].variables.iter().any(|k| quantity.variables.contains(k))
+                })
+                .collect();
+            for (bound, value) in [("lower", quantity.lower), ("upper", quantity.upper)] {
+                let mut values = problem.present(self.inputs);
+                values[place] = value;
+                let corners = [
+                    values.clone(),
+                    others.iter().fold(values.clone(), |mut v, o| {
+                        v[*o] = problem.quantities[*o].lower;
+                        v
+                    }),
+                    others.iter().fold(values, |mut v, o| {
+                        v[*o] = problem.quantities[*o].upper;
+                        v
+                    }),
+                ];
+                let error =
+                    corners.iter().find_map(|values| problem.variables(self.inputs, values).err());
+                if let Some(error) = error {
+                    let unit = self.unit_of(quantity.variables[0]);
+                    let what = format!("{}: {error} [SI]", self.shown(value, &unit));
+                    self.fault(&format!("quantities[{}].{bound}", place + 1), what);
+                }
+            }
+        }
+    }
+}
+
+/// Width of the tolerance zone of a grade at a nominal size [m], from the tables of ISO 286-1. IT12 is ten times IT7, as
+/// from IT6 on every fifth step multiplies by ten.
+fn grade_width(name: &str, diameter: f64) -> Result<f64, String> {
+    let number = name.strip_prefix("IT").and_then(|number| number.parse::<u8>().ok());
+    let Some(number) = number.filter(|number| GRADES.contains(number)) else {
+        return Err(format!("{name:?}: allowed are IT5 to IT12"));
+    };
+    let (number, factor) = if number == 12 { (7, 10.0) } else { (number, 1.0) };
+    let class = ToleranceClass::parse(&format!("js{number}")).map_err(|error| error.to_string())?;
+    let (lower, upper) = class.deviations(diameter).map_err(|error| error.to_string())?;
+    Ok(factor * (upper - lower))
+}
+
+#[cfg(test)]
+#[path = "problem_file_tests.rs"]
+mod tests;

@@ -1,0 +1,115 @@
+use super::*;
+use common::scene::SceneSource;
+
+const SCENE: &str = r#"
+    scene = { name = "stack" }
+    simulator = { program = ["closure"] }
+    life = { cycles = 300, checkpoint_every = 100 }
+    outputs = [{ name = "gap", unit = "um" }]
+    limit_states = [{ name = "touch", output = "gap", threshold = 0, fails = "below" }]
+    variables = [
+        { name = "a", mean = "10 mm", std = "5 um", unit = "mm", distribution = "normal" },
+        { name = "b", mean = "10 mm", std = "5 um", unit = "mm", distribution = "normal" },
+        { name = "c", mean = "2 mm", std = "5 um", unit = "mm", distribution = "lognormal" },
+        { name = "n", mean = 3, std = 0.1, distribution = "normal" },
+    ]
+"#;
+
+fn read(text: &str) -> Result<DesignProblem, Vec<String>> {
+    let source = SceneSource::parse(SCENE, "stack").unwrap();
+    parse(text, "p.toml", source.nominal()).map_err(|error| match error {
+        OptimiseError::Problem(faults) => faults.iter().map(ToString::to_string).collect(),
+        other => panic!("{other}"),
+    })
+}
+
+#[test]
+fn quantities_are_read_in_their_units() {
+    let problem = read(
+        r#"
+        quantities = [
+            { change = ["a.tolerance", "b.tolerance"], grades = ["IT8", "IT6", "IT12"], diameter = "10 mm", capability = 1.33,
+              cost = { model = "table", points = [["IT6", 9], ["IT8", 4], ["IT12", 1]], unit = "um" } },
+            { change = "c.std", lower = "0.1 %", upper = "10 um", cost = { model = "reciprocal-power", c1 = 2, k = 1, unit = "um" } },
+            { change = "n.mean", lower = 2, upper = 4, cost = { model = "linear", c1 = 1 } },
+        ]
+        targets = [{ reliability = "99 %" }, { limit_state = "touch", cycles = 200, reliability = 0.999 }]
+        "#,
+    )
+    .unwrap();
+    let [zones, spread, mean] = &problem.quantities[..] else { panic!() };
+    // 10 mm lies in the range 6 to 10 mm: 9, 22 and 150 um.
+    let widths: Vec<f64> = zones.grades.iter().map(|grade| (grade.width * 1e7).round() / 10.0).collect();
+    assert_eq!((zones.variables.as_slice(), widths.as_slice()), (&[0, 1][..], &[9.0, 22.0, 150.0][..]));
+    assert!((zones.cost_at(22e-6).0 - 4.0).abs() < 1e-9);
+    assert!((spread.lower - 2e-6).abs() < 1e-15 && (spread.cost_at(4e-6).0 - 0.5).abs() < 1e-12);
+    assert!((spread.cost_at(4e-6).1 + 0.125e6).abs() < 1e-3);
+    assert_eq!((mean.lower, mean.upper, mean.cost_at(3.0)), (2.0, 4.0, (3.0, 1.0)));
+    assert_eq!(problem.targets[0].name, "R total at 300");
+    assert_eq!((problem.targets[1].limit_state, problem.targets[1].checkpoint), (Some(0), 1));
+    // Six standard deviations of the capability fill the zone.
+    let inputs = InputModel::from_scene(SceneSource::parse(SCENE, "stack").unwrap().nominal());
+    let changed = problem.variables(&inputs, &[7.98e-6, 3e-6, 3.5]).unwrap();
+    assert!((changed[1].std() - 1e-6).abs() < 1e-12 && (changed[2].std() - 3e-6).abs() < 1e-12);
+    assert_eq!(changed[3].mean(), 3.5);
+}
+
+#[test]
+fn grades_follow_the_standard_tolerance_unit() {
+    // IT6, ..., IT12 are 10, 16, 25, 40, 64, 100 and 160 units i = 0.45 D^(1/3) + 0.001 D [um], D the geometric mean of
+    // the range [mm]; the tables are rounded.
+    for (size, from, to) in [(15.0, 10.0, 18.0), (40.0, 30.0, 50.0), (100.0, 80.0, 120.0)] {
+        let mean = f64::sqrt(from * to);
+        let unit = 0.45 * mean.cbrt() + 0.001 * mean;
+        for (grade, units) in [(6, 10.0), (7, 16.0), (8, 25.0), (9, 40.0), (10, 64.0), (11, 100.0), (12, 160.0)] {
+            let width = grade_width(&format!("IT{grade}"), size * 1e-3).unwrap() * 1e6;
+            assert!((width / (units * unit) - 1.0).abs() < 0.06, "IT{grade} at {size}: {width} {}", units * unit);
+        }
+    }
+    assert!(grade_width("IT4", 0.01).is_err() && grade_width("IT7", 0.6).is_err());
+}
+
+#[test]
+fn all_faults_are_reported_at_once() {
+    let faults = read(
+        r#"
+        quantities = [
+            { change = "d.std", lower = 1, upper = 2, cost = { model = "linear", c1 = 1 } },
+            { change = "a.std", lower = "9 um", upper = "3 um", cost = { model = "cubic" } },
+            { change = "b.std", lower = "-1 um", upper = 3, cost = { model = "exponential", c1 = 1 } },
+            { change = "c.median", lower = 1, upper = 2, cost = { model = "linear", c1 = 1 } },
+            { change = "n.tolerance", grades = ["IT7", "IT8"], diameter = "9 mm", cost = { model = "linear", c1 = 1 } },
+        ]
+        targets = [{ reliability = 1.5 }, { limit_state = "wear", cycles = 400, reliability = 0.9 }]
+        "#,
+    )
+    .unwrap_err();
+    let expected = [
+        "p.toml: quantities[1].change: there is no random variable \"d\"; there are a, b, c, n",
+        "p.toml: quantities[2].lower: 0.009 mm is not below upper, 0.003 mm",
+        "p.toml: quantities[2].cost.model: \"cubic\": allowed are reciprocal-power, exponential, linear and table",
+        "p.toml: quantities[3].upper: 3 has no unit, expected e.g. \"3 mm\"",
+        "p.toml: quantities[3].cost.k: is missing",
+        "p.toml: quantities[4].change: \"c.median\": allowed after the variable are .mean, .std and .tolerance",
+        "p.toml: quantities[5].grades: grades are for the tolerance of a length, e.g. \"rod_length.tolerance\"",
+        "p.toml: targets[1].reliability: 1.5: expected above 0 and below 1",
+        "p.toml: targets[2].limit_state: there is no limit state \"wear\"; there are touch, total",
+        "p.toml: targets[2].cycles: 400: expected a checkpoint of the study, 100 to 300 by 100",
+    ];
+    assert_eq!(faults, expected);
+}
+
+#[test]
+fn bounds_at_which_no_distribution_exists_are_refused() {
+    let with = |row: &str| {
+        read(&format!("quantities = [{row}]\ntargets = [{{ reliability = 0.9 }}]")).unwrap_err().join("\n")
+    };
+    let spread = with(
+        "{ change = \"b.std\", lower = \"0 um\", upper = \"3 um\", cost = { model = \"linear\", c1 = 1 } }",
+    );
+    assert_eq!(spread, "p.toml: quantities[1].lower: 0 mm: a spread is above 0");
+    let mean = with(
+        "{ change = \"c.mean\", lower = \"-1 mm\", upper = \"3 mm\", cost = { model = \"linear\", c1 = 1 } }",
+    );
+    assert!(mean.starts_with("p.toml: quantities[1].lower: -1 mm: mean = -0.001 is out of range"), "{mean}");
+}

@@ -1,0 +1,180 @@
+//! The cheapest design on the present surrogates: continuous quantities, then grades.
+
+use super::problem::DesignProblem;
+use super::reliability::{DesignReliability, FreeDesign, TargetValue, place};
+use crate::statistics::optimisation::{cheapest_choice, minimise, nearest};
+
+/// Constraint that counts as met [1].
+const MET: f64 = -1e-4;
+/// Most combinations of grades that are searched whole; above it those next to the relaxed optimum are.
+const MOST_COMBINATIONS: usize = 100_000;
+/// Most combinations examined, without and with continuous quantities besides.
+const MOST_EXAMINED: (usize, usize) = (2000, 40);
+
+/// The search over grades.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct GradeSearch {
+    /// Number of combinations examined.
+    pub examined: usize,
+    /// True if no other combination of the allowed grades is cheaper and meets the targets, by these surrogates.
+    pub proved: bool,
+}
+
+/// The best design found.
+#[derive(Debug, Clone)]
+pub(super) struct Solved {
+    /// Places of the quantities between their bounds `(q,)`.
+    pub y: Vec<f64>,
+    /// Cost of the design.
+    pub cost: f64,
+    /// Targets at the design.
+    pub values: Vec<TargetValue>,
+    /// Rise of the cost per unit of a larger reliability index `(targets,)`, of the relaxed problem.
+    pub multipliers: Vec<f64>,
+    /// True if every target is met; else the design is the one whose worst target is nearest.
+    pub feasible: bool,
+    /// Cost if every value between the bounds were allowed.
+    pub relaxed_cost: f64,
+    /// The search over grades, if there are any.
+    pub grades: Option<GradeSearch>,
+}
+
+/// Finds the cheapest design, from several starts `(q,)`.
+pub(super) fn solve(reliability: &mut DesignReliability<'_>, starts: &[Vec<f64>]) -> Solved {
+    let relaxed = solve_relaxed(reliability, starts);
+    if !reliability.problem.is_discrete() {
+        return relaxed;
+    }
+    solve_grades(reliability, relaxed)
+}
+
+/// Finds the cheapest design with continuous quantities.
+pub(super) fn solve_relaxed(reliability: &mut DesignReliability<'_>, starts: &[Vec<f64>]) -> Solved {
+    let found = starts.iter().map(|start| from_start(reliability, start));
+    let better = |a: &Solved, b: &Solved| match (a.feasible, b.feasible) {
+        (true, true) => a.cost <= b.cost,
+        (true, false) => true,
+        (false, true) => false,
+        (false, false) => least(reliability_gap(a)) >= least(reliability_gap(b)),
+    };
+    let all: Vec<Solved> = found.collect();
+    let gap_known = all.into_iter().reduce(|a, b| if better(&a, &b) { a } else { b });
+    gap_known.expect("at least one start")
+}
+
+/// Reliability indices of a design; all solutions compared have the same targets.
+fn reliability_gap(solved: &Solved) -> impl Iterator<Item = f64> + '_ {
+    solved.values.iter().map(|value| value.beta)
+}
+
+fn least(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(f64::INFINITY, f64::min)
+}
+
+fn from_start(reliability: &mut DesignReliability<'_>, start: &[f64]) -> Solved {
+    let count = reliability.constraints.len();
+    let all: Vec<usize> = (0..start.len()).collect();
+    let mut y = start.to_vec();
+    let mut multipliers = vec![0.0; count];
+    let mut feasible = false;
+    // Lines are placed for a design: those of the first descent for its start, of the second for its end.
+    for _ in 0..2 {
+        reliability.place_lines(&y);
+        let design = FreeDesign { reliability, free: all.clone(), at: y.clone() };
+        let mut found = minimise(&design, count, &y);
+        if !found.feasible {
+            let best = nearest(&design, count, &found.x);
+            if least(best.constraints.iter().copied()) < MET {
+                (y, feasible) = (best.x, false);
+                continue;
+            }
+            found = minimise(&design, count, &best.x);
+        }
+        let scale = design.reliability.cost_scale;
+        (y, feasible) = (found.x, found.feasible);
+        multipliers = found.multipliers.iter().map(|lambda| lambda * scale).collect();
+    }
+    finished(reliability, y, multipliers, feasible)
+}
+
+fn finished(
+    reliability: &DesignReliability<'_>,
+    y: Vec<f64>,
+    multipliers: Vec<f64>,
+    feasible: bool,
+) -> Solved {
+    let cost = reliability.cost(&y);
+    let values = reliability.targets(&y).unwrap_or_default();
+    Solved { cost, values, multipliers, feasible, relaxed_cost: cost, grades: None, y }
+}
+
+/// Places of the allowed grades of a quantity.
+fn options(problem: &DesignProblem, k: usize) -> Vec<f64> {
+    let quantity = &problem.quantities[k];
+    quantity.grades.iter().map(|grade| place(quantity, grade.width)).collect()
+}
+
+/// Chooses grades, from the relaxed optimum.
+fn solve_grades(reliability: &mut DesignReliability<'_>, relaxed: Solved) -> Solved {
+    let problem = reliability.problem;
+    let count = reliability.constraints.len();
+    let (graded, free): (Vec<usize>, Vec<usize>) =
+        (0..relaxed.y.len()).partition(|k| !problem.quantities[*k].grades.is_empty());
+    let mut allowed: Vec<Vec<f64>> = graded.iter().map(|k| options(problem, *k)).collect();
+    let combinations = allowed.iter().map(Vec::len).fold(1, usize::saturating_mul);
+    let whole = combinations <= MOST_COMBINATIONS;
+    if !whole {
+        for (options, k) in allowed.iter_mut().zip(&graded) {
+            let at = relaxed.y[*k];
+            let above = options.partition_point(|y| *y < at).min(options.len() - 1);
+            *options = options[above.saturating_sub(1)..=above].to_vec();
+        }
+    }
+    let cost_of = |k: usize, y: f64| {
+        let quantity = &problem.quantities[k];
+        quantity.cost_at(super::reliability::value(quantity, y)).0
+    };
+    let costs: Vec<Vec<f64>> = allowed
+        .iter()
+        .zip(&graded)
+        .map(|(options, k)| options.iter().map(|y| cost_of(*k, *y)).collect())
+        .collect();
+    // A cost between bounds is least at one of 21 places, to the accuracy of a bound.
+    let cheapest = |k: &usize| (0..=20).map(|i| cost_of(*k, f64::from(i) / 20.0)).fold(f64::INFINITY, f64::min);
+    let rest = free.iter().map(cheapest).sum::<f64>();
+    let most = if free.is_empty() { MOST_EXAMINED.0 } else { MOST_EXAMINED.1 };
+    let known = if relaxed.feasible { relaxed.cost } else { f64::NEG_INFINITY };
+    let mut best: Option<(Vec<f64>, f64)> = None;
+    let search = cheapest_choice(&costs, rest, known, most, |chosen| {
+        let mut y = relaxed.y.clone();
+        for ((k, options), chosen) in graded.iter().zip(&allowed).zip(chosen) {
+            y[*k] = options[*chosen];
+        }
+        let design = FreeDesign { reliability, free: free.clone(), at: y.clone() };
+        if !free.is_empty() {
+            let start: Vec<f64> = free.iter().map(|k| y[*k]).collect();
+            let found = minimise(&design, count, &start);
+            y = design.all(&found.x);
+        }
+        let values = reliability.targets(&y)?;
+        let constraints = values.iter().zip(&reliability.constraints).map(|(v, c)| v.beta - c.beta);
+        let cost = reliability.cost(&y);
+        let met = least(constraints) >= MET;
+        if met && best.as_ref().is_none_or(|(_, least)| cost < *least) {
+            best = Some((y, cost));
+        }
+        met.then_some(cost)
+    });
+    let grades = Some(GradeSearch { examined: search.examined, proved: search.proved && whole });
+    let (y, feasible) = match best {
+        Some((y, _)) => (y, true),
+        // The narrowest grades come nearest.
+        None => {
+            let mut y = relaxed.y.clone();
+            graded.iter().for_each(|k| y[*k] = 0.0);
+            (y, false)
+        }
+    };
+    let relaxed_cost = relaxed.cost;
+    Solved { grades, relaxed_cost, ..finished(reliability, y, relaxed.multipliers, feasible) }
+}

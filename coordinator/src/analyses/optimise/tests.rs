@@ -1,0 +1,162 @@
+//! Optima of known truth, from studies that a closure simulates.
+
+use super::*;
+use crate::statistics::design::InputModel;
+use crate::statistics::learning::Mode;
+use crate::statistics::optimisation::CostModel;
+use crate::study::{Campaign, Observed, Plan, Problem, Settings};
+use common::random::{Distribution, standard_normal_cdf};
+
+/// A finished study of the margins of `f` (failure where one is not negative) at one checkpoint.
+fn study(variables: &[Distribution], modes: usize, initial: usize, f: &dyn Fn(&[f64]) -> Vec<f64>) -> StudyBasis {
+    let settings = Settings {
+        samples: 20_000,
+        initial,
+        max_evaluations: initial,
+        batch: 1,
+        seed: 3,
+        ..Settings::default()
+    };
+    let problem = Problem {
+        inputs: InputModel::from(&variables.to_vec()),
+        outputs: modes,
+        modes: (0..modes).map(|output| Mode { output, threshold: 0.0 }).collect(),
+        checkpoints: vec![1],
+    };
+    let plan =
+        Plan { targets: settings.targets(), largest_population: 20_000, retry: false, settings: settings.clone() };
+    let mut outcomes = Vec::new();
+    let simulate = |sample: &[f64]| {
+        let outcome = Ok(Observed::exact(f(sample).into_iter().map(|y| vec![y]).collect()));
+        outcomes.push((sample.to_vec(), outcome.clone()));
+        outcome
+    };
+    Campaign::new(problem.clone(), plan).learn_from(simulate, |_| {}).unwrap();
+    StudyBasis { problem, settings, outcomes }
+}
+
+fn run(
+    study: &StudyBasis,
+    problem: &DesignProblem,
+    budget: usize,
+    f: &dyn Fn(&[f64]) -> Vec<f64>,
+) -> OptimisationResult {
+    let mut simulate = |requests: &[SampleRequest]| -> Result<Vec<ObservedOutcome>, OptimiseError> {
+        let outcome = |request: &SampleRequest| {
+            Ok(Observed::exact(f(&request.sample).into_iter().map(|y| vec![y]).collect()))
+        };
+        Ok(requests.iter().map(outcome).collect())
+    };
+    optimise(study, problem, budget, &mut simulate, &mut |_| {}).unwrap()
+}
+
+fn quantity(k: usize, kind: QuantityKind, bounds: (f64, f64), cost: CostModel) -> DesignQuantity {
+    DesignQuantity {
+        name: format!("x{k}"),
+        variables: vec![k],
+        kind,
+        lower: bounds.0,
+        upper: bounds.1,
+        unit: PrintedUnit { symbol: String::new(), si: 1.0 },
+        cost,
+        cost_unit: 1.0,
+        grades: vec![],
+    }
+}
+
+fn target(limit_state: Option<usize>, reliability: f64) -> ReliabilityTarget {
+    ReliabilityTarget { name: "R".into(), limit_state, checkpoint: 0, cycles: 1, reliability }
+}
+
+/// Youn and Choi's margins: failed where g < 0.
+fn youn_choi(x: &[f64]) -> Vec<f64> {
+    let (a, b) = (x[0], x[1]);
+    vec![
+        1.0 - a * a * b / 20.0,
+        1.0 - (a + b - 5.0).powi(2) / 30.0 - (a - b - 12.0).powi(2) / 120.0,
+        1.0 - 80.0 / (a * a + 8.0 * b + 5.0),
+    ]
+}
+
+#[test]
+fn the_optimum_of_youn_and_choi_is_found_and_confirmed() {
+    let variables = [Distribution::normal(5.0, 0.3).unwrap(); 2];
+    let linear = || CostModel::Linear { c0: 0.0, c1: 1.0 };
+    let problem = DesignProblem {
+        quantities: (0..2).map(|k| quantity(k, QuantityKind::Mean, (0.0, 10.0), linear())).collect(),
+        targets: (0..3).map(|g| target(Some(g), standard_normal_cdf(3.0))).collect(),
+    };
+    let study = study(&variables, 3, 10, &youn_choi);
+    let found = run(&study, &problem, 70, &youn_choi);
+    assert!(found.feasible && found.confirmed, "{}", markdown(&found));
+    assert!((found.cost / 6.7289 - 1.0).abs() < 3e-3, "{}", markdown(&found));
+    assert!(found.evaluations.study + found.evaluations.added <= 80, "{:?}", found.evaluations);
+    let active: Vec<bool> = found.targets.iter().map(|target| target.active).collect();
+    assert_eq!(active, [true, true, false]);
+    // Stricter targets cost more.
+    let costs: Vec<f64> = found.front.iter().filter_map(|point| point.cost).collect();
+    assert!(costs.len() == 5 && costs.windows(2).all(|pair| pair[0] < pair[1]), "{costs:?}");
+}
+
+/// The sum of three lengths with weights; it fails above 1.
+const WEIGHTS: [f64; 3] = [1.0, -2.0, 0.5];
+
+fn stack(x: &[f64]) -> Vec<f64> {
+    vec![x.iter().zip(WEIGHTS).map(|(x, w)| w * x).sum::<f64>() - 1.0]
+}
+
+fn stack_problem(reliability: f64) -> DesignProblem {
+    let cost = |c1| CostModel::ReciprocalPower { c0: 0.0, c1, k: 1.0 };
+    DesignProblem {
+        quantities: (0..3)
+            .map(|k| quantity(k, QuantityKind::Std, (0.02, 0.8), cost([1.0, 0.5, 2.0][k])))
+            .collect(),
+        targets: vec![target(None, reliability)],
+    }
+}
+
+#[test]
+fn the_optimum_of_a_stack_is_that_of_the_closed_form() {
+    let variables = [Distribution::normal(0.0, 0.2).unwrap(); 3];
+    let study = study(&variables, 1, 12, &stack);
+    let mut problem = stack_problem(0.999);
+    let found = run(&study, &problem, 60, &stack);
+    // sigma_k = K (c_k / w_k^2)^(1/3) with sum w^2 sigma^2 = 1 / beta^2.
+    let beta = -common::random::standard_normal_quantile(0.001);
+    let costs = [1.0, 0.5, 2.0];
+    let shape = |k: usize| (costs[k] / WEIGHTS[k].powi(2)).cbrt();
+    let length = (0..3).map(|k| (WEIGHTS[k] * shape(k)).powi(2)).sum::<f64>().sqrt();
+    let exact: f64 = (0..3).map(|k| costs[k] * beta * length / shape(k)).sum();
+    assert!(found.confirmed && (found.cost / exact - 1.0).abs() < 5e-3, "{exact} {}", markdown(&found));
+    // The cost is proportional to beta: the multiplier is cost / beta.
+    let multiplier = found.targets[0].multiplier;
+    assert!((multiplier / (exact / beta) - 1.0).abs() < 0.02, "{multiplier}");
+
+    // With grades, each quantity takes one of three widths, and the cheapest combination is that of trying all.
+    let widths = [0.05, 0.1, 0.2, 0.4];
+    for quantity in &mut problem.quantities {
+        quantity.grades =
+            widths.iter().map(|width| Grade { name: format!("{width}"), width: *width }).collect();
+        (quantity.lower, quantity.upper) = (widths[0], widths[3]);
+    }
+    let all = (0..64usize).map(|i| [i % 4, i / 4 % 4, i / 16].map(|o| widths[o]));
+    let feasible = |s: &[f64; 3]| (0..3).map(|k| (WEIGHTS[k] * s[k]).powi(2)).sum::<f64>() <= beta.powi(-2);
+    let cost = |s: [f64; 3]| (0..3).map(|k| costs[k] / s[k]).sum::<f64>();
+    let best = all.filter(feasible).map(cost).fold(f64::INFINITY, f64::min);
+    let graded = run(&study, &problem, 60, &stack);
+    assert!((graded.cost / best - 1.0).abs() < 1e-9, "{best} {}", markdown(&graded));
+    assert!(graded.grades.is_some_and(|grades| grades.proved && grades.relaxed_cost < best));
+}
+
+#[test]
+fn without_a_feasible_design_the_nearest_one_is_named() {
+    let variables = [Distribution::normal(0.0, 0.3).unwrap(); 3];
+    let study = study(&variables, 1, 12, &stack);
+    let mut problem = stack_problem(0.9999);
+    problem.quantities.iter_mut().for_each(|quantity| quantity.lower = 0.2);
+    let found = run(&study, &problem, 60, &stack);
+    let reached = standard_normal_cdf(1.0 / (0.2 * (1.0 + 4.0 + 0.25_f64).sqrt()));
+    assert!(!found.feasible && found.confirmed, "{}", markdown(&found));
+    assert!((found.targets[0].reliability - reached).abs() < 3.0 * found.targets[0].standard_error + 1e-4);
+    assert!(found.values.iter().all(|value| (value - 0.2).abs() < 1e-3), "{:?}", found.values);
+}
