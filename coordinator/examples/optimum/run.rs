@@ -2,7 +2,7 @@
 
 use super::problems::Known;
 use common::random::standard_normal_quantile;
-use coordinator::analyses::optimise::{OptimiseError, StudyBasis, markdown, optimise};
+use coordinator::analyses::optimise::{OptimisationProgress, OptimiseError, StudyBasis, markdown, optimise};
 use coordinator::statistics::design::InputModel;
 use coordinator::statistics::learning::Mode;
 use coordinator::statistics::reliability::LineSampling;
@@ -60,7 +60,13 @@ pub fn solve(known: &Known, seed: u64, budget: usize, report: bool) -> Result<Ou
         Ok(requests.iter().map(|request| observed(known, &request.sample)).collect())
     };
     let left = budget - study.outcomes.len();
-    let found = optimise(&study, &known.problem, left, &mut simulate, &mut |_| {})?;
+    let mut progress = |at: OptimisationProgress| {
+        let seconds = started.elapsed().as_secs_f64();
+        if report {
+            eprintln!("round {}: cost {:.5}, {} added, {seconds:.1} s", at.round, at.cost, at.added);
+        }
+    };
+    let found = optimise(&study, &known.problem, left, &mut simulate, &mut progress)?;
     if report {
         eprintln!("{}", markdown(&found));
     }

@@ -6,6 +6,7 @@ use super::compare::CompareArguments;
 use super::doctor::DoctorArguments;
 use super::extremes::ExtremesArguments;
 use super::init::InitArguments;
+use super::optimise::OptimiseArguments;
 use super::replace::ReplaceArguments;
 use super::results::{ReportArguments, StudyFolder};
 use super::shared::{DEFAULT_SCENE, Verbosity};
@@ -22,7 +23,7 @@ use std::fmt::Write;
 /// Groups of the first page of the help.
 const GROUPS: [(&str, &[&str]); 4] = [
     ("Study", &["run", "resume", "report", "sensitivity", "compare"]),
-    ("Decide", &["what-if", "update", "replace"]),
+    ("Decide", &["what-if", "optimise", "update", "replace"]),
     ("Look", &["simulate", "explain", "status", "scenes"]),
     ("Check", &["init", "check", "doctor", "extremes", "tradeoff", "calibrate", "verify"]),
 ];
@@ -203,6 +204,9 @@ Examples:
     /// Find the age, or the measured level, of replacement with the least cost
     #[command(after_help = super::replace::EXAMPLES)]
     Replace(ReplaceArguments),
+    /// Cheapest means and tolerances that reach a reliability, from a finished study and simulations at the optimum
+    #[command(after_help = super::optimise::EXAMPLES)]
+    Optimise(Box<OptimiseArguments>),
     /// Write a commented scene to start from
     #[command(after_help = "\
 Examples:

@@ -7,6 +7,7 @@ use common::failure::SimulationFailure;
 use common::scene::{Faults, Scene};
 use coordinator::analyses::budget::BudgetError;
 use coordinator::analyses::calibrate::CalibrationError;
+use coordinator::analyses::optimise::OptimiseError;
 use coordinator::analyses::replay::ReplayError;
 use coordinator::farm::dispatch::{ClientError, DispatchError};
 use coordinator::farm::evaluate::EvaluateError;
@@ -214,6 +215,9 @@ pub enum CommandError {
     /// Parameters that could not be fitted.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
+    /// A design that could not be optimised.
+    #[error(transparent)]
+    Optimise(#[from] OptimiseError),
     /// Simulations that cannot be replayed.
     #[error("{}: {error}", dir.display())]
     Replay {
@@ -309,10 +313,12 @@ impl CommandError {
             | Self::Replay { error: ReplayError::Foreign(_), .. }
             | Self::Calibration(CalibrationError::Targets { .. } | CalibrationError::Scene(_))
             | Self::Decision(_)
+            | Self::Optimise(OptimiseError::Problem(_))
             | Self::Monitor(_)
             | Self::MisplacedOptions => BAD_INPUT,
             Self::Interrupted { .. }
             | Self::Calibration(CalibrationError::Evaluate(EvaluateError::Interrupted))
+            | Self::Optimise(OptimiseError::Evaluate(EvaluateError::Interrupted))
             | Self::Evaluate(EvaluateError::Interrupted)
             | Self::Budget(BudgetError::Evaluate(EvaluateError::Interrupted)) => INTERRUPTED,
             Self::Budget(BudgetError::OutOfReach { .. } | BudgetError::NothingToHold) => BAD_INPUT,

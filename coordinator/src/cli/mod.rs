@@ -18,6 +18,7 @@ mod init;
 mod model;
 mod monitor;
 mod nominal;
+mod optimise;
 mod output;
 mod replace;
 mod results;
@@ -80,6 +81,7 @@ fn run_command(arguments: CommandLine) -> Result<(), CommandError> {
         CommandArguments::Tradeoff(options) => tradeoff::tradeoff(&options, verbosity),
         CommandArguments::Calibrate(options) => calibrate::calibrate(&options, verbosity),
         CommandArguments::WhatIf(options) => what_if::what_if(&options, verbosity),
+        CommandArguments::Optimise(options) => optimise::optimise(&options, verbosity),
         CommandArguments::Replay(options) => verify::rounds(&options.dir, &options.rounds, json),
         CommandArguments::Verify(options) => verify::verify(&options, json),
         CommandArguments::Simulate(options) => simulate::simulate(&options, verbosity),

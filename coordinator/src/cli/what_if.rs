@@ -86,7 +86,7 @@ pub fn what_if(arguments: &WhatIfArguments, verbosity: Verbosity) -> Result<(), 
 }
 
 /// Size of the population: that of the study, up to [`POPULATION`].
-fn population(settings: &Settings, summary: &StudySummary) -> usize {
+pub fn population(settings: &Settings, summary: &StudySummary) -> usize {
     let of_study = if settings.method == Method::ActiveLearning && summary.conditional.is_none() {
         summary.population.max(settings.samples)
     } else {
@@ -96,7 +96,10 @@ fn population(settings: &Settings, summary: &StudySummary) -> usize {
 }
 
 /// Sample and outcome of every simulation that the campaign file holds.
-fn known_outcomes(campaign: &CampaignFile) -> Result<Vec<StoredOutcome>, CommandError> {
+///
+/// # Errors
+/// [`CommandError::Store`].
+pub fn known_outcomes(campaign: &CampaignFile) -> Result<Vec<StoredOutcome>, CommandError> {
     let mut all = Vec::new();
     campaign.for_each_known(|sample, outcome| {
         all.push(StoredOutcome { sample, outcome: outcome.map(Observed::from_evaluation) });
@@ -138,7 +141,8 @@ fn simulate_further(
     Ok(())
 }
 
-fn failed(error: StudyError, dir: PathBuf) -> CommandError {
+/// The error of a question about the study in the folder `dir`.
+pub fn failed(error: StudyError, dir: PathBuf) -> CommandError {
     match error {
         // An interruption leaves the finished simulations in the study: the same command goes on from them.
         StudyError::Evaluate(error) => CommandError::Evaluate(error),

@@ -352,7 +352,11 @@ fn notice(observer: &mut dyn Observer, done: usize, outcome: &Finished, recalled
 
 /// Checks that the histories and their stated errors have the shape of the scene, are finite, and that no
 /// error is negative. An evaluation that states no errors counts as exact.
-fn checked(outcome: Finished, scene: &Scene, checkpoints: &[u32]) -> Result<ObservedOutcome, StudyError> {
+pub(super) fn checked(
+    outcome: Finished,
+    scene: &Scene,
+    checkpoints: &[u32],
+) -> Result<ObservedOutcome, StudyError> {
     let outputs = scene.outputs.len();
     let output = |o: usize| format!("output \"{}\"", scene.outputs[o].name);
     let Finished { id, worker, outcome, .. } = outcome;

@@ -17,7 +17,7 @@ use std::collections::VecDeque;
 /// index of 0.01 at 0.9987.
 const RELATIVE_ERROR: f64 = 0.03;
 /// Coefficient of variation of the failure probability of a target over the population [1].
-const COV: f64 = 0.05;
+const COV: f64 = 0.1;
 
 /// A finished study as an optimisation begins with it.
 #[derive(Debug, Clone)]
@@ -59,7 +59,9 @@ impl<'a> TargetCampaign<'a> {
         made.outcomes = study
             .outcomes
             .iter()
-            .map(|(sample, outcome)| (sample.clone(), outcome.clone().map(|observed| made.reduced(&observed))))
+            .map(|(sample, outcome)| {
+                (sample.clone(), outcome.clone().map(|observed| made.reduced(&observed)))
+            })
             .collect();
         made
     }
@@ -108,20 +110,25 @@ impl<'a> TargetCampaign<'a> {
             checkpoints: self.checkpoints.iter().map(|n| study.problem.checkpoints[*n]).collect(),
         };
         let default = StoppingTargets::default();
-        // Probabilities that no unconditional population resolves are judged by their relative error alone.
         let wanted = 1.1 / (self.least_pf * COV.powi(2));
+        // Rarer failures are counted over conditional populations and judged by their relative error alone.
         let resolved = wanted <= LARGEST_POPULATION as f64;
-        let error = if resolved { (RELATIVE_ERROR * self.least_pf).min(default.error) } else { default.error };
-        let samples = (wanted.min(0.5 * LARGEST_POPULATION as f64) as usize).max(study.settings.samples);
+        let of_study = study.settings.samples;
+        let (samples, error, cov) = if resolved {
+            let error = (RELATIVE_ERROR * self.least_pf).min(default.error);
+            (of_study.max(wanted.ceil() as usize), error, f64::INFINITY)
+        } else {
+            (of_study, default.error, COV)
+        };
         let settings = Settings {
-            samples: if resolved { samples } else { study.settings.samples },
+            samples,
             max_evaluations: self.outcomes.len() + count,
             larger_populations: vec![],
             ..study.settings.clone()
         };
         let plan = Plan {
-            targets: StoppingTargets { error, relative_error: RELATIVE_ERROR, ..default },
-            largest_population: LARGEST_POPULATION,
+            targets: StoppingTargets { error, relative_error: RELATIVE_ERROR, cov, ..default },
+            largest_population: if resolved { samples } else { LARGEST_POPULATION },
             retry: false,
             settings,
         };

@@ -15,10 +15,12 @@ mod campaign;
 mod moments;
 mod optimum;
 mod problem;
+mod problem_costs;
 mod problem_file;
 mod reliability;
 mod report;
 mod result;
+mod settings;
 mod solve;
 #[cfg(test)]
 mod tests;
@@ -28,13 +30,14 @@ pub use moments::with_moments;
 pub use optimum::{OptimisationProgress, optimise};
 pub use problem::{DesignProblem, DesignQuantity, Grade, PrintedUnit, QuantityKind, ReliabilityTarget};
 pub use problem_file::{parse as parse_problem, read as read_problem};
-pub use report::markdown;
+pub use report::{markdown, page};
 pub use result::{
     Advice, Bound, FrontPoint, Grades, OptimisationResult, OptimisedQuantity, OptimisedTarget, Simulations,
 };
+pub use settings::design_settings;
 
 use crate::farm::evaluate::EvaluateError;
-use crate::study::{CampaignError, ObservedOutcome, SampleRequest};
+use crate::study::{CampaignError, ObservedOutcome, SampleRequest, StudyError};
 use common::random::LawError;
 use thiserror::Error;
 
@@ -69,6 +72,19 @@ pub enum OptimiseError {
     /// The evaluator failed or was interrupted.
     #[error(transparent)]
     Evaluate(#[from] EvaluateError),
+    /// An outcome does not fit the scene, or is missing.
+    #[error(transparent)]
+    Study(StudyError),
+}
+
+impl From<StudyError> for OptimiseError {
+    fn from(error: StudyError) -> Self {
+        match error {
+            StudyError::Evaluate(error) => Self::Evaluate(error),
+            StudyError::Campaign(error) => Self::Campaign(error),
+            error => Self::Study(error),
+        }
+    }
 }
 
 fn joined(faults: &[ProblemFault]) -> String {

@@ -1,23 +1,23 @@
 //! A distribution with another mean or standard deviation.
 //!
-//! Mean and standard deviation are those of the scene: of the parent for a truncated normal. Bounds of a truncated normal
-//! that lie equally far on both sides of its mean are a truncation and keep their distance in standard deviations: they
-//! move with the mean and the standard deviation. So does a bound three standard deviations from the mean, which is what a
-//! scene without bounds sets. Any other bound is a physical limit and stays where it is, as those of a beta variable do.
-//! Uniform and triangular distributions keep their shape: their bounds move.
+//! Mean and standard deviation are those of the scene: of the parent for a truncated normal. A bound of a truncated normal
+//! that the scene gives (`lower`, `upper`) is a physical limit and stays where it is, as those of a beta variable do. A bound
+//! that follows from its truncation keeps its distance in standard deviations: it moves with the mean and the standard
+//! deviation. Uniform and triangular distributions keep their shape: their bounds move.
 
 use common::random::{Distribution, Extreme, LawError};
 
-/// Truncation of a scene without bounds [standard deviations].
-const TRUNCATION: f64 = 3.0;
-/// Relative difference below which two distances are equal.
-const EQUAL: f64 = 1e-6;
-
-/// The distribution with the mean and the standard deviation given [unit of the variable].
+/// The distribution with the mean and the standard deviation given [unit of the variable]. `fixed` tells which bounds of a
+/// truncated normal stay where they are, the lower and the upper one.
 ///
 /// # Errors
 /// [`LawError`] if the distribution does not exist. A constant ignores the standard deviation.
-pub fn with_moments(law: &Distribution, mean: f64, std: f64) -> Result<Distribution, LawError> {
+pub fn with_moments(
+    law: &Distribution,
+    mean: f64,
+    std: f64,
+    fixed: [bool; 2],
+) -> Result<Distribution, LawError> {
     let (before, spread) = (law.parent_mean(), law.parent_std());
     let moved = |x: f64| mean + (x - before) / spread * std;
     let (lower, upper) = law.support();
@@ -38,13 +38,8 @@ pub fn with_moments(law: &Distribution, mean: f64, std: f64) -> Result<Distribut
             Distribution::triangular(moved(lower), moved(mode), moved(upper))
         }
         Distribution::TruncatedNormal(_) => {
-            let near = |a: f64, b: f64| (a - b).abs() <= EQUAL * b.abs();
-            let (below, above) = ((before - lower) / spread, (upper - before) / spread);
-            let symmetric = near(below, above);
-            let bound = |x: f64, distance: f64| {
-                if symmetric || near(distance, TRUNCATION) { moved(x) } else { x }
-            };
-            Distribution::truncated_normal(mean, std, bound(lower, below), bound(upper, above))
+            let bound = |x: f64, fixed: bool| if fixed { x } else { moved(x) };
+            Distribution::truncated_normal(mean, std, bound(lower, fixed[0]), bound(upper, fixed[1]))
         }
     }
 }
@@ -67,26 +62,22 @@ mod tests {
             Distribution::triangular(0.0, 2.0, 6.0),
         ];
         for law in laws.map(Result::unwrap) {
-            let same = with_moments(&law, law.parent_mean(), law.given_std()).unwrap();
+            let same = with_moments(&law, law.parent_mean(), law.given_std(), [false; 2]).unwrap();
             for p in [0.1, 0.5, 0.9] {
                 assert!((same.quantile(p) - law.quantile(p)).abs() < 1e-9, "{law:?} {same:?}");
             }
-            let other = with_moments(&law, 2.2, 0.4).unwrap();
+            let other = with_moments(&law, 2.2, 0.4, [true; 2]).unwrap();
             assert!((other.mean() - 2.2).abs() < 1e-9 && (other.std() - 0.4).abs() < 1e-9, "{other:?}");
         }
     }
 
     #[test]
     fn a_truncation_moves_and_a_physical_limit_stays() {
-        let support = |law: Result<Distribution, LawError>, mean: f64, std: f64| {
-            with_moments(&law.unwrap(), mean, std).unwrap().support()
-        };
+        let law = Distribution::truncated_normal(10.0, 1.0, 8.0, 12.0).unwrap();
+        let support = |fixed| with_moments(&law, 11.0, 2.0, fixed).unwrap().support();
         let near = |a: (f64, f64), b: (f64, f64)| (a.0 - b.0).abs() < 1e-12 && (a.1 - b.1).abs() < 1e-12;
-        let at_two = Distribution::truncated_normal(10.0, 1.0, 8.0, 12.0);
-        assert!(near(support(at_two, 11.0, 2.0), (7.0, 15.0)));
-        // The lower bound is a limit, the upper one the truncation of a scene without bounds.
-        let limited = Distribution::truncated_normal(10.0, 1.0, 9.0, 13.0);
-        assert!(near(support(limited, 11.0, 0.5), (9.0, 12.5)));
-        assert!(with_moments(&limited.unwrap(), 8.5, 1.0).is_err());
+        assert!(near(support([false; 2]), (7.0, 15.0)));
+        assert!(near(support([true, false]), (8.0, 15.0)));
+        assert!(with_moments(&law, 7.5, 1.0, [true; 2]).is_err());
     }
 }

@@ -68,11 +68,12 @@ impl<'a> Context<'a> {
             .map(|target| campaign.place(target.limit_state, target.checkpoint))
             .collect();
         let modes = campaign.modes.len();
-        let constraint = |(target, (curve, column)): (&super::ReliabilityTarget, &(usize, usize))| Constraint {
-            modes: if *curve == modes { (0..modes).collect() } else { vec![*curve] },
-            column: *column,
-            beta: -standard_normal_quantile(1.0 - target.reliability),
-        };
+        let constraint =
+            |(target, (curve, column)): (&super::ReliabilityTarget, &(usize, usize))| Constraint {
+                modes: if *curve == modes { (0..modes).collect() } else { vec![*curve] },
+                column: *column,
+                beta: -standard_normal_quantile(1.0 - target.reliability),
+            };
         let constraints = problem.targets.iter().zip(&places).map(constraint).collect();
         Self { problem, reference: &study.problem.inputs, seed: study.settings.seed, places, constraints }
     }
@@ -89,14 +90,7 @@ impl<'a> Context<'a> {
         };
         let surrogates = learned.assessment.modes.iter().zip(&learned.assessment.surrogates).map(surrogate);
         let constraints = self.constraints.clone();
-        DesignReliability::new(
-            self.problem,
-            self.reference,
-            surrogates.collect(),
-            constraints,
-            self.seed,
-            y,
-        )
+        DesignReliability::new(self.problem, self.reference, surrogates.collect(), constraints, self.seed, y)
     }
 
     fn inputs(&self, values: &[f64]) -> Result<InputModel, OptimiseError> {
@@ -251,10 +245,8 @@ fn result(
             change if change < 0.0 => Advice::Lower,
             _ => Advice::Raise,
         };
-        let nearest = quantity
-            .grades
-            .iter()
-            .min_by(|a, b| (a.width - is).abs().total_cmp(&(b.width - is).abs()));
+        let nearest =
+            quantity.grades.iter().min_by(|a, b| (a.width - is).abs().total_cmp(&(b.width - is).abs()));
         OptimisedQuantity {
             name: quantity.name.clone(),
             unit: quantity.unit.symbol.clone(),
@@ -330,8 +322,7 @@ fn targets(
 /// Least costs for stricter and looser targets, on the last surrogates.
 fn front(context: &Context<'_>, solved: &Solved, learned: &CampaignResult) -> Vec<FrontPoint> {
     let mut reliability = context.reliability(learned, &solved.y);
-    let allowed: Vec<f64> =
-        context.problem.targets.iter().map(|target| 1.0 - target.reliability).collect();
+    let allowed: Vec<f64> = context.problem.targets.iter().map(|target| 1.0 - target.reliability).collect();
     let mut point = |factor: f64| {
         let targets: Vec<f64> = allowed.iter().map(|p| 1.0 - factor * p).collect();
         for (constraint, p) in reliability.constraints.iter_mut().zip(&allowed) {

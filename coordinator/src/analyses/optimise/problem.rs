@@ -106,6 +106,8 @@ pub struct DesignProblem {
     pub quantities: Vec<DesignQuantity>,
     /// Reliabilities to be reached, at least one.
     pub targets: Vec<ReliabilityTarget>,
+    /// Which bounds of each variable stay where they are, the lower and the upper one; none if there are fewer entries.
+    pub fixed_bounds: Vec<[bool; 2]>,
 }
 
 impl DesignProblem {
@@ -136,7 +138,8 @@ impl DesignProblem {
             }
         }
         let law = |(k, law): (usize, &Distribution)| {
-            if changed[k] { with_moments(law, moments[k].0, moments[k].1) } else { Ok(*law) }
+            let fixed = self.fixed_bounds.get(k).copied().unwrap_or_default();
+            if changed[k] { with_moments(law, moments[k].0, moments[k].1, fixed) } else { Ok(*law) }
         };
         inputs.variables().iter().enumerate().map(law).collect()
     }

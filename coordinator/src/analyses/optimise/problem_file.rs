@@ -1,19 +1,17 @@
 //! Reader of the file of an optimisation problem, TOML; every fault is reported at once.
 
 use super::problem::{DesignProblem, DesignQuantity, Grade, PrintedUnit, QuantityKind, ReliabilityTarget};
+use super::problem_costs::CostRow;
 use super::{OptimiseError, ProblemFault};
 use crate::statistics::design::InputModel;
-use crate::statistics::optimisation::{CostModel, CostTable};
-use common::random::ToleranceClass;
-use common::scene::Scene;
+use common::random::Distribution;
 use common::scene::expression::{ExpressionError, evaluate, read_unit};
-use common::scene::quantity::{Dimension, LENGTH};
+use common::scene::quantity::Dimension;
+use common::scene::{Scene, SceneSource};
 use serde::Deserialize;
 use std::path::Path;
-use toml::Value;
+use toml::{Table, Value};
 
-/// Grades of the table: IT5 to IT11 are read, IT12 is ten times IT7.
-const GRADES: std::ops::RangeInclusive<u8> = 5..=12;
 /// Relative difference below which two variables have the same value.
 const SAME: f64 = 1e-9;
 
@@ -36,26 +34,15 @@ enum OneOrMore {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct QuantityRow {
+pub(super) struct QuantityRow {
     change: OneOrMore,
     lower: Option<Value>,
     upper: Option<Value>,
     capability: Option<f64>,
     #[serde(default)]
-    grades: Vec<String>,
-    diameter: Option<Value>,
+    pub grades: Vec<String>,
+    pub diameter: Option<Value>,
     cost: CostRow,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct CostRow {
-    model: String,
-    c0: Option<f64>,
-    c1: Option<f64>,
-    k: Option<f64>,
-    unit: Option<String>,
-    points: Option<Vec<(Value, f64)>>,
 }
 
 #[derive(Deserialize)]
@@ -66,23 +53,24 @@ struct TargetRow {
     reliability: Value,
 }
 
-/// Reads the file of a problem for a scene.
+/// Reads the file of a problem for the scene of a study.
 ///
 /// # Errors
 /// [`OptimiseError::Problem`] with all faults.
-pub fn read(path: &Path, scene: &Scene) -> Result<DesignProblem, OptimiseError> {
+pub fn read(path: &Path, source: &SceneSource) -> Result<DesignProblem, OptimiseError> {
     let text = std::fs::read_to_string(path).map_err(|error| {
         let file = path.display().to_string();
         OptimiseError::Problem(vec![ProblemFault { file, key: "file".to_owned(), what: error.to_string() }])
     })?;
-    parse(&text, &path.display().to_string(), scene)
+    parse(&text, &path.display().to_string(), source)
 }
 
 /// Reads the text of such a file, which messages call `file`.
 ///
 /// # Errors
 /// [`OptimiseError::Problem`] with all faults.
-pub fn parse(text: &str, file: &str, scene: &Scene) -> Result<DesignProblem, OptimiseError> {
+pub fn parse(text: &str, file: &str, source: &SceneSource) -> Result<DesignProblem, OptimiseError> {
+    let scene = source.nominal();
     let inputs = InputModel::from_scene(scene);
     let mut reader = Reader { file, scene, inputs: &inputs, faults: vec![] };
     let rows: File = match toml::from_str(text) {
@@ -114,28 +102,41 @@ pub fn parse(text: &str, file: &str, scene: &Scene) -> Result<DesignProblem, Opt
         .enumerate()
         .filter_map(|(place, row)| reader.target(&format!("targets[{}]", place + 1), row))
         .collect();
-    let problem = DesignProblem { quantities, targets };
+    let problem = DesignProblem { quantities, targets, fixed_bounds: fixed_bounds(source) };
     if reader.faults.is_empty() {
         reader.check_corners(&problem);
     }
     if reader.faults.is_empty() { Ok(problem) } else { Err(OptimiseError::Problem(reader.faults)) }
 }
 
-struct Reader<'a> {
+/// Bounds that the scene gives, by variable.
+fn fixed_bounds(source: &SceneSource) -> Vec<[bool; 2]> {
+    let document: Table = source.text().parse().unwrap_or_default();
+    let rows = document.get("variables").and_then(Value::as_array).cloned().unwrap_or_default();
+    let given = |name: &str| {
+        let row = rows.iter().find(|row| row.get("name").and_then(Value::as_str) == Some(name));
+        ["lower", "upper"].map(|key| row.is_some_and(|row| row.get(key).is_some()))
+    };
+    source.variables().iter().map(|variable| given(&variable.name)).collect()
+}
+
+/// The rows of a file for a scene, and the faults so far.
+pub(super) struct Reader<'a> {
     file: &'a str,
     scene: &'a Scene,
     inputs: &'a InputModel,
-    faults: Vec<ProblemFault>,
+    pub faults: Vec<ProblemFault>,
 }
 
 /// Dimension of a variable, and the unit in which it is printed.
-struct VariableUnit {
-    dimension: Dimension,
-    printed: PrintedUnit,
+pub(super) struct VariableUnit {
+    pub dimension: Dimension,
+    pub printed: PrintedUnit,
 }
 
 impl Reader<'_> {
-    fn fault(&mut self, key: &str, what: String) {
+    /// Records a fault.
+    pub(super) fn fault(&mut self, key: &str, what: String) {
         self.faults.push(ProblemFault { file: self.file.to_owned(), key: key.to_owned(), what });
     }
 
@@ -213,6 +214,12 @@ impl Reader<'_> {
             self.fault(key, format!("{change:?}: a constant has no spread"));
             return None;
         }
+        if matches!(self.scene.variables[k].distribution, Distribution::Triangular(_)) {
+            let what =
+                "a triangular variable is given by its bounds and its mode, which an optimum does not change";
+            self.fault(key, format!("{change:?}: {what}"));
+            return None;
+        }
         Some((k, word))
     }
 
@@ -245,51 +252,6 @@ impl Reader<'_> {
             );
             self.fault(key, what);
         }
-    }
-
-    fn grades(
-        &mut self,
-        path: &str,
-        row: &QuantityRow,
-        word: &str,
-        dimension: Dimension,
-    ) -> Vec<Grade> {
-        if row.grades.is_empty() {
-            if row.diameter.is_some() {
-                self.fault(&format!("{path}.diameter"), "is for grades only".to_owned());
-            }
-            return vec![];
-        }
-        let key = format!("{path}.grades");
-        if word != "tolerance" || dimension != LENGTH.dimension {
-            self.fault(&key, "grades are for the tolerance of a length, e.g. \"rod_length.tolerance\"".to_owned());
-            return vec![];
-        }
-        let Some(diameter) = &row.diameter else {
-            self.fault(&format!("{path}.diameter"), "is missing: the nominal size that the grades refer to".to_owned());
-            return vec![];
-        };
-        let length = VariableUnit {
-            dimension,
-            printed: PrintedUnit { symbol: "mm".to_owned(), si: 1e-3 },
-        };
-        let Some(diameter) = self.number(&format!("{path}.diameter"), diameter, &length, None) else {
-            return vec![];
-        };
-        let mut grades: Vec<Grade> = Vec::new();
-        for name in &row.grades {
-            match grade_width(name, diameter) {
-                Ok(width) => grades.push(Grade { name: name.clone(), width }),
-                Err(what) => self.fault(&key, what),
-            }
-        }
-        grades.sort_by(|a, b| a.width.total_cmp(&b.width));
-        if grades.windows(2).any(|pair| pair[0].width == pair[1].width) {
-            self.fault(&key, "a grade is named twice".to_owned());
-        } else if grades.len() == 1 && row.grades.len() == 1 {
-            self.fault(&key, "expected at least two grades to choose from".to_owned());
-        }
-        grades
     }
 
     fn bounds(
@@ -333,96 +295,14 @@ impl Reader<'_> {
         if unit.printed.symbol.is_empty() { number } else { format!("{number} {}", unit.printed.symbol) }
     }
 
-    fn cost(
-        &mut self,
-        path: &str,
-        row: &CostRow,
-        unit: &VariableUnit,
-        grades: &[Grade],
-    ) -> Option<(CostModel, f64)> {
-        let before = self.faults.len();
-        let cost_unit = match &row.unit {
-            None => unit.printed.si,
-            Some(text) => match read_unit(text) {
-                Ok(found) if found.dimension == unit.dimension => found.multiply / found.divide,
-                _ => {
-                    let what = format!("{text:?} is not a unit of {}", unit.dimension);
-                    self.fault(&format!("{path}.unit"), what);
-                    1.0
-                }
-            },
-        };
-        let c0 = row.c0.unwrap_or(0.0);
-        let needed: &[(&str, Option<f64>)] = match row.model.as_str() {
-            "reciprocal-power" => &[("c1", row.c1)],
-            "exponential" => &[("c1", row.c1), ("k", row.k)],
-            "linear" => &[("c1", row.c1)],
-            _ => &[],
-        };
-        for (key, _) in needed.iter().filter(|(_, value)| value.is_none()) {
-            self.fault(&format!("{path}.{key}"), "is missing".to_owned());
-        }
-        for (key, value) in [("c0", row.c0), ("c1", row.c1), ("k", row.k)] {
-            if value.is_some_and(|value| !value.is_finite()) {
-                self.fault(&format!("{path}.{key}"), "expected a finite number".to_owned());
-            }
-        }
-        let (c1, k) = (row.c1.unwrap_or(0.0), row.k.unwrap_or(1.0));
-        if row.model != "linear" {
-            for (key, value) in [("c1", row.c1), ("k", row.k)] {
-                if value.is_some_and(|value| value <= 0.0) {
-                    self.fault(&format!("{path}.{key}"), "expected above 0: a wider tolerance costs less".to_owned());
-                }
-            }
-        }
-        let model = match row.model.as_str() {
-            "reciprocal-power" => Some(CostModel::ReciprocalPower { c0, c1, k }),
-            "exponential" => Some(CostModel::Exponential { c0, c1, k }),
-            "linear" => Some(CostModel::Linear { c0, c1 }),
-            "table" => self.table(path, row, unit, grades, cost_unit).map(CostModel::Table),
-            other => {
-                let what = format!("{other:?}: allowed are reciprocal-power, exponential, linear and table");
-                self.fault(&format!("{path}.model"), what);
-                None
-            }
-        };
-        model.filter(|_| self.faults.len() == before).map(|model| (model, cost_unit))
-    }
-
-    fn table(
-        &mut self,
-        path: &str,
-        row: &CostRow,
-        unit: &VariableUnit,
-        grades: &[Grade],
-        cost_unit: f64,
-    ) -> Option<CostTable> {
-        let key = format!("{path}.points");
-        let Some(rows) = &row.points else {
-            self.fault(&key, "is missing, e.g. [[\"1 um\", 8.0], [\"2 um\", 5.0]]".to_owned());
-            return None;
-        };
-        let mut points = Vec::new();
-        for (at, cost) in rows {
-            let grade = grades.iter().find(|grade| at.as_str() == Some(&grade.name));
-            let at = match grade {
-                Some(grade) => grade.width,
-                None => self.number(&key, at, unit, None)?,
-            };
-            points.push((at / cost_unit, *cost));
-        }
-        points.sort_by(|a, b| a.0.total_cmp(&b.0));
-        match CostTable::new(&points) {
-            Ok(table) => Some(table),
-            Err(error) => {
-                self.fault(&key, error.to_string());
-                None
-            }
-        }
-    }
-
     /// A quantity in SI; `share`: what a percentage refers to.
-    fn number(&mut self, key: &str, value: &Value, unit: &VariableUnit, share: Option<f64>) -> Option<f64> {
+    pub(super) fn number(
+        &mut self,
+        key: &str,
+        value: &Value,
+        unit: &VariableUnit,
+        share: Option<f64>,
+    ) -> Option<f64> {
         let text = match value {
             Value::String(text) => text.clone(),
             other => other.to_string(),
@@ -501,8 +381,7 @@ impl Reader<'_> {
                         v
                     }),
                 ];
-                let error =
-                    corners.iter().find_map(|values| problem.variables(self.inputs, values).err());
+                let error = corners.iter().find_map(|values| problem.variables(self.inputs, values).err());
                 if let Some(error) = error {
                     let unit = self.unit_of(quantity.variables[0]);
                     let what = format!("{}: {error} [SI]", self.shown(value, &unit));
@@ -511,19 +390,6 @@ impl Reader<'_> {
             }
         }
     }
-}
-
-/// Width of the tolerance zone of a grade at a nominal size [m], from the tables of ISO 286-1. IT12 is ten times IT7, as
-/// from IT6 on every fifth step multiplies by ten.
-fn grade_width(name: &str, diameter: f64) -> Result<f64, String> {
-    let number = name.strip_prefix("IT").and_then(|number| number.parse::<u8>().ok());
-    let Some(number) = number.filter(|number| GRADES.contains(number)) else {
-        return Err(format!("{name:?}: allowed are IT5 to IT12"));
-    };
-    let (number, factor) = if number == 12 { (7, 10.0) } else { (number, 1.0) };
-    let class = ToleranceClass::parse(&format!("js{number}")).map_err(|error| error.to_string())?;
-    let (lower, upper) = class.deviations(diameter).map_err(|error| error.to_string())?;
-    Ok(factor * (upper - lower))
 }
 
 #[cfg(test)]

@@ -1,3 +1,4 @@
+use super::super::problem_costs::grade_width;
 use super::*;
 use common::scene::SceneSource;
 
@@ -17,7 +18,7 @@ const SCENE: &str = r#"
 
 fn read(text: &str) -> Result<DesignProblem, Vec<String>> {
     let source = SceneSource::parse(SCENE, "stack").unwrap();
-    parse(text, "p.toml", source.nominal()).map_err(|error| match error {
+    parse(text, "p.toml", &source).map_err(|error| match error {
         OptimiseError::Problem(faults) => faults.iter().map(ToString::to_string).collect(),
         other => panic!("{other}"),
     })
@@ -61,9 +62,15 @@ fn grades_follow_the_standard_tolerance_unit() {
     for (size, from, to) in [(15.0, 10.0, 18.0), (40.0, 30.0, 50.0), (100.0, 80.0, 120.0)] {
         let mean = f64::sqrt(from * to);
         let unit = 0.45 * mean.cbrt() + 0.001 * mean;
-        for (grade, units) in [(6, 10.0), (7, 16.0), (8, 25.0), (9, 40.0), (10, 64.0), (11, 100.0), (12, 160.0)] {
+        for (grade, units) in
+            [(6, 10.0), (7, 16.0), (8, 25.0), (9, 40.0), (10, 64.0), (11, 100.0), (12, 160.0)]
+        {
             let width = grade_width(&format!("IT{grade}"), size * 1e-3).unwrap() * 1e6;
-            assert!((width / (units * unit) - 1.0).abs() < 0.06, "IT{grade} at {size}: {width} {}", units * unit);
+            assert!(
+                (width / (units * unit) - 1.0).abs() < 0.06,
+                "IT{grade} at {size}: {width} {}",
+                units * unit
+            );
         }
     }
     assert!(grade_width("IT4", 0.01).is_err() && grade_width("IT7", 0.6).is_err());

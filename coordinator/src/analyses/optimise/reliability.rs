@@ -96,16 +96,8 @@ impl<'a> DesignReliability<'a> {
         y: &[f64],
     ) -> Self {
         let memo = RefCell::default();
-        let mut made = Self {
-            problem,
-            reference,
-            surrogates,
-            constraints,
-            cost_scale: 1.0,
-            lines: vec![],
-            seed,
-            memo,
-        };
+        let mut made =
+            Self { problem, reference, surrogates, constraints, cost_scale: 1.0, lines: vec![], seed, memo };
         made.cost_scale = made.cost(y).abs().max(f64::MIN_POSITIVE);
         made.place_lines(y);
         made

@@ -140,7 +140,8 @@ fn solve_grades(reliability: &mut DesignReliability<'_>, relaxed: Solved) -> Sol
         .map(|(options, k)| options.iter().map(|y| cost_of(*k, *y)).collect())
         .collect();
     // A cost between bounds is least at one of 21 places, to the accuracy of a bound.
-    let cheapest = |k: &usize| (0..=20).map(|i| cost_of(*k, f64::from(i) / 20.0)).fold(f64::INFINITY, f64::min);
+    let cheapest =
+        |k: &usize| (0..=20).map(|i| cost_of(*k, f64::from(i) / 20.0)).fold(f64::INFINITY, f64::min);
     let rest = free.iter().map(cheapest).sum::<f64>();
     let most = if free.is_empty() { MOST_EXAMINED.0 } else { MOST_EXAMINED.1 };
     let known = if relaxed.feasible { relaxed.cost } else { f64::NEG_INFINITY };

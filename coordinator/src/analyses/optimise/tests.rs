@@ -8,7 +8,12 @@ use crate::study::{Campaign, Observed, Plan, Problem, Settings};
 use common::random::{Distribution, standard_normal_cdf};
 
 /// A finished study of the margins of `f` (failure where one is not negative) at one checkpoint.
-fn study(variables: &[Distribution], modes: usize, initial: usize, f: &dyn Fn(&[f64]) -> Vec<f64>) -> StudyBasis {
+fn study(
+    variables: &[Distribution],
+    modes: usize,
+    initial: usize,
+    f: &dyn Fn(&[f64]) -> Vec<f64>,
+) -> StudyBasis {
     let settings = Settings {
         samples: 20_000,
         initial,
@@ -23,8 +28,12 @@ fn study(variables: &[Distribution], modes: usize, initial: usize, f: &dyn Fn(&[
         modes: (0..modes).map(|output| Mode { output, threshold: 0.0 }).collect(),
         checkpoints: vec![1],
     };
-    let plan =
-        Plan { targets: settings.targets(), largest_population: 20_000, retry: false, settings: settings.clone() };
+    let plan = Plan {
+        targets: settings.targets(),
+        largest_population: 20_000,
+        retry: false,
+        settings: settings.clone(),
+    };
     let mut outcomes = Vec::new();
     let simulate = |sample: &[f64]| {
         let outcome = Ok(Observed::exact(f(sample).into_iter().map(|y| vec![y]).collect()));
@@ -85,6 +94,7 @@ fn the_optimum_of_youn_and_choi_is_found_and_confirmed() {
     let problem = DesignProblem {
         quantities: (0..2).map(|k| quantity(k, QuantityKind::Mean, (0.0, 10.0), linear())).collect(),
         targets: (0..3).map(|g| target(Some(g), standard_normal_cdf(3.0))).collect(),
+        fixed_bounds: vec![],
     };
     let study = study(&variables, 3, 10, &youn_choi);
     let found = run(&study, &problem, 70, &youn_choi);
@@ -112,6 +122,7 @@ fn stack_problem(reliability: f64) -> DesignProblem {
             .map(|k| quantity(k, QuantityKind::Std, (0.02, 0.8), cost([1.0, 0.5, 2.0][k])))
             .collect(),
         targets: vec![target(None, reliability)],
+        fixed_bounds: vec![],
     }
 }
 

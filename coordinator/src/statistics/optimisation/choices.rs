@@ -123,15 +123,15 @@ mod tests {
             let cost = |o: &[usize]| o.iter().enumerate().map(|(k, o)| costs[k][*o]).sum::<f64>();
             let all = (0..256usize).map(|i| [i % 4, i / 4 % 4, i / 16 % 4, i / 64]);
             let exact = all.filter(|o| feasible(o)).map(|o| cost(&o)).fold(f64::INFINITY, f64::min);
-            let search = |relaxed: f64| {
-                cheapest_choice(&costs, 0.0, relaxed, 1000, |o| feasible(o).then(|| cost(o)))
-            };
+            let search =
+                |relaxed: f64| cheapest_choice(&costs, 0.0, relaxed, 1000, |o| feasible(o).then(|| cost(o)));
             let found = search(f64::NEG_INFINITY);
             assert!(found.proved);
             assert_eq!(found.best.as_ref().map_or(f64::INFINITY, |(_, cost)| *cost), exact, "{bound}");
             if exact.is_finite() {
                 // The relaxed optimum, (sum sqrt(f)^(2/3))^(3/2) scaled, saves the infeasible ones.
-                let relaxed = 8.0 * factors.iter().map(|f| f.powf(2.0 / 3.0)).sum::<f64>().powf(1.5) / bound.sqrt();
+                let relaxed =
+                    8.0 * factors.iter().map(|f| f.powf(2.0 / 3.0)).sum::<f64>().powf(1.5) / bound.sqrt();
                 let narrowed = search(relaxed);
                 assert_eq!(narrowed.best, found.best);
                 assert!(narrowed.examined <= found.examined);

@@ -44,6 +44,5 @@ pub use life_counts::{LifeCounts, LifeEstimate, LifePosition, ModeLives, Respons
 pub use life_curve::{LifeAtLevel, LifeCurve, LifeCurveInput, REACH, half_width};
 pub use numerical::{ErrorLine, NumericalBand};
 pub use line_sampling::{LineEstimate, LineRoot, LineSampling, Margins};
-pub use numerical::NumericalBand;
 pub use population_lives::{PredictedMode, population_lives};
 pub use subset::{Subset, SubsetSimulation};
