@@ -19,6 +19,9 @@ const RELATIVE_ERROR: f64 = 0.03;
 /// Coefficient of variation of the failure probability of a target over the population [1].
 const COV: f64 = 0.1;
 
+/// Most points of a population, unless the study has more.
+const MOST_SAMPLES: f64 = 400_000.0;
+
 /// A finished study as an optimisation begins with it.
 #[derive(Debug, Clone)]
 pub struct StudyBasis {
@@ -39,8 +42,6 @@ pub(super) struct TargetCampaign<'a> {
     pub checkpoints: Vec<usize>,
     /// Outcomes reduced to these.
     outcomes: Vec<(Vec<f64>, ObservedOutcome)>,
-    /// Least P_f that a target allows.
-    least_pf: f64,
 }
 
 impl<'a> TargetCampaign<'a> {
@@ -54,8 +55,7 @@ impl<'a> TargetCampaign<'a> {
         let mut checkpoints: Vec<usize> = problem.targets.iter().map(|target| target.checkpoint).collect();
         checkpoints.sort_unstable();
         checkpoints.dedup();
-        let least_pf = problem.targets.iter().map(|target| 1.0 - target.reliability).fold(1.0, f64::min);
-        let mut made = Self { study, modes, checkpoints, outcomes: vec![], least_pf };
+        let mut made = Self { study, modes, checkpoints, outcomes: vec![] };
         made.outcomes = study
             .outcomes
             .iter()
@@ -91,11 +91,13 @@ impl<'a> TargetCampaign<'a> {
         Observed { errors, ..Observed::exact(histories) }
     }
 
-    /// Learns at the design with these inputs, with at most `count` further simulations.
+    /// Learns at the design with these inputs, with at most `count` further simulations; `pf` is the least failure
+    /// probability that matters.
     pub fn learn(
         &mut self,
         inputs: &InputModel,
         count: usize,
+        pf: f64,
         simulate: &mut Simulate<'_>,
     ) -> Result<CampaignResult, OptimiseError> {
         let study = self.study;
@@ -110,13 +112,13 @@ impl<'a> TargetCampaign<'a> {
             checkpoints: self.checkpoints.iter().map(|n| study.problem.checkpoints[*n]).collect(),
         };
         let default = StoppingTargets::default();
-        let wanted = 1.1 / (self.least_pf * COV.powi(2));
+        let wanted = 1.1 / (pf * COV.powi(2));
         // Rarer failures are counted over conditional populations and judged by their relative error alone.
         let resolved = wanted <= LARGEST_POPULATION as f64;
         let of_study = study.settings.samples;
         let (samples, error, cov) = if resolved {
-            let error = (RELATIVE_ERROR * self.least_pf).min(default.error);
-            (of_study.max(wanted.ceil() as usize), error, f64::INFINITY)
+            let error = (RELATIVE_ERROR * pf).min(default.error);
+            (of_study.max(wanted.min(MOST_SAMPLES).ceil() as usize), error, f64::INFINITY)
         } else {
             (of_study, default.error, COV)
         };

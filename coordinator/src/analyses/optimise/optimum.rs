@@ -6,7 +6,7 @@
 
 use super::campaign::{StudyBasis, TargetCampaign};
 use super::problem::DesignProblem;
-use super::reliability::{Constraint, DesignReliability, ModeSurrogate, place};
+use super::reliability::{Constraint, DesignReliability, ModeSurrogate, TargetValue, place};
 use super::result::{
     Advice, Bound, FrontPoint, Grades, OptimisationResult, OptimisedQuantity, OptimisedTarget, Simulations,
 };
@@ -14,7 +14,7 @@ use super::solve::{Solved, solve, solve_relaxed};
 use super::{OptimiseError, Simulate};
 use crate::statistics::design::InputModel;
 use crate::study::{CampaignResult, StopReason};
-use common::random::{standard_normal_pdf, standard_normal_quantile};
+use common::random::{Distribution, standard_normal_pdf, standard_normal_quantile};
 
 /// Most rounds of the loop.
 const MOST_ROUNDS: usize = 25;
@@ -24,6 +24,8 @@ const VISIT: (usize, usize) = (4, 16);
 const NEAR_MEAN: f64 = 0.3;
 /// ... and no logarithm of a standard deviation by more than this [1].
 const NEAR_SPREAD: f64 = 0.15;
+/// Distance from the last design that was simulated, up to which the surrogates are trusted in a mean [standard deviations].
+const TRUST: f64 = 3.0;
 /// Difference of two reliabilities in their standard errors up to which they agree [1].
 const AGREE: f64 = 3.0;
 /// Half-width of a 95 % interval in standard errors [1].
@@ -78,7 +80,7 @@ impl<'a> Context<'a> {
         Self { problem, reference: &study.problem.inputs, seed: study.settings.seed, places, constraints }
     }
 
-    /// Reliability over designs with the surrogates of a campaign, its lines placed for the design y.
+    /// Reliability over designs with the surrogates of a campaign at the design y, its lines placed for it.
     fn reliability<'r>(&'r self, learned: &'r CampaignResult, y: &[f64]) -> DesignReliability<'r> {
         let surrogate = |(mode, surrogate): (
             &crate::statistics::learning::Classification,
@@ -90,7 +92,26 @@ impl<'a> Context<'a> {
         };
         let surrogates = learned.assessment.modes.iter().zip(&learned.assessment.surrogates).map(surrogate);
         let constraints = self.constraints.clone();
-        DesignReliability::new(self.problem, self.reference, surrogates.collect(), constraints, self.seed, y)
+        let surrogates = surrogates.collect();
+        let mut made =
+            DesignReliability::new(self.problem, self.reference, surrogates, constraints, self.seed, y);
+        made.region = self.trusted(y);
+        made
+    }
+
+    /// Region of y around a design in which its surrogates are trusted: no mean further than [`TRUST`] standard deviations.
+    fn trusted(&self, y: &[f64]) -> Vec<(f64, f64)> {
+        let laws = self.problem.variables(self.reference, &values_of(self.problem, y)).unwrap_or_default();
+        let range = |(quantity, y): (&super::DesignQuantity, &f64)| {
+            let stds = quantity.variables.iter().filter_map(|k| laws.get(*k)).map(Distribution::given_std);
+            let reach = TRUST * stds.fold(f64::INFINITY, f64::min) / (quantity.upper - quantity.lower);
+            if quantity.kind.is_spread() || !(reach > 0.0) {
+                (0.0, 1.0)
+            } else {
+                ((y - reach).max(0.0), (y + reach).min(1.0))
+            }
+        };
+        self.problem.quantities.iter().zip(y).map(range).collect()
     }
 
     fn inputs(&self, values: &[f64]) -> Result<InputModel, OptimiseError> {
@@ -142,13 +163,14 @@ pub fn optimise(
     let middle = vec![0.5; start.len()];
     let dimension = study.problem.inputs.dimension();
     let visit = (VISIT.0 + dimension).min(VISIT.1);
+    let allowed = problem.targets.iter().map(|target| 1.0 - target.reliability).fold(1.0, f64::min);
 
-    let mut learned = campaign.learn(context.reference, 0, simulate)?;
+    let mut learned = campaign.learn(context.reference, 0, allowed, simulate)?;
     // The design of the last campaign with simulations, and whether it ended by its own rule.
     let mut last: Option<(InputModel, bool)> = None;
     let mut known = vec![start.clone(), middle];
     let mut round = 0;
-    let (solved, inputs, reason) = loop {
+    let (solved, reason) = loop {
         round += 1;
         let solved = {
             let mut reliability = context.reliability(&learned, &known[0]);
@@ -156,49 +178,59 @@ pub fn optimise(
         };
         let added = campaign.simulations() - before;
         progress(OptimisationProgress { round, cost: solved.cost, feasible: solved.feasible, added });
-        known[0] = solved.y.clone();
+        known = vec![solved.y.clone()];
+        let pf = solved.least_probability(problem);
         let values = values_of(problem, &solved.y);
         let inputs = context.inputs(&values)?;
         let near = last.as_ref().is_some_and(|(at, _)| context.are_near(&inputs, at));
         let ended = last.as_ref().is_some_and(|(_, ended)| *ended);
         if near && ended {
             // The surrogates of the last campaign, assessed at the optimum itself.
-            learned = campaign.learn(&inputs, 0, simulate)?;
+            learned = campaign.learn(&inputs, 0, pf, simulate)?;
             let reliability = context.reliability(&learned, &solved.y);
             let values = reliability.targets(&solved.y).unwrap_or_default();
             let solved = Solved { values, ..solved.clone() };
             if context.is_accurate(&solved, &learned) {
-                break (solved, inputs, None);
+                break (solved, None);
             }
         }
         let left = budget.saturating_sub(added);
         if left == 0 || round == MOST_ROUNDS {
-            learned = campaign.learn(&inputs, 0, simulate)?;
+            learned = campaign.learn(&inputs, 0, pf, simulate)?;
             let reason = if left == 0 {
                 format!("the budget of {budget} simulations is spent")
             } else {
                 format!("{MOST_ROUNDS} rounds have passed")
             };
-            break (solved, inputs, Some(reason));
+            break (solved, Some(reason));
         }
         let count = if near { left } else { visit.min(left) };
-        learned = campaign.learn(&inputs, count, simulate)?;
+        learned = campaign.learn(&inputs, count, pf, simulate)?;
         let ended = learned.stop != StopReason::Budget;
         last = Some((inputs, ended));
     };
     let added = campaign.simulations() - before;
-    let at_present = campaign.learn(context.reference, 0, simulate)?;
+    let at_present = campaign.learn(context.reference, 0, allowed, simulate)?;
     let confirmed = reason.is_none();
     let stopped_because =
         reason.unwrap_or_else(|| "the optimum and the reliabilities simulated there agree".to_owned());
     let evaluations = Simulations { study: before, added };
-    let finding = Finding { solved, confirmed, stopped_because, evaluations, present, start };
-    let _ = inputs;
+    let finding = Finding { solved, confirmed, stopped_because, evaluations, present };
     Ok(result(&context, &finding, &learned, &at_present))
 }
 
 fn values_of(problem: &DesignProblem, y: &[f64]) -> Vec<f64> {
     problem.quantities.iter().zip(y).map(|(q, y)| super::reliability::value(q, *y)).collect()
+}
+
+impl Solved {
+    /// The least failure probability that matters to a target: the one it allows, or that of the design if it is larger.
+    fn least_probability(&self, problem: &DesignProblem) -> f64 {
+        let of = |(value, target): (&TargetValue, &super::ReliabilityTarget)| {
+            value.estimate.probability.max(1.0 - target.reliability)
+        };
+        self.values.iter().zip(&problem.targets).map(of).fold(1.0, f64::min)
+    }
 }
 
 /// What the loop has found.
@@ -208,7 +240,6 @@ struct Finding {
     stopped_because: String,
     evaluations: Simulations,
     present: Vec<f64>,
-    start: Vec<f64>,
 }
 
 fn result(
@@ -218,9 +249,9 @@ fn result(
     at_present: &CampaignResult,
 ) -> OptimisationResult {
     let problem = context.problem;
-    let Finding { solved, present, start, .. } = finding;
+    let Finding { solved, present, .. } = finding;
     let values = values_of(problem, &solved.y);
-    let targets = targets(context, solved, learned, at_present, start);
+    let targets = targets(context, solved, learned, at_present);
     let variance = |target: &OptimisedTarget| {
         let beta = -standard_normal_quantile(1.0 - target.reliability);
         (target.multiplier * target.standard_error / standard_normal_pdf(beta).max(1e-300)).powi(2)
@@ -286,12 +317,9 @@ fn targets(
     solved: &Solved,
     learned: &CampaignResult,
     at_present: &CampaignResult,
-    start: &[f64],
 ) -> Vec<OptimisedTarget> {
     let counted = learned.reliability();
     let counted_before = at_present.reliability();
-    // The study's own design may lie outside of the bounds: its reliability is counted.
-    let _ = start;
     let target = |i: usize| {
         let target = &context.problem.targets[i];
         let (curve, column) = context.places[i];

@@ -1,7 +1,7 @@
 //! Costs and grades of the file of an optimisation problem.
 
 use super::problem::{Grade, PrintedUnit};
-use super::problem_file::{QuantityRow, Reader, VariableUnit};
+use super::problem_file::{ProblemReader, QuantityRow, VariableUnit};
 use crate::statistics::optimisation::{CostModel, CostTable};
 use common::random::ToleranceClass;
 use common::scene::expression::read_unit;
@@ -23,7 +23,7 @@ pub(super) struct CostRow {
     pub points: Option<Vec<(Value, f64)>>,
 }
 
-impl Reader<'_> {
+impl ProblemReader<'_> {
     /// The grades of a quantity by ascending width; none if it has none, or after a fault.
     pub(super) fn grades(
         &mut self,

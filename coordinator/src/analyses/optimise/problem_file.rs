@@ -1,4 +1,4 @@
-//! Reader of the file of an optimisation problem, TOML; every fault is reported at once.
+//! ProblemReader of the file of an optimisation problem, TOML; every fault is reported at once.
 
 use super::problem::{DesignProblem, DesignQuantity, Grade, PrintedUnit, QuantityKind, ReliabilityTarget};
 use super::problem_costs::CostRow;
@@ -17,14 +17,14 @@ const SAME: f64 = 1e-9;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct File {
+struct ProblemDocument {
     #[serde(default)]
     quantities: Vec<QuantityRow>,
     #[serde(default)]
-    targets: Vec<TargetRow>,
+    targets: Vec<ReliabilityTargetRow>,
 }
 
-/// A text, or a list of texts.
+/// A text, or a list.
 #[derive(Deserialize)]
 #[serde(untagged)]
 enum OneOrMore {
@@ -47,7 +47,7 @@ pub(super) struct QuantityRow {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct TargetRow {
+struct ReliabilityTargetRow {
     limit_state: Option<String>,
     cycles: Option<u32>,
     reliability: Value,
@@ -72,8 +72,8 @@ pub fn read(path: &Path, source: &SceneSource) -> Result<DesignProblem, Optimise
 pub fn parse(text: &str, file: &str, source: &SceneSource) -> Result<DesignProblem, OptimiseError> {
     let scene = source.nominal();
     let inputs = InputModel::from_scene(scene);
-    let mut reader = Reader { file, scene, inputs: &inputs, faults: vec![] };
-    let rows: File = match toml::from_str(text) {
+    let mut reader = ProblemReader { file, scene, inputs: &inputs, faults: vec![] };
+    let rows: ProblemDocument = match toml::from_str(text) {
         Ok(rows) => rows,
         Err(error) => {
             reader.fault("file", error.to_string().trim_end().to_owned());
@@ -121,7 +121,7 @@ fn fixed_bounds(source: &SceneSource) -> Vec<[bool; 2]> {
 }
 
 /// The rows of a file for a scene, and the faults so far.
-pub(super) struct Reader<'a> {
+pub(super) struct ProblemReader<'a> {
     file: &'a str,
     scene: &'a Scene,
     inputs: &'a InputModel,
@@ -134,8 +134,8 @@ pub(super) struct VariableUnit {
     pub printed: PrintedUnit,
 }
 
-impl Reader<'_> {
-    /// Records a fault.
+impl ProblemReader<'_> {
+    /// Records a fault of this key.
     pub(super) fn fault(&mut self, key: &str, what: String) {
         self.faults.push(ProblemFault { file: self.file.to_owned(), key: key.to_owned(), what });
     }
@@ -326,7 +326,7 @@ impl Reader<'_> {
         None
     }
 
-    fn target(&mut self, path: &str, row: &TargetRow) -> Option<ReliabilityTarget> {
+    fn target(&mut self, path: &str, row: &ReliabilityTargetRow) -> Option<ReliabilityTarget> {
         let before = self.faults.len();
         let name = row.limit_state.as_deref().unwrap_or("total");
         let known: Vec<&str> = self.scene.limit_states.iter().map(|limit| limit.name.as_str()).collect();
@@ -341,7 +341,11 @@ impl Reader<'_> {
         if checkpoint.is_none() {
             let (first, last) = (all[0], all[all.len() - 1]);
             let every = self.scene.life.checkpoint_every;
-            let what = format!("{cycles}: expected a checkpoint of the study, {first} to {last} by {every}");
+            let what = if all.len() > 1 {
+                format!("{cycles}: expected a checkpoint of the study, {first} to {last} by {every}")
+            } else {
+                format!("{cycles}: the study has no life, so a target has no cycles; remove the key")
+            };
             self.fault(&format!("{path}.cycles"), what);
         }
         let plain = VariableUnit {
@@ -370,17 +374,12 @@ impl Reader<'_> {
             for (bound, value) in [("lower", quantity.lower), ("upper", quantity.upper)] {
                 let mut values = problem.present(self.inputs);
                 values[place] = value;
-                let corners = [
-                    values.clone(),
-                    others.iter().fold(values.clone(), |mut v, o| {
-                        v[*o] = problem.quantities[*o].lower;
-                        v
-                    }),
-                    others.iter().fold(values, |mut v, o| {
-                        v[*o] = problem.quantities[*o].upper;
-                        v
-                    }),
-                ];
+                let with_others = |bound: fn(&DesignQuantity) -> f64| {
+                    let mut values = values.clone();
+                    others.iter().for_each(|o| values[*o] = bound(&problem.quantities[*o]));
+                    values
+                };
+                let corners = [values.clone(), with_others(|q| q.lower), with_others(|q| q.upper)];
                 let error = corners.iter().find_map(|values| problem.variables(self.inputs, values).err());
                 if let Some(error) = error {
                     let unit = self.unit_of(quantity.variables[0]);

@@ -28,7 +28,7 @@ const BLOCK: usize = 256;
 /// Lines of a target at first, and at most.
 const LINES: (usize, usize) = (256, 4096);
 /// Relative standard error of the smaller of P_f and R above which the lines are doubled [1].
-const LINE_ERROR: f64 = 0.01;
+const LINE_ERROR: f64 = 0.015;
 /// Smallest P_f, and smallest R, that is read from lines.
 const LEAST: f64 = 1e-14;
 /// Reliability index that stands for what the lines do not reach.
@@ -77,6 +77,8 @@ pub(super) struct DesignReliability<'a> {
     pub reference: &'a InputModel,
     pub surrogates: Vec<ModeSurrogate<'a>>,
     pub constraints: Vec<Constraint>,
+    /// Region of y in which the surrogates are trusted `(q,)`.
+    pub region: Vec<(f64, f64)>,
     /// Unit of the objective.
     pub cost_scale: f64,
     /// Lines and directions by target.
@@ -95,10 +97,13 @@ impl<'a> DesignReliability<'a> {
         seed: u64,
         y: &[f64],
     ) -> Self {
-        let memo = RefCell::default();
+        let (memo, lines) = (RefCell::default(), vec![]);
+        let region = vec![(0.0, 1.0); problem.quantities.len()];
         let mut made =
-            Self { problem, reference, surrogates, constraints, cost_scale: 1.0, lines: vec![], seed, memo };
-        made.cost_scale = made.cost(y).abs().max(f64::MIN_POSITIVE);
+            Self { problem, reference, surrogates, constraints, region, cost_scale: 1.0, lines, seed, memo };
+        // The cost of one design may be zero.
+        let typical = 0.5 * (made.cost(y).abs() + made.cost(&vec![0.5; y.len()]).abs());
+        made.cost_scale = if typical > 0.0 && typical.is_finite() { typical } else { 1.0 };
         made.place_lines(y);
         made
     }
@@ -285,7 +290,7 @@ impl FreeDesign<'_> {
 
 impl Program for FreeDesign<'_> {
     fn bounds(&self) -> Vec<(f64, f64)> {
-        vec![(0.0, 1.0); self.free.len()]
+        self.free.iter().map(|k| self.reliability.region[*k]).collect()
     }
 
     fn objective(&self, free: &[f64]) -> (f64, Vec<f64>) {

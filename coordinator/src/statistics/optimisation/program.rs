@@ -26,9 +26,9 @@ const FEASIBLE: f64 = 1e-5;
 /// Distance from a constraint or a bound below which it is active [1].
 const ACTIVE: f64 = 1e-4;
 /// Most evaluations of one descent.
-const MOST_EVALUATIONS: usize = 100;
+const MOST_EVALUATIONS: usize = 60;
 /// Change of the variables and of the objective at which a descent ends [1].
-const TOLERANCE: f64 = 1e-7;
+const TOLERANCE: f64 = 1e-6;
 
 /// A function to be minimised under constraints.
 pub trait Program {
@@ -73,7 +73,7 @@ pub struct Nearest {
 
 /// Values at the last point, and the best point so far.
 #[derive(Default)]
-struct Memo {
+struct ProgramMemo {
     x: Vec<f64>,
     constraints: Vec<f64>,
     slopes: Option<Vec<Vec<f64>>>,
@@ -85,7 +85,7 @@ struct Memo {
 /// A program whose constraints are evaluated once for each point, however often they are asked for.
 struct Remembered<'a> {
     program: &'a dyn Program,
-    memo: RefCell<Memo>,
+    memo: RefCell<ProgramMemo>,
 }
 
 impl Remembered<'_> {
@@ -129,10 +129,15 @@ fn violation(constraints: &[f64]) -> f64 {
 pub fn minimise(program: &dyn Program, constraints: usize, start: &[f64]) -> Minimum {
     let remembered = Rc::new(Remembered { program, memo: RefCell::default() });
     let mut x: Vec<f64> = clamped(start, &program.bounds());
-    // A second descent forgets the curvature of the first, which may be that of a distant point.
+    // A second descent forgets the curvature of the first, which may have led nowhere.
     for _ in 0..2 {
         descend(&remembered, constraints, &x);
-        x = remembered.memo.borrow().best.as_ref().map_or(x, |best| best.0.clone());
+        let memo = remembered.memo.borrow();
+        let Some((best, violation, _)) = &memo.best else { break };
+        x.clone_from(best);
+        if *violation <= FEASIBLE {
+            break;
+        }
     }
     remembered.visit(&x);
     let (values, evaluations) =

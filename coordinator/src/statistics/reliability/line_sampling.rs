@@ -76,7 +76,7 @@ pub struct LineEstimate {
 
 /// A bracket of a root, or the root itself after refinement.
 #[derive(Debug, Clone, Copy)]
-struct Bracket {
+struct RootBracket {
     line: usize,
     mode: usize,
     /// Ends with their margins.
@@ -149,7 +149,7 @@ impl LineSampling {
                     let lines = self.lines().min(SEARCH_LINES);
                     let (feet, _, brackets) = self.crossings(lines, &direction, margins);
                     // Only rises count: they bound the failures that lie along the direction.
-                    let rising: Vec<&Bracket> =
+                    let rising: Vec<&RootBracket> =
                         brackets.iter().filter(|root| root.mode == i && root.slope > 0.0).collect();
                     let nearest = rising.iter().map(|root| root.t.powi(2)).fold(f64::INFINITY, f64::min);
                     if rising.is_empty() {
@@ -181,7 +181,7 @@ impl LineSampling {
         lines: usize,
         direction: &[f64],
         margins: &Margins<'_>,
-    ) -> (Mat<f64>, Mat<f64>, Vec<Bracket>) {
+    ) -> (Mat<f64>, Mat<f64>, Vec<RootBracket>) {
         let d = self.normals.nrows();
         let along_direction =
             |l: usize| -> f64 { (0..d).map(|k| self.normals[(k, l)] * direction[k]).sum::<f64>() };
@@ -198,7 +198,7 @@ impl LineSampling {
                     let (low, high) = (y[(mode, line * GRID + g - 1)], y[(mode, line * GRID + g)]);
                     if (low >= 0.0) != (high >= 0.0) {
                         let (low, high) = ((t_of(g - 1), low), (t_of(g), high));
-                        brackets.push(Bracket { line, mode, low, high, t: low.0, slope: 0.0 });
+                        brackets.push(RootBracket { line, mode, low, high, t: low.0, slope: 0.0 });
                     }
                 }
             }
@@ -210,11 +210,11 @@ impl LineSampling {
 }
 
 /// Refines the brackets by the Illinois method, all at once, and takes the slopes along the lines.
-fn refine(brackets: &mut [Bracket], feet: MatRef<'_, f64>, direction: &[f64], margins: &Margins<'_>) {
+fn refine(brackets: &mut [RootBracket], feet: MatRef<'_, f64>, direction: &[f64], margins: &Margins<'_>) {
     if brackets.is_empty() {
         return;
     }
-    let at = |brackets: &[Bracket], shifts: &[f64]| {
+    let at = |brackets: &[RootBracket], shifts: &[f64]| {
         let n = brackets.len();
         let points = Mat::from_fn(feet.nrows(), n * shifts.len(), |k, j| {
             let bracket = &brackets[j % n];
