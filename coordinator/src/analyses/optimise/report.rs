@@ -89,15 +89,17 @@ fn tables(result: &OptimisationResult) -> Vec<DecisionTable> {
         head: head.iter().map(|cell| (*cell).to_owned()).collect(),
         rows,
     };
+    let found = if result.feasible { "optimum" } else { "nearest" };
+    let (cost, counted) = (format!("cost, {found}"), format!("{found}, counted"));
     let mut tables = vec![
         table(
             "Design",
-            &["quantity", "study", "optimum", "allowed", "unit", "change", "cost, study", "cost, optimum"],
+            &["quantity", "study", found, "allowed", "unit", "change", "cost, study", &cost],
             result.quantities.iter().map(quantity_row).collect(),
         ),
         table(
             "Reliability",
-            &["reliability", "target", "study", "optimum", "optimum, counted", "state"],
+            &["reliability", "target", "study", found, &counted, "state"],
             result.targets.iter().map(target_row).collect(),
         ),
     ];
