@@ -204,7 +204,7 @@ Examples:
     /// Find the age, or the measured level, of replacement with the least cost
     #[command(after_help = super::replace::EXAMPLES)]
     Replace(ReplaceArguments),
-    /// Cheapest means and tolerances that reach a reliability, from a finished study and simulations at the optimum
+    /// Cheapest means and tolerances that reach a reliability, from a finished study
     #[command(after_help = super::optimise::EXAMPLES)]
     Optimise(Box<OptimiseArguments>),
     /// Write a commented scene to start from
