@@ -17,6 +17,7 @@ mod optimum;
 mod problem;
 mod problem_costs;
 mod problem_file;
+mod problem_rows;
 mod reliability;
 mod report;
 mod result;

@@ -8,7 +8,7 @@ use common::random::{Distribution, LawError};
 /// Parameter of a random variable that a design changes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum QuantityKind {
-    /// The mean.
+    /// The mean of the variable.
     Mean,
     /// The standard deviation.
     Std,
@@ -93,7 +93,7 @@ pub struct ReliabilityTarget {
     pub limit_state: Option<usize>,
     /// Index of the checkpoint of the study.
     pub checkpoint: usize,
-    /// Life [cycles].
+    /// Life at which the reliability is wanted [cycles].
     pub cycles: u32,
     /// Least reliability [1].
     pub reliability: f64,

@@ -1,28 +1,14 @@
 //! Costs and grades of the file of an optimisation problem.
 
 use super::problem::{Grade, PrintedUnit};
-use super::problem_file::{ProblemReader, QuantityRow, VariableUnit};
+use super::problem_rows::{CostRow, ProblemReader, QuantityRow, VariableUnit};
 use crate::statistics::optimisation::{CostModel, CostTable};
 use common::random::ToleranceClass;
 use common::scene::expression::read_unit;
 use common::scene::quantity::{Dimension, LENGTH};
-use serde::Deserialize;
-use toml::Value;
 
 /// Grades of the table: IT5 to IT11 are read, IT12 is ten times IT7.
 const GRADES: std::ops::RangeInclusive<u8> = 5..=12;
-/// Cost of a quantity as written.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct CostRow {
-    pub model: String,
-    pub c0: Option<f64>,
-    pub c1: Option<f64>,
-    pub k: Option<f64>,
-    pub unit: Option<String>,
-    pub points: Option<Vec<(Value, f64)>>,
-}
-
 impl ProblemReader<'_> {
     /// The grades of a quantity by ascending width; none if it has none, or after a fault.
     pub(super) fn grades(

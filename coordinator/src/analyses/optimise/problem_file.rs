@@ -1,13 +1,13 @@
 //! ProblemReader of the file of an optimisation problem, TOML; every fault is reported at once.
 
 use super::problem::{DesignProblem, DesignQuantity, Grade, PrintedUnit, QuantityKind, ReliabilityTarget};
-use super::problem_costs::CostRow;
+use super::problem_rows::{OneOrMore, ProblemReader, QuantityRow, VariableUnit};
 use super::{OptimiseError, ProblemFault};
 use crate::statistics::design::InputModel;
 use common::random::Distribution;
-use common::scene::expression::{ExpressionError, evaluate, read_unit};
+use common::scene::SceneSource;
+use common::scene::expression::read_unit;
 use common::scene::quantity::Dimension;
-use common::scene::{Scene, SceneSource};
 use serde::Deserialize;
 use std::path::Path;
 use toml::{Table, Value};
@@ -22,27 +22,6 @@ struct ProblemDocument {
     quantities: Vec<QuantityRow>,
     #[serde(default)]
     targets: Vec<ReliabilityTargetRow>,
-}
-
-/// A text, or a list.
-#[derive(Deserialize)]
-#[serde(untagged)]
-enum OneOrMore {
-    One(String),
-    More(Vec<String>),
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct QuantityRow {
-    change: OneOrMore,
-    lower: Option<Value>,
-    upper: Option<Value>,
-    capability: Option<f64>,
-    #[serde(default)]
-    pub grades: Vec<String>,
-    pub diameter: Option<Value>,
-    cost: CostRow,
 }
 
 #[derive(Deserialize)]
@@ -120,26 +99,7 @@ fn fixed_bounds(source: &SceneSource) -> Vec<[bool; 2]> {
     source.variables().iter().map(|variable| given(&variable.name)).collect()
 }
 
-/// The rows of a file for a scene, and the faults so far.
-pub(super) struct ProblemReader<'a> {
-    file: &'a str,
-    scene: &'a Scene,
-    inputs: &'a InputModel,
-    pub faults: Vec<ProblemFault>,
-}
-
-/// Dimension of a variable, and the unit in which it is printed.
-pub(super) struct VariableUnit {
-    pub dimension: Dimension,
-    pub printed: PrintedUnit,
-}
-
 impl ProblemReader<'_> {
-    /// Records a fault of this key.
-    pub(super) fn fault(&mut self, key: &str, what: String) {
-        self.faults.push(ProblemFault { file: self.file.to_owned(), key: key.to_owned(), what });
-    }
-
     fn quantity(&mut self, path: &str, row: &QuantityRow) -> Option<DesignQuantity> {
         let before = self.faults.len();
         let changes: Vec<&str> = match &row.change {
@@ -293,37 +253,6 @@ impl ProblemReader<'_> {
     fn shown(&self, value: f64, unit: &VariableUnit) -> String {
         let number = format!("{}", (value / unit.printed.si * 1e9).round() / 1e9);
         if unit.printed.symbol.is_empty() { number } else { format!("{number} {}", unit.printed.symbol) }
-    }
-
-    /// A quantity in SI; `share`: what a percentage refers to.
-    pub(super) fn number(
-        &mut self,
-        key: &str,
-        value: &Value,
-        unit: &VariableUnit,
-        share: Option<f64>,
-    ) -> Option<f64> {
-        let text = match value {
-            Value::String(text) => text.clone(),
-            other => other.to_string(),
-        };
-        let bare = matches!(value, Value::Float(_) | Value::Integer(_));
-        if bare && unit.dimension != Dimension::NONE {
-            self.fault(key, format!("{text} has no unit, expected e.g. \"{text} {}\"", unit.printed.symbol));
-            return None;
-        }
-        let mut nothing =
-            |name: &str| Err(ExpressionError::UnknownName { name: name.to_owned(), nearest: None });
-        let relative = text.trim_end().ends_with('%');
-        let what = match evaluate(&text, &mut nothing) {
-            Err(error) => format!("{text:?}: {error}"),
-            Ok(found) if !found.value.is_finite() => format!("{text:?} is not finite"),
-            Ok(found) if relative && share.is_some() => return share.map(|of| of * found.value),
-            Ok(found) if found.dimension == unit.dimension => return Some(found.value),
-            Ok(found) => format!("{text:?} is {}, expected {}", found.dimension, unit.dimension),
-        };
-        self.fault(key, what);
-        None
     }
 
     fn target(&mut self, path: &str, row: &ReliabilityTargetRow) -> Option<ReliabilityTarget> {

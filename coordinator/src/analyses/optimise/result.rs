@@ -47,7 +47,7 @@ pub struct OptimisedQuantity {
     pub grade: Option<String>,
     /// Bound on which the optimum lies.
     pub on_bound: Option<Bound>,
-    /// What changes.
+    /// What changes against the study.
     pub advice: Advice,
     /// Cost in the study and at the optimum.
     pub cost_before: f64,
@@ -60,7 +60,7 @@ pub struct OptimisedQuantity {
 pub struct OptimisedTarget {
     /// Name, e.g. `R wear at 8000`.
     pub name: String,
-    /// Life [cycles].
+    /// Life at which the reliability is wanted [cycles].
     pub cycles: u32,
     /// Least reliability [1].
     pub target: f64,
@@ -134,7 +134,7 @@ pub struct OptimisationResult {
     pub cost_standard_error: f64,
     /// Quantities of the design.
     pub quantities: Vec<OptimisedQuantity>,
-    /// Targets.
+    /// Targets before and at the optimum.
     pub targets: Vec<OptimisedTarget>,
     /// Least cost against stricter and looser targets.
     pub front: Vec<FrontPoint>,
