@@ -105,7 +105,7 @@ impl<'a> Context<'a> {
         let range = |(quantity, y): (&super::DesignQuantity, &f64)| {
             let stds = quantity.variables.iter().filter_map(|k| laws.get(*k)).map(Distribution::given_std);
             let reach = TRUST * stds.fold(f64::INFINITY, f64::min) / (quantity.upper - quantity.lower);
-            if quantity.kind.is_spread() || !(reach > 0.0) {
+            if quantity.kind.is_spread() || reach.is_nan() || reach <= 0.0 {
                 (0.0, 1.0)
             } else {
                 ((y - reach).max(0.0), (y + reach).min(1.0))

@@ -240,7 +240,7 @@ fn share(r: f64) -> String {
 /// A reliability with its 95 % interval; the digits follow the interval.
 fn with_interval(r: f64, standard_error: f64) -> String {
     let width = REACH * standard_error;
-    if !(width > 1e-9) {
+    if width.is_nan() || width <= 1e-9 {
         return if 1.0 - r < 1e-9 { "1".to_owned() } else { share(r) };
     }
     let decimals = (1.0 - width.log10().floor()).clamp(1.0, 12.0) as usize;

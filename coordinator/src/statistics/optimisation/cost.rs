@@ -59,7 +59,7 @@ pub enum TableError {
     /// A place that is not above the one before it.
     #[error("{value} follows {before}, expected places in ascending order")]
     NotAscending {
-        /// Place before.
+        /// The place before it in the table.
         before: f64,
         /// Place that should be above it.
         value: f64,
@@ -83,7 +83,7 @@ impl CostTable {
         if points.len() < 2 {
             return Err(TableError::TooFew { points: points.len() });
         }
-        if let Some(pair) = points.windows(2).find(|pair| !(pair[1].0 > pair[0].0)) {
+        if let Some(pair) = points.windows(2).find(|pair| pair[1].0 <= pair[0].0 || pair[1].0.is_nan()) {
             return Err(TableError::NotAscending { before: pair[0].0, value: pair[1].0 });
         }
         let (t, cost): (Vec<f64>, Vec<f64>) = points.iter().copied().unzip();

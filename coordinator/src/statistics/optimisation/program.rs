@@ -248,7 +248,7 @@ fn multipliers(program: &dyn Program, x: &[f64], values: &[f64]) -> Vec<f64> {
         let right = Mat::from_fn(free.len(), 1, |k, _| gradient[free[k]]);
         let solved = columns.qr().solve_lstsq(right);
         let least = (0..active.len()).min_by(|a, b| solved[(*a, 0)].total_cmp(&solved[(*b, 0)]));
-        match least.filter(|i| !(solved[(*i, 0)] >= 0.0)) {
+        match least.filter(|i| solved[(*i, 0)] < 0.0 || solved[(*i, 0)].is_nan()) {
             Some(negative) => {
                 active.remove(negative);
             }
