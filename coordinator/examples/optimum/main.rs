@@ -11,7 +11,7 @@ mod problems;
 mod run;
 
 use clap::Parser;
-use problems::{Known, linear, stack, youn_choi};
+use problems::{NamedProblem, linear, stack, youn_choi};
 use run::{Outcome, solve};
 use std::error::Error;
 
@@ -37,7 +37,7 @@ struct Arguments {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments = Arguments::parse();
-    let known: [(&str, fn(u64) -> Known); 3] =
+    let known: [NamedProblem; 3] =
         [("youn-choi", |_| youn_choi()), ("stack", |_| stack()), ("linear", linear)];
     if let Some(unknown) = arguments.problem.iter().find(|name| known.iter().all(|(known, _)| known != name))
     {

@@ -8,12 +8,18 @@ use coordinator::statistics::design::{Stream, open_stream};
 use coordinator::statistics::optimisation::CostModel;
 use rand::RngExt;
 
+/// The modes' y at a sample; a mode fails where its y >= 0.
+pub type ModeMargins = Box<dyn Fn(&[f64]) -> Vec<f64>>;
+
+/// A maker of a problem from a seed, with its name.
+pub type NamedProblem = (&'static str, fn(u64) -> Known);
+
 /// A problem with its optimum; failure is y >= 0 for a mode's y.
 pub struct Known {
     /// Random variables of the first study `(d,)`.
     pub variables: Vec<Distribution>,
     /// The modes' y at a sample.
-    pub margins: Box<dyn Fn(&[f64]) -> Vec<f64>>,
+    pub margins: ModeMargins,
     /// Number of modes.
     pub modes: usize,
     /// What is to be minimised.
