@@ -15,9 +15,9 @@
 
 pub mod budget;
 pub mod calibrate;
+pub mod optimise;
 pub mod quantity;
 pub mod replace;
-pub mod optimise;
 pub mod replay;
 #[cfg(test)]
 mod replay_tests;

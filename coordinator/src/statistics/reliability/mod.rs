@@ -42,7 +42,7 @@ pub use distribution::{
 pub use importance::ImportanceSampling;
 pub use life_counts::{LifeCounts, LifeEstimate, LifePosition, ModeLives, ResponseErrors, mode_lives};
 pub use life_curve::{LifeAtLevel, LifeCurve, LifeCurveInput, REACH, half_width};
-pub use numerical::{ErrorLine, NumericalBand};
 pub use line_sampling::{LineEstimate, LineRoot, LineSampling, Margins};
+pub use numerical::{ErrorLine, NumericalBand};
 pub use population_lives::{PredictedMode, population_lives};
 pub use subset::{Subset, SubsetSimulation};
