@@ -6,7 +6,7 @@ use super::region::Region;
 use crate::results::life_summary::{LifeCurveRow, LifeRow};
 use crate::results::summary::{ReliabilityRow, StudySummary};
 use crate::statistics::reliability::REACH;
-use crate::statistics::reliability::paired::{Change, Interval, change, sampling_correlation};
+use crate::statistics::reliability::paired::{Change, IntervalEstimate, change, sampling_correlation};
 use crate::study::{
     CampaignResult, Settings, StoredOutcome, StudyError, learn_from_results, learn_with_surrogates, result_of,
 };
@@ -172,7 +172,7 @@ impl Paired {
         let interval = |row: &ReliabilityRow, name: &str| {
             let range = row.interval_of(name)?;
             let value = *row.reliability.get(name)?;
-            Some(Interval {
+            Some(IntervalEstimate {
                 value,
                 lower: range.lower,
                 upper: Some(range.upper),
@@ -205,7 +205,7 @@ impl Paired {
             let both = b.cycles.zip(a.cycles).and_then(|(life_before, life_after)| {
                 let c = names.iter().position(|name| *name == b.limit_state)?;
                 let r = self.correlation(c, (nearest(life_before), nearest(life_after)));
-                let interval = |row: &LifeRow, value: f64, summary: &StudySummary| Interval {
+                let interval = |row: &LifeRow, value: f64, summary: &StudySummary| IntervalEstimate {
                     value,
                     lower: row.interval.lower,
                     upper: row.interval.upper,

@@ -20,7 +20,7 @@
 
 /// An estimate with its 95 % interval, in any unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Interval {
+pub struct IntervalEstimate {
     /// Best estimate of the quantity.
     pub value: f64,
     /// Lower limit of the interval.
@@ -43,14 +43,14 @@ pub struct Change {
 }
 
 /// The change from `before` to `after`, whose samples have the correlation `r` [1].
-pub fn change(before: Interval, after: Interval, r: f64) -> Change {
+pub fn change(before: IntervalEstimate, after: IntervalEstimate, r: f64) -> Change {
     let value = after.value - before.value;
     let width = |of_after: f64, of_before: f64| {
         let (h_a, h_b) = (after.sampling.min(of_after), before.sampling.min(of_before));
         (of_after * of_after + of_before * of_before - 2.0 * r * h_a * h_b).max(0.0).sqrt()
     };
-    let below = |of: Interval| (of.value - of.lower).max(0.0);
-    let above = |of: Interval| of.upper.map(|upper| (upper - of.value).max(0.0));
+    let below = |of: IntervalEstimate| (of.value - of.lower).max(0.0);
+    let above = |of: IntervalEstimate| of.upper.map(|upper| (upper - of.value).max(0.0));
     Change {
         value,
         lower: above(before).map(|of_before| value - width(below(after), of_before)),
@@ -80,7 +80,7 @@ mod tests {
 
     #[test]
     fn the_interval_of_a_change_has_its_closed_form() {
-        let of = |value: f64, half: f64, sampling: f64| Interval {
+        let of = |value: f64, half: f64, sampling: f64| IntervalEstimate {
             value,
             lower: value - half,
             upper: Some(value + half),
@@ -94,7 +94,7 @@ mod tests {
         // The surrogate's part does not cancel: 5^2 = 3^2 + 4^2 each.
         let found = change(of(0.0, 5.0, 3.0), of(0.0, 5.0, 3.0), 1.0);
         assert!((found.upper.unwrap() - 32f64.sqrt()).abs() < 1e-12);
-        let beyond = Interval { upper: None, ..of(7.0, 1.0, 1.0) };
+        let beyond = IntervalEstimate { upper: None, ..of(7.0, 1.0, 1.0) };
         let found = change(of(5.0, 1.0, 1.0), beyond, 0.0);
         assert_eq!((found.lower, found.upper), (Some(2.0 - 2f64.sqrt()), None));
     }
