@@ -201,7 +201,7 @@ fn notes(result: &OptimisationResult) -> Vec<String> {
     let continuous =
         if result.grades.is_some() { ", with every tolerance between the grades allowed" } else { "" };
     notes.push(format!(
-        "The costs against reliability are optima on the surrogates{continuous}; only the design above was simulated."
+        "The costs against reliability are optima on the surrogates{continuous}; no simulation confirms them."
     ));
     notes
 }

@@ -19,11 +19,16 @@ pub fn text(report: &FleetReport) -> String {
     out
 }
 
+/// The number of units with its noun.
+fn counted(units: usize) -> String {
+    format!("{units} {}", if units == 1 { "unit" } else { "units" })
+}
+
 fn write_report(out: &mut String, report: &FleetReport) -> std::fmt::Result {
     writeln!(
         out,
-        "{} units of {}, remaining life after the last observation [cycles]; no simulation was made\n",
-        report.units.len(),
+        "{} of {}, remaining life after the last observation [cycles]; no simulation was made\n",
+        counted(report.units.len()),
         report.scene
     )?;
     writeln!(
