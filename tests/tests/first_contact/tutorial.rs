@@ -7,15 +7,21 @@ use tests::program;
 
 const TUTORIAL: &str = include_str!("../../../coordinator/doc/tutorial.md");
 
-/// Lines of the blocks that show commands.
-fn commands() -> Vec<&'static str> {
-    let mut inside = false;
-    let mut found = Vec::new();
+/// Commands of the blocks that show them, one a line or continued by a backslash.
+fn commands() -> Vec<String> {
+    let (mut inside, mut continued) = (false, false);
+    let mut found: Vec<String> = Vec::new();
     for line in TUTORIAL.lines() {
         match line {
             "```sh" => inside = true,
             "```" => inside = false,
-            command if inside => found.push(command),
+            line if inside => {
+                match found.last_mut().filter(|_| continued) {
+                    Some(command) => *command = format!("{command}\n{line}"),
+                    None => found.push(line.to_owned()),
+                }
+                continued = line.ends_with('\\');
+            }
             _ => {}
         }
     }
@@ -38,7 +44,7 @@ pub fn followed() -> &'static Path {
         let path = path.expect("a path of paths");
         for command in commands() {
             let output = Command::new("sh")
-                .args(["-e", "-c", command])
+                .args(["-e", "-c", &command])
                 .current_dir(&folder)
                 .env("PATH", &path)
                 .output()
@@ -54,9 +60,21 @@ pub fn followed() -> &'static Path {
 fn every_command_runs_and_leaves_what_the_text_says() {
     let folder = followed();
     let shown = commands();
-    for command in
-        ["scenes", "simulate", "run", "sensitivity", "init", "check", "explain", "compare", "report"]
-    {
+    for command in [
+        "scenes",
+        "simulate",
+        "run",
+        "sensitivity",
+        "what-if",
+        "replace",
+        "update",
+        "optimise",
+        "init",
+        "check",
+        "explain",
+        "compare",
+        "report",
+    ] {
         let starts = format!("coordinator {command}");
         assert!(shown.iter().any(|line| line.starts_with(&starts)), "the tutorial does not show {starts}");
     }
