@@ -2,8 +2,9 @@
 
 Unknowns are the rod's angle theta and the slider's position s; crank pin and guide are ideal and leave no others. The
 right-hand side is compiled. Every cycle is one `solve_ivp`; the contact at the solver's own steps gives Archard's wear
-by the trapezoidal rule, and the wear of that cycle is repeated `jump` times in an explicit jump. Contact law, arc of
-contact and spline of the bore are those of the scene language's `local-hertz`.
+by the trapezoidal rule, shared out over the control points by their hat functions, and the wear of that cycle is repeated
+`jump` times in an explicit jump. Contact law, arc of contact and spline of the bore are those of the scene language's
+`local-hertz`.
 """
 
 import math
@@ -18,7 +19,6 @@ UNITS = {
     "s/m": 1.0, "N s/m": 1.0, "mm/s": 1e-3, "1/Pa": 1.0,
 }
 SUBDIVISION = 8  # intervals of the table of the bore per control point
-ENTRY = 0.5 * math.tau / 360  # angle over which a control point enters the arc of contact [rad]
 WARM_UP = 0.05  # after each jump, as a fraction of the cycle
 
 # Names of the entries of the vector of parameters.
@@ -185,6 +185,13 @@ def end_of_arc(psi, e, journal, cubic, table, up):
 
 
 @njit(cache=True)
+def hat_integral(x):
+    """Integral up to x of the hat function, which is 1 at 0 and falls to 0 at -1 and 1."""
+    x = min(max(x, -1.0), 1.0)
+    return 0.5 * (1.0 + x) ** 2 if x < 0.0 else 1.0 - 0.5 * (1.0 - x) ** 2
+
+
+@njit(cache=True)
 def observe(t, y, p, cubic, table, points):
     """Wear of one cycle at the control points, peak of the joint's force, largest error of the slider's position, from
     states `y (4, m)` at times `t`."""
@@ -203,12 +210,9 @@ def observe(t, y, p, cubic, table, points):
         low, middle, high = radius(cubic, psi - before)[0], radius(cubic, psi)[0], radius(cubic, psi + after)[0]
         length = (low + 4 * middle + high) / 6 * (before + after)
         share = p[WEAR] / p[WIDTH] * normal * abs(sliding) * duration / length
-        first = math.ceil((psi - before - ENTRY) / spacing)
-        last = math.floor((psi + after + ENTRY) / spacing)
-        for k in range(first, min(last, first + points - 1) + 1):
-            at = k * spacing - psi
-            inside = min(max(0.5 + (after - at) / ENTRY, 0.0), 1.0) * min(max(0.5 + (at + before) / ENTRY, 0.0), 1.0)
-            wear[k % points] += share * inside
+        start, end = (psi - before) / spacing, (psi + after) / spacing
+        for k in range(math.floor(start), math.ceil(end) + 1):
+            wear[k % points] += share * (hat_integral(end - k) - hat_integral(start - k))
     return wear, peak, error
 
 
