@@ -90,7 +90,7 @@ fn faulty_expressions_say_why() {
         ("sin(1 mm)", "sin of a length, expected an angle"),
         ("sqrt(2 mm)", "sqrt of a length"),
         ("rod_lenght", "no unit, parameter or function `rod_lenght`"),
-        ("3 furlong", "unexpected `furlong`"),
+        ("3 furlong", "unknown unit `furlong`"),
         ("mm", "a number before the unit"),
         ("1 N/m s", "ambiguous"),
         ("2 ^ 0.5", "whole numbers"),
@@ -101,7 +101,11 @@ fn faulty_expressions_say_why() {
         ("(1", "ends too early, expected `)`"),
         ("1 2", "unexpected `2`"),
         ("1 $", "unexpected character `$`"),
-        ("1.5 Hz", "unexpected `Hz`"),
+        ("1.5 Hz", "unknown unit `Hz`, did you mean `r/s`?"),
+        ("2 Nm", "unknown unit `Nm`, did you mean `N m`?"),
+        ("9.81 m/sec^2", "function `sec`, did you mean `s`?"),
+        ("1,5 mm", "unexpected character `,`: use a decimal point"),
+        ("30 °", "unexpected character `°`: write `deg`"),
         ("exp(1)", "no unit, parameter or function `exp`"),
     ] {
         let found = error(text);

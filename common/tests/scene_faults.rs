@@ -10,7 +10,10 @@ fn faults(from: &str, to: &str) -> Vec<String> {
     assert!(FOUR_BAR.contains(from), "the scene has no {from}");
     match SceneSource::parse(&FOUR_BAR.replacen(from, to, 1), "my.toml") {
         Ok(_) => panic!("{to} was accepted"),
-        Err(faults) => faults.0.iter().map(ToString::to_string).collect(),
+        Err(faults) => {
+            assert!(faults.0.iter().all(|fault| fault.location.is_some()), "without a place: {faults}");
+            faults.0.iter().map(ToString::to_string).collect()
+        }
     }
 }
 

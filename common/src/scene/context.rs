@@ -8,6 +8,7 @@ use super::expression::{ExpressionError, evaluate, read_unit};
 use super::faults::{Fault, FaultKind, in_first_unit, nearest};
 use super::parameters::{Lookup, Parameters, why_not_a_name};
 use super::quantity::{AngleUnit, Kind, Quantity};
+use super::unit_advice::advised;
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use toml::{Table, Value};
@@ -83,7 +84,7 @@ impl<'s> Context<'s> {
 
     /// Records a fault at the path of a key.
     pub(super) fn fault(&self, key: impl Into<String>, kind: FaultKind) {
-        self.faults.borrow_mut().push(Fault { file: self.origin.to_owned(), key: key.into(), kind });
+        self.faults.borrow_mut().push(Fault::new(self.origin, key, kind));
     }
 
     /// Records that a value contradicts another one.
@@ -202,7 +203,10 @@ impl<'s> Context<'s> {
             }
             (Ok(quantity), Some(_)) => return Some(quantity),
             (Err(ExpressionError::Broken(_)), _) => return None,
-            (Err(error), _) => FaultKind::Expression { value: shown(), message: error.to_string() },
+            (Err(error), _) => {
+                let (message, piece) = (advised(&error, expected), error.piece());
+                FaultKind::Expression { value: shown(), message, piece }
+            }
         };
         self.fault(key, kind);
         None

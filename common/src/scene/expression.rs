@@ -8,85 +8,15 @@
 //! like a unit, `2 mm * width` and `2 N * s` cannot be confused. Functions: sin, cos, tan, sqrt, abs; constant: pi.
 //! Sine and cosine come from `libm`, so that a scene has the same bits on every machine.
 
+use super::expression_error::DEPTH_LIMIT;
+pub use super::expression_error::ExpressionError;
 use super::quantity::{AngleUnit, Dimension, Quantity, Unit, unit};
-use thiserror::Error;
 
-/// Parentheses and signs may nest this deep, so that a hostile text cannot exhaust the stack.
-const DEPTH_LIMIT: usize = 64;
 /// Largest exponent of a power.
 const EXPONENT_LIMIT: f64 = 12.0;
 
 /// Names of the functions and of the constant.
 pub const RESERVED: [&str; 6] = ["sin", "cos", "tan", "sqrt", "abs", "pi"];
-
-/// Why an expression has no value.
-#[derive(Debug, Clone, PartialEq, Error)]
-pub enum ExpressionError {
-    /// The text is empty.
-    #[error("is empty, expected a number with its unit")]
-    Empty,
-    /// A character that is not part of the grammar.
-    #[error("unexpected character `{0}`")]
-    Character(char),
-    /// A piece that cannot follow what precedes it.
-    #[error("unexpected `{found}`, expected {expected}")]
-    Unexpected {
-        /// The piece as written.
-        found: String,
-        /// Pieces that could follow, in words.
-        expected: &'static str,
-    },
-    /// The text ends inside an expression.
-    #[error("ends too early, expected {0}")]
-    Incomplete(&'static str),
-    /// A name that is no unit, parameter or function.
-    #[error("there is no unit, parameter or function `{name}`{}", hint(.nearest))]
-    UnknownName {
-        /// The name as written.
-        name: String,
-        /// Parameter nearest to it, if near enough.
-        nearest: Option<String>,
-    },
-    /// A parameter that is itself faulty; its own fault says why.
-    #[error("the parameter `{0}` is faulty")]
-    Broken(String),
-    /// Operands of different dimension.
-    #[error("cannot {verb} {left} and {right}")]
-    Mixed {
-        /// `add` or `subtract`.
-        verb: &'static str,
-        /// Dimension of the left operand.
-        left: Dimension,
-        /// Dimension of the right operand.
-        right: Dimension,
-    },
-    /// A function of an argument of the wrong dimension.
-    #[error("{function} of {found}, expected {expected}")]
-    Argument {
-        /// Name of the function.
-        function: &'static str,
-        /// Dimension of the argument.
-        found: Dimension,
-        /// Argument expected, in words.
-        expected: &'static str,
-    },
-    /// An exponent that is not a whole number from -12 to 12.
-    #[error("exponents are whole numbers from -12 to 12")]
-    Exponent,
-    /// After `/` in a unit, a further factor could stand above or below.
-    #[error("the unit is ambiguous after `/`: write `*` or `/` before `{0}`")]
-    AmbiguousUnit(String),
-    /// Parentheses or signs nested too deeply.
-    #[error("is nested deeper than {DEPTH_LIMIT} levels")]
-    TooDeep,
-    /// Division by zero, root of a negative number or overflow.
-    #[error("has no finite value")]
-    NotFinite,
-}
-
-fn hint(nearest: &Option<String>) -> String {
-    nearest.as_ref().map(|name| format!(", did you mean `{name}`?")).unwrap_or_default()
-}
 
 /// Evaluates `text`; `lookup` gives the value of a parameter by name.
 ///
@@ -155,7 +85,14 @@ fn tokens(text: &str) -> Result<Vec<Token<'_>>, ExpressionError> {
         } else if "+-*/^()".contains(first) {
             Token::Sign(first)
         } else {
-            return Err(ExpressionError::Character(first));
+            let is_decimal = matches!(tokens.last(), Some(Token::Number(..)))
+                && first == ','
+                && after.starts_with(|c: char| c.is_ascii_digit());
+            return Err(if is_decimal {
+                ExpressionError::DecimalComma
+            } else {
+                ExpressionError::Character(first)
+            });
         });
         rest = after.trim_start();
     }
@@ -356,7 +293,23 @@ impl<'t> Parser<'_, 't> {
                 angle = AngleUnit::Present;
             }
         }
+        self.refuse_unknown_unit()?;
         Ok(Quantity { value: number * multiply / divide, dimension, angle })
+    }
+
+    /// Refuses a name after a number that is neither a unit nor the name of a parameter, function or constant.
+    fn refuse_unknown_unit(&mut self) -> Result<(), ExpressionError> {
+        match self.peek() {
+            Some(Token::Name(name)) if unit(name).is_none() && !RESERVED.contains(&name) => {
+                match (self.lookup)(name) {
+                    Err(ExpressionError::UnknownName { nearest: None, .. }) => {
+                        Err(ExpressionError::UnknownUnit { name: name.to_owned() })
+                    }
+                    _ => Ok(()),
+                }
+            }
+            _ => Ok(()),
+        }
     }
 }
 

@@ -19,6 +19,7 @@
 //! ```
 
 use super::expression::read_unit;
+use super::location::Location;
 use super::quantity::{Dimension, Kind};
 use crate::accuracy::AccuracyNameError;
 use thiserror::Error;
@@ -38,6 +39,29 @@ pub struct Fault {
     pub key: String,
     /// Kind of fault, with its values.
     pub kind: FaultKind,
+    /// Place in the text; of a faulty parameter that of its definition. None for what is in no text.
+    pub location: Option<Box<Location>>,
+    /// Where the parameter is used whose definition is at `location`.
+    pub used_at: Option<Box<Location>>,
+}
+
+impl Fault {
+    /// A fault whose place in the text is not known yet.
+    pub fn new(file: impl Into<String>, key: impl Into<String>, kind: FaultKind) -> Self {
+        Fault { file: file.into(), key: key.into(), kind, location: None, used_at: None }
+    }
+}
+
+impl Faults {
+    /// A single fault.
+    pub fn one(file: &str, key: &str, kind: FaultKind) -> Self {
+        Faults(vec![Fault::new(file, key, kind)])
+    }
+
+    /// These faults without their places, for a text that no person wrote.
+    pub fn without_places(self) -> Self {
+        Faults(self.0.into_iter().map(|fault| Fault::new(fault.file, fault.key, fault.kind)).collect())
+    }
 }
 
 /// Kinds of fault.
@@ -64,9 +88,13 @@ pub enum FaultKind {
         limit: usize,
     },
     /// The text is not valid TOML.
-    #[error("{message}")]
+    #[error("TOML parse error at line {line}, column {column}: {message}")]
     Syntax {
-        /// Message of the parser, with the line.
+        /// Number of the line, from 1.
+        line: usize,
+        /// Number of the column, from 1.
+        column: usize,
+        /// Message of the parser.
         message: String,
     },
     /// A key that the table does not have.
@@ -134,6 +162,8 @@ pub enum FaultKind {
         value: String,
         /// Message of the evaluator.
         message: String,
+        /// The piece of the value that cannot be read.
+        piece: Option<String>,
     },
     /// A number outside its range.
     #[error("{value} is out of range, allowed: {allowed}")]
@@ -212,6 +242,20 @@ pub enum FaultKind {
         /// Number of random variables of the scene.
         expected: usize,
     },
+}
+
+impl FaultKind {
+    /// True if a value is not of the kind or in the range expected, whatever it is the value of.
+    pub(super) fn is_of_a_value(&self) -> bool {
+        matches!(
+            self,
+            Self::WrongUnit { .. }
+                | Self::NoUnit { .. }
+                | Self::NoAngleUnit { .. }
+                | Self::AngleUnit { .. }
+                | Self::OutOfRange { .. }
+        )
+    }
 }
 
 fn suggestion(nearest: &Option<String>) -> String {

@@ -6,10 +6,10 @@
 //!
 //! | layer | modules | content |
 //! |---|---|---|
-//! | values | [`quantity`], [`expression`] | dimensions and units; evaluation of `"2 * arm + 1 mm"` |
+//! | values | [`quantity`], [`expression`], `expression_error`, `nearest_unit` | dimensions and units; evaluation of `"2 * arm + 1 mm"`, and why a text has no value |
 //! | model | [`model`], `attachment`, `joint`, `drive`, `load`, `output` | the types of a checked scene, all exported here |
-//! | faults | [`faults`] | what is wrong, with file, key, value and allowed range |
-//! | reading | `context`, `parameters`, `section` | one pass over the file that records every fault |
+//! | faults | [`faults`], `location`, `trace`, `layers`, `excerpts`, `unit_advice` | what is wrong, with file, line, column, key, value and allowed range |
+//! | reading | `document`, `extends`, `context`, `parameters`, `section` | one pass over the file that records every fault |
 //! | readers | `bodies`, `joints`, `clearance`, `loads`, `tables`, `outputs`, `life`, `simulator`, `variables`, `variable_law`, `fits`, `correlations` | one part of a file each |
 //! | whole | `resolve`, `merge`, `builtin`, `reference`, [`source`] | all parts together; `extends`; the built-in scenes and their published results; samples |
 
@@ -20,19 +20,26 @@ mod builtin;
 mod clearance;
 mod context;
 mod correlations;
+mod document;
 mod drive;
+mod excerpts;
 pub mod expression;
+mod expression_error;
+mod extends;
 pub mod faults;
 mod fits;
 mod joint;
 mod joints;
+mod layers;
 mod life;
 mod limits;
 mod load;
 mod loads;
+mod location;
 mod merge;
 pub mod model;
 pub mod monotone;
+mod nearest_unit;
 mod output;
 mod output_unit;
 mod outputs;
@@ -44,6 +51,8 @@ mod section;
 mod simulator;
 pub mod source;
 mod tables;
+mod trace;
+mod unit_advice;
 mod variable_law;
 mod variables;
 mod warnings;
@@ -54,6 +63,7 @@ pub use faults::{Fault, FaultKind, Faults};
 pub use joint::{Clearance, ContactDamping, ContactLaw, Joint, JointKind, Material, RestitutionLaw};
 pub use limits::VALUE_LIMIT;
 pub use load::Load;
+pub use location::Location;
 pub use model::{
     Body, DrivenInertia, ExternalSimulator, Fails, Life, LimitState, Motion, Point, Program, Scene,
     SimulatorKind, StudySettings, UmBridgeModel,

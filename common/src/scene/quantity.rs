@@ -228,6 +228,9 @@ pub struct Unit {
     pub angle: AngleUnit,
 }
 
+/// 1e13 lbf [N], exactly: 0.45359237 kg times 9.80665 m/s^2.
+const POUND_FORCE: f64 = 44_482_216_152_605.0;
+
 const TURN: f64 = 2.0 * std::f64::consts::PI;
 
 /// A factor, a divisor and a dimension.
@@ -240,7 +243,7 @@ const fn angular(multiply: f64, divide: f64, dimension: Dimension) -> Unit {
     Unit { multiply, divide, dimension, angle: AngleUnit::Present }
 }
 
-/// Every unit by its symbol. `Hz` is left out on purpose: it could mean turns or radians.
+/// Every unit by its symbol, with its exact definition. `Hz` is left out on purpose: it could mean turns or radians.
 pub const UNITS: &[(&str, Unit)] = &[
     ("m", unit_of(1.0, 1.0, LENGTH.dimension)),
     ("km", unit_of(1e3, 1.0, LENGTH.dimension)),
@@ -250,9 +253,15 @@ pub const UNITS: &[(&str, Unit)] = &[
     ("\u{b5}m", unit_of(1.0, 1e6, LENGTH.dimension)),
     ("\u{3bc}m", unit_of(1.0, 1e6, LENGTH.dimension)),
     ("nm", unit_of(1.0, 1e9, LENGTH.dimension)),
+    ("in", unit_of(254.0, 1e4, LENGTH.dimension)),
+    ("ft", unit_of(3048.0, 1e4, LENGTH.dimension)),
+    ("mil", unit_of(254.0, 1e7, LENGTH.dimension)),
     ("kg", unit_of(1.0, 1.0, MASS.dimension)),
     ("g", unit_of(1.0, 1e3, MASS.dimension)),
     ("mg", unit_of(1.0, 1e6, MASS.dimension)),
+    ("lb", unit_of(45_359_237.0, 1e8, MASS.dimension)),
+    ("oz", unit_of(45_359_237.0, 16e8, MASS.dimension)),
+    ("slug", unit_of(POUND_FORCE, 3048e9, MASS.dimension)),
     ("s", unit_of(1.0, 1.0, TIME.dimension)),
     ("ms", unit_of(1.0, 1e3, TIME.dimension)),
     ("us", unit_of(1.0, 1e6, TIME.dimension)),
@@ -261,14 +270,27 @@ pub const UNITS: &[(&str, Unit)] = &[
     ("N", unit_of(1.0, 1.0, FORCE.dimension)),
     ("mN", unit_of(1.0, 1e3, FORCE.dimension)),
     ("kN", unit_of(1e3, 1.0, FORCE.dimension)),
+    ("MN", unit_of(1e6, 1.0, FORCE.dimension)),
+    ("kgf", unit_of(980_665.0, 1e5, FORCE.dimension)),
+    ("lbf", unit_of(POUND_FORCE, 1e13, FORCE.dimension)),
+    ("ozf", unit_of(POUND_FORCE, 16e13, FORCE.dimension)),
+    ("kip", unit_of(POUND_FORCE, 1e10, FORCE.dimension)),
+    ("mJ", unit_of(1.0, 1e3, TORQUE.dimension)),
     ("J", unit_of(1.0, 1.0, TORQUE.dimension)),
     ("Pa", unit_of(1.0, 1.0, PRESSURE.dimension)),
     ("kPa", unit_of(1e3, 1.0, PRESSURE.dimension)),
     ("MPa", unit_of(1e6, 1.0, PRESSURE.dimension)),
     ("GPa", unit_of(1e9, 1.0, PRESSURE.dimension)),
+    ("bar", unit_of(1e5, 1.0, PRESSURE.dimension)),
+    ("mbar", unit_of(1e2, 1.0, PRESSURE.dimension)),
+    ("psi", unit_of(POUND_FORCE, 645_160e4, PRESSURE.dimension)),
+    ("ksi", unit_of(POUND_FORCE, 645_160e1, PRESSURE.dimension)),
+    ("Msi", unit_of(POUND_FORCE, 6451.6, PRESSURE.dimension)),
     ("rad", angular(1.0, 1.0, Dimension::NONE)),
     ("mrad", angular(1.0, 1e3, Dimension::NONE)),
     ("deg", angular(std::f64::consts::PI, 180.0, Dimension::NONE)),
+    ("arcmin", angular(std::f64::consts::PI, 10_800.0, Dimension::NONE)),
+    ("arcsec", angular(std::f64::consts::PI, 648_000.0, Dimension::NONE)),
     ("r", angular(TURN, 1.0, Dimension::NONE)),
     ("rev", angular(TURN, 1.0, Dimension::NONE)),
     ("rpm", angular(TURN, 60.0, ANGULAR_VELOCITY.dimension)),

@@ -2,9 +2,9 @@
 
 use super::builtin;
 use super::context::{Context, Overrides};
+use super::document::document;
 use super::faults::Faults;
 use super::section::Section;
-use super::source::document;
 use std::collections::BTreeMap;
 
 /// The published results of a built-in scene by name, in SI units and cycles; empty if none are known.

@@ -5,21 +5,21 @@ use super::builtin;
 use super::context::{Context, Overrides};
 use super::correlations::correlations;
 use super::expression::{ExpressionError, evaluate, read_unit};
+use super::extends::{flatten, read, unknown_scene};
 use super::faults::{Fault, FaultKind, Faults, in_unit, nearest};
-use super::merge::merge;
+use super::layers::Layers;
+use super::location::Location;
 use super::model::Scene;
 use super::quantity::{AngleUnit, Dimension, Kind, Quantity};
 use super::resolve::resolve;
 use super::simulator::settle_folder;
+use super::unit_advice::advised;
 use super::variables::variables;
 use super::warnings::{Warning, warnings};
 use crate::random::RandomVariable;
 use std::collections::BTreeMap;
 use std::path::Path;
 use toml::Table;
-
-/// Scenes may extend each other through this many files.
-const EXTENDS_LIMIT: usize = 8;
 
 /// A valid scene with everything needed to resolve it for other values of its random variables.
 #[derive(Debug, Clone)]
@@ -30,6 +30,7 @@ pub struct SceneSource {
     nominal: Scene,
     seen: BTreeMap<String, Quantity>,
     unused_parameters: Vec<String>,
+    layers: Layers,
 }
 
 impl SceneSource {
@@ -45,7 +46,7 @@ impl SceneSource {
     pub fn builtin(name: &str) -> Result<Self, Faults> {
         match builtin::text(name) {
             Some(text) => Self::parse(text, name),
-            None => Err(single(name, "", unknown_scene(name))),
+            None => Err(Faults::one(name, "", unknown_scene(name))),
         }
     }
 
@@ -61,7 +62,7 @@ impl SceneSource {
         let looks_like_path =
             path.extension().is_some_and(|extension| extension == "toml") || path.components().count() > 1;
         if !path.exists() && !looks_like_path {
-            return Err(single(name_or_path, "", unknown_scene(name_or_path)));
+            return Err(Faults::one(name_or_path, "", unknown_scene(name_or_path)));
         }
         let text = read(path)?;
         Self::from_text(text, name_or_path, path.parent())
@@ -76,16 +77,24 @@ impl SceneSource {
     }
 
     fn from_text(text: String, origin: &str, folder: Option<&Path>) -> Result<Self, Faults> {
-        let own = document(&text, origin)?;
-        let extends = own.get("scene").and_then(|scene| scene.get("extends")).is_some();
-        let mut document = flatten(own, origin, folder, EXTENDS_LIMIT)?;
+        let (document, layers) = flatten(text, origin, folder)?;
+        Self::checked(document, layers.clone(), origin, folder).map_err(|faults| layers.located(faults))
+    }
+
+    fn checked(
+        mut document: Table,
+        layers: Layers,
+        origin: &str,
+        folder: Option<&Path>,
+    ) -> Result<Self, Faults> {
         let settled = settle_folder(&mut document, folder);
         // The text must stand alone where it is sent to and stored.
-        let text = if extends || settled {
-            toml::to_string(&document)
-                .map_err(|error| single(origin, "", FaultKind::Syntax { message: error.to_string() }))?
-        } else {
-            text
+        let text = match layers.0.as_slice() {
+            [own] if !settled => own.text.clone(),
+            _ => toml::to_string(&document).map_err(|error| {
+                let message = format!("cannot be written as TOML: {error}");
+                Faults::one(origin, "", FaultKind::Inconsistent { message })
+            })?,
         };
 
         // Values as written, then the variables, then the nominal scene with every variable at its mean.
@@ -114,6 +123,7 @@ impl SceneSource {
             nominal: Scene { variables, correlations, ..base.scene },
             seen: base.seen,
             unused_parameters,
+            layers,
         };
         source.nominal = source.resolve_sample(&source.means())?;
         source.check_bounds()?;
@@ -156,6 +166,17 @@ impl SceneSource {
         warnings(&self.nominal)
     }
 
+    /// Value of the quantity at this key as the scene writes it [SI], whatever random variable changes it; `None` if there is no
+    /// such quantity.
+    pub fn quantity(&self, key: &str) -> Option<f64> {
+        self.seen.get(key).map(|quantity| quantity.value)
+    }
+
+    /// Where a key stands in the texts of this scene and those it extends, or the last part of its path that is there.
+    pub fn location(&self, key: &str) -> Option<Location> {
+        self.layers.location(key)
+    }
+
     /// The nominal scene: every random variable at its mean.
     pub fn nominal(&self) -> &Scene {
         &self.nominal
@@ -177,7 +198,7 @@ impl SceneSource {
         let expected = self.variables().len();
         if sample.len() != expected {
             let kind = FaultKind::SampleLength { found: sample.len(), expected };
-            return Err(single(&self.origin, "", kind));
+            return Err(Faults::one(&self.origin, "", kind));
         }
         let pairs = self.variables().iter().zip(sample);
         let overrides =
@@ -228,7 +249,7 @@ impl SceneSource {
     /// # Errors
     /// An unknown name, no quantity, or one of another kind.
     pub fn parse_setting(&self, setting: &str) -> Result<(String, f64), Faults> {
-        let fault = |kind| Faults(vec![Fault { file: "--set".to_owned(), key: setting.to_owned(), kind }]);
+        let fault = |kind| Faults::one("--set", setting, kind);
         let Some((name, value)) = setting.split_once('=') else {
             let message = "expected variable=value, e.g. rod_length=40.05mm".to_owned();
             return Err(fault(FaultKind::Inconsistent { message }));
@@ -247,7 +268,10 @@ impl SceneSource {
         let mut nothing =
             |name: &str| Err(ExpressionError::UnknownName { name: name.to_owned(), nearest: None });
         match evaluate(value, &mut nothing) {
-            Err(error) => Err(fault(FaultKind::Expression { value: shown, message: error.to_string() })),
+            Err(error) => {
+                let (message, piece) = (advised(&error, Some(expected)), error.piece());
+                Err(fault(FaultKind::Expression { value: shown, message, piece }))
+            }
             Ok(found) if found.dimension != expected.dimension => {
                 Err(fault(FaultKind::WrongUnit { value: shown, found: found.dimension, expected }))
             }
@@ -269,7 +293,7 @@ impl SceneSource {
             nearest: nearest(name, all),
             known: names.into_iter().map(str::to_owned).collect(),
         };
-        single(&self.origin, "", kind)
+        Faults::one(&self.origin, "", kind)
     }
 
     fn resolve_overridden(&self, overrides: &Overrides) -> Result<Scene, Faults> {
@@ -291,15 +315,9 @@ impl SceneSource {
                 if let Err(Faults(found)) = self.resolve_sample(&sample) {
                     let fault = found.first().map(|fault| format!("{}: {}", fault.key, fault.kind));
                     let value = in_unit(bound, &variable.unit);
-                    faults.push(Fault {
-                        file: self.origin.clone(),
-                        key: format!("variables.{}", variable.name),
-                        kind: FaultKind::BoundOutsidePhysics {
-                            value,
-                            hard,
-                            fault: fault.unwrap_or_default(),
-                        },
-                    });
+                    let fault = fault.unwrap_or_default();
+                    let kind = FaultKind::BoundOutsidePhysics { value, hard, fault };
+                    faults.push(Fault::new(&self.origin, format!("variables.{}", variable.name), kind));
                 }
             }
         }
@@ -312,55 +330,4 @@ pub fn digest(text: &str) -> u128 {
     const BASIS: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
     const PRIME: u128 = 0x0000_0000_0100_0000_0000_0000_0000_013b;
     text.bytes().fold(BASIS, |hash, byte| (hash ^ u128::from(byte)).wrapping_mul(PRIME))
-}
-
-fn single(file: &str, key: &str, kind: FaultKind) -> Faults {
-    Faults(vec![Fault { file: file.to_owned(), key: key.to_owned(), kind }])
-}
-
-fn unknown_scene(name: &str) -> FaultKind {
-    let known = SceneSource::builtin_names();
-    FaultKind::UnknownScene {
-        nearest: nearest(name, known.iter().copied()),
-        known: known.into_iter().map(str::to_owned).collect(),
-    }
-}
-
-fn read(path: &Path) -> Result<String, Faults> {
-    std::fs::read_to_string(path).map_err(|error| {
-        single(&path.display().to_string(), "", FaultKind::Unreadable { message: error.to_string() })
-    })
-}
-
-/// Parses a text as TOML.
-pub(super) fn document(text: &str, origin: &str) -> Result<Table, Faults> {
-    text.parse::<Table>().map_err(|error| {
-        single(origin, "", FaultKind::Syntax { message: error.to_string().trim_end().to_owned() })
-    })
-}
-
-/// Replaces `scene.extends` by the scene that it names, merged with this one, through at most `left` scenes.
-fn flatten(mut own: Table, origin: &str, folder: Option<&Path>, left: usize) -> Result<Table, Faults> {
-    let extends =
-        own.get_mut("scene").and_then(toml::Value::as_table_mut).and_then(|scene| scene.remove("extends"));
-    let Some(extends) = extends else { return Ok(own) };
-    const KEY: &str = "scene.extends";
-    if left == 0 {
-        return Err(single(origin, KEY, FaultKind::ExtendsTooDeep { limit: EXTENDS_LIMIT }));
-    }
-    let Some(name) = extends.as_str() else {
-        let message = format!("{extends} is not the name of a scene or file");
-        return Err(single(origin, KEY, FaultKind::Inconsistent { message }));
-    };
-    let (text, folder) = match (builtin::text(name), folder) {
-        (Some(text), _) => (text.to_owned(), None),
-        (None, Some(folder)) if folder.join(name).is_file() => {
-            let path = folder.join(name);
-            (read(&path)?, path.parent().map(Path::to_path_buf))
-        }
-        _ => return Err(single(origin, KEY, unknown_scene(name))),
-    };
-    let mut base = flatten(document(&text, name)?, name, folder.as_deref(), left - 1)?;
-    merge(&mut base, own);
-    Ok(base)
 }

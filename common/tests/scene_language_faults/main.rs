@@ -19,7 +19,10 @@ fn faults(place: &str, from: &str, to: &str) -> Vec<String> {
     let text = format!("{before}{}", after.replacen(from, to, 1));
     match SceneSource::parse(&text, "my.toml") {
         Ok(_) => panic!("{to} was accepted"),
-        Err(faults) => faults.0.iter().map(ToString::to_string).collect(),
+        Err(faults) => {
+            assert!(faults.0.iter().all(|fault| fault.location.is_some()), "without a place: {faults}");
+            faults.0.iter().map(ToString::to_string).collect()
+        }
     }
 }
 

@@ -1,0 +1,115 @@
+//! Why an expression has no value, in words for the author of a scene.
+
+use super::nearest_unit::nearest_unit;
+use super::quantity::Dimension;
+use thiserror::Error;
+
+/// Parentheses and signs may nest to this depth, so that hostile text cannot exhaust the stack.
+pub(super) const DEPTH_LIMIT: usize = 64;
+
+/// Why an expression has no value.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum ExpressionError {
+    /// The text is empty.
+    #[error("is empty, expected a number with its unit")]
+    Empty,
+    /// A character that is not part of the grammar.
+    #[error("unexpected character `{0}`{advice}", advice = instead_of(*.0))]
+    Character(char),
+    /// A comma between two digits.
+    #[error("unexpected character `,`: use a decimal point")]
+    DecimalComma,
+    /// A piece that cannot follow what precedes it.
+    #[error("unexpected `{found}`, expected {expected}")]
+    Unexpected {
+        /// The piece as written.
+        found: String,
+        /// Pieces that could follow, in words.
+        expected: &'static str,
+    },
+    /// The text ends inside an expression.
+    #[error("ends too early, expected {0}")]
+    Incomplete(&'static str),
+    /// A name that is no unit, parameter or function.
+    #[error("there is no unit, parameter or function `{name}`{}", hint(.name, .nearest))]
+    UnknownName {
+        /// The name as written.
+        name: String,
+        /// Parameter nearest to it, if near enough.
+        nearest: Option<String>,
+    },
+    /// A name after a number that is no unit.
+    #[error("unknown unit `{name}`{}", hint(.name, &None))]
+    UnknownUnit {
+        /// The name as written.
+        name: String,
+    },
+    /// A parameter that is itself faulty; its own fault says why.
+    #[error("the parameter `{0}` is faulty")]
+    Broken(String),
+    /// Operands of different dimension.
+    #[error("cannot {verb} {left} and {right}")]
+    Mixed {
+        /// `add` or `subtract`.
+        verb: &'static str,
+        /// Dimension of the left operand.
+        left: Dimension,
+        /// Dimension of the right operand.
+        right: Dimension,
+    },
+    /// A function of an argument of the wrong dimension.
+    #[error("{function} of {found}, expected {expected}")]
+    Argument {
+        /// Name of the function.
+        function: &'static str,
+        /// Dimension of the argument.
+        found: Dimension,
+        /// Argument expected, in words.
+        expected: &'static str,
+    },
+    /// An exponent that is not a whole number from -12 to 12.
+    #[error("exponents are whole numbers from -12 to 12")]
+    Exponent,
+    /// After `/` in a unit, a further factor could stand above or below.
+    #[error("the unit is ambiguous after `/`: write `*` or `/` before `{0}`")]
+    AmbiguousUnit(String),
+    /// Parentheses or signs nested too deeply.
+    #[error("is nested deeper than {DEPTH_LIMIT} levels")]
+    TooDeep,
+    /// Division by zero, root of a negative number or overflow.
+    #[error("has no finite value")]
+    NotFinite,
+}
+
+impl ExpressionError {
+    /// The piece of the text that cannot be read, if it is one.
+    pub fn piece(&self) -> Option<String> {
+        match self {
+            Self::Character(character) => Some(character.to_string()),
+            Self::DecimalComma => Some(",".to_owned()),
+            Self::Unexpected { found: piece, .. }
+            | Self::UnknownName { name: piece, .. }
+            | Self::UnknownUnit { name: piece }
+            | Self::AmbiguousUnit(piece) => Some(piece.clone()),
+            _ => None,
+        }
+    }
+}
+
+/// The parameter that is near to a name, otherwise the unit.
+fn hint(name: &str, nearest: &Option<String>) -> String {
+    let meant = nearest.clone().or_else(|| nearest_unit(name));
+    meant.map(|meant| format!(", did you mean `{meant}`?")).unwrap_or_default()
+}
+
+/// What to write for a character that keyboards and word processors offer.
+fn instead_of(character: char) -> &'static str {
+    match character {
+        '\u{b0}' => ": write `deg`",
+        '\u{b7}' | '\u{d7}' | '\u{22c5}' => ": write `*`",
+        '\u{2212}' | '\u{2013}' => ": write `-`",
+        ',' => ": a value is one quantity, a list has each in quotes",
+        '=' => ": an expression has no `=`",
+        _ => "",
+    }
+}

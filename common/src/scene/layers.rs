@@ -1,0 +1,149 @@
+//! The texts of a scene, its own and those of the scenes that it extends, and where a fault is in them.
+
+use super::faults::{Fault, FaultKind, Faults};
+use super::location::Location;
+use super::trace::trace;
+use std::ops::Range;
+use toml::Spanned;
+use toml::de::DeTable;
+
+/// Parameters that are defined as another parameter are followed through this many definitions.
+const ALIAS_LIMIT: usize = 64;
+
+/// The text of one file, or of a built-in scene.
+#[derive(Debug, Clone)]
+pub(super) struct Layer {
+    /// The file, or the name of a built-in scene.
+    pub(super) file: String,
+    /// Its text, which is valid TOML.
+    pub(super) text: String,
+}
+
+/// The text of a scene first, then those of the scenes that it extends.
+#[derive(Debug, Clone)]
+pub(super) struct Layers(pub(super) Vec<Layer>);
+
+/// A parsed layer: its text and the tables in it with their places.
+struct ParsedLayer<'t> {
+    layer: &'t Layer,
+    document: Spanned<DeTable<'t>>,
+}
+
+/// A place in one of the layers.
+struct Found<'t> {
+    layer: &'t Layer,
+    /// Bytes of the key.
+    key: Range<usize>,
+    /// Bytes of the value.
+    value: Range<usize>,
+    /// The value if it is a text.
+    text: Option<String>,
+    /// True if the whole path was found.
+    whole: bool,
+}
+
+impl Found<'_> {
+    fn location(&self, span: Range<usize>) -> Location {
+        Location::new(&self.layer.file, &self.layer.text, span)
+    }
+}
+
+impl Layers {
+    /// The faults with the file and the place of each, as far as they have one.
+    pub(super) fn located(&self, Faults(faults): Faults) -> Faults {
+        let parsed = self.parsed();
+        Faults(faults.into_iter().map(|fault| locate(&parsed, fault)).collect())
+    }
+
+    /// The place of a key, or of the last part of its path that is in a text.
+    pub(super) fn location(&self, key: &str) -> Option<Location> {
+        let found = find(&self.parsed(), key)?;
+        Some(found.location(found.value.clone()))
+    }
+
+    fn parsed(&self) -> Vec<ParsedLayer<'_>> {
+        let parsed = |layer| Some(ParsedLayer { layer, document: DeTable::parse(&layer.text as &str).ok()? });
+        self.0.iter().filter_map(parsed).collect()
+    }
+}
+
+/// The longest part of a path that one of the layers has; of equal ones that of the first layer, whose values count.
+fn find<'t>(layers: &[ParsedLayer<'t>], path: &str) -> Option<Found<'t>> {
+    // Merged rows have other numbers than those of one file.
+    let numbered_rows = layers.len() == 1;
+    let mut best: Option<(usize, Found)> = None;
+    for ParsedLayer { layer, document } in layers {
+        let Some(found) = trace(document.get_ref(), path, numbered_rows) else { continue };
+        if best.as_ref().is_none_or(|(length, _)| found.found > *length) {
+            let text = found.text.map(str::to_owned);
+            let place = Found { layer, key: found.key, value: found.value, text, whole: found.whole };
+            best = Some((found.found, place));
+        }
+    }
+    best.map(|(_, place)| place)
+}
+
+fn locate(layers: &[ParsedLayer<'_>], mut fault: Fault) -> Fault {
+    if fault.location.is_some() || fault.key.is_empty() {
+        return fault;
+    }
+    let Some(found) = find(layers, &fault.key) else {
+        // What is missing at the top belongs at the end of the file.
+        if let (FaultKind::Missing { .. }, Some(own)) = (&fault.kind, layers.first()) {
+            let end = own.layer.text.trim_end().len();
+            fault.location = Some(Box::new(Location::new(&own.layer.file, &own.layer.text, end..end)));
+        }
+        return fault;
+    };
+    let used = found.location(span_of(&found, &fault.kind));
+    let location = match definition(layers, &found).filter(|_| found.whole && fault.kind.is_of_a_value()) {
+        Some(definition) => {
+            fault.used_at = Some(Box::new(used));
+            definition.location(definition.value.clone())
+        }
+        None => used,
+    };
+    fault.file.clone_from(&location.file);
+    fault.location = Some(Box::new(location));
+    fault
+}
+
+/// The bytes to point at: an unknown key itself, a key that cannot be a name, the piece of an expression that cannot be read, otherwise the value.
+fn span_of(found: &Found, kind: &FaultKind) -> Range<usize> {
+    match kind {
+        FaultKind::UnknownKey { .. } if found.whole => found.key.clone(),
+        FaultKind::BadName { value, .. } if found.layer.text.get(found.key.clone()) == Some(value) => {
+            found.key.clone()
+        }
+        FaultKind::Expression { piece: Some(piece), .. } if found.whole => {
+            piece_in(&found.layer.text, &found.value, piece).unwrap_or_else(|| found.value.clone())
+        }
+        _ => found.value.clone(),
+    }
+}
+
+/// The first place of a piece in a part of a text where it is no part of a longer word.
+fn piece_in(text: &str, part: &Range<usize>, piece: &str) -> Option<Range<usize>> {
+    let is_word = |c: Option<char>| c.is_some_and(|c| c.is_alphabetic() || c == '_');
+    let starts = text.get(part.clone())?.match_indices(piece).map(|(at, _)| part.start + at);
+    let is_name = is_word(piece.chars().next());
+    let mut alone = starts.filter(|at| {
+        let (before, after) = (text[..*at].chars().next_back(), text[at + piece.len()..].chars().next());
+        !is_name || !(is_word(before) || is_word(after) || after.is_some_and(char::is_numeric))
+    });
+    alone.next().map(|at| at..at + piece.len())
+}
+
+/// The definition of the parameter that a value consists of, through parameters that consist of one again.
+fn definition<'t>(layers: &[ParsedLayer<'t>], value: &Found) -> Option<Found<'t>> {
+    let mut name = value.text.clone()?;
+    let mut definition = None;
+    for _ in 0..ALIAS_LIMIT {
+        let Some(found) = find(layers, &format!("parameters.{}", name.trim())).filter(|f| f.whole) else {
+            break;
+        };
+        name = found.text.clone().unwrap_or_default();
+        definition = Some(found);
+    }
+    definition
+}
