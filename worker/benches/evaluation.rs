@@ -102,13 +102,14 @@ fn evaluation(bencher: Bencher, preset: &str) {
         .bench_local(|| simulate(black_box(&scene), &accuracy, SimulateOptions::default()));
 }
 
-/// Lives of the drive with wear coefficients of their own.
-fn lives(count: usize) -> Vec<SimulationInput> {
+/// Lives of the drive under this law with wear coefficients of their own.
+fn lives(count: usize, law: ContactLaw) -> Vec<SimulationInput> {
     let input = |k: usize| {
         let mut scene = flapping_wing();
         for joint in &mut scene.joints {
             if let JointKind::Clearance(clearance) = &mut joint.kind {
                 clearance.wear_coefficient *= 0.99 + 0.002 * k as f64;
+                clearance.contact_law = law;
             }
         }
         SimulationInput { scene, accuracy: Accuracy::balanced(), options: SimulateOptions::default() }
@@ -125,6 +126,18 @@ fn run(inputs: &[SimulationInput], width: LaneWidth, most: usize) {
 }
 
 /// Eight lives: one after the other, or side by side, each in lanes of one number or as wide as the processor has them.
+fn eight(bencher: Bencher, how: &str, law: ContactLaw) {
+    const BATCH: usize = 8;
+    let width = match how.split_once(", ") {
+        Some((_, "1 lane")) => LaneWidth::Holding(1),
+        Some(_) => LaneWidth::Holding(4),
+        None => LaneWidth::Widest,
+    };
+    let most = if how.starts_with("one") { 1 } else { BATCH };
+    let inputs = lives(BATCH, law);
+    bencher.counter(ItemsCount::new(BATCH)).bench_local(|| run(&inputs, width, most));
+}
+
 #[divan::bench(
     args = [
         "one by one, 1 lane",
@@ -138,20 +151,14 @@ fn run(inputs: &[SimulationInput], width: LaneWidth, most: usize) {
     sample_size = 1
 )]
 fn batch_of_eight(bencher: Bencher, how: &str) {
-    const BATCH: usize = 8;
-    let width = match how.split_once(", ") {
-        Some((_, "1 lane")) => LaneWidth::Holding(1),
-        Some(_) => LaneWidth::Holding(4),
-        None => LaneWidth::Widest,
-    };
-    let most = if how.starts_with("one") { 1 } else { BATCH };
-    let inputs = lives(BATCH);
-    bencher.counter(ItemsCount::new(BATCH)).bench_local(|| run(&inputs, width, most));
+    eight(bencher, how, ContactLaw::LocalHertz);
 }
 
-/// Twenty-four lives in the widest lanes, a given number at a time.
-#[divan::bench(args = [1, 2, 3, 4, 5, 6, 8, 12], sample_count = 1, sample_size = 1)]
-fn at_a_time(bencher: Bencher, most: usize) {
-    let inputs = lives(24);
-    bencher.counter(ItemsCount::new(inputs.len())).bench_local(|| run(&inputs, LaneWidth::Widest, most));
+#[divan::bench(
+    args = ["side by side, 1 lane", "side by side, 4 lanes", "side by side"],
+    sample_count = 2,
+    sample_size = 1
+)]
+fn batch_of_eight_under_foundation(bencher: Bencher, how: &str) {
+    eight(bencher, how, ContactLaw::Foundation);
 }

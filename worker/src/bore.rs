@@ -163,15 +163,14 @@ impl Profile {
 /// the second, and so on `(lanes, points, 4)`.
 #[inline(always)]
 fn look_up<R: Real>(psi: R, points: usize, per_radian: f64, cubics: &[[f64; 4]]) -> Radius<R> {
-    /// Added to a whole number below 2^32, leaves it in the last bits.
+    /// Added to a number in [0, 2^32), leaves the nearest whole number in the last bits.
     const SHIFT: f64 = 4503599627370496.0;
     let (zero, n) = (psi.zero(), psi.like(points as f64));
     let x = psi * per_radian;
     let x = R::select(x.below(zero), x + n, x);
-    let x = R::select(x.below(n), x, x - n);
-    // Whole numbers belong to either neighbour. NaN takes the first interval, and stays NaN.
-    let floor = (x - 0.5).round().larger(zero).smaller(n - 1.0);
-    let whole = floor + SHIFT;
+    // Whole numbers belong to either neighbour: n to the last interval. NaN takes the first one, and stays NaN.
+    let whole = (x - 0.5).larger(zero).smaller(n - 1.0) + SHIFT;
+    let floor = whole - SHIFT;
     let mut cubic = [zero; 4];
     for lane in 0..R::LANES {
         let interval = &cubics[lane * points + whole.lane(lane).to_bits() as u32 as usize];
@@ -185,8 +184,14 @@ fn look_up<R: Real>(psi: R, points: usize, per_radian: f64, cubics: &[[f64; 4]])
 /// Radius and derivatives of a cubic at the fraction `s` of its interval, `k` intervals per radian.
 #[inline(always)]
 fn cubic_at<R: Real>([a, b, c, d]: [R; 4], s: R, k: f64) -> Radius<R> {
-    let (c2, d3) = (c * 2.0, s * d * 3.0);
-    Radius { r: a + s * (b + s * (c + s * d)), d1: (b + s * (c2 + d3)) * k, d2: (c2 + d3 * 2.0) * (k * k) }
+    // c + s d, c + 1.5 s d and c + 3 s d.
+    let sd = s * d;
+    let (c1, c2, c3) = (c + sd, c.plus_product(sd, s.like(1.5)), c.plus_product(sd, s.like(3.0)));
+    Radius {
+        r: a.plus_product(s, b.plus_product(s, c1)),
+        d1: b.plus_product(s + s, c2) * k,
+        d2: c3 * (2.0 * k * k),
+    }
 }
 
 /// One bore per lane, all with the same number of control points.

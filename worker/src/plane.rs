@@ -8,10 +8,22 @@ pub(crate) fn dot<R: Real>(a: [R; 2], b: [R; 2]) -> R {
     a[0] * b[0] + a[1] * b[1]
 }
 
+/// Inner product a . b with a fused operation, for kernels compiled for this processor.
+#[inline(always)]
+pub(crate) fn fused_dot<R: Real>(a: [R; 2], b: [R; 2]) -> R {
+    (a[0] * b[0]).plus_product(a[1], b[1])
+}
+
 /// Component of a x b normal to the plane.
 #[inline(always)]
 pub(crate) fn cross<R: Real>(a: [R; 2], b: [R; 2]) -> R {
     a[0] * b[1] - a[1] * b[0]
+}
+
+/// Component of a x b normal to the plane with a fused operation, for kernels compiled for this processor.
+#[inline(always)]
+pub(crate) fn fused_cross<R: Real>(a: [R; 2], b: [R; 2]) -> R {
+    (a[0] * b[1]).minus_product(a[1], b[0])
 }
 
 /// The vector turned by a quarter turn to the left.
@@ -23,7 +35,7 @@ pub(crate) fn left<R: Real>(a: [R; 2]) -> [R; 2] {
 /// Length |a| of a vector.
 #[inline(always)]
 pub(crate) fn length<R: Real>(a: [R; 2]) -> R {
-    (a[0] * a[0] + a[1] * a[1]).sqrt()
+    dot(a, a).sqrt()
 }
 
 /// The vector turned by the angle with cosine and sine `cs`.

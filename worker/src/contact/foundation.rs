@@ -16,12 +16,16 @@
 //! Winkler (1867), Die Lehre von der Elasticitaet und Festigkeit; elastic foundation model in Johnson (1985),
 //! Contact Mechanics, chapter 4. The modulus that reproduces Hertz's force is derived in `modulus.rs`.
 
-use super::arc::Arc;
+// Compiled into the loops of the lanes, where closures of iterators are not: plain loops.
+#![allow(clippy::needless_range_loop)]
+
+use super::arc::{Arc, Arcs};
 use super::joint_force::{ForceSlopes, JointForce, JointMotion};
 use super::law::{Elastic, Law, Pressure};
 use super::modulus::Modulus;
 use super::surface::Surface;
 use crate::bore::Profile;
+use crate::lanes::{Real, cube_root};
 use crate::plane::{dot, left, length};
 use std::f64::consts::TAU;
 
@@ -35,51 +39,54 @@ const MOST: usize = 3024;
 
 /// The law with its constants and the tabulated bore.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Foundation {
+pub struct Foundation<R = f64, A = Arc> {
     /// Constants of the joint.
-    pub surface: Surface,
-    modulus: Modulus,
-    arc: Arc,
+    pub surface: Surface<R>,
+    /// Modulus of the foundation.
+    pub(super) modulus: Modulus<R>,
+    /// The tabulated bore, or one per lane.
+    pub(super) arc: A,
 }
 
 /// Load that the foundation carries at one eccentricity.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct FoundationLoad {
+#[derive(Debug, Clone, Copy)]
+pub struct FoundationLoad<R = f64> {
     /// Potential U [J].
-    pub energy: f64,
+    pub energy: R,
     /// Modulus in effect, kappa = dU/dV: pressure times bore radius and width is kappa g [N/(m rad)].
-    pub modulus: f64,
+    pub modulus: R,
     /// Elastic force on the bushing, dU/de `(2,)` [N].
-    pub force: [f64; 2],
-    /// Its derivative to e `(2, 2)`, symmetric [N/m].
-    pub stiffness: [[f64; 2]; 2],
+    pub force: [R; 2],
+    /// Its derivative to e, entries xx, xy, yy [N/m].
+    pub stiffness: [R; 3],
 }
 
 /// A contact in the axes (n, t) of its elastic force: n the direction in which the journal presses, t its
 /// left normal.
-struct Resultant {
-    n: [f64; 2],
-    t: [f64; 2],
+struct Resultant<R> {
+    n: [R; 2],
+    t: [R; 2],
     /// e.n and e.t [m].
-    en: f64,
-    et: f64,
+    en: R,
+    et: R,
     /// Relative velocity differentiated in the bushing's frame along n and along t [m/s].
-    bn: f64,
-    bt: f64,
-    /// Elastic force F_el [N].
-    elastic: f64,
+    bn: R,
+    bt: R,
+    /// Elastic force F_el, zero where none acts [N], and one over it, one where none acts [1/N].
+    elastic: R,
+    per_elastic: R,
     /// 1 + D delta_dot [1].
-    factor: f64,
+    factor: R,
     /// Normal force F_N [N].
-    normal: f64,
+    normal: R,
     /// F_T / F_N [1] and its derivative to the sliding speed [s/m].
-    mu: f64,
-    mu_v: f64,
+    mu: R,
+    mu_v: R,
     /// Friction force F_T [N].
-    friction: f64,
+    friction: R,
     /// Lever arms of friction and normal force about the bushing's centre [m].
-    arm: f64,
-    lever: f64,
+    arm: R,
+    lever: R,
 }
 
 impl Foundation {
@@ -109,25 +116,25 @@ impl Foundation {
     pub(crate) fn profile_changed(&mut self, profile: &Profile) {
         self.arc.profile_changed(profile);
     }
+}
 
+impl<R: Real, A: Arcs<R>> Foundation<R, A> {
     /// Elastic potential, force and stiffness at the eccentricity `e` [m].
-    #[inline]
-    pub(crate) fn load(&self, e: [f64; 2]) -> FoundationLoad {
+    #[inline(always)]
+    pub(crate) fn load(&self, e: [R; 2]) -> FoundationLoad<R> {
         let sum = self.arc.integrate(e);
         let potential = self.modulus.potential(sum.v);
-        let mut out = FoundationLoad {
+        let (modulus, growth, [px, py]) = (potential.modulus, potential.growth, sum.p);
+        FoundationLoad {
             energy: potential.energy,
-            modulus: potential.modulus,
-            ..FoundationLoad::default()
-        };
-        for i in 0..2 {
-            out.force[i] = potential.modulus * sum.p[i];
-            for j in 0..2 {
-                out.stiffness[i][j] =
-                    potential.modulus * sum.d[i][j] + potential.growth * sum.p[i] * sum.p[j];
-            }
+            modulus,
+            force: [modulus * px, modulus * py],
+            stiffness: [
+                modulus * sum.d[0] + growth * px * px,
+                modulus * sum.d[1] + growth * px * py,
+                modulus * sum.d[2] + growth * py * py,
+            ],
         }
-        out
     }
 
     /// Force on the journal; with `JACOBIAN` its exact derivative, else no slopes.
@@ -135,107 +142,134 @@ impl Foundation {
     /// The elastic force -dU/de has size F_el and direction -n. Damping and friction follow
     /// the resultant: delta_dot = n.(w - omega_j x e), F_N = F_el max(0, 1 + D delta_dot),
     /// v_t = w.t + omega_i R1 - omega_j (R1 + e.n). The reaction acts on the bushing at e + R1 n, hence its
-    /// torque F_N (e x n) + F_T (e.n + R1).
-    #[inline]
-    pub(crate) fn force<const JACOBIAN: bool>(&self, motion: &JointMotion) -> (JointForce, ForceSlopes) {
-        let loaded = self.load(motion.e);
-        let elastic = length(loaded.force);
-        let (mut out, mut slopes) = if elastic <= 0.0 {
-            let penetration = self.free_penetration(motion.e);
-            (JointForce { penetration, ..JointForce::default() }, ForceSlopes::none(0.0))
-        } else {
-            self.contact_force::<JACOBIAN>(motion, &loaded, elastic)
-        };
-        self.surface.add_film(motion, &mut out);
-        if JACOBIAN {
-            self.surface.add_film_slopes(&mut slopes);
-        }
-        (out, slopes)
-    }
-
-    /// Penetration in free flight, not above zero [m].
-    fn free_penetration(&self, e: [f64; 2]) -> f64 {
-        let radius = length(e);
-        let reach = self.arc.reach();
-        if radius <= reach { radius - reach } else { self.arc.gap_along(e).min(0.0) }
-    }
-
-    /// The part of [`Self::force`] without the film, for an elastic force of size `elastic` > 0 [N].
-    #[inline]
-    fn contact_force<const JACOBIAN: bool>(
+    /// torque F_N (e x n) + F_T (e.n + R1). In free flight, and where the contact lets go early (1 + D delta_dot <= 0), only the
+    /// film acts.
+    #[inline(always)]
+    pub(crate) fn force<const JACOBIAN: bool>(
         &self,
-        motion: &JointMotion,
-        loaded: &FoundationLoad,
-        elastic: f64,
-    ) -> (JointForce, ForceSlopes) {
+        motion: &JointMotion<R>,
+    ) -> (JointForce<R>, ForceSlopes<R>) {
         let s = &self.surface;
         let JointMotion { e, w, omega_journal, omega_bushing } = *motion;
-        let n = [loaded.force[0] / elastic, loaded.force[1] / elastic];
+        let loaded = self.load(e);
+        let nothing = e[0].zero();
+        let one = nothing.like(1.0);
+        let size = length(loaded.force);
+        let pressed = nothing.below(size);
+        let per_elastic = one / R::select(pressed, size, one);
+        let n = [
+            R::select(pressed, loaded.force[0] * per_elastic, one),
+            R::select(pressed, loaded.force[1] * per_elastic, nothing),
+        ];
         let t = left(n);
         let (en, et) = (dot(e, n), dot(e, t));
         let (wn, wt) = (dot(w, n), dot(w, t));
         // e x n, and the relative velocity differentiated in the bushing's frame.
         let lever = -et;
         let (bn, bt) = (wn + omega_bushing * et, wt - omega_bushing * en);
-        let factor = 1.0 + s.damping * bn;
-        let penetration = equivalent_penetration(elastic, s.stiffness);
-        if factor.is_nan() || factor <= 0.0 {
-            return (JointForce { penetration, ..JointForce::default() }, ForceSlopes::none(0.0));
-        }
+        let factor = one + s.damping * bn;
+        // NaN compares as no contact.
+        let touches = R::both(pressed, nothing.below(factor));
+        let elastic = R::select(touches, size, nothing);
         let normal = elastic * factor;
         let arm = s.journal_radius + en;
         let sliding = wt + omega_journal * s.journal_radius - omega_bushing * arm;
+        let sliding = R::select(touches, sliding, nothing);
         let (mu, mu_v) = s.friction(sliding);
         let friction = mu * normal;
-        let out = JointForce {
+        let mut out = JointForce {
             force: [-normal * n[0] - friction * t[0], -normal * n[1] - friction * t[1]],
-            torque_journal: -s.journal_radius * friction,
+            torque_journal: -(s.journal_radius * friction),
             torque_bushing: normal * lever + friction * arm,
             normal,
-            direction: n,
-            penetration,
+            direction: [R::select(touches, n[0], nothing), R::select(touches, n[1], nothing)],
+            penetration: equivalent_penetration(size, s.stiffness) + self.arc.free_penetration(e, size),
             sliding,
         };
-        let mut slopes = ForceSlopes::none(0.0);
+        s.add_film(motion, &mut out);
+        let mut slopes = ForceSlopes::none(nothing);
         if JACOBIAN {
-            let resultant =
-                Resultant { n, t, en, et, bn, bt, elastic, factor, normal, mu, mu_v, friction, arm, lever };
-            slopes = ForceSlopes { u: n, rows: self.slopes(&resultant, &loaded.stiffness, omega_bushing) };
+            let resultant = Resultant {
+                n,
+                t,
+                en,
+                et,
+                bn,
+                bt,
+                elastic,
+                per_elastic,
+                factor,
+                normal,
+                mu,
+                mu_v,
+                friction,
+                arm,
+                lever,
+            };
+            let mut stiffness = loaded.stiffness;
+            for k in 0..3 {
+                stiffness[k] = R::select(touches, stiffness[k], nothing);
+            }
+            slopes = ForceSlopes { u: n, rows: self.slopes(&resultant, stiffness, omega_bushing) };
+            s.add_film_slopes(&mut slopes);
         }
         (out, slopes)
     }
 
     /// Derivative of (force, torques) without the film to (e, w, omega_i, omega_j), in the axes (n, t) `(4, 6)`, with
-    /// the foundation's stiffness `k` `(2, 2)` [N/m].
-    #[inline]
-    fn slopes(&self, resultant: &Resultant, k: &[[f64; 2]; 2], omega_bushing: f64) -> [[f64; 6]; 4] {
+    /// the foundation's stiffness, entries xx, xy, yy [N/m].
+    #[inline(always)]
+    fn slopes(&self, resultant: &Resultant<R>, [xx, xy, yy]: [R; 3], omega_bushing: R) -> [[R; 6]; 4] {
         let s = &self.surface;
-        let &Resultant { n, t, en, et, bn, bt, elastic, factor, normal, mu, mu_v, friction, arm, lever } =
-            resultant;
+        let &Resultant {
+            n,
+            t,
+            en,
+            et,
+            bn,
+            bt,
+            elastic,
+            per_elastic,
+            factor,
+            normal,
+            mu,
+            mu_v,
+            friction,
+            arm,
+            lever,
+        } = resultant;
+        let nothing = en.zero();
+        let one = nothing.like(1.0);
         // Columns in the axes (n, t): e along n, e along t, w along n, w along t, omega_i, omega_j.
-        let along = |a: [f64; 2], b: [f64; 2]| {
-            a[0] * (k[0][0] * b[0] + k[0][1] * b[1]) + a[1] * (k[1][0] * b[0] + k[1][1] * b[1])
-        };
-        let elastic_c = [along(n, n), along(n, t), 0.0, 0.0, 0.0, 0.0];
-        let turn_c = [along(t, n) / elastic, along(t, t) / elastic, 0.0, 0.0, 0.0, 0.0];
-        let en_c = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0];
-        let et_c = [0.0, 1.0, 0.0, 0.0, 0.0, 0.0];
-        let rate_own = [0.0, omega_bushing, 1.0, 0.0, 0.0, et];
-        let sliding_own = [-omega_bushing, 0.0, 0.0, 1.0, s.journal_radius, -arm];
-        let mut rows = [[0.0; 6]; 4];
+        let (kn, kt) =
+            ([xx * n[0] + xy * n[1], xy * n[0] + yy * n[1]], [xx * t[0] + xy * t[1], xy * t[0] + yy * t[1]]);
+        let elastic_c = [dot(n, kn), dot(n, kt)];
+        let turn_c = [dot(t, kn) * per_elastic, dot(t, kt) * per_elastic];
+        let rate_own = [nothing, omega_bushing, one, nothing, nothing, et];
+        let sliding_own = [-omega_bushing, nothing, nothing, one, s.journal_radius, -arm];
+        let (damped, grip) = (elastic * s.damping, mu_v * normal);
+        let mut rows = [[nothing; 6]; 4];
         for c in 0..6 {
-            let turn = turn_c[c];
-            let d_rate = rate_own[c] + bt * turn;
-            let d_normal = elastic_c[c] * factor + elastic * s.damping * d_rate;
-            let d_sliding = sliding_own[c] - bn * turn;
-            let d_friction = mu * d_normal + mu_v * normal * d_sliding;
-            let d_arm = en_c[c] + et * turn;
-            let d_lever = -(et_c[c] - en * turn);
-            rows[0][c] = -d_normal + friction * turn;
-            rows[1][c] = -d_friction - normal * turn;
-            rows[2][c] = -s.journal_radius * d_friction;
-            rows[3][c] = d_normal * lever + normal * d_lever + d_friction * arm + friction * d_arm;
+            let (mut d_normal, mut d_sliding) = (damped * rate_own[c], sliding_own[c]);
+            if c < 2 {
+                d_normal += elastic_c[c] * factor + damped * bt * turn_c[c];
+                d_sliding -= bn * turn_c[c];
+            }
+            let d_friction = mu * d_normal + grip * d_sliding;
+            rows[0][c] = -d_normal;
+            rows[1][c] = -d_friction;
+            rows[2][c] = -(s.journal_radius * d_friction);
+            rows[3][c] = d_normal * lever + d_friction * arm;
         }
+        // The axes turn with the force, and the arms change with e.
+        for c in 0..2 {
+            let turn = turn_c[c];
+            rows[0][c] += friction * turn;
+            rows[1][c] -= normal * turn;
+            rows[3][c] += normal * en * turn + friction * et * turn;
+        }
+        rows[3][0] += friction;
+        rows[3][1] -= normal;
         rows
     }
 }
@@ -267,7 +301,7 @@ impl Law for Foundation {
         _profile: &Profile,
         motion: &JointMotion,
     ) -> (JointForce, ForceSlopes) {
-        Foundation::force::<JACOBIAN>(self, motion)
+        Foundation::<f64, Arc>::force::<JACOBIAN>(self, motion)
     }
 
     fn elastic(&self, _profile: &Profile, motion: &JointMotion) -> Elastic {
@@ -295,8 +329,9 @@ fn in_bushing_frame(motion: &JointMotion) -> [f64; 2] {
 
 /// Penetration at which F = K_n delta^1.5 gives the force `force` [N] for the stiffness `stiffness` [N/m^1.5]
 /// [m].
-pub(crate) fn equivalent_penetration(force: f64, stiffness: f64) -> f64 {
-    let root = libm::cbrt(force / stiffness);
+#[inline(always)]
+pub(crate) fn equivalent_penetration<R: Real>(force: R, stiffness: R) -> R {
+    let root = cube_root(force / stiffness);
     root * root
 }
 

@@ -16,15 +16,40 @@
 use super::joint_force::{ForceSlopes, JointForce, JointMotion};
 use super::law::{Elastic, Law, Pressure};
 use super::surface::Surface;
-use crate::bore::{Bore, Profile, Radius};
+use crate::bore::{Profile, Radius};
 use crate::lanes::{Real, direction_angle};
-use crate::plane::{dot, left, length};
+use crate::plane::{fused_dot as dot, left};
 
 /// The law with its constants.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LocalHertz<R = f64> {
     /// Constants of the joint.
     pub surface: Surface<R>,
+}
+
+/// An eccentricity in polar coordinates.
+#[derive(Debug, Clone, Copy)]
+pub struct PolarEccentricity<R> {
+    /// Size |e| of the eccentricity [m], and its inverse [1/m].
+    size: R,
+    inverse: R,
+    /// Unit vector u of the eccentricity `(2,)` [1].
+    u: [R; 2],
+    /// Angle of u [rad].
+    pub psi: R,
+}
+
+impl<R: Real> PolarEccentricity<R> {
+    /// The eccentricity `e` `(2,)` [m]; at the centre of the bore, without contact, any direction serves.
+    #[inline(always)]
+    pub(crate) fn new(e: [R; 2]) -> Self {
+        let nothing = e[0].zero();
+        let one = nothing.like(1.0);
+        let size = dot(e, e).sqrt();
+        let inverse = one / R::select(nothing.below(size), size, one);
+        let u = [e[0] * inverse, e[1] * inverse];
+        PolarEccentricity { size, inverse, u, psi: direction_angle(u) }
+    }
 }
 
 /// Motion along the eccentricity and across it.
@@ -60,7 +85,7 @@ struct Normal<R> {
 }
 
 impl<R: Real> LocalHertz<R> {
-    /// Force on the journal; with `JACOBIAN` its exact derivative, else no slopes.
+    /// Force on the journal at the eccentricity `e`, in whose direction the bore is `bore`; with `JACOBIAN` its exact derivative, else no slopes.
     ///
     /// With u the unit vector of e, t its left normal, r = |e|: delta_dot = w.u - R' (w.t / r - omega_j), v_t
     /// = w.t + omega_i R1 - omega_j R, force = -F_N u - F_T t - c_f w, torques -R1 F_T on the journal, +R F_T
@@ -69,35 +94,36 @@ impl<R: Real> LocalHertz<R> {
     #[inline(always)]
     pub(crate) fn force<const JACOBIAN: bool>(
         &self,
-        bore: &impl Bore<R>,
+        e: &PolarEccentricity<R>,
+        bore: &Radius<R>,
         motion: &JointMotion<R>,
     ) -> (JointForce<R>, ForceSlopes<R>) {
         let s = &self.surface;
-        let JointMotion { e, w, omega_journal, omega_bushing } = *motion;
-        let nothing = e[0].zero();
+        let JointMotion { w, omega_journal, omega_bushing, .. } = *motion;
+        let PolarEccentricity { size, inverse, u, .. } = *e;
+        let bore = *bore;
+        let nothing = size.zero();
         let one = nothing.like(1.0);
-        let r = length(e);
-        // At the centre of the bore, without contact, any direction serves.
-        let inverse = one / R::select(nothing.below(r), r, one);
-        let u = [e[0] * inverse, e[1] * inverse];
-        let bore = bore.radius_at(direction_angle(u));
-        let delta = r + s.journal_radius - bore.r;
+        let delta = size + s.journal_radius - bore.r;
         let t = left(u);
         let (wu, wt) = (dot(w, u), dot(w, t));
-        let turn = wt * inverse - omega_bushing;
-        let rate = wu - bore.d1 * turn;
-        let factor = one + s.damping * rate;
+        let turn = (-omega_bushing).plus_product(wt, inverse);
+        let rate = wu.minus_product(bore.d1, turn);
+        let factor = one.plus_product(s.damping, rate);
         // NaN compares as no contact; the penetration keeps the NaN.
         let touches = R::both(nothing.below(delta), nothing.below(factor));
         let root = R::select(touches, delta, nothing).sqrt();
         let elastic = s.stiffness * root * root * root;
         let normal = elastic * factor;
-        let sliding = wt + omega_journal * s.journal_radius - omega_bushing * bore.r;
+        let sliding = wt.plus_product(omega_journal, s.journal_radius).minus_product(omega_bushing, bore.r);
         let sliding = R::select(touches, sliding, nothing);
         let (mu, mu_v) = s.friction(sliding);
         let friction = mu * normal;
         let mut out = JointForce {
-            force: [-normal * u[0] - friction * t[0], -normal * u[1] - friction * t[1]],
+            force: [
+                -(normal * u[0]).plus_product(friction, t[0]),
+                -(normal * u[1]).plus_product(friction, t[1]),
+            ],
             torque_journal: -s.journal_radius * friction,
             torque_bushing: bore.r * friction,
             normal,
@@ -128,10 +154,10 @@ impl<R: Real> LocalHertz<R> {
         let bend = bore.d1 * inverse;
         // Normal force. delta grows by 1 along u and by -bend along t; its rate by (bend wt / r, (wt - R'' turn + bend
         // wu) / r) with e, by (1, -bend) with w and by R' with omega_j.
-        let rate_t = (wt - bore.d2 * turn + bend * wu) * inverse;
+        let rate_t = wt.minus_product(bore.d2, turn).plus_product(bend, wu) * inverse;
         let dn = [
-            slope + ed * (bend * wt * inverse),
-            ed * rate_t - slope * bend,
+            slope.plus_product(ed, bend * wt * inverse),
+            (ed * rate_t).minus_product(slope, bend),
             ed,
             -(ed * bend),
             nothing,
@@ -144,10 +170,10 @@ impl<R: Real> LocalHertz<R> {
         for c in 0..6 {
             df[c] = mu * dn[c];
         }
-        df[1] -= grip * ((wu + omega_bushing * bore.d1) * inverse);
+        df[1] = df[1].minus_product(grip, wu.plus_product(omega_bushing, bore.d1) * inverse);
         df[3] += grip;
         df[4] = grip * s.journal_radius;
-        df[5] -= grip * bore.r;
+        df[5] = df[5].minus_product(grip, bore.r);
         let mut rows = [[nothing; 6]; 4];
         for c in 0..6 {
             rows[0][c] = -dn[c];
@@ -157,9 +183,9 @@ impl<R: Real> LocalHertz<R> {
         }
         // The unit vectors turn with the direction of e, du = t dpsi, dt = -u dpsi; the bore's radius
         // changes.
-        rows[0][1] += friction * inverse;
-        rows[1][1] -= normal * inverse;
-        rows[3][1] += bend * friction;
+        rows[0][1] = rows[0][1].plus_product(friction, inverse);
+        rows[1][1] = rows[1][1].minus_product(normal, inverse);
+        rows[3][1] = rows[3][1].plus_product(bend, friction);
         rows
     }
 }
@@ -181,13 +207,14 @@ impl Law for LocalHertz {
         Pressure::UniformOverArc
     }
 
-    #[inline]
+    #[inline(always)]
     fn force<const JACOBIAN: bool>(
         &self,
         profile: &Profile,
         motion: &JointMotion,
     ) -> (JointForce, ForceSlopes) {
-        LocalHertz::force::<JACOBIAN>(self, profile, motion)
+        let e = PolarEccentricity::new(motion.e);
+        LocalHertz::force::<JACOBIAN>(self, &e, &profile.radius_at(e.psi), motion)
     }
 
     fn elastic(&self, profile: &Profile, motion: &JointMotion) -> Elastic {

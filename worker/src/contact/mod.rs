@@ -21,11 +21,14 @@
 //! Andersson, Soderberg, Bjorklund (2007), Tribology International 40, 580-587.
 
 mod arc;
+mod arc_cell;
 mod damping;
 mod energy;
 mod foundation;
+mod integrals;
 mod joint_force;
 mod law;
+mod law_lanes;
 mod local_hertz;
 mod modulus;
 mod stiffness;
@@ -39,7 +42,8 @@ pub use foundation::Foundation;
 pub(crate) use foundation::{FoundationLoad, equivalent_penetration};
 pub use joint_force::{ForceSlopes, JointForce, JointMotion};
 pub(crate) use law::Pressure;
-pub use local_hertz::LocalHertz;
+pub(crate) use law_lanes::LawLanes;
+pub use local_hertz::{LocalHertz, PolarEccentricity};
 pub use stiffness::hertz_stiffness;
 pub use surface::Surface;
 
@@ -94,6 +98,11 @@ impl Contact {
         with_law!(self, law => law.profile_changed(profile));
     }
 
+    /// True if both have the same law.
+    pub(crate) fn has_same_law(&self, other: &Self) -> bool {
+        std::mem::discriminant(self) == std::mem::discriminant(other)
+    }
+
     /// Distribution of the contact pressure, which decides where the bore wears.
     pub(crate) fn pressure(&self) -> Pressure {
         with_law!(self, law => law.pressure())
@@ -122,7 +131,7 @@ impl Contact {
     }
 
     /// Force at this motion; with `JACOBIAN` its exact derivative, else no slopes.
-    #[inline]
+    #[inline(always)]
     pub fn force<const JACOBIAN: bool>(
         &self,
         profile: &Profile,

@@ -16,6 +16,7 @@
 //! Derived and fitted here, from Hertz's law (`stiffness.rs`) and the Winkler foundation (Johnson 1985,
 //! Contact Mechanics, chapter 4).
 
+use crate::lanes::{Real, lanewise};
 use std::f64::consts::SQRT_2;
 
 /// Coefficients of z to z^4 above the line, and of z to z^3 below; those of z^0 are one.
@@ -24,22 +25,24 @@ const UNDER: [f64; 3] = [9.78098, 8.82415, 3.22025];
 
 /// Modulus of one joint's foundation.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Modulus {
+pub struct Modulus<R = f64> {
     /// Modulus of a light load, kappa = K_n 3 sqrt(c) / (4 sqrt 2) [N/(m rad)].
-    light: f64,
+    light: R,
     /// 15 / (8 sqrt 2 c^2) [1/m^2].
-    unit: f64,
+    unit: R,
 }
+
+lanewise!(Modulus { light, unit });
 
 /// Potential U(V) and its derivatives.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Potential {
+pub struct Potential<R = f64> {
     /// Potential U [J].
-    pub energy: f64,
+    pub energy: R,
     /// dU/dV: the modulus in effect [N/(m rad)].
-    pub modulus: f64,
+    pub modulus: R,
     /// d2U/dV2 [N/(m^3 rad^2)].
-    pub growth: f64,
+    pub growth: R,
 }
 
 impl Modulus {
@@ -50,37 +53,40 @@ impl Modulus {
             unit: 15.0 / (8.0 * SQRT_2 * clearance * clearance),
         }
     }
+}
 
+impl<R: Real> Modulus<R> {
     /// U(V) and its derivatives for `v` = V [m^2 rad]; all zero without contact, V = 0.
-    #[inline]
-    pub(crate) fn potential(&self, v: f64) -> Potential {
-        if v <= 0.0 {
-            return Potential::default();
-        }
-        let z = (self.unit * v).sqrt().sqrt();
-        // A polynomial 1 + a z + b z^2 + c z^3 + d z^4 with its first and second derivative.
-        let jet = |a: f64, b: f64, c: f64, d: f64| {
-            (
-                1.0 + z * (a + z * (b + z * (c + z * d))),
-                a + z * (2.0 * b + z * (3.0 * c + z * 4.0 * d)),
-                2.0 * b + z * (6.0 * c + z * 12.0 * d),
-            )
-        };
-        let [a, b, c, d] = OVER;
-        let over = jet(a, b, c, d);
-        let [a, b, c] = UNDER;
-        let under = jet(a, b, c, 0.0);
+    #[inline(always)]
+    pub(crate) fn potential(&self, v: R) -> Potential<R> {
+        let (nothing, one) = (v.zero(), v.like(1.0));
+        let touches = nothing.below(v);
+        let safe = R::select(touches, v, one);
+        let z = (self.unit * safe).sqrt().sqrt();
+        let [over, over_1, over_2] = polynomial(z, OVER);
+        let [under, under_1, under_2] = polynomial(z, [UNDER[0], UNDER[1], UNDER[2], 0.0]);
         // H, dH/dz, d2H/dz2; dz/dV = z / (4 V).
-        let inverse = 1.0 / under.0;
-        let h = over.0 * inverse;
-        let h1 = (over.1 - h * under.1) * inverse;
-        let h2 = (over.2 - h * under.2 - 2.0 * h1 * under.1) * inverse;
+        let inverse = one / under;
+        let h = over * inverse;
+        let h1 = (over_1 - h * under_1) * inverse;
+        let h2 = (over_2 - h * under_2 - h1 * under_1 * 2.0) * inverse;
+        let light = R::select(touches, self.light, nothing);
         Potential {
-            energy: self.light * v * h,
-            modulus: self.light * (h + 0.25 * z * h1),
-            growth: self.light * z / (16.0 * v) * (5.0 * h1 + z * h2),
+            energy: light * safe * h,
+            modulus: light * (h + z * h1 * 0.25),
+            growth: light * z / (safe * 16.0) * (h1 * 5.0 + z * h2),
         }
     }
+}
+
+/// The polynomial 1 + a z + b z^2 + c z^3 + d z^4 with its first and second derivative.
+#[inline(always)]
+fn polynomial<R: Real>(z: R, [a, b, c, d]: [f64; 4]) -> [R; 3] {
+    [
+        z * (z * (z * (z * d + c) + b) + a) + 1.0,
+        z * (z * (z * (4.0 * d) + 3.0 * c) + 2.0 * b) + a,
+        z * (z * (12.0 * d) + 6.0 * c) + 2.0 * b,
+    ]
 }
 
 #[cfg(test)]

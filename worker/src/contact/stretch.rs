@@ -5,8 +5,13 @@
 //! at once. Eccentricities are counted from the one at which the journal touches both ends of the stretch: the
 //! coefficients are then as small as the bore is uneven, and little is lost in rounding.
 //!
+//! Whether stretches touch is decided for a group of them at once, in loops that become vector instructions.
+//!
 //! # Source
 //! Derived here.
+
+// Compiled into the loops of the lanes, where closures of iterators are not: plain loops.
+#![allow(clippy::needless_range_loop)]
 
 use crate::plane::{cross, dot};
 use std::f64::consts::TAU;
@@ -14,53 +19,139 @@ use std::f64::consts::TAU;
 /// Intervals of a stretch, over which sums are kept and which is judged as a whole; few enough for a bore to be nearly an
 /// arc about one point there.
 pub(super) const STRETCH: usize = 16;
+/// Stretches of a group, as many numbers as the widest vectors hold.
+pub(super) const GROUP: usize = 8;
 
-/// What is known of a stretch as a whole.
-#[derive(Clone, Copy, PartialEq)]
-pub enum Touch {
-    /// No interval is in contact.
-    Free,
-    /// Each interval has to be looked at.
-    Partly,
-    /// Every interval is in contact from end to end.
-    Whole,
+/// Stretches of a group that touch, and those in contact from end to end; bit i stands for stretch i of the group.
+#[derive(Clone, Copy)]
+pub struct StretchContact {
+    /// Stretches that may be in contact.
+    pub any: u32,
+    /// Those of them whose intervals are all in contact.
+    pub whole: u32,
+}
+
+/// What decides whether the stretches of a group touch; stretches beyond the end of the bore never do.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StretchGroup {
+    /// First and last angle of the stretches.
+    ends: [Angles<GROUP>; 2],
+    /// Least and largest gap, with the other sign, of the angles of each stretch at the eccentricity at which the journal touches both
+    /// its ends `(GROUP,)` [m].
+    least: [f64; GROUP],
+    most: [f64; GROUP],
+}
+
+impl StretchGroup {
+    /// A group without stretches.
+    const EMPTY: Self = StretchGroup {
+        ends: [Angles { x: [0.0; GROUP], y: [0.0; GROUP], play: [0.0; GROUP] }; 2],
+        least: [f64::INFINITY; GROUP],
+        most: [f64::INFINITY; GROUP],
+    };
+
+    /// Stretches that touch at the eccentricity `e` [m], or at any within `margin` of it [m]. A wave e.u between the gaps a and b at the ends is at least the smaller of two
+    /// positive ones, and at most the larger times `widening`, one over the cosine of half the angle between the ends.
+    #[inline(always)]
+    pub(super) fn touched(&self, e: [f64; 2], widening: f64, margin: f64) -> StretchContact {
+        let (a, b) = (self.ends[0].gaps(e), self.ends[1].gaps(e));
+        let (mut above, mut within) = ([0.0; GROUP], [0.0; GROUP]);
+        for i in 0..GROUP {
+            let (low, high) = if a[i] < b[i] { (a[i], b[i]) } else { (b[i], a[i]) };
+            let widest = if high > 0.0 { high * widening } else { high };
+            let most = if self.most[i] > 0.0 { self.most[i] } else { 0.0 };
+            above[i] = widest - self.least[i] + margin;
+            within[i] = low - most - margin;
+        }
+        StretchContact { any: positive(&above), whole: positive(&within) }
+    }
+}
+
+/// Angles of a tabulated bore.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Angles<const N: usize> {
+    /// Unit vectors at the angles `(N,)` each [1].
+    pub x: [f64; N],
+    pub y: [f64; N],
+    /// R - R1 there `(N,)` [m].
+    pub play: [f64; N],
+}
+
+impl<const N: usize> Angles<N> {
+    /// Gap function g at the eccentricity `e` [m] `(N,)` [m].
+    #[inline(always)]
+    pub(super) fn gaps(&self, e: [f64; 2]) -> [f64; N] {
+        let mut gap = [0.0; N];
+        for i in 0..N {
+            gap[i] = e[0] * self.x[i] + e[1] * self.y[i] - self.play[i];
+        }
+        gap
+    }
+}
+
+/// Bits of the numbers above zero, at most 16 of them: the first number is the lowest bit. In terms of sign bits, which become vector
+/// instructions where comparisons become branches.
+#[inline(always)]
+fn positive<const N: usize>(x: &[f64; N]) -> u32 {
+    let mut found = 0;
+    for i in 0..N {
+        found |= ((0.0 - x[i]).to_bits() >> 63) << i;
+    }
+    found as u32
 }
 
 /// Intervals next to each other.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stretch {
+    /// Number of its intervals, at most [`STRETCH`].
+    pub intervals: usize,
+    /// Angles at which its intervals begin; beyond its end the bore is out of reach.
+    pub begin: Angles<STRETCH>,
+    /// Angle at which the last one ends.
+    pub end: Angles<1>,
     /// Eccentricity at which the journal touches the bore at both ends of the stretch `(2,)` [m]: eccentricities are
     /// counted from there, so that the coefficients are as small as the bore is uneven.
     centre: [f64; 2],
-    /// Unit vectors at its ends, and the cosine of half the angle between them [1].
-    ends: [[f64; 2]; 2],
-    half: f64,
-    /// Least and largest gap, with the other sign, of its angles at that eccentricity [m].
-    uneven: [f64; 2],
     /// Sums over its first 0 to [`STRETCH`] intervals.
     pub sums: [Quadratic; STRETCH + 1],
 }
 
 impl Stretch {
-    /// The intervals from `first` to before `end` of a bore with these tabulated radii [m] and unit vectors.
-    fn new(first: usize, end: usize, journal_radius: f64, radius: &[f64], direction: &[[f64; 2]]) -> Self {
+    /// The intervals from `first` to before `end` of a bore with these tabulated radii [m] and unit vectors, with the least and the
+    /// largest gap of its angles, with the other sign, at the eccentricity from which others are counted [m].
+    fn new(
+        first: usize,
+        end: usize,
+        journal_radius: f64,
+        radius: &[f64],
+        direction: &[[f64; 2]],
+    ) -> (Self, [f64; 2]) {
         let n = radius.len();
-        let play = |k: usize| radius[k] - journal_radius;
-        let after = |k: usize| if k + 1 == n { 0 } else { k + 1 };
-        let (u, v) = (direction[first], direction[after(end - 1)]);
-        let (a, b, det) = (play(first), play(after(end - 1)), cross(u, v));
+        let at = |k: usize| if k == n { 0 } else { k };
+        let play = |k: usize| radius[at(k)] - journal_radius;
+        let (u, v) = (direction[first], direction[at(end)]);
+        let (a, b, det) = (play(first), play(end), cross(u, v));
         let centre = [(a * v[1] - b * u[1]) / det, (b * u[0] - a * v[0]) / det];
-        let uneven = |k: usize| play(k) - dot(centre, direction[k]);
-        let mut sums = [Quadratic::default(); STRETCH + 1];
+        let mut begin = Angles { x: [0.0; STRETCH], y: [0.0; STRETCH], play: [f64::INFINITY; STRETCH] };
+        for (i, k) in (first..end).enumerate() {
+            ([begin.x[i], begin.y[i]], begin.play[i]) = (direction[k], play(k));
+        }
+        let mut stretch = Stretch {
+            intervals: end - first,
+            begin,
+            end: Angles { x: [v[0]], y: [v[1]], play: [b] },
+            centre,
+            sums: [Quadratic::default(); STRETCH + 1],
+        };
+        let uneven = |k: usize| play(k) - dot(centre, direction[at(k)]);
         let (mut least, mut most) = (uneven(first), uneven(first));
         for (i, k) in (first..end).enumerate() {
-            let next = after(k);
-            let (here, there) = (uneven(k), uneven(next));
+            let (here, there) = (uneven(k), uneven(k + 1));
             (least, most) = (least.min(there), most.max(there));
-            sums[i + 1] = sums[i].plus(&Quadratic::of_interval(direction[k], direction[next], here, there));
+            let interval = Quadratic::of_interval(direction[k], direction[at(k + 1)], here, there);
+            stretch.sums[i + 1] = stretch.sums[i].plus(&interval);
         }
-        let half = 0.5 * (end - first) as f64 * TAU / n as f64;
-        Stretch { centre, ends: [u, v], half: libm::cos(half), uneven: [least, most], sums }
+        (stretch, [least, most])
     }
 
     /// The eccentricity `e`, counted from the stretch's own [m].
@@ -69,21 +160,41 @@ impl Stretch {
         [e[0] - self.centre[0], e[1] - self.centre[1]]
     }
 
-    /// Whether the stretch touches at the eccentricity `e` [m]. A wave e.u between the values a and b at the ends is at least
-    /// the smaller of two positive ones, and at most the larger over the cosine of half the angle between them.
+    /// Bits of the angles with a gap above `least` at the eccentricity `e` [m]: bit i stands for the angle at which interval i begins,
+    /// the next one for that at which the last interval ends.
     #[inline(always)]
-    pub(super) fn touch(&self, e: [f64; 2]) -> Touch {
-        let e = self.relative_to_centre(e);
-        let (a, b) = (dot(e, self.ends[0]), dot(e, self.ends[1]));
-        let [least, most] = self.uneven;
-        let (low, high) = if a < b { (a, b) } else { (b, a) };
-        if high.max(high / self.half) <= least {
-            Touch::Free
-        } else if low > 0.0 && low > most {
-            Touch::Whole
-        } else {
-            Touch::Partly
+    pub(super) fn positive(&self, e: [f64; 2], least: f64) -> u32 {
+        let mut above = self.begin.gaps(e);
+        for i in 0..STRETCH {
+            above[i] -= least;
         }
+        positive(&above) | (u32::from(self.end.gaps(e)[0] > least) << self.intervals)
+    }
+
+    /// Bits of all its intervals.
+    #[inline(always)]
+    pub(super) fn all(&self) -> u32 {
+        (1 << self.intervals) - 1
+    }
+
+    /// Unit vector `(2,)` [1] and R - R1 [m] at the angle at which interval `i` begins, or the last one ends.
+    #[inline(always)]
+    pub(super) fn angle(&self, i: usize) -> ([f64; 2], f64) {
+        if i < self.intervals {
+            ([self.begin.x[i], self.begin.y[i]], self.begin.play[i])
+        } else {
+            ([self.end.x[0], self.end.y[0]], self.end.play[0])
+        }
+    }
+
+    /// Coefficients of all its intervals for eccentricities counted from zero.
+    fn counted_from_zero(&self) -> Quadratic {
+        let mut sum = Quadratic::default();
+        for i in 0..self.intervals {
+            let ((u, a), (v, b)) = (self.angle(i), self.angle(i + 1));
+            sum = sum.plus(&Quadratic::of_interval(u, v, a, b));
+        }
+        sum
     }
 }
 
@@ -132,17 +243,39 @@ impl Quadratic {
     }
 }
 
-/// The stretches of a bore with these tabulated radii [m] and unit vectors, into `stretches`.
-pub(super) fn tabulate(
-    stretches: &mut Vec<Stretch>,
-    journal_radius: f64,
-    radius: &[f64],
-    direction: &[[f64; 2]],
-) {
-    let n = radius.len();
-    stretches.clear();
-    let firsts = (0..n).step_by(STRETCH);
-    stretches.extend(
-        firsts.map(|first| Stretch::new(first, n.min(first + STRETCH), journal_radius, radius, direction)),
-    );
+/// All stretches of a tabulated bore.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Stretches {
+    /// The stretches in order.
+    pub each: Vec<Stretch>,
+    /// Groups of [`GROUP`] stretches, which decide whether these touch.
+    pub groups: Vec<StretchGroup>,
+    /// One over the cosine of half the angle that the ends of a stretch enclose [1].
+    pub widening: f64,
+    /// Sums over the first 0 to all stretches, for eccentricities counted from zero.
+    pub across: Vec<Quadratic>,
+}
+
+impl Stretches {
+    /// Tabulates a bore with these radii [m] and unit vectors.
+    pub(super) fn tabulate(&mut self, journal_radius: f64, radius: &[f64], direction: &[[f64; 2]]) {
+        let n = radius.len();
+        self.widening = 1.0 / libm::cos(0.5 * STRETCH as f64 * TAU / n as f64);
+        self.each.clear();
+        self.across.clear();
+        self.across.push(Quadratic::default());
+        self.groups.clear();
+        self.groups.resize(n.div_ceil(STRETCH * GROUP), StretchGroup::EMPTY);
+        for (s, first) in (0..n).step_by(STRETCH).enumerate() {
+            let end = n.min(first + STRETCH);
+            let (stretch, [least, most]) = Stretch::new(first, end, journal_radius, radius, direction);
+            let (group, i) = (&mut self.groups[s / GROUP], s % GROUP);
+            for (ends, angle) in group.ends.iter_mut().zip([0, stretch.intervals]) {
+                ([ends.x[i], ends.y[i]], ends.play[i]) = stretch.angle(angle);
+            }
+            (group.least[i], group.most[i]) = (least, most);
+            self.across.push(self.across[s].plus(&stretch.counted_from_zero()));
+            self.each.push(stretch);
+        }
+    }
 }

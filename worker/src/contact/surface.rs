@@ -86,14 +86,14 @@ impl<R: Real> Surface<R> {
     pub(super) fn friction(&self, v: R) -> (R, R) {
         let per_speed = v.like(1.0) / self.friction_speed;
         let th = tanh(v * per_speed);
-        (self.friction * th, self.friction * (th.like(1.0) - th * th) * per_speed)
+        (self.friction * th, self.friction * th.like(1.0).minus_product(th, th) * per_speed)
     }
 
     /// Adds the film's force -c_f w through the centres.
     #[inline(always)]
     pub(super) fn add_film(&self, motion: &JointMotion<R>, out: &mut JointForce<R>) {
         for k in 0..2 {
-            out.force[k] -= self.film * motion.w[k];
+            out.force[k] = out.force[k].minus_product(self.film, motion.w[k]);
         }
     }
 

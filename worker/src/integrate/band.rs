@@ -29,6 +29,11 @@ impl Band {
         Band::new(self.n, 2 * self.half)
     }
 
+    /// Number of rows if all entries are stored, else zero.
+    pub(crate) fn dense(&self) -> usize {
+        if self.offset == 0 { self.n } else { 0 }
+    }
+
     /// Number of rows.
     pub(crate) fn n(&self) -> usize {
         self.n

@@ -115,7 +115,7 @@ impl<R: Real> LaneStepper<R> {
         system.linearise(t, &self.q, &self.v, &mut self.at);
         self.force = like.zero();
         for f in &self.at.f {
-            self.force += *f * 0.0;
+            self.force = self.force.plus_product(*f, like.zero());
         }
         let sound = self.scheme.step(system, &self.at, t, h, &self.q, &self.v);
         // Not a number where the matrix was as good as singular.

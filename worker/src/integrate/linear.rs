@@ -8,7 +8,7 @@
 //! # Source
 //! Gaussian elimination without pivoting: Golub, Van Loan, Matrix Computations (2013), section 3.2; banded: section 4.3.
 
-use super::Band;
+use super::layout::{Layout, each_row};
 use crate::lanes::Real;
 
 /// A pivot below this share of the diagonal entry it came from has lost too many digits [1].
@@ -17,17 +17,17 @@ const CANCELLED: f64 = 1e-9;
 /// Factors the matrix `a` in place: L below the diagonal, the inverses of the pivots on it, U above. Returns one in lanes
 /// where every pivot kept its digits, else zero.
 #[inline(always)]
-pub(crate) fn factor<R: Real>(a: &mut [R], band: &Band, like: R) -> R {
+pub(crate) fn factor<R: Real, L: Layout>(a: &mut [R], band: &L, like: R) -> R {
     let a = &mut a[..band.len()];
     let (one, zero) = (like.like(1.0), like.zero());
     let mut sound = one;
-    for k in 0..band.n() {
+    each_row!(band: L, k => {
         let kept = band.kept(k);
         let pivot = a[band.index(k, k)];
         // Size of the diagonal entry before the elimination: pivot plus what the rows above took from it.
         let mut taken = zero;
         for j in kept.start..k {
-            taken += (a[band.index(k, j)] * a[band.index(j, k)]).abs();
+            taken = taken.plus_product(a[band.index(k, j)].abs(), a[band.index(j, k)].abs());
         }
         let enough = (pivot.abs() + taken) * CANCELLED;
         sound = R::select(enough.below(pivot.abs()), sound, zero);
@@ -40,56 +40,58 @@ pub(crate) fn factor<R: Real>(a: &mut [R], band: &Band, like: R) -> R {
             let (upper, lower) = a.split_at_mut(to);
             let row = &upper[from..from + kept.end - k - 1];
             for (x, u) in lower.iter_mut().zip(row) {
-                *x -= l * *u;
+                *x = x.minus_product(l, *u);
             }
         }
-    }
+    });
     sound
 }
 
 /// Solves A x = b with the factors of [`factor`]; `x` holds b `(n,)` at first, then the solution.
 #[inline(always)]
-pub(crate) fn solve<R: Real>(a: &[R], band: &Band, x: &mut [R]) {
+pub(crate) fn solve<R: Real, L: Layout>(a: &[R], band: &L, x: &mut [R]) {
     let n = band.n();
     let (a, x) = (&a[..band.len()], &mut x[..n]);
-    for i in 1..n {
+    each_row!(band: L, i => {
         let kept = band.kept(i);
         let row = &a[band.index(i, kept.start)..band.index(i, i)];
         let mut sum = x[i];
         for (l, x) in row.iter().zip(&x[kept.start..]) {
-            sum -= *l * *x;
+            sum = sum.minus_product(*l, *x);
         }
         x[i] = sum;
-    }
-    for i in (0..n).rev() {
+    });
+    each_row!(band: L, backwards i => {
         let kept = band.kept(i);
         let row = &a[band.index(i, i)..band.index(i, i) + kept.end - i];
         let mut sum = x[i];
         for (u, x) in row[1..].iter().zip(&x[i + 1..]) {
-            sum -= *u * *x;
+            sum = sum.minus_product(*u, *x);
         }
         x[i] = sum * row[0];
-    }
+    });
 }
 
 /// Adds `factor` times the product of the matrix `a` with `x` `(n,)` to `y` `(n,)`.
 #[inline(always)]
-pub(crate) fn add_product<R: Real>(a: &[R], band: &Band, factor: R, x: &[R], y: &mut [R]) {
+pub(crate) fn add_product<R: Real, L: Layout>(a: &[R], band: &L, factor: R, x: &[R], y: &mut [R]) {
     let n = band.n();
     let (a, x, y) = (&a[..band.len()], &x[..n], &mut y[..n]);
-    for (i, y) in y.iter_mut().enumerate() {
+    each_row!(band: L, i => {
         let kept = band.kept(i);
         let row = &a[band.index(i, kept.start)..band.index(i, kept.start) + kept.len()];
         let mut sum = factor.zero();
         for (a, x) in row.iter().zip(&x[kept]) {
-            sum += *a * *x;
+            sum = sum.plus_product(*a, *x);
         }
-        *y += factor * sum;
-    }
+        y[i] = y[i].plus_product(factor, sum);
+    });
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::Band;
+    use super::super::layout::Dense;
     use super::*;
 
     /// A matrix with dominant diagonal and entries that follow no rule.
@@ -117,6 +119,22 @@ mod tests {
             let off = b.iter().zip(&x).map(|(b, x)| (b - x).abs()).fold(0.0, f64::max);
             assert!(off < 1e-14, "{band:?}: {off}");
         }
+    }
+
+    #[test]
+    fn a_size_known_when_compiled_changes_no_bit() {
+        let (band, dense) = (Band::new(6, 5), Dense::<6>);
+        let a = matrix(&band);
+        let b: Vec<f64> = (0..6).map(|i| (i as f64).cos()).collect();
+        let (mut lu, mut straight) = (a.clone(), a.clone());
+        assert_eq!(factor(&mut lu, &band, 0.0), factor(&mut straight, &dense, 0.0));
+        assert_eq!(lu, straight);
+        let (mut x, mut y) = (b.clone(), b.clone());
+        solve(&lu, &band, &mut x);
+        solve(&lu, &dense, &mut y);
+        add_product(&a, &band, 0.3, &b, &mut x);
+        add_product(&a, &dense, 0.3, &b, &mut y);
+        assert_eq!(x, y);
     }
 
     #[test]

@@ -7,7 +7,7 @@
 //! | `progress.rs` | accepts or refuses a step; counts; reasons to stop |
 //! | `stepper.rs` | integrates one system over a span of time |
 //! | `lane_stepper.rs` | integrates one system per SIMD lane over spans of their own |
-//! | `band.rs`, `linear.rs`, `pivoted.rs` | banded matrices and their factorisations |
+//! | `band.rs`, `layout.rs`, `linear.rs`, `pivoted.rs` | banded and dense matrices and their factorisations |
 
 mod band;
 mod control;
@@ -16,6 +16,7 @@ mod impact_tests;
 mod lane_stepper;
 #[cfg(test)]
 mod lane_stepper_tests;
+mod layout;
 mod linear;
 mod pivoted;
 mod progress;

@@ -22,6 +22,10 @@
 //! equations, Numerische Mathematik 33 (1979). Coefficients in the transformed form of Hairer, Wanner: Solving Ordinary
 //! Differential Equations II (1996), section IV.7. Filter of the estimate: Shampine; Hairer, Wanner, section IV.8.
 
+// Each loop runs over one row index of several vectors at once.
+#![allow(clippy::needless_range_loop)]
+
+use super::layout::{Layout, with_layout};
 use super::linear::{add_product, factor, solve};
 use super::{Band, Dynamics, Linearised};
 use crate::lanes::Real;
@@ -53,6 +57,7 @@ pub struct Rosenbrock<R = f64> {
     v: Vec<R>,
     f: Vec<R>,
     rq: Vec<R>,
+    rhs: Vec<R>,
     /// Positions at the end of the step [m, rad].
     pub new_q: Vec<R>,
     /// Velocities at the end of the step [m/s, rad/s].
@@ -63,10 +68,9 @@ pub struct Rosenbrock<R = f64> {
     pub error_v: Vec<R>,
 }
 
-/// Where a step starts: linearisation, time [s], length of the step [s] and its inverse [1/s], positions and velocities `(n,)`.
+/// Where a step starts: linearisation, length of the step [s] and its inverse [1/s], positions and velocities `(n,)`.
 struct Start<'a, R> {
     at: &'a Linearised<R>,
-    t: R,
     h: R,
     per_h: R,
     q: &'a [R],
@@ -85,6 +89,7 @@ impl<R: Real> Rosenbrock<R> {
             v: zero(),
             f: zero(),
             rq: zero(),
+            rhs: zero(),
             new_q: zero(),
             new_v: zero(),
             error_q: zero(),
@@ -104,105 +109,131 @@ impl<R: Real> Rosenbrock<R> {
         q: &[R],
         v: &[R],
     ) -> R {
-        let start = Start { at, t, h, per_h: h.like(1.0) / h, q, v };
-        // A size known at compile time, of two bodies, makes straight code of the innermost loops.
-        let pair = Band::new(6, 6);
-        if at.band == pair {
-            return self.banded_step(pair, system, &start);
-        }
-        self.banded_step(at.band, system, &start)
-    }
-
-    #[inline(always)]
-    fn banded_step<D: Dynamics<R>>(&mut self, band: Band, system: &mut D, start: &Start<R>) -> R {
-        let Start { at, h, per_h, .. } = *start;
-        let gh = h * GAMMA;
-        let per_gh = per_h * (1.0 / GAMMA);
-        for ((to, d), k) in self.matrix.iter_mut().zip(&at.d).zip(&at.k) {
-            *to = -*d - gh * *k;
-        }
-        for (i, mass) in system.mass().iter().enumerate() {
-            self.matrix[band.index(i, i)] += *mass * per_gh;
-        }
-        let sound = factor(&mut self.matrix, &band, h);
+        let band = at.band;
+        let start = Start { at, h, per_h: h.like(1.0) / h, q, v };
+        let sound = with_layout!(band, layout => self.factor(layout, system.mass(), &start));
+        with_layout!(band, layout => self.solve_stage::<_, 0>(0, layout, system.mass(), &start));
         // A loop the compiler cannot unroll: the force is inlined once, and the code of a step stays small.
-        for stage in 0..std::hint::black_box(4) {
-            if stage == 1 || stage == 2 {
-                self.stage_force(stage, band, system, start);
-            }
-            self.solve_stage(stage, band, system.mass(), start);
+        for stage in 1..std::hint::black_box(3) {
+            with_layout!(band, layout => self.stage_state(stage, layout, &start));
+            system.force(t.plus_product(h, h.like(NODE[stage])), &self.q, &self.v, &mut self.f);
+            with_layout!(band, layout => self.solve_stage::<_, 2>(stage, layout, system.mass(), &start));
         }
-        self.combine_stages(band, start);
-        self.filter_error(&band, at, gh, per_gh, system.mass());
+        with_layout!(band, layout => self.solve_stage::<_, 3>(3, layout, system.mass(), &start));
+        with_layout!(band, layout => self.combine_stages(layout, system.mass(), &start));
         sound
     }
 
-    /// State and force of the second or third stage.
-    // Each loop runs over one row index of several vectors at once.
-    #[allow(clippy::needless_range_loop)]
+    /// Factors the matrix M / (gamma h) - D - gamma h K.
     #[inline(always)]
-    fn stage_force<D: Dynamics<R>>(&mut self, stage: usize, band: Band, system: &mut D, start: &Start<R>) {
-        let Start { t, h, q, v, .. } = *start;
-        let a = A[stage - 1];
-        for i in 0..band.n() {
-            // The second weight of the first of these stages is zero, and so is what it weighs.
-            self.q[i] = q[i] + self.uq[0][i] * a[0] + self.uq[1][i] * a[1];
-            self.v[i] = v[i] + self.uv[0][i] * a[0] + self.uv[1][i] * a[1];
+    fn factor<L: Layout>(&mut self, layout: L, mass: &[R], start: &Start<R>) -> R {
+        let Start { at, h, per_h, .. } = *start;
+        let (gh, per_gh) = (h * GAMMA, per_h * (1.0 / GAMMA));
+        let (n, len) = (layout.n(), layout.len());
+        let (matrix, d, k, mass) = (&mut self.matrix[..len], &at.d[..len], &at.k[..len], &mass[..n]);
+        for i in 0..len {
+            matrix[i] = (-d[i]).minus_product(gh, k[i]);
         }
-        system.force(t + h * NODE[stage], &self.q, &self.v, &mut self.f);
+        for i in 0..n {
+            let diagonal = &mut matrix[layout.index(i, i)];
+            *diagonal = diagonal.plus_product(mass[i], per_gh);
+        }
+        factor(matrix, &layout, h)
     }
 
-    /// Right-hand sides r_q = v_stage + sum c u_q / h and M r_v = f_stage + d h f_t + M sum c u_v / h, and the stage's solution.
-    // Each loop runs over one row index of several vectors at once.
-    #[allow(clippy::needless_range_loop)]
+    /// State of the second or third stage.
     #[inline(always)]
-    fn solve_stage(&mut self, stage: usize, band: Band, mass: &[R], start: &Start<R>) {
-        let Start { at, h, per_h, v, .. } = *start;
-        let n = band.n();
-        let gh = h * GAMMA;
-        let (before, rest) = self.uv.split_at_mut(stage);
-        let rhs = &mut rest[0];
-        let (vel, force) = if stage == 0 { (v, at.f.as_slice()) } else { (&*self.v, &*self.f) };
-        let ht = h * TIME[stage];
-        for i in 0..n {
-            let (mut cq, mut cv) = (h.zero(), h.zero());
-            for (j, u) in before.iter().enumerate() {
-                let c = C[stage - 1][j];
-                cq += self.uq[j][i] * c;
-                cv += u[i] * c;
-            }
-            self.rq[i] = vel[i] + cq * per_h;
-            rhs[i] = force[i] + ht * at.ft[i] + mass[i] * cv * per_h;
-        }
-        add_product(&at.k, &band, gh, &self.rq, rhs);
-        solve(&self.matrix, &band, rhs);
-        for i in 0..n {
-            self.uq[stage][i] = gh * (self.rq[i] + rhs[i]);
-        }
-        if stage == 0 {
-            self.uq[1].fill(h.zero());
-            self.uv[1].fill(h.zero());
-        }
-    }
-
-    /// State at the end of the step and its error estimate, before the filter.
-    // Each loop runs over one row index of several vectors at once.
-    #[allow(clippy::needless_range_loop)]
-    #[inline(always)]
-    fn combine_stages(&mut self, band: Band, start: &Start<R>) {
+    fn stage_state<L: Layout>(&mut self, stage: usize, layout: L, start: &Start<R>) {
         let Start { h, q, v, .. } = *start;
-        for i in 0..band.n() {
+        let n = layout.n();
+        let [first, second] = A[stage - 1];
+        // The second weight of the first of these stages is zero, and so is what it weighs.
+        let (first, second) = (h.like(first), h.like(second));
+        let ([uq0, uq1, ..], [uv0, uv1, ..]) = (&self.uq, &self.uv);
+        let (uq0, uq1, uv0, uv1) = (&uq0[..n], &uq1[..n], &uv0[..n], &uv1[..n]);
+        let (stage_q, stage_v, q, v) = (&mut self.q[..n], &mut self.v[..n], &q[..n], &v[..n]);
+        for i in 0..n {
+            stage_q[i] = q[i].plus_product(uq0[i], first).plus_product(uq1[i], second);
+            stage_v[i] = v[i].plus_product(uv0[i], first).plus_product(uv1[i], second);
+        }
+    }
+
+    /// Right-hand sides r_q = v_stage + sum c u_q / h and M r_v = f_stage + d h f_t + M sum c u_v / h, with sums over the first `BEFORE`
+    /// stages, and the solution of stage `stage`; terms of stages yet to come are zero.
+    #[inline(always)]
+    fn solve_stage<L: Layout, const BEFORE: usize>(
+        &mut self,
+        stage: usize,
+        layout: L,
+        mass: &[R],
+        start: &Start<R>,
+    ) {
+        let Start { at, h, per_h, v, .. } = *start;
+        let n = layout.n();
+        let gh = h * GAMMA;
+        let ht = h * TIME[stage];
+        let zero = h.zero();
+        let (velocity, force) = if BEFORE == 0 { (v, at.f.as_slice()) } else { (&*self.v, &*self.f) };
+        let (velocity, force, ft, mass) = (&velocity[..n], &force[..n], &at.ft[..n], &mass[..n]);
+        let (rq, rhs) = (&mut self.rq[..n], &mut self.rhs[..n]);
+        let mut c = [zero; 3];
+        for j in 0..BEFORE {
+            c[j] = h.like(C[stage - 1][j]);
+        }
+        let [uq0, uq1, uq2, _] = &self.uq;
+        let [uv0, uv1, uv2, _] = &self.uv;
+        let (uq, uv) = ([&uq0[..n], &uq1[..n], &uq2[..n]], [&uv0[..n], &uv1[..n], &uv2[..n]]);
+        for i in 0..n {
+            let (mut cq, mut cv) = (zero, zero);
+            for j in 0..BEFORE {
+                cq = cq.plus_product(uq[j][i], c[j]);
+                cv = cv.plus_product(uv[j][i], c[j]);
+            }
+            rq[i] = velocity[i].plus_product(cq, per_h);
+            rhs[i] = force[i].plus_product(ht, ft[i]).plus_product(mass[i] * cv, per_h);
+        }
+        add_product(&at.k, &layout, gh, rq, rhs);
+        solve(&self.matrix, &layout, rhs);
+        let (uq, uv) = (&mut self.uq[stage][..n], &mut self.uv[stage][..n]);
+        for i in 0..n {
+            uq[i] = gh * (rq[i] + rhs[i]);
+            uv[i] = rhs[i];
+        }
+        if BEFORE == 0 {
+            self.uq[1].fill(zero);
+            self.uv[1].fill(zero);
+        }
+    }
+
+    /// State at the end of the step and its error estimate e, replaced by (I - gamma h J)^-1 e, which removes vibrations of a contact far
+    /// faster than the step and leaves slower motion unchanged.
+    #[inline(always)]
+    fn combine_stages<L: Layout>(&mut self, layout: L, mass: &[R], start: &Start<R>) {
+        let Start { at, h, per_h, q, v } = *start;
+        let (gh, per_gh) = (h * GAMMA, per_h * (1.0 / GAMMA));
+        let n = layout.n();
+        let (q, v, mass) = (&q[..n], &v[..n], &mass[..n]);
+        let ([uq0, uq1, uq2, uq3], [uv0, uv1, uv2, uv3]) = (&self.uq, &self.uv);
+        let uq = [&uq0[..n], &uq1[..n], &uq2[..n], &uq3[..n]];
+        let uv = [&uv0[..n], &uv1[..n], &uv2[..n], &uv3[..n]];
+        let (new_q, new_v) = (&mut self.new_q[..n], &mut self.new_v[..n]);
+        let (error_q, error_v) = (&mut self.error_q[..n], &mut self.error_v[..n]);
+        for i in 0..n {
             let (mut q1, mut v1, mut eq, mut ev) = (q[i], v[i], h.zero(), h.zero());
             for s in 0..4 {
-                q1 += self.uq[s][i] * B[s];
-                v1 += self.uv[s][i] * B[s];
-                eq += self.uq[s][i] * E[s];
-                ev += self.uv[s][i] * E[s];
+                let (b, e) = (h.like(B[s]), h.like(E[s]));
+                q1 = q1.plus_product(uq[s][i], b);
+                v1 = v1.plus_product(uv[s][i], b);
+                eq = eq.plus_product(uq[s][i], e);
+                ev = ev.plus_product(uv[s][i], e);
             }
-            self.new_q[i] = q1;
-            self.new_v[i] = v1;
-            self.error_q[i] = eq;
-            self.error_v[i] = ev;
+            (new_q[i], new_v[i]) = (q1, v1);
+            (error_q[i], error_v[i]) = (eq, mass[i] * ev * per_gh);
+        }
+        add_product(&at.k, &layout, h.like(1.0), error_q, error_v);
+        solve(&self.matrix, &layout, error_v);
+        for i in 0..n {
+            error_q[i] = error_q[i].plus_product(gh, error_v[i]);
         }
     }
 
@@ -217,23 +248,9 @@ impl<R: Real> Rosenbrock<R> {
             let (eq, ev) = (self.error_q[i].abs() * inverse_q, self.error_v[i].abs() * inverse_v);
             worst = worst.larger(eq).larger(ev);
             // Zero times what is not finite is not a number.
-            nothing += (eq + ev + self.new_q[i] + self.new_v[i]) * 0.0;
+            nothing = nothing.plus_product(eq + ev + self.new_q[i] + self.new_v[i], like.zero());
         }
         worst + nothing
-    }
-
-    /// Replaces the error estimate e by (I - gamma h J)^-1 e, which removes vibrations of a contact far faster than the step and
-    /// leaves slower motion unchanged.
-    #[inline(always)]
-    fn filter_error(&mut self, band: &Band, at: &Linearised<R>, gh: R, per_gh: R, mass: &[R]) {
-        for (v, mass) in self.error_v.iter_mut().zip(mass) {
-            *v = *mass * *v * per_gh;
-        }
-        add_product(&at.k, band, gh.like(1.0), &self.error_q, &mut self.error_v);
-        solve(&self.matrix, band, &mut self.error_v);
-        for (q, v) in self.error_q.iter_mut().zip(&self.error_v) {
-            *q += gh * *v;
-        }
     }
 }
 

@@ -9,6 +9,7 @@ use super::{
     IntegrationError, Linearised, Rosenbrock, SpanProgress, StepControl, StepCounts, StepDecision, Stepped,
     step_ratio,
 };
+use crate::lanes::{Vectorised, fused};
 use std::ops::Range;
 
 /// Receives every accepted state with the linearisation there, in order of time.
@@ -32,6 +33,26 @@ pub struct Stepper {
     /// State before ideal joints were closed `(n,)` each.
     open_q: Vec<f64>,
     open_v: Vec<f64>,
+}
+
+/// An integration over a span of time, compiled for the instructions of this processor.
+struct Integration<'a, D, W> {
+    stepper: &'a mut Stepper,
+    system: &'a mut D,
+    progress: &'a mut SpanProgress,
+    q: &'a mut [f64],
+    v: &'a mut [f64],
+    observer: &'a mut W,
+}
+
+impl<D: Stepped, W: StateObserver<D>> Vectorised for Integration<'_, D, W> {
+    type Output = Result<(), IntegrationError>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        let Integration { stepper, system, progress, q, v, observer } = self;
+        stepper.integrate(system, progress, q, v, observer)
+    }
 }
 
 impl Stepper {
@@ -62,12 +83,13 @@ impl Stepper {
         counts: &mut StepCounts,
     ) -> Result<(), IntegrationError> {
         let mut progress = SpanProgress::new(span, self.control);
-        let result = self.integrate(system, &mut progress, q, v, observer);
+        let result = fused(Integration { stepper: self, system, progress: &mut progress, q, v, observer });
         self.control = progress.control;
         counts.add(&progress.counts);
         result.map_err(|error| error.with_joint(self.responsible_joint(system)))
     }
 
+    #[inline(always)]
     fn integrate<D: Stepped, W: StateObserver<D>>(
         &mut self,
         system: &mut D,
@@ -97,6 +119,7 @@ impl Stepper {
     }
 
     /// Linearises the system at the time reached, if the state lies in the range of the model.
+    #[inline(always)]
     fn linearise<D: Stepped>(
         &mut self,
         system: &mut D,
@@ -121,6 +144,7 @@ impl Stepper {
     }
 
     /// Computes a step of length `h` [s] and closes the ideal joints at its end; its error over the tolerance.
+    #[inline(always)]
     fn try_step<D: Stepped>(
         &mut self,
         system: &mut D,
@@ -140,6 +164,7 @@ impl Stepper {
 
     /// Closes the ideal joints at the end of the step just tried: the largest resulting change of the state, over the scales
     /// and the tolerance of the local error; infinite if the joints cannot be closed.
+    #[inline(always)]
     fn close<D: Stepped>(&mut self, system: &mut D, t: f64, counts: &mut StepCounts) -> f64 {
         let s = &mut self.scheme;
         self.open_q.copy_from_slice(&s.new_q);
@@ -170,6 +195,7 @@ impl Stepper {
     }
 
     /// Largest scaled error of the step just tried, over the tolerance; infinite if anything is not finite.
+    #[inline(always)]
     fn error(&self, (scale_q, scale_v): (&[f64], &[f64])) -> f64 {
         nan_as_infinite(self.scheme.error(|i| (1.0 / scale_q[i], 1.0 / scale_v[i])) / self.control.tolerance)
     }

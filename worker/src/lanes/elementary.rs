@@ -3,7 +3,7 @@
 //!
 //! # Source
 //! Argument reduction in parts of pi: Cody, Waite (1980), Software Manual for the Elementary Functions.
-//! Arcsine: interpolation at Chebyshev points. Sine, cosine and exponential: Taylor polynomials.
+//! Polynomials: interpolation at Chebyshev points, Trefethen (2019), Approximation Theory and Approximation Practice.
 
 use super::Real;
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, FRAC_PI_4, PI};
@@ -15,33 +15,39 @@ const SIN_PI_8: f64 = 0.3826834323650898;
 /// are exact.
 const PI_PARTS: [f64; 3] = [3.1415926534682512, 1.2154201012607932e-10, 4.044532497591901e-21];
 
-/// 1/1!, -1/3!, ... and 1, -1/2!, ...: on [-pi/2, pi/2] what is left out is below 3e-16.
-const SINE: [f64; 10] = alternating_inverse_factorials(1);
-const COSINE: [f64; 11] = alternating_inverse_factorials(0);
-
-const fn alternating_inverse_factorials<const N: usize>(first: usize) -> [f64; N] {
-    let mut out = [0.0; N];
-    let mut k = 0;
-    while k < N {
-        let (mut factorial, mut m) = (1.0, 1);
-        while m <= first + 2 * k {
-            factorial *= m as f64;
-            m += 1;
-        }
-        out[k] = if k % 2 == 0 { 1.0 / factorial } else { -1.0 / factorial };
-        k += 1;
-    }
-    out
-}
+/// Of z = r^2 in sin(r) / r and cos(r), |r| <= pi/2: 1, and interpolates of the rest over z at seven and eight Chebyshev points, to 7e-16
+/// of sin(r) and 2e-17 of cos(r).
+const SINE: [f64; 8] = [
+    1.0,
+    -0.1666666666666665,
+    0.008333333333325933,
+    -0.00019841269836469024,
+    2.7557318055685783e-06,
+    -2.505197292154555e-08,
+    1.6050972244135636e-10,
+    -7.40805488954261e-13,
+];
+const COSINE: [f64; 9] = [
+    1.0,
+    -0.5,
+    0.04166666666666634,
+    -0.0013888888888860709,
+    2.4801587292446213e-05,
+    -2.755731776732053e-07,
+    2.0876630867422994e-09,
+    -1.1464689885720029e-11,
+    4.6276759850181716e-14,
+];
 
 /// Sine and cosine, to 1e-15 of angles below 1e6 [rad].
 #[inline(always)]
 pub(crate) fn sincos<R: Real>(angle: R) -> (R, R) {
     let turns = (angle * (1.0 / PI)).round();
-    let r = ((angle - turns * PI_PARTS[0]) - turns * PI_PARTS[1]) - turns * PI_PARTS[2];
+    let [first, second, third] = PI_PARTS.map(|part| angle.like(part));
+    let r = angle.minus_product(turns, first).minus_product(turns, second).minus_product(turns, third);
     // Half turns change the signs of both: +1 for even, -1 for odd ones.
     let half = turns * 0.5;
-    let sign = turns.like(1.0) - (half - half.round()).abs() * 4.0;
+    let sign = turns.like(1.0).minus_product((half - half.round()).abs(), turns.like(4.0));
     let z = r * r;
     (sign * r * polynomial(z, &SINE), sign * polynomial(z, &COSINE))
 }
@@ -54,30 +60,29 @@ fn polynomial<R: Real, const N: usize>(z: R, a: &[f64; N]) -> R {
     let (mut top, mut next) = (z.like(a[last]), z.like(a[before]));
     let mut k = before;
     while k >= 2 {
-        top = top * w + a[k - 1];
-        next = next * w + a[k - 2];
+        top = z.like(a[k - 1]).plus_product(top, w);
+        next = z.like(a[k - 2]).plus_product(next, w);
         k -= 2;
     }
     // Of an odd number of terms one is left.
-    if k == 1 { top * w + next * z + a[0] } else { top * z + next }
+    let odd = if k == 1 { z.like(a[0]).plus_product(top, w) } else { top };
+    if k == 1 { odd.plus_product(next, z) } else { next.plus_product(top, z) }
 }
 
-/// Of z = x^2 in (asin(x) / x - 1) / z, |x| <= sin(pi/8): interpolates at eleven Chebyshev points, to 2e-18 of asin(x).
-const ARCSINE: [f64; 11] = [
-    0.16666666666666666,
-    0.0749999999999928,
-    0.044642857144818006,
-    0.030381944236636167,
-    0.02237217035271985,
-    0.017352409710914115,
-    0.013971772596409786,
-    0.011465566508595338,
-    0.010441852148105453,
-    0.0051454552951189945,
-    0.01548929717341966,
+/// Of z = x^2 in (asin(x) / x - 1) / z, |x| <= sin(pi/8): interpolates at eight Chebyshev points, to 7e-15 of asin(x).
+const ARCSINE: [f64; 8] = [
+    0.16666666666655944,
+    0.07500000009364116,
+    0.044642843782768275,
+    0.030382667133030127,
+    0.022353087622857398,
+    0.017623190997033304,
+    0.011883288914892818,
+    0.019481960446313038,
 ];
 
-/// Angle of the unit vector `u` in [-pi, pi], to 1e-15 [rad]; zero of the zero vector.
+/// Angle of the unit vector `u` in [-pi, pi], to 1e-14 [rad]; zero of the zero vector. Where it places a contact, the radius of the bore
+/// differs by less than 1e-18 m.
 #[inline(always)]
 pub(crate) fn direction_angle<R: Real>([x, y]: [R; 2]) -> R {
     let (ax, ay) = (x.abs(), y.abs());
@@ -86,7 +91,7 @@ pub(crate) fn direction_angle<R: Real>([x, y]: [R; 2]) -> R {
     let beyond = small.like(SIN_PI_8).below(small);
     let sine = R::select(beyond, (small - large) * FRAC_1_SQRT_2, small);
     let z = sine * sine;
-    let near = sine + sine * z * polynomial(z, &ARCSINE);
+    let near = sine.plus_product(sine * z, polynomial(z, &ARCSINE));
     let angle = R::select(beyond, near + FRAC_PI_4, near);
     let angle = R::select(ax.below(ay), angle.like(FRAC_PI_2) - angle, angle);
     let nothing = x.zero();
@@ -94,17 +99,20 @@ pub(crate) fn direction_angle<R: Real>([x, y]: [R; 2]) -> R {
     R::select(y.below(nothing), -angle, angle)
 }
 
-const EXPONENTIAL: [f64; 16] = {
-    let mut out = [1.0; 16];
-    let mut k = 1;
-    while k < 16 {
-        out[k] = out[k - 1] / k as f64;
-        k += 1;
-    }
-    out
-};
+/// Of y in exp(y), -0.625 <= y <= 0: 1, and the interpolate of the rest over y at eight Chebyshev points, to 9e-13.
+const EXPONENTIAL: [f64; 9] = [
+    1.0,
+    0.9999999999984713,
+    0.4999999996867616,
+    0.16666665611507442,
+    0.04166653093745765,
+    0.00833247308818961,
+    0.0013859120845655592,
+    0.00019264634367185414,
+    1.8836101929104765e-05,
+];
 
-/// Hyperbolic tangent, to 1e-14: (1 - z) / (1 + z) with z = exp(-2 |x|), which is a 64th power of the
+/// Hyperbolic tangent, to 1e-12, of which friction needs five digits: (1 - z) / (1 + z) with z = exp(-2 |x|), which is a 64th power of the
 /// exponential of at most 0.63.
 #[inline(always)]
 pub(crate) fn tanh<R: Real>(x: R) -> R {
@@ -115,6 +123,21 @@ pub(crate) fn tanh<R: Real>(x: R) -> R {
     }
     let size = (z.like(1.0) - z) / (z + 1.0);
     R::select(x.below(x.zero()), -size, size)
+}
+
+/// Cube root of numbers not below zero, to 4e-16 of itself; zero for subnormal numbers.
+///
+/// A third of the bits is the logarithm to 4 %; Halley's method triples the digits three times.
+#[inline(always)]
+pub(crate) fn cube_root<R: Real>(x: R) -> R {
+    /// Two thirds of the bits of one, less what makes the largest errors of both signs equal.
+    const SHIFT: u64 = 0x2A9F_7893_782D_A1CE;
+    let mut y = x.each(|k| f64::from_bits(x.lane(k).to_bits() / 3 + SHIFT));
+    for _ in 0..3 {
+        let cube = y * y * y;
+        y = y * ((cube + x * 2.0) / (cube * 2.0 + x));
+    }
+    R::select(x.like(f64::MIN_POSITIVE).below(x), y, x * 0.0)
 }
 
 #[cfg(test)]
@@ -137,15 +160,28 @@ mod tests {
             tangent = tangent.max((tanh(v) - v.tanh()).abs());
         }
         println!("sincos {sine:e}, direction {angle:e}, tanh {tangent:e}");
-        assert!(sine < 1e-15 && angle < 1e-15 && tangent < 1e-14);
+        assert!(sine < 1e-15 && angle < 1e-14 && tangent < 1e-12);
         let along_axes = [[0.0, 0.0], [-1.0, 0.0], [1.0, 0.0], [0.0, -1.0]].map(direction_angle);
         assert_eq!(along_axes, [0.0, PI, 0.0, -FRAC_PI_2]);
         assert_eq!((sincos(0.0), tanh(0.0)), ((0.0, 1.0), 0.0));
         assert!(sincos(f64::NAN).0.is_nan() && tanh(f64::INFINITY) == 1.0);
     }
 
+    #[test]
+    fn cube_roots_agree_with_the_library_over_all_magnitudes() {
+        let mut worst = 0.0_f64;
+        for k in -60_000..60_000 {
+            let x = (0.0117 * f64::from(k)).exp();
+            worst = worst.max((cube_root(x) / x.cbrt() - 1.0).abs());
+        }
+        println!("cube root {worst:e}");
+        assert!(worst < 5e-16, "{worst}");
+        assert_eq!((cube_root(0.0), cube_root(8.0)), (0.0, 2.0));
+        assert!(cube_root(f64::NAN).is_nan());
+    }
+
     /// Every function of these numbers.
-    fn every<R: Real>(x: R, y: R) -> [R; 7] {
+    fn every<R: Real>(x: R, y: R) -> [R; 10] {
         [
             sincos(x).0,
             sincos(x).1,
@@ -154,6 +190,9 @@ mod tests {
             x.larger(y),
             x.smaller(y),
             Real::round(x),
+            x.plus_product(x, y),
+            y.minus_product(x, x),
+            cube_root(x.abs()),
         ]
     }
 
@@ -167,6 +206,8 @@ mod tests {
                 let x = Lanes::all(simd, 0.0).each(|lane| (f64::from(k) * 0.037 + 1.3 * lane as f64).tan());
                 let y = x.each(|lane| (f64::from(k) * 0.11 - 0.7 * lane as f64).sin());
                 let found = every(x, y);
+                let below = (0..S::F64_LANES).find(|&lane| x.lane(lane) < y.lane(lane));
+                assert_eq!(Lanes::first(x.below(y)), below.unwrap_or(S::F64_LANES));
                 for lane in 0..S::F64_LANES {
                     let (x, y) = (x.lane(lane), y.lane(lane));
                     let alone = every(x, y);

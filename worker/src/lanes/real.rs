@@ -33,6 +33,14 @@ pub trait Real:
     fn lane(&self, k: usize) -> f64;
     /// Replaces the number in lane `k`.
     fn set_lane(&mut self, k: usize, value: f64);
+    /// The first numbers of `from`, one per lane; `self` sets the number of lanes.
+    fn load(self, from: &[f64]) -> Self;
+    /// The first lane where the mask is true; `LANES` if there is none.
+    fn first(mask: Self::Mask) -> usize;
+    /// `self` + `a` `b`, rounded once.
+    fn plus_product(self, a: Self, b: Self) -> Self;
+    /// `self` - `a` `b`, rounded once.
+    fn minus_product(self, a: Self, b: Self) -> Self;
     /// Square root of each number.
     fn sqrt(self) -> Self;
     /// Absolute value of each number.
@@ -95,6 +103,22 @@ impl Real for f64 {
         *self = value;
     }
     #[inline(always)]
+    fn load(self, from: &[f64]) -> Self {
+        from[0]
+    }
+    #[inline(always)]
+    fn first(mask: bool) -> usize {
+        usize::from(!mask)
+    }
+    #[inline(always)]
+    fn plus_product(self, a: Self, b: Self) -> Self {
+        f64::mul_add(a, b, self)
+    }
+    #[inline(always)]
+    fn minus_product(self, a: Self, b: Self) -> Self {
+        f64::mul_add(-a, b, self)
+    }
+    #[inline(always)]
     fn sqrt(self) -> Self {
         f64::sqrt(self)
     }
@@ -123,8 +147,9 @@ impl Real for f64 {
 /// Bit mask of a number without its sign.
 const ALL_BUT_SIGN: f64 = f64::from_bits(!(1 << 63));
 
-/// A SIMD vector of the instruction set `S`.
+/// A SIMD vector of the instruction set `S`, aligned as the widest ones: reading and writing across lines of the cache takes twice as long.
 #[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
 pub struct Lanes<S: Simd> {
     simd: S,
     value: S::f64s,
@@ -221,6 +246,27 @@ impl<S: Simd> Real for Lanes<S> {
     #[inline(always)]
     fn set_lane(&mut self, k: usize, value: f64) {
         bytemuck::cast_slice_mut(std::slice::from_mut(&mut self.value))[k] = value;
+    }
+    #[inline(always)]
+    fn load(self, from: &[f64]) -> Self {
+        Lanes { simd: self.simd, value: S::as_simd_f64s(&from[..S::F64_LANES]).0[0] }
+    }
+    #[inline(always)]
+    fn first((simd, mask): Self::Mask) -> usize {
+        if const { size_of::<S::m64s>() > 1 } {
+            return simd.first_true_m64s(mask);
+        }
+        // Where a mask is a byte with one bit for each lane, `first_true_m64s` of pulp 0.22 counts from the last lane.
+        let bits: u8 = bytemuck::cast(mask);
+        (bits.trailing_zeros() as usize).min(S::F64_LANES)
+    }
+    #[inline(always)]
+    fn plus_product(self, a: Self, b: Self) -> Self {
+        Lanes { simd: self.simd, value: self.simd.mul_add_f64s(a.value, b.value, self.value) }
+    }
+    #[inline(always)]
+    fn minus_product(self, a: Self, b: Self) -> Self {
+        Lanes { simd: self.simd, value: self.simd.negate_mul_add_f64s(a.value, b.value, self.value) }
     }
     #[inline(always)]
     fn sqrt(self) -> Self {

@@ -1,27 +1,62 @@
-//! Plain loops compiled for the vectors of this processor.
+//! Work compiled for the instructions of this processor.
+//!
+//! What the work calls must be `#[inline(always)]`, without closures: what is not inlined stays compiled for the oldest processor, where
+//! a fused operation is a call of the C library. Its results have the same bits everywhere, it only takes longer.
 
-use pulp::{Arch, Simd, WithSimd};
+use super::{Lanes, Real};
+use pulp::{Arch, Scalar, Simd, WithSimd};
 
-/// Work on plain numbers whose loops the compiler turns into vector instructions. `run` and what it calls must be
-/// `#[inline(always)]`, without closures: what is not inlined stays compiled for the oldest processor.
+/// Work on single numbers, or in lanes of its own.
 pub trait Vectorised {
+    /// Result of the work.
+    type Output;
     /// Does the work.
-    fn run(self);
+    fn run(self) -> Self::Output;
 }
 
-/// Does `work` with the instructions of this processor. The results have the same bits on every processor: operations are neither
-/// fused nor reordered.
-pub(crate) fn vectorise(work: impl Vectorised) {
-    Arch::new().dispatch(OnProcessor(work));
+/// Work in lanes of any width, with the same result in each.
+pub trait InLanes {
+    /// Does the work; `like` sets the number of lanes.
+    fn run<R: Real>(self, like: R);
+}
+
+/// Does `work` in the widest lanes of this processor.
+pub(crate) fn in_widest_lanes(work: impl InLanes) {
+    Arch::new().dispatch(Wide(work));
+}
+
+/// Does `work`, which uses lanes of `simd`, with its instructions; lanes of one number as in [`fused`].
+pub(crate) fn run_in<S: Simd, W: Vectorised>(simd: S, work: W) -> W::Output {
+    if S::F64_LANES == 1 { fused(work) } else { simd.vectorize(OnProcessor(work)) }
+}
+
+/// Does `work` on single numbers with the fused operations of this processor, if it has them.
+pub(crate) fn fused<W: Vectorised>(work: W) -> W::Output {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(avx2) = pulp::x86::V3::try_new() {
+        return Simd::vectorize(avx2, OnProcessor(work));
+    }
+    Scalar::new().vectorize(OnProcessor(work))
+}
+
+struct Wide<W>(W);
+
+impl<W: InLanes> WithSimd for Wide<W> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        self.0.run(Lanes::all(simd, 0.0));
+    }
 }
 
 struct OnProcessor<W>(W);
 
 impl<W: Vectorised> WithSimd for OnProcessor<W> {
-    type Output = ();
+    type Output = W::Output;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _simd: S) {
-        self.0.run();
+    fn with_simd<S: Simd>(self, _simd: S) -> W::Output {
+        self.0.run()
     }
 }

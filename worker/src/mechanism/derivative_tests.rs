@@ -2,7 +2,7 @@
 //! differences.
 
 use super::frame::End;
-use super::joint::{Blocks, Touching, pair_force};
+use super::joint::{Blocks, PairForce, PairMotion, Touching, pair_force};
 use super::{Frame, Island, ideal_cycle, islands};
 use crate::bore::Profile;
 use crate::contact::{Contact, ForceSlopes, JointForce, JointMotion};
@@ -63,11 +63,27 @@ struct Alone {
 }
 
 impl Touching<f64> for Alone {
+    type Place = ();
+    type Wall = ();
+
     fn ends(&self) -> [End; 2] {
         [End { frame: 0, arm: ARM_I }, End { frame: 1, arm: ARM_J }]
     }
-    fn force<const JACOBIAN: bool>(&self, motion: &JointMotion) -> (JointForce, ForceSlopes) {
+    fn place(&self, _e: [f64; 2]) {}
+    fn wall(&self, _place: &()) {}
+    fn force<const JACOBIAN: bool>(
+        &self,
+        _at: (&(), &()),
+        motion: &JointMotion,
+    ) -> (JointForce, ForceSlopes) {
         self.contact.force::<JACOBIAN>(&self.profile, motion)
+    }
+}
+
+impl Alone {
+    /// Generalised forces on bodies in these frames.
+    fn pair_force<const JACOBIAN: bool>(&self, i: &Frame, j: &Frame) -> PairForce {
+        pair_force::<f64, Self, JACOBIAN>(self, &PairMotion::new(self, i, j), &(), i, j)
     }
 }
 
@@ -83,7 +99,7 @@ fn pair_derivatives_agree_with_differences() {
         let joint = Alone { contact, profile };
         let force = |q: &[f64; 6], v: &[f64; 6]| {
             let (i, j) = (Frame::free(&q[..3], &v[..3]), Frame::free(&q[3..], &v[3..]));
-            pair_force::<f64, false>(&joint, &i, &j).f
+            joint.pair_force::<false>(&i, &j).f
         };
         for k in 0..12 {
             // The journal's centre at a chosen eccentricity in the bushing's frame.
@@ -110,7 +126,7 @@ fn pair_derivatives_agree_with_differences() {
             ];
             let exact = {
                 let (i, j) = (Frame::free(&q[..3], &v[..3]), Frame::free(&q[3..], &v[3..]));
-                pair_force::<f64, true>(&joint, &i, &j)
+                joint.pair_force::<true>(&i, &j)
             };
             assert!(exact.joint.normal > 0.0);
             let differences = |step: [f64; 2], of_rates: bool| -> Vec<Vec<f64>> {

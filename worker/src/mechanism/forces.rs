@@ -5,7 +5,7 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::frame::Frame;
-use super::joint::{Blocks, Touching, pair_force};
+use super::joint::{Blocks, PairMotion, Touching, pair_force};
 use super::load::{IslandLoad, NO_FRAME};
 use super::piecewise_cubic::Jet;
 use crate::integrate::Linearised;
@@ -23,10 +23,50 @@ pub(super) struct Acting<'a, R, J> {
     pub jets: &'a [Jet<R>],
 }
 
+/// Space for what is computed of all joints before their forces.
+#[derive(Debug)]
+pub(super) struct JointSpace<R: Real, J: Touching<R>> {
+    /// Motion of each joint `(joints,)`.
+    pairs: Vec<PairMotion<R, J::Place>>,
+    /// Bore at the contact of each joint `(joints,)`.
+    walls: Vec<J::Wall>,
+}
+
+impl<R: Real, J: Touching<R>> JointSpace<R, J> {
+    /// Space for these joints, filled with bodies at rest; `like` sets the number of lanes.
+    pub(super) fn new(joints: &[J], like: R) -> Self {
+        let zero = like.zero();
+        let at_rest = Frame { x: [zero; 2], angle: zero, cs: [zero; 2], v: [zero; 2], omega: zero };
+        let pair = |joint: &J| PairMotion::new(joint, &at_rest, &at_rest);
+        let pairs: Vec<_> = joints.iter().map(pair).collect();
+        let walls = joints.iter().zip(&pairs).map(|(joint, pair)| joint.wall(&pair.place)).collect();
+        JointSpace { pairs, walls }
+    }
+}
+
+impl<R: Real, J: Touching<R>> Default for JointSpace<R, J> {
+    fn default() -> Self {
+        JointSpace { pairs: vec![], walls: vec![] }
+    }
+}
+
+impl<R: Real, J: Touching<R>> Clone for JointSpace<R, J> {
+    fn clone(&self) -> Self {
+        JointSpace { pairs: self.pairs.clone(), walls: self.walls.clone() }
+    }
+}
+
 impl<R: Real, J: Touching<R>> Acting<'_, R, J> {
-    /// Forces of joints with clearance and of loads at time `t`, and with `JACOBIAN` their derivatives.
+    /// Forces of joints with clearance and of loads at time `t`, and with `JACOBIAN` their derivatives; `space`
+    /// is that of the joints.
     #[inline(always)]
-    pub(crate) fn applied<const JACOBIAN: bool>(&self, t: R, f: &mut [R], at: &mut Linearised<R>) {
+    pub(crate) fn applied<const JACOBIAN: bool>(
+        &self,
+        t: R,
+        space: &mut JointSpace<R, J>,
+        f: &mut [R],
+        at: &mut Linearised<R>,
+    ) {
         f.copy_from_slice(self.weight);
         if JACOBIAN {
             let zero = t.zero();
@@ -35,9 +75,18 @@ impl<R: Real, J: Touching<R>> Acting<'_, R, J> {
             at.ft.fill(zero);
             at.prescribed.fill([zero; 3]);
         }
-        for (index, joint) in self.joints.iter().enumerate() {
+        let JointSpace { pairs, walls } = space;
+        for (joint, pair) in self.joints.iter().zip(&mut *pairs) {
             let [i, j] = joint.ends();
-            let pair = pair_force::<R, JACOBIAN>(joint, &self.frames[i.frame], &self.frames[j.frame]);
+            *pair = PairMotion::new(joint, &self.frames[i.frame], &self.frames[j.frame]);
+        }
+        for (joint, (pair, wall)) in self.joints.iter().zip(pairs.iter().zip(&mut *walls)) {
+            *wall = joint.wall(&pair.place);
+        }
+        for (index, (joint, (pair, wall))) in self.joints.iter().zip(pairs.iter().zip(&*walls)).enumerate() {
+            let [i, j] = joint.ends();
+            let (fi, fj) = (&self.frames[i.frame], &self.frames[j.frame]);
+            let pair = pair_force::<R, J, JACOBIAN>(joint, pair, wall, fi, fj);
             self.add::<JACOBIAN>([i.frame, j.frame], &pair.f, &pair.slopes, f, at);
             if JACOBIAN {
                 at.joints[index] = pair.joint;
@@ -127,7 +176,7 @@ impl<R: Real, J: Touching<R>> Acting<'_, R, J> {
             let [_, omega, alpha, _] = self.jets[to - free];
             let ft = &mut at.ft[row..row + 3];
             for r in 0..3 {
-                ft[r] += k[r][2] * omega + d[r][2] * alpha;
+                ft[r] = ft[r].plus_product(k[r][2], omega).plus_product(d[r][2], alpha);
             }
         }
     }
@@ -150,7 +199,9 @@ impl<R: Real, J: Touching<R>> Acting<'_, R, J> {
                     Some((other, slope)) if other < free => {
                         at.k[at.band.index(row, 3 * other + 2)] += slope[3 * side + r];
                     }
-                    Some((other, slope)) => at.ft[row] += slope[3 * side + r] * self.jets[other - free][1],
+                    Some((other, slope)) => {
+                        at.ft[row] = at.ft[row].plus_product(slope[3 * side + r], self.jets[other - free][1]);
+                    }
                     None => {}
                 }
             }

@@ -3,7 +3,7 @@
 
 use super::constraint::Constraint;
 use super::elimination::{Elimination, Placed};
-use super::forces::Acting;
+use super::forces::{Acting, JointSpace};
 use super::frame::{End, Frame};
 use super::joint::{Touching, joint_motion};
 use super::load::{IslandLoad, NO_FRAME};
@@ -79,6 +79,7 @@ pub struct Island {
     pub(super) frames: Vec<Frame>,
     /// Angles of the prescribed bodies with their derivatives, at the state last set.
     pub(super) jets: Vec<Jet>,
+    space: JointSpace<f64, WearingJoint>,
 }
 
 /// Constituents of an island; see the fields of [`Island`].
@@ -100,6 +101,7 @@ impl Island {
         Island {
             frames: vec![Frame::default(); bodies.len() + touched.len()],
             jets: vec![Jet::default(); touched.len()],
+            space: JointSpace::new(&joints, 0.0),
             scale_q: vec![1.0; mass.len()],
             scale_v: vec![1.0; mass.len()],
             size: 0.0,
@@ -202,6 +204,7 @@ impl Island {
     }
 
     /// Joints and loads of the island, at the state last set.
+    #[inline(always)]
     fn acting(&self) -> Acting<'_, f64, WearingJoint> {
         Acting {
             joints: &self.joints,
@@ -213,6 +216,7 @@ impl Island {
     }
 
     /// Evaluates all body frames at (t, q, v); later queries refer to this state.
+    #[inline(always)]
     pub(crate) fn set_state(&mut self, t: f64, q: &[f64], v: &[f64]) {
         let free = self.bodies.len();
         for (k, frame) in self.frames[..free].iter_mut().enumerate() {
@@ -263,12 +267,25 @@ impl Island {
 }
 
 impl Touching<f64> for WearingJoint {
+    type Place = ();
+    type Wall = ();
+
     fn ends(&self) -> [End; 2] {
         self.ends
     }
 
     #[inline(always)]
-    fn force<const JACOBIAN: bool>(&self, motion: &JointMotion) -> (JointForce, ForceSlopes) {
+    fn place(&self, _e: [f64; 2]) {}
+
+    #[inline(always)]
+    fn wall(&self, _place: &()) {}
+
+    #[inline(always)]
+    fn force<const JACOBIAN: bool>(
+        &self,
+        _at: (&(), &()),
+        motion: &JointMotion,
+    ) -> (JointForce, ForceSlopes) {
         self.contact.force::<JACOBIAN>(&self.profile, motion)
     }
 }
@@ -278,9 +295,12 @@ impl Dynamics for Island {
         &self.mass
     }
 
+    #[inline(always)]
     fn force(&mut self, t: f64, q: &[f64], v: &[f64], f: &mut [f64]) {
         self.set_state(t, q, v);
-        self.acting().applied::<false>(t, f, &mut Linearised::default());
+        let mut space = std::mem::take(&mut self.space);
+        self.acting().applied::<false>(t, &mut space, f, &mut Linearised::default());
+        self.space = space;
         if self.ideal.rows() > 0 {
             let at = Placed { frames: &self.frames, jets: &self.jets, mass: &self.mass };
             if !self.ideal.add_reactions(at, f) {
@@ -289,11 +309,12 @@ impl Dynamics for Island {
         }
     }
 
+    #[inline(always)]
     fn linearise(&mut self, t: f64, q: &[f64], v: &[f64], at: &mut Linearised) {
         self.set_state(t, q, v);
-        let mut f = std::mem::take(&mut at.f);
-        self.acting().applied::<true>(t, &mut f, at);
-        at.f = f;
+        let (mut f, mut space) = (std::mem::take(&mut at.f), std::mem::take(&mut self.space));
+        self.acting().applied::<true>(t, &mut space, &mut f, at);
+        (at.f, self.space) = (f, space);
         if self.ideal.rows() > 0 {
             let placed = Placed { frames: &self.frames, jets: &self.jets, mass: &self.mass };
             at.singular = !self.ideal.add_reactions(placed, &mut at.f);

@@ -16,7 +16,8 @@
 use super::frame::{End, Frame};
 use crate::contact::{ForceSlopes, JointForce, JointMotion};
 use crate::lanes::Real;
-use crate::plane::{cross, dot, left};
+use crate::plane::{fused_cross as cross, fused_dot as dot, left};
+use std::fmt::Debug;
 
 /// Derivatives of a force `(3,)` to three coordinates and to their rates `(3, 3)`.
 pub type Block<R> = [[[R; 3]; 3]; 2];
@@ -83,7 +84,8 @@ fn separation<R: Real>(fi: &Frame<R>, ai: [R; 2], fj: &Frame<R>, aj: [R; 2]) -> 
     let mut w = ai;
     for k in 0..2 {
         e[k] = fi.x[k] + ai[k] - fj.x[k] - aj[k];
-        w[k] = fi.v[k] + fi.omega * pi[k] - fj.v[k] - fj.omega * pj[k];
+        let (wi, wj) = (fi.v[k].plus_product(fi.omega, pi[k]), fj.v[k].plus_product(fj.omega, pj[k]));
+        w[k] = wi - wj;
     }
     (e, w)
 }
@@ -103,30 +105,61 @@ pub(crate) fn joint_motion<R: Real>(
 
 /// A joint with clearance as a source of force in an island.
 pub trait Touching<R: Real> {
+    /// Where the contact is, and the bore there. Each is computed of all joints before the next step is done of any: all are long
+    /// chains of operations, and those of several joints side by side fill the time that one alone waits.
+    type Place: Debug + Copy;
+    /// Bore at the contact.
+    type Wall: Debug + Copy;
     /// Ends of the joint: journal, bushing.
     fn ends(&self) -> [End<R>; 2];
-    /// Force of the joint at this motion; with `JACOBIAN` its exact derivative, else no slopes.
-    fn force<const JACOBIAN: bool>(&self, motion: &JointMotion<R>) -> (JointForce<R>, ForceSlopes<R>);
+    /// Place of the contact at the eccentricity `e` `(2,)` [m].
+    fn place(&self, e: [R; 2]) -> Self::Place;
+    /// Bore at this place.
+    fn wall(&self, place: &Self::Place) -> Self::Wall;
+    /// Force of the joint at this place and motion; with `JACOBIAN` its exact derivative, else no slopes.
+    fn force<const JACOBIAN: bool>(
+        &self,
+        at: (&Self::Place, &Self::Wall),
+        motion: &JointMotion<R>,
+    ) -> (JointForce<R>, ForceSlopes<R>);
 }
 
-/// Generalised forces of a joint with its journal on the body in frame `fi` and its bushing on that in `fj`;
+/// Motion of a joint, with what else its generalised forces need.
+#[derive(Debug, Clone, Copy)]
+pub struct PairMotion<R, P> {
+    /// Arms of journal and bushing `(2, 2)` [m], e [m] and w [m/s], all in global axes.
+    arms: [[R; 2]; 2],
+    separation: [[R; 2]; 2],
+    /// Motion in the bushing's frame, and the place of the contact there.
+    motion: JointMotion<R>,
+    pub place: P,
+}
+
+impl<R: Real, P> PairMotion<R, P> {
+    /// Motion of the joint `touching` with its journal on the body in frame `fi` and its bushing on that in `fj`.
+    #[inline(always)]
+    pub(crate) fn new(touching: &impl Touching<R, Place = P>, fi: &Frame<R>, fj: &Frame<R>) -> Self {
+        let [i, j] = touching.ends();
+        let arms = [fi.turn(i.arm), fj.turn(j.arm)];
+        let (e, w) = separation(fi, arms[0], fj, arms[1]);
+        let (omega_journal, omega_bushing) = (fi.omega, fj.omega);
+        let motion = JointMotion { e: fj.turn_back(e), w: fj.turn_back(w), omega_journal, omega_bushing };
+        PairMotion { arms, separation: [e, w], place: touching.place(motion.e), motion }
+    }
+}
+
+/// Generalised forces of a joint at the motion `pair` and the bore `wall`, with its journal on the body in frame `fi` and its bushing on that in `fj`;
 /// with `JACOBIAN` their exact derivatives.
 #[inline(always)]
-pub(crate) fn pair_force<R: Real, const JACOBIAN: bool>(
-    touching: &impl Touching<R>,
+pub(crate) fn pair_force<R: Real, J: Touching<R>, const JACOBIAN: bool>(
+    touching: &J,
+    pair: &PairMotion<R, J::Place>,
+    wall: &J::Wall,
     fi: &Frame<R>,
     fj: &Frame<R>,
 ) -> PairForce<R> {
-    let [i, j] = touching.ends();
-    let (ai, aj) = (fi.turn(i.arm), fj.turn(j.arm));
-    let (e, w) = separation(fi, ai, fj, aj);
-    let motion = JointMotion {
-        e: fj.turn_back(e),
-        w: fj.turn_back(w),
-        omega_journal: fi.omega,
-        omega_bushing: fj.omega,
-    };
-    let (joint, slopes) = touching.force::<JACOBIAN>(&motion);
+    let PairMotion { arms: [ai, aj], separation: [e, w], motion, place } = *pair;
+    let (joint, slopes) = touching.force::<JACOBIAN>((&place, wall), &motion);
     let force = fj.turn(joint.force);
     let nothing = [[force[0].zero(); 2]; 4];
     let mut pair = PairSlopes { to_e: nothing, to_w: nothing, to_angle: nothing, to_omega: nothing };
@@ -161,17 +194,17 @@ impl<R: Real> PairSlopes<R> {
         for r in 0..4 {
             let row = &rows[r];
             for c in 0..2 {
-                self.to_e[r][c] = row[0] * u[c] + row[1] * t[c];
-                self.to_w[r][c] = row[2] * u[c] + row[3] * t[c];
+                self.to_e[r][c] = (row[0] * u[c]).plus_product(row[1], t[c]);
+                self.to_w[r][c] = (row[2] * u[c]).plus_product(row[3], t[c]);
             }
-            self.to_angle[r][1] = row[0] * et - row[1] * eu + row[2] * wt - row[3] * wu;
+            self.to_angle[r][1] = cross([row[0], row[1]], [eu, et]) + cross([row[2], row[3]], [wu, wt]);
             self.to_omega[r] = [row[4], row[5]];
         }
         for columns in [&mut self.to_e, &mut self.to_w, &mut self.to_angle, &mut self.to_omega] {
             for c in 0..2 {
                 let (along, across) = (columns[0][c], columns[1][c]);
-                columns[0][c] = along * u[0] + across * t[0];
-                columns[1][c] = along * u[1] + across * t[1];
+                columns[0][c] = (along * u[0]).plus_product(across, t[0]);
+                columns[1][c] = (along * u[1]).plus_product(across, t[1]);
             }
         }
         self.to_angle[0][1] -= force[1];
@@ -186,8 +219,8 @@ impl<R: Real> PairSlopes<R> {
         let (pi, pj) = (left(ai), left(aj));
         for r in 0..4 {
             let (ke, kw) = (self.to_e[r], self.to_w[r]);
-            self.to_angle[r][0] = dot(ke, pi) - fi.omega * dot(kw, ai);
-            self.to_angle[r][1] += fj.omega * dot(kw, aj) - dot(ke, pj);
+            self.to_angle[r][0] = dot(ke, pi).minus_product(fi.omega, dot(kw, ai));
+            self.to_angle[r][1] += (-dot(ke, pj)).plus_product(fj.omega, dot(kw, aj));
             self.to_omega[r][0] += dot(kw, pi);
             self.to_omega[r][1] -= dot(kw, pj);
         }

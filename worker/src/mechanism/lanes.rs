@@ -1,15 +1,15 @@
 //! Islands of identical topology, one per SIMD lane: the same bodies, joints and loads with different
 //! numbers.
 
-use super::forces::Acting;
+use super::forces::{Acting, JointSpace};
 use super::frame::{End, Frame};
 use super::island::{Island, WearingJoint};
 use super::joint::Touching;
 use super::load::IslandLoad;
 use super::piecewise_cubic::Jet;
 use super::prescribed::Prescribed;
-use crate::bore::Bores;
-use crate::contact::{Contact, ForceSlopes, JointForce, JointMotion, LocalHertz};
+use crate::bore::Radius;
+use crate::contact::{ForceSlopes, JointForce, JointMotion, LawLanes, PolarEccentricity};
 use crate::integrate::{Band, Dynamics, Linearised, Scaled};
 use crate::lanes::{Lanewise, Real};
 
@@ -17,8 +17,7 @@ use crate::lanes::{Lanewise, Real};
 #[derive(Debug, Clone)]
 struct JointLanes<R> {
     ends: [End<R>; 2],
-    law: LocalHertz<R>,
-    bores: Bores,
+    law: LawLanes<R>,
 }
 
 /// One prescribed body per lane.
@@ -35,7 +34,7 @@ struct PrescribedLanes<R> {
 
 /// One island per lane.
 #[derive(Debug, Clone)]
-pub struct IslandLanes<R> {
+pub struct IslandLanes<R: Real> {
     /// Number of free bodies.
     bodies: usize,
     joints: Vec<JointLanes<R>>,
@@ -49,23 +48,23 @@ pub struct IslandLanes<R> {
     inverse: Vec<(R, R)>,
     frames: Vec<Frame<R>>,
     jets: Vec<Jet<R>>,
+    space: JointSpace<R, JointLanes<R>>,
     band: Band,
 }
 
-/// Whether the motion of an island can be computed in lanes: all its joints have clearance, the local contact
-/// law and no memory. Under the foundation nearly all the time goes into each joint's own arc, and ideal
+/// Whether the motion of an island can be computed in lanes: all its joints have clearance and a contact law without memory. Ideal
 /// joints are eliminated one island at a time.
 pub(crate) fn fits_lanes(island: &Island) -> bool {
-    let is_simple = |joint: &WearingJoint| {
-        matches!(joint.contact, Contact::LocalHertz(_)) && joint.contact.surface().restitution.is_none()
-    };
-    island.constraint_rows() == 0 && island.joints.iter().all(is_simple)
+    let has_no_memory = |joint: &WearingJoint| joint.contact.surface().restitution.is_none();
+    island.constraint_rows() == 0 && island.joints.iter().all(has_no_memory)
 }
 
 /// Whether two islands that fit lanes fit the lanes of one [`IslandLanes`].
 pub(crate) fn same_topology(a: &Island, b: &Island) -> bool {
     let joint = |a: &WearingJoint, b: &WearingJoint| {
-        a.ends.has_same_topology(&b.ends) && a.profile.points() == b.profile.points()
+        a.ends.has_same_topology(&b.ends)
+            && a.profile.points() == b.profile.points()
+            && a.contact.has_same_law(&b.contact)
     };
     a.bodies.len() == b.bodies.len()
         && a.prescribed.len() == b.prescribed.len()
@@ -82,8 +81,7 @@ impl<R: Real> IslandLanes<R> {
         let zero = like.zero();
         let joint = |joint: &WearingJoint| JointLanes {
             ends: joint.ends.in_lanes(like),
-            law: LocalHertz { surface: joint.contact.surface().in_lanes(like) },
-            bores: Bores::new(&joint.profile, R::LANES),
+            law: LawLanes::new(&joint.contact, &joint.profile, like),
         };
         let motion = |motion: &Prescribed| PrescribedLanes {
             motions: vec![motion.clone(); R::LANES],
@@ -102,18 +100,25 @@ impl<R: Real> IslandLanes<R> {
             inverse: vec![(zero, zero); island.coordinates()],
             frames: vec![frame; island.bodies.len() + island.prescribed.len()],
             jets: vec![[zero; 4]; island.prescribed.len()],
+            space: JointSpace::default(),
             band: island.band(),
         };
         (0..R::LANES).for_each(|lane| lanes.set(lane, island));
+        lanes.space = JointSpace::new(&lanes.joints, like);
+        (0..R::LANES).for_each(|lane| lanes.leave_idle(lane));
         lanes
+    }
+
+    /// Leaves lane `lane` idle until [`Self::set`] replaces it: its numbers stay finite and mean nothing.
+    pub(crate) fn leave_idle(&mut self, lane: usize) {
+        self.joints.iter_mut().for_each(|joint| joint.law.leave_idle(lane));
     }
 
     /// Replaces lane `lane` by an island of the same topology.
     pub(crate) fn set(&mut self, lane: usize, island: &Island) {
         for (to, from) in self.joints.iter_mut().zip(&island.joints) {
             from.ends.write_lane::<R>(lane, &mut to.ends);
-            from.contact.surface().write_lane::<R>(lane, &mut to.law.surface);
-            to.bores.set(lane, &from.profile);
+            to.law.set(lane, &from.contact, &from.profile);
         }
         for (to, from) in self.loads.iter_mut().zip(&island.loads) {
             from.write_lane::<R>(lane, to);
@@ -161,7 +166,7 @@ impl<R: Real> IslandLanes<R> {
         for (k, motion) in self.prescribed.iter().enumerate().filter(|(_, motion)| !motion.still) {
             let jet = &mut self.jets[k];
             if let Some([start, speed]) = motion.even {
-                *jet = [start + speed * t, speed, t.zero(), t.zero()];
+                *jet = [start.plus_product(speed, t), speed, t.zero(), t.zero()];
             } else {
                 for (lane, motion) in motion.motions.iter().enumerate() {
                     let at = motion.jet(t.lane(lane));
@@ -194,14 +199,31 @@ fn even_rotation<R: Real>(motions: &[Prescribed], like: R) -> Option<[R; 2]> {
 }
 
 impl<R: Real> Touching<R> for JointLanes<R> {
+    type Place = PolarEccentricity<R>;
+    type Wall = Radius<R>;
+
     #[inline(always)]
     fn ends(&self) -> [End<R>; 2] {
         self.ends
     }
 
     #[inline(always)]
-    fn force<const JACOBIAN: bool>(&self, motion: &JointMotion<R>) -> (JointForce<R>, ForceSlopes<R>) {
-        self.law.force::<JACOBIAN>(&self.bores, motion)
+    fn place(&self, e: [R; 2]) -> PolarEccentricity<R> {
+        PolarEccentricity::new(e)
+    }
+
+    #[inline(always)]
+    fn wall(&self, place: &PolarEccentricity<R>) -> Radius<R> {
+        self.law.wall(place)
+    }
+
+    #[inline(always)]
+    fn force<const JACOBIAN: bool>(
+        &self,
+        at: (&PolarEccentricity<R>, &Radius<R>),
+        motion: &JointMotion<R>,
+    ) -> (JointForce<R>, ForceSlopes<R>) {
+        self.law.force::<JACOBIAN>(at, motion)
     }
 }
 
@@ -214,15 +236,17 @@ impl<R: Real> Dynamics<R> for IslandLanes<R> {
     #[inline(always)]
     fn force(&mut self, t: R, q: &[R], v: &[R], f: &mut [R]) {
         self.update_frames(t, q, v);
-        self.acting().applied::<false>(t, f, &mut Linearised::empty());
+        let mut space = std::mem::take(&mut self.space);
+        self.acting().applied::<false>(t, &mut space, f, &mut Linearised::empty());
+        self.space = space;
     }
 
     #[inline(always)]
     fn linearise(&mut self, t: R, q: &[R], v: &[R], at: &mut Linearised<R>) {
         self.update_frames(t, q, v);
-        let mut f = std::mem::take(&mut at.f);
-        self.acting().applied::<true>(t, &mut f, at);
-        at.f = f;
+        let (mut f, mut space) = (std::mem::take(&mut at.f), std::mem::take(&mut self.space));
+        self.acting().applied::<true>(t, &mut space, &mut f, at);
+        (at.f, self.space) = (f, space);
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::frame::Frame;
 use super::piecewise_cubic::{Jet, PiecewiseCubic};
+use crate::lanes::Real;
 use common::scene::{Body, Drive, Motion};
 
 /// A prescribed motion: the reference point stands still, the angle is a function of time.
@@ -40,11 +41,11 @@ impl Prescribed {
     }
 
     /// Angle and its first three derivatives at time `t` [s] [rad, rad/s, rad/s^2, rad/s^3].
-    #[inline]
+    #[inline(always)]
     pub(crate) fn jet(&self, t: f64) -> Jet {
         match &self.angle {
             Angle::Still => [0.0; 4],
-            Angle::Constant { start, speed } => [start + speed * t, *speed, 0.0, 0.0],
+            Angle::Constant { start, speed } => [start.plus_product(*speed, t), *speed, 0.0, 0.0],
             Angle::Table(angle) => angle.jet(t),
             Angle::Integral { start, speed } => {
                 let [omega, alpha, jerk, _] = speed.jet(t);

@@ -9,21 +9,19 @@
 //! order: the next term is (e/R1)^4 / 8, below 1e-11 m here. The arc ends at the first table angle where p is
 //! no longer positive, on the chord from the table angle before.
 //!
-//! The search tries eight table angles at a time: the end is the one that a walk from angle to angle finds. Towards smaller angles it is the same search on the mirrored bore.
+//! The search tries as many table angles at a time as a vector holds: the end is the one that a walk from angle to angle finds. Towards smaller angles it is the same search on the mirrored bore.
 //!
 //! # Source
 //! Arc ends by the law of cosines: Cui et al., China Mechanical Engineering 37(6), 2026, 1472-1485,
 //! doi 10.3969/j.issn.1004-132X.2026.06.020. The expansion is derived here.
 
 use crate::bore::Profile;
+use crate::lanes::Real;
 use std::f64::consts::TAU;
 
 /// Table intervals per control point: 1.25 deg at 36 control points; a linear interpolation there misplaces
 /// the ends of a 20 deg arc by 0.2 %.
 pub const SUBDIVISION: usize = 8;
-
-/// Table angles tried at once: what the compiler makes vectors of.
-const AT_ONCE: usize = 8;
 
 /// A bore tabulated for the search, over two turns: half a turn from any angle of the first is one piece.
 #[derive(Debug, Clone)]
@@ -83,38 +81,31 @@ struct Side<'a> {
 }
 
 impl Side<'_> {
-    /// How far the circle lies beyond the bore at the `m`-th angle [m].
+    /// How far the circle lies beyond the bore at the angles from the `m`-th on [m]; `like` sets their number.
     #[inline(always)]
-    fn beyond(&self, m: usize) -> f64 {
-        let along = self.e[0] * self.cos[m] + self.e[1] * self.sin[m];
-        let across = self.e[0] * self.sin[m] - self.e[1] * self.cos[m];
-        self.gap[m] + along - across * across * self.curvature
+    fn beyond<R: Real>(&self, m: usize, like: R) -> R {
+        let [x, y] = [like.like(self.e[0]), like.like(self.e[1])];
+        let (cos, sin, gap) =
+            (like.load(&self.cos[m..]), like.load(&self.sin[m..]), like.load(&self.gap[m..]));
+        let across = (x * sin).minus_product(y, cos);
+        gap.plus_product(x, cos)
+            .plus_product(y, sin)
+            .minus_product(across * across, like.like(self.curvature))
     }
 
-    /// The first angle at which the circle is not beyond the bore, if it is among the first `most`.
+    /// The first angle at which the circle is not beyond the bore, if it is among the first `most`; `like` sets the number of angles
+    /// tried at once.
     #[inline(always)]
-    fn first_outside(&self, most: usize) -> Option<usize> {
-        for first in (0..most).step_by(AT_ONCE) {
-            let group = Side {
-                gap: &self.gap[first..first + AT_ONCE],
-                cos: &self.cos[first..first + AT_ONCE],
-                sin: &self.sin[first..first + AT_ONCE],
-                ..*self
-            };
-            // Loops, not closures, and every comparison made: vectors of this processor.
-            let (mut p, mut inside) = ([0.0; AT_ONCE], true);
-            for (k, p) in p.iter_mut().enumerate() {
-                *p = group.beyond(k);
+    fn first_outside<R: Real>(&self, most: usize, like: R) -> Option<usize> {
+        // The numbers below this one are those that are not positive.
+        let least = like.like(f64::from_bits(1));
+        let mut first = 0;
+        while first < most {
+            let k = first + R::first(self.beyond(first, like).below(least));
+            if k < first + R::LANES {
+                return (k < most).then_some(k);
             }
-            for p in p {
-                inside &= p > 0.0;
-            }
-            if inside {
-                continue;
-            }
-            if let Some(k) = p.iter().position(|p| *p <= 0.0) {
-                return (first + k < most).then_some(first + k);
-            }
+            first += R::LANES;
         }
         None
     }
@@ -150,14 +141,22 @@ impl ArcEnds {
 
     /// Distances from the direction of the contact at `spot` to the two ends of its arc, downwards and
     /// upwards, at penetration `penetration` [m], where the bore has radius `radius` [m] and slope `slope`
-    /// [m/rad]. In table intervals; half a turn where the arc does not end.
+    /// [m/rad]. In table intervals; half a turn where the arc does not end. `like`
+    /// sets the number of angles tried at once.
     ///
     /// Where a place inside the arc wears until the circle only grazes it, the arc ends there from one
     /// instant to the next, and the part behind it no longer counts; a second patch behind the end joins the
     /// arc again where the gap between them closes. There the end, and with it the wear rate, is not a
     /// continuous function of the profile.
     #[inline(always)]
-    pub(crate) fn find(&self, spot: &Spot, penetration: f64, radius: f64, slope: f64) -> (f64, f64) {
+    pub(crate) fn find<R: Real>(
+        &self,
+        spot: &Spot,
+        penetration: f64,
+        radius: f64,
+        slope: f64,
+        like: R,
+    ) -> (f64, f64) {
         let n = self.intervals();
         let size = penetration + radius - self.journal_radius;
         let e = [size * spot.u[0], size * spot.u[1]];
@@ -167,7 +166,7 @@ impl ArcEnds {
         let down = self.side(&self.mirrored_gap, n - below, [e[0], -e[1]]);
         let up = self.side(&self.gap, below + 1, e);
         let slope = slope * TAU / n as f64;
-        (end(&down, n, lead, penetration, slope), end(&up, n, 1.0 - lead, penetration, -slope))
+        (end(&down, n, lead, penetration, slope, like), end(&up, n, 1.0 - lead, penetration, -slope, like))
     }
 
     /// The side of the bore with these gaps that begins at the table angle `first`, for the eccentricity `e` [m].
@@ -181,12 +180,12 @@ impl ArcEnds {
 /// One end of the arc on a table of `n` intervals; `first` is the distance to the first table angle on this side, `slope` that of p
 /// outwards [m per interval].
 #[inline(always)]
-fn end(side: &Side, n: usize, first: f64, penetration: f64, slope: f64) -> f64 {
-    match side.first_outside(n / 2 + 1) {
+fn end<R: Real>(side: &Side, n: usize, first: f64, penetration: f64, slope: f64, like: R) -> f64 {
+    match side.first_outside(n / 2 + 1, like) {
         None => n as f64 / 2.0,
-        Some(0) => first_end(penetration, slope, first, side.beyond(0)),
+        Some(0) => first_end(penetration, slope, first, side.beyond(0, first)),
         Some(m) => {
-            let (p, next) = (side.beyond(m - 1), side.beyond(m));
+            let (p, next) = (side.beyond(m - 1, first), side.beyond(m, first));
             first + (m - 1) as f64 + p / (p - next)
         }
     }

@@ -28,6 +28,8 @@ const INTERVALS: usize = 288;
 pub struct ConformalContacts {
     law: Foundation,
     condenser: Condenser,
+    /// Control point before every angle of the tabulated bore, and the hat function of the one after it there [1].
+    hats: Vec<(usize, f64)>,
     /// Means of groups of samples.
     samples: Vec<ContactSample>,
     /// Evaluations of the foundation so far.
@@ -37,8 +39,11 @@ pub struct ConformalContacts {
 impl ConformalContacts {
     /// Without samples, for a bore with `points` control points.
     pub(crate) fn new(surface: Surface, points: usize) -> Self {
+        let law = Foundation::with_intervals(surface, points, INTERVALS);
+        let sub = law.arc().intervals() / points;
         ConformalContacts {
-            law: Foundation::with_intervals(surface, points, INTERVALS),
+            hats: (0..points * sub).map(|k| (k / sub, (k % sub) as f64 / sub as f64)).collect(),
+            law,
             condenser: Condenser::new(surface.clearance, points),
             samples: Vec::new(),
             evaluations: 0,
@@ -71,20 +76,25 @@ impl ConformalContacts {
         shares.fill(0.0);
         self.law.profile_changed(profile);
         for sample in &mut self.samples {
-            self.evaluations += u64::from(add_share(&self.law, sample, shares)?);
+            self.evaluations += u64::from(add_share(&self.law, &self.hats, sample, shares)?);
         }
         Ok(())
     }
 }
 
 /// Adds the share of one sample: the pressure that carries its force on the present profile, distributed over
-/// the control points by their hat functions, times the work per unit of force. Moves the sample's
+/// the control points by their hat functions `hats`, times the work per unit of force. Moves the sample's
 /// eccentricity and penetration to the equilibrium found, as the start for the next stage. Returns the number
 /// of evaluations of the contact.
 ///
 /// # Errors
 /// [`NoEquilibrium`] if no equilibrium was found.
-fn add_share(law: &Foundation, sample: &mut ContactSample, shares: &mut [f64]) -> Result<u32, NoEquilibrium> {
+fn add_share(
+    law: &Foundation,
+    hats: &[(usize, f64)],
+    sample: &mut ContactSample,
+    shares: &mut [f64],
+) -> Result<u32, NoEquilibrium> {
     let wanted = libm::hypot(sample.force[0], sample.force[1]);
     if wanted <= 0.0 {
         return Ok(0);
@@ -99,16 +109,10 @@ fn add_share(law: &Foundation, sample: &mut ContactSample, shares: &mut [f64]) -
     sample.penetration = law.arc().gap_along(e);
     let scale = sample.work * load.modulus / libm::hypot(load.force[0], load.force[1]);
     let n = shares.len();
-    let sub = law.arc().intervals() / n;
-    let mut hat = |k: usize, weight: f64| {
-        let (i, j) = (k / sub % n, k % sub);
-        let s = j as f64 / sub as f64;
-        shares[i] += scale * weight * (1.0 - s);
-        shares[(i + 1) % n] += scale * weight * s;
-    };
-    law.arc().weigh(e, |k, a, b| {
-        hat(k, a);
-        hat(k + 1, b);
+    law.arc().weigh(e, |k, part| {
+        let (i, s) = hats[k];
+        shares[i] += scale * part * (1.0 - s);
+        shares[if i + 1 == n { 0 } else { i + 1 }] += scale * part * s;
     });
     Ok(evaluations)
 }

@@ -130,7 +130,7 @@ fn descend(
     *spent += 1;
     loop {
         let Point { e, load, miss, height } = now;
-        let [[a, b], [_, d]] = load.stiffness;
+        let [a, b, d] = load.stiffness;
         if length(miss) <= f64::max(BALANCED * wanted, resolved * (a + d)) {
             return Ok(Equilibrium { e, load, evaluations: *spent });
         }

@@ -106,8 +106,7 @@ fn every_force_within_range_finds_its_rest_on_any_bore() {
                     let start = polar((clearance + size) * even.next(), TAU * even.next());
                     let found = equilibrium(&law, force, start)
                         .unwrap_or_else(|e| panic!("{e:?}: {force:?} N, {clearance} m, {depth:?}"));
-                    let FoundationLoad { force: carried, stiffness: [[a, _], [_, d]], .. } =
-                        law.load(found.e);
+                    let FoundationLoad { force: carried, stiffness: [a, _, d], .. } = law.load(found.e);
                     let left = (carried[0] - force[0]).hypot(carried[1] - force[1]);
                     let bound = f64::max(
                         BALANCED * force[0].hypot(force[1]),

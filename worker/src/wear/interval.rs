@@ -8,7 +8,7 @@
 
 use crate::contact::JointForce;
 use crate::lanes::{Real, lanewise};
-use crate::plane::dot;
+use crate::plane::fused_dot as dot;
 
 /// Cosine of the largest angle by which the contact may turn within an interval, 1.25 deg: an eighth of the spacing of 36 control points.
 const LARGEST_TURN: f64 = 0.999_762;
@@ -123,10 +123,12 @@ impl<R: Real> Interval<R> {
             let first = R::select(begun, self.first_direction[k], direction[k]);
             self.first_direction[k] = R::select(works, first, self.first_direction[k]);
             // In lanes without work nothing is added, even where a factor is not a number.
-            self.e[k] += R::select(works, weight * e[k], zero);
-            self.force[k] += R::select(works, pressed * direction[k], zero);
+            self.e[k] = R::select(works, self.e[k].plus_product(weight, e[k]), self.e[k]);
+            self.force[k] =
+                R::select(works, self.force[k].plus_product(pressed, direction[k]), self.force[k]);
         }
-        self.penetration += R::select(works, weight * penetration, zero);
+        self.penetration =
+            R::select(works, self.penetration.plus_product(weight, penetration), self.penetration);
         self.work += weight;
         self.elapsed += duration;
         let over = R::select(self.elapsed.below(self.longest), zero, one);

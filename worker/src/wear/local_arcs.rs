@@ -17,7 +17,7 @@
 use super::arc_ends::{ArcEnds, SUBDIVISION, Spot};
 use super::interval::ContactSample;
 use crate::bore::{Profile, Radius};
-use crate::lanes::{Vectorised, vectorise};
+use crate::lanes::{InLanes, Real, in_widest_lanes};
 use std::ops::Range;
 
 /// Contacts of a frozen history on a bore.
@@ -66,7 +66,7 @@ impl LocalArcs {
     pub(crate) fn shares(&mut self, profile: &Profile, shares: &mut [f64]) {
         self.ends.profile_changed(profile);
         self.unrolled.fill(0.0);
-        vectorise(Sharing { arcs: self, profile });
+        in_widest_lanes(Sharing { arcs: self, profile });
         let (first, rest) = self.unrolled.split_at(shares.len());
         let (second, third) = rest.split_at(shares.len());
         for (i, sum) in shares.iter_mut().enumerate() {
@@ -81,21 +81,32 @@ struct Sharing<'a> {
     profile: &'a Profile,
 }
 
-impl Vectorised for Sharing<'_> {
+/// Samples whose arcs are found before any is shared out: their divisions then overlap.
+const AT_ONCE: usize = 16;
+
+impl InLanes for Sharing<'_> {
     #[inline(always)]
-    fn run(self) {
+    fn run<R: Real>(self, like: R) {
         let LocalArcs { ends, samples, unrolled } = self.arcs;
         // The offset of a turn makes truncation the floor.
         let turn = self.profile.points() as f64;
-        for Sample { spot, penetration, work } in &*samples {
-            let (interval, s) = spot.within();
-            let Radius { r, d1, .. } = self.profile.within(interval, s);
-            let (before, after) = ends.find(spot, *penetration, r, d1);
-            // Mean radius along the arc, by Simpson's rule over its angle.
-            let start = (spot.place - before) / SUBDIVISION as f64;
-            let end = (spot.place + after) / SUBDIVISION as f64;
-            let mean = (self.profile.turned(start) + 4.0 * r + self.profile.turned(end)) / 6.0;
-            share_out(unrolled, turn + start..turn + end, *work / mean);
+        let per_point = 1.0 / SUBDIVISION as f64;
+        for samples in samples.chunks(AT_ONCE) {
+            let mut arcs = [(0.0, 0.0, 0.0); AT_ONCE];
+            for (arc, Sample { spot, penetration, .. }) in arcs.iter_mut().zip(samples) {
+                let (interval, s) = spot.within();
+                let Radius { r, d1, .. } = self.profile.within(interval, s);
+                let (before, after) = ends.find(spot, *penetration, r, d1, like);
+                *arc = ((spot.place - before) * per_point, (spot.place + after) * per_point, r);
+            }
+            for ((start, end, r), Sample { work, .. }) in arcs.iter_mut().zip(samples) {
+                // Mean radius along the arc, by Simpson's rule over its angle; then work per radius in its place.
+                let mean = (self.profile.turned(*start) + 4.0 * *r + self.profile.turned(*end)) / 6.0;
+                *r = *work / mean;
+            }
+            for (start, end, amount) in &arcs[..samples.len()] {
+                share_out(unrolled, turn + start..turn + end, *amount);
+            }
         }
     }
 }

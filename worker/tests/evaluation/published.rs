@@ -182,6 +182,9 @@ fn a_motion_forbidden_twice_is_over_constrained() {
     }
 }
 
+/// Cycles of nearly the same slider-crank, over which its free flight is averaged.
+const CHAOTIC_CYCLES: u32 = 8;
+
 /// Flores, Ambrosio, Claro and Lankarani (2008), a slider-crank with a dry revolute joint of 0.5 mm clearance: three
 /// modes of motion between journal and bushing (free flight, impact, following), forces well above those of the
 /// ideal joint. Their results are curves and the motion is chaotic: this is about behaviour, not digits.
@@ -193,34 +196,44 @@ fn slider_crank_with_clearance_flies_strikes_and_follows() {
     };
     let ideal_peak = run(&ideal, &Accuracy::balanced()).histories[output(&ideal, "pin_force")][0];
     for accuracy in [Accuracy::balanced(), Accuracy::reference()] {
-        let mut scene = scene("slider-crank", &[]);
-        for joint in &mut scene.joints {
-            if let JointKind::Clearance(clearance) = &mut joint.kind {
-                clearance.wear_coefficient = 0.0;
+        // The share of free flight of one cycle is chance: lengths that differ by 1e-13 give from 0 to 5 %. So it is the mean over
+        // several of them.
+        let mut flights = Vec::new();
+        for k in 0..CHAOTIC_CYCLES {
+            let crank_length = 50e-3 * (1.0 + 1e-13 * f64::from(k));
+            let mut scene = scene("slider-crank", &[("parameters.crank_length", crank_length)]);
+            for joint in &mut scene.joints {
+                if let JointKind::Clearance(clearance) = &mut joint.kind {
+                    clearance.wear_coefficient = 0.0;
+                }
             }
+            let evaluation = run(&scene, &accuracy);
+            let (_, flight) = &evaluation.diagnostics.free_flight_fraction[0];
+            flights.push(*flight);
+            let cycle = evaluation.first_cycle.as_ref().expect("asked for");
+            let (_, force) =
+                cycle.joint_force.iter().find(|(name, _)| name == "piston_pin").expect("it has one");
+            let peak = evaluation.histories[output(&scene, "pin_force")][0];
+            // Neighbouring values are a thousandth of the cycle, 12 us, apart.
+            let steepest = force.windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f64::max);
+            let mut following: (usize, usize) = (0, 0);
+            for &f in force {
+                following.0 = if f > 0.0 { following.0 + 1 } else { 0 };
+                following.1 = following.1.max(following.0);
+            }
+            println!(
+                "ideal {ideal_peak:.0} N, peak {peak:.0} N, rise {steepest:.0} N, flight {flight:.4}, following {following:?}"
+            );
+            assert!(*flight < 0.2, "free flight for {flight} of the cycle");
+            // Without clearance it is 2 pi / 1000 of the peak.
+            assert!(steepest > 0.1 * ideal_peak, "impact: the force changes by {steepest} N within 12 us");
+            assert!(following.1 > 100, "following: in contact for {} thousandths of the cycle", following.1);
+            assert!(peak > 1.2 * ideal_peak, "{peak} N against {ideal_peak} N without clearance");
+            // The slider strays by little more than the clearance.
+            let strayed = evaluation.histories[output(&scene, "slider_error")][0];
+            assert!((0.5e-3..0.7e-3).contains(&strayed), "{strayed} m");
         }
-        let evaluation = run(&scene, &accuracy);
-        let (_, flight) = &evaluation.diagnostics.free_flight_fraction[0];
-        let cycle = evaluation.first_cycle.as_ref().expect("asked for");
-        let (_, force) = cycle.joint_force.iter().find(|(name, _)| name == "piston_pin").expect("it has one");
-        let peak = evaluation.histories[output(&scene, "pin_force")][0];
-        // Neighbouring values are a thousandth of the cycle, 12 us, apart.
-        let steepest = force.windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f64::max);
-        let mut following: (usize, usize) = (0, 0);
-        for &f in force {
-            following.0 = if f > 0.0 { following.0 + 1 } else { 0 };
-            following.1 = following.1.max(following.0);
-        }
-        println!(
-            "ideal {ideal_peak:.0} N, peak {peak:.0} N, rise {steepest:.0} N, flight {flight:.4}, following {following:?}"
-        );
-        assert!(*flight > 1e-3 && *flight < 0.2, "free flight for {flight} of the cycle");
-        // Without clearance it is 2 pi / 1000 of the peak.
-        assert!(steepest > 0.1 * ideal_peak, "impact: the force changes by {steepest} N within 12 us");
-        assert!(following.1 > 100, "following: in contact for {} thousandths of the cycle", following.1);
-        assert!(peak > 1.2 * ideal_peak, "{peak} N against {ideal_peak} N without clearance");
-        // The slider strays by little more than the clearance.
-        let strayed = evaluation.histories[output(&scene, "slider_error")][0];
-        assert!((0.5e-3..0.7e-3).contains(&strayed), "{strayed} m");
+        let mean = flights.iter().sum::<f64>() / flights.len() as f64;
+        assert!(mean > 1e-3, "free flight for {mean} of the cycle in the mean");
     }
 }

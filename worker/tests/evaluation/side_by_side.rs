@@ -4,7 +4,7 @@ use crate::scenes::{RPM, every_joint, short};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
-use common::scene::Scene;
+use common::scene::{ContactLaw, Scene};
 use worker::simulate::{LaneWidth, SimulateOptions, SimulationInput, simulate, simulate_side_by_side};
 
 type Outcome = Result<Evaluation, SimulationFailure>;
@@ -35,6 +35,11 @@ fn mixed() -> Vec<SimulationInput> {
     let wing = |setting: (&str, f64)| short("flapping-wing", &[setting], 1000);
     let mut hard = short("flapping-wing", &[], 1000);
     every_joint(&mut hard, |joint| joint.friction = 0.2);
+    let founded = |setting: (&str, f64)| {
+        let mut scene = wing(setting);
+        every_joint(&mut scene, |joint| joint.contact_law = ContactLaw::Foundation);
+        scene
+    };
     let mut few = Accuracy::draft();
     few.steps_bound = 2000;
     vec![
@@ -44,6 +49,8 @@ fn mixed() -> Vec<SimulationInput> {
         input(wing(("bushing_radius_2", 1.5237e-3)), Accuracy::balanced(), SHOWN),
         input(short("flapping-wing", &[], 1000), few, PLAIN),
         input(short("flapping-wing-tolerances", &[], 1000), Accuracy::draft(), PLAIN),
+        input(founded(("friction", 0.03)), Accuracy::draft(), PLAIN),
+        input(founded(("bushing_radius_2", 1.5237e-3)), Accuracy::balanced(), SHOWN),
     ]
 }
 
@@ -52,9 +59,9 @@ fn an_evaluation_does_not_depend_on_those_next_to_it() {
     let inputs = mixed();
     let alone: Vec<Outcome> = inputs.iter().map(|o| simulate(&o.scene, &o.accuracy, o.options)).collect();
     assert!(matches!(alone[4], Err(SimulationFailure::TooManySteps { .. })), "{:?}", alone[4]);
-    assert_eq!(alone.iter().filter(|outcome| outcome.is_ok()).count(), 5);
+    assert_eq!(alone.iter().filter(|outcome| outcome.is_ok()).count(), 7);
     let mut inputs: Vec<_> = inputs.into_iter().map(Ok).collect();
-    assert_eq!(together(LaneWidth::Widest, 6, &inputs), alone);
+    assert_eq!(together(LaneWidth::Widest, 8, &inputs), alone);
     // In another order and next to other evaluations.
     let mut backwards = alone;
     inputs.reverse();

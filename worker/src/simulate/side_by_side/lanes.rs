@@ -5,11 +5,11 @@ use super::queue::{CpuTime, LaneQueue, PendingSpan};
 use crate::integrate::{
     IntegrationError, LaneOutcome, LaneState, LaneStepper, Linearised, Stepped, worst_coordinate,
 };
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, Vectorised, run_in};
 use crate::mechanism::{Island, IslandLanes, same_topology};
 use crate::outputs::{ContactLanes, FullRecording};
 use crate::simulate::island_state::IslandState;
-use pulp::{Simd, WithSimd};
+use pulp::Simd;
 use std::time::Instant;
 
 /// The lane groups of one thread.
@@ -32,7 +32,7 @@ impl<S: Simd> LanePool<S> {
         let charged: Vec<CpuTime> = group.occupants.iter().flatten().map(PendingSpan::cpu_time).collect();
         let begun = Instant::now();
         let ended = loop {
-            self.simd.vectorize(Round(group));
+            run_in(self.simd, Round(group));
             let ended = group.finish_round();
             if ended > 0 {
                 break ended;
@@ -85,11 +85,11 @@ struct LaneGroup<S: Simd> {
 /// First half of a round, compiled for the instruction set of the lanes.
 struct Round<'a, S: Simd>(&'a mut LaneGroup<S>);
 
-impl<S: Simd> WithSimd for Round<'_, S> {
+impl<S: Simd> Vectorised for Round<'_, S> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<T: Simd>(self, _simd: T) {
+    fn run(self) {
         let LaneGroup { island_lanes, stepper, contacts, occupants, .. } = self.0;
         stepper.try_steps(island_lanes);
         contacts.record(stepper.time, &stepper.at, &mut |joint, lane, sample| {
@@ -227,6 +227,7 @@ impl<S: Simd> LaneGroup<S> {
         if pending.span.record {
             self.contacts.unload(lane, &mut state.recorder);
         }
+        self.island_lanes.leave_idle(lane);
         pending.complete(lane_state.progress.counts, result);
     }
 }

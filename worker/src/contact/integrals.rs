@@ -1,0 +1,94 @@
+//! Integrals of the gap function over an arc in contact, and what one interval adds to them.
+//!
+//! With the gap function g [m], positive in contact, linear between the ends of an interval, V = integral of g^2 / 2 over g > 0 [m^2
+//! rad] is a cubic function of the gaps at the two ends; its first and second derivatives follow from it exactly.
+//!
+//! # Source
+//! Derived here, for the Winkler foundation of `foundation.rs` (Winkler 1867; Johnson 1985).
+
+use super::stretch::Quadratic;
+
+/// Integrals over the arc in contact.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Integrals<R = f64> {
+    /// V, integral of g^2 / 2 [m^2 rad].
+    pub v: R,
+    /// Its gradient to e: integral of g u `(2,)` [m rad].
+    pub p: [R; 2],
+    /// Its second derivative to e, entries xx, xy, yy [rad].
+    pub d: [R; 3],
+}
+
+/// Weights of the two ends a, b of one interval: derivatives of its potential, the integral of g^2 / 2 over
+/// the part with g > 0, for an interval of length one.
+pub(super) struct Weights {
+    /// First derivatives to the gaps at a and b [m].
+    pub(super) first: [f64; 2],
+    /// Second derivatives aa, ab, bb [1].
+    second: [f64; 3],
+}
+
+impl Weights {
+    /// Weights for gaps `a` and `b` [m] of which at least one is positive.
+    #[inline(always)]
+    pub(super) fn new(a: f64, b: f64) -> Self {
+        if a > 0.0 && b > 0.0 {
+            let third = 1.0 / 3.0;
+            Weights { first: [a * third + b / 6.0, a / 6.0 + b * third], second: [third, 1.0 / 6.0, third] }
+        } else if a > 0.0 {
+            let f = a / (a - b);
+            Weights {
+                first: [a * f * (0.5 - f / 6.0), a * f * f / 6.0],
+                second: [f - f * f + f * f * f / 3.0, f * f * (0.5 - f / 3.0), f * f * f / 3.0],
+            }
+        } else {
+            let f = b / (b - a);
+            Weights {
+                first: [b * f * f / 6.0, b * f * (0.5 - f / 6.0)],
+                second: [f * f * f / 3.0, f * f * (0.5 - f / 3.0), f - f * f + f * f * f / 3.0],
+            }
+        }
+    }
+}
+
+impl Integrals {
+    /// Adds twice the potential, its gradient and its second derivative of one interval of length one with
+    /// unit vectors `u`, `v` and gaps `gaps` [m] at its ends.
+    #[inline(always)]
+    pub(super) fn add(&mut self, gaps: [f64; 2], weights: &Weights, u: [f64; 2], v: [f64; 2]) {
+        let ([a, b], [wa, wb], [aa, ab, bb]) = (gaps, weights.first, weights.second);
+        self.v += wa * a + wb * b;
+        for i in 0..2 {
+            self.p[i] += wa * u[i] + wb * v[i];
+        }
+        self.d[0] += aa * u[0] * u[0] + 2.0 * ab * u[0] * v[0] + bb * v[0] * v[0];
+        self.d[1] += aa * u[0] * u[1] + ab * (u[0] * v[1] + v[0] * u[1]) + bb * v[0] * v[1];
+        self.d[2] += aa * u[1] * u[1] + 2.0 * ab * u[1] * v[1] + bb * v[1] * v[1];
+    }
+
+    /// Adds the same of intervals of length one that are wholly in contact, with the coefficients `of` at the
+    /// eccentricity `e` [m]: e D e - 2 h e + c, D e - h, D.
+    #[inline(always)]
+    pub(super) fn add_whole(&mut self, e: [f64; 2], of: Quadratic) {
+        let ([xx, xy, yy], [hx, hy]) = (of.d, of.h);
+        let p = [xx * e[0] + xy * e[1] - hx, xy * e[0] + yy * e[1] - hy];
+        self.v += e[0] * (p[0] - hx) + e[1] * (p[1] - hy) + of.c;
+        self.p[0] += p[0];
+        self.p[1] += p[1];
+        self.d[0] += xx;
+        self.d[1] += xy;
+        self.d[2] += yy;
+    }
+
+    /// The integrals for intervals of length `spacing` [rad].
+    #[inline(always)]
+    pub(super) fn scaled(mut self, spacing: f64) -> Self {
+        self.v *= 0.5 * spacing;
+        self.p[0] *= spacing;
+        self.p[1] *= spacing;
+        for k in 0..3 {
+            self.d[k] *= spacing;
+        }
+        self
+    }
+}
