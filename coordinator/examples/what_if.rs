@@ -212,8 +212,9 @@ fn of_study(arguments: &Arguments, totals: &mut Totals) -> Result<(), Box<dyn Er
         let study = FinishedStudy {
             scene: source.nominal(),
             settings: &reduced,
+            simulated: source.nominal(),
             outcomes: &outcomes,
-            summary: &summary,
+            summary: Some(&summary),
         };
         let answer = ask(&study, changed.nominal())?;
         let started = Instant::now();
@@ -297,7 +298,13 @@ fn of_functions(seed: u64, shift: f64, totals: &mut Totals) -> Result<(), Box<dy
     let outcomes: Vec<StoredOutcome> = journal.outcomes().values().map(stored).collect();
     let sets = draw_change(scene, &mut rng_of(seed), shift);
     let changed = changed_scene(&source, &sets)?;
-    let study = FinishedStudy { scene, settings: &settings, outcomes: &outcomes, summary: &summary };
+    let study = FinishedStudy {
+        scene,
+        simulated: scene,
+        settings: &settings,
+        outcomes: &outcomes,
+        summary: Some(&summary),
+    };
     let answer = ask(&study, changed.nominal())?;
     let truth = count(changed.nominal(), &histories, seed);
     let compared = compare(&answer.after, |n, curve| {

@@ -32,7 +32,21 @@ fn simulate_prints_the_contract() {
     let file = folder.path().join("out.json");
     let simulate = ["simulate", "--scene", "four-bar", "--accuracy", "draft"];
     let output = coordinator(&[&simulate[..], &["--out", file.to_str().unwrap()]].concat());
-    assert!(output.stdout.is_empty() && output.stderr.is_empty());
+    assert!(output.stderr.is_empty());
+    let said = String::from_utf8(output.stdout).unwrap();
+    let lines: Vec<&str> = said.lines().collect();
+    assert!(lines.len() == 5 && lines[0].starts_with("four-bar: 8 000 cycles, accuracy draft, "), "{said}");
+    assert!(
+        lines[1].starts_with("max_wear_depth: 0 unworn, ") && lines[1].ends_with(" µm at the end of life"),
+        "{said}"
+    );
+    assert!(
+        lines[3].starts_with("limit state wear: ") && lines[3].contains("limit 8.00 µm, margin "),
+        "{said}"
+    );
+    assert!(lines[3].contains("reached after about 5 8"), "{said}");
+    let quiet = coordinator(&[&simulate[..], &["-q", "--out", file.to_str().unwrap()]].concat());
+    assert!(quiet.status.success() && quiet.stdout.is_empty() && quiet.stderr.is_empty());
     let found: Value = serde_json::from_str(&std::fs::read_to_string(&file).unwrap()).unwrap();
 
     assert_eq!((found["scene"].as_str(), found["accuracy"].as_str()), (Some("four-bar"), Some("draft")));
@@ -138,9 +152,23 @@ fn check_lists_parameters_that_nothing_reads() {
     std::fs::write(&file, scene.replacen("[parameters]", "[parameters]\nspare = \"3 mm\"", 1)).unwrap();
     let file = file.to_str().unwrap();
     let found = text(&["check", file]);
-    assert!(found.contains(&format!("{file}: parameters.spare: nothing reads it\n")), "{found}");
+    let line = scene.lines().position(|line| line == "[parameters]").unwrap() + 2;
+    assert!(found.contains(&format!("{file}:{line}:9: parameters.spare: nothing reads it\n")), "{found}");
+    assert!(
+        found.contains("nominal wear: 9.98 µm after 8 000 cycles, limit 8.00 µm, margin -25 %"),
+        "{found}"
+    );
+    assert_eq!(json(&["check", file, "--json"])["nominal"][0]["limit_state"], "wear");
     assert_eq!(json(&["check", file, "--json"])["unused_parameters"], serde_json::json!(["spare"]));
     assert_eq!(json(&["check", "four-bar", "--json"])["unused_parameters"], serde_json::json!([]));
+}
+
+#[test]
+fn shells_and_manuals() {
+    assert!(text(&["completions", "bash"]).contains("complete -F _coordinator"));
+    assert!(text(&["completions", "zsh"]).starts_with("#compdef coordinator"));
+    let page = text(&["man"]);
+    assert!(page.contains(".TH coordinator 1") && page.contains("SUBCOMMANDS"), "{page}");
 }
 
 #[test]
@@ -178,6 +206,9 @@ fn every_command_helps_with_an_example() {
         "scenes",
         "check",
         "explain",
+        "schema",
+        "completions",
+        "man",
     ];
     for command in commands {
         let help = text(&[command, "--help"]);

@@ -6,21 +6,27 @@
 //! | [`tradeoff`] | time against error of the accuracy settings |
 //! | [`calibrate`] | free parameters fitted to measurements |
 //! | [`scene_settings`] | a scene with values set by key before a study |
+//! | [`scene_difference`] | the keys in which scenes differ |
+//! | [`designs`] | one study for all designs within ranges of design variables |
 //! | [`optimise`] | the cheapest design that reaches a reliability |
 //! | [`what_if`] | reliability of a study's scene with changed distributions and thresholds |
 //! | [`replace`] | the age, or the measured level, of replacement with the least cost |
 //! | [`update`] | single units from what was measured of them |
+//! | [`paired_results`] | changes between two results from the same simulations |
 //! | [`quantity`] | quantities of outputs as a person writes them |
 //! | [`replay`] | learning from a finished direct Monte Carlo study, with the true error of every round |
 
 pub mod budget;
 pub mod calibrate;
+pub mod designs;
 pub mod optimise;
+pub mod paired_results;
 pub mod quantity;
 pub mod replace;
 pub mod replay;
 #[cfg(test)]
 mod replay_tests;
+pub mod scene_difference;
 pub mod scene_settings;
 pub mod tradeoff;
 pub mod update;

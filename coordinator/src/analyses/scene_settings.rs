@@ -23,7 +23,7 @@ pub fn scene_with(source: &SceneSource, settings: &[String]) -> Result<SceneSour
             continue;
         }
         // Thresholds and parameters of distributions have forms of their own.
-        if !is_quantity(source, key) || is_distribution(key) {
+        if !is_scene_quantity(source, key) && !is_within_scene(key) {
             others.push(setting.clone());
             continue;
         }
@@ -70,7 +70,13 @@ pub fn scene_with(source: &SceneSource, settings: &[String]) -> Result<SceneSour
         return Err(Faults(faults));
     }
     let text = toml::to_string(&document).expect("a scene is a table of TOML");
-    redistributed(&SceneSource::parse(&text, "--set")?, &others)
+    redistributed(&SceneSource::parse(&text, "--set").map_err(Faults::without_places)?, &others)
+}
+
+/// Whether a key is a quantity of the scene itself: no random variable, distribution, threshold or correlation.
+pub fn is_scene_quantity(source: &SceneSource, key: &str) -> bool {
+    let is_variable = source.variables().iter().any(|variable| variable.name == key);
+    !is_variable && is_quantity(source, key) && !is_distribution(key)
 }
 
 /// Whether a key is a quantity of the scene, whatever value is given to it.
@@ -78,6 +84,11 @@ fn is_quantity(source: &SceneSource, key: &str) -> bool {
     use common::scene::FaultKind::UnknownReference;
     let unknown = |fault: &Fault| matches!(fault.kind, UnknownReference { .. });
     !source.parse_setting(&format!("{key}=1")).is_err_and(|Faults(faults)| faults.iter().any(unknown))
+}
+
+/// Whether a key can only be that of a quantity of the scene, so that an unknown one is answered with the nearest quantity.
+fn is_within_scene(key: &str) -> bool {
+    ["parameters.", "bodies.", "joints.", "loads.", "materials."].iter().any(|start| key.starts_with(start))
 }
 
 /// Whether a key belongs to a random variable, a limit state or a correlation.
@@ -164,10 +175,12 @@ mod tests {
             "nothing=1",
             "wear.threshhold=2",
             "friction=x",
+            "parameters.clearence=25 um",
         ])
         .unwrap_err()
         .to_string();
         for part in [
+            "did you mean \"parameters.clearance\"",
             "set friction or friction.mean instead",
             "parameters.width=3 kg",
             "nothing=1",

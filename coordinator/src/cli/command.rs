@@ -3,7 +3,9 @@
 use super::accuracy::AccuracyArguments;
 use super::calibrate::CalibrateArguments;
 use super::compare::CompareArguments;
+use super::designs::DesignsArguments;
 use super::doctor::DoctorArguments;
+use super::draw::DrawArguments;
 use super::extremes::ExtremesArguments;
 use super::init::InitArguments;
 use super::optimise::OptimiseArguments;
@@ -19,14 +21,18 @@ use super::verify::{ReplayArguments, VerifyArguments};
 use super::what_if::WhatIfArguments;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::fmt::Write;
+use std::path::PathBuf;
 
 /// Groups of the first page of the help.
 const GROUPS: [(&str, &[&str]); 4] = [
     ("Study", &["run", "resume", "report", "sensitivity", "compare"]),
-    ("Decide", &["what-if", "optimise", "update", "replace"]),
-    ("Look", &["simulate", "explain", "status", "scenes"]),
-    ("Check", &["init", "check", "doctor", "extremes", "tradeoff", "calibrate", "verify"]),
+    ("Decide", &["what-if", "designs", "optimise", "update", "replace"]),
+    ("Look", &["simulate", "explain", "draw", "status", "scenes"]),
+    ("Check", &["init", "check", "tradeoff", "calibrate"]),
 ];
+
+/// Commands that the first page of the help names without a description.
+const MORE: [&str; 6] = ["verify", "extremes", "doctor", "schema", "completions", "man"];
 
 const EXAMPLE: &str = "\
 Without a command, `coordinator --workers auto` runs a study with the options of `run`.
@@ -51,6 +57,11 @@ impl CommandLine {
     pub fn read() -> Self {
         let matches = accept_negative_numbers(grouped()).get_matches();
         Self::from_arg_matches(&matches).unwrap_or_else(|error| error.exit())
+    }
+
+    /// The command line with a first help page on one screen: the commands in groups, and none of the options of `run`.
+    pub fn grouped() -> clap::Command {
+        grouped()
     }
 }
 
@@ -93,7 +104,7 @@ fn groups(command: &clap::Command) -> String {
             let _ = writeln!(text, "  {name:12} {}", about.unwrap_or_default());
         }
     }
-    text.push('\n');
+    let _ = writeln!(text, "More (COMMAND --help): {}\n", MORE.join(", "));
     text
 }
 
@@ -107,6 +118,7 @@ Examples:
   coordinator run --scene flapping-wing-tolerances --workers 2 --out tolerances --seed 7
   coordinator run --scene my.toml --method monte-carlo --samples 500
   coordinator run --scene four-bar --set parameters.width='12 mm' --set friction=0.06 --out wider
+  coordinator run --scene four-bar --design 'parameters.clearance=18 um..30 um' --out clearances
   coordinator run --scene four-bar --max-error 1%
   coordinator run --workers 0 --listen tcp/0.0.0.0:7447 --config tls.json5")]
     Run(Box<RunArguments>),
@@ -183,7 +195,8 @@ Examples:
     #[command(after_help = "\
 Examples:
   coordinator report hingewise-flapping-wing
-  coordinator report archive/study --out study-report")]
+  coordinator report archive/study --out study-report
+  coordinator report study --pdf")]
     Report(ReportArguments),
     /// Compare the reliability curves of several finished studies on one page
     #[command(after_help = "\
@@ -204,6 +217,9 @@ Examples:
     /// Find the age, or the measured level, of replacement with the least cost
     #[command(after_help = super::replace::EXAMPLES)]
     Replace(ReplaceArguments),
+    /// Reliability and lives of every design, from a study with design variables
+    #[command(after_help = super::designs::EXAMPLES)]
+    Designs(Box<DesignsArguments>),
     /// Cheapest means and tolerances that reach a reliability, from a finished study
     #[command(after_help = super::optimise::EXAMPLES)]
     Optimise(Box<OptimiseArguments>),
@@ -226,8 +242,47 @@ Examples:
         #[arg(long, value_name = "NAME")]
         show: Option<String>,
     },
-    /// Validate a scene: all faults at once, and the assembly of the linkage through its cycle
-    #[command(after_help = "Example:\n  coordinator check my.toml")]
+    /// Draw the mechanism of a scene: SVG, or a sketch in the terminal
+    #[command(after_help = super::draw::EXAMPLES)]
+    Draw(DrawArguments),
+    /// Print the JSON Schema of scenes, for completion in editors, or of summary.json
+    #[command(after_help = "\
+An editor with a TOML language server (taplo, Even Better TOML) completes and checks a scene that begins with the line
+#:schema ./scene.schema.json
+
+Examples:
+  coordinator schema > scene.schema.json
+  coordinator schema --results > summary.schema.json")]
+    Schema {
+        /// Schema of the results in summary.json instead of that of scenes
+        #[arg(long)]
+        results: bool,
+    },
+    /// Print the completions of the command line for a shell
+    #[command(after_help = "\
+Examples:
+  coordinator completions bash > ~/.local/share/bash-completion/completions/coordinator
+  coordinator completions zsh > _coordinator
+  coordinator completions fish > ~/.config/fish/completions/coordinator.fish")]
+    Completions {
+        /// Shell that reads them
+        shell: clap_complete::Shell,
+    },
+    /// Print the manual page of the program, or write it and those of all commands
+    #[command(after_help = "\
+Examples:
+  coordinator man > coordinator.1
+  coordinator man --out ~/.local/share/man/man1")]
+    Man {
+        /// Write the pages of the program and all commands to this folder
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+    },
+    /// Validate a scene: all faults with their lines, the linkage through its cycle, the nominal mechanism against its limits
+    #[command(after_help = "\
+Examples:
+  coordinator check my.toml
+  coordinator check my.toml --json")]
     Check {
         /// Scene file, or name of a built-in scene
         file: String,
@@ -290,7 +345,8 @@ mod tests {
         let command = CommandLine::command();
         let shown = command.get_subcommands().filter(|command| !command.is_hide_set());
         let shown: BTreeSet<&str> = shown.map(clap::Command::get_name).collect();
-        let grouped: Vec<&str> = GROUPS.iter().flat_map(|(_, names)| names.iter().copied()).collect();
+        let grouped: Vec<&str> =
+            GROUPS.iter().flat_map(|(_, names)| names.iter().copied()).chain(MORE).collect();
         assert_eq!(grouped.iter().copied().collect::<BTreeSet<_>>(), shown);
         assert_eq!(grouped.len(), shown.len());
     }

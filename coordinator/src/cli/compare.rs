@@ -2,12 +2,17 @@
 
 use super::error::CommandError;
 use super::output::{check_destination, print, to_json};
-use super::stored_study::summary_of;
+use super::stored_study::{scene_of, summary_of};
 use clap::Args;
+use common::scene::SceneSource;
+use coordinator::analyses::scene_difference::differing_keys;
 use coordinator::presentation::report::ReportError;
-use coordinator::presentation::report::compare::{ComparedStudy, check, csv, html};
+use coordinator::presentation::report::compare::{ComparedStudy, check, csv, gain, html};
+use coordinator::presentation::report::life_change::change_between;
 use coordinator::results::result_files::write_text;
 use coordinator::results::store::CampaignFile;
+use coordinator::study::LEVELS;
+use serde::Serialize;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -22,7 +27,7 @@ pub struct CompareArguments {
     pub out: PathBuf,
 }
 
-/// Writes the page and its CSV, and prints their paths.
+/// Writes the page and its CSV, and prints the keys in which the scenes differ, the gains in life, and the paths.
 ///
 /// # Errors
 /// [`CommandError`] if a study is not finished, or the studies cannot be compared.
@@ -39,16 +44,80 @@ pub fn compare(arguments: &CompareArguments, as_json: bool) -> Result<(), Comman
     let studies: Vec<ComparedStudy> =
         arguments.dirs.iter().zip(names).map(|(dir, name)| study(dir, name)).collect::<Result<_, _>>()?;
     check(&studies)?;
-    write_text(page, &html(&studies).map_err(ReportError::from)?)?;
+    let scenes: Vec<SceneSource> =
+        arguments.dirs.iter().map(|dir| scene_of(&CampaignFile::look(dir)?)).collect::<Result<_, _>>()?;
+    let differing = differing_keys(&scenes.iter().collect::<Vec<_>>());
+    let value = |value: &Option<String>| value.clone().unwrap_or_else(|| "\u{2013}".to_owned());
+    let table: Vec<(String, Vec<String>)> =
+        differing.iter().map(|row| (row.key.clone(), row.values.iter().map(value).collect())).collect();
+    write_text(page, &html(&studies, &table).map_err(ReportError::from)?)?;
     write_text(&numbers, &csv(&studies))?;
+    let gains = gains(&studies);
     if as_json {
-        return print(&to_json(&json!({ "page": page, "csv": numbers }))?);
+        let document = json!({ "page": page, "csv": numbers, "differences": differing, "gains": gains });
+        return print(&to_json(&document)?);
     }
-    print(&format!("{}\n{}\n", page.display(), numbers.display()))
+    let mut text = String::new();
+    for (key, values) in table.iter().take(MOST_LINES) {
+        text += &format!("{key}: {}\n", values.join(" | "));
+    }
+    if table.len() > MOST_LINES {
+        text += &format!("and {} further keys, see the page\n", table.len() - MOST_LINES);
+    }
+    for gain in gains.iter().filter(|gain| gain.limit_state == "total") {
+        text += &format!(
+            "life at R = {}, {} against {}: {} cycles\n",
+            gain.reliability, gain.study, studies[0].name, gain.in_words
+        );
+    }
+    print(&format!("{text}{}\n{}\n", page.display(), numbers.display()))
 }
 
 fn study(dir: &Path, name: String) -> Result<ComparedStudy, CommandError> {
     Ok(ComparedStudy { name, summary: summary_of(&CampaignFile::look(dir)?)? })
+}
+
+/// Most differing keys printed on the terminal.
+const MOST_LINES: usize = 12;
+
+/// GainInLife in life of a study against the first one.
+#[derive(Debug, Serialize)]
+struct GainInLife {
+    study: String,
+    limit_state: String,
+    /// Level of R to which both lives belong [1].
+    reliability: f64,
+    /// Difference of the lives [cycles]; absent where one of them is not resolved.
+    cycles: Option<f64>,
+    /// Limits of its 95 % interval [cycles].
+    lower: Option<f64>,
+    upper: Option<f64>,
+    #[serde(skip)]
+    in_words: String,
+}
+
+/// Gains of all studies but the first, per curve and level; none for studies of a single checkpoint.
+fn gains(studies: &[ComparedStudy]) -> Vec<GainInLife> {
+    let Some((first, others)) = studies.split_first().filter(|(first, _)| !first.summary.is_static()) else {
+        return vec![];
+    };
+    let curves = first.summary.limit_states.iter().map(String::as_str).chain(["total"]);
+    let of_curve = |name: &str| {
+        let of_study = |other: &ComparedStudy, level: f64| {
+            let change = change_between(&first.summary, &other.summary, name, level);
+            GainInLife {
+                study: other.name.clone(),
+                limit_state: name.to_owned(),
+                reliability: level,
+                cycles: change.map(|change| change.value),
+                lower: change.and_then(|change| change.lower),
+                upper: change.and_then(|change| change.upper),
+                in_words: gain(&first.summary, &other.summary, name, level).replace('\u{a0}', " "),
+            }
+        };
+        others.iter().flat_map(|other| LEVELS.map(|level| of_study(other, level))).collect::<Vec<_>>()
+    };
+    curves.flat_map(of_curve).collect()
 }
 
 /// Names of the studies: those of their folders if these differ, else the paths as given.

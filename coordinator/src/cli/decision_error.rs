@@ -14,6 +14,15 @@ pub enum DecisionError {
     /// The observations of units cannot be used.
     #[error(transparent)]
     Update(#[from] UpdateError),
+    /// A study without design variables.
+    #[error(
+        "{}: this study has no design variables; start one with `coordinator run --design KEY=LOWER..UPPER`",
+        dir.display()
+    )]
+    NoDesigns {
+        /// Folder of the study.
+        dir: PathBuf,
+    },
     /// An option with a value that is not allowed.
     #[error("{option} {value}: {fault}")]
     Option {

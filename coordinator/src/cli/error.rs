@@ -2,7 +2,7 @@
 
 use super::decision_error::DecisionError;
 use super::drive_angles::drive_at;
-use super::signals::INTERRUPTED;
+use super::{pdf::PdfError, signals::INTERRUPTED};
 use common::failure::SimulationFailure;
 use common::scene::{Faults, Scene};
 use coordinator::analyses::budget::BudgetError;
@@ -81,6 +81,9 @@ pub enum CommandError {
         /// Reason in words.
         reason: &'static str,
     },
+    /// A page that cannot be printed.
+    #[error(transparent)]
+    Pdf(#[from] PdfError),
     /// The simulator that the scene names cannot be used.
     #[error(transparent)]
     Simulator(#[from] SimulatorError),

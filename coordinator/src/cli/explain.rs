@@ -7,7 +7,8 @@ use super::error::CommandError;
 use super::external;
 use super::farm::cores;
 use super::model::Model;
-use super::nominal::nominal_warnings;
+use super::nominal::nominal_check;
+use super::nominal_life::NominalLife;
 use super::output::{count, print, to_json};
 use super::shared::Verbosity;
 use common::scene::*;
@@ -34,15 +35,19 @@ pub fn explain(name: &str, accuracy: &AccuracyArguments, verbosity: Verbosity) -
     let accuracy = accuracy.for_study(&source, scene.study.seed, cores(), verbosity.quiet, Arc::default())?;
     let model = Model::new(scene, &accuracy.setting);
     let mut warnings = source.warnings();
-    warnings.extend(nominal_warnings(scene));
+    let (lives, of_limits) = nominal_check(scene);
+    warnings.extend(of_limits);
     if verbosity.json {
         let mut value = serde_json::to_value(scene)?;
         value["model"] = model.to_json();
+        let lives: Vec<_> = lives.iter().map(NominalLife::printed).collect();
+        value["nominal"] = serde_json::to_value(lives)?;
         value["warnings"] = serde_json::to_value(warnings)?;
         return print(&to_json(&value)?);
     }
     let warnings = warnings.iter().map(|warning| format!("Warning: {warning}\n"));
-    print(&format!("{}{}", text(scene, &model), warnings.collect::<String>()))
+    let lives = lives.iter().map(|life| format!("Nominal {}", life.line(scene.life.cycles)));
+    print(&format!("{}{}{}", text(scene, &model), lives.collect::<String>(), warnings.collect::<String>()))
 }
 
 fn text(scene: &Scene, model: &Model) -> String {

@@ -53,7 +53,7 @@ pub fn init(arguments: &InitArguments, as_json: bool) -> Result<(), CommandError
     let shown = file.display();
     print(&format!(
         "{shown}\n\
-         Next:\n  coordinator check {shown}\n  coordinator explain --scene {shown}\n  \
+         Next:\n  coordinator check {shown}\n  coordinator draw {shown}\n  coordinator explain --scene {shown}\n  \
          coordinator simulate --scene {shown} --out one.json\n  coordinator run --scene {shown} --out {name}-study\n"
     ))
 }

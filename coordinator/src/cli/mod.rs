@@ -2,12 +2,16 @@
 //! error; a command ends with at most one error message and an exit code.
 
 mod accuracy;
+mod announced;
 mod calibrate;
+mod check;
 mod command;
 mod compare;
 mod decision_error;
+mod designs;
 mod distributions;
 mod doctor;
+mod draw;
 mod drive_angles;
 mod error;
 mod explain;
@@ -18,15 +22,20 @@ mod init;
 mod model;
 mod monitor;
 mod nominal;
+mod nominal_life;
 mod optimise;
 mod output;
+mod pdf;
 mod replace;
 mod results;
 mod run;
 mod scenes;
+mod schema;
 mod shared;
+mod shell;
 mod signals;
 mod simulate;
+mod simulated;
 mod status;
 mod stored_status;
 mod stored_study;
@@ -54,10 +63,18 @@ pub fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             if error.exit_code() != 0 {
-                eprintln!("error: {error}");
+                eprint!("{}", explained(&error));
             }
             ExitCode::from(error.exit_code())
         }
+    }
+}
+
+/// An error as printed; faults of a scene with the lines that they are in.
+fn explained(error: &CommandError) -> String {
+    match error {
+        CommandError::Scene(faults) => faults.explained(),
+        error => format!("error: {error}\n"),
     }
 }
 
@@ -81,6 +98,7 @@ fn run_command(arguments: CommandLine) -> Result<(), CommandError> {
         CommandArguments::Tradeoff(options) => tradeoff::tradeoff(&options, verbosity),
         CommandArguments::Calibrate(options) => calibrate::calibrate(&options, verbosity),
         CommandArguments::WhatIf(options) => what_if::what_if(&options, verbosity),
+        CommandArguments::Designs(options) => designs::designs(&options, verbosity),
         CommandArguments::Optimise(options) => optimise::optimise(&options, verbosity),
         CommandArguments::Replay(options) => verify::rounds(&options.dir, &options.rounds, json),
         CommandArguments::Verify(options) => verify::verify(&options, json),
@@ -88,7 +106,11 @@ fn run_command(arguments: CommandLine) -> Result<(), CommandError> {
         CommandArguments::Status(options) => status::status(&options, json),
         CommandArguments::Doctor(options) => doctor::doctor(&options, json),
         CommandArguments::Scenes { show } => scenes::scenes(show.as_deref(), json),
-        CommandArguments::Check { file } => scenes::check(&file, json),
+        CommandArguments::Draw(options) => draw::draw(&options, json),
+        CommandArguments::Schema { results } => schema::schema(results),
+        CommandArguments::Completions { shell } => shell::completions(shell),
+        CommandArguments::Man { out } => shell::man(out.as_deref()),
+        CommandArguments::Check { file } => check::check(&file, json),
         CommandArguments::Explain { scene, accuracy } => explain::explain(&scene, &accuracy, verbosity),
     }
 }

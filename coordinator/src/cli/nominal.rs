@@ -1,64 +1,69 @@
-//! Warnings that need a simulation of the nominal mechanism: limits that it has passed before the first checkpoint.
+//! The nominal mechanism against its limits, for `coordinator check`: expected lives, and warnings about limits that it has passed before
+//! the first checkpoint or is far from.
 
+use super::nominal_life::{NominalLife, Reached, nominal_lives};
 use common::accuracy::Accuracy;
-use common::failure::SimulationFailure;
-use common::scene::{LimitState, Scene, Warning};
+use common::scene::{Scene, Warning};
 use worker::simulate::{SimulateOptions, simulate};
 
 /// Checkpoints up to the life of the nominal mechanism that resolve the lives of others: their spread is some tens of per cent.
 const CHECKPOINTS_WITHIN_LIFE: f64 = 10.0;
 
-/// Simulates the nominal mechanism at `draft` and compares its outputs with the limits of the scene; nothing is simulated for a scene
-/// without limits.
-pub fn nominal_warnings(scene: &Scene) -> Vec<Warning> {
+/// Share of a limit below which the nominal mechanism is far from it, so that a unit or the life is likely to be wrong: no spread of
+/// a machine makes a response ten times larger.
+const FAR_FROM_LIMIT: f64 = 0.1;
+
+/// Simulates the nominal mechanism at `draft`: its expected lives, and warnings about its limits. Nothing is simulated for a scene
+/// without limits, or with its own simulator.
+pub fn nominal_check(scene: &Scene) -> (Vec<NominalLife<'_>>, Vec<Warning>) {
     if scene.limit_states.is_empty() || scene.simulator.is_some() {
-        return Vec::new();
+        return Default::default();
     }
-    past_limits(scene).unwrap_or_else(|failure| {
-        vec![Warning {
-            key: "scene".to_owned(),
-            message: format!("the nominal mechanism cannot be simulated: {failure}"),
-        }]
-    })
-}
-
-fn past_limits(scene: &Scene) -> Result<Vec<Warning>, SimulationFailure> {
-    let evaluation = simulate(scene, &Accuracy::draft(), SimulateOptions::default())?;
-    let warnings = scene.limit_states.iter().filter_map(|limit| {
-        let history = &evaluation.histories[limit.output];
-        let unworn = evaluation.start.get(limit.output).copied().flatten()?;
-        let message = warning(scene, limit, unworn, history[0])?;
-        Some(Warning { key: format!("limit_states.{}", limit.name), message })
-    });
-    Ok(warnings.collect())
-}
-
-/// The warning about a limit, given the output on the `unworn` bores and at the `first` checkpoint [SI].
-fn warning(scene: &Scene, limit: &LimitState, unworn: f64, first: f64) -> Option<String> {
-    let unit = scene.outputs[limit.output].kind.unit();
-    let shown = |value: f64| unit.after(&format!("{:.4}", unit.to_shown(value)));
-    let (threshold, every) = (limit.threshold, scene.life.checkpoint_every);
-    if unworn >= threshold {
-        return Some(format!(
-            "the nominal mechanism has {} in its first cycle, unworn, and has failed from the start: the limit is {}",
-            shown(unworn),
-            shown(threshold)
-        ));
-    }
-    if first < threshold {
-        return None;
-    }
-    let life = f64::from(every) * (threshold - unworn) / (first - unworn);
-    let remedy = match finer_checkpoints(scene.life.cycles, life) {
-        Some(finer) if finer < every => format!("checkpoint_every = {finer} resolves its life"),
-        _ => "no distance between checkpoints resolves that".to_owned(),
+    let evaluation = match simulate(scene, &Accuracy::draft(), SimulateOptions::default()) {
+        Ok(evaluation) => evaluation,
+        Err(failure) => {
+            let message = format!("the nominal mechanism cannot be simulated: {failure}");
+            return (Vec::new(), vec![Warning { key: "scene".to_owned(), message }]);
+        }
     };
-    Some(format!(
-        "the nominal mechanism reaches the limit of {} after about {life:.0} cycles, before the first checkpoint at {every}, where it \
-         has {}: {remedy}",
-        shown(threshold),
-        shown(first)
-    ))
+    let lives = nominal_lives(scene, &evaluation);
+    let warnings = lives.iter().filter_map(|life| {
+        Some(Warning { key: format!("limit_states.{}", life.limit.name), message: warning(scene, life)? })
+    });
+    let warnings = warnings.collect();
+    (lives, warnings)
+}
+
+/// The warning about a limit that is passed before the first checkpoint, or far away at the end of life.
+fn warning(scene: &Scene, life: &NominalLife) -> Option<String> {
+    let (threshold, every) = (life.limit.threshold, scene.life.checkpoint_every);
+    let limit = life.shown(threshold);
+    match life.reached {
+        Reached::FromTheStart => Some(format!(
+            "the nominal mechanism has {} in its first cycle, unworn, and has failed from the start: the limit is {limit}",
+            life.shown(life.unworn?),
+        )),
+        Reached::After(cycles) if life.first >= threshold => {
+            life.unworn?;
+            let remedy = match finer_checkpoints(scene.life.cycles, cycles) {
+                Some(finer) if finer < every => format!("checkpoint_every = {finer} resolves its life"),
+                _ => "no distance between checkpoints resolves that".to_owned(),
+            };
+            Some(format!(
+                "the nominal mechanism reaches the limit of {limit} after about {cycles:.0} cycles, before the first checkpoint at \
+                 {every}, where it has {}: {remedy}",
+                life.shown(life.first)
+            ))
+        }
+        Reached::Beyond(_) if life.largest < FAR_FROM_LIMIT * threshold => Some(format!(
+            "the nominal mechanism has at most {} in {} cycles, {:.1} % of the limit of {limit}: no failure will be seen; check the \
+             limit and its unit, or study a longer life",
+            life.shown(life.largest),
+            scene.life.cycles,
+            100.0 * life.largest / threshold,
+        )),
+        _ => None,
+    }
 }
 
 /// The longest distance between checkpoints of 1, 2 or 5 times a power of ten [cycles] that divides `cycles` and has
@@ -73,15 +78,20 @@ fn finer_checkpoints(cycles: u32, life: f64) -> Option<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use common::scene::SceneSource;
+    use common::scene::{LimitState, SceneSource};
 
     #[test]
     fn issue_a_mechanism_past_its_limit_before_the_first_checkpoint_passed_without_a_word() {
         let mut scene = SceneSource::builtin("four-bar").expect("built in").nominal().clone();
-        assert_eq!(nominal_warnings(&scene), []);
+        let (lives, warnings) = nominal_check(&scene);
+        assert_eq!(warnings, []);
+        assert!(
+            matches!(lives[0].reached, Reached::After(life) if (5000.0..7000.0).contains(&life)),
+            "{lives:?}"
+        );
         // 2.2 um are worn at the first checkpoint, after 1000 cycles.
         scene.limit_states[0].threshold = 1e-6;
-        let found = nominal_warnings(&scene);
+        let (_, found) = nominal_check(&scene);
         assert_eq!(found.len(), 1, "{found:?}");
         let message = &found[0].message;
         assert_eq!(found[0].key, "limit_states.wear");
@@ -89,8 +99,15 @@ mod tests {
         assert!(message.ends_with("checkpoint_every = 20 resolves its life"), "{message}");
         // The joint turns at 424 r/min from the first cycle on.
         scene.limit_states[0] = LimitState { output: 1, threshold: 40.0, ..scene.limit_states[0].clone() };
-        let found = nominal_warnings(&scene);
+        let (_, found) = nominal_check(&scene);
         assert!(found[0].message.contains("has failed from the start"), "{found:?}");
+        // Millimetres instead of micrometres.
+        scene.limit_states[0] = LimitState { output: 0, threshold: 8e-3, ..scene.limit_states[0].clone() };
+        let (_, found) = nominal_check(&scene);
+        assert!(
+            found[0].message.contains("0.1 % of the limit of 8000 µm: no failure will be seen"),
+            "{found:?}"
+        );
     }
 
     #[test]

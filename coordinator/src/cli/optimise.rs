@@ -1,23 +1,25 @@
 //! `coordinator optimise`: the cheapest design that reaches the reliabilities of a problem file, from a finished study, with
 //! simulations at the optimum.
 
+use super::announced::announced;
 use super::error::CommandError;
 use super::farm::CommandEvaluator;
 use super::output::{print, to_json};
-use super::run::announced;
 use super::shared::{FarmArguments, Verbosity, whole};
-use super::stored_study::{StoredStudy, summary_of};
+use super::stored_study::{StoredStudy, stored_space, summary_of};
 use super::what_if::{failed, known_outcomes, population};
 use clap::Args;
+use common::scene::Scene;
 use coordinator::analyses::optimise::{
-    DesignProblem, OptimisationProgress, OptimisationResult, OptimiseError, StudyBasis, design_settings,
-    markdown, optimise as find, page, read_problem,
+    DesignProblem, OptimisationProgress, OptimisationResult, OptimiseError, StudyBasis, design_names,
+    design_settings, for_designs, markdown, optimise as find, page, read_problem,
 };
-use coordinator::analyses::what_if::{FinishedStudy, ask, changed_scene, json};
+use coordinator::analyses::what_if::{FinishedStudy, ask, json, redistributed};
+use coordinator::presentation::report::ReportError;
 use coordinator::results::result_files::write_text;
 use coordinator::results::store::{CampaignFile, FurtherEvaluations};
 use coordinator::study::{
-    Method, ObservedOutcome, SampleRequest, Settings, complete_outcomes, problem_of, simulate_samples,
+    Method, ObservedOutcome, Problem, SampleRequest, Settings, complete_outcomes, simulate_samples,
 };
 use std::path::PathBuf;
 
@@ -71,18 +73,33 @@ pub fn optimise(arguments: &OptimiseArguments, verbosity: Verbosity) -> Result<(
     let campaign = if simulates { CampaignFile::open(dir)? } else { CampaignFile::look(dir)? };
     let summary = summary_of(&campaign)?;
     let mut study = StoredStudy::read(campaign)?;
-    let problem = read_problem(&arguments.problem, &study.source)?;
+    let space = stored_space(&study.campaign)?;
+    let base = match &space {
+        None => study.source.clone(),
+        Some(space) => space.present(&[])?.0,
+    };
+    let names = space.as_ref().map(design_names).unwrap_or_default();
+    let mut problem = read_problem(&arguments.problem, &base, &names)?;
+    if let Some(space) = &space {
+        let file = arguments.problem.display().to_string();
+        problem = for_designs(problem, space, study.scene(), &file)?;
+    }
     let settings = Settings {
         samples: population(&study.settings, &summary),
         method: Method::ActiveLearning,
         ..study.settings.clone()
     };
-    let result = search(&mut study, &problem, &settings, arguments, verbosity)?;
-    let sets = design_settings(&problem, study.scene(), &result.values).map_err(OptimiseError::Law)?;
-    let changed = changed_scene(&study.source, &sets)?;
+    let result = search(&mut study, base.nominal(), &problem, &settings, arguments, verbosity)?;
+    let sets = design_settings(&problem, base.nominal(), &result.values).map_err(OptimiseError::Law)?;
+    let changed = redistributed(&base, &sets)?;
     let outcomes = known_outcomes(&study.campaign)?;
-    let finished =
-        FinishedStudy { scene: study.scene(), settings: &settings, outcomes: &outcomes, summary: &summary };
+    let finished = FinishedStudy {
+        scene: base.nominal(),
+        simulated: study.scene(),
+        settings: &settings,
+        outcomes: &outcomes,
+        summary: Some(&summary).filter(|_| space.is_none()),
+    };
     let answer = ask(&finished, changed.nominal()).map_err(|error| failed(error, dir.clone()))?;
     let mut document = json(&answer, result.evaluations.added);
     document["optimum"] = serde_json::to_value(&result)?;
@@ -92,7 +109,8 @@ pub fn optimise(arguments: &OptimiseArguments, verbosity: Verbosity) -> Result<(
     if let Some(out) = &arguments.out {
         let curves =
             vec![("study".to_owned(), answer.before.clone()), ("optimum".to_owned(), answer.after.clone())];
-        let page = page(&result, &study.scene().name, curves).write(out, "optimum")?;
+        let page =
+            page(&result, &study.scene().name, curves).map_err(ReportError::from)?.write(out, "optimum")?;
         write_text(&out.join("scene.toml"), changed.text())?;
         write_text(&out.join("optimum.json"), &document)?;
         write_text(&out.join("optimum.md"), &text)?;
@@ -104,9 +122,10 @@ pub fn optimise(arguments: &OptimiseArguments, verbosity: Verbosity) -> Result<(
     print(&format!("{text}{written}"))
 }
 
-/// Finds the optimum, with simulations by the workers of the command.
+/// Finds the optimum from the design `base`, with simulations by the workers of the command.
 fn search(
     study: &mut StoredStudy,
+    base: &Scene,
     problem: &DesignProblem,
     settings: &Settings,
     arguments: &OptimiseArguments,
@@ -115,7 +134,7 @@ fn search(
     let StoredStudy { campaign, source, .. } = study;
     let scene = source.nominal();
     let basis = StudyBasis {
-        problem: problem_of(scene),
+        problem: Problem::of_changed_scene(base, scene),
         settings: settings.clone(),
         outcomes: complete_outcomes(scene, &known_outcomes(campaign)?),
     };

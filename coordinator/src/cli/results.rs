@@ -2,6 +2,7 @@
 
 use super::error::CommandError;
 use super::output::{print, to_json};
+use super::pdf::print_page;
 use super::stored_study::{not_finished, scene_of, summary_of};
 use clap::Args;
 use coordinator::presentation::report;
@@ -30,23 +31,34 @@ pub struct ReportArguments {
     /// Folder for the files, created if missing [default: that of the study]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Print the report to report.pdf as well, with a browser of this machine (Chromium, Chrome, Edge)
+    #[arg(long)]
+    pub pdf: bool,
 }
 
 /// Writes the result files and the report of a finished study again.
 ///
 /// # Errors
-/// [`CommandError::Store`], [`CommandError::NotFinished`], or the error of a file that cannot be written.
+/// [`CommandError::Store`], [`CommandError::NotFinished`], [`CommandError::Pdf`], or the error of a file that cannot be written.
 pub fn report(arguments: &ReportArguments, as_json: bool) -> Result<(), CommandError> {
-    let ReportArguments { dir, out } = arguments;
+    let ReportArguments { dir, out, pdf } = arguments;
     let campaign = CampaignFile::look(dir)?;
     let page = match out {
         Some(out) => write_results(&campaign, out)?,
         None => write_results(&campaign, dir).map_err(|error| error.of_report_in(dir))?,
     };
+    let printed = match pdf {
+        true => Some(print_page(&page, &std::env::var_os("PATH").unwrap_or_default())?),
+        false => None,
+    };
     if as_json {
-        return print(&to_json(&json!({ "report": page }))?);
+        return print(&to_json(&match printed {
+            Some(file) => json!({ "report": page, "pdf": file }),
+            None => json!({ "report": page }),
+        })?);
     }
-    print(&format!("{}\n", page.display()))
+    let files = [Some(page), printed].into_iter().flatten();
+    print(&files.map(|file| format!("{}\n", file.display())).collect::<String>())
 }
 
 /// Writes every result file of a finished study to the folder `out`; returns the path of the report.

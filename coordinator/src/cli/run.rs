@@ -2,6 +2,9 @@
 //!
 //! scene -> checks -> listen -> folder -> local workers -> study -> result files -> report
 
+use super::announced::announced;
+use super::decision_error::DecisionError;
+use super::designs::{Machines, after_study};
 use super::distributions::for_report;
 use super::error::CommandError;
 use super::external;
@@ -12,16 +15,16 @@ use super::results::write_results;
 use super::scenes::check_linkage;
 use super::shared::{DEFAULT_SCENE, Verbosity};
 use super::signals::interruption;
-use super::stored_study::{END_DOCUMENT, StoredStudy};
+use super::stored_study::{END_DOCUMENT, StoredStudy, design_keys};
 use super::study_options::{ResumeArguments, RunArguments};
 use common::scene::SceneSource;
+use coordinator::analyses::designs::{DESIGNS_DOCUMENT, DesignSpace};
 use coordinator::analyses::scene_settings::scene_with;
-use coordinator::farm::dispatch::CampaignSpec;
 use coordinator::presentation::report::{DISTRIBUTIONS_DOCUMENT, SUMMARY_DOCUMENT};
 use coordinator::presentation::terminal::{Terminal, final_text};
 use coordinator::results::store::{CampaignFile, CampaignMeta};
 use coordinator::results::summary::StudySummary;
-use coordinator::study::Settings;
+use coordinator::study::{Method, Settings};
 use std::path::{Path, PathBuf};
 
 /// Starts a study and runs it to its end.
@@ -32,6 +35,21 @@ pub fn run(arguments: &RunArguments, verbosity: Verbosity) -> Result<(), Command
     let mut source = SceneSource::load(arguments.scene.as_deref().unwrap_or(DEFAULT_SCENE))?;
     if !arguments.set.is_empty() {
         source = scene_with(&source, &arguments.set)?;
+    }
+    let space = match arguments.design.as_slice() {
+        [] => None,
+        ranges => Some(DesignSpace::new(source.clone(), ranges)?),
+    };
+    if let Some(space) = &space {
+        let method = arguments.method.method.unwrap_or_default();
+        if method != Method::ActiveLearning {
+            let fault =
+                "design variables need --method ak, whose surrogates answer for every design".to_owned();
+            let value = arguments.design.join(", ");
+            return Err(DecisionError::Option { option: "--design", value, fault }.into());
+        }
+        check_designs(space)?;
+        source = space.augmented()?;
     }
     let scene = source.nominal();
     if scene.variables.is_empty() || scene.limit_states.is_empty() {
@@ -61,7 +79,10 @@ pub fn run(arguments: &RunArguments, verbosity: Verbosity) -> Result<(), Command
     let evaluator = CommandEvaluator::open(&source, campaign, &arguments.farm)?;
     let watched = WatchedStudy { dir: &dir, scene, settings: &settings };
     let monitor = Monitor::open(&arguments.monitor, arguments.farm.insecure, &evaluator, &watched)?;
-    let campaign = CampaignFile::create(&dir, &meta, scene)?;
+    let mut campaign = CampaignFile::create(&dir, &meta, scene)?;
+    if let Some(space) = &space {
+        campaign.put_document(DESIGNS_DOCUMENT, &space.stored())?;
+    }
     if !verbosity.quiet {
         eprintln!("results go to {}", dir.display());
     }
@@ -84,7 +105,10 @@ pub fn resume(arguments: &ResumeArguments, verbosity: Verbosity) -> Result<(), C
             eprintln!("this study is finished; writing its results again");
         }
         write_results(&study.campaign, dir)?;
-        return print_summary(&summary, dir, verbosity);
+        return match after_study(&mut study, Machines::ToOpen(farm), verbosity)? {
+            Some(()) => Ok(()),
+            None => print_summary(&summary, dir, verbosity),
+        };
     }
     if !verbosity.quiet {
         say_what_is_done(&study, &extended)?;
@@ -144,36 +168,30 @@ fn finish(
         // For the commands that read the study; a failure to store the reason must not hide it here.
         let _ = campaign.put_document(END_DOCUMENT, &error.to_string());
     }
-    let result = result?;
-    evaluator.close();
+    let mut result = result?;
+    result.summary.designs = design_keys(campaign)?;
     campaign.put_document(DISTRIBUTIONS_DOCUMENT, &for_report(&result.distributions))?;
     // The summary comes last: with it, the study counts as finished.
     campaign.put_document(SUMMARY_DOCUMENT, &result.summary)?;
     write_results(campaign, &dir)?;
     monitor.end();
-    print_summary(&result.summary, &dir, verbosity)
+    let answered = after_study(&mut study, Machines::Open(&mut evaluator), verbosity)?;
+    evaluator.close();
+    match answered {
+        Some(()) => Ok(()),
+        None => print_summary(&result.summary, &dir, verbosity),
+    }
 }
 
-/// The campaign as announced to workers. A study has the same id whenever it is resumed.
-///
-/// # Errors
-/// [`CommandError::Json`].
-pub fn announced(
-    source: &SceneSource,
-    settings: &Settings,
-    resumed: bool,
-) -> Result<CampaignSpec, CommandError> {
-    let stored = serde_json::to_string(settings)?;
-    let digest = common::scene::source::digest(&format!("{stored}\n{}", source.text()));
-    let accuracy = settings.accuracy.setting.clone();
-    Ok(CampaignSpec {
-        // The low half of a 128-bit hash is a 64-bit hash.
-        id: digest as u64,
-        scene: source.text().to_owned(),
-        accuracy: accuracy.accuracy,
-        accuracy_name: accuracy.name,
-        resumed,
-    })
+/// Checks that the linkage can be assembled and turns at every end of the ranges of the design variables.
+fn check_designs(space: &DesignSpace) -> Result<(), CommandError> {
+    for values in space.corners() {
+        let design = space.source_at(&values)?;
+        if design.nominal().simulator.is_none() {
+            check_linkage(&space.in_words(&values), design.nominal())?;
+        }
+    }
+    Ok(())
 }
 
 /// `hingewise-SCENE`, or that with the next free number.

@@ -3,9 +3,10 @@
 use super::accuracy::AccuracyArguments;
 use super::error::CommandError;
 use super::external;
-use super::output::{check_destination, deliver, to_json};
+use super::output::{check_destination, deliver, print, to_json};
 use super::scenes::check_linkage;
 use super::shared::{DEFAULT_SCENE, Verbosity};
+use super::simulated;
 use clap::Args;
 use common::outputs::{
     BodyMotion, BodyTrace, CycleHistory, Diagnostics, EnergyBalance, Evaluation, JointSummary, WornLife,
@@ -144,7 +145,13 @@ pub fn simulate(arguments: &SimulateArguments, verbosity: Verbosity) -> Result<(
         .map_err(|failure| CommandError::of_simulation(source.origin(), &scene, failure))?;
     let wall = start.elapsed().as_secs_f64();
     let text = to_json(&printed(&scene, &accuracy.name, &settings, &evaluation, wall))?;
-    deliver(&text, arguments.out.as_deref())
+    deliver(&text, arguments.out.as_deref())?;
+    match &arguments.out {
+        Some(file) if !verbosity.quiet && !verbosity.json => {
+            print(&simulated::text(&scene, &accuracy.name, &evaluation, wall, file))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Reads every `--set`; reports all faults at once.
@@ -169,7 +176,7 @@ fn settings(source: &SceneSource, all: &[String]) -> Result<Vec<(String, f64)>, 
 }
 
 fn unsettable(setting: &str, message: String) -> Fault {
-    Fault { file: "--set".to_owned(), key: setting.to_owned(), kind: FaultKind::Inconsistent { message } }
+    Fault::new("--set", setting, FaultKind::Inconsistent { message })
 }
 
 fn is_unknown(faults: &Faults) -> bool {

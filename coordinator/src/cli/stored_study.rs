@@ -2,6 +2,7 @@
 
 use super::error::CommandError;
 use common::scene::{Scene, SceneSource};
+use coordinator::analyses::designs::{DESIGNS_DOCUMENT, DesignSpace, StoredSpace};
 use coordinator::presentation::report::SUMMARY_DOCUMENT;
 use coordinator::results::store::{CampaignFile, FILE_NAME, StoreError};
 use coordinator::results::summary::StudySummary;
@@ -125,4 +126,23 @@ pub fn scene_of(campaign: &CampaignFile) -> Result<SceneSource, CommandError> {
 
 fn origin(campaign: &CampaignFile) -> String {
     campaign.dir().join(FILE_NAME).display().to_string()
+}
+
+/// Keys of the design variables of a study.
+///
+/// # Errors
+/// [`CommandError::Store`].
+pub fn design_keys(campaign: &CampaignFile) -> Result<Vec<String>, CommandError> {
+    let stored = campaign.document::<StoredSpace>(DESIGNS_DOCUMENT)?;
+    Ok(stored.map_or(vec![], |stored| stored.variables.into_iter().map(|variable| variable.key).collect()))
+}
+
+/// The design variables of a study, if it has any.
+///
+/// # Errors
+/// [`CommandError::Store`], and the faults of a stored space.
+pub fn stored_space(campaign: &CampaignFile) -> Result<Option<DesignSpace>, CommandError> {
+    let stored = campaign.document::<StoredSpace>(DESIGNS_DOCUMENT)?;
+    let origin = campaign.dir().display().to_string();
+    Ok(stored.map(|stored| DesignSpace::from_stored(stored, &origin)).transpose()?)
 }

@@ -23,6 +23,10 @@ pub struct RunArguments {
     /// as in `what-if`; repeatable
     #[arg(long, value_name = "KEY=VALUE", help_heading = "Scene")]
     pub set: Vec<String>,
+    /// Make a quantity, a mean, a spread or a threshold a design variable, e.g. parameters.clearance='18 um..30 um': the study
+    /// then answers for every design within the range, see `designs`; up to three
+    #[arg(long, value_name = "KEY=LOWER..UPPER", help_heading = "Scene")]
+    pub design: Vec<String>,
     #[command(flatten)]
     pub method: MethodArguments,
     #[command(flatten)]

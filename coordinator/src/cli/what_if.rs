@@ -1,16 +1,16 @@
 //! `coordinator what-if`: the reliability of a finished study's scene with changed distributions and thresholds, from the
 //! simulations that it has, and with further ones where the answer needs them.
 
+use super::announced::announced;
 use super::error::CommandError;
 use super::farm::CommandEvaluator;
 use super::output::{print, to_json};
-use super::run::announced;
 use super::shared::{FarmArguments, Verbosity, positive, share};
-use super::stored_study::{StoredStudy, summary_of};
+use super::stored_study::{StoredStudy, stored_space, summary_of};
 use clap::Args;
 use common::scene::SceneSource;
 use coordinator::analyses::what_if::{
-    FinishedStudy, POPULATION, WhatIf, ask, changed_scene, json, page, text,
+    FinishedStudy, POPULATION, WhatIf, ask, changed_scene, json, page, redistributed, text,
 };
 use coordinator::presentation::terminal::Terminal;
 use coordinator::results::result_files::write_text;
@@ -64,7 +64,15 @@ pub fn what_if(arguments: &WhatIfArguments, verbosity: Verbosity) -> Result<(), 
     let campaign = if refines { CampaignFile::open(dir)? } else { CampaignFile::look(dir)? };
     let summary = summary_of(&campaign)?;
     let mut study = StoredStudy::read(campaign)?;
-    let changed = changed_scene(&study.source, set)?;
+    // With design variables the question is about the design that the scene itself has, or about the one that is set.
+    let space = stored_space(&study.campaign)?;
+    let (base, changed) = match &space {
+        None => (study.source.clone(), changed_scene(&study.source, set)?),
+        Some(space) => {
+            let (design, others) = space.present(set)?;
+            (space.present(&[])?.0, redistributed(&design, &others)?)
+        }
+    };
     let settings = Settings {
         samples: samples.unwrap_or_else(|| population(&study.settings, &summary)),
         target_error: target_error.or(study.settings.target_error),
@@ -79,8 +87,13 @@ pub fn what_if(arguments: &WhatIfArguments, verbosity: Verbosity) -> Result<(), 
         simulate_further(&mut study, &changed, &settings, (&outcomes, further), farm, verbosity)?;
         outcomes = known_outcomes(&study.campaign)?;
     }
-    let finished =
-        FinishedStudy { scene: study.scene(), settings: &settings, outcomes: &outcomes, summary: &summary };
+    let finished = FinishedStudy {
+        scene: base.nominal(),
+        simulated: study.scene(),
+        settings: &settings,
+        outcomes: &outcomes,
+        summary: Some(&summary).filter(|_| space.is_none()),
+    };
     let answer = ask(&finished, changed.nominal()).map_err(|error| failed(error, dir.clone()))?;
     deliver(arguments, &changed, &answer, outcomes.len() - known, verbosity, out.as_ref())
 }

@@ -5,7 +5,9 @@ mod ending;
 
 pub use ending::final_text;
 
-use crate::presentation::report::format::{count, duration, fixed, percent, reliability, with_width};
+use crate::presentation::report::format::{
+    count, duration, fixed, percent, reliability, three_digits, with_width,
+};
 use crate::results::progress::{Observer, Progress};
 use crate::results::summary::Round;
 use crate::statistics::reliability::REACH;
@@ -23,7 +25,11 @@ pub struct ProgressText {
     failed: usize,
     recalled: usize,
     planned: usize,
+    /// Largest number of evaluations of the study.
+    budget: usize,
     purpose: String,
+    /// True once all evaluations are finished.
+    ending: bool,
     round: Option<Round>,
     /// Start of the first batch.
     started: Option<Duration>,
@@ -62,8 +68,9 @@ impl ProgressText {
 
     fn record(&mut self, now: Duration, progress: &Progress) {
         match progress {
-            Progress::BatchStarted { planned, purpose, .. } => {
+            Progress::BatchStarted { planned, budget, purpose, .. } => {
                 self.planned = *planned;
+                self.budget = *budget;
                 self.purpose.clone_from(purpose);
                 self.started.get_or_insert(now);
             }
@@ -73,7 +80,8 @@ impl ProgressText {
                 self.recalled += usize::from(*recalled);
             }
             Progress::RoundFinished(round) => self.round = Some(round.clone()),
-            Progress::Reliability { .. } | Progress::Ending | Progress::Warning(_) => {}
+            Progress::Ending => self.ending = true,
+            Progress::Reliability { .. } | Progress::Warning(_) => {}
         }
     }
 
@@ -84,28 +92,37 @@ impl ProgressText {
         (simulated > 0 && elapsed > 0.0).then(|| simulated as f64 / elapsed)
     }
 
-    /// Evaluations, rate, time left in this round, current R; e.g.
-    /// `84/120 evaluations (initial design), 1.3/s, 27.7 s left in this round, R(66 000) = 0.347 ± 0.012 (95 %)`.
+    /// Evaluations, time left in the study, rate, error, R so far and the rest, the most important first, since terminals cut the end
+    /// off; e.g. `84/400 evaluations, at most 4 min 03 s left, 1.30/s, error 0.0090, R(66 000) = 0.347 ± 0.012 (95 %), round 2`.
     pub fn state(&self, now: Duration) -> String {
-        let mut text = format!("{}/{} evaluations", self.done, self.planned.max(self.done));
-        if !self.purpose.is_empty() {
-            text += &format!(" ({})", self.purpose);
+        let most = self.budget.max(self.planned).max(self.done);
+        // Learning may end before its budget is spent, a plan is carried out.
+        let may_end_early = most > self.planned;
+        let mut text = format!("{}/{most} evaluations", self.done);
+        let rate = self.rate(now);
+        if self.ending {
+            text += ", computing the results";
+        } else if let Some(rate) = rate.filter(|_| most > self.done) {
+            let bound = if may_end_early { "at most " } else { "" };
+            text += &format!(", {bound}{} left", duration((most - self.done) as f64 / rate));
         }
-        if let Some(rate) = self.rate(now) {
+        if let Some(rate) = rate {
             text += &format!(", {}/s", fixed(rate, if rate < 10.0 { 2 } else { 0 }));
-            let left = self.planned.saturating_sub(self.done);
-            if left > 0 {
-                text += &format!(", {} left in this round", duration(left as f64 / rate));
-            }
         }
-        if self.recalled > 0 {
-            text += &format!(", {} from the campaign file", self.recalled);
+        if let Some(round) = &self.round {
+            if round.surrogate_error > 0.0 {
+                text += &format!(", error {}", three_digits(round.surrogate_error));
+            }
+            text += &format!(", {}", current_reliability(round));
+        }
+        if !self.purpose.is_empty() {
+            text += &format!(", {}", self.purpose);
         }
         if self.failed > 0 {
             text += &format!(", {} failed", self.failed);
         }
-        if let Some(round) = &self.round {
-            text += &format!(", {}", current_reliability(round));
+        if self.recalled > 0 {
+            text += &format!(", {} from the campaign file", self.recalled);
         }
         text.replace('\u{a0}', " ")
     }
@@ -152,9 +169,9 @@ enum OutputMode {
     Bar(ProgressBar),
 }
 
-/// Style of the progress bar.
+/// Style of the progress bar: on 80 columns 71 are left for the text.
 fn style() -> ProgressStyle {
-    ProgressStyle::with_template("{spinner} [{elapsed_precise}] {bar:24} {wide_msg}")
+    ProgressStyle::with_template("{spinner} {bar:6} {wide_msg}")
         .expect("the template is a constant, made once in the tests")
 }
 
@@ -207,10 +224,11 @@ impl Observer for Terminal {
                 }
             }
             OutputMode::Bar(bar) => {
-                bar.set_length(self.text.planned as u64);
+                bar.set_length(self.text.budget.max(self.text.planned) as u64);
                 bar.set_position(self.text.done as u64);
                 bar.set_message(self.text.state(now));
-                if let (Progress::Warning(_), Some(line)) = (progress, line) {
+                let lasts = matches!(progress, Progress::Warning(_) | Progress::RoundFinished(_));
+                if let (true, Some(line)) = (lasts, line) {
                     bar.println(line);
                 }
             }
@@ -253,14 +271,11 @@ mod tests {
     fn evaluations_have_at_most_one_line_in_ten_seconds() {
         let mut text = ProgressText::default();
         let first = text.line(seconds(0), &batch(120, 120, "initial design")).unwrap();
-        assert_eq!(first, "0/120 evaluations (initial design)");
+        assert_eq!(first, "0/400 evaluations, initial design");
         let lines: Vec<String> =
             (1..=60).filter_map(|k| text.line(seconds(k), &evaluated(k as usize, false))).collect();
         assert_eq!(lines.len(), 6);
-        assert_eq!(
-            lines[5],
-            "60/120 evaluations (initial design), 1.00/s, 1 min 00 s left in this round, 1 failed"
-        );
+        assert_eq!(lines[5], "60/400 evaluations, at most 5 min 40 s left, 1.00/s, initial design, 1 failed");
     }
 
     #[test]
@@ -279,7 +294,7 @@ mod tests {
             lines[1],
             "round 1: 132 evaluations, R(66 000) = 0.299 ± 0.044 (95 %), changed by 6.0 %, uncertain 18.6 %, min U 0.180"
         );
-        assert!(text.state(seconds(5)).ends_with("± 0.0078 (95 %)"), "{}", text.state(seconds(5)));
+        assert!(text.state(seconds(5)).ends_with("± 0.0078 (95 %), round 3"), "{}", text.state(seconds(5)));
     }
 
     #[test]
@@ -290,14 +305,38 @@ mod tests {
         }
         // The first line of a resumed study does not begin at 0.
         let first = text.line(seconds(0), &batch(20, 120, "initial design")).unwrap();
-        assert_eq!(first, "100/120 evaluations (initial design), 100 from the campaign file, 1 failed");
+        assert_eq!(first, "100/400 evaluations, initial design, 1 failed, 100 from the campaign file");
         assert!(!text.state(seconds(1)).contains("/s"));
         text.line(seconds(10), &evaluated(101, false));
         let state = text.state(seconds(10));
         assert!(
-            state.contains("0.10/s, 3 min 10 s left in this round, 100 from the campaign file"),
+            state.contains("at most 49 min 50 s left, 0.10/s, initial design, 1 failed, 100 from"),
             "{state}"
         );
+    }
+
+    #[test]
+    fn issue_80_columns_cut_off_rate_error_and_time() {
+        let mut text = ProgressText::default();
+        text.line(seconds(0), &batch(12, 384, "round 21"));
+        for done in 1..=372 {
+            text.record(seconds(1000), &evaluated(done, false));
+        }
+        let round =
+            Round { cycles: 66_000, reliability_total: 0.5, surrogate_error: 0.0091, ..Round::default() };
+        text.record(seconds(1000), &Progress::RoundFinished(round));
+        let state = text.state(seconds(1000));
+        // Spinner, bar of six and two spaces.
+        let seen: String = state.chars().take(80 - 9).collect();
+        let parts = "372/400 evaluations, at most 1 min 15 s left, 0.37/s, error 0.0091";
+        assert!(seen.starts_with(parts), "{seen}");
+        // A direct simulation ends when its plan is carried out.
+        let mut direct = ProgressText::default();
+        direct.record(seconds(0), &batch(400, 400, "simulations"));
+        direct.record(seconds(100), &evaluated(100, false));
+        assert!(direct.state(seconds(100)).starts_with("100/400 evaluations, 5 min 00 s left, 1.00/s"));
+        direct.record(seconds(100), &Progress::Ending);
+        assert!(direct.state(seconds(100)).contains(", computing the results"));
     }
 
     #[test]
@@ -308,8 +347,9 @@ mod tests {
         let mut terminal = Terminal { text: ProgressText::default(), start: Instant::now(), mode };
         terminal.notice(&batch(120, 120, "initial design"));
         terminal.notice(&evaluated(7, true));
-        assert_eq!((bar.length(), bar.position()), (Some(120), 7));
-        assert!(bar.message().starts_with("7/120 evaluations (initial design)"), "{}", bar.message());
+        assert_eq!((bar.length(), bar.position()), (Some(400), 7));
+        let shown = bar.message();
+        assert!(shown.starts_with("7/400 evaluations") && shown.contains("initial design"), "{shown}");
         drop(terminal);
         assert!(bar.is_finished());
     }

@@ -37,6 +37,10 @@ pub struct StudySummary {
     pub conditional: Option<ConditionRow>,
     /// Numbers of evaluations.
     pub evaluations: EvaluationCounts,
+    /// Keys of the design variables: the curves are then those over their ranges and the random variables together. Empty for
+    /// a study of one design.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub designs: Vec<String>,
     /// Names of the limit states, in the scene's order.
     pub limit_states: Vec<String>,
     /// Reliabilities, one row per checkpoint.

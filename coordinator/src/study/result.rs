@@ -125,6 +125,7 @@ pub fn blank(scene: &Scene, settings: &Settings) -> StudySummary {
         max_error: settings.accuracy.max_error,
         population: 0,
         evaluations: EvaluationCounts::default(),
+        designs: Vec::new(),
         limit_states: scene.limit_states.iter().map(|limit| limit.name.clone()).collect(),
         reliability: Vec::new(),
         lives: Vec::new(),

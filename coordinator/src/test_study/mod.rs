@@ -240,6 +240,7 @@ pub fn study() -> TestStudy {
         max_error: None,
         population: 100_000,
         evaluations: EvaluationCounts { total: 216, initial: 120, added: 96, failed: 1 },
+        designs: Vec::new(),
         limit_states: scene.limit_states.iter().map(|state| state.name.clone()).collect(),
         first_failure: reliability.iter().map(|row| first_failure_row(row, &scene)).collect(),
         failures: Failures {

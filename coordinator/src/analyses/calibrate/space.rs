@@ -13,7 +13,7 @@
 use super::CalibrationError;
 use crate::statistics::design::InputModel;
 use common::random::Distribution;
-use common::scene::{Fault, FaultKind, Faults, Scene, SceneSource};
+use common::scene::{FaultKind, Faults, Scene, SceneSource};
 use toml::{Table, Value};
 
 /// Effect of a free parameter.
@@ -150,13 +150,7 @@ fn with_parameters(source: &SceneSource, free: &[FreeParameter]) -> Result<Scene
         ParameterKind::Keys(keys) => Some((free, keys)),
         ParameterKind::Mean(_) | ParameterKind::Spread(_) => None,
     });
-    let syntax = |message: String| {
-        Faults(vec![Fault {
-            file: source.origin().to_owned(),
-            key: String::new(),
-            kind: FaultKind::Syntax { message },
-        }])
-    };
+    let syntax = |message: String| Faults::one(source.origin(), "", FaultKind::Inconsistent { message });
     let mut document: Table =
         source.text().parse().map_err(|error: toml::de::Error| syntax(error.to_string()))?;
     let variables = document.entry("variables").or_insert_with(|| Value::Array(Vec::new()));

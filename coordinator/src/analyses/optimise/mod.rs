@@ -9,9 +9,12 @@
 //! any design near the simulated region follows without a simulation ([`reliability`](self)); the optimum found on them is
 //! then confirmed by a campaign at that design, whose simulations improve the surrogates just there.
 //!
-//! Quantities of a design are means, standard deviations and tolerances of random variables.
+//! Quantities of a design are means, standard deviations and tolerances of random variables, and the design variables of the
+//! study.
 
 mod campaign;
+mod design_variables;
+mod front_figure;
 mod moments;
 mod optimum;
 mod problem;
@@ -27,9 +30,12 @@ mod solve;
 mod tests;
 
 pub use campaign::StudyBasis;
+pub use design_variables::{design_names, for_designs};
 pub use moments::with_moments;
 pub use optimum::{OptimisationProgress, optimise};
-pub use problem::{DesignProblem, DesignQuantity, Grade, PrintedUnit, QuantityKind, ReliabilityTarget};
+pub use problem::{
+    DesignProblem, DesignQuantity, Grade, PrintedUnit, QuantityKind, ReliabilityTarget, StudiedDesigns,
+};
 pub use problem_file::{parse as parse_problem, read as read_problem};
 pub use report::{markdown, page};
 pub use result::{

@@ -120,7 +120,14 @@ impl<'a> Context<'a> {
 
     /// True if two designs are next to each other.
     fn are_near(&self, a: &InputModel, b: &InputModel) -> bool {
-        a.variables().iter().zip(b.variables()).filter(|(a, _)| !a.is_constant()).all(|(a, b)| {
+        a.variables().iter().zip(b.variables()).enumerate().all(|(k, (a_law, b_law))| {
+            if a_law.is_constant() {
+                // A design variable: in standard deviations of its range.
+                let shift = a.standardised_value(k, a_law.parent_mean())
+                    - b.standardised_value(k, b_law.parent_mean());
+                return shift.abs() <= NEAR_MEAN;
+            }
+            let (a, b) = (a_law, b_law);
             let shift = (a.parent_mean() - b.parent_mean()).abs() / b.parent_std();
             let spread = (a.parent_std() / b.parent_std()).ln().abs();
             shift <= NEAR_MEAN && spread <= NEAR_SPREAD

@@ -1,6 +1,7 @@
 //! An optimisation problem: the quantities of a design with their bounds and costs, and the reliabilities to be reached.
 
 use super::moments::with_moments;
+use crate::analyses::designs::Follower;
 use crate::statistics::design::InputModel;
 use crate::statistics::optimisation::CostModel;
 use common::random::{Distribution, LawError};
@@ -108,6 +109,17 @@ pub struct DesignProblem {
     pub targets: Vec<ReliabilityTarget>,
     /// Which bounds of each variable stay where they are, the lower and the upper one; none if there are fewer entries.
     pub fixed_bounds: Vec<[bool; 2]>,
+    /// Design variables of the study, if it has any.
+    pub designs: Option<StudiedDesigns>,
+}
+
+/// What an optimisation needs of a study with design variables.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StudiedDesigns {
+    /// Inputs of the augmented scene, whose coordinates the surrogates have.
+    pub augmented: InputModel,
+    /// Random variables that follow design variables.
+    pub followers: Vec<Follower>,
 }
 
 impl DesignProblem {
@@ -127,6 +139,13 @@ impl DesignProblem {
         let mut moments: Vec<(f64, f64)> =
             inputs.variables().iter().map(|law| (law.parent_mean(), law.given_std())).collect();
         let mut changed = vec![false; moments.len()];
+        for follower in self.designs.iter().flat_map(|designs| &designs.followers) {
+            let Some(value) = self.value_of(follower.leader, values) else { continue };
+            let shift = value - inputs.variables()[follower.leader].parent_mean();
+            changed[follower.variable] = true;
+            let (mean, std) = &mut moments[follower.variable];
+            (*mean, *std) = (*mean + follower.mean * shift, *std + follower.std * shift);
+        }
         for (quantity, value) in self.quantities.iter().zip(values) {
             for k in &quantity.variables {
                 changed[*k] = true;
@@ -150,7 +169,28 @@ impl DesignProblem {
     /// Those of [`DesignProblem::variables`].
     pub fn inputs(&self, inputs: &InputModel, values: &[f64]) -> Result<InputModel, LawError> {
         let changed = InputModel::new(self.variables(inputs, values)?, inputs.copula().clone());
-        Ok(changed.standardised_as(inputs))
+        Ok(changed.standardised_as(self.designs.as_ref().map_or(inputs, |designs| &designs.augmented)))
+    }
+
+    /// Value of the quantity that is the mean of variable `k` [SI]; `None` if there is none.
+    fn value_of(&self, k: usize, values: &[f64]) -> Option<f64> {
+        let is_mean = |quantity: &DesignQuantity| {
+            quantity.kind == QuantityKind::Mean && quantity.variables.contains(&k)
+        };
+        self.quantities.iter().position(is_mean).map(|i| values[i])
+    }
+
+    /// Indices of the random variables whose distributions the quantities change, ascending.
+    pub fn changed_variables(&self) -> Vec<usize> {
+        let mut changed: Vec<usize> =
+            self.quantities.iter().flat_map(|quantity| quantity.variables.iter().copied()).collect();
+        let followers = self.designs.iter().flat_map(|designs| &designs.followers);
+        let led: Vec<usize> =
+            followers.filter(|follower| changed.contains(&follower.leader)).map(|f| f.variable).collect();
+        changed.extend(led);
+        changed.sort_unstable();
+        changed.dedup();
+        changed
     }
 
     /// Cost of a design `(q,)` [SI].

@@ -36,22 +36,32 @@ struct ReliabilityTargetRow {
 ///
 /// # Errors
 /// [`OptimiseError::Problem`] with all faults.
-pub fn read(path: &Path, source: &SceneSource) -> Result<DesignProblem, OptimiseError> {
+pub fn read(
+    path: &Path,
+    source: &SceneSource,
+    names: &[(String, String)],
+) -> Result<DesignProblem, OptimiseError> {
     let text = std::fs::read_to_string(path).map_err(|error| {
         let file = path.display().to_string();
         OptimiseError::Problem(vec![ProblemFault { file, key: "file".to_owned(), what: error.to_string() }])
     })?;
-    parse(&text, &path.display().to_string(), source)
+    parse(&text, &path.display().to_string(), source, names)
 }
 
-/// Reads the text of such a file, which messages call `file`.
+/// Reads the text of such a file, which messages call `file`; `names` are the design variables of the study, `(key, name of the
+/// random variable that stands for it)`.
 ///
 /// # Errors
 /// [`OptimiseError::Problem`] with all faults.
-pub fn parse(text: &str, file: &str, source: &SceneSource) -> Result<DesignProblem, OptimiseError> {
+pub fn parse(
+    text: &str,
+    file: &str,
+    source: &SceneSource,
+    names: &[(String, String)],
+) -> Result<DesignProblem, OptimiseError> {
     let scene = source.nominal();
     let inputs = InputModel::from_scene(scene);
-    let mut reader = ProblemReader { file, scene, inputs: &inputs, faults: vec![] };
+    let mut reader = ProblemReader { file, scene, inputs: &inputs, names, faults: vec![] };
     let rows: ProblemDocument = match toml::from_str(text) {
         Ok(rows) => rows,
         Err(error) => {
@@ -81,7 +91,7 @@ pub fn parse(text: &str, file: &str, source: &SceneSource) -> Result<DesignProbl
         .enumerate()
         .filter_map(|(place, row)| reader.target(&format!("targets[{}]", place + 1), row))
         .collect();
-    let problem = DesignProblem { quantities, targets, fixed_bounds: fixed_bounds(source) };
+    let problem = DesignProblem { quantities, targets, fixed_bounds: fixed_bounds(source), designs: None };
     if reader.faults.is_empty() {
         reader.check_corners(&problem);
     }
@@ -152,6 +162,10 @@ impl ProblemReader<'_> {
 
     /// Variable and parameter of a key such as `rod_length.std`.
     fn variable_of<'c>(&mut self, key: &str, change: &'c str) -> Option<(usize, &'c str)> {
+        if let Some((_, name)) = self.names.iter().find(|(design, _)| design == change) {
+            let place = self.scene.variables.iter().position(|variable| variable.name == *name);
+            return place.map(|k| (k, "mean"));
+        }
         let known = || self.scene.variables.iter().map(|v| v.name.as_str()).collect::<Vec<_>>().join(", ");
         let Some((name, word)) = change.rsplit_once('.') else {
             let what = format!(

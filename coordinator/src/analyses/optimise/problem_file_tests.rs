@@ -18,7 +18,7 @@ const SCENE: &str = r#"
 
 fn read(text: &str) -> Result<DesignProblem, Vec<String>> {
     let source = SceneSource::parse(SCENE, "stack").unwrap();
-    parse(text, "p.toml", &source).map_err(|error| match error {
+    parse(text, "p.toml", &source, &[]).map_err(|error| match error {
         OptimiseError::Problem(faults) => faults.iter().map(ToString::to_string).collect(),
         other => panic!("{other}"),
     })

@@ -48,6 +48,8 @@ pub(super) struct ProblemReader<'a> {
     pub file: &'a str,
     pub scene: &'a Scene,
     pub inputs: &'a InputModel,
+    /// Design variables of the study: key, and name of the random variable that stands for it.
+    pub names: &'a [(String, String)],
     pub faults: Vec<ProblemFault>,
 }
 

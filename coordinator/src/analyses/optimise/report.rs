@@ -1,6 +1,8 @@
 //! The result of an optimisation as Markdown and as a page.
 
+use super::front_figure::front_figure;
 use super::result::{Advice, Bound, FrontPoint, OptimisationResult, OptimisedQuantity, OptimisedTarget};
+use crate::presentation::report::PlotError;
 use crate::presentation::report::decision::{DecisionPage, DecisionTable};
 use crate::results::summary::StudySummary;
 use common::random::{standard_normal_pdf, standard_normal_quantile};
@@ -24,14 +26,22 @@ pub fn markdown(result: &OptimisationResult) -> String {
 }
 
 /// The result as a page with the reliability `curves` of the study and of the optimum.
-pub fn page(result: &OptimisationResult, scene: &str, curves: Vec<(String, StudySummary)>) -> DecisionPage {
-    DecisionPage {
+///
+/// # Errors
+/// [`PlotError`].
+pub fn page(
+    result: &OptimisationResult,
+    scene: &str,
+    curves: Vec<(String, StudySummary)>,
+) -> Result<DecisionPage, PlotError> {
+    Ok(DecisionPage {
         title: "Optimum".to_owned(),
         subtitle: format!("Scene: {scene}"),
         sentences: std::iter::once(verdict(result).replace("**", "")).chain(notes(result)).collect(),
+        figures: front_figure(result)?.into_iter().collect(),
         curves,
         tables: tables(result),
-    }
+    })
 }
 
 /// Cost and confirmation in sentences.

@@ -16,11 +16,7 @@ pub fn design_settings(
     values: &[f64],
 ) -> Result<Vec<String>, LawError> {
     let laws = problem.variables(&InputModel::from_scene(scene), values)?;
-    let mut changed: Vec<usize> =
-        problem.quantities.iter().flat_map(|quantity| quantity.variables.iter().copied()).collect();
-    changed.sort_unstable();
-    changed.dedup();
-    let settings = changed.into_iter().flat_map(|k| {
+    let settings = problem.changed_variables().into_iter().flat_map(|k| {
         let (variable, law) = (&scene.variables[k], &laws[k]);
         let setting = |key: &str, value: f64| {
             let written = match read_unit(&variable.unit) {

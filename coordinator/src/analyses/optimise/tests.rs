@@ -1,12 +1,14 @@
 //! Optima of known truth, from studies that a closure simulates.
 
 use super::*;
+use crate::analyses::designs::DesignSpace;
 use crate::statistics::design::InputModel;
 use crate::statistics::learning::Mode;
 use crate::statistics::optimisation::CostModel;
 use crate::statistics::reliability::LineSampling;
 use crate::study::{Campaign, Observed, Plan, Problem, Settings};
 use common::random::{Distribution, standard_normal_cdf, standard_normal_quantile};
+use common::scene::SceneSource;
 use faer::{Mat, MatRef};
 
 /// A finished study of the margins of `f` (failure where one is not negative) at one checkpoint.
@@ -97,6 +99,7 @@ fn the_optimum_of_youn_and_choi_is_found_and_confirmed() {
         quantities: (0..2).map(|k| quantity(k, QuantityKind::Mean, (0.0, 10.0), linear())).collect(),
         targets: (0..3).map(|g| target(Some(g), standard_normal_cdf(2.0))).collect(),
         fixed_bounds: vec![],
+        designs: None,
     };
     let study = study(&variables, 3, 10, &youn_choi);
     let found = run(&study, &problem, 70, &youn_choi);
@@ -135,6 +138,7 @@ fn stack_problem(reliability: f64) -> DesignProblem {
             .collect(),
         targets: vec![target(None, reliability)],
         fixed_bounds: vec![],
+        designs: None,
     }
 }
 
@@ -182,4 +186,42 @@ fn without_a_feasible_design_the_nearest_one_is_named() {
     assert!(!found.feasible && found.confirmed, "{}", markdown(&found));
     assert!((found.targets[0].reliability - reached).abs() < 3.0 * found.targets[0].standard_error + 1e-4);
     assert!(found.values.iter().all(|value| (value - 0.2).abs() < 1e-3), "{:?}", found.values);
+}
+
+#[test]
+fn a_design_variable_is_optimised_with_the_dimensions_that_follow_it() {
+    let space = DesignSpace::new(
+        SceneSource::builtin("four-bar").unwrap(),
+        &["parameters.clearance=16 um..30 um".to_owned()],
+    )
+    .unwrap();
+    let augmented = space.augmented().unwrap();
+    // Fails where the clearance of the crank and half of the nominal one exceed 36 um, whatever the other variables.
+    let margin = |x: &[f64]| vec![(x[2] + 0.5 * x[4]) / 36e-6 - 1.0];
+    let scene = augmented.nominal();
+    let laws: Vec<Distribution> = scene.variables.iter().map(|variable| variable.distribution).collect();
+    let mut study = study(&laws, 1, 20, &margin);
+    let (present, _) = space.present(&[]).unwrap();
+    let own = Problem::of_changed_scene(present.nominal(), scene);
+    study.problem = Problem { inputs: own.inputs, ..study.problem };
+    let text = "[[quantities]]\nchange = \"parameters.clearance\"\nlower = \"16 um\"\nupper = \"30 um\"\n\
+        cost = { model = \"reciprocal-power\", c1 = 100, k = 1, unit = \"um\" }\n\
+        [[targets]]\nreliability = 0.99";
+    let read = |text: &str| {
+        let problem = problem_file::parse(text, "p.toml", &present, &design_names(&space))?;
+        for_designs(problem, &space, scene, "p.toml")
+    };
+    let mut problem = read(text).unwrap();
+    problem.targets = vec![target(Some(0), 0.99)];
+    let found = run(&study, &problem, 60, &margin);
+    assert!(found.feasible && found.confirmed, "{}", markdown(&found));
+    // The 0.99 quantile of the clearance lies at a fixed distance from its mean, which is the nominal one.
+    let law = present.variables()[2].distribution;
+    let exact = (36e-6 - (law.quantile(0.99) - law.parent_mean())) / 1.5;
+    assert!((found.values[0] / exact - 1.0).abs() < 2e-3, "{} {exact}", found.values[0]);
+    assert_eq!(problem.changed_variables(), [2, 4]);
+
+    let beyond = text.replace("\"30 um\"", "\"32 um\"");
+    let said = read(&beyond).unwrap_err().to_string();
+    assert!(said.contains("16 um to 30 um"), "{said}");
 }

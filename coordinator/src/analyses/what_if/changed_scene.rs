@@ -92,7 +92,7 @@ pub fn redistributed(source: &SceneSource, settings: &[String]) -> Result<SceneS
         }
     }
     let text = toml::to_string(&document).expect("a scene is a table of TOML");
-    SceneSource::parse(&text, "--set")
+    SceneSource::parse(&text, "--set").map_err(Faults::without_places)
 }
 
 /// The fault of a variable that the study held constant: its simulations do not show its influence.
@@ -128,7 +128,7 @@ fn change_variable(row: &mut Table, variable: &RandomVariable, set: &[(&str, Val
     let fill = |row: &mut Table, values: &[(&str, f64)]| {
         for (key, value) in values {
             if !row.contains_key(*key) {
-                row.insert((*key).to_owned(), written(*value, &variable.unit));
+                row.insert((*key).to_owned(), written_value(*value, &variable.unit));
             }
         }
     };
@@ -171,7 +171,7 @@ fn change_variable(row: &mut Table, variable: &RandomVariable, set: &[(&str, Val
 }
 
 /// A value in SI as in a scene file, in the unit of its variable.
-fn written(value: f64, unit: &str) -> Value {
+pub fn written_value(value: f64, unit: &str) -> Value {
     match read_unit(unit) {
         Ok(read) if unit != "1" => Value::String(format!("{:e} {unit}", value * read.divide / read.multiply)),
         // A plain number, or a unit of the simulator, which is only displayed.

@@ -24,11 +24,8 @@ mod setting;
 #[cfg(test)]
 mod tests;
 
-pub use answer::{
-    Agreement, ChangeOfLife, ChangeRow, FinishedStudy, POPULATION, ReliabilityChange, WhatIf, ask,
-    curve_names,
-};
-pub use changed_scene::{changed_scene, redistributed};
+pub use answer::{Agreement, FinishedStudy, POPULATION, WhatIf, ask};
+pub use changed_scene::{changed_scene, redistributed, written_value};
 pub use changes::{ChangedCorrelation, ChangedThreshold, ChangedVariable, Changes, LawParameters};
 pub use region::{OutsideVariable, Region};
 pub use report::{json, page, text};

@@ -1,14 +1,17 @@
 //! The answer to a what-if as text for a terminal, as JSON and as a page with figures.
 
-use super::answer::{ChangeRow, WhatIf, curve_names};
+use super::answer::WhatIf;
 use super::changes::{ChangedVariable, LawParameters};
 use super::sentences::sentences;
+use crate::analyses::paired_results::{ChangeOfLife, ChangeRow, curve_names};
 use crate::presentation::report::decision::{DecisionPage, DecisionTable};
-use crate::presentation::report::format::{count, percent, rounded_cycles, three_digits, with_width};
+use crate::presentation::report::format::{count, percent, three_digits, with_width};
 use crate::presentation::report::life::{
-    Included, LEVELS, LifeAt, life_and_limits, life_at, reliability, rows_that_matter,
+    Included, LEVELS, life_and_limits, life_at, reliability, rows_that_matter,
 };
+use crate::presentation::report::life_change::change_of_life;
 use crate::results::summary::{FirstFailureRow, StudySummary};
+use crate::statistics::reliability::paired::Change;
 use common::scene::Scene;
 use common::scene::expression::read_unit;
 use serde_json::{Value, json};
@@ -65,7 +68,7 @@ pub fn text(answer: &WhatIf, settings: &[String], added: usize, scene: &Scene, c
     for table in
         [reliability_table(answer), lives_table(answer), first_failure_table(answer)].into_iter().flatten()
     {
-        text += &in_columns(&table);
+        text += &table.in_columns();
         text.push('\n');
     }
     for sentence in sentences(answer, added, command) {
@@ -93,28 +96,13 @@ pub fn page(
         title: format!("What if: {typed}"),
         subtitle: format!("Scene: {}", answer.after.scene),
         sentences: sentences(answer, added, command),
+        figures: vec![],
         curves: vec![
             ("before".to_owned(), answer.before.clone()),
             ("after".to_owned(), answer.after.clone()),
         ],
         tables: std::iter::once(changes).chain(tables.into_iter().flatten()).collect(),
     }
-}
-
-/// A table in columns of equal width, the first one to the left.
-fn in_columns(table: &DecisionTable) -> String {
-    let all: Vec<&Vec<String>> = std::iter::once(&table.head).chain(&table.rows).collect();
-    let length = |text: &String| text.chars().count();
-    let widths: Vec<usize> =
-        (0..table.head.len()).map(|k| all.iter().map(|row| length(&row[k])).max().unwrap_or(0)).collect();
-    let line = |row: &&Vec<String>| {
-        let cells = row.iter().zip(&widths).enumerate().map(|(k, (cell, width))| {
-            let space = " ".repeat(width - length(cell));
-            if k == 0 { format!("{cell}{space}") } else { format!("  {space}{cell}") }
-        });
-        format!("{}\n", cells.collect::<String>().trim_end())
-    };
-    all.iter().map(line).collect()
 }
 
 /// What was changed: name, before, after.
@@ -217,11 +205,12 @@ fn lives_table(answer: &WhatIf) -> Option<DecisionTable> {
         if limits.is_empty() { life } else { format!("{life} ({limits})") }
     };
     let change = |name: &str, level: f64| {
-        let is_asked = |row: &&super::ChangeOfLife| {
-            row.limit_state == name && row.reliability.to_bits() == level.to_bits()
-        };
+        let is_asked =
+            |row: &&ChangeOfLife| row.limit_state == name && row.reliability.to_bits() == level.to_bits();
         let found = answer.lives.iter().find(is_asked).and_then(|row| row.cycles);
-        found.map_or_else(|| bound(answer, name, level), |change| change_of_life(&change))
+        let [before, after] = [&answer.before, &answer.after]
+            .map(|summary| life_at(summary, name, level, Included::Statistical));
+        change_of_life(found.map(Change::from), before, after)
     };
     let mut names = curve_names(&answer.before);
     if names.len() == 2 {
@@ -245,43 +234,6 @@ fn lives_table(answer: &WhatIf) -> Option<DecisionTable> {
             .to_vec(),
         rows: rows.collect(),
     })
-}
-
-/// The change of a life, e.g. `+910 (700 to 1 120)`.
-fn change_of_life(change: &ChangeRow) -> String {
-    let ends = [change.lower, change.upper];
-    let width = ends.iter().flatten().map(|end| (end - change.value).abs()).fold(0.0, f64::max);
-    let shown = |value: f64| {
-        let text = rounded_cycles(value.abs(), width);
-        match value {
-            v if v < 0.0 && text != "0" => format!("\u{2212}{text}"),
-            v if v > 0.0 && text != "0" => format!("+{text}"),
-            _ => text,
-        }
-    };
-    match ends {
-        [Some(lower), Some(upper)] => {
-            format!("{} ({} to {})", shown(change.value), shown(lower), shown(upper))
-        }
-        [Some(lower), None] => format!("{} (at least {})", shown(change.value), shown(lower)),
-        [None, Some(upper)] => format!("{} (at most {})", shown(change.value), shown(upper)),
-        [None, None] => shown(change.value),
-    }
-}
-
-/// What is known of a change of life where one of the lives is only bounded.
-fn bound(answer: &WhatIf, name: &str, level: f64) -> String {
-    let [before, after] =
-        [&answer.before, &answer.after].map(|summary| life_at(summary, name, level, Included::Statistical));
-    match (before, after) {
-        (LifeAt::Cycles { upper: Some(upper), .. }, LifeAt::Beyond { lower, .. }) if lower > upper => {
-            format!("more than +{}", rounded_cycles(lower - upper, 0.0))
-        }
-        (LifeAt::Beyond { lower, .. }, LifeAt::Cycles { upper: Some(upper), .. }) if lower > upper => {
-            format!("more than \u{2212}{}", rounded_cycles(lower - upper, 0.0))
-        }
-        _ => "not known".to_owned(),
-    }
 }
 
 /// Shares of the first failures at the checkpoint where R of the studied scene is nearest one half, and at the last one.

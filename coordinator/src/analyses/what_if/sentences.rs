@@ -1,6 +1,6 @@
 //! Sentences on the meaning of an answer to a what-if, on its errors, and on the population outside the simulated region.
 
-use super::answer::WhatIf;
+use super::answer::{Agreement, WhatIf};
 use crate::presentation::report::format::{count, percent, three_digits};
 use crate::presentation::report::life::{states_numerical_errors, unresolved_fall};
 
@@ -29,8 +29,8 @@ pub fn sentences(answer: &WhatIf, added: usize, command: &str) -> Vec<String> {
                 .to_owned(),
         );
     }
-    let agreement = &answer.agreement;
-    if agreement.stated > 0.0 || agreement.largest_difference > 0.0 {
+    let differs = |agreement: &&Agreement| agreement.stated > 0.0 || agreement.largest_difference > 0.0;
+    if let Some(agreement) = answer.agreement.as_ref().filter(differs) {
         all.push(format!(
             "Without the changes, R differs from that of the study's own summary by {} at most ({} at {} cycles, where the study states ± {}).",
             three_digits(agreement.largest_difference),

@@ -59,7 +59,7 @@ impl Setting {
 /// The fault of a setting.
 pub fn fault(setting: &str, message: impl Into<String>) -> Fault {
     let kind = FaultKind::Inconsistent { message: message.into() };
-    Fault { file: "--set".to_owned(), key: setting.to_owned(), kind }
+    Fault::new("--set", setting, kind)
 }
 
 fn refused(setting: &str, message: impl Into<String>) -> Faults {
@@ -125,7 +125,7 @@ fn limit_state(source: &SceneSource, setting: &str, name: &str) -> Result<usize,
         let known = states.iter().map(|state| state.name.clone()).collect();
         let kind =
             FaultKind::UnknownReference { what: "limit state", value: name.to_owned(), nearest: None, known };
-        Faults(vec![Fault { file: "--set".to_owned(), key: setting.to_owned(), kind }])
+        Faults::one("--set", setting, kind)
     })
 }
 
@@ -158,7 +158,7 @@ fn unknown_variable(source: &SceneSource, setting: &str, name: &str) -> Faults {
     let found = source.parse_setting(&format!("{name}=1")).err().map(|Faults(faults)| faults);
     match found.and_then(|faults| faults.into_iter().next()) {
         Some(Fault { kind: kind @ FaultKind::UnknownReference { .. }, .. }) => {
-            Faults(vec![Fault { file: "--set".to_owned(), key: setting.to_owned(), kind }])
+            Faults::one("--set", setting, kind)
         }
         _ => refused(setting, format!("\"{name}\" is no random variable")),
     }

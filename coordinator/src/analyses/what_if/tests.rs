@@ -62,8 +62,9 @@ fn answer(sets: &[&str]) -> WhatIf {
     let finished = FinishedStudy {
         scene: source.nominal(),
         settings: &settings,
+        simulated: source.nominal(),
         outcomes: &outcomes,
-        summary: &summary,
+        summary: Some(&summary),
     };
     ask(&finished, changed.nominal()).unwrap()
 }
@@ -72,7 +73,8 @@ fn answer(sets: &[&str]) -> WhatIf {
 fn without_a_change_nothing_changes() {
     let found = answer(&[]);
     assert!(found.changes.is_empty() && !found.region.is_left());
-    assert!(found.agreement.largest_difference <= found.agreement.stated, "{:?}", found.agreement);
+    let agreement = found.agreement.clone().unwrap();
+    assert!(agreement.largest_difference <= agreement.stated, "{agreement:?}");
     for row in &found.reliability {
         assert!(row.change.values().all(|change| change.value == 0.0), "{row:?}");
     }
@@ -148,7 +150,7 @@ fn a_population_outside_of_the_simulations_is_named() {
         assert!(text.contains(part), "{part}\n{text}");
     }
     let page = page(&outside, &sets, 0, scene.nominal(), "coordinator what-if x");
-    assert_eq!(page.figures().unwrap().len(), 3);
+    assert_eq!(page.all_figures().unwrap().len(), 3);
 }
 
 /// Every outcome that a campaign file holds.
@@ -184,7 +186,8 @@ fn further_simulations_reduce_the_error_and_leave_the_study_as_it_is() {
 
     let changed = changed_scene(&source, &["force.mean=1.5".to_owned(), "loss.std=0.1".to_owned()]).unwrap();
     let asked = |outcomes: &[StoredOutcome]| {
-        let study = FinishedStudy { scene, settings: &settings, outcomes, summary: &summary };
+        let study =
+            FinishedStudy { scene, simulated: scene, settings: &settings, outcomes, summary: Some(&summary) };
         ask(&study, changed.nominal()).unwrap()
     };
     let further = FurtherLearning {

@@ -3,6 +3,7 @@
 use common::random::Correlation;
 use common::scene::Scene;
 use common::scene::expression::read_unit;
+use coordinator::presentation::report::format::seven_digits;
 use std::fmt::Write;
 
 pub(super) fn variables(out: &mut String, scene: &Scene) -> std::fmt::Result {
@@ -17,7 +18,7 @@ pub(super) fn variables(out: &mut String, scene: &Scene) -> std::fmt::Result {
         let law = &variable.distribution;
         // The unit was read when the scene was checked; "1" denotes a plain number.
         let scale = read_unit(&variable.unit).map_or(1.0, |unit| unit.multiply / unit.divide);
-        let shown = |value: f64| seven_digits(value / scale);
+        let shown = |value: f64| digits(value / scale);
         let unit = if variable.unit == "1" { String::new() } else { format!(" {}", variable.unit) };
         let (mean, std) = (shown(law.parent_mean()), shown(law.given_std()));
         let bounds = match law.support() {
@@ -34,18 +35,13 @@ pub(super) fn variables(out: &mut String, scene: &Scene) -> std::fmt::Result {
     }
     let name = |k: usize| &scene.variables[k].name;
     for Correlation { first, second, coefficient } in &scene.correlations {
-        let coefficient = seven_digits(*coefficient);
+        let coefficient = digits(*coefficient);
         writeln!(out, "  correlation of {} and {}, as normals: {coefficient}", name(*first), name(*second))?;
     }
     writeln!(out)
 }
 
-/// The value with seven digits.
-fn seven_digits(value: f64) -> String {
-    let rounded: f64 = format!("{value:.6e}").parse().unwrap_or(value);
-    if (1e-3..1e6).contains(&rounded.abs()) || rounded == 0.0 {
-        rounded.to_string()
-    } else {
-        format!("{rounded:e}")
-    }
+/// The value with seven digits, in the signs of a keyboard.
+fn digits(value: f64) -> String {
+    seven_digits(value).replace('\u{2212}', "-")
 }

@@ -8,6 +8,7 @@ use super::life::{
     Included, LEVELS, failure_probability, life_at, rows_that_matter, states_numerical_errors,
     unresolved_fall,
 };
+use super::life_change::{change_between, change_of_life};
 use super::page::{self, wrapped};
 use super::palette::{Ink, SERIES};
 use super::plot::{Axis, Plot, PlotError, Series, Shape};
@@ -120,11 +121,14 @@ fn curves(studies: &[ComparedStudy]) -> Vec<&str> {
     names
 }
 
-/// The page; a function of the studies alone.
+/// Most differing keys in the table of the page.
+const MOST_KEYS: usize = 40;
+
+/// The page; a function of the studies and of the keys in which their scenes differ, `(key, value in each study)`.
 ///
 /// # Errors
 /// [`PlotError`].
-pub fn html(studies: &[ComparedStudy]) -> Result<String, PlotError> {
+pub fn html(studies: &[ComparedStudy], differing: &[(String, Vec<String>)]) -> Result<String, PlotError> {
     let names: Vec<&str> = studies.iter().map(|study| study.name.as_str()).collect();
     let title = format!("Studies compared: {}", names.join(", "));
     let scenes = scenes(studies).into_iter().collect::<Vec<_>>().join(", ");
@@ -136,6 +140,12 @@ pub fn html(studies: &[ComparedStudy]) -> Result<String, PlotError> {
         (page::figures(&figures, "three"))
         h2 { "Lives" }
         @for name in curves(studies) { h3 { (capital(name)) } (lives(studies, name)) }
+        @if !studies[0].summary.is_static() {
+            p.none {
+                "Gains are lives minus those of " (studies[0].name) ". Their intervals take the samples and the surrogates of \
+                 the studies as independent and leave numerical errors out, which shift all lives in the same direction."
+            }
+        }
         @if studies.iter().any(|study| states_numerical_errors(&study.summary)) {
             p.none { "The intervals contain the stated numerical errors of the simulations." }
         }
@@ -143,6 +153,12 @@ pub fn html(studies: &[ComparedStudy]) -> Result<String, PlotError> {
             @if let Some(note) = unresolved_fall(&study.summary) {
                 p.note { strong { "Caution:" } " " (study.name) ": " (note) }
             }
+        }
+        h2 { "Differences of the scenes" }
+        @if differing.is_empty() { p.none { "The scenes are the same." } }
+        @else { (differences(studies, differing)) }
+        @if differing.len() > MOST_KEYS {
+            p.none { "And " (differing.len() - MOST_KEYS) " further keys." }
         }
         h2 { "Settings and computing effort" }
         (effort(studies))
@@ -207,6 +223,27 @@ fn lives(studies: &[ComparedStudy], name: &str) -> Markup {
     let rows = studies.iter().map(|study| {
         let lives = LEVELS.map(|level| life_cell(life_at(&study.summary, name, level, Included::All)));
         std::iter::once(study.name.render()).chain(lives).collect()
+    });
+    let first = &studies[0].summary;
+    let gains = studies[1..].iter().map(|study| {
+        let gains = LEVELS.map(|level| gain(first, &study.summary, name, level).render());
+        std::iter::once(format!("gain by {}", study.name).render()).chain(gains).collect()
+    });
+    table(&head, rows.chain(gains))
+}
+
+/// Change of a life from one study to another, in words.
+pub fn gain(before: &StudySummary, after: &StudySummary, name: &str, level: f64) -> String {
+    let at = |summary: &StudySummary| life_at(summary, name, level, Included::Statistical);
+    change_of_life(change_between(before, after, name, level), at(before), at(after))
+}
+
+/// The keys in which the scenes differ, with their values.
+fn differences(studies: &[ComparedStudy], differing: &[(String, Vec<String>)]) -> Markup {
+    let head: Vec<&str> =
+        std::iter::once("key").chain(studies.iter().map(|study| study.name.as_str())).collect();
+    let rows = differing.iter().take(MOST_KEYS).map(|(key, values)| {
+        std::iter::once(key.render()).chain(values.iter().map(Render::render)).collect()
     });
     table(&head, rows)
 }
@@ -286,12 +323,20 @@ mod tests {
         check(&studies).unwrap();
         let names: Vec<String> = figures(&studies).unwrap().into_iter().map(|figure| figure.name).collect();
         assert_eq!(names, ["reliability-wear", "reliability-asymmetry", "reliability-total"]);
-        let html = html(&studies).unwrap();
+        let width = ("parameters.width".to_owned(), vec!["10 mm".to_owned(), "12 mm".to_owned()]);
+        let html = html(&studies, &[width]).unwrap();
         let body = &html[html.find("<body>").unwrap()..html.find("</html>").unwrap()];
         roxmltree::Document::parse(body).unwrap();
         assert!(!html.contains("http") && !html.contains("<script"));
         let life = life_and_limits(life_at(&studies[1].summary, "asymmetry", 0.5, Included::All)).0;
-        for text in [life, "<td>draft</td>".into(), "<td>a &amp; b</td>".into(), "<h3>Total</h3>".into()] {
+        for text in [
+            life,
+            "<td>draft</td>".into(),
+            "<td>a &amp; b</td>".into(),
+            "<h3>Total</h3>".into(),
+            "<td>12 mm</td>".into(),
+            "<td>gain by harder</td>".into(),
+        ] {
             assert!(html.contains(&text), "{text}");
         }
         let csv = csv(&studies);

@@ -20,6 +20,8 @@ pub struct DecisionPage {
     pub subtitle: String,
     /// Sentences on the meaning and the errors of the numbers.
     pub sentences: Vec<String>,
+    /// Figures before those of the curves.
+    pub figures: Vec<Figure>,
     /// Alternatives whose curves are drawn, with their names: two or more of the same limit states and checkpoints.
     pub curves: Vec<(String, StudySummary)>,
     /// Tables in their order.
@@ -37,18 +39,37 @@ pub struct DecisionTable {
     pub rows: Vec<Vec<String>>,
 }
 
+impl DecisionTable {
+    /// The table as text in columns of equal width, the first one to the left.
+    pub fn in_columns(&self) -> String {
+        let all: Vec<&Vec<String>> = std::iter::once(&self.head).chain(&self.rows).collect();
+        let length = |text: &String| text.chars().count();
+        let widths: Vec<usize> =
+            (0..self.head.len()).map(|k| all.iter().map(|row| length(&row[k])).max().unwrap_or(0)).collect();
+        let line = |row: &&Vec<String>| {
+            let cells = row.iter().zip(&widths).enumerate().map(|(k, (cell, width))| {
+                let space = " ".repeat(width - length(cell));
+                if k == 0 { format!("{cell}{space}") } else { format!("  {space}{cell}") }
+            });
+            format!("{}\n", cells.collect::<String>().trim_end())
+        };
+        all.iter().map(line).collect()
+    }
+}
+
 impl DecisionPage {
-    /// The figures of the page: the curves of every limit state and of the system.
+    /// The figures of the page: its own, and the curves of every limit state and of the system.
     ///
     /// # Errors
     /// [`PlotError`].
-    pub fn figures(&self) -> Result<Vec<Figure>, PlotError> {
+    pub fn all_figures(&self) -> Result<Vec<Figure>, PlotError> {
         let studies = self
             .curves
             .iter()
             .map(|(name, summary)| ComparedStudy { name: name.clone(), summary: summary.clone() });
         let studies: Vec<ComparedStudy> = studies.collect();
-        if studies.is_empty() { Ok(vec![]) } else { figures(&studies) }
+        let curves = if studies.is_empty() { vec![] } else { figures(&studies)? };
+        Ok(self.figures.iter().cloned().chain(curves).collect())
     }
 
     /// The page with these figures.
@@ -72,7 +93,7 @@ impl DecisionPage {
     /// # Errors
     /// [`ReportError`].
     pub fn write(&self, dir: &Path, name: &str) -> Result<PathBuf, ReportError> {
-        let drawn = self.figures()?;
+        let drawn = self.all_figures()?;
         let folder = dir.join("figures");
         std::fs::create_dir_all(&folder)
             .map_err(|source| ResultFileError::Write { path: folder.clone(), source })?;
@@ -98,6 +119,7 @@ mod tests {
             title: "What if: a < b".to_owned(),
             subtitle: "Scene".to_owned(),
             sentences: vec!["It is so.".to_owned()],
+            figures: vec![],
             curves: vec![("before".to_owned(), summary.clone()), ("after".to_owned(), summary)],
             tables: vec![DecisionTable {
                 heading: "Lives".to_owned(),

@@ -90,6 +90,14 @@ pub fn three_digits(value: f64) -> String {
     }
 }
 
+/// A value of a scene with seven digits, e.g. `40.0549`, `1.293e−13`.
+pub fn seven_digits(value: f64) -> String {
+    let rounded: f64 = format!("{value:.6e}").parse().unwrap_or(value);
+    let plain = (1e-3..1e6).contains(&rounded.abs()) || rounded == 0.0;
+    let text = if plain { rounded.to_string() } else { format!("{rounded:e}") };
+    text.replace('-', "\u{2212}")
+}
+
 /// A share in per cent.
 pub fn percent(share: f64) -> String {
     let value = 100.0 * share;
@@ -153,6 +161,10 @@ mod tests {
         assert_eq!(fixed(-1.25, 1), "\u{2212}1.2");
         assert_eq!(three_digits(0.012345), "0.0123");
         assert_eq!(three_digits(2.5e-7), "2.50e\u{2212}7");
+        assert_eq!(
+            [40.054_900_01, 1.293e-13, -95.0, 0.0].map(seven_digits),
+            ["40.0549", "1.293e\u{2212}13", "\u{2212}95", "0"]
+        );
         assert_eq!(percent(0.9653), "96.5\u{a0}%");
         assert_eq!(percent(0.0003), "0.03\u{a0}%");
         assert_eq!(duration(3725.0), "1\u{a0}h 02\u{a0}min");

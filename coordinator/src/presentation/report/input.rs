@@ -130,6 +130,10 @@ pub struct ReportInput {
     pub settings: serde_json::Value,
     /// Command line that started the study.
     pub command: String,
+    /// Date and time of the start of the study, UTC.
+    pub created: String,
+    /// The scene with every variable at its mean.
+    pub scene: Scene,
 }
 
 impl ReportInput {
@@ -147,6 +151,7 @@ impl ReportInput {
         input.scene_source = campaign.meta().scene_source.clone();
         input.settings = campaign.meta().settings.clone();
         input.command = campaign.meta().command.clone();
+        input.created = campaign.created_at().to_owned();
         let mut stated = StatedErrorCollector::default();
         campaign.for_each(|stored| {
             match stored.outcome {
@@ -171,7 +176,7 @@ impl ReportInput {
     fn new(scene: &Scene, summary: StudySummary, distributions: Vec<CheckpointDistribution>) -> Self {
         Self {
             title: scene.title.clone(),
-            notes: [rough(&summary), notes(scene)].concat(),
+            notes: [of_designs(&summary), rough(&summary), notes(scene)].concat(),
             summary,
             limit_states: scene
                 .limit_states
@@ -210,6 +215,8 @@ impl ReportInput {
             scene_source: String::new(),
             settings: serde_json::Value::Null,
             command: String::new(),
+            created: String::new(),
+            scene: scene.clone(),
         }
     }
 
@@ -266,6 +273,18 @@ fn rough(summary: &StudySummary) -> Vec<String> {
          shown. Base decisions on balanced or reference."
             .to_string(),
     ]
+}
+
+/// The note of a study over design variables.
+fn of_designs(summary: &StudySummary) -> Vec<String> {
+    if summary.designs.is_empty() {
+        return vec![];
+    }
+    vec![format!(
+        "The curves and sensitivities of this page are those of a design drawn at random from the ranges of {}. Single designs: \
+         designs/designs.html, and `coordinator designs`.",
+        summary.designs.join(", ")
+    )]
 }
 
 /// Cautions about properties of the model that affect the result.

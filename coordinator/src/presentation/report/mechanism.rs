@@ -1,24 +1,40 @@
 //! The motion of the nominal mechanism over a cycle: poses of its bodies, and orbits of its journals in their bores.
 
 use common::outputs::{BodyMotion, CycleHistory};
-use common::scene::{Attachment, Body, Joint, JointKind, Motion, Scene};
+use common::scene::{Attachment, Body, Joint, JointKind, Load, Motion, Scene};
 
-/// Bodies and joints of a scene, numbered as there.
+/// Bodies, joints and loads of a scene, numbered as there.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Mechanism {
     /// Bodies in the order of the scene.
     pub bodies: Vec<Body>,
     /// Joints in the order of the scene.
     pub joints: Vec<Joint>,
+    /// Loads in the order of the scene.
+    pub loads: Vec<Load>,
+    /// Acceleration of gravity `(2,)` [m/s^2].
+    pub gravity: [f64; 2],
 }
 
 /// Position `(2,)` [m] and angle [rad] of a body.
 pub type Pose = ([f64; 2], f64);
 
 impl Mechanism {
-    /// The bodies and joints of a scene.
+    /// The bodies, joints and loads of a scene.
     pub fn new(scene: &Scene) -> Self {
-        Self { bodies: scene.bodies.clone(), joints: scene.joints.clone() }
+        Self {
+            bodies: scene.bodies.clone(),
+            joints: scene.joints.clone(),
+            loads: scene.loads.clone(),
+            gravity: scene.gravity,
+        }
+    }
+
+    /// Poses of all bodies at every instant of a cycle `(n, bodies)`; `None` if the cycle does not include the motion of
+    /// every body.
+    pub fn poses(&self, cycle: &CycleHistory) -> Option<Vec<Vec<Pose>>> {
+        let at = |k: usize| (0..self.bodies.len()).map(|body| self.pose(cycle, body, k)).collect();
+        (0..cycle.time.len()).map(at).collect()
     }
 
     /// Pose of a body at instant `k` of a cycle; `None` if the cycle does not include its motion.
@@ -58,7 +74,7 @@ impl Mechanism {
     }
 
     /// Outline of a body in its own frame, without repeated points `(p, 2)` [m]: its joints; for a moving body also its
-    /// named points; for a driven one also its pivot.
+    /// named points; for a driven one also its pivot; for a free one that would be a single point also its centre of mass.
     pub fn outline(&self, body: usize) -> Vec<[f64; 2]> {
         let shown = &self.bodies[body];
         let pivot = matches!(shown.motion, Motion::Driven { .. }).then_some([0.0; 2]);
@@ -66,14 +82,53 @@ impl Mechanism {
             shown.points.iter().filter(|_| shown.motion != Motion::Fixed).map(|point| point.position);
         let ends = self.joints.iter().flat_map(|joint| [joint.journal, joint.bushing]);
         let mut outline: Vec<[f64; 2]> = Vec::new();
-        for point in
-            pivot.into_iter().chain(ends.filter(|end| end.body == body).map(|end| end.position)).chain(points)
-        {
+        let mut add = |point: [f64; 2]| {
             if !outline.iter().any(|p| (p[0] - point[0]).hypot(p[1] - point[1]) < 1e-9) {
                 outline.push(point);
             }
+            outline.len()
+        };
+        let ends = ends.filter(|end| end.body == body).map(|end| end.position);
+        let corners = pivot.into_iter().chain(ends).chain(points).map(&mut add).last().unwrap_or(0);
+        if let (Motion::Free { centre_of_mass, .. }, 0 | 1) = (&shown.motion, corners) {
+            add(*centre_of_mass);
         }
         outline
+    }
+
+    /// Points of a body that the ground holds, in its own frame `(s, 2)` [m]: the pivot of a driven body; the joints of a fixed
+    /// one, but for those on a rail.
+    pub fn supports(&self, body: usize) -> Vec<[f64; 2]> {
+        match self.bodies[body].motion {
+            Motion::Free { .. } => vec![],
+            Motion::Driven { .. } => vec![[0.0; 2]],
+            Motion::Fixed => {
+                let held =
+                    self.joints.iter().filter(|joint| !matches!(joint.kind, JointKind::Prismatic { .. }));
+                let ends = held.flat_map(|joint| [joint.journal, joint.bushing]);
+                ends.filter(|end| end.body == body).map(|end| end.position).collect()
+            }
+        }
+    }
+
+    /// Ends of the rail of a prismatic joint in the frame of its second body `(2, 2)` [m]: the way of the first body's point
+    /// over the poses of a cycle `(n, bodies)`; `None` for another joint.
+    pub fn rail(&self, joint: &Joint, cycle: &[Vec<Pose>]) -> Option<[[f64; 2]; 2]> {
+        let JointKind::Prismatic { axis, .. } = joint.kind else { return None };
+        let (sin, cos) = axis.sin_cos();
+        let [a, b] = joint.bushing.position;
+        let along = cycle.iter().map(|poses| {
+            let ([x, y], angle) = poses[joint.bushing.body];
+            let ([u, v], turned) = poses[joint.journal.body];
+            let ((s, c), (t, d)) = (angle.sin_cos(), turned.sin_cos());
+            let [p, q] = joint.journal.position;
+            let (px, py) = (u + d * p - t * q - x, v + t * p + d * q - y);
+            let (own_x, own_y) = (c * px + s * py - a, c * py - s * px - b);
+            own_x * cos + own_y * sin
+        });
+        let (low, high) = along
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), way: f64| (low.min(way), high.max(way)));
+        (low <= high).then(|| [low, high].map(|way| [a + way * cos, b + way * sin]))
     }
 }
 

@@ -5,12 +5,14 @@ mod animation;
 mod bars;
 pub mod compare;
 pub mod decision;
+pub mod drawing;
 mod figure;
 mod figures;
 pub mod fleet;
 pub mod format;
 mod input;
 pub mod life;
+pub mod life_change;
 mod mechanism;
 mod page;
 pub mod palette;
@@ -18,6 +20,7 @@ mod plot;
 mod polar;
 mod stated;
 mod stated_errors;
+mod studied;
 mod tables;
 #[cfg(test)]
 mod tests;
@@ -34,6 +37,8 @@ pub use mechanism::Mechanism;
 pub use page::standalone;
 pub use plot::{Axis, Plot, PlotError, Series, Shape};
 pub use stated_errors::StatedAt;
+
+use page::FigureFiles;
 
 use crate::results::result_files::{
     ResultFileError, reliability_csv, summary_json, write_samples_csv, write_text,
@@ -72,9 +77,23 @@ pub struct Report {
 /// # Errors
 /// [`PlotError`].
 pub fn render(input: &ReportInput) -> Result<Report, PlotError> {
+    rendered(input, FigureFiles::NextToPage)
+}
+
+/// Renders the report as a page without links to files; a function of its input alone.
+///
+/// # Errors
+/// [`PlotError`].
+pub fn render_alone(input: &ReportInput) -> Result<Report, PlotError> {
+    rendered(input, FigureFiles::Absent)
+}
+
+fn rendered(input: &ReportInput, files: FigureFiles) -> Result<Report, PlotError> {
     let reliability = [figures::reliability(&input.summary)?, figures::first_failure(input)?];
     let sections = page::Sections {
+        studied: studied::figure(input).into_iter().collect(),
         reliability: reliability.into_iter().flatten().collect(),
+        rates: figures::failure_rates(&input.summary)?,
         outputs: [figures::distributions(input)?, figures::histories(input)?].concat(),
         sensitivity: figures::sensitivities(input)?,
         variance: figures::variance_contributions(input)?,
@@ -86,7 +105,7 @@ pub fn render(input: &ReportInput) -> Result<Report, PlotError> {
         learning: figures::learning(input)?,
         numerical: figures::numerical(input)?,
     };
-    let html = page::html(input, &sections);
+    let html = page::html(input, &sections, files);
     Ok(Report { html, figures: sections.into_figures() })
 }
 

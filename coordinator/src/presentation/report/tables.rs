@@ -26,14 +26,49 @@ fn scrolling_table<H: AsRef<str>>(
     head: &[H],
     rows: impl Iterator<Item = Row>,
 ) -> Markup {
+    let rows: Vec<Row> = rows.collect();
+    // The last column of a table with text holds no numbers.
+    let numbers = head.len() - usize::from(class.is_some());
+    let columns: Vec<Vec<Option<String>>> = (0..numbers).map(|k| missing_digits(&rows, k)).collect();
+    let pad = |row: usize, column: usize| columns.get(column).and_then(|pads| pads.get(row)?.clone());
     html! {
         div.wide {
             table class=[class] {
                 thead { tr { @for name in head { th { (name.as_ref()) } } } }
-                tbody { @for row in rows { tr { @for cell in row { td { (cell) } } } } }
+                tbody {
+                    @for (r, row) in rows.iter().enumerate() {
+                        tr { @for (c, cell) in row.iter().enumerate() { td data-pad=[pad(r, c)] { (cell) } } }
+                    }
+                }
             }
         }
     }
+}
+
+/// Digits before the decimal point of a cell: sign, digits and their separators at its beginning; `None` if it does not begin
+/// with a number.
+fn whole_part(cell: &str) -> Option<&str> {
+    let end =
+        cell.find(|c: char| !(c.is_ascii_digit() || c == '\u{2212}' || c == '\u{a0}')).unwrap_or(cell.len());
+    // A number is followed by its decimals, its unit or its error, not by letters.
+    let whole = cell[..end].trim_end_matches('\u{a0}');
+    let ends = cell[end..].chars().next().is_none_or(|c| ".e% \u{a0}<".contains(c));
+    (whole.bytes().any(|c| c.is_ascii_digit()) && ends).then_some(whole)
+}
+
+/// Per row the digits that a number of this column lacks before its decimal point, which a style sheet shows as empty space: so
+/// the points stand below each other.
+fn missing_digits(rows: &[Row], column: usize) -> Vec<Option<String>> {
+    let wholes: Vec<Option<&str>> =
+        rows.iter().map(|row| row.get(column).and_then(|cell| whole_part(&cell.0))).collect();
+    let Some(longest) = wholes.iter().flatten().max_by_key(|whole| whole.chars().count()) else {
+        return vec![];
+    };
+    let missing = |whole: &str| {
+        let lacks = longest.chars().count() - whole.chars().count();
+        (lacks > 0).then(|| longest.chars().take(lacks).collect())
+    };
+    wholes.iter().map(|whole| whole.and_then(missing)).collect()
 }
 
 /// Reliability with its 95 % interval at these checkpoints; next to it, where the study has it, R with all responses shifted by
@@ -203,10 +238,10 @@ pub fn diagnostics(input: &ReportInput) -> Markup {
 }
 
 /// Every output of the nominal mechanism at its last checkpoint, also those without a limit state, with its stated
-/// numerical error; empty without a nominal evaluation.
-pub fn stated_errors(input: &ReportInput) -> Markup {
-    let Some(nominal) = &input.nominal else { return html! {} };
-    let Some(cycles) = nominal.cycles.last() else { return html! {} };
+/// numerical error; `None` without a nominal evaluation.
+pub fn stated_errors(input: &ReportInput) -> Option<Markup> {
+    let nominal = input.nominal.as_ref()?;
+    let cycles = nominal.cycles.last()?;
     let rows = input.outputs.iter().zip(&nominal.histories).enumerate().map(|(k, (output, history))| {
         let last = |row: &[f64]| {
             let value = row.last().map_or(f64::NAN, |si| output.unit.to_shown(*si));
@@ -216,7 +251,7 @@ pub fn stated_errors(input: &ReportInput) -> Markup {
         [figures::words(&output.name), last(history), error].map(|cell| cell.render()).to_vec()
     });
     let subject = format!("nominal at {} cycles", count((*cycles).into()));
-    table(&[subject.as_str(), "value", "numerical error"], rows)
+    Some(table(&[subject.as_str(), "value", "numerical error"], rows))
 }
 
 /// Times of the study, and the share of every worker.
@@ -245,5 +280,24 @@ pub fn timing(input: &ReportInput) -> Markup {
                 ]),
             ))
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn decimal_points_stand_below_each_other() {
+        let rows = ["1\u{a0}000.5", "20.25", "\u{2212}3", "–", "0.5 ± 0.1", "3 of 4"];
+        let rows: Vec<Row> = rows.iter().map(|cell| vec![cell.render()]).collect();
+        let pads = missing_digits(&rows, 0);
+        let pads: Vec<Option<&str>> = pads.iter().map(Option::as_deref).collect();
+        assert_eq!(
+            pads,
+            [None, Some("1\u{a0}0"), Some("1\u{a0}0"), None, Some("1\u{a0}00"), Some("1\u{a0}00")]
+        );
+        assert!(missing_digits(&rows, 1).is_empty());
+        assert_eq!([whole_part("3a"), whole_part("R = 1"), whole_part("")], [None; 3]);
     }
 }

@@ -1,7 +1,8 @@
 //! Every frame of the animated cycles, as JSON for the script.
 
 use super::drawing::{Layout, with_clearance};
-use super::frames::{AnimatedCycle, coordinate, frames};
+use super::frames::{AnimatedCycle, frames};
+use crate::presentation::report::drawing::symbols::coordinate;
 use crate::presentation::report::mechanism::Mechanism;
 use common::scene::Motion;
 

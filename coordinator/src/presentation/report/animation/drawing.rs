@@ -1,6 +1,7 @@
 //! The first frame of the animation: bodies in true proportions, and below them the joints with clearance, magnified.
 
-use super::frames::{AnimatedCycle, coordinate, frames};
+use super::frames::{AnimatedCycle, frames};
+use crate::presentation::report::drawing::symbols::{block, coordinate, ground, link, rail, rail_ends};
 use crate::presentation::report::mechanism::{Mechanism, Pose};
 use crate::presentation::report::palette::Ink;
 use common::scene::{Joint, JointKind, Motion};
@@ -130,25 +131,41 @@ pub fn picture(mechanism: &Mechanism, layout: &Layout, shown: &AnimatedCycle<'_>
     drawing.into_string() + "\n"
 }
 
-/// Bodies and their supports on the ground.
+/// Bodies and their supports on the ground; sliders as blocks, rails of the frame in their place.
 fn bodies(mechanism: &Mechanism, layout: &Layout, shown: &AnimatedCycle<'_>) -> Markup {
+    let scale = layout.scale;
+    let local = |[x, y]: [f64; 2]| [x * scale, -y * scale];
+    let cycle = mechanism.poses(shown.cycle).unwrap_or_default();
     html! {
         @for (index, body) in mechanism.bodies.iter().enumerate() {
             @if let Some(pose) = mechanism.pose(shown.cycle, index, 0) {
-                @let supports = match body.motion {
-                    Motion::Fixed => mechanism.outline(index),
-                    Motion::Driven { .. } => vec![pose.0],
-                    Motion::Free { .. } => vec![],
-                };
-                @for support in supports { (ground(layout.place(support))) }
-                @if body.motion != Motion::Fixed {
+                @for support in mechanism.supports(index) {
+                    (ground(layout.place([pose.0[0] + support[0], pose.0[1] + support[1]])))
+                }
+                @if body.motion == Motion::Fixed {
+                    @for ends in rails(mechanism, index, &cycle) { (rail(rail_ends(ends.map(|end| layout.place(end))), true, Ink::Muted)) }
+                } @else {
                     g data-body=(index) transform=(transform(layout, pose)) {
-                        (link(&mechanism.outline(index), layout.scale, Ink::Series(index)))
+                        (link(&mechanism.outline(index).into_iter().map(local).collect::<Vec<_>>(), Ink::Series(index)))
+                        @for ends in rails(mechanism, index, &cycle) {
+                            (rail(rail_ends(ends.map(local)), false, Ink::Series(index)))
+                        }
+                        @for joint in &mechanism.joints {
+                            @if let (JointKind::Prismatic { axis, angle }, true) = (&joint.kind, joint.journal.body == index) {
+                                (block(local(joint.journal.position), -(axis - angle).to_degrees(), Ink::Series(index)))
+                            }
+                        }
                     }
                 }
             }
         }
     }
+}
+
+/// Ends of the rails of a body in its own frame [m].
+fn rails(mechanism: &Mechanism, body: usize, cycle: &[Vec<Pose>]) -> Vec<[[f64; 2]; 2]> {
+    let own = mechanism.joints.iter().filter(|joint| joint.bushing.body == body);
+    own.filter_map(|joint| mechanism.rail(joint, cycle)).collect()
 }
 
 /// A circle and the name of every joint; names of joints at one point stand side by side.
@@ -175,39 +192,6 @@ fn joint_marks(mechanism: &Mechanism, layout: &Layout, shown: &AnimatedCycle<'_>
 pub fn with_clearance(mechanism: &Mechanism) -> impl Iterator<Item = usize> {
     let all = mechanism.joints.iter().enumerate();
     all.filter(|(_, joint)| matches!(joint.kind, JointKind::Clearance(_))).map(|(index, _)| index)
-}
-
-/// The symbol of a point fixed to the ground.
-fn ground([x, y]: [f64; 2]) -> Markup {
-    html! {
-        path d=(format!("M{} {}l-9 15h18z", coordinate(x), coordinate(y))) fill=(Ink::Grid.hex())
-            stroke=(Ink::Muted.hex()) stroke-width="1.5" {}
-    }
-}
-
-/// A body in its own frame: a bar between two points, a plate between more.
-fn link(outline: &[[f64; 2]], scale: f64, ink: Ink) -> Markup {
-    let mut outline = outline.to_vec();
-    // Sorted by direction from their middle, so that the edges of a plate do not cross.
-    let n = outline.len().max(1) as f64;
-    let middle = outline.iter().fold([0.0; 2], |m, p| [m[0] + p[0] / n, m[1] + p[1] / n]);
-    let direction = |p: &[f64; 2]| (p[1] - middle[1]).atan2(p[0] - middle[0]);
-    outline.sort_by(|a, b| direction(a).total_cmp(&direction(b)));
-    let mut path = String::new();
-    for (k, [x, y]) in outline.iter().enumerate() {
-        let _ = write!(
-            path,
-            "{}{} {}",
-            if k == 0 { 'M' } else { 'L' },
-            coordinate(x * scale),
-            coordinate(-y * scale)
-        );
-    }
-    let colour = ink.hex();
-    html! {
-        path d=(path + "Z") fill=(colour) fill-opacity="0.25" stroke=(colour) stroke-width="6" stroke-opacity="0.85"
-            stroke-linejoin="round" stroke-linecap="round" {}
-    }
 }
 
 /// A journal in its bore: unworn bore, worn bore and journal turn with the body of the bushing.

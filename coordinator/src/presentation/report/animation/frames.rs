@@ -1,6 +1,5 @@
 //! Frames of an animated cycle.
 
-use crate::presentation::report::format::fixed;
 use common::outputs::CycleHistory;
 
 /// Frames per cycle.
@@ -20,10 +19,4 @@ pub struct AnimatedCycle<'a> {
 pub fn frames(cycle: &CycleHistory) -> impl Iterator<Item = usize> {
     let last = cycle.time.len() - 1;
     (0..FRAMES).map(move |frame| frame * last / FRAMES)
-}
-
-/// A number of the drawing, with two decimals at most.
-pub fn coordinate(value: f64) -> String {
-    let text = fixed(value, 2).replace('\u{2212}', "-");
-    text.trim_end_matches('0').trim_end_matches('.').to_string()
 }

@@ -7,6 +7,7 @@ mod learning;
 mod numerical;
 mod orbits;
 mod outputs;
+mod rates;
 mod reliability;
 
 pub use bores::{bores, lives_in_words};
@@ -16,6 +17,7 @@ pub use learning::learning;
 pub use numerical::numerical;
 pub use orbits::orbits;
 pub use outputs::{distributions, histories};
+pub use rates::failure_rates;
 pub use reliability::{band, beginning, curve, first_failure, reliability, shares_of_failures};
 
 use super::palette::Ink;

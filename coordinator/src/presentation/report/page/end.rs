@@ -1,6 +1,7 @@
 //! The end of the page: computing effort, failed simulations, and what is needed to repeat the study.
 
-use super::parts::details;
+use super::numbered;
+use super::parts::{captioned, details};
 use crate::presentation::report::format::{UNKNOWN, count, percent};
 use crate::presentation::report::input::ReportInput;
 use crate::presentation::report::tables;
@@ -8,11 +9,6 @@ use maud::{Markup, html};
 
 /// Failed evaluations listed one by one.
 const FAILURES_LISTED: usize = 50;
-
-/// Effort and failures, then what is needed to repeat the study.
-pub fn end(input: &ReportInput) -> Markup {
-    html! { (effort(input)) (repeat(input)) }
-}
 
 /// Quality of the surrogates in cross-validation.
 fn surrogates(input: &ReportInput) -> Markup {
@@ -39,16 +35,20 @@ fn surrogates(input: &ReportInput) -> Markup {
 }
 
 /// Work, times, repairs and failed simulations.
-fn effort(input: &ReportInput) -> Markup {
+pub fn effort(input: &ReportInput) -> Markup {
     let repairs: usize = input.summary.convergence.rounds.iter().map(|round| round.repairs).sum();
     html! {
         h2 { "Computing effort and failed simulations" }
         div.pair {
             div {
-                @if input.summary.of_mechanism() { (tables::diagnostics(input)) }
-                (tables::stated_errors(input))
+                @if input.summary.of_mechanism() {
+                    (captioned("work", "Numerical work", tables::diagnostics(input)))
+                }
+                @if let Some(table) = tables::stated_errors(input) {
+                    (captioned("nominal", &format!("Outputs of the nominal {}", input.summary.subject()), table))
+                }
             }
-            div { (tables::timing(input)) }
+            div { (captioned("timing", "Times and workers", tables::timing(input))) }
         }
         p { "Repairs of the surrogates over all rounds: " (count(repairs as u64)) "." }
         (surrogates(input))
@@ -84,26 +84,15 @@ fn failures(input: &ReportInput) -> Markup {
 }
 
 /// What is needed to repeat the study.
-fn repeat(input: &ReportInput) -> Markup {
-    let summary = &input.summary;
+pub fn repeat(input: &ReportInput) -> Markup {
     let or_unknown = |text: &str| if text.is_empty() { UNKNOWN.to_string() } else { text.to_string() };
-    let rows = [
-        ("command", html! { code { (or_unknown(&input.command)) } }),
-        ("version", html! { "Hingewise " (or_unknown(&summary.version)) }),
-        ("seed", html! { (summary.seed) }),
-        ("population", html! { (count(summary.population as u64)) }),
-    ];
     let settings = (!input.settings.is_null())
         .then(|| serde_json::to_string_pretty(&input.settings).unwrap_or_default());
     html! {
-        h2 { "Reproducibility" }
-        (tables::table_of_text(
-            &["item", "value"],
-            rows.into_iter().map(|(name, value)| vec![html! { (name) }, value]),
-        ))
+        h3 { "Reproducibility" }
         p {
-            "The scene is listed below and stored next to this page in " code { "scene.toml" }
-            "; the settings include every value that the command left at its default. The same version, scene, settings \
+            "Command, version and seed are in " (numbered::refer_table("facts")) ", the scene is listed below and stored next to this \
+             page in " code { "scene.toml" } "; the settings include every value that the command left at its default. The same version, scene, settings \
              and seed give bit-identical results for any number of workers."
         }
         @if let Some(settings) = settings { (details("Settings", html! { pre { (settings) } })) }

@@ -1,5 +1,6 @@
 //! The head of the page: subject, method and main results of the study.
 
+use super::parts::captioned;
 use crate::presentation::report::input::ReportInput;
 use crate::presentation::report::life::{LEVELS, failure_probability};
 use crate::presentation::report::{tables, words};
@@ -35,7 +36,7 @@ pub fn head(input: &ReportInput) -> Markup {
                 }
             }
         }
-        @if !summary.is_static() { (tables::lives(input)) }
+        @if !summary.is_static() { (captioned("lives", "Lives, with 95 % intervals", tables::lives(input))) }
         div.says {
             @for sentence in words::sentences(input) { p { (sentence) } }
             @for note in &input.notes { p.note { strong { "Caution:" } " " (note) } }

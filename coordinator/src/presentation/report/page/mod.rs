@@ -3,23 +3,28 @@
 
 mod end;
 mod head;
+pub mod numbered;
 mod parts;
 
-pub use parts::{figures, standalone, wrapped};
+pub use numbered::FigureFiles;
+pub use parts::{captioned, figures, standalone, wrapped};
 
 use super::animation::{Animation, SCRIPT};
 use super::figure::Figure;
+use super::figures::file_name;
 use super::figures::lives_in_words;
 use super::format::count;
 use super::input::ReportInput;
 use super::life::rows_that_matter;
-use super::{stated, tables};
+use super::{stated, studied, tables};
 use maud::{Markup, PreEscaped, html};
-use parts::{details, inline, section};
+use parts::{inline, page_of, section};
 
 /// Figures by section of the page.
 pub struct Sections {
+    pub(super) studied: Vec<Figure>,
     pub(super) reliability: Vec<Figure>,
+    pub(super) rates: Vec<Figure>,
     pub(super) outputs: Vec<Figure>,
     pub(super) sensitivity: Vec<Figure>,
     pub(super) variance: Vec<Figure>,
@@ -36,7 +41,9 @@ impl Sections {
     /// All figures in the order of the page.
     pub fn into_figures(self) -> Vec<Figure> {
         [
+            self.studied,
             self.reliability,
+            self.rates,
             self.outputs,
             self.sensitivity,
             self.variance,
@@ -53,12 +60,14 @@ impl Sections {
 }
 
 /// The whole page.
-pub fn html(input: &ReportInput, sections: &Sections) -> String {
+pub fn html(input: &ReportInput, sections: &Sections, files: FigureFiles) -> String {
     let convergence = &input.summary.convergence;
     let stated = stated::sentences(input).join(" ");
     let body = html! {
         (head::head(input))
-        (reliability(input, &sections.reliability))
+        (numbered::contents())
+        (studied::chapter(input, &sections.studied))
+        (reliability(input, sections))
         (section(
             "Distributions of the outputs",
             html! {},
@@ -73,7 +82,6 @@ pub fn html(input: &ReportInput, sections: &Sections) -> String {
             figures(&sections.learning, "three"),
             html! { "The study had no rounds of learning." },
         ))
-        @if !convergence.rounds.is_empty() { (details("All rounds", tables::rounds(input))) }
         (section(
             "Numerical error",
             html! { (stated) },
@@ -81,34 +89,34 @@ pub fn html(input: &ReportInput, sections: &Sections) -> String {
             html! { @if stated.is_empty() { "The simulations state no numerical errors." } @else { (stated) } },
         ))
         (stated::errors_over_life(input))
-        (end::end(input))
+        (end::effort(input))
+        (appendix(input))
         @if let Some(motion) = &sections.motion {
             script type="application/json" id="motion" { (PreEscaped(&motion.data)) } "\n"
             script { "\n" (PreEscaped(SCRIPT)) } "\n"
         }
     };
-    wrapped(&input.title, &body)
+    page_of(&input.title, &body, files)
 }
 
 /// Curves, what fails first, and the numbers.
-fn reliability(input: &ReportInput, drawn: &[Figure]) -> Markup {
+fn reliability(input: &ReportInput, sections: &Sections) -> Markup {
     let rows = rows_that_matter(&input.summary, 1);
     let all = &input.summary.reliability;
     html! {
         h2 { "Reliability" }
-        (figures(drawn, "two"))
-        (tables::reliability(input, rows))
-        @if rows.len() < all.len() { (details("All checkpoints", tables::reliability(input, all))) }
+        (figures(&sections.reliability, "two"))
+        (figures(&sections.rates, "three"))
+        (captioned("reliability", "Reliability at the checkpoints that matter, with 95 % intervals", tables::reliability(input, rows)))
+        @if rows.len() < all.len() {
+            p { "All checkpoints: " (numbered::refer_table(CHECKPOINTS)) "; more digits in " code { "reliability.csv" } "." }
+        }
     }
 }
 
 /// Sensitivities of the failures, and contributions to the variance of the outputs.
 fn influences(input: &ReportInput, sections: &Sections) -> Markup {
-    let tables: Vec<(&str, Markup)> = input
-        .limit_states
-        .iter()
-        .filter_map(|state| Some((state.name.as_str(), tables::sensitivity(input, &state.name)?)))
-        .collect();
+    let tables: Vec<String> = sensitivities(input).into_iter().map(|(name, _)| name).collect();
     html! {
         (section(
             "Sensitivity",
@@ -121,10 +129,42 @@ fn influences(input: &ReportInput, sections: &Sections) -> Markup {
             p.none { "No Sobol indices: the study has no surrogates, or its variables are dependent." }
         }
         @if !tables.is_empty() {
-            (details("All variables", html! {
-                @for (name, table) in &tables { h3 { "Failure by " (name) } (table) }
-            }))
+            p {
+                "All variables: "
+                @for (k, name) in tables.iter().enumerate() { @if k > 0 { ", " } (numbered::refer_table(name)) }
+                "."
+            }
         }
+    }
+}
+
+/// Name of the table of all checkpoints.
+const CHECKPOINTS: &str = "checkpoints";
+
+/// Tables of the sensitivities by their names.
+fn sensitivities(input: &ReportInput) -> Vec<(String, Markup)> {
+    let of = |name: &str| {
+        let title = format!("Sensitivity of the failure probability by {name}, all variables");
+        let table_name = format!("sensitivity-{}", file_name(name));
+        Some((table_name.clone(), captioned(&table_name, &title, tables::sensitivity(input, name)?)))
+    };
+    input.limit_states.iter().filter_map(|state| of(&state.name)).collect()
+}
+
+/// Long tables, and what is needed to repeat the study.
+fn appendix(input: &ReportInput) -> Markup {
+    let (rows, all) = (rows_that_matter(&input.summary, 1), &input.summary.reliability);
+    html! {
+        div.appendix { h2 { "Appendix" } }
+        (studied::appendix(input))
+        @if rows.len() < all.len() {
+            (captioned(CHECKPOINTS, "Reliability at all checkpoints, with 95 % intervals", tables::reliability(input, all)))
+        }
+        @for (_, table) in sensitivities(input) { (table) }
+        @if !input.summary.convergence.rounds.is_empty() {
+            (captioned("rounds", "Rounds of learning", tables::rounds(input)))
+        }
+        (end::repeat(input))
     }
 }
 
@@ -182,14 +222,14 @@ fn mechanism(input: &ReportInput, sections: &Sections) -> Markup {
 fn moving(figure: &Figure) -> Markup {
     html! {
         figure id=(figure.name) class="moving" {
-            h3 { (figure.title) }
+            h3 { (figure.title) (numbered::files(&figure.name)) }
             (inline(figure))
             div.controls hidden="" {
                 button type="button" { "Play" }
                 input type="range" min="0" value="0" aria-label="instant of the cycle";
                 select aria-label="cycle" {}
             }
-            figcaption { (figure.caption) }
+            figcaption { strong { (numbered::figure(&figure.name)) "." } " " (figure.caption) }
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Elements of the pages: figures, sections, foldable content, and the page around a body.
 
+use super::numbered::{self, FigureFiles};
 use crate::presentation::report::figure::Figure;
 use crate::presentation::report::palette;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
@@ -56,6 +57,12 @@ impl<'a> SvgParts<'a> {
 
 /// A page in the style of the report around a body.
 pub fn wrapped(title: &str, body: &Markup) -> String {
+    page_of(title, body, FigureFiles::Absent)
+}
+
+/// A page around a body, with numbered figures and tables, and links to the files of figures where there are any.
+pub fn page_of(title: &str, body: &Markup, files: FigureFiles) -> String {
+    let body = PreEscaped(numbered::resolve(&body.0, files));
     let page = html! {
         (DOCTYPE) "\n"
         html lang="en" {
@@ -63,13 +70,23 @@ pub fn wrapped(title: &str, body: &Markup) -> String {
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 title { (title) " · Hingewise" }
-                style { "\n" (PreEscaped(palette::css())) (PreEscaped(STYLE)) }
+                style { "\n" (PreEscaped(palette::css())) (PreEscaped(STYLE)) (PreEscaped(running_head(title))) }
             }
             body { "\n" main { (body) } }
         }
         "\n"
     };
     page.into_string()
+}
+
+/// The style of the running head and the page numbers of a printed page.
+fn running_head(title: &str) -> String {
+    // What could end the string or the style element is left out.
+    let plain: String = title.chars().filter(|c| !"\"\\<>\n".contains(*c)).collect();
+    format!(
+        "@page{{margin:18mm 14mm 16mm;@top-left{{content:\"Hingewise · {plain}\";font-size:8pt;color:#57616D}}\
+         @bottom-right{{content:counter(page) \" / \" counter(pages);font-size:8pt;color:#57616D}}}}\n"
+    )
 }
 
 /// A section with an introduction and figures; with the sentence `otherwise` alone if there are no figures.
@@ -92,12 +109,22 @@ pub fn figures(figures: &[Figure], columns: &str) -> Markup {
             div.figures.(columns) {
                 @for figure in figures {
                     figure id=(figure.name) {
-                        h3 { (figure.title) }
+                        h3 { (figure.title) (numbered::files(&figure.name)) }
                         (inline(figure))
-                        figcaption { (figure.caption) }
+                        figcaption { strong { (numbered::figure(&figure.name)) "." } " " (figure.caption) }
                     }
                 }
             }
+        }
+    }
+}
+
+/// A table with its number and title.
+pub fn captioned(name: &str, title: &str, table: Markup) -> Markup {
+    html! {
+        div.titled id=(format!("table-{name}")) {
+            p.caption { strong { (numbered::table(name)) "." } " " (title) }
+            (table)
         }
     }
 }

@@ -1,0 +1,166 @@
+//! The scene that is studied for all designs: random variables whose distributions cover those of every design, and a random
+//! variable for each design variable that is a quantity of the scene.
+//!
+//! A design variable t is uniform over its range. A variable x_k of the scene with the mean m_k(t) and the standard deviation
+//! s_k(t) has over all designs, with m_k taken as linear in t,
+//!
+//!   mean = m_k(middle), variance = max s_k^2 + sum_i b_ki^2 / 3, b_ki = (m_k(upper end of t_i) - m_k(lower end)) / 2,
+//!
+//! and the covariances sum_i b_ki b_li / 3 with other variables and b_ki / sqrt(3) std(t_i) with the design variables, so that
+//! dimensions that follow a design variable are simulated where the designs have them. These distributions choose the
+//! simulations; the reliability of a design is computed with its own.
+
+use super::space::DesignSpace;
+use crate::analyses::what_if::written_value;
+use common::random::{Correlation, Distribution, RandomVariable};
+use common::scene::{Faults, Scene, SceneSource};
+use toml::{Table, Value};
+
+/// Share of its unit range that a correlation may reach, so that the matrix stays positive definite.
+const MOST_CORRELATED: f64 = 0.99;
+/// Correlation below which variables count as independent.
+const LEAST_CORRELATED: f64 = 1e-6;
+
+/// Moments of one variable over all designs.
+struct Envelope {
+    /// Half of the change of the mean over the range of each design variable `(q,)` [SI].
+    slopes: Vec<f64>,
+    mean: f64,
+    /// Largest standard deviation at any design [SI].
+    own_std: f64,
+    /// Bounds that contain those of every design [SI].
+    bounds: (f64, f64),
+    /// Whether the distribution is the same in every design.
+    is_fixed: bool,
+}
+
+impl Envelope {
+    fn std(&self) -> f64 {
+        (self.own_std.powi(2) + self.slopes.iter().map(|b| b * b / 3.0).sum::<f64>()).sqrt()
+    }
+}
+
+impl DesignSpace {
+    /// The augmented scene.
+    ///
+    /// # Errors
+    /// Its faults: a design variable whose range leads to a scene that is not valid together with the bounds of the others.
+    pub fn augmented(&self) -> Result<SceneSource, Faults> {
+        let corners: Vec<Scene> =
+            self.corners().iter().map(|values| self.scene_at(values)).collect::<Result<_, _>>()?;
+        let middle = self.scene_at(&self.middle())?;
+        let ends = self.ends()?;
+        let envelopes: Vec<Envelope> =
+            (0..self.base.variables().len()).map(|k| envelope(k, &corners, &middle, &ends)).collect();
+        let mut document: Table = self.base.text().parse().expect("the scene was read from this text");
+        let rows = document.entry("variables").or_insert_with(|| Value::Array(vec![]));
+        let rows = rows.as_array_mut().expect("the variables of a scene are a list");
+        for (variable, envelope) in self.base.variables().iter().zip(&envelopes).filter(|(_, e)| !e.is_fixed)
+        {
+            let is_own = |row: &&mut Table| row.get("name").and_then(Value::as_str) == Some(&variable.name);
+            if let Some(row) = rows.iter_mut().filter_map(Value::as_table_mut).find(is_own) {
+                write_envelope(row, variable, envelope);
+            }
+        }
+        for (design, name) in self.variables.iter().zip(&self.added) {
+            let Some(name) = name else { continue };
+            let law = [
+                ("distribution", Value::from("uniform")),
+                ("lower", design.written(design.lower)),
+                ("upper", design.written(design.upper)),
+            ];
+            let row = design.row(name, &law);
+            rows.push(Value::Table(row));
+        }
+        let correlations = self.correlations(&envelopes, &middle);
+        if correlations.is_empty() {
+            document.remove("correlations");
+        } else {
+            document.insert("correlations".to_owned(), Value::Array(correlations));
+        }
+        let text = toml::to_string(&document).expect("a scene is a table of TOML");
+        SceneSource::parse(&text, "--design").map_err(Faults::without_places)
+    }
+
+    /// For each design variable the scenes at both ends of its range, the others in the middle.
+    fn ends(&self) -> Result<Vec<[Scene; 2]>, Faults> {
+        let at = |i: usize, end: f64| {
+            let mut values = self.middle();
+            values[i] = self.variables[i].at(end);
+            self.scene_at(&values)
+        };
+        (0..self.variables.len()).map(|i| Ok([at(i, 0.0)?, at(i, 1.0)?])).collect()
+    }
+
+    /// Rows of correlations over all designs.
+    fn correlations(&self, envelopes: &[Envelope], middle: &Scene) -> Vec<Value> {
+        let d = middle.variables.len();
+        let own_coefficient = |k: usize, l: usize| {
+            let is_pair = |c: &&Correlation| [(c.first, c.second), (c.second, c.first)].contains(&(k, l));
+            middle.correlations.iter().find(is_pair).map_or(0.0, |c| c.coefficient)
+        };
+        // Loadings on the design variables, in standard deviations.
+        let mut loadings: Vec<Vec<f64>> = envelopes
+            .iter()
+            .map(|e| {
+                let std = e.std();
+                let loading = |b: &f64| if std > 0.0 { b / 3f64.sqrt() / std } else { 0.0 };
+                e.slopes.iter().map(loading).collect()
+            })
+            .collect();
+        for (i, _) in self.added.iter().enumerate().filter(|(_, name)| name.is_some()) {
+            loadings.push((0..self.variables.len()).map(|j| f64::from(u8::from(i == j))).collect());
+        }
+        let rest = |k: usize| {
+            envelopes.get(k).map_or(0.0, |e| if e.std() > 0.0 { e.own_std / e.std() } else { 0.0 })
+        };
+        let mut rows = Vec::new();
+        for k in 0..d {
+            for l in k + 1..d {
+                let common: f64 = loadings[k].iter().zip(&loadings[l]).map(|(a, b)| a * b).sum();
+                let coefficient = MOST_CORRELATED * common + own_coefficient(k, l) * rest(k) * rest(l);
+                if coefficient.abs() > LEAST_CORRELATED {
+                    let names = [k, l].map(|k| Value::from(middle.variables[k].name.as_str()));
+                    let mut row = Table::new();
+                    row.insert("variables".to_owned(), Value::Array(names.to_vec()));
+                    row.insert("coefficient".to_owned(), Value::Float(coefficient));
+                    rows.push(Value::Table(row));
+                }
+            }
+        }
+        rows
+    }
+}
+
+/// Moments of variable `k` of the scene over all designs.
+fn envelope(k: usize, corners: &[Scene], middle: &Scene, ends: &[[Scene; 2]]) -> Envelope {
+    let law = |scene: &Scene| scene.variables[k].distribution;
+    let all: Vec<_> =
+        corners.iter().chain(std::iter::once(middle)).chain(ends.iter().flatten()).map(law).collect();
+    let limits = all.iter().map(Distribution::limits);
+    let bounds =
+        limits.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (l, h)| (low.min(l), high.max(h)));
+    Envelope {
+        slopes: ends
+            .iter()
+            .map(|[lower, upper]| 0.5 * (law(upper).parent_mean() - law(lower).parent_mean()))
+            .collect(),
+        mean: law(middle).parent_mean(),
+        own_std: all.iter().map(Distribution::given_std).fold(0.0, f64::max),
+        bounds,
+        is_fixed: all.iter().all(|law| *law == all[0]),
+    }
+}
+
+/// Writes the distribution over all designs into the row of a variable.
+fn write_envelope(row: &mut Table, variable: &RandomVariable, envelope: &Envelope) {
+    for key in ["std", "truncation", "mode", "fit"] {
+        row.remove(key);
+    }
+    row.insert("distribution".to_owned(), Value::from("truncated-normal"));
+    let (lower, upper) = envelope.bounds;
+    let values = [("mean", envelope.mean), ("std", envelope.std()), ("lower", lower), ("upper", upper)];
+    for (key, value) in values {
+        row.insert(key.to_owned(), written_value(value, &variable.unit));
+    }
+}

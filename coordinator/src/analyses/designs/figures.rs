@@ -1,0 +1,174 @@
+//! Figures of designs: lives and reliabilities against the design variables with their intervals.
+
+use super::answer::DesignAnswer;
+use super::best::Best;
+use super::space::DesignSpace;
+use crate::presentation::report::life::{Included, LEVELS, LifeAt, life_at};
+use crate::presentation::report::palette::{Ink, SERIES};
+use crate::presentation::report::{Axis, Figure, Plot, PlotError, Series, Shape};
+
+/// Most checkpoints in the figure of R.
+const CHECKPOINTS: usize = 4;
+
+/// Point of a curve with its limits: (x, y, lower, upper).
+type Limited = (f64, f64, f64, f64);
+
+/// The figures of these answers, those of a grid in the order of [`DesignSpace::grid`].
+///
+/// # Errors
+/// [`PlotError`].
+pub fn figures(
+    space: &DesignSpace,
+    answers: &[DesignAnswer],
+    best: Option<&Best>,
+) -> Result<Vec<Figure>, PlotError> {
+    if space.variables().len() == 1 {
+        let mut all = vec![lives(space, answers)?];
+        all.extend(reliabilities(space, answers)?);
+        return Ok(all);
+    }
+    let best = best.map_or(0, |best| best.index);
+    LEVELS.iter().map(|level| family(space, answers, best, *level)).collect()
+}
+
+/// Life of the system with its limits; `None` where it is not resolved.
+fn life(answer: &DesignAnswer, level: f64) -> Option<Limited> {
+    match life_at(&answer.summary, "total", level, Included::All) {
+        LifeAt::Cycles { life, lower, upper } => {
+            Some((answer.values[0], life, lower, upper.unwrap_or(end(answer))))
+        }
+        LifeAt::Between { .. } | LifeAt::Beyond { .. } => None,
+    }
+}
+
+fn end(answer: &DesignAnswer) -> f64 {
+    answer.summary.reliability.last().map_or(0.0, |row| f64::from(row.cycles))
+}
+
+/// A curve with dots at the designs and its band.
+fn curve(label: &str, k: usize, points: &[Limited]) -> [Series; 2] {
+    let band = points.iter().map(|(x, _, lower, upper)| (*x, *lower, *upper)).collect();
+    let line = points.iter().map(|(x, y, _, _)| (*x, *y)).collect();
+    [
+        Series::unlisted(format!("{label}, 95 %"), Ink::Series(k), Shape::Band(band)),
+        Series::new(label, Ink::Series(k), Shape::Dotted(line)),
+    ]
+}
+
+/// Lives at the usual levels against the one design variable.
+fn lives(space: &DesignSpace, answers: &[DesignAnswer]) -> Result<Figure, PlotError> {
+    let curves = LEVELS.iter().enumerate().flat_map(|(k, level)| {
+        let points: Vec<Limited> = answers.iter().filter_map(|answer| life(answer, *level)).collect();
+        curve(&format!("R = {level}"), k, &points)
+    });
+    plot(
+        space,
+        "design-life",
+        (
+            "Life against the design",
+            "Bands: 95 % interval with the stated numerical errors; dots: designs assessed.",
+        ),
+        ("life [cycles]", range_of_lives(answers)),
+        &curves.collect::<Vec<_>>(),
+    )
+}
+
+/// R of the system at the checkpoints where it depends most on the design; none if it depends on it at none.
+fn reliabilities(space: &DesignSpace, answers: &[DesignAnswer]) -> Result<Option<Figure>, PlotError> {
+    let r = |answer: &DesignAnswer, n: usize| answer.summary.reliability[n].reliability["total"];
+    let spread = |n: &usize| {
+        let all = answers.iter().map(|answer| r(answer, *n));
+        let (low, high) = all.fold((1.0f64, 0.0f64), |(low, high), r| (low.min(r), high.max(r)));
+        high - low
+    };
+    let mut chosen: Vec<usize> =
+        (0..answers[0].summary.reliability.len()).filter(|n| spread(n) > 0.01).collect();
+    chosen.sort_by(|a, b| spread(b).total_cmp(&spread(a)));
+    chosen.truncate(CHECKPOINTS);
+    chosen.sort_unstable();
+    if chosen.is_empty() {
+        return Ok(None);
+    }
+    let curves = chosen.iter().enumerate().flat_map(|(k, n)| {
+        let point = |answer: &DesignAnswer| {
+            let range = answer.summary.reliability[*n].interval_of("total");
+            let r = r(answer, *n);
+            let (lower, upper) = range.map_or((r, r), |range| (range.lower, range.upper));
+            (answer.values[0], r, lower, upper)
+        };
+        let points: Vec<Limited> = answers.iter().map(point).collect();
+        curve(&format!("{} cycles", answers[0].summary.reliability[*n].cycles), k, &points)
+    });
+    plot(
+        space,
+        "design-reliability",
+        (
+            "Reliability against the design",
+            "R of the system at the checkpoints where the design matters most, with 95 % intervals.",
+        ),
+        ("reliability R", (0.0, 1.0)),
+        &curves.collect::<Vec<_>>(),
+    )
+    .map(Some)
+}
+
+/// Life at a level against the first design variable, a curve for each value of the second; a third one has its value of the
+/// design `best`.
+fn family(
+    space: &DesignSpace,
+    answers: &[DesignAnswer],
+    best: usize,
+    level: f64,
+) -> Result<Figure, PlotError> {
+    let second = &space.variables()[1];
+    let at_best = |answer: &&DesignAnswer| answer.values[2..].iter().eq(answers[best].values[2..].iter());
+    let shown: Vec<&DesignAnswer> = answers.iter().filter(at_best).collect();
+    let mut values: Vec<f64> = shown.iter().map(|answer| answer.values[1]).collect();
+    values.sort_by(f64::total_cmp);
+    values.dedup();
+    // As many curves as there are colours, spread over the range.
+    let count = values.len().min(SERIES);
+    let chosen = (0..count).map(|i| values[i * (values.len() - 1) / (count - 1).max(1)]);
+    let curves = chosen.enumerate().flat_map(|(k, value)| {
+        let of_value = shown.iter().filter(|answer| answer.values[1].to_bits() == value.to_bits());
+        let points: Vec<Limited> = of_value.filter_map(|answer| life(answer, level)).collect();
+        curve(&format!("{} = {}", second.key, second.with_unit(value)), k, &points)
+    });
+    let third = space.variables().get(2).map_or(String::new(), |third| {
+        format!(" {} = {}.", third.key, third.with_unit(answers[best].values[2]))
+    });
+    plot(
+        space,
+        &format!("design-life-{}", level.to_string().replace('.', "-")),
+        (&format!("Life at R = {level} against the design"), &format!("Bands: 95 % interval.{third}")),
+        ("life [cycles]", range_of_lives(answers)),
+        &curves.collect::<Vec<_>>(),
+    )
+}
+
+/// From the shortest to the longest life of any design, with a margin.
+fn range_of_lives(answers: &[DesignAnswer]) -> (f64, f64) {
+    let all = answers.iter().flat_map(|answer| LEVELS.iter().filter_map(|level| life(answer, *level)));
+    let (low, high) = all
+        .fold((f64::INFINITY, 0.0f64), |(low, high), (_, _, lower, upper)| (low.min(lower), high.max(upper)));
+    if low < high { (low - 0.05 * (high - low), high + 0.05 * (high - low)) } else { (0.0, 1.0) }
+}
+
+fn plot(
+    space: &DesignSpace,
+    name: &str,
+    (title, caption): (&str, &str),
+    (label, range): (&str, (f64, f64)),
+    series: &[Series],
+) -> Result<Figure, PlotError> {
+    let first = &space.variables()[0];
+    let x_label = first.label();
+    let x = Axis { text: short_number, ..Axis::linear(&x_label, (first.lower, first.upper)) };
+    Plot { figure: name, x, y: Axis::linear(label, range), series }.figure(title, caption)
+}
+
+/// A number with at most six significant digits.
+fn short_number(value: f64) -> String {
+    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
+    rounded.to_string().replace('-', "\u{2212}")
+}

@@ -1,0 +1,113 @@
+//! The design that the scene itself has, and how the distributions of its random variables follow the design variables.
+
+use super::space::DesignSpace;
+use common::scene::{Faults, Scene, SceneSource};
+
+/// Relative deviation of a moment from a straight line over the range of a design variable that counts as none [1].
+const STRAIGHT: f64 = 1e-6;
+
+/// A random variable whose mean or standard deviation follows a design variable.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Follower {
+    /// Index of the random variable that stands for the design variable.
+    pub leader: usize,
+    /// Index of the random variable that follows it.
+    pub variable: usize,
+    /// Change of its mean over that of the design variable [SI/SI].
+    pub mean: f64,
+    /// Change of its standard deviation over that of the design variable [SI/SI].
+    pub std: f64,
+    /// Whether mean and standard deviation follow along straight lines.
+    pub is_straight: bool,
+}
+
+impl DesignSpace {
+    /// The design of the scene itself, with the values of `settings` (`KEY=VALUE`) at those keys that are design variables and
+    /// quantities of the scene; and the other settings.
+    ///
+    /// # Errors
+    /// Values that cannot be read, and the faults of the design.
+    pub fn present(&self, settings: &[String]) -> Result<(SceneSource, Vec<String>), Faults> {
+        let space = self.only_quantities();
+        let mut others = settings.to_vec();
+        let mut values = Vec::with_capacity(space.variables.len());
+        for variable in &space.variables {
+            let is_own =
+                |setting: &String| setting.split_once('=').is_some_and(|(key, _)| key.trim() == variable.key);
+            let set = others.iter().position(is_own).map(|i| others.remove(i));
+            let set = set.map(|setting| self.base.parse_setting(&setting)).transpose()?;
+            let si = set.map(|(_, si)| si).or_else(|| self.base.quantity(&variable.key));
+            // Units have factors; none has an offset.
+            let (_, unit) = self.base.parse_setting(&variable.setting(1.0))?;
+            let value = si.map_or_else(|| variable.at(0.5), |si| si / unit);
+            values.push(format!("{value:.12e}").parse().unwrap_or(value));
+        }
+        Ok((space.with_constants(&values)?, others))
+    }
+
+    /// The space of those design variables alone that are quantities of the scene.
+    fn only_quantities(&self) -> Self {
+        let kept = self.added.iter().map(Option::is_some);
+        let variables = self.variables.iter().zip(kept).filter(|(_, kept)| *kept).map(|(v, _)| v.clone());
+        let added = self.added.iter().filter(|name| name.is_some()).cloned().collect();
+        Self { base: self.base.clone(), variables: variables.collect(), added }
+    }
+
+    /// The keys of those design variables that are quantities of the scene, with the random variable, an index and a name, that
+    /// stands for each in the augmented scene, and the range.
+    pub fn quantities(&self) -> Vec<(&super::DesignVariable, usize, &str)> {
+        let first = self.base.variables().len();
+        let named =
+            self.variables.iter().zip(&self.added).filter_map(|(v, name)| Some((v, name.as_deref()?)));
+        named.enumerate().map(|(i, (variable, name))| (variable, first + i, name)).collect()
+    }
+
+    /// The random variables that follow design variables.
+    ///
+    /// # Errors
+    /// Faults of designs at the ends of the ranges.
+    pub fn followers(&self) -> Result<Vec<Follower>, Faults> {
+        let space = self.only_quantities();
+        let middle = space.scene_at(&space.middle())?;
+        let mut found = Vec::new();
+        for (i, (design, leader, _)) in space.quantities().into_iter().enumerate() {
+            let at = |t: f64| -> Result<Scene, Faults> {
+                let mut values = space.middle();
+                values[i] = design.at(t);
+                space.scene_at(&values)
+            };
+            let (low, high) = (at(0.0)?, at(1.0)?);
+            let range = mean(&high, leader) - mean(&low, leader);
+            for variable in 0..space.base.variables().len() {
+                let [along_mean, along_std] = [mean, std].map(|of| {
+                    let (a, b, c) = (of(&low, variable), of(&middle, variable), of(&high, variable));
+                    let scale = a.abs().max(c.abs());
+                    (
+                        (c - a) / range,
+                        (0.5 * (a + c) - b).abs() <= STRAIGHT * scale,
+                        (c - a).abs() > STRAIGHT * scale,
+                    )
+                });
+                if along_mean.2 || along_std.2 {
+                    let is_straight = along_mean.1 && along_std.1;
+                    found.push(Follower {
+                        leader,
+                        variable,
+                        mean: along_mean.0,
+                        std: along_std.0,
+                        is_straight,
+                    });
+                }
+            }
+        }
+        Ok(found)
+    }
+}
+
+fn mean(scene: &Scene, k: usize) -> f64 {
+    scene.variables[k].distribution.parent_mean()
+}
+
+fn std(scene: &Scene, k: usize) -> f64 {
+    scene.variables[k].distribution.given_std()
+}

@@ -1,0 +1,246 @@
+//! The answers for all designs as text for a terminal, as JSON and as a page with figures.
+
+use super::answer::DesignAnswer;
+use super::best::{Best, Objective};
+use super::figures::figures;
+use super::refinement::Refined;
+use super::space::DesignSpace;
+use crate::presentation::report::PlotError;
+use crate::presentation::report::decision::{DecisionPage, DecisionTable};
+use crate::presentation::report::format::{count, percent, rounded_cycles, three_digits};
+use crate::presentation::report::life::{
+    Included, LEVELS, life_and_limits, life_at, reliability, states_numerical_errors, unresolved_fall,
+};
+use crate::results::summary::StudySummary;
+use serde_json::{Map, Value, json};
+
+/// Most designs in the table of the text.
+const ROWS: usize = 16;
+
+/// All that is reported of designs.
+#[derive(Debug, Clone)]
+pub struct DesignReport<'a> {
+    /// Scene and design variables of the study.
+    pub space: &'a DesignSpace,
+    /// Their answers, at least one.
+    pub answers: &'a [DesignAnswer],
+    /// What makes a design good.
+    pub objective: Objective,
+    /// The best design, if the objective of any is known.
+    pub best: Option<Best>,
+    /// Errors of the designs, and simulations added for them by this command.
+    pub refined: Refined,
+    /// Simulations of which the answers are made, and those of them that were added for single designs.
+    pub simulations: (usize, usize),
+    /// Command that would add simulations, without their number.
+    pub command: String,
+}
+
+impl DesignReport<'_> {
+    /// The values of a design by key.
+    fn design(&self, index: usize) -> Value {
+        let values = self.space.variables().iter().zip(&self.answers[index].values);
+        Value::Object(
+            values.map(|(variable, value)| (variable.key.clone(), json!(value))).collect::<Map<_, _>>(),
+        )
+    }
+
+    /// The values of a design in words.
+    fn in_words(&self, index: usize) -> String {
+        self.space.in_words(&self.answers[index].values)
+    }
+}
+
+/// The answers as JSON.
+pub fn json(report: &DesignReport<'_>) -> Value {
+    let design = |(index, answer): (usize, &DesignAnswer)| {
+        let summary = &answer.summary;
+        json!({
+            "design": report.design(index),
+            "reliability": summary.reliability,
+            "lives": summary.lives,
+            "first_failure": summary.first_failure,
+            "unresolved_fall": summary.unresolved_fall,
+            "surrogate_error": answer.surrogate_error,
+        })
+    };
+    let first = &report.answers[0].summary;
+    let best = report.best.as_ref().map(|best| {
+        let equal: Vec<Value> = best.equal.iter().map(|i| report.design(*i)).collect();
+        json!({
+            "design": report.design(best.index),
+            "objective": best.objective,
+            "value": best.value,
+            "is_lower_bound": best.is_bound,
+            "equal_within_errors": equal,
+        })
+    });
+    json!({
+        "scene": first.scene,
+        "version": first.version,
+        "seed": first.seed,
+        "limit_states": first.limit_states,
+        "population": first.population,
+        "design_variables": report.space.variables(),
+        "designs": report.answers.iter().enumerate().map(design).collect::<Vec<_>>(),
+        "best": best,
+        "evaluations": report.refined.added,
+        "simulations": report.simulations.0,
+        "surrogate_error": report.refined.largest_error,
+        "target_error": report.refined.target_error,
+    })
+}
+
+/// The answers as text.
+pub fn text(report: &DesignReport<'_>) -> String {
+    let mut text = table(report, ROWS).in_columns();
+    text.push('\n');
+    let best = report.best.as_ref().map(|best| best_in_words(report, best));
+    for sentence in best.into_iter().chain(sentences(report)) {
+        text += &format!("{sentence}\n");
+    }
+    text.replace('\u{a0}', " ")
+}
+
+/// The answers as a page.
+///
+/// # Errors
+/// [`PlotError`].
+pub fn page(report: &DesignReport<'_>) -> Result<DecisionPage, PlotError> {
+    let last = report.answers.len() - 1;
+    let mut drawn = vec![0, last / 2, last];
+    drawn.extend(report.best.as_ref().map(|best| best.index));
+    drawn.sort_unstable();
+    drawn.dedup();
+    let curve =
+        |i: usize| -> (String, StudySummary) { (report.in_words(i), report.answers[i].summary.clone()) };
+    Ok(DecisionPage {
+        title: "Designs".to_owned(),
+        subtitle: format!(
+            "Scene: {}. {}",
+            report.answers[0].summary.scene,
+            report.best.as_ref().map_or(String::new(), |best| best_in_words(report, best))
+        ),
+        sentences: sentences(report),
+        figures: figures(report.space, report.answers, report.best.as_ref())?,
+        curves: if drawn.len() > 1 { drawn.into_iter().map(curve).collect() } else { vec![] },
+        tables: vec![table(report, usize::MAX)],
+    })
+}
+
+/// The designs with their reliability or lives; if there are more than `most`, those at the front of the order of the best.
+fn table(report: &DesignReport<'_>, most: usize) -> DecisionTable {
+    let mut order: Vec<usize> = (0..report.answers.len()).collect();
+    if order.len() > most {
+        let value =
+            |i: &usize| Best::among(&report.answers[*i..=*i], report.objective).map_or(0.0, |b| b.value);
+        order.sort_by(|a, b| value(b).total_cmp(&value(a)));
+        order.truncate(most);
+    }
+    let cycles = match report.objective {
+        Objective::Reliability { cycles } => Some(cycles),
+        Objective::Life { .. } => None,
+    };
+    let is_static = report.answers[0].summary.is_static();
+    let labels = report.space.variables().iter().map(super::DesignVariable::label);
+    let at = cycles.map(|cycles| format!("R({cycles}) (95 %)"));
+    let lives = LEVELS.map(|level| format!("life at R = {level} (95 %)"));
+    let first = (report.answers[0].summary.limit_states.len() > 1).then(|| "fails first by".to_owned());
+    let row = |i: usize| {
+        let DesignAnswer { values, summary, .. } = &report.answers[i];
+        let life = |level: f64| {
+            let (life, limits) = life_and_limits(life_at(summary, "total", level, Included::All));
+            if limits.is_empty() { life } else { format!("{life} ({limits})") }
+        };
+        let at = cycles.map(|cycles| {
+            let row = summary.reliability.iter().find(|row| row.cycles == cycles);
+            row.map_or(String::new(), |row| reliability(row, "total"))
+        });
+        let values = values.iter().map(ToString::to_string);
+        let lives = LEVELS.into_iter().filter(|_| !is_static).map(life);
+        values.chain(at).chain(lives).chain(first.iter().map(|_| leader(summary))).collect()
+    };
+    DecisionTable {
+        heading: "Designs".to_owned(),
+        head: labels.chain(at).chain(lives.into_iter().filter(|_| !is_static)).chain(first.clone()).collect(),
+        rows: order.into_iter().map(row).collect(),
+    }
+}
+
+/// The limit state that most mechanisms of a design violate first by the end of life, with its share.
+fn leader(summary: &StudySummary) -> String {
+    let shares = summary.first_failure.last().into_iter().flat_map(|row| &row.first);
+    let most = shares.max_by(|(_, a), (_, b)| a.total_cmp(b)).filter(|(_, share)| **share > 0.0);
+    most.map_or("none".to_owned(), |(name, share)| format!("{name} ({})", percent(*share)))
+}
+
+/// The errors of the answers.
+fn sentences(report: &DesignReport<'_>) -> Vec<String> {
+    let mut all = Vec::new();
+    let (simulations, for_designs) = report.simulations;
+    let population = report.answers[0].summary.population;
+    all.push(format!(
+        "Answered from {} simulations over random and design variables together, {} of them added where the reliability of \
+         single designs was uncertain, with a population of {} per design.",
+        count(simulations as u64),
+        if for_designs == 0 { "none".to_owned() } else { count(for_designs as u64) },
+        count(population as u64)
+    ));
+    if report.answers.len() > 1 {
+        all.push(
+            "The populations of all designs are made from the same random numbers, so the sampling error of a difference is \
+             smaller than that of its two values."
+                .to_owned(),
+        );
+    }
+    if states_numerical_errors(&report.answers[0].summary) {
+        all.push(
+            "The intervals of the lives contain the stated numerical errors of the simulations.".to_owned(),
+        );
+    }
+    if !report.refined.is_reached() {
+        all.push(format!(
+            "The estimated surrogate error of R is up to {} (a study stops at {}); more simulations where it arises reduce it: \
+             {} --refine 20",
+            three_digits(report.refined.largest_error),
+            three_digits(report.refined.target_error),
+            report.command
+        ));
+    }
+    let unresolved = report.answers.iter().find_map(|answer| unresolved_fall(&answer.summary));
+    all.extend(unresolved.map(|note| format!("Caution: {note}")));
+    all
+}
+
+fn best_in_words(report: &DesignReport<'_>, best: &Best) -> String {
+    let (what, value) = match best.objective {
+        Objective::Life { level } => {
+            let bound = if best.is_bound { "more than " } else { "" };
+            (
+                format!("Longest life at R = {level}"),
+                format!("{bound}{} cycles", rounded_cycles(best.value, 10.0)),
+            )
+        }
+        Objective::Reliability { cycles } => (format!("Largest R({cycles})"), format!("{:.4}", best.value)),
+    };
+    let mut text = format!("{what}: {value} at {}.", report.in_words(best.index));
+    let equal = best.equal.len() - 1;
+    if equal > 0 {
+        let others: Vec<usize> = best.equal.iter().copied().filter(|i| *i != best.index).collect();
+        let named: Vec<String> = others.iter().take(4).map(|i| report.in_words(*i)).collect();
+        let more = if equal > 4 { format!(" and {} others", equal - 4) } else { String::new() };
+        text += &format!(" Not worse within the errors: {}{more}.", named.join("; "));
+    }
+    let at_end: Vec<&str> = report
+        .space
+        .variables()
+        .iter()
+        .zip(&report.answers[best.index].values)
+        .filter(|(variable, value)| [variable.lower, variable.upper].contains(value))
+        .map(|(variable, _)| variable.key.as_str())
+        .collect();
+    if !at_end.is_empty() && report.answers.len() > 1 {
+        text += &format!(" It lies at the end of the range of {}.", at_end.join(", "));
+    }
+    text
+}

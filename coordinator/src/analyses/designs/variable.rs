@@ -1,0 +1,124 @@
+//! A design variable as typed: `KEY=LOWER..UPPER`, with numbers in one unit.
+
+use common::scene::{FaultKind, Faults};
+use serde::{Deserialize, Serialize};
+use toml::{Table, Value};
+
+/// A key of the scene with a range of values.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DesignVariable {
+    /// Key as `run --set` takes it.
+    pub key: String,
+    /// Lower end of the range [`unit`](Self::unit).
+    pub lower: f64,
+    /// Upper end of the range [`unit`](Self::unit).
+    pub upper: f64,
+    /// Unit as typed; empty for a plain number.
+    pub unit: String,
+}
+
+impl DesignVariable {
+    /// Reads `KEY=LOWER..UPPER`, e.g. `parameters.clearance=18 um..30 um`; the unit may stand at the upper end alone.
+    ///
+    /// # Errors
+    /// The fault of the text.
+    pub fn parse(text: &str) -> Result<Self, Faults> {
+        let refuse = |message: &str| Err(fault(text, message));
+        let range = text.split_once('=').and_then(|(key, range)| Some((key.trim(), range.split_once("..")?)));
+        let Some((key, (lower, upper))) = range.filter(|(key, _)| !key.is_empty()) else {
+            return refuse("expected KEY=LOWER..UPPER, e.g. parameters.clearance='18 um..30 um'");
+        };
+        let (Some((lower, first)), Some((upper, unit))) = (number_and_unit(lower), number_and_unit(upper))
+        else {
+            return refuse("both ends of the range must be numbers, each with its unit, e.g. 18 um..30 um");
+        };
+        if !first.is_empty() && first != unit {
+            return refuse("both ends of the range must have the same unit");
+        }
+        if lower >= upper {
+            return refuse("the lower end of the range must be below the upper one");
+        }
+        Ok(Self { key: key.to_owned(), lower, upper, unit: unit.to_owned() })
+    }
+
+    /// The setting `KEY=VALUE` of a value in the unit of the range.
+    pub fn setting(&self, value: f64) -> String {
+        format!("{}={}", self.key, self.with_unit(value))
+    }
+
+    /// A value with its unit, as in a scene file.
+    pub fn with_unit(&self, value: f64) -> String {
+        if self.unit.is_empty() { format!("{value}") } else { format!("{value} {}", self.unit) }
+    }
+
+    /// A value as TOML writes it in a scene.
+    pub(super) fn written(&self, value: f64) -> Value {
+        if self.unit.is_empty() { Value::Float(value) } else { Value::from(self.with_unit(value)) }
+    }
+
+    /// The row of a random variable `name` that changes this key, with the keys of its distribution.
+    pub(super) fn row(&self, name: &str, law: &[(&str, Value)]) -> Table {
+        let mut row = Table::new();
+        row.insert("name".to_owned(), Value::from(name));
+        row.insert("changes".to_owned(), Value::Array(vec![Value::from(self.key.as_str())]));
+        law.iter().for_each(|(key, value)| drop(row.insert((*key).to_owned(), value.clone())));
+        if !self.unit.is_empty() && self.unit != "%" {
+            row.insert("unit".to_owned(), Value::from(self.unit.as_str()));
+        }
+        row
+    }
+
+    /// The value at the share `t` in [0, 1] of the range, without digits beyond a millionth of it.
+    pub fn at(&self, t: f64) -> f64 {
+        let value = self.lower + t * (self.upper - self.lower);
+        let digits = (6.0 - (self.upper - self.lower).log10().floor()).clamp(0.0, 300.0) as usize;
+        // Zero digits are few enough for a range of a million; a number that was formatted is read back.
+        format!("{value:.digits$}").parse().unwrap_or(value)
+    }
+
+    /// Name of the variable with its unit, for heads of tables and axes.
+    pub fn label(&self) -> String {
+        if self.unit.is_empty() { self.key.clone() } else { format!("{} [{}]", self.key, self.unit) }
+    }
+}
+
+/// The fault of a design variable.
+pub(super) fn fault(text: &str, message: impl Into<String>) -> Faults {
+    let kind = FaultKind::Inconsistent { message: message.into() };
+    Faults::one("--design", text, kind)
+}
+
+/// A finite number and the rest of the text, its unit.
+pub(super) fn number_and_unit(text: &str) -> Option<(f64, &str)> {
+    let text = text.trim();
+    // A unit may begin with e or E, as no exponent without digits does.
+    (1..=text.len()).rev().filter(|end| text.is_char_boundary(*end)).find_map(|end| {
+        Some((text[..end].parse::<f64>().ok().filter(|n| n.is_finite())?, text[end..].trim()))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_are_read_with_their_unit() {
+        let expected =
+            DesignVariable { key: "a.b".to_owned(), lower: 18.0, upper: 30.5, unit: "um".to_owned() };
+        for text in ["a.b=18um..30.5um", "a.b = 18 um .. 30.5 um", "a.b=18..30.5 um", "a.b=1.8e1..3.05e1um"] {
+            assert_eq!(DesignVariable::parse(text), Ok(expected.clone()), "{text}");
+        }
+        assert_eq!(expected.setting(expected.at(0.5)), "a.b=24.25 um");
+        let plain = DesignVariable::parse("friction=-1..2").unwrap();
+        assert_eq!((plain.lower, plain.setting(0.25)), (-1.0, "friction=0.25".to_owned()));
+        let share = DesignVariable::parse("wear.std=2 %..8 %").unwrap();
+        assert_eq!(share.setting(share.at(1.0 / 3.0)), "wear.std=4 %");
+    }
+
+    #[test]
+    fn what_is_no_range_is_refused() {
+        for text in ["a", "a=1", "=1..2", "a=1..b", "a=2..1", "a=1 um..2 mm", "a=1..inf", "a=..2"] {
+            assert!(DesignVariable::parse(text).is_err(), "{text}");
+        }
+    }
+}

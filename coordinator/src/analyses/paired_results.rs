@@ -1,0 +1,159 @@
+//! The changes of reliabilities and lives between two results from the same simulations, over populations of common random
+//! numbers.
+
+use crate::results::life_summary::{LifeCurveRow, LifeRow};
+use crate::results::summary::{ReliabilityRow, StudySummary};
+use crate::statistics::reliability::REACH;
+use crate::statistics::reliability::paired::{Change, IntervalEstimate, change, sampling_correlation};
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Changes of R at one checkpoint, by limit state and `total`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ReliabilityChange {
+    /// Checkpoint of life [cycles].
+    pub cycles: u32,
+    /// Change of R per curve.
+    #[serde(flatten)]
+    pub change: BTreeMap<String, ChangeRow>,
+}
+
+/// A change with its 95 % interval.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ChangeRow {
+    /// After minus before.
+    pub value: f64,
+    /// Lower limit; absent where it is not known.
+    pub lower: Option<f64>,
+    /// Upper limit; absent where it is not known.
+    pub upper: Option<f64>,
+}
+
+impl From<Change> for ChangeRow {
+    fn from(Change { value, lower, upper }: Change) -> Self {
+        Self { value, lower, upper }
+    }
+}
+
+impl From<ChangeRow> for Change {
+    fn from(ChangeRow { value, lower, upper }: ChangeRow) -> Self {
+        Self { value, lower, upper }
+    }
+}
+
+/// Change of the life at which a reliability falls to a level.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ChangeOfLife {
+    /// Name of the limit state, or `total`.
+    pub limit_state: String,
+    /// Level of the reliability [1].
+    pub reliability: f64,
+    /// Change of the life with its 95 % interval [cycles]; absent where one of the lives is not known.
+    pub cycles: Option<ChangeRow>,
+}
+
+/// The points of both populations, which are made from the same uniform numbers.
+pub struct PairedResults {
+    /// First failures `(curves)(N,)` before and after.
+    first: [Vec<Vec<u32>>; 2],
+    points: f64,
+}
+
+impl PairedResults {
+    /// The pair with these first failures before and after, of the system last.
+    pub fn new(before: Vec<Vec<u32>>, after: Vec<Vec<u32>>) -> Self {
+        let points = before[0].len() as f64;
+        Self { first: [before, after], points }
+    }
+
+    /// Correlation of the shares of curve `c` at checkpoints before and after; 0 for populations of other sizes.
+    fn correlation(&self, c: usize, by: (usize, usize)) -> f64 {
+        let [before, after] = [&self.first[0][c], &self.first[1][c]];
+        if before.len() == after.len() { sampling_correlation(before, after, by) } else { 0.0 }
+    }
+
+    /// Half of the 95 % interval of sampling of a share [1].
+    fn sampling(&self, r: f64) -> f64 {
+        REACH * (r * (1.0 - r) / self.points).max(0.0).sqrt()
+    }
+
+    /// Changes of R at every checkpoint.
+    pub fn reliability(&self, before: &StudySummary, after: &StudySummary) -> Vec<ReliabilityChange> {
+        let names = curve_names(before);
+        let interval = |row: &ReliabilityRow, name: &str| {
+            let range = row.interval_of(name)?;
+            let value = *row.reliability.get(name)?;
+            Some(IntervalEstimate {
+                value,
+                lower: range.lower,
+                upper: Some(range.upper),
+                sampling: self.sampling(value),
+            })
+        };
+        let rows = before.reliability.iter().zip(&after.reliability).enumerate();
+        rows.map(|(n, (before, after))| {
+            let of_curve = |(c, name): (usize, &String)| {
+                let r = self.correlation(c, (n, n));
+                let found = change(interval(before, name)?, interval(after, name)?, r);
+                Some((name.clone(), found.into()))
+            };
+            let change = names.iter().enumerate().filter_map(of_curve).collect();
+            ReliabilityChange { cycles: before.cycles, change }
+        })
+        .collect()
+    }
+
+    /// Changes of the lives at every level.
+    pub fn lives(&self, before: &StudySummary, after: &StudySummary) -> Vec<ChangeOfLife> {
+        let names = curve_names(before);
+        let checkpoints: Vec<f64> = before.reliability.iter().map(|row| f64::from(row.cycles)).collect();
+        // The checkpoint nearest to a life.
+        let nearest = |life: f64| {
+            let distance = |n: &usize| (checkpoints[*n] - life).abs();
+            (0..checkpoints.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
+        };
+        let rows = before.lives.iter().zip(&after.lives);
+        rows.map(|(b, a)| {
+            let both = b.cycles.zip(a.cycles).and_then(|(life_before, life_after)| {
+                let c = names.iter().position(|name| *name == b.limit_state)?;
+                let r = self.correlation(c, (nearest(life_before), nearest(life_after)));
+                let interval = |row: &LifeRow, value: f64, summary: &StudySummary| IntervalEstimate {
+                    value,
+                    lower: row.interval.lower,
+                    upper: row.interval.upper,
+                    sampling: self.sampling_of_life(summary, row),
+                };
+                Some(change(interval(b, life_before, before), interval(a, life_after, after), r).into())
+            });
+            ChangeOfLife { limit_state: b.limit_state.clone(), reliability: b.reliability, cycles: both }
+        })
+        .collect()
+    }
+
+    /// Half of the 95 % interval of sampling of a life [cycles], read from the curve at the level and its interval.
+    fn sampling_of_life(&self, summary: &StudySummary, row: &LifeRow) -> f64 {
+        let reach = self.sampling(row.reliability);
+        let Some(curve) = summary.curves.iter().find(|curve| curve.limit_state == row.limit_state) else {
+            return 0.0;
+        };
+        let lives = [row.reliability + reach, row.reliability - reach].map(|level| life_at(curve, level));
+        match lives {
+            [Some(first), Some(last)] => 0.5 * (last - first),
+            _ => 0.0,
+        }
+    }
+}
+
+/// Names of the curves: the limit states and `total`.
+pub fn curve_names(summary: &StudySummary) -> Vec<String> {
+    summary.limit_states.iter().cloned().chain(["total".to_owned()]).collect()
+}
+
+/// The time at which a curve falls to a level, between its points [cycles].
+fn life_at(curve: &LifeCurveRow, level: f64) -> Option<f64> {
+    let next = curve.reliability.iter().position(|r| *r <= level)?;
+    let before = next.checked_sub(1)?;
+    let (r0, r1) = (curve.reliability[before], curve.reliability[next]);
+    let share = if r0 > r1 { (r0 - level) / (r0 - r1) } else { 1.0 };
+    Some(curve.cycles[before] + share * (curve.cycles[next] - curve.cycles[before]))
+}

@@ -1,0 +1,28 @@
+//! The campaign of a study as its workers receive it.
+
+use super::error::CommandError;
+use common::scene::SceneSource;
+use coordinator::farm::dispatch::CampaignSpec;
+use coordinator::study::Settings;
+
+/// The campaign as announced to workers. A study has the same id whenever it is resumed.
+///
+/// # Errors
+/// [`CommandError::Json`].
+pub fn announced(
+    source: &SceneSource,
+    settings: &Settings,
+    resumed: bool,
+) -> Result<CampaignSpec, CommandError> {
+    let stored = serde_json::to_string(settings)?;
+    let digest = common::scene::source::digest(&format!("{stored}\n{}", source.text()));
+    let accuracy = settings.accuracy.setting.clone();
+    Ok(CampaignSpec {
+        // The low half of a 128-bit hash is a 64-bit hash.
+        id: digest as u64,
+        scene: source.text().to_owned(),
+        accuracy: accuracy.accuracy,
+        accuracy_name: accuracy.name,
+        resumed,
+    })
+}

@@ -1,0 +1,125 @@
+//! `coordinator check`: every fault and warning of a scene with its place, for people and for editors.
+
+use super::error::CommandError;
+use super::external;
+use super::nominal::nominal_check;
+use super::nominal_life::NominalLife;
+use super::output::{count, print, to_json};
+use super::scenes::check_linkage;
+use common::scene::{Fault, FaultKind, Location, Scene, SceneSource, Warning};
+use coordinator::farm::evaluate::external::check as check_simulator;
+use serde::Serialize;
+use serde_json::json;
+
+/// A fault or a warning as editors read it: columns count characters from 1, `end_column` stands after the last one.
+#[derive(Debug, Serialize)]
+struct SceneFinding<'f> {
+    file: &'f str,
+    line: Option<usize>,
+    column: Option<usize>,
+    end_column: Option<usize>,
+    key: &'f str,
+    message: String,
+    /// Where the parameter is used whose definition is at `line`.
+    used_at: Option<String>,
+}
+
+impl<'f> SceneFinding<'f> {
+    fn new(file: &'f str, location: Option<&Location>, key: &'f str, message: String) -> Self {
+        SceneFinding {
+            file,
+            line: location.map(|location| location.line),
+            column: location.map(|location| location.column),
+            end_column: location.map(|location| location.end_column),
+            key,
+            message,
+            used_at: None,
+        }
+    }
+
+    fn of_fault(fault: &'f Fault) -> Self {
+        let message = match &fault.kind {
+            FaultKind::Syntax { message, .. } => message.clone(),
+            kind => kind.to_string(),
+        };
+        let used_at = fault.used_at.as_ref().map(ToString::to_string);
+        SceneFinding {
+            used_at,
+            ..SceneFinding::new(&fault.file, fault.location.as_deref(), &fault.key, message)
+        }
+    }
+}
+
+/// Checks a scene: its text, its bounds, the ideal linkage through a whole cycle and the nominal mechanism against its limits, or that
+/// its program exists. Unused parameters and warnings are listed but are no fault. As JSON, faults are printed too.
+///
+/// # Errors
+/// [`CommandError::Scene`] with all faults, the errors of [`check_linkage`], or [`CommandError::Simulator`].
+pub fn check(file: &str, as_json: bool) -> Result<(), CommandError> {
+    let checked = valid_scene(file);
+    if let (Err(error), true) = (&checked, as_json) {
+        let findings = match error {
+            CommandError::Scene(faults) => faults.0.iter().map(SceneFinding::of_fault).collect(),
+            error => vec![SceneFinding::new(file, None, "", error.to_string())],
+        };
+        print(&to_json(&json!({ "file": file, "valid": false, "faults": findings }))?)?;
+    }
+    let source = checked?;
+    let scene = source.nominal();
+    let unused = source.unused_parameters();
+    let mut warnings = source.warnings();
+    let (lives, of_limits) = nominal_check(scene);
+    warnings.extend(of_limits);
+    if as_json {
+        let places: Vec<Option<Location>> = warnings.iter().map(|w| source.location(&w.key)).collect();
+        let findings: Vec<SceneFinding> = warnings
+            .iter()
+            .zip(&places)
+            .map(|(Warning { key, message }, place)| {
+                let file = place.as_ref().map_or(file, |place| &place.file);
+                SceneFinding::new(file, place.as_ref(), key, message.clone())
+            })
+            .collect();
+        return print(&to_json(&json!({ "file": file, "scene": scene.name, "valid": true, "faults": [],
+                                       "nominal": lives.iter().map(NominalLife::printed).collect::<Vec<_>>(),
+                                       "unused_parameters": unused, "warnings": findings }))?);
+    }
+    let unused = unused.iter().map(|name| (format!("parameters.{name}"), "nothing reads it"));
+    let warnings = warnings.iter().map(|warning| (warning.key.clone(), warning.message.as_str()));
+    let lines = unused.chain(warnings).map(|(key, message)| {
+        let place = source.location(&key).map_or_else(|| file.to_owned(), |place| place.to_string());
+        format!("{place}: {key}: {message}\n")
+    });
+    let lives = lives.iter().map(|life| format!("nominal {}", life.line(scene.life.cycles)));
+    let (lives, lines): (String, String) = (lives.collect(), lines.collect());
+    let look = match scene.simulator {
+        None => format!("To see it: coordinator draw {file}\n"),
+        Some(_) => String::new(),
+    };
+    print(&format!("{file}: valid; {}\n{lives}{lines}{look}", counts(scene)))
+}
+
+/// The scene, if its text is valid and what it describes can be simulated.
+fn valid_scene(file: &str) -> Result<SceneSource, CommandError> {
+    let source = SceneSource::load(file)?;
+    match &source.nominal().simulator {
+        None => check_linkage(source.origin(), source.nominal())?,
+        Some(simulator) => check_simulator(simulator)?,
+    }
+    Ok(source)
+}
+
+fn counts(scene: &Scene) -> String {
+    if scene.simulator.is_some() {
+        return external::counts(scene);
+    }
+    [
+        if scene.bodies.len() == 1 { "1 body".to_owned() } else { format!("{} bodies", scene.bodies.len()) },
+        count(scene.joints.len(), "joint"),
+        count(scene.loads.len(), "load"),
+        count(scene.variables.len(), "random variable"),
+        count(scene.limit_states.len(), "limit state"),
+        count(scene.life.cycles as usize, "cycle"),
+    ]
+    .join(", ")
+}

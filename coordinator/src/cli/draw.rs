@@ -1,0 +1,171 @@
+//! `coordinator draw`: the mechanism of a scene as a drawing, before anything is simulated.
+
+use super::error::CommandError;
+use super::output::{check_destination, print, to_json};
+use super::scenes::check_linkage;
+use clap::Args;
+use common::scene::{Motion, Scene, SceneSource};
+use coordinator::presentation::report::Mechanism;
+use coordinator::presentation::report::drawing::{self, DrawnMechanism, SHARE_OF_CYCLE};
+use coordinator::results::result_files::write_text;
+use std::path::PathBuf;
+use worker::mechanism::Prescribed;
+
+pub const EXAMPLES: &str = "\
+Without --out the drawing is a sketch in the terminal. It shows bodies and joints with their names, supports, sliders on their
+rails, drives with the angle of the crank, and loads; as SVG in true proportions, with a scale. With --json it is printed as
+data: outlines of bodies, positions of joints, loads and drives in m and deg.
+
+Examples:
+  coordinator draw four-bar
+  coordinator draw slider-crank --out slider-crank.svg
+  coordinator draw my.toml --at 0.5 --out my.svg --json";
+
+/// Instants of the cycle at which sliders are followed for the length of their rails.
+const INSTANTS: usize = 201;
+
+/// Arguments of `coordinator draw`.
+#[derive(Debug, Clone, Args)]
+pub struct DrawArguments {
+    /// Scene file, or name of a built-in scene
+    pub scene: String,
+    /// Write an SVG file
+    #[arg(long, value_name = "FILE.svg")]
+    pub out: Option<PathBuf>,
+    /// Position that is drawn, as a share of the cycle from 0 to 1
+    #[arg(long, value_name = "SHARE", default_value_t = SHARE_OF_CYCLE, value_parser = share)]
+    pub at: f64,
+}
+
+/// Reads a share from 0 to 1.
+fn share(text: &str) -> Result<f64, String> {
+    let value = text.trim().parse::<f64>().ok().filter(|x| (0.0..=1.0).contains(x));
+    value.ok_or_else(|| "allowed: a number from 0 to 1".to_owned())
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// [`CommandError::Scene`], [`CommandError::NoMechanism`], [`CommandError::NotModelled`] for a mechanism without extent, the failure of a linkage that does
+/// not close, or the error of a file that cannot be written.
+pub fn draw(arguments: &DrawArguments, as_json: bool) -> Result<(), CommandError> {
+    check_destination(arguments.out.as_deref())?;
+    let source = SceneSource::load(&arguments.scene)?;
+    let scene = source.nominal();
+    check_linkage(source.origin(), scene)?;
+    let mechanism = Mechanism::new(scene);
+    let drawn = drawn(source.origin(), scene, &mechanism, arguments.at)?;
+    if let Some(file) = &arguments.out {
+        write_text(file, &drawing::svg_file(&drawn, &mechanism))?;
+    }
+    match (as_json, &arguments.out) {
+        (true, _) => print(&to_json(&drawn)?),
+        (false, Some(file)) => print(&format!("{}\n", file.display())),
+        (false, None) => print(&format!("{}: {}\n\n{}", scene.name, scene.title, drawing::sketch(&drawn))),
+    }
+}
+
+/// The mechanism with ideal joints at a share of its cycle; at its start, where drives and joints do not determine the motion.
+///
+/// # Errors
+/// [`CommandError::NotModelled`] for a mechanism without extent, or the failure of a linkage that does not close.
+fn drawn(
+    origin: &str,
+    scene: &Scene,
+    mechanism: &Mechanism,
+    share: f64,
+) -> Result<DrawnMechanism, CommandError> {
+    let ideal = worker::mechanism::ideal_cycle(scene, INSTANTS, &mut 0)
+        .map_err(|failure| CommandError::of_simulation(origin, scene, failure))?;
+    let cycle: Vec<Vec<([f64; 2], f64)>> = ideal
+        .iter()
+        .map(|pose| {
+            let bodies = scene.bodies.iter().zip(&pose.q);
+            let of = |(body, q): (&common::scene::Body, &Option<[f64; 3]>)| match (&body.motion, q) {
+                (Motion::Free { centre_of_mass: [a, b], .. }, Some([x, y, angle])) => {
+                    let (sin, cos) = angle.sin_cos();
+                    ([x - cos * a + sin * b, y - sin * a - cos * b], *angle)
+                }
+                (Motion::Driven { position, .. }, _) => {
+                    (*position, Prescribed::from_body(body).map_or(0.0, |motion| motion.angle(pose.time)))
+                }
+                _ => ([0.0; 2], 0.0),
+            };
+            bodies.map(of).collect()
+        })
+        .collect();
+    let shown = drawing::instant(cycle.len(), share);
+    DrawnMechanism::new(mechanism, &cycle, shown).ok_or_else(|| {
+        let what = "a mechanism whose points all coincide".to_owned();
+        CommandError::NotModelled { origin: origin.to_owned(), what }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(name: &str) -> (DrawnMechanism, Mechanism) {
+        let source = SceneSource::builtin(name).expect("built in");
+        let mechanism = Mechanism::new(source.nominal());
+        (drawn(name, source.nominal(), &mechanism, SHARE_OF_CYCLE).expect("it closes"), mechanism)
+    }
+
+    #[test]
+    fn joints_are_closed_in_every_built_in_scene() {
+        for name in SceneSource::builtin_names() {
+            let (drawn, mechanism) = of(name);
+            let [low, high] = drawn.extent();
+            let size = (high[0] - low[0]).max(high[1] - low[1]);
+            for (joint, of_scene) in drawn.joints.iter().zip(&mechanism.joints) {
+                let ends = &drawn.bodies[of_scene.bushing.body].outline_m;
+                let near = ends.iter().map(|p| (p[0] - joint.at_m[0]).hypot(p[1] - joint.at_m[1]));
+                let gap = near.fold(f64::INFINITY, f64::min);
+                assert!(
+                    joint.rail_m.is_some() || gap < 1e-6 * size,
+                    "{name}, joint {}: gap {gap} m",
+                    joint.name
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn labels_do_not_overlap_in_any_position_of_any_built_in_scene() {
+        for name in SceneSource::builtin_names() {
+            let source = SceneSource::builtin(name).expect("built in");
+            let mechanism = Mechanism::new(source.nominal());
+            for eighth in 0..8 {
+                let share = f64::from(eighth) / 8.0;
+                let drawn = drawn(name, source.nominal(), &mechanism, share).expect("it closes");
+                let labels = drawing::sheet(&drawn).labels;
+                assert!(
+                    labels.len() >= drawn.joints.len() + drawn.loads.len() + drawn.drives.len(),
+                    "{name}"
+                );
+                for (k, a) in labels.iter().enumerate() {
+                    let over = labels[k + 1..].iter().find(|b| a.area.overlaps(&b.area));
+                    assert!(over.is_none(), "{name}, {share}: {a:?} and {over:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_crank_is_an_eighth_of_a_turn_ahead() {
+        let (drawn, _) = of("four-bar");
+        assert!((drawn.drives[0].angle_deg - 45.0).abs() < 1e-9, "{:?}", drawn.drives[0]);
+        let [x, y] = drawn.joints[0].at_m;
+        assert!((x - 0.02 * 0.5f64.sqrt()).abs() < 1e-9 && (x - y).abs() < 1e-9, "{x} {y}");
+    }
+
+    #[test]
+    fn a_slider_has_a_rail_as_long_as_its_stroke() {
+        let (drawn, _) = of("slider-crank");
+        let guide = drawn.joints.iter().find(|joint| joint.kind == "prismatic").expect("a guide");
+        let [[from, _], [to, _]] = guide.rail_m.expect("a rail");
+        // Two crank radii of 50 mm: both dead centres are among the 201 instants.
+        assert!((to - from - 0.1).abs() < 1e-9, "{from} to {to}");
+        assert!(guide.on_ground);
+    }
+}

@@ -1,0 +1,160 @@
+//! One mechanism against the limits of its scene: value at the end of life, limit, margin and expected life, per limit state.
+
+use common::outputs::Evaluation;
+use common::scene::{LimitState, OutputUnit, Scene};
+use coordinator::presentation::report::format::{count, three_digits};
+use serde::Serialize;
+
+/// When one mechanism reaches a limit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Reached {
+    /// In its first cycle, unworn.
+    FromTheStart,
+    /// After this many cycles, by a straight line between two checkpoints.
+    After(f64),
+    /// Not within the life studied; if the output grows, after this many cycles at the rate of the last interval.
+    Beyond(Option<f64>),
+}
+
+/// A limit state of one mechanism.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NominalLife<'s> {
+    /// The limit state.
+    pub limit: &'s LimitState,
+    /// Unit of its output.
+    pub unit: OutputUnit,
+    /// Value in the first cycle, unworn [SI], if it is known.
+    pub unworn: Option<f64>,
+    /// Value at the first checkpoint [SI].
+    pub first: f64,
+    /// Largest value over the checkpoints [SI]: failure is absorbing.
+    pub largest: f64,
+    /// Value at the last checkpoint [SI].
+    pub last: f64,
+    /// When the limit is reached.
+    pub reached: Reached,
+}
+
+/// A limit state in JSON, values in SI units.
+#[derive(Debug, Serialize)]
+pub struct PrintedLife<'s> {
+    limit_state: &'s str,
+    threshold: f64,
+    value_at_end: f64,
+    /// Expected life [cycles]; absent beyond the life studied.
+    life: Option<f64>,
+}
+
+/// The limit states of a mechanism whose values are those of `evaluation`.
+pub fn nominal_lives<'s>(scene: &'s Scene, evaluation: &Evaluation) -> Vec<NominalLife<'s>> {
+    let life = |limit: &'s LimitState| {
+        let history = &evaluation.histories[limit.output];
+        let unworn = evaluation.start.get(limit.output).copied().flatten();
+        NominalLife {
+            limit,
+            unit: scene.outputs[limit.output].kind.unit(),
+            unworn,
+            first: history[0],
+            largest: history.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+            last: history[history.len() - 1],
+            reached: reached(&evaluation.cycles, history, unworn, limit.threshold),
+        }
+    };
+    scene.limit_states.iter().map(life).collect()
+}
+
+/// When a history `(m,)` at checkpoints `(m,)` [cycles], which begins at `unworn`, first reaches a threshold.
+fn reached(cycles: &[u32], history: &[f64], unworn: Option<f64>, threshold: f64) -> Reached {
+    if unworn.is_some_and(|unworn| unworn >= threshold) {
+        return Reached::FromTheStart;
+    }
+    // Without a value of the unworn mechanism the first interval has no line.
+    let start = unworn.map(|unworn| (0.0, unworn));
+    let points: Vec<(f64, f64)> =
+        start.into_iter().chain(cycles.iter().map(|n| f64::from(*n)).zip(history.iter().copied())).collect();
+    let crossing =
+        |[(from, low), (to, high)]: [(f64, f64); 2]| from + (to - from) * (threshold - low) / (high - low);
+    match points.iter().position(|(_, value)| *value >= threshold) {
+        Some(0) => Reached::After(points[0].0),
+        Some(k) => Reached::After(crossing([points[k - 1], points[k]])),
+        None => Reached::Beyond(match points.as_slice() {
+            [.., before, last] if last.1 > before.1 => Some(crossing([*before, *last])),
+            _ => None,
+        }),
+    }
+}
+
+impl NominalLife<'_> {
+    /// A value of the output with its unit, to three digits.
+    pub fn shown(&self, value: f64) -> String {
+        self.unit.after(&three_digits(self.unit.to_shown(value))).replace('\u{a0}', " ")
+    }
+
+    /// The line about this limit state, e.g. `wear: 10.0 µm after 8 000 cycles, limit 8.00 µm, margin -25 %; reached after about 5 930
+    /// cycles`.
+    pub fn line(&self, cycles: u32) -> String {
+        let (threshold, name) = (self.limit.threshold, &self.limit.name);
+        let margin = 100.0 * (1.0 - self.last / threshold);
+        let whole = |cycles: f64| count(cycles.round() as u64);
+        let when = match self.reached {
+            Reached::FromTheStart => "reached in the first cycle, unworn".to_owned(),
+            Reached::After(life) => format!("reached after about {} cycles", whole(life)),
+            Reached::Beyond(Some(life)) if life < 1e9 => {
+                format!("not reached; at the last rate after about {} cycles", whole(life))
+            }
+            Reached::Beyond(_) => "not reached".to_owned(),
+        };
+        let (value, limit) = (self.shown(self.last), self.shown(threshold));
+        let cycles = count(cycles.into());
+        format!("{name}: {value} after {cycles} cycles, limit {limit}, margin {margin:.0} %; {when}\n")
+            .replace('\u{a0}', " ")
+    }
+
+    /// This limit state as JSON.
+    pub fn printed(&self) -> PrintedLife<'_> {
+        let life = match self.reached {
+            Reached::FromTheStart => Some(0.0),
+            Reached::After(life) => Some(life),
+            Reached::Beyond(_) => None,
+        };
+        let (threshold, value_at_end) = (self.limit.threshold, self.last);
+        PrintedLife { limit_state: &self.limit.name, threshold, value_at_end, life }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use common::scene::SceneSource;
+
+    #[test]
+    fn a_limit_is_reached_between_checkpoints_or_later_or_never() {
+        let cycles = [100, 200, 300];
+        let at = |history: &[f64; 3], unworn, threshold| reached(&cycles, history, unworn, threshold);
+        assert_eq!(at(&[1.0, 2.0, 4.0], Some(0.0), 3.0), Reached::After(250.0));
+        assert_eq!(at(&[1.0, 2.0, 4.0], Some(0.0), 0.5), Reached::After(50.0));
+        assert_eq!(at(&[1.0, 2.0, 4.0], None, 0.5), Reached::After(100.0));
+        assert_eq!(at(&[1.0, 2.0, 4.0], Some(3.0), 3.0), Reached::FromTheStart);
+        assert_eq!(at(&[1.0, 2.0, 4.0], Some(0.0), 6.0), Reached::Beyond(Some(400.0)));
+        // Failure is absorbing, and what falls is not reached later.
+        assert_eq!(at(&[1.0, 5.0, 2.0], Some(0.0), 3.0), Reached::After(150.0));
+        assert_eq!(at(&[1.0, 2.0, 1.0], Some(0.0), 3.0), Reached::Beyond(None));
+    }
+
+    #[test]
+    fn the_line_has_value_limit_margin_and_life() {
+        let scene = SceneSource::builtin("four-bar").expect("built in").nominal().clone();
+        let depths = (1..=8).map(|k| 1.25e-6 * f64::from(k)).collect();
+        let mut evaluation =
+            Evaluation::from_histories((1..=8).map(|k| 1000 * k).collect(), vec![depths, vec![40.0; 8]]);
+        evaluation.start = vec![Some(0.0), None];
+        let lives = nominal_lives(&scene, &evaluation);
+        assert_eq!(
+            lives[0].line(8000),
+            "wear: 10.0 µm after 8 000 cycles, limit 8.00 µm, margin -25 %; reached after about 6 400 cycles\n"
+        );
+        let printed = serde_json::to_value(lives[0].printed()).unwrap();
+        assert_eq!(printed["limit_state"], "wear");
+        assert!((printed["life"].as_f64().unwrap() - 6400.0).abs() < 1e-6, "{printed}");
+    }
+}

@@ -1,0 +1,69 @@
+//! `coordinator completions` and `coordinator man`: the command line for shells and for `man`.
+
+use super::command::CommandLine;
+use super::error::CommandError;
+use super::output::print;
+use clap::CommandFactory;
+use clap_complete::Shell;
+use std::path::Path;
+
+/// Name of the program, as shells know it.
+const PROGRAM: &str = "coordinator";
+
+/// Prints the completions for a shell.
+///
+/// # Errors
+/// [`CommandError::Output`].
+pub fn completions(shell: Shell) -> Result<(), CommandError> {
+    let mut script = Vec::new();
+    clap_complete::generate(shell, &mut CommandLine::command(), PROGRAM, &mut script);
+    print(&String::from_utf8_lossy(&script))
+}
+
+/// Prints the manual page of the program, or writes it and those of all commands to the folder `out`.
+///
+/// # Errors
+/// [`CommandError::Folder`] or [`CommandError::Output`].
+pub fn man(out: Option<&Path>) -> Result<(), CommandError> {
+    let mut whole = CommandLine::grouped();
+    whole.build();
+    if let Some(folder) = out {
+        let refused = |error| CommandError::Folder { path: folder.to_path_buf(), error };
+        std::fs::create_dir_all(folder).map_err(refused)?;
+        return clap_mangen::generate_to(whole, folder).map_err(refused);
+    }
+    let mut text = Vec::new();
+    clap_mangen::Man::new(whole).render(&mut text).map_err(CommandError::Output)?;
+    print(&String::from_utf8_lossy(&text))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::ValueEnum;
+
+    #[test]
+    fn every_shell_has_completions_of_every_command() {
+        for shell in Shell::value_variants() {
+            let mut script = Vec::new();
+            clap_complete::generate(*shell, &mut CommandLine::command(), PROGRAM, &mut script);
+            let script = String::from_utf8(script).unwrap();
+            for name in ["simulate", "what-if", "max-evaluations"] {
+                assert!(script.contains(name), "{shell}: no {name}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_command_has_a_page() {
+        let folder = tempfile::tempdir().unwrap();
+        man(Some(folder.path())).unwrap();
+        for command in CommandLine::command().get_subcommands().filter(|command| !command.is_hide_set()) {
+            let file = folder.path().join(format!("coordinator-{}.1", command.get_name()));
+            let page =
+                std::fs::read_to_string(&file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+            assert!(page.contains(".SH SYNOPSIS") && page.contains("OPTIONS"), "{page}");
+        }
+        assert!(folder.path().join("coordinator.1").exists());
+    }
+}

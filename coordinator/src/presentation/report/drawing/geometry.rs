@@ -1,0 +1,233 @@
+//! What a drawing of a mechanism shows, as data in SI: bodies, joints, loads and drives in one position of the cycle, for the
+//! drawing, the sketch in the terminal and other programs.
+
+use super::words;
+use crate::presentation::report::mechanism::{Mechanism, Pose};
+use common::scene::{Attachment, JointKind, Load, Motion};
+use serde::Serialize;
+
+/// Distance below which two points of a drawing are one [m].
+const SAME_POINT: f64 = 1e-9;
+
+/// A mechanism in one position.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DrawnMechanism {
+    /// Bodies in the order of the scene.
+    pub bodies: Vec<DrawnBody>,
+    /// Joints in the order of the scene.
+    pub joints: Vec<DrawnJoint>,
+    /// Loads in the order of the scene.
+    pub loads: Vec<DrawnLoad>,
+    /// Drives of the driven bodies.
+    pub drives: Vec<DrawnDrive>,
+    /// Acceleration of gravity `(2,)` [m/s^2].
+    pub gravity_m_s2: [f64; 2],
+}
+
+/// How a body moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum DrawnMotion {
+    /// Part of the frame.
+    Fixed,
+    /// Turns as prescribed.
+    Driven,
+    /// Moves under joints and loads.
+    Free,
+}
+
+/// A body in its place.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DrawnBody {
+    /// Name in the scene.
+    pub name: String,
+    /// Fixed, driven or free.
+    pub motion: DrawnMotion,
+    /// Corners of the body, without repeated points `(p, 2)` [m].
+    pub outline_m: Vec<[f64; 2]>,
+    /// Points where the body is held by the ground `(s, 2)` [m].
+    pub supports_m: Vec<[f64; 2]>,
+}
+
+/// A joint in its place.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DrawnJoint {
+    /// Name in the scene.
+    pub name: String,
+    /// `revolute`, `prismatic`, `fixed` or `clearance`, as in scenes.
+    pub kind: &'static str,
+    /// Position of the first body's point, the journal `(2,)` [m].
+    pub at_m: [f64; 2],
+    /// Ends of the rail of a prismatic joint `(2, 2)` [m]: where the first body's point goes through the cycle.
+    pub rail_m: Option<[[f64; 2]; 2]>,
+    /// True if the rail belongs to a fixed body.
+    pub on_ground: bool,
+}
+
+/// A load in its place.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DrawnLoad {
+    /// Name in the scene.
+    pub name: String,
+    /// Kind and size in words, e.g. `force 3 N`.
+    pub size: String,
+    /// Symbol and place of the load.
+    pub symbol: LoadSymbol,
+}
+
+/// Symbol of a load.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LoadSymbol {
+    /// An arrow: point of application [m], direction [1].
+    Arrow([f64; 2], [f64; 2]),
+    /// A curved arrow: centre [m]; true if counter-clockwise.
+    Turn([f64; 2], bool),
+    /// A coil between two points [m].
+    Coil([f64; 2], [f64; 2]),
+    /// A spiral at a point [m].
+    Spiral([f64; 2]),
+}
+
+/// A drive in its place.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DrawnDrive {
+    /// Name of the driven body.
+    pub body: String,
+    /// Axis of the body `(2,)` [m].
+    pub pivot_m: [f64; 2],
+    /// Angle of the body in the drawn position in degrees.
+    pub angle_deg: f64,
+    /// Speed in words, e.g. `900 r/min`.
+    pub speed: String,
+    /// True if the body begins counter-clockwise.
+    pub counter_clockwise: bool,
+}
+
+/// Vector of the plane from `a` to `b`.
+fn between(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [b[0] - a[0], b[1] - a[1]]
+}
+
+/// Position [m] of a point of a body in these poses.
+pub fn place(poses: &[Pose], point: &Attachment) -> [f64; 2] {
+    of_body(&poses[point.body], point.position)
+}
+
+fn of_body(([x, y], angle): &Pose, [a, b]: [f64; 2]) -> [f64; 2] {
+    let (sin, cos) = angle.sin_cos();
+    [x + cos * a - sin * b, y + sin * a + cos * b]
+}
+
+impl DrawnMechanism {
+    /// The mechanism in position `shown` of a cycle, given as poses per instant and body `(n, bodies)`; `None` without an
+    /// instant of that number, for poses that are not finite, or if all points coincide.
+    pub fn new(mechanism: &Mechanism, cycle: &[Vec<Pose>], shown: usize) -> Option<Self> {
+        let poses = cycle.get(shown)?;
+        let bodies = mechanism.bodies.iter().enumerate().map(|(index, body)| DrawnBody {
+            name: body.name.clone(),
+            motion: match body.motion {
+                Motion::Fixed => DrawnMotion::Fixed,
+                Motion::Driven { .. } => DrawnMotion::Driven,
+                Motion::Free { .. } => DrawnMotion::Free,
+            },
+            outline_m: mechanism.outline(index).iter().map(|p| of_body(&poses[index], *p)).collect(),
+            supports_m: mechanism.supports(index).iter().map(|p| of_body(&poses[index], *p)).collect(),
+        });
+        let joints = (0..mechanism.joints.len()).map(|index| joint(mechanism, cycle, poses, index));
+        let loads = mechanism.loads.iter().map(|load| self::load(mechanism, poses, load));
+        let drives = mechanism.bodies.iter().zip(poses).filter_map(|(body, (pivot, angle))| {
+            let Motion::Driven { drive, .. } = &body.motion else { return None };
+            let (speed, counter_clockwise) = words::drive(drive);
+            let angle_deg = angle.to_degrees().rem_euclid(360.0);
+            Some(DrawnDrive { body: body.name.clone(), pivot_m: *pivot, angle_deg, speed, counter_clockwise })
+        });
+        let drawn = Self {
+            bodies: bodies.collect(),
+            joints: joints.collect(),
+            loads: loads.collect(),
+            drives: drives.collect(),
+            gravity_m_s2: mechanism.gravity,
+        };
+        let [low, high] = drawn.extent();
+        let size = (high[0] - low[0]).max(high[1] - low[1]);
+        (size.is_finite() && size > SAME_POINT).then_some(drawn)
+    }
+
+    /// Lower left and upper right corner of bodies, joints and rails `(2, 2)` [m].
+    pub fn extent(&self) -> [[f64; 2]; 2] {
+        let bodies = self.bodies.iter().flat_map(|body| body.outline_m.iter().chain(&body.supports_m));
+        let joints = self.joints.iter().map(|joint| &joint.at_m);
+        let rails = self.joints.iter().flat_map(|joint| joint.rail_m.iter().flatten());
+        let coils = self.loads.iter().flat_map(|load| match &load.symbol {
+            LoadSymbol::Coil(a, b) => vec![a, b],
+            _ => vec![],
+        });
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for point in bodies.chain(joints).chain(rails).chain(coils) {
+            for axis in 0..2 {
+                // A value that is not a number must not be lost in a minimum.
+                let keep = |a: f64, b: f64, less: bool| if b.is_nan() || (b < a) == less { b } else { a };
+                low[axis] = keep(low[axis], point[axis], true);
+                high[axis] = keep(high[axis], point[axis], false);
+            }
+        }
+        [low, high]
+    }
+}
+
+fn joint(mechanism: &Mechanism, cycle: &[Vec<Pose>], poses: &[Pose], index: usize) -> DrawnJoint {
+    let joint = &mechanism.joints[index];
+    let fixed = mechanism.bodies[joint.bushing.body].motion == Motion::Fixed;
+    let rail_m =
+        mechanism.rail(joint, cycle).map(|ends| ends.map(|p| of_body(&poses[joint.bushing.body], p)));
+    DrawnJoint {
+        name: joint.name.clone(),
+        kind: match joint.kind {
+            JointKind::Revolute => "revolute",
+            JointKind::Prismatic { .. } => "prismatic",
+            JointKind::Fixed { .. } => "fixed",
+            JointKind::Clearance(_) => "clearance",
+        },
+        at_m: place(poses, &joint.journal),
+        on_ground: fixed && rail_m.is_some(),
+        rail_m,
+    }
+}
+
+fn load(mechanism: &Mechanism, poses: &[Pose], load: &Load) -> DrawnLoad {
+    let middle = |body: usize| {
+        let outline = mechanism.outline(body);
+        let n = outline.len().max(1) as f64;
+        of_body(&poses[body], outline.iter().fold([0.0; 2], |m, p| [m[0] + p[0] / n, m[1] + p[1] / n]))
+    };
+    let symbol = match load {
+        Load::ConstantForce { at, force, .. } => LoadSymbol::Arrow(place(poses, at), *force),
+        Load::VariableForce { at, direction, size, .. } => {
+            let sign = words::largest(&size.table.value).signum();
+            LoadSymbol::Arrow(place(poses, at), direction.map(|d| sign * d))
+        }
+        Load::ConstantTorque { body, torque, .. } => LoadSymbol::Turn(middle(*body), *torque >= 0.0),
+        Load::VariableTorque { body, torque, .. } => {
+            LoadSymbol::Turn(middle(*body), words::largest(&torque.table.value) >= 0.0)
+        }
+        Load::Motor { body, stall_torque, .. } => LoadSymbol::Turn(middle(*body), *stall_torque >= 0.0),
+        Load::Spring { a, b, .. } => LoadSymbol::Coil(place(poses, a), place(poses, b)),
+        // Along its direction the spring ends at the height of its anchor, across it nowhere in particular.
+        Load::DirectionalSpring { at, anchor, direction: [dx, dy], .. } => {
+            let from = place(poses, at);
+            let [x, y] = between(place(poses, anchor), from);
+            let height = x * dx + y * dy;
+            LoadSymbol::Coil(from, [from[0] - height * dx, from[1] - height * dy])
+        }
+        Load::TorsionSpring { a, b, .. } => {
+            let joins = |body: usize, other: usize| {
+                mechanism.joints.iter().find(|j| j.journal.body == body && j.bushing.body == other)
+            };
+            let shared = joins(*a, *b).or_else(|| joins(*b, *a));
+            LoadSymbol::Spiral(shared.map_or_else(|| middle(*a), |joint| place(poses, &joint.journal)))
+        }
+    };
+    let (name, size) = words::load(load);
+    DrawnLoad { name, size, symbol }
+}

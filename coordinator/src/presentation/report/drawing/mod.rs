@@ -1,0 +1,99 @@
+//! The drawing of a mechanism, made before any simulation: bodies, joints, drives and loads in one position of the cycle, as
+//! SVG for the report and for `draw`, and as letters for the terminal.
+//!
+//! | file | content |
+//! |---|---|
+//! | `geometry` | what is shown, as data in SI |
+//! | `words` | drives and loads in words |
+//! | `labels` | places of labels that do not overlap |
+//! | `symbols` | links, supports, sliders, arrows and springs as SVG |
+//! | `sheet` | the whole drawing as SVG |
+//! | `sketch` | the drawing in letters |
+
+mod geometry;
+mod labels;
+mod sheet;
+mod sketch;
+pub mod symbols;
+#[cfg(test)]
+mod tests;
+mod words;
+
+pub use geometry::{DrawnBody, DrawnDrive, DrawnJoint, DrawnLoad, DrawnMechanism, DrawnMotion, LoadSymbol};
+pub use labels::{Label, LabelArea, LabelOf, PlacedLabel};
+pub use sheet::{MechanismSheet, sheet};
+pub use sketch::sketch;
+
+use super::figure::{Figure, csv};
+use super::page::standalone;
+use crate::results::csv_table::number;
+use common::scene::JointKind;
+
+use super::mechanism::Mechanism;
+
+/// Name of the figure and of its files.
+pub const NAME: &str = "drawing";
+
+/// Share of the cycle at which mechanisms are drawn: at its start many are stretched out, with bodies on top of each other.
+pub const SHARE_OF_CYCLE: f64 = 0.125;
+
+/// Number of the instant at a share of a cycle of `n` instants.
+pub fn instant(n: usize, share: f64) -> usize {
+    (share * n.saturating_sub(1) as f64).round() as usize
+}
+
+/// The drawing with caption and coordinates.
+pub fn figure(drawn: &DrawnMechanism, mechanism: &Mechanism) -> Figure {
+    let rows = drawn
+        .bodies
+        .iter()
+        .flat_map(|body| body.outline_m.iter().map(|point| ("body", body.name.clone(), *point)));
+    let joints = drawn.joints.iter().map(|joint| (joint.kind, joint.name.clone(), joint.at_m));
+    let rows = rows
+        .chain(joints)
+        .map(|(kind, name, [x, y])| vec![kind.to_owned(), name, number(1e3 * x), number(1e3 * y)]);
+    Figure {
+        name: NAME.into(),
+        title: "The mechanism".into(),
+        caption: caption(drawn, mechanism),
+        svg: sheet(drawn).svg,
+        csv: csv(&["kind", "name", "x [mm]", "y [mm]"], rows),
+    }
+}
+
+/// The drawing as an SVG file.
+pub fn svg_file(drawn: &DrawnMechanism, mechanism: &Mechanism) -> String {
+    standalone(&figure(drawn, mechanism))
+}
+
+/// The meaning of the symbols that appear.
+fn caption(drawn: &DrawnMechanism, mechanism: &Mechanism) -> String {
+    let has = |kind: &str| drawn.joints.iter().any(|joint| joint.kind == kind);
+    let mut parts = Vec::new();
+    if has("clearance") {
+        parts.push("circle with a dot: hinge with clearance");
+    }
+    if has("revolute") {
+        parts.push("circle: ideal hinge");
+    }
+    if has("prismatic") {
+        parts.push("block on a rail: slider");
+    }
+    if has("fixed") {
+        parts.push("square: rigid connection");
+    }
+    if drawn.bodies.iter().any(|body| !body.supports_m.is_empty()) || drawn.joints.iter().any(|j| j.on_ground)
+    {
+        parts.push("hatched: frame");
+    }
+    if !drawn.loads.is_empty() {
+        parts.push("red: loads, with their size");
+    }
+    if !drawn.drives.is_empty() {
+        parts.push("curved arrow at a pivot: drive, with its angle in this position");
+    }
+    let clearances = mechanism.joints.iter().any(|joint| matches!(joint.kind, JointKind::Clearance(_)));
+    let proportions =
+        if clearances { "True proportions, clearances too small to be seen" } else { "True proportions" };
+    format!("{proportions}. In italics: bodies; {}.", parts.join("; "))
+}

@@ -1,0 +1,223 @@
+//! The chapter "What was studied": drawing, bodies, joints, loads, random variables, limit states, assumptions, and the facts
+//! that identify the study.
+//!
+//! | file | content |
+//! |---|---|
+//! | `mechanism_tables` | bodies, drives, joints, hinges with clearance, materials, loads |
+//! | `variable_tables` | random variables, correlations, outputs, limit states, life |
+
+mod mechanism_tables;
+mod variable_tables;
+
+use super::drawing::{self, DrawnMechanism, SHARE_OF_CYCLE};
+use super::figure::Figure;
+use super::format::{UNKNOWN, count};
+use super::input::ReportInput;
+use super::page::{captioned, figures, numbered};
+use super::{tables, words};
+use common::scene::{ContactLaw, JointKind, SimulatorKind};
+use maud::{Markup, html};
+use ring::digest::{SHA256, digest};
+use std::fmt::Write;
+
+/// Random variables beyond this number are listed in the appendix.
+const VARIABLES_IN_CHAPTER: usize = 12;
+
+/// The drawing of the nominal mechanism; `None` without the motion of every body.
+pub fn figure(input: &ReportInput) -> Option<Figure> {
+    let cycle = input.nominal.as_ref()?.first_cycle.as_ref()?;
+    let poses = input.mechanism.poses(cycle)?;
+    let drawn = DrawnMechanism::new(&input.mechanism, &poses, drawing::instant(poses.len(), SHARE_OF_CYCLE))?;
+    Some(drawing::figure(&drawn, &input.mechanism))
+}
+
+/// The chapter with the figures in `drawn`; long tables are left to the [`appendix`].
+pub fn chapter(input: &ReportInput, drawn: &[Figure]) -> Markup {
+    let scene = &input.scene;
+    let many = scene.variables.len() > VARIABLES_IN_CHAPTER;
+    html! {
+        h2 { "What was studied" }
+        p {
+            "Every value is nominal and in the scene file " code { "scene.toml" } " next to this page, which is listed in the appendix"
+            @if !drawn.is_empty() { "; the mechanism is drawn in " (numbered::refer(drawing::NAME)) }
+            "."
+        }
+        (figures(drawn, "one"))
+        @if let Some(simulator) = &scene.simulator {
+            p {
+                "Responses are computed by an external simulator, "
+                @match &simulator.kind {
+                    SimulatorKind::Program(program) => { "the program " code { (program.command.join(" ")) } }
+                    SimulatorKind::UmBridge(model) => { "the model " (model.model) " of the server " code { (model.url) } }
+                }
+                "."
+            }
+        } @else {
+            (mechanism_tables::tables(scene))
+        }
+        @if many {
+            p { "The " (scene.variables.len()) " random variables are listed in " (numbered::refer_table("variables")) "." }
+        } @else {
+            (variable_tables::variables(scene))
+        }
+        (variable_tables::limits(scene))
+        h3 { "Assumptions and limits of the model" }
+        ul { @for sentence in assumptions(input) { li { (sentence) } } }
+        (facts(input))
+    }
+}
+
+/// What is too long for the chapter.
+pub fn appendix(input: &ReportInput) -> Markup {
+    html! {
+        @if input.scene.variables.len() > VARIABLES_IN_CHAPTER { (variable_tables::variables(&input.scene)) }
+    }
+}
+
+/// What the model does not contain.
+fn assumptions(input: &ReportInput) -> Vec<String> {
+    let scene = &input.scene;
+    let mut text = Vec::new();
+    if scene.simulator.is_none() {
+        text.push("The mechanism is planar and its bodies are rigid.".to_owned());
+        let clearances: Vec<_> = scene
+            .joints
+            .iter()
+            .filter_map(|joint| match &joint.kind {
+                JointKind::Clearance(clearance) => Some(clearance),
+                _ => None,
+            })
+            .collect();
+        if !clearances.is_empty() {
+            text.push(
+                "Only bushings wear, by Archard's law with a constant coefficient, evenly over their width. Temperature, \
+                 debris and running-in are not modelled."
+                    .to_owned(),
+            );
+            for law in ContactLaw::ALL {
+                if clearances.iter().any(|clearance| clearance.contact_law == law) {
+                    text.push(format!("Contact by the law {}: {}.", law.name(), law.explanation()));
+                }
+            }
+        }
+        if clearances.len() < scene.joints.len() {
+            text.push("Ideal joints have neither clearance nor friction nor wear.".to_owned());
+        }
+    }
+    text.push(
+        if scene.correlations.is_empty() {
+            "Random variables are independent and constant over life."
+        } else {
+            "Random variables depend on each other by a Gaussian copula and are constant over life."
+        }
+        .to_owned(),
+    );
+    text.push(
+        "Failure is final: a limit state that was reached once counts as failed from then on. Checkpoints are the only lives at \
+         which responses are known; between them crossing times are interpolated."
+            .to_owned(),
+    );
+    text.push(
+        "The intervals contain sampling, surrogates and interpolation, and where stated the numerical error of the simulations. \
+         The error of the model itself, and of its coefficients, is in none of them: results calibrated to measurements describe \
+         these, and are no prediction for other conditions."
+            .to_owned(),
+    );
+    text
+}
+
+/// What identifies the study.
+fn facts(input: &ReportInput) -> Markup {
+    let summary = &input.summary;
+    let or_unknown = |text: &str| if text.is_empty() { UNKNOWN.to_string() } else { text.to_string() };
+    let workers: Vec<&str> = summary.workers.iter().map(|worker| worker.name.as_str()).collect();
+    let hash = if input.scene_source.is_empty() { String::new() } else { sha256(&input.scene_source) };
+    let rows = [
+        ("begun", html! { (or_unknown(&moment(&input.created))) }),
+        ("command", html! { code { (or_unknown(&input.command)) } }),
+        ("version", html! { "Hingewise " (or_unknown(&summary.version)) }),
+        (
+            "scene",
+            html! { (summary.scene) ", SHA-256 of " code { "scene.toml" } " " code { (or_unknown(&hash)) } },
+        ),
+        ("method", html! { (summary.method) ", accuracy " (words::accuracy(summary)) }),
+        ("seed", html! { (summary.seed) }),
+        ("population", html! { (count(summary.population as u64)) }),
+        ("workers", html! { (or_unknown(&workers.join(", "))) }),
+    ];
+    captioned(
+        "facts",
+        "The study",
+        tables::table_of_text(
+            &["item", "value"],
+            rows.into_iter().map(|(name, value)| vec![html! { (name) }, value]),
+        ),
+    )
+}
+
+/// A time of the campaign file, e.g. `2026-11-23T23:18:38.139Z`, to the second.
+fn moment(time: &str) -> String {
+    match time.split_once('T') {
+        Some((day, clock)) => format!("{day} {} UTC", clock.split(['.', 'Z']).next().unwrap_or_default()),
+        None => time.to_owned(),
+    }
+}
+
+/// SHA-256 of a text as hexadecimal digits.
+fn sha256(text: &str) -> String {
+    digest(&SHA256, text.as_bytes()).as_ref().iter().fold(String::new(), |mut hex, byte| {
+        // Writing to a String cannot fail.
+        let _ = write!(hex, "{byte:02x}");
+        hex
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_study;
+    use common::scene::SceneSource;
+
+    #[test]
+    fn the_hash_is_that_of_the_standard() {
+        // FIPS 180-2, appendix B.1.
+        assert_eq!(sha256("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+    }
+
+    #[test]
+    fn times_are_stated_to_the_second() {
+        assert_eq!(moment("2026-11-23T23:18:38.139Z"), "2026-11-23 23:18:38 UTC");
+    }
+
+    /// Every name of the scene with every word of the language is in the chapter or in the appendix.
+    #[test]
+    fn every_part_of_a_scene_is_listed() {
+        let source = include_str!("../../../../../common/tests/scenes/everything.toml");
+        let scene = SceneSource::parse(source, "everything").unwrap().nominal().clone();
+        let mut input = test_study::report_input();
+        input.scene = scene.clone();
+        let text = (chapter(&input, &[]).0 + &appendix(&input).0).replace('\u{a0}', " ");
+        let names = scene.bodies.iter().map(|body| &body.name);
+        let names = names.chain(scene.joints.iter().map(|joint| &joint.name));
+        let names = names.chain(scene.variables.iter().map(|variable| &variable.name));
+        let names = names.chain(scene.limit_states.iter().map(|limit| &limit.name));
+        for name in names.chain(scene.outputs.iter().map(|output| &output.name)) {
+            assert!(text.contains(&format!("<td>{name}</td>")), "{name} in {text}");
+        }
+        for said in [
+            "<td>200 g</td>",
+            "<td>far (20, 0); near (0, 0)</td>",
+            "≥ 500 µm</td>",
+            "flores, e = 1",
+            "hunt-crossley, 7.5 s/m",
+            "206 GPa",
+            "Gumbel of minima",
+            "parameters.arm",
+            "Gaussian copula",
+            "spring of 2000 N/m",
+            "gravity",
+        ] {
+            assert!(text.to_lowercase().contains(&said.to_lowercase()), "{said} in {text}");
+        }
+    }
+}
