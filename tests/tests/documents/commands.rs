@@ -17,7 +17,7 @@ fn help(name: &str, arguments: &[&str]) -> Option<String> {
 }
 
 /// Commands of the coordinator, from its help: words that begin an indented line, that wide space separates from
-/// their description, and that have a help of their own.
+/// their description, and those of the line that lists more of them; each has a help of its own.
 fn commands() -> BTreeSet<String> {
     let text = help("coordinator", &[]).unwrap();
     let candidates = text.lines().filter_map(|line| {
@@ -25,6 +25,8 @@ fn commands() -> BTreeSet<String> {
         let name = word.chars().all(|c| c.is_ascii_lowercase() || c == '-') && !word.starts_with('-');
         (name && !rest.is_empty() && word != "help").then_some(word)
     });
+    let more = text.lines().find_map(|line| line.strip_prefix("More (COMMAND --help): "));
+    let candidates = candidates.chain(more.expect("a line with more commands").split(", "));
     let own_help = |command: &&str| {
         help("coordinator", &[command]).is_some_and(|text| text.contains(&format!("coordinator {command}")))
     };

@@ -5,6 +5,8 @@ use crate::quick_study::followed;
 use common::accuracy::{Accuracy, KNOBS};
 use serde_json::Value;
 use std::collections::BTreeSet;
+use std::process::Command;
+use tests::skipped;
 
 /// Words between backquotes on a page, taken apart at what is no part of a name.
 fn named(page: &str) -> BTreeSet<String> {
@@ -85,4 +87,37 @@ fn every_setting_of_the_accuracy_has_its_place_on_the_page() {
     found.extend(knobs.map(str::to_owned));
     let missing: Vec<String> = found.difference(&known).cloned().collect();
     assert_none(&missing);
+}
+
+/// The Python of the page reads the study of the front page; what needs a package that is not installed is left out.
+#[test]
+fn the_python_of_the_page_reads_a_study() {
+    let page = read("coordinator/doc/results.md");
+    let blocks: Vec<&str> =
+        page.split("```python\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
+    assert!(blocks.len() >= 2, "{blocks:?}");
+    let folder = followed().folder.parent().unwrap();
+    let python = |code: &str| Command::new("python3").args(["-c", code]).current_dir(folder).output();
+    for block in blocks {
+        let imports: String =
+            block.lines().filter(|line| line.starts_with("import ")).flat_map(|line| [line, "\n"]).collect();
+        match python(&imports) {
+            Ok(output) if output.status.success() => {}
+            Ok(output) => {
+                skipped("Python of the page of results", &String::from_utf8_lossy(&output.stderr));
+                continue;
+            }
+            Err(error) => {
+                skipped("Python of the page of results", &error.to_string());
+                continue;
+            }
+        }
+        let checked = if block.contains("fetchall") {
+            format!("{block}\nassert len(curve) == 8 and len(depth) == 42, (len(curve), len(depth))")
+        } else {
+            format!("{block}\nassert len(reliability) == 8 and len(samples) == 42 and len(lives) == 6, lives")
+        };
+        let output = python(&checked).unwrap();
+        assert!(output.status.success(), "{block}\n{}", String::from_utf8_lossy(&output.stderr));
+    }
 }
