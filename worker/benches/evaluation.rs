@@ -3,7 +3,7 @@
 //! `cargo bench -p worker --bench evaluation`; with `-- contact` and the like only those. The machine's load moves all times:
 //! compare within one run. Counted items are force evaluations of one joint, or accepted and refused time steps.
 
-use common::accuracy::Accuracy;
+use common::accuracy::{Accuracy, NamedAccuracy};
 use common::scene::{ContactLaw, JointKind, Scene, SceneSource};
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
@@ -102,17 +102,19 @@ fn evaluation(bencher: Bencher, preset: &str) {
         .bench_local(|| simulate(black_box(&scene), &accuracy, SimulateOptions::default()));
 }
 
-/// Lives of the drive under this law with wear coefficients of their own.
-fn lives(count: usize, law: ContactLaw) -> Vec<SimulationInput> {
+/// Lives of a built-in scene with wear coefficients of their own, under this law if one is given.
+fn lives(scene: &str, count: usize, accuracy: &str, law: Option<ContactLaw>) -> Vec<SimulationInput> {
+    let source = SceneSource::builtin(scene).expect("built in");
+    let NamedAccuracy { accuracy, .. } = accuracy.parse().expect("an accuracy");
     let input = |k: usize| {
-        let mut scene = flapping_wing();
+        let mut scene = source.nominal().clone();
         for joint in &mut scene.joints {
             if let JointKind::Clearance(clearance) = &mut joint.kind {
                 clearance.wear_coefficient *= 0.99 + 0.002 * k as f64;
-                clearance.contact_law = law;
+                clearance.contact_law = law.unwrap_or(clearance.contact_law);
             }
         }
-        SimulationInput { scene, accuracy: Accuracy::balanced(), options: SimulateOptions::default() }
+        SimulationInput { scene, accuracy, options: SimulateOptions::default() }
     };
     (0..count).map(input).collect()
 }
@@ -134,7 +136,7 @@ fn eight(bencher: Bencher, how: &str, law: ContactLaw) {
         None => LaneWidth::Widest,
     };
     let most = if how.starts_with("one") { 1 } else { BATCH };
-    let inputs = lives(BATCH, law);
+    let inputs = lives("flapping-wing", BATCH, "balanced", Some(law));
     bencher.counter(ItemsCount::new(BATCH)).bench_local(|| run(&inputs, width, most));
 }
 
@@ -161,4 +163,32 @@ fn batch_of_eight(bencher: Bencher, how: &str) {
 )]
 fn batch_of_eight_under_foundation(bencher: Bencher, how: &str) {
     eight(bencher, how, ContactLaw::Foundation);
+}
+
+/// Eight lives side by side at the accuracy that a scene asks for, and at other ones.
+#[divan::bench(
+    args = [
+        "flapping-wing draft",
+        "flapping-wing balanced",
+        "flapping-wing balanced+jump-2000",
+        "flapping-wing reference",
+        "four-bar balanced",
+        "slider-crank balanced",
+    ],
+    sample_count = 2,
+    sample_size = 1
+)]
+fn batch_at_accuracy(bencher: Bencher, scene_and_accuracy: &str) {
+    const BATCH: usize = 8;
+    let (scene, accuracy) = scene_and_accuracy.split_once(' ').expect("a scene and an accuracy");
+    let inputs = lives(scene, BATCH, accuracy, None);
+    bencher.counter(ItemsCount::new(BATCH)).bench_local(|| run(&inputs, LaneWidth::Widest, BATCH));
+}
+
+/// The same at the accuracy of the drive's scene under `foundation`.
+#[divan::bench(args = ["balanced", "balanced+jump-2000"], sample_count = 1, sample_size = 1)]
+fn batch_under_foundation_at_accuracy(bencher: Bencher, accuracy: &str) {
+    const BATCH: usize = 8;
+    let inputs = lives("flapping-wing", BATCH, accuracy, Some(ContactLaw::Foundation));
+    bencher.counter(ItemsCount::new(BATCH)).bench_local(|| run(&inputs, LaneWidth::Widest, BATCH));
 }
