@@ -167,6 +167,30 @@ fn owed(
             }
             writeln!(out, "|")?;
         }
+        studies_over_life(out, study, others)?;
+    }
+    Ok(())
+}
+
+/// Lives of whole studies with their 95 % intervals, and R of the system at the checkpoints where it falls.
+fn studies_over_life(out: &mut String, study: &Finished, others: &[Finished]) -> std::fmt::Result {
+    writeln!(
+        out,
+        "\nThe same studies over life: thousands of cycles at which R of the system reaches a level, with the 95 % interval, which \
+         contains the stated numerical errors, and R of the system where it falls:\n\n\
+         | | R = 0.99 | R = 0.9 | R = 0.5 | thousand cycles: R |\n|---|---|---|---|---|"
+    )?;
+    for study in std::iter::once(study).chain(others) {
+        write!(out, "| {} ", study.name)?;
+        for level in [0.99, 0.9, 0.5] {
+            match study.life(level) {
+                Some([life, lower, upper]) => write!(out, "| {life:.2} ({lower:.2} to {upper:.2}) ")?,
+                None => write!(out, "| ")?,
+            }
+        }
+        let curve: Vec<String> =
+            study.fall().map(|(life, r)| format!("{:.0}: {r:.4}", life / 1e3)).collect();
+        writeln!(out, "| {} |", curve.join(", "))?;
     }
     Ok(())
 }

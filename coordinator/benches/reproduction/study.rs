@@ -1,6 +1,7 @@
 //! What is read from finished studies.
 
 use coordinator::presentation::report::SUMMARY_DOCUMENT;
+use coordinator::results::life_summary::LifeRow;
 use coordinator::results::store::CampaignFile;
 use coordinator::results::summary::{ReliabilityRow, SensitivityRow, StudySummary};
 use std::error::Error;
@@ -23,6 +24,21 @@ impl Finished {
     pub fn reliability(&self, key: &str, cycles: u32) -> Option<f64> {
         let row = self.summary.reliability.iter().find(|row| row.cycles == cycles)?;
         row.reliability.get(key).copied()
+    }
+
+    /// Life at which R of the system reaches `level` [1] and the bounds of its interval, in thousands of cycles.
+    pub fn life(&self, level: f64) -> Option<[f64; 3]> {
+        let is_it = |row: &&LifeRow| row.limit_state == "total" && row.reliability == level;
+        let row = self.summary.lives.iter().find(is_it)?;
+        let interval = row.whole_interval();
+        Some([row.cycles?, interval.lower, interval.upper?].map(|cycles| cycles / 1e3))
+    }
+
+    /// Checkpoints [cycles] and R of the system there, where it falls from 0.999 to 0.001.
+    pub fn fall(&self) -> impl Iterator<Item = (f64, f64)> {
+        let rows = self.summary.reliability.iter();
+        let values = rows.map(|row| (f64::from(row.cycles), row.reliability["total"]));
+        values.filter(|(_, r)| (0.001..=0.999).contains(r))
     }
 
     /// One of the moments, by its key in `summary.json`.
