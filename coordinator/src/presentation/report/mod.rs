@@ -30,12 +30,12 @@ pub use figure::Figure;
 pub use figures::reliability as reliability_figure;
 pub use input::{
     CheckpointDistribution, DISTRIBUTIONS_DOCUMENT, FailedRun, LimitStateInfo, OutputInfo, ReportInput,
-    SUMMARY_DOCUMENT, VariableInfo, WorkTotals, equal_edges,
+    SUMMARY_DOCUMENT, SimulatedSample, VariableInfo, WorkTotals, equal_edges,
 };
 pub use life::{failure_probability, reliability};
 pub use mechanism::Mechanism;
 pub use page::standalone;
-pub use plot::{Axis, Plot, PlotError, Series, Shape};
+pub use plot::{Axis, Plot, PlotError, Scale, Series, Shape};
 pub use stated_errors::StatedAt;
 
 use page::FigureFiles;
@@ -95,6 +95,8 @@ fn rendered(input: &ReportInput, files: FigureFiles) -> Result<Report, PlotError
         reliability: reliability.into_iter().flatten().collect(),
         rates: figures::failure_rates(&input.summary)?,
         outputs: [figures::distributions(input)?, figures::histories(input)?].concat(),
+        inputs: figures::input_histograms(input)?,
+        combinations: figures::parallel_coordinates(input)?.into_iter().collect(),
         sensitivity: figures::sensitivities(input)?,
         variance: figures::variance_contributions(input)?,
         motion: animation::animation(input),
@@ -102,6 +104,7 @@ fn rendered(input: &ReportInput, files: FigureFiles) -> Result<Report, PlotError
         orbits: figures::orbits(input),
         first_cycle: figures::first_cycle(input)?,
         last_cycle: figures::last_cycle(input)?,
+        predictions: figures::predicted_against_simulated(input)?,
         learning: figures::learning(input)?,
         numerical: figures::numerical(input)?,
     };

@@ -5,6 +5,7 @@ mod end;
 mod head;
 pub mod numbered;
 mod parts;
+mod points;
 
 pub use numbered::FigureFiles;
 pub use parts::{captioned, figures, standalone, wrapped};
@@ -26,6 +27,8 @@ pub struct Sections {
     pub(super) reliability: Vec<Figure>,
     pub(super) rates: Vec<Figure>,
     pub(super) outputs: Vec<Figure>,
+    pub(super) inputs: Vec<Figure>,
+    pub(super) combinations: Vec<Figure>,
     pub(super) sensitivity: Vec<Figure>,
     pub(super) variance: Vec<Figure>,
     pub(super) motion: Option<Animation>,
@@ -33,6 +36,7 @@ pub struct Sections {
     pub(super) last_cycle: Vec<Figure>,
     pub(super) bores: Vec<Figure>,
     pub(super) orbits: Vec<Figure>,
+    pub(super) predictions: Vec<Figure>,
     pub(super) learning: Vec<Figure>,
     pub(super) numerical: Vec<Figure>,
 }
@@ -47,11 +51,14 @@ impl Sections {
             self.outputs,
             self.sensitivity,
             self.variance,
+            self.inputs,
+            self.combinations,
             self.motion.into_iter().map(|motion| motion.figure).collect(),
             self.bores,
             self.orbits,
             self.first_cycle,
             self.last_cycle,
+            self.predictions,
             self.learning,
             self.numerical,
         ]
@@ -75,7 +82,17 @@ pub fn html(input: &ReportInput, sections: &Sections, files: FigureFiles) -> Str
             html! { "The study stored no distributions." },
         ))
         (influences(input, sections))
+        (points::simulated(input, sections))
         @if input.summary.of_mechanism() { (mechanism(input, sections)) }
+        (section(
+            "Quality of the surrogates",
+            html! {},
+            figures(&sections.predictions, "two"),
+            html! {
+                @if input.summary.is_direct() { "Every sample was simulated; there are no surrogates." }
+                @else { "The study stored no predictions of its surrogates." }
+            },
+        ))
         (section(
             "Convergence of the study",
             html! { @if !convergence.stopped_because.is_empty() { "Stopped because: " (convergence.stopped_because) "." } },
@@ -106,7 +123,7 @@ fn reliability(input: &ReportInput, sections: &Sections) -> Markup {
     html! {
         h2 { "Reliability" }
         (figures(&sections.reliability, "two"))
-        (figures(&sections.rates, "three"))
+        (figures(&sections.rates, "two"))
         (captioned("reliability", "Reliability at the checkpoints that matter, with 95 % intervals", tables::reliability(input, rows)))
         @if rows.len() < all.len() {
             p { "All checkpoints: " (numbered::refer_table(CHECKPOINTS)) "; more digits in " code { "reliability.csv" } "." }

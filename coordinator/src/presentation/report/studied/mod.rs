@@ -17,8 +17,6 @@ use super::page::{captioned, figures, numbered};
 use super::{tables, words};
 use common::scene::{ContactLaw, JointKind, SimulatorKind};
 use maud::{Markup, html};
-use ring::digest::{SHA256, digest};
-use std::fmt::Write;
 
 /// Random variables beyond this number are listed in the appendix.
 const VARIABLES_IN_CHAPTER: usize = 12;
@@ -58,9 +56,9 @@ pub fn chapter(input: &ReportInput, drawn: &[Figure]) -> Markup {
         @if many {
             p { "The " (scene.variables.len()) " random variables are listed in " (numbered::refer_table("variables")) "." }
         } @else {
-            (variable_tables::variables(scene))
+            (variable_tables::variables(scene, &input.summary))
         }
-        (variable_tables::limits(scene))
+        (variable_tables::limits(scene, &input.summary))
         h3 { "Assumptions and limits of the model" }
         ul { @for sentence in assumptions(input) { li { (sentence) } } }
         (facts(input))
@@ -70,7 +68,7 @@ pub fn chapter(input: &ReportInput, drawn: &[Figure]) -> Markup {
 /// What is too long for the chapter.
 pub fn appendix(input: &ReportInput) -> Markup {
     html! {
-        @if input.scene.variables.len() > VARIABLES_IN_CHAPTER { (variable_tables::variables(&input.scene)) }
+        @if input.scene.variables.len() > VARIABLES_IN_CHAPTER { (variable_tables::variables(&input.scene, &input.summary)) }
     }
 }
 
@@ -131,14 +129,13 @@ fn facts(input: &ReportInput) -> Markup {
     let summary = &input.summary;
     let or_unknown = |text: &str| if text.is_empty() { UNKNOWN.to_string() } else { text.to_string() };
     let workers: Vec<&str> = summary.workers.iter().map(|worker| worker.name.as_str()).collect();
-    let hash = if input.scene_source.is_empty() { String::new() } else { sha256(&input.scene_source) };
     let rows = [
-        ("begun", html! { (or_unknown(&moment(&input.created))) }),
+        ("begun", html! { (or_unknown(&moment(&summary.created))) }),
         ("command", html! { code { (or_unknown(&input.command)) } }),
         ("version", html! { "Hingewise " (or_unknown(&summary.version)) }),
         (
             "scene",
-            html! { (summary.scene) ", SHA-256 of " code { "scene.toml" } " " code { (or_unknown(&hash)) } },
+            html! { (summary.scene) ", SHA-256 of " code { "scene.toml" } " " code { (or_unknown(&summary.scene_sha256)) } },
         ),
         ("method", html! { (summary.method) ", accuracy " (words::accuracy(summary)) }),
         ("seed", html! { (summary.seed) }),
@@ -163,26 +160,11 @@ fn moment(time: &str) -> String {
     }
 }
 
-/// SHA-256 of a text as hexadecimal digits.
-fn sha256(text: &str) -> String {
-    digest(&SHA256, text.as_bytes()).as_ref().iter().fold(String::new(), |mut hex, byte| {
-        // Writing to a String cannot fail.
-        let _ = write!(hex, "{byte:02x}");
-        hex
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::test_study;
     use common::scene::SceneSource;
-
-    #[test]
-    fn the_hash_is_that_of_the_standard() {
-        // FIPS 180-2, appendix B.1.
-        assert_eq!(sha256("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
-    }
 
     #[test]
     fn times_are_stated_to_the_second() {
@@ -196,6 +178,7 @@ mod tests {
         let scene = SceneSource::parse(source, "everything").unwrap().nominal().clone();
         let mut input = test_study::report_input();
         input.scene = scene.clone();
+        input.summary.identify(&scene, source, "");
         let text = (chapter(&input, &[]).0 + &appendix(&input).0).replace('\u{a0}', " ");
         let names = scene.bodies.iter().map(|body| &body.name);
         let names = names.chain(scene.joints.iter().map(|joint| &joint.name));
@@ -211,7 +194,7 @@ mod tests {
             "flores, e = 1",
             "hunt-crossley, 7.5 s/m",
             "206 GPa",
-            "Gumbel of minima",
+            "gumbel-minima",
             "parameters.arm",
             "Gaussian copula",
             "spring of 2000 N/m",

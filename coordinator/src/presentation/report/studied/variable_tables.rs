@@ -3,23 +3,26 @@
 use crate::presentation::report::format::{UNKNOWN, count, seven_digits};
 use crate::presentation::report::page::captioned;
 use crate::presentation::report::tables::{table, table_of_text};
+use crate::results::scene_summary::VariableRow;
+use crate::results::summary::StudySummary;
 use common::random::{Correlation, RandomVariable};
 use common::scene::expression::read_unit;
 use common::scene::{Fails, Scene};
 use maud::{Markup, Render, html};
 
-/// Distribution, moments and bounds of every random variable, in its own unit, and the correlations.
-pub fn variables(scene: &Scene) -> Markup {
+/// Distribution, moments and bounds of every random variable, in the unit in which it is displayed, and the correlations.
+pub fn variables(scene: &Scene, summary: &StudySummary) -> Markup {
     let head = ["variable", "unit", "distribution", "mean", "std", "lower bound", "upper bound", "sets"];
     let correlations = scene.correlations.iter().map(|Correlation { first, second, coefficient }| {
         let name = |k: usize| scene.variables[k].name.render();
         vec![name(*first), name(*second), seven_digits(*coefficient).render()]
     });
+    let rows = scene.variables.iter().zip(&summary.variables).map(|(variable, row)| cells(variable, row));
     html! {
         (captioned(
             "variables",
             "Random variables; of a truncated distribution mean and standard deviation are those before truncation",
-            table_of_text(&head, scene.variables.iter().map(variable)),
+            table_of_text(&head, rows),
         ))
         @if !scene.correlations.is_empty() {
             (captioned(
@@ -31,27 +34,27 @@ pub fn variables(scene: &Scene) -> Markup {
     }
 }
 
-fn variable(variable: &RandomVariable) -> Vec<Markup> {
-    let law = &variable.distribution;
+fn cells(variable: &RandomVariable, row: &VariableRow) -> Vec<Markup> {
     // The unit was read when the scene was checked; "1" denotes a plain number.
     let scale = read_unit(&variable.unit).map_or(1.0, |unit| unit.multiply / unit.divide);
-    let shown = |value: f64| {
-        if value.is_finite() && !law.is_constant() { seven_digits(value / scale) } else { UNKNOWN.to_owned() }
+    let is_constant = variable.distribution.is_constant();
+    let shown = |value: Option<f64>| {
+        let value = value.filter(|_| !is_constant);
+        value.map_or(UNKNOWN.to_owned(), |value| seven_digits(value / scale))
     };
-    let (lower, upper) = law.support();
     let sets = if variable.changes.is_empty() {
         "input of the simulator".into()
     } else {
         variable.changes.join(", ")
     };
     [
-        variable.name.clone(),
+        row.name.clone(),
         variable.unit.clone(),
-        law.name().to_owned(),
-        seven_digits(law.parent_mean() / scale),
-        shown(law.given_std()),
-        shown(lower),
-        shown(upper),
+        row.distribution.clone(),
+        seven_digits(row.mean / scale),
+        shown(Some(row.std)),
+        shown(row.lower),
+        shown(row.upper),
         sets,
     ]
     .map(|cell| cell.render())
@@ -59,21 +62,20 @@ fn variable(variable: &RandomVariable) -> Vec<Markup> {
 }
 
 /// Outputs, limit states and life.
-pub fn limits(scene: &Scene) -> Markup {
+pub fn limits(scene: &Scene, summary: &StudySummary) -> Markup {
     let (body, joint) = (|k: usize| &*scene.bodies[k].name, |k: usize| &*scene.joints[k].name);
     let outputs = scene.outputs.iter().map(|output| {
         let what = output.kind.description(body, joint);
         [output.name.clone(), output.kind.unit().symbol().to_owned(), what].map(|cell| cell.render()).to_vec()
     });
-    let limits = scene.limit_states.iter().map(|limit| {
-        let output = &scene.outputs[limit.output];
-        let unit = output.kind.unit();
+    let limits = summary.limits.iter().zip(&scene.limit_states).map(|(row, limit)| {
+        let unit = scene.outputs[limit.output].kind.unit();
         let threshold = unit.after(&seven_digits(unit.to_shown(limit.threshold)));
-        let fails = match limit.fails {
+        let fails = match row.fails {
             Fails::Above => "≥",
             Fails::Below => "≤",
         };
-        [limit.name.clone(), output.name.clone(), format!("{fails} {threshold}")]
+        [row.name.clone(), row.output.clone(), format!("{fails} {threshold}")]
             .map(|cell| cell.render())
             .to_vec()
     });
