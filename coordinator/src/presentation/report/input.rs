@@ -3,6 +3,7 @@
 
 use super::mechanism::Mechanism;
 use super::stated_errors::{StatedAt, StatedErrorCollector};
+use super::written::WrittenScene;
 use crate::results::store::{CampaignFile, StoreError};
 use crate::results::summary::StudySummary;
 use common::outputs::{Diagnostics, Evaluation};
@@ -137,6 +138,8 @@ pub struct ReportInput {
     pub notes: Vec<String>,
     /// Source text of the scene.
     pub scene_source: String,
+    /// The scene as it was written.
+    pub written: WrittenScene,
     /// Settings of the study, JSON.
     pub settings: serde_json::Value,
     /// Command line that started the study.
@@ -160,6 +163,7 @@ impl ReportInput {
         let mut input = Self::new(scene, summary, distributions);
         input.notes.splice(0..0, go_on);
         input.scene_source = campaign.meta().scene_source.clone();
+        input.written = WrittenScene::new(&input.scene_source);
         input.settings = campaign.meta().settings.clone();
         input.command = campaign.meta().command.clone();
         let mut stated = StatedErrorCollector::default();
@@ -226,6 +230,7 @@ impl ReportInput {
             failures: vec![],
             work: WorkTotals::default(),
             scene_source: String::new(),
+            written: WrittenScene::default(),
             settings: serde_json::Value::Null,
             command: String::new(),
             scene: scene.clone(),

@@ -8,10 +8,15 @@ use crate::presentation::report::palette::Ink;
 use maud::{Markup, html};
 
 /// Largest width and height of the mechanism [drawing units].
-const ROOM: [f64; 2] = [500.0, 380.0];
+const ROOM: [f64; 2] = [390.0, 300.0];
 
-/// Least width of the drawing, so that letters have one size in all drawings [drawing units].
-const LEAST_WIDTH: f64 = 640.0;
+/// Width of the drawing, so that letters have one size in all drawings [drawing units]: the mechanism is drawn smaller where its labels
+/// need more room.
+const SHEET_WIDTH: f64 = 480.0;
+
+/// Factor on the size of a mechanism whose labels do not fit, and how often it is applied at most.
+const SMALLER: f64 = 0.9;
+const ATTEMPTS: usize = 10;
 
 /// Margin around what is drawn [drawing units].
 const MARGIN: f64 = 14.0;
@@ -29,7 +34,7 @@ const TURNS: [f64; 2] = [27.0, 19.0];
 pub const LETTERS: LetterSize = LetterSize { width: 8.6, height: 19.0, step: 6.0, whole: false };
 
 /// Font size of the labels [drawing units].
-const FONT: f64 = 15.0;
+const FONT: f64 = 14.5;
 
 /// A drawing of a mechanism.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,8 +63,23 @@ impl Scale {
 
 /// Draws the mechanism.
 pub fn sheet(drawn: &DrawnMechanism) -> MechanismSheet {
+    let fits = |sheet: &MechanismSheet| sheet.area.to[0] - sheet.area.from[0] <= SHEET_WIDTH + 1.0;
+    let mut room = ROOM;
+    let mut made = sheet_within(drawn, room);
+    for _ in 0..ATTEMPTS {
+        if fits(&made) {
+            break;
+        }
+        room = room.map(|edge| SMALLER * edge);
+        made = sheet_within(drawn, room);
+    }
+    made
+}
+
+/// Draws the mechanism in a room of this width and height [drawing units].
+fn sheet_within(drawn: &DrawnMechanism, room: [f64; 2]) -> MechanismSheet {
     let [low, high] = drawn.extent();
-    let units = (0..2).map(|k| ROOM[k] / (high[k] - low[k])).fold(f64::INFINITY, f64::min);
+    let units = (0..2).map(|k| room[k] / (high[k] - low[k])).fold(f64::INFINITY, f64::min);
     let scale = Scale { units, origin: [low[0], high[1]] };
     let loads: Vec<DrawnSymbol> = drawn.loads.iter().map(|load| load_symbol(load, &scale)).collect();
     let mut covered = obstacles(drawn, &scale);
@@ -95,7 +115,7 @@ fn bounds(points: &[[f64; 2]], labels: &[PlacedLabel]) -> LabelArea {
             to[axis] = to[axis].max(point[axis] + MARGIN);
         }
     }
-    let missing = 0.5 * (LEAST_WIDTH - (to[0] - from[0])).max(0.0);
+    let missing = 0.5 * (SHEET_WIDTH - (to[0] - from[0])).max(0.0);
     LabelArea { from: [from[0] - missing, from[1]], to: [to[0] + missing, to[1]] }
 }
 

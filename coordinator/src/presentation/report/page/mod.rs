@@ -1,5 +1,5 @@
-//! The page of the report: sections with their figures and tables, one style sheet, and one script that animates the
-//! drawing of the mechanism. Without the script the drawing shows its first frame.
+//! The page of the report: sections with their figures and tables, one style sheet, one script that animates the
+//! drawing of the mechanism, and one that shows the values of charts at the pointer. Without them the drawing shows its first frame.
 
 mod end;
 mod head;
@@ -243,8 +243,13 @@ fn moving(figure: &Figure) -> Markup {
             (inline(figure))
             div.controls hidden="" {
                 button type="button" { "Play" }
-                input type="range" min="0" value="0" aria-label="instant of the cycle";
+                input.instant type="range" min="0" value="0" aria-label="instant of the cycle";
                 select aria-label="cycle" {}
+                span.through hidden="" {
+                    "Life "
+                    input.life type="range" min="0" value="0" aria-label="life of the bores";
+                    " " output {}
+                }
             }
             figcaption { strong { (numbered::figure(&figure.name)) "." } " " (figure.caption) }
         }

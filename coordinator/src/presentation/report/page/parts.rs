@@ -7,6 +7,9 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 const STYLE: &str = include_str!("style.css");
 
+/// The script that shows the values of a chart at the pointer.
+const HOVER: &str = include_str!("hover.js");
+
 /// The figure as an SVG file that follows the light or dark setting of the reader's system.
 pub fn standalone(figure: &Figure) -> String {
     let svg = SvgParts::new(&figure.svg);
@@ -26,10 +29,16 @@ pub fn inline(figure: &Figure) -> Markup {
     let svg = SvgParts::new(&figure.svg);
     html! {
         svg viewBox=[svg.attribute("viewBox")] font-family=[svg.attribute("font-family")]
-            font-size=[svg.attribute("font-size")] role="img" aria-label=(figure.title) {
+            font-size=[svg.attribute("font-size")] data-axes=[svg.attribute("data-axes").map(unescaped)] role="img"
+            aria-label=(figure.title) {
             (PreEscaped(svg.content))
         }
     }
+}
+
+/// The text of an attribute as written.
+fn unescaped(text: &str) -> String {
+    text.replace("&quot;", "\"").replace("&lt;", "<").replace("&amp;", "&")
 }
 
 /// An SVG document taken apart.
@@ -72,7 +81,12 @@ pub fn page_of(title: &str, body: &Markup, files: FigureFiles) -> String {
                 title { (title) " · Hingewise" }
                 style { "\n" (PreEscaped(palette::css())) (PreEscaped(STYLE)) (PreEscaped(running_head(title))) }
             }
-            body { "\n" main { (body) } }
+            body {
+                "\n" main {
+                    (body)
+                    @if body.0.contains("data-axes=") { script { "\n" (PreEscaped(HOVER)) } "\n" }
+                }
+            }
         }
         "\n"
     };

@@ -22,7 +22,7 @@ pub fn simulated(input: &ReportInput, sections: &Sections) -> Markup {
             p { "Of the " (variables) " random variables the " (MOST_HISTOGRAMS) " with the largest effect on failures." }
         }
         (figures(&sections.inputs, "three"))
-        (figures(&sections.combinations, "one"))
+        (figures(&sections.combinations, "two"))
         (failure_points(input))
     }
 }

@@ -3,9 +3,15 @@
 //!
 //! | file | content |
 //! |---|---|
-//! | `mechanism_tables` | bodies, drives, joints, hinges with clearance, materials, loads |
-//! | `variable_tables` | random variables, correlations, outputs, limit states, life |
+//! | `mechanism_tables` | bodies, drives, joints, hinges with clearance, materials |
+//! | `load_tables` | loads, gravity, curves |
+//! | `formula_tables` | parameters, and the quantities that depend on them |
+//! | `variable_tables` | random variables, correlations, outputs, limit states, life, settings |
+//! | `exact` | values with as few digits as give the same number |
 
+mod exact;
+mod formula_tables;
+mod load_tables;
 mod mechanism_tables;
 mod variable_tables;
 
@@ -51,14 +57,16 @@ pub fn chapter(input: &ReportInput, drawn: &[Figure]) -> Markup {
                 "."
             }
         } @else {
-            (mechanism_tables::tables(scene))
+            (mechanism_tables::tables(scene, &input.written))
+            (load_tables::tables(scene, &input.written))
+            @if !many { (formula_tables::tables(&input.written)) }
         }
         @if many {
-            p { "The " (scene.variables.len()) " random variables are listed in " (numbered::refer_table("variables")) "." }
+            p { "The " (scene.variables.len()) " random variables are listed in " (numbered::refer_table("variables")) "; parameters and formulas follow there." }
         } @else {
             (variable_tables::variables(scene, &input.summary))
         }
-        (variable_tables::limits(scene, &input.summary))
+        (variable_tables::limits(scene, &input.summary, &input.written))
         h3 { "Assumptions and limits of the model" }
         ul { @for sentence in assumptions(input) { li { (sentence) } } }
         (facts(input))
@@ -68,7 +76,10 @@ pub fn chapter(input: &ReportInput, drawn: &[Figure]) -> Markup {
 /// What is too long for the chapter.
 pub fn appendix(input: &ReportInput) -> Markup {
     html! {
-        @if input.scene.variables.len() > VARIABLES_IN_CHAPTER { (variable_tables::variables(&input.scene, &input.summary)) }
+        @if input.scene.variables.len() > VARIABLES_IN_CHAPTER {
+            (variable_tables::variables(&input.scene, &input.summary))
+            (formula_tables::tables(&input.written))
+        }
     }
 }
 
@@ -163,6 +174,7 @@ fn moment(time: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::presentation::report::written::WrittenScene;
     use crate::test_study;
     use common::scene::SceneSource;
 
@@ -178,6 +190,7 @@ mod tests {
         let scene = SceneSource::parse(source, "everything").unwrap().nominal().clone();
         let mut input = test_study::report_input();
         input.scene = scene.clone();
+        input.written = WrittenScene::new(source);
         input.summary.identify(&scene, source, "");
         let text = (chapter(&input, &[]).0 + &appendix(&input).0).replace('\u{a0}', " ");
         let names = scene.bodies.iter().map(|body| &body.name);
@@ -198,6 +211,9 @@ mod tests {
             "parameters.arm",
             "Gaussian copula",
             "spring of 2000 N/m",
+            "10 ms: 5 N",
+            "stall torque −0.3 N m, no-load speed −3000 r/min",
+            "<td>bodies.rod.start_position.x</td><td><code>arm</code></td>",
             "gravity",
         ] {
             assert!(text.to_lowercase().contains(&said.to_lowercase()), "{said} in {text}");
