@@ -20,8 +20,8 @@ const HEIGHT: f64 = 320.0;
 const MARGIN: f64 = 34.0;
 
 /// Size of the letters, and the width of one in a wide sans-serif font [drawing units].
-const FONT: f64 = 14.5;
-const LETTER: f64 = 8.6;
+const FONT: f64 = 15.2;
+const LETTER: f64 = 9.0;
 
 /// Edge of the square cell of a magnified joint [drawing units].
 const CELL: f64 = 120.0;

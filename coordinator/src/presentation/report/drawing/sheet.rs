@@ -34,7 +34,7 @@ const TURNS: [f64; 2] = [27.0, 19.0];
 pub const LETTERS: LetterSize = LetterSize { width: 8.6, height: 19.0, step: 6.0, whole: false };
 
 /// Font size of the labels [drawing units].
-const FONT: f64 = 14.5;
+const FONT: f64 = 15.2;
 
 /// A drawing of a mechanism.
 #[derive(Debug, Clone, PartialEq)]

@@ -28,7 +28,7 @@
   };
   for (const svg of document.querySelectorAll("svg[data-axes]")) {
     const { x, y, names } = JSON.parse(svg.dataset.axes);
-    const mark = document.createElementNS("http://www.w3.org/2000/svg", "circle");
+    const mark = document.createElementNS(svg.namespaceURI, "circle");
     mark.setAttribute("fill", "none");
     mark.setAttribute("class", "pointed");
     mark.setAttribute("visibility", "hidden");

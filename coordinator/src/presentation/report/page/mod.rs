@@ -82,7 +82,7 @@ pub fn html(input: &ReportInput, sections: &Sections, files: FigureFiles) -> Str
             html! { "The study stored no distributions." },
         ))
         (influences(input, sections))
-        (points::simulated(input, sections))
+        (points::simulated(input, &sections.inputs, &sections.combinations))
         @if input.summary.of_mechanism() { (mechanism(input, sections)) }
         (section(
             "Quality of the surrogates",
@@ -122,8 +122,7 @@ fn reliability(input: &ReportInput, sections: &Sections) -> Markup {
     let all = &input.summary.reliability;
     html! {
         h2 { "Reliability" }
-        (figures(&sections.reliability, "two"))
-        (figures(&sections.rates, "two"))
+        (figures(&[sections.reliability.clone(), sections.rates.clone()].concat(), "two"))
         (captioned("reliability", "Reliability at the checkpoints that matter, with 95 % intervals", tables::reliability(input, rows)))
         @if rows.len() < all.len() {
             p { "All checkpoints: " (numbered::refer_table(CHECKPOINTS)) "; more digits in " code { "reliability.csv" } "." }

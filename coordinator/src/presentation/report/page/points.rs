@@ -1,8 +1,8 @@
 //! The chapter of the simulations: histograms of the random variables, combinations that fail, most probable failures.
 
-use super::Sections;
 use super::parts::{captioned, figures};
-use crate::presentation::report::figures::MOST_HISTOGRAMS;
+use crate::presentation::report::figure::Figure;
+use crate::presentation::report::figures::{MOST_HISTOGRAMS, capital};
 use crate::presentation::report::format::{UNKNOWN, count, fixed, percent, seven_digits, three_digits};
 use crate::presentation::report::input::ReportInput;
 use crate::presentation::report::tables::table;
@@ -11,18 +11,18 @@ use common::random::RandomVariable;
 use common::scene::expression::read_unit;
 use maud::{Markup, Render, html};
 
-/// The chapter.
-pub fn simulated(input: &ReportInput, sections: &Sections) -> Markup {
+/// The chapter with these figures.
+pub fn simulated(input: &ReportInput, histograms: &[Figure], combinations: &[Figure]) -> Markup {
     let variables = input.scene.variables.len();
     html! {
-        h2 { "Simulations and most probable failures" }
-        @if sections.inputs.is_empty() {
+        h2 { "Simulations and failure points" }
+        @if histograms.is_empty() {
             p.none { "With fewer than ten simulations there is no histogram." }
         } @else if variables > MOST_HISTOGRAMS {
             p { "Of the " (variables) " random variables the " (MOST_HISTOGRAMS) " with the largest effect on failures." }
         }
-        (figures(&sections.inputs, "three"))
-        (figures(&sections.combinations, "two"))
+        (figures(histograms, "three"))
+        (figures(combinations, "two"))
         (failure_points(input))
     }
 }
@@ -66,7 +66,7 @@ fn sentence(input: &ReportInput, point: &FailurePointRow) -> String {
     let failed = if point.failed < 1e-4 { three_digits(point.failed) } else { percent(point.failed) };
     format!(
         "{}: {by}{failed} of the population {}, at a distance of {} standard deviations.",
-        super::super::figures::capital(&point.limit_state),
+        capital(&point.limit_state),
         if by.is_empty() { "fails" } else { "have failed" },
         fixed(point.distance, 2)
     )

@@ -22,7 +22,7 @@ const SCALE: f64 = 4.0;
 pub(super) const WIDTH: f64 = 480.0;
 
 /// Size of lettering at that width [CSS pixels]: 11 pixels where a page of 400 pixels shows the figure smaller.
-pub const LETTERS: f64 = 14.5;
+pub const LETTERS: f64 = 15.2;
 
 /// plotters states font sizes by line height: this times the SVG font size.
 const PLOTTERS_FONT: f64 = 1.24;

@@ -75,7 +75,7 @@ impl ExactTexts<'_> {
     pub fn pair(&self, key: &str, pair: [f64; 2], unit: &str) -> String {
         let entry = |axis: usize| {
             let text = self.value(&format!("{key}.{}", ["x", "y"][axis]), pair[axis], unit);
-            match text.strip_suffix(&format!("\u{a0}{unit}")) {
+            match text.strip_suffix(&format!("\u{a0}{}", unit.replace("^2", "²"))) {
                 Some(number) => number.to_owned(),
                 None => text,
             }

@@ -45,6 +45,10 @@ pub fn chapter(input: &ReportInput, drawn: &[Figure]) -> Markup {
             "Every value is nominal and in the scene file " code { "scene.toml" } " next to this page, which is listed in the appendix"
             @if !drawn.is_empty() { "; the mechanism is drawn in " (numbered::refer(drawing::NAME)) }
             "."
+            @if !input.written.formulas.is_empty() {
+                " Values that follow from parameters, which random variables may set, have their formulas in "
+                (numbered::refer_table("formulas")) "."
+            }
         }
         (figures(drawn, "one"))
         @if let Some(simulator) = &scene.simulator {
@@ -59,10 +63,9 @@ pub fn chapter(input: &ReportInput, drawn: &[Figure]) -> Markup {
         } @else {
             (mechanism_tables::tables(scene, &input.written))
             (load_tables::tables(scene, &input.written))
-            @if !many { (formula_tables::tables(&input.written)) }
         }
         @if many {
-            p { "The " (scene.variables.len()) " random variables are listed in " (numbered::refer_table("variables")) "; parameters and formulas follow there." }
+            p { "The " (scene.variables.len()) " random variables are listed in " (numbered::refer_table("variables")) "." }
         } @else {
             (variable_tables::variables(scene, &input.summary))
         }
@@ -78,8 +81,8 @@ pub fn appendix(input: &ReportInput) -> Markup {
     html! {
         @if input.scene.variables.len() > VARIABLES_IN_CHAPTER {
             (variable_tables::variables(&input.scene, &input.summary))
-            (formula_tables::tables(&input.written))
         }
+        (formula_tables::tables(&input.written))
     }
 }
 
@@ -211,7 +214,7 @@ mod tests {
             "parameters.arm",
             "Gaussian copula",
             "spring of 2000 N/m",
-            "10 ms: 5 N",
+            "0.01 s: 5.5 N",
             "stall torque −0.3 N m, no-load speed −3000 r/min",
             "<td>bodies.rod.start_position.x</td><td><code>arm</code></td>",
             "gravity",
