@@ -10,11 +10,11 @@ use crate::statistics::design::Population;
 use crate::statistics::sensitivity::Sampled;
 use common::scene::{LimitState, Scene};
 
-/// Share of the points that have failed at the checkpoint of the most probable failure [1]: early failures are what a study is made
-/// for, and of a hundredth of a population there are enough.
-const FAILED: f64 = 0.01;
+/// Least number of points that have failed at the checkpoint of the most probable failure: early failures are what a study is made for,
+/// and the nearest of twenty does not depend on a single one.
+const LEAST: usize = 20;
 
-/// One row per limit state with failures, at the first checkpoint by which a hundredth of the points have failed, or the last one.
+/// One row per limit state with failures, at the first checkpoint by which twenty points have failed, or the last one.
 /// `first_failures` `(modes)(points,)` are indices of checkpoints; m if never.
 pub(super) fn failure_points(
     scene: &Scene,
@@ -24,11 +24,9 @@ pub(super) fn failure_points(
     let cycles = scene.life.checkpoints();
     let limits = scene.limit_states.iter().zip(first_failures);
     let row = |(limit, first): (&LimitState, &Vec<u32>)| {
-        let share = |n: usize| {
-            first.iter().filter(|at| **at as usize <= n).count() as f64 / first.len().max(1) as f64
-        };
+        let count = |n: usize| first.iter().filter(|at| **at as usize <= n).count();
         let last = cycles.len() - 1;
-        let n = (0..last).find(|n| share(*n) >= FAILED).unwrap_or(last);
+        let n = (0..last).find(|n| count(*n) >= LEAST).unwrap_or(last);
         let failed = sampled.points.iter().zip(first).filter(|(_, at)| **at as usize <= n);
         let normals = failed.map(|(point, _)| (*point, normals(sampled.population, *point)));
         let distances = normals.map(|(point, (u, distance))| (distance, point, u));
@@ -38,7 +36,7 @@ pub(super) fn failure_points(
         Some(FailurePointRow {
             limit_state: limit.name.clone(),
             cycles: cycles[n],
-            failed: sampled.probability * share(n),
+            failed: sampled.probability * count(n) as f64 / first.len().max(1) as f64,
             distance,
             variables: coordinates
                 .map(|((variable, value), normal)| CoordinateRow {

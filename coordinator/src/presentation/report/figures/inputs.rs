@@ -66,9 +66,14 @@ fn histogram(input: &ReportInput, k: usize, variable: &RandomVariable) -> Result
     let top = bars.iter().map(|bar| bar.2).chain(density.iter().map(|point| point.1));
     let top = top.filter(|height| height.is_finite()).fold(0.0, f64::max);
     let label = axis_label(variable, power);
+    // The edges of the first and the last bar lie within the axis whatever the rounding.
+    let slack = 1e-6 * (high - low);
     let plot = Plot {
         figure: &format!("input-{}", file_name(&variable.name)),
-        x: Axis { text: six_decimals, ..Axis::linear(&label, (low / scale, high / scale)) },
+        x: Axis {
+            text: six_decimals,
+            ..Axis::linear(&label, ((low - slack) / scale, (high + slack) / scale))
+        },
         y: Axis::linear("density × standard deviation", (0.0, 1.08 * top.min(3.0))),
         series: &[
             Series::new("simulations", Ink::Series(0), Shape::Steps(bars)),

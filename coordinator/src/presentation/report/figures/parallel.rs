@@ -19,8 +19,11 @@ const LINES: usize = 300;
 /// Largest standard normal drawn [1].
 const REACH: f64 = 4.0;
 
-/// Height of one variable, of the legend above and of the axis below [CSS pixels].
-const ROW: f64 = 26.0;
+/// Height of all variables together where there are few, and limits of the height of one [CSS pixels].
+const HEIGHT: f64 = 240.0;
+const ROW: (f64, f64) = (26.0, 60.0);
+
+/// Height of the axis below [CSS pixels].
 const AXIS: f64 = 48.0;
 
 /// Width of the column of names [CSS pixels].
@@ -103,6 +106,7 @@ fn first_failure(input: &ReportInput, sample: &SimulatedSample, cycles: u32) -> 
 
 fn svg(input: &ReportInput, names: &[String], lines: &[DrawnLine]) -> Result<String, PlotError> {
     let count = names.len() as f64;
+    let row = (HEIGHT / count).clamp(ROW.0, ROW.1);
     let mut legend: Vec<(String, Ink)> = vec![("works".into(), Ink::Muted)];
     legend.extend(
         input
@@ -112,7 +116,7 @@ fn svg(input: &ReportInput, names: &[String], lines: &[DrawnLine]) -> Result<Str
     );
     let per_row = 3;
     let top = 12.0 + 20.0 * legend.len().div_ceil(per_row) as f64;
-    draw("parallel-coordinates", ROW * count + top + AXIS, |root| {
+    draw("parallel-coordinates", row * count + top + AXIS, |root| {
         let mut chart = ChartBuilder::on(root)
             .margin_top(px(top))
             .margin_right(px(18.0))
@@ -151,7 +155,7 @@ fn svg(input: &ReportInput, names: &[String], lines: &[DrawnLine]) -> Result<Str
         }
         let right = letters(LETTERS, Ink::Ink).pos(Pos::new(HPos::Right, VPos::Center));
         for (k, name) in names.iter().enumerate() {
-            let middle = px(top + ROW * (k as f64 + 0.5));
+            let middle = px(top + row * (k as f64 + 0.5));
             root.draw(&Text::new(shortened(&words(name)), (px(NAMES - 8.0), middle), right.clone()))?;
         }
         for (k, (label, ink)) in legend.iter().enumerate() {

@@ -137,10 +137,9 @@ fn influences(input: &ReportInput, sections: &Sections) -> Markup {
         (section(
             "Sensitivity",
             html! {},
-            figures(&sections.sensitivity, "two"),
+            figures(&[sections.sensitivity.clone(), sections.variance.clone()].concat(), "two"),
             html! { "No sensitivities were computed." },
         ))
-        (figures(&sections.variance, "two"))
         @if sections.variance.is_empty() {
             p.none { "No Sobol indices: the study has no surrogates, or its variables are dependent." }
         }
