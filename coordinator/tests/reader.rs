@@ -249,15 +249,18 @@ fn outputs_and_study(page: &str, text: &mut String) {
         let changes: Vec<String> = row["sets"].split(", ").map(quoted).collect();
         writeln!(
             text,
-            "[[variables]]\nname = \"{}\"\nchanges = [{}]\ndistribution = \"{}\"\nmean = {}\nstd = {}\nunit = \"{}\"",
+            "[[variables]]\nname = \"{}\"\nchanges = [{}]\ndistribution = \"{}\"\nmean = {}\nstd = {}",
             row["variable"],
             changes.join(", "),
             row["distribution"],
             value(&row["mean"]),
-            value(&row["std"]),
-            row["unit"]
+            value(&row["std"])
         )
         .unwrap();
+        // "1" denotes a plain number.
+        if row["unit"] != "1" {
+            writeln!(text, "unit = \"{}\"", row["unit"]).unwrap();
+        }
         let reach = row["upper bound"].strip_prefix("mean + ").and_then(|rest| rest.strip_suffix(" std"));
         match reach {
             Some(reach) => writeln!(text, "truncation = {reach}").unwrap(),

@@ -38,8 +38,8 @@ pub struct LimitRow {
     pub threshold: f64,
     /// Unit of the threshold, that of the output in all files, e.g. `m` or `rpm`.
     pub unit: String,
-    /// Side of the threshold on which failure lies.
-    pub fails: Fails,
+    /// Side of the threshold on which failure lies: `above` or `below`.
+    pub fails: String,
 }
 
 /// The random variables of a scene, in its order.
@@ -82,7 +82,10 @@ pub fn limit_rows(scene: &Scene) -> Vec<LimitRow> {
             output: output.name.clone(),
             threshold: unit.to_file(limit.threshold),
             unit: unit.suffix().to_owned(),
-            fails: limit.fails,
+            fails: match limit.fails {
+                Fails::Above => "above".to_owned(),
+                Fails::Below => "below".to_owned(),
+            },
         }
     };
     scene.limit_states.iter().map(row).collect()
@@ -123,8 +126,8 @@ mod tests {
         assert!((clearance.lower.unwrap() - 24e-6).abs() < 1e-18, "{clearance:?}");
         let [limit] = &limit_rows(&scene)[..] else { panic!("one limit state") };
         assert_eq!(
-            (limit.output.as_str(), limit.unit.as_str(), limit.fails),
-            ("max_wear_depth", "m", Fails::Above)
+            (limit.output.as_str(), limit.unit.as_str(), limit.fails.as_str()),
+            ("max_wear_depth", "m", "above")
         );
         assert!((limit.threshold - 8e-6).abs() < 1e-18);
         assert_eq!(["deg", "mm", "r/min", "kN", "lumens"].map(si_unit), ["rad", "m", "rad/s", "N", "lumens"]);

@@ -81,7 +81,7 @@ mod tests {
         // Few fail at the first checkpoint, P(v > 2) at the second, all at the last.
         let first = |j: usize| {
             let sum: f64 = population.standardised(j).iter().sum();
-            if sum > 5.0 {
+            if sum > 6.0 {
                 0
             } else if sum > bound {
                 1

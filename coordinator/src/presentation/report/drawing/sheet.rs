@@ -50,12 +50,12 @@ pub struct MechanismSheet {
 }
 
 /// Drawing units per metre, and the point of the mechanism at the origin of the drawing.
-struct Scale {
+struct SheetScale {
     units: f64,
     origin: [f64; 2],
 }
 
-impl Scale {
+impl SheetScale {
     fn place(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         [(x - self.origin[0]) * self.units, (self.origin[1] - y) * self.units]
     }
@@ -80,7 +80,7 @@ pub fn sheet(drawn: &DrawnMechanism) -> MechanismSheet {
 fn sheet_within(drawn: &DrawnMechanism, room: [f64; 2]) -> MechanismSheet {
     let [low, high] = drawn.extent();
     let units = (0..2).map(|k| room[k] / (high[k] - low[k])).fold(f64::INFINITY, f64::min);
-    let scale = Scale { units, origin: [low[0], high[1]] };
+    let scale = SheetScale { units, origin: [low[0], high[1]] };
     let loads: Vec<DrawnSymbol> = drawn.loads.iter().map(|load| load_symbol(load, &scale)).collect();
     let mut covered = obstacles(drawn, &scale);
     covered.extend(loads.iter().flat_map(|load| load.covers.iter().copied()));
@@ -168,7 +168,7 @@ fn circle([x, y]: [f64; 2], radius: f64) -> Vec<[f64; 2]> {
 }
 
 /// Points of everything drawn but loads and labels.
-fn obstacles(drawn: &DrawnMechanism, scale: &Scale) -> Vec<[f64; 2]> {
+fn obstacles(drawn: &DrawnMechanism, scale: &SheetScale) -> Vec<[f64; 2]> {
     let mut covered = Vec::new();
     for body in &drawn.bodies {
         if body.motion != DrawnMotion::Fixed {
@@ -197,16 +197,16 @@ fn obstacles(drawn: &DrawnMechanism, scale: &Scale) -> Vec<[f64; 2]> {
     covered
 }
 
-fn places(points: &[[f64; 2]], scale: &Scale) -> Vec<[f64; 2]> {
+fn places(points: &[[f64; 2]], scale: &SheetScale) -> Vec<[f64; 2]> {
     points.iter().map(|point| scale.place(*point)).collect()
 }
 
-fn rail(ends: [[f64; 2]; 2], scale: &Scale) -> [[f64; 2]; 2] {
+fn rail(ends: [[f64; 2]; 2], scale: &SheetScale) -> [[f64; 2]; 2] {
     symbols::rail_ends(ends.map(|end| scale.place(end)))
 }
 
 /// Names of joints, bodies, drives and loads at their points; those with the least choice first.
-fn labels(drawn: &DrawnMechanism, scale: &Scale, loads: &[DrawnSymbol]) -> Vec<Label> {
+fn labels(drawn: &DrawnMechanism, scale: &SheetScale, loads: &[DrawnSymbol]) -> Vec<Label> {
     let mut labels = Vec::new();
     for joint in &drawn.joints {
         let clear = if joint.rail_m.is_some() { 14.0 } else { 10.0 };
@@ -242,7 +242,7 @@ fn labels(drawn: &DrawnMechanism, scale: &Scale, loads: &[DrawnSymbol]) -> Vec<L
     labels
 }
 
-fn bodies(drawn: &DrawnMechanism, scale: &Scale) -> Markup {
+fn bodies(drawn: &DrawnMechanism, scale: &SheetScale) -> Markup {
     html! {
         @for (index, body) in drawn.bodies.iter().enumerate() {
             @for support in &body.supports_m { (symbols::ground(scale.place(*support))) }
@@ -254,7 +254,7 @@ fn bodies(drawn: &DrawnMechanism, scale: &Scale) -> Markup {
 }
 
 /// Circles of hinges, filled without clearance; squares of welds; blocks of sliders on their rails.
-fn joints(drawn: &DrawnMechanism, scale: &Scale) -> Markup {
+fn joints(drawn: &DrawnMechanism, scale: &SheetScale) -> Markup {
     let (paper, ink) = (Ink::Paper.hex(), Ink::Ink.hex());
     html! {
         @for joint in drawn.joints.iter().filter(|joint| joint.rail_m.is_some()) {
@@ -277,7 +277,7 @@ fn joints(drawn: &DrawnMechanism, scale: &Scale) -> Markup {
     }
 }
 
-fn drives(drawn: &DrawnMechanism, scale: &Scale) -> Markup {
+fn drives(drawn: &DrawnMechanism, scale: &SheetScale) -> Markup {
     html! {
         @for drive in &drawn.drives {
             (symbols::turn(scale.place(drive.pivot_m), TURNS[0], drive.counter_clockwise, Ink::Ink))
@@ -293,7 +293,7 @@ struct DrawnSymbol {
     clear: f64,
 }
 
-fn load_symbol(load: &DrawnLoad, scale: &Scale) -> DrawnSymbol {
+fn load_symbol(load: &DrawnLoad, scale: &SheetScale) -> DrawnSymbol {
     let ink = Ink::Limit;
     match load.symbol {
         LoadSymbol::Arrow(at, [x, y]) => {

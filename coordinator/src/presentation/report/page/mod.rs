@@ -21,6 +21,9 @@ use super::{stated, studied, tables};
 use maud::{Markup, PreEscaped, html};
 use parts::{inline, page_of, section};
 
+/// The script that shows the values of a chart at the pointer.
+const HOVER: &str = include_str!("hover.js");
+
 /// Figures by section of the page.
 pub struct Sections {
     pub(super) studied: Vec<Figure>,
@@ -112,6 +115,7 @@ pub fn html(input: &ReportInput, sections: &Sections, files: FigureFiles) -> Str
             script type="application/json" id="motion" { (PreEscaped(&motion.data)) } "\n"
             script { "\n" (PreEscaped(SCRIPT)) } "\n"
         }
+        script { "\n" (PreEscaped(HOVER)) } "\n"
     };
     page_of(&input.title, &body, files)
 }

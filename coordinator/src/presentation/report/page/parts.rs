@@ -7,9 +7,6 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 const STYLE: &str = include_str!("style.css");
 
-/// The script that shows the values of a chart at the pointer.
-const HOVER: &str = include_str!("hover.js");
-
 /// The figure as an SVG file that follows the light or dark setting of the reader's system.
 pub fn standalone(figure: &Figure) -> String {
     let svg = SvgParts::new(&figure.svg);
@@ -81,12 +78,7 @@ pub fn page_of(title: &str, body: &Markup, files: FigureFiles) -> String {
                 title { (title) " · Hingewise" }
                 style { "\n" (PreEscaped(palette::css())) (PreEscaped(STYLE)) (PreEscaped(running_head(title))) }
             }
-            body {
-                "\n" main {
-                    (body)
-                    @if body.0.contains("data-axes=") { script { "\n" (PreEscaped(HOVER)) } "\n" }
-                }
-            }
+            body { "\n" main { (body) } }
         }
         "\n"
     };

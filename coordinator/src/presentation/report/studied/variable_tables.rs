@@ -115,11 +115,12 @@ fn truncation(row: &VariableRow) -> Option<(String, String)> {
 /// The bodies or joints that an output belongs to.
 fn subject(scene: &Scene, written: &WrittenScene, output: &Output) -> String {
     let joints = |joints: &[usize]| {
-        joints.iter().map(|k| scene.joints[*k].name.as_str()).collect::<Vec<_>>().join(", ")
+        joints.iter().filter_map(|k| Some(scene.joints.get(*k)?.name.as_str())).collect::<Vec<_>>().join(", ")
     };
     let signed = |body: &SignedBody| {
         let sign = if body.sign < 0.0 { "\u{2212}" } else { "+" };
-        format!("{sign}{} ({})", scene.bodies[body.body].name, body.label)
+        let name = scene.bodies.get(body.body).map_or(UNKNOWN, |body| body.name.as_str());
+        format!("{sign}{name} ({})", body.label)
     };
     match &output.kind {
         OutputKind::LargestWear { joints: of } | OutputKind::PeakJointForce { joints: of } => joints(of),
@@ -170,7 +171,7 @@ pub fn limits(scene: &Scene, summary: &StudySummary, written: &WrittenScene) -> 
             OutputUnit::External(_) => unit.after(&exact_number(limit.threshold)),
             own => ExactTexts(written).value(&key, limit.threshold, own.symbol()),
         };
-        let fails = match row.fails {
+        let fails = match limit.fails {
             Fails::Above => "≥",
             Fails::Below => "≤",
         };
