@@ -163,6 +163,31 @@ impl Distribution {
         self.law().name()
     }
 
+    /// Its word in scenes and result files, e.g. `truncated-normal`.
+    pub fn word(&self) -> &'static str {
+        match self {
+            Self::TruncatedNormal(_) => "truncated-normal",
+            Self::Normal(_) => "normal",
+            Self::Lognormal(_) => "lognormal",
+            Self::Uniform(_) => "uniform",
+            Self::Gumbel(law) => law.word(),
+            Self::Weibull(_) => "weibull",
+            Self::Exponential(_) => "exponential",
+            Self::Beta(_) => "beta",
+            Self::Triangular(_) => "triangular",
+            Self::Constant(_) => "constant",
+        }
+    }
+
+    /// The likeliest value of a triangular distribution, which its moments and bounds state only together [unit of the
+    /// variable]; `None` for others.
+    pub fn mode(&self) -> Option<f64> {
+        match self {
+            Self::Triangular(law) => Some(law.mode()),
+            _ => None,
+        }
+    }
+
     /// True if the variable has one value only.
     pub fn is_constant(&self) -> bool {
         matches!(self, Self::Constant(_))

@@ -140,6 +140,11 @@ impl SceneSource {
         &self.text
     }
 
+    /// The tables of this scene as written, merged with those of the scenes that it extends.
+    pub fn document(&self) -> &Table {
+        &self.document
+    }
+
     /// FNV-1a hash of the text, 128 bit, equal on every machine and in every version.
     pub fn digest(&self) -> u128 {
         digest(&self.text)

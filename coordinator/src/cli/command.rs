@@ -196,7 +196,7 @@ Examples:
 Examples:
   coordinator report hingewise-flapping-wing
   coordinator report archive/study --out study-report
-  coordinator report study --pdf")]
+  coordinator report study --pdf --png")]
     Report(ReportArguments),
     /// Compare the reliability curves of several finished studies on one page
     #[command(after_help = "\

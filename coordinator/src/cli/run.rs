@@ -170,6 +170,7 @@ fn finish(
     }
     let mut result = result?;
     result.summary.designs = design_keys(campaign)?;
+    result.summary.identify(scene, &campaign.meta().scene_source, campaign.created_at());
     campaign.put_document(DISTRIBUTIONS_DOCUMENT, &for_report(&result.distributions))?;
     // The summary comes last: with it, the study counts as finished.
     campaign.put_document(SUMMARY_DOCUMENT, &result.summary)?;

@@ -29,7 +29,10 @@
 pub mod csv_table;
 pub mod journal;
 pub mod life_summary;
+pub mod point_summary;
 pub mod progress;
 pub mod result_files;
+pub mod scene_summary;
 pub mod store;
 pub mod summary;
+mod surrogate_summary;

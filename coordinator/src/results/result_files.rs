@@ -212,6 +212,23 @@ mod tests {
         assert_eq!(serde_json::from_str::<StudySummary>(&text).unwrap().reliability.len(), 72);
     }
 
+    /// Studies by earlier versions lack what was added since.
+    #[test]
+    fn a_summary_without_later_fields_is_read() {
+        let mut json = serde_json::to_value(test_study::study().summary).unwrap();
+        let later =
+            ["schema", "created", "scene_sha256", "limits", "variables", "failure_points", "predictions"];
+        for key in later {
+            assert!(json.as_object_mut().unwrap().remove(key).is_some(), "{key}");
+        }
+        let mut summary: StudySummary = serde_json::from_value(json).unwrap();
+        assert_eq!((summary.schema, summary.created.as_str(), summary.limits.len()), (0, "", 0));
+        // The report of such a study states them from its scene.
+        summary.identify(&test_study::scene(), "abc", "2026-01-31T12:00:00.000Z");
+        assert_eq!((summary.schema, summary.limits.len(), summary.variables.len()), (1, 2, 30));
+        assert!(summary.scene_sha256.starts_with("ba7816bf"), "{}", summary.scene_sha256);
+    }
+
     #[test]
     fn a_summary_with_an_infinite_number_is_refused() {
         let mut summary = test_study::study().summary;

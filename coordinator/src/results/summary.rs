@@ -4,8 +4,12 @@
 //! unit, e.g. `max_wear_depth_m`.
 
 use super::life_summary::{LifeCurveRow, LifeRow, UnresolvedFall};
+use super::point_summary::{FailurePointRow, PredictionRow};
+use super::scene_summary::{LimitRow, VariableRow, limit_rows, sha256, variable_rows};
+pub use super::surrogate_summary::SurrogateRow;
 use crate::statistics::reliability::REACH;
 use common::accuracy::Accuracy;
+use common::scene::Scene;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -13,9 +17,21 @@ use std::path::Path;
 /// One value per limit state, by name; [`StudySummary::limit_states`] has their order.
 pub type PerLimitState = BTreeMap<String, f64>;
 
+/// Version of the form of `summary.json`: a reader of this one reads later ones, which only add keys.
+pub const SCHEMA: u32 = 1;
+
 /// Result of a study.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StudySummary {
+    /// Version of the form of the file; 0 in studies by earlier versions.
+    #[serde(default)]
+    pub schema: u32,
+    /// Date and time of the start of the study, UTC, as `2026-01-31T12:00:00.000Z`; empty in studies by earlier versions.
+    #[serde(default)]
+    pub created: String,
+    /// SHA-256 of the text of the scene, as in `scene.toml`, in hexadecimal digits; empty in studies by earlier versions.
+    #[serde(default)]
+    pub scene_sha256: String,
     /// Name of the scene.
     pub scene: String,
     /// Version of the program.
@@ -43,6 +59,12 @@ pub struct StudySummary {
     pub designs: Vec<String>,
     /// Names of the limit states, in the scene's order.
     pub limit_states: Vec<String>,
+    /// Limit states with their thresholds, in the same order; empty in studies by earlier versions.
+    #[serde(default)]
+    pub limits: Vec<LimitRow>,
+    /// Random variables, in the scene's order; empty in studies by earlier versions.
+    #[serde(default)]
+    pub variables: Vec<VariableRow>,
     /// Reliabilities, one row per checkpoint.
     pub reliability: Vec<ReliabilityRow>,
     /// Lives at the usual levels of reliability, per limit state and in total; empty with a single checkpoint and in studies by
@@ -68,11 +90,18 @@ pub struct StudySummary {
     /// Sobol indices of the limit states' outputs; none with direct simulation.
     #[serde(default)]
     pub sobol: Vec<SobolRow>,
+    /// Most probable failures, one row per limit state with failures; empty in studies by earlier versions.
+    #[serde(default)]
+    pub failure_points: Vec<FailurePointRow>,
     /// Rounds of learning and the reason of the stop.
     pub convergence: Convergence,
     /// Surrogates at the end; empty with direct simulation.
     #[serde(default)]
     pub surrogates: Vec<SurrogateRow>,
+    /// Predictions of the surrogates for their own simulations, one row per limit state; empty with direct simulation and in
+    /// studies by earlier versions.
+    #[serde(default)]
+    pub predictions: Vec<PredictionRow>,
     /// Times of the study.
     pub timing_s: Timing,
     /// Contributions of the workers.
@@ -80,6 +109,15 @@ pub struct StudySummary {
 }
 
 impl StudySummary {
+    /// Sets what identifies the study: its scene, the text of the scene, and the time when the study began.
+    pub fn identify(&mut self, scene: &Scene, source: &str, created: &str) {
+        self.schema = SCHEMA;
+        created.clone_into(&mut self.created);
+        self.scene_sha256 = sha256(source);
+        self.limits = limit_rows(scene);
+        self.variables = variable_rows(scene);
+    }
+
     /// True for a mechanism, false for a scene that names its own simulator.
     pub fn of_mechanism(&self) -> bool {
         self.accuracy_settings.is_some()
@@ -88,6 +126,12 @@ impl StudySummary {
     /// Noun for one sample of the study.
     pub fn subject(&self) -> &'static str {
         if self.of_mechanism() { "mechanism" } else { "system" }
+    }
+
+    /// Names of the curves that differ: the limit states in their order, then the system if there are several.
+    pub fn curve_names(&self) -> impl Iterator<Item = &str> {
+        let total = (self.limit_states.len() != 1).then_some("total");
+        self.limit_states.iter().map(String::as_str).chain(total)
     }
 
     /// True if every sample was simulated, without surrogates.
@@ -316,53 +360,6 @@ impl Round {
     /// Standard error of [`Round::reliability_total`]: of the surrogates (at most) and of counting.
     pub fn standard_error(&self) -> f64 {
         self.surrogate_error.hypot(self.cov_pf * (1.0 - self.reliability_total))
-    }
-}
-
-/// The surrogate of one limit state at the end of a study.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct SurrogateRow {
-    /// Name of the limit state.
-    pub limit_state: String,
-    /// Smallest leave-one-out Q2 over the governing checkpoints [1].
-    pub q2: f64,
-    /// Smallest cross-validated Q2 with the correlation lengths fitted anew [1]; absent with fewer than ten results, and in
-    /// studies by earlier versions.
-    #[serde(default)]
-    pub q2_cross_validated: Option<f64>,
-    /// Factor on the predicted variances, from cross-validation or leave-one-out errors [1]; absent in studies by earlier
-    /// versions.
-    #[serde(default)]
-    pub variance_factor: Option<f64>,
-    /// Variance of the noise common to all points over the process variance [1].
-    pub nugget: f64,
-    /// Mean variance of the noise in proportion to the stated errors over the process variance [1].
-    pub stated_noise: f64,
-    /// Variance of both noises over that of the simulated values, largest over the governing checkpoints [1]; absent in
-    /// studies by earlier versions.
-    #[serde(default)]
-    pub noise_share: Option<f64>,
-    /// Name of the correlation kernel; empty in studies by earlier versions.
-    #[serde(default)]
-    pub kernel: String,
-    /// Name of the trend; empty in studies by earlier versions.
-    #[serde(default)]
-    pub trend: String,
-    /// True if separate correlations for early and late checkpoints would predict clearly better than the common one; absent
-    /// with one checkpoint.
-    #[serde(default)]
-    pub separate_would_gain: Option<bool>,
-    /// Standard deviation of the noise over the stated errors [1]; absent without stated errors.
-    pub share_of_stated_error: Option<f64>,
-}
-
-/// Share of the variance above which the noise of the simulations costs more than a finer accuracy [1].
-const MUCH_NOISE: f64 = 0.02;
-
-impl SurrogateRow {
-    /// The share of noise in the simulations, if it is large enough to limit learning [1].
-    pub fn much_noise(&self) -> Option<f64> {
-        self.noise_share.filter(|share| *share > MUCH_NOISE)
     }
 }
 

@@ -5,6 +5,7 @@
 //! simulations are left out of N, and the standard error of R contains what they may have been
 //! ([`CurvePoint::with_missing`](crate::statistics::reliability::CurvePoint::with_missing)).
 
+use super::failure_points::failure_points;
 use super::failures::{Failed, check_failures};
 use super::interim::InterimResult;
 use super::learner::Learner;
@@ -125,6 +126,7 @@ impl<'a> DirectSimulation<'a> {
                 .map(|all| distributions_from_samples(&all.iter().map(Vec::as_slice).collect::<Vec<_>>()))
                 .collect(),
             derivatives: sensitivities(&sampled, &self.first_failures, &grid, m),
+            failure_points: failure_points(scene, &sampled, &self.first_failures[..self.problem.modes.len()]),
             evaluations: EvaluationCounts {
                 total: samples + 1,
                 initial: 1,

@@ -1,19 +1,22 @@
 //! The result of a study, from the findings of active learning or direct simulation.
 
+use super::failure_points::failure_points;
 use super::interim::InterimResult;
 use super::lives::{learned_lives, life_findings};
-use super::rows::{failures, first_failure, sobol};
+use super::predictions::predictions;
+use super::rows::{failures, first_failure, moments, sensitivity_row, sobol};
 use super::{CampaignResult, ClassifiedPopulation, Settings, StopReason, Surrogate};
+use crate::results::point_summary::{FailurePointRow, PredictionRow};
+use crate::results::scene_summary::{limit_rows, variable_rows};
 use crate::results::summary::{
-    ConditionRow, Convergence, EvaluationCounts, Failures, MomentsRow, ReliabilityRange, ReliabilityRow,
-    SensitivityError, SensitivityRow, SobolRow, StudySummary, SurrogateRow, Timing, WorkerShare,
+    ConditionRow, Convergence, EvaluationCounts, Failures, ReliabilityRange, ReliabilityRow, SCHEMA,
+    SobolRow, StudySummary, SurrogateRow, Timing, WorkerShare,
 };
 use crate::statistics::learning::Rule;
 use crate::statistics::reliability::{LifeCounts, NumericalBand, OutputDistribution, predict_distributions};
 use crate::statistics::sensitivity::{Sampled, Sensitivity, sensitivities};
 use crate::statistics::surrogate::{Correlation, LeaveOneOut, Sharing, Trend};
 use common::scene::{LimitState, Output, Scene};
-use std::collections::BTreeMap;
 
 /// Result of a study.
 #[derive(Debug, Clone, PartialEq)]
@@ -83,6 +86,8 @@ pub(super) struct Findings {
     pub distributions: Vec<Vec<OutputDistribution>>,
     /// Derivatives of the failure probabilities.
     pub derivatives: Vec<Sensitivity>,
+    /// Most probable failures per limit state.
+    pub failure_points: Vec<FailurePointRow>,
     /// Simulations without a result.
     pub failures: Failures,
     /// Counts of evaluations.
@@ -97,6 +102,7 @@ pub(super) struct Findings {
 #[derive(Default)]
 pub(super) struct LearnerFindings {
     sobol: Vec<SobolRow>,
+    predictions: Vec<PredictionRow>,
     surrogates: Vec<SurrogateReport>,
     /// Rows of the summary, in the order of `surrogates`.
     rows: Vec<SurrogateRow>,
@@ -112,6 +118,9 @@ pub(super) fn curve_names(scene: &Scene) -> Vec<String> {
 pub fn blank(scene: &Scene, settings: &Settings) -> StudySummary {
     let mechanism = scene.simulator.is_none();
     StudySummary {
+        schema: SCHEMA,
+        created: String::new(),
+        scene_sha256: String::new(),
         scene: scene.name.clone(),
         version: env!("CARGO_PKG_VERSION").to_owned(),
         seed: settings.seed,
@@ -127,6 +136,8 @@ pub fn blank(scene: &Scene, settings: &Settings) -> StudySummary {
         evaluations: EvaluationCounts::default(),
         designs: Vec::new(),
         limit_states: scene.limit_states.iter().map(|limit| limit.name.clone()).collect(),
+        limits: limit_rows(scene),
+        variables: variable_rows(scene),
         reliability: Vec::new(),
         lives: Vec::new(),
         curves: Vec::new(),
@@ -137,6 +148,8 @@ pub fn blank(scene: &Scene, settings: &Settings) -> StudySummary {
         sobol: Vec::new(),
         moments: Vec::new(),
         sensitivity: Vec::new(),
+        failure_points: Vec::new(),
+        predictions: Vec::new(),
         convergence: Convergence::default(),
         surrogates: Vec::new(),
         timing_s: Timing::default(),
@@ -176,6 +189,11 @@ pub(super) fn from_learning(
         } else {
             vec![]
         },
+        failure_points: if is_whole {
+            failure_points(scene, &sampled, &first_failures[..scene.limit_states.len()])
+        } else {
+            vec![]
+        },
         failures: failures(scene, learned),
         evaluations: EvaluationCounts {
             total: learned.evaluations,
@@ -207,6 +225,7 @@ fn learner_findings(scene: &Scene, learned: &CampaignResult, extent: Computed) -
     let surrogates: Vec<SurrogateReport> = scene.limit_states.iter().zip(fitted).map(report).collect();
     LearnerFindings {
         sobol: if extent == Computed::Whole { sobol(scene, learned) } else { vec![] },
+        predictions: if extent == Computed::Whole { predictions(scene, learned) } else { vec![] },
         rows: surrogates.iter().zip(fitted).map(|(report, surrogate)| report.row(surrogate)).collect(),
         surrogates,
     }
@@ -318,6 +337,8 @@ impl Findings {
                 .map(|row| sensitivity_row(scene, &names, &cycles, row))
                 .collect(),
             sobol: self.learner.sobol,
+            failure_points: self.failure_points,
+            predictions: self.learner.predictions,
             convergence: self.convergence,
             surrogates: self.learner.rows,
             timing_s: timing,
@@ -355,34 +376,5 @@ impl Findings {
             }
         }
         rows
-    }
-}
-
-/// Moments at one checkpoint: `{limit state}_mean_m` and `_std_m`, or `_rpm` for angular velocities.
-fn moments(scene: &Scene, distributions: &[Vec<OutputDistribution>], cycles: u32, n: usize) -> MomentsRow {
-    let mut row = BTreeMap::new();
-    for limit in &scene.limit_states {
-        let unit = scene.outputs[limit.output].kind.unit();
-        let at = &distributions[limit.output][n];
-        row.insert(unit.key(&format!("{}_mean", limit.name)), unit.to_file(at.mean));
-        row.insert(unit.key(&format!("{}_std", limit.name)), unit.to_file(at.std));
-    }
-    MomentsRow { cycles, moments: row }
-}
-
-fn sensitivity_row(scene: &Scene, curves: &[String], cycles: &[u32], row: &Sensitivity) -> SensitivityRow {
-    let variable = &scene.variables[row.variable];
-    let std = variable.distribution.parent_std();
-    SensitivityRow {
-        cycles: cycles[row.checkpoint],
-        limit_state: curves[row.curve].clone(),
-        variable: variable.name.clone(),
-        d_pf_d_mean: row.to_mean.value,
-        d_pf_d_std: row.to_std.value,
-        standard_error: SensitivityError {
-            d_pf_d_mean: row.to_mean.standard_error,
-            d_pf_d_std: row.to_std.standard_error,
-        },
-        scaled: SensitivityError { d_pf_d_mean: row.to_mean.value * std, d_pf_d_std: row.to_std.value * std },
     }
 }

@@ -1,11 +1,12 @@
-//! Rows of the summary that follow from a campaign's result: Sobol indices, shares of first failures, failed
-//! simulations.
+//! Rows of the summary: Sobol indices, shares of first failures, failed simulations, moments, derivatives.
 
 use super::{CampaignResult, Failed};
-use crate::results::summary::{FailureRow, Failures, FirstFailureRow, SobolError, SobolRow};
+use crate::results::summary::{
+    FailureRow, Failures, FirstFailureRow, MomentsRow, SensitivityError, SensitivityRow, SobolError, SobolRow,
+};
 use crate::statistics::design::InputModel;
-use crate::statistics::reliability::Condition;
-use crate::statistics::sensitivity::sobol_indices;
+use crate::statistics::reliability::{Condition, OutputDistribution};
+use crate::statistics::sensitivity::{Sensitivity, sobol_indices};
 use common::scene::Scene;
 use faer::{Mat, MatRef};
 use std::collections::BTreeMap;
@@ -79,4 +80,44 @@ pub(super) fn failure_rows(scene: &Scene, inputs: &InputModel, failed: &[Failed]
     };
     let row = |failed: &Failed| FailureRow { cause: failed.cause.to_string(), sample: sample(&failed.z) };
     failed.iter().map(row).collect()
+}
+
+/// Moments at one checkpoint: `{limit state}_mean_m` and `_std_m`, or `_rpm` for angular velocities.
+pub(super) fn moments(
+    scene: &Scene,
+    distributions: &[Vec<OutputDistribution>],
+    cycles: u32,
+    n: usize,
+) -> MomentsRow {
+    let mut row = BTreeMap::new();
+    for limit in &scene.limit_states {
+        let unit = scene.outputs[limit.output].kind.unit();
+        let at = &distributions[limit.output][n];
+        row.insert(unit.key(&format!("{}_mean", limit.name)), unit.to_file(at.mean));
+        row.insert(unit.key(&format!("{}_std", limit.name)), unit.to_file(at.std));
+    }
+    MomentsRow { cycles, moments: row }
+}
+
+/// A derivative in the names of the scene.
+pub(super) fn sensitivity_row(
+    scene: &Scene,
+    curves: &[String],
+    cycles: &[u32],
+    row: &Sensitivity,
+) -> SensitivityRow {
+    let variable = &scene.variables[row.variable];
+    let std = variable.distribution.parent_std();
+    SensitivityRow {
+        cycles: cycles[row.checkpoint],
+        limit_state: curves[row.curve].clone(),
+        variable: variable.name.clone(),
+        d_pf_d_mean: row.to_mean.value,
+        d_pf_d_std: row.to_std.value,
+        standard_error: SensitivityError {
+            d_pf_d_mean: row.to_mean.standard_error,
+            d_pf_d_std: row.to_std.standard_error,
+        },
+        scaled: SensitivityError { d_pf_d_mean: row.to_mean.value * std, d_pf_d_std: row.to_std.value * std },
+    }
 }

@@ -2,6 +2,7 @@
 //! the tests of result files, report and terminal. Its mechanism is replaced by a rod on six pins with known motion.
 
 mod mechanism;
+mod points;
 
 use crate::farm::evaluate::{Finished, Request};
 use crate::presentation::report::{
@@ -9,6 +10,7 @@ use crate::presentation::report::{
 };
 use crate::results::journal::Journal;
 use crate::results::life_summary::{CyclesRange, LifeCurveRow, LifeRow};
+use crate::results::scene_summary::{limit_rows, sha256, variable_rows};
 use crate::results::store::{CampaignFile, CampaignMeta};
 use crate::results::summary::*;
 use common::accuracy::Accuracy;
@@ -17,6 +19,8 @@ use common::outputs::{Diagnostics, Evaluation, JointSummary};
 use common::scene::{Scene, SceneSource};
 use mechanism::{depth, rod_on_pins, worn};
 pub use mechanism::{eccentricity, first_cycle};
+pub use points::report_with_samples;
+use points::{failure_point, prediction};
 use statrs::distribution::{Continuous, ContinuousCDF, Normal};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -228,6 +232,11 @@ pub fn study() -> TestStudy {
     let names = scene.limit_states.iter().map(|state| state.name.as_str()).chain(["total"]);
     let curves: Vec<LifeCurveRow> = names.map(|name| life_curve(name, &scene)).collect();
     let summary = StudySummary {
+        schema: SCHEMA,
+        created: "2026-01-31T12:00:00.000Z".into(),
+        scene_sha256: sha256("a scene"),
+        limits: limit_rows(&scene),
+        variables: variable_rows(&scene),
         lives: curves.iter().flat_map(lives).collect(),
         curves,
         unresolved_fall: None,
@@ -261,6 +270,8 @@ pub fn study() -> TestStudy {
             larger_budget: None,
             rounds: (0..9).map(round).collect(),
         },
+        failure_points: scene.limit_states.iter().map(|state| failure_point(&state.name, &scene)).collect(),
+        predictions: scene.limit_states.iter().map(|state| prediction(&state.name)).collect(),
         surrogates: vec![SurrogateRow {
             limit_state: "wear".into(),
             q2: 0.98,

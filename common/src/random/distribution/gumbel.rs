@@ -43,6 +43,14 @@ impl Gumbel {
         Ok(Self { mean, std, extreme })
     }
 
+    /// Its word in scenes.
+    pub(super) fn word(&self) -> &'static str {
+        match self.extreme {
+            Extreme::Maxima => "gumbel",
+            Extreme::Minima => "gumbel-minima",
+        }
+    }
+
     /// +1 for maxima, -1 for minima.
     fn sign(&self) -> f64 {
         match self.extreme {

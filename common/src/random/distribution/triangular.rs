@@ -39,6 +39,11 @@ impl Triangular {
         Ok(Self { lower, mode, upper })
     }
 
+    /// The likeliest value [unit of the variable].
+    pub(super) fn mode(&self) -> f64 {
+        self.mode
+    }
+
     /// Lengths of the rising part, the falling part and both [unit of the variable].
     fn parts(&self) -> (f64, f64, f64) {
         (self.mode - self.lower, self.upper - self.mode, self.upper - self.lower)

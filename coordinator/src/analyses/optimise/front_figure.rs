@@ -2,7 +2,7 @@
 
 use super::result::{FrontPoint, OptimisationResult};
 use crate::presentation::report::palette::Ink;
-use crate::presentation::report::{Axis, Figure, Plot, PlotError, Series, Shape};
+use crate::presentation::report::{Axis, Figure, Plot, PlotError, Scale, Series, Shape};
 
 /// The figure; `None` with fewer than two targets that any design meets.
 ///
@@ -20,7 +20,7 @@ pub fn front_figure(result: &OptimisationResult) -> Result<Option<Figure>, PlotE
         label: "failure probability allowed, times that of the targets",
         range: (first.0, last.0),
         text: |exponent| three_digits(10f64.powf(exponent)),
-        value: |exponent| 10f64.powf(exponent),
+        scale: Scale::Logarithm,
     };
     let costs = front.iter().map(|(_, cost)| *cost).chain([result.cost]);
     let (low, high) = costs.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), c| (l.min(c), h.max(c)));

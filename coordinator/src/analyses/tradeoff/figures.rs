@@ -2,7 +2,7 @@
 
 use super::compare::SettingComparison;
 use crate::presentation::report::palette::Ink;
-use crate::presentation::report::{Axis, Plot, PlotError, Series, Shape, standalone};
+use crate::presentation::report::{Axis, Plot, PlotError, Scale, Series, Shape, standalone};
 use common::scene::Scene;
 
 /// Smallest error on the logarithmic axis [1]; smaller ones are drawn there.
@@ -52,8 +52,8 @@ fn figure(name: &str, output: &str, k: usize, rows: &[&SettingComparison]) -> Re
     let y = Axis::linear(&title, range(|point| point.1));
     let plot = Plot {
         figure: name,
-        x: Axis { text: power_of_ten, value: |v| 10f64.powf(v), ..x },
-        y: Axis { text: |v| power_of_ten(v + 2.0), value: |v| 10f64.powf(v + 2.0), ..y },
+        x: Axis { text: power_of_ten, scale: Scale::Logarithm, ..x },
+        y: Axis { text: |v| power_of_ten(v + 2.0), scale: Scale::LogarithmOfShare, ..y },
         series: &series,
     };
     Ok(standalone(&plot.figure(&title, "")?))

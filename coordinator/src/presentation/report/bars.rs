@@ -2,7 +2,7 @@
 
 use super::figure::{Figure, csv};
 use super::palette::Ink;
-use super::plot::{PlotError, draw, letters, px, stroke, tick_label};
+use super::plot::{LETTERS, PlotError, draw, letters, px, stroke, tick_label};
 use crate::results::csv_table::number;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -11,10 +11,10 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 const ROW: f64 = 26.0;
 
 /// Width of the column of names [CSS pixels].
-const NAMES: f64 = 168.0;
+const NAMES: f64 = 178.0;
 
 /// Number of letters that fit into it.
-const LONGEST: usize = 22;
+const LONGEST: usize = 21;
 
 /// Half-length of the error lines [standard errors].
 const REACH: f64 = 1.96;
@@ -88,13 +88,13 @@ impl Bars<'_> {
                 .max_light_lines(0)
                 .bold_line_style(stroke(Ink::Grid, 1.0))
                 .axis_style(stroke(Ink::Muted, 1.0))
-                .label_style(letters(13.5, Ink::Muted))
-                .axis_desc_style(letters(13.5, Ink::Ink))
+                .label_style(letters(LETTERS, Ink::Muted))
+                .axis_desc_style(letters(LETTERS, Ink::Ink))
                 .set_all_tick_mark_size(px(4.0))
                 .x_label_formatter(&|value| tick_label(*value))
                 .x_desc(self.axis)
                 .draw()?;
-            let right = letters(13.5, Ink::Ink).pos(Pos::new(HPos::Right, VPos::Center));
+            let right = letters(LETTERS, Ink::Ink).pos(Pos::new(HPos::Right, VPos::Center));
             for (k, pair) in rows.iter().enumerate() {
                 let top = (rows.len() - k) as f64;
                 for (bar, ink) in inks.into_iter().enumerate() {
@@ -114,7 +114,7 @@ impl Bars<'_> {
             for (bar, ink) in inks.into_iter().enumerate() {
                 let x = NAMES + 150.0 * bar as f64;
                 root.draw(&Rectangle::new([(px(x), px(8.0)), (px(x + 18.0), px(18.0))], ink.rgb().filled()))?;
-                root.draw(&Text::new(self.labels[bar], (px(x + 23.0), px(6.5)), letters(13.5, Ink::Ink)))?;
+                root.draw(&Text::new(self.labels[bar], (px(x + 23.0), px(6.5)), letters(LETTERS, Ink::Ink)))?;
             }
             Ok(())
         })
@@ -122,7 +122,7 @@ impl Bars<'_> {
 }
 
 /// A name cut to what fits, with a mark where something was left out.
-fn shortened(name: &str) -> String {
+pub(super) fn shortened(name: &str) -> String {
     if name.chars().count() <= LONGEST {
         return name.to_string();
     }

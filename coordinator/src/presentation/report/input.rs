@@ -3,6 +3,7 @@
 
 use super::mechanism::Mechanism;
 use super::stated_errors::{StatedAt, StatedErrorCollector};
+use super::written::WrittenScene;
 use crate::results::store::{CampaignFile, StoreError};
 use crate::results::summary::StudySummary;
 use common::outputs::{Diagnostics, Evaluation};
@@ -84,6 +85,15 @@ pub struct FailedRun {
     pub failure: String,
 }
 
+/// A simulation with a result.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SimulatedSample {
+    /// Values of the random variables, in the scene's order `(d,)` [SI].
+    pub values: Vec<f64>,
+    /// Checkpoint by which each limit state has failed, if it has `(limit states,)` [cycles].
+    pub failed_at: Vec<Option<u32>>,
+}
+
 /// Work of all evaluations with a result, summed.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct WorkTotals {
@@ -118,6 +128,8 @@ pub struct ReportInput {
     pub distributions: Vec<CheckpointDistribution>,
     /// Numerical errors that the evaluations state, per output and checkpoint `(outputs)(m,)`; empty if none do.
     pub stated: Vec<Vec<StatedAt>>,
+    /// Evaluations with a result, in the order of their numbers.
+    pub samples: Vec<SimulatedSample>,
     /// Evaluations without a result.
     pub failures: Vec<FailedRun>,
     /// Numerical work of all evaluations.
@@ -126,12 +138,12 @@ pub struct ReportInput {
     pub notes: Vec<String>,
     /// Source text of the scene.
     pub scene_source: String,
+    /// The scene as it was written.
+    pub written: WrittenScene,
     /// Settings of the study, JSON.
     pub settings: serde_json::Value,
     /// Command line that started the study.
     pub command: String,
-    /// Date and time of the start of the study, UTC.
-    pub created: String,
     /// The scene with every variable at its mean.
     pub scene: Scene,
 }
@@ -143,21 +155,25 @@ impl ReportInput {
     /// # Errors
     /// [`StoreError`].
     pub fn from_campaign(campaign: &CampaignFile, scene: &Scene) -> Result<Option<Self>, StoreError> {
-        let Some(summary) = campaign.document(SUMMARY_DOCUMENT)? else { return Ok(None) };
+        let Some(mut summary) = campaign.document::<StudySummary>(SUMMARY_DOCUMENT)? else { return Ok(None) };
+        // A study by an earlier version has stored less of this.
+        summary.identify(scene, &campaign.meta().scene_source, campaign.created_at());
         let distributions = campaign.document(DISTRIBUTIONS_DOCUMENT)?.unwrap_or_default();
         let go_on = go_on(&summary, campaign.dir());
         let mut input = Self::new(scene, summary, distributions);
         input.notes.splice(0..0, go_on);
         input.scene_source = campaign.meta().scene_source.clone();
+        input.written = WrittenScene::new(&input.scene_source);
         input.settings = campaign.meta().settings.clone();
         input.command = campaign.meta().command.clone();
-        input.created = campaign.created_at().to_owned();
         let mut stated = StatedErrorCollector::default();
         campaign.for_each(|stored| {
             match stored.outcome {
                 Ok(evaluation) => {
                     input.work.add(&evaluation.diagnostics, stored.wall);
                     stated.add(&evaluation);
+                    let failed_at = failures_of(scene, &evaluation);
+                    input.samples.push(SimulatedSample { values: stored.sample, failed_at });
                     if stored.id == 0 {
                         input.nominal = Some(evaluation);
                     }
@@ -210,12 +226,13 @@ impl ReportInput {
             nominal: None,
             distributions,
             stated: vec![],
+            samples: vec![],
             failures: vec![],
             work: WorkTotals::default(),
             scene_source: String::new(),
+            written: WrittenScene::default(),
             settings: serde_json::Value::Null,
             command: String::new(),
-            created: String::new(),
             scene: scene.clone(),
         }
     }
@@ -229,6 +246,19 @@ impl ReportInput {
     pub fn unit_of(&self, state: &LimitStateInfo) -> &OutputUnit {
         &self.outputs[state.output].unit
     }
+}
+
+/// Checkpoint by which each limit state of an evaluation has failed, if it has [cycles].
+fn failures_of(scene: &Scene, evaluation: &Evaluation) -> Vec<Option<u32>> {
+    let first = |state: &common::scene::LimitState| {
+        let history = evaluation.histories.get(state.output)?;
+        let reached = |value: &f64| match state.fails {
+            Fails::Above => *value >= state.threshold,
+            Fails::Below => *value <= state.threshold,
+        };
+        evaluation.cycles.get(history.iter().position(reached)?).copied()
+    };
+    scene.limit_states.iter().map(first).collect()
 }
 
 impl WorkTotals {

@@ -17,6 +17,7 @@ mod mechanism;
 mod page;
 pub mod palette;
 mod plot;
+mod png;
 mod polar;
 mod stated;
 mod stated_errors;
@@ -25,23 +26,25 @@ mod tables;
 #[cfg(test)]
 mod tests;
 mod words;
+mod written;
 
 pub use figure::Figure;
 pub use figures::reliability as reliability_figure;
 pub use input::{
     CheckpointDistribution, DISTRIBUTIONS_DOCUMENT, FailedRun, LimitStateInfo, OutputInfo, ReportInput,
-    SUMMARY_DOCUMENT, VariableInfo, WorkTotals, equal_edges,
+    SUMMARY_DOCUMENT, SimulatedSample, VariableInfo, WorkTotals, equal_edges,
 };
 pub use life::{failure_probability, reliability};
 pub use mechanism::Mechanism;
 pub use page::standalone;
-pub use plot::{Axis, Plot, PlotError, Series, Shape};
+pub use plot::{Axis, Plot, PlotError, Scale, Series, Shape};
+pub use png::{PngError, PngMaker};
 pub use stated_errors::StatedAt;
 
 use page::FigureFiles;
 
 use crate::results::result_files::{
-    ResultFileError, reliability_csv, summary_json, write_samples_csv, write_text,
+    ResultFileError, reliability_csv, summary_json, write_atomically, write_samples_csv, write_text,
 };
 use crate::results::store::{CampaignFile, StoreError};
 use crate::results::summary::StudySummary;
@@ -61,6 +64,9 @@ pub enum ReportError {
     /// The campaign file cannot be read or written.
     #[error(transparent)]
     Store(#[from] StoreError),
+    /// A figure has no picture.
+    #[error(transparent)]
+    Png(#[from] PngError),
 }
 
 /// A report in memory.
@@ -95,6 +101,8 @@ fn rendered(input: &ReportInput, files: FigureFiles) -> Result<Report, PlotError
         reliability: reliability.into_iter().flatten().collect(),
         rates: figures::failure_rates(&input.summary)?,
         outputs: [figures::distributions(input)?, figures::histories(input)?].concat(),
+        inputs: figures::input_histograms(input)?,
+        combinations: figures::parallel_coordinates(input)?.into_iter().collect(),
         sensitivity: figures::sensitivities(input)?,
         variance: figures::variance_contributions(input)?,
         motion: animation::animation(input),
@@ -102,6 +110,7 @@ fn rendered(input: &ReportInput, files: FigureFiles) -> Result<Report, PlotError
         orbits: figures::orbits(input),
         first_cycle: figures::first_cycle(input)?,
         last_cycle: figures::last_cycle(input)?,
+        predictions: figures::predicted_against_simulated(input)?,
         learning: figures::learning(input)?,
         numerical: figures::numerical(input)?,
     };
@@ -161,4 +170,27 @@ pub fn write_all(campaign: &CampaignFile, scene: &Scene, dir: &Path) -> Result<O
     write_samples_csv(&dir.join("samples.csv"), campaign, scene)?;
     write_text(&dir.join("scene.toml"), &input.scene_source)?;
     write(dir, &input).map(Some)
+}
+
+/// Writes every figure of the report of a finished study as `figures/*.png` into the folder `dir`; returns their number, or `None` if the
+/// study has not been finished.
+///
+/// # Errors
+/// [`ReportError`].
+pub fn write_pictures(
+    campaign: &CampaignFile,
+    scene: &Scene,
+    dir: &Path,
+) -> Result<Option<usize>, ReportError> {
+    let Some(input) = ReportInput::from_campaign(campaign, scene)? else { return Ok(None) };
+    let (maker, figures) = (PngMaker::new()?, render(&input)?.figures);
+    let folder = dir.join("figures");
+    for figure in &figures {
+        let picture = maker.png(figure)?;
+        let path = folder.join(format!("{}.png", figure.name));
+        write_atomically(&path, |file| {
+            file.write_all(&picture).map_err(|source| ResultFileError::Write { path: path.clone(), source })
+        })?;
+    }
+    Ok(Some(figures.len()))
 }

@@ -172,9 +172,9 @@ impl Polar {
                     text x=(x) y=(y) text-anchor=(anchor) fill=(muted) { (degrees) "°" }
                 }
                 @for (x, y, value) in rings {
-                    text x=(x) y=(y) text-anchor="middle" font-size="11" fill=(muted) { (value) " µm" }
+                    text x=(x) y=(y) text-anchor="middle" fill=(muted) { (value) " µm" }
                 }
-                text x=(6.0 - HALF) y=(18.0 - HALF) font-size="15" fill=(Ink::Ink.hex()) { (title) }
+                text x=(6.0 - HALF) y=(18.0 - HALF) fill=(Ink::Ink.hex()) { (title) }
             }
         };
         document.into_string() + "\n"

@@ -31,7 +31,26 @@ pub struct LeaveOneOut {
     pub variance_ratio: f64,
 }
 
+/// Prediction of the value of one point from all other points.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LeftOut {
+    /// Mean [unit of the output].
+    pub mean: f64,
+    /// Standard deviation, simulator noise included [unit of the output].
+    pub std: f64,
+}
+
 impl Kriging {
+    /// Prediction of every point of output `o` from all others `(n,)`; `values` `(n, m)` are those the model was conditioned on.
+    pub fn left_out(&self, values: MatRef<'_, f64>, o: usize) -> Vec<LeftOut> {
+        let (dual, sigma2) = (self.dual(), self.sigma2()[o]);
+        let prediction = |(i, s): (usize, &f64)| LeftOut {
+            mean: values[(i, o)] - dual[(i, o)] / s,
+            std: (sigma2 / s).sqrt(),
+        };
+        self.kept_precision().iter().enumerate().map(prediction).collect()
+    }
+
     /// Leave-one-out figures per output `(m,)`; `values` `(n, m)` are those the model was conditioned on.
     pub fn leave_one_out(&self, values: MatRef<'_, f64>) -> Vec<LeaveOneOut> {
         let n = self.points();
@@ -129,6 +148,7 @@ mod tests {
         assert_eq!(model.trend(), trend);
         let densities = model.log_densities(y.as_ref());
         let spread = spread(y.col(0));
+        let predicted = model.left_out(y.as_ref(), 0);
         let mut squares = 0.0;
         for out in 0..n {
             let keep: Vec<usize> = (0..n).filter(|i| *i != out).collect();
@@ -144,6 +164,9 @@ mod tests {
             // The process variance is that of all points; the noise is in the left-out value too.
             let noise = correlation.nugget + correlation.stated * weights[out];
             let variance = model.sigma2()[0] * (prediction.variance_factor[0] + noise);
+            let LeftOut { mean, std } = predicted[out];
+            assert!((mean - prediction.mean[(0, 0)]).abs() < 1e-8, "{kernel:?} {out}: {mean}");
+            assert!((std - variance.sqrt()).abs() < 1e-8, "{kernel:?} {out}: {std}");
             let density = -0.5 * ((std::f64::consts::TAU * variance).ln() + error * error / variance)
                 + 0.5 * spread.ln();
             assert!(

@@ -72,7 +72,7 @@ pub use fit::{Effort, Fitted, TrainingSet, fit_correlation};
 pub use form::{Form, FormSettings};
 pub use kernel::Kernel;
 pub use kriging::{Kriging, Prediction};
-pub use leave_one_out::LeaveOneOut;
+pub use leave_one_out::{LeaveOneOut, LeftOut};
 pub use likelihood::{Likelihood, LikelihoodValue};
 pub use noise::{NoiseShape, StatedErrors};
 pub use posterior::Posterior;

@@ -1,6 +1,7 @@
 //! The first frame of the animation: bodies in true proportions, and below them the joints with clearance, magnified.
 
 use super::frames::{AnimatedCycle, frames};
+use crate::presentation::report::drawing::labels::LabelArea;
 use crate::presentation::report::drawing::symbols::{block, coordinate, ground, link, rail, rail_ends};
 use crate::presentation::report::mechanism::{Mechanism, Pose};
 use crate::presentation::report::palette::Ink;
@@ -10,22 +11,26 @@ use std::f64::consts::TAU;
 use std::fmt::Write;
 
 /// Width of the drawing [drawing units].
-const WIDTH: f64 = 640.0;
+const WIDTH: f64 = 480.0;
 
 /// Largest height of the mechanism [drawing units].
-const HEIGHT: f64 = 400.0;
+const HEIGHT: f64 = 320.0;
 
 /// Margin around the mechanism [drawing units].
 const MARGIN: f64 = 34.0;
 
+/// Size of the letters, and the width of one in a wide sans-serif font [drawing units].
+const FONT: f64 = 15.2;
+const LETTER: f64 = 9.0;
+
 /// Edge of the square cell of a magnified joint [drawing units].
-const CELL: f64 = 160.0;
+const CELL: f64 = 120.0;
 
 /// Radius of an unworn bore in its cell [drawing units].
-const BORE: f64 = 44.0;
+pub const BORE: f64 = 33.0;
 
 /// Size to which the largest clearance with its wear is magnified [drawing units].
-pub const LARGEST_CLEARANCE: f64 = 26.0;
+pub const LARGEST_CLEARANCE: f64 = 19.0;
 
 /// Scales and positions of the drawing.
 pub struct Layout {
@@ -115,7 +120,7 @@ pub fn picture(mechanism: &Mechanism, layout: &Layout, shown: &AnimatedCycle<'_>
     let height = format!("{:.0}", layout.height + CELL * joints.len().div_ceil(columns) as f64);
     let drawing = html! {
         svg xmlns="http://www.w3.org/2000/svg" viewBox=(format!("0 0 {WIDTH} {height}")) font-family="sans-serif"
-            font-size="17" {
+            font-size=(FONT) {
             rect width=(WIDTH) height=(height) fill=(Ink::Paper.hex()) {}
             (bodies(mechanism, layout, shown))
             (joint_marks(mechanism, layout, shown))
@@ -168,24 +173,51 @@ fn rails(mechanism: &Mechanism, body: usize, cycle: &[Vec<Pose>]) -> Vec<[[f64; 
     own.filter_map(|joint| mechanism.rail(joint, cycle)).collect()
 }
 
-/// A circle and the name of every joint; names of joints at one point stand side by side.
+/// A circle and the name of every joint, the names where they do not cover each other.
 fn joint_marks(mechanism: &Mechanism, layout: &Layout, shown: &AnimatedCycle<'_>) -> Markup {
     let marked = mechanism.joints.iter().enumerate().filter_map(|(index, joint)| {
         Some((index, joint, layout.place(mechanism.place(shown.cycle, &joint.journal, 0)?)))
     });
     let marked: Vec<(usize, &Joint, [f64; 2])> = marked.collect();
+    let names: Vec<(&str, [f64; 2])> =
+        marked.iter().map(|(_, joint, at)| (joint.name.as_str(), *at)).collect();
+    let offsets = name_offsets(&names);
     let (paper, ink) = (Ink::Paper.hex(), Ink::Ink.hex());
     html! {
-        @for (k, (index, joint, [x, y])) in marked.iter().enumerate() {
-            @let before = marked[..k].iter().filter(|(.., [u, v])| (u - x).hypot(v - y) < 4.0).count();
+        @for ((index, joint, [x, y]), [right, down]) in marked.iter().zip(offsets) {
             g data-joint=(index) transform=(format!("translate({} {})", coordinate(*x), coordinate(*y))) {
                 circle r="4.5" fill=(paper) stroke=(ink) stroke-width="2" {}
-                text x=(8 + 14 * before) y="-8" fill=(ink) stroke=(paper) stroke-width="3" paint-order="stroke" {
+                text x=(coordinate(right)) y=(coordinate(down)) fill=(ink) stroke=(paper) stroke-width="3" paint-order="stroke" {
                     (joint.name)
                 }
             }
         }
     }
+}
+
+/// Offsets of names from their points `(n)(2,)` [drawing units]: for each the nearest place where it lies within the drawing and
+/// covers no name before it.
+fn name_offsets(names: &[(&str, [f64; 2])]) -> Vec<[f64; 2]> {
+    let mut taken: Vec<LabelArea> = Vec::new();
+    let mut offsets = Vec::new();
+    for (name, [x, y]) in names {
+        let width = LETTER * name.chars().count() as f64;
+        let sides = [8.0, -8.0 - width, -0.5 * width];
+        let rows = (0..8).flat_map(|k| [-8.0 - 18.0 * f64::from(k), 20.0 + 18.0 * f64::from(k)]);
+        let candidates: Vec<[f64; 2]> = rows.flat_map(|down| sides.map(|right| [right, down])).collect();
+        let area = |[right, down]: [f64; 2]| LabelArea {
+            from: [x + right - 1.0, y + down - 14.0],
+            to: [x + right + width + 1.0, y + down + 4.0],
+        };
+        let is_free = |offset: &&[f64; 2]| {
+            let own = area(**offset);
+            own.from[0] >= 0.0 && own.to[0] <= WIDTH && !taken.iter().any(|other| other.overlaps(&own))
+        };
+        let offset = candidates.iter().find(is_free).copied().unwrap_or([8.0, -8.0]);
+        taken.push(area(offset));
+        offsets.push(offset);
+    }
+    offsets
 }
 
 /// Joints with clearance, by the scene's numbering.
@@ -253,4 +285,33 @@ fn bore(depth: &[f64], magnified: f64) -> String {
         );
     }
     if path.is_empty() { path } else { path + "Z" }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_at_one_point_do_not_cover_each_other() {
+        let names = [
+            ("coupler", [240.0, 100.0]),
+            ("crank", [240.0, 100.0]),
+            ("rocker", [243.0, 102.0]),
+            ("frame", [470.0, 100.0]),
+        ];
+        let offsets = name_offsets(&names);
+        let areas: Vec<LabelArea> = names
+            .iter()
+            .zip(&offsets)
+            .map(|((name, [x, y]), [right, down])| LabelArea {
+                from: [x + right, y + down - 13.0],
+                to: [x + right + LETTER * name.len() as f64, y + down + 3.0],
+            })
+            .collect();
+        for (k, area) in areas.iter().enumerate() {
+            assert!(area.from[0] >= 0.0 && area.to[0] <= WIDTH, "{area:?}");
+            assert!(areas[..k].iter().all(|other| !other.overlaps(area)), "{areas:?}");
+        }
+        assert_eq!(offsets[0], [8.0, -8.0]);
+    }
 }

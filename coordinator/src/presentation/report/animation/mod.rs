@@ -23,7 +23,7 @@ pub const NAME: &str = "mechanism";
 pub struct Animation {
     /// The drawing at the first instant.
     pub figure: Figure,
-    /// Cycles with every frame, JSON for [`SCRIPT`].
+    /// Cycles with every frame, and the bores over life, JSON for [`SCRIPT`].
     pub data: String,
 }
 
@@ -79,7 +79,8 @@ pub fn animation(input: &ReportInput) -> Option<Animation> {
         svg: drawing::picture(mechanism, &layout, first, &wear),
         csv: csv(&["cycle", "body", "time [ms]", "x [mm]", "y [mm]", "angle [deg]"], rows),
     };
-    Some(Animation { figure, data: data::json(mechanism, &layout, &shown) })
+    let lives = nominal.worn.as_ref().filter(|worn| worn.cycles.len() > 1);
+    Some(Animation { figure, data: data::json(mechanism, &layout, &shown, lives) })
 }
 
 /// True if a cycle includes the motion of every body at every instant.
@@ -110,7 +111,7 @@ mod tests {
             |attribute: &str| document.descendants().filter(|node| node.has_attribute(attribute)).count();
         assert_eq!((with("data-body"), with("data-joint"), with("data-bore")), (2, 6, 6));
         let data: serde_json::Value = serde_json::from_str(&animation.data).unwrap();
-        let cycles = data.as_array().unwrap();
+        let cycles = data["cycles"].as_array().unwrap();
         assert_eq!(cycles.len(), 2);
         for cycle in cycles {
             for (key, numbers) in [("bodies", 3), ("joints", 2), ("bores", 4)] {
@@ -119,6 +120,19 @@ mod tests {
                 }
             }
         }
+        // Bores over life: of the six joints, deepest at the end.
+        let lives = &data["lives"];
+        let ends = lives["cycles"].as_array().unwrap();
+        assert_eq!(
+            (ends.len(), ends.last().unwrap().as_u64()),
+            (lives["bores"].as_array().unwrap().len(), Some(72_000))
+        );
+        let deepest = |life: usize| {
+            let joints = lives["bores"][life].as_array().unwrap();
+            assert_eq!(joints.len(), 6);
+            joints[0].as_array().unwrap().iter().map(|depth| depth.as_f64().unwrap()).fold(0.0, f64::max)
+        };
+        assert!(deepest(0) < deepest(ends.len() - 1) && deepest(ends.len() - 1) > 1.0);
         // The rod turns once, its journals stay within the magnified clearance of the largest joint.
         let rod = cycles[1]["bodies"][1].as_array().unwrap();
         let half = rod[3 * (FRAMES / 2) + 2].as_f64().unwrap();
@@ -134,6 +148,7 @@ mod tests {
         let mut input = test_study::report_input();
         input.nominal.as_mut().unwrap().worn = None;
         let unworn = animation(&input).unwrap();
+        assert!(unworn.data.contains("\"lives\":null"));
         assert!(unworn.figure.caption.ends_with("Bores unworn."));
         input.nominal.as_mut().unwrap().first_cycle.as_mut().unwrap().motion[1].angle[3] = f64::NAN;
         assert!(animation(&input).is_none());

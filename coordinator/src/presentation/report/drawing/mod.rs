@@ -11,7 +11,7 @@
 //! | `sketch` | the drawing in letters |
 
 mod geometry;
-mod labels;
+pub mod labels;
 mod sheet;
 mod sketch;
 pub mod symbols;

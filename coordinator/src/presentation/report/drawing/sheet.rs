@@ -8,10 +8,15 @@ use crate::presentation::report::palette::Ink;
 use maud::{Markup, html};
 
 /// Largest width and height of the mechanism [drawing units].
-const ROOM: [f64; 2] = [500.0, 380.0];
+const ROOM: [f64; 2] = [390.0, 300.0];
 
-/// Least width of the drawing, so that letters have one size in all drawings [drawing units].
-const LEAST_WIDTH: f64 = 640.0;
+/// Width of the drawing, so that letters have one size in all drawings [drawing units]: the mechanism is drawn smaller where its labels
+/// need more room.
+const SHEET_WIDTH: f64 = 480.0;
+
+/// Factor on the size of a mechanism whose labels do not fit, and how often it is applied at most.
+const SMALLER: f64 = 0.9;
+const ATTEMPTS: usize = 10;
 
 /// Margin around what is drawn [drawing units].
 const MARGIN: f64 = 14.0;
@@ -29,7 +34,7 @@ const TURNS: [f64; 2] = [27.0, 19.0];
 pub const LETTERS: LetterSize = LetterSize { width: 8.6, height: 19.0, step: 6.0, whole: false };
 
 /// Font size of the labels [drawing units].
-const FONT: f64 = 15.0;
+const FONT: f64 = 15.2;
 
 /// A drawing of a mechanism.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,12 +50,12 @@ pub struct MechanismSheet {
 }
 
 /// Drawing units per metre, and the point of the mechanism at the origin of the drawing.
-struct Scale {
+struct SheetScale {
     units: f64,
     origin: [f64; 2],
 }
 
-impl Scale {
+impl SheetScale {
     fn place(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         [(x - self.origin[0]) * self.units, (self.origin[1] - y) * self.units]
     }
@@ -58,9 +63,24 @@ impl Scale {
 
 /// Draws the mechanism.
 pub fn sheet(drawn: &DrawnMechanism) -> MechanismSheet {
+    let fits = |sheet: &MechanismSheet| sheet.area.to[0] - sheet.area.from[0] <= SHEET_WIDTH + 1.0;
+    let mut room = ROOM;
+    let mut made = sheet_within(drawn, room);
+    for _ in 0..ATTEMPTS {
+        if fits(&made) {
+            break;
+        }
+        room = room.map(|edge| SMALLER * edge);
+        made = sheet_within(drawn, room);
+    }
+    made
+}
+
+/// Draws the mechanism in a room of this width and height [drawing units].
+fn sheet_within(drawn: &DrawnMechanism, room: [f64; 2]) -> MechanismSheet {
     let [low, high] = drawn.extent();
-    let units = (0..2).map(|k| ROOM[k] / (high[k] - low[k])).fold(f64::INFINITY, f64::min);
-    let scale = Scale { units, origin: [low[0], high[1]] };
+    let units = (0..2).map(|k| room[k] / (high[k] - low[k])).fold(f64::INFINITY, f64::min);
+    let scale = SheetScale { units, origin: [low[0], high[1]] };
     let loads: Vec<DrawnSymbol> = drawn.loads.iter().map(|load| load_symbol(load, &scale)).collect();
     let mut covered = obstacles(drawn, &scale);
     covered.extend(loads.iter().flat_map(|load| load.covers.iter().copied()));
@@ -95,7 +115,7 @@ fn bounds(points: &[[f64; 2]], labels: &[PlacedLabel]) -> LabelArea {
             to[axis] = to[axis].max(point[axis] + MARGIN);
         }
     }
-    let missing = 0.5 * (LEAST_WIDTH - (to[0] - from[0])).max(0.0);
+    let missing = 0.5 * (SHEET_WIDTH - (to[0] - from[0])).max(0.0);
     LabelArea { from: [from[0] - missing, from[1]], to: [to[0] + missing, to[1]] }
 }
 
@@ -148,7 +168,7 @@ fn circle([x, y]: [f64; 2], radius: f64) -> Vec<[f64; 2]> {
 }
 
 /// Points of everything drawn but loads and labels.
-fn obstacles(drawn: &DrawnMechanism, scale: &Scale) -> Vec<[f64; 2]> {
+fn obstacles(drawn: &DrawnMechanism, scale: &SheetScale) -> Vec<[f64; 2]> {
     let mut covered = Vec::new();
     for body in &drawn.bodies {
         if body.motion != DrawnMotion::Fixed {
@@ -177,16 +197,16 @@ fn obstacles(drawn: &DrawnMechanism, scale: &Scale) -> Vec<[f64; 2]> {
     covered
 }
 
-fn places(points: &[[f64; 2]], scale: &Scale) -> Vec<[f64; 2]> {
+fn places(points: &[[f64; 2]], scale: &SheetScale) -> Vec<[f64; 2]> {
     points.iter().map(|point| scale.place(*point)).collect()
 }
 
-fn rail(ends: [[f64; 2]; 2], scale: &Scale) -> [[f64; 2]; 2] {
+fn rail(ends: [[f64; 2]; 2], scale: &SheetScale) -> [[f64; 2]; 2] {
     symbols::rail_ends(ends.map(|end| scale.place(end)))
 }
 
 /// Names of joints, bodies, drives and loads at their points; those with the least choice first.
-fn labels(drawn: &DrawnMechanism, scale: &Scale, loads: &[DrawnSymbol]) -> Vec<Label> {
+fn labels(drawn: &DrawnMechanism, scale: &SheetScale, loads: &[DrawnSymbol]) -> Vec<Label> {
     let mut labels = Vec::new();
     for joint in &drawn.joints {
         let clear = if joint.rail_m.is_some() { 14.0 } else { 10.0 };
@@ -222,7 +242,7 @@ fn labels(drawn: &DrawnMechanism, scale: &Scale, loads: &[DrawnSymbol]) -> Vec<L
     labels
 }
 
-fn bodies(drawn: &DrawnMechanism, scale: &Scale) -> Markup {
+fn bodies(drawn: &DrawnMechanism, scale: &SheetScale) -> Markup {
     html! {
         @for (index, body) in drawn.bodies.iter().enumerate() {
             @for support in &body.supports_m { (symbols::ground(scale.place(*support))) }
@@ -234,7 +254,7 @@ fn bodies(drawn: &DrawnMechanism, scale: &Scale) -> Markup {
 }
 
 /// Circles of hinges, filled without clearance; squares of welds; blocks of sliders on their rails.
-fn joints(drawn: &DrawnMechanism, scale: &Scale) -> Markup {
+fn joints(drawn: &DrawnMechanism, scale: &SheetScale) -> Markup {
     let (paper, ink) = (Ink::Paper.hex(), Ink::Ink.hex());
     html! {
         @for joint in drawn.joints.iter().filter(|joint| joint.rail_m.is_some()) {
@@ -257,7 +277,7 @@ fn joints(drawn: &DrawnMechanism, scale: &Scale) -> Markup {
     }
 }
 
-fn drives(drawn: &DrawnMechanism, scale: &Scale) -> Markup {
+fn drives(drawn: &DrawnMechanism, scale: &SheetScale) -> Markup {
     html! {
         @for drive in &drawn.drives {
             (symbols::turn(scale.place(drive.pivot_m), TURNS[0], drive.counter_clockwise, Ink::Ink))
@@ -273,7 +293,7 @@ struct DrawnSymbol {
     clear: f64,
 }
 
-fn load_symbol(load: &DrawnLoad, scale: &Scale) -> DrawnSymbol {
+fn load_symbol(load: &DrawnLoad, scale: &SheetScale) -> DrawnSymbol {
     let ink = Ink::Limit;
     match load.symbol {
         LoadSymbol::Arrow(at, [x, y]) => {

@@ -1,12 +1,11 @@
 //! Figures of the influence of the variables: derivatives of the failure probabilities, and contributions to the variance
 //! of the outputs.
 
-use super::{file_name, words};
+use super::{file_name, governing_cycles, words};
 use crate::presentation::report::bars::{BarPair, Bars};
 use crate::presentation::report::figure::Figure;
 use crate::presentation::report::format::count;
 use crate::presentation::report::input::ReportInput;
-use crate::presentation::report::life::governing;
 use crate::presentation::report::plot::PlotError;
 use crate::results::summary::{SensitivityRow, SobolRow};
 
@@ -15,7 +14,7 @@ const SHOWN: usize = 12;
 
 /// The checkpoint of `all` nearest to the governing one.
 fn nearest_to_governing(input: &ReportInput, all: impl Iterator<Item = u32>) -> Option<u32> {
-    let governing = governing(&input.summary).map_or(0, |row| row.cycles);
+    let governing = governing_cycles(input);
     all.min_by_key(|cycles| cycles.abs_diff(governing))
 }
 
@@ -33,20 +32,37 @@ pub fn rows_at_governing<'a>(input: &'a ReportInput, limit_state: &str) -> Vec<&
     rows
 }
 
+/// Indices of the variables that are not constant, the one with the largest effect on any failure probability first; in the order of
+/// the scene where no effects are known.
+pub fn by_influence(input: &ReportInput) -> Vec<usize> {
+    let variables = &input.scene.variables;
+    let rows: Vec<&SensitivityRow> =
+        input.summary.curve_names().flat_map(|name| rows_at_governing(input, name)).collect();
+    let effect = |k: &usize| {
+        let own = rows.iter().filter(|row| row.variable == variables[*k].name);
+        own.map(|row| finite(row.scaled.d_pf_d_mean.abs().max(row.scaled.d_pf_d_std.abs())))
+            .fold(0.0, f64::max)
+    };
+    let mut all: Vec<usize> =
+        (0..variables.len()).filter(|k| !variables[*k].distribution.is_constant()).collect();
+    all.sort_by(|a, b| effect(b).total_cmp(&effect(a)));
+    all
+}
+
 /// One figure per limit state with derivatives of its failure probability.
 ///
 /// # Errors
 /// [`PlotError`].
 pub fn sensitivities(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
     let mut figures = Vec::new();
-    for state in &input.limit_states {
-        let rows = rows_at_governing(input, &state.name);
+    for name in input.summary.curve_names() {
+        let rows = rows_at_governing(input, name);
         let Some(first) = rows.first() else { continue };
+        let cause = if name == "total" { "any limit state" } else { name };
         let caption = format!(
-            "Change of the probability of failure by {} at {} cycles if the mean or the standard deviation of a variable \
+            "Change of the probability of failure by {cause} at {} cycles if the mean or the standard deviation of a variable \
              increases by one standard deviation, with the bounds of bounded variables held; positive: more failures. Thin \
              lines: 1.96 standard errors. The {} largest of {}.",
-            state.name,
             count(first.cycles.into()),
             rows.len().min(SHOWN),
             rows.len()
@@ -64,14 +80,14 @@ pub fn sensitivities(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
             ],
         };
         let bars = Bars {
-            figure: &format!("sensitivity-{}", file_name(&state.name)),
+            figure: &format!("sensitivity-{}", file_name(name)),
             labels: ["mean + 1 std", "std + 1 std"],
             axis: "change of failure probability",
             signed: true,
             all: rows.iter().map(pair).collect(),
             shown: SHOWN,
         };
-        figures.push(bars.figure(&format!("Sensitivity of failure by {}", state.name), &caption)?);
+        figures.push(bars.figure(&format!("Sensitivity of failure by {cause}"), &caption)?);
     }
     Ok(figures)
 }

@@ -5,7 +5,7 @@ use crate::presentation::report::figure::Figure;
 use crate::presentation::report::format::{count, percent};
 use crate::presentation::report::input::ReportInput;
 use crate::presentation::report::palette::Ink;
-use crate::presentation::report::plot::{Axis, Plot, PlotError, Points, Series, Shape, tick_label};
+use crate::presentation::report::plot::{Axis, Plot, PlotError, Points, Scale, Series, Shape, tick_label};
 use crate::results::summary::Round;
 
 /// Smallest share on the logarithmic axis [1]; smaller ones are drawn there.
@@ -56,7 +56,7 @@ fn uncertainty(rounds: &[Round], last: &Round, x: Axis<'_>) -> Result<Figure, Pl
         x,
         y: Axis {
             text: |power| format!("{}\u{a0}%", tick_label(10f64.powf(power + 2.0))),
-            value: |power| 10f64.powf(power),
+            scale: Scale::Logarithm,
             ..Axis::linear("share", (SMALLEST_SHARE.log10(), 0.0))
         },
         series: &[

@@ -3,23 +3,32 @@
 mod bores;
 mod cycle;
 mod influences;
+mod inputs;
 mod learning;
 mod numerical;
 mod orbits;
 mod outputs;
+mod papers;
+mod parallel;
+mod predictions;
 mod rates;
 mod reliability;
 
 pub use bores::{bores, lives_in_words};
 pub use cycle::{first_cycle, last_cycle};
-pub use influences::{rows_at_governing, sensitivities, variance_contributions};
+pub use influences::{by_influence, rows_at_governing, sensitivities, variance_contributions};
+pub use inputs::{MOST_HISTOGRAMS, input_histograms};
 pub use learning::learning;
 pub use numerical::numerical;
 pub use orbits::orbits;
 pub use outputs::{distributions, histories};
+pub use parallel::parallel_coordinates;
+pub use predictions::predicted_against_simulated;
 pub use rates::failure_rates;
 pub use reliability::{band, beginning, curve, first_failure, reliability, shares_of_failures};
 
+use super::input::ReportInput;
+use super::life::{governing, rows_that_matter};
 use super::palette::Ink;
 use crate::results::summary::StudySummary;
 
@@ -49,6 +58,19 @@ impl LifeAxis {
     pub fn place_time(&self, cycles: f64) -> f64 {
         cycles / self.divisor
     }
+}
+
+/// First and last number on the life axis of every figure of failures: from the last checkpoint without failures, or the start of
+/// life if some have failed by the first one, to the first without survivors.
+pub fn span(summary: &StudySummary, axis: &LifeAxis) -> (f64, f64) {
+    let rows = rows_that_matter(summary, 1);
+    let from = beginning(summary, rows).unwrap_or(0);
+    (axis.place(from), axis.place(rows.last().map_or(0, |row| row.cycles)))
+}
+
+/// The checkpoint where the system's reliability is nearest 1/2 [cycles].
+pub fn governing_cycles(input: &ReportInput) -> u32 {
+    governing(&input.summary).map_or(0, |row| row.cycles)
 }
 
 /// Colour of a limit state, the same in every figure.

@@ -1,6 +1,6 @@
 //! Figures of the stated numerical errors: their effect on R, and their size over life.
 
-use super::{LifeAxis, band, beginning, capital, curve, file_name, ink_of, words};
+use super::{LifeAxis, band, capital, curve, file_name, ink_of, span, words};
 use crate::presentation::report::figure::Figure;
 use crate::presentation::report::input::ReportInput;
 use crate::presentation::report::life::rows_that_matter;
@@ -22,12 +22,13 @@ fn range_of_reliability(input: &ReportInput) -> Result<Option<Figure>, PlotError
     if input.summary.is_static() {
         return Ok(None);
     }
-    let rows = rows_that_matter(&input.summary, 6);
-    let (Some(first), Some(last)) = (beginning(&input.summary, rows), rows.last()) else { return Ok(None) };
+    let rows = rows_that_matter(&input.summary, 1);
+    if rows.is_empty() {
+        return Ok(None);
+    }
     let axis = LifeAxis::new(&input.summary);
     let (mut bands, mut lines) = (Vec::new(), Vec::new());
-    for state in &input.limit_states {
-        let name = state.name.as_str();
+    for name in input.summary.curve_names() {
         let ink = ink_of(&input.summary, name);
         let range = numerical_band(&input.summary, rows, name, &axis);
         if range.is_empty() {
@@ -35,11 +36,12 @@ fn range_of_reliability(input: &ReportInput) -> Result<Option<Figure>, PlotError
         }
         bands.push(Series::unlisted(format!("{name}, range"), ink, Shape::Band(range)));
         let points = curve(&input.summary, name, &axis).0;
-        lines.push(Series::new(name, ink, Shape::Line(points)));
+        let shape = if name == "total" { Shape::Dashed(points) } else { Shape::Line(points) };
+        lines.push(Series::new(name, ink, shape));
     }
     let plot = Plot {
         figure: "reliability-numerical",
-        x: Axis::linear(axis.label, (axis.place(first), axis.place(last.cycles))),
+        x: Axis::linear(axis.label, span(&input.summary, &axis)),
         y: Axis::linear("reliability R", (0.0, 1.0)),
         series: &[bands, lines].concat(),
     };

@@ -170,7 +170,9 @@ fn history(
     let caption = history_caption(input, !bands.is_empty());
     let mut series = vec![Series::new("threshold", Ink::Limit, Shape::Level(threshold))];
     let ink = ink_of(&input.summary, &state.name);
-    series.extend(bands.into_iter().map(|(label, band)| Series::new(label, ink, Shape::Band(band))));
+    // The inner band lies on the outer one.
+    let drawn = bands.into_iter().zip([0.16, 0.5]);
+    series.extend(drawn.map(|((label, band), fill)| Series::new(label, ink, Shape::Band(band)).filled(fill)));
     if !nominal.is_empty() {
         series.push(Series::new("nominal", Ink::Ink, Shape::Line(nominal)));
     }

@@ -1,6 +1,6 @@
 //! Figures of the failures over life: R with its bands, and the shares of first failures.
 
-use super::{LifeAxis, ink_of};
+use super::{LifeAxis, ink_of, span};
 use crate::presentation::report::figure::Figure;
 use crate::presentation::report::format::{count, percent};
 use crate::presentation::report::input::ReportInput;
@@ -70,15 +70,13 @@ pub fn reliability(summary: &StudySummary) -> Result<Option<Figure>, PlotError> 
     if summary.is_static() {
         return Ok(None);
     }
-    let rows = rows_that_matter(summary, 3);
-    let (Some(first), Some(last)) = (beginning(summary, rows), rows.last()) else { return Ok(None) };
-    let axis = LifeAxis::new(summary);
-    let mut names: Vec<&str> = summary.limit_states.iter().map(String::as_str).collect();
-    if names.len() != 1 {
-        names.push("total");
+    let rows = rows_that_matter(summary, 1);
+    if rows.is_empty() {
+        return Ok(None);
     }
+    let axis = LifeAxis::new(summary);
     let (mut bands, mut lines, mut dots) = (Vec::new(), Vec::new(), Vec::new());
-    for name in names {
+    for name in summary.curve_names() {
         let (points, band) = curve(summary, name, &axis);
         let ink = ink_of(summary, name);
         bands.push(Series::unlisted(format!("{name}, band"), ink, Shape::Band(band)));
@@ -93,7 +91,7 @@ pub fn reliability(summary: &StudySummary) -> Result<Option<Figure>, PlotError> 
     }
     let plot = Plot {
         figure: "reliability",
-        x: Axis::linear(axis.label, (axis.place(first), axis.place(last.cycles))),
+        x: Axis::linear(axis.label, span(summary, &axis)),
         y: Axis::linear("reliability R", (0.0, 1.0)),
         series: &[bands, lines, dots].concat(),
     };
@@ -143,7 +141,7 @@ pub fn first_failure(input: &ReportInput) -> Result<Option<Figure>, PlotError> {
     }
     let plot = Plot {
         figure: "first-failure",
-        x: Axis::linear(axis.label, (axis.place(from.cycles), axis.place(to.cycles))),
+        x: Axis::linear(axis.label, span(summary, &axis)),
         y: Axis::linear("share that has failed", (0.0, 1.0)),
         series: &series,
     };

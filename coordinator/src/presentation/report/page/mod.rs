@@ -1,10 +1,11 @@
-//! The page of the report: sections with their figures and tables, one style sheet, and one script that animates the
-//! drawing of the mechanism. Without the script the drawing shows its first frame.
+//! The page of the report: sections with their figures and tables, one style sheet, one script that animates the
+//! drawing of the mechanism, and one that shows the values of charts at the pointer. Without them the drawing shows its first frame.
 
 mod end;
 mod head;
 pub mod numbered;
 mod parts;
+mod points;
 
 pub use numbered::FigureFiles;
 pub use parts::{captioned, figures, standalone, wrapped};
@@ -20,12 +21,17 @@ use super::{stated, studied, tables};
 use maud::{Markup, PreEscaped, html};
 use parts::{inline, page_of, section};
 
+/// The script that shows the values of a chart at the pointer.
+const HOVER: &str = include_str!("hover.js");
+
 /// Figures by section of the page.
 pub struct Sections {
     pub(super) studied: Vec<Figure>,
     pub(super) reliability: Vec<Figure>,
     pub(super) rates: Vec<Figure>,
     pub(super) outputs: Vec<Figure>,
+    pub(super) inputs: Vec<Figure>,
+    pub(super) combinations: Vec<Figure>,
     pub(super) sensitivity: Vec<Figure>,
     pub(super) variance: Vec<Figure>,
     pub(super) motion: Option<Animation>,
@@ -33,6 +39,7 @@ pub struct Sections {
     pub(super) last_cycle: Vec<Figure>,
     pub(super) bores: Vec<Figure>,
     pub(super) orbits: Vec<Figure>,
+    pub(super) predictions: Vec<Figure>,
     pub(super) learning: Vec<Figure>,
     pub(super) numerical: Vec<Figure>,
 }
@@ -47,11 +54,14 @@ impl Sections {
             self.outputs,
             self.sensitivity,
             self.variance,
+            self.inputs,
+            self.combinations,
             self.motion.into_iter().map(|motion| motion.figure).collect(),
             self.bores,
             self.orbits,
             self.first_cycle,
             self.last_cycle,
+            self.predictions,
             self.learning,
             self.numerical,
         ]
@@ -75,7 +85,17 @@ pub fn html(input: &ReportInput, sections: &Sections, files: FigureFiles) -> Str
             html! { "The study stored no distributions." },
         ))
         (influences(input, sections))
+        (points::simulated(input, &sections.inputs, &sections.combinations))
         @if input.summary.of_mechanism() { (mechanism(input, sections)) }
+        (section(
+            "Quality of the surrogates",
+            html! {},
+            figures(&sections.predictions, "two"),
+            html! {
+                @if input.summary.is_direct() { "Every sample was simulated; there are no surrogates." }
+                @else { "The study stored no predictions of its surrogates." }
+            },
+        ))
         (section(
             "Convergence of the study",
             html! { @if !convergence.stopped_because.is_empty() { "Stopped because: " (convergence.stopped_because) "." } },
@@ -95,6 +115,7 @@ pub fn html(input: &ReportInput, sections: &Sections, files: FigureFiles) -> Str
             script type="application/json" id="motion" { (PreEscaped(&motion.data)) } "\n"
             script { "\n" (PreEscaped(SCRIPT)) } "\n"
         }
+        script { "\n" (PreEscaped(HOVER)) } "\n"
     };
     page_of(&input.title, &body, files)
 }
@@ -105,8 +126,7 @@ fn reliability(input: &ReportInput, sections: &Sections) -> Markup {
     let all = &input.summary.reliability;
     html! {
         h2 { "Reliability" }
-        (figures(&sections.reliability, "two"))
-        (figures(&sections.rates, "three"))
+        (figures(&[sections.reliability.clone(), sections.rates.clone()].concat(), "two"))
         (captioned("reliability", "Reliability at the checkpoints that matter, with 95 % intervals", tables::reliability(input, rows)))
         @if rows.len() < all.len() {
             p { "All checkpoints: " (numbered::refer_table(CHECKPOINTS)) "; more digits in " code { "reliability.csv" } "." }
@@ -121,10 +141,9 @@ fn influences(input: &ReportInput, sections: &Sections) -> Markup {
         (section(
             "Sensitivity",
             html! {},
-            figures(&sections.sensitivity, "two"),
+            figures(&[sections.sensitivity.clone(), sections.variance.clone()].concat(), "two"),
             html! { "No sensitivities were computed." },
         ))
-        (figures(&sections.variance, "two"))
         @if sections.variance.is_empty() {
             p.none { "No Sobol indices: the study has no surrogates, or its variables are dependent." }
         }
@@ -226,8 +245,13 @@ fn moving(figure: &Figure) -> Markup {
             (inline(figure))
             div.controls hidden="" {
                 button type="button" { "Play" }
-                input type="range" min="0" value="0" aria-label="instant of the cycle";
+                input.instant type="range" min="0" value="0" aria-label="instant of the cycle";
                 select aria-label="cycle" {}
+                span.through hidden="" {
+                    "Life "
+                    input.life type="range" min="0" value="0" aria-label="life of the bores";
+                    " " output {}
+                }
             }
             figcaption { strong { (numbered::figure(&figure.name)) "." } " " (figure.caption) }
         }

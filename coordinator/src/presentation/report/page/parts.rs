@@ -26,10 +26,16 @@ pub fn inline(figure: &Figure) -> Markup {
     let svg = SvgParts::new(&figure.svg);
     html! {
         svg viewBox=[svg.attribute("viewBox")] font-family=[svg.attribute("font-family")]
-            font-size=[svg.attribute("font-size")] role="img" aria-label=(figure.title) {
+            font-size=[svg.attribute("font-size")] data-axes=[svg.attribute("data-axes").map(unescaped)] role="img"
+            aria-label=(figure.title) {
             (PreEscaped(svg.content))
         }
     }
+}
+
+/// The text of an attribute as written.
+fn unescaped(text: &str) -> String {
+    text.replace("&quot;", "\"").replace("&lt;", "<").replace("&amp;", "&")
 }
 
 /// An SVG document taken apart.

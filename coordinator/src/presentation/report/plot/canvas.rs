@@ -21,8 +21,8 @@ const SCALE: f64 = 4.0;
 /// Width a figure is designed for [CSS pixels].
 pub(super) const WIDTH: f64 = 480.0;
 
-/// Size of lettering at that width [CSS pixels].
-pub(super) const LETTERS: f64 = 13.5;
+/// Size of lettering at that width [CSS pixels]: 11 pixels where a page of 400 pixels shows the figure smaller.
+pub const LETTERS: f64 = 15.2;
 
 /// plotters states font sizes by line height: this times the SVG font size.
 const PLOTTERS_FONT: f64 = 1.24;

@@ -35,7 +35,7 @@ impl Legend<'_> {
             match series.shape {
                 Shape::Band(_) | Shape::Steps(_) => {
                     let corners = [(px(*x), px(y - 5.0)), (px(x + 18.0), px(y + 5.0))];
-                    root.draw(&Rectangle::new(corners, series.ink.rgb().mix(0.3).filled()))?;
+                    root.draw(&Rectangle::new(corners, series.ink.rgb().mix(1.3 * series.fill).filled()))?;
                     root.draw(&Rectangle::new(corners, stroke(series.ink, 1.0)))?;
                 }
                 Shape::Dashed(_) | Shape::Level(_) | Shape::Upright(_) => {
@@ -44,7 +44,7 @@ impl Legend<'_> {
                         root.draw(&PathElement::new(dash, stroke(series.ink, 2.0)))?;
                     }
                 }
-                Shape::Marked(_) | Shape::Measured(_) => {
+                Shape::Marked(_) | Shape::Measured(_) | Shape::Cloud(_) => {
                     root.draw(&Circle::new((px(x + 9.0), px(y)), px(3.0), series.ink.rgb().filled()))?;
                 }
                 Shape::Line(_) | Shape::Dotted(_) => {

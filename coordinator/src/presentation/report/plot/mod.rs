@@ -7,13 +7,13 @@ mod legend;
 mod series;
 mod shapes;
 
-pub use axis::{Axis, tick_label};
-pub use canvas::{PlotError, draw, letters, px, stroke};
+pub use axis::{Axis, Scale, tick_label};
+pub use canvas::{LETTERS, PlotError, draw, letters, px, stroke};
 pub use series::{Band, Points, Series, Shape};
 
 use super::figure::Figure;
 use super::palette::Ink;
-use canvas::{Area, DrawError, LETTERS};
+use canvas::{Area, DrawError};
 use legend::{Legend, legend};
 use plotters::prelude::*;
 use shapes::{Frame, draw_series};
@@ -53,22 +53,46 @@ impl Plot<'_> {
     pub fn svg(&self) -> Result<String, PlotError> {
         let legend = legend(self.series);
         let height = 290.0 + 20.0 * legend.rows as f64;
-        draw(self.figure, height, |root| self.draw_on(root, &legend))
+        let mut area = None;
+        let svg = draw(self.figure, height, |root| {
+            area = Some(self.draw_on(root, &legend)?);
+            Ok(())
+        })?;
+        Ok(area.map_or(svg.clone(), |area| svg.replacen("<svg ", &format!("<svg {} ", self.axes(&area)), 1)))
     }
 
-    fn draw_on(&self, root: &Area<'_>, legend: &Legend<'_>) -> Result<(), DrawError> {
+    /// The attribute by which a script finds the values at a place of the drawing: per axis its label, its scale, and first and last
+    /// place [drawing units] with the numbers drawn there; and the names of the series by their colours.
+    fn axes(&self, area: &DrawnArea) -> String {
+        let frame = Frame::new(self.x.range, self.y.range);
+        let axis = |axis: &Axis<'_>, (from, to): (i32, i32), (first, last): (f64, f64)| {
+            serde_json::json!({ "label": axis.label, "scale": axis.scale.name(), "from": from, "to": to, "first": first,
+                "last": last })
+        };
+        let names: std::collections::BTreeMap<String, &str> =
+            self.series.iter().rev().map(|series| (series.ink.hex(), series.label.as_str())).collect();
+        let about = serde_json::json!({
+            "x": axis(&self.x, (area.x.start, area.x.end), frame.x),
+            "y": axis(&self.y, (area.y.end, area.y.start), frame.y),
+            "names": names,
+        });
+        let text = about.to_string().replace('&', "&amp;").replace('"', "&quot;").replace('<', "&lt;");
+        format!("data-axes=\"{text}\"")
+    }
+
+    fn draw_on(&self, root: &Area<'_>, legend: &Legend<'_>) -> Result<DrawnArea, DrawError> {
         let frame = Frame::new(self.x.range, self.y.range);
         let mut chart = ChartBuilder::on(root)
             .margin_top(px(10.0 + 20.0 * legend.rows as f64))
             .margin_right(px(34.0))
             .margin_bottom(px(4.0))
             .margin_left(px(4.0))
-            .x_label_area_size(px(44.0))
-            .y_label_area_size(px(62.0))
+            .x_label_area_size(px(46.0))
+            .y_label_area_size(px(66.0))
             .build_cartesian_2d(frame.x.0..frame.x.1, frame.y.0..frame.y.1)?;
         chart
             .configure_mesh()
-            .x_labels(7)
+            .x_labels(6)
             .y_labels(6)
             .max_light_lines(0)
             .bold_line_style(stroke(Ink::Grid, 1.0))
@@ -84,8 +108,16 @@ impl Plot<'_> {
         for series in self.series {
             draw_series(&mut chart, &frame, series)?;
         }
-        legend.draw_on(root)
+        legend.draw_on(root)?;
+        let (x, y) = chart.plotting_area().get_pixel_range();
+        Ok(DrawnArea { x, y })
     }
+}
+
+/// Where the curves of a chart are drawn [drawing units].
+struct DrawnArea {
+    x: std::ops::Range<i32>,
+    y: std::ops::Range<i32>,
 }
 
 #[cfg(test)]

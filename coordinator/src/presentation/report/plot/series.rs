@@ -21,6 +21,8 @@ pub enum Shape {
     Dotted(Vec<(f64, f64)>),
     /// Dots without lines, each with a word next to it (none if empty).
     Marked(Vec<((f64, f64), String)>),
+    /// Small dots without lines.
+    Cloud(Vec<(f64, f64)>),
     /// Dots with vertical error bars: [x, y, lower, upper].
     Measured(Vec<[f64; 4]>),
     /// Area between a lower and an upper value: (x, lower, upper).
@@ -42,19 +44,32 @@ pub struct Series {
     pub listed: bool,
     /// Colour of lines, dots and fill.
     pub ink: Ink,
+    /// Opacity of its area, where it has one [1].
+    pub fill: f64,
     /// Numbers and how they are drawn.
     pub shape: Shape,
 }
 
+/// Opacity of areas, unless stated otherwise [1].
+const FILL: f64 = 0.22;
+
 impl Series {
     /// A series with an entry in the legend.
     pub fn new(label: impl Into<String>, ink: Ink, shape: Shape) -> Self {
-        Self { label: label.into(), listed: true, ink, shape }
+        Self { label: label.into(), listed: true, ink, fill: FILL, shape }
     }
 
     /// A series without an entry in the legend.
     pub fn unlisted(label: impl Into<String>, ink: Ink, shape: Shape) -> Self {
-        Self { label: label.into(), listed: false, ink, shape }
+        Self { label: label.into(), listed: false, ink, fill: FILL, shape }
+    }
+}
+
+impl Series {
+    /// The same with this opacity of its area.
+    #[must_use]
+    pub fn filled(self, fill: f64) -> Self {
+        Self { fill, ..self }
     }
 }
 
@@ -75,7 +90,7 @@ fn rows(series: &Series) -> Vec<CsvRow<'_>> {
         |(x, y): &(f64, f64)| CsvRow { label: &series.label, x: Some(*x), y: Some(*y), ..CsvRow::default() };
     let line = CsvRow { label: &series.label, ..CsvRow::default() };
     match &series.shape {
-        Shape::Line(points) | Shape::Dashed(points) | Shape::Dotted(points) => {
+        Shape::Line(points) | Shape::Dashed(points) | Shape::Dotted(points) | Shape::Cloud(points) => {
             points.iter().map(point).collect()
         }
         Shape::Measured(points) => points.iter().map(|[x, y, _, _]| point(&(*x, *y))).collect(),
@@ -106,7 +121,7 @@ pub(super) fn csv(series: &[Series], x: &Axis<'_>, y: &Axis<'_>) -> String {
     columns.extend(marks.then(|| "mark".to_owned()));
     let mut table = CsvTable::new(&columns);
     let value =
-        |drawn: Option<f64>, axis: &Axis<'_>| drawn.map_or(String::new(), |v| number((axis.value)(v)));
+        |drawn: Option<f64>, axis: &Axis<'_>| drawn.map_or(String::new(), |v| number(axis.scale.value(v)));
     for row in rows {
         let mut cells = vec![row.label.to_owned(), value(row.x, x), value(row.y, y)];
         cells.extend(bands.then(|| value(row.upper, y)));
@@ -119,6 +134,7 @@ pub(super) fn csv(series: &[Series], x: &Axis<'_>, y: &Axis<'_>) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::super::axis::Scale;
     use super::*;
 
     #[test]
@@ -131,7 +147,7 @@ mod tests {
         let (x, y) = (Axis::linear("life [cycles]", (0.0, 3.0)), Axis::linear("R, total", (0.0, 1.0)));
         let lines = "series,life [cycles],\"R, total\",\"R, total to\"\na,1.0,0.5,\na,2.0,,\n\"a, band\",1.0,0.4,0.6\nlimit,3.0,,\n";
         assert_eq!(csv(&series, &x, &y), lines);
-        let logarithmic = Axis { value: |v| 10f64.powf(v), ..y };
+        let logarithmic = Axis { scale: Scale::Logarithm, ..y };
         let bars = [Series::new("b", Ink::Ink, Shape::Steps(vec![(0.0, 1.0, 2.0)]))];
         let text = csv(&bars, &x, &logarithmic);
         assert!(text.ends_with("life [cycles] to\nb,0.0,100.0,1.0\n"), "{text}");

@@ -9,9 +9,6 @@ use plotters::prelude::*;
 /// A chart over two linear axes.
 pub(super) type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
-/// Opacity of filled areas [1].
-const FILL: f64 = 0.22;
-
 /// Dash and gap of broken curves, and of thresholds [CSS pixels].
 const CURVE_DASH: (f64, f64) = (7.0, 4.0);
 const THRESHOLD_DASH: (f64, f64) = (5.0, 4.0);
@@ -56,8 +53,12 @@ pub(super) fn draw_series(
         }
         Shape::Marked(marks) => marked(chart, frame, marks, ink),
         Shape::Measured(points) => measured(chart, frame, points, ink),
-        Shape::Band(band) => filled_band(chart, frame, band, ink),
-        Shape::Steps(bars) => steps(chart, frame, bars, ink),
+        Shape::Cloud(points) => {
+            let dot = |centre| Circle::new(centre, px(1.8), ink.rgb().filled());
+            chart.draw_series(frame.inside(points).into_iter().map(dot)).map(|_| ())
+        }
+        Shape::Band(band) => filled_band(chart, frame, band, ink, series.fill),
+        Shape::Steps(bars) => steps(chart, frame, bars, ink, series.fill),
         Shape::Level(y) => {
             let ends = frame.inside(&[(frame.x.0, *y), (frame.x.1, *y)]);
             dashed(chart, ends, THRESHOLD_DASH, stroke(ink, 1.5))
@@ -123,13 +124,19 @@ fn measured(
     chart.draw_series(centres.into_iter().map(dot)).map(|_| ())
 }
 
-fn filled_band(chart: &mut Chart<'_, '_>, frame: &Frame, band: &Band, ink: Ink) -> Result<(), DrawError> {
+fn filled_band(
+    chart: &mut Chart<'_, '_>,
+    frame: &Frame,
+    band: &Band,
+    ink: Ink,
+    fill: f64,
+) -> Result<(), DrawError> {
     let lower: Points = band.iter().map(|(x, low, _)| (*x, *low)).collect();
     let upper: Points = band.iter().map(|(x, _, high)| (*x, *high)).collect();
     let mut outline = frame.inside(&lower);
     outline.extend(frame.inside(&upper).into_iter().rev());
     if outline.len() > 2 {
-        chart.draw_series([Polygon::new(outline, ink.rgb().mix(FILL))])?;
+        chart.draw_series([Polygon::new(outline, ink.rgb().mix(fill))])?;
     }
     Ok(())
 }
@@ -140,6 +147,7 @@ fn steps(
     frame: &Frame,
     bars: &[(f64, f64, f64)],
     ink: Ink,
+    fill: f64,
 ) -> Result<(), DrawError> {
     let (Some(first), Some(last)) = (bars.first(), bars.last()) else { return Ok(()) };
     let mut outline = vec![(first.0, 0.0)];
@@ -147,7 +155,7 @@ fn steps(
     outline.push((last.1, 0.0));
     let outline = frame.inside(&outline);
     if outline.len() > 2 {
-        chart.draw_series([Polygon::new(outline.clone(), ink.rgb().mix(FILL))])?;
+        chart.draw_series([Polygon::new(outline.clone(), ink.rgb().mix(fill))])?;
         line(chart, outline, stroke(ink, 1.5))?;
     }
     Ok(())

@@ -1,59 +1,63 @@
-//! Tables of a mechanism: bodies, joints, hinges with clearance, materials and loads.
+//! Tables of a mechanism: bodies with their motion, joints, hinges with clearance, and materials. Together with the tables of loads,
+//! formulas and variables they state everything that the scene contains.
 
-use crate::presentation::report::format::seven_digits;
+use super::exact::ExactTexts;
+use crate::presentation::report::format::UNKNOWN;
 use crate::presentation::report::page::captioned;
 use crate::presentation::report::tables::{table, table_of_text};
+use crate::presentation::report::written::WrittenScene;
 use common::scene::{
-    Clearance, ContactDamping, Drive, JointKind, Material, Motion, OutputUnit, RestitutionLaw, Scene,
+    Attachment, Clearance, ContactDamping, Drive, Joint, JointKind, Material, Motion, RestitutionLaw, Scene,
 };
 use maud::{Markup, Render, html};
-use std::collections::BTreeMap;
 
-/// A value with its unit.
-fn with_unit(value: f64, unit: &str) -> String {
-    format!("{}\u{a0}{unit}", seven_digits(value))
-}
-
-/// A pair of lengths in mm.
-fn pair([x, y]: [f64; 2]) -> String {
-    format!("({}, {})", seven_digits(1e3 * x), seven_digits(1e3 * y))
-}
-
-fn cells<const N: usize>(texts: [String; N]) -> Vec<Markup> {
+/// Cells of a row.
+pub(super) fn cells<const N: usize>(texts: [String; N]) -> Vec<Markup> {
     texts.map(|text| text.render()).to_vec()
 }
 
-/// All tables of a mechanism.
-pub fn tables(scene: &Scene) -> Markup {
+/// All tables of bodies, joints and materials.
+pub fn tables(scene: &Scene, written: &WrittenScene) -> Markup {
     html! {
-        (bodies(scene))
-        (joints(scene))
-        (hinges(scene))
-        (materials(scene))
-        (loads(scene))
+        (bodies(scene, written))
+        (starts(scene, written))
+        (joints(scene, written))
+        (hinges(scene, written))
+        (materials(scene, written))
     }
 }
 
-fn bodies(scene: &Scene) -> Markup {
-    let dash = || "–".to_owned();
+fn bodies(scene: &Scene, written: &WrittenScene) -> Markup {
+    let (texts, dash) = (ExactTexts(written), || UNKNOWN.to_owned());
     let rows = scene.bodies.iter().map(|body| {
-        let (motion, mass, inertia, centre) = match &body.motion {
-            Motion::Fixed => ("fixed".to_owned(), dash(), dash(), dash()),
-            Motion::Driven { position, drive, inertia } => (
-                format!("driven about {}, {}", pair(*position), how(drive)),
-                inertia.as_ref().map_or_else(dash, |of| with_unit(1e3 * of.mass, "g")),
-                inertia.as_ref().map_or_else(dash, |of| with_unit(of.inertia, "kg m²")),
-                inertia.as_ref().map_or_else(dash, |of| pair(of.centre_of_mass)),
-            ),
-            Motion::Free { mass, inertia, centre_of_mass, .. } => (
-                "free".to_owned(),
-                with_unit(1e3 * mass, "g"),
-                with_unit(*inertia, "kg m²"),
-                pair(*centre_of_mass),
-            ),
+        let key = |last: &str| format!("bodies.{}.{last}", body.name);
+        let mass = |mass: f64| texts.value(&key("mass"), mass, "g");
+        let inertia = |inertia: f64| texts.value(&key("inertia"), inertia, "kg m^2");
+        let centre = |centre: [f64; 2]| texts.pair(&key("centre_of_mass"), centre, "mm");
+        let rest = match &body.motion {
+            Motion::Fixed => ["fixed".to_owned(), dash(), dash(), dash()],
+            Motion::Driven { position, drive, inertia: own } => {
+                let about = texts.pair(&key("position"), *position, "mm");
+                [
+                    format!("driven about {about}, {}", how(drive, &texts, &body.name)),
+                    own.as_ref().map_or_else(dash, |of| mass(of.mass)),
+                    own.as_ref().map_or_else(dash, |of| inertia(of.inertia)),
+                    own.as_ref().map_or_else(dash, |of| centre(of.centre_of_mass)),
+                ]
+            }
+            Motion::Free { mass: m, inertia: i, centre_of_mass, .. } => {
+                ["free".to_owned(), mass(*m), inertia(*i), centre(*centre_of_mass)]
+            }
         };
-        let points: Vec<String> =
-            body.points.iter().map(|point| format!("{} {}", point.name, pair(point.position))).collect();
+        let point = |point: &common::scene::Point| {
+            format!(
+                "{} {}",
+                point.name,
+                texts.pair(&key(&format!("points.{}", point.name)), point.position, "mm")
+            )
+        };
+        let points: Vec<String> = body.points.iter().map(point).collect();
+        let [motion, mass, inertia, centre] = rest;
         cells([body.name.clone(), motion, mass, inertia, centre, points.join("; ")])
     });
     let head = ["body", "motion", "mass", "inertia", "centre of mass [mm]", "points [mm]"];
@@ -64,38 +68,81 @@ fn bodies(scene: &Scene) -> Markup {
     )
 }
 
-fn how(drive: &Drive) -> String {
-    let unit = OutputUnit::AngularVelocity;
+fn how(drive: &Drive, texts: &ExactTexts<'_>, body: &str) -> String {
+    let start = |angle: f64| texts.value(&format!("bodies.{body}.start_angle"), angle, "deg");
     match drive {
-        Drive::ConstantSpeed { start_angle, speed } => format!(
-            "{}, from {} deg",
-            unit.after(&seven_digits(unit.to_shown(*speed))),
-            seven_digits(start_angle.to_degrees())
-        ),
+        Drive::ConstantSpeed { start_angle, speed } => {
+            let speed = texts.value(&format!("bodies.{body}.speed"), *speed, "r/min");
+            format!("{speed}, from {}", start(*start_angle))
+        }
         Drive::Angle(_) => "angle by a table over time".to_owned(),
         Drive::Speed { start_angle, .. } => {
-            format!("speed by a table over time, from {} deg", seven_digits(start_angle.to_degrees()))
+            format!("speed by a table over time, from {}", start(*start_angle))
         }
     }
 }
 
-fn joints(scene: &Scene) -> Markup {
-    let rows = scene.joints.iter().map(|joint| {
-        let kind = match &joint.kind {
-            JointKind::Revolute => "revolute, ideal".to_owned(),
-            JointKind::Prismatic { axis, angle } => format!(
-                "prismatic along {} deg, turned by {} deg",
-                seven_digits(axis.to_degrees()),
-                seven_digits(angle.to_degrees())
-            ),
-            JointKind::Fixed { angle } => {
-                format!("rigid, turned by {} deg", seven_digits(angle.to_degrees()))
-            }
-            JointKind::Clearance(_) => "hinge with clearance".to_owned(),
+/// Approximate state of the free bodies at time zero.
+fn starts(scene: &Scene, written: &WrittenScene) -> Markup {
+    let texts = ExactTexts(written);
+    let rows = scene.bodies.iter().filter_map(|body| {
+        let Motion::Free { start_position, start_angle, start_velocity, start_speed, .. } = &body.motion
+        else {
+            return None;
         };
-        let end =
-            |at: &common::scene::Attachment| format!("{} {}", scene.bodies[at.body].name, pair(at.position));
-        cells([joint.name.clone(), kind, end(&joint.journal), end(&joint.bushing)])
+        let key = |last: &str| format!("bodies.{}.{last}", body.name);
+        Some(cells([
+            body.name.clone(),
+            texts.pair(&key("start_position"), *start_position, "mm"),
+            texts.value(&key("start_angle"), *start_angle, "deg"),
+            texts.pair(&key("start_velocity"), *start_velocity, "m/s"),
+            texts.value(&key("start_speed"), *start_speed, "r/min"),
+        ]))
+    });
+    let rows: Vec<_> = rows.collect();
+    if rows.is_empty() {
+        return html! {};
+    }
+    let head = ["body", "position [mm]", "angle", "velocity [m/s]", "angular velocity"];
+    captioned(
+        "starts",
+        "Approximate state of the free bodies at time zero, from which joints and drives are closed",
+        table(&head, rows.into_iter()),
+    )
+}
+
+/// A place: its body, the name of its point where that is known, and its position in the frame of the body.
+pub(super) fn place(scene: &Scene, written: &WrittenScene, key: &str, at: &Attachment) -> String {
+    let body = &scene.bodies[at.body].name;
+    let texts = ExactTexts(written);
+    match written.name(&format!("{key}.point")) {
+        Some(point) => {
+            let position = texts.pair(&format!("bodies.{body}.points.{point}"), at.position, "mm");
+            format!("{body}.{point} {position}")
+        }
+        None => format!("{body} {}", texts.pair("", at.position, "mm")),
+    }
+}
+
+fn joints(scene: &Scene, written: &WrittenScene) -> Markup {
+    let texts = ExactTexts(written);
+    let rows = scene.joints.iter().map(|joint| {
+        let key = |last: &str| format!("joints.{}.{last}", joint.name);
+        let angle = |last: &str, angle: f64| texts.value(&key(last), angle, "deg");
+        let (kind, ends) = match &joint.kind {
+            JointKind::Revolute => ("revolute, ideal".to_owned(), ["a", "b"]),
+            JointKind::Prismatic { axis, angle: turned } => (
+                format!("prismatic along {}, turned by {}", angle("axis", *axis), angle("angle", *turned)),
+                ["a", "b"],
+            ),
+            JointKind::Fixed { angle: turned } => {
+                (format!("rigid, turned by {}", angle("angle", *turned)), ["a", "b"])
+            }
+            JointKind::Clearance(_) => ("hinge with clearance".to_owned(), ["journal", "bushing"]),
+        };
+        let [first, second] = [(ends[0], &joint.journal), (ends[1], &joint.bushing)]
+            .map(|(end, at)| place(scene, written, &key(end), at));
+        cells([joint.name.clone(), kind, first, second])
     });
     let head = ["joint", "kind", "journal, or first body [mm]", "bushing, or second body [mm]"];
     captioned("joints", "Joints, with their places in the frames of the bodies", table_of_text(&head, rows))
@@ -103,14 +150,17 @@ fn joints(scene: &Scene) -> Markup {
 
 /// Joints with clearance, with what is modelled of them.
 fn clearances(scene: &Scene) -> Vec<(&str, &Clearance)> {
-    let joints = scene.joints.iter().filter_map(|joint| match &joint.kind {
-        JointKind::Clearance(clearance) => Some((joint.name.as_str(), clearance)),
-        _ => None,
-    });
-    joints.collect()
+    let with_clearance = |joint: &'_ Joint| matches!(joint.kind, JointKind::Clearance(_));
+    let joints = scene.joints.iter().filter(|joint| with_clearance(joint));
+    joints
+        .filter_map(|joint| match &joint.kind {
+            JointKind::Clearance(clearance) => Some((joint.name.as_str(), clearance)),
+            _ => None,
+        })
+        .collect()
 }
 
-fn hinges(scene: &Scene) -> Markup {
+fn hinges(scene: &Scene, written: &WrittenScene) -> Markup {
     let clearances = clearances(scene);
     if clearances.is_empty() {
         return html! {};
@@ -119,102 +169,140 @@ fn hinges(scene: &Scene) -> Markup {
         "hinge",
         "journal radius",
         "radial clearance",
+        "bushing radius",
         "width",
         "wear coefficient",
         "friction",
+        "friction speed",
         "film damping",
+        "control points",
         "law and damping of the contact",
     ];
+    let texts = ExactTexts(written);
     let rows = clearances.into_iter().map(|(name, clearance)| {
-        let friction = format!(
-            "{}, regularised at {} mm/s",
-            seven_digits(clearance.friction),
-            seven_digits(1e3 * clearance.friction_speed)
-        );
-        let wall =
-            clearance.wall.map_or(String::new(), |wall| format!("; wall {} mm", seven_digits(1e3 * wall)));
+        let key = |last: &str| format!("joints.{name}.{last}");
+        // One of the two follows from the other and the radius of the journal.
+        let stated = |last: &str| written.quantity(&key(last)).is_some();
+        let by_clearance = stated("radial_clearance");
+        let following = |text: String, follows: bool| if follows { format!("({text})") } else { text };
+        let radial = match by_clearance {
+            true => texts.value(
+                &key("radial_clearance"),
+                nominal_clearance(scene, written, name, clearance),
+                "um",
+            ),
+            false => rounded(clearance.radial_clearance(), 1e6, "µm"),
+        };
+        let radius = match by_clearance {
+            true => rounded(clearance.bushing_radius, 1e3, "mm"),
+            false => texts.value(&key("bushing_radius"), clearance.bushing_radius, "mm"),
+        };
+        let wall = clearance
+            .wall
+            .map_or(String::new(), |wall| format!("; wall {}", texts.value(&key("wall"), wall, "mm")));
         cells([
             name.to_owned(),
-            with_unit(1e3 * clearance.journal_radius, "mm"),
-            with_unit(1e6 * clearance.radial_clearance(), "µm"),
-            with_unit(1e3 * clearance.width, "mm"),
-            with_unit(clearance.wear_coefficient, "1/Pa"),
-            friction,
-            with_unit(clearance.film_damping, "N s/m"),
-            format!("{}; {}{wall}", clearance.contact_law.name(), damping(&clearance.contact_damping)),
+            texts.value(&key("journal_radius"), clearance.journal_radius, "mm"),
+            following(radial.replace("um", "µm"), !by_clearance),
+            following(radius, by_clearance),
+            texts.value(&key("width"), clearance.width, "mm"),
+            texts.value(&key("wear_coefficient"), clearance.wear_coefficient, "1/Pa"),
+            texts.number(&key("friction"), clearance.friction),
+            texts.value(&key("friction_speed"), clearance.friction_speed, "mm/s"),
+            texts.value(&key("film_damping"), clearance.film_damping, "N s/m"),
+            clearance.control_points.to_string(),
+            format!(
+                "{}; {}{wall}",
+                clearance.contact_law.name(),
+                damping(&clearance.contact_damping, &texts, &key("contact_damping"))
+            ),
         ])
     });
-    captioned("hinges", "Hinges with clearance", table_of_text(&head, rows))
+    captioned(
+        "hinges",
+        "Hinges with clearance; values in parentheses follow from the others; friction is regularised at the friction speed; a hinge \
+         with the wear coefficient 0 does not wear",
+        table_of_text(&head, rows),
+    )
 }
 
-fn damping(damping: &ContactDamping) -> String {
+/// The radial clearance of a hinge that states one: the mean of a variable that sets it, else what is written.
+fn nominal_clearance(scene: &Scene, written: &WrittenScene, joint: &str, clearance: &Clearance) -> f64 {
+    let key = format!("joints.{joint}.radial_clearance");
+    let variable = scene.variables.iter().find(|variable| variable.changes.contains(&key));
+    let mean = variable.map(|variable| variable.distribution.parent_mean());
+    mean.or(written.quantity(&key)).unwrap_or(clearance.radial_clearance())
+}
+
+/// A value that follows from others.
+fn rounded(value: f64, factor: f64, unit: &str) -> String {
+    format!("{}\u{a0}{unit}", crate::presentation::report::format::seven_digits(factor * value))
+}
+
+fn damping(damping: &ContactDamping, texts: &ExactTexts<'_>, key: &str) -> String {
     match damping {
         ContactDamping::None => "none".to_owned(),
-        ContactDamping::HuntCrossley { factor } => format!("Hunt-Crossley, {} s/m", seven_digits(*factor)),
+        ContactDamping::HuntCrossley { factor } => {
+            format!("hunt-crossley, {}", texts.value(&format!("{key}.hunt_crossley"), *factor, "s/m"))
+        }
         ContactDamping::Restitution { law, coefficient, least_speed } => {
             let law = match law {
-                RestitutionLaw::LankaraniNikravesh => "Lankarani-Nikravesh",
-                RestitutionLaw::HuntCrossley => "Hunt-Crossley",
-                RestitutionLaw::Flores => "Flores",
+                RestitutionLaw::LankaraniNikravesh => "lankarani-nikravesh",
+                RestitutionLaw::HuntCrossley => "hunt-crossley",
+                RestitutionLaw::Flores => "flores",
             };
-            let (e, least) = (seven_digits(*coefficient), seven_digits(1e3 * least_speed));
-            format!("{law}, e = {e}, approach at least {least} mm/s")
+            let e = texts.number(&format!("{key}.restitution"), *coefficient);
+            let least = texts.value(&format!("{key}.least_speed"), *least_speed, "mm/s");
+            format!("{law}, e = {e}, approach at least {least}")
         }
     }
 }
 
 /// Names in a row, or a dash for none.
 fn listed(names: &[String]) -> String {
-    if names.is_empty() { "–".to_owned() } else { names.join(", ") }
+    if names.is_empty() { UNKNOWN.to_owned() } else { names.join(", ") }
 }
 
-/// A material with the names of the hinges whose journals and whose bushings are made of it.
-type MaterialUse = (Material, Vec<String>, Vec<String>);
+/// A material: its name where that is known, its values, and the hinges whose journals and whose bushings are made of it.
+struct MaterialUse {
+    name: String,
+    material: Material,
+    journals: Vec<String>,
+    bushings: Vec<String>,
+}
 
-/// Materials that differ, with the journals and bushings made of them.
-fn materials(scene: &Scene) -> Markup {
-    let mut used: BTreeMap<[u64; 2], MaterialUse> = BTreeMap::new();
-    for (name, clearance) in clearances(scene) {
-        for (material, is_journal) in
-            [(clearance.journal_material, true), (clearance.bushing_material, false)]
+/// Materials of the hinges, with the journals and bushings made of them.
+fn materials(scene: &Scene, written: &WrittenScene) -> Markup {
+    let mut used: Vec<MaterialUse> = Vec::new();
+    for (hinge, clearance) in clearances(scene) {
+        for (part, material) in
+            [("journal", clearance.journal_material), ("bushing", clearance.bushing_material)]
         {
-            let key = [material.elastic_modulus.to_bits(), material.poisson_ratio.to_bits()];
-            let entry = used.entry(key).or_insert_with(|| (material, vec![], vec![]));
-            if is_journal { &mut entry.1 } else { &mut entry.2 }.push(name.to_owned());
+            let name =
+                written.name(&format!("joints.{hinge}.{part}_material")).unwrap_or_default().to_owned();
+            let place = used.iter().position(|one| one.name == name && one.material == material);
+            let place = place.unwrap_or_else(|| {
+                used.push(MaterialUse { name, material, journals: vec![], bushings: vec![] });
+                used.len() - 1
+            });
+            let one = &mut used[place];
+            if part == "journal" { &mut one.journals } else { &mut one.bushings }.push(hinge.to_owned());
         }
     }
     if used.is_empty() {
         return html! {};
     }
-    let rows = used.into_values().map(|(material, journals, bushings)| {
+    let texts = ExactTexts(written);
+    let rows = used.iter().map(|one| {
+        let key = |last: &str| format!("materials.{}.{last}", one.name);
         cells([
-            with_unit(1e-9 * material.elastic_modulus, "GPa"),
-            seven_digits(material.poisson_ratio),
-            listed(&journals),
-            listed(&bushings),
+            if one.name.is_empty() { UNKNOWN.to_owned() } else { one.name.clone() },
+            texts.value(&key("elastic_modulus"), one.material.elastic_modulus, "GPa"),
+            texts.number(&key("poisson_ratio"), one.material.poisson_ratio),
+            listed(&one.journals),
+            listed(&one.bushings),
         ])
     });
-    let head = ["elastic modulus", "Poisson's ratio", "journals of", "bushings of"];
+    let head = ["material", "elastic modulus", "Poisson's ratio", "journals of", "bushings of"];
     captioned("materials", "Materials of the hinges", table(&head, rows))
-}
-
-fn loads(scene: &Scene) -> Markup {
-    let bodies: Vec<&str> = scene.bodies.iter().map(|body| body.name.as_str()).collect();
-    let mut rows: Vec<Vec<Markup>> = scene
-        .loads
-        .iter()
-        .map(|load| {
-            let line = load.explanation(&bodies);
-            let (name, what) = line.split_once(": ").unwrap_or(("", &line));
-            cells([name.to_owned(), what.to_owned()])
-        })
-        .collect();
-    if scene.gravity != [0.0; 2] {
-        let [x, y] = scene.gravity.map(seven_digits);
-        rows.push(cells(["gravity".to_owned(), format!("({x}, {y}) m/s² on every body")]));
-    }
-    if rows.is_empty() {
-        return html! { p { "There are no loads but those of the joints." } };
-    }
-    captioned("loads", "Loads", table_of_text(&["load", "law"], rows.into_iter()))
 }

@@ -3,9 +3,15 @@
 //!
 //! | file | content |
 //! |---|---|
-//! | `mechanism_tables` | bodies, drives, joints, hinges with clearance, materials, loads |
-//! | `variable_tables` | random variables, correlations, outputs, limit states, life |
+//! | `mechanism_tables` | bodies, drives, joints, hinges with clearance, materials |
+//! | `load_tables` | loads, gravity, curves |
+//! | `formula_tables` | parameters, and the quantities that depend on them |
+//! | `variable_tables` | random variables, correlations, outputs, limit states, life, settings |
+//! | `exact` | values with as few digits as give the same number |
 
+mod exact;
+mod formula_tables;
+mod load_tables;
 mod mechanism_tables;
 mod variable_tables;
 
@@ -17,8 +23,6 @@ use super::page::{captioned, figures, numbered};
 use super::{tables, words};
 use common::scene::{ContactLaw, JointKind, SimulatorKind};
 use maud::{Markup, html};
-use ring::digest::{SHA256, digest};
-use std::fmt::Write;
 
 /// Random variables beyond this number are listed in the appendix.
 const VARIABLES_IN_CHAPTER: usize = 12;
@@ -41,6 +45,10 @@ pub fn chapter(input: &ReportInput, drawn: &[Figure]) -> Markup {
             "Every value is nominal and in the scene file " code { "scene.toml" } " next to this page, which is listed in the appendix"
             @if !drawn.is_empty() { "; the mechanism is drawn in " (numbered::refer(drawing::NAME)) }
             "."
+            @if !input.written.formulas.is_empty() {
+                " Values that follow from parameters, which random variables may set, have their formulas in "
+                (numbered::refer_table("formulas")) "."
+            }
         }
         (figures(drawn, "one"))
         @if let Some(simulator) = &scene.simulator {
@@ -53,14 +61,15 @@ pub fn chapter(input: &ReportInput, drawn: &[Figure]) -> Markup {
                 "."
             }
         } @else {
-            (mechanism_tables::tables(scene))
+            (mechanism_tables::tables(scene, &input.written))
+            (load_tables::tables(scene, &input.written))
         }
         @if many {
             p { "The " (scene.variables.len()) " random variables are listed in " (numbered::refer_table("variables")) "." }
         } @else {
-            (variable_tables::variables(scene))
+            (variable_tables::variables(scene, &input.summary))
         }
-        (variable_tables::limits(scene))
+        (variable_tables::limits(scene, &input.summary, &input.written))
         h3 { "Assumptions and limits of the model" }
         ul { @for sentence in assumptions(input) { li { (sentence) } } }
         (facts(input))
@@ -70,7 +79,10 @@ pub fn chapter(input: &ReportInput, drawn: &[Figure]) -> Markup {
 /// What is too long for the chapter.
 pub fn appendix(input: &ReportInput) -> Markup {
     html! {
-        @if input.scene.variables.len() > VARIABLES_IN_CHAPTER { (variable_tables::variables(&input.scene)) }
+        @if input.scene.variables.len() > VARIABLES_IN_CHAPTER {
+            (variable_tables::variables(&input.scene, &input.summary))
+        }
+        (formula_tables::tables(&input.written))
     }
 }
 
@@ -131,14 +143,13 @@ fn facts(input: &ReportInput) -> Markup {
     let summary = &input.summary;
     let or_unknown = |text: &str| if text.is_empty() { UNKNOWN.to_string() } else { text.to_string() };
     let workers: Vec<&str> = summary.workers.iter().map(|worker| worker.name.as_str()).collect();
-    let hash = if input.scene_source.is_empty() { String::new() } else { sha256(&input.scene_source) };
     let rows = [
-        ("begun", html! { (or_unknown(&moment(&input.created))) }),
+        ("begun", html! { (or_unknown(&moment(&summary.created))) }),
         ("command", html! { code { (or_unknown(&input.command)) } }),
         ("version", html! { "Hingewise " (or_unknown(&summary.version)) }),
         (
             "scene",
-            html! { (summary.scene) ", SHA-256 of " code { "scene.toml" } " " code { (or_unknown(&hash)) } },
+            html! { (summary.scene) ", SHA-256 of " code { "scene.toml" } " " code { (or_unknown(&summary.scene_sha256)) } },
         ),
         ("method", html! { (summary.method) ", accuracy " (words::accuracy(summary)) }),
         ("seed", html! { (summary.seed) }),
@@ -163,26 +174,12 @@ fn moment(time: &str) -> String {
     }
 }
 
-/// SHA-256 of a text as hexadecimal digits.
-fn sha256(text: &str) -> String {
-    digest(&SHA256, text.as_bytes()).as_ref().iter().fold(String::new(), |mut hex, byte| {
-        // Writing to a String cannot fail.
-        let _ = write!(hex, "{byte:02x}");
-        hex
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::presentation::report::written::WrittenScene;
     use crate::test_study;
     use common::scene::SceneSource;
-
-    #[test]
-    fn the_hash_is_that_of_the_standard() {
-        // FIPS 180-2, appendix B.1.
-        assert_eq!(sha256("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
-    }
 
     #[test]
     fn times_are_stated_to_the_second() {
@@ -196,6 +193,8 @@ mod tests {
         let scene = SceneSource::parse(source, "everything").unwrap().nominal().clone();
         let mut input = test_study::report_input();
         input.scene = scene.clone();
+        input.written = WrittenScene::new(source);
+        input.summary.identify(&scene, source, "");
         let text = (chapter(&input, &[]).0 + &appendix(&input).0).replace('\u{a0}', " ");
         let names = scene.bodies.iter().map(|body| &body.name);
         let names = names.chain(scene.joints.iter().map(|joint| &joint.name));
@@ -211,10 +210,13 @@ mod tests {
             "flores, e = 1",
             "hunt-crossley, 7.5 s/m",
             "206 GPa",
-            "Gumbel of minima",
+            "gumbel-minima",
             "parameters.arm",
             "Gaussian copula",
             "spring of 2000 N/m",
+            "0.01 s: 5.5 N",
+            "stall torque −0.3 N m, no-load speed −3000 r/min",
+            "<td>bodies.rod.start_position.x</td><td><code>arm</code></td>",
             "gravity",
         ] {
             assert!(text.to_lowercase().contains(&said.to_lowercase()), "{said} in {text}");

@@ -1,25 +1,31 @@
 //! Tables of what is uncertain and of what counts as failure: random variables, correlations, outputs, limit states, life.
 
-use crate::presentation::report::format::{UNKNOWN, count, seven_digits};
+use super::exact::{ExactTexts, exact, exact_number};
+use super::mechanism_tables::place;
+use crate::presentation::report::format::{UNKNOWN, count};
 use crate::presentation::report::page::captioned;
 use crate::presentation::report::tables::{table, table_of_text};
+use crate::presentation::report::written::WrittenScene;
+use crate::results::scene_summary::VariableRow;
+use crate::results::summary::StudySummary;
 use common::random::{Correlation, RandomVariable};
-use common::scene::expression::read_unit;
-use common::scene::{Fails, Scene};
+use common::scene::expression::{ExpressionError, evaluate, read_unit};
+use common::scene::{Fails, Output, OutputKind, OutputUnit, Scene, SignedBody, StudySettings};
 use maud::{Markup, Render, html};
 
-/// Distribution, moments and bounds of every random variable, in its own unit, and the correlations.
-pub fn variables(scene: &Scene) -> Markup {
+/// Distribution, moments and bounds of every random variable, in the unit in which it is displayed, and the correlations.
+pub fn variables(scene: &Scene, summary: &StudySummary) -> Markup {
     let head = ["variable", "unit", "distribution", "mean", "std", "lower bound", "upper bound", "sets"];
     let correlations = scene.correlations.iter().map(|Correlation { first, second, coefficient }| {
         let name = |k: usize| scene.variables[k].name.render();
-        vec![name(*first), name(*second), seven_digits(*coefficient).render()]
+        vec![name(*first), name(*second), exact_number(*coefficient).render()]
     });
+    let rows = scene.variables.iter().zip(&summary.variables).map(|(variable, row)| cells(variable, row));
     html! {
         (captioned(
             "variables",
             "Random variables; of a truncated distribution mean and standard deviation are those before truncation",
-            table_of_text(&head, scene.variables.iter().map(variable)),
+            table_of_text(&head, rows),
         ))
         @if !scene.correlations.is_empty() {
             (captioned(
@@ -31,64 +37,161 @@ pub fn variables(scene: &Scene) -> Markup {
     }
 }
 
-fn variable(variable: &RandomVariable) -> Vec<Markup> {
-    let law = &variable.distribution;
-    // The unit was read when the scene was checked; "1" denotes a plain number.
-    let scale = read_unit(&variable.unit).map_or(1.0, |unit| unit.multiply / unit.divide);
-    let shown = |value: f64| {
-        if value.is_finite() && !law.is_constant() { seven_digits(value / scale) } else { UNKNOWN.to_owned() }
+fn cells(variable: &RandomVariable, row: &VariableRow) -> Vec<Markup> {
+    let is_constant = variable.distribution.is_constant();
+    let shown = |value: Option<f64>| {
+        let value = value.filter(|_| !is_constant);
+        value.map_or(UNKNOWN.to_owned(), |value| in_unit(variable, value))
     };
-    let (lower, upper) = law.support();
     let sets = if variable.changes.is_empty() {
         "input of the simulator".into()
     } else {
         variable.changes.join(", ")
     };
+    let mode = variable.distribution.mode();
+    let distribution = match mode {
+        Some(mode) => format!("{}, mode {}", row.distribution, in_unit(variable, mode)),
+        None => row.distribution.clone(),
+    };
+    let (lower, upper) = truncation(row).unwrap_or_else(|| (shown(row.lower), shown(row.upper)));
     [
-        variable.name.clone(),
+        row.name.clone(),
         variable.unit.clone(),
-        law.name().to_owned(),
-        seven_digits(law.parent_mean() / scale),
-        shown(law.given_std()),
-        shown(lower),
-        shown(upper),
+        distribution,
+        in_unit(variable, row.mean),
+        if is_constant { UNKNOWN.to_owned() } else { spread(variable, row) },
+        lower,
+        upper,
         sets,
     ]
     .map(|cell| cell.render())
     .to_vec()
 }
 
+/// A value in the unit of its variable, which stands in a column of its own.
+fn in_unit(variable: &RandomVariable, value: f64) -> String {
+    let unit = if variable.unit == "1" { "" } else { variable.unit.as_str() };
+    if read_unit(unit).is_err() {
+        return exact_number(value);
+    }
+    let text = if unit.is_empty() { exact_number(value) } else { exact(value, unit) };
+    // The unit as the function prints it.
+    match text.split_once('\u{a0}') {
+        Some((number, printed)) if printed == unit.replace("^2", "²") => number.to_owned(),
+        _ => text,
+    }
+}
+
+/// Most letters of a number that is stated in the unit of its variable.
+const SHORT: usize = 10;
+
+/// The standard deviation in the unit of its variable; where that has many digits, as the share of the mean that gives it.
+fn spread(variable: &RandomVariable, row: &VariableRow) -> String {
+    let text = in_unit(variable, row.std);
+    if text.chars().count() <= SHORT {
+        return text;
+    }
+    let percent = 100.0 * row.std / row.mean.abs();
+    let shares = (0..8).filter_map(|decimals| format!("{percent:.decimals$}").parse::<f64>().ok());
+    let same = |share: &f64| {
+        let read = evaluate(&format!("{share} %"), &mut |name| {
+            Err(ExpressionError::UnknownName { name: name.to_owned(), nearest: None })
+        });
+        read.is_ok_and(|share| (share.value * row.mean.abs()).to_bits() == row.std.to_bits())
+    };
+    shares.into_iter().find(same).map_or(text, |share| format!("{share}\u{a0}%"))
+}
+
+/// Bounds of a truncated normal that lie at whole standard deviations, in words.
+fn truncation(row: &VariableRow) -> Option<(String, String)> {
+    let (lower, upper) = (row.lower?, row.upper?);
+    let reach = (1..=6).map(f64::from).find(|k| {
+        let reach = k * row.std;
+        row.distribution == "truncated-normal" && lower == row.mean - reach && upper == row.mean + reach
+    })?;
+    Some((format!("mean \u{2212} {reach} std"), format!("mean + {reach} std")))
+}
+
+/// The bodies or joints that an output belongs to.
+fn subject(scene: &Scene, written: &WrittenScene, output: &Output) -> String {
+    let joints = |joints: &[usize]| {
+        joints.iter().filter_map(|k| Some(scene.joints.get(*k)?.name.as_str())).collect::<Vec<_>>().join(", ")
+    };
+    let signed = |body: &SignedBody| {
+        let sign = if body.sign < 0.0 { "\u{2212}" } else { "+" };
+        let name = scene.bodies.get(body.body).map_or(UNKNOWN, |body| body.name.as_str());
+        format!("{sign}{name} ({})", body.label)
+    };
+    match &output.kind {
+        OutputKind::LargestWear { joints: of } | OutputKind::PeakJointForce { joints: of } => joints(of),
+        OutputKind::AngularVelocityDifference { a, b } | OutputKind::AngleDifference { a, b } => {
+            format!("{}; {}", signed(a), signed(b))
+        }
+        OutputKind::PositionError { at } => place(scene, written, &format!("outputs.{}.at", output.name), at),
+        OutputKind::DrivingTorque { body } => scene.bodies[*body].name.clone(),
+        OutputKind::External { .. } => UNKNOWN.to_owned(),
+    }
+}
+
+/// Defaults of a study that the scene states.
+fn study_settings(scene: &Scene) -> Markup {
+    let StudySettings { population, initial, batch, max_evaluations, seed } = scene.study;
+    let rows = [
+        ("accuracy", scene.accuracy.name.clone()),
+        ("population", population.to_string()),
+        ("initial", initial.to_string()),
+        ("batch", batch.to_string()),
+        ("max_evaluations", max_evaluations.to_string()),
+        ("seed", seed.to_string()),
+    ];
+    captioned(
+        "settings",
+        "Settings of a study by the scene; options of the command override them",
+        table_of_text(
+            &["setting", "value"],
+            rows.into_iter().map(|(name, value)| vec![name.render(), value.render()]),
+        ),
+    )
+}
+
 /// Outputs, limit states and life.
-pub fn limits(scene: &Scene) -> Markup {
+pub fn limits(scene: &Scene, summary: &StudySummary, written: &WrittenScene) -> Markup {
     let (body, joint) = (|k: usize| &*scene.bodies[k].name, |k: usize| &*scene.joints[k].name);
     let outputs = scene.outputs.iter().map(|output| {
         let what = output.kind.description(body, joint);
-        [output.name.clone(), output.kind.unit().symbol().to_owned(), what].map(|cell| cell.render()).to_vec()
+        let of = subject(scene, written, output);
+        [output.name.clone(), output.kind.unit().symbol().to_owned(), what, of]
+            .map(|cell| cell.render())
+            .to_vec()
     });
-    let limits = scene.limit_states.iter().map(|limit| {
-        let output = &scene.outputs[limit.output];
-        let unit = output.kind.unit();
-        let threshold = unit.after(&seven_digits(unit.to_shown(limit.threshold)));
+    let limits = summary.limits.iter().zip(&scene.limit_states).map(|(row, limit)| {
+        let unit = scene.outputs[limit.output].kind.unit();
+        let key = format!("limit_states.{}.threshold", limit.name);
+        let threshold = match &unit {
+            OutputUnit::External(_) => unit.after(&exact_number(limit.threshold)),
+            own => ExactTexts(written).value(&key, limit.threshold, own.symbol()),
+        };
         let fails = match limit.fails {
             Fails::Above => "≥",
             Fails::Below => "≤",
         };
-        [limit.name.clone(), output.name.clone(), format!("{fails} {threshold}")]
+        [row.name.clone(), row.output.clone(), format!("{fails} {threshold}")]
             .map(|cell| cell.render())
             .to_vec()
     });
     let life = &scene.life;
     html! {
-        (captioned("outputs", "Outputs at every checkpoint", table_of_text(&["output", "unit", "quantity"], outputs)))
+        (captioned("outputs", "Outputs at every checkpoint", table_of_text(&["output", "unit", "quantity", "of"], outputs)))
         (captioned("limits", "Limit states", table(&["limit state", "output", "failed where the output is"], limits)))
         @if life.cycles > 1 {
             p {
                 "Life studied: " (count(life.cycles.into())) " cycles"
-                @if life.period > 0.0 { " of " (seven_digits(life.period)) " s" }
+                @if life.period > 0.0 { " of " (exact(life.period, "s")) }
                 ", with a checkpoint every " (count(life.checkpoint_every.into())) " cycles"
-                @if life.settle_cycles > 0 { "; cycles that settle the motion before the first measured one: " (life.settle_cycles) }
+                @if scene.simulator.is_none() { "; cycles that settle the motion before the first measured one: " (life.settle_cycles) }
                 "."
             }
         }
+        (study_settings(scene))
     }
 }

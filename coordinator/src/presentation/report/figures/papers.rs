@@ -1,0 +1,250 @@
+//! Probability papers: shares that have failed over life on scales on which the lives of a Weibull or of a lognormal distribution
+//! are a straight line, with the line of least squares and the B-lives.
+
+use super::{ink_of, range};
+use crate::presentation::report::figure::Figure;
+use crate::presentation::report::format::{percent, three_digits, whole};
+use crate::presentation::report::palette::Ink;
+use crate::presentation::report::plot::{Axis, Plot, PlotError, Points, Scale, Series, Shape};
+use crate::results::life_summary::LifeCurveRow;
+use crate::results::summary::StudySummary;
+use common::random::{standard_normal_cdf, standard_normal_quantile};
+
+/// Shares of failures between which the line is fitted, and drawn points [1].
+const FITTED: (f64, f64) = (0.01, 0.99);
+const DRAWN: (f64, f64) = (1e-4, 0.9999);
+
+/// A paper.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Paper {
+    Weibull,
+    Lognormal,
+}
+
+impl Paper {
+    fn scale(self) -> Scale {
+        match self {
+            Self::Weibull => Scale::Weibull,
+            Self::Lognormal => Scale::Normal,
+        }
+    }
+
+    fn word(self) -> &'static str {
+        match self {
+            Self::Weibull => "Weibull",
+            Self::Lognormal => "lognormal",
+        }
+    }
+}
+
+/// A straight line on a paper, y = slope (ln t - ln centre).
+///
+/// Weibull: y = ln(-ln(1 - F)), slope and centre are shape and scale of F = 1 - exp(-(t / scale)^shape). Lognormal: y = Phi^-1(F), the
+/// centre is the median and 1 / slope the standard deviation of ln t.
+///
+/// # Source
+/// Weibull (1951), A statistical distribution function of wide applicability, Journal of Applied Mechanics 18, 293-297;
+/// Nelson (1982), Applied Life Data Analysis, chapter 3.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct PaperLine {
+    paper: Paper,
+    slope: f64,
+    centre: f64,
+}
+
+impl PaperLine {
+    /// The line with the least squares through points (t, F); `None` for fewer than three points or lives that are all equal.
+    fn through(paper: Paper, points: &[(f64, f64)]) -> Option<Self> {
+        let n = points.len() as f64;
+        let (x, y): (Vec<f64>, Vec<f64>) =
+            points.iter().map(|(t, f)| (t.ln(), paper.scale().of_share(*f))).unzip();
+        let (mx, my) = (x.iter().sum::<f64>() / n, y.iter().sum::<f64>() / n);
+        let spread: f64 = x.iter().map(|x| (x - mx).powi(2)).sum();
+        let slope = x.iter().zip(&y).map(|(x, y)| (x - mx) * (y - my)).sum::<f64>() / spread;
+        let fits = points.len() > 2 && slope.is_finite() && slope > 0.0;
+        fits.then(|| Self { paper, slope, centre: (mx - my / slope).exp() })
+    }
+
+    /// Share that has failed by a time [1].
+    fn failed(&self, time: f64) -> f64 {
+        let y = self.slope * (time / self.centre).ln();
+        match self.paper {
+            Paper::Weibull => -(-y.exp()).exp_m1(),
+            Paper::Lognormal => standard_normal_cdf(y),
+        }
+    }
+
+    /// Life by which a share has failed [cycles].
+    fn life(&self, failed: f64) -> f64 {
+        let y = match self.paper {
+            Paper::Weibull => Scale::Weibull.of_share(failed),
+            Paper::Lognormal => standard_normal_quantile(failed),
+        };
+        self.centre * (y / self.slope).exp()
+    }
+
+    /// Parameters and B-lives in words.
+    fn in_words(&self) -> String {
+        let parameters = match self.paper {
+            Paper::Weibull => {
+                format!("shape {}, scale {} cycles", three_digits(self.slope), whole(self.centre))
+            }
+            Paper::Lognormal => format!(
+                "median {} cycles, standard deviation of the logarithm {}",
+                whole(self.centre),
+                three_digits(1.0 / self.slope)
+            ),
+        };
+        let lives = B_LIVES.map(|(name, failed)| format!("{name} {}", whole(self.life(failed))));
+        format!("{parameters}; {} cycles", lives.join(", "))
+    }
+}
+
+/// Lives by which a share has failed, by their usual names.
+const B_LIVES: [(&str, f64); 3] = [("B1", 0.01), ("B10", 0.1), ("B50", 0.5)];
+
+/// Time at which a curve has fallen by this share [cycles].
+fn life_on(row: &LifeCurveRow, failed: f64) -> Option<f64> {
+    let k = row.reliability.iter().position(|r| 1.0 - r >= failed)?;
+    let (before, at) = (k.checked_sub(1)?, k);
+    let share = |k: usize| 1.0 - row.reliability[k];
+    let along = (failed - share(before)) / (share(at) - share(before));
+    Some(row.cycles[before] + along * (row.cycles[at] - row.cycles[before])).filter(|life| *life > 0.0)
+}
+
+/// A share in per cent with at most three digits.
+fn short(percent: f64) -> String {
+    let text = three_digits(percent);
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+/// Both papers for these curves, the last of which is that of the whole system; none with fewer than three points.
+///
+/// # Errors
+/// [`PlotError`].
+pub fn papers(summary: &StudySummary, curves: &[(&str, &LifeCurveRow)]) -> Result<Vec<Figure>, PlotError> {
+    let drawn = [Paper::Weibull, Paper::Lognormal].map(|paper| figure(paper, summary, curves));
+    drawn.into_iter().filter_map(Result::transpose).collect()
+}
+
+/// Points (t, F) of a curve with shares between two.
+fn within((low, high): (f64, f64), row: &LifeCurveRow) -> Vec<(f64, f64)> {
+    let points = row.cycles.iter().zip(&row.reliability).map(|(t, r)| (*t, 1.0 - r));
+    points.filter(|(t, f)| *t > 0.0 && (low..=high).contains(f)).collect()
+}
+
+fn figure(
+    paper: Paper,
+    summary: &StudySummary,
+    curves: &[(&str, &LifeCurveRow)],
+) -> Result<Option<Figure>, PlotError> {
+    let scale = paper.scale();
+    let on_paper = |points: &[(f64, f64)]| -> Points {
+        points.iter().map(|(t, f)| (t.log10(), scale.of_share(*f))).collect()
+    };
+    let (mut series, mut all, mut fit) = (Vec::new(), Points::new(), String::new());
+    for (name, row) in curves {
+        let drawn = on_paper(&within(DRAWN, row));
+        all.extend(&drawn);
+        series.push(Series::new(*name, ink_of(summary, name), Shape::Line(drawn)));
+    }
+    if let Some((name, row)) = curves.last() {
+        let fitted = within(FITTED, row);
+        if let Some(line) = PaperLine::through(paper, &fitted) {
+            let along: Vec<(f64, f64)> =
+                within(DRAWN, row).iter().map(|(t, _)| (*t, line.failed(*t))).collect();
+            let along: Vec<(f64, f64)> =
+                along.into_iter().filter(|(_, f)| (DRAWN.0..=DRAWN.1).contains(f)).collect();
+            let label = format!("{} fit to {name}", paper.word());
+            series.push(Series::new(label, Ink::Muted, Shape::Dashed(on_paper(&along))));
+            let off = fitted.iter().map(|(t, f)| (f - line.failed(*t)).abs()).fold(0.0, f64::max);
+            fit = format!(
+                " Fit to {name} between {} and {} by least squares: {}; its F is off by at most {}.",
+                percent(FITTED.0),
+                percent(FITTED.1),
+                line.in_words(),
+                percent(off)
+            );
+        }
+        let marks = B_LIVES.iter().filter_map(|(mark, failed)| {
+            Some(((life_on(row, *failed)?.log10(), scale.of_share(*failed)), (*mark).to_owned()))
+        });
+        series.push(Series::unlisted(format!("B-lives of {name}"), Ink::Ink, Shape::Marked(marks.collect())));
+    }
+    if all.len() < 3 {
+        return Ok(None);
+    }
+    let text = match paper {
+        Paper::Weibull => |y: f64| short(Scale::Weibull.value(y)),
+        Paper::Lognormal => |y: f64| short(Scale::Normal.value(y)),
+    };
+    let plot = Plot {
+        figure: &format!("{}-paper", paper.word().to_lowercase()),
+        x: Axis {
+            text: |power| whole(10f64.powf(power)),
+            scale: Scale::Logarithm,
+            ..Axis::linear("life [cycles]", range(all.iter().map(|point| point.0)))
+        },
+        y: Axis { text, scale, ..Axis::linear("failed F [%]", range(all.iter().map(|point| point.1))) },
+        series: &series,
+    };
+    let what = match paper {
+        Paper::Weibull => "ln(−ln(1 − F))",
+        Paper::Lognormal => "the standard normal quantile of F",
+    };
+    let caption = format!(
+        "Shares that have failed over {what} and the logarithm of life: lives of a {} distribution are a straight line. Dots: lives by \
+         which 1 %, 10 % and 50 % have failed (B1, B10, B50).{fit}",
+        paper.word()
+    );
+    plot.figure(&format!("Lives on {} paper", paper.word()), &caption).map(Some)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_study;
+
+    #[test]
+    fn a_distribution_is_its_own_fit() {
+        for paper in [Paper::Weibull, Paper::Lognormal] {
+            let line = PaperLine { paper, slope: 2.5, centre: 3000.0 };
+            let points: Vec<(f64, f64)> =
+                (1..9).map(|k| 500.0 * f64::from(k)).map(|t| (t, line.failed(t))).collect();
+            let found = PaperLine::through(paper, &points).unwrap();
+            assert!((found.slope - 2.5).abs() < 1e-6 && (found.centre - 3000.0).abs() < 1e-3, "{found:?}");
+            for (t, f) in &points {
+                assert!((line.life(*f) / t - 1.0).abs() < 1e-6, "{paper:?} {t}");
+            }
+            assert_eq!(PaperLine::through(paper, &points[..2]), None);
+            assert_eq!(PaperLine::through(paper, &[(5.0, 0.1); 4]), None);
+        }
+        // Closed forms: F(scale) = 1 - 1/e, F(median) = 1/2.
+        let [weibull, lognormal] = [Paper::Weibull, Paper::Lognormal]
+            .map(|paper| PaperLine { paper, slope: 3.0, centre: 70.0 }.failed(70.0));
+        assert!((weibull - 0.632_120_558_828_557_7).abs() < 1e-12 && (lognormal - 0.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_marks_are_the_lives_of_the_summary() {
+        let summary = test_study::study().summary;
+        let row = summary.curves.iter().find(|curve| curve.limit_state == "total").unwrap();
+        for (_, failed) in B_LIVES {
+            let life = summary.lives.iter().find(|life| {
+                life.limit_state == "total" && (life.reliability - (1.0 - failed)).abs() < 1e-12
+            });
+            let expected = life.unwrap().cycles.unwrap();
+            assert!((life_on(row, failed).unwrap() - expected).abs() < 1e-6 * expected, "{failed}");
+        }
+        let figures = papers(&summary, &[("total", row)]).unwrap();
+        assert_eq!(figures.len(), 2);
+        for figure in figures {
+            for mark in ["B1,", "B10", "B50"] {
+                assert!(
+                    figure.csv.contains(&mark.replace(',', "\n")) && figure.caption.contains(mark),
+                    "{mark}"
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,198 @@
+//! Parallel coordinates of the simulations: one line per simulation over the variables with the most influence, in standard
+//! deviations, coloured by the limit state that failed first.
+
+use super::{by_influence, governing_cycles, ink_of, words};
+use crate::presentation::report::bars::shortened;
+use crate::presentation::report::figure::{Figure, csv};
+use crate::presentation::report::format::count;
+use crate::presentation::report::input::{ReportInput, SimulatedSample};
+use crate::presentation::report::palette::Ink;
+use crate::presentation::report::plot::{LETTERS, PlotError, draw, letters, px, stroke, tick_label};
+use crate::results::csv_table::number;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+/// Most variables and lines drawn.
+const VARIABLES: usize = 14;
+const LINES: usize = 300;
+
+/// Largest standard normal drawn [1].
+const REACH: f64 = 4.0;
+
+/// Height of all variables together where there are few, and limits of the height of one [CSS pixels].
+const HEIGHT: f64 = 240.0;
+const ROW: (f64, f64) = (26.0, 60.0);
+
+/// Height of the axis below [CSS pixels].
+const AXIS: f64 = 48.0;
+
+/// Width of the column of names [CSS pixels].
+const NAMES: f64 = 178.0;
+
+/// The figure; `None` with fewer than ten simulations or two variables.
+///
+/// # Errors
+/// [`PlotError`].
+pub fn parallel_coordinates(input: &ReportInput) -> Result<Option<Figure>, PlotError> {
+    let variables: Vec<usize> = by_influence(input).into_iter().take(VARIABLES).collect();
+    let all = input.samples.len();
+    if all < 10 || variables.len() < 2 {
+        return Ok(None);
+    }
+    let cycles = governing_cycles(input);
+    let every = all.div_ceil(LINES);
+    let lines: Vec<DrawnLine> = input
+        .samples
+        .iter()
+        .step_by(every)
+        .map(|sample| DrawnLine {
+            normals: variables.iter().map(|k| normal(input, sample, *k)).collect(),
+            failed: first_failure(input, sample, cycles),
+        })
+        .collect();
+    let failed = lines.iter().filter(|line| line.failed.is_some()).count();
+    let drawn = lines.len();
+    let caption = format!(
+        "One line per simulation: values of the {} in standard deviations (of the standard \
+         normal with the same probability, drawn up to {REACH}). Coloured: failed by {} cycles, by the limit state that failed first; \
+         {failed} of the {drawn} drawn{}. Learning chooses simulations near the limits, so that this share is not a probability.",
+        if variables.len() < input.scene.variables.len() {
+            format!("{} variables with the most influence on failures", variables.len())
+        } else {
+            "variables".to_owned()
+        },
+        count(cycles.into()),
+        if every > 1 { format!(" (every {every}th of {})", count(all as u64)) } else { String::new() }
+    );
+    let names: Vec<String> = variables.iter().map(|k| input.scene.variables[*k].name.clone()).collect();
+    let mut columns = vec!["simulation", "failed first"];
+    columns.extend(names.iter().map(String::as_str));
+    let rows = lines.iter().enumerate().map(|(k, line)| {
+        let mut cells = vec![(k * every).to_string(), line.failed.clone().unwrap_or_default()];
+        cells.extend(line.normals.iter().copied().map(number));
+        cells
+    });
+    let csv = csv(&columns, rows);
+    Ok(Some(Figure {
+        name: "parallel-coordinates".into(),
+        title: "Which combinations fail".into(),
+        caption,
+        svg: svg(input, &names, &lines)?,
+        csv,
+    }))
+}
+
+/// A simulation as it is drawn.
+struct DrawnLine {
+    /// Standard normals of the variables drawn.
+    normals: Vec<f64>,
+    /// Limit state that failed first, if any has.
+    failed: Option<String>,
+}
+
+/// Standard normal of a variable of a sample, within what is drawn.
+fn normal(input: &ReportInput, sample: &SimulatedSample, k: usize) -> f64 {
+    let value = sample.values.get(k).copied().unwrap_or(f64::NAN);
+    let u = input.scene.variables[k].distribution.to_standard_normal(value);
+    if u.is_nan() { 0.0 } else { u.clamp(-REACH, REACH) }
+}
+
+/// The limit state that a simulation reached first, up to this life.
+fn first_failure(input: &ReportInput, sample: &SimulatedSample, cycles: u32) -> Option<String> {
+    let reached = input.limit_states.iter().zip(&sample.failed_at);
+    let reached = reached.filter_map(|(state, at)| Some((at.filter(|at| *at <= cycles)?, state)));
+    reached.min_by_key(|(at, _)| *at).map(|(_, state)| state.name.clone())
+}
+
+fn svg(input: &ReportInput, names: &[String], lines: &[DrawnLine]) -> Result<String, PlotError> {
+    let count = names.len() as f64;
+    let row = (HEIGHT / count).clamp(ROW.0, ROW.1);
+    let mut legend: Vec<(String, Ink)> = vec![("works".into(), Ink::Muted)];
+    legend.extend(
+        input
+            .limit_states
+            .iter()
+            .map(|state| (format!("{} first", state.name), ink_of(&input.summary, &state.name))),
+    );
+    let per_row = 3;
+    let top = 12.0 + 20.0 * legend.len().div_ceil(per_row) as f64;
+    draw("parallel-coordinates", row * count + top + AXIS, |root| {
+        let mut chart = ChartBuilder::on(root)
+            .margin_top(px(top))
+            .margin_right(px(18.0))
+            .margin_left(px(NAMES))
+            .x_label_area_size(px(AXIS))
+            .build_cartesian_2d(-REACH..REACH, 0.0..count)?;
+        chart
+            .configure_mesh()
+            .disable_y_mesh()
+            .disable_y_axis()
+            .x_labels(9)
+            .max_light_lines(0)
+            .bold_line_style(stroke(Ink::Grid, 1.0))
+            .axis_style(stroke(Ink::Muted, 1.0))
+            .label_style(letters(LETTERS, Ink::Muted))
+            .axis_desc_style(letters(LETTERS, Ink::Ink))
+            .set_all_tick_mark_size(px(4.0))
+            .x_label_formatter(&|value| tick_label(*value))
+            .x_desc("standard deviations")
+            .draw()?;
+        // Failures lie on top.
+        let (works, fails): (Vec<_>, Vec<_>) = lines.iter().partition(|line| line.failed.is_none());
+        for line in works.into_iter().chain(fails) {
+            let points = line
+                .normals
+                .iter()
+                .enumerate()
+                .map(|(k, u)| (*u, count - k as f64 - 0.5))
+                .collect::<Vec<_>>();
+            let (ink, opacity) = match &line.failed {
+                None => (Ink::Muted, 0.35),
+                Some(state) => (ink_of(&input.summary, state), 0.75),
+            };
+            let pen = ink.rgb().mix(opacity).stroke_width(px(0.9) as u32);
+            chart.draw_series([PathElement::new(points, pen)])?;
+        }
+        let right = letters(LETTERS, Ink::Ink).pos(Pos::new(HPos::Right, VPos::Center));
+        for (k, name) in names.iter().enumerate() {
+            let middle = px(top + row * (k as f64 + 0.5));
+            root.draw(&Text::new(shortened(&words(name)), (px(NAMES - 8.0), middle), right.clone()))?;
+        }
+        for (k, (label, ink)) in legend.iter().enumerate() {
+            let (x, y) = (10.0 + 156.0 * (k % per_row) as f64, 15.0 + 20.0 * (k / per_row) as f64);
+            root.draw(&PathElement::new([(px(x), px(y)), (px(x + 18.0), px(y))], stroke(*ink, 2.5)))?;
+            let place = (px(x + 23.0), px(y - 0.5 * LETTERS));
+            root.draw(&Text::new(shortened(label), place, letters(LETTERS, Ink::Ink)))?;
+        }
+        Ok(())
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_study;
+
+    #[test]
+    fn failures_are_those_up_to_the_governing_checkpoint() {
+        let mut input = test_study::report_with_samples();
+        let cycles = governing_cycles(&input);
+        for (k, sample) in input.samples.iter_mut().enumerate() {
+            sample.failed_at = match k % 3 {
+                0 => vec![Some(cycles), Some(cycles - 1000)],
+                1 => vec![Some(cycles + 1000), None],
+                _ => vec![None, None],
+            };
+        }
+        let figure = parallel_coordinates(&input).unwrap().unwrap();
+        let firsts: Vec<&str> =
+            figure.csv.lines().skip(1).map(|line| line.split(',').nth(1).unwrap()).collect();
+        for (k, first) in firsts.iter().enumerate() {
+            assert_eq!(*first, if k % 3 == 0 { "asymmetry" } else { "" }, "{k}");
+        }
+        let lines = figure.svg.matches("opacity=\"0.75\"").count();
+        assert_eq!(lines, firsts.len().div_ceil(3));
+        input.samples.truncate(9);
+        assert_eq!(parallel_coordinates(&input).unwrap(), None);
+    }
+}

@@ -1,0 +1,120 @@
+//! The chapter of the simulations: histograms of the random variables, combinations that fail, most probable failures.
+
+use super::parts::{captioned, figures};
+use crate::presentation::report::figure::Figure;
+use crate::presentation::report::figures::{MOST_HISTOGRAMS, capital};
+use crate::presentation::report::format::{UNKNOWN, count, fixed, percent, seven_digits, three_digits};
+use crate::presentation::report::input::ReportInput;
+use crate::presentation::report::tables::table;
+use crate::results::point_summary::{CoordinateRow, FailurePointRow};
+use common::random::RandomVariable;
+use common::scene::expression::read_unit;
+use maud::{Markup, Render, html};
+
+/// The chapter with these figures.
+pub fn simulated(input: &ReportInput, histograms: &[Figure], combinations: &[Figure]) -> Markup {
+    let variables = input.scene.variables.len();
+    html! {
+        h2 { "Simulations and failure points" }
+        @if histograms.is_empty() {
+            p.none { "With fewer than ten simulations there is no histogram." }
+        } @else if variables > MOST_HISTOGRAMS {
+            p { "Of the " (variables) " random variables the " (MOST_HISTOGRAMS) " with the largest effect on failures." }
+        }
+        (figures(histograms, "three"))
+        (figures(combinations, "two"))
+        (failure_points(input))
+    }
+}
+
+/// The most probable failures of all limit states: one pair of columns each, one row per variable.
+fn failure_points(input: &ReportInput) -> Markup {
+    let points = &input.summary.failure_points;
+    if points.is_empty() {
+        let failed = input.summary.reliability.iter().any(|row| row.reliability.get("total") < Some(&1.0));
+        return html! {
+            p.none {
+                @if failed { "The study stored no most probable failures." }
+                @else { "No failure was found, so that there is no most probable one." }
+            }
+        };
+    }
+    let mut head = vec!["variable".to_owned(), "unit".to_owned()];
+    for point in points {
+        head.push(format!("{}: value", point.limit_state));
+        head.push("standard deviations".to_owned());
+    }
+    let rows = input.scene.variables.iter().map(|variable| {
+        let mut cells = vec![variable.name.render(), variable.unit.render()];
+        cells.extend(points.iter().flat_map(|point| cells_of(point, variable)));
+        cells
+    });
+    let title = format!(
+        "Most probable failure per limit state: of all failed points of the population the one nearest to the medians in the space of \
+         independent standard normals. {}",
+        points.iter().map(|point| sentence(input, point)).collect::<Vec<_>>().join(" ")
+    );
+    captioned("failure-points", &title, table(&head, rows))
+}
+
+fn sentence(input: &ReportInput, point: &FailurePointRow) -> String {
+    let by = if input.summary.is_static() {
+        String::new()
+    } else {
+        format!("by {} cycles, when ", count(point.cycles.into()))
+    };
+    let failed = if point.failed < 1e-4 { three_digits(point.failed) } else { percent(point.failed) };
+    format!(
+        "{}: {by}{failed} of the population {}, at a distance of {} standard deviations.",
+        capital(&point.limit_state),
+        if by.is_empty() { "fails" } else { "have failed" },
+        fixed(point.distance, 2)
+    )
+}
+
+fn cells_of(point: &FailurePointRow, variable: &RandomVariable) -> [Markup; 2] {
+    let scale = read_unit(&variable.unit).map_or(1.0, |unit| unit.multiply / unit.divide);
+    let own = point.variables.iter().find(|row| row.variable == variable.name);
+    let cell = |text: &dyn Fn(&CoordinateRow) -> String| own.map_or(UNKNOWN.to_owned(), text).render();
+    [cell(&|row| seven_digits(row.value / scale)), cell(&|row| fixed(row.normal, 2))]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_study;
+
+    #[test]
+    fn the_table_has_values_in_units_and_distances() {
+        let mut input = test_study::report_input();
+        let text = |input: &ReportInput| failure_points(input).0.replace('\u{a0}', " ");
+        input.summary.failure_points.clear();
+        assert!(text(&input).contains("stored no most probable failures"));
+        let row = |variable: &RandomVariable| CoordinateRow {
+            variable: variable.name.clone(),
+            value: if variable.name == "rod_length" { 0.040_055_4 } else { variable.distribution.mean() },
+            normal: if variable.name == "rod_length" { 1.0 } else { 0.0 },
+        };
+        input.summary.failure_points.push(FailurePointRow {
+            limit_state: "wear".into(),
+            cycles: 63_000,
+            failed: 0.0123,
+            distance: 2.345,
+            variables: input.scene.variables.iter().map(row).collect(),
+        });
+        let found = text(&input);
+        for said in [
+            "<td>rod_length</td><td>mm</td>",
+            ">40.0554</td>",
+            "Wear: by 63 000 cycles, when 1.2 % of the population have failed",
+            "distance of 2.35 standard",
+        ] {
+            assert!(found.contains(said), "{said}: {found}");
+        }
+        for at in &mut input.summary.reliability {
+            at.reliability.insert("total".into(), 1.0);
+        }
+        input.summary.failure_points.clear();
+        assert!(text(&input).contains("No failure was found"));
+    }
+}

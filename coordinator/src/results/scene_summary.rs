@@ -1,0 +1,149 @@
+//! What a scene determines of a study, as written to `summary.json`: random variables, limit states and the hash of the text.
+
+use common::random::RandomVariable;
+use common::scene::expression::read_unit;
+use common::scene::quantity::{AngleUnit, Dimension};
+use common::scene::{Fails, Scene};
+use ring::digest::{SHA256, digest};
+use serde::{Deserialize, Serialize};
+use std::fmt::Write;
+
+/// A random variable of a study.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct VariableRow {
+    /// Name of the variable.
+    pub name: String,
+    /// Word of its distribution in scenes, e.g. `truncated-normal`.
+    pub distribution: String,
+    /// Mean; of the parent for a truncated normal [unit of the row].
+    pub mean: f64,
+    /// Standard deviation; of the parent for a truncated normal, 0 for a constant [unit of the row].
+    pub std: f64,
+    /// Smallest value; absent without a bound [unit of the row].
+    pub lower: Option<f64>,
+    /// Largest value; absent without a bound [unit of the row].
+    pub upper: Option<f64>,
+    /// SI unit of the values; an input of a simulator with a unit that is only displayed has that one.
+    pub unit: String,
+}
+
+/// A limit state of a study.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LimitRow {
+    /// Name of the limit state.
+    pub name: String,
+    /// Name of its output.
+    pub output: String,
+    /// Threshold [unit of the row].
+    pub threshold: f64,
+    /// Unit of the threshold, that of the output in all files, e.g. `m` or `rpm`.
+    pub unit: String,
+    /// Side of the threshold on which failure lies: `above` or `below`.
+    pub fails: String,
+}
+
+/// The random variables of a scene, in its order.
+pub fn variable_rows(scene: &Scene) -> Vec<VariableRow> {
+    scene.variables.iter().map(variable_row).collect()
+}
+
+fn variable_row(variable: &RandomVariable) -> VariableRow {
+    let law = &variable.distribution;
+    let bound = |value: f64| value.is_finite().then_some(value);
+    let (lower, upper) = law.support();
+    VariableRow {
+        name: variable.name.clone(),
+        distribution: law.word().to_owned(),
+        mean: law.parent_mean(),
+        std: law.given_std(),
+        lower: bound(lower),
+        upper: bound(upper),
+        unit: si_unit(&variable.unit),
+    }
+}
+
+/// The SI unit of values that are displayed in `unit`.
+fn si_unit(unit: &str) -> String {
+    match read_unit(unit) {
+        Ok(read) if read.dimension == Dimension::NONE && read.angle == AngleUnit::Present => "rad".to_owned(),
+        Ok(read) => read.dimension.si_unit(),
+        // The unit of an external simulator, which is only displayed.
+        Err(_) => unit.to_owned(),
+    }
+}
+
+/// The limit states of a scene, in its order.
+pub fn limit_rows(scene: &Scene) -> Vec<LimitRow> {
+    let row = |limit: &common::scene::LimitState| {
+        let output = &scene.outputs[limit.output];
+        let unit = output.kind.unit();
+        LimitRow {
+            name: limit.name.clone(),
+            output: output.name.clone(),
+            threshold: unit.to_file(limit.threshold),
+            unit: unit.suffix().to_owned(),
+            fails: match limit.fails {
+                Fails::Above => "above".to_owned(),
+                Fails::Below => "below".to_owned(),
+            },
+        }
+    };
+    scene.limit_states.iter().map(row).collect()
+}
+
+/// SHA-256 of a text in hexadecimal digits.
+pub fn sha256(text: &str) -> String {
+    digest(&SHA256, text.as_bytes()).as_ref().iter().fold(String::new(), |mut hex, byte| {
+        // Writing to a String cannot fail.
+        let _ = write!(hex, "{byte:02x}");
+        hex
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use common::scene::SceneSource;
+
+    #[test]
+    fn the_hash_is_that_of_the_standard() {
+        // FIPS 180-2, appendix B.1.
+        assert_eq!(sha256("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+    }
+
+    #[test]
+    fn rows_have_the_values_of_the_scene_in_si() {
+        let scene = SceneSource::builtin("four-bar").unwrap().nominal().clone();
+        let variables = variable_rows(&scene);
+        let units: Vec<&str> = variables.iter().map(|row| row.unit.as_str()).collect();
+        assert_eq!(units, ["1/Pa", "N m", "m", "1"]);
+        let clearance = &variables[2];
+        assert_eq!(
+            (clearance.name.as_str(), clearance.distribution.as_str()),
+            ("clearance_crank", "truncated-normal")
+        );
+        assert!((clearance.mean - 30e-6).abs() < 1e-18 && (clearance.std - 2e-6).abs() < 1e-18);
+        assert!((clearance.lower.unwrap() - 24e-6).abs() < 1e-18, "{clearance:?}");
+        let [limit] = &limit_rows(&scene)[..] else { panic!("one limit state") };
+        assert_eq!(
+            (limit.output.as_str(), limit.unit.as_str(), limit.fails.as_str()),
+            ("max_wear_depth", "m", "above")
+        );
+        assert!((limit.threshold - 8e-6).abs() < 1e-18);
+        assert_eq!(["deg", "mm", "r/min", "kN", "lumens"].map(si_unit), ["rad", "m", "rad/s", "N", "lumens"]);
+    }
+
+    /// The word is the one that the scene language reads.
+    #[test]
+    fn every_distribution_has_its_word() {
+        let everything = include_str!("../../../common/tests/scenes/everything.toml");
+        let source = SceneSource::parse(everything, "everything").unwrap();
+        let written = source.document()["variables"].as_array().unwrap().iter().map(|row| {
+            row.get("distribution").map_or("truncated-normal", |word| word.as_str().unwrap()).to_owned()
+        });
+        let rows = variable_rows(source.nominal());
+        let words: Vec<String> = rows.iter().map(|row| row.distribution.clone()).collect();
+        assert_eq!(words, written.collect::<Vec<_>>());
+        assert!(rows.iter().any(|row| row.lower.is_none()) && rows.iter().any(|row| row.lower.is_some()));
+    }
+}

@@ -1,0 +1,35 @@
+//! Predictions of the surrogates at the end of a study for their own simulations, each from all others: rows of the summary.
+
+use super::response_layout::ResponseLayout;
+use super::{CampaignResult, Surrogate};
+use crate::results::point_summary::PredictionRow;
+use crate::statistics::learning::Mode;
+use common::scene::{Fails, LimitState, Scene};
+
+/// One row per limit state, at the checkpoint at which the system's R is nearest 1/2.
+pub(super) fn predictions(scene: &Scene, learned: &CampaignResult) -> Vec<PredictionRow> {
+    let modes = ResponseLayout::from_scene(scene).modes;
+    let n = learned.assessment.governing;
+    let cycles = scene.life.checkpoints()[n];
+    let limits = scene.limit_states.iter().zip(modes).zip(&learned.assessment.surrogates);
+    let row = |((limit, mode), surrogate): ((&LimitState, Mode), &Surrogate)| {
+        let unit = scene.outputs[limit.output].kind.unit();
+        // Responses that fail below their threshold are learned with the opposite sign.
+        let sign = if limit.fails == Fails::Below { -1.0 } else { 1.0 };
+        let shown = |response: f64| unit.to_file(sign * response);
+        let values = learned.observations.running_maxima(mode.output);
+        let left_out = surrogate.model.left_out(values.as_ref(), n);
+        let factor = surrogate.inflation().sqrt();
+        PredictionRow {
+            limit_state: limit.name.clone(),
+            cycles,
+            unit: unit.suffix().to_owned(),
+            simulated: values.col(n).iter().map(|value| shown(*value)).collect(),
+            predicted: left_out.iter().map(|one| shown(one.mean)).collect(),
+            std: left_out.iter().map(|one| unit.to_file(factor * one.std)).collect(),
+            q2: surrogate.model.leave_one_out(values.as_ref())[n].q2,
+        }
+    };
+    let all = limits.map(row);
+    all.filter(|row| row.std.iter().chain(&row.predicted).all(|value| value.is_finite())).collect()
+}

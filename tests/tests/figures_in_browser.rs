@@ -1,0 +1,173 @@
+//! The figures of reports in a browser: letters that do not cover each other, large enough, and with enough contrast, on narrow and
+//! wide screens, in light and in dark.
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use tests::deployed::if_installed;
+use tests::program;
+
+/// Widths of the screens [CSS pixels].
+const WIDTHS: [u32; 3] = [400, 1000, 1600];
+
+/// Least size of letters [CSS pixels], and least contrast by WCAG 2.
+const LEAST_SIZE: f64 = 11.0;
+const LEAST_CONTRAST: f64 = 4.5;
+
+/// Small studies of four built-in scenes.
+const STUDIES: [(&str, &[&str]); 4] = [
+    ("four-bar", &["--accuracy", "draft", "--initial", "20", "--max-evaluations", "30"]),
+    ("slider-crank", &["--accuracy", "draft", "--initial", "12", "--max-evaluations", "16"]),
+    ("flapping-wing", &["--accuracy", "draft", "--initial", "32", "--max-evaluations", "40"]),
+    ("flapping-wing-tolerances", &["--accuracy", "draft", "--method", "monte-carlo", "--samples", "16"]),
+];
+
+/// Loads the page in frames of every width in light and in dark, and measures each: letters of figures that cover each other, the
+/// smallest letters, and the least contrasts of texts and of the colours of figures against the paper.
+const MEASURE: &str = r##"
+const luminance = (rgb) => {
+  const [r, g, b] = rgb.match(/[\d.]+/g).map(Number).map((c) => c / 255)
+    .map((c) => c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4);
+  return 0.2126 * r + 0.7152 * g + 0.0722 * b + 0.05;
+};
+const contrast = (a, b) => { const [x, y] = [luminance(a), luminance(b)]; return Math.max(x / y, y / x); };
+const measure = (frame, width, dark) => {
+  const view = frame.contentWindow, page = frame.contentDocument;
+  page.querySelectorAll("details").forEach((one) => { one.open = true; });
+  const paper = view.getComputedStyle(page.body).backgroundColor;
+  const found = { width, dark, overlaps: [], small: [], faint: [], texts: 0, sideways: page.documentElement.scrollWidth - width };
+  const size = (text, px) => { if (px < 10.99) found.small.push(`${text}: ${px.toFixed(2)}`); };
+  const seen = (what, colour) => {
+    if (colour === "none" || colour.startsWith("rgba")) return;
+    const c = contrast(colour, paper);
+    if (c < 4.5) found.faint.push(`${what} ${colour}: ${c.toFixed(2)}`);
+  };
+  for (const figure of page.querySelectorAll("figure")) {
+    const boxes = [];
+    for (const text of figure.querySelectorAll("svg text")) {
+      if (!text.textContent.trim()) continue;
+      found.texts += 1;
+      const style = view.getComputedStyle(text), box = text.getBoundingClientRect();
+      size(`${figure.id} "${text.textContent}"`, parseFloat(style.fontSize) * Math.hypot(text.getScreenCTM().a, text.getScreenCTM().b));
+      seen(`${figure.id} "${text.textContent}"`, style.fill);
+      // A box has room above and below the letters.
+      boxes.push({ text: text.textContent.trim(), left: box.left + 1, right: box.right - 1,
+        top: box.top + 0.15 * box.height, bottom: box.bottom - 0.15 * box.height });
+    }
+    boxes.forEach((a, k) => boxes.slice(0, k).forEach((b) => {
+      if (a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom) {
+        found.overlaps.push(`${figure.id}: "${b.text}" and "${a.text}"`);
+      }
+    }));
+    for (const shape of figure.querySelectorAll("svg polyline, svg circle")) {
+      const style = view.getComputedStyle(shape);
+      const stroke = (shape.getAttribute("stroke") ?? "none").toUpperCase();
+      // Grid lines are read with the curves, not alone.
+      if (stroke !== "NONE" && stroke !== "#E1E5EA") seen(`${figure.id} line`, style.stroke);
+    }
+  }
+  const walker = page.createTreeWalker(page.body, NodeFilter.SHOW_TEXT);
+  while (walker.nextNode()) {
+    const parent = walker.currentNode.parentElement;
+    if (!walker.currentNode.textContent.trim() || parent.closest("svg, script, style, [hidden]")) continue;
+    const style = view.getComputedStyle(parent);
+    size(`text "${walker.currentNode.textContent.trim().slice(0, 40)}"`, parseFloat(style.fontSize));
+    seen(`text "${walker.currentNode.textContent.trim().slice(0, 40)}"`, style.color);
+  }
+  found.faint = [...new Set(found.faint)];
+  return found;
+};
+const load = (width, dark) => new Promise((done) => {
+  const frame = document.createElement("iframe");
+  frame.width = width;
+  frame.height = 1200;
+  frame.style.border = "0";
+  frame.addEventListener("load", () => { done(measure(frame, width, dark)); frame.remove(); });
+  frame.srcdoc = dark ? page.replaceAll("@media (prefers-color-scheme:dark)", "@media all") : page;
+  document.body.append(frame);
+});
+(async () => {
+  const all = [];
+  for (const width of WIDTHS) for (const dark of [false, true]) all.push(await load(width, dark));
+  const result = document.createElement("pre");
+  result.id = "result";
+  result.textContent = JSON.stringify(all);
+  document.body.append(result);
+})();
+"##;
+
+/// The first browser that is installed.
+fn browser() -> Option<&'static str> {
+    let found = ["chromium", "chromium-browser", "google-chrome"]
+        .into_iter()
+        .find(|name| Command::new(name).arg("--version").output().is_ok());
+    if found.is_none() {
+        if_installed("figures in a browser", &mut Command::new("chromium"));
+    }
+    found
+}
+
+/// The report of a small study.
+fn report(scene: &str, options: &[&str], folder: &Path) -> PathBuf {
+    let study = folder.join(scene);
+    let mut command = Command::new(program("coordinator"));
+    let output = command
+        .args(["run", "--scene", scene, "-q"])
+        .args(options)
+        .arg("--out")
+        .arg(&study)
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{scene}: {}", String::from_utf8_lossy(&output.stderr));
+    study.join("report.html")
+}
+
+/// What a browser measures on a page.
+fn measured(browser: &str, page: &Path, folder: &Path) -> Vec<Value> {
+    let text = std::fs::read_to_string(page).unwrap();
+    // Within a script, `</` would end it.
+    let text = serde_json::to_string(&text).unwrap().replace("</", "<\\/").replace("<!--", "<\\!--");
+    let widths = serde_json::to_string(&WIDTHS).unwrap();
+    let around = format!(
+        "<!DOCTYPE html><html><body><script>const WIDTHS = {widths}, page = {text};{MEASURE}</script></body></html>"
+    );
+    let path = folder.join("measure.html");
+    std::fs::write(&path, around).unwrap();
+    let mut command = Command::new(browser);
+    command.args(["--headless", "--no-sandbox", "--disable-gpu", "--window-size=1700,1300"]);
+    command.args(["--virtual-time-budget=60000", "--dump-dom"]);
+    command.arg(format!("--user-data-dir={}", folder.join("profile").display())).arg(&path);
+    let output = command.output().unwrap();
+    let dom = String::from_utf8_lossy(&output.stdout);
+    let result = dom.rsplit_once("<pre id=\"result\">").and_then(|(_, rest)| rest.split("</pre>").next());
+    let Some(result) = result else { panic!("no result: {}", String::from_utf8_lossy(&output.stderr)) };
+    let result =
+        result.replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&").replace("&nbsp;", " ");
+    serde_json::from_str(&result).unwrap_or_else(|error| panic!("{error}: {result}"))
+}
+
+#[test]
+fn letters_of_figures_are_apart_large_and_clear() {
+    let Some(browser) = browser() else { return };
+    assert!(
+        MEASURE.contains(&format!("px < {}", LEAST_SIZE - 0.01))
+            && MEASURE.contains(&format!("c < {LEAST_CONTRAST}"))
+    );
+    let folder = tempfile::tempdir().unwrap();
+    let mut faults = Vec::new();
+    for (scene, options) in STUDIES {
+        let page = report(scene, options, folder.path());
+        let all = measured(browser, &page, folder.path());
+        assert_eq!(all.len(), 2 * WIDTHS.len(), "{scene}");
+        for one in all {
+            let at = format!("{scene} at {} px, dark {}", one["width"], one["dark"]);
+            assert!(one["texts"].as_u64().unwrap() > 100, "{at}: {one}");
+            for key in ["overlaps", "small", "faint"] {
+                let found = one[key].as_array().unwrap();
+                let shown = found.iter().take(5);
+                faults.extend(shown.map(|what| format!("{at}, {key} ({}): {what}", found.len())));
+            }
+        }
+    }
+    assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
+}
