@@ -5,8 +5,8 @@ use super::output::{check_destination, print, to_json};
 use super::scenes::check_linkage;
 use clap::Args;
 use common::scene::{Motion, Scene, SceneSource};
-use coordinator::presentation::report::Mechanism;
 use coordinator::presentation::report::drawing::{self, DrawnMechanism, SHARE_OF_CYCLE};
+use coordinator::presentation::report::{Figure, Mechanism};
 use coordinator::results::result_files::write_text;
 use std::path::PathBuf;
 use worker::mechanism::Prescribed;
@@ -63,6 +63,16 @@ pub fn draw(arguments: &DrawArguments, as_json: bool) -> Result<(), CommandError
         (false, Some(file)) => print(&format!("{}\n", file.display())),
         (false, None) => print(&format!("{}: {}\n\n{}", scene.name, scene.title, drawing::sketch(&drawn))),
     }
+}
+
+/// The drawing of a mechanism as a figure; none for an external simulator, or where nothing can be drawn.
+pub fn drawing_figure(origin: &str, scene: &Scene) -> Option<Figure> {
+    if scene.simulator.is_some() {
+        return None;
+    }
+    let mechanism = Mechanism::new(scene);
+    let drawn = drawn(origin, scene, &mechanism, SHARE_OF_CYCLE).ok()?;
+    Some(drawing::figure(&drawn, &mechanism))
 }
 
 /// The mechanism with ideal joints at a share of its cycle; at its start, where drives and joints do not determine the motion.

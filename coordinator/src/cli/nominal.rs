@@ -1,9 +1,9 @@
 //! The nominal mechanism against its limits, for `coordinator check`: expected lives, and warnings about limits that it has passed before
 //! the first checkpoint or is far from.
 
-use super::nominal_life::{NominalLife, Reached, nominal_lives};
 use common::accuracy::Accuracy;
 use common::scene::{Scene, Warning};
+use coordinator::presentation::nominal_life::{NominalLife, Reached, nominal_lives};
 use worker::simulate::{SimulateOptions, simulate};
 
 /// Checkpoints up to the life of the nominal mechanism that resolve the lives of others: their spread is some tens of per cent.

@@ -1,9 +1,9 @@
 //! One evaluation in a few lines: outputs at the start and at the end of life, limits, margins and expected lives, work.
 
-use super::nominal_life::nominal_lives;
 use super::output::count;
 use common::outputs::Evaluation;
 use common::scene::{Output, Scene};
+use coordinator::presentation::nominal_life::nominal_lives;
 use coordinator::presentation::report::format::{count as grouped, duration, three_digits};
 use std::path::Path;
 

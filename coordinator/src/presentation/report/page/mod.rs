@@ -7,7 +7,7 @@ pub mod numbered;
 mod parts;
 
 pub use numbered::FigureFiles;
-pub use parts::{captioned, figures, standalone, wrapped};
+pub use parts::{captioned, details, figures, standalone, wrapped};
 
 use super::animation::{Animation, SCRIPT};
 use super::figure::Figure;
@@ -21,6 +21,7 @@ use maud::{Markup, PreEscaped, html};
 use parts::{inline, page_of, section};
 
 /// Figures by section of the page.
+#[derive(Default)]
 pub struct Sections {
     pub(super) studied: Vec<Figure>,
     pub(super) reliability: Vec<Figure>,
@@ -91,10 +92,7 @@ pub fn html(input: &ReportInput, sections: &Sections, files: FigureFiles) -> Str
         (stated::errors_over_life(input))
         (end::effort(input))
         (appendix(input))
-        @if let Some(motion) = &sections.motion {
-            script type="application/json" id="motion" { (PreEscaped(&motion.data)) } "\n"
-            script { "\n" (PreEscaped(SCRIPT)) } "\n"
-        }
+        @if let Some(motion) = &sections.motion { (animated(motion)) }
     };
     page_of(&input.title, &body, files)
 }
@@ -168,8 +166,16 @@ fn appendix(input: &ReportInput) -> Markup {
     }
 }
 
+/// The data of an animation and the script that shows it.
+pub fn animated(motion: &Animation) -> Markup {
+    html! {
+        script type="application/json" id="motion" { (PreEscaped(&motion.data)) } "\n"
+        script { "\n" (PreEscaped(SCRIPT)) } "\n"
+    }
+}
+
 /// The nominal mechanism: its motion, its bores and orbits, its first and its last cycle.
-fn mechanism(input: &ReportInput, sections: &Sections) -> Markup {
+pub fn mechanism(input: &ReportInput, sections: &Sections) -> Markup {
     let end = input.nominal.as_ref().and_then(|nominal| nominal.cycles.last()).map_or(0, |cycles| *cycles);
     let lives = lives_in_words(input);
     let no_history = input.nominal.as_ref().is_none_or(|nominal| nominal.worn.is_none());

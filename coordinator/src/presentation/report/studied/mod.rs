@@ -15,7 +15,7 @@ use super::format::{UNKNOWN, count};
 use super::input::ReportInput;
 use super::page::{captioned, figures, numbered};
 use super::{tables, words};
-use common::scene::{ContactLaw, JointKind, SimulatorKind};
+use common::scene::{ContactLaw, JointKind, Scene, SimulatorKind};
 use maud::{Markup, html};
 use ring::digest::{SHA256, digest};
 use std::fmt::Write;
@@ -64,6 +64,14 @@ pub fn chapter(input: &ReportInput, drawn: &[Figure]) -> Markup {
         h3 { "Assumptions and limits of the model" }
         ul { @for sentence in assumptions(input) { li { (sentence) } } }
         (facts(input))
+    }
+}
+
+/// Bodies, joints, loads, outputs and limit states of a scene.
+pub fn mechanism(scene: &Scene) -> Markup {
+    html! {
+        @if scene.simulator.is_none() { (mechanism_tables::tables(scene)) }
+        (variable_tables::limits(scene))
     }
 }
 
