@@ -11,7 +11,7 @@
 //! | faults | [`faults`], `location`, `trace`, `layers`, `excerpts`, `unit_advice` | what is wrong, with file, line, column, key, value and allowed range |
 //! | reading | `document`, `extends`, `csv_file`, `csv_import`, `context`, `parameters`, `quantity_list`, `section` | one pass over the file that records every fault |
 //! | readers | `bodies`, `joints`, `clearance`, `loads`, `tables`, `outputs`, `life`, `simulator`, `variables`, `variable_law`, `measured`, `fits`, `correlations` | one part of a file each |
-//! | whole | `resolve`, `merge`, `builtin`, `reference`, [`source`] | all parts together; `extends`; the built-in scenes and their published results; samples |
+//! | whole | `resolve`, `merge`, `warnings`, `magnitudes`, `builtin`, `reference`, [`source`] | all parts together; warnings; `extends`; the built-in scenes and their published results; samples |
 
 mod attachment;
 mod bodies;
@@ -38,6 +38,7 @@ mod limits;
 mod load;
 mod loads;
 mod location;
+mod magnitudes;
 mod measured;
 mod merge;
 pub mod model;

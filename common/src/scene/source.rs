@@ -9,6 +9,7 @@ use super::extends::{flatten, read, unknown_scene};
 use super::faults::{Fault, FaultKind, Faults, in_unit, nearest};
 use super::layers::Layers;
 use super::location::Location;
+use super::magnitudes::magnitudes;
 use super::measured::MeasuredVariable;
 use super::model::Scene;
 use super::quantity::{AngleUnit, Dimension, Kind, Quantity};
@@ -178,7 +179,7 @@ impl SceneSource {
 
     /// What is valid but most likely not meant, with the path of the key.
     pub fn warnings(&self) -> Vec<Warning> {
-        warnings(&self.nominal)
+        [warnings(&self.nominal), magnitudes(&self.nominal)].concat()
     }
 
     /// Value of the quantity at this key as the scene writes it [SI], whatever random variable changes it; `None` if there is no

@@ -1,16 +1,18 @@
 //! `coordinator check`: every fault and warning of a scene with its place, for people and for editors.
 
+use super::draw::write_drawing;
 use super::error::CommandError;
 use super::external;
 use super::measured::{MeasuredFinding, measured_findings};
 use super::nominal::nominal_check;
-use super::output::{count, print, to_json};
+use super::output::{check_destination, count, print, to_json};
 use super::scenes::check_linkage;
 use common::scene::{Fault, FaultKind, Location, Scene, SceneSource, Warning};
 use coordinator::farm::evaluate::external::check as check_simulator;
 use coordinator::presentation::nominal_life::NominalLife;
 use serde::Serialize;
 use serde_json::json;
+use std::path::Path;
 
 /// A fault or a warning as editors read it: columns count characters from 1, `end_column` stands after the last one.
 #[derive(Debug, Serialize)]
@@ -56,7 +58,8 @@ impl<'f> SceneFinding<'f> {
 ///
 /// # Errors
 /// [`CommandError::Scene`] with all faults, the errors of [`check_linkage`], or [`CommandError::Simulator`].
-pub fn check(file: &str, as_json: bool) -> Result<(), CommandError> {
+pub fn check(file: &str, drawing: Option<&Path>, as_json: bool) -> Result<(), CommandError> {
+    check_destination(drawing)?;
     let checked = valid_scene(file);
     if let (Err(error), true) = (&checked, as_json) {
         let findings = match error {
@@ -66,6 +69,9 @@ pub fn check(file: &str, as_json: bool) -> Result<(), CommandError> {
         print(&to_json(&json!({ "file": file, "valid": false, "faults": findings }))?)?;
     }
     let source = checked?;
+    if let Some(drawing) = drawing {
+        write_drawing(&source, drawing)?;
+    }
     let scene = source.nominal();
     let unused = source.unused_parameters();
     let mut warnings = source.warnings();
@@ -96,9 +102,10 @@ pub fn check(file: &str, as_json: bool) -> Result<(), CommandError> {
     let lives = lives.iter().map(|life| format!("nominal {}", life.line(scene.life.cycles)));
     let (lives, lines): (String, String) = (lives.collect(), lines.collect());
     let measured: String = measured.iter().map(MeasuredFinding::lines).collect();
-    let look = match scene.simulator {
-        None => format!("To see it: coordinator draw {file}\n"),
-        Some(_) => String::new(),
+    let look = match (&scene.simulator, drawing) {
+        (_, Some(drawing)) => format!("drawing: {}\n", drawing.display()),
+        (None, None) => format!("To see it: coordinator draw {file}\n"),
+        (Some(_), None) => String::new(),
     };
     print(&format!("{file}: valid; {}\n{lives}{measured}{lines}{look}", counts(scene)))
 }
