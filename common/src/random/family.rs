@@ -24,7 +24,7 @@ const EULER: f64 = 0.577_215_664_901_532_9;
 /// A family of distributions that can be fitted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Family {
-    /// Normal.
+    /// Normal, without bounds.
     Normal,
     /// The logarithm is normal.
     Lognormal,
@@ -46,7 +46,7 @@ pub struct StandardFit {
 }
 
 impl Family {
-    /// Every family.
+    /// Every family, in the order of messages.
     pub const ALL: [Self; 6] = [
         Self::Normal,
         Self::Lognormal,

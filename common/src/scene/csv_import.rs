@@ -20,7 +20,7 @@ pub(super) struct ImportedColumn {
     pub(super) key: String,
     /// The CSV file.
     pub(super) file: String,
-    /// Its text.
+    /// Text of that file.
     pub(super) text: String,
     column: CsvColumn,
 }

@@ -45,7 +45,8 @@ fn of_hinges(scene: &Scene, evaluation: &Evaluation) -> Vec<Warning> {
     for joint in &scene.joints {
         let JointKind::Clearance(clearance) = &joint.kind else { continue };
         let warning = |message| Warning { key: format!("joints.{}", joint.name), message };
-        if evaluation.diagnostics.free_flight_fraction.get(&joint.name).is_some_and(|share| *share >= 1.0) {
+        let free = &evaluation.diagnostics.free_flight_fraction;
+        if free.iter().any(|(name, share)| *name == joint.name && *share >= 1.0) {
             let message = "journal and bore are never in contact in the first cycle, so that nothing is transmitted and nothing wears: \
                            check which bodies and points it joins, the clearance, and the loads";
             found.push(warning(message.to_owned()));
@@ -156,7 +157,7 @@ mod tests {
         };
         evaluation.joints = vec![summary("crank", 0.0), summary("coupler", 30.0), summary("rocker", 9e6)];
         evaluation.diagnostics.free_flight_fraction =
-            [("crank".to_owned(), 1.0), ("coupler".to_owned(), 0.3)].into();
+            vec![("crank".to_owned(), 1.0), ("coupler".to_owned(), 0.3)];
         let found = of_hinges(&scene, &evaluation);
         let keys: Vec<&str> = found.iter().map(|warning| warning.key.as_str()).collect();
         assert_eq!(keys, ["joints.crank", "joints.rocker"]);

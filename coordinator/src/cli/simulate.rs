@@ -146,7 +146,7 @@ pub fn simulate(arguments: &SimulateArguments, verbosity: Verbosity) -> Result<(
         let text = external::simulate(&source, simulator, &settings)?;
         return deliver(&text, arguments.out.as_deref());
     }
-    let scene = source.resolve_with(&settings)?;
+    let scene = source.resolve_with(&settings).map_err(one_of_each_cause)?;
     check_linkage(source.origin(), &scene)?;
     let accuracy = arguments.accuracy.for_one(&scene, verbosity.quiet)?.setting;
     let start = Instant::now();
@@ -188,6 +188,17 @@ fn settings(source: &SceneSource, all: &[String]) -> Result<Vec<(String, f64)>, 
         }
     }
     if faults.is_empty() { Ok(settings) } else { Err(Faults(faults).into()) }
+}
+
+/// The faults without those that one value has at several keys.
+fn one_of_each_cause(Faults(all): Faults) -> Faults {
+    let mut found: Vec<Fault> = Vec::new();
+    for fault in all {
+        if !found.iter().any(|known| known.kind == fault.kind) {
+            found.push(fault);
+        }
+    }
+    Faults(found)
 }
 
 fn unsettable(setting: &str, message: String) -> Fault {

@@ -17,7 +17,7 @@ pub struct Simulated<'e> {
     pub scene: &'e Scene,
     /// Name of the accuracy.
     pub accuracy: &'e str,
-    /// The result.
+    /// Result of the simulation.
     pub evaluation: &'e Evaluation,
     /// Time that it took [s].
     pub wall: f64,

@@ -27,7 +27,7 @@ const LARGEST: usize = 400;
 /// Result of the test for one family.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GoodnessOfFit {
-    /// A^2 [1].
+    /// Statistic A^2 of the test [1].
     pub statistic: f64,
     /// Share of samples of the family that fit no better [1].
     pub p: f64,

@@ -11,7 +11,7 @@ pub enum FitError {
     TooFew {
         /// Number of values.
         found: usize,
-        /// Fewest values.
+        /// Fewest values that it needs.
         least: usize,
     },
     /// All values are equal.

@@ -46,7 +46,7 @@ fn clock(now_ms: u64, left: f64, is_bound: bool) -> Markup {
     }
 }
 
-/// The workers.
+/// The workers as a table, and the queue.
 fn farm(status: &Status) -> Markup {
     let farm = &status.farm;
     if farm.workers.is_empty() {

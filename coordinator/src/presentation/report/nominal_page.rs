@@ -16,7 +16,7 @@ use maud::{Markup, Render, html};
 
 /// One mechanism and what is known of it.
 pub struct NominalView<'v> {
-    /// The mechanism.
+    /// Scene of the mechanism.
     pub scene: &'v Scene,
     /// Summary without results of a study.
     pub summary: StudySummary,
