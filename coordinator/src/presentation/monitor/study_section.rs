@@ -70,7 +70,7 @@ fn farm(status: &Status) -> Markup {
             }
         }
         p.meta {
-            (count(farm.queued)) " waiting, " (count(farm.under_way)) " running on " (count(farm.slots())) " slots, for "
+            (count(farm.queued)) " waiting, " (count(farm.under_way)) " running on " (count(farm.slots())) @if farm.slots() == 1 { " slot" } @else { " slots" } ", for "
             (duration(status.up))
         }
     }

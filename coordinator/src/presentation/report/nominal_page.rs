@@ -116,7 +116,7 @@ impl NominalView<'_> {
             "expected life [cycles]".to_owned(),
         ];
         let head: Vec<&str> = head.iter().map(String::as_str).collect();
-        captioned("limits-now", "The nominal mechanism against its limits", tables::table(&head, rows))
+        captioned("limits-now", "This mechanism against its limits", tables::table(&head, rows))
     }
 }
 
