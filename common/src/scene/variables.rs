@@ -99,7 +99,10 @@ pub(super) fn variable_rows(file: &mut Section, inputs: bool) -> Vec<VariableRow
 fn changes<'s>(row: &mut Section<'s>) -> Option<Vec<&'s str>> {
     let changes = row.texts("changes", "a list of keys, e.g. [\"parameters.rod_length\"]");
     if changes.as_ref().is_some_and(Vec::is_empty) {
-        row.inconsistent("changes", "is empty: the variable would change nothing");
+        row.inconsistent(
+            "changes",
+            "is empty: the variable would change nothing; give the keys that it sets",
+        );
     }
     changes.filter(|changes| !changes.is_empty())
 }
