@@ -50,7 +50,7 @@ fn the_test_of_a_fit_is_shown() {
     );
 
     let text = std::fs::read_to_string(scene).unwrap();
-    std::fs::write(scene, text.replace("\"lognormal\"", "\"gumbel-minima\"")).unwrap();
+    std::fs::write(scene, text.replace("\"lognormal\"", "\"weibull\"")).unwrap();
     let text = stdout(&coordinator(&["check", scene]));
     assert!(text.contains("the measured values are unlikely for this family (p = 0.00"), "{text}");
     assert!(text.contains("measured.toml:17:7"), "{text}");

@@ -31,10 +31,13 @@ pub(super) struct WrittenSamples {
 impl WrittenSamples {
     /// Reads `samples` and `fit`; none without samples, the inner one if they are faulty.
     pub(super) fn read(row: &mut Section) -> Option<Option<Self>> {
+        row.peek("samples")?;
         let list = row.get("samples")?.clone();
         let before = row.cx.fault_count();
         for key in ["distribution", "mean", "std", "lower", "upper"] {
-            if row.get(key).is_some() {
+            if row.peek(key).is_some() {
+                // Known, so that it has this fault only.
+                let _ = row.get(key);
                 row.inconsistent(key, "is that of the samples: give either samples or this key");
             }
         }
@@ -92,7 +95,7 @@ impl WrittenSamples {
 
 /// Refuses `fit = "lognormal"` without samples; true if it did.
 pub(super) fn refuses_fit_without_samples(row: &mut Section) -> bool {
-    let word = row.get("fit").and_then(Value::as_str);
+    let word = row.peek("fit").and_then(Value::as_str);
     let Some(family) = Family::ALL.into_iter().find(|family| Some(family.word()) == word) else {
         return false;
     };

@@ -86,6 +86,11 @@ impl<'s> Section<'s> {
         self.table.get(key)
     }
 
+    /// The value of a key that need not become a known one.
+    pub(super) fn peek(&self, key: &str) -> Option<&'s Value> {
+        self.table.get(key)
+    }
+
     fn require(&mut self, key: &'static str, expected: impl FnOnce() -> String) -> Option<&'s Value> {
         let value = self.get(key);
         if value.is_none() {
