@@ -74,7 +74,7 @@ fn kink(d: &Distribution) -> impl Iterator<Item = f64> + use<> {
         Distribution::Empirical(_) => &CORNERS,
         _ => &[],
     };
-    found.to_vec().into_iter()
+    found.iter().copied()
 }
 
 fn near(found: f64, expected: f64, within: f64, what: impl std::fmt::Debug) {
