@@ -7,7 +7,7 @@ const EVERYTHING: &str = include_str!("scenes/everything.toml");
 const FOUR_BAR: &str = include_str!("../scenes/four-bar.toml");
 
 fn law(source: &SceneSource, name: &str) -> Distribution {
-    source.variables().iter().find(|variable| variable.name == name).unwrap().distribution
+    source.variables().iter().find(|variable| variable.name == name).unwrap().distribution.clone()
 }
 
 #[test]

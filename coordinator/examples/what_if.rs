@@ -99,7 +99,7 @@ fn draw_change(scene: &Scene, rng: &mut impl Rng, shift: f64) -> Vec<String> {
         let scale = common::scene::expression::read_unit(unit).map_or(1.0, |u| u.multiply / u.divide);
         if unit == "1" { format!("{value:e}") } else { format!("{:e} {unit}", value / scale) }
     };
-    let law = |k: usize| scene.variables[k].distribution;
+    let law = |k: usize| scene.variables[k].distribution.clone();
     let name = |k: usize| &scene.variables[k].name;
     let mut sets = Vec::new();
     // A relative standard deviation would follow the mean.

@@ -8,6 +8,7 @@ use std::collections::BTreeSet;
 use std::process::Command;
 
 const EVERYTHING: &str = include_str!("../../common/tests/scenes/everything.toml");
+const MEASURED: &str = include_str!("../../common/tests/scenes/measured.toml");
 const BEAM: &str = "scene = { name = \"beam\" }\nsimulator = { program = [\"python3\", \"beam.py\"], timeout = \"2 min\" }\n\
                     [[outputs]]\nname = \"deflection\"\nunit = \"mm\"\nvalues = 1\n[[limit_states]]\nname = \"bent\"\n\
                     output = \"deflection\"\nthreshold = 12.5\nfails = \"below\"\n[[variables]]\nname = \"load\"\nmean = \"2 kN\"\n\
@@ -53,13 +54,21 @@ fn every_valid_scene_is_valid() {
     });
     let template = include_str!("../src/cli/init.toml").replace("@name@", "press");
     let own = [("everything", EVERYTHING.to_owned()), ("beam", BEAM.to_owned()), ("init", template)];
+    let own = own.into_iter().chain([("measured", MEASURED.to_owned())]);
     let mut count = 0;
     for (name, text) in built_in.chain(own) {
-        assert!(name == "flapping-wing-tolerances" || SceneSource::parse(&text, name).is_ok(), "{name}");
+        // Two scenes name files beside them.
+        let alone = !["flapping-wing-tolerances", "measured"].contains(&name);
+        assert!(!alone || SceneSource::parse(&text, name).is_ok(), "{name}");
         assert_eq!(objections(&validator, &as_json(&text)), [""; 0], "{name}");
         count += 1;
     }
-    assert!(count > 8);
+    assert!(count > 9);
+    // As it is sent and stored, without CSV files.
+    let folder =
+        std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../common/tests/scenes/measured.toml");
+    let measured = SceneSource::load(folder.to_str().unwrap()).unwrap();
+    assert_eq!(objections(&validator, &as_json(measured.text())), [""; 0]);
 }
 
 /// Faults of structure: another type, an unknown word, a missing key.
@@ -102,6 +111,16 @@ fn faults_of_structure_are_found() {
         assert!(EVERYTHING.contains(from), "{from}");
         let text = EVERYTHING.replacen(from, to, 1);
         assert!(SceneSource::parse(&text, "my.toml").is_err(), "the program takes {to}");
+        assert!(!validator.is_valid(&as_json(&text)), "the schema takes {to}");
+    }
+    for (from, to) in [
+        ("samples = { csv = \"measured-friction.csv\" }", "samples = { file = \"measured-friction.csv\" }"),
+        ("fit = \"lognormal\"", "fit = \"lognormel\""),
+        ("fit = \"lognormal\"", "distribution = \"lognormal\""),
+        ("\"angle\", \"torque\"]", "\"angle\"]"),
+    ] {
+        let text = MEASURED.replacen(from, to, 1);
+        assert!(text != MEASURED && SceneSource::parse(&text, "my.toml").is_err(), "the program takes {to}");
         assert!(!validator.is_valid(&as_json(&text)), "the schema takes {to}");
     }
     for (from, to) in [
@@ -161,7 +180,7 @@ fn refused_keys(validator: &Validator, scene: &Value, path: &str) -> BTreeSet<St
 }
 
 /// Keys that decide which other keys a table has, and those that only some of these allow.
-const DECIDING: [&str; 11] = [
+const DECIDING: [&str; 12] = [
     "extends",
     "simulator",
     "program",
@@ -171,6 +190,7 @@ const DECIDING: [&str; 11] = [
     "config",
     "distribution",
     "fit",
+    "samples",
     "diameter",
     "capability",
 ];

@@ -17,19 +17,27 @@ fn a_terminal_of_80_columns_shows_time_rate_and_error() {
     };
     let shown = String::from_utf8_lossy(&output.stdout);
     assert!(output.status.success(), "{shown}");
-    // Frames of the bar, one over the other, without their control sequences.
-    let frames: Vec<&str> = shown
+    // Frames of the bar, one over the other, without their control sequences. The bar follows the line of a round, which is filled
+    // with spaces.
+    let frames = shown
         .split(['\r', '\n', '\u{1b}'])
         .map(|frame| frame.strip_prefix("[2K").unwrap_or(frame))
-        .filter(|frame| frame.contains(" left, "))
-        // The line of a round is filled with spaces, and the bar follows it.
-        .filter_map(|frame| frame.trim_end().rsplit("   ").next().map(str::trim))
-        .collect();
-    assert!(!frames.is_empty(), "{shown}");
-    for frame in &frames {
+        .flat_map(|frame| frame.trim_end().split("   "))
+        .map(str::trim);
+    let (mut checked, mut with_error, mut round_ended) = (0, 0, false);
+    for frame in frames {
+        round_ended |= frame.starts_with("round 0: 12 evaluations, R(");
+        let Some((before, _)) = frame.split_once("/40 evaluations") else { continue };
         assert!(frame.chars().count() <= 80, "{frame}");
-        assert!(frame.contains("/40 evaluations, at most ") && frame.contains("/s"), "{frame}");
+        let done = before.rsplit(' ').next().and_then(|done| done.parse::<u32>().ok());
+        // Before the first result there is no rate; after the last one nothing is left.
+        if done.is_none_or(|done| done == 0 || done == 40) || frame.contains("computing the results") {
+            continue;
+        }
+        assert!(frame.contains(", at most ") && frame.contains(" left, ") && frame.contains("/s"), "{frame}");
+        assert!(!round_ended || frame.contains("/s, error "), "{frame}");
+        checked += 1;
+        with_error += u32::from(round_ended);
     }
-    assert!(frames.iter().any(|frame| frame.contains("/s, error ")), "{frames:#?}");
-    assert!(shown.contains("round 0: 12 evaluations, R("), "{shown}");
+    assert!(round_ended && checked >= 3 && with_error >= 1, "{checked} {with_error}\n{shown}");
 }

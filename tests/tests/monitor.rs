@@ -205,14 +205,14 @@ fn get(address: &str, path: &str, host: &str) -> String {
 
 /// A study of the four-bar with metrics and live page, without workers so far: the process, and the addresses of
 /// coordinator, page and metrics.
-fn visible_study(folder: &Path, evaluations: usize) -> (LoggedProcess, [String; 3]) {
+fn visible_study(folder: &Path, evaluations: usize, more: &[&str]) -> (LoggedProcess, [String; 3]) {
     let scene = folder.join("small.toml");
     std::fs::write(&scene, small_scene(evaluations)).unwrap();
     let (scene, out) = (scene.to_str().unwrap(), folder.join("study"));
     let what =
         ["run", "--scene", scene, "--accuracy", "draft", "--workers", "0", "--out", out.to_str().unwrap()];
-    let study =
-        LoggedProcess::start("coordinator", &[&what[..], &["--live", "0", "--metrics", "0", "-v"]].concat());
+    let shown = ["--live", "0", "--metrics", "0", "-v"];
+    let study = LoggedProcess::start("coordinator", &[&what[..], &shown, more].concat());
     let endpoint = study.wait_for("waiting for workers: worker --connect ");
     let live = study.wait_for("live report: http://");
     let metrics = study.wait_for("metrics: http://");
@@ -223,7 +223,7 @@ fn visible_study(folder: &Path, evaluations: usize) -> (LoggedProcess, [String; 
 fn metrics_and_status_describe_a_running_study() {
     in_time(|| {
         let folder = tempfile::tempdir().unwrap();
-        let (mut study, [endpoint, live, metrics]) = visible_study(folder.path(), 12);
+        let (mut study, [endpoint, live, metrics]) = visible_study(folder.path(), 12, &[]);
         let session = ClientSession::open(&endpoint, None).unwrap();
         while session.status(PATIENCE).unwrap().phase != Phase::Waiting {
             std::thread::yield_now();
@@ -248,6 +248,16 @@ fn metrics_and_status_describe_a_running_study() {
             page.starts_with("HTTP/1.1 200") && page.contains("content-security-policy: default-src 'none'")
         );
         assert!(page.contains("Running study: 0 of 1 planned evaluations, nominal point"), "{page}");
+        // From the first second: progress, workers, the drawing and the limits.
+        for piece in [
+            "0 of at most 12 evaluations",
+            "No worker is connected",
+            "id=\"drawing\"",
+            "id=\"table-limits-now\"",
+        ] {
+            assert!(page.contains(piece), "no {piece} in {page}");
+        }
+        assert!(get(&live, "/report.html", &live).starts_with("HTTP/1.1 404"), "there is no report yet");
         assert!(get(&live, "/", "evil.example").starts_with("HTTP/1.1 403"));
         assert!(get(&metrics, "/metrics", "evil.example").starts_with("HTTP/1.1 403"));
         let news = get(&live, "/news/1", &live);
@@ -259,6 +269,32 @@ fn metrics_and_status_describe_a_running_study() {
             let line: serde_json::Value = serde_json::from_str(line).unwrap();
             assert!(line["level"].is_string() && line["message"].is_string(), "{line}");
         }
+    });
+}
+
+/// With `--live-keep` the page and the report are served after the end, until Ctrl-C.
+#[test]
+fn a_live_page_stays_until_it_is_told() {
+    in_time(|| {
+        let folder = tempfile::tempdir().unwrap();
+        let (mut study, [endpoint, live, _]) = visible_study(folder.path(), 12, &["--live-keep"]);
+        let mut worker = LoggedProcess::start("worker", &["--connect", &endpoint, "--slots", "1"]);
+        let stays = study.wait_for("the live page stays at http://");
+        assert!(stays.contains("until Ctrl-C") && stays.ends_with("report.html"), "{stays}");
+        assert_eq!(worker.end(), Some(0));
+        let page = get(&live, "/", &live);
+        assert!(page.contains("The study has ended") || page.contains("<h2>Reliability</h2>"), "{page}");
+        let report = get(&live, "/report.html", &live);
+        assert!(report.starts_with("HTTP/1.1 200") && report.contains("figures/drawing.svg"), "{report}");
+        let figure = get(&live, "/figures/drawing.svg", &live);
+        assert!(figure.contains("image/svg+xml") && figure.contains("<svg"), "{figure}");
+        for outside in
+            ["/figures/..%2Fcampaign.db", "/figures/%2Fetc%2Fhosts", "/figures/.svg", "/campaign.db"]
+        {
+            assert!(get(&live, outside, &live).starts_with("HTTP/1.1 404"), "{outside}");
+        }
+        assert!(Command::new("kill").args(["-INT", &study.id().to_string()]).status().unwrap().success());
+        assert_eq!(study.end(), Some(0));
     });
 }
 
@@ -274,7 +310,7 @@ fn the_live_page_follows_its_study_in_a_browser() {
     };
     in_time(move || {
         let folder = tempfile::tempdir().unwrap();
-        let (mut study, [endpoint, live, _]) = visible_study(folder.path(), 12);
+        let (mut study, [endpoint, live, _]) = visible_study(folder.path(), 12, &[]);
         let profile = folder.path().join("profile");
         let mut chromium = Command::new(browser);
         // Virtual time stops while the browser waits for updates, so it follows the study to its end.

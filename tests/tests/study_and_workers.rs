@@ -84,3 +84,20 @@ fn a_killed_worker_does_not_change_the_answer() {
     let workers = summary(&farmed)["workers"].as_array().unwrap().len();
     assert!(workers >= 2, "{workers} workers finished evaluations");
 }
+
+/// The worker prints its completions and its manual page without a coordinator.
+#[test]
+fn a_worker_has_completions_and_a_manual_page() {
+    let printed = |arguments: &[&str]| {
+        let output = Command::new(program("worker")).args(arguments).output().unwrap();
+        assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
+        assert!(printed(&["--completions", shell]).contains("give-up-after"), "{shell}");
+    }
+    let page = printed(&["--man"]);
+    assert!(page.contains(".SH SYNOPSIS") && page.contains("walltime"), "{page}");
+    let refused = Command::new(program("worker")).args(["--completions", "tcsh"]).output().unwrap();
+    assert_eq!(refused.status.code(), Some(2));
+}

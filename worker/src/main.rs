@@ -1,8 +1,10 @@
 //! The `worker` command: runs simulations of a coordinator on this machine.
 
+mod shell;
 mod signals;
 
-use clap::Parser;
+use clap::{CommandFactory, Parser};
+use clap_complete::Shell;
 use common::accuracy::NamedAccuracy;
 use common::scene::{Faults, SceneSource};
 use signals::{INTERRUPTED, Signals};
@@ -33,7 +35,7 @@ const DEFAULT_SCENE: &str = "flapping-wing";
 #[command(name = "worker", version, after_help = EXAMPLES)]
 struct Arguments {
     /// Endpoint of the coordinator, e.g. tcp/192.168.1.20:7447; may be repeated: the coordinators share the slots fairly
-    #[arg(long, value_name = "ENDPOINT", required_unless_present = "serve_umbridge")]
+    #[arg(long, value_name = "ENDPOINT", required_unless_present_any = ["serve_umbridge", "completions", "man"])]
     connect: Vec<String>,
     /// Serve evaluations of a scene by the UM-Bridge protocol instead; a port alone accepts only clients on this machine
     #[arg(long, value_name = "PORT|ADDRESS:PORT", conflicts_with_all = ["connect", "config", "name", "give_up_after"])]
@@ -85,6 +87,12 @@ struct Arguments {
     /// Format of the log: plain text, or one JSON object per line
     #[arg(long, value_name = "text|json", default_value = "text")]
     log_format: log::Format,
+    /// Print the completions for a shell, and end
+    #[arg(long, value_name = "SHELL", exclusive = true)]
+    completions: Option<Shell>,
+    /// Print the manual page, and end
+    #[arg(long, exclusive = true)]
+    man: bool,
 }
 
 const EXAMPLES: &str = "\
@@ -107,6 +115,19 @@ Exit codes: 0 the campaign ended or the worker was stopped (SIGTERM), 1 failure,
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
+    let printed = match arguments.completions {
+        Some(shell) => Some(shell::print_completions(Arguments::command(), shell)),
+        None => arguments.man.then(|| shell::print_manual(Arguments::command())),
+    };
+    if let Some(printed) = printed {
+        return match printed {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(error) => {
+                eprintln!("worker: standard output: {error}");
+                ExitCode::from(FAILURE)
+            }
+        };
+    }
     start_log(arguments.verbose, arguments.quiet, arguments.log_format);
     let done = match &arguments.serve_umbridge {
         Some(given) => serve_umbridge(given, &arguments),

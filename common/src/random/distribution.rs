@@ -9,7 +9,9 @@
 
 mod beta;
 mod constant;
+mod empirical;
 mod exponential;
+mod fit_error;
 mod gumbel;
 mod law;
 mod lognormal;
@@ -24,7 +26,9 @@ mod weibull;
 
 pub use beta::Beta;
 pub use constant::Constant;
+pub use empirical::Empirical;
 pub use exponential::Exponential;
+pub use fit_error::FitError;
 pub use gumbel::{Extreme, Gumbel};
 pub use law::LawError;
 pub use lognormal::Lognormal;
@@ -51,7 +55,7 @@ use serde::{Deserialize, Serialize};
 /// assert!((radius.cdf(x) - 0.9).abs() < 1e-12);
 /// # Ok::<(), common::random::LawError>(())
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Distribution {
     /// A normal distribution, the parent, restricted to an interval.
     TruncatedNormal(TruncatedNormal),
@@ -73,6 +77,8 @@ pub enum Distribution {
     Triangular(Triangular),
     /// One value with probability one: a variable held fixed.
     Constant(Constant),
+    /// Measured values, with straight lines between them.
+    Empirical(Empirical),
 }
 
 /// Constructors. Arguments are in the unit of the variable.
@@ -140,6 +146,11 @@ impl Distribution {
     pub fn constant(value: f64) -> Result<Self, LawError> {
         Constant::new(value).map(Self::Constant)
     }
+
+    /// The empirical distribution of measured values `(n,)`; at least three, of which two differ.
+    pub fn empirical(samples: &[f64]) -> Result<Self, FitError> {
+        Empirical::new(samples).map(Self::Empirical)
+    }
 }
 
 impl Distribution {
@@ -155,6 +166,7 @@ impl Distribution {
             Self::Beta(law) => law,
             Self::Triangular(law) => law,
             Self::Constant(law) => law,
+            Self::Empirical(law) => law,
         }
     }
 
@@ -176,6 +188,7 @@ impl Distribution {
             Self::Beta(_) => "beta",
             Self::Triangular(_) => "triangular",
             Self::Constant(_) => "constant",
+            Self::Empirical(_) => "empirical",
         }
     }
 

@@ -150,7 +150,12 @@ impl<'s> Context<'s> {
                 value
             }
             Lookup::Circular(chain) => {
-                self.inconsistent(key, format!("depends on itself, or through too many others: {chain}"));
+                self.inconsistent(
+                    key,
+                    format!(
+                        "depends on itself, or through too many others: {chain}; give one of them a value"
+                    ),
+                );
                 None
             }
             Lookup::Undefined(nearest) => {

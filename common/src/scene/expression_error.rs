@@ -48,7 +48,7 @@ pub enum ExpressionError {
     #[error("the parameter `{0}` is faulty")]
     Broken(String),
     /// Operands of different dimension.
-    #[error("cannot {verb} {left} and {right}")]
+    #[error("cannot {verb} {left} and {right}: both must be of one kind")]
     Mixed {
         /// `add` or `subtract`.
         verb: &'static str,
@@ -77,7 +77,7 @@ pub enum ExpressionError {
     #[error("is nested deeper than {DEPTH_LIMIT} levels")]
     TooDeep,
     /// Division by zero, root of a negative number or overflow.
-    #[error("has no finite value")]
+    #[error("has no finite value, expected no division by 0, no root of a negative number and no overflow")]
     NotFinite,
 }
 

@@ -1,6 +1,7 @@
 //! `scene.extends`: finds the scenes that a scene changes, and merges them with it.
 
 use super::builtin;
+use super::csv_import::import;
 use super::document::document;
 use super::faults::{FaultKind, Faults, nearest};
 use super::layers::{Layer, Layers};
@@ -45,7 +46,9 @@ pub(super) fn flatten(text: String, origin: &str, folder: Option<&Path>) -> Resu
         let mut own = document(&text, &file)?;
         let scene = own.get_mut("scene").and_then(Value::as_table_mut);
         let extends = scene.and_then(|scene| scene.remove("extends"));
-        let layer = Layer { file, text };
+        let mut layer = Layer { file, text, imported: Vec::new() };
+        let imported = import(&mut own, &layer.file, folder.as_deref());
+        layer.imported = imported.map_err(|faults| Layers(vec![layer.clone()]).located(faults))?;
         next = match extends {
             None => None,
             Some(extends) => {

@@ -211,7 +211,7 @@ pub enum FaultKind {
         value: String,
     },
     /// A text that cannot be a name.
-    #[error("\"{value}\" cannot be a name: {reason}")]
+    #[error("\"{value}\" cannot be a name: {reason}; use another one")]
     BadName {
         /// The name as written.
         value: String,

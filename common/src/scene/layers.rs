@@ -1,5 +1,6 @@
 //! The texts of a scene, its own and those of the scenes that it extends, and where a fault is in them.
 
+use super::csv_import::ImportedColumn;
 use super::faults::{Fault, FaultKind, Faults};
 use super::location::Location;
 use super::trace::trace;
@@ -17,6 +18,8 @@ pub(super) struct Layer {
     pub(super) file: String,
     /// Its text, which is valid TOML.
     pub(super) text: String,
+    /// The columns of CSV files that it names.
+    pub(super) imported: Vec<ImportedColumn>,
 }
 
 /// The text of a scene first, then those of the scenes that it extends.
@@ -29,9 +32,11 @@ struct ParsedLayer<'t> {
     document: Spanned<DeTable<'t>>,
 }
 
-/// A place in one of the layers.
+/// A place in one of the layers, or in a CSV file that it names.
 struct Found<'t> {
-    layer: &'t Layer,
+    file: &'t str,
+    /// Text of the file.
+    source: &'t str,
     /// Bytes of the key.
     key: Range<usize>,
     /// Bytes of the value.
@@ -44,7 +49,7 @@ struct Found<'t> {
 
 impl Found<'_> {
     fn location(&self, span: Range<usize>) -> Location {
-        Location::new(&self.layer.file, &self.layer.text, span)
+        Location::new(self.file, self.source, span)
     }
 }
 
@@ -73,10 +78,20 @@ fn find<'t>(layers: &[ParsedLayer<'t>], path: &str) -> Option<Found<'t>> {
     let numbered_rows = layers.len() == 1;
     let mut best: Option<(usize, Found)> = None;
     for ParsedLayer { layer, document } in layers {
+        let in_csv = layer.imported.iter().find_map(|column| Some((column, column.span(path)?)));
+        if let Some((column, span)) = in_csv
+            && best.as_ref().is_none_or(|(length, _)| *length < path.len())
+        {
+            let (file, source) = (column.file.as_str(), column.text.as_str());
+            let place = Found { file, source, key: span.clone(), value: span, text: None, whole: true };
+            best = Some((path.len(), place));
+            continue;
+        }
         let Some(found) = trace(document.get_ref(), path, numbered_rows) else { continue };
         if best.as_ref().is_none_or(|(length, _)| found.found > *length) {
             let text = found.text.map(str::to_owned);
-            let place = Found { layer, key: found.key, value: found.value, text, whole: found.whole };
+            let (file, source) = (layer.file.as_str(), layer.text.as_str());
+            let place = Found { file, source, key: found.key, value: found.value, text, whole: found.whole };
             best = Some((found.found, place));
         }
     }
@@ -112,11 +127,11 @@ fn locate(layers: &[ParsedLayer<'_>], mut fault: Fault) -> Fault {
 fn span_of(found: &Found, kind: &FaultKind) -> Range<usize> {
     match kind {
         FaultKind::UnknownKey { .. } if found.whole => found.key.clone(),
-        FaultKind::BadName { value, .. } if found.layer.text.get(found.key.clone()) == Some(value) => {
+        FaultKind::BadName { value, .. } if found.source.get(found.key.clone()) == Some(value) => {
             found.key.clone()
         }
         FaultKind::Expression { piece: Some(piece), .. } if found.whole => {
-            piece_in(&found.layer.text, &found.value, piece).unwrap_or_else(|| found.value.clone())
+            piece_in(found.source, &found.value, piece).unwrap_or_else(|| found.value.clone())
         }
         _ => found.value.clone(),
     }

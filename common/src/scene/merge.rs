@@ -5,6 +5,10 @@
 
 use toml::{Table, Value};
 
+/// Keys of a variable that give its distribution without measured samples.
+const PARAMETERS: [&str; 9] =
+    ["distribution", "mean", "std", "truncation", "lower", "upper", "mode", "diameter", "capability"];
+
 /// Merges `over` into `base`, in place.
 pub(super) fn merge(base: &mut Table, over: Table) {
     for (key, value) in over {
@@ -28,12 +32,25 @@ fn named(rows: &[Value]) -> bool {
     !rows.is_empty() && rows.iter().all(|row| name(row).is_some())
 }
 
+/// Removes the measured samples of a variable whose distribution is given by parameters above, and the reverse.
+fn replace_distribution(below: &mut Table, above: &Table) {
+    let is_parameter = |key: &str| PARAMETERS.contains(&key);
+    if above.contains_key("samples") {
+        below.retain(|key, _| key != "fit" && !is_parameter(key));
+    } else if below.contains_key("samples") && above.keys().any(|key| is_parameter(key)) {
+        below.retain(|key, _| key != "samples" && key != "fit");
+    }
+}
+
 fn merge_rows(base: &mut Vec<Value>, over: Vec<Value>) {
     let inherited = base.len();
     for row in over {
         let place = base[..inherited].iter().position(|below| name(below) == name(&row));
         match (place.map(|i| &mut base[i]), row) {
-            (Some(Value::Table(below)), Value::Table(above)) => merge(below, above),
+            (Some(Value::Table(below)), Value::Table(above)) => {
+                replace_distribution(below, &above);
+                merge(below, above);
+            }
             // Rows of the same file with one name stay two rows: the reader reports the duplicate.
             (_, row) => base.push(row),
         }

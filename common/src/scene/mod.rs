@@ -9,9 +9,9 @@
 //! | values | [`quantity`], [`expression`], `expression_error`, `nearest_unit` | dimensions and units; evaluation of `"2 * arm + 1 mm"`, and why a text has no value |
 //! | model | [`model`], `attachment`, `joint`, `drive`, `load`, `output` | the types of a checked scene, all exported here |
 //! | faults | [`faults`], `location`, `trace`, `layers`, `excerpts`, `unit_advice` | what is wrong, with file, line, column, key, value and allowed range |
-//! | reading | `document`, `extends`, `context`, `parameters`, `section` | one pass over the file that records every fault |
-//! | readers | `bodies`, `joints`, `clearance`, `loads`, `tables`, `outputs`, `life`, `simulator`, `variables`, `variable_law`, `fits`, `correlations` | one part of a file each |
-//! | whole | `resolve`, `merge`, `builtin`, `reference`, [`source`] | all parts together; `extends`; the built-in scenes and their published results; samples |
+//! | reading | `document`, `extends`, `csv_file`, `csv_import`, `context`, `parameters`, `quantity_list`, `section` | one pass over the file that records every fault |
+//! | readers | `bodies`, `joints`, `clearance`, `loads`, `tables`, `outputs`, `life`, `simulator`, `variables`, `variable_law`, `measured`, `fits`, `correlations` | one part of a file each |
+//! | whole | `resolve`, `merge`, `warnings`, `magnitudes`, `builtin`, `reference`, [`source`] | all parts together; warnings; `extends`; the built-in scenes and their published results; samples |
 
 mod attachment;
 mod bodies;
@@ -20,6 +20,8 @@ mod builtin;
 mod clearance;
 mod context;
 mod correlations;
+mod csv_file;
+mod csv_import;
 mod document;
 mod drive;
 mod excerpts;
@@ -36,6 +38,8 @@ mod limits;
 mod load;
 mod loads;
 mod location;
+mod magnitudes;
+mod measured;
 mod merge;
 pub mod model;
 pub mod monotone;
@@ -45,6 +49,7 @@ mod output_unit;
 mod outputs;
 mod parameters;
 pub mod quantity;
+mod quantity_list;
 mod reference;
 mod resolve;
 mod section;
@@ -64,6 +69,7 @@ pub use joint::{Clearance, ContactDamping, ContactLaw, Joint, JointKind, Materia
 pub use limits::VALUE_LIMIT;
 pub use load::Load;
 pub use location::Location;
+pub use measured::MeasuredVariable;
 pub use model::{
     Body, DrivenInertia, ExternalSimulator, Fails, Life, LimitState, Motion, Point, Program, Scene,
     SimulatorKind, StudySettings, UmBridgeModel,

@@ -4,6 +4,7 @@
 use super::context::{Context, Range};
 use super::faults::{FaultKind, nearest};
 use super::quantity::Kind;
+use super::quantity_list::quantity_list;
 use std::ops::RangeInclusive;
 use toml::{Table, Value};
 
@@ -85,12 +86,22 @@ impl<'s> Section<'s> {
         self.table.get(key)
     }
 
+    /// The value of a key that need not become a known one.
+    pub(super) fn peek(&self, key: &str) -> Option<&'s Value> {
+        self.table.get(key)
+    }
+
     fn require(&mut self, key: &'static str, expected: impl FnOnce() -> String) -> Option<&'s Value> {
         let value = self.get(key);
         if value.is_none() {
             self.missing(key, expected());
         }
         value
+    }
+
+    /// Stops checking which keys the table may have: a fault has left that open.
+    pub(super) fn give_up(&mut self) {
+        self.given_up = true;
     }
 
     /// Every key of this table with its value, where the keys are names.
@@ -161,16 +172,8 @@ impl<'s> Section<'s> {
 
     /// A required list of quantities `(n,)`; the paths of its entries end in `.1`, `.2`, ...
     pub(super) fn quantities(&mut self, key: &'static str, kind: Kind) -> Option<Vec<f64>> {
-        let expected = || format!("a list, each {}", kind.in_words());
-        let value = self.require(key, expected)?;
-        let Some(list) = value.as_array() else {
-            self.wrong_type(key, value, expected());
-            return None;
-        };
-        let path = self.key(key);
-        let read = |(i, value)| self.cx.quantity(&format!("{path}.{}", i + 1), value, kind, Range::Any);
-        let found: Vec<_> = list.iter().enumerate().map(read).collect();
-        found.into_iter().collect()
+        let value = self.require(key, || format!("a list, each {}", kind.in_words()))?;
+        quantity_list(self.cx, &self.key(key), value, kind)
     }
 
     /// `true` or `false`, with a default.

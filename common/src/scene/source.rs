@@ -9,12 +9,14 @@ use super::extends::{flatten, read, unknown_scene};
 use super::faults::{Fault, FaultKind, Faults, in_unit, nearest};
 use super::layers::Layers;
 use super::location::Location;
+use super::magnitudes::magnitudes;
+use super::measured::MeasuredVariable;
 use super::model::Scene;
 use super::quantity::{AngleUnit, Dimension, Kind, Quantity};
 use super::resolve::resolve;
 use super::simulator::settle_folder;
 use super::unit_advice::advised;
-use super::variables::variables;
+use super::variables::{measured, variables};
 use super::warnings::{Warning, warnings};
 use crate::random::RandomVariable;
 use std::collections::BTreeMap;
@@ -90,7 +92,7 @@ impl SceneSource {
         let settled = settle_folder(&mut document, folder);
         // The text must stand alone where it is sent to and stored.
         let text = match layers.0.as_slice() {
-            [own] if !settled => own.text.clone(),
+            [own] if !settled && own.imported.is_empty() => own.text.clone(),
             _ => toml::to_string(&document).map_err(|error| {
                 let message = format!("cannot be written as TOML: {error}");
                 Faults::one(origin, "", FaultKind::Inconsistent { message })
@@ -166,9 +168,23 @@ impl SceneSource {
         self.unused_parameters.clone()
     }
 
+    /// The random variables that have measured samples, with these.
+    ///
+    /// # Errors
+    /// None at present, since a source is checked when it is read.
+    pub fn measured(&self) -> Result<Vec<MeasuredVariable>, Faults> {
+        let none = Overrides::new();
+        let base = resolve(&self.origin, &self.document, &none).map_err(Faults)?;
+        let cx = Context::new(&self.origin, &none);
+        if let Some(parameters) = self.document.get("parameters").and_then(toml::Value::as_table) {
+            cx.read_parameters(parameters);
+        }
+        Ok(measured(&cx, &base.variables, &base.seen))
+    }
+
     /// What is valid but most likely not meant, with the path of the key.
     pub fn warnings(&self) -> Vec<Warning> {
-        warnings(&self.nominal)
+        [warnings(&self.nominal), magnitudes(&self.nominal)].concat()
     }
 
     /// Value of the quantity at this key as the scene writes it [SI], whatever random variable changes it; `None` if there is no

@@ -93,6 +93,8 @@ fn points(
     };
     let value = section.quantities("value", kind);
     let repeat = section.boolean_or("repeat", true);
+    // Known keys: what they name is in the table since the scene was read.
+    let _ = (section.get("csv"), section.get("columns"));
     section.finish();
 
     let (arguments, at, mut value, repeat) = (arguments?, at?, value?, repeat?);

@@ -4,18 +4,78 @@
 use super::context::Context;
 use super::expression::read_unit;
 use super::faults::{FaultKind, in_first_unit};
+use super::measured::{MeasuredVariable, WrittenSamples, refuses_fit_without_samples};
 use super::quantity::{Dimension, Quantity};
 use super::section::Section;
 use super::variable_law::WrittenLaw;
-use crate::random::RandomVariable;
+use crate::random::{Distribution, RandomVariable};
 use std::collections::BTreeMap;
+use toml::Value;
 
 /// A row of `[[variables]]`, its numbers not yet read: their dimension is that of the keys that the variable changes.
 pub(super) struct VariableRow {
     pub(super) name: String,
     pub(super) changes: Vec<String>,
     unit: Option<String>,
-    law: WrittenLaw,
+    law: VariableLaw,
+}
+
+/// The distribution of a variable as written.
+enum VariableLaw {
+    /// By its word and parameters.
+    Parameters(WrittenLaw),
+    /// By measured samples.
+    Measured(WrittenSamples),
+}
+
+impl VariableLaw {
+    /// Reads the keys of a distribution.
+    fn read(row: &mut Section) -> Option<Self> {
+        if let Some(samples) = WrittenSamples::read(row) {
+            return samples.map(Self::Measured);
+        }
+        if refuses_fit_without_samples(row) {
+            row.give_up();
+            return None;
+        }
+        let law = WrittenLaw::read(row).map(Self::Parameters);
+        // A known key of every variable, absent here.
+        let _ = row.get("samples");
+        law
+    }
+
+    /// The first key that locates the variable, with its value as written.
+    fn located(&self) -> Option<(&'static str, Value)> {
+        match self {
+            Self::Parameters(law) => law.located().map(|(key, value)| (key, value.clone())),
+            Self::Measured(samples) => Some(("samples.1", samples.first()?)),
+        }
+    }
+
+    fn takes_nominal(&self) -> bool {
+        matches!(self, Self::Parameters(law) if law.takes_nominal())
+    }
+
+    fn distribution(
+        &self,
+        cx: &Context,
+        path: &str,
+        nominal: Quantity,
+        changes: &[String],
+    ) -> Option<Distribution> {
+        match self {
+            Self::Parameters(law) => law.distribution(cx, path, nominal, changes),
+            Self::Measured(samples) => Some(samples.measured(cx, path, nominal.kind())?.distribution),
+        }
+    }
+
+    /// Unit of the samples.
+    fn unit(&self) -> Option<&str> {
+        match self {
+            Self::Parameters(_) => None,
+            Self::Measured(samples) => samples.unit(),
+        }
+    }
 }
 
 /// Reads `[[variables]]` as written; `inputs` of an external simulator change nothing in the scene.
@@ -24,7 +84,7 @@ pub(super) fn variable_rows(file: &mut Section, inputs: bool) -> Vec<VariableRow
     for (name, mut row) in file.rows("variables") {
         let changes = if inputs { Some(vec![]) } else { changes(&mut row) };
         let unit = row.get("unit").map(|_| row.text("unit", "a unit, e.g. \"mm\""));
-        let law = WrittenLaw::read(&mut row);
+        let law = VariableLaw::read(&mut row);
         row.finish();
         rows.extend((|| {
             let changes = changes?.into_iter().map(str::to_owned).collect();
@@ -39,7 +99,10 @@ pub(super) fn variable_rows(file: &mut Section, inputs: bool) -> Vec<VariableRow
 fn changes<'s>(row: &mut Section<'s>) -> Option<Vec<&'s str>> {
     let changes = row.texts("changes", "a list of keys, e.g. [\"parameters.rod_length\"]");
     if changes.as_ref().is_some_and(Vec::is_empty) {
-        row.inconsistent("changes", "is empty: the variable would change nothing");
+        row.inconsistent(
+            "changes",
+            "is empty: the variable would change nothing; give the keys that it sets",
+        );
     }
     changes.filter(|changes| !changes.is_empty())
 }
@@ -60,6 +123,22 @@ pub(super) fn variables(
         }
     }
     rows.iter().filter_map(|row| variable(cx, row, seen)).collect()
+}
+
+/// The variables that have measured samples, with these.
+pub(super) fn measured(
+    cx: &Context,
+    rows: &[VariableRow],
+    seen: &BTreeMap<String, Quantity>,
+) -> Vec<MeasuredVariable> {
+    let samples = |row: &VariableRow| match &row.law {
+        VariableLaw::Parameters(_) => None,
+        VariableLaw::Measured(samples) => {
+            let kind = nominal(cx, row, seen)?.kind();
+            samples.measured(cx, &format!("variables.{}", row.name), kind)
+        }
+    };
+    rows.iter().filter_map(samples).collect()
 }
 
 fn variable(cx: &Context, row: &VariableRow, seen: &BTreeMap<String, Quantity>) -> Option<RandomVariable> {
@@ -83,7 +162,7 @@ fn variable(cx: &Context, row: &VariableRow, seen: &BTreeMap<String, Quantity>) 
                 return None;
             }
         },
-        None => dimension.si_unit(),
+        None => row.law.unit().map_or_else(|| dimension.si_unit(), str::to_owned),
     };
     Some(RandomVariable { name: row.name.clone(), distribution, changes: row.changes.clone(), unit })
 }
@@ -97,7 +176,7 @@ fn nominal(cx: &Context, row: &VariableRow, seen: &BTreeMap<String, Quantity>) -
             cx.fault(format!("variables.{}.mean", row.name), FaultKind::Missing { expected });
             return None;
         };
-        return cx.value(&format!("variables.{}.{key}", row.name), written, None);
+        return cx.value(&format!("variables.{}.{key}", row.name), &written, None);
     }
     let mut first: Option<Quantity> = None;
     for key in &row.changes {

@@ -188,8 +188,7 @@ fn studies_over_life(out: &mut String, study: &Finished, others: &[Finished]) ->
                 None => write!(out, "| ")?,
             }
         }
-        let curve: Vec<String> =
-            study.fall().map(|(life, r)| format!("{:.0}: {r:.4}", life / 1e3)).collect();
+        let curve: Vec<String> = study.fall().map(|(life, r)| format!("{:.0}: {r:.4}", life / 1e3)).collect();
         writeln!(out, "| {} |", curve.join(", "))?;
     }
     Ok(())

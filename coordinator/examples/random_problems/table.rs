@@ -194,7 +194,7 @@ mod tests {
         let response = crate::response::Term::Plane(vec![0.6, 0.8]);
         let d = 2;
         plane.variables.truncate(d);
-        plane.variables.resize(d, plane.variables[0]);
+        plane.variables.resize(d, plane.variables[0].clone());
         plane.modes = vec![crate::response::Response::Sum(vec![response])];
         plane.growth = None;
         for (wanted, centres) in [(0.02, vec![vec![0.0; d]]), (1e-6, vec![vec![0.0; d], vec![2.85, 3.8]])] {

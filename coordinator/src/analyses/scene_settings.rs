@@ -161,7 +161,7 @@ mod tests {
             set(&["friction=0.06", "wear.threshold=9 um", "load_torque.std=5 %", "parameters.width=11 mm"])
                 .unwrap();
         let scene = found.nominal();
-        let law = |name: &str| scene.variables.iter().find(|v| v.name == name).unwrap().distribution;
+        let law = |name: &str| scene.variables.iter().find(|v| v.name == name).unwrap().distribution.clone();
         assert!((law("friction").parent_mean() - 0.06).abs() < 1e-12);
         assert!((law("load_torque").given_std() - 0.04).abs() < 1e-12);
         assert!((scene.limit_states[0].threshold - 9e-6).abs() < 1e-15);

@@ -1,15 +1,18 @@
 //! `coordinator check`: every fault and warning of a scene with its place, for people and for editors.
 
+use super::draw::write_drawing;
 use super::error::CommandError;
 use super::external;
+use super::measured::{MeasuredFinding, measured_findings};
 use super::nominal::nominal_check;
-use super::nominal_life::NominalLife;
-use super::output::{count, print, to_json};
+use super::output::{check_destination, count, print, to_json};
 use super::scenes::check_linkage;
 use common::scene::{Fault, FaultKind, Location, Scene, SceneSource, Warning};
 use coordinator::farm::evaluate::external::check as check_simulator;
+use coordinator::presentation::nominal_life::NominalLife;
 use serde::Serialize;
 use serde_json::json;
+use std::path::Path;
 
 /// A fault or a warning as editors read it: columns count characters from 1, `end_column` stands after the last one.
 #[derive(Debug, Serialize)]
@@ -55,7 +58,8 @@ impl<'f> SceneFinding<'f> {
 ///
 /// # Errors
 /// [`CommandError::Scene`] with all faults, the errors of [`check_linkage`], or [`CommandError::Simulator`].
-pub fn check(file: &str, as_json: bool) -> Result<(), CommandError> {
+pub fn check(file: &str, drawing: Option<&Path>, as_json: bool) -> Result<(), CommandError> {
+    check_destination(drawing)?;
     let checked = valid_scene(file);
     if let (Err(error), true) = (&checked, as_json) {
         let findings = match error {
@@ -65,11 +69,16 @@ pub fn check(file: &str, as_json: bool) -> Result<(), CommandError> {
         print(&to_json(&json!({ "file": file, "valid": false, "faults": findings }))?)?;
     }
     let source = checked?;
+    if let Some(drawing) = drawing {
+        write_drawing(&source, drawing)?;
+    }
     let scene = source.nominal();
     let unused = source.unused_parameters();
     let mut warnings = source.warnings();
     let (lives, of_limits) = nominal_check(scene);
     warnings.extend(of_limits);
+    let measured = measured_findings(&source)?;
+    warnings.extend(measured.iter().filter_map(MeasuredFinding::warning));
     if as_json {
         let places: Vec<Option<Location>> = warnings.iter().map(|w| source.location(&w.key)).collect();
         let findings: Vec<SceneFinding> = warnings
@@ -82,7 +91,7 @@ pub fn check(file: &str, as_json: bool) -> Result<(), CommandError> {
             .collect();
         return print(&to_json(&json!({ "file": file, "scene": scene.name, "valid": true, "faults": [],
                                        "nominal": lives.iter().map(NominalLife::printed).collect::<Vec<_>>(),
-                                       "unused_parameters": unused, "warnings": findings }))?);
+                                       "measured": measured, "unused_parameters": unused, "warnings": findings }))?);
     }
     let unused = unused.iter().map(|name| (format!("parameters.{name}"), "nothing reads it"));
     let warnings = warnings.iter().map(|warning| (warning.key.clone(), warning.message.as_str()));
@@ -92,11 +101,13 @@ pub fn check(file: &str, as_json: bool) -> Result<(), CommandError> {
     });
     let lives = lives.iter().map(|life| format!("nominal {}", life.line(scene.life.cycles)));
     let (lives, lines): (String, String) = (lives.collect(), lines.collect());
-    let look = match scene.simulator {
-        None => format!("To see it: coordinator draw {file}\n"),
-        Some(_) => String::new(),
+    let measured: String = measured.iter().map(MeasuredFinding::lines).collect();
+    let look = match (&scene.simulator, drawing) {
+        (_, Some(drawing)) => format!("drawing: {}\n", drawing.display()),
+        (None, None) => format!("To see it: coordinator draw {file}\n"),
+        (Some(_), None) => String::new(),
     };
-    print(&format!("{file}: valid; {}\n{lives}{lines}{look}", counts(scene)))
+    print(&format!("{file}: valid; {}\n{lives}{measured}{lines}{look}", counts(scene)))
 }
 
 /// The scene, if its text is valid and what it describes can be simulated.

@@ -132,9 +132,10 @@ Examples:
   coordinator resume study --max-evaluations 120
   coordinator resume direct --samples 2000")]
     Resume(ResumeArguments),
-    /// Run one evaluation in this process and print it as JSON
+    /// Run one evaluation in this process; print it as JSON, or on a terminal in lines
     #[command(after_help = "\
 Examples:
+  coordinator simulate --scene four-bar --accuracy draft --report one.html
   coordinator simulate --scene flapping-wing --out nominal.json
   coordinator simulate --scene flapping-wing --set rod_length=40.05mm --set friction=0.03
   coordinator simulate --scene my.toml --set parameters.crank_speed='500 r/min' --accuracy draft")]
@@ -282,10 +283,14 @@ Examples:
     #[command(after_help = "\
 Examples:
   coordinator check my.toml
+  coordinator check my.toml --draw my.svg
   coordinator check my.toml --json")]
     Check {
         /// Scene file, or name of a built-in scene
         file: String,
+        /// Write a drawing of the mechanism
+        #[arg(long, value_name = "FILE.svg")]
+        draw: Option<PathBuf>,
     },
     /// Describe the model of a scene, the reasons for it, and its expected cost
     #[command(after_help = "\

@@ -5,10 +5,10 @@ use super::output::{check_destination, print, to_json};
 use super::scenes::check_linkage;
 use clap::Args;
 use common::scene::{Motion, Scene, SceneSource};
-use coordinator::presentation::report::Mechanism;
 use coordinator::presentation::report::drawing::{self, DrawnMechanism, SHARE_OF_CYCLE};
+use coordinator::presentation::report::{Figure, Mechanism};
 use coordinator::results::result_files::write_text;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use worker::mechanism::Prescribed;
 
 pub const EXAMPLES: &str = "\
@@ -63,6 +63,28 @@ pub fn draw(arguments: &DrawArguments, as_json: bool) -> Result<(), CommandError
         (false, Some(file)) => print(&format!("{}\n", file.display())),
         (false, None) => print(&format!("{}: {}\n\n{}", scene.name, scene.title, drawing::sketch(&drawn))),
     }
+}
+
+/// Writes the drawing of the mechanism of a scene as an SVG file.
+///
+/// # Errors
+/// As those of [`draw`].
+pub fn write_drawing(source: &SceneSource, file: &Path) -> Result<(), CommandError> {
+    let scene = source.nominal();
+    check_linkage(source.origin(), scene)?;
+    let mechanism = Mechanism::new(scene);
+    let drawn = drawn(source.origin(), scene, &mechanism, SHARE_OF_CYCLE)?;
+    Ok(write_text(file, &drawing::svg_file(&drawn, &mechanism))?)
+}
+
+/// The drawing of a mechanism as a figure; none for an external simulator, or where nothing can be drawn.
+pub fn drawing_figure(origin: &str, scene: &Scene) -> Option<Figure> {
+    if scene.simulator.is_some() {
+        return None;
+    }
+    let mechanism = Mechanism::new(scene);
+    let drawn = drawn(origin, scene, &mechanism, SHARE_OF_CYCLE).ok()?;
+    Some(drawing::figure(&drawn, &mechanism))
 }
 
 /// The mechanism with ideal joints at a share of its cycle; at its start, where drives and joints do not determine the motion.

@@ -6,12 +6,13 @@ use super::accuracy::AccuracyArguments;
 use super::error::CommandError;
 use super::external;
 use super::farm::cores;
+use super::measured::{MeasuredFinding, measured_findings};
 use super::model::Model;
 use super::nominal::nominal_check;
-use super::nominal_life::NominalLife;
 use super::output::{count, print, to_json};
 use super::shared::Verbosity;
 use common::scene::*;
+use coordinator::presentation::nominal_life::NominalLife;
 use std::fmt::Write;
 use std::sync::Arc;
 use variables::variables;
@@ -37,17 +38,22 @@ pub fn explain(name: &str, accuracy: &AccuracyArguments, verbosity: Verbosity) -
     let mut warnings = source.warnings();
     let (lives, of_limits) = nominal_check(scene);
     warnings.extend(of_limits);
+    let measured = measured_findings(&source)?;
+    warnings.extend(measured.iter().filter_map(MeasuredFinding::warning));
     if verbosity.json {
         let mut value = serde_json::to_value(scene)?;
         value["model"] = model.to_json();
         let lives: Vec<_> = lives.iter().map(NominalLife::printed).collect();
         value["nominal"] = serde_json::to_value(lives)?;
+        value["measured"] = serde_json::to_value(measured)?;
         value["warnings"] = serde_json::to_value(warnings)?;
         return print(&to_json(&value)?);
     }
     let warnings = warnings.iter().map(|warning| format!("Warning: {warning}\n"));
     let lives = lives.iter().map(|life| format!("Nominal {}", life.line(scene.life.cycles)));
-    print(&format!("{}{}{}", text(scene, &model), lives.collect::<String>(), warnings.collect::<String>()))
+    let measured = measured.iter().map(MeasuredFinding::lines);
+    let below: String = measured.chain(lives).chain(warnings).collect();
+    print(&format!("{}{below}", text(scene, &model)))
 }
 
 fn text(scene: &Scene, model: &Model) -> String {

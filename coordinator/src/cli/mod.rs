@@ -19,10 +19,10 @@ mod external;
 mod extremes;
 mod farm;
 mod init;
+mod measured;
 mod model;
 mod monitor;
 mod nominal;
-mod nominal_life;
 mod optimise;
 mod output;
 mod pdf;
@@ -110,7 +110,7 @@ fn run_command(arguments: CommandLine) -> Result<(), CommandError> {
         CommandArguments::Schema { results } => schema::schema(results),
         CommandArguments::Completions { shell } => shell::completions(shell),
         CommandArguments::Man { out } => shell::man(out.as_deref()),
-        CommandArguments::Check { file } => check::check(&file, json),
+        CommandArguments::Check { file, draw } => check::check(&file, draw.as_deref(), json),
         CommandArguments::Explain { scene, accuracy } => explain::explain(&scene, &accuracy, verbosity),
     }
 }

@@ -1,15 +1,23 @@
 //! Access to a running study: `--metrics` and `--live`.
 
+use super::draw::drawing_figure;
 use super::error::CommandError;
 use super::farm::CommandEvaluator;
+use super::signals::interruption;
 use clap::Args;
 use common::scene::Scene;
 use coordinator::farm::dispatch::StatusBoard;
 use coordinator::presentation::monitor::{LivePage, MonitorServer, ProgressRelay, listen_address};
 use coordinator::results::progress::Observer;
 use coordinator::study::Settings;
+use std::io::IsTerminal;
 use std::path::Path;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+
+/// Interval at which a page that stays looks for a signal.
+const POLL_INTERVAL: Duration = Duration::from_millis(100);
 
 /// Options on the access to a running study.
 #[derive(Debug, Clone, Default, Args, PartialEq)]
@@ -21,6 +29,9 @@ pub struct MonitorArguments {
     /// Serve the report of the running study to browsers of this machine at http://127.0.0.1:PORT
     #[arg(long, value_name = "PORT")]
     pub live: Option<String>,
+    /// Keep serving that page after the end of the study, until Ctrl-C; always on a terminal
+    #[arg(long, requires = "live")]
+    pub live_keep: bool,
 }
 
 /// The study that a monitor shows.
@@ -38,6 +49,34 @@ pub struct Monitor {
     board: StatusBoard,
     live: Option<(Arc<LivePage>, MonitorServer)>,
     metrics: Option<MonitorServer>,
+    /// True if the live page stays after the end of the study.
+    keep: bool,
+}
+
+/// A live page that stays after the end of its study.
+pub struct StayingPage {
+    live: Arc<LivePage>,
+    server: MonitorServer,
+}
+
+impl StayingPage {
+    /// Serves the page until Ctrl-C or SIGTERM.
+    ///
+    /// # Errors
+    /// [`CommandError::Signals`].
+    pub fn serve(self) -> Result<(), CommandError> {
+        let told = interruption().map_err(CommandError::Signals)?;
+        let file = self.live.report_file();
+        eprintln!(
+            "the live page stays at http://{} until Ctrl-C; its report is {}",
+            self.server.address(),
+            file.display()
+        );
+        while !told.load(Ordering::Relaxed) {
+            std::thread::sleep(POLL_INTERVAL);
+        }
+        Ok(())
+    }
 }
 
 impl Monitor {
@@ -66,12 +105,13 @@ impl Monitor {
             Err("allowed: a port alone, or an address of this machine only; use ssh -L from other machines");
         let live =
             arguments.live.as_deref().map(|given| listen_address("--live", given, only_here)).transpose()?;
-        let metrics = metrics.map(|address| MonitorServer::metrics(address, look)).transpose()?;
+        let metrics = metrics.map(|address| MonitorServer::metrics(address, look.clone())).transpose()?;
         let page = |address| {
-            let live = Arc::new(LivePage::new(study.dir, study.scene, study.settings));
+            let drawing = drawing_figure(&study.scene.name, study.scene);
+            let live = Arc::new(LivePage::new(study.dir, study.scene, study.settings, look.clone(), drawing));
             Ok::<_, CommandError>((Arc::clone(&live), MonitorServer::live(address, live)?))
         };
-        Ok(Monitor { board, live: live.map(page).transpose()?, metrics })
+        Ok(Monitor { board, live: live.map(page).transpose()?, metrics, keep: arguments.live_keep })
     }
 
     /// Prints the addresses of the servers.
@@ -94,10 +134,16 @@ impl Monitor {
         )
     }
 
-    /// Shows the end of the study and stops the servers.
-    pub fn end(self) {
-        if let Some((live, _server)) = &self.live {
+    /// Shows the end of the study and stops the servers, except for a live page that stays: with `--live-keep`, and on a terminal
+    /// unless `quiet`.
+    pub fn end(self, quiet: bool) -> Option<StayingPage> {
+        let (live, server) = self.live?;
+        let stays = self.keep || (!quiet && std::io::stderr().is_terminal());
+        if stays {
+            live.mark_ended();
+        } else {
             live.end();
         }
+        stays.then_some(StayingPage { live, server })
     }
 }

@@ -1,9 +1,11 @@
 //! The nominal mechanism against its limits, for `coordinator check`: expected lives, and warnings about limits that it has passed before
 //! the first checkpoint or is far from.
 
-use super::nominal_life::{NominalLife, Reached, nominal_lives};
 use common::accuracy::Accuracy;
-use common::scene::{Scene, Warning};
+use common::outputs::Evaluation;
+use common::scene::{JointKind, Scene, Warning};
+use coordinator::presentation::nominal_life::{NominalLife, Reached, nominal_lives};
+use coordinator::presentation::report::format::three_digits;
 use worker::simulate::{SimulateOptions, simulate};
 
 /// Checkpoints up to the life of the nominal mechanism that resolve the lives of others: their spread is some tens of per cent.
@@ -12,6 +14,9 @@ const CHECKPOINTS_WITHIN_LIFE: f64 = 10.0;
 /// Share of a limit below which the nominal mechanism is far from it, so that a unit or the life is likely to be wrong: no spread of
 /// a machine makes a response ten times larger.
 const FAR_FROM_LIMIT: f64 = 0.1;
+
+/// Largest pressure on the projected area of a bearing as a share of the elastic modulus: hardened steel yields at 1 %.
+const LARGEST_PRESSURE: f64 = 0.02;
 
 /// Simulates the nominal mechanism at `draft`: its expected lives, and warnings about its limits. Nothing is simulated for a scene
 /// without limits, or with its own simulator.
@@ -30,8 +35,38 @@ pub fn nominal_check(scene: &Scene) -> (Vec<NominalLife<'_>>, Vec<Warning>) {
     let warnings = lives.iter().filter_map(|life| {
         Some(Warning { key: format!("limit_states.{}", life.limit.name), message: warning(scene, life)? })
     });
-    let warnings = warnings.collect();
+    let warnings = warnings.chain(of_hinges(scene, &evaluation)).collect();
     (lives, warnings)
+}
+
+/// Warnings about hinges that are never in contact, and about pressures that no material bears.
+fn of_hinges(scene: &Scene, evaluation: &Evaluation) -> Vec<Warning> {
+    let mut found = Vec::new();
+    for joint in &scene.joints {
+        let JointKind::Clearance(clearance) = &joint.kind else { continue };
+        let warning = |message| Warning { key: format!("joints.{}", joint.name), message };
+        let free = &evaluation.diagnostics.free_flight_fraction;
+        if free.iter().any(|(name, share)| *name == joint.name && *share >= 1.0) {
+            let message = "journal and bore are never in contact in the first cycle, so that nothing is transmitted and nothing wears: \
+                           check which bodies and points it joins, the clearance, and the loads";
+            found.push(warning(message.to_owned()));
+        }
+        let peak = evaluation.joints.iter().find(|summary| summary.name == joint.name);
+        let Some(force) = peak.map(|summary| summary.peak_force) else { continue };
+        let pressure = force / (2.0 * clearance.journal_radius * clearance.width);
+        let modulus =
+            clearance.journal_material.elastic_modulus.min(clearance.bushing_material.elastic_modulus);
+        if pressure > LARGEST_PRESSURE * modulus {
+            found.push(warning(format!(
+                "the largest force of {} N is {:.0} MPa on the projected area of the bearing, {:.0} % of the elastic modulus: any material \
+                 yields before; check the units of loads, masses, speeds, radius and width",
+                three_digits(force).replace('\u{a0}', " "),
+                pressure / 1e6,
+                100.0 * pressure / modulus
+            )));
+        }
+    }
+    found
 }
 
 /// The warning about a limit that is passed before the first checkpoint, or far away at the end of life.
@@ -78,6 +113,7 @@ fn finer_checkpoints(cycles: u32, life: f64) -> Option<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use common::outputs::JointSummary;
     use common::scene::{LimitState, SceneSource};
 
     #[test]
@@ -108,6 +144,26 @@ mod tests {
             found[0].message.contains("0.1 % of the limit of 8000 µm: no failure will be seen"),
             "{found:?}"
         );
+    }
+
+    #[test]
+    fn hinges_without_contact_and_impossible_pressures_are_pointed_out() {
+        let scene = SceneSource::builtin("four-bar").expect("built in").nominal().clone();
+        let mut evaluation = Evaluation::from_histories(vec![1000], vec![vec![1e-6], vec![40.0]]);
+        let summary = |name: &str, peak_force| JointSummary {
+            name: name.to_owned(),
+            peak_force,
+            wear_depth: Vec::new(),
+        };
+        evaluation.joints = vec![summary("crank", 0.0), summary("coupler", 30.0), summary("rocker", 9e6)];
+        evaluation.diagnostics.free_flight_fraction =
+            vec![("crank".to_owned(), 1.0), ("coupler".to_owned(), 0.3)];
+        let found = of_hinges(&scene, &evaluation);
+        let keys: Vec<&str> = found.iter().map(|warning| warning.key.as_str()).collect();
+        assert_eq!(keys, ["joints.crank", "joints.rocker"]);
+        assert!(found[0].message.contains("never in contact"), "{found:?}");
+        // 9 MN on 8 mm times 10 mm.
+        assert!(found[1].message.contains("112500 MPa"), "{found:?}");
     }
 
     #[test]

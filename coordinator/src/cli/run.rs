@@ -9,7 +9,7 @@ use super::distributions::for_report;
 use super::error::CommandError;
 use super::external;
 use super::farm::{CommandEvaluator, cores, local_slots};
-use super::monitor::{Monitor, WatchedStudy};
+use super::monitor::{Monitor, StayingPage, WatchedStudy};
 use super::output::{print, to_json};
 use super::results::write_results;
 use super::scenes::check_linkage;
@@ -175,13 +175,14 @@ fn finish(
     // The summary comes last: with it, the study counts as finished.
     campaign.put_document(SUMMARY_DOCUMENT, &result.summary)?;
     write_results(campaign, &dir)?;
-    monitor.end();
+    let staying = monitor.end(verbosity.quiet);
     let answered = after_study(&mut study, Machines::Open(&mut evaluator), verbosity)?;
     evaluator.close();
     match answered {
         Some(()) => Ok(()),
         None => print_summary(&result.summary, &dir, verbosity),
-    }
+    }?;
+    staying.map_or(Ok(()), StayingPage::serve)
 }
 
 /// Checks that the linkage can be assembled and turns at every end of the ranges of the design variables.

@@ -1,4 +1,4 @@
-//! `coordinator simulate`: runs one evaluation in this process and prints it as JSON.
+//! `coordinator simulate`: runs one evaluation in this process and prints it, as JSON for scripts and in lines for a person.
 
 use super::accuracy::AccuracyArguments;
 use super::error::CommandError;
@@ -6,15 +6,17 @@ use super::external;
 use super::output::{check_destination, deliver, print, to_json};
 use super::scenes::check_linkage;
 use super::shared::{DEFAULT_SCENE, Verbosity};
-use super::simulated;
+use super::simulated::Simulated;
 use clap::Args;
 use common::outputs::{
     BodyMotion, BodyTrace, CycleHistory, Diagnostics, EnergyBalance, Evaluation, JointSummary, WornLife,
 };
 use common::scene::{Fault, FaultKind, Faults, OutputUnit, Scene, SceneSource};
+use coordinator::results::result_files::write_text;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 use worker::simulate::{self, SimulateOptions};
 
@@ -32,6 +34,9 @@ pub struct SimulateArguments {
     /// Write the JSON to this file instead of standard output
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
+    /// Write a page with figures: outputs over life against the limits, motion, worn bores, first and last cycle
+    #[arg(long, value_name = "FILE.html")]
+    pub report: Option<PathBuf>,
 }
 
 /// The evaluation as printed; the names are a contract with scripts and notebooks.
@@ -130,28 +135,38 @@ struct PrintedDiagnostics<'r> {
 /// [`CommandError`].
 pub fn simulate(arguments: &SimulateArguments, verbosity: Verbosity) -> Result<(), CommandError> {
     check_destination(arguments.out.as_deref())?;
+    check_destination(arguments.report.as_deref())?;
     let source = SceneSource::load(&arguments.scene)?;
     let settings = settings(&source, &arguments.set)?;
     if let Some(simulator) = &source.nominal().simulator {
         external::check_accuracy(source.origin(), &arguments.accuracy)?;
+        if arguments.report.is_some() {
+            return Err(CommandError::NoMechanism { origin: source.origin().to_owned() });
+        }
         let text = external::simulate(&source, simulator, &settings)?;
         return deliver(&text, arguments.out.as_deref());
     }
-    let scene = source.resolve_with(&settings)?;
+    let scene = source.resolve_with(&settings).map_err(one_of_each_cause)?;
     check_linkage(source.origin(), &scene)?;
     let accuracy = arguments.accuracy.for_one(&scene, verbosity.quiet)?.setting;
     let start = Instant::now();
     let evaluation = simulate::simulate(&scene, &accuracy.accuracy, SimulateOptions::WITH_FIRST_CYCLE)
         .map_err(|failure| CommandError::of_simulation(source.origin(), &scene, failure))?;
     let wall = start.elapsed().as_secs_f64();
-    let text = to_json(&printed(&scene, &accuracy.name, &settings, &evaluation, wall))?;
-    deliver(&text, arguments.out.as_deref())?;
-    match &arguments.out {
-        Some(file) if !verbosity.quiet && !verbosity.json => {
-            print(&simulated::text(&scene, &accuracy.name, &evaluation, wall, file))
-        }
-        _ => Ok(()),
+    let simulated = Simulated { scene: &scene, accuracy: &accuracy.name, evaluation: &evaluation, wall };
+    if let Some(file) = &arguments.report {
+        write_text(file, &simulated.report(&arguments.set, source.text())?)?;
     }
+    // A person reads lines, a script the object.
+    let to_person = !verbosity.json && arguments.out.is_none() && std::io::stdout().is_terminal();
+    if !to_person {
+        let text = to_json(&printed(&scene, &accuracy.name, &settings, &evaluation, wall))?;
+        deliver(&text, arguments.out.as_deref())?;
+    }
+    let files: Vec<&Path> =
+        [&arguments.out, &arguments.report].into_iter().flatten().map(PathBuf::as_path).collect();
+    let has_lines = to_person || arguments.out.is_some();
+    if has_lines && !verbosity.quiet && !verbosity.json { print(&simulated.text(&files)) } else { Ok(()) }
 }
 
 /// Reads every `--set`; reports all faults at once.
@@ -173,6 +188,17 @@ fn settings(source: &SceneSource, all: &[String]) -> Result<Vec<(String, f64)>, 
         }
     }
     if faults.is_empty() { Ok(settings) } else { Err(Faults(faults).into()) }
+}
+
+/// The faults without those that one value has at several keys.
+fn one_of_each_cause(Faults(all): Faults) -> Faults {
+    let mut found: Vec<Fault> = Vec::new();
+    for fault in all {
+        if !found.iter().any(|known| known.kind == fault.kind) {
+            found.push(fault);
+        }
+    }
+    Faults(found)
 }
 
 fn unsettable(setting: &str, message: String) -> Fault {

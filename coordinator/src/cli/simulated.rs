@@ -1,30 +1,76 @@
 //! One evaluation in a few lines: outputs at the start and at the end of life, limits, margins and expected lives, work.
 
-use super::nominal_life::nominal_lives;
+use super::error::CommandError;
 use super::output::count;
 use common::outputs::Evaluation;
 use common::scene::{Output, Scene};
+use coordinator::presentation::nominal_life::nominal_lives;
+use coordinator::presentation::report::ReportError;
 use coordinator::presentation::report::format::{count as grouped, duration, three_digits};
+use coordinator::presentation::report::nominal_page::NominalView;
+use coordinator::study::{Settings, blank};
 use std::path::Path;
 
-/// The lines about an evaluation that is written to `file`.
-pub fn text(scene: &Scene, accuracy: &str, evaluation: &Evaluation, wall: f64, file: &Path) -> String {
-    let cycles = evaluation.cycles.last().copied().unwrap_or_default();
-    let mut text = format!(
-        "{}: {} cycles, accuracy {accuracy}, {} in {}\n",
-        scene.name,
-        grouped(cycles.into()),
-        count(evaluation.diagnostics.steps as usize, "step"),
-        duration(wall)
-    );
-    for (i, output) in scene.outputs.iter().enumerate() {
-        text += &line(output, evaluation, i);
+/// One evaluation and how it was made.
+pub struct Simulated<'e> {
+    /// The scene with its settings.
+    pub scene: &'e Scene,
+    /// Name of the accuracy.
+    pub accuracy: &'e str,
+    /// Result of the simulation.
+    pub evaluation: &'e Evaluation,
+    /// Time that it took [s].
+    pub wall: f64,
+}
+
+impl Simulated<'_> {
+    /// The lines for a person, with the files that were written.
+    pub fn text(&self, files: &[&Path]) -> String {
+        let Self { scene, evaluation, .. } = self;
+        let cycles = evaluation.cycles.last().copied().unwrap_or_default();
+        let mut text = format!("{}: {}\n", scene.name, self.work());
+        for (i, output) in scene.outputs.iter().enumerate() {
+            text += &line(output, evaluation, i);
+        }
+        for life in nominal_lives(scene, evaluation) {
+            text += &format!("limit state {}", life.line(cycles));
+        }
+        for file in files {
+            text += &format!("written: {}\n", file.display());
+        }
+        text.replace('\u{a0}', " ")
     }
-    for life in nominal_lives(scene, evaluation) {
-        text += &format!("limit state {}", life.line(cycles));
+
+    /// The page of the evaluation; `set` are its settings as given, `source` is the text of its scene.
+    ///
+    /// # Errors
+    /// [`CommandError::Report`] if a figure cannot be drawn.
+    pub fn report(&self, set: &[String], source: &str) -> Result<String, CommandError> {
+        let Self { scene, evaluation, .. } = self;
+        let summary = blank(scene, &Settings::from(scene.study));
+        let view = NominalView { scene, summary, evaluation: Some(evaluation), drawing: None };
+        let set =
+            if set.is_empty() { "every random variable at its mean".to_owned() } else { set.join(", ") };
+        let facts = [
+            ("scene", scene.name.clone()),
+            ("set", set),
+            ("work", self.work()),
+            ("version", format!("Hingewise {}", env!("CARGO_PKG_VERSION"))),
+        ];
+        Ok(view.page(&facts, source).map_err(ReportError::from)?)
     }
-    text += &format!("written: {}\n", file.display());
-    text.replace('\u{a0}', " ")
+
+    /// Life, accuracy, steps and time.
+    fn work(&self) -> String {
+        let cycles = self.evaluation.cycles.last().copied().unwrap_or_default();
+        let steps = count(self.evaluation.diagnostics.steps as usize, "step");
+        format!(
+            "{} cycles, accuracy {}, {steps} in {}",
+            grouped(cycles.into()),
+            self.accuracy,
+            duration(self.wall)
+        )
+    }
 }
 
 /// An output at the start and at the end of life, with its stated numerical error.
@@ -52,7 +98,8 @@ mod tests {
         let mut evaluation = Evaluation::from_histories(cycles, vec![depths, vec![44.4; 8]]);
         evaluation.start = vec![Some(0.0), None];
         evaluation.errors = vec![vec![1e-7; 8], vec![0.1; 8]];
-        let text = text(&scene, "draft", &evaluation, 0.25, Path::new("one.json"));
+        let simulated = Simulated { scene: &scene, accuracy: "draft", evaluation: &evaluation, wall: 0.25 };
+        let text = simulated.text(&[Path::new("one.json")]);
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines[0], "four-bar: 8 000 cycles, accuracy draft, 0 steps in 0.2 s");
         assert!(

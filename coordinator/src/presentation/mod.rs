@@ -4,8 +4,12 @@
 //! |---|---|
 //! | [`report`] | the report of a finished study, and the comparison of several |
 //! | [`monitor`] | status, metrics and live report of a running study |
+//! | [`nominal_life`] | one mechanism against the limits of its scene |
+//! | [`remaining`] | time that a study still takes |
 //! | [`terminal`] | progress and final summary on the terminal |
 
 pub mod monitor;
+pub mod nominal_life;
+pub mod remaining;
 pub mod report;
 pub mod terminal;

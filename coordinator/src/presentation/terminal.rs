@@ -5,9 +5,8 @@ mod ending;
 
 pub use ending::final_text;
 
-use crate::presentation::report::format::{
-    count, duration, fixed, percent, reliability, three_digits, with_width,
-};
+use crate::presentation::remaining::EvaluationProgress;
+use crate::presentation::report::format::{count, fixed, percent, reliability, three_digits, with_width};
 use crate::results::progress::{Observer, Progress};
 use crate::results::summary::Round;
 use crate::statistics::reliability::REACH;
@@ -95,16 +94,14 @@ impl ProgressText {
     /// Evaluations, time left in the study, rate, error, R so far and the rest, the most important first, since terminals cut the end
     /// off; e.g. `84/400 evaluations, at most 4 min 03 s left, 1.30/s, error 0.0090, R(66 000) = 0.347 ± 0.012 (95 %), round 2`.
     pub fn state(&self, now: Duration) -> String {
-        let most = self.budget.max(self.planned).max(self.done);
-        // Learning may end before its budget is spent, a plan is carried out.
-        let may_end_early = most > self.planned;
-        let mut text = format!("{}/{most} evaluations", self.done);
+        let (done, planned, budget) = (self.done as u64, self.planned as u64, self.budget as u64);
+        let progress = EvaluationProgress { done, planned, budget };
+        let mut text = format!("{done}/{} evaluations", progress.most());
         let rate = self.rate(now);
         if self.ending {
             text += ", computing the results";
-        } else if let Some(rate) = rate.filter(|_| most > self.done) {
-            let bound = if may_end_early { "at most " } else { "" };
-            text += &format!(", {bound}{} left", duration((most - self.done) as f64 / rate));
+        } else if let Some(left) = progress.remaining(rate) {
+            text += &format!(", {left}");
         }
         if let Some(rate) = rate {
             text += &format!(", {}/s", fixed(rate, if rate < 10.0 { 2 } else { 0 }));

@@ -12,11 +12,13 @@
 //! | [`replacement`] | age replacement, replacement by inspection, hazard and mean life |
 //! | [`updating`] | the state of one unit from its measurements |
 //! | [`optimisation`] | minimum cost under constraints, discrete choices |
+//! | [`goodness_of_fit`] | whether measured values can come from a fitted family |
 //! | [`sensitivity`] | derivatives of the failure probability, Sobol indices |
 //! | [`models`] | published problems with reference failure probabilities |
 //! | [`named`] | names of the values of settings |
 
 pub mod design;
+pub mod goodness_of_fit;
 pub mod learning;
 pub mod models;
 pub mod named;

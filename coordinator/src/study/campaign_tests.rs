@@ -29,7 +29,7 @@ fn learn_of(
     targets: StoppingTargets,
 ) -> CampaignResult {
     let normal = Distribution::truncated_normal(0.0, 1.0, -8.0, 8.0).unwrap();
-    let inputs = InputModel::from(&[normal; 2]);
+    let inputs = InputModel::from(&vec![normal; 2]);
     learn_from(inputs, output, (0.0, populations), initial, seed, targets)
 }
 
@@ -171,7 +171,7 @@ fn correlated_lognormals_beside_a_constant_have_their_closed_form() {
     let lognormal = Distribution::lognormal(1.0, 0.2).unwrap();
     let (rho, beta) = (0.5, 2.3);
     let pair = Correlation { first: 0, second: 2, coefficient: rho };
-    let variables = vec![lognormal, Distribution::constant(3.0).unwrap(), lognormal];
+    let variables = vec![lognormal.clone(), Distribution::constant(3.0).unwrap(), lognormal];
     let inputs = InputModel::new(variables, GaussianCopula::new(3, &[pair]).unwrap());
     let zeta2 = 1.04_f64.ln();
     let threshold = 3.0 * (-zeta2 + beta * (2.0 * zeta2 * (1.0 + rho)).sqrt()).exp();
@@ -223,7 +223,7 @@ fn issue_a_corner_without_results_does_not_end_a_study_of_batch_one() {
 #[test]
 fn issue_an_event_that_is_impossible_ends_with_a_bound() {
     // The sum of two variables between 0 and 1 never reaches 10.
-    let inputs = InputModel::from(&[Distribution::uniform(0.0, 1.0).unwrap(); 2]);
+    let inputs = InputModel::from(&vec![Distribution::uniform(0.0, 1.0).unwrap(); 2]);
     let problem = static_problem(inputs, 10.0);
     let simulate = |x: &[f64]| Ok(Observed::exact(vec![vec![x[0] + x[1]]]));
     let learned = Campaign::new(problem, plan(10_000, 12, 4, 1)).learn_from(simulate, |_| {}).unwrap();

@@ -169,7 +169,7 @@ mod tests {
     fn a_region_of_failures_is_found_and_its_share_of_the_population() {
         // Points beyond 1 in the first variable fail: 15.9 % of a standard normal population.
         let normal = Distribution::truncated_normal(0.0, 1.0, -8.0, 8.0).unwrap();
-        let population = Population::draw(&[normal; 2], 20_000, 3);
+        let population = Population::draw(&vec![normal; 2], 20_000, 3);
         let (mut points, mut failed) = (vec![], vec![]);
         for j in 0..120 {
             let z = population.standardised(j);

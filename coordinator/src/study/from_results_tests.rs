@@ -14,7 +14,7 @@ fn histories(x: &[f64]) -> Vec<Vec<f64>> {
 fn problem(mean: f64, std: f64) -> Problem {
     let load = Distribution::normal(mean, std).unwrap();
     let rate = Distribution::normal(2.0, 0.4).unwrap();
-    let studied = InputModel::from(&[Distribution::normal(5.0, 0.5).unwrap(), rate]);
+    let studied = InputModel::from(&[Distribution::normal(5.0, 0.5).unwrap(), rate.clone()]);
     Problem {
         inputs: InputModel::from(&[load, rate]).standardised_as(&studied),
         outputs: 1,

@@ -87,7 +87,7 @@ fn histories(x: &[f64], noise: f64) -> Vec<Vec<f64>> {
 /// total.
 fn truth(settings: &Settings, count: usize, noise: f64) -> [Vec<f64>; 3] {
     let scene = scene();
-    let variables: Vec<Distribution> = scene.variables.iter().map(|v| v.distribution).collect();
+    let variables: Vec<Distribution> = scene.variables.iter().map(|v| v.distribution.clone()).collect();
     let population = Population::draw(&variables, count, settings.seed);
     let mut failed = [vec![0.0; 72], vec![0.0; 72], vec![0.0; 72]];
     for j in 0..count {

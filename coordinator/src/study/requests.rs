@@ -138,7 +138,7 @@ mod tests {
     #[test]
     fn issue_requested_points_are_known_in_every_later_population() {
         let variable = Distribution::normal(0.0, 1.0).unwrap();
-        let mut population = Population::draw(&[variable; 2], 10, 1);
+        let mut population = Population::draw(&vec![variable; 2], 10, 1);
         let mut requests = Requests::new(10);
         let taken = requests.take(&ClassifiedPopulation::new(population.clone()), 3);
         requests.begin(vec![taken]);

@@ -37,7 +37,7 @@ pub(super) fn prediction(limit_state: &str) -> PredictionRow {
 /// The same with many more simulations: quantiles of the variables at the points of a lattice.
 pub fn report_with_samples() -> ReportInput {
     let mut input = report_input();
-    let laws: Vec<_> = input.scene.variables.iter().map(|variable| variable.distribution).collect();
+    let laws: Vec<_> = input.scene.variables.iter().map(|variable| variable.distribution.clone()).collect();
     let probability =
         |j: usize, k: usize| ((j as f64 + 0.5) * (2.0 + k as f64).sqrt()).fract().clamp(0.001, 0.999);
     input.samples = (0..200)

@@ -15,7 +15,7 @@ use tests::skipped;
 
 /// A later layer of the worker may use an earlier one, never the reverse. A layer is a module, or a name that a
 /// module exports with the file that defines it, where that stands lower than the rest of its module.
-const WORKER: [&str; 19] = [
+const WORKER: [&str; 20] = [
     "log",
     "extremum",
     "interpolate",
@@ -33,6 +33,7 @@ const WORKER: [&str; 19] = [
     "service",
     "simulator",
     "umbridge",
+    "shell",
     "signals",
     "main",
 ];

@@ -28,13 +28,14 @@ fn laws() -> Vec<Distribution> {
         Distribution::triangular(1.0, 1.5, 4.0),
         Distribution::triangular(-2.0, 3.0, 3.0),
     ];
+    let measured = Distribution::empirical(&CORNERS).unwrap();
     let cut = [
         truncated(1.5, 0.2, 0.9, 2.1),
         truncated(-3.0, 2.0, -4.0, 5.0),
         truncated(0.0, 1.0, 4.0, 6.0),
         truncated(10.0, 1.0, -1e9, 9.0),
     ];
-    made.into_iter().map(Result::unwrap).chain(cut).collect()
+    made.into_iter().map(Result::unwrap).chain(cut).chain([measured]).collect()
 }
 
 /// The integral of h(x) f(x) up to x, by Gauss' rule of five points between 800 quantiles.
@@ -63,10 +64,17 @@ fn integrate(d: &Distribution, to: f64, h: impl Fn(f64) -> f64) -> f64 {
     knots.windows(2).map(|pair| panel(pair[0], pair[1])).sum()
 }
 
-/// Where the density has a corner inside its support.
+/// Measured values, at which an empirical density jumps.
+const CORNERS: [f64; 6] = [1.0, 2.0, 2.0, 2.5, 4.0, 7.0];
+
+/// Where the density has a corner or a jump inside its support.
 fn kink(d: &Distribution) -> impl Iterator<Item = f64> + use<> {
-    let modes = [1.5, 3.0];
-    modes.into_iter().filter(|_| matches!(d, Distribution::Triangular(_))).collect::<Vec<_>>().into_iter()
+    let found: &[f64] = match d {
+        Distribution::Triangular(_) => &[1.5, 3.0],
+        Distribution::Empirical(_) => &CORNERS,
+        _ => &[],
+    };
+    found.iter().copied()
 }
 
 fn near(found: f64, expected: f64, within: f64, what: impl std::fmt::Debug) {
@@ -77,9 +85,9 @@ fn near(found: f64, expected: f64, within: f64, what: impl std::fmt::Debug) {
 fn moments_agree_with_quadrature() {
     for d in laws() {
         let (mean, std) = (d.mean(), d.std());
-        near(integrate(&d, f64::INFINITY, |_| 1.0), 1.0, 1e-9, d);
-        near(integrate(&d, f64::INFINITY, |x| (x - mean) / std), 0.0, 1e-8, d);
-        near(integrate(&d, f64::INFINITY, |x| ((x - mean) / std).powi(2)), 1.0, 1e-7, d);
+        near(integrate(&d, f64::INFINITY, |_| 1.0), 1.0, 1e-9, &d);
+        near(integrate(&d, f64::INFINITY, |x| (x - mean) / std), 0.0, 1e-8, &d);
+        near(integrate(&d, f64::INFINITY, |x| ((x - mean) / std).powi(2)), 1.0, 1e-7, &d);
         if !matches!(d, Distribution::TruncatedNormal(_)) {
             assert_eq!((d.parent_mean(), d.parent_std(), d.given_std()), (mean, std, std));
         }
@@ -94,9 +102,9 @@ fn quantiles_invert_the_distribution_function_in_both_tails() {
             // What one rounding of x is worth in probability.
             let rounding = |x: f64| 4.0 * f64::EPSILON * x.abs() * d.pdf(x);
             // Cancellation against a bound's own probability, which truncation far in a tail cannot avoid.
-            near(d.cdf(low), p, 1e-9 * p + rounding(low) + 1e-15, (d, p));
-            near(d.survival(high), p, 1e-9 * p + rounding(high) + 1e-15, (d, p));
-            near(d.quantile(1.0 - p), high, 1e-3 * d.std() * (1.0 + 1e-15 / p), (d, p));
+            near(d.cdf(low), p, 1e-9 * p + rounding(low) + 1e-15, (&d, p));
+            near(d.survival(high), p, 1e-9 * p + rounding(high) + 1e-15, (&d, p));
+            near(d.quantile(1.0 - p), high, 1e-3 * d.std() * (1.0 + 1e-15 / p), (&d, p));
             assert!((d.cdf(low) + d.survival(low) - 1.0).abs() < 1e-12);
         }
     }
@@ -113,7 +121,7 @@ fn standard_normals_go_there_and_back() {
             last = x;
             // One rounding of x, in u.
             let rounding = 8.0 * f64::EPSILON * x.abs() * d.pdf(x) / standard_normal_pdf(u);
-            near(d.to_standard_normal(x), u, 1e-8 + rounding, (d, u));
+            near(d.to_standard_normal(x), u, 1e-8 + rounding, (&d, u));
         }
     }
 }
@@ -154,10 +162,10 @@ fn scores_are_the_derivatives_of_the_log_density() {
                 ]
             };
             for (found, expected) in d.scores(x).into_iter().zip(by(&|d| d.pdf(x).ln())) {
-                near(found, expected, 1e-5 * (1.0 / std + expected.abs()), (d, p));
+                near(found, expected, 1e-5 * (1.0 / std + expected.abs()), (&d, p));
             }
             for (found, expected) in d.cdf_derivatives(x).into_iter().zip(by(&|d| d.cdf(x))) {
-                near(found, expected, 1e-6 / std, (d, p));
+                near(found, expected, 1e-6 / std, (&d, p));
             }
         }
     }
@@ -174,12 +182,12 @@ fn scores_move_mean_and_variance_as_they_say() {
         let (mean, std) = (d.mean(), d.std());
         let all = |h: &dyn Fn(f64) -> f64| integrate(&d, f64::INFINITY, h);
         let t = |x: f64| (x - mean) / std;
-        near(all(&|x| std * d.scores(x)[0]), 0.0, 1e-7, d);
-        near(all(&|x| std * d.scores(x)[1]), 0.0, 1e-7, d);
-        near(all(&|x| std * d.scores(x)[0] * t(x)), 1.0, 1e-6, d);
-        near(all(&|x| std * d.scores(x)[0] * t(x) * t(x)), 0.0, 2e-6, d);
-        near(all(&|x| std * d.scores(x)[1] * t(x)), 0.0, 1e-6, d);
-        near(all(&|x| std * d.scores(x)[1] * t(x) * t(x)), 2.0, 2e-6, d);
+        near(all(&|x| std * d.scores(x)[0]), 0.0, 1e-7, &d);
+        near(all(&|x| std * d.scores(x)[1]), 0.0, 1e-7, &d);
+        near(all(&|x| std * d.scores(x)[0] * t(x)), 1.0, 1e-6, &d);
+        near(all(&|x| std * d.scores(x)[0] * t(x) * t(x)), 0.0, 2e-6, &d);
+        near(all(&|x| std * d.scores(x)[1] * t(x)), 0.0, 1e-6, &d);
+        near(all(&|x| std * d.scores(x)[1] * t(x) * t(x)), 2.0, 2e-6, &d);
     }
 }
 
@@ -190,8 +198,8 @@ fn derivatives_of_the_distribution_function_are_the_integrals_of_the_scores() {
         for p in [1e-3, 0.2, 0.7, 0.99] {
             let x = d.quantile(p);
             let found = d.cdf_derivatives(x).map(|by| std * by);
-            near(found[0], integrate(&d, x, |x| std * d.scores(x)[0]), 1e-7, (d, p));
-            near(found[1], integrate(&d, x, |x| std * d.scores(x)[1]), 1e-7, (d, p));
+            near(found[0], integrate(&d, x, |x| std * d.scores(x)[0]), 1e-7, (&d, p));
+            near(found[1], integrate(&d, x, |x| std * d.scores(x)[1]), 1e-7, (&d, p));
         }
     }
 }
@@ -229,16 +237,16 @@ fn what_makes_no_distribution_is_refused_with_its_numbers() {
 fn published_values() {
     // LN(1, 0.2): zeta = sqrt(ln 1.04) = 0.198042, lambda = -0.019610.
     let d = Distribution::lognormal(1.0, 0.2).unwrap();
-    near(d.from_standard_normal(0.0), (-0.019_610_356_f64).exp(), 1e-8, d);
-    near(d.from_standard_normal(1.0) / d.from_standard_normal(0.0), 0.198_042_2_f64.exp(), 1e-6, d);
+    near(d.from_standard_normal(0.0), (-0.019_610_356_f64).exp(), 1e-8, &d);
+    near(d.from_standard_normal(1.0) / d.from_standard_normal(0.0), 0.198_042_2_f64.exp(), 1e-6, &d);
     // Beta(2, 3): mean 0.4, variance 0.04, F(0.5) = 11/16, f(0.5) = 1.5.
     let d = Distribution::beta(0.4, 0.2, 0.0, 1.0).unwrap();
-    near(d.cdf(0.5), 0.6875, 1e-12, d);
-    near(d.pdf(0.5), 1.5, 1e-11, d);
+    near(d.cdf(0.5), 0.6875, 1e-12, &d);
+    near(d.pdf(0.5), 1.5, 1e-11, &d);
     // A lower tail of one in a billion: F = y^2 (6 - 8 y + 3 y^2).
     let y = d.quantile(1e-9);
-    near(y * y * (6.0 - 8.0 * y + 3.0 * y * y) / 1e-9, 1.0, 1e-9, d);
+    near(y * y * (6.0 - 8.0 * y + 3.0 * y * y) / 1e-9, 1.0, 1e-9, &d);
     // Six standard deviations: Phi(-6) = 9.865876e-10.
     let d = Distribution::exponential(1.0, 1.0).unwrap();
-    near(d.from_standard_normal(6.0), -(9.865_876_450_376_98e-10_f64).ln(), 1e-12, d);
+    near(d.from_standard_normal(6.0), -(9.865_876_450_376_98e-10_f64).ln(), 1e-12, &d);
 }

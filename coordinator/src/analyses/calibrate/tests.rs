@@ -77,7 +77,7 @@ fn fitted(targets: &str) -> Result<CalibrationResult, CalibrationError> {
 #[test]
 fn known_parameters_are_found_with_their_uncertainties() {
     let source = four_bar();
-    let law = source.nominal().variables[0].distribution;
+    let law = source.nominal().variables[0].distribution.clone();
     // Width 8 mm, wear 1.2, spread 1.5: mean wear 8 um * 1.2 / 0.8 at the end, and R there.
     let (mean, std) = (12e-6, 8e-6 * 1.5 * law.std() / law.mean() / 0.8);
     let reliability = standard_normal_cdf((8e-6 * 8.0 / 6.0 - mean) / std);

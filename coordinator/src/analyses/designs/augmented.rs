@@ -134,7 +134,7 @@ impl DesignSpace {
 
 /// Moments of variable `k` of the scene over all designs.
 fn envelope(k: usize, corners: &[Scene], middle: &Scene, ends: &[[Scene; 2]]) -> Envelope {
-    let law = |scene: &Scene| scene.variables[k].distribution;
+    let law = |scene: &Scene| scene.variables[k].distribution.clone();
     let all: Vec<_> =
         corners.iter().chain(std::iter::once(middle)).chain(ends.iter().flatten()).map(law).collect();
     let limits = all.iter().map(Distribution::limits);

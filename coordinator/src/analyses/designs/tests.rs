@@ -24,7 +24,7 @@ fn dimensions_that_follow_a_design_variable_cover_its_range_and_are_correlated_w
     assert_eq!(scene.variables.len(), base.variables().len() + 1);
     let at = |name: &str| scene.variables.iter().position(|v| v.name == name).unwrap();
     let (own, design) = (at("clearance_crank"), at("clearance"));
-    let law = scene.variables[own].distribution;
+    let law = scene.variables[own].distribution.clone();
     // Half of the range is 6 um, the variable's own standard deviation 2 um.
     let std = (2e-6f64.powi(2) + 6e-6f64.powi(2) / 3.0).sqrt();
     assert!((law.parent_mean() - 24e-6).abs() < 1e-12 && (law.given_std() / std - 1.0).abs() < 1e-9);
@@ -178,7 +178,7 @@ fn the_present_design_and_what_follows_a_design_variable() {
     // The scene itself has 30 um, outside of the range.
     let (present, others) = space.present(&["wear.threshold=9 um".to_owned()]).unwrap();
     assert_eq!(others, ["wear.threshold=9 um"]);
-    let constant = present.variables()[4].distribution;
+    let constant = present.variables()[4].distribution.clone();
     assert!(constant.is_constant() && (constant.mean() - 30e-6).abs() < 1e-18);
     let (set, others) = space.present(&["parameters.clearance=20 um".to_owned()]).unwrap();
     assert!(others.is_empty() && (set.variables()[4].distribution.mean() - 20e-6).abs() < 1e-18);

@@ -33,6 +33,7 @@ pub fn with_moments(
             let extreme = if law.quantile(0.5) < before { Extreme::Maxima } else { Extreme::Minima };
             Distribution::gumbel(mean, std, extreme)
         }
+        Distribution::Empirical(law) => law.moved(mean, std).map(Distribution::Empirical),
         Distribution::Triangular(_) => {
             let mode = 3.0 * before - lower - upper;
             Distribution::triangular(moved(lower), moved(mode), moved(upper))
@@ -61,7 +62,8 @@ mod tests {
             Distribution::gumbel(2.0, 0.5, Extreme::Maxima),
             Distribution::triangular(0.0, 2.0, 6.0),
         ];
-        for law in laws.map(Result::unwrap) {
+        let measured = Distribution::empirical(&[1.0, 2.0, 2.5, 4.0]).unwrap();
+        for law in laws.map(Result::unwrap).into_iter().chain([measured]) {
             let same = with_moments(&law, law.parent_mean(), law.given_std(), [false; 2]).unwrap();
             for p in [0.1, 0.5, 0.9] {
                 assert!((same.quantile(p) - law.quantile(p)).abs() < 1e-9, "{law:?} {same:?}");

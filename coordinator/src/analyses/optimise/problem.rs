@@ -158,7 +158,7 @@ impl DesignProblem {
         }
         let law = |(k, law): (usize, &Distribution)| {
             let fixed = self.fixed_bounds.get(k).copied().unwrap_or_default();
-            if changed[k] { with_moments(law, moments[k].0, moments[k].1, fixed) } else { Ok(*law) }
+            if changed[k] { with_moments(law, moments[k].0, moments[k].1, fixed) } else { Ok(law.clone()) }
         };
         inputs.variables().iter().enumerate().map(law).collect()
     }

@@ -43,7 +43,7 @@ fn studied() -> (SceneSource, Settings, StudySummary, Vec<StoredOutcome>) {
 
 /// The least cost per cycle and its age by a fine sum over the exact R.
 fn exact(scene: &SceneSource) -> (f64, f64) {
-    let law = scene.variables()[0].distribution;
+    let law = scene.variables()[0].distribution.clone();
     let (mut integral, mut best) = (0.0, (f64::INFINITY, 0.0));
     for k in 0..24_000 {
         let (from, to) = (0.1 * f64::from(k), 0.1 * f64::from(k + 1));
@@ -69,7 +69,7 @@ fn a_weibull_life_is_replaced_at_its_age_and_by_its_level() {
     assert!(report.mean_life.lower < 1000.0 && 1000.0 < report.mean_life.upper, "{:?}", report.mean_life);
     assert_eq!(report.lives.len(), 3);
     let last = report.rates[9];
-    let law = source.variables()[0].distribution;
+    let law = source.variables()[0].distribution.clone();
     let hazard = (law.survival(900.0) / law.survival(1000.0)).ln() / 100.0;
     let found = last.hazard.unwrap();
     assert!(found.lower < hazard && hazard < found.upper, "{found:?} {hazard}");

@@ -120,6 +120,7 @@ fn row<'d>(document: &'d mut Table, list: &str, name: &str) -> Option<&'d mut Ta
 fn change_variable(row: &mut Table, variable: &RandomVariable, set: &[(&str, Value)]) {
     let sets = |key: &str| set.iter().any(|(known, _)| *known == key);
     let word = |value: &Value| value.as_str().map(str::to_owned);
+    leave_samples(row, variable, set);
     let before = row.get("distribution").and_then(word).unwrap_or_else(|| DEFAULT.to_owned());
     let asked = set.iter().find(|(key, _)| *key == "distribution").and_then(|(_, value)| word(value));
     let law = asked.unwrap_or_else(|| before.clone());
@@ -167,6 +168,21 @@ fn change_variable(row: &mut Table, variable: &RandomVariable, set: &[(&str, Val
     }
     for (key, value) in set {
         row.insert((*key).to_owned(), value.clone());
+    }
+}
+
+/// Replaces measured samples by the distribution that is asked for or was fitted, with their moments. An empirical distribution has
+/// none that could be changed: that is a fault of the changed scene.
+fn leave_samples(row: &mut Table, variable: &RandomVariable, set: &[(&str, Value)]) {
+    let asked = set.iter().find(|(key, _)| *key == "distribution").map(|(_, value)| value.clone());
+    let Some(law) = asked.or_else(|| row.get("fit").cloned()).filter(|_| row.contains_key("samples")) else {
+        return;
+    };
+    row.retain(|key, _| key != "samples" && key != "fit");
+    row.insert("distribution".to_owned(), law);
+    let present = &variable.distribution;
+    for (key, value) in [("mean", present.parent_mean()), ("std", present.given_std())] {
+        row.insert(key.to_owned(), written_value(value, &variable.unit));
     }
 }
 

@@ -29,7 +29,7 @@ fn changed(settings: &[&str]) -> Result<SceneSource, Faults> {
 /// Mean, standard deviation and bounds of a variable of the changed scene.
 fn law(settings: &[&str], variable: usize) -> (f64, f64, (f64, f64)) {
     let scene = changed(settings).unwrap();
-    let law = scene.variables()[variable].distribution;
+    let law = scene.variables()[variable].distribution.clone();
     (law.parent_mean(), law.given_std(), law.support())
 }
 

@@ -1,27 +1,35 @@
-//! The report of a running study from the results so far. The study only records its progress; the report is rendered on
-//! request in a thread of the server, from the campaign file, and then reused for a few seconds.
+//! The page of a running study: its progress and its workers, and below them the nominal mechanism, or from the first round on the report
+//! of the results so far. The study only records its progress; the page is rendered on request in a thread of the server, from the campaign
+//! file, and then reused for a few seconds.
 
+use super::status_source::StatusSource;
+use super::study_section::{STYLE, study_section};
+use crate::presentation::remaining::EvaluationProgress;
 use crate::presentation::report::format::{count, fixed};
-use crate::presentation::report::{self, ReportInput, SUMMARY_DOCUMENT};
+use crate::presentation::report::nominal_page::NominalView;
+use crate::presentation::report::{self, Figure, ReportInput, SUMMARY_DOCUMENT, wrapped};
 use crate::results::progress::Progress;
 use crate::results::store::{CampaignFile, StoreError};
 use crate::results::summary::{ReliabilityRow, Round, StudySummary};
 use crate::study::{Settings, blank};
+use common::outputs::Evaluation;
 use common::scene::Scene;
-use maud::{DOCTYPE, html};
+use maud::{Markup, html};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 use tokio::sync::watch;
 
 /// Shortest time between two reports.
 const SHORTEST_INTERVAL: Duration = Duration::from_secs(3);
+/// Shortest time between two pages without a report.
+const PAGE_INTERVAL: Duration = Duration::from_secs(1);
 /// Shortest time between two reports as a multiple of the rendering time, which bounds the load to a twentieth of a core.
 const INTERVAL_FACTOR: u32 = 20;
 /// Longest time for which a request for an update waits.
-const LONGEST_WAIT: Duration = Duration::from_secs(20);
+const LONGEST_WAIT: Duration = Duration::from_secs(5);
 /// Interval at which a waiting request checks for the end of the study.
 const POLL_INTERVAL: Duration = Duration::from_millis(100);
 /// Time after the end of a study in which waiting requests are still answered.
@@ -56,6 +64,7 @@ struct ObservedProgress {
     done: usize,
     failed: usize,
     planned: usize,
+    budget: usize,
     initial: usize,
     /// Simulation time [s].
     simulation: f64,
@@ -71,13 +80,20 @@ struct ObservedProgress {
 struct CachedPage {
     view: PageView,
     until: Instant,
+    holds_report: bool,
 }
 
-/// The live report of one study.
+/// The live page of one study.
 pub struct LivePage {
     dir: PathBuf,
     scene: Scene,
     blank: StudySummary,
+    /// Workers and queue.
+    status: StatusSource,
+    /// The mechanism before anything is simulated.
+    drawing: Option<Figure>,
+    /// The evaluation at the means, once it is in the campaign file.
+    nominal: OnceLock<Evaluation>,
     started: Instant,
     progress: Mutex<ObservedProgress>,
     cached: Mutex<Option<CachedPage>>,
@@ -87,15 +103,25 @@ pub struct LivePage {
 }
 
 impl LivePage {
-    /// The live report of the study whose campaign file is in `dir`.
-    pub fn new(dir: &Path, scene: &Scene, settings: &Settings) -> Self {
+    /// The live page of the study whose campaign file is in `dir`, with a drawing of its mechanism.
+    pub fn new(
+        dir: &Path,
+        scene: &Scene,
+        settings: &Settings,
+        status: StatusSource,
+        drawing: Option<Figure>,
+    ) -> Self {
         Self {
             dir: dir.to_path_buf(),
             scene: scene.clone(),
             blank: blank(scene, settings),
+            status,
+            drawing,
+            nominal: OnceLock::new(),
             started: Instant::now(),
             progress: Mutex::new(ObservedProgress {
                 initial: settings.initial,
+                budget: settings.max_evaluations,
                 ..ObservedProgress::default()
             }),
             cached: Mutex::new(None),
@@ -109,8 +135,9 @@ impl LivePage {
         {
             let mut observed = self.observed();
             match progress {
-                Progress::BatchStarted { planned, purpose, .. } => {
+                Progress::BatchStarted { planned, budget, purpose, .. } => {
                     observed.planned = *planned;
+                    observed.budget = *budget;
                     observed.purpose.clone_from(purpose);
                 }
                 Progress::Evaluated { done, failed, wall, .. } => {
@@ -139,17 +166,17 @@ impl LivePage {
         let mut cached = self.cached.lock().unwrap_or_else(PoisonError::into_inner);
         let revision = *self.revision.borrow();
         let ended = self.observed().ended;
-        if let Some(CachedPage { view, until }) = &*cached
-            && (view.revision == revision || (!ended && Instant::now() < *until))
+        if let Some(CachedPage { view, until, holds_report }) = &*cached
+            && ((view.revision == revision && *holds_report) || (!ended && Instant::now() < *until))
         {
             return view.clone();
         }
         let begun = Instant::now();
         let (html, holds_report) = self.page(revision);
         let interval = SHORTEST_INTERVAL.max(begun.elapsed() * INTERVAL_FACTOR);
-        let reused = if holds_report { interval } else { Duration::ZERO };
+        let reused = if holds_report { interval } else { PAGE_INTERVAL };
         let view = PageView { revision, html };
-        *cached = Some(CachedPage { view: view.clone(), until: Instant::now() + reused });
+        *cached = Some(CachedPage { view: view.clone(), until: Instant::now() + reused, holds_report });
         view
     }
 
@@ -177,16 +204,21 @@ impl LivePage {
 
     /// Marks the study as ended and, if a page is open, waits until its last request is answered.
     pub fn end(&self) {
-        self.observed().ended = true;
         let page_is_open = self.requested.load(Ordering::Relaxed);
-        self.revision.send_modify(|revision| *revision += 1);
+        self.mark_ended();
         if page_is_open {
             std::thread::sleep(LAST_ANSWERS);
         }
     }
 
+    /// Marks the study as ended; pages are still served.
+    pub fn mark_ended(&self) {
+        self.observed().ended = true;
+        self.revision.send_modify(|revision| *revision += 1);
+    }
+
     fn last_line(&self) -> String {
-        format!("The study has ended; its report is {}", self.dir.join("report.html").display())
+        format!("The study has ended; its report is {}", self.report_file().display())
     }
 
     /// Time for which the last page is still reused.
@@ -202,9 +234,9 @@ impl LivePage {
 
     /// The page, and true if it contains a report.
     fn page(&self, revision: u64) -> (String, bool) {
-        let (summary, line, ended) = {
+        let (summary, line, ended, section) = {
             let observed = self.observed();
-            (self.summary(&observed), line(&observed), observed.ended)
+            (self.summary(&observed), line(&observed), observed.ended, self.section(&observed))
         };
         let report = match summary {
             None => Err("No reliability is available before the first round of learning.".to_owned()),
@@ -213,9 +245,15 @@ impl LivePage {
         };
         let holds_report = report.is_ok();
         // An error of the file is shown and may be gone at the next request.
-        let page = report.unwrap_or_else(|sentence| plain(&self.scene.title, &sentence));
+        let page = report.unwrap_or_else(|sentence| self.beginning(&sentence));
+        let section = if ended {
+            html! {}
+        } else {
+            section()
+        };
+        let page = page.replacen("</header>", &format!("</header>\n{}", section.0), 1);
         let head = html! {
-            style { (LINE_STYLE) }
+            style { (LINE_STYLE) (STYLE) }
             noscript { meta http-equiv="refresh" content="5"; }
             script src="/live.js" defer {}
         };
@@ -224,6 +262,62 @@ impl LivePage {
         let root = format!("<html lang=\"en\" data-revision=\"{revision}\">");
         let page = page.replacen("<html lang=\"en\">", &root, 1);
         (page.replacen("</head>", &head, 1).replacen("<body>", &bar, 1), holds_report)
+    }
+
+    /// Renders progress and workers; the observed progress is not held meanwhile.
+    fn section(&self, observed: &ObservedProgress) -> impl FnOnce() -> Markup + use<'_> {
+        let progress = EvaluationProgress {
+            done: observed.done as u64,
+            planned: observed.planned as u64,
+            budget: observed.budget as u64,
+        };
+        let purpose = observed.purpose.clone();
+        move || study_section(progress, &purpose, self.status.status().as_ref())
+    }
+
+    /// The page before the first round of learning: the nominal mechanism against its limits.
+    fn beginning(&self, sentence: &str) -> String {
+        let view = NominalView {
+            scene: &self.scene,
+            summary: self.blank.clone(),
+            evaluation: self.nominal(),
+            drawing: self.drawing.as_ref(),
+        };
+        let known = view.beginning().unwrap_or_else(|error| html! { p.note { (error) } });
+        let body = html! {
+            header {
+                p.brand { "Hingewise" }
+                h1 { (self.scene.title) }
+                p.meta {
+                    "Reliability study of scene " code { (self.scene.name) } ", method " (self.blank.method) ", accuracy "
+                    (self.blank.accuracy) ", seed " (self.blank.seed)
+                }
+            }
+            p.none { (sentence) }
+            (known)
+        };
+        wrapped(&self.scene.title, &body)
+    }
+
+    /// The evaluation at the means of the variables, which the study requests first.
+    fn nominal(&self) -> Option<&Evaluation> {
+        if self.nominal.get().is_none() {
+            let stored = CampaignFile::look(&self.dir).and_then(|file| file.evaluation(0));
+            // It is asked for again at the next request.
+            let evaluation = stored.ok().flatten().and_then(|stored| stored.outcome.ok())?;
+            let _ = self.nominal.set(evaluation);
+        }
+        self.nominal.get()
+    }
+
+    /// The text of a file in the folder of the study, once it has ended.
+    pub(super) fn result_file(&self, name: &str) -> Option<String> {
+        self.observed().ended.then(|| std::fs::read_to_string(self.dir.join(name)).ok())?
+    }
+
+    /// Path of the report of the finished study.
+    pub fn report_file(&self) -> PathBuf {
+        self.dir.join("report.html")
     }
 
     /// The summary of the results so far; `None` before the first reliability.
@@ -270,16 +364,4 @@ fn line(observed: &ObservedProgress) -> String {
         format!(", R({}) = {} so far", count(round.cycles.into()), fixed(round.reliability_total, 4))
     });
     format!("Running study: {done} of {planned} planned evaluations{purpose}{reliability}")
-}
-
-/// A page with one sentence.
-fn plain(title: &str, sentence: &str) -> String {
-    let page = html! {
-        (DOCTYPE)
-        html lang="en" {
-            head { meta charset="utf-8"; title { (title) " · Hingewise" } }
-            body { main { h1 { (title) } p { (sentence) } } }
-        }
-    };
-    page.into_string()
 }

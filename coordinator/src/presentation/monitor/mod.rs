@@ -12,9 +12,12 @@ mod live;
 mod metrics;
 mod relay;
 mod server;
+mod status_source;
+mod study_section;
 pub mod text;
 
 pub use live::{LivePage, PageView};
 pub use metrics::metrics_text;
-pub use relay::{ProgressRelay, StatusSource};
+pub use relay::ProgressRelay;
 pub use server::{MonitorError, MonitorServer, listen_address};
+pub use status_source::StatusSource;

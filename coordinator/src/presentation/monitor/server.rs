@@ -2,7 +2,7 @@
 
 use super::live::LivePage;
 use super::metrics::metrics_text;
-use super::relay::StatusSource;
+use super::status_source::StatusSource;
 use axum::Router;
 use axum::extract::{Path, Request, State};
 use axum::http::{HeaderValue, StatusCode, header};
@@ -102,6 +102,8 @@ impl MonitorServer {
             .route("/", get(page))
             .route("/news/{after}", get(update))
             .route("/live.js", get(script))
+            .route("/report.html", get(report))
+            .route("/figures/{name}", get(figure))
             .with_state(live)
             .layer(from_fn(require_loopback_host));
         Self::start("--live", address, router)
@@ -156,6 +158,40 @@ async fn page(State(live): State<Arc<LivePage>>) -> Result<Response, StatusCode>
         (header::X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff")),
     ];
     Ok((headers, view.html).into_response())
+}
+
+/// Content security policy of the report of a finished study: the script of its animation is part of it.
+const REPORT_POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src 'self' data:; \
+                             base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+/// The report in the folder of a study that has ended.
+async fn report(State(live): State<Arc<LivePage>>) -> Result<Response, StatusCode> {
+    let text = file(live, "report.html".to_owned()).await?;
+    let headers = [
+        (header::CONTENT_TYPE, HeaderValue::from_static("text/html; charset=utf-8")),
+        (header::CONTENT_SECURITY_POLICY, HeaderValue::from_static(REPORT_POLICY)),
+    ];
+    Ok((headers, text).into_response())
+}
+
+/// A figure beside the report, as SVG or CSV.
+async fn figure(State(live): State<Arc<LivePage>>, Path(name): Path<String>) -> Result<Response, StatusCode> {
+    let kind = match name.rsplit_once('.') {
+        Some((_, "svg")) => "image/svg+xml",
+        Some((_, "csv")) => "text/csv; charset=utf-8",
+        _ => return Err(StatusCode::NOT_FOUND),
+    };
+    // No path leads out of the folder.
+    if !name.chars().all(|c| c.is_ascii_alphanumeric() || "-_.".contains(c)) || name.starts_with('.') {
+        return Err(StatusCode::NOT_FOUND);
+    }
+    let text = file(live, format!("figures/{name}")).await?;
+    Ok(([(header::CONTENT_TYPE, HeaderValue::from_static(kind))], text).into_response())
+}
+
+/// A file of a study that has ended.
+async fn file(live: Arc<LivePage>, name: String) -> Result<String, StatusCode> {
+    compute(move || live.result_file(&name)).await?.ok_or(StatusCode::NOT_FOUND)
 }
 
 async fn script() -> Response {

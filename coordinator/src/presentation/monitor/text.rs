@@ -1,8 +1,9 @@
 //! The status of a running study as text.
 
+use crate::presentation::remaining::EvaluationProgress;
 use crate::presentation::report::format::{count, duration, fixed, with_width};
 use crate::statistics::reliability::REACH;
-use common::wire::{Phase, Status};
+use common::wire::{Phase, Status, StudyStatus};
 use std::fmt::Write;
 
 /// Phase, evaluations, queue, rate, current R, and one line per worker.
@@ -47,9 +48,9 @@ fn write_status(text: &mut String, status: &Status) -> std::fmt::Result {
     let (queued, under_way, slots) = (count(farm.queued), count(farm.under_way), count(farm.slots()));
     writeln!(text, "queue: {queued} waiting, {under_way} running on {slots} slots")?;
     if farm.rate > 0.0 {
-        let left = study.planned.saturating_sub(study.done) as f64 / farm.rate;
-        let remaining =
-            if left > 0.0 { format!(", {} left in this round", duration(left)) } else { String::new() };
+        let StudyStatus { done, planned, budget, .. } = *study;
+        let left = EvaluationProgress { done, planned, budget }.remaining(Some(farm.rate));
+        let remaining = left.map(|left| format!(", {left}")).unwrap_or_default();
         writeln!(text, "rate: {}/s in the last minute{remaining}", rate(farm.rate))?;
     }
     if let Some(so_far) = &study.reliability {
@@ -92,7 +93,7 @@ fn printable(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use common::wire::{FarmStatus, ReliabilitySoFar, StudyStatus, WorkerStatus};
+    use common::wire::{FarmStatus, ReliabilitySoFar, WorkerStatus};
 
     #[test]
     fn a_status_has_workers_rates_and_the_current_r() {
@@ -125,7 +126,7 @@ mod tests {
             "four-bar, round 3: simulating (for 2 min 10 s)\n",
             "evaluations: 84 of 120 planned, budget 400, 1 failed\n",
             "queue: 30 waiting, 6 running on 4 slots\n",
-            "rate: 1.30/s in the last minute, 27.7 s left in this round\n",
+            "rate: 1.30/s in the last minute, at most 4 min 03 s left\n",
             "R(66 000) = 0.347 ± 0.012 (95 %), after 2 rounds",
             "host-1      2      3        40     0.65/s",
         ] {

@@ -188,6 +188,11 @@ impl ReportInput {
         Ok(Some(input))
     }
 
+    /// The data of one mechanism without a study: the `summary` has no results.
+    pub fn of_one(scene: &Scene, summary: StudySummary, nominal: Option<Evaluation>) -> Self {
+        Self { nominal, ..Self::new(scene, summary, vec![]) }
+    }
+
     /// The data that scene and results provide, without the evaluations.
     fn new(scene: &Scene, summary: StudySummary, distributions: Vec<CheckpointDistribution>) -> Self {
         Self {

@@ -14,6 +14,7 @@ mod input;
 pub mod life;
 pub mod life_change;
 mod mechanism;
+pub mod nominal_page;
 mod page;
 pub mod palette;
 mod plot;
@@ -36,7 +37,7 @@ pub use input::{
 };
 pub use life::{failure_probability, reliability};
 pub use mechanism::Mechanism;
-pub use page::standalone;
+pub use page::{standalone, wrapped};
 pub use plot::{Axis, Plot, PlotError, Scale, Series, Shape};
 pub use png::{PngError, PngMaker};
 pub use stated_errors::StatedAt;

@@ -63,7 +63,8 @@ impl InputModel {
 
     /// The random variables of a scene.
     pub fn from_scene(scene: &Scene) -> Self {
-        let variables: Vec<_> = scene.variables.iter().map(|variable| variable.distribution).collect();
+        let variables: Vec<_> =
+            scene.variables.iter().map(|variable| variable.distribution.clone()).collect();
         let copula = GaussianCopula::new(variables.len(), &scene.correlations);
         Self::new(variables, copula.expect("checked when the scene was read"))
     }

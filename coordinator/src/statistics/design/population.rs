@@ -229,8 +229,9 @@ mod tests {
         let lognormal = |mean, std| Distribution::lognormal(mean, std).unwrap();
         let normal = |mean, std| Distribution::normal(mean, std).unwrap();
         let wide = lognormal(120.0, 12.0);
-        let rp8 = [wide, wide, wide, wide, lognormal(50.0, 10.0), lognormal(40.0, 8.0)];
-        let rp24 = [normal(10.0, 3.0); 2];
+        let rp8 =
+            [wide.clone(), wide.clone(), wide.clone(), wide, lognormal(50.0, 10.0), lognormal(40.0, 8.0)];
+        let rp24 = vec![normal(10.0, 3.0); 2];
         let first = |x: &[f64]| x[0] + 2.0 * x[1] + 2.0 * x[2] + x[3] - 5.0 * x[4] - 5.0 * x[5];
         let second = |x: &[f64]| 2.5 - 0.2357 * (x[0] - x[1]) + 0.00463 * (x[0] + x[1] - 20.0).powi(4);
         let count = |population: Population, g: &dyn Fn(&[f64]) -> f64| {

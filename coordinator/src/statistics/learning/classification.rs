@@ -226,7 +226,7 @@ mod tests {
     #[test]
     fn through_the_cache_every_point_is_classified_as_from_scratch() {
         let variable = Distribution::truncated_normal(0.0, 1.0, -5.0, 5.0).unwrap();
-        let population = Population::draw(&[variable; 4], 20_000, 11);
+        let population = Population::draw(&vec![variable; 4], 20_000, 11);
         let n = 60;
         let x = population.columns(0..n).to_owned();
         // A history of five checkpoints that passes its limit at some of them.

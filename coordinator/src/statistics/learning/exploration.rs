@@ -177,7 +177,7 @@ mod tests {
     #[test]
     fn the_rim_is_explored_in_every_direction_and_never_a_requested_point() {
         let normal = random::Distribution::truncated_normal(0.0, 1.0, -8.0, 8.0).unwrap();
-        let population = Population::draw(&[normal; 2], 2000, 1);
+        let population = Population::draw(&vec![normal; 2], 2000, 1);
         let data = Mat::from_fn(2, 9, |k, i| [i % 3, i / 3][k] as f64 - 1.0);
         let values = Mat::from_fn(9, 1, |i, _| i as f64);
         let correlation =

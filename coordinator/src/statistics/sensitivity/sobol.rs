@@ -118,7 +118,7 @@ mod tests {
         // y = 2 x1 + x2 + x2 x3 of standard normals: V = 4 + 1 + 1; S = 4/6, 1/6, 0; T = 4/6, 2/6, 1/6. And a
         // constant.
         let normal = Distribution::truncated_normal(0.0, 1.0, -8.0, 8.0).unwrap();
-        let population = Population::draw(&[normal; 3], 10_000, 5);
+        let population = Population::draw(&vec![normal; 3], 10_000, 5);
         let predict = |x: MatRef<'_, f64>| {
             Mat::from_fn(2, x.ncols(), |o, j| {
                 if o == 1 { 7.0 } else { 100.0 + 2.0 * x[(0, j)] + x[(1, j)] + x[(1, j)] * x[(2, j)] }

@@ -23,7 +23,7 @@ fn a_linear_limit_state_agrees_with_finite_differences_of_the_exact_probability(
     let tn = |mean, std| Distribution::truncated_normal(mean, std, -1.5, 3.5).unwrap();
     let (a, b) = (tn(1.0, 0.9), tn(0.5, 0.6));
     let points = 200_000;
-    let population = Population::draw(&[a, b], points, 17);
+    let population = Population::draw(&[a.clone(), b.clone()], points, 17);
     let limits = [2.0, 3.5];
     let value = |j: usize| {
         let x = population.physical(j);
@@ -45,9 +45,9 @@ fn a_linear_limit_state_agrees_with_finite_differences_of_the_exact_probability(
         let limit = limits[1 - row.checkpoint];
         let with = |dm: f64, ds: f64| {
             if row.variable == 0 {
-                exact(tn(1.0 + dm, 0.9 + ds), b, limit)
+                exact(tn(1.0 + dm, 0.9 + ds), b.clone(), limit)
             } else {
-                exact(a, tn(0.5 + dm, 0.6 + ds), limit)
+                exact(a.clone(), tn(0.5 + dm, 0.6 + ds), limit)
             }
         };
         let to_mean = (with(h, 0.0) - with(-h, 0.0)) / (2.0 * h);
@@ -101,7 +101,7 @@ fn check_correlated(
         })
         .collect();
     let pf = first.iter().filter(|first| **first == 0).count() as f64 / points as f64;
-    let truth = exact_correlated(laws[0], laws[1], rho, limit);
+    let truth = exact_correlated(laws[0].clone(), laws[1].clone(), rho, limit);
     assert!((pf - truth).abs() < 4.0 * (truth * (1.0 - truth) / points as f64).sqrt(), "{pf} {truth}");
     let all: Vec<usize> = (0..points).collect();
     let h = 1e-4;
@@ -110,9 +110,9 @@ fn check_correlated(
     {
         let with = |dm: f64, ds: f64| {
             if row.variable == 0 {
-                exact_correlated(made(0, dm, ds), laws[1], rho, limit)
+                exact_correlated(made(0, dm, ds), laws[1].clone(), rho, limit)
             } else {
-                exact_correlated(laws[0], made(1, dm, ds), rho, limit)
+                exact_correlated(laws[0].clone(), made(1, dm, ds), rho, limit)
             }
         };
         let to_mean = (with(h, 0.0) - with(-h, 0.0)) / (2.0 * h);

@@ -7,7 +7,7 @@ use faer::Mat;
 
 fn population(points: usize) -> Population {
     let variable = Distribution::truncated_normal(0.0, 1.0, -5.0, 5.0).unwrap();
-    Population::draw(&[variable; 3], points, 3)
+    Population::draw(&vec![variable; 3], points, 3)
 }
 
 fn function(x: &[f64], output: usize) -> f64 {

@@ -8,7 +8,7 @@ mod parts;
 mod points;
 
 pub use numbered::FigureFiles;
-pub use parts::{captioned, figures, standalone, wrapped};
+pub use parts::{captioned, details, figures, standalone, wrapped};
 
 use super::animation::{Animation, SCRIPT};
 use super::figure::Figure;
@@ -25,6 +25,7 @@ use parts::{inline, page_of, section};
 const HOVER: &str = include_str!("hover.js");
 
 /// Figures by section of the page.
+#[derive(Default)]
 pub struct Sections {
     pub(super) studied: Vec<Figure>,
     pub(super) reliability: Vec<Figure>,
@@ -111,10 +112,7 @@ pub fn html(input: &ReportInput, sections: &Sections, files: FigureFiles) -> Str
         (stated::errors_over_life(input))
         (end::effort(input))
         (appendix(input))
-        @if let Some(motion) = &sections.motion {
-            script type="application/json" id="motion" { (PreEscaped(&motion.data)) } "\n"
-            script { "\n" (PreEscaped(SCRIPT)) } "\n"
-        }
+        @if let Some(motion) = &sections.motion { (animated(motion)) }
         script { "\n" (PreEscaped(HOVER)) } "\n"
     };
     page_of(&input.title, &body, files)
@@ -187,8 +185,16 @@ fn appendix(input: &ReportInput) -> Markup {
     }
 }
 
+/// The data of an animation and the script that shows it.
+pub fn animated(motion: &Animation) -> Markup {
+    html! {
+        script type="application/json" id="motion" { (PreEscaped(&motion.data)) } "\n"
+        script { "\n" (PreEscaped(SCRIPT)) } "\n"
+    }
+}
+
 /// The nominal mechanism: its motion, its bores and orbits, its first and its last cycle.
-fn mechanism(input: &ReportInput, sections: &Sections) -> Markup {
+pub fn mechanism(input: &ReportInput, sections: &Sections) -> Markup {
     let end = input.nominal.as_ref().and_then(|nominal| nominal.cycles.last()).map_or(0, |cycles| *cycles);
     let lives = lives_in_words(input);
     let no_history = input.nominal.as_ref().is_none_or(|nominal| nominal.worn.is_none());

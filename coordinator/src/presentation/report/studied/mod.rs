@@ -20,8 +20,10 @@ use super::figure::Figure;
 use super::format::{UNKNOWN, count};
 use super::input::ReportInput;
 use super::page::{captioned, figures, numbered};
+use super::written::WrittenScene;
 use super::{tables, words};
-use common::scene::{ContactLaw, JointKind, SimulatorKind};
+use crate::results::scene_summary::limit_rows;
+use common::scene::{ContactLaw, JointKind, Scene, SimulatorKind};
 use maud::{Markup, html};
 
 /// Random variables beyond this number are listed in the appendix.
@@ -69,10 +71,22 @@ pub fn chapter(input: &ReportInput, drawn: &[Figure]) -> Markup {
         } @else {
             (variable_tables::variables(scene, &input.summary))
         }
-        (variable_tables::limits(scene, &input.summary, &input.written))
+        (variable_tables::limits(scene, &input.summary.limits, &input.written))
         h3 { "Assumptions and limits of the model" }
         ul { @for sentence in assumptions(input) { li { (sentence) } } }
         (facts(input))
+    }
+}
+
+/// Bodies, joints, loads, outputs and limit states of a scene, from its text `source`.
+pub fn mechanism(scene: &Scene, source: &str) -> Markup {
+    let written = WrittenScene::new(source);
+    html! {
+        @if scene.simulator.is_none() {
+            (mechanism_tables::tables(scene, &written))
+            (load_tables::tables(scene, &written))
+        }
+        (variable_tables::limits(scene, &limit_rows(scene), &written))
     }
 }
 
@@ -177,7 +191,6 @@ fn moment(time: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::presentation::report::written::WrittenScene;
     use crate::test_study;
     use common::scene::SceneSource;
 

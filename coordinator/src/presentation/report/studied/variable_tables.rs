@@ -6,7 +6,7 @@ use crate::presentation::report::format::{UNKNOWN, count};
 use crate::presentation::report::page::captioned;
 use crate::presentation::report::tables::{table, table_of_text};
 use crate::presentation::report::written::WrittenScene;
-use crate::results::scene_summary::VariableRow;
+use crate::results::scene_summary::{LimitRow, VariableRow};
 use crate::results::summary::StudySummary;
 use common::random::{Correlation, RandomVariable};
 use common::scene::expression::{ExpressionError, evaluate, read_unit};
@@ -155,7 +155,7 @@ fn study_settings(scene: &Scene) -> Markup {
 }
 
 /// Outputs, limit states and life.
-pub fn limits(scene: &Scene, summary: &StudySummary, written: &WrittenScene) -> Markup {
+pub fn limits(scene: &Scene, rows: &[LimitRow], written: &WrittenScene) -> Markup {
     let (body, joint) = (|k: usize| &*scene.bodies[k].name, |k: usize| &*scene.joints[k].name);
     let outputs = scene.outputs.iter().map(|output| {
         let what = output.kind.description(body, joint);
@@ -164,7 +164,7 @@ pub fn limits(scene: &Scene, summary: &StudySummary, written: &WrittenScene) -> 
             .map(|cell| cell.render())
             .to_vec()
     });
-    let limits = summary.limits.iter().zip(&scene.limit_states).map(|(row, limit)| {
+    let limits = rows.iter().zip(&scene.limit_states).map(|(row, limit)| {
         let unit = scene.outputs[limit.output].kind.unit();
         let key = format!("limit_states.{}.threshold", limit.name);
         let threshold = match &unit {

@@ -1,8 +1,8 @@
 //! One mechanism against the limits of its scene: value at the end of life, limit, margin and expected life, per limit state.
 
+use crate::presentation::report::format::{count, three_digits};
 use common::outputs::Evaluation;
 use common::scene::{LimitState, OutputUnit, Scene};
-use coordinator::presentation::report::format::{count, three_digits};
 use serde::Serialize;
 
 /// When one mechanism reaches a limit.

@@ -1,0 +1,263 @@
+//! Reads the columns of a CSV file: a head with names and units in brackets, then rows of numbers.
+//!
+//! Cells are separated by the first of `;`, tab and `,` that the head has, and may be quoted. Lines that are empty or begin with
+//! `#` are skipped. Every cell keeps its place in the text, for faults.
+
+use super::faults::{Fault, FaultKind, Faults, nearest};
+use super::location::Location;
+use std::ops::Range;
+
+/// At most this many faults of one file are reported.
+const FAULT_LIMIT: usize = 10;
+
+/// A column that was asked for: its numbers and where they stand.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct CsvColumn {
+    /// Unit in the head; none if the head has none.
+    pub(super) unit: Option<String>,
+    /// Bytes of the unit in the text, or of the whole head.
+    pub(super) unit_span: Range<usize>,
+    /// Bytes of the head in the text.
+    pub(super) head_span: Range<usize>,
+    /// The numbers `(n,)`, in that unit.
+    pub(super) numbers: Vec<f64>,
+    /// Bytes of each number in the text `(n,)`.
+    pub(super) spans: Vec<Range<usize>>,
+}
+
+/// A CSV file split into cells.
+#[derive(Debug)]
+pub(super) struct CsvFile<'t> {
+    file: &'t str,
+    text: &'t str,
+    separator: char,
+    head: Vec<Cell<'t>>,
+    rows: Vec<Vec<Cell<'t>>>,
+}
+
+/// The text of a cell without quotes and spaces around it, and its bytes in the file.
+#[derive(Debug, Clone, PartialEq)]
+struct Cell<'t> {
+    text: &'t str,
+    span: Range<usize>,
+}
+
+impl<'t> CsvFile<'t> {
+    /// Splits the text of `file` into cells; `key` is the key that names the file.
+    ///
+    /// # Errors
+    /// There is no head, or no row under it, or rows have another number of cells than the head.
+    pub(super) fn read(file: &'t str, text: &'t str, key: &str) -> Result<Self, Faults> {
+        let mut lines = lines(text).filter(|line| {
+            let line = text[line.clone()].trim();
+            !line.is_empty() && !line.starts_with('#')
+        });
+        let at_end = |message: &str| {
+            let end = text.trim_end().len();
+            Err(Faults(vec![fault_at(file, text, end..end, key, message.to_owned())]))
+        };
+        let Some(first) = lines.next() else {
+            return at_end("has no head, expected a line such as `angle [deg], force [N]`");
+        };
+        let separator = [';', '\t'].into_iter().find(|c| text[first.clone()].contains(*c)).unwrap_or(',');
+        let head = cells(text, first, separator);
+        let rows: Vec<_> = lines.map(|line| cells(text, line, separator)).collect();
+        if rows.is_empty() {
+            return at_end("has no row under its head");
+        }
+        let csv = CsvFile { file, text, separator, head, rows };
+        let faults: Vec<Fault> =
+            csv.rows.iter().filter_map(|row| csv.uneven(row, key)).take(FAULT_LIMIT).collect();
+        if faults.is_empty() { Ok(csv) } else { Err(Faults(faults)) }
+    }
+
+    /// The fault of a row with another number of cells than the head.
+    fn uneven(&self, row: &[Cell], key: &str) -> Option<Fault> {
+        let (found, expected) = (row.len(), self.head.len());
+        if found == expected {
+            return None;
+        }
+        let is_comma_file = self.separator == ',' && found > expected;
+        let advice =
+            if is_comma_file { "; if these are decimal commas, write decimal points: 0.5" } else { "" };
+        let message = format!("has {found} values, the head has {expected} columns{advice}");
+        let span = row.first().map_or(0, |cell| cell.span.start)..row.last().map_or(0, |cell| cell.span.end);
+        Some(self.fault(span, key, message))
+    }
+
+    /// Number of columns.
+    pub(super) fn width(&self) -> usize {
+        self.head.len()
+    }
+
+    /// Head of a column, with its unit.
+    pub(super) fn head(&self, column: usize) -> &'t str {
+        self.head[column].text
+    }
+
+    /// The place of the column that is called `name`, with or without its unit.
+    ///
+    /// # Errors
+    /// [`FaultKind::UnknownReference`] with the nearest name; its place is that of the name in the scene.
+    pub(super) fn find(&self, name: &str) -> Result<usize, FaultKind> {
+        let plain = |text: &str| text.split_whitespace().collect::<String>();
+        let asked = plain(name);
+        let is_called = |cell: &Cell| plain(cell.text) == asked || plain(split_unit(cell.text).0) == asked;
+        self.head.iter().position(is_called).ok_or_else(|| {
+            // Without units, which are most of a short head.
+            let near = nearest(split_unit(name).0, self.head.iter().map(|cell| split_unit(cell.text).0));
+            let head = self.head.iter().find(|cell| Some(split_unit(cell.text).0) == near.as_deref());
+            FaultKind::UnknownReference {
+                what: "column",
+                value: name.to_owned(),
+                nearest: head.map(|cell| cell.text.to_owned()),
+                known: self.head.iter().map(|cell| cell.text.to_owned()).collect(),
+            }
+        })
+    }
+
+    /// The numbers of a column.
+    ///
+    /// # Errors
+    /// Cells that are no numbers, each with its place.
+    pub(super) fn column(&self, column: usize, key: &str) -> Result<CsvColumn, Faults> {
+        let mut faults = Vec::new();
+        let mut numbers = Vec::new();
+        for cell in self.rows.iter().map(|row| &row[column]) {
+            match cell.text.parse::<f64>() {
+                Ok(number) if number.is_finite() => numbers.push(number),
+                _ => faults.push(self.fault(cell.span.clone(), key, not_a_number(cell.text))),
+            }
+        }
+        faults.truncate(FAULT_LIMIT);
+        if !faults.is_empty() {
+            return Err(Faults(faults));
+        }
+        let head = &self.head[column];
+        let unit = split_unit(head.text).1.filter(|unit| !["", "-", "1"].contains(unit));
+        let offset =
+            unit.map(|unit| head.span.start + (unit.as_ptr() as usize - head.text.as_ptr() as usize));
+        let unit_span = offset.zip(unit).map_or(head.span.clone(), |(at, unit)| at..at + unit.len());
+        Ok(CsvColumn {
+            unit: unit.map(str::to_owned),
+            unit_span,
+            head_span: head.span.clone(),
+            numbers,
+            spans: self.rows.iter().map(|row| row[column].span.clone()).collect(),
+        })
+    }
+
+    fn fault(&self, span: Range<usize>, key: &str, message: String) -> Fault {
+        fault_at(self.file, self.text, span, key, message)
+    }
+}
+
+fn fault_at(file: &str, text: &str, span: Range<usize>, key: &str, message: String) -> Fault {
+    let mut fault = Fault::new(file, key, FaultKind::Inconsistent { message });
+    fault.location = Some(Box::new(Location::new(file, text, span)));
+    fault
+}
+
+/// Why a cell is no number, and what to write instead.
+fn not_a_number(cell: &str) -> String {
+    let with_point = cell.replace(',', ".");
+    if cell.is_empty() {
+        "is empty, expected a number".to_owned()
+    } else if cell.matches(',').count() == 1 && with_point.parse::<f64>().is_ok() {
+        format!("`{cell}` has a decimal comma: use a decimal point: {with_point}")
+    } else if cell.trim_end_matches(|c: char| !c.is_ascii_digit()).parse::<f64>().is_ok() {
+        format!("`{cell}` is not a number: the unit stands in the head, e.g. `force [N]`")
+    } else {
+        format!("`{cell}` is not a finite number")
+    }
+}
+
+/// Name and unit of a head such as `force [N]`.
+fn split_unit(head: &str) -> (&str, Option<&str>) {
+    let inside = head.strip_suffix(']').and_then(|head| head.split_once('['));
+    inside.map_or((head, None), |(name, unit)| (name.trim_end(), Some(unit.trim())))
+}
+
+/// The bytes of every line, without its end and without a byte order mark.
+fn lines(text: &str) -> impl Iterator<Item = Range<usize>> {
+    let start = if text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
+    let mut at = start;
+    text[start..].split('\n').map(move |line| {
+        let span = at..at + line.trim_end_matches('\r').len();
+        at += line.len() + 1;
+        span
+    })
+}
+
+/// The cells of one line.
+fn cells(text: &str, line: Range<usize>, separator: char) -> Vec<Cell<'_>> {
+    let mut ends = Vec::new();
+    let mut quoted = false;
+    for (at, c) in text[line.clone()].char_indices() {
+        match c {
+            '"' => quoted = !quoted,
+            c if c == separator && !quoted => ends.push(line.start + at),
+            _ => {}
+        }
+    }
+    ends.push(line.end);
+    let mut start = line.start;
+    let cell = |end: usize| {
+        let span = trimmed(text, start..end);
+        start = end + separator.len_utf8();
+        Cell { text: &text[span.clone()], span }
+    };
+    ends.into_iter().map(cell).collect()
+}
+
+/// A piece of a text without spaces and quotes around it.
+fn trimmed(text: &str, span: Range<usize>) -> Range<usize> {
+    let piece = &text[span.clone()];
+    let outer = piece.trim();
+    let inner = outer.strip_prefix('"').and_then(|piece| piece.strip_suffix('"')).unwrap_or(outer).trim();
+    let start = span.start + (inner.as_ptr() as usize - piece.as_ptr() as usize);
+    start..start + inner.len()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn heads_units_and_numbers_keep_their_places() {
+        let text = "\u{feff}# test bench 3\r\n\"angle [deg]\"; force [ N ]\r\n\r\n0;\t1.5\r\n 90 ; -2e-1\r\n";
+        let csv = CsvFile::read("load.csv", text, "loads.push.size").unwrap();
+        assert_eq!((csv.width(), csv.head(0)), (2, "angle [deg]"));
+        assert_eq!((csv.find("angle").unwrap(), csv.find("force [N]").unwrap()), (0, 1));
+        let force = csv.column(1, "loads.push.size").unwrap();
+        assert_eq!((force.unit.as_deref(), &text[force.unit_span]), (Some("N"), "N"));
+        assert_eq!(force.numbers, [1.5, -0.2]);
+        assert_eq!(&text[force.spans[1].clone()], "-2e-1");
+    }
+
+    #[test]
+    fn what_is_no_table_of_numbers_is_named_with_its_place() {
+        for (text, place, says) in [
+            ("", "1:1", "has no head"),
+            ("a [mm]\n", "1:7", "has no row"),
+            (
+                "a [mm],b\n1,2\n0,5,1,5\n",
+                "3:1",
+                "has 4 values, the head has 2 columns; if these are decimal commas",
+            ),
+            ("a [mm];b\n1;2\n0,5;1\n", "3:1", "`0,5` has a decimal comma: use a decimal point: 0.5"),
+            ("a [mm];b\n1;2\n;1\n", "3:1", "is empty"),
+            ("a [mm]\n 12 mm\n", "2:2", "the unit stands in the head"),
+            ("a [mm]\nnan\n", "2:1", "is not a finite number"),
+        ] {
+            let read = CsvFile::read("f.csv", text, "k").and_then(|csv| csv.column(0, "k"));
+            let Faults(faults) = read.expect_err(text);
+            let found = faults[0].location.as_ref().unwrap().to_string();
+            assert_eq!(found, format!("f.csv:{place}"), "{text}");
+            assert!(faults[0].to_string().contains(says), "{text}: {}", faults[0]);
+        }
+        let text = "gap [um]\n1\n";
+        let unknown = CsvFile::read("f.csv", text, "k").unwrap().find("gpa [um]").unwrap_err().to_string();
+        assert!(unknown.contains("did you mean \"gap [um]\"?"), "{unknown}");
+    }
+}

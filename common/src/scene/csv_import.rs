@@ -1,0 +1,200 @@
+//! `{ csv = "load.csv", columns = [...] }`: puts the columns of CSV files into a scene when it is read, so that its text stands alone.
+//!
+//! A curve of a load or a drive gets `at` and `value`, the samples of a variable `values`, each with the unit of its head. Paths are
+//! relative to the file of the scene. The places of all numbers are kept, so that later faults point into the CSV file.
+
+use super::csv_file::{CsvColumn, CsvFile};
+use super::faults::{Fault, FaultKind, Faults};
+use std::ops::Range;
+use std::path::Path;
+use toml::{Table, Value};
+
+/// Lists of a scene and the keys of their rows that may name a CSV file.
+const PLACES: [(&str, &[&str]); 3] =
+    [("loads", &["size", "torque"]), ("bodies", &["speed", "angle"]), ("variables", &["samples"])];
+
+/// A column that a scene took from a CSV file.
+#[derive(Debug, Clone)]
+pub(super) struct ImportedColumn {
+    /// Path of the list that the column became, e.g. `loads.push.size.at`.
+    pub(super) key: String,
+    /// The CSV file.
+    pub(super) file: String,
+    /// Text of that file.
+    pub(super) text: String,
+    column: CsvColumn,
+}
+
+impl ImportedColumn {
+    /// The bytes in the CSV file of what a path below the column names: a number, the unit, or the head.
+    pub(super) fn span(&self, path: &str) -> Option<Range<usize>> {
+        let rest = path.strip_prefix(&self.key)?;
+        let CsvColumn { unit_span, head_span, spans, .. } = &self.column;
+        match rest.strip_prefix('.') {
+            None => rest.is_empty().then(|| head_span.clone()),
+            Some("unit") => Some(unit_span.clone()),
+            Some(number) => {
+                let number = number.strip_prefix("values.").unwrap_or(number);
+                spans.get(number.parse::<usize>().ok()?.checked_sub(1)?).cloned()
+            }
+        }
+    }
+}
+
+/// Puts the columns of all CSV files that a document names into it; `folder` is that of its file.
+///
+/// # Errors
+/// Files that cannot be read, columns that they do not have, and cells that are no numbers.
+pub(super) fn import(
+    document: &mut Table,
+    origin: &str,
+    folder: Option<&Path>,
+) -> Result<Vec<ImportedColumn>, Faults> {
+    let mut imported = Vec::new();
+    let mut faults = Vec::new();
+    for (list, keys) in PLACES {
+        let rows = document.get_mut(list).and_then(Value::as_array_mut).into_iter().flatten();
+        for (number, row) in rows.enumerate() {
+            let Some(row) = row.as_table_mut() else { continue };
+            let name = row.get("name").and_then(Value::as_str);
+            let path =
+                name.map_or_else(|| format!("{list}[{}]", number + 1), |name| format!("{list}.{name}"));
+            for key in keys {
+                let Some(table) = row.get_mut(*key).and_then(Value::as_table_mut) else { continue };
+                if !table.contains_key("csv") {
+                    continue;
+                }
+                let request = ImportRequest { path: format!("{path}.{key}"), origin, folder };
+                let is_sample = *key == "samples";
+                let read = if is_sample { request.samples(table) } else { request.curve(table) };
+                match read {
+                    Ok(columns) => imported.extend(columns),
+                    Err(Faults(found)) => faults.extend(found),
+                }
+            }
+        }
+    }
+    if faults.is_empty() { Ok(imported) } else { Err(Faults(faults)) }
+}
+
+/// One table of a scene that names a CSV file.
+struct ImportRequest<'r> {
+    /// Path of the table.
+    path: String,
+    origin: &'r str,
+    folder: Option<&'r Path>,
+}
+
+impl ImportRequest<'_> {
+    /// Replaces `csv` and `columns` of a curve by `at` and `value`.
+    fn curve(&self, table: &mut Table) -> Result<Vec<ImportedColumn>, Faults> {
+        const EXPECTED: &str = "a list of the two columns, of the arguments and the values";
+        self.refuse_beside(table, &["at", "value"])?;
+        let (file, text) = self.file(table)?;
+        let csv = CsvFile::read(&file, &text, &format!("{}.csv", self.path))?;
+        let names = match table.remove("columns") {
+            None if csv.width() == 2 => [csv.head(0), csv.head(1)].map(str::to_owned).to_vec(),
+            None => return Err(self.unnamed_column(&csv, "columns", EXPECTED)),
+            Some(Value::Array(names)) => names.iter().filter_map(Value::as_str).map(str::to_owned).collect(),
+            Some(_) => Vec::new(),
+        };
+        let [at, value] = names.as_slice() else {
+            return Err(
+                self.one("columns", FaultKind::Inconsistent { message: format!("expected {EXPECTED}") })
+            );
+        };
+        let columns = [("at", at, "columns.1"), ("value", value, "columns.2")];
+        let read = columns.map(|(key, name, place)| {
+            let column = csv.find(name).map_err(|kind| self.one(place, kind))?;
+            Ok((key, csv.column(column, &format!("{}.{key}", self.path))?))
+        });
+        let read = all(read)?;
+        Ok(read
+            .into_iter()
+            .map(|(key, column)| {
+                table.insert(key.to_owned(), Value::Table(list(&column)));
+                self.imported(format!("{}.{key}", self.path), &file, &text, column)
+            })
+            .collect())
+    }
+
+    /// Replaces `csv` and `column` of samples by `unit` and `values`.
+    fn samples(&self, table: &mut Table) -> Result<Vec<ImportedColumn>, Faults> {
+        const EXPECTED: &str = "the name of a column";
+        self.refuse_beside(table, &["unit", "values"])?;
+        let (file, text) = self.file(table)?;
+        let csv = CsvFile::read(&file, &text, &format!("{}.csv", self.path))?;
+        let place = match table.remove("column") {
+            None if csv.width() == 1 => 0,
+            None => return Err(self.unnamed_column(&csv, "column", EXPECTED)),
+            Some(Value::String(name)) => csv.find(&name).map_err(|kind| self.one("column", kind))?,
+            Some(_) => {
+                let message = format!("expected {EXPECTED}");
+                return Err(self.one("column", FaultKind::Inconsistent { message }));
+            }
+        };
+        let column = csv.column(place, &self.path)?;
+        table.extend(list(&column));
+        Ok(vec![self.imported(self.path.clone(), &file, &text, column)])
+    }
+
+    fn imported(&self, key: String, file: &str, text: &str, column: CsvColumn) -> ImportedColumn {
+        ImportedColumn { key, file: file.to_owned(), text: text.to_owned(), column }
+    }
+
+    fn refuse_beside(&self, table: &Table, keys: &[&str; 2]) -> Result<(), Faults> {
+        if keys.iter().any(|key| table.contains_key(*key)) {
+            let message = format!("give either csv, or {} and {}, not both", keys[0], keys[1]);
+            return Err(self.one("csv", FaultKind::Inconsistent { message }));
+        }
+        Ok(())
+    }
+
+    /// Name and text of the file that a table names; its key is removed.
+    fn file(&self, table: &mut Table) -> Result<(String, String), Faults> {
+        let fault = |message: String| self.one("csv", FaultKind::Inconsistent { message });
+        let Some(Value::String(name)) = table.remove("csv") else {
+            return Err(fault(
+                "expected the path of a CSV file, relative to the file of the scene".to_owned(),
+            ));
+        };
+        let Some(folder) = self.folder else {
+            return Err(fault(format!(
+                "\"{name}\" cannot be found: this scene has no file that it is relative to"
+            )));
+        };
+        let path = folder.join(&name);
+        let text = std::fs::read_to_string(&path)
+            .map_err(|error| fault(format!("{} cannot be read: {error}", path.display())))?;
+        Ok((path.display().to_string(), text))
+    }
+
+    fn unnamed_column(&self, csv: &CsvFile, key: &str, expected: &str) -> Faults {
+        let heads: Vec<&str> = (0..csv.width()).map(|column| csv.head(column)).collect();
+        let expected = format!("{expected}; the file has: {}", heads.join(", "));
+        self.one(key, FaultKind::Missing { expected })
+    }
+
+    fn one(&self, key: &str, kind: FaultKind) -> Faults {
+        Faults(vec![Fault::new(self.origin, format!("{}.{key}", self.path), kind)])
+    }
+}
+
+/// Both results, or the faults of both.
+fn all<T>(read: [Result<T, Faults>; 2]) -> Result<Vec<T>, Faults> {
+    let mut faults = Vec::new();
+    let found: Vec<T> =
+        read.into_iter().filter_map(|read| read.map_err(|Faults(more)| faults.extend(more)).ok()).collect();
+    if faults.is_empty() { Ok(found) } else { Err(Faults(faults)) }
+}
+
+/// A column as a table of a scene, `{ unit, values }`.
+fn list(column: &CsvColumn) -> Table {
+    let mut table = Table::new();
+    if let Some(unit) = &column.unit {
+        table.insert("unit".to_owned(), Value::String(unit.clone()));
+    }
+    let numbers = column.numbers.iter().map(|number| Value::Float(*number)).collect();
+    table.insert("values".to_owned(), Value::Array(numbers));
+    table
+}

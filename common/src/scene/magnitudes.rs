@@ -1,0 +1,171 @@
+//! Warnings about values whose magnitude no mechanism has, usually a wrong unit: masses and inertias against the size of a body,
+//! clearances against their hinge, elastic moduli, wear coefficients, speeds, gravity.
+//!
+//! The bounds leave out what any material or machine can have; a value beyond them is wrong by a factor of ten at least.
+
+use super::drive::Drive;
+use super::joint::{Clearance, Joint, JointKind, Material};
+use super::model::{Body, Motion, Scene};
+use super::warnings::Warning;
+
+/// Largest radius of gyration of a body, in units of its largest distance from the centre of mass: a flywheel on a short crank.
+const LARGEST_GYRATION: f64 = 10.0;
+/// Density of a block around a body that is as heavy as the body [kg/m^3]: from a thin wire across it to twice that of gold.
+const DENSITIES: (f64, f64) = (1e-3, 5e4);
+/// Radial clearances of hinges are 0.01 to 2 % of the radius.
+const LARGEST_CLEARANCE: f64 = 0.2;
+/// Young's moduli from soft rubber to diamond [Pa].
+const MODULI: (f64, f64) = (1e5, 2e12);
+/// Wear coefficients per hardness, from films in oil to abrasion of plastics [1/Pa].
+const WEAR: (f64, f64) = (1e-21, 1e-9);
+/// Largest speed of a driven body [rad/s]: a dental turbine has 4e4.
+const LARGEST_SPEED: f64 = 1e5;
+/// Gravity on the moon and on Jupiter, a tenth and ten times [m/s^2].
+const GRAVITY: (f64, f64) = (0.1, 300.0);
+
+/// The warnings about a scene.
+pub(super) fn magnitudes(scene: &Scene) -> Vec<Warning> {
+    let mut found = Vec::new();
+    let mut warn = |key: String, message: String| found.push(Warning { key, message });
+    for (k, body) in scene.bodies.iter().enumerate() {
+        for (key, message) in of_body(scene, k, body) {
+            warn(format!("bodies.{}.{key}", body.name), message);
+        }
+    }
+    for joint in &scene.joints {
+        let JointKind::Clearance(clearance) = &joint.kind else { continue };
+        for (key, message) in of_hinge(clearance) {
+            warn(format!("joints.{}.{key}", joint.name), message);
+        }
+    }
+    let [x, y] = scene.gravity;
+    let gravity = x.hypot(y);
+    if gravity > 0.0 && !within(gravity, GRAVITY) {
+        warn("gravity".to_owned(), format!("is {gravity:.3e} m/s^2; on earth it is 9.81 m/s^2"));
+    }
+    found
+}
+
+fn within(value: f64, (least, most): (f64, f64)) -> bool {
+    (least..=most).contains(&value)
+}
+
+fn of_body(scene: &Scene, k: usize, body: &Body) -> Vec<(&'static str, String)> {
+    let mut found = Vec::new();
+    match &body.motion {
+        Motion::Driven { drive: Drive::ConstantSpeed { speed, .. }, .. } if speed.abs() > LARGEST_SPEED => {
+            let turns = speed.abs() * 30.0 / std::f64::consts::PI;
+            found.push(("speed", format!("is {turns:.0} r/min, more than any machine has")));
+        }
+        Motion::Free { mass, inertia, centre_of_mass, .. } => {
+            if let Some(size) = size(scene, k, body, *centre_of_mass) {
+                let gyration = (inertia / mass).sqrt();
+                if gyration > LARGEST_GYRATION * size {
+                    let message = format!(
+                        "with the mass it gives a radius of gyration of {:.4} mm, but no point of the body is farther from its centre of \
+                         mass than {:.4} mm: check the units of inertia and mass",
+                        1e3 * gyration,
+                        1e3 * size
+                    );
+                    found.push(("inertia", message));
+                }
+                let density = mass / (2.0 * size).powi(3);
+                if !within(density, DENSITIES) {
+                    let message = format!(
+                        "is {:.3e} kg in a body of {:.4} mm: a block of that size would have {density:.1e} kg/m^3 (steel: 7850): check the \
+                         unit",
+                        mass,
+                        2e3 * size
+                    );
+                    found.push(("mass", message));
+                }
+            }
+        }
+        _ => {}
+    }
+    found
+}
+
+/// Largest distance of a point or joint of a link from its centre of mass [m]; none for sliders and bodies with a single joint, whose
+/// points do not show how large they are.
+fn size(scene: &Scene, k: usize, body: &Body, [a, b]: [f64; 2]) -> Option<f64> {
+    let of_body = |joint: &&Joint| [joint.journal.body, joint.bushing.body].contains(&k);
+    let slides = |joint: &Joint| matches!(joint.kind, JointKind::Prismatic { .. });
+    if scene.joints.iter().filter(of_body).count() < 2 || scene.joints.iter().filter(of_body).any(slides) {
+        return None;
+    }
+    let places = scene.joints.iter().flat_map(|joint| [&joint.journal, &joint.bushing]);
+    let joints = places.filter(|place| place.body == k).map(|place| place.position);
+    let points = body.points.iter().map(|point| point.position);
+    let size = points.chain(joints).map(|[x, y]| (x - a).hypot(y - b)).fold(0.0, f64::max);
+    (size > 0.0).then_some(size)
+}
+
+fn of_hinge(clearance: &Clearance) -> Vec<(&'static str, String)> {
+    let mut found = Vec::new();
+    let share = clearance.radial_clearance() / clearance.journal_radius;
+    if share > LARGEST_CLEARANCE {
+        let message = format!(
+            "leaves a radial clearance of {:.0} % of the journal radius; hinges have 0.01 to 2 %: check the units of the radii and the \
+             clearance",
+            100.0 * share
+        );
+        found.push(("journal_radius", message));
+    }
+    if clearance.width > 100.0 * clearance.journal_radius {
+        let ratio = clearance.width / clearance.journal_radius;
+        found.push(("width", format!("is {ratio:.0} times the journal radius: check the unit")));
+    }
+    for (key, Material { elastic_modulus, .. }) in
+        [("journal_material", clearance.journal_material), ("bushing_material", clearance.bushing_material)]
+    {
+        if !within(elastic_modulus, MODULI) {
+            let message = format!(
+                "has an elastic modulus of {elastic_modulus:.3e} Pa; steel has 2.06e11 Pa = 206 GPa, plastics have 1e8 to 1e10 Pa"
+            );
+            found.push((key, message));
+        }
+    }
+    let wear = clearance.wear_coefficient;
+    if wear > 0.0 && !within(wear, WEAR) {
+        let message =
+            format!("is {wear:.3e} 1/Pa; lubricated steel has about 1e-17 to 1e-13 1/Pa: check the unit");
+        found.push(("wear_coefficient", message));
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::scene::SceneSource;
+
+    const FOUR_BAR: &str = include_str!("../../scenes/four-bar.toml");
+
+    #[test]
+    fn built_in_scenes_have_ordinary_magnitudes() {
+        for name in SceneSource::builtin_names() {
+            let source = SceneSource::builtin(name).unwrap();
+            assert_eq!(super::magnitudes(source.nominal()), [], "{name}");
+        }
+    }
+
+    #[test]
+    fn a_unit_that_is_wrong_by_a_thousand_is_pointed_out() {
+        for (from, to, key) in [
+            ("\"206 GPa\"", "\"2060 GPa\"", "journal_material"),
+            ("width = \"10 mm\"", "width = \"10 m\"", "width"),
+            ("coupler_mass = \"20 g\"", "coupler_mass = \"20 kg\"", "bodies.coupler.mass"),
+            ("coupler_mass = \"20 g\"", "coupler_mass = \"1e-8 g\"", "bodies.coupler.mass"),
+            ("\"coupler_mass * coupler_length^2 / 12\"", "\"3 kg m^2\"", "bodies.coupler.inertia"),
+            ("\"1e-13 1/Pa\"", "\"1e-7 1/Pa\"", "wear_coefficient"),
+            ("speed = \"900 r/min\"", "speed = \"9e6 r/min\"", "bodies.crank.speed"),
+            ("[scene]", "gravity = [\"0 m/s^2\", \"-9810 m/s^2\"]\n[scene]", "gravity"),
+        ] {
+            assert!(FOUR_BAR.contains(from), "{from}");
+            let source = SceneSource::parse(&FOUR_BAR.replace(from, to), "my.toml").unwrap();
+            let found = source.warnings();
+            let warning = found.iter().find(|warning| warning.key.ends_with(key));
+            assert!(warning.is_some(), "{to}: {found:?}");
+        }
+    }
+}

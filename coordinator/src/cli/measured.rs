@@ -1,0 +1,109 @@
+//! The measured variables of a scene: how many values they have, which distribution was taken from them and whether it fits.
+
+use super::error::CommandError;
+use common::random::Family;
+use common::scene::expression::read_unit;
+use common::scene::{MeasuredVariable, SceneSource, Warning};
+use coordinator::presentation::report::format::three_digits;
+use coordinator::statistics::goodness_of_fit::{GoodnessOfFit, REPLICATIONS, anderson_darling};
+use serde::Serialize;
+
+/// Below this p the values are unlikely for the family.
+const UNLIKELY: f64 = 0.05;
+
+/// A measured variable in text and in JSON.
+#[derive(Debug, Serialize)]
+pub struct MeasuredFinding {
+    variable: String,
+    values: usize,
+    /// The family that was fitted; none for an empirical distribution.
+    family: Option<&'static str>,
+    /// Every family that can be fitted, with its test.
+    families: Vec<FamilyTest>,
+    #[serde(skip)]
+    range: String,
+}
+
+/// The test of one family.
+#[derive(Debug, Serialize)]
+struct FamilyTest {
+    family: &'static str,
+    /// Statistic of Anderson and Darling.
+    a2: f64,
+    /// Share of samples of the family that fit no better.
+    p: f64,
+}
+
+/// The measured variables of a scene with the tests of their families.
+///
+/// # Errors
+/// [`CommandError::Scene`].
+pub fn measured_findings(source: &SceneSource) -> Result<Vec<MeasuredFinding>, CommandError> {
+    let unit = |name: &str| {
+        let variable = source.variables().iter().find(|variable| variable.name == name);
+        variable.map_or("1", |variable| variable.unit.as_str())
+    };
+    Ok(source.measured()?.iter().map(|measured| finding(measured, unit(&measured.name))).collect())
+}
+
+fn finding(measured: &MeasuredVariable, unit: &str) -> MeasuredFinding {
+    let MeasuredVariable { name, samples, family, .. } = measured;
+    let families = Family::ALL.into_iter().filter(|family| family.fit(samples).is_ok()).map(|family| {
+        let GoodnessOfFit { statistic, p } = anderson_darling(family, samples);
+        FamilyTest { family: family.word(), a2: statistic, p }
+    });
+    let scale = read_unit(unit).map_or(1.0, |unit| unit.multiply / unit.divide);
+    let shown = |value: f64| three_digits(value / scale).replace('\u{2212}', "-");
+    let least = samples.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = samples.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let symbol = if unit == "1" { String::new() } else { format!(" {unit}") };
+    MeasuredFinding {
+        variable: name.clone(),
+        values: samples.len(),
+        family: family.map(Family::word),
+        families: families.collect(),
+        range: format!("{} to {}{symbol}", shown(least), shown(most)).replace('\u{a0}', " "),
+    }
+}
+
+impl MeasuredFinding {
+    /// The lines about the variable.
+    pub fn lines(&self) -> String {
+        let Self { variable, values, range, .. } = self;
+        let tests = |tests: &mut dyn Iterator<Item = &FamilyTest>| {
+            tests.map(|test| format!("{} p = {:.3}", test.family, test.p)).collect::<Vec<_>>().join(", ")
+        };
+        match self.family {
+            None => format!(
+                "{variable}: empirical distribution of {values} measured values from {range}; no value beyond them occurs, so failures rarer \
+                 than about 1 in {values} need a fit\n  fit = ... (Anderson-Darling): {}\n",
+                tests(&mut self.families.iter())
+            ),
+            Some(family) => {
+                let own = self.families.iter().find(|test| test.family == family);
+                let own =
+                    own.map(|test| format!("A^2 = {:.3}, p = {:.3}", test.a2, test.p)).unwrap_or_default();
+                format!(
+                    "{variable}: {family} fitted to {values} measured values from {range}; Anderson-Darling {own} (parameters estimated: \
+                     {REPLICATIONS} samples, fitted anew each)\n  others: {}\n",
+                    tests(&mut self.families.iter().filter(|test| test.family != family))
+                )
+            }
+        }
+    }
+
+    /// The warning if the values are unlikely for the fitted family.
+    pub fn warning(&self) -> Option<Warning> {
+        let family = self.family?;
+        let own = self.families.iter().find(|test| test.family == family && test.p < UNLIKELY)?;
+        let best = self.families.iter().max_by(|a, b| a.p.total_cmp(&b.p))?;
+        let advice = if best.p < UNLIKELY {
+            "no family fits: leave fit out for the empirical distribution, or look for two populations in one file".to_owned()
+        } else {
+            format!("fit = \"{}\" has p = {:.3}", best.family, best.p)
+        };
+        let message =
+            format!("the measured values are unlikely for this family (p = {:.3}); {advice}", own.p);
+        Some(Warning { key: format!("variables.{}.fit", self.variable), message })
+    }
+}
