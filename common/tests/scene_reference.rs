@@ -8,6 +8,8 @@ use toml::{Table, Value};
 
 const REFERENCE: &str = include_str!("../scenes/README.md");
 const EVERYTHING: &str = include_str!("scenes/everything.toml");
+/// Every key of what is read from CSV files beside the scene.
+const MEASURED: &str = include_str!("scenes/measured.toml");
 
 /// Every key of a scene with an external simulator, program and server.
 const SIMULATORS: [&str; 2] = [
@@ -105,6 +107,8 @@ fn known() -> BTreeSet<String> {
         SceneSource::parse(text, "scene").unwrap();
         language(&text.parse().unwrap(), "", &mut known);
     }
+    // Read with its files in `scene_csv.rs`.
+    language(&MEASURED.parse().unwrap(), "", &mut known);
     known
 }
 

@@ -42,7 +42,7 @@ pub enum PngError {
     Encoding {
         /// Name of the figure.
         figure: String,
-        /// The reason.
+        /// Reason of the failure.
         reason: String,
     },
 }

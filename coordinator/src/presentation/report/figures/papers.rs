@@ -14,7 +14,7 @@ use common::random::{standard_normal_cdf, standard_normal_quantile};
 const FITTED: (f64, f64) = (0.01, 0.99);
 const DRAWN: (f64, f64) = (1e-4, 0.9999);
 
-/// A paper.
+/// Probability paper on which a distribution is a straight line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Paper {
     Weibull,

@@ -52,7 +52,7 @@ impl Scale {
     }
 }
 
-/// An axis.
+/// Axis of a chart with its quantity and range.
 #[derive(Clone, Copy)]
 pub struct Axis<'a> {
     /// Quantity with its unit.

@@ -66,7 +66,7 @@ impl Series {
 }
 
 impl Series {
-    /// The same with this opacity of its area.
+    /// This series with an area of the opacity `fill` [1].
     #[must_use]
     pub fn filled(self, fill: f64) -> Self {
         Self { fill, ..self }
