@@ -2,7 +2,7 @@
 
 use super::exact::{ExactTexts, exact, exact_number};
 use super::mechanism_tables::place;
-use crate::presentation::report::format::{UNKNOWN, count};
+use crate::presentation::report::format::{UNKNOWN, count, seven_digits};
 use crate::presentation::report::page::captioned;
 use crate::presentation::report::tables::{table, table_of_text};
 use crate::presentation::report::written::WrittenScene;
@@ -154,6 +154,15 @@ fn study_settings(scene: &Scene) -> Markup {
     )
 }
 
+/// The length of a cycle as the scene states it, or the period of the drive that it follows from; `None` without one.
+fn cycle_of(scene: &Scene, written: &WrittenScene) -> Option<String> {
+    let period = Some(scene.life.period).filter(|period| *period > 0.0)?;
+    Some(match written.quantity("life.period") {
+        Some(_) => exact(period, "s"),
+        None => format!("{}\u{a0}s, the period of the drive", seven_digits(period)),
+    })
+}
+
 /// Outputs, limit states and life.
 pub fn limits(scene: &Scene, rows: &[LimitRow], written: &WrittenScene) -> Markup {
     let (body, joint) = (|k: usize| &*scene.bodies[k].name, |k: usize| &*scene.joints[k].name);
@@ -186,7 +195,7 @@ pub fn limits(scene: &Scene, rows: &[LimitRow], written: &WrittenScene) -> Marku
         @if life.cycles > 1 {
             p {
                 "Life studied: " (count(life.cycles.into())) " cycles"
-                @if life.period > 0.0 { " of " (exact(life.period, "s")) }
+                @if let Some(cycle) = cycle_of(scene, written) { " of " (cycle) }
                 ", with a checkpoint every " (count(life.checkpoint_every.into())) " cycles"
                 @if scene.simulator.is_none() { "; cycles that settle the motion before the first measured one: " (life.settle_cycles) }
                 "."
