@@ -5,7 +5,7 @@ use common::scene::{Fault, SceneSource};
 const FOUR_BAR: &str = include_str!("../scenes/four-bar.toml");
 const EVERYTHING: &str = include_str!("scenes/everything.toml");
 
-/// At least so many different mistakes are tried.
+/// Least number of different mistakes that are tried.
 const MISTAKES: usize = 70;
 
 /// Words of which one leads to what is to be written instead.

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
-/// At least so many different commands are tried.
+/// Least number of different commands that are tried.
 const COMMANDS: usize = 60;
 
 /// Arguments, separated by spaces, and a piece of the message. `DIR` is an empty folder, `FILE` a file that is no scene.

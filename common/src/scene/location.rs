@@ -1,4 +1,4 @@
-//! Where something stands in the text of a scene, as compilers state it: file, line, column and the line itself.
+//! Place of a key or value in the text of a scene, in the form of compilers: file, line, column and the line itself.
 
 use std::fmt::Write;
 use std::ops::Range;

@@ -193,7 +193,7 @@ impl SceneSource {
         self.seen.get(key).map(|quantity| quantity.value)
     }
 
-    /// Where a key stands in the texts of this scene and those it extends, or the last part of its path that is there.
+    /// Place of a key in the texts of this scene and those it extends, or of the longest part of its path that they contain.
     pub fn location(&self, key: &str) -> Option<Location> {
         self.layers.location(key)
     }

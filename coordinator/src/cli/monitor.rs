@@ -65,14 +65,14 @@ impl StayingPage {
     /// # Errors
     /// [`CommandError::Signals`].
     pub fn serve(self) -> Result<(), CommandError> {
-        let told = interruption().map_err(CommandError::Signals)?;
+        let interrupted = interruption().map_err(CommandError::Signals)?;
         let file = self.live.report_file();
         eprintln!(
             "the live page stays at http://{} until Ctrl-C; its report is {}",
             self.server.address(),
             file.display()
         );
-        while !told.load(Ordering::Relaxed) {
+        while !interrupted.load(Ordering::Relaxed) {
             std::thread::sleep(POLL_INTERVAL);
         }
         Ok(())
