@@ -7,7 +7,7 @@
 //! cargo run --release -p coordinator --example measured_units study direct
 //! ```
 
-use common::scene::{Fails, Scene, SceneSource};
+use common::scene::{Scene, SceneSource};
 use coordinator::analyses::update::{FleetSettings, Observation, ObservedUnit, Quantity, UnitReport, update};
 use coordinator::presentation::report::SUMMARY_DOCUMENT;
 use coordinator::results::store::{CampaignFile, StoreError};
@@ -55,7 +55,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for (name, at_life, numerical_errors) in rows {
         for error in ERRORS {
             let limit = &scene.limit_states[0];
-            let std = error * limit.threshold.abs();
+            let std = error * limit.scale();
             let mut rng = ChaCha12Rng::seed_from_u64(SEED);
             let mut fleet = Vec::new();
             for (j, unit) in units.iter().enumerate() {
@@ -126,14 +126,13 @@ fn history<'a>(times: &'a [f64], unit: &'a Observed, output: usize) -> Track<'a>
 fn life(scene: &Scene, unit: &Observed) -> f64 {
     let times = times(scene);
     let of_limit = |limit: &common::scene::LimitState| {
-        let sign = if limit.fails == Fails::Below { -1.0 } else { 1.0 };
         let maxima = |largest: &mut f64, value: &f64| {
-            *largest = largest.max(sign * value);
+            *largest = largest.max(limit.response(*value));
             Some(*largest)
         };
         let values: Vec<f64> = unit.histories[limit.output].iter().scan(f64::NEG_INFINITY, maxima).collect();
-        let start = unit.start[limit.output].map(|start| sign * start);
-        let threshold = sign * limit.threshold;
+        let start = unit.start[limit.output].map(|start| limit.response(start));
+        let threshold = limit.response_threshold();
         let Some(k) = values.iter().position(|y| *y >= threshold) else { return f64::INFINITY };
         let before = if k == 0 { 0.0 } else { times[k - 1] };
         let crossing = Track { times: &times, values: &values, start }.crossing(k, threshold);

@@ -42,6 +42,20 @@ fn replace_distribution(below: &mut Table, above: &Table) {
     }
 }
 
+/// Removes the thresholds of a limit state on whose place others stand above: one where two are given, and the reverse.
+fn replace_thresholds(below: &mut Table, above: &Table) {
+    let two = |row: &Table| row.contains_key("lower") || row.contains_key("upper");
+    let had_two = two(below);
+    if !below.contains_key("output") || had_two == two(above) {
+        return;
+    }
+    if above.contains_key("threshold") {
+        below.retain(|key, _| !["lower", "upper", "fails"].contains(&key));
+    } else if !had_two {
+        below.retain(|key, _| !["threshold", "fails"].contains(&key));
+    }
+}
+
 fn merge_rows(base: &mut Vec<Value>, over: Vec<Value>) {
     let inherited = base.len();
     for row in over {
@@ -49,6 +63,7 @@ fn merge_rows(base: &mut Vec<Value>, over: Vec<Value>) {
         match (place.map(|i| &mut base[i]), row) {
             (Some(Value::Table(below)), Value::Table(above)) => {
                 replace_distribution(below, &above);
+                replace_thresholds(below, &above);
                 merge(below, above);
             }
             // Rows of the same file with one name stay two rows: the reader reports the duplicate.

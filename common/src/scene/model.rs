@@ -168,15 +168,14 @@ pub struct DrivenInertia {
     pub centre_of_mass: [f64; 2],
 }
 
-/// A limit state g <= 0 of an output: g = threshold - output where large values fail, g = output - threshold where small
-/// ones do.
+/// A limit state of an output: the mechanism has failed where the output is at or beyond a threshold.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LimitState {
     /// Unique name, e.g. `wear`.
     pub name: String,
     /// Index into [`Scene::outputs`].
     pub output: usize,
-    /// Threshold in the unit of the output (SI).
+    /// Threshold in the unit of the output (SI); the upper one of two.
     pub threshold: f64,
     /// Side of the threshold on which the mechanism has failed.
     #[serde(default)]
@@ -184,13 +183,73 @@ pub struct LimitState {
 }
 
 /// The side of a threshold that means failure; the threshold itself belongs to it.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub enum Fails {
     /// Values at the threshold and above.
     #[default]
     Above,
     /// Values at the threshold and below.
     Below,
+    /// Values at the threshold and above, and values at a lower threshold and below.
+    Outside {
+        /// The lower threshold in the unit of the output (SI).
+        lower: f64,
+    },
+}
+
+impl LimitState {
+    /// Response r(y) of a value y of the output: failure means that it reaches [`Self::response_threshold`] from below. It is y
+    /// where large values fail, -y where small ones do, and |y - c| where both do, c being the middle between the thresholds.
+    pub fn response(&self, value: f64) -> f64 {
+        match self.fails {
+            Fails::Above => value,
+            Fails::Below => -value,
+            Fails::Outside { lower } => (value - middle(lower, self.threshold)).abs(),
+        }
+    }
+
+    /// Threshold of the response: the threshold, its negative, or half the distance between the two.
+    pub fn response_threshold(&self) -> f64 {
+        match self.fails {
+            Fails::Above => self.threshold,
+            Fails::Below => -self.threshold,
+            Fails::Outside { lower } => 0.5 * (self.threshold - lower),
+        }
+    }
+
+    /// True if a value of the output means failure; false for NaN.
+    pub fn is_reached(&self, value: f64) -> bool {
+        match self.fails {
+            Fails::Above => value >= self.threshold,
+            Fails::Below => value <= self.threshold,
+            Fails::Outside { .. } => self.response(value) >= self.response_threshold(),
+        }
+    }
+
+    /// Size by which errors of the output are measured: that of the threshold, or half the distance between the two.
+    pub fn scale(&self) -> f64 {
+        self.response_threshold().abs()
+    }
+
+    /// The thresholds of the output, ascending.
+    pub fn thresholds(&self) -> Vec<f64> {
+        match self.fails {
+            Fails::Above | Fails::Below => vec![self.threshold],
+            Fails::Outside { lower } => vec![lower, self.threshold],
+        }
+    }
+
+    /// The middle between two thresholds, if there are two.
+    pub fn middle(&self) -> Option<f64> {
+        match self.fails {
+            Fails::Above | Fails::Below => None,
+            Fails::Outside { lower } => Some(middle(lower, self.threshold)),
+        }
+    }
+}
+
+fn middle(lower: f64, upper: f64) -> f64 {
+    0.5 * (lower + upper)
 }
 
 /// The cycle, and the number of cycles of a life.
@@ -259,7 +318,27 @@ impl Default for StudySettings {
 
 #[cfg(test)]
 mod tests {
+    use super::{Fails, LimitState};
     use crate::scene::SceneSource;
+
+    #[test]
+    fn failure_lies_beyond_the_thresholds_and_at_them() {
+        let limit = |fails| LimitState { name: "l".into(), output: 0, threshold: 3.0, fails };
+        let fails = |limit: &LimitState| [-2.0, -1.0, 0.0, 3.0, 4.0].map(|value| limit.is_reached(value));
+        let (above, below) = (limit(Fails::Above), limit(Fails::Below));
+        let outside = limit(Fails::Outside { lower: -1.0 });
+        assert_eq!(fails(&above), [false, false, false, true, true]);
+        assert_eq!(fails(&below), [true, true, true, true, false]);
+        assert_eq!(fails(&outside), [true, true, false, true, true]);
+        for limit in [above, below, outside.clone()] {
+            for value in [-2.0, -1.0, 0.0, 2.0, 3.0, 4.0] {
+                let reached = limit.response(value) >= limit.response_threshold();
+                assert_eq!(reached, limit.is_reached(value), "{limit:?} {value}");
+            }
+            assert!(!limit.is_reached(f64::NAN));
+        }
+        assert_eq!((outside.thresholds(), outside.middle(), outside.scale()), (vec![-1.0, 3.0], Some(1.0), 2.0));
+    }
 
     #[test]
     fn a_study_grows_with_the_variables_of_its_scene() {

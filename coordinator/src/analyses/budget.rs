@@ -18,7 +18,7 @@ use crate::presentation::report::format::short_percent;
 use common::accuracy::{Accuracy, AccuracyNameError, NamedAccuracy};
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
-use common::scene::Scene;
+use common::scene::{LimitState, Scene};
 use thiserror::Error;
 
 /// The settings from the cheapest on: the best that `coordinator tradeoff` finds for their time and, beyond `balanced`,
@@ -220,12 +220,14 @@ pub fn shares(scene: &Scene, evaluation: &Evaluation) -> Vec<OutputShare> {
             |k: usize| evaluation.histories[k].iter().fold(f64::MIN_POSITIVE, |a, x| a.max(x.abs()));
         return (0..scene.outputs.len()).map(|k| share(k, largest(k), usize::MAX)).collect();
     }
-    let passed = |k: usize, threshold: f64| {
-        let mut values = evaluation.histories[k].iter().zip(&evaluation.errors[k]);
-        values.position(|(value, error)| value - error >= threshold).map_or(usize::MAX, |n| n + 1)
+    let passed = |limit: &LimitState| {
+        let mut values = evaluation.histories[limit.output].iter().zip(&evaluation.errors[limit.output]);
+        let threshold = limit.response_threshold();
+        let first = values.position(|(value, error)| limit.response(*value) - error >= threshold);
+        first.map_or(usize::MAX, |n| n + 1)
     };
     let limits = scene.limit_states.iter();
-    limits.map(|limit| share(limit.output, limit.threshold, passed(limit.output, limit.threshold))).collect()
+    limits.map(|limit| share(limit.output, limit.scale(), passed(limit))).collect()
 }
 
 fn refusal(budget: f64, attempts: Vec<TriedSetting>) -> BudgetError {

@@ -199,6 +199,16 @@ fn loads(out: &mut String, scene: &Scene) -> std::fmt::Result {
     }
 }
 
+/// The values with which a limit state has failed, e.g. `failed from 8 um on`; `shown` writes a threshold.
+pub(super) fn failed(limit: &LimitState, shown: impl Fn(f64) -> String) -> String {
+    let threshold = shown(limit.threshold);
+    match limit.fails {
+        Fails::Above => format!("failed from {threshold} on"),
+        Fails::Below => format!("failed from {threshold} down"),
+        Fails::Outside { lower } => format!("failed from {} down and from {threshold} on", shown(lower)),
+    }
+}
+
 fn outputs(out: &mut String, scene: &Scene) -> std::fmt::Result {
     writeln!(out, "Outputs at every checkpoint, and the limit states")?;
     for (i, output) in scene.outputs.iter().enumerate() {
@@ -208,12 +218,8 @@ fn outputs(out: &mut String, scene: &Scene) -> std::fmt::Result {
         let (body, joint) = (|k: usize| &*scene.bodies[k].name, |k: usize| &*scene.joints[k].name);
         writeln!(out, "  {}: {}", output.name, output.kind.description(body, joint))?;
         for limit in scene.limit_states.iter().filter(|limit| limit.output == i) {
-            writeln!(
-                out,
-                "     limit state {}: failed from {:.4} {symbol} on",
-                limit.name,
-                unit.to_shown(limit.threshold)
-            )?;
+            let shown = |value: f64| format!("{:.4} {symbol}", unit.to_shown(value));
+            writeln!(out, "     limit state {}: {}", limit.name, failed(limit, shown))?;
         }
     }
     writeln!(out)

@@ -2,10 +2,11 @@
 
 use super::accuracy::AccuracyArguments;
 use super::error::CommandError;
+use super::explain::failed;
 use super::output::{count, to_json};
 use super::shared::{FarmArguments, Slots};
 use super::signals::interruption;
-use common::scene::{ExternalSimulator, Fails, OutputKind, Scene, SceneSource, SimulatorKind};
+use common::scene::{ExternalSimulator, OutputKind, Scene, SceneSource, SimulatorKind};
 use coordinator::farm::evaluate::external::open;
 use coordinator::farm::evaluate::{EvaluateError, Evaluator, Finished, Request};
 use serde::Serialize;
@@ -137,12 +138,8 @@ pub fn explain(out: &mut String, scene: &Scene, simulator: &ExternalSimulator) -
         let values = if single { ": one value for the whole life" } else { "" };
         writeln!(out, "  {}{values}", unit.axis(&output.name))?;
         for limit in scene.limit_states.iter().filter(|limit| limit.output == i) {
-            let side = match limit.fails {
-                Fails::Above => "on",
-                Fails::Below => "down",
-            };
-            let threshold = unit.after(&limit.threshold.to_string());
-            writeln!(out, "     limit state {}: failed from {threshold} {side}", limit.name)?;
+            let shown = |value: f64| unit.after(&value.to_string());
+            writeln!(out, "     limit state {}: {}", limit.name, failed(limit, shown))?;
         }
     }
     writeln!(out)

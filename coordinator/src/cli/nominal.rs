@@ -3,7 +3,7 @@
 
 use common::accuracy::Accuracy;
 use common::outputs::Evaluation;
-use common::scene::{JointKind, Scene, Warning};
+use common::scene::{Fails, JointKind, Scene, Warning};
 use coordinator::presentation::nominal_life::{NominalLife, Reached, nominal_lives};
 use coordinator::presentation::report::format::three_digits;
 use worker::simulate::{SimulateOptions, simulate};
@@ -72,13 +72,13 @@ fn of_hinges(scene: &Scene, evaluation: &Evaluation) -> Vec<Warning> {
 /// The warning about a limit that is passed before the first checkpoint, or far away at the end of life.
 fn warning(scene: &Scene, life: &NominalLife) -> Option<String> {
     let (threshold, every) = (life.limit.threshold, scene.life.checkpoint_every);
-    let limit = life.shown(threshold);
+    let limit = life.thresholds();
     match life.reached {
         Reached::FromTheStart => Some(format!(
             "the nominal mechanism has {} in its first cycle, unworn, and has failed from the start: the limit is {limit}",
             life.shown(life.unworn?),
         )),
-        Reached::After(cycles) if life.first >= threshold => {
+        Reached::After(cycles) if life.limit.is_reached(life.first) => {
             life.unworn?;
             let remedy = match finer_checkpoints(scene.life.cycles, cycles) {
                 Some(finer) if finer < every => format!("checkpoint_every = {finer} resolves its life"),
@@ -90,13 +90,17 @@ fn warning(scene: &Scene, life: &NominalLife) -> Option<String> {
                 life.shown(life.first)
             ))
         }
-        Reached::Beyond(_) if life.largest < FAR_FROM_LIMIT * threshold => Some(format!(
+        Reached::Beyond(_)
+            if life.limit.fails == Fails::Above && life.largest < FAR_FROM_LIMIT * threshold =>
+        {
+            Some(format!(
             "the nominal mechanism has at most {} in {} cycles, {:.1} % of the limit of {limit}: no failure will be seen; check the \
              limit and its unit, or study a longer life",
             life.shown(life.largest),
             scene.life.cycles,
             100.0 * life.largest / threshold,
-        )),
+            ))
+        }
         _ => None,
     }
 }

@@ -39,7 +39,11 @@ pub struct NominalLife<'s> {
 #[derive(Debug, Serialize)]
 pub struct PrintedLife<'s> {
     limit_state: &'s str,
+    /// The threshold, the upper one of two.
     threshold: f64,
+    /// The lower threshold of two.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    lower: Option<f64>,
     value_at_end: f64,
     /// Expected life [cycles]; absent beyond the life studied.
     life: Option<f64>,
@@ -57,13 +61,18 @@ pub fn nominal_lives<'s>(scene: &'s Scene, evaluation: &Evaluation) -> Vec<Nomin
             first: history[0],
             largest: history.iter().copied().fold(f64::NEG_INFINITY, f64::max),
             last: history[history.len() - 1],
-            reached: reached(&evaluation.cycles, history, unworn, limit.threshold),
+            reached: reached(
+                &evaluation.cycles,
+                &history.iter().map(|value| limit.response(*value)).collect::<Vec<_>>(),
+                unworn.map(|value| limit.response(value)),
+                limit.response_threshold(),
+            ),
         }
     };
     scene.limit_states.iter().map(life).collect()
 }
 
-/// When a history `(m,)` at checkpoints `(m,)` [cycles], which begins at `unworn`, first reaches a threshold.
+/// When the history `(m,)` of a response at checkpoints `(m,)` [cycles], which begins at `unworn`, first reaches its threshold.
 fn reached(cycles: &[u32], history: &[f64], unworn: Option<f64>, threshold: f64) -> Reached {
     if unworn.is_some_and(|unworn| unworn >= threshold) {
         return Reached::FromTheStart;
@@ -90,11 +99,23 @@ impl NominalLife<'_> {
         self.unit.after(&three_digits(self.unit.to_shown(value))).replace('\u{a0}', " ")
     }
 
+    /// The threshold with its unit, or both, e.g. `20 N to 90 N`.
+    pub fn thresholds(&self) -> String {
+        let each: Vec<String> = self.limit.thresholds().into_iter().map(|value| self.shown(value)).collect();
+        each.join(" to ")
+    }
+
+    /// Distance of the last value from failure over the size of the threshold, or over half the distance between two [1]; negative
+    /// beyond.
+    pub fn margin(&self) -> f64 {
+        let (threshold, response) = (self.limit.response_threshold(), self.limit.response(self.last));
+        (threshold - response) / self.limit.scale()
+    }
+
     /// The line about this limit state, e.g. `wear: 10.0 µm after 8 000 cycles, limit 8.00 µm, margin -25 %; reached after about 5 930
     /// cycles`.
     pub fn line(&self, cycles: u32) -> String {
-        let (threshold, name) = (self.limit.threshold, &self.limit.name);
-        let margin = 100.0 * (1.0 - self.last / threshold);
+        let (margin, name) = (100.0 * self.margin(), &self.limit.name);
         let whole = |cycles: f64| count(cycles.round() as u64);
         let when = match self.reached {
             Reached::FromTheStart => "reached in the first cycle, unworn".to_owned(),
@@ -104,7 +125,7 @@ impl NominalLife<'_> {
             }
             Reached::Beyond(_) => "not reached".to_owned(),
         };
-        let (value, limit) = (self.shown(self.last), self.shown(threshold));
+        let (value, limit) = (self.shown(self.last), self.thresholds());
         let cycles = count(cycles.into());
         format!("{name}: {value} after {cycles} cycles, limit {limit}, margin {margin:.0} %; {when}\n")
             .replace('\u{a0}', " ")
@@ -117,15 +138,21 @@ impl NominalLife<'_> {
             Reached::After(life) => Some(life),
             Reached::Beyond(_) => None,
         };
-        let (threshold, value_at_end) = (self.limit.threshold, self.last);
-        PrintedLife { limit_state: &self.limit.name, threshold, value_at_end, life }
+        let lower = self.limit.middle().map(|_| self.limit.thresholds()[0]);
+        PrintedLife {
+            limit_state: &self.limit.name,
+            threshold: self.limit.threshold,
+            lower,
+            value_at_end: self.last,
+            life,
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use common::scene::SceneSource;
+    use common::scene::{Fails, SceneSource};
 
     #[test]
     fn a_limit_is_reached_between_checkpoints_or_later_or_never() {
@@ -153,6 +180,26 @@ mod tests {
             lives[0].line(8000),
             "wear: 10.0 µm after 8 000 cycles, limit 8.00 µm, margin -25 %; reached after about 6 400 cycles\n"
         );
+        let mut two = scene.clone();
+        two.limit_states[0].fails = Fails::Outside { lower: 2e-6 };
+        two.limit_states.push(LimitState {
+            name: "force".into(),
+            output: 1,
+            threshold: 50.0,
+            fails: Fails::Below,
+        });
+        evaluation.start = vec![Some(5e-6), Some(60.0)];
+        evaluation.histories[1] = (0..8).map(|k| 56.0 - 4.0 * f64::from(k)).collect();
+        let lives = nominal_lives(&two, &evaluation);
+        // The depth begins at the middle; the response falls below at the first checkpoint: 3.75 um of 3 um, after 800 cycles.
+        assert_eq!(lives[0].reached, Reached::After(800.0), "{lives:?}");
+        assert!(lives[0].line(8000).contains("limit 2.00 µm to 8.00 µm, margin -67 %"), "{}", lives[0].line(8000));
+        assert_eq!(lives[1].reached, Reached::After(2500.0));
+        assert!(lives[1].line(8000).contains("limit 50.0 r/min"), "{}", lives[1].line(8000));
+        let printed = serde_json::to_value(lives[0].printed()).unwrap();
+        assert!((printed["lower"].as_f64().unwrap() - 2e-6).abs() < 1e-18);
+        evaluation.start = vec![Some(0.0), None];
+        let lives = nominal_lives(&scene, &evaluation);
         let printed = serde_json::to_value(lives[0].printed()).unwrap();
         assert_eq!(printed["limit_state"], "wear");
         assert!((printed["life"].as_f64().unwrap() - 6400.0).abs() < 1e-6, "{printed}");

@@ -34,11 +34,14 @@ pub struct LimitRow {
     pub name: String,
     /// Name of its output.
     pub output: String,
-    /// Threshold [unit of the row].
+    /// Threshold, the upper one of two [unit of the row].
     pub threshold: f64,
+    /// Lower threshold of two; absent if there is one threshold [unit of the row].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lower: Option<f64>,
     /// Unit of the threshold, that of the output in all files, e.g. `m` or `rpm`.
     pub unit: String,
-    /// Side of the threshold on which failure lies: `above` or `below`.
+    /// Side of the threshold on which failure lies: `above` or `below`, or `outside` of two.
     pub fails: String,
 }
 
@@ -81,10 +84,15 @@ pub fn limit_rows(scene: &Scene) -> Vec<LimitRow> {
             name: limit.name.clone(),
             output: output.name.clone(),
             threshold: unit.to_file(limit.threshold),
+            lower: match limit.fails {
+                Fails::Outside { lower } => Some(unit.to_file(lower)),
+                Fails::Above | Fails::Below => None,
+            },
             unit: unit.suffix().to_owned(),
             fails: match limit.fails {
                 Fails::Above => "above".to_owned(),
                 Fails::Below => "below".to_owned(),
+                Fails::Outside { .. } => "outside".to_owned(),
             },
         }
     };

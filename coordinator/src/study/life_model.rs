@@ -2,8 +2,8 @@
 //!
 //! The response of a point is its predicted mean plus its deviation, a standard normal number of its own for every limit
 //! state, times the predicted standard deviation, as in the classification: the deviation lasts for life. An output that a
-//! limit state watches has the deviation of that limit state; any other output one of its own, and the correlation lengths of
-//! the first limit state. Lives come from the running maxima, as those of the study; an output is predicted itself.
+//! limit state watches has the deviation of that limit state, away from the middle of two thresholds on the side where it ends; any
+//! other output has one of its own, and the correlation lengths of the first limit state. Lives come from the running maxima, as those of the study; an output is predicted itself.
 //!
 //! # Source
 //! Straub, Papaioannou (2015), Bayesian updating with structural reliability methods, Journal of Engineering Mechanics
@@ -14,7 +14,7 @@ use super::{CampaignResult, Surrogate};
 use crate::statistics::design::InputModel;
 use crate::statistics::reliability::{ErrorLine, Track};
 use crate::statistics::surrogate::Kriging;
-use common::scene::{Fails, Scene};
+use common::scene::{Fails, LimitState, Scene};
 use faer::{Mat, MatRef};
 use rayon::prelude::*;
 
@@ -42,10 +42,11 @@ struct ModeModel {
 #[derive(Debug)]
 struct OutputModel {
     history: History,
-    /// Limit state whose prediction has the same correlation, index of its deviation, and the deviation's sign.
+    /// Limit state whose prediction has the same correlation, and index of its deviation.
     mode: usize,
     deviation: usize,
-    sign: f64,
+    /// Limit state that watches the output.
+    limit: Option<LimitState>,
     /// Stated error over the value at each checkpoint `(m,)`.
     errors: Vec<ErrorLine>,
     /// Standard deviation of the simulations' noise at each checkpoint `(m,)` [unit of the output].
@@ -116,10 +117,6 @@ impl LifeModel {
         let mut deviations = modes.len();
         let mut output = |output: usize| {
             let watching = scene.limit_states.iter().position(|limit| limit.output == output);
-            let sign = match watching.map(|s| scene.limit_states[s].fails) {
-                Some(Fails::Below) => -1.0,
-                _ => 1.0,
-            };
             let mode = watching.unwrap_or(0);
             let deviation = watching.unwrap_or(deviations);
             deviations += usize::from(watching.is_none());
@@ -134,7 +131,7 @@ impl LifeModel {
             OutputModel {
                 mode,
                 deviation,
-                sign,
+                limit: watching.map(|s| scene.limit_states[s].clone()),
                 errors: error_lines(&values, &observations.errors(output)),
                 noise: history.model.sigma2()[first..].iter().map(|s| (s * noise).sqrt()).collect(),
                 history,
@@ -206,13 +203,14 @@ impl LifeModel {
             }
         }
         let history = |output: &usize| {
-            let OutputModel { history, mode, deviation, sign, .. } = &self.outputs[*output];
+            let OutputModel { history, mode, deviation, limit, .. } = &self.outputs[*output];
             let means = history.model.predict_means(points, &history.dual, 0..history.len());
             let mut all = Vec::with_capacity(b * history.len());
             for j in 0..b {
+                let column = means.col_as_slice(j);
+                let sign = limit.as_ref().map_or(1.0, |limit| sign_of_deviation(limit, column));
                 let in_sigma = sign * std(*mode, j) * deviations[j * width + deviation];
-                let column = means.col_as_slice(j).iter();
-                all.extend(column.zip(&history.scale).map(|(mean, scale)| mean + scale * in_sigma));
+                all.extend(column.iter().zip(&history.scale).map(|(mean, scale)| mean + scale * in_sigma));
             }
             all
         };
@@ -243,6 +241,16 @@ impl LifeModel {
         let nearest = (0..self.times.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
         let stated = |n: usize| if numerical { errors[n].evaluate(value) } else { 0.0 };
         nearest.map_or(0.0, |n| stated(n).max(noise[n]))
+    }
+}
+
+/// Sign of an output's deviation where its response, see [`LimitState::response`], has a positive one; `means` is its history.
+fn sign_of_deviation(limit: &LimitState, means: &[f64]) -> f64 {
+    let end = means.last().copied().unwrap_or(0.0);
+    match (limit.fails, limit.middle()) {
+        (Fails::Below, _) => -1.0,
+        (_, Some(middle)) if end < middle => -1.0,
+        _ => 1.0,
     }
 }
 

@@ -14,7 +14,7 @@ pub(super) fn predictions(scene: &Scene, learned: &CampaignResult) -> Vec<Predic
     let limits = scene.limit_states.iter().zip(modes).zip(&learned.assessment.surrogates);
     let row = |((limit, mode), surrogate): ((&LimitState, Mode), &Surrogate)| {
         let unit = scene.outputs[limit.output].kind.unit();
-        // Responses that fail below their threshold are learned with the opposite sign.
+        // Responses that fail below their threshold are learned with the opposite sign; of two limits, distances from their middle.
         let sign = if limit.fails == Fails::Below { -1.0 } else { 1.0 };
         let shown = |response: f64| unit.to_file(sign * response);
         let values = learned.observations.running_maxima(mode.output);

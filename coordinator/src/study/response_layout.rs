@@ -1,5 +1,6 @@
-//! The responses of an evaluation: its outputs, and the negatives of those outputs that fail below a
-//! threshold, so that failure always means that a response reaches its threshold from below.
+//! The responses of an evaluation: its outputs, and what follows from them for limit states that fail below a threshold or outside
+//! of two, so that failure always means that a response reaches its threshold from below: the negative of an output, or its distance
+//! from the middle between two thresholds.
 
 use super::Observed;
 use crate::statistics::learning::Mode;
@@ -10,49 +11,57 @@ use common::scene::{Fails, LimitState, Scene};
 pub(super) struct ResponseLayout {
     /// Number of outputs.
     outputs: usize,
-    /// Outputs whose negatives follow the outputs, in this order.
-    negated: Vec<usize>,
+    /// Limit states whose responses follow the outputs, in this order: the first of those with equal responses.
+    derived: Vec<LimitState>,
     /// Limit states over the responses, in the order of the scene.
     pub(super) modes: Vec<Mode>,
 }
 
 impl ResponseLayout {
-    /// The layout for the limit states of a scene. Without limit states that fail below, the responses are
-    /// the outputs.
+    /// The layout for the limit states of a scene. If all fail above their thresholds, the responses are the outputs.
     pub(super) fn from_scene(scene: &Scene) -> Self {
         let outputs = scene.outputs.len();
-        let mut negated: Vec<usize> = Vec::new();
-        let mut mode = |limit: &LimitState| match limit.fails {
-            Fails::Above => Mode { output: limit.output, threshold: limit.threshold },
-            Fails::Below => {
-                let place = negated.iter().position(|output| *output == limit.output);
-                let place = place.unwrap_or_else(|| {
-                    negated.push(limit.output);
-                    negated.len() - 1
-                });
-                Mode { output: outputs + place, threshold: -limit.threshold }
+        let mut derived: Vec<LimitState> = Vec::new();
+        let mut mode = |limit: &LimitState| {
+            let threshold = limit.response_threshold();
+            if limit.fails == Fails::Above {
+                return Mode { output: limit.output, threshold };
             }
+            let place = derived.iter().position(|other| have_equal_responses(other, limit));
+            let place = place.unwrap_or_else(|| {
+                derived.push(limit.clone());
+                derived.len() - 1
+            });
+            Mode { output: outputs + place, threshold }
         };
         let modes = scene.limit_states.iter().map(&mut mode).collect();
-        Self { outputs, negated, modes }
+        Self { outputs, derived, modes }
     }
 
     /// Number of responses.
     pub(super) fn count(&self) -> usize {
-        self.outputs + self.negated.len()
+        self.outputs + self.derived.len()
     }
 
-    /// Appends the negated outputs to the result of an evaluation.
+    /// Appends the derived responses to the result of an evaluation. The error stated for a value is that of its response: no
+    /// response changes by more than its value.
     pub(super) fn complete(&self, mut observed: Observed) -> Observed {
-        for output in &self.negated {
-            let negated = observed.histories[*output].iter().map(|value| -value).collect();
-            observed.histories.push(negated);
-            let errors = observed.errors[*output].clone();
+        for limit in &self.derived {
+            let output = limit.output;
+            let history = observed.histories[output].iter().map(|value| limit.response(*value)).collect();
+            observed.histories.push(history);
+            let errors = observed.errors[output].clone();
             observed.errors.push(errors);
-            observed.start.push(observed.start[*output].map(|value| -value));
+            observed.start.push(observed.start[output].map(|value| limit.response(value)));
         }
         observed
     }
+}
+
+/// True if two limit states, neither of which fails above a single threshold, have the same response.
+fn have_equal_responses(a: &LimitState, b: &LimitState) -> bool {
+    let middle = |limit: &LimitState| limit.middle().map(f64::to_bits);
+    a.output == b.output && middle(a) == middle(b)
 }
 
 #[cfg(test)]
@@ -61,7 +70,7 @@ mod tests {
     use common::scene::SceneSource;
 
     #[test]
-    fn an_output_that_fails_below_is_negated_once() {
+    fn an_output_that_fails_below_is_negated_once_and_one_within_limits_is_a_distance() {
         let text = "scene = { name = \"s\" }\nsimulator = { program = [\"s\"] }\n\
             outputs = [{ name = \"a\" }, { name = \"b\" }]\n\
             limit_states = [{ name = \"1\", output = \"b\", threshold = 2, fails = \"below\" },\n\
@@ -77,10 +86,22 @@ mod tests {
             errors: vec![vec![0.0], vec![0.5]],
             start: vec![None, Some(2.0)],
         };
-        let complete = responses.complete(observed);
+        let complete = responses.complete(observed.clone());
         assert_eq!(complete.histories, [[1.0], [3.0], [-3.0]]);
         assert_eq!(complete.errors, [[0.0], [0.5], [0.5]]);
         assert_eq!(complete.start, [None, Some(2.0), Some(-2.0)]);
+        let mut outside = source.nominal().clone();
+        for (limit, lower) in outside.limit_states.iter_mut().zip([-2.0, -1.0, -5.0]) {
+            limit.fails = Fails::Outside { lower };
+        }
+        let responses = ResponseLayout::from_scene(&outside);
+        let modes: Vec<_> = responses.modes.iter().map(|mode| (mode.output, mode.threshold)).collect();
+        // The middles are 0, 4 and -3.
+        assert_eq!(modes, [(2, 2.0), (3, 5.0), (4, 2.0)]);
+        let complete = responses.complete(observed);
+        assert_eq!(complete.histories, [[1.0], [3.0], [3.0], [1.0], [6.0]]);
+        assert_eq!(complete.errors[2..], [[0.5], [0.5], [0.5]]);
+        assert_eq!(complete.start[2..], [Some(2.0), Some(2.0), Some(5.0)]);
         let mut above = source.nominal().clone();
         above.limit_states.retain(|limit| limit.fails == Fails::Above);
         assert_eq!(ResponseLayout::from_scene(&above).count(), 2);

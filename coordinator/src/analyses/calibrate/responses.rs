@@ -21,7 +21,7 @@ pub(super) const POPULATION: usize = 2000;
 /// Responses that share the correlation of one surrogate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Group {
-    /// Running maximum of an output at checkpoints.
+    /// Running maximum of the response of a limit state at checkpoints.
     Largest(usize),
     /// Values of an output at checkpoints.
     Value(usize),
@@ -65,9 +65,8 @@ impl<'a> ResponseSurrogates<'a> {
         seed: u64,
     ) -> Result<Self, SurrogateError> {
         let mut columns: BTreeMap<Group, Vec<Column>> = BTreeMap::new();
-        for (group, column) in
-            targets.iter().flat_map(|target| needed(&target.quantity, &space.scene().limit_states))
-        {
+        let limits = &space.scene().limit_states;
+        for (group, column) in targets.iter().flat_map(|target| needed(&target.quantity, limits)) {
             let all = columns.entry(group).or_default();
             if !all.contains(&column) {
                 all.push(column);
@@ -80,7 +79,7 @@ impl<'a> ResponseSurrogates<'a> {
             .into_par_iter()
             .map(|(group, columns)| {
                 let rows: Vec<Vec<f64>> =
-                    simulated.iter().map(|point| values(group, &columns, &point.evaluation)).collect();
+                    simulated.iter().map(|point| values(group, &columns, &point.evaluation, limits)).collect();
                 let table = Mat::from_fn(rows.len(), columns.len(), |i, o| rows[i][o]);
                 let training = TrainingSet { points: points.as_ref(), values: table.as_ref(), noise: None };
                 let model = fit_surrogate(training, FormSettings::default(), None, Effort::MultiStart)?.model;
@@ -145,15 +144,15 @@ impl<'a> ResponseSurrogates<'a> {
                 let limits = &self.space.scene().limit_states;
                 let chosen = |s: &usize| limit_state.is_none_or(|chosen| chosen == *s);
                 let mut survival = vec![1.0; POPULATION];
-                for limit in (0..limits.len()).filter(chosen).map(|s| &limits[s]) {
-                    let (values, group, place) = row(Group::Largest(limit.output), Column::Checkpoint(*n));
+                for s in (0..limits.len()).filter(chosen) {
+                    let (values, group, place) = row(Group::Largest(s), Column::Checkpoint(*n));
                     let (model, prediction) = (&self.surrogates[&group].1, &predictions[&group]);
                     // The predicted probability of survival: smooth in the parameters, unbiased where the surrogate is uncertain.
                     let noise = model.correlation().noise();
                     for (j, survives) in survival.iter_mut().enumerate() {
                         let variance = model.sigma2()[place] * (prediction.variance_factor[j] + noise);
                         *survives *= standard_normal_cdf(
-                            (limit.threshold - values[j]) / variance.sqrt().max(f64::MIN_POSITIVE),
+                            (limits[s].response_threshold() - values[j]) / variance.sqrt().max(f64::MIN_POSITIVE),
                         );
                     }
                 }
@@ -178,7 +177,7 @@ fn needed(quantity: &TargetQuantity, limits: &[LimitState]) -> Vec<(Group, Colum
         TargetQuantity::Reliability { limit_state, n } => {
             let chosen =
                 limits.iter().enumerate().filter(|(s, _)| limit_state.is_none_or(|chosen| chosen == *s));
-            chosen.map(|(_, limit)| (Group::Largest(limit.output), Column::Checkpoint(*n))).collect()
+            chosen.map(|(s, _)| (Group::Largest(s), Column::Checkpoint(*n))).collect()
         }
         TargetQuantity::PeakForce { joint } => vec![(Group::Forces, Column::Joint(*joint))],
         TargetQuantity::Depth { joint, angle } => vec![(Group::Bore(*joint), Column::Angle(*angle))],
@@ -186,9 +185,12 @@ fn needed(quantity: &TargetQuantity, limits: &[LimitState]) -> Vec<(Group, Colum
 }
 
 /// Values of a group's columns `(c,)` in one evaluation.
-fn values(group: Group, columns: &[Column], evaluation: &Evaluation) -> Vec<f64> {
+fn values(group: Group, columns: &[Column], evaluation: &Evaluation, limits: &[LimitState]) -> Vec<f64> {
     let history = match group {
-        Group::Largest(output) => running_maximum(&evaluation.histories[output]),
+        Group::Largest(s) => {
+            let history = evaluation.histories[limits[s].output].iter();
+            running_maximum(&history.map(|value| limits[s].response(*value)).collect::<Vec<_>>())
+        }
         Group::Value(output) => evaluation.histories[output].clone(),
         Group::Forces | Group::Bore(_) => Vec::new(),
     };

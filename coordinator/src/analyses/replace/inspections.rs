@@ -70,6 +70,9 @@ pub struct InspectionRow {
     pub output: String,
     /// Replace from this value on (below it, if the output fails below) [unit of the output]; `null` if only the age counts.
     pub level: Option<f64>,
+    /// Of an output with two thresholds: replace from this value down, too [unit of the output]; absent otherwise.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lower_level: Option<f64>,
     /// Age at which a unit is replaced in any case [cycles].
     pub age: f64,
     /// Cost per cycle.
@@ -105,8 +108,18 @@ pub fn inspect(
     let limit_states = model.limit_states();
     let life = |own: &[f64]| own.iter().copied().fold(f64::INFINITY, f64::min);
     let lives: Vec<f64> = responses.lives.chunks_exact(limit_states).map(life).collect();
-    let below = scene.limit_states.iter().any(|l| l.output == plan.output && l.fails == Fails::Below);
-    let sign = if below { -1.0 } else { 1.0 };
+    // The limit state whose response the level is of: one with two thresholds, or else one that fails below.
+    let mut watching = scene.limit_states.iter().filter(|l| l.output == plan.output && l.fails != Fails::Above);
+    let limit = watching.clone().find(|l| l.middle().is_some()).or_else(|| watching.next());
+    let response = |value: f64| limit.map_or(value, |limit| limit.response(value));
+    // Values of the output at a level of the response: the upper one, and the lower one of two.
+    let level_of = |response: f64| match limit {
+        None => (response, None),
+        Some(limit) => match limit.middle() {
+            None => (-response, None),
+            Some(middle) => (middle + response, Some(middle - response)),
+        },
+    };
     let row = |(schedule, times): (&Schedule, Vec<f64>)| {
         let count = times.len();
         let mut rng = open_stream(seed, Stream::Curve);
@@ -115,16 +128,19 @@ pub fn inspect(
             for t in &times {
                 let noise: f64 = StandardNormal.sample(&mut rng);
                 let value = model.value_at(plan.output, &responses.histories[0], j, *t);
-                values.push(sign * (value + plan.error * noise));
+                values.push(response(value + plan.error * noise));
             }
         }
         let samples = InspectedSamples { lives: lives.clone(), times, values };
         let policy = best_policy(&samples, &plan.costs)?;
         let outcome: PolicyOutcome = outcome_of(&samples, &policy, &plan.costs);
+        let (level, lower_level) = level_of(policy.level);
+        let by_level = outcome.by_level > 0.0;
         Some(InspectionRow {
             every: if let Schedule::Every(every) = schedule { Some(*every) } else { None },
             output: scene.outputs[plan.output].name.clone(),
-            level: (outcome.by_level > 0.0).then_some(sign * policy.level),
+            level: by_level.then_some(level),
+            lower_level: lower_level.filter(|_| by_level),
             age: samples.times[policy.last],
             cost_rate: outcome.cost_rate,
             standard_error: outcome.standard_error,

@@ -150,7 +150,8 @@ fn write_inspections(out: &mut String, report: &ReplacementReport, scene: &Scene
     for row in &report.inspections {
         let shown =
             |level: f64| unit.as_ref().map(|unit| unit.after(&format!("{:.4}", unit.to_shown(level))));
-        let level = row.level.and_then(shown).unwrap_or("the age only".to_owned());
+        let levels: Vec<String> = row.lower_level.into_iter().chain(row.level).filter_map(shown).collect();
+        let level = if levels.is_empty() { "the age only".to_owned() } else { levels.join(", ") };
         let cost = format!("{:.4e} ± {:.1e}", row.cost_rate, row.standard_error);
         writeln!(
             out,

@@ -6,7 +6,7 @@ use super::measure::{Measured, Measurement};
 use super::stated::{StatedErrorCheck, StatedValue};
 use common::accuracy::NamedAccuracy;
 use common::outputs::Evaluation;
-use common::scene::Scene;
+use common::scene::{LimitState, Scene};
 
 /// Error of one output of a setting against the reference, over all points.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -156,18 +156,20 @@ fn cases(k: usize, pairs: &[ComparedPoint]) -> Vec<StatedValue> {
 }
 
 fn output_error(scene: &Scene, k: usize, pairs: &[ComparedPoint], cases: &[StatedValue]) -> OutputError {
-    let threshold = scene.limit_states.iter().filter(|l| l.output == k).map(|l| l.threshold).reduce(f64::min);
+    let limits: Vec<&LimitState> = scene.limit_states.iter().filter(|l| l.output == k).collect();
     let values = pairs.iter().flat_map(|pair| &pair.reference.histories[k]);
-    let scale = threshold.unwrap_or_else(|| values.fold(f64::MIN_POSITIVE, |a, x| a.max(x.abs())));
+    let scale = limits.iter().map(|l| l.scale()).reduce(f64::min).unwrap_or_else(|| values.fold(f64::MIN_POSITIVE, |a, x| a.max(x.abs())));
     let (mut until_limit, mut life) = (0.0_f64, None);
     for ComparedPoint { found, reference, .. } in pairs {
         let (found_history, true_history) = (&found.histories[k], &reference.histories[k]);
-        let reached = threshold.and_then(|limit| true_history.iter().position(|y| *y >= limit));
+        let reached = true_history.iter().position(|y| limits.iter().any(|limit| limit.is_reached(*y)));
         let seen = reached.map_or(true_history.len(), |n| n + 1);
         let differences =
             found_history.iter().zip(true_history).take(seen).map(|(x, truth)| (x - truth).abs());
         until_limit = differences.fold(until_limit, |a, off| a.max(off / scale));
-        let crossing = |history: &[f64]| threshold.and_then(|limit| crossing(&found.cycles, history, limit));
+        let crossing = |history: &[f64]| {
+            limits.iter().filter_map(|limit| crossing(&found.cycles, history, limit)).reduce(f64::min)
+        };
         if let (Some(a), Some(b)) = (crossing(found_history), crossing(true_history)) {
             life = Some(life.unwrap_or(0.0_f64).max((a - b).abs()));
         }
@@ -177,11 +179,12 @@ fn output_error(scene: &Scene, k: usize, pairs: &[ComparedPoint], cases: &[State
 }
 
 /// Life at which a history first reaches a limit, by linear interpolation [cycles].
-fn crossing(cycles: &[u32], history: &[f64], limit: f64) -> Option<f64> {
-    let k = history.iter().position(|x| *x >= limit)?;
+fn crossing(cycles: &[u32], history: &[f64], limit: &LimitState) -> Option<f64> {
+    let k = history.iter().position(|x| limit.is_reached(*x))?;
     if k == 0 {
         return Some(f64::from(cycles[0]));
     }
-    let (n0, n1, y0, y1) = (f64::from(cycles[k - 1]), f64::from(cycles[k]), history[k - 1], history[k]);
-    Some(n0 + (n1 - n0) * (limit - y0) / (y1 - y0))
+    let (n0, n1) = (f64::from(cycles[k - 1]), f64::from(cycles[k]));
+    let (y0, y1) = (limit.response(history[k - 1]), limit.response(history[k]));
+    Some(n0 + (n1 - n0) * (limit.response_threshold() - y0) / (y1 - y0))
 }

@@ -48,7 +48,7 @@ pub fn life_changes(scene: &Scene, pairs: &[(&Evaluation, &Evaluation)]) -> Vec<
     // Index of the first checkpoint with failure; the number of checkpoints without failure.
     let fails = |evaluation: &Evaluation, limit: &LimitState| {
         let history = &evaluation.histories[limit.output];
-        history.iter().position(|y| *y >= limit.threshold).unwrap_or(cycles.len())
+        history.iter().position(|y| limit.is_reached(*y)).unwrap_or(cycles.len())
     };
     let compared = |name: &str, limits: &[LimitState]| {
         let life = |evaluation| limits.iter().map(|limit| fails(evaluation, limit)).min();

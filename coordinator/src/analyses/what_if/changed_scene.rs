@@ -79,10 +79,10 @@ pub fn redistributed(source: &SceneSource, settings: &[String]) -> Result<SceneS
     for change in changes {
         match change {
             Setting::Variable { .. } => {}
-            Setting::Threshold { limit_state, value } => {
+            Setting::Threshold { limit_state, key, value } => {
                 let name = &source.nominal().limit_states[limit_state].name;
                 if let Some(row) = row(&mut document, "limit_states", name) {
-                    row.insert("threshold".to_owned(), value);
+                    row.insert(key.to_owned(), value);
                 }
             }
             Setting::Correlation { pair, key, value } => {

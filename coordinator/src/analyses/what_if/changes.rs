@@ -1,7 +1,7 @@
 //! What was changed, as data: distributions, correlations and thresholds before and after, in SI units.
 
 use common::random::{Distribution, RandomVariable};
-use common::scene::Scene;
+use common::scene::{LimitState, Scene};
 use serde::Serialize;
 
 /// The changes of a scene.
@@ -62,6 +62,8 @@ impl LawParameters {
 pub struct ChangedThreshold {
     /// Name of the limit state.
     pub limit_state: String,
+    /// Its key in a scene: `threshold`, or `lower` or `upper` of two.
+    pub key: String,
     /// Its threshold in the study.
     pub before: f64,
     /// Its changed threshold.
@@ -77,6 +79,20 @@ pub struct ChangedCorrelation {
     pub before: f64,
     /// Coefficient in the changed scene, 0 without one.
     pub after: f64,
+}
+
+/// The thresholds of a limit state that differ in two scenes.
+fn changed_thresholds(studied: &LimitState, changed: &LimitState) -> Vec<ChangedThreshold> {
+    let keys: &[&str] = if studied.middle().is_some() { &["lower", "upper"] } else { &["threshold"] };
+    let pairs = studied.thresholds().into_iter().zip(changed.thresholds());
+    let differ = |(_, (before, after)): &(&&str, (f64, f64))| before.to_bits() != after.to_bits();
+    let of_key = |(key, (before, after)): (&&str, (f64, f64))| ChangedThreshold {
+        limit_state: studied.name.clone(),
+        key: (*key).to_owned(),
+        before,
+        after,
+    };
+    keys.iter().zip(pairs).filter(differ).map(of_key).collect()
 }
 
 impl Changes {
@@ -105,14 +121,7 @@ impl Changes {
         };
         Self {
             variables: pairs.filter(|(a, b)| a.distribution != b.distribution).map(variable).collect(),
-            thresholds: states
-                .filter(|(a, b)| a.threshold.to_bits() != b.threshold.to_bits())
-                .map(|(a, b)| ChangedThreshold {
-                    limit_state: a.name.clone(),
-                    before: a.threshold,
-                    after: b.threshold,
-                })
-                .collect(),
+            thresholds: states.flat_map(|(a, b)| changed_thresholds(a, b)).collect(),
             correlations: all.map(correlation).filter(|c| c.before.to_bits() != c.after.to_bits()).collect(),
         }
     }

@@ -118,7 +118,8 @@ fn changes(answer: &WhatIf, scene: &Scene) -> Vec<[String; 3]> {
             Some(unit) => unit.after(&six_digits(unit.to_shown(value))),
             None => six_digits(value),
         };
-        [format!("threshold of {}", changed.limit_state), shown(changed.before), shown(changed.after)]
+        let which = if changed.key == "threshold" { "" } else { changed.key.as_str() };
+        [format!("{which} threshold of {}", changed.limit_state).trim_start().to_owned(), shown(changed.before), shown(changed.after)]
     });
     let correlations = changes.correlations.iter().map(|changed| {
         let [a, b] = &changed.variables;

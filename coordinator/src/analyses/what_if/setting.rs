@@ -1,4 +1,4 @@
-//! Reader of one change as typed: `VARIABLE.KEY=VALUE`, `LIMIT_STATE.threshold=VALUE` or `correlation(A,B)=VALUE`, with the
+//! Reader of one change as typed: `VARIABLE.KEY=VALUE`, `LIMIT_STATE.threshold=VALUE` (or `.lower`, `.upper`) or `correlation(A,B)=VALUE`, with the
 //! keys and values of a scene file.
 
 use common::scene::{Fault, FaultKind, Faults, SceneSource};
@@ -19,10 +19,12 @@ pub enum Setting {
         /// Its value as in a scene file.
         value: Value,
     },
-    /// The threshold of a limit state.
+    /// A threshold of a limit state.
     Threshold {
         /// Index of the limit state.
         limit_state: usize,
+        /// `threshold`, or `lower` or `upper` of two.
+        key: &'static str,
         /// Its value as in a scene file.
         value: Value,
     },
@@ -45,9 +47,10 @@ impl Setting {
                 Self::Variable { variable, key, .. },
                 Self::Variable { variable: other_variable, key: other_key, .. },
             ) => (variable, key) == (other_variable, other_key),
-            (Self::Threshold { limit_state, .. }, Self::Threshold { limit_state: other, .. }) => {
-                limit_state == other
-            }
+            (
+                Self::Threshold { limit_state, key, .. },
+                Self::Threshold { limit_state: other, key: other_key, .. },
+            ) => (limit_state, key) == (other, other_key),
             (Self::Correlation { pair: [a, b], .. }, Self::Correlation { pair: other, .. }) => {
                 *other == [*a, *b] || *other == [*b, *a]
             }
@@ -89,11 +92,10 @@ pub fn parse(source: &SceneSource, setting: &str) -> Result<Setting, Faults> {
         return Err(not_a_key(source, setting, key));
     };
     let name = name.strip_prefix("variables.").or_else(|| name.strip_prefix("limit_states.")).unwrap_or(name);
-    if last == "threshold" {
-        let limit_state = limit_state(source, setting, name)?;
-        return Ok(Setting::Threshold { limit_state, value });
-    }
     let known = source.variables().iter().position(|variable| variable.name == name);
+    if let Some((limit_state, key)) = threshold(source, setting, (name, last), known.is_some())? {
+        return Ok(Setting::Threshold { limit_state, key, value });
+    }
     match (known, VARIABLE_KEYS.iter().find(|key| **key == last)) {
         (Some(variable), Some(key)) => Ok(Setting::Variable { variable, key, value }),
         (Some(_), None) => {
@@ -111,6 +113,31 @@ pub fn parse(source: &SceneSource, setting: &str) -> Result<Setting, Faults> {
         }
         (None, None) => Err(not_a_key(source, setting, key)),
     }
+}
+
+/// Limit state and key of a threshold, if NAME.KEY is one; `is_variable` is true if NAME is a random variable, which has the keys
+/// `lower` and `upper` too.
+fn threshold(
+    source: &SceneSource,
+    setting: &str,
+    (name, last): (&str, &str),
+    is_variable: bool,
+) -> Result<Option<(usize, &'static str)>, Faults> {
+    let Some(key) = ["threshold", "lower", "upper"].into_iter().find(|key| *key == last) else {
+        return Ok(None);
+    };
+    let states = &source.nominal().limit_states;
+    let is_limit_state = states.iter().any(|state| state.name == name);
+    if key != "threshold" && (is_variable || !is_limit_state) {
+        return Ok(None);
+    }
+    let found = limit_state(source, setting, name)?;
+    let two = states[found].middle().is_some();
+    if two == (key == "threshold") {
+        let has = if two { "lower and upper" } else { "a threshold" };
+        return Err(refused(setting, format!("limit state \"{name}\" has {has}, no \"{key}\"")));
+    }
+    Ok(Some((found, key)))
 }
 
 /// A number, or the text without its quotes.
@@ -181,7 +208,7 @@ fn not_a_key(source: &SceneSource, setting: &str, key: &str) -> Faults {
     refused(
         setting,
         format!(
-            "expected VARIABLE.KEY with one of the keys {}, LIMIT_STATE.threshold, or correlation(VARIABLE,VARIABLE)",
+            "expected VARIABLE.KEY with one of the keys {}, LIMIT_STATE.threshold (of two, .lower and .upper), or correlation(VARIABLE,VARIABLE)",
             VARIABLE_KEYS.join(", ")
         ),
     )

@@ -7,7 +7,7 @@ use super::written::WrittenScene;
 use crate::results::store::{CampaignFile, StoreError};
 use crate::results::summary::StudySummary;
 use common::outputs::{Diagnostics, Evaluation};
-use common::scene::{ContactLaw, Fails, JointKind, OutputKind, OutputUnit, Scene};
+use common::scene::{ContactLaw, JointKind, LimitState, OutputKind, OutputUnit, Scene};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -39,19 +39,6 @@ pub struct CheckpointDistribution {
 /// Edges of `bins` equal bins from `from` to `to` `(bins + 1,)`, the last one exactly `to`.
 pub fn equal_edges(from: f64, to: f64, bins: usize) -> Vec<f64> {
     (0..=bins).map(|k| if k == bins { to } else { from + (to - from) * k as f64 / bins as f64 }).collect()
-}
-
-/// A limit state of the scene.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LimitStateInfo {
-    /// Name, a key of the summary.
-    pub name: String,
-    /// Index into [`ReportInput::outputs`].
-    pub output: usize,
-    /// Threshold [SI unit of the output].
-    pub threshold: f64,
-    /// Side of the threshold on which failure lies.
-    pub fails: Fails,
 }
 
 /// An output of the scene.
@@ -115,7 +102,7 @@ pub struct ReportInput {
     /// Result of the study.
     pub summary: StudySummary,
     /// Limit states, in the scene's order.
-    pub limit_states: Vec<LimitStateInfo>,
+    pub limit_states: Vec<LimitState>,
     /// Outputs, in the scene's order.
     pub outputs: Vec<OutputInfo>,
     /// Random variables, in the scene's order.
@@ -199,16 +186,7 @@ impl ReportInput {
             title: scene.title.clone(),
             notes: [of_designs(&summary), rough(&summary), notes(scene)].concat(),
             summary,
-            limit_states: scene
-                .limit_states
-                .iter()
-                .map(|state| LimitStateInfo {
-                    name: state.name.clone(),
-                    output: state.output,
-                    threshold: state.threshold,
-                    fails: state.fails,
-                })
-                .collect(),
+            limit_states: scene.limit_states.clone(),
             outputs: scene
                 .outputs
                 .iter()
@@ -248,20 +226,17 @@ impl ReportInput {
     }
 
     /// The unit a limit state's output is shown in.
-    pub fn unit_of(&self, state: &LimitStateInfo) -> &OutputUnit {
+    pub fn unit_of(&self, state: &LimitState) -> &OutputUnit {
         &self.outputs[state.output].unit
     }
 }
 
 /// Checkpoint by which each limit state of an evaluation has failed, if it has [cycles].
 fn failures_of(scene: &Scene, evaluation: &Evaluation) -> Vec<Option<u32>> {
-    let first = |state: &common::scene::LimitState| {
+    let first = |state: &LimitState| {
         let history = evaluation.histories.get(state.output)?;
-        let reached = |value: &f64| match state.fails {
-            Fails::Above => *value >= state.threshold,
-            Fails::Below => *value <= state.threshold,
-        };
-        evaluation.cycles.get(history.iter().position(reached)?).copied()
+        let first = history.iter().position(|value| state.is_reached(*value))?;
+        evaluation.cycles.get(first).copied()
     };
     scene.limit_states.iter().map(first).collect()
 }

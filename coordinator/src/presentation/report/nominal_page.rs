@@ -84,7 +84,7 @@ impl NominalView<'_> {
         if scene.limit_states.is_empty() {
             return html! {};
         }
-        // A simulator's outputs may fail below their thresholds and have no first cycle.
+        // A simulator's outputs have no first cycle.
         let known = self.evaluation.filter(|_| scene.simulator.is_none());
         let lives = known.map(|evaluation| nominal_lives(scene, evaluation));
         let rows = scene.limit_states.iter().enumerate().map(|(k, limit)| {
@@ -100,8 +100,8 @@ impl NominalView<'_> {
                 output.name.render(),
                 of(&|life| life.unworn.map(shown)),
                 of(&|life| Some(shown(life.last))),
-                shown(limit.threshold).render(),
-                of(&|life| Some(format!("{:.0} %", 100.0 * (1.0 - life.last / life.limit.threshold)))),
+                limit.thresholds().into_iter().map(shown).collect::<Vec<_>>().join(" to ").render(),
+                of(&|life| Some(format!("{:.0} %", 100.0 * life.margin()))),
                 of(&|life| Some(expected(life))),
             ]
         });

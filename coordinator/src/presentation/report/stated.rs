@@ -18,7 +18,7 @@ pub fn errors_over_life(input: &ReportInput) -> Markup {
     for state in &input.limit_states {
         let errors = input.stated.get(state.output).map_or(&[][..], Vec::as_slice);
         let unit = input.unit_of(state);
-        let share = |error: f64| percent((error / state.threshold).abs());
+        let share = |error: f64| percent(error.abs() / state.scale());
         let value = |error: f64| unit.after(&three_digits(unit.to_shown(error)));
         for (k, stated) in errors.iter().enumerate() {
             let ends_a_sixth = (1..=SIXTHS).any(|sixth| k + 1 == errors.len() * sixth / SIXTHS);
@@ -51,7 +51,7 @@ pub fn sentences(input: &ReportInput) -> Vec<String> {
         .iter()
         .filter_map(|state| {
             let stated = input.stated.get(state.output)?.iter().find(|stated| stated.cycles == row.cycles)?;
-            let share = |error: f64| percent((error / state.threshold).abs());
+            let share = |error: f64| percent(error.abs() / state.scale());
             let name = words(&input.outputs[state.output].name);
             Some(format!("{name} {}, at most {}", share(stated.typical), share(stated.largest)))
         })

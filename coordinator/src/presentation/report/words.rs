@@ -107,9 +107,15 @@ fn failures_over_life(input: &ReportInput) -> Vec<String> {
         let state = input.limit_states.iter().find(|state| state.name == name)?;
         let unit = input.unit_of(state);
         let output = super::figures::words(&input.outputs[state.output].name);
-        let threshold = unit.after(&tick_label(unit.to_shown(state.threshold)));
-        let reaching = if state.fails == Fails::Above { "reaching" } else { "falling to" };
-        Some(format!("{output} {reaching} {threshold}"))
+        let shown = |value: f64| unit.after(&tick_label(unit.to_shown(value)));
+        let threshold = shown(state.threshold);
+        Some(match state.fails {
+            Fails::Above => format!("{output} reaching {threshold}"),
+            Fails::Below => format!("{output} falling to {threshold}"),
+            Fails::Outside { lower } => {
+                format!("{output} falling to {} or reaching {threshold}", shown(lower))
+            }
+        })
     };
     let named =
         |name: &str| criterion(name).map_or(name.to_string(), |criterion| format!("{name} ({criterion})"));

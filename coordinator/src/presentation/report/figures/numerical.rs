@@ -72,10 +72,10 @@ fn sizes(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
     let axis = LifeAxis::new(&input.summary);
     let mut figures = Vec::new();
     // Relative to a limit of zero an error has no size.
-    for state in input.limit_states.iter().filter(|state| state.threshold != 0.0) {
+    for state in input.limit_states.iter().filter(|state| state.scale() != 0.0) {
         let stated = input.stated.get(state.output).map_or(&[][..], Vec::as_slice);
         let Some(last) = stated.last() else { continue };
-        let of_limit = |error: f64| 100.0 * (error / state.threshold).abs();
+        let of_limit = |error: f64| 100.0 * error.abs() / state.scale();
         let line = |error: fn(&StatedAt) -> f64| -> Points {
             stated.iter().map(|row| (axis.place(row.cycles), of_limit(error(row)))).collect()
         };
@@ -93,7 +93,8 @@ fn sizes(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
             y: Axis::linear("stated error [% of the limit]", (0.0, if top > 0.0 { 1.1 * top } else { 1.0 })),
             series: &series,
         };
-        let caption = "Median and maximum over all simulations of the study, as a share of the limit state's threshold.";
+        let caption = "Median and maximum over all simulations of the study, as a share of the limit state's threshold, or of half the distance \
+                       between two.";
         figures.push(plot.figure(&capital(&format!("stated error of {output}")), caption)?);
     }
     Ok(figures)

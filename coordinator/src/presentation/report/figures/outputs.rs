@@ -1,14 +1,14 @@
 //! Figures of the outputs: their distributions late in life, and their course over life.
 
-use super::{LifeAxis, capital, file_name, ink_of, words};
+use super::{LifeAxis, capital, file_name, ink_of, range, words};
 use crate::presentation::report::figure::Figure;
 use crate::presentation::report::format::{count, fixed, three_digits};
-use crate::presentation::report::input::{CheckpointDistribution, LimitStateInfo, ReportInput};
+use crate::presentation::report::input::{CheckpointDistribution, ReportInput};
 use crate::presentation::report::life::governing;
 use crate::presentation::report::palette::Ink;
 use crate::presentation::report::plot::{Axis, Band, Plot, PlotError, Points, Series, Shape, tick_label};
 use crate::results::summary::StudySummary;
-use common::scene::{Fails, OutputUnit};
+use common::scene::{Fails, LimitState, OutputUnit};
 
 /// One figure per limit state: its output's distribution at three checkpoints around the governing one.
 ///
@@ -25,14 +25,15 @@ pub fn distributions(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
 /// The distributions of one limit state's output with its threshold.
 fn distribution(
     input: &ReportInput,
-    state: &LimitStateInfo,
+    state: &LimitState,
     shown: &[&CheckpointDistribution],
 ) -> Result<Figure, PlotError> {
     let output = &input.outputs[state.output];
     let unit = &output.unit;
-    let threshold = unit.to_shown(state.threshold);
+    let thresholds: Vec<f64> = state.thresholds().into_iter().map(|si| unit.to_shown(si)).collect();
     let mut series = Vec::new();
-    let (mut low, mut high, mut top) = (threshold, threshold, 0.0_f64);
+    let (mut low, mut high) = range(thresholds.iter().copied());
+    let mut top = 0.0_f64;
     for (k, distribution) in shown.iter().enumerate() {
         let bars = densities(distribution, unit);
         for (left, right, height) in &bars {
@@ -45,7 +46,8 @@ fn distribution(
         };
         series.push(Series::new(label, Ink::Series(k + 2), Shape::Steps(bars)));
     }
-    series.push(Series::new("threshold", Ink::Limit, Shape::Upright(threshold)));
+    let lines = thresholds.iter().zip(threshold_names(state));
+    series.extend(lines.map(|(threshold, name)| Series::new(*name, Ink::Limit, Shape::Upright(*threshold))));
     let name = format!("distribution-{}", file_name(&state.name));
     let margin = 0.03 * (high - low);
     let labels = [unit.axis(&words(&output.name)), density(unit)];
@@ -66,7 +68,7 @@ fn distribution(
 /// Origin, means and standard deviations of the distributions, and the side of the threshold on which failure lies.
 fn distribution_caption(
     input: &ReportInput,
-    state: &LimitStateInfo,
+    state: &LimitState,
     shown: &[&CheckpointDistribution],
 ) -> String {
     let unit = input.unit_of(state);
@@ -75,14 +77,29 @@ fn distribution_caption(
         format!("{mean} ± {} at {}", unit.after(&std), count(distribution.cycles.into()))
     });
     format!(
-        "{}. Mean ± standard deviation: {} {}. {} the threshold of {} the {} has failed.",
+        "{}. Mean ± standard deviation: {} {}. {} the {} has failed.",
         capital(&origin(&input.summary)),
         moments.collect::<Vec<_>>().join(", "),
         if shown.len() == 1 && shown[0].cycles == 1 { "cycle" } else { "cycles" },
-        if state.fails == Fails::Above { "Above" } else { "Below" },
-        unit.after(&tick_label(unit.to_shown(state.threshold))),
+        beyond(state, unit),
         input.subject()
     )
+}
+
+/// Names of the lines at the thresholds of a limit state, ascending.
+fn threshold_names(state: &LimitState) -> &'static [&'static str] {
+    if state.middle().is_some() { &["lower threshold", "upper threshold"] } else { &["threshold"] }
+}
+
+/// Where failure lies, as the beginning of a sentence.
+fn beyond(state: &LimitState, unit: &OutputUnit) -> String {
+    let shown = |value: f64| unit.after(&tick_label(unit.to_shown(value)));
+    let threshold = shown(state.threshold);
+    match state.fails {
+        Fails::Above => format!("Above the threshold of {threshold}"),
+        Fails::Below => format!("Below the threshold of {threshold}"),
+        Fails::Outside { lower } => format!("Below {} and above {threshold}", shown(lower)),
+    }
 }
 
 /// Probability density over each bin as (left, right, height), in the unit shown.
@@ -113,7 +130,7 @@ fn density(unit: &OutputUnit) -> String {
 /// the governing one being moved to a multiple of two checkpoints; or the three nearest there are.
 fn three_around_governing<'a>(
     input: &'a ReportInput,
-    state: &LimitStateInfo,
+    state: &LimitState,
 ) -> Vec<&'a CheckpointDistribution> {
     let name = &input.outputs[state.output].name;
     let mut shown: Vec<&CheckpointDistribution> =
@@ -149,12 +166,12 @@ pub fn histories(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
 /// The output of one limit state over life; `None` if neither the nominal evaluation nor the population has it.
 fn history(
     input: &ReportInput,
-    state: &LimitStateInfo,
+    state: &LimitState,
     axis: &LifeAxis,
 ) -> Result<Option<Figure>, PlotError> {
     let output = &input.outputs[state.output];
     let unit = &output.unit;
-    let threshold = unit.to_shown(state.threshold);
+    let thresholds: Vec<f64> = state.thresholds().into_iter().map(|si| unit.to_shown(si)).collect();
     let nominal: Points = input.nominal.as_ref().map_or(vec![], |nominal| {
         let history = nominal.histories.get(state.output).map_or(&[][..], Vec::as_slice);
         nominal.cycles.iter().zip(history).map(|(n, v)| (axis.place(*n), unit.to_shown(*v))).collect()
@@ -164,11 +181,13 @@ fn history(
     let ends = nominal.last().map(|p| p.0).into_iter().chain(edges.clone().map(|p| p.0));
     let Some(last) = ends.reduce(f64::max) else { return Ok(None) };
     let values = nominal.iter().map(|p| p.1).chain(edges.flat_map(|p| [p.1, p.2]));
-    let (low, high) = values.fold((threshold, threshold), |(low, high), v| (low.min(v), high.max(v)));
-    let signed = threshold < 0.0 || nominal.iter().any(|p| p.1 < 0.0);
+    let (low, high) = range(values.chain(thresholds.iter().copied()));
+    let signed = thresholds[0] < 0.0 || nominal.iter().any(|p| p.1 < 0.0);
     let low = if low < 0.5 * high && !signed { 0.0 } else { low - 0.1 * (high - low) };
     let caption = history_caption(input, !bands.is_empty());
-    let mut series = vec![Series::new("threshold", Ink::Limit, Shape::Level(threshold))];
+    let lines = thresholds.iter().zip(threshold_names(state));
+    let mut series: Vec<Series> =
+        lines.map(|(threshold, name)| Series::new(*name, Ink::Limit, Shape::Level(*threshold))).collect();
     let ink = ink_of(&input.summary, &state.name);
     // The inner band lies on the outer one.
     let drawn = bands.into_iter().zip([0.16, 0.5]);
@@ -206,7 +225,7 @@ const BANDS: [(f64, f64); 2] = [(0.01, 0.99), (0.25, 0.75)];
 
 /// Bands of quantiles of a limit state's output over life, the widest first, as (label, points); empty if the study
 /// stored no distributions.
-fn spread(input: &ReportInput, state: &LimitStateInfo, axis: &LifeAxis) -> Vec<(String, Band)> {
+fn spread(input: &ReportInput, state: &LimitState, axis: &LifeAxis) -> Vec<(String, Band)> {
     let output = &input.outputs[state.output];
     let mut stored: Vec<_> = input.distributions.iter().filter(|d| d.output == output.name).collect();
     stored.sort_by_key(|d| d.cycles);

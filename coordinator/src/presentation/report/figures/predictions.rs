@@ -5,9 +5,10 @@ use crate::presentation::report::figure::Figure;
 use crate::presentation::report::format::{count, fixed, percent};
 use crate::presentation::report::input::ReportInput;
 use crate::presentation::report::palette::Ink;
-use crate::presentation::report::plot::{Axis, Plot, PlotError, Series, Shape};
+use crate::presentation::report::plot::{Axis, Plot, PlotError, Series, Shape, tick_label};
 use crate::results::point_summary::PredictionRow;
 use crate::statistics::reliability::REACH;
+use common::scene::{Fails, LimitState};
 
 /// One figure per limit state; none for a study without surrogates, or by an earlier version.
 ///
@@ -43,7 +44,7 @@ fn figure(input: &ReportInput, row: &PredictionRow) -> Result<Figure, PlotError>
     let mut series =
         vec![Series::new("predicted = simulated", Ink::Muted, Shape::Line(vec![(low, low), (high, high)]))];
     if let (Some(state), Some(output)) = (state, output) {
-        let threshold = output.unit.to_shown(state.threshold);
+        let threshold = output.unit.to_shown(row_threshold(state));
         if (low..=high).contains(&threshold) {
             series.push(Series::new("threshold", Ink::Limit, Shape::Level(threshold)));
             series.push(Series::unlisted(
@@ -61,6 +62,13 @@ fn figure(input: &ReportInput, row: &PredictionRow) -> Result<Figure, PlotError>
         Shape::Measured(points),
     ));
     let name = output.map_or(row.limit_state.clone(), |output| words(&output.name));
+    let name = match (state.and_then(LimitState::middle), output) {
+        (Some(middle), Some(output)) => {
+            let middle = output.unit.after(&tick_label(output.unit.to_shown(middle)));
+            format!("distance of {name} from {middle}")
+        }
+        _ => name,
+    };
     let labels = ["simulated", "predicted"]
         .map(|which| output.map_or(which.to_owned(), |output| output.unit.axis(&format!("{which} {name}"))));
     let plot = Plot {
@@ -77,12 +85,17 @@ fn figure(input: &ReportInput, row: &PredictionRow) -> Result<Figure, PlotError>
         within,
         percent(within as f64 / all as f64)
     );
-    let caption = if state.is_some_and(|state| state.fails == common::scene::Fails::Below) {
+    let caption = if state.is_some_and(|state| state.fails == Fails::Below) {
         caption.replacen("Largest", "Smallest", 1)
     } else {
         caption
     };
     plot.figure(&capital(&format!("predicted against simulated {name}")), &caption)
+}
+
+/// Threshold of the values of a row: that of the output, or of its distance from the middle between two thresholds.
+fn row_threshold(state: &LimitState) -> f64 {
+    if state.middle().is_some() { state.response_threshold() } else { state.threshold }
 }
 
 #[cfg(test)]

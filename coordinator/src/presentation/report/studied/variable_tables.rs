@@ -175,16 +175,20 @@ pub fn limits(scene: &Scene, rows: &[LimitRow], written: &WrittenScene) -> Marku
     });
     let limits = rows.iter().zip(&scene.limit_states).map(|(row, limit)| {
         let unit = scene.outputs[limit.output].kind.unit();
-        let key = format!("limit_states.{}.threshold", limit.name);
-        let threshold = match &unit {
-            OutputUnit::External(_) => unit.after(&exact_number(limit.threshold)),
-            own => ExactTexts(written).value(&key, limit.threshold, own.symbol()),
+        let shown = |key: &str, value: f64| match &unit {
+            OutputUnit::External(_) => unit.after(&exact_number(value)),
+            own => {
+                ExactTexts(written).value(&format!("limit_states.{}.{key}", limit.name), value, own.symbol())
+            }
         };
         let fails = match limit.fails {
-            Fails::Above => "≥",
-            Fails::Below => "≤",
+            Fails::Above => format!("≥ {}", shown("threshold", limit.threshold)),
+            Fails::Below => format!("≤ {}", shown("threshold", limit.threshold)),
+            Fails::Outside { lower } => {
+                format!("≤ {} or ≥ {}", shown("lower", lower), shown("upper", limit.threshold))
+            }
         };
-        [row.name.clone(), row.output.clone(), format!("{fails} {threshold}")]
+        [row.name.clone(), row.output.clone(), fails]
             .map(|cell| cell.render())
             .to_vec()
     });
