@@ -217,11 +217,41 @@ fn outputs_and_limit_states() {
     let all = (0..scene.joints.len()).collect();
     assert_eq!(*output("force"), OutputKind::PeakJointForce { joints: all });
     let at = place(&scene, "slider", [0.0, 0.0]);
-    assert_eq!(*output("error"), OutputKind::PositionError { at });
+    let (wanted, measure) = ([None, None], ErrorMeasure::Largest);
+    assert_eq!(*output("error"), OutputKind::PositionError { at, wanted, measure });
     assert_eq!(*output("torque"), OutputKind::DrivingTorque { body: body(&scene, "crank") });
+    let rod = body(&scene, "rod");
+    let measure = ErrorMeasure::Largest;
+    assert_eq!(*output("rod_error"), OutputKind::AngleError { body: rod, wanted: None, measure });
+    let OutputKind::PositionError { wanted: [Some(x), Some(y)], measure: ErrorMeasure::RootMeanSquare, .. } =
+        output("stroke_error")
+    else {
+        panic!("{:?}", output("stroke_error"));
+    };
+    same(&x.table.at, &[0.0, PI, 2.0 * PI]);
+    assert_eq!((x.over, y.over), (Over::Angle(body(&scene, "crank")), Over::Time));
+    assert_eq!((x.table.repeat, y.table.repeat, y.table.value[1]), (true, false, 0.01));
+    let OutputKind::AngleError { wanted: Some(function), measure: ErrorMeasure::RootMeanSquare, .. } =
+        output("function_error")
+    else {
+        panic!("{:?}", output("function_error"));
+    };
+    same(&function.table.value, &[0.0, PI / 2.0]);
+    let at = place(&scene, "rod", [0.02, 0.0]);
+    assert_eq!(*output("jolt"), OutputKind::Acceleration { at });
+    assert_eq!(*output("jerk_of_rod"), OutputKind::AngularAcceleration { body: rod });
+    let with_clearance = ["worn", "unworn", "struck", "held", "undamped"].map(index).to_vec();
+    assert_eq!(*output("strokes"), OutputKind::Impacts { joints: with_clearance });
+    let (joints, measure) = (vec![index("struck")], ImpactMeasure::Total);
+    assert_eq!(*output("blows"), OutputKind::ImpactEnergy { joints, measure });
+    let (joints, measure) = (["struck", "held"].map(index).to_vec(), ImpactMeasure::Largest);
+    assert_eq!(*output("hardest_blow"), OutputKind::ImpactEnergy { joints, measure });
     // Thresholds are in the kind of their output.
     let thresholds: Vec<f64> = scene.limit_states.iter().map(|limit| limit.threshold).collect();
-    same(&thresholds, &[5e-6, PI / 60.0, 2000.0, 0.0005, 4.0]);
+    same(&thresholds, &[5e-6, PI / 60.0, 2000.0, 0.0005, 4.0, 0.1, 2000.0, 900.0, 1e4, 50.0, 0.02]);
+    let fails: Vec<Fails> = scene.limit_states[4..7].iter().map(|limit| limit.fails).collect();
+    assert_eq!(fails, [Fails::Above, Fails::Below, Fails::Outside { lower: 20.0 }]);
+    assert_eq!(scene.limit_states[7].fails, Fails::Above);
 }
 
 #[test]

@@ -46,8 +46,8 @@ const SIMULATORS: [&str; 2] = [
 ];
 
 /// Keys whose value is one of a few words.
-const WORD_KEYS: [&str; 8] =
-    ["type", "motion", "law", "contact_law", "contact_damping", "over", "distribution", "fails"];
+const WORD_KEYS: [&str; 9] =
+    ["type", "motion", "law", "contact_law", "contact_damping", "over", "distribution", "fails", "measure"];
 
 /// The texts in backquotes of a piece of Markdown without its blocks of code.
 fn quoted(text: &str) -> impl Iterator<Item = &str> {

@@ -63,6 +63,8 @@ mod from_results_tests;
 mod life_tests;
 #[cfg(test)]
 mod lives_tests;
+#[cfg(test)]
+mod two_sided_tests;
 
 pub use campaign::Campaign;
 pub use campaign_result::CampaignResult;

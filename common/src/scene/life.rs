@@ -1,5 +1,6 @@
 //! Reads `[life]`: duration and number of the cycles. Everything that repeats in time must fit into a cycle.
 
+use super::outputs::OutputRow;
 use super::body_row::{BodyRow, MotionWord};
 use super::context::Range;
 use super::drive::{Drive, Over};
@@ -21,7 +22,7 @@ const ONCE: &str = " with cycles = 1, checkpoint_every = 1, settle_cycles = 0";
 const WHOLE_TURN: f64 = 1e-6;
 
 /// Reads `[life]`; none if it is faulty.
-pub(super) fn life(file: &mut Section, bodies: &[BodyRow], loads: &[Load]) -> Option<Life> {
+pub(super) fn life(file: &mut Section, bodies: &[BodyRow], loads: &[Load], outputs: &[OutputRow]) -> Option<Life> {
     let mut section = file.section("life", "a table [life] with cycles and checkpoint_every")?;
     let period = match section.get("period") {
         Some(_) => section.quantity("period", TIME, Range::Positive),
@@ -55,6 +56,7 @@ pub(super) fn life(file: &mut Section, bodies: &[BodyRow], loads: &[Load]) -> Op
     // A motion seen once may be cut anywhere.
     if !life.is_single_cycle() {
         check_repetitions(&section, period, bodies, loads);
+        check_wanted_curves(&section, period, outputs);
     }
     Some(life)
 }
@@ -128,6 +130,19 @@ fn check_repetitions(life: &Section, period: f64, bodies: &[BodyRow], loads: &[L
             let every = span(&curve.table);
             if repetitions(period, every).is_none() {
                 does_not_fit(life, period, &format!("loads.{name}.{key_of}"), every);
+            }
+        }
+    }
+}
+
+/// Checks that the repeated curves over time of outputs fit into the period.
+fn check_wanted_curves(life: &Section, period: f64, outputs: &[OutputRow]) {
+    for output in outputs.iter().filter_map(|row| row.output.as_ref()) {
+        for (key, curve) in output.kind.curves() {
+            let repeats = curve.over == Over::Time && curve.table.repeat;
+            let every = span(&curve.table);
+            if repeats && repetitions(period, every).is_none() {
+                does_not_fit(life, period, &format!("outputs.{}.{key}", output.name), every);
             }
         }
     }

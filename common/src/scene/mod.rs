@@ -34,6 +34,7 @@ mod joint;
 mod joints;
 mod layers;
 mod life;
+mod limit_states;
 mod limits;
 mod load;
 mod loads;
@@ -74,7 +75,7 @@ pub use model::{
     Body, DrivenInertia, ExternalSimulator, Fails, Life, LimitState, Motion, Point, Program, Scene,
     SimulatorKind, StudySettings, UmBridgeModel,
 };
-pub use output::{Output, OutputKind, SignedBody};
+pub use output::{ErrorMeasure, ImpactMeasure, Output, OutputKind, SignedBody};
 pub use output_unit::OutputUnit;
 pub use reference::published_results;
 pub use source::SceneSource;

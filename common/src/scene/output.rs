@@ -1,6 +1,7 @@
 //! Quantities that an evaluation returns.
 
 use super::attachment::Attachment;
+use super::drive::Curve;
 use super::output_unit::OutputUnit;
 use serde::{Deserialize, Serialize};
 
@@ -40,10 +41,46 @@ pub enum OutputKind {
         /// Indices into [`super::Scene::joints`].
         joints: Vec<usize>,
     },
-    /// Largest distance over a cycle of a point from where the mechanism with ideal joints has it [m].
+    /// Distance over a cycle of a point from where the mechanism with ideal joints has it, or from wanted coordinates [m].
     PositionError {
         /// Place on a free body.
         at: Attachment,
+        /// Wanted coordinates x, y [m]; with one of them the error is that of this coordinate, without any the ideal mechanism is the
+        /// reference.
+        wanted: [Option<Curve>; 2],
+        /// Measure of the error over the cycle.
+        measure: ErrorMeasure,
+    },
+    /// Difference over a cycle of the angle of a body from that of the mechanism with ideal joints, or from a wanted angle [rad].
+    AngleError {
+        /// Index of a free body.
+        body: usize,
+        /// Wanted angle [rad]; without it the ideal mechanism is the reference.
+        wanted: Option<Curve>,
+        /// Measure of the error over the cycle.
+        measure: ErrorMeasure,
+    },
+    /// Largest size over a cycle of the acceleration of a point [m/s^2].
+    Acceleration {
+        /// Place on a free body.
+        at: Attachment,
+    },
+    /// Largest size over a cycle of the angular acceleration of a body [rad/s^2].
+    AngularAcceleration {
+        /// Index of a free body.
+        body: usize,
+    },
+    /// Number of impacts in these joints with clearance over a cycle [1].
+    Impacts {
+        /// Indices into [`super::Scene::joints`].
+        joints: Vec<usize>,
+    },
+    /// Energy of these impacts over a cycle [J].
+    ImpactEnergy {
+        /// Indices into [`super::Scene::joints`].
+        joints: Vec<usize>,
+        /// All impacts of the cycle, or the hardest one.
+        measure: ImpactMeasure,
     },
     /// Largest size over a cycle of the torque that drives a body [N m].
     DrivingTorque {
@@ -59,13 +96,37 @@ pub enum OutputKind {
     },
 }
 
+/// Measure of an error over a cycle.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ErrorMeasure {
+    /// Largest size of the error.
+    #[default]
+    Largest,
+    /// Root of the mean over time of its square.
+    RootMeanSquare,
+}
+
+/// Measure of the energies of the impacts of a cycle.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ImpactMeasure {
+    /// Sum over all impacts.
+    #[default]
+    Total,
+    /// Energy of the hardest impact.
+    Largest,
+}
+
 impl OutputKind {
     /// Unit of the values.
     pub fn unit(&self) -> OutputUnit {
         match self {
             OutputKind::LargestWear { .. } | OutputKind::PositionError { .. } => OutputUnit::Length,
             OutputKind::AngularVelocityDifference { .. } => OutputUnit::AngularVelocity,
-            OutputKind::AngleDifference { .. } => OutputUnit::Angle,
+            OutputKind::AngleDifference { .. } | OutputKind::AngleError { .. } => OutputUnit::Angle,
+            OutputKind::Acceleration { .. } => OutputUnit::Acceleration,
+            OutputKind::AngularAcceleration { .. } => OutputUnit::AngularAcceleration,
+            OutputKind::Impacts { .. } => OutputUnit::Number,
+            OutputKind::ImpactEnergy { .. } => OutputUnit::Energy,
             OutputKind::PeakJointForce { .. } => OutputUnit::Force,
             OutputKind::DrivingTorque { .. } => OutputUnit::Torque,
             OutputKind::External { unit, .. } => OutputUnit::External(unit.clone()),
@@ -91,16 +152,65 @@ impl OutputKind {
                 format!("largest difference of angle, {} against {}", a.label, b.label)
             }
             OutputKind::PeakJointForce { joints: loaded } => format!("largest force in {}", joints(loaded)),
-            OutputKind::PositionError { at } => {
-                format!(
-                    "largest distance of a point of {} from its position with ideal joints",
-                    body(at.body)
-                )
+            OutputKind::PositionError { at, wanted, measure } => {
+                let point = format!("a point of {}", body(at.body));
+                match wanted {
+                    [None, None] => {
+                        format!("{} distance of {point} from its position with ideal joints", measure.word())
+                    }
+                    [Some(_), Some(_)] => {
+                        format!("{} distance of {point} from its wanted position", measure.word())
+                    }
+                    [Some(_), None] => format!("{} error of x of {point}", measure.word()),
+                    [None, Some(_)] => format!("{} error of y of {point}", measure.word()),
+                }
+            }
+            OutputKind::AngleError { body: turned, wanted, measure } => {
+                let from = if wanted.is_some() { "the wanted one" } else { "that with ideal joints" };
+                format!("{} difference of the angle of {} from {from}", measure.word(), body(*turned))
+            }
+            OutputKind::Acceleration { at } => {
+                format!("largest acceleration of a point of {}", body(at.body))
+            }
+            OutputKind::AngularAcceleration { body: turned } => {
+                format!("largest angular acceleration of {}", body(*turned))
+            }
+            OutputKind::Impacts { joints: struck } => {
+                format!("number of impacts per cycle in {}", joints(struck))
+            }
+            OutputKind::ImpactEnergy { joints: struck, measure: ImpactMeasure::Total } => {
+                format!("energy of the impacts per cycle in {}", joints(struck))
+            }
+            OutputKind::ImpactEnergy { joints: struck, measure: ImpactMeasure::Largest } => {
+                format!("energy of the hardest impact in {}", joints(struck))
             }
             OutputKind::DrivingTorque { body: driven } => {
                 format!("largest torque that drives {}", body(*driven))
             }
             OutputKind::External { .. } => "value returned by the simulator".to_owned(),
+        }
+    }
+
+    /// The curves that state what is wanted, with their keys in a scene.
+    pub fn curves(&self) -> Vec<(&'static str, &Curve)> {
+        match self {
+            OutputKind::PositionError { wanted: [x, y], .. } => {
+                let keyed = [("wanted_x", x), ("wanted_y", y)].into_iter();
+                keyed.filter_map(|(key, curve)| Some((key, curve.as_ref()?))).collect()
+            }
+            OutputKind::AngleError { wanted, .. } => {
+                wanted.iter().map(|curve| ("wanted", curve)).collect()
+            }
+            _ => vec![],
+        }
+    }
+
+    /// The same curves, to be changed.
+    pub fn curves_mut(&mut self) -> Vec<&mut Curve> {
+        match self {
+            OutputKind::PositionError { wanted, .. } => wanted.iter_mut().flatten().collect(),
+            OutputKind::AngleError { wanted, .. } => wanted.iter_mut().collect(),
+            _ => vec![],
         }
     }
 
@@ -111,6 +221,16 @@ impl OutputKind {
                 Some([a, b])
             }
             _ => None,
+        }
+    }
+}
+
+impl ErrorMeasure {
+    /// The measure in a description.
+    fn word(self) -> &'static str {
+        match self {
+            ErrorMeasure::Largest => "largest",
+            ErrorMeasure::RootMeanSquare => "r.m.s.",
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Units of a scene's outputs: the suffix of a key in JSON and CSV files, and the unit on axes and in text. Inside the
 //! program every output is in SI units.
 
+use super::quantity::*;
 use serde::{Deserialize, Serialize};
 
 /// Physical dimension of an output, with its units in files and in text.
@@ -17,6 +18,14 @@ pub enum OutputUnit {
     Force,
     /// A torque: `Nm` in files, `N m` in text.
     Torque,
+    /// An acceleration: `m/s^2` in files and in text.
+    Acceleration,
+    /// An angular acceleration: `rad/s^2` in files and in text.
+    AngularAcceleration,
+    /// An energy: `J` in files, `mJ` in text.
+    Energy,
+    /// A number without a unit.
+    Number,
     /// An output of an external simulator, with the unit that the scene states (may be empty).
     External(String),
 }
@@ -25,9 +34,14 @@ pub enum OutputUnit {
 const RAD_PER_S_PER_RPM: f64 = std::f64::consts::PI / 30.0;
 
 impl OutputUnit {
-    /// Key of a value in result files: its name and unit, e.g. `max_wear_depth_m`; the name alone without a unit.
+    /// Key of a value in result files: its name and unit, e.g. `max_wear_depth_m` or `jolt_m_per_s2`; the name alone without a unit.
     pub fn key(&self, name: &str) -> String {
-        match self.suffix() {
+        let unit = match self {
+            Self::Acceleration => "m_per_s2",
+            Self::AngularAcceleration => "rad_per_s2",
+            other => other.suffix(),
+        };
+        match unit {
             "" => name.to_owned(),
             suffix => format!("{name}_{}", suffix.replace(' ', "")),
         }
@@ -41,6 +55,10 @@ impl OutputUnit {
             Self::Angle => "deg",
             Self::Force => "N",
             Self::Torque => "Nm",
+            Self::Acceleration => "m/s^2",
+            Self::AngularAcceleration => "rad/s^2",
+            Self::Energy => "J",
+            Self::Number => "",
             Self::External(unit) => unit,
         }
     }
@@ -48,9 +66,24 @@ impl OutputUnit {
     /// An SI value in the unit of [`Self::suffix`].
     pub fn to_file(&self, si: f64) -> f64 {
         match self {
-            Self::Length | Self::Force | Self::Torque | Self::External(_) => si,
             Self::AngularVelocity => si / RAD_PER_S_PER_RPM,
             Self::Angle => si.to_degrees(),
+            _ => si,
+        }
+    }
+
+    /// Kind of the quantities with this unit, as a scene or a person states them; those of an external simulator are plain numbers.
+    pub fn kind(&self) -> Kind {
+        match self {
+            Self::Length => LENGTH,
+            Self::AngularVelocity => ANGULAR_VELOCITY,
+            Self::Angle => ANGLE,
+            Self::Force => FORCE,
+            Self::Torque => TORQUE,
+            Self::Acceleration => ACCELERATION,
+            Self::AngularAcceleration => ANGULAR_ACCELERATION,
+            Self::Energy => ENERGY,
+            Self::Number | Self::External(_) => NUMBER,
         }
     }
 
@@ -62,6 +95,8 @@ impl OutputUnit {
             Self::Angle => "deg",
             Self::Force => "N",
             Self::Torque => "N m",
+            Self::Energy => "mJ",
+            Self::Acceleration | Self::AngularAcceleration | Self::Number => self.suffix(),
             Self::External(unit) => unit,
         }
     }
@@ -70,6 +105,7 @@ impl OutputUnit {
     pub fn to_shown(&self, si: f64) -> f64 {
         match self {
             Self::Length => si * 1e6,
+            Self::Energy => si * 1e3,
             other => other.to_file(si),
         }
     }
@@ -100,6 +136,14 @@ mod tests {
         assert_eq!(OutputUnit::Length.key("depth"), "depth_m");
         assert_eq!(OutputUnit::Length.to_file(3e-5), 3e-5);
         assert!((OutputUnit::Length.to_shown(3e-5) - 30.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn units_of_rates_have_keys_without_signs() {
+        let keys = [OutputUnit::Acceleration, OutputUnit::AngularAcceleration, OutputUnit::Number].map(|u| u.key("a"));
+        assert_eq!(keys, ["a_m_per_s2", "a_rad_per_s2", "a"]);
+        assert_eq!(OutputUnit::Energy.after("2"), "2 mJ");
+        assert_eq!((OutputUnit::Energy.to_file(2e-3), OutputUnit::Energy.to_shown(2e-3)), (2e-3, 2.0));
     }
 
     #[test]

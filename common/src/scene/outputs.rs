@@ -1,27 +1,24 @@
-//! Reads the outputs of a scene, and the limit states over them.
+//! Reads the outputs of a scene.
 
+use super::attachment::Attachment;
 use super::body_row::{BodyRow, MotionWord, body, place};
-use super::context::Range;
-use super::faults::FaultKind;
+use super::drive::Curve;
 use super::joint::JointKind;
 use super::joints::JointRow;
-use super::model::{Fails, LimitState};
-use super::output::{Output, OutputKind, SignedBody};
+use super::output::{ErrorMeasure, ImpactMeasure, Output, OutputKind, SignedBody};
 use super::quantity::*;
 use super::section::Section;
-
-/// Columns that result files have besides one for each limit state.
-const COLUMNS: [&str; 4] = ["cycles", "total", "standard_error", "numerical"];
+use super::tables::curve;
 
 /// An output while its scene is read; a faulty one keeps its name, so that references to it are found.
 pub(super) struct OutputRow {
-    name: String,
+    pub(super) name: String,
     /// Kind of its values; none if its type is unknown.
-    kind: Option<Kind>,
+    pub(super) kind: Option<Kind>,
     /// The output, unless faulty.
     pub(super) output: Option<Output>,
     /// True if an external simulator returns it: its values are then plain numbers of any sign.
-    declared: bool,
+    pub(super) declared: bool,
 }
 
 impl OutputRow {
@@ -44,6 +41,11 @@ enum OutputWord {
     AngleDifference,
     PeakJointForce,
     PositionError,
+    AngleError,
+    Acceleration,
+    AngularAcceleration,
+    Impacts,
+    ImpactEnergy,
     DrivingTorque,
 }
 
@@ -55,6 +57,11 @@ pub(super) fn outputs(file: &mut Section, bodies: &[BodyRow], joints: &[JointRow
         ("angle-difference", (OutputWord::AngleDifference, ANGLE)),
         ("peak-joint-force", (OutputWord::PeakJointForce, FORCE)),
         ("position-error", (OutputWord::PositionError, LENGTH)),
+        ("angle-error", (OutputWord::AngleError, ANGLE)),
+        ("acceleration", (OutputWord::Acceleration, ACCELERATION)),
+        ("angular-acceleration", (OutputWord::AngularAcceleration, ANGULAR_ACCELERATION)),
+        ("impacts", (OutputWord::Impacts, NUMBER)),
+        ("impact-energy", (OutputWord::ImpactEnergy, ENERGY)),
         ("driving-torque", (OutputWord::DrivingTorque, TORQUE)),
     ];
     let mut outputs = Vec::new();
@@ -93,9 +100,28 @@ fn output(
             Some(OutputKind::PeakJointForce { joints: chosen })
         }
         OutputWord::PositionError => {
-            let at = place(row, "at", bodies)?;
-            moves(row, "at", bodies, at.body, MotionWord::Free, "free")?;
-            Some(OutputKind::PositionError { at })
+            let at = free_place(row, bodies);
+            let wanted = ["wanted_x", "wanted_y"].map(|key| wanted(row, key, LENGTH, bodies));
+            let measure = error_measure(row);
+            let [x, y] = wanted;
+            Some(OutputKind::PositionError { at: at?, wanted: [x?, y?], measure: measure? })
+        }
+        OutputWord::AngleError => {
+            let body = free_body(row, bodies);
+            let wanted = wanted(row, "wanted", ANGLE, bodies);
+            let measure = error_measure(row);
+            Some(OutputKind::AngleError { body: body?, wanted: wanted?, measure: measure? })
+        }
+        OutputWord::Acceleration => Some(OutputKind::Acceleration { at: free_place(row, bodies)? }),
+        OutputWord::AngularAcceleration => {
+            Some(OutputKind::AngularAcceleration { body: free_body(row, bodies)? })
+        }
+        OutputWord::Impacts => Some(OutputKind::Impacts { joints: struck_joints(row, joints)? }),
+        OutputWord::ImpactEnergy => {
+            let struck = struck_joints(row, joints);
+            let words = [("total", ImpactMeasure::Total), ("largest", ImpactMeasure::Largest)];
+            let measure = row.word_or("measure", &words, ImpactMeasure::Total);
+            Some(OutputKind::ImpactEnergy { joints: struck?, measure: measure? })
         }
         OutputWord::DrivingTorque => {
             let body = body(row, "body", bodies)?;
@@ -103,6 +129,57 @@ fn output(
             Some(OutputKind::DrivingTorque { body })
         }
     }
+}
+
+/// Reads a place on a free body.
+fn free_place(row: &mut Section, bodies: &[BodyRow]) -> Option<Attachment> {
+    let at = place(row, "at", bodies)?;
+    moves(row, "at", bodies, at.body, MotionWord::Free, "free")?;
+    Some(at)
+}
+
+/// Reads the name of a free body.
+fn free_body(row: &mut Section, bodies: &[BodyRow]) -> Option<usize> {
+    let found = body(row, "body", bodies)?;
+    moves(row, "body", bodies, found, MotionWord::Free, "free")?;
+    Some(found)
+}
+
+/// Reads what is wanted, if it is given; the outer `None` if it is faulty.
+fn wanted(row: &mut Section, key: &'static str, kind: Kind, bodies: &[BodyRow]) -> Option<Option<Curve>> {
+    if row.peek(key).is_none() {
+        return Some(None);
+    }
+    curve(row, key, kind, bodies).map(Some)
+}
+
+/// Reads the measure of an error over the cycle.
+fn error_measure(row: &mut Section) -> Option<ErrorMeasure> {
+    let words = [("largest", ErrorMeasure::Largest), ("rms", ErrorMeasure::RootMeanSquare)];
+    row.word_or("measure", &words, ErrorMeasure::Largest)
+}
+
+/// Reads joints with clearance, by default all of them.
+fn struck_joints(row: &mut Section, joints: &[JointRow]) -> Option<Vec<usize>> {
+    let has_clearance = |joint: &JointRow| {
+        // The kind of a faulty joint may be unknown; that fault has been recorded.
+        joint.joint.as_ref().is_none_or(|joint| matches!(joint.kind, JointKind::Clearance(_)))
+    };
+    let with_clearance = || joints.iter().filter(|joint| has_clearance(joint)).map(|joint| joint.name.as_str());
+    let chosen: Vec<usize> = match row.get("joints") {
+        None => (0..joints.len()).filter(|&k| has_clearance(&joints[k])).collect(),
+        Some(_) => chosen_joints(row, joints)?,
+    };
+    if chosen.is_empty() {
+        row.inconsistent("joints", "there is no joint with clearance");
+        return None;
+    }
+    if let Some(ideal) = chosen.iter().map(|&k| &joints[k]).find(|joint| !has_clearance(joint)) {
+        let there_are = listed(with_clearance());
+        row.inconsistent("joints", format!("joint \"{}\" has no clearance{there_are}", ideal.name));
+        return None;
+    }
+    Some(chosen)
 }
 
 /// Checks that the body moves in the way that the output requires.
@@ -184,68 +261,4 @@ fn signed_body(row: &mut Section, key: &'static str, bodies: &[BodyRow]) -> Opti
     section.finish();
     let body = section.reference("body", "body", name?, bodies.iter().map(|body| body.name.as_str()))?;
     Some(SignedBody { body, sign: sign? as f64, label: label?.to_owned() })
-}
-
-/// Reads `[[limit_states]]`; a threshold is of the kind of its output.
-pub(super) fn limit_states(file: &mut Section, outputs: &[OutputRow]) -> Vec<Option<LimitState>> {
-    let mut limit_states = Vec::new();
-    for (name, mut row) in file.rows("limit_states") {
-        if COLUMNS.contains(&name) {
-            let (value, reason) = (name.to_owned(), "it is a column of result files".to_owned());
-            row.fault("name", FaultKind::BadName { value, reason });
-        }
-        let known = outputs.iter().map(|output| output.name.as_str());
-        let declared = outputs.iter().any(|output| output.declared);
-        let output = row.text("output", "the name of an output");
-        let output = output.and_then(|output| row.reference("output", "output", output, known));
-        let kind = output.and_then(|output| outputs[output].kind);
-        // The outputs of a mechanism are sizes.
-        let range = if declared { Range::Any } else { Range::Positive };
-        let sides = sides(&mut row, kind, range);
-        row.finish();
-        let state =
-            |(output, (threshold, fails))| LimitState { name: name.to_owned(), output, threshold, fails };
-        limit_states.push(output.zip(sides).map(state));
-    }
-    limit_states
-}
-
-/// Reads threshold and side of a limit state: `threshold` with `fails`, or `lower` and `upper`, outside of which it fails. A threshold
-/// of an unknown kind is left unread.
-fn sides(row: &mut Section, kind: Option<Kind>, range: Range) -> Option<(f64, Fails)> {
-    let words = [("above", Fails::Above), ("below", Fails::Below), ("outside", Fails::Outside { lower: 0.0 })];
-    let two = ["lower", "upper"].into_iter().find(|key| row.peek(key).is_some());
-    let fails = match row.get("fails") {
-        None => Some(if two.is_some() { words[2].1 } else { Fails::Above }),
-        Some(_) => row.word("fails", &words),
-    };
-    let one_sided = !matches!(fails, Some(Fails::Outside { .. }));
-    let surplus = if one_sided { two } else { Some("threshold").filter(|key| row.peek(key).is_some()) };
-    if fails.is_none() || surplus.is_some() {
-        for key in ["threshold", "lower", "upper"] {
-            row.get(key);
-        }
-    }
-    if let (Some(key), Some(_)) = (surplus, fails) {
-        row.inconsistent(
-            key,
-            "expected threshold, or lower and upper with fails = \"outside\", not some of both",
-        );
-        return None;
-    }
-    let mut threshold = |key| match kind {
-        Some(kind) => row.quantity(key, kind, range),
-        None => row.get(key).and(None),
-    };
-    if one_sided {
-        let fails = fails?;
-        return Some((threshold("threshold")?, fails));
-    }
-    let (lower, upper) = (threshold("lower"), threshold("upper"));
-    let (lower, upper) = (lower?, upper?);
-    if lower >= upper {
-        row.inconsistent("lower", "expected lower < upper");
-        return None;
-    }
-    Some((upper, Fails::Outside { lower }))
 }

@@ -202,8 +202,10 @@ kinds! {
     ANGULAR_VELOCITY "an angular velocity" (0 0 -1) "r/min, rad/s" "rad/s" Present;
     SPEED "a speed" (0 1 -1) "mm/s, m/s" "m/s" Open;
     ACCELERATION "an acceleration" (0 1 -2) "m/s^2" "m/s^2" Open;
+    ANGULAR_ACCELERATION "an angular acceleration" (0 0 -2) "rad/s^2" "rad/s^2" Present;
     FORCE "a force" (1 1 -2) "N, mN, kN" "N" Open;
     TORQUE "a torque" (1 2 -2) "N m, N mm" "N m" Open;
+    ENERGY "an energy" (1 2 -2) "J, mJ" "J" Open;
     STIFFNESS "a stiffness" (1 0 -2) "N/m, N/mm" "N/m" Open;
     DAMPING "a damping" (1 0 -1) "N s/m" "N s/m" Open;
     TORSIONAL_STIFFNESS "a torsional stiffness" (1 2 -2) "N m/rad, N m/deg" "N m/rad" Open;

@@ -12,7 +12,8 @@ use super::limits::{COUNT_LIMIT, VALUE_LIMIT};
 use super::load::Load;
 use super::loads::loads;
 use super::model::{ExternalSimulator, Life, LimitState, Scene, StudySettings};
-use super::outputs::{OutputRow, limit_states, outputs};
+use super::limit_states::limit_states;
+use super::outputs::{OutputRow, outputs};
 use super::quantity::{ACCELERATION, Quantity};
 use super::section::Section;
 use super::simulator::{declared_life, declared_outputs, simulator};
@@ -148,7 +149,7 @@ fn mechanism(file: &mut Section) -> Model {
     let loads = loads(file, &bodies);
     let gravity = file.pair_or("gravity", ACCELERATION, [0.0; 2]);
     let outputs = outputs(file, &bodies, &joints);
-    let life = life(file, &bodies, &loads);
+    let life = life(file, &bodies, &loads, &outputs);
     Model { bodies, joints, loads, gravity, outputs, life }
 }
 

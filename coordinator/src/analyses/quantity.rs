@@ -1,7 +1,6 @@
 //! A quantity that a person writes for an output of a scene, e.g. `15.2 um`, as SI value.
 
 use common::scene::expression::{ExpressionError, evaluate};
-use common::scene::quantity::{ANGLE, ANGULAR_VELOCITY, FORCE, Kind, LENGTH, TORQUE};
 use common::scene::{Output, OutputUnit};
 
 /// The SI value of a quantity of `output`; the output of an external simulator has the unit of its scene, which may be left
@@ -10,14 +9,11 @@ use common::scene::{Output, OutputUnit};
 /// # Errors
 /// What is wrong and what is expected, in words.
 pub fn output_quantity(output: &Output, text: &str) -> Result<f64, String> {
-    let kind: Kind = match output.kind.unit() {
-        OutputUnit::Length => LENGTH,
-        OutputUnit::AngularVelocity => ANGULAR_VELOCITY,
-        OutputUnit::Angle => ANGLE,
-        OutputUnit::Force => FORCE,
-        OutputUnit::Torque => TORQUE,
-        OutputUnit::External(unit) => return external(&unit, text),
-    };
+    let unit = output.kind.unit();
+    if let OutputUnit::External(unit) = &unit {
+        return external(unit, text);
+    }
+    let kind = unit.kind();
     let mut nothing = |name: &str| Err(ExpressionError::UnknownName { name: name.to_owned(), nearest: None });
     match evaluate(text, &mut nothing) {
         Err(error) => Err(format!("{text:?}: {error}; expected {}", kind.in_words())),

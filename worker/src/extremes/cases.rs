@@ -181,6 +181,11 @@ fn speed(scene: &mut Scene, rpm: f64) {
             table.at.iter_mut().for_each(|t| *t /= factor);
         }
     }
+    for curve in scene.outputs.iter_mut().flat_map(|output| output.kind.curves_mut()) {
+        if curve.over == Over::Time {
+            curve.table.at.iter_mut().for_each(|t| *t /= factor);
+        }
+    }
 }
 
 #[cfg(test)]

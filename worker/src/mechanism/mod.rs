@@ -8,6 +8,7 @@ mod closure;
 mod constraint;
 #[cfg(test)]
 mod derivative_tests;
+mod effective_mass;
 mod elimination;
 mod external_loads;
 mod forces;
@@ -31,6 +32,7 @@ pub(crate) use external_loads::ExternalLoads;
 pub use frame::{End, Frame};
 pub use island::{Island, WearingJoint};
 pub(crate) use lanes::{IslandLanes, fits_lanes, same_topology};
+pub(crate) use piecewise_cubic::PiecewiseCubic;
 pub use prescribed::Prescribed;
 pub use topology::islands;
 pub use turns::turns_per_cycle;

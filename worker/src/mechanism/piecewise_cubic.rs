@@ -43,6 +43,20 @@ impl PiecewiseCubic {
     /// The twice continuously differentiable cubic spline; with slope zero at both ends unless the table
     /// repeats.
     pub(crate) fn spline(table: &Table) -> Self {
+        Self::spline_with_ends(table, [0.0; 2])
+    }
+
+    /// The twice continuously differentiable cubic spline; unless the table repeats, its slope at either end is that of the polynomial
+    /// through the four points nearest to the end, or through all of fewer.
+    pub(crate) fn interpolating(table: &Table) -> Self {
+        let nearest = table.at.len().min(4);
+        let first: Vec<usize> = (0..nearest).collect();
+        let last: Vec<usize> = (0..nearest).map(|k| table.at.len() - 1 - k).collect();
+        Self::spline_with_ends(table, [first, last].map(|points| slope_at_first(table, &points)))
+    }
+
+    /// The spline with these slopes at the ends of a table that does not repeat.
+    fn spline_with_ends(table: &Table, ends: [f64; 2]) -> Self {
         let (x, y) = (&table.at, &table.value);
         let n = x.len();
         let step = |k: usize| x[k + 1] - x[k];
@@ -51,9 +65,10 @@ impl PiecewiseCubic {
         let mut right = DVector::zeros(n);
         // Continuity of the second derivative where intervals a (before) and b (after) meet.
         for k in 0..n {
-            let ends = k == 0 || k + 1 == n;
-            if ends && !table.repeat {
+            let is_end = k == 0 || k + 1 == n;
+            if is_end && !table.repeat {
                 matrix[(k, k)] = 1.0;
+                right[k] = ends[usize::from(k > 0)];
                 continue;
             }
             if k + 1 == n {
@@ -139,6 +154,19 @@ impl PiecewiseCubic {
     }
 }
 
+/// Slope at the first of these points of a table of the polynomial through all of them (Lagrange).
+fn slope_at_first(table: &Table, points: &[usize]) -> f64 {
+    let x = |i: usize| table.at[points[i]];
+    let y = |i: usize| table.value[points[i]];
+    let mut slope = 0.0;
+    for i in 1..points.len() {
+        let others = (1..points.len()).filter(|&j| j != i);
+        let weight: f64 = others.map(|j| (x(0) - x(j)) / (x(i) - x(j))).product();
+        slope += weight * (y(i) - y(0)) / (x(i) - x(0));
+    }
+    slope
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -163,6 +191,25 @@ mod tests {
         };
         let order = (error(16) / error(32)).log2();
         assert!((order - 4.0).abs() < 0.3, "order {order}");
+    }
+
+    #[test]
+    fn an_interpolating_spline_is_exact_for_cubics_up_to_its_ends() {
+        let f = |x: f64| 1.0 + x * (2.0 - x * (3.0 - 0.5 * x));
+        for points in [vec![0.0, 0.4, 1.0, 1.1, 2.0, 2.5], vec![-1.0, 0.0, 0.3, 2.0]] {
+            let value = points.iter().map(|x| f(*x)).collect();
+            let (first, last) = (points[0], points[points.len() - 1]);
+            let cubic = PiecewiseCubic::interpolating(&Table { at: points, value, repeat: false });
+            for k in 0..=50 {
+                let x = first + (last - first) * f64::from(k) / 50.0;
+                assert!((cubic.jet(x)[0] - f(x)).abs() < 1e-12, "{x}");
+            }
+        }
+        // Two points: a straight line.
+        let line = Table { at: vec![1.0, 3.0], value: vec![0.0, 4.0], repeat: false };
+        assert!((PiecewiseCubic::interpolating(&line).jet(1.5)[0] - 1.0).abs() < 1e-14);
+        let repeated = wave(12, 0.0);
+        assert_eq!(PiecewiseCubic::interpolating(&repeated), PiecewiseCubic::spline(&repeated));
     }
 
     #[test]

@@ -6,40 +6,50 @@
 //! | file | contents |
 //! |---|---|
 //! | `motion_output.rs` | the trait of the outputs |
-//! | `angle_difference.rs`, `peak_joint_force.rs`, `position_error.rs`, `driving_torque.rs` | the outputs |
-//! | `recording_request.rs`, `recorder.rs`, `contact_lanes.rs` | what to record of an island, and the recording; contacts of islands in lanes |
+//! | `angle_difference.rs`, `peak_joint_force.rs`, `position_error.rs`, `angle_error.rs`, `acceleration.rs`, `impacts.rs`, `driving_torque.rs` | the outputs |
+//! | `deviation.rs`, `wanted.rs` | size of a deviation over a cycle; wanted functions of time or of an angle |
+//! | `recording_request.rs`, `recorder.rs`, `peaks.rs`, `contact_lanes.rs` | what to record of an island, and the recording; contacts of islands in lanes |
 //! | `recorded_cycle.rs` | the recordings of all islands of a cycle, as outputs read them |
 //! | `trace.rs`, `point_track.rs`, `moment_track.rs` | angle of a body, force of a joint, path of a point and moment on a body over time |
 //! | `full_recording.rs`, `energy.rs` | everything of a cycle that is displayed |
 
+mod acceleration;
 mod angle_difference;
+mod angle_error;
 mod contact_lanes;
+mod deviation;
 mod driving_torque;
 mod energy;
 mod full_recording;
+mod impacts;
 mod moment_track;
 mod motion_output;
 mod peak_joint_force;
+mod peaks;
 mod point_track;
 mod position_error;
 mod recorded_cycle;
 mod recorder;
 mod recording_request;
 mod trace;
+mod wanted;
 
 pub(crate) use contact_lanes::ContactLanes;
 pub(crate) use energy::sum_of_islands;
 pub(crate) use full_recording::FullRecording;
 pub(crate) use motion_output::{MotionOutput, Sampling};
 pub(crate) use point_track::PointTrack;
-pub(crate) use recorded_cycle::{RecordedCycle, sample_times};
+pub(crate) use recorded_cycle::{IdealTracks, RecordedCycle, sample_times};
 pub(crate) use recorder::Recorder;
 pub(crate) use recording_request::RecordingRequest;
 pub(crate) use trace::{BodyTrack, ForceTrack};
 
+use acceleration::{Acceleration, AngularAcceleration};
 use angle_difference::AngleDifference;
+use angle_error::AngleError;
 use common::scene::{OutputKind, Scene};
 use driving_torque::DrivingTorque;
+use impacts::{ImpactEnergy, Impacts};
 use peak_joint_force::PeakJointForce;
 use position_error::PositionError;
 
@@ -50,7 +60,18 @@ pub(crate) fn motion_output(kind: &OutputKind) -> Option<Box<dyn MotionOutput + 
         OutputKind::AngularVelocityDifference { a, b } => Some(Box::new(AngleDifference::of_speeds(a, b))),
         OutputKind::AngleDifference { a, b } => Some(Box::new(AngleDifference::of_angles(a, b))),
         OutputKind::PeakJointForce { joints } => Some(Box::new(PeakJointForce { joints })),
-        OutputKind::PositionError { at } => Some(Box::new(PositionError { at })),
+        OutputKind::PositionError { at, wanted, measure } => {
+            Some(Box::new(PositionError { at, wanted, measure: *measure }))
+        }
+        OutputKind::AngleError { body, wanted, measure } => {
+            Some(Box::new(AngleError { body: *body, wanted: wanted.as_ref(), measure: *measure }))
+        }
+        OutputKind::Acceleration { at } => Some(Box::new(Acceleration { at })),
+        OutputKind::AngularAcceleration { body } => Some(Box::new(AngularAcceleration { body: *body })),
+        OutputKind::Impacts { joints } => Some(Box::new(Impacts { joints })),
+        OutputKind::ImpactEnergy { joints, measure } => {
+            Some(Box::new(ImpactEnergy { joints, measure: *measure }))
+        }
         OutputKind::DrivingTorque { body } => Some(Box::new(DrivingTorque { body: *body })),
     }
 }

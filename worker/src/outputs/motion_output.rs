@@ -9,6 +9,8 @@ pub enum Sampling {
     Cubic,
     /// At the ends of the step alone.
     Steps,
+    /// By events, which the steps do not pass over: no peak is missed between two steps.
+    Events,
 }
 
 impl Sampling {
@@ -21,6 +23,7 @@ impl Sampling {
         match self {
             Sampling::Cubic => phase * phase * phase * phase / 384.0,
             Sampling::Steps => phase * phase / 8.0,
+            Sampling::Events => 0.0,
         }
     }
 }

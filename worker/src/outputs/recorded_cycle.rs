@@ -1,5 +1,6 @@
 //! The recorded motion of one cycle, as the outputs read it.
 
+use super::impacts::ImpactCount;
 use super::moment_track::MomentTrack;
 use super::{BodyTrack, PointTrack, Recorder};
 use crate::mechanism::{Island, Prescribed};
@@ -20,8 +21,17 @@ pub struct RecordedCycle<'a> {
     pub scene: &'a Scene,
     /// Each island with its recorder.
     pub islands: Vec<(&'a Island, &'a Recorder)>,
-    /// Paths of the requested points on the mechanism with ideal joints.
-    pub ideal_paths: &'a [(Attachment, PointTrack)],
+    /// Requested motion of the mechanism with ideal joints.
+    pub ideal: &'a IdealTracks,
+}
+
+/// Motion of the mechanism with ideal joints over one cycle, as far as outputs need it.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct IdealTracks {
+    /// Requested points with their paths.
+    pub paths: Vec<(Attachment, PointTrack)>,
+    /// Requested bodies of the scene with their angles; accelerations are zero.
+    pub angles: Vec<(usize, BodyTrack)>,
 }
 
 impl<'a> RecordedCycle<'a> {
@@ -41,11 +51,34 @@ impl<'a> RecordedCycle<'a> {
         Cow::Owned(track)
     }
 
-    /// Path of a requested point, and its path on the mechanism with ideal joints.
-    pub(crate) fn paths(&self, point: &Attachment) -> Option<(&'a PointTrack, &'a PointTrack)> {
-        let recorded = self.islands.iter().find_map(|(_, recorder)| recorder.point(point));
-        let ideal = self.ideal_paths.iter().find(|(place, _)| place == point).map(|(_, path)| path);
-        recorded.zip(ideal)
+    /// Path of a requested point.
+    pub(crate) fn path(&self, point: &Attachment) -> Option<&'a PointTrack> {
+        self.islands.iter().find_map(|(_, recorder)| recorder.point(point))
+    }
+
+    /// Path of a requested point on the mechanism with ideal joints.
+    pub(crate) fn ideal_path(&self, point: &Attachment) -> Option<&'a PointTrack> {
+        self.ideal.paths.iter().find(|(place, _)| place == point).map(|(_, path)| path)
+    }
+
+    /// Angle of a requested body on the mechanism with ideal joints.
+    pub(crate) fn ideal_angle(&self, body: usize) -> Option<&'a BodyTrack> {
+        self.ideal.angles.iter().find(|(of, _)| *of == body).map(|(_, track)| track)
+    }
+
+    /// Largest acceleration of a point over the cycle, if it was recorded [m/s^2].
+    pub(crate) fn peak_acceleration(&self, point: &Attachment) -> Option<f64> {
+        self.islands.iter().find_map(|(_, recorder)| recorder.peak_acceleration(point))
+    }
+
+    /// Largest angular acceleration of a body over the cycle, if it was recorded [rad/s^2].
+    pub(crate) fn peak_angular_acceleration(&self, body: usize) -> Option<f64> {
+        self.islands.iter().find_map(|(_, recorder)| recorder.peak_angular_acceleration(body))
+    }
+
+    /// Impacts of a joint of the scene over the cycle, if they were recorded.
+    pub(crate) fn impacts(&self, joint: usize) -> Option<ImpactCount> {
+        self.islands.iter().find_map(|(island, recorder)| recorder.impacts(island, joint))
     }
 
     /// Moments of the islands on a driven body of the scene.

@@ -1,7 +1,9 @@
 //! Recording of one island over a cycle: contact histories for the wear, what the outputs request, and everything if the
 //! cycle is displayed.
 
+use super::impacts::ImpactCount;
 use super::moment_track::MomentTrack;
+use super::peaks::Peaks;
 use super::{BodyTrack, FullRecording, PointTrack, RecordingRequest};
 use crate::integrate::{Dynamics, Linearised, StateObserver};
 use crate::mechanism::{End, Frame, Island};
@@ -21,6 +23,8 @@ pub struct Recorder {
     points: Vec<(Attachment, End, PointTrack)>,
     /// Requested driven bodies: index into the prescribed bodies that the island touches, moment on them.
     moments: Vec<(usize, MomentTrack)>,
+    /// Largest accelerations and impacts so far.
+    peaks: Peaks,
     /// Largest force so far of each joint, those with clearance first, if requested [N].
     peak_forces: Option<Vec<f64>>,
     /// Time [s] and contacts of the last state `(joints,)`.
@@ -48,6 +52,7 @@ impl Recorder {
                 .collect(),
             points: requested.points.iter().filter_map(point).collect(),
             moments: touched.map(|k| (k, MomentTrack::default())).collect(),
+            peaks: Peaks::new(island, scene, requested),
             peak_forces: requested.peak_forces.then(|| vec![0.0; joints]),
             last: None,
         }
@@ -76,6 +81,21 @@ impl Recorder {
         all.zip(peaks).find(|(scene_joint, _)| *scene_joint == joint).map(|(_, peak)| *peak)
     }
 
+    /// Largest acceleration of a point over the cycle, if it is on this island and requested [m/s^2].
+    pub(crate) fn peak_acceleration(&self, at: &Attachment) -> Option<f64> {
+        self.peaks.acceleration(at)
+    }
+
+    /// Largest angular acceleration of a body of the scene over the cycle, if it is in this island and requested [rad/s^2].
+    pub(crate) fn peak_angular_acceleration(&self, body: usize) -> Option<f64> {
+        self.peaks.angular_acceleration(body)
+    }
+
+    /// Impacts of a joint of the scene over the cycle, if it is in this island and they are requested.
+    pub(crate) fn impacts(&self, island: &Island, joint: usize) -> Option<ImpactCount> {
+        self.peaks.impacts(island, joint)
+    }
+
     /// Removes the recording, for a new cycle.
     pub(crate) fn clear(&mut self) {
         self.histories.iter_mut().for_each(ContactHistory::clear);
@@ -85,6 +105,7 @@ impl Recorder {
         if let Some(peaks) = &mut self.peak_forces {
             peaks.fill(0.0);
         }
+        self.peaks.clear();
         self.last = None;
     }
 
@@ -103,7 +124,10 @@ impl Recorder {
 
     /// True if [`Self::record_motion`] reads the forces of the joints and those on prescribed bodies.
     pub(crate) fn needs_joint_forces(&self) -> bool {
-        self.full.is_some() || self.peak_forces.is_some() || !self.moments.is_empty()
+        self.full.is_some()
+            || self.peak_forces.is_some()
+            || !self.moments.is_empty()
+            || self.peaks.needs_joint_forces()
     }
 
     /// Records everything of a state but the contacts.
@@ -126,6 +150,7 @@ impl Recorder {
                 *peak = peak.max(force);
             }
         }
+        self.peaks.push(island, t, q, v, at);
         if let Some(full) = &mut self.full {
             full.push(island, t, q, v, at);
         }

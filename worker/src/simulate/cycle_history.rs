@@ -31,7 +31,7 @@ impl Run<'_> {
         RecordedCycle {
             scene: self.scene,
             islands: self.islands.iter().map(|state| (&state.island, &state.recorder)).collect(),
-            ideal_paths: &self.ideal_paths,
+            ideal: &self.ideal,
         }
     }
 

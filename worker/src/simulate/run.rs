@@ -6,7 +6,7 @@ use super::side_by_side::{Integrated, LaneQueue, Span};
 use crate::extremum::largest as largest_of;
 use crate::integrate::StepCounts;
 use crate::mechanism::{Frame, Pose, ideal_cycle, islands, turns_per_cycle};
-use crate::outputs::{FullRecording, PointTrack, recording_request};
+use crate::outputs::{BodyTrack, FullRecording, IdealTracks, PointTrack, RecordingRequest, recording_request};
 use crate::wear::WearStepStats;
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
@@ -30,8 +30,8 @@ pub struct Run<'a> {
     pub newton: u64,
     /// Cycles simulated so far.
     pub simulated: u64,
-    /// Requested points with their paths on the ideal mechanism.
-    pub ideal_paths: Vec<(Attachment, PointTrack)>,
+    /// Requested motion of the ideal mechanism.
+    pub ideal: IdealTracks,
     /// Islands on their ideal motion, if the quasi-static model drives the wear.
     pub quasi_static: Vec<QuasiStaticIsland>,
     /// Largest relative difference of the wear rates of the two models for each output, zero unless compared `(outputs,)` [1].
@@ -64,11 +64,11 @@ impl<'a> Run<'a> {
         let requested = recording_request(scene);
         let islands = islands(scene)?;
         // A linkage that locks is found here, and not attributed to a contact.
-        let samples = if requested.points.is_empty() { 2 } else { PATH_POINTS };
+        let samples = if requested.needs_ideal_motion() { PATH_POINTS } else { 2 };
         let poses = ideal_cycle(scene, samples, &mut newton)?;
-        if poses.len() < samples && !requested.points.is_empty() {
+        if poses.len() < samples && requested.needs_ideal_motion() {
             return Err(SimulationFailure::NotModelled {
-                what: "a position error where the drives leave the ideal motion open".into(),
+                what: "an error against the ideal mechanism where the drives leave the ideal motion open".into(),
             });
         }
         let turns = turns_per_cycle(scene, &poses)?;
@@ -87,7 +87,7 @@ impl<'a> Run<'a> {
             wear_counts: WearStepStats::default(),
             newton,
             simulated: 0,
-            ideal_paths: requested.points.iter().map(|at| (*at, ideal_path(scene, &poses, at))).collect(),
+            ideal: ideal_tracks(scene, &poses, &requested),
             quasi_static: vec![],
             tier_difference: vec![0.0; scene.outputs.len()],
             display: None,
@@ -327,6 +327,26 @@ impl<'a> Run<'a> {
         self.cycle = to;
         Ok(())
     }
+}
+
+/// The requested motion of the ideal mechanism over its `poses`.
+fn ideal_tracks(scene: &Scene, poses: &[Pose], requested: &RecordingRequest) -> IdealTracks {
+    let path = |at: &Attachment| (*at, ideal_path(scene, poses, at));
+    IdealTracks {
+        paths: requested.ideal_points.iter().map(path).collect(),
+        angles: requested.ideal_bodies.iter().map(|&body| (body, ideal_angle(poses, body))).collect(),
+    }
+}
+
+/// Angle of a free body of the scene over the `poses` of the ideal mechanism.
+fn ideal_angle(poses: &[Pose], body: usize) -> BodyTrack {
+    let mut track = BodyTrack::default();
+    for pose in poses {
+        if let (Some(q), Some(v)) = (pose.q[body], pose.v[body]) {
+            track.push(pose.time, q[2], v[2], 0.0);
+        }
+    }
+    track
 }
 
 /// Path of a point of the scene over the `poses` of the ideal mechanism.

@@ -199,7 +199,7 @@ fn driving_torque_is_the_rate_of_the_kinetic_energy() {
 
 /// A pull holds the pin at the far side of its bore: the rod is longer by clearance and penetration.
 #[test]
-fn position_error_of_a_pulled_slider_is_that_of_a_longer_rod() {
+fn errors_of_a_pulled_slider_are_those_of_a_longer_rod() {
     const PULL: f64 = 100.0;
     let mut scene = scene("slider-crank", &[("bodies.crank.speed", 30.0 * RPM)]);
     every_joint(&mut scene, |c| {
@@ -214,7 +214,20 @@ fn position_error_of_a_pulled_slider_is_that_of_a_longer_rod() {
     let slider = scene.bodies.iter().position(|b| b.name == "slider").expect("it has one");
     let at = Attachment { body: slider, position: [0.0; 2] };
     scene.loads.push(Load::ConstantForce { name: "pull".into(), at, force: [PULL, 0.0] });
-    scene.outputs.retain(|o| o.name == "slider_error");
+    let rod = scene.bodies.iter().position(|b| b.name == "rod").expect("it has one");
+    let measures = [ErrorMeasure::Largest, ErrorMeasure::RootMeanSquare];
+    let wanted = || [None, None];
+    scene.outputs = measures
+        .iter()
+        .flat_map(|&measure| {
+            [
+                OutputKind::PositionError { at, wanted: wanted(), measure },
+                OutputKind::AngleError { body: rod, wanted: None, measure },
+            ]
+        })
+        .enumerate()
+        .map(|(k, kind)| Output { name: format!("error_{k}"), kind })
+        .collect();
     (scene.limit_states, scene.variables) = (vec![], vec![]);
     let evaluation = simulate(&scene, &Accuracy::balanced(), SimulateOptions::default()).expect("simulated");
     let clearance = scene.joints.iter().find_map(|j| match &j.kind {
@@ -224,17 +237,25 @@ fn position_error_of_a_pulled_slider_is_that_of_a_longer_rod() {
     let clearance = clearance.expect("it has one");
     let stiffness = worker::contact::hertz_stiffness(&clearance);
     let (r, l) = (0.05_f64, 0.12_f64);
-    let largest = (0..3600)
+    let errors: Vec<[f64; 2]> = (0..3600)
         .map(|k| TAU * f64::from(k) / 3600.0)
         .map(|theta| {
             let side = r * theta.sin();
             let force = PULL / (1.0 - side * side / (l * l)).sqrt();
             let longer = l + clearance.radial_clearance() + (force / stiffness).powf(2.0 / 3.0);
-            (longer * longer - side * side).sqrt() - (l * l - side * side).sqrt()
+            let position = (longer * longer - side * side).sqrt() - (l * l - side * side).sqrt();
+            [position, (side / l).asin() - (side / longer).asin()]
         })
-        .fold(0.0, f64::max);
-    let found = evaluation.histories[0][0];
-    assert!((found / largest - 1.0).abs() < 1e-4, "{found} against {largest} m");
+        .collect();
+    for quantity in 0..2 {
+        let all = || errors.iter().map(|error| error[quantity].abs());
+        let largest = all().fold(0.0, f64::max);
+        let rms = (all().map(|e| e * e).sum::<f64>() / 3600.0).sqrt();
+        for (k, exact) in [(quantity, largest), (2 + quantity, rms)] {
+            let found = evaluation.histories[k][0];
+            assert!((found / exact - 1.0).abs() < 1e-4, "output {k}: {found} against {exact}");
+        }
+    }
 }
 
 /// Published for the drive with vanishing clearances: 0.927 deg and 20.33 r/min.

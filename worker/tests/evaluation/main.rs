@@ -12,6 +12,7 @@ mod islands;
 mod kinematics;
 mod loads;
 mod nominal;
+mod outputs;
 mod published;
 mod quasi_static;
 mod rattling;

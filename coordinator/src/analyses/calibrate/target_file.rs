@@ -4,8 +4,8 @@ use super::CalibrationError;
 use super::space::{FreeParameter, ParameterKind};
 use super::targets::{CalibrationTargets, ShownUnit, Target, TargetQuantity};
 use common::scene::expression::{ExpressionError, evaluate};
-use common::scene::quantity::{ANGLE, ANGULAR_VELOCITY, Dimension, FORCE, Kind, LENGTH, NUMBER, TORQUE};
-use common::scene::{OutputUnit, Scene};
+use common::scene::Scene;
+use common::scene::quantity::{Dimension, FORCE, Kind, LENGTH, NUMBER};
 use serde::Deserialize;
 use std::path::Path;
 use toml::{Table, Value};
@@ -280,14 +280,7 @@ impl Reader<'_> {
     }
 
     fn kind(&self, output: usize) -> Kind {
-        match self.scene.outputs[output].kind.unit() {
-            OutputUnit::Length => LENGTH,
-            OutputUnit::AngularVelocity => ANGULAR_VELOCITY,
-            OutputUnit::Angle => ANGLE,
-            OutputUnit::Force => FORCE,
-            OutputUnit::Torque => TORQUE,
-            OutputUnit::External(_) => NUMBER,
-        }
+        self.scene.outputs[output].kind.unit().kind()
     }
 
     /// A quantity in SI, and the unit in which it was written.

@@ -113,11 +113,13 @@ fn densities(distribution: &CheckpointDistribution, unit: &OutputUnit) -> Vec<(f
     bars.filter(|(left, right, height)| right > left && height.is_finite()).collect()
 }
 
-/// A mean or standard deviation: with two decimals in a unit of this program, with three digits in that of a simulator.
+/// A mean or standard deviation: with two decimals in a unit in which values are of the order of one to a hundred, else with three
+/// digits.
 fn moment(unit: &OutputUnit, value: f64) -> String {
     match unit {
-        OutputUnit::External(_) => three_digits(value),
-        own => fixed(own.to_shown(value), 2),
+        OutputUnit::Length | OutputUnit::AngularVelocity | OutputUnit::Angle => fixed(unit.to_shown(value), 2),
+        OutputUnit::Force | OutputUnit::Torque => fixed(unit.to_shown(value), 2),
+        other => three_digits(other.to_shown(value)),
     }
 }
 

@@ -123,12 +123,17 @@ fn subject(scene: &Scene, written: &WrittenScene, output: &Output) -> String {
         format!("{sign}{name} ({})", body.label)
     };
     match &output.kind {
-        OutputKind::LargestWear { joints: of } | OutputKind::PeakJointForce { joints: of } => joints(of),
+        OutputKind::LargestWear { joints: of }
+        | OutputKind::PeakJointForce { joints: of }
+        | OutputKind::Impacts { joints: of }
+        | OutputKind::ImpactEnergy { joints: of, .. } => joints(of),
         OutputKind::AngularVelocityDifference { a, b } | OutputKind::AngleDifference { a, b } => {
             format!("{}; {}", signed(a), signed(b))
         }
-        OutputKind::PositionError { at } => place(scene, written, &format!("outputs.{}.at", output.name), at),
-        OutputKind::DrivingTorque { body } => scene.bodies[*body].name.clone(),
+        OutputKind::PositionError { at, .. } | OutputKind::Acceleration { at } => place(scene, written, &format!("outputs.{}.at", output.name), at),
+        OutputKind::DrivingTorque { body }
+        | OutputKind::AngleError { body, .. }
+        | OutputKind::AngularAcceleration { body } => scene.bodies[*body].name.clone(),
         OutputKind::External { .. } => UNKNOWN.to_owned(),
     }
 }

@@ -1,0 +1,139 @@
+//! Studies with limit states that fail below a threshold and outside of two, against closed forms.
+//!
+//! One standard normal variable x moves an output y(t) = a + b x + c t over the life t = n / 1000. With c > 0 and both bounds in reach,
+//!
+//!   R(n) = P(lower < a + b x + c t < upper at every checkpoint up to n)
+//!        = Phi((upper - a - c t) / b) - Phi((lower - a - c t_1) / b),
+//!
+//! since y grows: the upper bound counts at the checkpoint itself, the lower one at the first, t_1.
+
+use super::{Method, Settings, StudyResult, problem_of, run};
+use crate::farm::evaluate::{Demand, EvaluateError, Evaluator, Finished, RequestSource};
+use crate::results::journal::InMemoryJournal;
+use crate::results::progress::Silent;
+use common::outputs::Evaluation;
+use common::random::standard_normal_cdf;
+use common::scene::{Scene, SceneSource};
+use std::collections::VecDeque;
+
+/// Value without deviation at the start of life, effect of the variable, and growth over 1000 cycles.
+const RESPONSE: [f64; 3] = [10.0, 1.0, 1.5];
+const LOWER: f64 = 8.0;
+const UPPER: f64 = 13.0;
+
+fn scene(limit_states: &str) -> Scene {
+    let text = format!(
+        "scene = {{ name = \"s\" }}\nsimulator = {{ program = [\"s\"] }}\nlife = {{ cycles = 2000, checkpoint_every = 200 }}\n\
+         outputs = [{{ name = \"y\" }}]\nlimit_states = [{limit_states}]\n\
+         variables = [{{ name = \"x\", mean = 0, std = 1, distribution = \"normal\" }}]"
+    );
+    SceneSource::parse(&text, "s").unwrap_or_else(|faults| panic!("{faults}")).nominal().clone()
+}
+
+fn value(x: f64, cycles: f64) -> f64 {
+    let [a, b, c] = RESPONSE;
+    a + b * x + c * cycles / 1000.0
+}
+
+/// Computes the histories, with the value at the start and an error of 0.01.
+struct Formula {
+    checkpoints: Vec<u32>,
+}
+
+impl Evaluator for Formula {
+    fn run(&mut self, source: &mut dyn RequestSource) -> Result<(), EvaluateError> {
+        let mut open = VecDeque::new();
+        loop {
+            match source.next()? {
+                Demand::Begin(requests) => open.extend(requests),
+                Demand::End if open.is_empty() => return Ok(()),
+                Demand::Later if open.is_empty() => std::thread::yield_now(),
+                Demand::End | Demand::Later => {}
+            }
+            let Some(request) = open.pop_front() else { continue };
+            let history = self.checkpoints.iter().map(|n| value(request.sample[0], f64::from(*n))).collect();
+            let mut evaluation = Evaluation::from_histories(self.checkpoints.clone(), vec![history]);
+            evaluation.start = vec![Some(value(request.sample[0], 0.0))];
+            evaluation.errors = vec![vec![0.01; self.checkpoints.len()]];
+            let (id, worker) = (request.id, "test/0".into());
+            source.record(Finished { id, outcome: Ok(evaluation), worker, wall: 1.0 })?;
+        }
+    }
+}
+
+fn study(scene: &Scene, method: Method) -> StudyResult {
+    let settings = Settings { population: 40_000, seed: 5, method, samples: 20_000, ..Settings::from(scene) };
+    let mut evaluator = Formula { checkpoints: scene.life.checkpoints() };
+    run(scene, &settings, &mut evaluator, &mut InMemoryJournal::default(), &mut Silent).unwrap()
+}
+
+/// P(y in the bounds at every checkpoint up to `cycles`); a bound may be infinite.
+fn exact(lower: f64, upper: f64, cycles: f64) -> f64 {
+    let [a, b, c] = RESPONSE;
+    let below = |bound: f64, cycles: f64| {
+        if bound.is_infinite() { if bound > 0.0 { 1.0 } else { 0.0 } } else { standard_normal_cdf((bound - a - c * cycles / 1000.0) / b) }
+    };
+    (below(upper, cycles) - below(lower, 200.0)).max(0.0)
+}
+
+/// R(n) of a curve within four of its standard errors of the closed form, and lives within their intervals.
+fn check(result: &StudyResult, curve: &str, lower: f64, upper: f64) {
+    for row in &result.summary.reliability {
+        let (r, error) = (row.reliability[curve], row.standard_error[curve]);
+        let expected = exact(lower, upper, row.cycles.into());
+        assert!((r - expected).abs() < 4.0 * error + 1e-3, "{curve} at {}: {r} {error} {expected}", row.cycles);
+    }
+    for life in result.summary.lives.iter().filter(|life| life.limit_state == curve) {
+        let (low, high) = (life.interval.lower, life.interval.upper.unwrap_or(f64::INFINITY));
+        // By bisection; between checkpoints the output grows steadily, and below the first one the lower bound counts from the start.
+        let (mut a, mut b) = (200.0, 2000.0);
+        for _ in 0..60 {
+            let middle = 0.5 * (a + b);
+            if exact(lower, upper, middle) > life.reliability { a = middle } else { b = middle }
+        }
+        if exact(lower, upper, 200.0) > life.reliability && exact(lower, upper, 2000.0) < life.reliability {
+            let slack = 0.02 * a;
+            assert!((low - slack..=high + slack).contains(&a), "{curve}: {a} in {low} to {high}");
+        }
+    }
+}
+
+#[test]
+fn a_response_within_two_limits_has_the_reliability_of_both() {
+    let both = format!("{{ name = \"range\", output = \"y\", lower = {LOWER}, upper = {UPPER} }}");
+    let scene = scene(&both);
+    assert_eq!(problem_of(&scene).modes.len(), 1);
+    for method in [Method::ActiveLearning, Method::MonteCarlo] {
+        let result = study(&scene, method);
+        check(&result, "range", LOWER, UPPER);
+        check(&result, "total", LOWER, UPPER);
+        let [limit] = &result.summary.limits[..] else { panic!("one limit state") };
+        assert_eq!((limit.threshold, limit.lower, limit.fails.as_str()), (UPPER, Some(LOWER), "outside"));
+        // The same as two limit states with a threshold each.
+        let by_sides = study(
+            &self::scene(&format!(
+                "{{ name = \"low\", output = \"y\", threshold = {LOWER}, fails = \"below\" }}, \
+                 {{ name = \"high\", output = \"y\", threshold = {UPPER} }}"
+            )),
+            method,
+        );
+        check(&by_sides, "low", LOWER, f64::INFINITY);
+        check(&by_sides, "high", f64::NEG_INFINITY, UPPER);
+        check(&by_sides, "total", LOWER, UPPER);
+    }
+}
+
+#[test]
+fn predictions_and_numerical_errors_of_two_limits_are_distances_from_their_middle() {
+    let scene = scene(&format!("{{ name = \"range\", output = \"y\", lower = {LOWER}, upper = {UPPER} }}"));
+    let result = study(&scene, Method::ActiveLearning);
+    let [row] = &result.summary.predictions[..] else { panic!("one limit state") };
+    assert!(row.simulated.iter().all(|distance| (0.0..20.0).contains(distance)), "{row:?}");
+    assert!(row.q2 > 0.95, "{}", row.q2);
+    for row in &result.summary.reliability {
+        let (range, r) = (row.numerical["range"], row.reliability["range"]);
+        assert!(range.lower <= r && r <= range.upper, "{row:?}");
+        // Errors of 0.01 move each bound by a hundredth of the standard deviation.
+        assert!(range.upper - range.lower < 0.02, "{row:?}");
+    }
+}

@@ -1,0 +1,124 @@
+//! Largest accelerations, and impacts, of one island over a cycle: what [`super::Recorder`] keeps of every state without a history.
+
+use super::RecordingRequest;
+use super::impacts::ImpactCount;
+use crate::integrate::{Dynamics, Linearised};
+use crate::mechanism::{End, Frame, Island};
+use crate::plane::length;
+use common::scene::{Attachment, Scene};
+
+/// Peaks of the requested accelerations, and the impacts of the joints with clearance if they are requested.
+#[derive(Debug, Clone, Default)]
+pub struct Peaks {
+    /// Requested points with their place on the island, and their largest acceleration so far [m/s^2].
+    accelerations: Vec<(Attachment, End, f64)>,
+    /// Requested bodies of the scene, their index in the island, and their largest angular acceleration so far [rad/s^2].
+    angular: Vec<(usize, usize, f64)>,
+    /// Impacts of the joints with clearance.
+    impacts: Option<ImpactRecording>,
+}
+
+/// Impacts of every joint with clearance.
+#[derive(Debug, Clone, Default)]
+struct ImpactRecording {
+    /// Impacts so far `(joints,)`.
+    counts: Vec<ImpactCount>,
+    /// Velocity of the journal's centre against the bushing's in the bushing's frame at the last state, if that was one of free flight
+    /// `(joints,)` [m/s].
+    flight: Vec<Option<[f64; 2]>>,
+}
+
+impl Peaks {
+    /// Peaks of what is `requested` of an island.
+    pub(crate) fn new(island: &Island, scene: &Scene, requested: &RecordingRequest) -> Self {
+        let slot = |body: usize| island.bodies.iter().position(|&b| b == body);
+        let point =
+            |place: &Attachment| Some((*place, End { frame: slot(place.body)?, arm: scene.arm(place) }, 0.0));
+        let angular = |&body: &usize| Some((body, slot(body)?, 0.0));
+        let joints = island.joints.len();
+        Peaks {
+            accelerations: requested.accelerations.iter().filter_map(point).collect(),
+            angular: requested.angular_accelerations.iter().filter_map(angular).collect(),
+            impacts: requested.impacts.then(|| ImpactRecording {
+                counts: vec![ImpactCount::default(); joints],
+                flight: vec![None; joints],
+            }),
+        }
+    }
+
+    /// Removes the recording, for a new cycle.
+    pub(crate) fn clear(&mut self) {
+        self.accelerations.iter_mut().for_each(|(.., peak)| *peak = 0.0);
+        self.angular.iter_mut().for_each(|(.., peak)| *peak = 0.0);
+        if let Some(impacts) = &mut self.impacts {
+            impacts.counts.fill(ImpactCount::default());
+            impacts.flight.fill(None);
+        }
+    }
+
+    /// True if [`Self::push`] reads the forces of the joints.
+    pub(crate) fn needs_joint_forces(&self) -> bool {
+        self.impacts.is_some()
+    }
+
+    /// Adds an accepted state at time `t` [s].
+    pub(crate) fn push(&mut self, island: &Island, t: f64, q: &[f64], v: &[f64], at: &Linearised) {
+        let acceleration = |k: usize| at.f[k] / island.mass()[k];
+        for (_, End { frame, arm }, peak) in &mut self.accelerations {
+            let k = 3 * *frame;
+            let body = Frame::free(&q[k..k + 3], &v[k..k + 3]);
+            let [rx, ry] = body.turn(*arm);
+            let (alpha, turning) = (acceleration(k + 2), body.omega * body.omega);
+            let ax = acceleration(k) - alpha * ry - turning * rx;
+            let ay = acceleration(k + 1) + alpha * rx - turning * ry;
+            *peak = peak.max(libm::hypot(ax, ay));
+        }
+        for (_, slot, peak) in &mut self.angular {
+            *peak = peak.max(acceleration(3 * *slot + 2).abs());
+        }
+        if let Some(impacts) = &mut self.impacts {
+            impacts.push(island, t, q, v, at);
+        }
+    }
+
+    /// Largest acceleration of a point, if it is on this island and requested [m/s^2].
+    pub(crate) fn acceleration(&self, at: &Attachment) -> Option<f64> {
+        self.accelerations.iter().find(|(place, ..)| place == at).map(|(.., peak)| *peak)
+    }
+
+    /// Largest angular acceleration of a body of the scene, if it is in this island and requested [rad/s^2].
+    pub(crate) fn angular_acceleration(&self, body: usize) -> Option<f64> {
+        self.angular.iter().find(|(of, ..)| *of == body).map(|(.., peak)| *peak)
+    }
+
+    /// Impacts of a joint of the scene, if it is in this island and they are requested.
+    pub(crate) fn impacts(&self, island: &Island, joint: usize) -> Option<ImpactCount> {
+        let place = island.joints.iter().position(|j| j.scene_joint == joint)?;
+        self.impacts.as_ref().map(|impacts| impacts.counts[place])
+    }
+}
+
+impl ImpactRecording {
+    fn push(&mut self, island: &Island, t: f64, q: &[f64], v: &[f64], at: &Linearised) {
+        for (joint, force) in at.joints.iter().enumerate() {
+            let touches = force.penetration > 0.0;
+            let flight = self.flight[joint].take();
+            if !touches {
+                self.flight[joint] = Some(island.relative_velocity(joint, t, q, v));
+            } else if let Some(before) = flight {
+                // The direction of the contact, or before any force acts that of the eccentricity.
+                let pressed = length(force.direction) > 0.0;
+                let direction = if pressed { force.direction } else { unit(at.e[joint]) };
+                let speed = before[0] * direction[0] + before[1] * direction[1];
+                let mass = island.effective_mass(joint, direction, t, q, v);
+                self.counts[joint].add(0.5 * mass * speed * speed);
+            }
+        }
+    }
+}
+
+/// A vector over its length; zero if it is zero.
+fn unit(x: [f64; 2]) -> [f64; 2] {
+    let size = length(x);
+    if size > 0.0 { x.map(|x| x / size) } else { x }
+}
