@@ -183,12 +183,53 @@ fn every_slip_is_named() {
     assert!(said.contains("outputs: is missing") && said.contains("limit_states: is missing"), "{said}");
 }
 
+/// Limits of a mechanism and of a simulator, and those that are refused.
 #[test]
-fn a_limit_below_is_for_simulators_alone() {
+fn limits_are_above_below_or_two() {
     let four_bar = include_str!("../scenes/four-bar.toml");
-    let text = four_bar.replacen("threshold = \"8 um\"", "threshold = \"8 um\"\nfails = \"below\"", 1);
-    let said = SceneSource::parse(&text, "four-bar.toml").unwrap_err().to_string();
-    assert!(said.contains("limit_states.wear.fails: unknown key"), "{said}");
+    let with = |limits: &str| {
+        let text = four_bar.replacen("threshold = \"8 um\"", limits, 1);
+        SceneSource::parse(&text, "four-bar.toml").map(|source| source.nominal().limit_states[0].clone())
+    };
+    let below = with("threshold = \"8 um\"\nfails = \"below\"").unwrap();
+    assert_eq!((below.threshold, below.fails), (8e-6, Fails::Below));
+    for limits in ["lower = \"2 um\"\nupper = \"8 um\"", "lower = \"2 um\"\nupper = \"8 um\"\nfails = \"outside\""] {
+        let two = with(limits).unwrap();
+        assert_eq!((two.threshold, two.fails), (8e-6, Fails::Outside { lower: 2e-6 }));
+    }
+    for (limits, expected) in [
+        ("lower = \"2 um\"", "limit_states.wear.upper: is missing"),
+        ("fails = \"outside\"", "limit_states.wear.lower: is missing"),
+        ("", "limit_states.wear.threshold: is missing"),
+        ("lower = \"8 um\"\nupper = \"2 um\"", "limit_states.wear.lower: expected lower < upper"),
+        ("lower = \"0 um\"\nupper = \"2 um\"", "limit_states.wear.lower: \"0 um\" is out of range"),
+        ("lower = \"2 um\"\nupper = \"8 N\"", "limit_states.wear.upper: \"8 N\" is a force, expected a length"),
+        ("threshold = \"8 um\"\nupper = \"9 um\"", "limit_states.wear.threshold: expected threshold, or lower and upper"),
+        ("lower = \"2 um\"\nupper = \"8 um\"\nfails = \"below\"", "limit_states.wear.lower: expected threshold, or lower"),
+        ("threshold = \"8 um\"\nfails = \"beside\"", "limit_states.wear.fails: "),
+    ] {
+        let said = with(limits).unwrap_err().to_string();
+        assert!(said.contains(expected), "{limits}: found {said}, expected {expected}");
+    }
+    // Values of a simulator may have any sign.
+    let text = BEAM.replacen("threshold = -0.5\nfails = \"below\"", "lower = -0.5\nupper = 0.5", 1);
+    assert_ne!(text, BEAM);
+    let source = SceneSource::parse(&text, "beam.toml").unwrap();
+    assert_eq!(source.nominal().limit_states[1].fails, Fails::Outside { lower: -0.5 });
+}
+
+/// A scene that extends another one replaces one limit by two and the reverse.
+#[test]
+fn limits_of_an_extended_scene_are_replaced() {
+    let changed = |limits: &str| {
+        let text = format!("[scene]\nextends = \"four-bar\"\nname = \"changed\"\n[[limit_states]]\nname = \"wear\"\n{limits}\n");
+        let source = SceneSource::parse(&text, "changed.toml").unwrap_or_else(|faults| panic!("{faults}"));
+        source.nominal().limit_states[0].clone()
+    };
+    let two = changed("lower = \"1 um\"\nupper = \"9 um\"");
+    assert_eq!((two.threshold, two.fails), (9e-6, Fails::Outside { lower: 1e-6 }));
+    assert_eq!(changed("threshold = \"7 um\"").fails, Fails::Above);
+    assert_eq!(changed("fails = \"below\"").fails, Fails::Below);
 }
 
 #[test]

@@ -37,32 +37,20 @@ pub(super) fn limit_states(file: &mut Section, outputs: &[OutputRow]) -> Vec<Opt
 /// Reads threshold and side of a limit state: `threshold` with `fails`, or `lower` and `upper`, outside of which it fails. A threshold
 /// of an unknown kind is left unread.
 fn sides(row: &mut Section, kind: Option<Kind>, range: Range) -> Option<(f64, Fails)> {
-    let words = [("above", Fails::Above), ("below", Fails::Below), ("outside", Fails::Outside { lower: 0.0 })];
-    let two = ["lower", "upper"].into_iter().find(|key| row.peek(key).is_some());
-    let fails = match row.get("fails") {
-        None => Some(if two.is_some() { words[2].1 } else { Fails::Above }),
-        Some(_) => row.word("fails", &words),
-    };
-    let one_sided = !matches!(fails, Some(Fails::Outside { .. }));
-    let surplus = if one_sided { two } else { Some("threshold").filter(|key| row.peek(key).is_some()) };
-    if fails.is_none() || surplus.is_some() {
-        for key in ["threshold", "lower", "upper"] {
-            row.get(key);
-        }
-    }
-    if let (Some(key), Some(_)) = (surplus, fails) {
-        row.inconsistent(
-            key,
-            "expected threshold, or lower and upper with fails = \"outside\", not some of both",
-        );
+    let outside = Fails::Outside { lower: 0.0 };
+    let words = [("above", Fails::Above), ("below", Fails::Below), ("outside", outside)];
+    let [one, lower, upper] = ["threshold", "lower", "upper"].map(|key| row.get(key).map(|_| key));
+    let two = lower.or(upper);
+    let default = if two.is_some() { outside } else { Fails::Above };
+    let fails = row.word_or("fails", &words, default)?;
+    let one_sided = fails != outside;
+    if let Some(surplus) = if one_sided { two } else { one } {
+        let expected = "expected threshold, or lower and upper with fails = \"outside\", not some of both";
+        row.inconsistent(surplus, expected);
         return None;
     }
-    let mut threshold = |key| match kind {
-        Some(kind) => row.quantity(key, kind, range),
-        None => row.get(key).and(None),
-    };
+    let mut threshold = |key| row.quantity(key, kind?, range);
     if one_sided {
-        let fails = fails?;
         return Some((threshold("threshold")?, fails));
     }
     let (lower, upper) = (threshold("lower"), threshold("upper"));

@@ -163,7 +163,7 @@ fn free_body(row: &mut Section, bodies: &[BodyRow]) -> Option<usize> {
 /// Reads the drive that is held, by default the only one, and its angle.
 fn backlash(row: &mut Section, of: Option<PlayOf>, bodies: &[BodyRow]) -> Option<OutputKind> {
     let angle = row.quantity("angle", ANGLE, Range::Any);
-    let drive = match row.peek("drive") {
+    let drive = match row.get("drive") {
         Some(_) => {
             let drive = body(row, "drive", bodies)?;
             moves(row, "drive", bodies, drive, MotionWord::Driven, "driven")?;
@@ -183,7 +183,7 @@ fn backlash(row: &mut Section, of: Option<PlayOf>, bodies: &[BodyRow]) -> Option
 
 /// Reads what is wanted, if it is given; the outer `None` if it is faulty.
 fn wanted(row: &mut Section, key: &'static str, kind: Kind, bodies: &[BodyRow]) -> Option<Option<Curve>> {
-    if row.peek(key).is_none() {
+    if row.get(key).is_none() {
         return Some(None);
     }
     curve(row, key, kind, bodies).map(Some)
