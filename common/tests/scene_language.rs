@@ -223,8 +223,9 @@ fn outputs_and_limit_states() {
     let rod = body(&scene, "rod");
     let measure = ErrorMeasure::Largest;
     assert_eq!(*output("rod_error"), OutputKind::AngleError { body: rod, wanted: None, measure });
-    let OutputKind::PositionError { wanted: [Some(x), Some(y)], measure: ErrorMeasure::RootMeanSquare, .. } =
-        output("stroke_error")
+    let OutputKind::PositionError {
+        wanted: [Some(x), Some(y)], measure: ErrorMeasure::RootMeanSquare, ..
+    } = output("stroke_error")
     else {
         panic!("{:?}", output("stroke_error"));
     };

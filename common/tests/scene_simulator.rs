@@ -193,7 +193,9 @@ fn limits_are_above_below_or_two() {
     };
     let below = with("threshold = \"8 um\"\nfails = \"below\"").unwrap();
     assert_eq!((below.threshold, below.fails), (8e-6, Fails::Below));
-    for limits in ["lower = \"2 um\"\nupper = \"8 um\"", "lower = \"2 um\"\nupper = \"8 um\"\nfails = \"outside\""] {
+    for limits in
+        ["lower = \"2 um\"\nupper = \"8 um\"", "lower = \"2 um\"\nupper = \"8 um\"\nfails = \"outside\""]
+    {
         let two = with(limits).unwrap();
         assert_eq!((two.threshold, two.fails), (8e-6, Fails::Outside { lower: 2e-6 }));
     }
@@ -203,9 +205,18 @@ fn limits_are_above_below_or_two() {
         ("", "limit_states.wear.threshold: is missing"),
         ("lower = \"8 um\"\nupper = \"2 um\"", "limit_states.wear.lower: expected lower < upper"),
         ("lower = \"0 um\"\nupper = \"2 um\"", "limit_states.wear.lower: \"0 um\" is out of range"),
-        ("lower = \"2 um\"\nupper = \"8 N\"", "limit_states.wear.upper: \"8 N\" is a force, expected a length"),
-        ("threshold = \"8 um\"\nupper = \"9 um\"", "limit_states.wear.threshold: expected threshold, or lower and upper"),
-        ("lower = \"2 um\"\nupper = \"8 um\"\nfails = \"below\"", "limit_states.wear.lower: expected threshold, or lower"),
+        (
+            "lower = \"2 um\"\nupper = \"8 N\"",
+            "limit_states.wear.upper: \"8 N\" is a force, expected a length",
+        ),
+        (
+            "threshold = \"8 um\"\nupper = \"9 um\"",
+            "limit_states.wear.threshold: expected threshold, or lower and upper",
+        ),
+        (
+            "lower = \"2 um\"\nupper = \"8 um\"\nfails = \"below\"",
+            "limit_states.wear.lower: expected threshold, or lower",
+        ),
         ("threshold = \"8 um\"\nfails = \"beside\"", "limit_states.wear.fails: "),
     ] {
         let said = with(limits).unwrap_err().to_string();
@@ -222,7 +233,9 @@ fn limits_are_above_below_or_two() {
 #[test]
 fn limits_of_an_extended_scene_are_replaced() {
     let changed = |limits: &str| {
-        let text = format!("[scene]\nextends = \"four-bar\"\nname = \"changed\"\n[[limit_states]]\nname = \"wear\"\n{limits}\n");
+        let text = format!(
+            "[scene]\nextends = \"four-bar\"\nname = \"changed\"\n[[limit_states]]\nname = \"wear\"\n{limits}\n"
+        );
         let source = SceneSource::parse(&text, "changed.toml").unwrap_or_else(|faults| panic!("{faults}"));
         source.nominal().limit_states[0].clone()
     };

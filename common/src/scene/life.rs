@@ -1,6 +1,5 @@
 //! Reads `[life]`: duration and number of the cycles. Everything that repeats in time must fit into a cycle.
 
-use super::outputs::OutputRow;
 use super::body_row::{BodyRow, MotionWord};
 use super::context::Range;
 use super::drive::{Drive, Over};
@@ -9,6 +8,7 @@ use super::limits::{CHECKPOINT_LIMIT, COUNT_LIMIT};
 use super::load::Load;
 use super::model::Life;
 use super::monotone::monotone_integral;
+use super::outputs::OutputRow;
 use super::quantity::{ANGLE, TIME};
 use super::section::Section;
 use super::tables::{repetitions, span};
@@ -22,7 +22,12 @@ const ONCE: &str = " with cycles = 1, checkpoint_every = 1, settle_cycles = 0";
 const WHOLE_TURN: f64 = 1e-6;
 
 /// Reads `[life]`; none if it is faulty.
-pub(super) fn life(file: &mut Section, bodies: &[BodyRow], loads: &[Load], outputs: &[OutputRow]) -> Option<Life> {
+pub(super) fn life(
+    file: &mut Section,
+    bodies: &[BodyRow],
+    loads: &[Load],
+    outputs: &[OutputRow],
+) -> Option<Life> {
     let mut section = file.section("life", "a table [life] with cycles and checkpoint_every")?;
     let period = match section.get("period") {
         Some(_) => section.quantity("period", TIME, Range::Positive),

@@ -337,7 +337,10 @@ mod tests {
             }
             assert!(!limit.is_reached(f64::NAN));
         }
-        assert_eq!((outside.thresholds(), outside.middle(), outside.scale()), (vec![-1.0, 3.0], Some(1.0), 2.0));
+        assert_eq!(
+            (outside.thresholds(), outside.middle(), outside.scale()),
+            (vec![-1.0, 3.0], Some(1.0), 2.0)
+        );
     }
 
     #[test]

@@ -235,9 +235,7 @@ impl OutputKind {
                 let keyed = [("wanted_x", x), ("wanted_y", y)].into_iter();
                 keyed.filter_map(|(key, curve)| Some((key, curve.as_ref()?))).collect()
             }
-            OutputKind::AngleError { wanted, .. } => {
-                wanted.iter().map(|curve| ("wanted", curve)).collect()
-            }
+            OutputKind::AngleError { wanted, .. } => wanted.iter().map(|curve| ("wanted", curve)).collect(),
             _ => vec![],
         }
     }

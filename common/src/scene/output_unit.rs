@@ -140,7 +140,8 @@ mod tests {
 
     #[test]
     fn units_of_rates_have_keys_without_signs() {
-        let keys = [OutputUnit::Acceleration, OutputUnit::AngularAcceleration, OutputUnit::Number].map(|u| u.key("a"));
+        let keys = [OutputUnit::Acceleration, OutputUnit::AngularAcceleration, OutputUnit::Number]
+            .map(|u| u.key("a"));
         assert_eq!(keys, ["a_m_per_s2", "a_rad_per_s2", "a"]);
         assert_eq!(OutputUnit::Energy.after("2"), "2 mJ");
         assert_eq!((OutputUnit::Energy.to_file(2e-3), OutputUnit::Energy.to_shown(2e-3)), (2e-3, 2.0));

@@ -201,7 +201,8 @@ fn struck_joints(row: &mut Section, joints: &[JointRow]) -> Option<Vec<usize>> {
         // The kind of a faulty joint may be unknown; that fault has been recorded.
         joint.joint.as_ref().is_none_or(|joint| matches!(joint.kind, JointKind::Clearance(_)))
     };
-    let with_clearance = || joints.iter().filter(|joint| has_clearance(joint)).map(|joint| joint.name.as_str());
+    let with_clearance =
+        || joints.iter().filter(|joint| has_clearance(joint)).map(|joint| joint.name.as_str());
     let chosen: Vec<usize> = match row.get("joints") {
         None => (0..joints.len()).filter(|&k| has_clearance(&joints[k])).collect(),
         Some(_) => chosen_joints(row, joints)?,

@@ -94,11 +94,11 @@ fn warning(scene: &Scene, life: &NominalLife) -> Option<String> {
             if life.limit.fails == Fails::Above && life.largest < FAR_FROM_LIMIT * threshold =>
         {
             Some(format!(
-            "the nominal mechanism has at most {} in {} cycles, {:.1} % of the limit of {limit}: no failure will be seen; check the \
+                "the nominal mechanism has at most {} in {} cycles, {:.1} % of the limit of {limit}: no failure will be seen; check the \
              limit and its unit, or study a longer life",
-            life.shown(life.largest),
-            scene.life.cycles,
-            100.0 * life.largest / threshold,
+                life.shown(life.largest),
+                scene.life.cycles,
+                100.0 * life.largest / threshold,
             ))
         }
         _ => None,

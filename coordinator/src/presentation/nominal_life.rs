@@ -193,7 +193,11 @@ mod tests {
         let lives = nominal_lives(&two, &evaluation);
         // The depth begins at the middle; the response falls below at the first checkpoint: 3.75 um of 3 um, after 800 cycles.
         assert_eq!(lives[0].reached, Reached::After(800.0), "{lives:?}");
-        assert!(lives[0].line(8000).contains("limit 2.00 µm to 8.00 µm, margin -67 %"), "{}", lives[0].line(8000));
+        assert!(
+            lives[0].line(8000).contains("limit 2.00 µm to 8.00 µm, margin -67 %"),
+            "{}",
+            lives[0].line(8000)
+        );
         assert_eq!(lives[1].reached, Reached::After(2500.0));
         assert!(lives[1].line(8000).contains("limit 50.0 r/min"), "{}", lives[1].line(8000));
         let printed = serde_json::to_value(lives[0].printed()).unwrap();

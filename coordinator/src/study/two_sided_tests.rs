@@ -71,7 +71,11 @@ fn study(scene: &Scene, method: Method) -> StudyResult {
 fn exact(lower: f64, upper: f64, cycles: f64) -> f64 {
     let [a, b, c] = RESPONSE;
     let below = |bound: f64, cycles: f64| {
-        if bound.is_infinite() { if bound > 0.0 { 1.0 } else { 0.0 } } else { standard_normal_cdf((bound - a - c * cycles / 1000.0) / b) }
+        if bound.is_infinite() {
+            if bound > 0.0 { 1.0 } else { 0.0 }
+        } else {
+            standard_normal_cdf((bound - a - c * cycles / 1000.0) / b)
+        }
     };
     (below(upper, cycles) - below(lower, 200.0)).max(0.0)
 }
@@ -81,7 +85,11 @@ fn check(result: &StudyResult, curve: &str, lower: f64, upper: f64) {
     for row in &result.summary.reliability {
         let (r, error) = (row.reliability[curve], row.standard_error[curve]);
         let expected = exact(lower, upper, row.cycles.into());
-        assert!((r - expected).abs() < 4.0 * error + 1e-3, "{curve} at {}: {r} {error} {expected}", row.cycles);
+        assert!(
+            (r - expected).abs() < 4.0 * error + 1e-3,
+            "{curve} at {}: {r} {error} {expected}",
+            row.cycles
+        );
     }
     for life in result.summary.lives.iter().filter(|life| life.limit_state == curve) {
         let (low, high) = (life.interval.lower, life.interval.upper.unwrap_or(f64::INFINITY));

@@ -67,8 +67,7 @@ impl Island {
         let count = self.bodies.len() + self.touched.len();
         let mut frames: Vec<Frame> = (0..count).map(|index| self.frame_at(index, t, q, &still)).collect();
         frames.iter_mut().for_each(|frame| frame.omega = 0.0);
-        let jets: Vec<Jet> =
-            self.prescribed.iter().map(|motion| [motion.angle(t), 0.0, 0.0, 0.0]).collect();
+        let jets: Vec<Jet> = self.prescribed.iter().map(|motion| [motion.angle(t), 0.0, 0.0, 0.0]).collect();
         let mut change = impulse.to_vec();
         let placed = Placed { frames: &frames, jets: &jets, mass: &self.mass };
         self.ideal.clone().add_reactions(placed, &mut change).then_some(change)
@@ -116,10 +115,13 @@ mod tests {
             let q: Vec<f64> = island.bodies.iter().flat_map(|&b| pose.q[b].expect("free")).collect();
             let v = vec![0.0; q.len()];
             for joint in 0..island.joints.len() {
-                let [a, b] = [0.3_f64, 0.3 + std::f64::consts::FRAC_PI_2].map(|angle| [angle.cos(), angle.sin()]);
+                let [a, b] =
+                    [0.3_f64, 0.3 + std::f64::consts::FRAC_PI_2].map(|angle| [angle.cos(), angle.sin()]);
                 // The sum over two directions does not depend on them: sum of 2/m + |a|^2 / I.
-                let found: f64 = [a, b].map(|n| 1.0 / island.effective_mass(joint, n, 0.0, &q, &v)).iter().sum();
-                let free = island.joints[joint].ends.into_iter().filter(|end| end.frame < island.bodies.len());
+                let found: f64 =
+                    [a, b].map(|n| 1.0 / island.effective_mass(joint, n, 0.0, &q, &v)).iter().sum();
+                let free =
+                    island.joints[joint].ends.into_iter().filter(|end| end.frame < island.bodies.len());
                 let expected: f64 = free
                     .map(|end| {
                         let [m, _, i] = [0, 1, 2].map(|k| island.mass[3 * end.frame + k]);

@@ -69,7 +69,9 @@ pub(crate) fn gap_influences(
         }
     };
     let Some(rows) = closure.gap_influence(time, &q, gradient) else {
-        return Err(refuse("a backlash at a dead point, or where the drives leave the ideal motion open".into()));
+        return Err(refuse(
+            "a backlash at a dead point, or where the drives leave the ideal motion open".into(),
+        ));
     };
     let with_clearance = scene.joints.iter().enumerate();
     let with_clearance = with_clearance.filter(|(_, joint)| matches!(joint.kind, JointKind::Clearance(_)));
@@ -131,6 +133,9 @@ mod tests {
         let of = PlayOf::Angle(3);
         assert!(gap_influences(&scene, &of, 1, 0.5, &mut 0).is_ok());
         let refused = gap_influences(&scene, &of, 1, 3.0, &mut 0);
-        assert!(matches!(&refused, Err(SimulationFailure::NotModelled { what }) if what.contains("at 171.887 deg")), "{refused:?}");
+        assert!(
+            matches!(&refused, Err(SimulationFailure::NotModelled { what }) if what.contains("at 171.887 deg")),
+            "{refused:?}"
+        );
     }
 }

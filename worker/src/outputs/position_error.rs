@@ -41,7 +41,8 @@ impl MotionOutput for PositionError<'_> {
 impl PositionError<'_> {
     /// Deviation of a path from the wanted coordinates.
     fn from_wanted(&self, path: &PointTrack, cycle: &RecordedCycle) -> Deviation {
-        let [mut x, mut y] = self.wanted.each_ref().map(|c| c.as_ref().map(|curve| Wanted::new(curve, cycle)));
+        let [mut x, mut y] =
+            self.wanted.each_ref().map(|c| c.as_ref().map(|curve| Wanted::new(curve, cycle)));
         Deviation::over(path.times(), |k, t| {
             let at = path.position_in(k, t);
             let off = |wanted: &mut Option<Wanted>, is: f64| wanted.as_mut().map_or(0.0, |w| is - w.at(t));

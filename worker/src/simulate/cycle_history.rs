@@ -2,7 +2,9 @@
 
 use super::run::Run;
 use crate::mechanism::Prescribed;
-use crate::outputs::{Backlash, ForceTrack, FullRecording, RecordedCycle, motion_output, sample_times, sum_of_islands};
+use crate::outputs::{
+    Backlash, ForceTrack, FullRecording, RecordedCycle, motion_output, sample_times, sum_of_islands,
+};
 use common::outputs::{BodyMotion, BodyTrace, CycleHistory, EnergyBalance};
 use common::scene::{Motion, Output};
 

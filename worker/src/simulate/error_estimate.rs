@@ -157,7 +157,8 @@ impl ErrorEstimate {
                         checkpoints.iter().map(error).collect()
                     }
                     None => {
-                        let sampling = motion_output(kind).map_or(Sampling::Cubic, |output| output.sampling());
+                        let sampling =
+                            motion_output(kind).map_or(Sampling::Cubic, |output| output.sampling());
                         self.motion_errors(scene, k, &histories[k], measured, sampling.missed_peak(phase))
                     }
                 },

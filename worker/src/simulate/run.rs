@@ -6,7 +6,9 @@ use super::side_by_side::{Integrated, LaneQueue, Span};
 use crate::extremum::largest as largest_of;
 use crate::integrate::StepCounts;
 use crate::mechanism::{Frame, Pose, ideal_cycle, islands, turns_per_cycle};
-use crate::outputs::{Backlash, BodyTrack, FullRecording, IdealTracks, PointTrack, RecordingRequest, recording_request};
+use crate::outputs::{
+    Backlash, BodyTrack, FullRecording, IdealTracks, PointTrack, RecordingRequest, recording_request,
+};
 use crate::wear::WearStepStats;
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
@@ -70,7 +72,8 @@ impl<'a> Run<'a> {
         let poses = ideal_cycle(scene, samples, &mut newton)?;
         if poses.len() < samples && requested.needs_ideal_motion() {
             return Err(SimulationFailure::NotModelled {
-                what: "an error against the ideal mechanism where the drives leave the ideal motion open".into(),
+                what: "an error against the ideal mechanism where the drives leave the ideal motion open"
+                    .into(),
             });
         }
         let turns = turns_per_cycle(scene, &poses)?;

@@ -78,8 +78,10 @@ impl<'a> ResponseSurrogates<'a> {
         let fitted = columns
             .into_par_iter()
             .map(|(group, columns)| {
-                let rows: Vec<Vec<f64>> =
-                    simulated.iter().map(|point| values(group, &columns, &point.evaluation, limits)).collect();
+                let rows: Vec<Vec<f64>> = simulated
+                    .iter()
+                    .map(|point| values(group, &columns, &point.evaluation, limits))
+                    .collect();
                 let table = Mat::from_fn(rows.len(), columns.len(), |i, o| rows[i][o]);
                 let training = TrainingSet { points: points.as_ref(), values: table.as_ref(), noise: None };
                 let model = fit_surrogate(training, FormSettings::default(), None, Effort::MultiStart)?.model;
@@ -152,7 +154,8 @@ impl<'a> ResponseSurrogates<'a> {
                     for (j, survives) in survival.iter_mut().enumerate() {
                         let variance = model.sigma2()[place] * (prediction.variance_factor[j] + noise);
                         *survives *= standard_normal_cdf(
-                            (limits[s].response_threshold() - values[j]) / variance.sqrt().max(f64::MIN_POSITIVE),
+                            (limits[s].response_threshold() - values[j])
+                                / variance.sqrt().max(f64::MIN_POSITIVE),
                         );
                     }
                 }

@@ -3,8 +3,8 @@
 use super::CalibrationError;
 use super::space::{FreeParameter, ParameterKind};
 use super::targets::{CalibrationTargets, ShownUnit, Target, TargetQuantity};
-use common::scene::expression::{ExpressionError, evaluate};
 use common::scene::Scene;
+use common::scene::expression::{ExpressionError, evaluate};
 use common::scene::quantity::{Dimension, FORCE, Kind, LENGTH, NUMBER};
 use serde::Deserialize;
 use std::path::Path;

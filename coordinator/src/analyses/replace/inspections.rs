@@ -109,7 +109,8 @@ pub fn inspect(
     let life = |own: &[f64]| own.iter().copied().fold(f64::INFINITY, f64::min);
     let lives: Vec<f64> = responses.lives.chunks_exact(limit_states).map(life).collect();
     // The limit state whose response the level is of: one with two thresholds, or else one that fails below.
-    let mut watching = scene.limit_states.iter().filter(|l| l.output == plan.output && l.fails != Fails::Above);
+    let mut watching =
+        scene.limit_states.iter().filter(|l| l.output == plan.output && l.fails != Fails::Above);
     let limit = watching.clone().find(|l| l.middle().is_some()).or_else(|| watching.next());
     let response = |value: f64| limit.map_or(value, |limit| limit.response(value));
     // Values of the output at a level of the response: the upper one, and the lower one of two.

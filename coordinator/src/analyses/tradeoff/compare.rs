@@ -158,7 +158,11 @@ fn cases(k: usize, pairs: &[ComparedPoint]) -> Vec<StatedValue> {
 fn output_error(scene: &Scene, k: usize, pairs: &[ComparedPoint], cases: &[StatedValue]) -> OutputError {
     let limits: Vec<&LimitState> = scene.limit_states.iter().filter(|l| l.output == k).collect();
     let values = pairs.iter().flat_map(|pair| &pair.reference.histories[k]);
-    let scale = limits.iter().map(|l| l.scale()).reduce(f64::min).unwrap_or_else(|| values.fold(f64::MIN_POSITIVE, |a, x| a.max(x.abs())));
+    let scale = limits
+        .iter()
+        .map(|l| l.scale())
+        .reduce(f64::min)
+        .unwrap_or_else(|| values.fold(f64::MIN_POSITIVE, |a, x| a.max(x.abs())));
     let (mut until_limit, mut life) = (0.0_f64, None);
     for ComparedPoint { found, reference, .. } in pairs {
         let (found_history, true_history) = (&found.histories[k], &reference.histories[k]);

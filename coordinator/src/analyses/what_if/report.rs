@@ -119,7 +119,11 @@ fn changes(answer: &WhatIf, scene: &Scene) -> Vec<[String; 3]> {
             None => six_digits(value),
         };
         let which = if changed.key == "threshold" { "" } else { changed.key.as_str() };
-        [format!("{which} threshold of {}", changed.limit_state).trim_start().to_owned(), shown(changed.before), shown(changed.after)]
+        [
+            format!("{which} threshold of {}", changed.limit_state).trim_start().to_owned(),
+            shown(changed.before),
+            shown(changed.after),
+        ]
     });
     let correlations = changes.correlations.iter().map(|changed| {
         let [a, b] = &changed.variables;

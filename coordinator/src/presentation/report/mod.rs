@@ -32,8 +32,8 @@ mod written;
 pub use figure::Figure;
 pub use figures::reliability as reliability_figure;
 pub use input::{
-    CheckpointDistribution, DISTRIBUTIONS_DOCUMENT, FailedRun, OutputInfo, ReportInput,
-    SUMMARY_DOCUMENT, SimulatedSample, VariableInfo, WorkTotals, equal_edges,
+    CheckpointDistribution, DISTRIBUTIONS_DOCUMENT, FailedRun, OutputInfo, ReportInput, SUMMARY_DOCUMENT,
+    SimulatedSample, VariableInfo, WorkTotals, equal_edges,
 };
 pub use life::{failure_probability, reliability};
 pub use mechanism::Mechanism;

@@ -117,7 +117,9 @@ fn densities(distribution: &CheckpointDistribution, unit: &OutputUnit) -> Vec<(f
 /// digits.
 fn moment(unit: &OutputUnit, value: f64) -> String {
     match unit {
-        OutputUnit::Length | OutputUnit::AngularVelocity | OutputUnit::Angle => fixed(unit.to_shown(value), 2),
+        OutputUnit::Length | OutputUnit::AngularVelocity | OutputUnit::Angle => {
+            fixed(unit.to_shown(value), 2)
+        }
         OutputUnit::Force | OutputUnit::Torque => fixed(unit.to_shown(value), 2),
         other => three_digits(other.to_shown(value)),
     }
@@ -130,10 +132,7 @@ fn density(unit: &OutputUnit) -> String {
 
 /// Distributions of a limit state's output at the governing checkpoint and two checkpoints before and after,
 /// the governing one being moved to a multiple of two checkpoints; or the three nearest there are.
-fn three_around_governing<'a>(
-    input: &'a ReportInput,
-    state: &LimitState,
-) -> Vec<&'a CheckpointDistribution> {
+fn three_around_governing<'a>(input: &'a ReportInput, state: &LimitState) -> Vec<&'a CheckpointDistribution> {
     let name = &input.outputs[state.output].name;
     let mut shown: Vec<&CheckpointDistribution> =
         input.distributions.iter().filter(|d| d.output == *name && d.edges.len() > 1).collect();
@@ -166,11 +165,7 @@ pub fn histories(input: &ReportInput) -> Result<Vec<Figure>, PlotError> {
 }
 
 /// The output of one limit state over life; `None` if neither the nominal evaluation nor the population has it.
-fn history(
-    input: &ReportInput,
-    state: &LimitState,
-    axis: &LifeAxis,
-) -> Result<Option<Figure>, PlotError> {
+fn history(input: &ReportInput, state: &LimitState, axis: &LifeAxis) -> Result<Option<Figure>, PlotError> {
     let output = &input.outputs[state.output];
     let unit = &output.unit;
     let thresholds: Vec<f64> = state.thresholds().into_iter().map(|si| unit.to_shown(si)).collect();

@@ -130,7 +130,9 @@ fn subject(scene: &Scene, written: &WrittenScene, output: &Output) -> String {
         OutputKind::AngularVelocityDifference { a, b } | OutputKind::AngleDifference { a, b } => {
             format!("{}; {}", signed(a), signed(b))
         }
-        OutputKind::PositionError { at, .. } | OutputKind::Acceleration { at } => place(scene, written, &format!("outputs.{}.at", output.name), at),
+        OutputKind::PositionError { at, .. } | OutputKind::Acceleration { at } => {
+            place(scene, written, &format!("outputs.{}.at", output.name), at)
+        }
         OutputKind::Backlash { of: PlayOf::Point { at, .. }, .. } => {
             place(scene, written, &format!("outputs.{}.at", output.name), at)
         }
@@ -197,9 +199,7 @@ pub fn limits(scene: &Scene, rows: &[LimitRow], written: &WrittenScene) -> Marku
                 format!("≤ {} or ≥ {}", shown("lower", lower), shown("upper", limit.threshold))
             }
         };
-        [row.name.clone(), row.output.clone(), fails]
-            .map(|cell| cell.render())
-            .to_vec()
+        [row.name.clone(), row.output.clone(), fails].map(|cell| cell.render()).to_vec()
     });
     let life = &scene.life;
     html! {
