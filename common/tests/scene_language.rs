@@ -247,13 +247,6 @@ fn outputs_and_limit_states() {
     assert_eq!(*output("blows"), OutputKind::ImpactEnergy { joints, measure });
     let (joints, measure) = (["struck", "held"].map(index).to_vec(), ImpactMeasure::Largest);
     assert_eq!(*output("hardest_blow"), OutputKind::ImpactEnergy { joints, measure });
-    let crank = body(&scene, "crank");
-    assert_eq!(
-        *output("rod_play"),
-        OutputKind::Backlash { of: PlayOf::Angle(rod), drive: crank, angle: PI / 6.0 }
-    );
-    let of = PlayOf::Point { at: place(&scene, "slider", [0.0, 0.0]), direction: [0.0, 1.0] };
-    assert_eq!(*output("slider_play"), OutputKind::Backlash { of, drive: crank, angle: -PI / 2.0 });
     // Thresholds are in the kind of their output.
     let thresholds: Vec<f64> = scene.limit_states.iter().map(|limit| limit.threshold).collect();
     same(&thresholds, &[5e-6, PI / 60.0, 2000.0, 0.0005, 4.0, 0.1, 2000.0, 900.0, 1e4, 50.0, 0.02]);

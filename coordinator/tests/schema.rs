@@ -107,8 +107,6 @@ fn faults_of_structure_are_found() {
         ("lower = \"20 N\"", "threshold = \"20 N\""),
         ("measure = \"rms\"", "measure = \"total\""),
         ("type = \"impacts\"", "type = \"impacts\"\nmeasure = \"largest\""),
-        ("type = \"angle-backlash\"\nbody = \"rod\"", "type = \"angle-backlash\""),
-        ("direction = [0, 5]", "direction = 5"),
         ("distribution = \"normal\"", "distribution = \"norml\""),
         ("distribution = \"constant\"", "distribution = \"constant\"\nstd = \"1 %\""),
         ("changes = [\"parameters.arm\"]", "changes = []"),

@@ -124,7 +124,7 @@ fn motor(row: &mut Section, name: String, bodies: &[BodyRow]) -> Option<Load> {
 }
 
 /// Reads `direction`; of unit length.
-pub(super) fn direction(row: &mut Section) -> Option<[f64; 2]> {
+fn direction(row: &mut Section) -> Option<[f64; 2]> {
     let [x, y] = row.pair("direction", NUMBER)?;
     let length = (x * x + y * y).sqrt();
     if length == 0.0 || !length.is_finite() {

@@ -75,7 +75,7 @@ pub use model::{
     Body, DrivenInertia, ExternalSimulator, Fails, Life, LimitState, Motion, Point, Program, Scene,
     SimulatorKind, StudySettings, UmBridgeModel,
 };
-pub use output::{ErrorMeasure, ImpactMeasure, Output, OutputKind, PlayOf, SignedBody};
+pub use output::{ErrorMeasure, ImpactMeasure, Output, OutputKind, SignedBody};
 pub use output_unit::OutputUnit;
 pub use reference::published_results;
 pub use source::SceneSource;

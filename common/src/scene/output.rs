@@ -82,15 +82,6 @@ pub enum OutputKind {
         /// All impacts of the cycle, or the hardest one.
         measure: ImpactMeasure,
     },
-    /// Free play of a body with a drive held at an angle: the range that the clearances, as far as they are worn, leave open.
-    Backlash {
-        /// What has the play.
-        of: PlayOf,
-        /// Index of the driven body that is held.
-        drive: usize,
-        /// Its angle, up to whole turns [rad].
-        angle: f64,
-    },
     /// Largest size over a cycle of the torque that drives a body [N m].
     DrivingTorque {
         /// Index of the driven body.
@@ -102,20 +93,6 @@ pub enum OutputKind {
         unit: String,
         /// True if it has a single value, which holds for the whole life.
         single: bool,
-    },
-}
-
-/// What has a free play.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub enum PlayOf {
-    /// Angle of a free body, index into [`super::Scene::bodies`] [rad].
-    Angle(usize),
-    /// Position of a point of a free body along a direction [m].
-    Point {
-        /// Place on a free body.
-        at: Attachment,
-        /// Unit vector in the global frame `(2,)`.
-        direction: [f64; 2],
     },
 }
 
@@ -150,8 +127,6 @@ impl OutputKind {
             OutputKind::AngularAcceleration { .. } => OutputUnit::AngularAcceleration,
             OutputKind::Impacts { .. } => OutputUnit::Number,
             OutputKind::ImpactEnergy { .. } => OutputUnit::Energy,
-            OutputKind::Backlash { of: PlayOf::Angle(_), .. } => OutputUnit::Angle,
-            OutputKind::Backlash { of: PlayOf::Point { .. }, .. } => OutputUnit::Length,
             OutputKind::PeakJointForce { .. } => OutputUnit::Force,
             OutputKind::DrivingTorque { .. } => OutputUnit::Torque,
             OutputKind::External { unit, .. } => OutputUnit::External(unit.clone()),
@@ -209,23 +184,11 @@ impl OutputKind {
             OutputKind::ImpactEnergy { joints: struck, measure: ImpactMeasure::Largest } => {
                 format!("energy of the hardest impact in {}", joints(struck))
             }
-            OutputKind::Backlash { of, drive, angle } => {
-                let of = match of {
-                    PlayOf::Angle(turned) => format!("the angle of {}", body(*turned)),
-                    PlayOf::Point { at, .. } => format!("a point of {}", body(at.body)),
-                };
-                format!("free play of {of} with {} held at {:.6} deg", body(*drive), angle.to_degrees())
-            }
             OutputKind::DrivingTorque { body: driven } => {
                 format!("largest torque that drives {}", body(*driven))
             }
             OutputKind::External { .. } => "value returned by the simulator".to_owned(),
         }
-    }
-
-    /// True if the output follows from the worn bores alone, whatever the motion.
-    pub fn follows_from_wear(&self) -> bool {
-        matches!(self, OutputKind::LargestWear { .. } | OutputKind::Backlash { .. })
     }
 
     /// The curves that state what is wanted, with their keys in a scene.

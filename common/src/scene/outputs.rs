@@ -2,12 +2,10 @@
 
 use super::attachment::Attachment;
 use super::body_row::{BodyRow, MotionWord, body, place};
-use super::context::Range;
 use super::drive::Curve;
 use super::joint::JointKind;
 use super::joints::JointRow;
-use super::loads::direction;
-use super::output::{ErrorMeasure, ImpactMeasure, Output, OutputKind, PlayOf, SignedBody};
+use super::output::{ErrorMeasure, ImpactMeasure, Output, OutputKind, SignedBody};
 use super::quantity::*;
 use super::section::Section;
 use super::tables::curve;
@@ -48,8 +46,6 @@ enum OutputWord {
     AngularAcceleration,
     Impacts,
     ImpactEnergy,
-    AngleBacklash,
-    PositionBacklash,
     DrivingTorque,
 }
 
@@ -66,8 +62,6 @@ pub(super) fn outputs(file: &mut Section, bodies: &[BodyRow], joints: &[JointRow
         ("angular-acceleration", (OutputWord::AngularAcceleration, ANGULAR_ACCELERATION)),
         ("impacts", (OutputWord::Impacts, NUMBER)),
         ("impact-energy", (OutputWord::ImpactEnergy, ENERGY)),
-        ("angle-backlash", (OutputWord::AngleBacklash, ANGLE)),
-        ("position-backlash", (OutputWord::PositionBacklash, LENGTH)),
         ("driving-torque", (OutputWord::DrivingTorque, TORQUE)),
     ];
     let mut outputs = Vec::new();
@@ -129,15 +123,6 @@ fn output(
             let measure = row.word_or("measure", &words, ImpactMeasure::Total);
             Some(OutputKind::ImpactEnergy { joints: struck?, measure: measure? })
         }
-        OutputWord::AngleBacklash => {
-            let of = free_body(row, bodies).map(PlayOf::Angle);
-            backlash(row, of, bodies)
-        }
-        OutputWord::PositionBacklash => {
-            let (at, direction) = (free_place(row, bodies), direction(row));
-            let of = at.zip(direction).map(|(at, direction)| PlayOf::Point { at, direction });
-            backlash(row, of, bodies)
-        }
         OutputWord::DrivingTorque => {
             let body = body(row, "body", bodies)?;
             moves(row, "body", bodies, body, MotionWord::Driven, "driven")?;
@@ -158,27 +143,6 @@ fn free_body(row: &mut Section, bodies: &[BodyRow]) -> Option<usize> {
     let found = body(row, "body", bodies)?;
     moves(row, "body", bodies, found, MotionWord::Free, "free")?;
     Some(found)
-}
-
-/// Reads the drive that is held, by default the only one, and its angle.
-fn backlash(row: &mut Section, of: Option<PlayOf>, bodies: &[BodyRow]) -> Option<OutputKind> {
-    let angle = row.quantity("angle", ANGLE, Range::Any);
-    let drive = match row.get("drive") {
-        Some(_) => {
-            let drive = body(row, "drive", bodies)?;
-            moves(row, "drive", bodies, drive, MotionWord::Driven, "driven")?;
-            drive
-        }
-        None => {
-            let driven = |k: &usize| bodies[*k].word == Some(MotionWord::Driven);
-            let [drive] = (0..bodies.len()).filter(driven).collect::<Vec<_>>()[..] else {
-                row.missing("drive", "the name of the driven body that is held");
-                return None;
-            };
-            drive
-        }
-    };
-    Some(OutputKind::Backlash { of: of?, drive, angle: angle? })
 }
 
 /// Reads what is wanted, if it is given; the outer `None` if it is faulty.

@@ -258,7 +258,6 @@ mod tests {
             "jolt: largest acceleration of a point of rod",
             "strokes: number of impacts per cycle in 5 joints",
             "hardest_blow: energy of the hardest impact in 2 joints",
-            "rod_play: free play of the angle of rod with crank held at 30 deg",
             "torque: largest torque that drives crank",
             "limit state too_weak: failed from 0.1000 N m down",
             "limit state out_of_range: failed from 20.0000 N down and from 2000.0000 N on",

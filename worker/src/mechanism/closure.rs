@@ -246,32 +246,6 @@ impl<'a> Closure<'a> {
         Some(self.to_coordinates(a))
     }
 
-    /// Derivatives of a coordinate to the first two gaps of every joint, in global axes, at a closed position with the drives held
-    /// `(joints, 2)`, given its derivatives to (x, y, angle) of a free body; `None` if the closures do not determine the position, or
-    /// nearly so.
-    pub(crate) fn gap_influence(
-        &self,
-        t: f64,
-        q: &DVector<f64>,
-        (body, gradient): (usize, [f64; 3]),
-    ) -> Option<Vec<[f64; 2]>> {
-        if self.m != self.n {
-            return None;
-        }
-        let first = self.first[body]?;
-        let jacobian = self.gaps(t, q).jacobian;
-        let pivots = jacobian.clone().qr().r().diagonal().abs();
-        if pivots.min() < DETERMINED * pivots.max() {
-            return None;
-        }
-        let mut derivative = DVector::zeros(self.n);
-        for (k, value) in gradient.into_iter().enumerate() {
-            derivative[first + k] = if k == 2 { value / self.size } else { value };
-        }
-        let rows = jacobian.transpose().lu().solve(&derivative)?;
-        Some(self.row.iter().map(|&row| [rows[row], rows[row + 1]]).collect())
-    }
-
     /// Branch of a mechanism without freedom on either side of a dead point: true if det(dphi/dq) > 0.
     pub(crate) fn orientation(&self, t: f64, q: &DVector<f64>) -> Option<bool> {
         if self.m != self.n || self.n == 0 {

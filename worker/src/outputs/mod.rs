@@ -8,7 +8,6 @@
 //! | `motion_output.rs` | the trait of the outputs |
 //! | `angle_difference.rs`, `peak_joint_force.rs`, `position_error.rs`, `angle_error.rs`, `acceleration.rs`, `impacts.rs`, `driving_torque.rs` | the outputs |
 //! | `deviation.rs`, `wanted.rs` | size of a deviation over a cycle; wanted functions of time or of an angle |
-//! | `backlash.rs` | free play with a drive held, from the worn bores |
 //! | `recording_request.rs`, `recorder.rs`, `peaks.rs`, `contact_lanes.rs` | what to record of an island, and the recording; contacts of islands in lanes |
 //! | `recorded_cycle.rs` | the recordings of all islands of a cycle, as outputs read them |
 //! | `trace.rs`, `point_track.rs`, `moment_track.rs` | angle of a body, force of a joint, path of a point and moment on a body over time |
@@ -17,7 +16,6 @@
 mod acceleration;
 mod angle_difference;
 mod angle_error;
-mod backlash;
 mod contact_lanes;
 mod deviation;
 mod driving_torque;
@@ -36,7 +34,6 @@ mod recording_request;
 mod trace;
 mod wanted;
 
-pub(crate) use backlash::Backlash;
 pub(crate) use contact_lanes::ContactLanes;
 pub(crate) use energy::sum_of_islands;
 pub(crate) use full_recording::FullRecording;
@@ -56,10 +53,10 @@ use impacts::{ImpactEnergy, Impacts};
 use peak_joint_force::PeakJointForce;
 use position_error::PositionError;
 
-/// The output of this kind, if it follows from the motion of a cycle; `None` for those of the wear and for external simulators.
+/// The output of this kind, if it follows from the motion of a cycle; `None` for the wear and for external simulators.
 pub(crate) fn motion_output(kind: &OutputKind) -> Option<Box<dyn MotionOutput + '_>> {
     match kind {
-        OutputKind::LargestWear { .. } | OutputKind::Backlash { .. } | OutputKind::External { .. } => None,
+        OutputKind::LargestWear { .. } | OutputKind::External { .. } => None,
         OutputKind::AngularVelocityDifference { a, b } => Some(Box::new(AngleDifference::of_speeds(a, b))),
         OutputKind::AngleDifference { a, b } => Some(Box::new(AngleDifference::of_angles(a, b))),
         OutputKind::PeakJointForce { joints } => Some(Box::new(PeakJointForce { joints })),

@@ -2,11 +2,9 @@
 
 use super::run::Run;
 use crate::mechanism::Prescribed;
-use crate::outputs::{
-    Backlash, ForceTrack, FullRecording, RecordedCycle, motion_output, sample_times, sum_of_islands,
-};
+use crate::outputs::{ForceTrack, FullRecording, RecordedCycle, motion_output, sample_times, sum_of_islands};
 use common::outputs::{BodyMotion, BodyTrace, CycleHistory, EnergyBalance};
-use common::scene::{Motion, Output};
+use common::scene::Motion;
 
 /// Summary of the first cycle; joints in the scene's order.
 pub struct FirstCycle {
@@ -21,15 +19,12 @@ pub struct FirstCycle {
 }
 
 impl Run<'_> {
-    /// Outputs of the scene that follow from the motion of the cycle recorded last, and the backlash of the bores as they are; zero in
-    /// the place of the others `(outputs,)` [SI].
+    /// Outputs of the scene that follow from the motion of the cycle recorded last, zero in the place of the others
+    /// `(outputs,)` [SI].
     pub(crate) fn motion_outputs(&self) -> Vec<f64> {
         let cycle = self.recorded_cycle();
-        let value = |(output, backlash): (&Output, &Option<Backlash>)| match backlash {
-            Some(backlash) => backlash.value(&self.depths()),
-            None => motion_output(&output.kind).map_or(0.0, |output| output.value(&cycle)),
-        };
-        self.scene.outputs.iter().zip(&self.backlash).map(value).collect()
+        let outputs = self.scene.outputs.iter().map(|output| motion_output(&output.kind));
+        outputs.map(|output| output.map_or(0.0, |output| output.value(&cycle))).collect()
     }
 
     fn recorded_cycle(&self) -> RecordedCycle<'_> {

@@ -13,7 +13,6 @@
 //!
 //! For a wear depth it is the root of the sum of squares of two: the error of wear steps, blocks and control points, from a bore
 //! that wears more exactly beside it (`finer_bore.rs`), and twice the relative change of the wear rate in the probes times the depth.
-//! For a backlash it is what these errors of all depths cause together, see `Backlash::error`.
 //! No value has a relative error below 1e-10, rounding.
 //!
 //! Where no cycle repeats the one before, several motions wear the bores (`several_cycles.rs`). Of such a motion y is the mean,
@@ -134,15 +133,15 @@ impl ErrorEstimate {
     }
 
     /// Error of every output at every checkpoint `(outputs, m)` [SI], given the `histories` there and the outputs in the
-    /// simulated cycles of `run`.
+    /// simulated cycles; `largest_step` is a fraction of the cycle [1].
     pub(crate) fn errors(
         &self,
-        run: &Run,
+        scene: &Scene,
         histories: &[Vec<f64>],
         measured: &MeasuredLives,
+        largest_step: f64,
     ) -> Vec<Vec<f64>> {
-        let scene = run.scene;
-        let phase = TAU * HARMONICS * run.accuracy.largest_step;
+        let phase = TAU * HARMONICS * largest_step;
         let checkpoints = scene.life.checkpoints();
         let mut errors = Vec::with_capacity(scene.outputs.len());
         for (k, output) in scene.outputs.iter().enumerate() {
@@ -151,17 +150,10 @@ impl ErrorEstimate {
                     let values = checkpoints.iter().zip(&histories[k]);
                     values.map(|(&life, &value)| self.wear_error_within(joints, life, value)).collect()
                 }
-                kind => match &run.backlash[k] {
-                    Some(backlash) => {
-                        let error = |&life: &u32| backlash.error(|joint| self.wear_error(&[joint], life).0);
-                        checkpoints.iter().map(error).collect()
-                    }
-                    None => {
-                        let sampling =
-                            motion_output(kind).map_or(Sampling::Cubic, |output| output.sampling());
-                        self.motion_errors(scene, k, &histories[k], measured, sampling.missed_peak(phase))
-                    }
-                },
+                kind => {
+                    let sampling = motion_output(kind).map_or(Sampling::Cubic, |output| output.sampling());
+                    self.motion_errors(scene, k, &histories[k], measured, sampling.missed_peak(phase))
+                }
             };
             errors.push(
                 error.iter().zip(&histories[k]).map(|(e, value)| e.max(ROUNDING * value.abs())).collect(),

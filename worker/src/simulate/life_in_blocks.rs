@@ -6,6 +6,7 @@ use super::probe::{Probe, is_probed};
 use super::run::Run;
 use super::several_cycles::{SeveralCycles, SeveralMotions};
 use common::failure::SimulationFailure;
+use common::scene::OutputKind;
 use std::ops::Range;
 
 /// Every output of the scene at every checkpoint `(outputs, m)` [SI].
@@ -137,13 +138,13 @@ pub(crate) async fn simulate_life<M: CycleModel>(
     model.check_life(run, &measured, &mut estimate)?;
     let mut histories = Vec::with_capacity(scene.outputs.len());
     for (k, output) in scene.outputs.iter().enumerate() {
-        histories.push(match output.kind.follows_from_wear() {
-            true => std::mem::take(&mut wear[k]),
-            false => at_checkpoints(measured.lives, &measured.of_output(k), &cycles),
+        histories.push(match output.kind {
+            OutputKind::LargestWear { .. } => std::mem::take(&mut wear[k]),
+            _ => at_checkpoints(measured.lives, &measured.of_output(k), &cycles),
         });
     }
-    let errors = estimate.errors(run, &histories, &measured);
-    // A wear depth is zero on the unworn bores, as is its measured value.
+    let errors = estimate.errors(scene, &histories, &measured, accuracy.largest_step);
+    // An output of the wear is zero on the unworn bores, as is its measured value.
     Ok(LifeHistory { histories, errors, start: measured.outputs[0].clone() })
 }
 

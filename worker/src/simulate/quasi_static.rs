@@ -88,8 +88,7 @@ impl CycleModel for QuasiStaticCycles {
         measured: &MeasuredLives,
         estimate: &mut ErrorEstimate,
     ) -> Result<(), Unsuitable> {
-        let of_motion = |(_, output): &(usize, &Output)| !output.kind.follows_from_wear();
-        for (k, output) in run.scene.outputs.iter().enumerate().filter(of_motion) {
+        for (k, output) in run.scene.outputs.iter().enumerate() {
             let values = measured.of_output(k);
             let largest = values.iter().fold(0.0_f64, |a, value| a.max(value.abs()));
             let off = largest_bend(measured.lives, &values, |_| true);
@@ -143,9 +142,10 @@ impl Run<'_> {
         self.tier_difference.iter().copied().fold(0.0, f64::max)
     }
 
-    /// The first output of the scene that does not follow from the wear alone.
+    /// The first output of the scene that is not wear.
     pub(crate) fn first_motion_output(&self) -> Option<&Output> {
-        self.scene.outputs.iter().find(|output| !output.kind.follows_from_wear())
+        let is_wear = |output: &&Output| matches!(output.kind, OutputKind::LargestWear { .. });
+        self.scene.outputs.iter().find(|output| !is_wear(output))
     }
 
     /// True if the elastic forces of all joints with clearance have a potential, whatever the bore.

@@ -6,9 +6,7 @@ use super::side_by_side::{Integrated, LaneQueue, Span};
 use crate::extremum::largest as largest_of;
 use crate::integrate::StepCounts;
 use crate::mechanism::{Frame, Pose, ideal_cycle, islands, turns_per_cycle};
-use crate::outputs::{
-    Backlash, BodyTrack, FullRecording, IdealTracks, PointTrack, RecordingRequest, recording_request,
-};
+use crate::outputs::{BodyTrack, FullRecording, IdealTracks, PointTrack, RecordingRequest, recording_request};
 use crate::wear::WearStepStats;
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
@@ -34,8 +32,6 @@ pub struct Run<'a> {
     pub simulated: u64,
     /// Requested motion of the ideal mechanism.
     pub ideal: IdealTracks,
-    /// Backlash of each output that is one `(outputs,)`.
-    pub backlash: Vec<Option<Backlash>>,
     /// Islands on their ideal motion, if the quasi-static model drives the wear.
     pub quasi_static: Vec<QuasiStaticIsland>,
     /// Largest relative difference of the wear rates of the two models for each output, zero unless compared `(outputs,)` [1].
@@ -82,9 +78,7 @@ impl<'a> Run<'a> {
             .into_iter()
             .map(|island| IslandState::new(island, &start, scene, &requested, accuracy))
             .collect();
-        let backlash = scene.outputs.iter().map(|output| Backlash::new(scene, &output.kind, &mut newton));
         Ok(Run {
-            backlash: backlash.collect::<Result<_, _>>()?,
             queue,
             scene,
             accuracy,
@@ -296,10 +290,6 @@ impl<'a> Run<'a> {
     ) -> Result<(), SimulationFailure> {
         let Range { start: from, end: to } = block;
         let marks: Vec<f64> = checkpoints.iter().map(|&c| f64::from(c - from)).collect();
-        // Depths at each checkpoint of each joint of the scene, if an output needs them `(checkpoints, joints, points)`.
-        let has_backlash = self.backlash.iter().any(Option::is_some);
-        let unworn = || vec![Vec::new(); self.scene.joints.len()];
-        let mut depths: Vec<Vec<Vec<f64>>> = marks.iter().map(|_| unworn()).collect();
         // Largest depth at each checkpoint of each joint of the scene `(checkpoints, joints)`.
         let mut largest = vec![vec![0.0_f64; self.scene.joints.len()]; marks.len()];
         for (index, state) in self.islands.iter_mut().enumerate() {
@@ -312,9 +302,6 @@ impl<'a> Run<'a> {
                 rate.freeze(&recorder.histories[k]);
                 let note_largest = |mark: usize, depth: &[f64]| {
                     largest[mark][joint.scene_joint] = depth.iter().fold(0.0, |a: f64, &b| a.max(b));
-                    if has_backlash {
-                        depths[mark][joint.scene_joint] = depth.to_vec();
-                    }
                 };
                 let length = f64::from(to - from);
                 state.finer[k].advance(&recorder.histories[k], length, largest_of(depth.iter().copied()));
@@ -332,12 +319,10 @@ impl<'a> Run<'a> {
                 joint.set_depth(depth);
             }
         }
-        for ((output, backlash), history) in self.scene.outputs.iter().zip(&self.backlash).zip(wear) {
+        for (output, history) in self.scene.outputs.iter().zip(wear) {
             if let OutputKind::LargestWear { joints } = &output.kind {
                 let depths = largest.iter().map(|depth| joints.iter().fold(0.0_f64, |a, &j| a.max(depth[j])));
                 history.extend(depths);
-            } else if let Some(backlash) = backlash {
-                history.extend(depths.iter().map(|depths| backlash.value(depths)));
             }
         }
         self.cycle = to;

@@ -10,7 +10,7 @@ use crate::results::scene_summary::{LimitRow, VariableRow};
 use crate::results::summary::StudySummary;
 use common::random::{Correlation, RandomVariable};
 use common::scene::expression::{ExpressionError, evaluate, read_unit};
-use common::scene::{Fails, Output, OutputKind, OutputUnit, PlayOf, Scene, SignedBody, StudySettings};
+use common::scene::{Fails, Output, OutputKind, OutputUnit, Scene, SignedBody, StudySettings};
 use maud::{Markup, Render, html};
 
 /// Distribution, moments and bounds of every random variable, in the unit in which it is displayed, and the correlations.
@@ -130,14 +130,8 @@ fn subject(scene: &Scene, written: &WrittenScene, output: &Output) -> String {
         OutputKind::AngularVelocityDifference { a, b } | OutputKind::AngleDifference { a, b } => {
             format!("{}; {}", signed(a), signed(b))
         }
-        OutputKind::PositionError { at, .. } | OutputKind::Acceleration { at } => {
-            place(scene, written, &format!("outputs.{}.at", output.name), at)
-        }
-        OutputKind::Backlash { of: PlayOf::Point { at, .. }, .. } => {
-            place(scene, written, &format!("outputs.{}.at", output.name), at)
-        }
+        OutputKind::PositionError { at, .. } | OutputKind::Acceleration { at } => place(scene, written, &format!("outputs.{}.at", output.name), at),
         OutputKind::DrivingTorque { body }
-        | OutputKind::Backlash { of: PlayOf::Angle(body), .. }
         | OutputKind::AngleError { body, .. }
         | OutputKind::AngularAcceleration { body } => scene.bodies[*body].name.clone(),
         OutputKind::External { .. } => UNKNOWN.to_owned(),
