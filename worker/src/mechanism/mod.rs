@@ -4,6 +4,7 @@
 #[cfg(test)]
 mod acceleration_tests;
 mod assembly;
+mod closing;
 mod closure;
 mod constraint;
 #[cfg(test)]
@@ -30,7 +31,7 @@ pub use constraint::Constraint;
 pub(crate) use external_loads::ExternalLoads;
 pub use frame::{End, Frame};
 pub use island::{Island, WearingJoint};
-pub(crate) use lanes::{IslandLanes, fits_lanes, same_topology};
+pub(crate) use lanes::{IslandLanes, same_topology};
 pub use prescribed::Prescribed;
 pub use topology::islands;
 pub use turns::turns_per_cycle;

@@ -5,7 +5,7 @@ use super::probe::{FINER, is_probed};
 use super::quasi_static::is_measured;
 use super::run::Run;
 use super::several_cycles::MOTIONS;
-use super::side_by_side::{LaneQueue, LaneWidth, run_alone};
+use super::side_by_side::{LaneQueue, run_alone};
 use crate::mechanism::Island;
 use crate::quasi_static::Unsuitable;
 use common::accuracy::Accuracy;
@@ -71,7 +71,7 @@ pub struct FirstLook {
 /// # Errors
 /// [`SimulationFailure`] as in an evaluation.
 pub fn first_look(scene: &Scene, accuracy: &Accuracy) -> Result<FirstLook, SimulationFailure> {
-    run_alone(LaneWidth::for_scene(scene), |queue| examine(queue, scene, accuracy))
+    run_alone(|queue| examine(queue, scene, accuracy))
 }
 
 /// Result of a stage, and the time it took.

@@ -153,10 +153,10 @@ pub(crate) async fn simulate_life<M: CycleModel>(
 ///
 /// # Errors
 /// [`SimulationFailure`] if a further cycle fails.
-async fn measured_outputs(
-    run: &mut Run<'_>,
+async fn measured_outputs<'a>(
+    run: &mut Run<'a>,
     life: u32,
-    motions: Option<&mut SeveralMotions>,
+    motions: Option<&mut SeveralMotions<'a>>,
     estimate: &mut ErrorEstimate,
 ) -> Result<Vec<f64>, SimulationFailure> {
     let Some(motions) = motions else { return Ok(run.motion_outputs()) };

@@ -88,7 +88,7 @@ pub struct CountedEvaluation {
 
 /// Simulates like [`simulate`], and counts the time steps even if the evaluation fails.
 pub fn simulate_counted(scene: &Scene, accuracy: &Accuracy, options: SimulateOptions) -> CountedEvaluation {
-    run_alone(LaneWidth::for_scene(scene), |queue| simulate_stages(queue, scene, accuracy, options))
+    run_alone(|queue| simulate_stages(queue, scene, accuracy, options))
 }
 
 /// One of several evaluations that run side by side.

@@ -120,6 +120,26 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
+    /// Counts from zero on.
+    pub(crate) fn begin_count(&mut self) {
+        (self.counts, self.simulated) = (StepCounts::default(), 0);
+    }
+
+    /// Adds what a run counted that was simulated for this one.
+    pub(crate) fn add_counts(&mut self, of: &Run) {
+        self.counts.add(&of.counts);
+        self.simulated += of.simulated;
+    }
+
+    /// Takes over the bores of another run of the same scene.
+    pub(crate) fn take_bores(&mut self, from: &Run) {
+        self.cycle = from.cycle;
+        for (to, from) in self.islands.iter_mut().zip(&from.islands) {
+            to.depth.clone_from(&from.depth);
+            to.island.joints.iter_mut().zip(&from.depth).for_each(|(joint, depth)| joint.set_depth(depth));
+        }
+    }
+
     /// True if a joint wears.
     pub(crate) fn wears(&self) -> bool {
         self.islands.iter().any(|m| m.island.joints.iter().any(|j| j.wear_coefficient > 0.0))
