@@ -1,6 +1,6 @@
 //! The stages of an evaluation: settle, measure a cycle, wear a block, warm up.
 
-use super::island_state::{CycleSpan, IslandStart, IslandState, failure};
+use super::island_state::{CycleSpan, IslandStart, IslandState, StateSnapshot, failure};
 use super::quasi_static_island::QuasiStaticIsland;
 use super::side_by_side::{Integrated, LaneQueue, Span};
 use crate::extremum::largest as largest_of;
@@ -22,6 +22,8 @@ pub struct Run<'a> {
     pub scene: &'a Scene,
     pub accuracy: &'a Accuracy,
     pub islands: Vec<IslandState>,
+    /// States of the islands where the ideal mechanism has them at the start `(islands,)`.
+    pub starts: Vec<StateSnapshot>,
     /// Cycles worn so far.
     cycle: u32,
     pub counts: StepCounts,
@@ -73,7 +75,7 @@ impl<'a> Run<'a> {
         }
         let turns = turns_per_cycle(scene, &poses)?;
         let start = IslandStart { pose: &poses[0], turns: &turns };
-        let islands = islands
+        let islands: Vec<IslandState> = islands
             .into_iter()
             .map(|island| IslandState::new(island, &start, scene, &requested, accuracy))
             .collect();
@@ -81,6 +83,7 @@ impl<'a> Run<'a> {
             queue,
             scene,
             accuracy,
+            starts: islands.iter().map(|state| state.cycle_start.clone()).collect(),
             islands,
             cycle: 0,
             counts: StepCounts::default(),

@@ -125,9 +125,8 @@ impl Run<'_> {
             JointKind::Clearance(clearance) => narrower * clearance.radial_clearance(),
             _ => 0.0,
         };
-        let assembled = Run::assemble(self.queue.clone(), scene, self.accuracy)?;
-        for (state, start) in self.islands.iter_mut().zip(assembled.islands) {
-            state.restore(start.cycle_start);
+        for (state, start) in self.islands.iter_mut().zip(&self.starts) {
+            state.restore(start.clone());
             for joint in &mut state.island.joints {
                 joint.set_depth(&vec![-less(joint.scene_joint); joint.profile.points()]);
             }
