@@ -3,6 +3,7 @@
 //! Planar, SI units, angles counter-clockwise from +x. Bodies are referred to by index into [`Scene::bodies`].
 
 use super::attachment::Attachment;
+use super::condition::Condition;
 use super::drive::Drive;
 use super::joint::Joint;
 use super::load::Load;
@@ -36,6 +37,9 @@ pub struct Scene {
     pub limit_states: Vec<LimitState>,
     /// Duration and number of the cycles.
     pub life: Life,
+    /// Operating conditions of the life; empty if all cycles are alike.
+    #[serde(default)]
+    pub conditions: Vec<Condition>,
     /// Default settings of a study of this scene.
     pub study: StudySettings,
     /// Default accuracy of an evaluation.

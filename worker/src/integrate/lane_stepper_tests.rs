@@ -2,7 +2,7 @@
 
 use super::{
     Band, Dynamics, IntegrationError, LaneOutcome, LaneState, LaneStepper, Linearised, StateObserver,
-    SteppedLanes, StepControl, StepCounts, Stepped, Stepper,
+    StepControl, StepCounts, Stepped, SteppedLanes, Stepper,
 };
 use std::ops::Range;
 

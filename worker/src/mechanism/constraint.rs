@@ -149,11 +149,7 @@ impl<R: Real> Constraint<R> {
 
     /// Value phi `(rows,)` [m, rad] and derivative G `(rows, 6)` to the coordinates of the pair.
     #[inline(always)]
-    pub(crate) fn position(
-        &self,
-        first: &Frame<R>,
-        second: &Frame<R>,
-    ) -> (RowValues<R>, RowDerivatives<R>) {
+    pub(crate) fn position(&self, first: &Frame<R>, second: &Frame<R>) -> (RowValues<R>, RowDerivatives<R>) {
         let g = Geometry::new(&self.ends, first, second);
         let zero = first.angle.zero();
         let one = zero.like(1.0);
@@ -237,8 +233,9 @@ impl<R: Real> Constraint<R> {
                 let sn = left(n);
                 let mut d2 = [zero; 2];
                 for k in 0..2 {
-                    d2[k] = acceleration[k] + ai * sa[k] - wi * wi * g.a[k] - acceleration[3 + k] - aj * sb[k]
-                        + wj * wj * g.b[k];
+                    d2[k] =
+                        acceleration[k] + ai * sa[k] - wi * wi * g.a[k] - acceleration[3 + k] - aj * sb[k]
+                            + wj * wj * g.b[k];
                     let along = aj * sn[k] - wj * wj * n[k];
                     (to_q[0][k], to_q[0][3 + k]) = (along, -along);
                     let along = wj * sn[k] * 2.0;

@@ -118,7 +118,8 @@ impl Elimination {
     /// Whether both join the same bodies by the same kinds of joints.
     pub(crate) fn has_same_topology(&self, other: &Self) -> bool {
         let pairs = self.constraints.iter().zip(&other.constraints);
-        self.constraints.len() == other.constraints.len() && pairs.into_iter().all(|(a, b)| a.has_same_topology(b))
+        self.constraints.len() == other.constraints.len()
+            && pairs.into_iter().all(|(a, b)| a.has_same_topology(b))
     }
 }
 
@@ -240,7 +241,8 @@ impl<R: Real> Elimination<R> {
                 if let Some(jet) = at.jet(c.ends[side].frame) {
                     let (_, rows) = c.position(a, b);
                     for r in 0..c.rows() {
-                        self.lambda[first + r] = self.lambda[first + r].plus_product(rows[r][3 * side + 2], jet[2]);
+                        self.lambda[first + r] =
+                            self.lambda[first + r].plus_product(rows[r][3 * side + 2], jet[2]);
                     }
                 }
             }
@@ -504,7 +506,15 @@ fn backward<R: Real>(r: &[R], m: usize, x: &mut [R]) {
 
 /// Replaces `x` by M^1/2 [(1 - Q Q') M^-1/2 x - Q R^-T c] `(n, columns)`, with `c` `(m, columns)` and Q' M^-1/2, Q' M^1/2 `(m, n)`.
 #[inline(always)]
-fn reduce<R: Real>(per_root: &[R], by_root: &[R], r: &[R], c: &mut [R], x: &mut [R], n: usize, columns: usize) {
+fn reduce<R: Real>(
+    per_root: &[R],
+    by_root: &[R],
+    r: &[R],
+    c: &mut [R],
+    x: &mut [R],
+    n: usize,
+    columns: usize,
+) {
     let m = per_root.len() / n;
     forward(r, m, c, columns);
     for i in 0..m {

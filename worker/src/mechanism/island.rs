@@ -244,6 +244,7 @@ impl Island {
             power.stored += load.stored;
             power.lost += load.lost;
             if source.drives() {
+                power.driving += load.lost;
                 for (side, &frame) in load.frames.iter().enumerate().filter(|&(_, &frame)| frame != NO_FRAME)
                 {
                     let Frame { v, omega, .. } = self.frames[frame];

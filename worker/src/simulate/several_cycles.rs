@@ -17,10 +17,9 @@
 
 use super::island_state::IslandState;
 use super::run::Run;
+use super::side_by_side::join;
 use common::failure::SimulationFailure;
 use common::scene::JointKind;
-use std::future::poll_fn;
-use std::task::Poll;
 
 /// Motions whose mean is taken.
 pub(crate) const MOTIONS: usize = 6;
@@ -79,7 +78,7 @@ impl<'a> SeveralMotions<'a> {
             motion.take_bores(first);
             motion.next_cycle().await
         });
-        for ended in all(cycles.collect()).await {
+        for ended in join(cycles).await {
             ended?;
         }
         let (mut motion, mut wear) = (vec![run.motion_outputs()], vec![run.wear_rates(life)?]);
@@ -97,23 +96,6 @@ impl<'a> SeveralMotions<'a> {
         let (mean, of_single_cycles) = mean_and_variance(&motion);
         Ok(SeveralCycles { motion: mean, spread: CycleSpread { life, motion: of_single_cycles, wear } })
     }
-}
-
-/// Waits for all of these, which wait for lanes of the same queue.
-async fn all<F: Future>(each: Vec<F>) -> Vec<F::Output> {
-    let mut waiting: Vec<_> = each.into_iter().map(|one| (Box::pin(one), None)).collect();
-    poll_fn(|context| {
-        for (one, result) in waiting.iter_mut().filter(|(_, result)| result.is_none()) {
-            if let Poll::Ready(value) = one.as_mut().poll(context) {
-                *result = Some(value);
-            }
-        }
-        if waiting.iter().any(|(_, result)| result.is_none()) {
-            return Poll::Pending;
-        }
-        Poll::Ready(waiting.iter_mut().filter_map(|(_, result)| result.take()).collect())
-    })
-    .await
 }
 
 impl Run<'_> {

@@ -4,7 +4,8 @@
 use super::executor::LaneWidth;
 use super::queue::{CpuTime, LaneQueue, PendingSpan};
 use crate::integrate::{
-    IntegrationError, LaneOutcome, LaneState, LaneStepper, Linearised, SpanProgress, Stepped, worst_coordinate,
+    IntegrationError, LaneOutcome, LaneState, LaneStepper, Linearised, SpanProgress, Stepped,
+    worst_coordinate,
 };
 use crate::lanes::{Lanes, Vectorised, run_in};
 use crate::mechanism::{Island, IslandLanes, same_topology};
@@ -210,7 +211,9 @@ impl<S: Simd> LaneGroup<S> {
             };
             if let Some((pending, progress)) = self.unload(lane) {
                 match result {
-                    Err(IntegrationError::Singular { time }) => pending.integrate_alone(time, progress.counts),
+                    Err(IntegrationError::Singular { time }) => {
+                        pending.integrate_alone(time, progress.counts)
+                    }
                     result => pending.complete(progress.counts, result),
                 }
             }

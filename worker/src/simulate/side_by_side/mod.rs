@@ -10,11 +10,14 @@
 //! | `queue.rs` | spans waiting for a lane, and their results |
 //! | `lanes.rs` | integrates queued islands, one per lane |
 //! | `executor.rs` | polls the evaluations and runs the lanes |
+//! | `join.rs` | several stages of one evaluation at the same time |
 
 mod executor;
+mod join;
 mod lanes;
 mod queue;
 
 pub use executor::LaneWidth;
 pub(crate) use executor::{RunningEvaluation, run_alone, run_side_by_side, widest_lanes};
+pub(crate) use join::join;
 pub(crate) use queue::{Integrated, LaneQueue, Span};
