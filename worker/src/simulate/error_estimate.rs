@@ -169,7 +169,10 @@ mod tests {
     fn condition(wear: f64, volume: f64) -> MotionEstimate {
         let probe =
             Probe { life: 100, motion: vec![0.0], wear: vec![wear; 2], aperiodic: false, rattles: false };
-        MotionEstimate { probes: vec![probe], worn: vec![volume; 2], ..MotionEstimate::default() }
+        let mut condition = MotionEstimate::new(100);
+        condition.add_probe(probe);
+        condition.worn = vec![volume; 2];
+        condition
     }
 
     fn estimate(conditions: Vec<MotionEstimate>) -> ErrorEstimate {
