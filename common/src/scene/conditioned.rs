@@ -1,10 +1,10 @@
 //! Resolves a scene under each of its operating conditions, and checks that they share their bores.
 
-use super::condition::Condition;
 use super::conditions::ConditionRow;
 use super::context::Overrides;
 use super::faults::{Fault, FaultKind};
-use super::model::Scene;
+use super::joint::{Clearance, ContactDamping, JointKind};
+use super::model::{Condition, Scene};
 use super::resolve::resolve;
 use toml::Table;
 
@@ -38,7 +38,7 @@ pub(super) fn conditions(
             ),
             Ok(resolved) => {
                 let condition = Condition { name: name.clone(), share: *share, scene: resolved.scene };
-                if let Some(joint) = condition.other_bore(scene) {
+                if let Some(joint) = other_bore(&condition.scene, scene) {
                     let message = format!(
                         "changes the bore of joint \"{joint}\", which all conditions share: of a joint they may change friction, \
                          damping and, if it wears, the wear coefficient"
@@ -54,4 +54,27 @@ pub(super) fn conditions(
         }
     }
     if faults.is_empty() { Ok(found) } else { Err(faults) }
+}
+
+/// Name of the first joint whose bore in the scene `under` a condition is not that of `base`; `None` if all are the same. Friction, damping
+/// and the wear coefficient of a joint that wears may differ.
+fn other_bore<'s>(under: &'s Scene, base: &Scene) -> Option<&'s str> {
+    let mut pairs = under.joints.iter().zip(&base.joints);
+    let other = pairs.find(|(own, base)| match (&own.kind, &base.kind) {
+        (JointKind::Clearance(own), JointKind::Clearance(base)) => bore(own) != bore(base),
+        _ => false,
+    });
+    other.map(|(own, _)| own.name.as_str())
+}
+
+/// A joint with clearance with what conditions may change set to one value.
+fn bore(clearance: &Clearance) -> Clearance {
+    Clearance {
+        contact_damping: ContactDamping::None,
+        film_damping: 0.0,
+        friction: 0.0,
+        friction_speed: 1.0,
+        wear_coefficient: if clearance.wear_coefficient > 0.0 { 1.0 } else { 0.0 },
+        ..clearance.clone()
+    }
 }

@@ -7,7 +7,7 @@
 //! | layer | modules | content |
 //! |---|---|---|
 //! | values | [`quantity`], [`expression`], `expression_error`, `nearest_unit` | dimensions and units; evaluation of `"2 * arm + 1 mm"`, and why a text has no value |
-//! | model | [`model`], `attachment`, `joint`, `drive`, `load`, `output`, `condition` | the types of a checked scene, all exported here |
+//! | model | [`model`], `attachment`, `joint`, `drive`, `load`, `output` | the types of a checked scene, all exported here |
 //! | faults | [`faults`], `location`, `trace`, `layers`, `excerpts`, `unit_advice` | what is wrong, with file, line, column, key, value and allowed range |
 //! | reading | `document`, `extends`, `csv_file`, `csv_import`, `context`, `parameters`, `quantity_list`, `section` | one pass over the file that records every fault |
 //! | readers | `bodies`, `joints`, `clearance`, `loads`, `tables`, `outputs`, `life`, `simulator`, `variables`, `variable_law`, `measured`, `fits`, `correlations`, `conditions` | one part of a file each |
@@ -18,7 +18,6 @@ mod bodies;
 mod body_row;
 mod builtin;
 mod clearance;
-mod condition;
 mod conditioned;
 mod conditions;
 mod context;
@@ -66,7 +65,6 @@ mod variables;
 mod warnings;
 
 pub use attachment::Attachment;
-pub use condition::Condition;
 pub use drive::{Curve, Drive, Over, Table};
 pub use faults::{Fault, FaultKind, Faults};
 pub use joint::{Clearance, ContactDamping, ContactLaw, Joint, JointKind, Material, RestitutionLaw};
@@ -75,8 +73,8 @@ pub use load::Load;
 pub use location::Location;
 pub use measured::MeasuredVariable;
 pub use model::{
-    Body, DrivenInertia, ExternalSimulator, Fails, Life, LimitState, Motion, Point, Program, Scene,
-    SimulatorKind, StudySettings, UmBridgeModel,
+    Body, Condition, DrivenInertia, ExternalSimulator, Fails, Life, LimitState, Motion, Point, Program,
+    Scene, SimulatorKind, StudySettings, UmBridgeModel,
 };
 pub use output::{Output, OutputKind, SignedBody};
 pub use output_unit::OutputUnit;

@@ -104,7 +104,7 @@ changes = { "gravity.y" = "0.5 * 9.81 m/s^2", parameters.shaft_speed = "4 * shaf
     let exact = 0.7 * archard(COEFFICIENT, 9.81) + 0.3 * archard(3.0 * COEFFICIENT, 0.5 * 9.81);
     let ratio = volume(&both) / exact;
     println!("volume over the weighted sum of K F s: {ratio:.6}");
-    assert!((ratio - 1.0).abs() < 1e-3, "{ratio}");
+    assert!((ratio - 1.0).abs() < 2e-3, "{ratio}");
     // The worst of the conditions.
     let force = both.histories[1][0];
     assert!((force / 9.81 - 1.0).abs() < 1e-3, "{force} N");
@@ -127,7 +127,7 @@ changes = { "gravity.y" = "-9.81 m/s^2" }
     println!("share of the wear of the first condition: {:.5}", up / (up + down));
     assert!((up / (up + down) - 0.75).abs() < 1e-3, "{up} and {down}");
     let ratio = volume(&both) / archard(COEFFICIENT, 9.81);
-    assert!((ratio - 1.0).abs() < 1e-3, "{ratio}");
+    assert!((ratio - 1.0).abs() < 2e-3, "{ratio}");
 }
 
 /// The scene with two conditions that change nothing.

@@ -263,7 +263,6 @@ fn a_file_of_the_first_layout_is_brought_up_with_its_stated_errors() {
     let first_layout = "DROP TABLE output_error; DROP TABLE leg; ALTER TABLE evaluation DROP COLUMN stricter;
         PRAGMA user_version = 1;";
     Connection::open(&path).unwrap().execute_batch(first_layout).unwrap();
-
     let mut file = CampaignFile::open(dir.path()).unwrap();
     for id in 0..5 {
         assert_same_bits(&file.finished(&request(id)).unwrap().unwrap(), &finished(id));
