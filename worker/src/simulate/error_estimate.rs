@@ -57,7 +57,7 @@ pub struct ErrorEstimate {
 }
 
 impl ErrorEstimate {
-    /// An estimate for a life under so many `conditions` whose first checkpoint is at `first_checkpoint` [cycles].
+    /// An estimate for a life under this number of `conditions` whose first checkpoint is at `first_checkpoint` [cycles].
     pub(crate) fn new(first_checkpoint: u32, conditions: usize) -> Self {
         let conditions = (0..conditions).map(|_| MotionEstimate::new(first_checkpoint)).collect();
         ErrorEstimate { conditions, lives: vec![], worn: vec![] }
