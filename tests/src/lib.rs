@@ -7,6 +7,7 @@ pub mod faults;
 pub mod journaled;
 pub mod practice_study;
 pub mod process;
+pub mod router;
 pub mod simulated_farm;
 
 use common::accuracy::{Accuracy, Tier};
