@@ -20,9 +20,7 @@ const FAULTS: [Fault; 9] = [
     ("slow disk, 0.2 s a write", || Some(faults::slow_disk(SECOND / 5, 2000))),
     ("full disk", || faults::full_disk(400, SECOND / 100)),
     ("100 000 tasks, random faults", || Some(faults::soak(100_000))),
-    ("routers killed for 5 s, one after the other", || {
-        faults::killed_routers(5 * SECOND, 400, SECOND / 10)
-    }),
+    ("routers killed for 5 s, one after the other", || faults::killed_routers(5 * SECOND, 400, SECOND / 10)),
     ("network cut for 6 s and for 20 s", || faults::cut_network(&[6 * SECOND, 20 * SECOND], 400, SECOND / 5)),
 ];
 

@@ -161,7 +161,9 @@ fn refused(text: &str) -> Option<String> {
         let why = "no subject of access_control in --config matches it, so its messages are dropped";
         return Some(format!("a client connected without access: {why}"));
     }
-    if let Some(number) = text.strip_prefix("Max transports reached (").and_then(|rest| rest.split(')').next()) {
+    if let Some(number) =
+        text.strip_prefix("Max transports reached (").and_then(|rest| rest.split(')').next())
+    {
         return Some(format!(
             "a connection was refused: there are {number} sessions, as many as are accepted \
              (transport/unicast/max_sessions of --config, and ulimit -n); more workers can connect through a router \

@@ -77,7 +77,8 @@ pub(super) fn transport_settings(listen: &Listen) -> Result<TransportSettings, D
             config.insert_json5(key, &number.to_string()).map_err(messaging)?;
         }
     }
-    let wanted = config.get_json(SESSIONS).ok().and_then(|number| number.parse().ok()).unwrap_or(MAX_SESSIONS);
+    let wanted =
+        config.get_json(SESSIONS).ok().and_then(|number| number.parse().ok()).unwrap_or(MAX_SESSIONS);
     let sessions = bounded_by_open_files(wanted);
     config.insert_json5(SESSIONS, &sessions.to_string()).map_err(messaging)?;
     Ok(TransportSettings { config, endpoints })
