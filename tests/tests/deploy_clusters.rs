@@ -12,8 +12,17 @@ use tests::deployed::{
 };
 use tests::{in_time, program};
 
-const SCRIPTS: [&str; 4] =
-    ["certificates.sh", "ssh-workers.sh", "slurm/coordinator.sbatch", "slurm/workers.sbatch"];
+/// Scripts of `deploy/`, and those that run the real services.
+const SCRIPTS: [&str; 8] = [
+    "certificates.sh",
+    "ssh-workers.sh",
+    "slurm/coordinator.sbatch",
+    "slurm/workers.sbatch",
+    "../tests/examples/real/rootfs.sh",
+    "../tests/examples/real/slurm.sh",
+    "../tests/examples/real/systemd.sh",
+    "../tests/examples/real/zenohd.sh",
+];
 
 #[test]
 fn scripts_pass_bash_and_shellcheck() {
