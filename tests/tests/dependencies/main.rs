@@ -123,7 +123,9 @@ fn licences_are_allowed() {
         }
     }
     let listed = allow.iter().chain(exceptions.keys());
-    found.extend(listed.filter(|entry| !used.contains(*entry)).map(|entry| format!("{entry}: no longer used")));
+    found.extend(
+        listed.filter(|entry| !used.contains(*entry)).map(|entry| format!("{entry}: no longer used")),
+    );
     none(&found);
 }
 
