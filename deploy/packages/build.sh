@@ -56,6 +56,7 @@ for program in coordinator worker; do
     completions "$program" fish >"$share/fish/vendor_completions.d/$program.fish"
 done
 "$programs/coordinator" man --out "$share/man/man1"
+rm "$share"/man/man1/coordinator-help*.1
 "$programs/worker" --man >"$share/man/man1/worker.1"
 install -D -m 644 -t "$doc" "$top/LICENSE" "$top/README.md" "$top/CHANGELOG.md"
 python3 "$here/dependencies.py" "$doc" "$machine-unknown-linux-gnu"

@@ -10,7 +10,7 @@ use crate::outputs::{
 
 /// Version and layout of the messages: [`PROTOCOL_VERSION`] and the hash of [`frames`]. Where the second changes, a message
 /// has another layout, and the first has to change too.
-const LAYOUT: (u16, u64) = (5, 0);
+const LAYOUT: (u16, u64) = (5, 0xf308_2332_2e34_88b2);
 
 fn accuracy() -> Accuracy {
     Accuracy {
@@ -154,8 +154,8 @@ fn a_layout_belongs_to_its_version() {
     let found = (PROTOCOL_VERSION, hash(&frames()));
     assert_eq!(
         found, LAYOUT,
-        "the messages have another layout: raise PROTOCOL_VERSION if it is still {}, then put the new pair here",
-        LAYOUT.0
+        "the messages have another layout: raise PROTOCOL_VERSION if it is still {}, then put ({}, {:#x}) here",
+        LAYOUT.0, found.0, found.1
     );
 }
 

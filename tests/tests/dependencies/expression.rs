@@ -49,7 +49,7 @@ fn licence(words: &mut Words, allowed: &mut dyn FnMut(&str) -> bool) -> Option<b
 
 #[test]
 fn expressions_are_read_as_spdx_defines_them() {
-    let mut of = |expression: &str| is_satisfied(expression, &mut |name| ["MIT", "A WITH E"].contains(&name));
+    let of = |expression: &str| is_satisfied(expression, &mut |name| ["MIT", "A WITH E"].contains(&name));
     for satisfied in ["MIT", "GPL OR MIT", "GPL/MIT", "A WITH E AND MIT", "(GPL OR MIT) AND (MIT)"] {
         assert_eq!(of(satisfied), Some(true), "{satisfied}");
     }
