@@ -15,6 +15,8 @@
 
 pub mod codec;
 pub mod keys;
+#[cfg(test)]
+mod layout_tests;
 pub mod message;
 mod numbers;
 mod reason;
