@@ -28,6 +28,7 @@
 
 use super::constraint::{Constraint, first_rows};
 use super::frame::Frame;
+use super::orthonormal::OrthonormalRows;
 use super::piecewise_cubic::Jet;
 use crate::integrate::Linearised;
 use crate::lanes::{Lanewise, Real};
@@ -45,24 +46,13 @@ pub struct Elimination<R = f64> {
     m: usize,
     /// Values phi of the constraints, or another column `(m,)`.
     phi: Vec<R>,
-    /// Q', orthonormal rows `(m, n)`.
-    basis: Vec<R>,
-    /// Q' M^-1/2 and Q' M^1/2 `(m, n)` each.
-    per_root: Vec<R>,
-    by_root: Vec<R>,
-    /// R', lower triangular, with the inverses of its diagonal on it `(m, m)`.
-    r: Vec<R>,
+    /// Q and R.
+    factors: OrthonormalRows<R>,
     /// h, later the multipliers lambda `(m,)`.
     lambda: Vec<R>,
     /// Derivatives of G a + h `(m, n)`.
     c: Vec<R>,
-    /// Square roots of the masses, and their inverses `(n,)` each.
-    root: Vec<R>,
-    inverse_root: Vec<R>,
 }
-
-/// A row counts as dependent if its part normal to the rows before it is below this share of its length.
-const DEPENDENT: f64 = 1e-10;
 
 /// State of an island's bodies, free ones first.
 #[derive(Clone, Copy)]
@@ -71,8 +61,6 @@ pub struct Placed<'a, R = f64> {
     pub frames: &'a [Frame<R>],
     /// Angle and derivatives of the prescribed bodies.
     pub jets: &'a [Jet<R>],
-    /// Diagonal of M `(n,)` [kg, kg m^2].
-    pub mass: &'a [R],
 }
 
 impl<'a, R: Real> Placed<'a, R> {
@@ -100,7 +88,7 @@ impl Elimination {
     /// This elimination in every lane; `like` sets the number of lanes.
     pub(crate) fn in_lanes<R: Real>(&self, like: R) -> Elimination<R> {
         let constraints = self.constraints.iter().map(|c| c.in_lanes(like)).collect();
-        let root = self.root.iter().map(|root| root.in_lanes(like)).collect();
+        let root = self.factors.roots().iter().map(|root| root.in_lanes(like)).collect();
         Elimination::with_roots(constraints, root, like)
     }
 
@@ -109,10 +97,7 @@ impl Elimination {
         for (to, from) in to.constraints.iter_mut().zip(&self.constraints) {
             from.write_lane::<R>(lane, to);
         }
-        for k in 0..self.n {
-            to.root[k].set_lane(lane, self.root[k]);
-            to.inverse_root[k].set_lane(lane, self.inverse_root[k]);
-        }
+        to.factors.set_lane(lane, &self.factors);
     }
 
     /// Whether both join the same bodies by the same kinds of joints.
@@ -126,8 +111,7 @@ impl Elimination {
 impl<R: Real> Elimination<R> {
     /// The elimination for masses with the square roots `root` `(n,)`; `like` sets the number of lanes.
     fn with_roots(constraints: Vec<Constraint<R>>, root: Vec<R>, like: R) -> Self {
-        let (zero, one) = (like.zero(), like.like(1.0));
-        let n = root.len();
+        let (zero, n) = (like.zero(), root.len());
         let (first, m) = first_rows(&constraints);
         Elimination {
             constraints,
@@ -135,14 +119,9 @@ impl<R: Real> Elimination<R> {
             n,
             m,
             phi: vec![zero; m],
-            basis: vec![zero; m * n],
-            per_root: vec![zero; m * n],
-            by_root: vec![zero; m * n],
-            r: vec![zero; m * m],
+            factors: OrthonormalRows::new(m, root, like),
             lambda: vec![zero; m],
             c: vec![zero; m * n],
-            inverse_root: root.iter().map(|root| one / *root).collect(),
-            root,
         }
     }
 
@@ -155,9 +134,7 @@ impl<R: Real> Elimination<R> {
     /// Fills phi, Q and R. Returns one, zero in lanes where the constraints are dependent.
     #[inline(always)]
     fn factor(&mut self, at: Placed<R>) -> R {
-        let n = self.n;
-        let zero = at.mass[0].zero();
-        self.basis.fill(zero);
+        self.factors.clear();
         for joint in 0..self.constraints.len() {
             let (first, c) = (self.first[joint], self.constraints[joint]);
             let [a, b] = at.pair(&c);
@@ -170,57 +147,12 @@ impl<R: Real> Elimination<R> {
                         continue;
                     }
                     for k in 0..3 {
-                        self.basis[(first + r) * n + 3 * frame + k] =
-                            rows[r][3 * side + k] * self.inverse_root[3 * frame + k];
+                        self.factors.set(first + r, 3 * frame + k, rows[r][3 * side + k]);
                     }
                 }
             }
         }
-        self.orthonormalise(zero)
-    }
-
-    /// Turns the rows of `basis` into Q' and R' by the Gram-Schmidt method, twice. Returns one, zero in lanes where the rows are
-    /// dependent.
-    #[inline(always)]
-    fn orthonormalise(&mut self, zero: R) -> R {
-        let (n, m) = (self.n, self.m);
-        let one = zero.like(1.0);
-        let mut independent = one;
-        self.r.fill(zero);
-        for i in 0..m {
-            let (done, rest) = self.basis.split_at_mut(i * n);
-            let row = &mut rest[..n];
-            let before = squares(row, zero);
-            for _ in 0..2 {
-                for j in 0..i {
-                    let other = &done[j * n..j * n + n];
-                    let mut share = zero;
-                    for k in 0..n {
-                        share = share.plus_product(row[k], other[k]);
-                    }
-                    self.r[i * m + j] += share;
-                    for k in 0..n {
-                        row[k] = row[k].minus_product(share, other[k]);
-                    }
-                }
-            }
-            let left = squares(row, zero);
-            // A comparison with what is not a number is false.
-            let enough = (before * (DEPENDENT * DEPENDENT)).below(left);
-            independent = R::select(enough, independent, zero);
-            let inverse = one / left.sqrt();
-            self.r[i * m + i] = inverse;
-            for k in 0..n {
-                row[k] = row[k] * inverse;
-            }
-        }
-        for i in 0..m {
-            for k in 0..n {
-                self.per_root[i * n + k] = self.basis[i * n + k] * self.inverse_root[k];
-                self.by_root[i * n + k] = self.basis[i * n + k] * self.root[k];
-            }
-        }
-        independent
+        self.factors.orthonormalise()
     }
 
     /// Adds the reactions to the applied force `f`. Returns one, zero in lanes where the constraints are dependent; there the force is
@@ -228,7 +160,6 @@ impl<R: Real> Elimination<R> {
     #[inline(always)]
     pub(crate) fn add_reactions(&mut self, at: Placed<R>, f: &mut [R]) -> R {
         let independent = self.factor(at);
-        let (n, m) = (self.n, self.m);
         let zero = independent.zero();
         for joint in 0..self.constraints.len() {
             let (first, c) = (self.first[joint], self.constraints[joint]);
@@ -248,25 +179,13 @@ impl<R: Real> Elimination<R> {
             }
         }
         // z = R^-T h in the place of h, then lambda = R^-1 (Q' M^-1/2 f + z) and the force left.
-        forward(&self.r, m, &mut self.lambda, 1);
-        for i in 0..m {
-            let row = &self.per_root[i * n..i * n + n];
-            let mut sum = self.lambda[i];
-            for k in 0..n {
-                sum = sum.plus_product(row[k], f[k]);
-            }
-            self.lambda[i] = sum;
-        }
-        for i in 0..m {
-            let (row, share) = (&self.by_root[i * n..i * n + n], self.lambda[i]);
-            for k in 0..n {
-                f[k] = f[k].minus_product(share, row[k]);
-            }
-        }
-        backward(&self.r, m, &mut self.lambda);
+        self.factors.forward(&mut self.lambda, 1);
+        self.factors.add_forces(f, &mut self.lambda, 1);
+        self.factors.subtract_reactions(&self.lambda, f, 1);
+        self.factors.backward(&mut self.lambda);
         let nothing = zero.like(f64::NAN);
         let exists = zero.below(independent);
-        for k in 0..n {
+        for k in 0..f.len() {
             f[k] = R::select(exists, f[k], nothing);
         }
         independent
@@ -281,11 +200,11 @@ impl<R: Real> Elimination<R> {
         self.explicit_reaction_terms(at, to);
         // The accelerations are those with reactions, the same for both.
         self.constraint_derivatives(at, &to.f, false);
-        reduce(&self.per_root, &self.by_root, &self.r, &mut self.c, &mut to.k, n, n);
+        self.factors.reduce(&mut self.c, &mut to.k, n);
         self.constraint_derivatives(at, &to.f, true);
-        reduce(&self.per_root, &self.by_root, &self.r, &mut self.c, &mut to.d, n, n);
+        self.factors.reduce(&mut self.c, &mut to.d, n);
         self.time_derivative(at, &to.f);
-        reduce(&self.per_root, &self.by_root, &self.r, &mut self.phi, &mut to.ft, n, 1);
+        self.factors.reduce(&mut self.phi, &mut to.ft, 1);
     }
 
     /// Subtracts d(G' lambda)/dx, and the reactions on prescribed bodies.
@@ -340,8 +259,8 @@ impl<R: Real> Elimination<R> {
                 Some(jet) => a[3 * side + 2] = jet[2],
                 None => {
                     for k in 0..3 {
-                        let inverse = self.inverse_root[3 * frame + k];
-                        a[3 * side + k] = f[3 * frame + k] * inverse * inverse;
+                        let coordinate = 3 * frame + k;
+                        a[3 * side + k] = self.factors.acceleration(coordinate, f[coordinate]);
                     }
                 }
             }
@@ -414,7 +333,7 @@ impl<R: Real> Elimination<R> {
             }
         }
         self.lambda.copy_from_slice(&self.phi);
-        forward(&self.r, self.m, &mut self.lambda, 1);
+        self.factors.forward(&mut self.lambda, 1);
         (gap, independent)
     }
 
@@ -422,7 +341,6 @@ impl<R: Real> Elimination<R> {
     /// -M^-1/2 Q (Q' M^1/2 v + R^-T dphi/dt).
     #[inline(always)]
     pub(crate) fn measure_velocities(&mut self, at: Placed<R>, v: &[R]) {
-        let (n, m) = (self.n, self.m);
         let zero = v[0].zero();
         for joint in 0..self.constraints.len() {
             let (first, c) = (self.first[joint], self.constraints[joint]);
@@ -438,101 +356,16 @@ impl<R: Real> Elimination<R> {
                 self.lambda[first + r] = given;
             }
         }
-        forward(&self.r, m, &mut self.lambda, 1);
-        for i in 0..m {
-            let row = &self.by_root[i * n..i * n + n];
-            let mut sum = self.lambda[i];
-            for k in 0..n {
-                sum = sum.plus_product(row[k], v[k]);
-            }
-            self.lambda[i] = sum;
-        }
+        self.factors.forward(&mut self.lambda, 1);
+        self.factors.add_velocities(v, &mut self.lambda);
     }
 
     /// x -= M^-1/2 Q lambda with what was prepared last, in lanes where `which` is one.
     #[inline(always)]
     pub(crate) fn move_back(&self, which: R, x: &mut [R]) {
-        let n = self.n;
         let moves = which.zero().below(which);
-        for k in 0..n {
-            let mut new = x[k];
-            for i in 0..self.m {
-                new = new.minus_product(self.lambda[i], self.per_root[i * n + k]);
-            }
-            x[k] = R::select(moves, new, x[k]);
-        }
-    }
-}
-
-/// Sum of the squares of `row`.
-#[inline(always)]
-fn squares<R: Real>(row: &[R], zero: R) -> R {
-    let mut sum = zero;
-    for x in row {
-        sum = sum.plus_product(*x, *x);
-    }
-    sum
-}
-
-/// Replaces `x` by R^-T x `(m, columns)`.
-#[inline(always)]
-fn forward<R: Real>(r: &[R], m: usize, x: &mut [R], columns: usize) {
-    for i in 0..m {
-        let (done, rest) = x.split_at_mut(i * columns);
-        let row = &mut rest[..columns];
-        for j in 0..i {
-            let (known, factor) = (&done[j * columns..j * columns + columns], r[i * m + j]);
-            for k in 0..columns {
-                row[k] = row[k].minus_product(factor, known[k]);
-            }
-        }
-        for k in 0..columns {
-            row[k] = row[k] * r[i * m + i];
-        }
-    }
-}
-
-/// Replaces `x` by R^-1 x `(m,)`.
-#[inline(always)]
-fn backward<R: Real>(r: &[R], m: usize, x: &mut [R]) {
-    for back in 0..m {
-        let i = m - 1 - back;
-        for k in i + 1..m {
-            x[i] = x[i].minus_product(r[k * m + i], x[k]);
-        }
-        x[i] = x[i] * r[i * m + i];
-    }
-}
-
-/// Replaces `x` by M^1/2 [(1 - Q Q') M^-1/2 x - Q R^-T c] `(n, columns)`, with `c` `(m, columns)` and Q' M^-1/2, Q' M^1/2 `(m, n)`.
-#[inline(always)]
-fn reduce<R: Real>(
-    per_root: &[R],
-    by_root: &[R],
-    r: &[R],
-    c: &mut [R],
-    x: &mut [R],
-    n: usize,
-    columns: usize,
-) {
-    let m = per_root.len() / n;
-    forward(r, m, c, columns);
-    for i in 0..m {
-        let sums = &mut c[i * columns..i * columns + columns];
-        for row in 0..n {
-            let (q, x) = (per_root[i * n + row], &x[row * columns..row * columns + columns]);
-            for k in 0..columns {
-                sums[k] = sums[k].plus_product(q, x[k]);
-            }
-        }
-    }
-    for row in 0..n {
-        let x = &mut x[row * columns..row * columns + columns];
-        for i in 0..m {
-            let (q, c) = (by_root[i * n + row], &c[i * columns..i * columns + columns]);
-            for k in 0..columns {
-                x[k] = x[k].minus_product(q, c[k]);
-            }
+        for k in 0..x.len() {
+            x[k] = R::select(moves, self.factors.moved_back(k, x[k], &self.lambda), x[k]);
         }
     }
 }

@@ -300,7 +300,7 @@ impl IdealJoints<f64> for Island {
 
     #[inline(always)]
     fn joints(&mut self) -> (&mut Elimination, Placed<'_>) {
-        (&mut self.ideal, Placed { frames: &self.frames, jets: &self.jets, mass: &self.mass })
+        (&mut self.ideal, Placed { frames: &self.frames, jets: &self.jets })
     }
 
     #[inline(always)]
@@ -321,7 +321,7 @@ impl Dynamics for Island {
         self.acting().applied::<false>(t, &mut space, f, &mut Linearised::default());
         self.space = space;
         if self.ideal.rows() > 0 {
-            let at = Placed { frames: &self.frames, jets: &self.jets, mass: &self.mass };
+            let at = Placed { frames: &self.frames, jets: &self.jets };
             self.ideal.add_reactions(at, f);
         }
     }
@@ -333,7 +333,7 @@ impl Dynamics for Island {
         self.acting().applied::<true>(t, &mut space, &mut f, at);
         (at.f, self.space) = (f, space);
         if self.ideal.rows() > 0 {
-            let placed = Placed { frames: &self.frames, jets: &self.jets, mass: &self.mass };
+            let placed = Placed { frames: &self.frames, jets: &self.jets };
             at.independent = Some(self.ideal.add_reactions(placed, &mut at.f));
             self.ideal.reduce_derivatives(placed, at);
         }

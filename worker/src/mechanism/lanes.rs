@@ -248,7 +248,7 @@ impl<R: Real> IdealJoints<R> for IslandLanes<R> {
 
     #[inline(always)]
     fn joints(&mut self) -> (&mut Elimination<R>, Placed<'_, R>) {
-        (&mut self.ideal, Placed { frames: &self.frames, jets: &self.jets, mass: &self.mass })
+        (&mut self.ideal, Placed { frames: &self.frames, jets: &self.jets })
     }
 
     #[inline(always)]

@@ -8,6 +8,8 @@ mod closing;
 mod closure;
 mod constraint;
 #[cfg(test)]
+mod constraint_tests;
+#[cfg(test)]
 mod derivative_tests;
 mod elimination;
 mod external_loads;
@@ -20,6 +22,7 @@ mod lanes;
 mod load;
 #[cfg(test)]
 mod order_tests;
+mod orthonormal;
 mod piecewise_cubic;
 mod prescribed;
 mod topology;

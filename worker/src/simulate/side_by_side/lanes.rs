@@ -1,8 +1,8 @@
 //! SIMD lanes shared by several evaluations: when an island reaches its end time, the next queued island of the same
 //! topology takes its lane.
 
-use super::executor::LaneWidth;
 use super::queue::{CpuTime, LaneQueue, PendingSpan};
+use super::width::LaneWidth;
 use crate::integrate::{
     IntegrationError, LaneOutcome, LaneState, LaneStepper, Linearised, SpanProgress, Stepped,
     worst_coordinate,

@@ -115,7 +115,7 @@ fn a_loss_is_withdrawn_when_the_worker_returns_with_its_task() {
         assert!(!lost.iter().any(|action| matches!(action, Action::GiveUp { .. })), "{lost:?}");
         s.on_event(START, Event::WorkerJoined(a.clone()));
         let (_, again) = reply(&ask(&mut s, START, claim(&a, sequence, 0, vec![], &[0]))).unwrap();
-        assert_eq!(numbers(&again), [], "it holds the task already");
+        assert!(numbers(&again).is_empty(), "it holds the task already");
     }
     let actions = ask(&mut s, START, claim(&a, 20, 0, vec![outcome(&tasks[0], &a)], &[]));
     assert!(matches!(&actions[..], [Action::Deliver(finished)] if finished.id == 0), "{actions:?}");
