@@ -62,7 +62,7 @@ impl Evaluator for Formula {
 }
 
 fn study(scene: &Scene, method: Method) -> StudyResult {
-    let settings = Settings { population: 40_000, seed: 5, method, samples: 20_000, ..Settings::from(scene) };
+    let settings = Settings { seed: 5, method, samples: 40_000, ..Settings::from(scene) };
     let mut evaluator = Formula { checkpoints: scene.life.checkpoints() };
     run(scene, &settings, &mut evaluator, &mut InMemoryJournal::default(), &mut Silent).unwrap()
 }

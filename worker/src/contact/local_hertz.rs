@@ -142,6 +142,16 @@ impl<R: Real> LocalHertz<R> {
         (out, slopes)
     }
 
+    /// Rate of the penetration, delta_dot, at the eccentricity `e`, in whose direction the bore is `bore` [m/s]; in the middle of the bore, from
+    /// where every direction leads to the wall, the speed.
+    #[inline(always)]
+    pub(super) fn approach(&self, e: &PolarEccentricity<R>, bore: &Radius<R>, motion: &JointMotion<R>) -> R {
+        let JointMotion { w, omega_bushing, .. } = *motion;
+        let turn = (-omega_bushing).plus_product(dot(w, left(e.u)), e.inverse);
+        let rate = dot(w, e.u).minus_product(bore.d1, turn);
+        R::select(e.size.zero().below(e.size), rate, dot(w, w).sqrt())
+    }
+
     /// Derivative of (force, torques) without the film to (e, w, omega_i, omega_j), in the axes (u, t) `(4, 6)`.
     #[inline(always)]
     fn slopes(&self, polar: &Polar<R>, contact: &Normal<R>, omega_bushing: R) -> [[R; 6]; 4] {
@@ -225,15 +235,11 @@ impl Law for LocalHertz {
             return Elastic::default();
         }
         let force = self.surface.stiffness * delta * delta.sqrt();
-        Elastic { stored: 0.4 * force * delta, force, rate: self.approach(profile, motion) }
+        Elastic { stored: 0.4 * force * delta, force, rate: Law::approach(self, profile, motion) }
     }
 
     fn approach(&self, profile: &Profile, motion: &JointMotion) -> f64 {
-        let JointMotion { e, w, omega_bushing, .. } = *motion;
-        let r = libm::hypot(e[0], e[1]);
-        let u = [e[0] / r, e[1] / r];
-        let along = w[1] * u[0] - w[0] * u[1];
-        let slope = profile.radius_at(libm::atan2(e[1], e[0])).d1;
-        w[0] * u[0] + w[1] * u[1] - slope * (along / r - omega_bushing)
+        let e = PolarEccentricity::new(motion.e);
+        LocalHertz::approach(self, &e, &profile.radius_at(e.psi), motion)
     }
 }

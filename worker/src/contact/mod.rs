@@ -116,12 +116,7 @@ impl Contact {
         if now.penetration > 0.0 {
             return;
         }
-        let approach = if motion.e == [0.0; 2] {
-            // From the middle of the bore every direction leads to the wall.
-            libm::hypot(motion.w[0], motion.w[1])
-        } else {
-            with_law!(self, law => law.approach(profile, motion))
-        };
+        let approach = with_law!(self, law => Law::approach(law, profile, motion));
         self.restore_damping(restitution.damping(approach));
     }
 

@@ -69,8 +69,9 @@ impl Island {
         frames.iter_mut().for_each(|frame| frame.omega = 0.0);
         let jets: Vec<Jet> = self.prescribed.iter().map(|motion| [motion.angle(t), 0.0, 0.0, 0.0]).collect();
         let mut change = impulse.to_vec();
-        let placed = Placed { frames: &frames, jets: &jets, mass: &self.mass };
-        self.ideal.clone().add_reactions(placed, &mut change).then_some(change)
+        let placed = Placed { frames: &frames, jets: &jets };
+        let independent = self.ideal.clone().add_reactions(placed, &mut change);
+        (independent > 0.0).then_some(change)
     }
 
     /// Frame of a body of the island in a state.

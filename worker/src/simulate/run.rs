@@ -1,13 +1,15 @@
 //! The stages of an evaluation: settle, measure a cycle, wear a block, warm up.
 
-use super::island_state::{CycleSpan, IslandStart, IslandState, failure};
+use super::island_state::{CycleSpan, IslandStart, IslandState, StateSnapshot, failure};
 use super::quasi_static_island::QuasiStaticIsland;
 use super::side_by_side::{Integrated, LaneQueue, Span};
 use crate::extremum::largest as largest_of;
 use crate::integrate::StepCounts;
 use crate::mechanism::{Frame, Pose, ideal_cycle, islands, turns_per_cycle};
-use crate::outputs::{BodyTrack, FullRecording, IdealTracks, PointTrack, RecordingRequest, recording_request};
-use crate::wear::WearStepStats;
+use crate::outputs::{
+    BodyTrack, FullRecording, IdealTracks, PointTrack, Recorder, RecordingRequest, recording_request,
+};
+use crate::wear::{ContactHistory, WearStepStats};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::{EnergyBalance, WornLife};
@@ -19,9 +21,17 @@ use std::ops::Range;
 pub struct Run<'a> {
     /// Integrates the islands.
     pub queue: LaneQueue,
+    /// The scene, under one of its operating conditions if it has any.
     pub scene: &'a Scene,
     pub accuracy: &'a Accuracy,
+    /// Share of the cycles of the life [1].
+    pub share: f64,
+    /// Contact histories that wear the bores, those of all conditions together `(islands, joints)`; empty if there are no others than those
+    /// recorded.
+    pub mixed: Vec<Vec<ContactHistory>>,
     pub islands: Vec<IslandState>,
+    /// States of the islands where the ideal mechanism has them at the start `(islands,)`.
+    pub starts: Vec<StateSnapshot>,
     /// Cycles worn so far.
     cycle: u32,
     pub counts: StepCounts,
@@ -74,7 +84,7 @@ impl<'a> Run<'a> {
         }
         let turns = turns_per_cycle(scene, &poses)?;
         let start = IslandStart { pose: &poses[0], turns: &turns };
-        let islands = islands
+        let islands: Vec<IslandState> = islands
             .into_iter()
             .map(|island| IslandState::new(island, &start, scene, &requested, accuracy))
             .collect();
@@ -82,6 +92,9 @@ impl<'a> Run<'a> {
             queue,
             scene,
             accuracy,
+            share: 1.0,
+            mixed: vec![],
+            starts: islands.iter().map(|state| state.cycle_start.clone()).collect(),
             islands,
             cycle: 0,
             counts: StepCounts::default(),
@@ -119,6 +132,26 @@ impl<'a> Run<'a> {
         self.integrate(-self.scene.life.period..0.0, false).await?;
         self.simulated += 1;
         Ok(())
+    }
+
+    /// Counts from zero on.
+    pub(crate) fn begin_count(&mut self) {
+        (self.counts, self.simulated) = (StepCounts::default(), 0);
+    }
+
+    /// Adds what a run counted that was simulated for this one.
+    pub(crate) fn add_counts(&mut self, of: &Run) {
+        self.counts.add(&of.counts);
+        self.simulated += of.simulated;
+    }
+
+    /// Takes over the bores of another run of the same mechanism.
+    pub(crate) fn take_bores(&mut self, from: &Run) {
+        self.cycle = from.cycle;
+        for (to, from) in self.islands.iter_mut().zip(&from.islands) {
+            to.depth.clone_from(&from.depth);
+            to.island.joints.iter_mut().zip(&from.depth).for_each(|(joint, depth)| joint.set_depth(depth));
+        }
     }
 
     /// True if a joint wears.
@@ -214,9 +247,9 @@ impl<'a> Run<'a> {
     pub(crate) fn compare_bores(&mut self) {
         for (index, state) in self.islands.iter_mut().enumerate() {
             let IslandState { island, recorder, finer, depth, .. } = state;
-            let recorder = self.quasi_static.get(index).map_or(&*recorder, |island| &island.recorder);
+            let histories = wear_histories(&self.mixed, &self.quasi_static, recorder, index);
             for (k, _) in island.joints.iter().enumerate().filter(|(_, j)| j.wear_coefficient > 0.0) {
-                finer[k].advance(&recorder.histories[k], 0.0, largest_of(depth[k].iter().copied()));
+                finer[k].advance(&histories[k], 0.0, largest_of(depth[k].iter().copied()));
             }
         }
     }
@@ -246,6 +279,12 @@ impl<'a> Run<'a> {
         let worn = self.display.get_or_insert_default().life.get_or_insert_default();
         worn.cycles.push(life);
         worn.wear_depth.push(depths);
+    }
+
+    /// Contact histories of the cycle simulated last under this condition `(islands, joints)`.
+    pub(crate) fn contact_histories(&self) -> impl Iterator<Item = &[ContactHistory]> {
+        let islands = self.islands.iter().enumerate();
+        islands.map(|(index, state)| wear_histories(&[], &self.quasi_static, &state.recorder, index))
     }
 
     /// Integrates every island over a span of the cycle [s], recording it or not.
@@ -293,18 +332,18 @@ impl<'a> Run<'a> {
         // Largest depth at each checkpoint of each joint of the scene `(checkpoints, joints)`.
         let mut largest = vec![vec![0.0_f64; self.scene.joints.len()]; marks.len()];
         for (index, state) in self.islands.iter_mut().enumerate() {
-            let recorder = self.quasi_static.get(index).map_or(&state.recorder, |island| &island.recorder);
+            let histories = wear_histories(&self.mixed, &self.quasi_static, &state.recorder, index);
             for (k, joint) in state.island.joints.iter_mut().enumerate() {
                 if joint.wear_coefficient == 0.0 {
                     continue;
                 }
                 let (rate, depth) = (&mut state.rates[k], &mut state.depth[k]);
-                rate.freeze(&recorder.histories[k]);
+                rate.freeze(&histories[k]);
                 let note_largest = |mark: usize, depth: &[f64]| {
                     largest[mark][joint.scene_joint] = depth.iter().fold(0.0, |a: f64, &b| a.max(b));
                 };
                 let length = f64::from(to - from);
-                state.finer[k].advance(&recorder.histories[k], length, largest_of(depth.iter().copied()));
+                state.finer[k].advance(&histories[k], length, largest_of(depth.iter().copied()));
                 let advanced =
                     state.steps[k].advance(rate, depth, length, &marks, note_largest, &mut self.wear_counts);
                 advanced.map_err(|failed| SimulationFailure::WearStep {
@@ -348,6 +387,20 @@ fn ideal_angle(poses: &[Pose], body: usize) -> BodyTrack {
         }
     }
     track
+}
+
+/// The contact histories that wear the joints of island number `index`: those `mixed` of several conditions, or those of the last cycle,
+/// quasi-static or in the `recorder`.
+fn wear_histories<'h>(
+    mixed: &'h [Vec<ContactHistory>],
+    quasi_static: &'h [QuasiStaticIsland],
+    recorder: &'h Recorder,
+    index: usize,
+) -> &'h [ContactHistory] {
+    match mixed.get(index) {
+        Some(histories) => histories,
+        None => &quasi_static.get(index).map_or(recorder, |island| &island.recorder).histories,
+    }
 }
 
 /// Path of a point of the scene over the `poses` of the ideal mechanism.

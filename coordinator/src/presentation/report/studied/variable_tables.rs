@@ -130,7 +130,9 @@ fn subject(scene: &Scene, written: &WrittenScene, output: &Output) -> String {
         OutputKind::AngularVelocityDifference { a, b } | OutputKind::AngleDifference { a, b } => {
             format!("{}; {}", signed(a), signed(b))
         }
-        OutputKind::PositionError { at, .. } | OutputKind::Acceleration { at } => place(scene, written, &format!("outputs.{}.at", output.name), at),
+        OutputKind::PositionError { at, .. } | OutputKind::Acceleration { at } => {
+            place(scene, written, &format!("outputs.{}.at", output.name), at)
+        }
         OutputKind::DrivingTorque { body }
         | OutputKind::AngleError { body, .. }
         | OutputKind::AngularAcceleration { body } => scene.bodies[*body].name.clone(),
@@ -208,6 +210,23 @@ pub fn limits(scene: &Scene, rows: &[LimitRow], written: &WrittenScene) -> Marku
                 "."
             }
         }
+        @if !scene.conditions.is_empty() { (conditions(scene, written)) }
         (study_settings(scene))
     }
+}
+
+/// Operating conditions with their shares of the cycles and what they change.
+fn conditions(scene: &Scene, written: &WrittenScene) -> Markup {
+    let rows = scene.conditions.iter().map(|condition| {
+        let share =
+            ExactTexts(written).number(&format!("conditions.{}.share", condition.name), condition.share);
+        [condition.name.clone(), share, written.changes_of(&condition.name)]
+            .map(|cell| cell.render())
+            .to_vec()
+    });
+    captioned(
+        "conditions",
+        "Operating conditions; outputs are the worst of them",
+        table_of_text(&["condition", "share of the cycles", "changes"], rows),
+    )
 }

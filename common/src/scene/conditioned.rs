@@ -1,0 +1,99 @@
+//! Resolves a scene under each of its operating conditions, and checks that they share their bores.
+
+use super::conditions::ConditionRow;
+use super::context::Overrides;
+use super::faults::{Fault, FaultKind};
+use super::joint::{Clearance, ContactDamping, JointKind};
+use super::model::{Condition, Fails, LimitState, Scene};
+use super::output::OutputKind;
+use super::resolve::resolve;
+use toml::Table;
+
+/// The conditions of a scene: `scene` as resolved with the `overrides` of the random variables, and `rows` of its conditions.
+///
+/// # Errors
+/// Every fault of the scene under one of the conditions, at the key that the condition changes.
+pub(super) fn conditions(
+    origin: &str,
+    document: &Table,
+    overrides: &Overrides,
+    scene: &Scene,
+    rows: &[ConditionRow],
+) -> Result<Vec<Condition>, Vec<Fault>> {
+    let (mut found, mut faults) = (Vec::new(), Vec::new());
+    if let Some(limit) = (rows.len() > 1).then(|| two_sided(scene)).flatten() {
+        let message = "over several conditions an output of the motion is its largest or its smallest value: its limit states must all \
+                       fail above or all below"
+            .to_owned();
+        faults.push(Fault::new(origin, format!("limit_states.{limit}"), FaultKind::Inconsistent { message }));
+    }
+    for ConditionRow { name, share, changes } in rows {
+        let place = format!("conditions.{name}.changes");
+        let fault = |key: &str, message: String| {
+            let key = if changes.contains_key(key) { format!("{place}.{key}") } else { place.clone() };
+            Fault::new(origin, key, FaultKind::Inconsistent { message })
+        };
+        let mut all = overrides.clone();
+        all.extend(changes.iter().map(|(key, value)| (key.clone(), *value)));
+        match resolve(origin, document, &all) {
+            // Random variables belong to the scene without the condition.
+            Err(wrong) => faults.extend(
+                wrong
+                    .iter()
+                    .filter(|wrong| !wrong.key.starts_with("variables."))
+                    .map(|wrong| fault(&wrong.key, format!("{}: {}", wrong.key, wrong.kind))),
+            ),
+            Ok(resolved) => {
+                let condition = Condition { name: name.clone(), share: *share, scene: resolved.scene };
+                if let Some(joint) = other_bore(&condition.scene, scene) {
+                    let message = format!(
+                        "changes the bore of joint \"{joint}\", which all conditions share: of a joint they may change friction, \
+                         damping and, if it wears, the wear coefficient"
+                    );
+                    faults.push(fault("", message));
+                }
+                if condition.scene.limit_states != scene.limit_states {
+                    faults
+                        .push(fault("", "changes a limit state, which holds for all conditions".to_owned()));
+                }
+                found.push(condition);
+            }
+        }
+    }
+    if faults.is_empty() { Ok(found) } else { Err(faults) }
+}
+
+/// Name of the first limit state that fails on another side than one before it of the same output of the motion, or on both; `None` if
+/// there is none. Wear is the same under all conditions.
+fn two_sided(scene: &Scene) -> Option<&str> {
+    let of_motion = |output: usize| !matches!(scene.outputs[output].kind, OutputKind::LargestWear { .. });
+    let limits = || scene.limit_states.iter().filter(|limit| of_motion(limit.output));
+    let is_two_sided = |(k, limit): &(usize, &LimitState)| {
+        let mut before = limits().take(*k).filter(|other| other.output == limit.output);
+        matches!(limit.fails, Fails::Outside { .. }) || before.any(|other| other.fails != limit.fails)
+    };
+    limits().enumerate().find(is_two_sided).map(|(_, limit)| limit.name.as_str())
+}
+
+/// Name of the first joint whose bore in the scene `under` a condition is not that of `base`; `None` if all are the same. Friction, damping
+/// and the wear coefficient of a joint that wears may differ.
+fn other_bore<'s>(under: &'s Scene, base: &Scene) -> Option<&'s str> {
+    let mut pairs = under.joints.iter().zip(&base.joints);
+    let other = pairs.find(|(own, base)| match (&own.kind, &base.kind) {
+        (JointKind::Clearance(own), JointKind::Clearance(base)) => bore(own) != bore(base),
+        _ => false,
+    });
+    other.map(|(own, _)| own.name.as_str())
+}
+
+/// A joint with clearance with what conditions may change set to one value.
+fn bore(clearance: &Clearance) -> Clearance {
+    Clearance {
+        contact_damping: ContactDamping::None,
+        film_damping: 0.0,
+        friction: 0.0,
+        friction_speed: 1.0,
+        wear_coefficient: if clearance.wear_coefficient > 0.0 { 1.0 } else { 0.0 },
+        ..clearance.clone()
+    }
+}
