@@ -302,7 +302,8 @@ impl Arcs<f64> for Arc {
 
     #[inline(always)]
     fn nearest_free(&self, e: [f64; 2], penetration: f64) -> [f64; 2] {
-        if penetration > 0.0 { [0.0; 2] } else { self.nearest(e) }
+        // An idle lane has no bore.
+        if penetration > 0.0 || self.radius.is_empty() { [0.0; 2] } else { self.nearest(e) }
     }
 }
 

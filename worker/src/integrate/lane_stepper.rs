@@ -167,10 +167,8 @@ impl<R: Real> LaneStepper<R> {
         self.open_q.copy_from_slice(&s.new_q);
         self.open_v.copy_from_slice(&s.new_v);
         let Closed { drift, closed } = system.close(t, wanted, &mut s.new_q, &mut s.new_v);
-        let inverse = system.inverse_scales();
         let mut moved = zero;
-        for i in 0..s.new_q.len() {
-            let (inverse_q, inverse_v) = inverse[i];
+        for (i, &(inverse_q, inverse_v)) in system.inverse_scales().iter().enumerate() {
             moved = moved.larger((s.new_q[i] - self.open_q[i]).abs() * inverse_q);
             moved = moved.larger((s.new_v[i] - self.open_v[i]).abs() * inverse_v);
         }

@@ -165,9 +165,7 @@ impl<R: Real> Elimination<R> {
             let (first, c) = (self.first[joint], self.constraints[joint]);
             let [a, b] = at.pair(&c);
             let h = c.centripetal(a, b);
-            for r in 0..c.rows() {
-                self.lambda[first + r] = h[r];
-            }
+            self.lambda[first..first + c.rows()].copy_from_slice(&h[..c.rows()]);
             for side in 0..2 {
                 if let Some(jet) = at.jet(c.ends[side].frame) {
                     let (_, rows) = c.position(a, b);

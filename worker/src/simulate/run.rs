@@ -26,8 +26,7 @@ pub struct Run<'a> {
     pub accuracy: &'a Accuracy,
     /// Share of the cycles of the life [1].
     pub share: f64,
-    /// Contact histories that wear the bores, those of all conditions together `(islands, joints)`; empty if there are no others than those
-    /// recorded.
+    /// Contact histories of all conditions together, which wear the bores `(islands, joints)`; empty with one condition.
     pub mixed: Vec<Vec<ContactHistory>>,
     pub islands: Vec<IslandState>,
     /// States of the islands where the ideal mechanism has them at the start `(islands,)`.
