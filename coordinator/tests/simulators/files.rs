@@ -12,8 +12,7 @@ results = "results.out"
 
 const SOLVER: &str = r#"
 import json, os, sys, time
-assert open('tables/steel.txt').read() == 'steel {R}
-'
+assert open('tables/steel.txt').read() == 'steel {R}\n'
 values = dict(line.split(' = ') for line in open('deck.inp') if ' = ' in line)
 request = json.load(open('request.json'))
 R, S = float(values['strength']), float(values['load'])
