@@ -10,11 +10,12 @@
 //! is 1 if the peak memory grows by more than 64 MiB during decoding: a hostile message may take as much as the largest
 //! valid one, 16 MiB and its decoded contents.
 
+use common::external::SimulatorId;
 use common::failure::SimulationFailure;
 use common::outputs::{CycleHistory, Diagnostics, Evaluation, JointSummary};
 use common::wire::codec::HEADER;
 use common::wire::{
-    CandidatePoint, Claim, FarmStatus, Message, Next, Notice, Outcome, Reply, Status, Task, TaskKey,
+    CandidatePoint, Claim, FarmStatus, Message, Next, Notice, Offers, Outcome, Reply, Status, Task, TaskKey,
     WorkerId, WorkerStatus, decode, encode,
 };
 use rand::{Rng, RngExt};
@@ -57,6 +58,7 @@ fn sound_frames() -> Vec<Vec<u8>> {
     let claim = Claim {
         worker: WorkerId { name: "host-1".into(), epoch: 1 << 60 },
         sequence: 9,
+        offers: Offers::Simulators(vec![SimulatorId { scene: "beam".into(), digest: 1 << 100 }]),
         slots: 2,
         credits: 6,
         holding: (0..9).map(|k| task(k).key).collect(),

@@ -173,6 +173,13 @@ pub enum SimulationFailure {
         /// The value as returned.
         value: String,
     },
+    /// A worker cannot use its external simulator. Nothing is known about the sample: it is never the result of an
+    /// evaluation, which goes to another worker.
+    #[error("the simulator cannot be used: {reason}")]
+    SimulatorUnusable {
+        /// What is wrong with the simulator or its reply.
+        reason: String,
+    },
 }
 
 /// `: LINES`, or nothing without lines.

@@ -1,5 +1,5 @@
 //! Data that the coordinator and its workers share: scenes, random variables, results of an evaluation, and the
-//! messages between them. No messaging, no threads, no linear algebra.
+//! messages between them; and the use of external simulators. No messaging, no linear algebra.
 //!
 //! | layer | module | content |
 //! |---|---|---|
@@ -7,6 +7,7 @@
 //! | | [`accuracy`] | numerical settings of a simulation, by name |
 //! | | [`scene`] | scenes: read from TOML, checked, resolved for a sample |
 //! | result | [`failure`], [`outputs`] | results of an evaluation, or the reason why there is none |
+//! | | [`external`] | evaluations by a user's program or an UM-Bridge server |
 //! | transport | [`umbridge`], [`wire`] | the UM-Bridge protocol; the messages between coordinator and worker |
 //!
 //! A built-in scene, read and changed:
@@ -46,6 +47,7 @@
 //! ```
 
 pub mod accuracy;
+pub mod external;
 pub mod failure;
 pub mod outputs;
 pub mod random;

@@ -19,7 +19,11 @@ const SIMULATORS: [&str; 2] = [
     [simulator]
     program = ["beam"]
     folder = "."
+    results = "results.out"
+    templates = ["beam.inp"]
+    files = ["mesh.inp"]
     timeout = "10 s"
+    version = "1"
     [life]
     cycles = 2
     checkpoint_every = 1

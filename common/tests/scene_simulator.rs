@@ -1,7 +1,7 @@
 //! Studies of an external simulator: how they are read, and their faults.
 
 use common::random::Distribution;
-use common::scene::{Fails, Life, OutputKind, Program, SceneSource, SimulatorKind};
+use common::scene::{Exchange, Fails, FileExchange, Life, OutputKind, Program, SceneSource, SimulatorKind};
 
 const BEAM: &str = r#"
 [scene]
@@ -67,7 +67,10 @@ fn a_study_of_a_program_is_read() {
     let simulator = scene.simulator.as_ref().unwrap();
     assert_eq!(simulator.timeout, 120.0);
     let command = vec!["python3".to_owned(), "beam.py".to_owned()];
-    assert_eq!(simulator.kind, SimulatorKind::Program(Program { command, folder: ".".into() }));
+    assert_eq!(
+        simulator.kind,
+        SimulatorKind::Program(Program { command, folder: ".".into(), exchange: Exchange::Lines })
+    );
     assert!(scene.bodies.is_empty() && scene.joints.is_empty() && scene.loads.is_empty());
     assert_eq!(scene.life.checkpoints(), [100, 200, 300]);
     let kinds: Vec<_> = scene.outputs.iter().map(|output| output.kind.clone()).collect();
@@ -86,6 +89,20 @@ fn a_study_of_a_program_is_read() {
     assert!(span.changes.is_empty());
     assert_eq!(source.means(), [1.0, 293.0]);
     assert!(source.unused_parameters().is_empty());
+}
+
+#[test]
+fn files_and_a_version_are_read() {
+    let keys =
+        "version = \"2024.1\"\nresults = \"out/r.txt\"\ntemplates = [\"beam.inp\"]\nfiles = [\"mesh\"]";
+    let text = beam("timeout = \"2 min\"", keys);
+    let scene = SceneSource::parse(&text, "beam.toml").unwrap().resolve().unwrap();
+    let simulator = scene.simulator.unwrap();
+    assert_eq!(simulator.version, "2024.1");
+    let SimulatorKind::Program(program) = simulator.kind else { panic!() };
+    let [results, template, file] = ["out/r.txt", "beam.inp", "mesh"].map(str::to_owned);
+    let exchange = FileExchange { results, templates: vec![template], files: vec![file] };
+    assert_eq!(program.exchange, Exchange::Files(exchange));
 }
 
 #[test]
@@ -139,6 +156,29 @@ fn every_slip_is_named() {
         ("timeout = \"2 min\"", "timeout = \"2 mm\"", &["simulator.timeout", "expected a time"]),
         ("timeout = \"2 min\"", "time = \"2 min\"", &["simulator.time", "did you mean \"timeout\"?"]),
         ("timeout = \"2 min\"", "config = { a = 1 }", &["simulator.config", "unknown key"]),
+        ("timeout = \"2 min\"", "version = 3", &["simulator.version", "a text"]),
+        ("timeout = \"2 min\"", "templates = [\"a\"]", &["simulator.results", "is missing"]),
+        ("timeout = \"2 min\"", "results = \"../r\"", &["simulator.results", "a relative path without .."]),
+        (
+            "timeout = \"2 min\"",
+            "results = \"r\"\nfiles = [\"/etc/passwd\"]",
+            &["simulator.files", "a relative path without .."],
+        ),
+        (
+            "timeout = \"2 min\"",
+            "results = \"r\"\ntemplates = [\"a\"]\nfiles = [\"a\"]",
+            &["simulator.results", "\"a\", which is named twice"],
+        ),
+        (
+            "timeout = \"2 min\"",
+            "results = \"r\"\nfiles = [\"request.json\"]",
+            &["simulator.results", "request.json are written for each evaluation"],
+        ),
+        (
+            "timeout = \"2 min\"",
+            "results = \"r\"\ntemplates = \"a\"",
+            &["simulator.templates", "a list of file"],
+        ),
         (
             "checkpoint_every = 100",
             "checkpoint_every = 70",

@@ -20,8 +20,14 @@ impl Simulator for SumOfSquares {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (scene, accuracy_name) = ("text for every worker".into(), "balanced".into());
-    let campaign =
-        CampaignSpec { id: 1, scene, accuracy: Accuracy::balanced(), accuracy_name, resumed: false };
+    let campaign = CampaignSpec {
+        id: 1,
+        scene,
+        accuracy: Accuracy::balanced(),
+        accuracy_name,
+        simulator: None,
+        resumed: false,
+    };
     let mut evaluator = ZenohEvaluator::open(campaign, &Listen::default(), Arc::default())?;
     let endpoint = evaluator.endpoints()[0].clone();
     let config = |name: &str| ServiceConfig { name: name.into(), ..ServiceConfig::new(&endpoint, 1) };

@@ -1,6 +1,7 @@
 //! Shared parts of the integration tests: simulators made of closures, in-process coordinators and workers, waits with a
 //! time limit.
 
+pub mod beam_study;
 pub mod command_line;
 pub mod deployed;
 pub mod faults;
@@ -23,6 +24,7 @@ use std::sync::mpsc::channel;
 use std::sync::{Arc, Condvar, Mutex};
 use std::time::Duration;
 use worker::service::{self, Job, ServiceConfig, Simulator, WorkerHandle};
+use zenoh::{Config, Session, Wait};
 
 /// Time limit of every wait; only a defect takes longer.
 pub const PATIENCE: Duration = Duration::from_secs(30);
@@ -91,6 +93,7 @@ pub fn campaign() -> CampaignSpec {
         scene: "name = \"practice\"".into(),
         accuracy,
         accuracy_name: "draft".into(),
+        simulator: None,
         resumed: false,
     }
 }
@@ -179,6 +182,22 @@ impl Barrier {
             self.changed.wait_timeout_while(guard, PATIENCE, |open| !*open).expect("no holder panics");
         assert!(!timeout.timed_out(), "the barrier was not opened");
     }
+}
+
+/// A Zenoh session that is neither coordinator nor worker: `key` is `connect/endpoints` or `listen/endpoints`.
+pub fn foreign_session(key: &str, endpoint: &str) -> Session {
+    let mut config = Config::default();
+    for (key, value) in [
+        ("mode", if key == "connect/endpoints" { "\"client\"" } else { "\"peer\"" }),
+        ("scouting/multicast/enabled", "false"),
+        ("scouting/gossip/enabled", "false"),
+        ("scouting/delay", "0"),
+        ("listen/endpoints", "[]"),
+        (key, &format!("[\"{endpoint}\"]")),
+    ] {
+        config.insert_json5(key, value).expect("a setting of Zenoh");
+    }
+    zenoh::open(config).wait().expect("a session on the loopback")
 }
 
 /// Sets the interruption flag of a coordinator.

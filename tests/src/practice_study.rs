@@ -79,6 +79,7 @@ impl PracticeStudy {
             scene: self.source.text().to_owned(),
             accuracy,
             accuracy_name: "balanced".into(),
+            simulator: None,
             resumed,
         }
     }

@@ -7,7 +7,7 @@
 //! ```
 
 use common::failure::SimulationFailure;
-use common::wire::{Claim, Outcome, Task, TaskKey, WorkerId};
+use common::wire::{Claim, Offers, Outcome, Task, TaskKey, WorkerId};
 use coordinator::farm::dispatch::scheduler::{
     Action, Assignment, Event, Scheduler, SchedulerSettings, Token,
 };
@@ -272,6 +272,7 @@ impl World {
         let claim = Claim {
             worker: hand.id.clone(),
             sequence: hand.sequence,
+            offers: Offers::Scenes,
             slots: 1,
             credits: u32::from(hand.running.is_none()),
             holding: held.map(|task| task.key).collect(),

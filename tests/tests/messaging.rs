@@ -1,34 +1,18 @@
 //! Coordinator and in-process workers over Zenoh, without faults: the outcomes do not depend on the workers, a late worker
 //! gets its share, and a refused worker gets the reason.
 
-use common::wire::{self, Claim, Next, PROTOCOL_VERSION, Reply, WireError, WorkerId, keys};
+use common::wire::{self, Claim, Next, Offers, PROTOCOL_VERSION, Reply, WireError, WorkerId, keys};
 use coordinator::farm::dispatch::{DispatchError, Listen, ZenohEvaluator};
 use coordinator::farm::evaluate::{EvaluateError, Evaluator};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::channel;
 use tests::{
-    Barrier, PATIENCE, campaign, coordinator, coordinator_at, evaluate, expected, in_time, practice_result,
-    requests, stop, worker, worker_at,
+    Barrier, PATIENCE, campaign, coordinator, coordinator_at, evaluate, expected, foreign_session, in_time,
+    practice_result, requests, stop, worker, worker_at,
 };
 use worker::service::{Departure, ServiceError};
-use zenoh::{Config, Session, Wait};
-
-/// A Zenoh session that is neither coordinator nor worker.
-fn foreign_session(key: &str, endpoint: &str) -> Session {
-    let mut config = Config::default();
-    for (key, value) in [
-        ("mode", if key == "connect/endpoints" { "\"client\"" } else { "\"peer\"" }),
-        ("scouting/multicast/enabled", "false"),
-        ("scouting/gossip/enabled", "false"),
-        ("scouting/delay", "0"),
-        ("listen/endpoints", "[]"),
-        (key, &format!("[\"{endpoint}\"]")),
-    ] {
-        config.insert_json5(key, value).unwrap();
-    }
-    zenoh::open(config).wait().unwrap()
-}
+use zenoh::{Session, Wait};
 
 /// Reply of the coordinator to a claim with this payload.
 fn answer_to(session: &Session, payload: Vec<u8>) -> Result<Vec<u8>, String> {
@@ -44,6 +28,7 @@ fn claim_of(name: &str) -> Claim {
     Claim {
         worker: WorkerId { name: name.into(), epoch: 1 },
         sequence: 1,
+        offers: Offers::Scenes,
         slots: 1,
         credits: 1,
         holding: vec![],

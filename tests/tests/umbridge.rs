@@ -1,8 +1,10 @@
 //! The UM-Bridge protocol over real sockets: client and server of this program with each other, and each of them with the
 //! Python package `umbridge`, which `.ci/run` installs in a virtual environment.
 
+use common::external::{SimulatorError, SimulatorId};
 use common::scene::{Scene, SceneSource};
-use coordinator::farm::evaluate::external::{SimulatorError, open};
+use coordinator::farm::dispatch::{CampaignSimulator, CampaignSpec, Listen, ZenohEvaluator};
+use coordinator::farm::evaluate::external::open;
 use coordinator::farm::evaluate::{EvaluateError, EvaluationResult, Evaluator, Finished, Request};
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader};
@@ -10,12 +12,18 @@ use std::path::PathBuf;
 use std::process::{Command, Stdio};
 use std::sync::Arc;
 use tests::deployed::KilledOnDrop;
-use tests::{in_time, skipped};
+use tests::{campaign, evaluate, in_time, skipped};
+use worker::own_simulators::OwnSimulators;
+use worker::service::{self, Departure, ServiceConfig};
 use worker::simulate::{SimulateOptions, simulate};
 use worker::umbridge::{Model, Server};
 
 /// A scene with the variables and outputs of the four-bar, evaluated by the server at `url`.
 fn study(url: &str, more: &str) -> Scene {
+    source(url, more).nominal().clone()
+}
+
+fn source(url: &str, more: &str) -> SceneSource {
     let text = format!(
         "simulator = {{ umbridge = \"{url}\", timeout = \"20 s\" {more} }}\n\
          scene = {{ name = \"four-bar from outside\" }}\n\
@@ -26,7 +34,7 @@ fn study(url: &str, more: &str) -> Scene {
          {{ name = \"torque\", mean = -0.8, std = \"3 %\" }}, {{ name = \"clearance\", mean = 3e-5, std = 2e-6 }}, \
          {{ name = \"friction\", mean = 0.05, std = \"5 %\" }}]"
     );
-    SceneSource::parse(&text, "outside").unwrap().nominal().clone()
+    SceneSource::parse(&text, "outside").unwrap()
 }
 
 fn evaluator(scene: &Scene, slots: usize) -> Result<Box<dyn Evaluator>, SimulatorError> {
@@ -63,6 +71,28 @@ fn server() -> (Server, String) {
 /// Samples with short decimals, which JSON transfers exactly.
 const SAMPLES: [[f64; 4]; 3] =
     [[1e-13, -0.8, 3e-5, 0.05], [1.1e-13, -0.82, 2.8e-5, 0.05], [0.9e-13, -0.75, 3e-5, 0.04]];
+
+#[test]
+fn a_worker_offers_a_model_to_a_coordinator_that_does_not_reach_its_server() {
+    in_time(|| {
+        let (server, url) = server();
+        let near = source(&url, "");
+        // Another address, another time limit: the same simulator.
+        let far = source("http://127.0.0.1:9", ", model = \"other\"");
+        let id = SimulatorId::of_scene(far.nominal()).unwrap();
+        let simulator = Some(CampaignSimulator { id, timeout: 20.0, licences: None });
+        let campaign = CampaignSpec { simulator, ..campaign() };
+        let mut coordinator = ZenohEvaluator::open(campaign, &Listen::default(), Arc::default()).unwrap();
+        let own = OwnSimulators::open(std::slice::from_ref(&near)).unwrap();
+        let config = ServiceConfig::new(&coordinator.endpoints()[0], 2);
+        let worker = service::spawn(config, Arc::new(own)).unwrap();
+        let batch: Vec<Request> = (0..).zip(SAMPLES).map(|(id, sample)| request(id, &sample)).collect();
+        assert_eq!(evaluate(&mut coordinator, &batch).unwrap(), outcomes(near.nominal(), &batch).unwrap());
+        coordinator.finish();
+        assert_eq!(worker.join().unwrap(), Departure::CampaignEnded);
+        server.finish();
+    });
+}
 
 #[test]
 fn a_scene_gives_the_same_values_over_umbridge_as_in_process() {

@@ -34,6 +34,7 @@
 //! | [`simulate`] | one evaluation, or several in the lanes of one core |
 //! | [`extremes`] | evaluations at the limits of the model |
 //! | [`service`] | offers a simulator to coordinators |
+//! | [`own_simulators`] | external simulators that the worker has itself |
 //! | [`simulator`] | the simulator that the worker offers |
 //! | [`umbridge`] | a scene as a model for UM-Bridge clients |
 
@@ -47,6 +48,7 @@ mod lanes;
 pub mod log;
 pub mod mechanism;
 mod outputs;
+pub mod own_simulators;
 mod plane;
 mod quasi_static;
 pub mod service;

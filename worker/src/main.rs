@@ -10,12 +10,14 @@ use common::scene::{Faults, SceneSource};
 use signals::{INTERRUPTED, Signals};
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use thiserror::Error;
 use tracing_subscriber::EnvFilter;
 use worker::log::{self, LogOptions};
-use worker::service::{self, Departure, ServiceConfig, ServiceError};
+use worker::own_simulators::{self, OfferError, OwnSimulators};
+use worker::service::{self, Departure, ServiceConfig, ServiceError, Simulator};
 use worker::simulator::simulator;
 use worker::umbridge::{self, Access, Model, NAME, Server, UmBridgeError};
 
@@ -28,7 +30,7 @@ const LONGEST: u64 = 100 * 366 * 24 * 3600;
 /// Default scene of `--serve-umbridge`.
 const DEFAULT_SCENE: &str = "flapping-wing";
 
-/// Runs simulations of a Hingewise coordinator on this machine, or serves evaluations of a scene to UM-Bridge clients.
+/// Runs simulations of a Hingewise coordinator on this machine, offers programs of this machine to it, or serves evaluations of a scene to UM-Bridge clients.
 ///
 /// A worker may join and leave at any time; the coordinator gives its unfinished tasks to other workers.
 #[derive(Debug, Parser)]
@@ -54,6 +56,9 @@ struct Arguments {
     /// Allow --serve-umbridge on an address that other machines can reach, without authentication
     #[arg(long, requires = "serve_umbridge", conflicts_with = "connect")]
     insecure: bool,
+    /// Offer the simulator that this scene file names, instead of simulating mechanisms; a folder stands for all its scene files; may be repeated
+    #[arg(long, value_name = "FILE|FOLDER", conflicts_with = "serve_umbridge")]
+    simulator: Vec<PathBuf>,
     /// Simulation threads, each with several evaluations side by side [default: one per core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     slots: Option<u16>,
@@ -108,6 +113,9 @@ Examples:
       in a batch job of one hour: leaves in time, or after two minutes without tasks; 30 s to finish when stopped
   worker --connect tcp/127.0.0.1:7447 --connect tcp/127.0.0.1:7448 --stay
       for studies at either address; while both run, each gets half of the slots
+  worker --connect tcp/192.168.1.20:7447 --simulator beam.toml --slots 2
+      two processes of the program that beam.toml names here, for studies of the same scene; the coordinator sends samples,
+      never a command; it may bound the processes on all workers together: `coordinator run --licences 3 ...`
   worker --serve-umbridge 4242 --scene four-bar --accuracy draft
       model `forward` at http://127.0.0.1:4242: random variables in, outputs over life out
 
@@ -133,6 +141,8 @@ fn main() -> ExitCode {
         Some(given) => serve_umbridge(given, &arguments),
         None => work(arguments),
     };
+    // A program may be at work for an evaluation that is not needed any more.
+    common::external::kill_all();
     match done {
         Ok(code) => code,
         Err(error) => {
@@ -151,6 +161,8 @@ enum CommandError {
     UmBridge(#[from] UmBridgeError),
     #[error(transparent)]
     Scene(#[from] Faults),
+    #[error(transparent)]
+    Offer(#[from] OfferError),
     #[error("signals cannot be caught: {0}")]
     Signals(std::io::Error),
 }
@@ -159,6 +171,7 @@ impl CommandError {
     fn exit_code(&self) -> u8 {
         match self {
             Self::Service(ServiceError::Settings { .. }) | Self::Scene(_) => BAD_INPUT,
+            Self::Offer(_) => BAD_INPUT,
             Self::UmBridge(UmBridgeError::Refused { .. }) | Self::Service(_) | Self::Signals(_) => FAILURE,
             Self::UmBridge(_) => BAD_INPUT,
         }
@@ -196,6 +209,18 @@ fn serve_umbridge(given: &str, arguments: &Arguments) -> Result<ExitCode, Comman
     Ok(exit_code(&interrupted))
 }
 
+/// The simulation of mechanisms, or the simulators of scene files.
+fn offered(files: &[PathBuf]) -> Result<Arc<dyn Simulator>, OfferError> {
+    if files.is_empty() {
+        return Ok(simulator());
+    }
+    let own = OwnSimulators::open(&own_simulators::load(files)?)?;
+    for id in own.ids() {
+        tracing::info!("offering simulator {id}");
+    }
+    Ok(Arc::new(own))
+}
+
 fn exit_code(interrupted: &AtomicBool) -> ExitCode {
     if interrupted.load(Ordering::Relaxed) { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS }
 }
@@ -203,6 +228,7 @@ fn exit_code(interrupted: &AtomicBool) -> ExitCode {
 /// Evaluates tasks of the coordinators until they end or a signal arrives.
 fn work(arguments: Arguments) -> Result<ExitCode, CommandError> {
     let slots = slots(&arguments);
+    let simulator = offered(&arguments.simulator)?;
     let limit = |seconds: u64| (seconds > 0).then(|| Duration::from_secs(seconds));
     let mut config = ServiceConfig {
         connect: arguments.connect,
@@ -219,7 +245,7 @@ fn work(arguments: Arguments) -> Result<ExitCode, CommandError> {
     }
     tracing::info!("{slots} slots for the coordinator at {}", config.connect.join(", "));
     let signals = Signals::catch().map_err(CommandError::Signals)?;
-    let worker = service::spawn(config, simulator())?;
+    let worker = service::spawn(config, simulator)?;
     let stopper = worker.stopper();
     let stop = move || {
         tracing::info!("stopping: returning finished outcomes");

@@ -51,6 +51,7 @@ impl Signals {
                         stop();
                     }
                 }
+                common::external::kill_all();
                 std::process::exit(i32::from(INTERRUPTED));
             });
         };

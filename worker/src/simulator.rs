@@ -7,6 +7,7 @@ use crate::simulate::{
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
 use common::scene::SceneSource;
+use common::wire::Subject;
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
@@ -49,7 +50,16 @@ impl Mechanism {
     }
 
     fn input(&self, job: &Job) -> Result<SimulationInput, SimulationFailure> {
-        let scene = self.source(job.scene())?.resolve_sample(job.sample()).map_err(invalid)?;
+        let Subject::Scene(text) = job.subject() else {
+            let reason = "this worker simulates mechanisms only".to_owned();
+            return Err(SimulationFailure::SimulatorUnusable { reason });
+        };
+        let scene = self.source(text)?.resolve_sample(job.sample()).map_err(invalid)?;
+        if scene.simulator.is_some() {
+            let what = "a scene that names its own simulator; a worker with it is started with --simulator"
+                .to_owned();
+            return Err(SimulationFailure::NotModelled { what });
+        }
         let options = SimulateOptions { first_cycle: job.with_first_cycle() };
         Ok(SimulationInput { scene, accuracy: *job.accuracy(), options })
     }

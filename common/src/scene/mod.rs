@@ -74,11 +74,12 @@ pub use load::Load;
 pub use location::Location;
 pub use measured::MeasuredVariable;
 pub use model::{
-    Body, Condition, DrivenInertia, ExternalSimulator, Fails, Life, LimitState, Motion, Point, Program,
-    Scene, SimulatorKind, StudySettings, UmBridgeModel,
+    Body, Condition, DrivenInertia, Exchange, ExternalSimulator, Fails, FileExchange, Life, LimitState,
+    Motion, Point, Program, Scene, SimulatorKind, StudySettings, UmBridgeModel,
 };
 pub use output::{ErrorMeasure, ImpactMeasure, Output, OutputKind, SignedBody};
 pub use output_unit::OutputUnit;
 pub use reference::published_results;
+pub use simulator::REQUEST_FILE;
 pub use source::SceneSource;
 pub use warnings::Warning;

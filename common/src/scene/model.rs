@@ -57,24 +57,51 @@ pub struct ExternalSimulator {
     pub kind: SimulatorKind,
     /// Longest time of one evaluation [s].
     pub timeout: f64,
+    /// Version of the simulator in its author's words; empty if the scene states none.
+    #[serde(default)]
+    pub version: String,
 }
 
 /// Ways to call an external simulator.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum SimulatorKind {
-    /// A program on this machine, by lines of JSON over its standard input and output.
+    /// A program on this machine.
     Program(Program),
     /// A server, by the UM-Bridge protocol.
     UmBridge(UmBridgeModel),
 }
 
-/// A program that reads requests and writes answers, each a line of JSON.
+/// A program that reads samples and writes results.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Program {
     /// Program and arguments, at least one entry.
     pub command: Vec<String>,
-    /// Folder in which the program runs.
+    /// Folder in which the program runs; with files, the folder that has them.
     pub folder: String,
+    /// How it gets samples and returns results.
+    #[serde(default)]
+    pub exchange: Exchange,
+}
+
+/// How a program gets samples and returns results.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Exchange {
+    /// Lines of JSON over standard input and output of a program that keeps running.
+    #[default]
+    Lines,
+    /// Files in a working folder of each evaluation, in which the program runs once.
+    Files(FileExchange),
+}
+
+/// The files of a working folder. All names are relative, without `..`.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FileExchange {
+    /// The file that the program writes.
+    pub results: String,
+    /// Files that are copied with values in the place of `{NAME}`.
+    pub templates: Vec<String>,
+    /// Files that are copied unchanged.
+    pub files: Vec<String>,
 }
 
 /// A model of a UM-Bridge server.

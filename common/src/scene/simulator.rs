@@ -3,18 +3,20 @@
 
 use super::context::Range;
 use super::limits::{CHECKPOINT_LIMIT, COUNT_LIMIT};
-use super::model::{ExternalSimulator, Life, Program, SimulatorKind, UmBridgeModel};
+use super::model::{Exchange, ExternalSimulator, FileExchange, Life, Program, SimulatorKind, UmBridgeModel};
 use super::output::{Output, OutputKind};
 use super::outputs::OutputRow;
 use super::quantity::TIME;
 use super::section::Section;
-use std::path::Path;
+use std::path::{Component, Path};
 use toml::{Table, Value};
 
 /// Default of the time that one evaluation may take [s].
 const TIMEOUT: f64 = 600.0;
 /// Default of the name of a model, as is customary for UM-Bridge servers.
 const USUAL_MODEL: &str = "forward";
+/// The file with the request in the working folder of an evaluation.
+pub const REQUEST_FILE: &str = "request.json";
 
 /// Reads `[simulator]`; the outer `None` without one, the inner one if it is faulty.
 pub(super) fn simulator(file: &mut Section) -> Option<Option<ExternalSimulator>> {
@@ -35,19 +37,78 @@ pub(super) fn simulator(file: &mut Section) -> Option<Option<ExternalSimulator>>
         }
     };
     let timeout = section.quantity_or("timeout", TIME, Range::Positive, TIMEOUT);
+    let version = section.text_or("version", "a text, e.g. \"2024.1\"", "");
     section.finish();
-    Some((|| Some(ExternalSimulator { kind: kind?, timeout: timeout? }))())
+    Some((|| Some(ExternalSimulator { kind: kind?, timeout: timeout?, version: version?.to_owned() }))())
 }
 
 fn program(section: &mut Section) -> Option<Program> {
     let command = section.texts("program", "a list of words, e.g. [\"python3\", \"beam.py\"]");
     let folder = section.text_or("folder", "a folder", ".");
+    let exchange = exchange(section);
     let command: Vec<String> = command?.into_iter().map(str::to_owned).collect();
     if command.first().is_none_or(String::is_empty) {
         section.inconsistent("program", "is empty, expected a program and its arguments");
         return None;
     }
-    Some(Program { command, folder: folder?.to_owned() })
+    Some(Program { command, folder: folder?.to_owned(), exchange: exchange? })
+}
+
+/// Lines over standard input and output, or files if there is a `results`.
+fn exchange(section: &mut Section) -> Option<Exchange> {
+    if section.get("results").is_none() {
+        let needs = ["templates", "files"].into_iter().filter(|key| section.get(key).is_some());
+        return match needs.collect::<Vec<_>>().as_slice() {
+            [] => Some(Exchange::Lines),
+            _ => {
+                section
+                    .missing("results", "the file that the program writes, e.g. results = \"results.out\"");
+                None
+            }
+        };
+    }
+    let results = section.text("results", "the name of a file, e.g. \"results.out\"").map(str::to_owned);
+    let templates = file_names(section, "templates");
+    let files = file_names(section, "files");
+    let exchange = FileExchange { results: results?, templates: templates?, files: files? };
+    let inputs = || exchange.templates.iter().chain(&exchange.files);
+    let keys = [
+        ("results", vec![&exchange.results]),
+        ("templates", exchange.templates.iter().collect()),
+        ("files", exchange.files.iter().collect()),
+    ];
+    for (key, names) in keys {
+        if let Some(name) = names.into_iter().find(|name| !is_inner(name)) {
+            section.out_of_range(key, format!("\"{name}\""), "a relative path without ..");
+            return None;
+        }
+    }
+    let twice = inputs().enumerate().find(|(k, name)| inputs().take(*k).any(|other| other == *name));
+    if let Some((_, name)) = twice {
+        section.inconsistent("results", format!("goes with \"{name}\", which is named twice as an input"));
+        return None;
+    }
+    if inputs().any(|name| *name == exchange.results || *name == REQUEST_FILE)
+        || exchange.results == REQUEST_FILE
+    {
+        let message = format!("and {REQUEST_FILE} are written for each evaluation, and cannot be inputs");
+        section.inconsistent("results", message);
+        return None;
+    }
+    Some(Exchange::Files(exchange))
+}
+
+fn file_names(section: &mut Section, key: &'static str) -> Option<Vec<String>> {
+    if section.get(key).is_none() {
+        return Some(vec![]);
+    }
+    let names = section.texts(key, "a list of file names, e.g. [\"beam.inp\"]")?;
+    Some(names.into_iter().map(str::to_owned).collect())
+}
+
+/// True for a path that leads to a file below its folder.
+fn is_inner(name: &str) -> bool {
+    !name.is_empty() && Path::new(name).components().all(|part| matches!(part, Component::Normal(_)))
 }
 
 fn umbridge(section: &mut Section) -> Option<UmBridgeModel> {

@@ -3,6 +3,7 @@
 
 use super::*;
 use crate::accuracy::{Accuracy, Tier};
+use crate::external::SimulatorId;
 use crate::failure::SimulationFailure;
 use crate::outputs::{
     BodyMotion, BodyTrace, CycleHistory, Diagnostics, EnergyBalance, Evaluation, JointSummary, WornLife,
@@ -10,7 +11,7 @@ use crate::outputs::{
 
 /// Version and layout of the messages: [`PROTOCOL_VERSION`] and the hash of [`frames`]. Where the second changes, a message
 /// has another layout, and the first has to change too.
-const LAYOUT: (u16, u64) = (5, 0xf308_2332_2e34_88b2);
+const LAYOUT: (u16, u64) = (6, 0xbc77_619d_cfe3_8ab3);
 
 fn accuracy() -> Accuracy {
     Accuracy {
@@ -77,6 +78,10 @@ fn evaluation() -> Evaluation {
     }
 }
 
+fn beam() -> SimulatorId {
+    SimulatorId { scene: "beam".into(), digest: 1 << 100 }
+}
+
 /// One frame of every kind of message, with every field in use.
 fn frames() -> Vec<Vec<u8>> {
     let failed = SimulationFailure::StepTooSmall {
@@ -91,19 +96,19 @@ fn frames() -> Vec<Vec<u8>> {
     let claim = Claim {
         worker: WorkerId { name: "host-1".into(), epoch: 1 << 40 },
         sequence: 2,
+        offers: Offers::Simulators(vec![beam()]),
         slots: 3,
         credits: 4,
         holding: vec![task(1).key],
         finished: vec![outcome(1, Ok(evaluation())), outcome(2, Err(failed))],
         leaving: true,
     };
-    let order = WorkOrder {
-        scene: "[scene]".into(),
-        accuracy: accuracy(),
-        accuracy_name: "balanced".into(),
-        tasks: vec![task(1), task(2)],
+    let order = |subject| {
+        let tasks = vec![task(1), task(2)];
+        Next::Work(WorkOrder { subject, accuracy: accuracy(), accuracy_name: "balanced".into(), tasks })
     };
-    let replies = [Next::Work(order), Next::Idle { ask_again: 500 }, Next::Leave];
+    let orders = [order(Subject::Scene("[scene]".into())), order(Subject::Simulator(beam()))];
+    let replies = [Next::Idle { ask_again: 500 }, Next::Leave];
     let point = CandidatePoint { task: 5, sample: vec![0.5] };
     let notices = [Notice::Batch { campaign: 6, points: vec![point] }, Notice::Ended { campaign: 7 }];
     let status = Status {
@@ -138,7 +143,12 @@ fn frames() -> Vec<Vec<u8>> {
         },
     };
     let mut frames = vec![encode(&claim).unwrap(), encode(&status).unwrap()];
-    frames.extend(replies.map(|next| encode(&Reply { acknowledged: vec![task(1).key], next }).unwrap()));
+    frames.extend(
+        orders
+            .into_iter()
+            .chain(replies)
+            .map(|next| encode(&Reply { acknowledged: vec![task(1).key], next }).unwrap()),
+    );
     frames.extend(notices.map(|notice| encode(&notice).unwrap()));
     frames
 }

@@ -3,6 +3,7 @@
 use super::codec::{Message, WireError};
 use super::numbers;
 use crate::accuracy::Accuracy;
+use crate::external::SimulatorId;
 use crate::failure::SimulationFailure;
 use crate::outputs::Evaluation;
 use serde::{Deserialize, Serialize};
@@ -64,6 +65,33 @@ pub struct Outcome {
     pub result: Result<Evaluation, SimulationFailure>,
 }
 
+impl Outcome {
+    /// True if the outcome says nothing about its sample: the worker cannot use its simulator.
+    pub fn is_unusable(&self) -> bool {
+        matches!(self.result, Err(SimulationFailure::SimulatorUnusable { .. }))
+    }
+}
+
+/// What a worker can evaluate.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Offers {
+    /// Scenes, by their text.
+    Scenes,
+    /// External simulators that the worker has itself, and nothing else.
+    Simulators(Vec<SimulatorId>),
+}
+
+impl Offers {
+    /// True if tasks of `subject` may go to the worker.
+    pub fn cover(&self, subject: &Subject) -> bool {
+        match (self, subject) {
+            (Self::Scenes, Subject::Scene(_)) => true,
+            (Self::Simulators(offered), Subject::Simulator(wanted)) => offered.contains(wanted),
+            _ => false,
+        }
+    }
+}
+
 /// Request of a worker for tasks, with finished outcomes. A worker sends the next claim only when the previous one was
 /// answered or has timed out.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -72,6 +100,8 @@ pub struct Claim {
     pub worker: WorkerId,
     /// Number of the claim within the epoch, increasing. A claim with a lower number than a previous one is outdated.
     pub sequence: u64,
+    /// What the worker can evaluate.
+    pub offers: Offers,
     /// Number of simulation threads.
     pub slots: u32,
     /// Most tasks in the reply.
@@ -108,11 +138,20 @@ pub enum Next {
     Leave,
 }
 
+/// What is to be evaluated.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Subject {
+    /// A scene, by its source text, TOML.
+    Scene(String),
+    /// An external simulator that the worker has itself. Neither command nor path nor address is sent.
+    Simulator(SimulatorId),
+}
+
 /// Tasks with everything needed to evaluate them: workers keep no state between work orders.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct WorkOrder {
-    /// Source text of the scene, TOML.
-    pub scene: String,
+    /// Scene or simulator of the tasks.
+    pub subject: Subject,
     /// Numerical settings of the tasks that state none.
     pub accuracy: Accuracy,
     /// Name of the numerical settings, for display.

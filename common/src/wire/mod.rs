@@ -26,15 +26,15 @@ mod tests;
 
 pub use codec::{MAX_MESSAGE, MAX_PAYLOAD, Message, WireError, decode, encode};
 pub use message::{
-    CandidatePoint, Claim, Next, Notice, Outcome, Reply, Task, TaskKey, WorkOrder, WorkerId, is_worker_name,
-    worker_name,
+    CandidatePoint, Claim, Next, Notice, Offers, Outcome, Reply, Subject, Task, TaskKey, WorkOrder, WorkerId,
+    is_worker_name, worker_name,
 };
 pub use numbers::{NonFinite, failure_is_finite, find_non_finite};
 pub use reason::reason;
 pub use status::{FarmStatus, Phase, ReliabilitySoFar, Status, StudyStatus, WorkerStatus};
 
 /// Version of the messages. It changes with every change of their layout or meaning; there is no negotiation.
-pub const PROTOCOL_VERSION: u16 = 5;
+pub const PROTOCOL_VERSION: u16 = 6;
 
 /// Sessions that a coordinator accepts unless its configuration sets another number: one for each directly connected
 /// worker, router, or command that queries the status. See `cargo run --release -p tests --example many_sessions`.

@@ -105,7 +105,8 @@ pub fn failure_is_finite(failure: &SimulationFailure) -> bool {
         | F::Panicked { .. }
         | F::Reported { .. }
         | F::Crashed { .. }
-        | F::NoNumber { .. } => true,
+        | F::NoNumber { .. }
+        | F::SimulatorUnusable { .. } => true,
     }
 }
 

@@ -3,6 +3,7 @@
 use super::codec::{HEADER, encoded_size};
 use super::*;
 use crate::accuracy::{Accuracy, Tier};
+use crate::external::SimulatorId;
 use crate::failure::SimulationFailure;
 use crate::outputs::{BodyMotion, BodyTrace, CycleHistory, Diagnostics, Evaluation, JointSummary, WornLife};
 use proptest::collection::vec;
@@ -91,10 +92,19 @@ fn outcome() -> impl Strategy<Value = Outcome> {
     })
 }
 
+fn simulator(number: u64) -> SimulatorId {
+    SimulatorId { scene: format!("beam {number}"), digest: u128::from(number) << 70 }
+}
+
 fn claim() -> impl Strategy<Value = Claim> {
     let who = ("[A-Za-z0-9_.-]{1,100}", any::<u64>()).prop_map(|(name, epoch)| WorkerId { name, epoch });
     (who, any::<(u64, u32, u32, bool)>(), vec(key(), 0..9), vec(outcome(), 0..4)).prop_map(
         |(worker, (sequence, slots, credits, leaving), holding, finished)| Claim {
+            offers: if slots % 2 == 0 {
+                Offers::Scenes
+            } else {
+                Offers::Simulators(vec![simulator(sequence)])
+            },
             worker,
             sequence,
             slots,
@@ -108,7 +118,9 @@ fn claim() -> impl Strategy<Value = Claim> {
 
 fn reply() -> impl Strategy<Value = Reply> {
     let work = (".{0,99}", number(), vec(task(), 0..9)).prop_map(|(scene, x, tasks)| {
-        Next::Work(WorkOrder { scene, accuracy: accuracy(x), accuracy_name: "draft".into(), tasks })
+        let subject =
+            if tasks.len() % 2 == 0 { Subject::Scene(scene) } else { Subject::Simulator(simulator(7)) };
+        Next::Work(WorkOrder { subject, accuracy: accuracy(x), accuracy_name: "draft".into(), tasks })
     });
     let idle = any::<u32>().prop_map(|ask_again| Next::Idle { ask_again });
     (vec(key(), 0..9), prop_oneof![work, idle, Just(Next::Leave)])
@@ -171,6 +183,7 @@ fn empty_claim() -> Claim {
     Claim {
         worker: WorkerId { name: "w".into(), epoch: 1 },
         sequence: 1,
+        offers: Offers::Scenes,
         slots: 2,
         credits: 2,
         holding: vec![],
@@ -334,7 +347,7 @@ fn issue_settings_that_exhaust_a_worker_passed_if_they_were_finite() {
         encode(&Reply {
             acknowledged: vec![],
             next: Next::Work(WorkOrder {
-                scene: String::new(),
+                subject: Subject::Scene(String::new()),
                 accuracy,
                 accuracy_name: String::new(),
                 tasks: vec![],
@@ -359,7 +372,7 @@ fn the_largest_message_passes_and_a_larger_one_does_not() {
     let reply = |bytes: usize| Reply {
         acknowledged: vec![],
         next: Next::Work(WorkOrder {
-            scene: "s".repeat(bytes),
+            subject: Subject::Scene("s".repeat(bytes)),
             accuracy: accuracy(1e-6),
             accuracy_name: String::new(),
             tasks: vec![],

@@ -1,8 +1,9 @@
 //! The campaign of a study as its workers receive it.
 
 use super::error::CommandError;
+use common::external::SimulatorId;
 use common::scene::SceneSource;
-use coordinator::farm::dispatch::CampaignSpec;
+use coordinator::farm::dispatch::{CampaignSimulator, CampaignSpec};
 use coordinator::study::Settings;
 
 /// The campaign as announced to workers. A study has the same id whenever it is resumed.
@@ -14,6 +15,7 @@ pub fn announced(
     settings: &Settings,
     resumed: bool,
 ) -> Result<CampaignSpec, CommandError> {
+    let scene = source.nominal();
     let stored = serde_json::to_string(settings)?;
     let digest = common::scene::source::digest(&format!("{stored}\n{}", source.text()));
     let accuracy = settings.accuracy.setting.clone();
@@ -23,6 +25,11 @@ pub fn announced(
         scene: source.text().to_owned(),
         accuracy: accuracy.accuracy,
         accuracy_name: accuracy.name,
+        simulator: scene.simulator.as_ref().map(|simulator| CampaignSimulator {
+            id: SimulatorId::new(simulator, scene),
+            timeout: simulator.timeout,
+            licences: None,
+        }),
         resumed,
     })
 }

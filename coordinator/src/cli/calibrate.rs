@@ -70,6 +70,7 @@ pub fn calibrate(arguments: &CalibrateArguments, verbosity: Verbosity) -> Result
         scene: space.source.text().to_owned(),
         accuracy: accuracy.accuracy,
         accuracy_name: accuracy.name,
+        simulator: None,
         resumed: false,
     };
     let mut farm = WorkerFarm::start(campaign, &arguments.farm)?;

@@ -7,8 +7,8 @@ use super::measured::{MeasuredFinding, measured_findings};
 use super::nominal::nominal_check;
 use super::output::{check_destination, count, print, to_json};
 use super::scenes::check_linkage;
+use common::external::SimulatorId;
 use common::scene::{Fault, FaultKind, Location, Scene, SceneSource, Warning};
-use coordinator::farm::evaluate::external::check as check_simulator;
 use coordinator::presentation::nominal_life::NominalLife;
 use serde::Serialize;
 use serde_json::json;
@@ -105,7 +105,7 @@ pub fn check(file: &str, drawing: Option<&Path>, as_json: bool) -> Result<(), Co
     let look = match (&scene.simulator, drawing) {
         (_, Some(drawing)) => format!("drawing: {}\n", drawing.display()),
         (None, None) => format!("To see it: coordinator draw {file}\n"),
-        (Some(_), None) => String::new(),
+        (Some(simulator), None) => format!("identity for workers: {}\n", SimulatorId::new(simulator, scene)),
     };
     print(&format!("{file}: valid; {}\n{lives}{measured}{lines}{look}", counts(scene)))
 }
@@ -115,7 +115,7 @@ fn valid_scene(file: &str) -> Result<SceneSource, CommandError> {
     let source = SceneSource::load(file)?;
     match &source.nominal().simulator {
         None => check_linkage(source.origin(), source.nominal())?,
-        Some(simulator) => check_simulator(simulator)?,
+        Some(simulator) => common::external::check(simulator, source.nominal())?,
     }
     Ok(source)
 }

@@ -4,7 +4,7 @@ use super::error::CommandError;
 use super::output::{print, to_json};
 use super::status::explained;
 use clap::Args;
-use common::wire::{Claim, Status, WireError, WorkerId};
+use common::wire::{Claim, Offers, Status, WireError, WorkerId};
 use coordinator::farm::dispatch::{ClientError, ClientSession, clock_ms};
 use serde::Serialize;
 use std::fmt::Write;
@@ -164,6 +164,7 @@ fn claim(session: &ClientSession, worker: &WorkerId) -> Result<((), String), Str
     let claim = Claim {
         worker: worker.clone(),
         sequence: 1,
+        offers: Offers::Scenes,
         slots: 0,
         credits: 0,
         holding: vec![],

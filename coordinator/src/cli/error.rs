@@ -4,6 +4,7 @@ use super::decision_error::DecisionError;
 use super::drive_angles::drive_at;
 use super::foreign_study::ForeignStudy;
 use super::{pdf::PdfError, signals::INTERRUPTED};
+use common::external::SimulatorError;
 use common::failure::SimulationFailure;
 use common::scene::{Faults, Scene};
 use coordinator::analyses::budget::BudgetError;
@@ -12,7 +13,6 @@ use coordinator::analyses::optimise::OptimiseError;
 use coordinator::analyses::replay::ReplayError;
 use coordinator::farm::dispatch::{ClientError, DispatchError};
 use coordinator::farm::evaluate::EvaluateError;
-use coordinator::farm::evaluate::external::SimulatorError;
 use coordinator::presentation::monitor::MonitorError;
 use coordinator::presentation::report::ReportError;
 use coordinator::presentation::report::compare::Incomparable;
@@ -82,6 +82,9 @@ pub enum CommandError {
         /// Reason in words.
         reason: &'static str,
     },
+    /// Licences, and a study of a mechanism.
+    #[error("--licences is for scenes that name their own simulator, not for mechanisms")]
+    NoLicences,
     /// A page that cannot be printed.
     #[error(transparent)]
     Pdf(#[from] PdfError),
@@ -295,6 +298,7 @@ impl CommandError {
             | Self::OverConstrained { .. }
             | Self::NoMechanism { .. }
             | Self::NotForSimulators { .. }
+            | Self::NoLicences
             | Self::Simulator(_)
             | Self::NotModelled { .. }
             | Self::NothingToStudy { .. }

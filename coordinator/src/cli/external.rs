@@ -6,12 +6,19 @@ use super::explain::failed;
 use super::output::{count, to_json};
 use super::shared::{FarmArguments, Slots};
 use super::signals::interruption;
-use common::scene::{ExternalSimulator, OutputKind, Scene, SceneSource, SimulatorKind};
+use common::external::SimulatorId;
+use common::scene::{
+    Exchange, ExternalSimulator, FileExchange, OutputKind, Program, Scene, SceneSource, SimulatorKind,
+};
 use coordinator::farm::evaluate::external::open;
 use coordinator::farm::evaluate::{EvaluateError, Evaluator, Finished, Request};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
+use std::sync::Arc;
+use worker::own_simulators::{OfferError, OwnSimulators};
+use worker::service::Simulator;
+use worker::simulator::simulator;
 
 /// The evaluation as printed; names as for a mechanism.
 #[derive(Debug, Serialize)]
@@ -51,18 +58,25 @@ pub fn check_accuracy(origin: &str, accuracy: &AccuracyArguments) -> Result<(), 
     refuse(origin, &given, "the simulator determines its own accuracy")
 }
 
-/// Refuses options on remote workers: programs run on this machine, and servers are queried from it.
+/// True if the options ask for remote workers; otherwise this process runs the simulator without messages.
+pub fn has_remote_workers(farm: &FarmArguments) -> bool {
+    let FarmArguments { workers, listen, config, insecure, licences: _ } = farm;
+    listen.is_some() || config.is_some() || *insecure || *workers == Some(Slots::Count(0))
+}
+
+/// The simulator of local workers next to remote ones; without local slots it is not used, and not opened.
 ///
 /// # Errors
-/// [`CommandError::NotForSimulators`].
-pub fn check_farm(origin: &str, farm: &FarmArguments) -> Result<(), CommandError> {
-    let given = [
-        ("--listen", farm.listen.is_some()),
-        ("--config", farm.config.is_some()),
-        ("--insecure", farm.insecure),
-        ("--workers 0", farm.workers == Some(Slots::Count(0))),
-    ];
-    refuse(origin, &given, "this process alone runs or queries the simulator")
+/// [`CommandError::Simulator`].
+pub fn own_simulator(source: &SceneSource, slots: usize) -> Result<Arc<dyn Simulator>, CommandError> {
+    if slots == 0 {
+        return Ok(simulator());
+    }
+    match OwnSimulators::open(std::slice::from_ref(source)) {
+        Ok(own) => Ok(Arc::new(own)),
+        Err(OfferError::Simulator { error, .. }) => Err(error.into()),
+        Err(other) => unreachable!("one scene that names its simulator: {other}"),
+    }
 }
 
 fn refuse(origin: &str, given: &[(&'static str, bool)], reason: &'static str) -> Result<(), CommandError> {
@@ -118,19 +132,17 @@ fn by_name<'r>(scene: &Scene, rows: &'r [Vec<f64>]) -> BTreeMap<String, &'r [f64
 pub fn explain(out: &mut String, scene: &Scene, simulator: &ExternalSimulator) -> std::fmt::Result {
     writeln!(out, "Simulator")?;
     match &simulator.kind {
-        SimulatorKind::Program(program) => writeln!(
-            out,
-            "  program: {}\n  runs in {}, one process per worker slot, over lines of JSON",
-            program.command.join(" "),
-            program.folder
-        )?,
+        SimulatorKind::Program(program) => {
+            writeln!(out, "  program: {}\n  {}", program.command.join(" "), exchange(program))?
+        }
         SimulatorKind::UmBridge(model) => writeln!(
             out,
             "  model \"{}\" of the UM-Bridge server {}, one request at a time per worker slot",
             model.model, model.url
         )?,
     }
-    writeln!(out, "  an evaluation may take {} s\n", simulator.timeout)?;
+    writeln!(out, "  an evaluation may take {} s", simulator.timeout)?;
+    writeln!(out, "  identity for workers: {}\n", SimulatorId::new(simulator, scene))?;
     writeln!(out, "Outputs at every checkpoint, and the limit states")?;
     for (i, output) in scene.outputs.iter().enumerate() {
         let unit = output.kind.unit();
@@ -143,6 +155,19 @@ pub fn explain(out: &mut String, scene: &Scene, simulator: &ExternalSimulator) -
         }
     }
     writeln!(out)
+}
+
+/// How a program gets samples and returns results, in words.
+fn exchange(program: &Program) -> String {
+    let folder = &program.folder;
+    match &program.exchange {
+        Exchange::Lines => format!("runs in {folder}, one process per worker slot, over lines of JSON"),
+        Exchange::Files(FileExchange { results, templates, files }) => {
+            let from: Vec<&str> = templates.iter().chain(files).map(String::as_str).collect();
+            let from = if from.is_empty() { String::new() } else { format!(" with {}", from.join(", ")) };
+            format!("runs once per evaluation, in a folder{from} of {folder}, and writes {results}")
+        }
+    }
 }
 
 /// Counts of the scene's entries for `coordinator check`.

@@ -1,5 +1,5 @@
 //! The evaluators of a command: a coordinator that listens for workers, with local workers in this process, or the
-//! simulator that a scene names.
+//! simulator that a scene names, without messages if no remote workers are asked for.
 
 use super::error::CommandError;
 use super::external;
@@ -9,8 +9,9 @@ use common::scene::SceneSource;
 use coordinator::farm::dispatch::{CampaignSpec, Listen, StatusBoard, ZenohEvaluator};
 use coordinator::farm::evaluate::Evaluator;
 use coordinator::presentation::monitor::StatusSource;
+use std::sync::Arc;
 use std::time::Instant;
-use worker::service::{self, ServiceConfig, WorkerHandle};
+use worker::service::{self, ServiceConfig, Simulator, WorkerHandle};
 use worker::simulator::simulator;
 
 /// Number of local slots that the arguments ask for.
@@ -49,8 +50,14 @@ impl CommandEvaluator {
         let Some(simulator) = &scene.simulator else {
             return Ok(Self::Workers(WorkerFarm::listen(campaign()?, arguments)?));
         };
-        external::check_farm(source.origin(), arguments)?;
-        let slots = local_slots(arguments);
+        if external::has_remote_workers(arguments) {
+            let own = external::own_simulator(source, local_slots(arguments))?;
+            let mut farm = WorkerFarm::listen(campaign()?, arguments)?;
+            farm.simulator = own;
+            return Ok(Self::Workers(farm));
+        }
+        let licences = arguments.licences.map_or(usize::MAX, |licences| licences as usize);
+        let slots = local_slots(arguments).min(licences);
         Ok(Self::Simulator(external::open_simulator(simulator, scene, slots)?, slots as u32))
     }
 
@@ -106,6 +113,10 @@ pub struct WorkerFarm {
     /// The evaluator of the coordinator.
     pub evaluator: ZenohEvaluator,
     arguments: FarmArguments,
+    /// The simulator of the local workers.
+    simulator: Arc<dyn Simulator>,
+    /// Whether workers have to have the simulator of the scene themselves.
+    is_external: bool,
     local: Option<WorkerHandle>,
 }
 
@@ -123,13 +134,20 @@ impl WorkerFarm {
     /// Listens for workers of a campaign; Ctrl-C and SIGTERM end its batches.
     ///
     /// # Errors
-    /// [`CommandError::Signals`], [`CommandError::Dispatch`].
-    pub fn listen(campaign: CampaignSpec, arguments: &FarmArguments) -> Result<Self, CommandError> {
-        let FarmArguments { listen, config, insecure, .. } = arguments.clone();
+    /// [`CommandError::Signals`], [`CommandError::Dispatch`], [`CommandError::NoLicences`].
+    pub fn listen(mut campaign: CampaignSpec, arguments: &FarmArguments) -> Result<Self, CommandError> {
+        let FarmArguments { listen, config, insecure, licences, .. } = arguments.clone();
+        match &mut campaign.simulator {
+            Some(simulator) => simulator.licences = licences,
+            None if licences.is_some() => return Err(CommandError::NoLicences),
+            None => {}
+        }
+        let is_external = campaign.simulator.is_some();
         let listen = Listen { endpoint: listen, config, insecure };
         let interrupted = interruption().map_err(CommandError::Signals)?;
         let evaluator = ZenohEvaluator::open(campaign, &listen, interrupted)?;
-        Ok(Self { evaluator, arguments: arguments.clone(), local: None })
+        let (arguments, simulator) = (arguments.clone(), simulator());
+        Ok(Self { evaluator, arguments, simulator, is_external, local: None })
     }
 
     /// Starts the local workers, if the arguments ask for any.
@@ -144,7 +162,7 @@ impl WorkerFarm {
             // The learner and the dispatch run in this process too: simulations give way to them.
             let config =
                 ServiceConfig { zenoh_config, give_way: true, ..ServiceConfig::new(endpoint, slots) };
-            service::spawn(config, simulator())
+            service::spawn(config, Arc::clone(&self.simulator))
         };
         self.local = endpoint.map(spawn).transpose()?;
         Ok(())
@@ -153,8 +171,9 @@ impl WorkerFarm {
     /// Prints the addresses for remote workers if there are no local ones.
     pub fn print_endpoints(&self) {
         if self.local.is_none() {
+            let more = if self.is_external { " --simulator FILE-OF-THIS-SCENE" } else { "" };
             for endpoint in self.evaluator.endpoints() {
-                eprintln!("waiting for workers: worker --connect {endpoint}");
+                eprintln!("waiting for workers: worker --connect {endpoint}{more}");
             }
         }
     }

@@ -60,7 +60,10 @@ const LOG_VARIABLE: &str = "HINGEWISE_LOG";
 pub fn main() -> ExitCode {
     let arguments = CommandLine::read();
     start_log(arguments.verbosity);
-    match run_command(arguments) {
+    let done = run_command(arguments);
+    // A program of a local worker may be at work for an evaluation that is not needed any more.
+    common::external::kill_all();
+    match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             if error.exit_code() != 0 {

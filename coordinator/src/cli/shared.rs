@@ -46,6 +46,9 @@ pub struct FarmArguments {
     /// Allow --listen without authentication on an address that other machines can reach
     #[arg(long)]
     pub insecure: bool,
+    /// Most evaluations of the scene's own simulator at once, on all workers together
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub licences: Option<u32>,
 }
 
 /// Number of local worker slots.

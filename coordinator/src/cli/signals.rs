@@ -37,7 +37,7 @@ pub fn interruption() -> io::Result<Arc<AtomicBool>> {
                     eprintln!("stopping; what is done is saved (again to stop at once)");
                 }
             }
-            coordinator::farm::evaluate::kill_all();
+            common::external::kill_all();
             std::process::exit(i32::from(INTERRUPTED));
         });
     };

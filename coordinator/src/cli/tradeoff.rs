@@ -107,6 +107,7 @@ fn announced(source: &SceneSource, plan: &TradeoffPlan) -> CampaignSpec {
         scene: source.text().to_owned(),
         accuracy,
         accuracy_name: "tradeoff".into(),
+        simulator: None,
         resumed: false,
     }
 }

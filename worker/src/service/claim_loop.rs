@@ -114,6 +114,7 @@ impl ClaimLoop {
         self.slots.shares().stop_competing(self.coordinator);
         self.withdraw(|_| true);
         self.link.close();
+        self.slots.simulator().on_campaign_ended();
         departure
     }
 
@@ -143,6 +144,11 @@ impl ClaimLoop {
     fn handle(&mut self, event: ClaimEvent) -> Result<Option<Departure>, ServiceError> {
         let now = Instant::now();
         match event {
+            // Stopped because the worker is leaving: the task goes to another worker.
+            ClaimEvent::Finished(outcome) if self.leaving_since.is_some() && outcome.is_unusable() => {
+                self.running.retain(|(task, _)| !task.same_work(&outcome.task));
+                self.returned_tasks = true;
+            }
             ClaimEvent::Finished(outcome) => {
                 if let Some(at) = self.running.iter().position(|(task, _)| task.same_work(&outcome.task)) {
                     let (_, since) = self.running.swap_remove(at);
@@ -242,6 +248,7 @@ impl ClaimLoop {
         tracing::info!("the campaign at {} has ended", self.config.connect[self.coordinator]);
         self.pending = None;
         self.slots.shares().answered(self.coordinator, 0, now);
+        self.slots.simulator().on_campaign_ended();
         self.withdraw(|_| true);
         self.unacknowledged = UnacknowledgedResults::default();
         (self.claim_at, self.silent_until) = (now + QUEUE_EMPTY_PAUSE, now + QUEUE_EMPTY_PAUSE);
@@ -331,6 +338,7 @@ impl ClaimLoop {
         let claim = Claim {
             worker: self.worker.clone(),
             sequence: self.sequence,
+            offers: self.slots.simulator().offers(),
             slots: as_u32(self.config.slots),
             credits: as_u32(credits),
             holding,
@@ -368,6 +376,10 @@ impl ClaimLoop {
         self.leave_policy.check(now, self.prefetch.longest(), self.slots.shares().idle_for(now));
         if self.leaving_since.is_none() && self.leave_policy.must_leave(now, self.running.len()) {
             self.leaving_since = Some(now);
+            // Their time is over at all coordinators.
+            if !self.running.is_empty() {
+                self.slots.simulator().stop();
+            }
         }
         if let Some(since) = self.leaving_since {
             // Outcomes not acknowledged by then belong to tasks the coordinator has not requested.

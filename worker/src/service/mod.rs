@@ -31,7 +31,7 @@ mod worker_handle;
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
-use common::wire::{Task, TaskKey, WireError, WorkOrder};
+use common::wire::{Offers, Subject, Task, TaskKey, WireError, WorkOrder};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -51,8 +51,12 @@ pub struct Job {
 impl Job {
     /// A job outside any campaign, without the first cycle; for tests of a simulator.
     pub fn standalone(scene: &str, sample: &[f64], accuracy: Accuracy) -> Self {
-        let order =
-            WorkOrder { scene: scene.to_owned(), accuracy, accuracy_name: String::new(), tasks: vec![] };
+        Self::of_subject(Subject::Scene(scene.to_owned()), sample, accuracy)
+    }
+
+    /// Like [`Job::standalone`], for a scene or a simulator.
+    pub fn of_subject(subject: Subject, sample: &[f64], accuracy: Accuracy) -> Self {
+        let order = WorkOrder { subject, accuracy, accuracy_name: String::new(), tasks: vec![] };
         let task = Task {
             key: TaskKey { campaign: 0, task: 0 },
             attempt: 1,
@@ -69,9 +73,14 @@ impl Job {
         self
     }
 
-    /// Source text of the scene, TOML.
-    pub fn scene(&self) -> &str {
-        &self.order.scene
+    /// The scene or simulator of the job.
+    pub fn subject(&self) -> &Subject {
+        &self.order.subject
+    }
+
+    /// Campaign and number of the evaluation.
+    pub fn key(&self) -> TaskKey {
+        self.task.key
     }
 
     /// Values of the scene's random variables `(d,)`, SI.
@@ -92,11 +101,22 @@ impl Job {
 
 /// Evaluates samples; implemented by the program behind a worker.
 pub trait Simulator: Send + Sync {
+    /// What the worker announces to coordinators: it gets no tasks of anything else.
+    fn offers(&self) -> Offers {
+        Offers::Scenes
+    }
+
     /// Evaluates the sample of one job.
     ///
     /// # Errors
     /// [`SimulationFailure`], which is returned to the coordinator as the outcome of the task.
     fn simulate(&self, job: &Job) -> Result<Evaluation, SimulationFailure>;
+
+    /// A campaign has ended: releases what is kept for further jobs, e.g. idle processes. Other campaigns may go on.
+    fn on_campaign_ended(&self) {}
+
+    /// The worker is leaving: the results of running jobs are not needed any more.
+    fn stop(&self) {}
 
     /// Number of evaluations a thread runs side by side.
     fn side_by_side(&self) -> usize {

@@ -19,6 +19,7 @@ const LOWERED_PRIORITY: i32 = 5;
 pub(super) struct Slots {
     queue: Arc<Queue>,
     shares: Arc<FairShare>,
+    simulator: Arc<dyn Simulator>,
     at_once: usize,
 }
 
@@ -36,6 +37,7 @@ impl Slots {
             queue: Arc::new(Queue::new(count)),
             shares: Arc::new(FairShare::new(inboxes.iter().cloned())),
             at_once: count * simulator.side_by_side(),
+            simulator: Arc::clone(&simulator),
         };
         for slot in 0..count {
             let (queue, shares) = (Arc::clone(&slots.queue), Arc::clone(&slots.shares));
@@ -54,6 +56,11 @@ impl Slots {
     /// Number of jobs that can run at once.
     pub(crate) fn at_once(&self) -> usize {
         self.at_once
+    }
+
+    /// What the slots offer, and what to release when they are not used.
+    pub(crate) fn simulator(&self) -> &dyn Simulator {
+        &*self.simulator
     }
 
     /// How the coordinators share the slots.
@@ -77,6 +84,7 @@ impl Slots {
 impl Drop for Slots {
     fn drop(&mut self) {
         self.queue.close();
+        self.simulator.stop();
     }
 }
 

@@ -1,10 +1,11 @@
 //! The thread between transport and scheduler: passes messages to the scheduler as events and executes its actions.
 
 use super::backpressure::Backpressure;
-use super::scheduler::{Action, Assignment, Event, Scheduler, SchedulerSettings, Token, Warning};
+use super::scheduler::{Action, Assignment, Event, Scheduler, SchedulerSettings, Token};
 use super::status_board::StatusBoard;
 use super::throughput::Throughput;
 use super::transport::{Incoming, IncomingQuery, Transport};
+use super::warn::warn;
 use crate::farm::evaluate::{Finished, Request};
 use common::wire::{
     self, CandidatePoint, Claim, Next, Notice, Reply, Status, WireError, WorkOrder, WorkerId,
@@ -274,7 +275,7 @@ impl DispatchLoop {
                 }
             }
             Action::AnnounceEnd => self.publish(&Notice::Ended { campaign: self.campaign }),
-            Action::Warn(warning) => warn(&warning),
+            Action::Warn(warning) => warn(&warning, &self.order.subject),
         }
     }
 
@@ -304,31 +305,5 @@ impl DispatchLoop {
             Ok(frame) => self.transport.publish(frame),
             Err(error) => tracing::error!("a notice cannot be encoded: {error}"),
         }
-    }
-}
-
-fn warn(warning: &Warning) {
-    match warning {
-        Warning::NoWorker { open, since } => tracing::warn!(
-            "{open} evaluations are waiting and no worker has been connected for {:.0} s",
-            since.as_secs_f64()
-        ),
-        Warning::NoLiveliness { worker } => tracing::warn!(
-            "worker {} claims tasks but has no liveliness token, so it gets none: does access_control allow \
-             hingewise/alive/**?",
-            worker.name
-        ),
-        Warning::WorkerLost { worker, tasks } => {
-            tracing::warn!("worker {} was lost; its evaluations {tasks:?} are requeued", worker.name);
-        }
-        Warning::Overdue { worker, task, after } => tracing::warn!(
-            "evaluation {task} has been running on worker {} for {:.0} s; another worker gets it too",
-            worker.name,
-            after.as_secs_f64()
-        ),
-        Warning::OtherSample { worker, task } => tracing::warn!(
-            "worker {} returned an outcome of another sample as evaluation {task}; it is not used",
-            worker.name
-        ),
     }
 }

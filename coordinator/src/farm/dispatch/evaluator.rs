@@ -3,12 +3,13 @@
 use super::DispatchError;
 use super::backpressure::Backpressure;
 use super::dispatch_loop::{ConnectedWorker, ConnectedWorkers, Delivery, DispatchLoop, Input};
-use super::scheduler::SchedulerSettings;
+use super::scheduler::{LicenceSettings, SchedulerSettings};
 use super::status_board::StatusBoard;
 use super::transport::{Listen, Transport};
 use crate::farm::evaluate::{EvaluateError, Evaluator, POLL_INTERVAL, PendingRequests, RequestSource};
 use common::accuracy::Accuracy;
-use common::wire::{self, Message, Next, Reply, Status, WorkOrder};
+use common::external::SimulatorId;
+use common::wire::{self, Message, Next, Reply, Status, Subject, WorkOrder};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -23,6 +24,8 @@ const MOST_TOGETHER: usize = 256;
 /// Time that the tasks of a resumed campaign wait for workers of the previous coordinator, which reconnect about twice
 /// a second.
 const SETTLE: Duration = Duration::from_secs(1);
+/// Times that a worker may run a program for one evaluation.
+const TRIES: u32 = 3;
 /// Largest scene text [bytes]: every reply with tasks carries it.
 const MAX_SCENE: usize = 4 << 20;
 
@@ -39,9 +42,22 @@ pub struct CampaignSpec {
     pub accuracy: Accuracy,
     /// Name of the numerical settings, for display.
     pub accuracy_name: String,
+    /// The external simulator of the scene, if it names one. Workers then get its identity instead of the scene.
+    pub simulator: Option<CampaignSimulator>,
     /// Whether an earlier coordinator began the campaign. Its workers may reconnect with running tasks, so new leases wait
     /// one second for them if the endpoint is a fixed one.
     pub resumed: bool,
+}
+
+/// An external simulator that workers have themselves.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CampaignSimulator {
+    /// What coordinator and workers agree by.
+    pub id: SimulatorId,
+    /// Longest time of one evaluation [s].
+    pub timeout: f64,
+    /// Most evaluations at once on all workers together.
+    pub licences: Option<u32>,
 }
 
 /// Evaluator that listens for workers from [`ZenohEvaluator::open`] until it is finished or dropped.
@@ -52,6 +68,7 @@ pub struct ZenohEvaluator {
     connected: Arc<ConnectedWorkers>,
     board: StatusBoard,
     endpoints: Vec<String>,
+    licences: Option<u32>,
     interrupted: Arc<AtomicBool>,
 }
 
@@ -68,12 +85,15 @@ impl ZenohEvaluator {
     ) -> Result<Self, DispatchError> {
         let fixed_endpoint = listen.endpoint.is_some() || listen.config.is_some();
         let settle = if campaign.resumed && fixed_endpoint { SETTLE } else { Duration::ZERO };
-        let settings = SchedulerSettings { settle, ..SchedulerSettings::new(campaign.id) };
-        let CampaignSpec { scene, accuracy, accuracy_name, .. } = campaign;
+        let CampaignSpec { id, scene, accuracy, accuracy_name, simulator, .. } = campaign;
+        let settings = SchedulerSettings { settle, ..settings(id, simulator.as_ref()) };
         if scene.len() > MAX_SCENE {
             return Err(DispatchError::SceneTooLarge { bytes: scene.len(), limit: MAX_SCENE });
         }
-        let order = WorkOrder { scene, accuracy, accuracy_name, tasks: vec![] };
+        let licences = simulator.as_ref().and_then(|simulator| simulator.licences);
+        let subject =
+            simulator.map_or_else(|| Subject::Scene(scene), |simulator| Subject::Simulator(simulator.id));
+        let order = WorkOrder { subject, accuracy, accuracy_name, tasks: vec![] };
         Reply { acknowledged: vec![], next: Next::Work(order.clone()) }.check()?;
 
         let (inputs, received) = channel();
@@ -101,7 +121,8 @@ impl ZenohEvaluator {
             .spawn(move || dispatch_loop.run(&received))
             .map_err(DispatchError::Thread)?;
         tracing::info!("workers can connect to {}", endpoints.join(", "));
-        Ok(Self { inputs, dispatch_thread: Some(dispatch_thread), connected, board, endpoints, interrupted })
+        let dispatch_thread = Some(dispatch_thread);
+        Ok(Self { inputs, dispatch_thread, connected, board, endpoints, licences, interrupted })
     }
 
     /// Endpoints to which workers can connect, e.g. `tcp/127.0.0.1:37021`.
@@ -218,9 +239,10 @@ impl StatusHandle {
 }
 
 impl Evaluator for ZenohEvaluator {
-    /// The slots of all connected workers.
+    /// The slots of all connected workers, at most the number of licences.
     fn concurrency(&self) -> u32 {
-        self.workers().iter().map(|worker| worker.slots).sum()
+        let slots = self.workers().iter().map(|worker| worker.slots).sum();
+        self.licences.map_or(slots, |licences| licences.min(slots))
     }
 
     /// If a task is given up, the tasks already running are finished, and the run ends with the error.
@@ -242,6 +264,22 @@ impl Drop for ZenohEvaluator {
         {
             tracing::error!("the dispatch thread panicked");
         }
+    }
+}
+
+/// Settings of the scheduler for a campaign. The time limit of an external simulator is kept by its workers, which try a
+/// program up to three times, so the deadlines of the scheduler come after that.
+fn settings(campaign: u64, simulator: Option<&CampaignSimulator>) -> SchedulerSettings {
+    let usual = SchedulerSettings::new(campaign);
+    let Some(simulator) = simulator else { return usual };
+    let timeout = Duration::try_from_secs_f64(simulator.timeout).unwrap_or(Duration::MAX);
+    let longest = timeout.saturating_mul(TRIES).saturating_add(usual.shortest_deadline);
+    SchedulerSettings {
+        subject: Subject::Simulator(simulator.id.clone()),
+        licences: simulator.licences.map(|count| LicenceSettings { count, timeout }),
+        first_deadline: usual.first_deadline.max(longest),
+        shortest_deadline: longest,
+        ..usual
     }
 }
 

@@ -16,9 +16,10 @@ pub mod scheduler;
 mod status_board;
 mod throughput;
 mod transport;
+mod warn;
 
 pub use dispatch_loop::{ConnectedWorker, ConnectedWorkers};
-pub use evaluator::{CampaignSpec, StatusHandle, ZenohEvaluator};
+pub use evaluator::{CampaignSimulator, CampaignSpec, StatusHandle, ZenohEvaluator};
 pub use status_board::{StatusBoard, clock_ms};
 pub use transport::{ClientError, ClientSession, Listen, LivelinessGuard};
 

@@ -3,20 +3,13 @@
 
 pub mod external;
 pub mod local;
-mod process;
-mod program;
 mod queue;
-mod reply;
-mod simulator_error;
 mod slots;
-mod umbridge;
-
-pub use process::kill_all;
 
 use common::accuracy::Accuracy;
+use common::external::{SimulatorError, SlotError};
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
-use simulator_error::SimulatorError;
 use std::time::Duration;
 use thiserror::Error;
 
@@ -88,6 +81,17 @@ pub enum EvaluateError {
     /// The source could not record an outcome.
     #[error("an outcome could not be recorded: {0}")]
     Record(Box<dyn std::error::Error + Send + Sync>),
+}
+
+impl From<SlotError> for EvaluateError {
+    fn from(error: SlotError) -> Self {
+        match error {
+            SlotError::Stopped => Self::Interrupted,
+            SlotError::Thread(error) => Self::Thread(error),
+            SlotError::ThreadEnded(thread) => Self::ThreadEnded(thread),
+            SlotError::Simulator(error) => Self::Simulator(error),
+        }
+    }
 }
 
 /// Answer of a source that is asked for requests.

@@ -1,72 +1,13 @@
-//! Evaluates requests on a fixed number of slots, one thread each. A slot keeps its state between batches, e.g. a
-//! running process, and polls the stop signal while it waits.
+//! Evaluates requests on a fixed number of slots of an external simulator, one thread each. A slot keeps its state between
+//! batches, e.g. a running process, and polls the stop signal while it waits.
 
 use super::queue::{CloseAtEnd, Queue};
-use super::{EvaluateError, EvaluationResult, Evaluator, Finished, PendingRequests, Request, RequestSource};
+use super::{EvaluateError, Evaluator, Finished, PendingRequests, RequestSource};
+use common::external::{Slot, StopSignal};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
-use std::time::{Duration, Instant};
-
-/// Interval at which a waiting slot polls the stop signal.
-pub(super) const POLL_INTERVAL: Duration = Duration::from_millis(50);
-
-/// Set when the user stops the study or the batch has ended early.
-#[derive(Debug, Clone, Default)]
-pub struct StopSignal {
-    user: Arc<AtomicBool>,
-    batch: Arc<AtomicBool>,
-}
-
-impl StopSignal {
-    /// True if the slot is to stop.
-    pub fn is_set(&self) -> bool {
-        self.user.load(Ordering::Relaxed) || self.batch.load(Ordering::Relaxed)
-    }
-
-    /// Waits for a message for at most `timeout` and polls the stop signal.
-    ///
-    /// # Errors
-    /// [`WaitError`].
-    pub fn wait<T>(&self, messages: &Receiver<T>, timeout: Duration) -> Result<T, WaitError> {
-        let started = Instant::now();
-        loop {
-            let left = timeout.saturating_sub(started.elapsed());
-            match messages.recv_timeout(left.min(POLL_INTERVAL)) {
-                Ok(message) => return Ok(message),
-                Err(RecvTimeoutError::Disconnected) => return Err(WaitError::Disconnected),
-                Err(RecvTimeoutError::Timeout) if self.is_set() => return Err(WaitError::Stopped),
-                Err(RecvTimeoutError::Timeout) if started.elapsed() >= timeout => {
-                    return Err(WaitError::TimedOut);
-                }
-                Err(RecvTimeoutError::Timeout) => {}
-            }
-        }
-    }
-}
-
-/// Reasons for a wait to end without a message.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum WaitError {
-    /// No message arrived within the timeout.
-    TimedOut,
-    /// The sender was dropped.
-    Disconnected,
-    /// The [`StopSignal`] is set.
-    Stopped,
-}
-
-/// Evaluates one request at a time.
-pub trait Slot: Send {
-    /// Evaluates one request.
-    ///
-    /// # Errors
-    /// An error ends the whole batch; [`EvaluateError::Interrupted`] once `stop` is set.
-    fn evaluate(&mut self, request: &Request, stop: &StopSignal) -> Result<EvaluationResult, EvaluateError>;
-
-    /// Name of the slot in results, e.g. `program/0`.
-    fn name(&self) -> String;
-}
+use std::time::Instant;
 
 /// Evaluator with one thread per slot.
 #[derive(Debug)]
@@ -88,7 +29,8 @@ impl<S: Slot> Evaluator for SlotEvaluator<S> {
     }
 
     fn run(&mut self, source: &mut dyn RequestSource) -> Result<(), EvaluateError> {
-        let stop = StopSignal { user: Arc::clone(&self.interrupted), batch: Arc::default() };
+        let batch_ended = Arc::new(AtomicBool::new(false));
+        let stop = StopSignal::new([Arc::clone(&self.interrupted), Arc::clone(&batch_ended)]);
         let queue = Queue::default();
         let (sender, outcomes) = channel();
         std::thread::scope(|scope| {
@@ -100,11 +42,11 @@ impl<S: Slot> Evaluator for SlotEvaluator<S> {
                         && let Some(request) = queue.take()
                     {
                         let started = Instant::now();
-                        let outcome = slot.evaluate(&request, stop);
+                        let outcome = slot.evaluate(request.id, &request.sample, stop);
                         let wall = started.elapsed().as_secs_f64();
                         let finished =
                             |outcome| Finished { id: request.id, outcome, worker: slot.name(), wall };
-                        if sender.send(outcome.map(finished)).is_err() {
+                        if sender.send(outcome.map(finished).map_err(EvaluateError::from)).is_err() {
                             return;
                         }
                     }
@@ -114,7 +56,7 @@ impl<S: Slot> Evaluator for SlotEvaluator<S> {
             // The threads end on every path out of this scope.
             let _closed = CloseAtEnd(&queue);
             let collected = collect(source, &queue, &outcomes, &stop);
-            stop.batch.store(true, Ordering::Relaxed);
+            batch_ended.store(true, Ordering::Relaxed);
             collected
         })
     }
@@ -154,6 +96,8 @@ fn collect(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::farm::evaluate::Request;
+    use common::external::{SampleResult, SlotError};
     use common::failure::SimulationFailure;
     use std::collections::BTreeSet;
 
@@ -168,20 +112,21 @@ mod tests {
     impl Slot for TestSlot {
         fn evaluate(
             &mut self,
-            request: &Request,
+            id: u64,
+            _sample: &[f64],
             stop: &StopSignal,
-        ) -> Result<EvaluationResult, EvaluateError> {
+        ) -> Result<SampleResult, SlotError> {
             self.calls += 1;
-            if request.id == self.stuck {
+            if id == self.stuck {
                 while !stop.is_set() {
                     std::thread::yield_now();
                 }
-                return Err(EvaluateError::Interrupted);
+                return Err(SlotError::Stopped);
             }
-            if request.id == self.broken {
-                return Err(EvaluateError::NoOutcome { id: request.id });
+            if id == self.broken {
+                return Err(SlotError::ThreadEnded("a test"));
             }
-            Ok(Err(SimulationFailure::Reported { message: request.id.to_string() }))
+            Ok(Err(SimulationFailure::Reported { message: id.to_string() }))
         }
 
         fn name(&self) -> String {
@@ -218,7 +163,7 @@ mod tests {
     #[test]
     fn an_error_of_one_slot_ends_the_batch_and_stops_the_others() {
         let error = evaluator(2, 5, 3).evaluate(&batch(1000), &mut |_| Ok(())).unwrap_err();
-        assert!(matches!(error, EvaluateError::NoOutcome { id: 5 }));
+        assert!(matches!(error, EvaluateError::ThreadEnded("a test")));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Events and actions of the scheduler.
 
 use crate::farm::evaluate::{Finished, Request};
-use common::wire::{CandidatePoint, Claim, Task, TaskKey, WorkerId};
+use common::wire::{CandidatePoint, Claim, Offers, Task, TaskKey, WorkerId};
 use std::time::Duration;
 
 /// Identifies a claim that waits for its reply.
@@ -107,6 +107,20 @@ pub enum Warning {
         task: u64,
         /// Time since its lease.
         after: Duration,
+    },
+    /// A worker does not offer the scene or simulator of the campaign, so it gets no tasks.
+    NotOffered {
+        /// The worker concerned.
+        worker: WorkerId,
+        /// What it offers.
+        offers: Offers,
+    },
+    /// A worker cannot use its simulator, so it gets no more tasks.
+    Unusable {
+        /// The worker concerned.
+        worker: WorkerId,
+        /// What it reports.
+        reason: String,
     },
     /// An outcome has the number of a task but another sample.
     OtherSample {

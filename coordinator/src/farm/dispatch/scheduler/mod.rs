@@ -14,14 +14,22 @@
 //! - A claim lists all tasks its worker holds. A lease missing from the list was lost in transit; its task returns to the
 //!   front of the queue. A listed task leased by an earlier coordinator is adopted: no other worker gets it.
 //! - Only workers with a liveliness token get tasks, so the loss of a worker always causes an event.
+//! - Only workers that offer the subject of the campaign get tasks. One that reports its simulator as unusable gets no more;
+//!   its task returns to the queue. If no worker is left, a task is given up with the report.
+//! - With licences, no more tasks than there are licences run at once; a second worker for stragglers would take another
+//!   licence, so there is none.
 //! - A task that would be given up at its next loss goes only to workers that have finished a task, if any exist: the
 //!   earlier losses may have been faults of the workers.
 //! - A worker's share of the tasks follows its measured speed. If slots are idle and the queue is empty, a task that has
 //!   been running much longer than usual goes to a second worker too; the first outcome counts.
 
 mod event;
+mod external;
 #[cfg(test)]
 mod farm_tests;
+mod licences;
+#[cfg(test)]
+mod licences_tests;
 mod pending_replies;
 #[cfg(test)]
 mod recovery_tests;
@@ -36,11 +44,14 @@ mod workers;
 mod workers_tests;
 
 pub use event::{Action, Assignment, Event, Token, Warning};
+pub use licences::LicenceSettings;
 pub use settings::SchedulerSettings;
 pub use snapshot::FarmSnapshot;
 
 use crate::farm::evaluate::{Finished, Request};
+use common::failure::SimulationFailure;
 use common::wire::{Claim, Outcome, TaskKey, WorkerId};
+use licences::HeldLicences;
 use pending_replies::{PendingReplies, PendingReply};
 use std::collections::BTreeSet;
 use std::time::Duration;
@@ -56,6 +67,9 @@ pub struct Scheduler {
     workers: Workforce,
     pending_replies: PendingReplies,
     warnings: WorkerWarnings,
+    held_licences: HeldLicences,
+    /// Time and text of the last report of an unusable simulator since a worker claimed tasks that offers the subject.
+    unusable: Option<(Duration, String)>,
     longest_wall: Option<f64>,
     /// End of the time in which tasks wait for workers that return with running tasks; `None` before the first event.
     settled_at: Option<Duration>,
@@ -74,6 +88,8 @@ impl Scheduler {
             workers: Workforce::default(),
             pending_replies: PendingReplies::default(),
             warnings: WorkerWarnings::default(),
+            held_licences: HeldLicences::default(),
+            unusable: None,
             longest_wall: None,
             settled_at: None,
             finishing: false,
@@ -90,7 +106,7 @@ impl Scheduler {
                 self.warnings.on_worker_joined(&worker);
                 self.workers.add(worker);
             }
-            Event::WorkerLost(worker) => self.on_worker_lost(worker, &mut actions),
+            Event::WorkerLost(worker) => self.on_worker_lost(now, worker, &mut actions),
             Event::Claimed { token, claim } => self.on_claim(now, token, claim, &mut actions),
             Event::Recorded { task } => self.on_recorded(now, task, &mut actions),
             Event::Cancel => self.on_cancel(now, &mut actions),
@@ -102,7 +118,9 @@ impl Scheduler {
             Event::Tick => {
                 self.settle(now, &mut actions);
                 self.check_deadlines(now, &mut actions);
-                let open = if self.workers.is_empty() { self.tasks.open() } else { 0 };
+                self.release_licences(now, &mut actions);
+                self.give_up_unusable(now, &mut actions);
+                let open = if self.workers.any_eligible() { 0 } else { self.tasks.open() };
                 let warning = self.warnings.check_unattended(now, open, &self.settings);
                 actions.extend(warning.map(Action::Warn));
             }
@@ -110,9 +128,9 @@ impl Scheduler {
         actions
     }
 
-    /// Connected workers with their slots (0 until their first claim).
+    /// Connected workers with their slots (0 until their first claim, and for workers that get no tasks).
     pub fn workers(&self) -> impl Iterator<Item = (&WorkerId, u32)> {
-        self.workers.iter().map(|(id, worker)| (id, worker.slots))
+        self.workers.iter().map(|(id, worker)| (id, worker.usable_slots()))
     }
 
     /// Number that increases whenever [`Scheduler::workers`] changes.
@@ -155,7 +173,8 @@ impl Scheduler {
     }
 
     fn on_claim(&mut self, now: Duration, token: Token, claim: Claim, actions: &mut Vec<Action>) {
-        let Claim { worker: id, sequence, slots, credits, holding, finished, leaving } = claim;
+        let Claim { worker: id, sequence, offers, slots, credits, holding, finished, leaving } = claim;
+        let offered = offers.cover(&self.settings.subject);
         let campaign = self.settings.campaign;
         let held = holding.into_iter().chain(finished.iter().map(|outcome| outcome.task.key));
         let kept: BTreeSet<u64> = held.filter(|key| key.campaign == campaign).map(|key| key.task).collect();
@@ -168,14 +187,19 @@ impl Scheduler {
         }
 
         // Then the leases missing from the claim, and the tasks in the claim without a lease.
-        if leaving {
+        if leaving || !offered {
             pending.credits = 0;
         }
         if self.workers.get(&id).is_none() {
             pending.credits = 0;
             actions.extend(self.warnings.on_claim_without_token(&id).map(Action::Warn));
-        } else if self.workers.register_claim(&id, sequence, slots) {
+        } else if self.workers.register_claim(&id, sequence, slots, offered) {
+            if !offered {
+                actions.extend(self.warnings.on_claim_without_subject(&id, offers).map(Action::Warn));
+            }
             let lost = self.workers.missing_leases(&id, &kept, leaving);
+            self.account_for_licences(now, &id, leaving);
+            self.workers.forget_dropped(&id, &kept);
             let free = lost.into_iter().filter(|task| !self.workers.release(&id, *task)).collect();
             self.pending_replies.withdraw_credits(&id);
             self.requeue(free, actions);
@@ -223,6 +247,11 @@ impl Scheduler {
     ) {
         let Outcome { task, worker, wall, result } = outcome;
         let key = task.key;
+        if let Err(SimulationFailure::SimulatorUnusable { reason }) = result {
+            pending.acknowledged.push(key);
+            self.on_unusable(now, &pending.worker, key, reason, actions);
+            return;
+        }
         match self.tasks.accept(&task) {
             OutcomeStatus::NotNeeded => pending.acknowledged.push(key),
             OutcomeStatus::OtherSample => {
@@ -274,10 +303,11 @@ impl Scheduler {
             Some(_) if !self.is_settled(now) => Assignment::Idle,
             Some(leased) => {
                 let room = self.workers.share(&id, self.tasks.open()).saturating_sub(leased);
+                let room = room.min(self.licences_for(&id));
                 let wanted = room.min(credits.min(self.settings.most_tasks) as usize);
                 let losses = self.losses_bound(&id);
                 let mut tasks = self.tasks.lease(wanted, losses);
-                if tasks.len() < wanted {
+                if tasks.len() < wanted && self.settings.licences.is_none() {
                     let SchedulerSettings { straggler_factor, straggler_least, .. } = self.settings;
                     let late = self.workers.stragglers(&id, now, straggler_factor, straggler_least);
                     tasks.extend(
@@ -299,7 +329,8 @@ impl Scheduler {
         if self.workers.has_finished(id) || !self.workers.any_has_finished() { u32::MAX } else { last_chance }
     }
 
-    fn on_worker_lost(&mut self, id: WorkerId, actions: &mut Vec<Action>) {
+    fn on_worker_lost(&mut self, now: Duration, id: WorkerId, actions: &mut Vec<Action>) {
+        self.hold_licences_of_lost(now, &id);
         let tasks = self.workers.remove(&id);
         if tasks.is_empty() {
             return;
@@ -336,6 +367,7 @@ impl Scheduler {
 
     fn on_cancel(&mut self, now: Duration, actions: &mut Vec<Action>) {
         self.tasks.clear();
+        self.hold_all_licences(now);
         self.workers.release_everything();
         // Outcomes that are not durable stay with their workers.
         for token in self.pending_replies.give_up_waiting() {

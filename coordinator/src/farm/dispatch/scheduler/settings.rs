@@ -1,5 +1,7 @@
 //! Deadlines and limits of the scheduler.
 
+use super::licences::LicenceSettings;
+use common::wire::Subject;
 use std::time::Duration;
 
 /// Deadlines and limits of the scheduler.
@@ -7,6 +9,10 @@ use std::time::Duration;
 pub struct SchedulerSettings {
     /// Campaign of the tasks.
     pub campaign: u64,
+    /// Scene or simulator of the tasks: workers that do not offer it get none.
+    pub subject: Subject,
+    /// Bound on the evaluations at once, if there is one.
+    pub licences: Option<LicenceSettings>,
     /// Losses (of a worker, or by a deadline) after which a task is given up; the last loss counts at a worker that has
     /// finished other tasks, if any exists.
     pub losses_allowed: u32,
@@ -16,7 +22,8 @@ pub struct SchedulerSettings {
     pub deadline_factor: f64,
     /// Lower bound of the deadline.
     pub shortest_deadline: Duration,
-    /// Time without any worker before a warning, and before a repeated one if the number of tasks has changed.
+    /// Time without any worker that offers the subject before a warning, and before the campaign is given up if all of
+    /// them have reported an unusable simulator; and before a repeated one if the number of tasks has changed.
     pub unattended: Duration,
     /// Time before the warning is repeated with an unchanged number of tasks.
     pub still_unattended: Duration,
@@ -37,6 +44,8 @@ impl SchedulerSettings {
     pub fn new(campaign: u64) -> Self {
         Self {
             campaign,
+            subject: Subject::Scene(String::new()),
+            licences: None,
             losses_allowed: 3,
             first_deadline: Duration::from_secs(3600),
             deadline_factor: 10.0,

@@ -9,7 +9,7 @@ pub struct FarmSnapshot {
     pub queued: usize,
     /// Tasks submitted and not ended.
     pub open: usize,
-    /// Name, slots (0 until the first claim) and leased tasks of each connected worker.
+    /// Name, slots (0 until the first claim, and for a worker that gets no tasks) and leased tasks of each connected worker.
     pub workers: Vec<(String, u32, usize)>,
 }
 
@@ -22,7 +22,7 @@ impl Scheduler {
             workers: self
                 .workers
                 .iter()
-                .map(|(id, worker)| (id.name.clone(), worker.slots, worker.leased()))
+                .map(|(id, worker)| (id.name.clone(), worker.usable_slots(), worker.leased()))
                 .collect(),
         }
     }

@@ -87,6 +87,11 @@ impl TaskTable {
         self.entries.len()
     }
 
+    /// The open task with the lowest number.
+    pub fn first_open(&self) -> Option<u64> {
+        self.entries.keys().next().copied()
+    }
+
     /// Number of queued tasks.
     pub fn waiting(&self) -> usize {
         self.entries.values().filter(|entry| entry.phase == Phase::Queued).count()

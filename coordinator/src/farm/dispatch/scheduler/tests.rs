@@ -3,7 +3,7 @@
 use super::*;
 use crate::farm::evaluate::Request;
 use common::failure::SimulationFailure;
-use common::wire::Task;
+use common::wire::{Offers, Task};
 
 pub(super) const CAMPAIGN: u64 = 7;
 pub(super) const START: Duration = Duration::ZERO;
@@ -25,7 +25,8 @@ pub(super) fn claim(
     holding: &[u64],
 ) -> Claim {
     let holding = holding.iter().map(|&task| TaskKey { campaign: CAMPAIGN, task }).collect();
-    Claim { worker: who.clone(), sequence, slots: credits, credits, holding, finished, leaving: false }
+    let (worker, offers) = (who.clone(), Offers::Scenes);
+    Claim { worker, sequence, offers, slots: credits, credits, holding, finished, leaving: false }
 }
 
 pub(super) fn outcome(task: &Task, who: &WorkerId) -> Outcome {

@@ -1,14 +1,14 @@
 //! Warnings about workers: none connected while tasks wait, or no liveliness token.
 
 use super::{SchedulerSettings, Warning};
-use common::wire::WorkerId;
-use std::collections::BTreeMap;
+use common::wire::{Offers, WorkerId};
+use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
 /// Claims without a liveliness token before the warning: a token may arrive shortly after the first claim.
 const CLAIMS_WITHOUT_TOKEN: u32 = 10;
-/// Most workers without a liveliness token that are remembered.
-const MOST_WITHOUT_TOKEN: usize = 1000;
+/// Most workers without a liveliness token, or without the subject of the campaign, that are remembered.
+const MOST_REMEMBERED: usize = 1000;
 
 /// Tasks wait and no worker is connected.
 #[derive(Debug)]
@@ -23,6 +23,7 @@ struct Unattended {
 pub(super) struct WorkerWarnings {
     unattended: Option<Unattended>,
     without_token: BTreeMap<WorkerId, u32>,
+    without_subject: BTreeSet<WorkerId>,
 }
 
 impl WorkerWarnings {
@@ -33,12 +34,18 @@ impl WorkerWarnings {
 
     /// Counts a claim of a worker without liveliness token; returns a warning at the tenth.
     pub fn on_claim_without_token(&mut self, id: &WorkerId) -> Option<Warning> {
-        if self.without_token.len() >= MOST_WITHOUT_TOKEN && !self.without_token.contains_key(id) {
+        if self.without_token.len() >= MOST_REMEMBERED && !self.without_token.contains_key(id) {
             return None;
         }
         let claims = self.without_token.entry(id.clone()).or_default();
         *claims = claims.saturating_add(1);
         (*claims == CLAIMS_WITHOUT_TOKEN).then(|| Warning::NoLiveliness { worker: id.clone() })
+    }
+
+    /// Returns a warning at the first claim of a worker that does not offer the subject of the campaign.
+    pub fn on_claim_without_subject(&mut self, id: &WorkerId, offers: Offers) -> Option<Warning> {
+        let is_new = self.without_subject.len() < MOST_REMEMBERED && self.without_subject.insert(id.clone());
+        is_new.then(|| Warning::NotOffered { worker: id.clone(), offers })
     }
 
     /// Returns a warning if `open` tasks have waited without any worker for `settings.unattended`; `open` is 0 while a

@@ -16,6 +16,10 @@ const SHORTEST_WALL: f64 = 1e-6;
 pub(super) struct Worker {
     /// Slots stated in its claims; 0 until the first claim.
     pub slots: u32,
+    /// Whether it gets no tasks: it does not offer the subject of the campaign.
+    excluded: bool,
+    /// Whether it has reported that it cannot use its simulator.
+    unusable: bool,
     /// Highest sequence number of its claims.
     pub last_sequence: Option<u64>,
     /// Leased tasks with the time of their lease.
@@ -32,8 +36,23 @@ impl Worker {
         self.leases.len()
     }
 
+    /// True if the task is leased to the worker.
+    pub fn holds(&self, task: u64) -> bool {
+        self.leases.contains_key(&task)
+    }
+
+    /// True if the worker gets tasks.
+    pub fn is_eligible(&self) -> bool {
+        !(self.excluded || self.unusable)
+    }
+
+    /// Slots for tasks of the campaign; 0 until the first claim, and for a worker that gets no tasks.
+    pub fn usable_slots(&self) -> u32 {
+        if self.is_eligible() { self.slots } else { 0 }
+    }
+
     fn threads(&self) -> f64 {
-        f64::from(self.slots.max(1))
+        if self.is_eligible() { f64::from(self.slots.max(1)) } else { 0.0 }
     }
 
     /// Threads, and mean time of an evaluation on one of them [s].
@@ -67,8 +86,14 @@ impl Workforce {
         self.workers.iter()
     }
 
-    pub fn is_empty(&self) -> bool {
-        self.workers.is_empty()
+    /// True if any connected worker gets tasks.
+    pub fn any_eligible(&self) -> bool {
+        self.workers.values().any(Worker::is_eligible)
+    }
+
+    /// Number of tasks that may be running: leased ones, and those whose lease was revoked after their deadline.
+    pub fn under_way(&self) -> usize {
+        self.workers.values().map(|worker| worker.leases.len() + worker.overdue.len()).sum()
     }
 
     pub fn revision(&self) -> u64 {
@@ -104,19 +129,36 @@ impl Workforce {
         tasks
     }
 
-    /// Registers a claim: updates slots and sequence number of the worker. False if the claim is older than a previous
-    /// one.
-    pub fn register_claim(&mut self, id: &WorkerId, sequence: u64, slots: u32) -> bool {
-        if self.workers.get(id).is_some_and(|worker| worker.slots != slots) {
-            self.revision += 1;
-        }
+    /// Registers a claim: updates slots and sequence number of the worker, and whether it `offers` the subject of the
+    /// campaign. False if the claim is older than a previous one.
+    pub fn register_claim(&mut self, id: &WorkerId, sequence: u64, slots: u32, offers: bool) -> bool {
         let mut newest = false;
-        self.remeasure(id, |worker| {
+        self.change(id, |worker| {
             newest = worker.last_sequence.is_none_or(|last| sequence > last);
             worker.slots = slots;
+            worker.excluded = !offers;
             worker.last_sequence = worker.last_sequence.max(Some(sequence));
         });
         newest
+    }
+
+    /// Excludes a worker that cannot use its simulator; false if it is unknown or excluded already.
+    pub fn exclude_unusable(&mut self, id: &WorkerId) -> bool {
+        let is_new = self.workers.get(id).is_some_and(|worker| !worker.unusable);
+        self.change(id, |worker| worker.unusable = true);
+        is_new
+    }
+
+    /// Forgets the revoked tasks that a worker no longer holds.
+    pub fn forget_dropped(&mut self, id: &WorkerId, kept: &BTreeSet<u64>) {
+        if let Some(worker) = self.workers.get_mut(id) {
+            worker.overdue.retain(|task| kept.contains(task));
+        }
+    }
+
+    /// Number of tasks of a worker that may be running.
+    pub fn under_way_at(&self, id: &WorkerId) -> usize {
+        self.workers.get(id).map_or(0, |worker| worker.leases.len() + worker.overdue.len())
     }
 
     /// Leases a task to a worker.
@@ -230,7 +272,7 @@ impl Workforce {
         let known = if slots > 0.5 { rate } else { 0.0 };
         let all = known + self.unmeasured * mean;
         // Sums updated by addition and subtraction carry rounding errors.
-        let share = (open as f64 * own / all.max(own) - 1e-6).ceil();
+        let share = if own > 0.0 { (open as f64 * own / all.max(own) - 1e-6).ceil() } else { return 0 };
         (worker.slots.max(1) as usize).max(share as usize)
     }
 
@@ -279,6 +321,16 @@ impl Workforce {
             }
         }
         overdue
+    }
+
+    /// Changes a worker; counts a change of its slots for tasks.
+    fn change(&mut self, id: &WorkerId, change: impl FnOnce(&mut Worker)) {
+        let slots = |all: &Self| all.workers.get(id).map(Worker::usable_slots);
+        let before = slots(self);
+        self.remeasure(id, change);
+        if slots(self) != before {
+            self.revision += 1;
+        }
     }
 
     /// Changes a worker and updates the sums over all workers.

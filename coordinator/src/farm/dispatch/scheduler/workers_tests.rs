@@ -12,7 +12,7 @@ fn workforce(slots: &[(&str, u32)]) -> Workforce {
     let mut all = Workforce::default();
     for (name, slots) in slots {
         all.add(id(name));
-        assert!(all.register_claim(&id(name), 1, *slots));
+        assert!(all.register_claim(&id(name), 1, *slots, true));
     }
     all
 }

@@ -1,18 +1,20 @@
-//! Evaluations by a program of this machine: one process per slot, which keeps running between requests.
+//! Evaluations by a program of this machine. Either one process per slot keeps running between requests, or the program
+//! runs once per evaluation, with files in and out ([`super::working_folder`]).
 //!
 //! A request is one line on its standard input, `{"id": 7, "sample": {"width": 0.02, ...}, "cycles": [1, ...]}`. A reply
 //! is one line on its standard output: `{"id": 7, "outputs": {"deflection": [0.003]}}`, with numerical errors of the
 //! same shape under `errors` if the program estimates any, or `{"id": 7, "failure": "..."}`. A process that exceeds the
 //! time limit is killed and replaced; a process that exits is replaced and gets the request once more.
 
+use super::error::SimulatorError;
 use super::process::{LineError, Process, program_path};
 use super::reply::{Expected, parse, shown};
-use super::simulator_error::SimulatorError;
-use super::slots::{Slot, StopSignal};
-use super::{EvaluateError, EvaluationResult, Request};
-use common::failure::SimulationFailure;
-use common::random::Distribution;
-use common::scene::{Program, Scene};
+use super::results_file::{self, of_object};
+use super::slot::{SampleResult, Slot, SlotError, StopSignal};
+use super::working_folder::{FileProgram, Inputs, RunError};
+use crate::failure::SimulationFailure;
+use crate::random::Distribution;
+use crate::scene::{Exchange, Program, Scene};
 use serde::{Serialize, Serializer};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -28,6 +30,8 @@ const ATTEMPTS: usize = 2;
 pub struct Setup {
     command: Vec<String>,
     folder: PathBuf,
+    /// The files of a program that runs once per evaluation.
+    files: Option<FileProgram>,
     /// Time limit of one evaluation as stated in the scene [s].
     seconds: f64,
     timeout: Duration,
@@ -44,6 +48,7 @@ impl Setup {
         Self {
             command: program.command.clone(),
             folder: PathBuf::from(&program.folder),
+            files: file_program(program),
             seconds: timeout,
             timeout: Duration::try_from_secs_f64(timeout).unwrap_or(Duration::MAX),
             expected: Expected::from_scene(scene),
@@ -70,7 +75,7 @@ impl Setup {
     }
 
     /// Result of a reply line, or what is wrong with the line.
-    fn outcome(&self, id: u64, line: &str) -> Result<EvaluationResult, String> {
+    fn outcome(&self, id: u64, line: &str) -> Result<SampleResult, String> {
         let reply = parse(line).map_err(|error| format!("\"{}\" is no JSON: {error}", shown(line)))?;
         let Value::Object(reply) = reply else {
             return Err(format!("\"{}\" is no object {{\"id\": ..., \"outputs\": ...}}", shown(line)));
@@ -79,20 +84,14 @@ impl Setup {
             let found = reply.get("id").map_or("none".to_owned(), Value::to_string);
             return Err(format!("its id is {found}, expected {id}"));
         }
-        if let Some(failure) = reply.get("failure") {
-            let message = failure.as_str().map_or_else(|| failure.to_string(), str::to_owned);
-            return Ok(Err(SimulationFailure::Reported { message }));
-        }
-        let by_name = |key: &str| match reply.get(key) {
-            None => Ok(None),
-            Some(Value::Object(values)) => Ok(Some(values)),
-            Some(other) => {
-                Err(format!("\"{key}\" is {}, expected values by name", shown(&other.to_string())))
-            }
-        };
-        let outputs = by_name("outputs")?.ok_or("it has neither \"outputs\" nor \"failure\"")?;
-        self.expected.evaluation(outputs, by_name("errors")?, by_name("start")?)
+        of_object(&self.expected, &reply)
     }
+}
+
+fn file_program(program: &Program) -> Option<FileProgram> {
+    let Exchange::Files(exchange) = &program.exchange else { return None };
+    let (command, folder) = (program.command.clone(), PathBuf::from(&program.folder));
+    Some(FileProgram { command, folder, exchange: exchange.clone() })
 }
 
 /// Values of the inputs by name, in the order of the scene, which a map would not keep.
@@ -107,13 +106,17 @@ impl Serialize for SampleByName<'_> {
     }
 }
 
-/// Checks that the program of a scene exists and can be executed, without starting it.
+/// Checks that the program of a scene exists and can be executed, without starting it, and that its files can be read and
+/// its templates filled.
 ///
 /// # Errors
 /// [`SimulatorError::Start`].
-pub fn check_program_file(program: &Program) -> Result<(), SimulatorError> {
+pub fn check_program_file(program: &Program, scene: &Scene) -> Result<(), SimulatorError> {
     let folder = PathBuf::from(&program.folder);
-    let found = executable(&program.command, &folder);
+    let found = executable(&program.command, &folder).and_then(|()| match file_program(program) {
+        Some(files) => files.check(&Expected::from_scene(scene).inputs),
+        None => Ok(()),
+    });
     found.map_err(|reason| start_error(&program.command, &folder, reason))
 }
 
@@ -162,23 +165,24 @@ pub struct ProgramSlot {
 }
 
 /// How a process responded to one request.
-enum Reply {
-    Line(String),
-    Crashed { status: String, stderr: String },
+enum RunReply {
+    /// A line, or the text of the results file.
+    Text(String),
+    Crashed {
+        status: String,
+        stderr: String,
+    },
     TimedOut,
 }
 
 impl ProgramSlot {
-    /// Slot `number`; the program is started by [`ProgramSlot::start`] or by the first request.
+    /// Slot `number`; the program is started by [`Slot::start`] or by the first request.
     pub fn new(setup: Arc<Setup>, number: usize) -> Self {
         Self { setup, number, process: None }
     }
 
-    /// Starts the program if it is not running.
-    ///
-    /// # Errors
-    /// [`SimulatorError::Start`].
-    pub fn start(&mut self) -> Result<(), SimulatorError> {
+    /// Starts a program that keeps running, if it is not running.
+    fn start_process(&mut self) -> Result<(), SimulatorError> {
         if self.process.is_none() {
             let Setup { command, folder, .. } = &*self.setup;
             let started = Process::start(command, folder);
@@ -187,23 +191,29 @@ impl ProgramSlot {
         Ok(())
     }
 
-    /// Sends a sample and waits for the reply line; starts the program if it is not running.
-    fn attempt(&mut self, id: u64, sample: &[f64], stop: &StopSignal) -> Result<Reply, EvaluateError> {
-        self.start()?;
+    /// Sends a sample and waits for the reply line, or runs the program once.
+    fn attempt(&mut self, id: u64, sample: &[f64], stop: &StopSignal) -> Result<RunReply, SlotError> {
         let line = self.setup.line(id, sample);
+        if let Some(files) = &self.setup.files {
+            let inputs = Inputs { names: &self.setup.expected.inputs, values: sample, request: &line };
+            return match files.run(inputs, self.setup.timeout, stop) {
+                Ok(text) => Ok(RunReply::Text(text)),
+                Err(RunError::Start(reason)) => {
+                    Err(start_error(&files.command, &files.folder, reason).into())
+                }
+                Err(RunError::Line(none)) => without_line(none),
+            };
+        }
+        self.start_process()?;
         let process = self.process.as_mut().expect("the program was started above");
         let none = match process.ask(line, self.setup.timeout, stop) {
-            Ok(line) => return Ok(Reply::Line(line)),
+            Ok(line) => return Ok(RunReply::Text(line)),
             Err(none) => none,
         };
         if let Some(process) = self.process.take() {
             process.kill();
         }
-        match none {
-            LineError::TimedOut => Ok(Reply::TimedOut),
-            LineError::Ended { status, stderr } => Ok(Reply::Crashed { status, stderr }),
-            LineError::Stopped => Err(EvaluateError::Interrupted),
-        }
+        without_line(none)
     }
 
     /// Distinguishes a broken program from a bad sample: if no process has ever replied, the program is run at the means of the
@@ -211,23 +221,28 @@ impl ProgramSlot {
     ///
     /// # Errors
     /// [`SimulatorError::Dead`].
-    fn check_program(&mut self, request: &Request, stop: &StopSignal) -> Result<(), EvaluateError> {
+    fn check_program(&mut self, id: u64, stop: &StopSignal) -> Result<(), SlotError> {
         if self.setup.answered.load(Ordering::Relaxed) {
             return Ok(());
         }
         let nominal = self.setup.nominal.clone();
-        match self.attempt(request.id, &nominal, stop)? {
-            Reply::Crashed { status, stderr } => {
+        match self.attempt(id, &nominal, stop)? {
+            RunReply::Crashed { status, stderr } => {
                 Err(SimulatorError::Dead { program: self.setup.name(), status, stderr }.into())
             }
-            Reply::Line(line) => self.accept(request.id, &line).map(drop),
-            Reply::TimedOut => Ok(()),
+            RunReply::Text(text) => self.accept(id, &text).map(drop),
+            RunReply::TimedOut => Ok(()),
         }
     }
 
-    /// Parses a reply line; kills the process if the line breaks the protocol.
-    fn accept(&mut self, id: u64, line: &str) -> Result<EvaluationResult, EvaluateError> {
-        match self.setup.outcome(id, line) {
+    /// Parses a reply; kills the process if its line breaks the protocol.
+    fn accept(&mut self, id: u64, text: &str) -> Result<SampleResult, SlotError> {
+        let stated = match &self.setup.files {
+            None => self.setup.outcome(id, text),
+            Some(files) => results_file::read(&self.setup.expected, text)
+                .map_err(|fault| format!("{}: {fault}", files.exchange.results)),
+        };
+        match stated {
             Ok(outcome) => {
                 self.setup.answered.store(true, Ordering::Relaxed);
                 Ok(outcome)
@@ -244,22 +259,35 @@ impl ProgramSlot {
     }
 }
 
+/// The reply that stands for a missing line.
+fn without_line(none: LineError) -> Result<RunReply, SlotError> {
+    match none {
+        LineError::TimedOut => Ok(RunReply::TimedOut),
+        LineError::Ended { status, stderr } => Ok(RunReply::Crashed { status, stderr }),
+        LineError::Stopped => Err(SlotError::Stopped),
+    }
+}
+
 impl Slot for ProgramSlot {
-    fn evaluate(&mut self, request: &Request, stop: &StopSignal) -> Result<EvaluationResult, EvaluateError> {
+    fn start(&mut self) -> Result<(), SimulatorError> {
+        if self.setup.files.is_some() { Ok(()) } else { self.start_process() }
+    }
+
+    fn evaluate(&mut self, id: u64, sample: &[f64], stop: &StopSignal) -> Result<SampleResult, SlotError> {
         let mut crash = None;
         for _ in 0..ATTEMPTS {
-            match self.attempt(request.id, &request.sample, stop)? {
-                Reply::Line(line) => return self.accept(request.id, &line),
-                Reply::TimedOut => {
+            match self.attempt(id, sample, stop)? {
+                RunReply::Text(text) => return self.accept(id, &text),
+                RunReply::TimedOut => {
                     return Ok(Err(SimulationFailure::TimedOut { seconds: self.setup.seconds }));
                 }
-                Reply::Crashed { status, stderr } => {
-                    tracing::debug!("the simulator ended with {status} at evaluation {}", request.id);
+                RunReply::Crashed { status, stderr } => {
+                    tracing::debug!("the simulator ended with {status} at evaluation {id}");
                     crash = Some(SimulationFailure::Crashed { status, stderr });
                 }
             }
         }
-        self.check_program(request, stop)?;
+        self.check_program(id, stop)?;
         Ok(Err(crash.expect("every attempt ended in a crash")))
     }
 
@@ -271,16 +299,19 @@ impl Slot for ProgramSlot {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use common::scene::SceneSource;
+    use crate::scene::SceneSource;
 
-    #[test]
-    fn sample_keys_keep_the_order_of_the_scene() {
+    fn scene() -> SceneSource {
         let text = "scene = { name = \"s\" }\nsimulator = { program = [\"sh\"] }\noutputs = [{ name = \"a\" }]\n\
             limit_states = [{ name = \"l\", output = \"a\", threshold = 1 }]\n\
             variables = [{ name = \"z\", mean = 1, std = 1 }, { name = \"a\", mean = 2, std = 1 }]";
-        let source = SceneSource::parse(text, "s").unwrap();
-        let program = Program { command: vec!["sh".into()], folder: ".".into() };
-        let setup = Setup::new(&program, 1.0, source.nominal());
+        SceneSource::parse(text, "s").unwrap()
+    }
+
+    #[test]
+    fn sample_keys_keep_the_order_of_the_scene() {
+        let program = Program { command: vec!["sh".into()], folder: ".".into(), exchange: Exchange::Lines };
+        let setup = Setup::new(&program, 1.0, scene().nominal());
         assert_eq!(
             setup.line(3, &[0.5, 2.0]),
             "{\"id\":3,\"sample\":{\"z\":0.5,\"a\":2.0},\"cycles\":[1]}\n"
@@ -291,8 +322,8 @@ mod tests {
     fn a_missing_program_is_found_without_starting_it() {
         let folder = tempfile::tempdir().unwrap();
         let check = |command: &str| {
-            let command = vec![command.to_owned()];
-            check_program_file(&Program { command, folder: folder.path().display().to_string() })
+            let (command, folder) = (vec![command.to_owned()], folder.path().display().to_string());
+            check_program_file(&Program { command, folder, exchange: Exchange::Lines }, scene().nominal())
         };
         assert!(check("sh").is_ok());
         std::fs::write(folder.path().join("model"), "").unwrap();

@@ -4,17 +4,16 @@
 //! the outputs of the scene in order: each output has one value per checkpoint, or a single value.
 //!
 //! # Source
-//! See [`common::umbridge`].
+//! See [`crate::umbridge`].
 
+use super::error::SimulatorError;
 use super::reply::{Expected, parse, shown};
-use super::simulator_error::SimulatorError;
-use super::slots::{Slot, StopSignal, WaitError};
-use super::{EvaluateError, EvaluationResult, Request};
-use common::failure::SimulationFailure;
-use common::scene::{Scene, UmBridgeModel};
-use common::umbridge as protocol;
+use super::slot::{SampleResult, Slot, SlotError, StopSignal, WaitError};
+use crate::failure::SimulationFailure;
+use crate::scene::{Scene, UmBridgeModel};
+use crate::umbridge as protocol;
 use serde::de::DeserializeOwned;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 use std::sync::Arc;
 use std::sync::mpsc::channel;
 use std::time::Duration;
@@ -166,7 +165,7 @@ impl UmBridgeClient {
     }
 
     /// Result stated by a reply, or what is wrong with the reply.
-    fn outcome(&self, http: &HttpReply) -> Result<EvaluationResult, String> {
+    fn outcome(&self, http: &HttpReply) -> Result<SampleResult, String> {
         let reply = parse(&http.text)
             .map_err(|_| format!("HTTP status {}: \"{}\"", http.status, shown(&http.text)))?;
         if let Ok(protocol::ErrorReply { error }) = serde_json::from_value(reply.clone()) {
@@ -183,12 +182,7 @@ impl UmBridgeClient {
                 self.output_sizes
             ));
         }
-        let mut values = output.into_iter().flatten();
-        let cut = |((name, _), length): (&(String, bool), usize)| {
-            (name.clone(), Value::Array(values.by_ref().take(length).collect()))
-        };
-        let by_name: Map<String, Value> =
-            self.expected.outputs.iter().zip(self.expected.lengths()).map(cut).collect();
+        let by_name = self.expected.by_name(output.into_iter().flatten());
         self.expected.evaluation(&by_name, None, None)
     }
 }
@@ -207,7 +201,7 @@ impl ModelSlot {
     }
 
     /// Sends an evaluation request from a separate thread, which is abandoned if the stop signal is set.
-    fn send(&self, body: &Value, stop: &StopSignal) -> Result<Result<HttpReply, HttpError>, EvaluateError> {
+    fn send(&self, body: &Value, stop: &StopSignal) -> Result<Result<HttpReply, HttpError>, SlotError> {
         let (sender, replies) = channel();
         let (client, body) = (Arc::clone(&self.client), body.clone());
         let send = move || {
@@ -215,29 +209,29 @@ impl ModelSlot {
             let _ = sender.send(client.send("Evaluate", Some(&body), client.timeout));
         };
         let thread = std::thread::Builder::new().name("umbridge".into()).spawn(send);
-        thread.map_err(EvaluateError::Thread)?;
+        thread.map_err(SlotError::Thread)?;
         stop.wait(&replies, Duration::MAX).map_err(|none| match none {
-            WaitError::Stopped => EvaluateError::Interrupted,
+            WaitError::Stopped => SlotError::Stopped,
             WaitError::Disconnected | WaitError::TimedOut => {
-                EvaluateError::ThreadEnded("the thread of a request")
+                SlotError::ThreadEnded("the thread of a request")
             }
         })
     }
 
-    fn pause(stop: &StopSignal) -> Result<(), EvaluateError> {
+    fn pause(stop: &StopSignal) -> Result<(), SlotError> {
         let (_sender, nothing) = channel::<()>();
         match stop.wait(&nothing, PAUSE) {
-            Err(WaitError::Stopped) => Err(EvaluateError::Interrupted),
+            Err(WaitError::Stopped) => Err(SlotError::Stopped),
             _ => Ok(()),
         }
     }
 }
 
 impl Slot for ModelSlot {
-    /// A server that cannot be reached ends the batch. A server error (HTTP 5xx) that is no UM-Bridge reply counts as a
+    /// A server that cannot be reached is an error. A server error (HTTP 5xx) that is no UM-Bridge reply counts as a
     /// failed simulation of the sample.
-    fn evaluate(&mut self, request: &Request, stop: &StopSignal) -> Result<EvaluationResult, EvaluateError> {
-        let body = self.client.body(&request.sample);
+    fn evaluate(&mut self, id: u64, sample: &[f64], stop: &StopSignal) -> Result<SampleResult, SlotError> {
+        let body = self.client.body(sample);
         let url = format!("{}/Evaluate", self.client.model.url);
         for attempt in 1.. {
             let last = attempt == ATTEMPTS;
@@ -259,7 +253,7 @@ impl Slot for ModelSlot {
                     return self.client.outcome(&reply).map_err(|fault| {
                         let simulator =
                             format!("model \"{}\" of {}", self.client.model.model, self.client.model.url);
-                        SimulatorError::Protocol { simulator, id: request.id, fault }.into()
+                        SimulatorError::Protocol { simulator, id, fault }.into()
                     });
                 }
                 Err(HttpError::Failed(reason)) => tracing::debug!("{url}: {reason}"),

@@ -1,19 +1,23 @@
-//! A program that keeps running between requests: it reads one line per request and writes one line per reply. It
-//! runs in a separate process group: a signal to the study does not reach it, and its child processes end with it.
+//! A program that keeps running between requests, with one line per request and one per reply, or that runs once per
+//! evaluation. It runs in a separate process group: a signal to this process does not reach it, and its child processes
+//! end with it.
 
-use super::slots::{StopSignal, WaitError};
+use super::slot::{StopSignal, WaitError};
 use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, kill_process_group, waitid};
 use std::collections::{BTreeSet, VecDeque};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::mpsc::{Receiver, Sender, channel, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Longest line read from a program [bytes].
+/// Longest line read from a program [bytes]; the rest of a longer one counts as the next line.
 const LONGEST_LINE: u64 = 64 << 20;
-/// Last lines of standard error kept for error messages.
+/// Lines of standard output that are read ahead. A program that writes more waits until they are read, so that its
+/// output takes no memory here.
+const LINES_AHEAD: usize = 1;
+/// Last lines of standard error (of all output of a program that runs once) kept for error messages.
 const KEPT_LINES: usize = 5;
 /// Characters kept of each of these lines.
 const KEPT_OF_LINE: usize = 400;
@@ -72,6 +76,8 @@ pub struct Process {
     group: i32,
     /// How it ended, once it was reaped.
     status: Option<String>,
+    /// Whether it ended with exit status 0.
+    succeeded: bool,
     /// Lines for the writing thread; dropping it closes the program's standard input.
     input: Option<Sender<String>>,
     lines: Receiver<String>,
@@ -84,10 +90,18 @@ impl Process {
     /// # Errors
     /// The operating system cannot start the program.
     pub fn start(command: &[String], folder: &Path) -> std::io::Result<Self> {
+        Self::start_in(command, folder, folder)
+    }
+
+    /// Like [`Process::start`], with the working directory `directory`.
+    ///
+    /// # Errors
+    /// The operating system cannot start the program.
+    pub fn start_in(command: &[String], folder: &Path, directory: &Path) -> std::io::Result<Self> {
         use std::os::unix::process::CommandExt;
         let mut child = Command::new(program_path(command, folder)?)
             .args(&command[1..])
-            .current_dir(folder)
+            .current_dir(directory)
             .process_group(0)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
@@ -96,11 +110,18 @@ impl Process {
         let group = i32::try_from(child.id()).map_err(std::io::Error::other)?;
         locked(&RUNNING).insert(group);
         let (input, requests) = channel::<String>();
-        let (sender, lines) = channel();
+        let (sender, lines) = sync_channel(LINES_AHEAD);
         let stderr = Arc::new(Mutex::new(VecDeque::new()));
         let pipes = (child.stdin.take(), child.stdout.take(), child.stderr.take());
-        let process =
-            Self { child, group, status: None, input: Some(input), lines, stderr: Arc::clone(&stderr) };
+        let process = Self {
+            child,
+            group,
+            status: None,
+            succeeded: false,
+            input: Some(input),
+            lines,
+            stderr: Arc::clone(&stderr),
+        };
         let (Some(mut to), Some(from), Some(errors)) = pipes else { unreachable!("all three are piped") };
         spawn("input", move || {
             // A program that stops reading is detected by the missing reply.
@@ -112,11 +133,7 @@ impl Process {
         spawn("stderr", move || {
             each_line(errors, |line| {
                 tracing::debug!("simulator: {line}");
-                let mut kept = locked(&stderr);
-                kept.push_back(line.chars().take(KEPT_OF_LINE).collect());
-                if kept.len() > KEPT_LINES {
-                    kept.pop_front();
-                }
+                keep(&stderr, &line);
                 true
             });
         })?;
@@ -152,12 +169,51 @@ impl Process {
         }
     }
 
+    /// Closes the program's input and waits for its exit, at most `timeout`. Its standard output counts as messages for
+    /// the user, like standard error. `Ok` if it ends with exit status 0; what is left of its group is killed.
+    ///
+    /// # Errors
+    /// [`LineError`].
+    pub fn complete(&mut self, timeout: Duration, stop: &StopSignal) -> Result<(), LineError> {
+        self.input = None;
+        let started = Instant::now();
+        let mut open = true;
+        while !self.has_exited() {
+            let left = timeout.saturating_sub(started.elapsed());
+            if stop.is_set() {
+                return Err(LineError::Stopped);
+            }
+            if left.is_zero() {
+                return Err(LineError::TimedOut);
+            }
+            if !open {
+                std::thread::sleep(EXIT_POLL.min(left));
+                continue;
+            }
+            match stop.wait(&self.lines, left.min(EXIT_LOOK)) {
+                Ok(line) => keep(&self.stderr, &line),
+                // It usually exits right after.
+                Err(WaitError::Disconnected) => open = false,
+                Err(WaitError::Stopped | WaitError::TimedOut) => {}
+            }
+        }
+        let status = self.end();
+        while let Ok(line) = self.lines.recv_timeout(FAREWELL) {
+            keep(&self.stderr, &line);
+        }
+        if self.succeeded { Ok(()) } else { Err(LineError::Ended { status, stderr: self.last_lines() }) }
+    }
+
+    /// The last lines of standard error.
+    pub fn last_lines(&self) -> String {
+        // They may still be in the pipe.
+        self.wait_for_stderr();
+        locked(&self.stderr).iter().cloned().collect::<Vec<_>>().join(" / ")
+    }
+
     fn ended(&mut self) -> LineError {
         let status = self.finish();
-        // The last lines of standard error may still be in the pipe.
-        self.wait_for_stderr();
-        let stderr = locked(&self.stderr).iter().cloned().collect::<Vec<_>>().join(" / ");
-        LineError::Ended { status, stderr }
+        LineError::Ended { status, stderr: self.last_lines() }
     }
 
     /// True if the program has exited; it is not reaped.
@@ -203,7 +259,9 @@ impl Process {
         }
         kill_group(self.group);
         locked(&RUNNING).remove(&self.group);
-        let status = self.child.wait().map_or_else(|error| error.to_string(), |status| status.to_string());
+        let ended = self.child.wait();
+        self.succeeded = ended.as_ref().is_ok_and(std::process::ExitStatus::success);
+        let status = ended.map_or_else(|error| error.to_string(), |status| status.to_string());
         self.status = Some(status.clone());
         status
     }
@@ -212,6 +270,15 @@ impl Process {
 impl Drop for Process {
     fn drop(&mut self) {
         self.finish();
+    }
+}
+
+/// Appends a line to the last ones.
+fn keep(kept: &Mutex<VecDeque<String>>, line: &str) {
+    let mut kept = locked(kept);
+    kept.push_back(line.chars().take(KEPT_OF_LINE).collect());
+    if kept.len() > KEPT_LINES {
+        kept.pop_front();
     }
 }
 

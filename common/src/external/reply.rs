@@ -1,9 +1,9 @@
 //! Converts the reply of an external simulator into an evaluation; checks names, shapes and numbers against the scene.
 
-use super::EvaluationResult;
-use common::failure::SimulationFailure;
-use common::outputs::{Diagnostics, Evaluation};
-use common::scene::{OutputKind, Scene};
+use super::slot::SampleResult;
+use crate::failure::SimulationFailure;
+use crate::outputs::{Diagnostics, Evaluation};
+use crate::scene::{OutputKind, Scene};
 use serde_json::{Map, Value};
 
 /// Inputs and outputs of a simulator as declared by the scene.
@@ -33,6 +33,21 @@ impl Expected {
         self.outputs.iter().map(|(_, single)| if *single { 1 } else { self.cycles.len() }).collect()
     }
 
+    /// Names of the outputs with their numbers of values, for messages.
+    pub fn sizes(&self) -> String {
+        let size = |((name, _), length): (&(String, bool), usize)| format!("{name} {length}");
+        self.outputs.iter().zip(self.lengths()).map(size).collect::<Vec<_>>().join(", ")
+    }
+
+    /// Values by the names of the outputs, from as many values as the outputs have, in their order.
+    pub fn by_name(&self, values: impl IntoIterator<Item = Value>) -> Map<String, Value> {
+        let mut values = values.into_iter();
+        let cut = |((name, _), length): (&(String, bool), usize)| {
+            (name.clone(), Value::Array(values.by_ref().take(length).collect()))
+        };
+        self.outputs.iter().zip(self.lengths()).map(cut).collect()
+    }
+
     /// Builds an evaluation from values by name and, if given, numerical errors of the same shape and values at the start of
     /// life. An output with a single value has it from the start.
     ///
@@ -44,7 +59,7 @@ impl Expected {
         values: &Map<String, Value>,
         errors: Option<&Map<String, Value>>,
         start: Option<&Map<String, Value>>,
-    ) -> Result<EvaluationResult, String> {
+    ) -> Result<SampleResult, String> {
         let mut histories = Vec::new();
         for (name, single) in &self.outputs {
             let value = values.get(name).ok_or_else(|| {
@@ -227,7 +242,7 @@ mod tests {
         }
     }
 
-    fn evaluation(outputs: Value, errors: Option<Value>) -> Result<EvaluationResult, String> {
+    fn evaluation(outputs: Value, errors: Option<Value>) -> Result<SampleResult, String> {
         let errors = errors.as_ref().map(|errors| errors.as_object().unwrap());
         expected().evaluation(outputs.as_object().unwrap(), errors, None)
     }

@@ -1,6 +1,8 @@
 //! Studies of external programs, by the real `coordinator` and real programs: the example of the document, a
 //! problem with a known answer, and everything a program can do wrong. The programs are Python.
 
+mod files;
+
 use serde_json::Value;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -105,7 +107,7 @@ impl Study {
 #[test]
 fn the_example_of_the_document_runs() {
     let Some(study) = Study::new("", "1 min") else { return };
-    let text = include_str!("../doc/simulators.md");
+    let text = include_str!("../../doc/simulators.md");
     let block = |kind: &str| {
         let from = text.find(&format!("```{kind}\n")).unwrap() + kind.len() + 4;
         &text[from..from + text[from..].find("```").unwrap()]
@@ -172,6 +174,15 @@ fn a_known_failure_probability_is_found_whatever_happens() {
     assert!(header.starts_with("id,R,S,margin_kN@1,failure,"), "{header}");
     let text = study.done("resume two");
     assert!(text.contains("P_f broken = 0.005"), "{text}");
+
+    // Another number of slots, over messages, and with fewer licences than slots.
+    study.done("run --scene study.toml --workers 2 --listen tcp/127.0.0.1:0 --seed 3 --out farm --quiet");
+    assert_eq!(study.summary("farm"), study.summary("two"));
+    let before = std::fs::read_to_string(study.file("started")).unwrap().lines().count();
+    study.done("run --scene study.toml --workers 3 --licences 1 --seed 3 --out licensed --quiet");
+    assert_eq!(study.summary("licensed"), study.summary("two"));
+    let after = std::fs::read_to_string(study.file("started")).unwrap().lines().count();
+    assert_eq!((after - before, study.alive().len()), (1, 0));
 
     // Another number of slots, and a study that is stopped in the middle of an evaluation.
     study.done("run --scene study.toml --workers 1 --seed 3 --out one --quiet");
@@ -290,14 +301,33 @@ fn a_program_that_ends_once_is_asked_again() {
     assert_eq!(started.lines().count(), 2, "one process, and one after it fell");
 }
 
+/// A program over messages ends a study with the same reason as one without, and is resumed like it.
+#[test]
+fn a_program_that_cannot_be_used_ends_a_study_with_remote_workers_too() {
+    let Some(study) = Study::new(&model("", "sys.exit('no license')"), "1 min") else { return };
+    let said =
+        study.refused("run --scene study.toml --workers 1 --listen tcp/127.0.0.1:0 --out out --quiet", 1);
+    for part in ["evaluation 0 was given up: worker ", "python3 model.py", "instead of answering: no license"]
+    {
+        assert!(said.contains(part), "no \"{part}\" in: {said}");
+    }
+    assert_eq!(study.alive(), [""; 0]);
+    std::fs::write(study.file("model.py"), model("", RIGHT)).unwrap();
+    study.done("resume out --workers 1 --quiet");
+    assert_eq!(study.summary("out")["evaluations"]["failed"], 0);
+}
+
 #[test]
 fn what_does_not_fit_is_refused_before_anything_is_done() {
     let Some(study) = Study::new(&model("", RIGHT), "1 min") else { return };
     for (arguments, parts) in [
         ("run --scene study.toml --accuracy draft", &["--accuracy is not for study.toml"][..]),
         ("run --scene study.toml --max-error 1%", &["--max-error is not for study.toml"]),
-        ("run --scene study.toml --listen tcp/127.0.0.1:0", &["--listen is not for study.toml"]),
-        ("run --scene study.toml --workers 0", &["--workers 0 is not for study.toml"]),
+        ("run --scene study.toml --listen tcp/0.0.0.0:0 --out out", &["clients are not authenticated"]),
+        (
+            "run --scene four-bar --licences 2 --out out",
+            &["--licences is for scenes that name their own simulator"],
+        ),
         ("simulate --scene study.toml --accuracy draft", &["--accuracy is not for study.toml"]),
         ("simulate --scene study.toml --set T=3", &["there is no variable \"T\"", "R, S"]),
         ("extremes --scene study.toml", &["study.toml", "this command is for mechanisms"]),

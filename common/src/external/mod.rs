@@ -1,0 +1,30 @@
+//! External simulators: a program of this machine, or a model of an UM-Bridge server, as a scene names it. Coordinators
+//! and workers evaluate samples with the same code.
+//!
+//! | file | content |
+//! |---|---|
+//! | `slot` | a slot evaluates one sample at a time; the signal that stops it |
+//! | `process` | a process with its process group: lines in and out, time limit, kill |
+//! | `reply`, `results_file`, `template` | what programs write and read, checked against the scene |
+//! | `working_folder` | one run of a program in a folder, with files in and out |
+//! | `program`, `umbridge` | the two kinds of simulators |
+//! | `opened` | the simulator of a scene, ready to give slots |
+//! | `identity` | what a coordinator and a worker with its own program agree by |
+
+mod error;
+mod identity;
+mod opened;
+mod process;
+mod program;
+mod reply;
+mod results_file;
+mod slot;
+mod template;
+mod umbridge;
+mod working_folder;
+
+pub use error::SimulatorError;
+pub use identity::SimulatorId;
+pub use opened::{OpenedSimulator, check};
+pub use process::kill_all;
+pub use slot::{SampleResult, Slot, SlotError, StopSignal};

@@ -1,0 +1,114 @@
+//! A slot evaluates one sample at a time with an external simulator, and polls a stop signal while it waits.
+
+use super::error::SimulatorError;
+use crate::failure::SimulationFailure;
+use crate::outputs::Evaluation;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::time::{Duration, Instant};
+use thiserror::Error;
+
+/// Interval at which a waiting slot polls the stop signal.
+const POLL_INTERVAL: Duration = Duration::from_millis(50);
+
+/// Result of one sample. A failed simulation is a result, not an error of the slot.
+pub type SampleResult = Result<Evaluation, SimulationFailure>;
+
+/// Set when any of its flags is true.
+#[derive(Debug, Clone, Default)]
+pub struct StopSignal(Vec<Arc<AtomicBool>>);
+
+impl StopSignal {
+    /// A signal that is set when one of `flags` is true.
+    pub fn new(flags: impl IntoIterator<Item = Arc<AtomicBool>>) -> Self {
+        Self(flags.into_iter().collect())
+    }
+
+    /// True if the slot is to stop.
+    pub fn is_set(&self) -> bool {
+        self.0.iter().any(|flag| flag.load(Ordering::Relaxed))
+    }
+
+    /// Waits for a message for at most `timeout` and polls the stop signal.
+    ///
+    /// # Errors
+    /// [`WaitError`].
+    pub fn wait<T>(&self, messages: &Receiver<T>, timeout: Duration) -> Result<T, WaitError> {
+        let started = Instant::now();
+        loop {
+            let left = timeout.saturating_sub(started.elapsed());
+            match messages.recv_timeout(left.min(POLL_INTERVAL)) {
+                Ok(message) => return Ok(message),
+                Err(RecvTimeoutError::Disconnected) => return Err(WaitError::Disconnected),
+                Err(RecvTimeoutError::Timeout) if self.is_set() => return Err(WaitError::Stopped),
+                Err(RecvTimeoutError::Timeout) if started.elapsed() >= timeout => {
+                    return Err(WaitError::TimedOut);
+                }
+                Err(RecvTimeoutError::Timeout) => {}
+            }
+        }
+    }
+}
+
+/// Reasons for a wait to end without a message.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum WaitError {
+    /// No message arrived within the timeout.
+    TimedOut,
+    /// The sender was dropped.
+    Disconnected,
+    /// The [`StopSignal`] is set.
+    Stopped,
+}
+
+/// Reasons for a slot to return no result: nothing is known about the sample.
+#[derive(Debug, Error)]
+pub enum SlotError {
+    /// The stop signal was set.
+    #[error("stopped")]
+    Stopped,
+    /// The operating system cannot start a thread.
+    #[error("cannot start a thread: {0}")]
+    Thread(std::io::Error),
+    /// A thread has ended without reporting why: a defect of the program.
+    #[error("{0} has ended unexpectedly")]
+    ThreadEnded(&'static str),
+    /// The simulator cannot be used.
+    #[error(transparent)]
+    Simulator(#[from] SimulatorError),
+}
+
+impl Slot for Box<dyn Slot> {
+    fn start(&mut self) -> Result<(), SimulatorError> {
+        (**self).start()
+    }
+
+    fn evaluate(&mut self, id: u64, sample: &[f64], stop: &StopSignal) -> Result<SampleResult, SlotError> {
+        (**self).evaluate(id, sample, stop)
+    }
+
+    fn name(&self) -> String {
+        (**self).name()
+    }
+}
+
+/// Evaluates one sample at a time.
+pub trait Slot: Send {
+    /// Starts what the slot needs before its first sample, so that a simulator that cannot start is reported at once.
+    ///
+    /// # Errors
+    /// [`SimulatorError::Start`].
+    fn start(&mut self) -> Result<(), SimulatorError> {
+        Ok(())
+    }
+
+    /// Evaluates the sample `(d,)` of evaluation `id`.
+    ///
+    /// # Errors
+    /// [`SlotError`]; [`SlotError::Stopped`] once `stop` is set.
+    fn evaluate(&mut self, id: u64, sample: &[f64], stop: &StopSignal) -> Result<SampleResult, SlotError>;
+
+    /// Name of the slot in results, e.g. `program/0`.
+    fn name(&self) -> String;
+}

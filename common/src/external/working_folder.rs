@@ -1,0 +1,158 @@
+//! One run of a program in a working folder of its own, with files in and out.
+//!
+//! The folder has the files of the scene, its templates with the values of the sample, and `request.json`. The program
+//! runs in it, once, to its end, and leaves its results in a file. The folder is removed afterwards.
+
+use super::process::{LineError, Process};
+use super::slot::StopSignal;
+use super::template::fill;
+use crate::scene::{FileExchange, REQUEST_FILE};
+use std::io::{Error, Read};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
+
+/// Largest file of results [bytes].
+const LARGEST_RESULTS: u64 = 64 << 20;
+/// Stands for the folder of the program in its arguments.
+const FOLDER: &str = "{folder}";
+
+/// The program and its files.
+#[derive(Debug)]
+pub struct FileProgram {
+    /// Program and arguments; `{folder}` in an argument stands for the folder.
+    pub command: Vec<String>,
+    /// The folder with the files and templates.
+    pub folder: PathBuf,
+    /// Names of the files.
+    pub exchange: FileExchange,
+}
+
+/// What one evaluation gives to the program.
+#[derive(Debug, Clone, Copy)]
+pub struct Inputs<'a> {
+    /// Names of the inputs `(d,)`.
+    pub names: &'a [String],
+    /// Their values `(d,)`.
+    pub values: &'a [f64],
+    /// The request as JSON.
+    pub request: &'a str,
+}
+
+/// Reasons for a run without results.
+#[derive(Debug)]
+pub enum RunError {
+    /// A file of the scene cannot be used, or the program cannot be started.
+    Start(Error),
+    /// The program gave no results.
+    Line(LineError),
+}
+
+impl FileProgram {
+    /// Checks that the files exist and the templates name inputs only.
+    ///
+    /// # Errors
+    /// The first file that cannot be used, with its name.
+    pub fn check(&self, names: &[String]) -> Result<(), Error> {
+        for name in &self.exchange.templates {
+            let text = std::fs::read_to_string(self.folder.join(name)).map_err(|e| in_file(name, &e))?;
+            fill(&text, names, &vec![0.0; names.len()]).map_err(|unknown| in_file(name, &unknown))?;
+        }
+        for name in &self.exchange.files {
+            let about = std::fs::metadata(self.folder.join(name)).map_err(|e| in_file(name, &e))?;
+            if !about.is_file() {
+                return Err(in_file(name, &"not a file"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Runs the program; the text of its results.
+    ///
+    /// # Errors
+    /// [`RunError`]; a program that ends with status 0 and without results counts as ended.
+    pub fn run(&self, inputs: Inputs<'_>, timeout: Duration, stop: &StopSignal) -> Result<String, RunError> {
+        let folder = WorkingFolder::create().map_err(RunError::Start)?;
+        self.fill(&folder, inputs).map_err(RunError::Start)?;
+        let place = self.folder.canonicalize().unwrap_or_else(|_| self.folder.clone());
+        let mut command = self.command.clone();
+        for argument in &mut command[1..] {
+            *argument = argument.replace(FOLDER, &place.display().to_string());
+        }
+        let mut process = Process::start_in(&command, &place, &folder.0).map_err(RunError::Start)?;
+        let ended = process.complete(timeout, stop);
+        let results = match ended {
+            Ok(()) => self.results(&folder).map_err(|reason| LineError::Ended {
+                status: format!("exit status: 0 and no {} ({reason})", self.exchange.results),
+                stderr: process.last_lines(),
+            }),
+            Err(none) => Err(none),
+        };
+        // Before its folder is removed.
+        process.kill();
+        results.map_err(RunError::Line)
+    }
+
+    fn fill(&self, folder: &WorkingFolder, inputs: Inputs<'_>) -> Result<(), Error> {
+        for name in &self.exchange.files {
+            let copied = folder.place(name).and_then(|to| std::fs::copy(self.folder.join(name), to));
+            copied.map_err(|error| in_file(name, &error))?;
+        }
+        for name in &self.exchange.templates {
+            let text = std::fs::read_to_string(self.folder.join(name)).map_err(|e| in_file(name, &e))?;
+            let filled = fill(&text, inputs.names, inputs.values).map_err(|e| in_file(name, &e))?;
+            folder.place(name).and_then(|to| std::fs::write(to, filled)).map_err(|e| in_file(name, &e))?;
+        }
+        std::fs::write(folder.0.join(REQUEST_FILE), inputs.request)
+    }
+
+    fn results(&self, folder: &WorkingFolder) -> Result<String, Error> {
+        let file = std::fs::File::open(folder.0.join(&self.exchange.results))?;
+        let mut text = String::new();
+        if file.take(LARGEST_RESULTS + 1).read_to_string(&mut text)? as u64 > LARGEST_RESULTS {
+            return Err(Error::other(format!("more than {LARGEST_RESULTS} bytes")));
+        }
+        Ok(text)
+    }
+}
+
+fn in_file(name: &str, reason: &dyn std::fmt::Display) -> Error {
+    Error::other(format!("{name}: {reason}"))
+}
+
+/// A new folder for temporary files, removed when dropped.
+#[derive(Debug)]
+struct WorkingFolder(PathBuf);
+
+impl WorkingFolder {
+    fn create() -> Result<Self, Error> {
+        use std::os::unix::fs::DirBuilderExt;
+        static NUMBER: AtomicU64 = AtomicU64::new(0);
+        loop {
+            let number = NUMBER.fetch_add(1, Ordering::Relaxed);
+            let name = format!("hingewise-{}-{number}", std::process::id());
+            let path = std::env::temp_dir().join(name);
+            match std::fs::DirBuilder::new().mode(0o700).create(&path) {
+                Ok(()) => return Ok(Self(path)),
+                // Of an earlier process with this number that was killed.
+                Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {}
+                Err(error) => return Err(error),
+            }
+        }
+    }
+
+    /// Path of a file, whose folder is made.
+    fn place(&self, name: &str) -> Result<PathBuf, Error> {
+        let path = self.0.join(name);
+        std::fs::create_dir_all(path.parent().unwrap_or(Path::new(".")))?;
+        Ok(path)
+    }
+}
+
+impl Drop for WorkingFolder {
+    fn drop(&mut self) {
+        if let Err(error) = std::fs::remove_dir_all(&self.0) {
+            tracing::warn!("{} cannot be removed: {error}", self.0.display());
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! Which workers may run how many tasks of an external simulator: licences, and reports of simulators that cannot be used.
+
+use super::{Action, Scheduler, Warning};
+use common::wire::{TaskKey, WorkerId};
+use std::time::Duration;
+
+impl Scheduler {
+    /// Tasks that worker `id` may get in addition: without licences any number; with licences one per free slot, so that
+    /// none waits at the worker, and at most the free licences.
+    pub(super) fn licences_for(&self, id: &WorkerId) -> usize {
+        let Some(licences) = &self.settings.licences else { return usize::MAX };
+        let taken = self.workers.under_way() + self.held_licences.count();
+        let slots = self.workers.get(id).map_or(0, |worker| worker.usable_slots() as usize);
+        let free_slots = slots.saturating_sub(self.workers.under_way_at(id));
+        (licences.count as usize).saturating_sub(taken).min(free_slots)
+    }
+
+    /// Holds the licences of a lost worker back: its programs may still run.
+    pub(super) fn hold_licences_of_lost(&mut self, now: Duration, id: &WorkerId) {
+        if let Some(licences) = &self.settings.licences {
+            let count = self.workers.under_way_at(id);
+            self.held_licences.hold_lost(id, count, now, licences, self.longest_wall);
+        }
+    }
+
+    /// Accounts for a worker's claim, which lists what it runs: nothing is held back for it, unless it is leaving.
+    pub(super) fn account_for_licences(&mut self, now: Duration, id: &WorkerId, leaving: bool) {
+        if !leaving {
+            self.held_licences.forget(id);
+        } else if self.settings.licences.is_some() {
+            self.held_licences.hold_leaving(id, self.workers.under_way_at(id), now);
+        }
+    }
+
+    /// Holds the licences of all workers back, whose tasks are cancelled.
+    pub(super) fn hold_all_licences(&mut self, now: Duration) {
+        let ids: Vec<WorkerId> = self.workers.iter().map(|(id, _)| id.clone()).collect();
+        ids.iter().for_each(|id| self.hold_licences_of_lost(now, id));
+    }
+
+    /// Releases the licences whose time is over; announces the queued tasks, so that idle workers claim again.
+    pub(super) fn release_licences(&mut self, now: Duration, actions: &mut Vec<Action>) {
+        if self.held_licences.release(now) {
+            let points = self.tasks.queued();
+            if !points.is_empty() {
+                actions.push(Action::Announce(points));
+            }
+        }
+    }
+
+    /// Excludes a worker that cannot use its simulator; its task returns to the queue, without a loss.
+    pub(super) fn on_unusable(
+        &mut self,
+        now: Duration,
+        id: &WorkerId,
+        key: TaskKey,
+        reason: String,
+        actions: &mut Vec<Action>,
+    ) {
+        if key.campaign != self.settings.campaign {
+            return;
+        }
+        if self.workers.exclude_unusable(id) {
+            self.unusable = Some((now, format!("worker {}: {reason}", id.name)));
+            actions.push(Action::Warn(Warning::Unusable { worker: id.clone(), reason }));
+        }
+        let is_held = self.workers.get(id).is_some_and(|worker| worker.holds(key.task));
+        if is_held && !self.workers.release(id, key.task) {
+            self.requeue(vec![key.task], actions);
+        }
+    }
+
+    /// Gives a task up if all workers have reported that they cannot use their simulators, some time ago: others may
+    /// have been about to connect.
+    pub(super) fn give_up_unusable(&mut self, now: Duration, actions: &mut Vec<Action>) {
+        if self.workers.any_eligible() {
+            self.unusable = None;
+        }
+        let over =
+            |(since, _): &mut (Duration, String)| now.saturating_sub(*since) >= self.settings.unattended;
+        let Some((_, reason)) = self.unusable.take_if(over) else { return };
+        if let Some(task) = self.tasks.first_open() {
+            self.tasks.end(task);
+            actions.push(Action::GiveUp { task, reason });
+        }
+    }
+}

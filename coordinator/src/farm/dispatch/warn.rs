@@ -1,0 +1,63 @@
+//! Texts of the scheduler's warnings.
+
+use super::scheduler::Warning;
+use common::wire::{Offers, Subject};
+
+/// Simulators of a worker that are listed.
+const SHOWN: usize = 5;
+
+/// Logs a warning of a campaign on `subject`.
+pub(super) fn warn(warning: &Warning, subject: &Subject) {
+    match warning {
+        Warning::NotOffered { worker, offers } => tracing::warn!(
+            "worker {} gets no evaluations: the study is of {}, the worker offers {}",
+            worker.name,
+            wanted(subject),
+            offered(offers)
+        ),
+        Warning::Unusable { worker, reason } => {
+            tracing::warn!("worker {} gets no more evaluations: {reason}", worker.name);
+        }
+        Warning::NoWorker { open, since } => tracing::warn!(
+            "{open} evaluations are waiting and no worker that can run them has been connected for {:.0} s",
+            since.as_secs_f64()
+        ),
+        Warning::NoLiveliness { worker } => tracing::warn!(
+            "worker {} claims tasks but has no liveliness token, so it gets none: does access_control allow \
+             hingewise/alive/**?",
+            worker.name
+        ),
+        Warning::WorkerLost { worker, tasks } => {
+            tracing::warn!("worker {} was lost; its evaluations {tasks:?} are requeued", worker.name);
+        }
+        Warning::Overdue { worker, task, after } => tracing::warn!(
+            "evaluation {task} has been running on worker {} for {:.0} s; another worker gets it too",
+            worker.name,
+            after.as_secs_f64()
+        ),
+        Warning::OtherSample { worker, task } => tracing::warn!(
+            "worker {} returned an outcome of another sample as evaluation {task}; it is not used",
+            worker.name
+        ),
+    }
+}
+
+/// What a study needs of its workers, in words.
+fn wanted(subject: &Subject) -> String {
+    match subject {
+        Subject::Scene(_) => "a mechanism".to_owned(),
+        Subject::Simulator(id) => format!("simulator {id}"),
+    }
+}
+
+/// What a worker offers, in words.
+fn offered(offers: &Offers) -> String {
+    match offers {
+        Offers::Scenes => "simulations of mechanisms".to_owned(),
+        Offers::Simulators(all) => {
+            let shown: Vec<String> = all.iter().take(SHOWN).map(ToString::to_string).collect();
+            let more = if all.len() > SHOWN { ", ..." } else { "" };
+            format!("{}{more}", shown.join(", "))
+        }
+    }
+}

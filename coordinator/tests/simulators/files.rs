@@ -1,0 +1,87 @@
+//! Programs that run once per evaluation, with a template and a results file.
+
+use super::{RIGHT, Study, model};
+
+/// The strength problem as a program that runs once per evaluation, with a template and a results file.
+const FILES: &str = r#"
+program = ["python3", "{folder}/solver.py"]
+templates = ["deck.inp"]
+files = ["tables/steel.txt"]
+results = "results.out"
+"#;
+
+const SOLVER: &str = r#"
+import json, os, sys, time
+assert open('tables/steel.txt').read() == 'steel {R}\n'
+values = dict(line.split(' = ') for line in open('deck.inp') if ' = ' in line)
+request = json.load(open('request.json'))
+R, S = float(values['strength']), float(values['load'])
+assert (R, S) == (request['sample']['R'], request['sample']['S']), 'every bit arrives'
+assert sorted(os.listdir('.')) == ['deck.inp', 'request.json', 'tables']
+print('solved in', os.getcwd())
+REPLY
+"#;
+
+/// A study with files; `reply` writes the results.
+fn with_files(reply: &str, timeout: &str) -> Option<Study> {
+    let study = Study::new("", timeout)?;
+    let text = std::fs::read_to_string(study.file("study.toml")).unwrap();
+    let (from, to) = (text.find("program").unwrap(), text.find(", timeout").unwrap());
+    let inline = FILES.trim().replace('\n', ", ");
+    std::fs::write(study.file("study.toml"), text.replace(&text[from..to], &inline)).unwrap();
+    std::fs::write(study.file("solver.py"), SOLVER.replace("REPLY", reply)).unwrap();
+    std::fs::write(study.file("deck.inp"), "{{deck}} {1}\nstrength = {R}\nload = {S}\n").unwrap();
+    std::fs::create_dir(study.file("tables")).unwrap();
+    std::fs::write(study.file("tables/steel.txt"), "steel {R}\n").unwrap();
+    Some(study)
+}
+
+#[test]
+fn a_program_with_files_gives_the_same_answer() {
+    let Some(lines) = Study::new(&model("", RIGHT), "1 min") else { return };
+    lines.done("run --scene study.toml --workers 2 --seed 3 --out two --quiet");
+    let Some(study) = with_files("open('results.out', 'w').write(f'{R - S!r} margin\\n')", "1 min") else {
+        return;
+    };
+    study.done("check study.toml");
+    let explained = study.done("explain --scene study.toml");
+    assert!(
+        explained.contains("runs once per evaluation, in a folder with deck.inp, tables/steel.txt"),
+        "{explained}"
+    );
+    study.done("run --scene study.toml --workers 2 --seed 3 --out two --quiet");
+    assert_eq!(study.summary("two")["reliability"], lines.summary("two")["reliability"]);
+}
+
+#[test]
+fn a_program_with_files_fails_like_one_with_lines() {
+    let right = "open('results.out', 'w').write(f'{R - S}')";
+    for (timeout, reply, cause) in [
+        (
+            "1 min",
+            "open('results.out', 'w').write('FAIL it diverged')",
+            "the simulator reports: FAIL it diverged",
+        ),
+        ("1 min", "open('results.out', 'w').write('nan')", "returned nan for output margin at cycle 1"),
+        ("1 min", "sys.exit('singular matrix')", "ended with exit status: 1: "),
+        ("1 min", "None", "ended with exit status: 0 and no results.out"),
+        ("2 s", "time.sleep(600)", "the simulator gave no answer within 2 s"),
+    ] {
+        let reply = format!("{reply} if request['id'] == 5 else {right}");
+        let Some(study) = with_files(&reply, timeout) else { return };
+        study.done("run --scene study.toml --workers 2 --seed 3 --out out --quiet");
+        assert_eq!(study.summary("out")["evaluations"]["failed"], 1, "{cause}");
+        let samples = std::fs::read_to_string(study.file("out").join("samples.csv")).unwrap();
+        let row = samples.lines().find(|line| line.starts_with("5,")).unwrap();
+        assert!(row.contains(cause), "no \"{cause}\" in: {row}");
+    }
+    // What cannot be a results file ends the study, with its name and line; a wrong template before it begins.
+    let Some(study) = with_files("open('results.out', 'w').write('margin 3')", "1 min") else { return };
+    let said = study.refused("run --scene study.toml --workers 1 --out out --quiet", 1);
+    assert!(said.contains("results.out: line 1: \"margin 3\" does not begin with a number"), "{said}");
+    std::fs::write(study.file("deck.inp"), "strength = {r}\n").unwrap();
+    let said = study.refused("check study.toml", 2);
+    assert!(said.contains("deck.inp: line 1: {r} is not an input; the inputs are R, S"), "{said}");
+    std::fs::remove_file(study.file("deck.inp")).unwrap();
+    assert!(study.refused("run --scene study.toml --out out2", 2).contains("deck.inp: "));
+}
