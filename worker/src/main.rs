@@ -115,7 +115,7 @@ Examples:
       for studies at either address; while both run, each gets half of the slots
   worker --connect tcp/192.168.1.20:7447 --simulator beam.toml --slots 2
       two processes of the program that beam.toml names here, for studies of the same scene; the coordinator sends samples,
-      never a command; it may bound the processes on all workers together: `coordinator run --licences 3 ...`
+      never a command; it may bound the processes on all workers together (licences)
   worker --serve-umbridge 4242 --scene four-bar --accuracy draft
       model `forward` at http://127.0.0.1:4242: random variables in, outputs over life out
 

@@ -30,7 +30,7 @@ pub fn cores() -> usize {
 /// The evaluator of a command.
 pub enum CommandEvaluator {
     /// Workers, local and remote.
-    Workers(WorkerFarm),
+    Workers(Box<WorkerFarm>),
     /// The simulator that the scene names, and its number of slots.
     Simulator(Box<dyn Evaluator>, u32),
 }
@@ -48,13 +48,13 @@ impl CommandEvaluator {
     ) -> Result<Self, CommandError> {
         let scene = source.nominal();
         let Some(simulator) = &scene.simulator else {
-            return Ok(Self::Workers(WorkerFarm::listen(campaign()?, arguments)?));
+            return Ok(Self::Workers(Box::new(WorkerFarm::listen(campaign()?, arguments)?)));
         };
         if external::has_remote_workers(arguments) {
             let own = external::own_simulator(source, local_slots(arguments))?;
             let mut farm = WorkerFarm::listen(campaign()?, arguments)?;
             farm.simulator = own;
-            return Ok(Self::Workers(farm));
+            return Ok(Self::Workers(Box::new(farm)));
         }
         let licences = arguments.licences.map_or(usize::MAX, |licences| licences as usize);
         let slots = local_slots(arguments).min(licences);

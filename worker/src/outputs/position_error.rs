@@ -32,7 +32,7 @@ impl MotionOutput for PositionError<'_> {
         let deviation = if self.wanted.iter().all(Option::is_none) {
             cycle.ideal_path(self.at).map(|ideal| from_ideal(path, ideal)).unwrap_or_default()
         } else {
-            self.from_wanted(path, cycle)
+            self.deviation_from_wanted(path, cycle)
         };
         deviation.measure(self.measure)
     }
@@ -40,7 +40,7 @@ impl MotionOutput for PositionError<'_> {
 
 impl PositionError<'_> {
     /// Deviation of a path from the wanted coordinates.
-    fn from_wanted(&self, path: &PointTrack, cycle: &RecordedCycle) -> Deviation {
+    fn deviation_from_wanted(&self, path: &PointTrack, cycle: &RecordedCycle) -> Deviation {
         let [mut x, mut y] =
             self.wanted.each_ref().map(|c| c.as_ref().map(|curve| Wanted::new(curve, cycle)));
         Deviation::over(path.times(), |k, t| {
