@@ -199,7 +199,8 @@ mod tests {
             lives[0].line(8000)
         );
         assert_eq!(lives[1].reached, Reached::After(2500.0));
-        assert!(lives[1].line(8000).contains("limit 50.0 r/min"), "{}", lives[1].line(8000));
+        // 50 rad/s.
+        assert!(lives[1].line(8000).contains("limit 477 r/min"), "{}", lives[1].line(8000));
         let printed = serde_json::to_value(lives[0].printed()).unwrap();
         assert!((printed["lower"].as_f64().unwrap() - 2e-6).abs() < 1e-18);
         evaluation.start = vec![Some(0.0), None];
