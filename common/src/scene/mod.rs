@@ -45,6 +45,8 @@ mod magnitudes;
 mod measured;
 mod merge;
 pub mod model;
+#[cfg(test)]
+mod model_tests;
 pub mod monotone;
 mod nearest_unit;
 mod output;

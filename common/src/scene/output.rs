@@ -203,7 +203,7 @@ impl OutputKind {
         }
     }
 
-    /// The same curves, to be changed.
+    /// The wanted curves, for values to be changed.
     pub fn curves_mut(&mut self) -> Vec<&mut Curve> {
         match self {
             OutputKind::PositionError { wanted, .. } => wanted.iter_mut().flatten().collect(),

@@ -6,6 +6,7 @@ use super::accuracy::AccuracyArguments;
 use super::error::CommandError;
 use super::external;
 use super::farm::cores;
+use super::limit_text::failed;
 use super::measured::{MeasuredFinding, measured_findings};
 use super::model::Model;
 use super::nominal::nominal_check;
@@ -205,16 +206,6 @@ fn loads(out: &mut String, scene: &Scene) -> std::fmt::Result {
     match scene.gravity {
         [0.0, 0.0] => writeln!(out, "  no gravity\n"),
         [x, y] => writeln!(out, "  gravity ({x}, {y}) m/s^2\n"),
-    }
-}
-
-/// The values with which a limit state has failed, e.g. `failed from 8 um on`; `shown` writes a threshold.
-pub(super) fn failed(limit: &LimitState, shown: impl Fn(f64) -> String) -> String {
-    let threshold = shown(limit.threshold);
-    match limit.fails {
-        Fails::Above => format!("failed from {threshold} on"),
-        Fails::Below => format!("failed from {threshold} down"),
-        Fails::Outside { lower } => format!("failed from {} down and from {threshold} on", shown(lower)),
     }
 }
 

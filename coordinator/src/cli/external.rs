@@ -2,7 +2,7 @@
 
 use super::accuracy::AccuracyArguments;
 use super::error::CommandError;
-use super::explain::failed;
+use super::limit_text::failed;
 use super::output::{count, to_json};
 use super::shared::{FarmArguments, Slots};
 use super::signals::interruption;

@@ -20,6 +20,7 @@ mod extremes;
 mod farm;
 mod foreign_study;
 mod init;
+mod limit_text;
 mod measured;
 mod model;
 mod monitor;

@@ -21,6 +21,7 @@ mod deviation;
 mod driving_torque;
 mod energy;
 mod full_recording;
+mod impact_count;
 mod impacts;
 mod moment_track;
 mod motion_output;

@@ -1,7 +1,7 @@
 //! Largest accelerations, and impacts, of one island over a cycle: what [`super::Recorder`] keeps of every state without a history.
 
 use super::RecordingRequest;
-use super::impacts::ImpactCount;
+use super::impact_count::ImpactCount;
 use crate::integrate::{Dynamics, Linearised};
 use crate::mechanism::{End, Frame, Island};
 use crate::plane::length;

@@ -1,6 +1,6 @@
 //! The recorded motion of one cycle, as the outputs read it.
 
-use super::impacts::ImpactCount;
+use super::impact_count::ImpactCount;
 use super::moment_track::MomentTrack;
 use super::{BodyTrack, PointTrack, Recorder};
 use crate::mechanism::{Island, Prescribed};

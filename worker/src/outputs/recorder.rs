@@ -1,7 +1,7 @@
 //! Recording of one island over a cycle: contact histories for the wear, what the outputs request, and everything if the
 //! cycle is displayed.
 
-use super::impacts::ImpactCount;
+use super::impact_count::ImpactCount;
 use super::moment_track::MomentTrack;
 use super::peaks::Peaks;
 use super::{BodyTrack, FullRecording, PointTrack, RecordingRequest};

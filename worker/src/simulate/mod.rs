@@ -30,6 +30,7 @@ mod cycle_history;
 mod error_estimate;
 mod finish;
 mod first_look;
+mod ideal_tracks;
 mod island_state;
 mod life_history;
 mod life_in_blocks;

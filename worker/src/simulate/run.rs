@@ -1,14 +1,13 @@
 //! The stages of an evaluation: settle, measure a cycle, wear a block, warm up.
 
+use super::ideal_tracks::{ideal_angle, ideal_path};
 use super::island_state::{CycleSpan, IslandStart, IslandState, StateSnapshot, failure};
 use super::quasi_static_island::QuasiStaticIsland;
 use super::side_by_side::{Integrated, LaneQueue, Span};
 use crate::extremum::largest as largest_of;
 use crate::integrate::StepCounts;
-use crate::mechanism::{Frame, Pose, ideal_cycle, islands, turns_per_cycle};
-use crate::outputs::{
-    BodyTrack, FullRecording, IdealTracks, PointTrack, Recorder, RecordingRequest, recording_request,
-};
+use crate::mechanism::{Pose, ideal_cycle, islands, turns_per_cycle};
+use crate::outputs::{FullRecording, IdealTracks, Recorder, RecordingRequest, recording_request};
 use crate::wear::{ContactHistory, WearStepStats};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
@@ -377,17 +376,6 @@ fn ideal_tracks(scene: &Scene, poses: &[Pose], requested: &RecordingRequest) -> 
     }
 }
 
-/// Angle of a free body of the scene over the `poses` of the ideal mechanism.
-fn ideal_angle(poses: &[Pose], body: usize) -> BodyTrack {
-    let mut track = BodyTrack::default();
-    for pose in poses {
-        if let (Some(q), Some(v)) = (pose.q[body], pose.v[body]) {
-            track.push(pose.time, q[2], v[2], 0.0);
-        }
-    }
-    track
-}
-
 /// The contact histories that wear the joints of island number `index`: those `mixed` of several conditions, or those of the last cycle,
 /// quasi-static or in the `recorder`.
 fn wear_histories<'h>(
@@ -400,19 +388,6 @@ fn wear_histories<'h>(
         Some(histories) => histories,
         None => &quasi_static.get(index).map_or(recorder, |island| &island.recorder).histories,
     }
-}
-
-/// Path of a point of the scene over the `poses` of the ideal mechanism.
-fn ideal_path(scene: &Scene, poses: &[Pose], at: &Attachment) -> PointTrack {
-    let mut path = PointTrack::default();
-    let arm = scene.arm(at);
-    for pose in poses {
-        if let (Some(q), Some(v)) = (pose.q[at.body], pose.v[at.body]) {
-            let frame = Frame::free(&q, &v);
-            path.push(pose.time, frame.point(arm), frame.velocity(arm));
-        }
-    }
-    path
 }
 
 /// Largest depth and thickness of the wall of a joint of the scene [m], if the depth has reached the thickness.
