@@ -33,7 +33,7 @@ impl StopSignal {
     /// Waits for a message for at most `timeout` and polls the stop signal.
     ///
     /// # Errors
-    /// [`WaitError`].
+    /// `WaitError`.
     pub fn wait<T>(&self, messages: &Receiver<T>, timeout: Duration) -> Result<T, WaitError> {
         let started = Instant::now();
         loop {
