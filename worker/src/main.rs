@@ -56,7 +56,7 @@ struct Arguments {
     /// Allow --serve-umbridge on an address that other machines can reach, without authentication
     #[arg(long, requires = "serve_umbridge", conflicts_with = "connect")]
     insecure: bool,
-    /// Offer the simulator that this scene file names, instead of simulating mechanisms; a folder stands for all its scene files; may be repeated
+    /// Offer the simulator that this scene file names, instead of simulating mechanisms; a folder means all scene files in it; may be repeated
     #[arg(long, value_name = "FILE|FOLDER", conflicts_with = "serve_umbridge")]
     simulator: Vec<PathBuf>,
     /// Simulation threads, each with several evaluations side by side [default: one per core]
