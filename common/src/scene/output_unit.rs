@@ -9,6 +9,8 @@ use serde::{Deserialize, Serialize};
 pub enum OutputUnit {
     /// A length: `m` in files, `µm` in text.
     Length,
+    /// A volume: `m3` in files, `mm³` in text.
+    Volume,
     /// An angular velocity: `rpm` in files, `r/min` in text.
     AngularVelocity,
     /// An angle: `deg` in files and in text.
@@ -37,6 +39,7 @@ impl OutputUnit {
     pub fn suffix(&self) -> &str {
         match self {
             Self::Length => "m",
+            Self::Volume => "m3",
             Self::AngularVelocity => "rpm",
             Self::Angle => "deg",
             Self::Force => "N",
@@ -48,7 +51,7 @@ impl OutputUnit {
     /// An SI value in the unit of [`Self::suffix`].
     pub fn to_file(&self, si: f64) -> f64 {
         match self {
-            Self::Length | Self::Force | Self::Torque | Self::External(_) => si,
+            Self::Length | Self::Volume | Self::Force | Self::Torque | Self::External(_) => si,
             Self::AngularVelocity => si / RAD_PER_S_PER_RPM,
             Self::Angle => si.to_degrees(),
         }
@@ -58,6 +61,7 @@ impl OutputUnit {
     pub fn symbol(&self) -> &str {
         match self {
             Self::Length => "µm",
+            Self::Volume => "mm³",
             Self::AngularVelocity => "r/min",
             Self::Angle => "deg",
             Self::Force => "N",
@@ -70,6 +74,7 @@ impl OutputUnit {
     pub fn to_shown(&self, si: f64) -> f64 {
         match self {
             Self::Length => si * 1e6,
+            Self::Volume => si * 1e9,
             other => other.to_file(si),
         }
     }
@@ -100,6 +105,14 @@ mod tests {
         assert_eq!(OutputUnit::Length.key("depth"), "depth_m");
         assert_eq!(OutputUnit::Length.to_file(3e-5), 3e-5);
         assert!((OutputUnit::Length.to_shown(3e-5) - 30.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn volumes_are_cubic_metres_in_files_and_cubic_millimetres_in_texts() {
+        assert_eq!(OutputUnit::Volume.key("worn"), "worn_m3");
+        assert_eq!(OutputUnit::Volume.to_file(2e-9), 2e-9);
+        assert!((OutputUnit::Volume.to_shown(2e-9) - 2.0).abs() < 1e-12);
+        assert_eq!(OutputUnit::Volume.after("2"), "2 mm³");
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! A quantity that a person writes for an output of a scene, e.g. `15.2 um`, as SI value.
 
 use common::scene::expression::{ExpressionError, evaluate};
-use common::scene::quantity::{ANGLE, ANGULAR_VELOCITY, FORCE, Kind, LENGTH, TORQUE};
+use common::scene::quantity::{ANGLE, ANGULAR_VELOCITY, FORCE, Kind, LENGTH, TORQUE, VOLUME};
 use common::scene::{Output, OutputUnit};
 
 /// The SI value of a quantity of `output`; the output of an external simulator has the unit of its scene, which may be left
@@ -12,6 +12,7 @@ use common::scene::{Output, OutputUnit};
 pub fn output_quantity(output: &Output, text: &str) -> Result<f64, String> {
     let kind: Kind = match output.kind.unit() {
         OutputUnit::Length => LENGTH,
+        OutputUnit::Volume => VOLUME,
         OutputUnit::AngularVelocity => ANGULAR_VELOCITY,
         OutputUnit::Angle => ANGLE,
         OutputUnit::Force => FORCE,

@@ -24,11 +24,12 @@
 //! # Source
 //! Factors: measured here, as stated with each constant. Interpolation: de Boor, A Practical Guide to Splines (1978).
 
-use super::probe::Probe;
+use super::probe::{Probe, SURFACES};
 use super::run::Run;
 use super::several_cycles::{CycleSpread, MOTIONS, mean_and_variance};
 use crate::outputs::{Sampling, motion_output};
-use common::scene::{OutputKind, Scene};
+use crate::wear::{WornAmounts, wear_output};
+use common::scene::{Scene, WearQuantity};
 use std::f64::consts::TAU;
 
 /// Error of the motion outputs over their change in a probe [1]: both cycles start from a state computed with the coarser
@@ -60,11 +61,11 @@ const ROUNDING: f64 = 1e-10;
 /// are within their stated errors, at every checkpoint (`worker/tests/evaluation/rattling.rs`).
 const SCATTER: f64 = 2.0;
 
-/// Largest depth of a bore, and its estimated error from wear steps, blocks and control points [m].
+/// Wear of a joint, and its estimated error from wear steps, blocks and control points.
 #[derive(Clone, Copy, Default)]
 struct WornJoint {
-    depth: f64,
-    error: f64,
+    worn: WornAmounts,
+    error: WornAmounts,
 }
 
 /// Outputs measured in the simulated cycles of a life.
@@ -119,13 +120,14 @@ impl ErrorEstimate {
         self.spreads.push(spread);
     }
 
-    /// Adds the wear at `life` [cycles], the end of a block, where the bores of `run` have been compared with their copies and had the
-    /// largest depths `deepest` `(joints,)` [m].
-    pub(crate) fn add_wear(&mut self, run: &Run, life: u32, deepest: &[f64]) {
-        let mut worn: Vec<WornJoint> = deepest.iter().map(|&depth| WornJoint { depth, error: 0.0 }).collect();
+    /// Adds the wear at `life` [cycles], the end of a block, where the joints of `run` have been compared with their copies and were
+    /// worn by `amounts` `(joints,)`.
+    pub(crate) fn add_wear(&mut self, run: &Run, life: u32, amounts: &[WornAmounts]) {
+        let unknown = |&worn: &WornAmounts| WornJoint { worn, error: WornAmounts::default() };
+        let mut worn: Vec<WornJoint> = amounts.iter().map(unknown).collect();
         for state in &run.islands {
             for (joint, finer) in state.island.joints.iter().zip(&state.finer) {
-                worn[joint.scene_joint].error = finer.error();
+                worn[joint.scene_joint].error = finer.errors();
             }
         }
         self.lives.push(life);
@@ -145,13 +147,13 @@ impl ErrorEstimate {
         let checkpoints = scene.life.checkpoints();
         let mut errors = Vec::with_capacity(scene.outputs.len());
         for (k, output) in scene.outputs.iter().enumerate() {
-            let error: Vec<f64> = match &output.kind {
-                OutputKind::LargestWear { joints } => {
+            let error: Vec<f64> = match output.kind.wear() {
+                Some(of) => {
                     let values = checkpoints.iter().zip(&histories[k]);
-                    values.map(|(&life, &value)| self.wear_error_within(joints, life, value)).collect()
+                    values.map(|(&life, &value)| self.wear_error_within(of, life, value)).collect()
                 }
-                kind => {
-                    let sampling = motion_output(kind).map_or(Sampling::Cubic, |output| output.sampling());
+                None => {
+                    let sampling = motion_output(&output.kind).map_or(Sampling::Cubic, |output| output.sampling());
                     self.motion_errors(scene, k, &histories[k], measured, sampling.missed_peak(phase))
                 }
             };
@@ -192,36 +194,46 @@ impl ErrorEstimate {
             .collect()
     }
 
-    /// Largest relative error of any joint's depth at `life` [1].
+    /// Largest relative error of the depth of any surface at `life` [1].
     fn relative_wear_error(&self, scene: &Scene, life: u32) -> f64 {
-        let relative = (0..scene.joints.len()).map(|joint| match self.wear_error(&[joint], life) {
+        let surfaces = [WearQuantity::BushingDepth, WearQuantity::JournalDepth];
+        let all = (0..scene.joints.len()).flat_map(|joint| surfaces.map(|surface| (surface, joint)));
+        let relative = all.map(|(surface, joint)| match self.wear_error((surface, &[joint]), life) {
             (error, depth) if depth > 0.0 => error / depth,
             _ => 0.0,
         });
         relative.fold(0.0, f64::max) + self.quasi_static.unwrap_or(0.0)
     }
 
-    /// Error of the largest depth `depth` of these joints at `life`, which may be within a block [m]: that at the end of the block, and of
-    /// several motions as large a share of the depth as there.
-    fn wear_error_within(&self, joints: &[usize], life: u32, depth: f64) -> f64 {
-        match self.wear_error(joints, life) {
-            (error, reached) if reached > 0.0 && !self.spreads.is_empty() => error * depth / reached,
+    /// Error of the value `value` of a quantity of the wear of some joints at `life`, which may be within a block: that at the end of the
+    /// block, and of several motions as large a share of the value as there.
+    fn wear_error_within(&self, of: (WearQuantity, &[usize]), life: u32, value: f64) -> f64 {
+        match self.wear_error(of, life) {
+            (error, reached) if reached > 0.0 && !self.spreads.is_empty() => error * value / reached,
             (error, _) => error,
         }
     }
 
-    /// Error of the largest depth of these joints at `life`, and that depth [m].
+    /// Error of a quantity of the wear of some joints at `life`, and that quantity.
     ///
-    /// The error of the wear is how much deeper the deepest joint would be if every joint were off by its own estimate; that of the
-    /// time steps is the probes' relative one of the depth. The two are independent: their squares add.
-    fn wear_error(&self, joints: &[usize], life: u32) -> (f64, f64) {
+    /// The error of the wear is how much larger the quantity would be if every surface were off by its own estimate; that of the
+    /// time steps is the probes' relative one of the depths. The two are independent: their squares add.
+    fn wear_error(&self, (quantity, joints): (WearQuantity, &[usize]), life: u32) -> (f64, f64) {
         let block = self.lives.partition_point(|&end| end < life).min(self.lives.len().saturating_sub(1));
         let Some(worn) = self.worn.get(block) else { return (0.0, 0.0) };
-        let largest = |value: &dyn Fn(usize) -> f64| joints.iter().fold(0.0_f64, |a, &j| a.max(value(j)));
-        let depth = largest(&|j| worn[j].depth);
-        let wear = largest(&|j| worn[j].depth + worn[j].error) - depth;
-        let rates = largest(&|j| worn[j].depth * self.relative_rate_error(j, life));
-        (libm::hypot(wear, rates), depth)
+        let value = |amounts: &dyn Fn(usize) -> WornAmounts| {
+            wear_output(quantity, joints.iter().map(|&joint| amounts(joint)))
+        };
+        let now = value(&|j| worn[j].worn);
+        let wear = value(&|j| worn[j].worn.with(&worn[j].error, |worn, error| worn + error)) - now;
+        let rates = value(&|j| worn[j].worn.with(&self.relative_rate_errors(j, life), |worn, share| worn * share));
+        (libm::hypot(wear, rates), now)
+    }
+
+    /// Relative errors of the depths of a joint up to `life` from the cycles that were simulated, and of the volume the larger one [1].
+    fn relative_rate_errors(&self, joint: usize, life: u32) -> WornAmounts {
+        let depths = [0, 1].map(|k| self.relative_rate_error(SURFACES * joint + k, life));
+        WornAmounts { depths, volume: depths[0].max(depths[1]) }
     }
 
     /// Largest variance of an output of the motion over single cycles, of all simulated lives [SI^2].
@@ -229,29 +241,29 @@ impl ErrorEstimate {
         self.spreads.iter().map(|spread| spread.motion[output]).fold(0.0, f64::max)
     }
 
-    /// Relative error of the wear rates of a joint up to `life` from the cycles that were simulated [1].
-    fn relative_rate_error(&self, joint: usize, life: u32) -> f64 {
+    /// Relative error of the wear rates of a surface up to `life` from the cycles that were simulated [1].
+    fn relative_rate_error(&self, surface: usize, life: u32) -> f64 {
         if self.spreads.is_empty() {
-            WEAR_SAFETY * self.largest_near(life, |p| p.wear[joint])
+            WEAR_SAFETY * self.largest_near(life, |p| p.wear[surface])
         } else {
-            SCATTER * self.scatter_of_depth(joint)
+            SCATTER * self.scatter_of_depth(surface)
         }
     }
 
-    /// Standard error of the mean over all motions of a joint's depth over the depth [1]: the root of the mean, over the ends of the
+    /// Standard error of the mean over all motions of a surface's depth over the depth [1]: the root of the mean, over the ends of the
     /// blocks from the first checkpoint on, of
     ///
     ///   sum of s_i^2 / (M sum of D_i^2)
     ///
     /// over the control points at least half as deep as the deepest, with the mean D_i [m] and the variance s_i^2 [m^2] of what M motions
     /// have worn. These ratios differ little along a life.
-    fn scatter_of_depth(&self, joint: usize) -> f64 {
-        let mut worn = vec![vec![0.0; self.spreads[0].wear[0][joint].len()]; MOTIONS];
+    fn scatter_of_depth(&self, surface: usize) -> f64 {
+        let mut worn = vec![vec![0.0; self.spreads[0].wear[0][surface].len()]; MOTIONS];
         let (mut sum, mut ends) = (0.0, 0.0);
         for (spread, next) in self.spreads.iter().zip(&self.spreads[1..]) {
             let cycles = f64::from(next.life - spread.life);
             for (worn, rates) in worn.iter_mut().zip(&spread.wear) {
-                worn.iter_mut().zip(&rates[joint]).for_each(|(depth, rate)| *depth += cycles * rate);
+                worn.iter_mut().zip(&rates[surface]).for_each(|(depth, rate)| *depth += cycles * rate);
             }
             let (mean, variance) = mean_and_variance(&worn);
             let deepest = mean.iter().fold(0.0_f64, |a, &b| a.max(b));
@@ -331,7 +343,7 @@ mod tests {
     use super::*;
 
     fn probe(life: u32, motion: f64, wear: f64) -> Probe {
-        Probe { life, motion: vec![motion], wear: vec![wear], aperiodic: false, rattles: false }
+        Probe { life, motion: vec![motion], wear: vec![wear, 0.0], aperiodic: false, rattles: false }
     }
 
     #[test]
@@ -355,15 +367,18 @@ mod tests {
 
     #[test]
     fn wear_error_joins_that_of_the_deepest_joint_with_the_rate() {
-        let worn = vec![WornJoint { depth: 10.0, error: 0.1 }, WornJoint { depth: 9.0, error: 1.3 }];
+        let bore = |depth| WornAmounts { depths: [depth, 0.0], volume: 0.0 };
+        let worn = [(10.0, 0.1), (9.0, 1.3)]
+            .map(|(depth, error)| WornJoint { worn: bore(depth), error: bore(error) })
+            .to_vec();
         let estimate = ErrorEstimate {
-            probes: vec![Probe { wear: vec![0.02; 2], ..probe(100, 0.0, 0.02) }],
+            probes: vec![Probe { wear: vec![0.02; 4], ..probe(100, 0.0, 0.02) }],
             lives: vec![0, 100],
             worn: vec![vec![], worn],
             ..ErrorEstimate::default()
         };
         // The second joint might be the deepest, by 0.3; the rate is off by 2 %, counted WEAR_SAFETY times.
-        let (error, depth) = estimate.wear_error(&[0, 1], 70);
+        let (error, depth) = estimate.wear_error((WearQuantity::LargestDepth, &[0, 1]), 70);
         assert_eq!(depth, 10.0);
         assert!((error - 0.3_f64.hypot(WEAR_SAFETY * 0.2)).abs() < 1e-12, "{error}");
     }

@@ -31,7 +31,12 @@ impl Run<'_> {
             .peaks
             .into_iter()
             .zip(self.depths())
-            .map(|((name, peak_force), wear_depth)| JointSummary { name, peak_force, wear_depth })
+            .map(|((name, peak_force), [wear_depth, journal_wear_depth])| JointSummary {
+                name,
+                peak_force,
+                wear_depth,
+                journal_wear_depth,
+            })
             .collect();
         Ok(Evaluation {
             cycles,

@@ -6,7 +6,6 @@ use super::probe::{Probe, is_probed};
 use super::run::Run;
 use super::several_cycles::{SeveralCycles, SeveralMotions};
 use common::failure::SimulationFailure;
-use common::scene::OutputKind;
 use std::ops::Range;
 
 /// Every output of the scene at every checkpoint `(outputs, m)` [SI].
@@ -115,9 +114,9 @@ pub(crate) async fn simulate_life<M: CycleModel>(
     run.keep_bores(0);
     for (from, to) in lives.windows(2).map(|life| (life[0], life[1])) {
         let checkpoints: Vec<u32> = (from / every + 1..=to / every).map(|k| k * every).collect();
-        let deepest = run.largest_depths();
+        let worn = run.worn_amounts();
         run.wear(from..to, &checkpoints, &mut wear)?;
-        estimate.add_wear(run, from, &deepest);
+        estimate.add_wear(run, from, &worn);
         run.keep_bores(to);
         if !model.simulate_cycle(run, &(from..to)).await? {
             continue;
@@ -131,16 +130,16 @@ pub(crate) async fn simulate_life<M: CycleModel>(
         }
     }
     run.compare_bores();
-    estimate.add_wear(run, end, &run.largest_depths());
+    estimate.add_wear(run, end, &run.worn_amounts());
 
     let cycles = scene.life.checkpoints();
     let measured = MeasuredLives { lives: &measured_lives, outputs: &measured };
     model.check_life(run, &measured, &mut estimate)?;
     let mut histories = Vec::with_capacity(scene.outputs.len());
     for (k, output) in scene.outputs.iter().enumerate() {
-        histories.push(match output.kind {
-            OutputKind::LargestWear { .. } => std::mem::take(&mut wear[k]),
-            _ => at_checkpoints(measured.lives, &measured.of_output(k), &cycles),
+        histories.push(match output.kind.wear() {
+            Some(_) => std::mem::take(&mut wear[k]),
+            None => at_checkpoints(measured.lives, &measured.of_output(k), &cycles),
         });
     }
     let errors = estimate.errors(scene, &histories, &measured, accuracy.largest_step);

@@ -4,7 +4,9 @@ use super::CalibrationError;
 use super::space::{FreeParameter, ParameterKind};
 use super::targets::{CalibrationTargets, ShownUnit, Target, TargetQuantity};
 use common::scene::expression::{ExpressionError, evaluate};
-use common::scene::quantity::{ANGLE, ANGULAR_VELOCITY, Dimension, FORCE, Kind, LENGTH, NUMBER, TORQUE};
+use common::scene::quantity::{
+    ANGLE, ANGULAR_VELOCITY, Dimension, FORCE, Kind, LENGTH, NUMBER, TORQUE, VOLUME,
+};
 use common::scene::{OutputUnit, Scene};
 use serde::Deserialize;
 use std::path::Path;
@@ -282,6 +284,7 @@ impl Reader<'_> {
     fn kind(&self, output: usize) -> Kind {
         match self.scene.outputs[output].kind.unit() {
             OutputUnit::Length => LENGTH,
+            OutputUnit::Volume => VOLUME,
             OutputUnit::AngularVelocity => ANGULAR_VELOCITY,
             OutputUnit::Angle => ANGLE,
             OutputUnit::Force => FORCE,

@@ -76,7 +76,12 @@ pub(super) fn finished(id: u64) -> Finished {
         wear_depth: vec![vec![x.clone()], vec![vec![0.1 + 0.2]]],
         last_cycle: Some(cycle),
     });
-    let bore = JointSummary { name: "1".into(), peak_force: 0.1 + 0.2, wear_depth: x.clone() };
+    let bore = JointSummary {
+        name: "1".into(),
+        peak_force: 0.1 + 0.2,
+        wear_depth: x.clone(),
+        journal_wear_depth: x.clone(),
+    };
     let evaluation = Evaluation {
         worn,
         cycles: vec![1000, 2000],

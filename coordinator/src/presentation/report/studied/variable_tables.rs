@@ -123,7 +123,9 @@ fn subject(scene: &Scene, written: &WrittenScene, output: &Output) -> String {
         format!("{sign}{name} ({})", body.label)
     };
     match &output.kind {
-        OutputKind::LargestWear { joints: of } | OutputKind::PeakJointForce { joints: of } => joints(of),
+        OutputKind::LargestWear { joints: of }
+        | OutputKind::Wear { joints: of, .. }
+        | OutputKind::PeakJointForce { joints: of } => joints(of),
         OutputKind::AngularVelocityDifference { a, b } | OutputKind::AngleDifference { a, b } => {
             format!("{}; {}", signed(a), signed(b))
         }
