@@ -224,7 +224,10 @@ fn outputs_and_limit_states() {
         JointKind::Clearance(clearance) => clearance.wear_coefficients(),
         _ => panic!("{name} is ideal"),
     };
-    assert_eq!(["worn", "struck", "undamped"].map(coefficients), [[1e-13, 0.0], [0.0, 1e-13], [1e-13, 5e-14]]);
+    assert_eq!(
+        ["worn", "struck", "undamped"].map(coefficients),
+        [[1e-13, 0.0], [0.0, 1e-13], [1e-13, 5e-14]]
+    );
     let (a, b) = (signed("rod", 1.0, "right"), signed("crank", -1.0, "left"));
     assert_eq!(*output("speed"), OutputKind::AngularVelocityDifference { a, b });
     let (a, b) = (signed("rod", 1.0, "rod"), signed("slider", -1.0, "slider"));

@@ -29,7 +29,7 @@ use crate::lanes::{Real, direction_angle};
 use crate::plane::{dot, left, length};
 
 /// A tabulated bore with a worn journal, or one per lane.
-pub(super) trait JournalInArc<R: Real> {
+pub trait JournalInArc<R: Real> {
     /// Integrals over the arc in contact at the eccentricity `e` [m] with the journal turned by `alpha` [rad].
     fn integrate(&self, e: [R; 2], alpha: R) -> TurnedIntegrals<R>;
     /// Penetration in free flight, not above zero [m]; zero where `touches` is above zero.
@@ -210,8 +210,7 @@ impl<R: Real, A: JournalInArc<R>> Foundation<R, A> {
             torque_bushing: normal * (lever - et) + friction * arm,
             normal,
             direction: [R::select(touches, n[0], nothing), R::select(touches, n[1], nothing)],
-            penetration: equivalent_penetration(size, s.stiffness)
-                + self.arc.free_penetration(e, turn, size),
+            penetration: equivalent_penetration(size, s.stiffness) + self.arc.free_penetration(e, turn, size),
             sliding,
         };
         s.add_film(motion, &mut out);
@@ -270,8 +269,11 @@ impl<R: Real, A: JournalInArc<R>> Foundation<R, A> {
         let one = nothing.like(1.0);
         let ([xx, xy, yy], q) = (load.to_e.stiffness, load.moment_e);
         // Columns: e along n, e along t, alpha; then w along n, w along t, omega_i, omega_j, on which the elastic part does not depend.
-        let forces =
-            [[xx * n[0] + xy * n[1], xy * n[0] + yy * n[1]], [xx * t[0] + xy * t[1], xy * t[0] + yy * t[1]], q];
+        let forces = [
+            [xx * n[0] + xy * n[1], xy * n[0] + yy * n[1]],
+            [xx * t[0] + xy * t[1], xy * t[0] + yy * t[1]],
+            q,
+        ];
         let moments = [dot(q, n), dot(q, t), load.moment_alpha];
         let arm = journal.r + en;
         let rate_own = [nothing, omega_bushing, nothing, one, nothing, lever, et - lever];

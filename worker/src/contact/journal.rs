@@ -13,8 +13,8 @@
 //! The turning profile is derived here. Wear of revolute joints in multibody systems: Mukras, Kim, Mauntler,
 //! Schmitz, Sawyer (2010), Wear 268, 643-652. Splines: de Boor (1978), A Practical Guide to Splines.
 
-use super::{Contact, Foundation};
 use super::journal_table::JournalTable;
+use super::{Contact, Foundation};
 use crate::bore::{Profile, Radius};
 use crate::lanes::Real;
 use std::f64::consts::TAU;

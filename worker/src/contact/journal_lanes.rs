@@ -63,7 +63,8 @@ impl<R: Real> JournalInArc<R> for JournalLanes<R> {
         };
         for lane in 0..R::LANES {
             let (arc, journal) = &self.pairs[lane];
-            let one = TurnedArc { arc, journal }.integrate([e[0].lane(lane), e[1].lane(lane)], alpha.lane(lane));
+            let one =
+                TurnedArc { arc, journal }.integrate([e[0].lane(lane), e[1].lane(lane)], alpha.lane(lane));
             all.to_e.v.set_lane(lane, one.to_e.v);
             all.t.set_lane(lane, one.t);
             all.tt.set_lane(lane, one.tt);

@@ -138,9 +138,8 @@ mod tests {
     fn a_turned_journal_has_its_depth_at_the_angles_of_the_foundation() {
         let (points, intervals) = (36, 720);
         let mut worn = Profile::round(0.0, points);
-        let depth: Vec<f64> = (0..points)
-            .map(|i| 4e-6 * (1.0 + (TAU * i as f64 / points as f64).cos()).powi(2))
-            .collect();
+        let depth: Vec<f64> =
+            (0..points).map(|i| 4e-6 * (1.0 + (TAU * i as f64 / points as f64).cos()).powi(2)).collect();
         worn.set_depth(&depth);
         let mut table = JournalTable::new(points, intervals);
         table.tabulate(&worn);
@@ -160,8 +159,7 @@ mod tests {
                     assert!((found.depth[i] - chord(psi - alpha)).abs() < 2e-12, "{alpha}, {psi}");
                     assert!(found.depth[i] >= least);
                     let h = 1e-4;
-                    let [after, before] =
-                        [h, -h].map(|h| table.depths::<17>(table.turned(alpha + h), first));
+                    let [after, before] = [h, -h].map(|h| table.depths::<17>(table.turned(alpha + h), first));
                     let slope = (after.depth[i] - before.depth[i]) / (2.0 * h);
                     let bend = (after.d1[i] - before.d1[i]) / (2.0 * h);
                     assert!((found.d1[i] - slope).abs() < 1e-11, "{alpha}: {} against {slope}", found.d1[i]);

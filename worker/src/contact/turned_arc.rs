@@ -68,8 +68,7 @@ impl TurnedArc<'_> {
             return TurnedIntegrals::default();
         }
         let sum = sums.map(|of| of.iter().sum::<f64>());
-        let to_e =
-            Integrals { v: sum[0], p: [sum[1], sum[2]], d: [sum[3], sum[4], sum[5]] };
+        let to_e = Integrals { v: sum[0], p: [sum[1], sum[2]], d: [sum[3], sum[4], sum[5]] };
         let spacing = TAU / self.arc.intervals() as f64;
         TurnedIntegrals {
             to_e: self.arc.finished(to_e),

@@ -148,7 +148,8 @@ impl<R: Real, P> PairMotion<R, P> {
         let (e, w) = separation(fi, arms[0], fj, arms[1]);
         let (omega_journal, omega_bushing) = (fi.omega, fj.omega);
         let turn = fi.angle - fj.angle;
-        let motion = JointMotion { e: fj.turn_back(e), w: fj.turn_back(w), omega_journal, omega_bushing, turn };
+        let motion =
+            JointMotion { e: fj.turn_back(e), w: fj.turn_back(w), omega_journal, omega_bushing, turn };
         PairMotion { arms, separation: [e, w], place: touching.place(motion.e), motion }
     }
 

@@ -3,7 +3,7 @@
 use super::frame::End;
 use super::joint::Touching;
 use crate::bore::Profile;
-use crate::contact::{Contact, ForceSlopes, Journal, JointForce, JointMotion, Surfaces};
+use crate::contact::{Contact, ForceSlopes, JointForce, JointMotion, Journal, Surfaces};
 use common::scene::Clearance;
 
 /// A joint with clearance and its surfaces.

@@ -153,7 +153,8 @@ impl ErrorEstimate {
                     values.map(|(&life, &value)| self.wear_error_within(of, life, value)).collect()
                 }
                 None => {
-                    let sampling = motion_output(&output.kind).map_or(Sampling::Cubic, |output| output.sampling());
+                    let sampling =
+                        motion_output(&output.kind).map_or(Sampling::Cubic, |output| output.sampling());
                     self.motion_errors(scene, k, &histories[k], measured, sampling.missed_peak(phase))
                 }
             };
@@ -226,7 +227,8 @@ impl ErrorEstimate {
         };
         let now = value(&|j| worn[j].worn);
         let wear = value(&|j| worn[j].worn.with(&worn[j].error, |worn, error| worn + error)) - now;
-        let rates = value(&|j| worn[j].worn.with(&self.relative_rate_errors(j, life), |worn, share| worn * share));
+        let rates =
+            value(&|j| worn[j].worn.with(&self.relative_rate_errors(j, life), |worn, share| worn * share));
         (libm::hypot(wear, rates), now)
     }
 

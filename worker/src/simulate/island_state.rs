@@ -137,11 +137,7 @@ impl IslandState {
                 .iter()
                 .map(|j| WearRate::new(j.wear_coefficients, j.width, &j.contact, &j.profile))
                 .collect(),
-            steps: island
-                .joints
-                .iter()
-                .map(|j| WearStep::new(j.depths(), accuracy.wear_tolerance))
-                .collect(),
+            steps: island.joints.iter().map(|j| WearStep::new(j.depths(), accuracy.wear_tolerance)).collect(),
             finer: island
                 .joints
                 .iter()

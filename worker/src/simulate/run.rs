@@ -236,7 +236,8 @@ impl<'a> Run<'a> {
     pub(crate) fn worn_amounts(&self) -> Vec<WornAmounts> {
         let mut all = vec![WornAmounts::default(); self.scene.joints.len()];
         for state in &self.islands {
-            for (joint, (rate, depth)) in state.island.joints.iter().zip(state.rates.iter().zip(&state.depth)) {
+            for (joint, (rate, depth)) in state.island.joints.iter().zip(state.rates.iter().zip(&state.depth))
+            {
                 all[joint.scene_joint] = rate.sizes().amounts(depth);
             }
         }
@@ -319,7 +320,9 @@ impl<'a> Run<'a> {
                     joint: joint.name.clone(),
                     error: failed.0,
                 })?;
-                if let Some((depth, wall)) = worn_through(self.scene, joint.scene_joint, &depth[..sizes.points]) {
+                if let Some((depth, wall)) =
+                    worn_through(self.scene, joint.scene_joint, &depth[..sizes.points])
+                {
                     let joint = joint.name.clone();
                     return Err(SimulationFailure::WornThrough { cycle: to, joint, depth, wall });
                 }

@@ -112,8 +112,7 @@ mod tests {
 
     fn condensed(samples: &[ContactSample]) -> Vec<ContactSample> {
         let mut means = vec![];
-        let touched =
-            |s: &ContactSample| Touched { penetration: s.penetration, direction: s.e, turn: None };
+        let touched = |s: &ContactSample| Touched { penetration: s.penetration, direction: s.e, turn: None };
         Condenser::new(23.5e-6, 36).condense(samples, touched, &mut means);
         means
     }

@@ -132,7 +132,9 @@ fn add_share(
     sample: &mut ContactSample,
     shares: &mut [f64],
 ) -> Result<u32, NoEquilibrium> {
-    let Some((Equilibrium { e, evaluations, .. }, scale)) = find_equilibrium(law, sample)? else { return Ok(0) };
+    let Some((Equilibrium { e, evaluations, .. }, scale)) = find_equilibrium(law, sample)? else {
+        return Ok(0);
+    };
     law.arc().weigh(e, |k, part| add_hats(shares, hats[k], scale * part));
     Ok(evaluations)
 }
@@ -160,8 +162,7 @@ fn find_equilibrium(
     }
     // The search starts at the last penetration, measured from the present surfaces.
     let reach = libm::hypot(sample.e[0], sample.e[1]);
-    let follow =
-        if reach > 0.0 { 1.0 + (sample.penetration - law.gap_along(sample.e)) / reach } else { 1.0 };
+    let follow = if reach > 0.0 { 1.0 + (sample.penetration - law.gap_along(sample.e)) / reach } else { 1.0 };
     let found = equilibrium(law, sample.force, [follow * sample.e[0], follow * sample.e[1]])?;
     sample.e = found.e;
     sample.penetration = law.gap_along(found.e);

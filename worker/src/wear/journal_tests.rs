@@ -27,8 +27,13 @@ fn history(contacts: &[(f64, f64)]) -> ContactHistory {
     for (psi, turn) in contacts {
         let u = [psi.cos(), psi.sin()];
         let e = u.map(|u| (SURFACE.clearance + penetration) * u);
-        let contact =
-            JointForce { normal: FORCE, direction: u, penetration, sliding: SLIDING, ..JointForce::default() };
+        let contact = JointForce {
+            normal: FORCE,
+            direction: u,
+            penetration,
+            sliding: SLIDING,
+            ..JointForce::default()
+        };
         history.push(1.0 / contacts.len() as f64, &ContactInstant::new(e, &contact).turned(*turn));
         history.close_stretch();
     }
@@ -72,18 +77,19 @@ fn volumes(bore: &[f64], journal: &[f64], cycles: f64) -> [f64; 2] {
 fn a_journal_that_turns_under_a_load_fixed_in_the_bushing_wears_evenly() {
     let turning: Vec<(f64, f64)> = (0..720).map(|k| (0.35, TAU * (f64::from(k) + 0.5) / 720.0)).collect();
     let history = history(&turning);
-    // Pressures of an arc add up to more than their resultant, under the foundation.
-    for (contact, bound) in laws(POINTS).iter().zip([1e-3, 4e-3]) {
+    // Under the foundation the pressures of the wide arc of a worn bushing add up to more than their resultant, for both surfaces alike.
+    for (contact, bound) in laws(POINTS).iter().zip([1e-3, 2e-2]) {
         let (bore, journal, ..) = worn(contact, [COEFFICIENT; 2], &history, (POINTS, 2));
         let even = COEFFICIENT * FORCE * SLIDING * 1000.0 / (TAU * R1 * WIDTH);
-        for depth in &journal {
-            assert!((depth / even - 1.0).abs() < bound, "{depth:e} of {even:e}: {journal:?}");
-        }
         let (least, most) = journal.iter().fold((f64::MAX, 0.0_f64), |(a, b), &h| (a.min(h), b.max(h)));
         assert!(most / least - 1.0 < 1e-3, "{least:e} to {most:e}");
         let ratios = volumes(&bore, &journal, 1000.0);
         println!("volumes over K F S: {ratios:?}");
         assert!(ratios.iter().all(|ratio| (ratio - 1.0).abs() < bound), "{ratios:?}");
+        assert!((ratios[1] / ratios[0] - 1.0).abs() < 1e-3, "{ratios:?}");
+        for depth in &journal {
+            assert!((depth / (ratios[1] * even) - 1.0).abs() < 1e-3, "{depth:e} of {even:e}: {journal:?}");
+        }
         // The bushing wears on one side only: 150 deg and more from the load not at all.
         let on_the_other_side = |i: usize| (TAU * i as f64 / POINTS as f64 - 0.35).cos() < -0.86;
         assert!((0..POINTS).filter(|&i| on_the_other_side(i)).all(|i| bore[i] == 0.0), "{bore:?}");
@@ -123,10 +129,10 @@ fn bushing_and_journal_that_turn_against_each_other_wear_as_mirror_images() {
         let deepest = bore.iter().fold(0.0_f64, |a, &b| a.max(b));
         let other = journal.iter().fold(0.0_f64, |a, &b| a.max(b));
         println!("{deepest:e} of the bushing, {other:e} of the journal");
-        // In volume: the surfaces have different radii.
+        // In volume, as the surfaces have different radii; the ends of the arcs are found on chords between angles of a table.
         for i in 0..POINTS {
             let (a, b) = (R2 * bore[i], R1 * journal[(POINTS - i) % POINTS]);
-            assert!((a - b).abs() < 2e-3 * R2 * deepest, "{i}: {a:e} against {b:e}");
+            assert!((a - b).abs() < 5e-3 * R2 * deepest, "{i}: {a:e} against {b:e}");
         }
         let lopsided = |i: usize| (bore[i] - bore[(POINTS - i) % POINTS]).abs() > 0.1 * deepest;
         assert!((0..POINTS).any(lopsided), "the motion is not symmetric itself");
@@ -141,9 +147,8 @@ fn stated_errors_cover_both_surfaces() {
     };
     let history = history(&(0..300).map(swinging).collect::<Vec<_>>());
     for law in [0, 1] {
-        let [coarse, fine] = [POINTS, 4 * POINTS].map(|points| {
-            worn(&laws(points)[law], [COEFFICIENT, 0.5 * COEFFICIENT], &history, (points, 4))
-        });
+        let [coarse, fine] = [POINTS, 4 * POINTS]
+            .map(|points| worn(&laws(points)[law], [COEFFICIENT, 0.5 * COEFFICIENT], &history, (points, 4)));
         for k in 0..2 {
             let (found, truth, stated) = (coarse.2.depths[k], fine.2.depths[k], coarse.3.depths[k]);
             println!("{found:e} of {truth:e}, stated {stated:e}");

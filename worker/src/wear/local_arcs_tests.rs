@@ -213,7 +213,8 @@ fn what_is_outside_every_arc_does_not_wear_at_all() {
     let points = 36;
     let profile = Profile::round(R1 + CLEARANCE, points);
     let mut arcs = LocalArcs::new(&contact(), points, false);
-    let sample = ContactSample { e: [0.0, -CLEARANCE], penetration: 1e-7, force: [0.0; 2], work: 1.0, turn: 0.0 };
+    let sample =
+        ContactSample { e: [0.0, -CLEARANCE], penetration: 1e-7, force: [0.0; 2], work: 1.0, turn: 0.0 };
     arcs.freeze(&[sample]);
     let mut shares = vec![1.0; points];
     arcs.shares(&profile, &[], &mut shares);
