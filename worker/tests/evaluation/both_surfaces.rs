@@ -15,6 +15,9 @@ const QUANTITIES: [WearQuantity; 4] = [
     WearQuantity::Volume,
 ];
 
+/// Difference of a depth of a journal that wears evenly from the mean [1].
+const UNEVEN: f64 = 0.03;
+
 fn wearing(mut scene: Scene, surfaces: WearingSurfaces) -> Scene {
     every_joint(&mut scene, |clearance| clearance.wears = surfaces);
     scene
@@ -42,8 +45,9 @@ fn a_shaft_that_turns_in_a_hanging_block_wears_evenly_and_the_block_on_one_side(
         let e = evaluate(&scene, &scene.accuracy.accuracy);
         let (bore, journal) = (&e.joints[0].wear_depth, &e.joints[0].journal_wear_depth);
         let even = COEFFICIENT * WEIGHT * CYCLES / WIDTH;
+        // The mean of the depths is that of the volume; single ones differ where the simulated cycle begins and ends.
         for depth in journal {
-            assert!((depth / even - 1.0).abs() < 2.0 * bound, "{law}: {depth:e} of {even:e} in {journal:?}");
+            assert!((depth / even - 1.0).abs() < UNEVEN, "{law}: {depth:e} of {even:e} in {journal:?}");
         }
         let ratios = [volume(bore, BORE, 1.0), volume(journal, JOURNAL, -1.0)];
         println!("{law}: volumes over K F s {ratios:?}");
@@ -59,7 +63,7 @@ fn a_shaft_that_turns_in_a_hanging_block_wears_evenly_and_the_block_on_one_side(
         let errors: Vec<f64> = e.errors.iter().map(|error| error[0] / e.histories[0][0]).collect();
         println!("{law}: stated errors {errors:?} of the depth");
         assert!(e.errors.iter().all(|error| error[0] > 0.0));
-        assert!((of_journal - even).abs() < e.errors[2][0] + 2.0 * bound * even);
+        assert!((of_journal - even).abs() < e.errors[2][0] + UNEVEN * even);
     }
 }
 
