@@ -144,7 +144,9 @@ fn loads() {
             | Load::TorsionSpring { name, .. }
             | Load::VariableForce { name, .. }
             | Load::VariableTorque { name, .. }
-            | Load::Motor { name, .. } => name.clone(),
+            | Load::Motor { name, .. }
+            | Load::Drag { name, .. }
+            | Load::RotationalDrag { name, .. } => name.clone(),
         };
         scene.loads.iter().find(|load| of(load) == name).unwrap().clone()
     };
@@ -194,6 +196,35 @@ fn loads() {
     let Load::Motor { body, stall_torque, no_load_speed, .. } = load("motor") else { panic!() };
     assert_eq!((body, stall_torque), (rod, -0.3));
     same(&[no_load_speed], &[-100.0 * PI]);
+}
+
+#[test]
+fn drags() {
+    let scene = scene();
+    let all: Vec<&Load> =
+        scene.loads.iter().filter(|l| matches!(l, Load::Drag { .. } | Load::RotationalDrag { .. })).collect();
+    let [air, water, fan, plain_fan] = all[..] else { panic!("{all:?}") };
+    let Load::Drag { at, direction, linear, quadratic, flow, factor: Some(factor), .. } = air else {
+        panic!()
+    };
+    assert_eq!((*at, *direction), (place(&scene, "rod", [0.02, 0.0]), [0.0, 1.0]));
+    assert_eq!((*linear, *quadratic, *flow), (0.2, 1.5, -20.0));
+    assert_eq!(factor.over, Over::Angle(body(&scene, "crank")));
+    same_table(&factor.table, &[0.0, PI, TAU], &[1.0, 0.25, 1.0], true);
+    let (name, at) = ("water".to_owned(), place(&scene, "slider", [0.0, 0.0]));
+    let direction = [1.0, 0.0];
+    let expected = Load::Drag { name, at, direction, linear: 0.0, quadratic: 2.0, flow: 0.0, factor: None };
+    assert_eq!(*water, expected);
+    let Load::RotationalDrag { body: on, linear, quadratic, factor: Some(factor), .. } = fan else {
+        panic!()
+    };
+    assert_eq!((*on, *linear, *quadratic, factor.over), (body(&scene, "rod"), 1e-4, 2e-5, Over::Time));
+    same_table(&factor.table, &[0.0, 0.02, 0.05], &[1.0, 2.0, 1.0], true);
+    let (name, body) = ("plain_fan".to_owned(), body(&scene, "slider"));
+    let expected = Load::RotationalDrag { name, body, linear: 1e-4, quadratic: 0.0, factor: None };
+    assert_eq!(*plain_fan, expected);
+    // Loads that follow an angle couple the bodies.
+    assert_eq!(air.bodies(), [scene.bodies.iter().position(|b| b.name == "rod").unwrap(), 1]);
 }
 
 #[test]
@@ -316,4 +347,46 @@ fn parameters_that_nothing_reads_are_listed() {
     for name in SceneSource::builtin_names() {
         assert_eq!(SceneSource::builtin(name).unwrap().unused_parameters(), [""; 0], "{name}");
     }
+}
+
+#[test]
+fn conditions() {
+    let source = SceneSource::parse(EVERYTHING, "everything").unwrap();
+    let friction = |scene: &Scene, name: &str| match &joint(scene, name).kind {
+        JointKind::Clearance(clearance) => clearance.friction,
+        _ => panic!("without clearance"),
+    };
+    let brake = |scene: &Scene| {
+        scene.loads.iter().find_map(|load| match load {
+            Load::ConstantTorque { torque, .. } => Some(*torque),
+            _ => None,
+        })
+    };
+    let summary = |scene: &Scene| -> Vec<(String, f64, f64, f64)> {
+        let of =
+            |c: &Condition| (c.name.clone(), c.share, brake(&c.scene).unwrap(), friction(&c.scene, "worn"));
+        scene.conditions.iter().map(of).collect()
+    };
+    let scene = source.nominal();
+    let friction_worn = friction(scene, "worn");
+    let expected = [("full".to_owned(), 0.3, -1.5, 0.06), ("idle".to_owned(), 0.7, -0.8, friction_worn)];
+    assert_eq!(summary(scene), expected);
+    for condition in &scene.conditions {
+        assert!(condition.scene.conditions.is_empty() && condition.scene.variables.is_empty());
+        assert_eq!(condition.scene.bodies, scene.bodies);
+    }
+    // A parameter or a change may be set or be random like any other quantity; what a condition changes takes precedence.
+    let set = |setting: &str| {
+        let setting = source.parse_setting(setting).unwrap();
+        summary(&source.resolve_with(&[setting]).unwrap())
+    };
+    assert_eq!(set("parameters.full_torque = -2 N m")[0].2, -3.0);
+    assert_eq!(set("conditions.full.changes.loads.brake.torque = -7 N m")[0].2, -7.0);
+    let braked = set("brake = -0.9 N m");
+    assert_eq!((braked[0].2, braked[1].2), (-1.5, -0.9));
+    let fault = source.resolve_with(&[("conditions.full.share".into(), 0.4)]).unwrap_err().to_string();
+    assert!(fault.contains("the shares add up to 1.1, not to 1"), "{fault}");
+    // All conditions together are the whole text.
+    let again = SceneSource::parse(source.text(), "again").unwrap();
+    assert_eq!(again.nominal(), scene);
 }

@@ -89,6 +89,8 @@ fn language(table: &Table, path: &str, found: &mut BTreeSet<String>) {
             found.insert(key.clone());
         }
         match value {
+            // Its keys are paths.
+            Value::Table(_) if key == "changes" => {}
             Value::Table(inner) => language(inner, key, found),
             Value::Array(rows) => {
                 rows.iter().filter_map(Value::as_table).for_each(|row| language(row, key, found))

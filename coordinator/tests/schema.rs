@@ -105,6 +105,10 @@ fn faults_of_structure_are_found() {
         ("distribution = \"constant\"", "distribution = \"constant\"\nstd = \"1 %\""),
         ("changes = [\"parameters.arm\"]", "changes = []"),
         ("rank = -0.3", "rank = -0.3\ncoefficient = 0.2"),
+        ("share = 0.7\n", ""),
+        ("share = 0.7", "share = true"),
+        ("share = 0.7", "shares = 0.7"),
+        ("\"1.5 * full_torque\"", "[\"1.5 N m\"]"),
         ("name = \"everything\"", ""),
         ("[life]", "[lief]"),
     ] {
@@ -209,9 +213,11 @@ fn schema_and_program_know_the_same_keys() {
         tables(&scene, "", &mut paths);
         for path in paths {
             // Their keys are names; curves of a kind and dampings are alternatives, whose faults have no single place.
-            let named = ["/parameters", "/materials"].contains(&path.as_str()) || path.ends_with("/points");
+            let named = ["/parameters", "/materials"].contains(&path.as_str())
+                || path.ends_with("/points")
+                || path.contains("/changes");
             let alternative =
-                ["/size", "/torque", "/speed", "/angle", "/over", "/contact_damping", "/a", "/b"];
+                ["/size", "/torque", "/factor", "/speed", "/angle", "/over", "/contact_damping", "/a", "/b"];
             if named || alternative.iter().any(|end| path.ends_with(end)) {
                 continue;
             }

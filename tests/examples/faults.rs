@@ -10,7 +10,7 @@ type Fault = (&'static str, fn() -> Option<Report>);
 
 const SECOND: Duration = Duration::from_secs(1);
 
-const FAULTS: [Fault; 8] = [
+const FAULTS: [Fault; 9] = [
     ("kill -9 of a worker in mid-task, 100 times", || Some(faults::killed_workers(100, 3000))),
     ("SIGSTOP of a worker for twice its lease", || Some(faults::frozen_worker(4 * SECOND, 120))),
     ("kill -9 of the coordinator, back after 3 s, 10 times", || {
@@ -20,6 +20,7 @@ const FAULTS: [Fault; 8] = [
     ("slow disk, 0.2 s a write", || Some(faults::slow_disk(SECOND / 5, 2000))),
     ("full disk", || faults::full_disk(400, SECOND / 100)),
     ("100 000 tasks, random faults", || Some(faults::soak(100_000))),
+    ("routers killed for 5 s, one after the other", || faults::killed_routers(5 * SECOND, 400, SECOND / 10)),
     ("network cut for 6 s and for 20 s", || faults::cut_network(&[6 * SECOND, 20 * SECOND], 400, SECOND / 5)),
 ];
 

@@ -2,6 +2,7 @@
 //! programs as processes.
 
 use crate::{program, skipped};
+use serde_json::Value;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
@@ -120,6 +121,17 @@ pub fn small_scene(evaluations: usize) -> String {
         "[study]\npopulation = 1000\ninitial = 8\nbatch = 4\nmax_evaluations = {evaluations}\nseed = 1\n"
     );
     format!("{before}{study}{variables}")
+}
+
+/// The summary of a finished study without times and workers, which may differ between runs.
+pub fn answer(study: &Path) -> Value {
+    let text = std::fs::read_to_string(study.join("summary.json")).expect("the study has ended");
+    let mut summary: Value = serde_json::from_str(&text).expect("it is JSON");
+    let all = summary.as_object_mut().expect("it is an object");
+    for differing in ["timing_s", "workers", "created"] {
+        assert!(all.remove(differing).is_some(), "the summary has no {differing}");
+    }
+    summary
 }
 
 /// A child process that is killed when dropped.

@@ -7,6 +7,7 @@ pub mod faults;
 pub mod journaled;
 pub mod practice_study;
 pub mod process;
+pub mod router;
 pub mod simulated_farm;
 
 use common::accuracy::{Accuracy, Tier};
@@ -143,12 +144,17 @@ pub fn expected(ids: std::ops::Range<u64>) -> Outcomes {
 
 /// Runs `work` on a separate thread and fails the test if it takes longer than [`PATIENCE`].
 pub fn in_time<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> T {
+    within(PATIENCE, work)
+}
+
+/// Runs `work` on a separate thread and fails the test if it takes longer than `limit`.
+pub fn within<T: Send + 'static>(limit: Duration, work: impl FnOnce() -> T + Send + 'static) -> T {
     let (done, result) = channel();
     let thread = std::thread::spawn(move || done.send(work()));
-    match result.recv_timeout(PATIENCE) {
+    match result.recv_timeout(limit) {
         Ok(result) => result,
         Err(_) if thread.is_finished() => panic!("the work under test panicked, see above"),
-        Err(_) => panic!("not done after {PATIENCE:?}"),
+        Err(_) => panic!("not done after {limit:?}"),
     }
 }
 

@@ -12,8 +12,17 @@ use tests::deployed::{
 };
 use tests::{in_time, program};
 
-const SCRIPTS: [&str; 4] =
-    ["certificates.sh", "ssh-workers.sh", "slurm/coordinator.sbatch", "slurm/workers.sbatch"];
+/// Scripts of `deploy/`, and those that run the real services.
+const SCRIPTS: [&str; 8] = [
+    "certificates.sh",
+    "ssh-workers.sh",
+    "slurm/coordinator.sbatch",
+    "slurm/workers.sbatch",
+    "../tests/examples/real/rootfs.sh",
+    "../tests/examples/real/slurm.sh",
+    "../tests/examples/real/systemd.sh",
+    "../tests/examples/real/zenohd.sh",
+];
 
 #[test]
 fn scripts_pass_bash_and_shellcheck() {
@@ -57,7 +66,7 @@ fn a_worker_in_a_batch_job_gets_the_remaining_time() {
     let path = folder.path();
     std::fs::write(path.join("study.endpoint"), "tls/node-7.cluster:7447\n").unwrap();
     stand_in(path, "worker", "");
-    for (left, walltime) in [("1-02:03:04", 93_724), ("03:59:50", 14_330), ("45:08", 2648)] {
+    for (left, walltime) in [("1-02:03:04", 93_724), ("03:59:50", 14_330), ("45:08", 2648), ("1:00", 54)] {
         stand_in(path, "squeue", &format!("echo {left}"));
         let mut job = batch(path, "workers.sbatch");
         job.envs([("SLURM_JOB_ID", "31"), ("SLURM_ARRAY_JOB_ID", "30"), ("SLURM_ARRAY_TASK_ID", "4")]);

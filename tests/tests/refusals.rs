@@ -140,6 +140,29 @@ fn refusals_are_explained_on_both_sides() {
     });
 }
 
+/// Beyond its number of sessions, a coordinator names the number, and both sides name the remedy. Those connected stay.
+#[test]
+fn a_full_coordinator_says_how_many_sessions_it_accepts() {
+    in_time(|| {
+        let folder = tempfile::tempdir().unwrap();
+        let few = folder.path().join("few.json5");
+        std::fs::write(&few, "{ transport: { unicast: { max_sessions: 1 } } }").unwrap();
+        let plain = folder.path().join("plain.json5");
+        std::fs::write(&plain, "{}").unwrap();
+        let listening = start_coordinator(folder.path(), "full", "tcp/127.0.0.1:0", Some(&few));
+        let connected = session(&plain, &listening.1);
+        let case = (
+            plain.as_path(),
+            "tcp",
+            "it has as many sessions as it accepts (a coordinator 4000, unless its log names another number)",
+            "there are 1 sessions, as many as are accepted",
+        );
+        refused(&listening, &[case]);
+        let replies = connected.get(keys::STATUS).timeout(PATIENCE).wait().unwrap();
+        assert!(replies.recv().unwrap().result().is_ok());
+    });
+}
+
 /// Every frame carries the protocol version; the coordinator names a worker of another version in its log.
 #[test]
 fn another_version_is_named_on_both_sides() {

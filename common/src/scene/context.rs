@@ -97,6 +97,17 @@ impl<'s> Context<'s> {
         self.seen.borrow_mut().retain(|seen, _| !key(seen));
     }
 
+    /// Kind of the quantity at a key, if it has been read.
+    pub(super) fn kind_of(&self, key: &str) -> Option<Kind> {
+        self.seen.borrow().get(key).map(Quantity::kind)
+    }
+
+    /// Records that `place` names a quantity at a `key` where none has been read.
+    pub(super) fn unknown_quantity(&self, place: &str, key: &str) {
+        let seen = self.seen.borrow();
+        self.reference(place, "quantity", key, seen.keys().map(String::as_str));
+    }
+
     /// Number of faults so far.
     pub(super) fn fault_count(&self) -> usize {
         self.faults.borrow().len()

@@ -65,6 +65,7 @@ impl Curve {
         let least = values.iter().copied().fold(f64::INFINITY, f64::min);
         let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let repeat = if self.table.repeat { "repeated" } else { "once" };
-        format!("{least} to {most} {unit} by a table over {over}, {repeat}")
+        let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+        format!("{least} to {most}{unit} by a table over {over}, {repeat}")
     }
 }

@@ -119,11 +119,7 @@ fn check_repetitions(life: &Section, period: f64, bodies: &[BodyRow], loads: &[L
         }
     }
     for load in loads {
-        let (name, key_of, curve) = match load {
-            Load::VariableForce { name, size, .. } => (name, "size", size),
-            Load::VariableTorque { name, torque, .. } => (name, "torque", torque),
-            _ => continue,
-        };
+        let Some((name, key_of, curve, _)) = load.curve() else { continue };
         if curve.over == Over::Time && curve.table.repeat {
             let every = span(&curve.table);
             if repetitions(period, every).is_none() {

@@ -1,4 +1,4 @@
-//! Loads on bodies: springs, forces, torques and motors.
+//! Loads on bodies: springs, forces, torques, motors and drags.
 
 use super::attachment::Attachment;
 use super::drive::{Curve, Over};
@@ -104,6 +104,37 @@ pub enum Load {
         /// Speed without torque [rad/s].
         no_load_speed: f64,
     },
+    /// Drag on a point of a body along a fixed direction d of the global frame: with u = d . v - flow, v the velocity of the point, the
+    /// force -factor (linear + quadratic |u|) u d.
+    Drag {
+        /// Name, unique in its scene.
+        name: String,
+        /// Point of application.
+        at: Attachment,
+        /// Unit direction d in the global frame `(2,)` [1].
+        direction: [f64; 2],
+        /// Force per speed [N s/m].
+        linear: f64,
+        /// Force per square of the speed [N s^2/m^2].
+        quadratic: f64,
+        /// Speed of the medium along d [m/s].
+        flow: f64,
+        /// Factor over time or angle; one without it [1].
+        factor: Option<Curve>,
+    },
+    /// Drag of a turning body: the torque -factor (linear + quadratic |omega|) omega.
+    RotationalDrag {
+        /// Name, unique in its scene.
+        name: String,
+        /// Index of the body.
+        body: usize,
+        /// Torque per angular velocity [N m s/rad].
+        linear: f64,
+        /// Torque per square of the angular velocity [N m s^2/rad^2].
+        quadratic: f64,
+        /// Factor over time or angle; one without it [1].
+        factor: Option<Curve>,
+    },
 }
 
 impl Load {
@@ -120,17 +151,35 @@ impl Load {
             Load::TorsionSpring { a, b, .. } => vec![*a, *b],
             Load::VariableForce { at, size, .. } => with_angle(at.body, size),
             Load::VariableTorque { body, torque, .. } => with_angle(*body, torque),
-            Load::ConstantForce { at, .. } => vec![at.body],
-            Load::ConstantTorque { body, .. } | Load::Motor { body, .. } => vec![*body],
+            Load::Drag { at, factor: Some(factor), .. } => with_angle(at.body, factor),
+            Load::RotationalDrag { body, factor: Some(factor), .. } => with_angle(*body, factor),
+            Load::ConstantForce { at, .. } | Load::Drag { at, .. } => vec![at.body],
+            Load::ConstantTorque { body, .. }
+            | Load::Motor { body, .. }
+            | Load::RotationalDrag { body, .. } => {
+                vec![*body]
+            }
+        }
+    }
+
+    /// Name of the load, its key of the table by which it varies, that table and the unit of its values; `None` for a load without one.
+    pub fn curve(&self) -> Option<(&str, &'static str, &Curve, &'static str)> {
+        match self {
+            Load::VariableForce { name, size, .. } => Some((name, "size", size, "N")),
+            Load::VariableTorque { name, torque, .. } => Some((name, "torque", torque, "N m")),
+            Load::Drag { name, factor: Some(factor), .. }
+            | Load::RotationalDrag { name, factor: Some(factor), .. } => Some((name, "factor", factor, "")),
+            _ => None,
         }
     }
 
     /// The table by which the load varies; `None` for a load without one.
     pub fn curve_mut(&mut self) -> Option<&mut Curve> {
         match self {
-            Load::VariableForce { size: curve, .. } | Load::VariableTorque { torque: curve, .. } => {
-                Some(curve)
-            }
+            Load::VariableForce { size: curve, .. }
+            | Load::VariableTorque { torque: curve, .. }
+            | Load::Drag { factor: Some(curve), .. }
+            | Load::RotationalDrag { factor: Some(curve), .. } => Some(curve),
             _ => None,
         }
     }
@@ -175,6 +224,21 @@ impl Load {
                 bodies[*body],
                 no_load_speed * 30.0 / std::f64::consts::PI
             ),
+            Load::Drag { name, at, direction: [x, y], linear, quadratic, flow, factor } => format!(
+                "{name}: drag of {linear} N s/m and {quadratic} N s^2/m^2 on {} along ({x}, {y}) in a flow of {flow} m/s{}",
+                bodies[at.body],
+                factor_explanation(factor.as_ref(), bodies)
+            ),
+            Load::RotationalDrag { name, body, linear, quadratic, factor } => format!(
+                "{name}: drag of {linear} N m s/rad and {quadratic} N m s^2/rad^2 on {}{}",
+                bodies[*body],
+                factor_explanation(factor.as_ref(), bodies)
+            ),
         }
     }
+}
+
+/// The factor of a drag for [`Load::explanation`].
+fn factor_explanation(factor: Option<&Curve>, bodies: &[&str]) -> String {
+    factor.map_or_else(String::new, |factor| format!(", times {}", factor.explanation(bodies, "")))
 }

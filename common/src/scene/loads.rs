@@ -1,7 +1,8 @@
-//! Reads loads: springs, forces, torques, motors.
+//! Reads loads: springs, forces, torques, motors, drags.
 
 use super::body_row::{BodyRow, body, place};
 use super::context::Range;
+use super::drive::Curve;
 use super::load::Load;
 use super::quantity::*;
 use super::section::Section;
@@ -21,7 +22,7 @@ pub(super) fn loads(file: &mut Section, bodies: &[BodyRow]) -> Vec<Load> {
 type Reader = fn(&mut Section, String, &[BodyRow]) -> Option<Load>;
 
 fn load(row: &mut Section, name: String, bodies: &[BodyRow]) -> Option<Load> {
-    let words: [(&str, Reader); 8] = [
+    let words: [(&str, Reader); 10] = [
         ("directional-spring", directional_spring),
         ("constant-force", constant_force),
         ("constant-torque", constant_torque),
@@ -30,6 +31,8 @@ fn load(row: &mut Section, name: String, bodies: &[BodyRow]) -> Option<Load> {
         ("force", force),
         ("torque", torque),
         ("motor", motor),
+        ("drag", drag),
+        ("rotational-drag", rotational_drag),
     ];
     let read = row.word("type", &words)?;
     read(row, name, bodies)
@@ -121,6 +124,53 @@ fn motor(row: &mut Section, name: String, bodies: &[BodyRow]) -> Option<Load> {
         return None;
     }
     Some(Load::Motor { name, body: body?, stall_torque, no_load_speed })
+}
+
+fn drag(row: &mut Section, name: String, bodies: &[BodyRow]) -> Option<Load> {
+    let at = place(row, "at", bodies);
+    let direction = direction(row);
+    let [linear, quadratic] = coefficients(row, [DAMPING, DRAG]);
+    let flow = row.quantity_or("flow", SPEED, Range::Any, 0.0);
+    let factor = factor(row, bodies);
+    Some(Load::Drag {
+        name,
+        at: at?,
+        direction: direction?,
+        linear: linear?,
+        quadratic: quadratic?,
+        flow: flow?,
+        factor: factor?,
+    })
+}
+
+fn rotational_drag(row: &mut Section, name: String, bodies: &[BodyRow]) -> Option<Load> {
+    let body = body(row, "body", bodies);
+    let [linear, quadratic] = coefficients(row, [TORSIONAL_DAMPING, TORSIONAL_DRAG]);
+    let factor = factor(row, bodies);
+    Some(Load::RotationalDrag { name, body: body?, linear: linear?, quadratic: quadratic?, factor: factor? })
+}
+
+/// Reads the coefficients `linear` and `quadratic` of a drag, at least one of them.
+fn coefficients(row: &mut Section, [linear, quadratic]: [Kind; 2]) -> [Option<f64>; 2] {
+    if row.get("linear").is_none() && row.get("quadratic").is_none() {
+        row.missing("quadratic", format!("{}, or linear, {}", quadratic.in_words(), linear.in_words()));
+    }
+    [("linear", linear), ("quadratic", quadratic)]
+        .map(|(key, kind)| row.quantity_or(key, kind, Range::NonNegative, 0.0))
+}
+
+/// Reads the curve `factor` of a drag, if there is one; the outer `None` for a faulty one.
+fn factor(row: &mut Section, bodies: &[BodyRow]) -> Option<Option<Curve>> {
+    if row.get("factor").is_none() {
+        return Some(None);
+    }
+    let factor = curve(row, "factor", NUMBER, bodies)?;
+    let least = factor.table.value.iter().copied().fold(f64::INFINITY, f64::min);
+    if least < 0.0 {
+        row.out_of_range("factor.value", least.to_string(), ">= 0: a drag slows down");
+        return None;
+    }
+    Some(Some(factor))
 }
 
 /// Reads `direction`; of unit length.

@@ -10,14 +10,16 @@
 //! | model | [`model`], `attachment`, `joint`, `drive`, `load`, `output`, `wear_output` | the types of a checked scene, all exported here |
 //! | faults | [`faults`], `location`, `trace`, `layers`, `excerpts`, `unit_advice` | what is wrong, with file, line, column, key, value and allowed range |
 //! | reading | `document`, `extends`, `csv_file`, `csv_import`, `context`, `parameters`, `quantity_list`, `section` | one pass over the file that records every fault |
-//! | readers | `bodies`, `joints`, `clearance`, `loads`, `tables`, `outputs`, `wear_outputs`, `life`, `simulator`, `variables`, `variable_law`, `measured`, `fits`, `correlations` | one part of a file each |
-//! | whole | `resolve`, `merge`, `warnings`, `magnitudes`, `builtin`, `reference`, [`source`] | all parts together; warnings; `extends`; the built-in scenes and their published results; samples |
+//! | readers | `bodies`, `joints`, `clearance`, `loads`, `tables`, `outputs`, `wear_outputs`, `life`, `simulator`, `variables`, `variable_law`, `measured`, `fits`, `correlations`, `conditions` | one part of a file each |
+//! | whole | `resolve`, `conditioned`, `merge`, `warnings`, `magnitudes`, `builtin`, `reference`, [`source`] | all parts together; warnings; `extends`; the built-in scenes and their published results; samples |
 
 mod attachment;
 mod bodies;
 mod body_row;
 mod builtin;
 mod clearance;
+mod conditioned;
+mod conditions;
 mod context;
 mod correlations;
 mod csv_file;
@@ -75,8 +77,8 @@ pub use load::Load;
 pub use location::Location;
 pub use measured::MeasuredVariable;
 pub use model::{
-    Body, DrivenInertia, ExternalSimulator, Fails, Life, LimitState, Motion, Point, Program, Scene,
-    SimulatorKind, StudySettings, UmBridgeModel,
+    Body, Condition, DrivenInertia, ExternalSimulator, Fails, Life, LimitState, Motion, Point, Program,
+    Scene, SimulatorKind, StudySettings, UmBridgeModel,
 };
 pub use output::{Output, OutputKind, SignedBody};
 pub use output_unit::OutputUnit;

@@ -36,6 +36,9 @@ pub struct Scene {
     pub limit_states: Vec<LimitState>,
     /// Duration and number of the cycles.
     pub life: Life,
+    /// Operating conditions of the life; empty if all cycles are alike.
+    #[serde(default)]
+    pub conditions: Vec<Condition>,
     /// Default settings of a study of this scene.
     pub study: StudySettings,
     /// Default accuracy of an evaluation.
@@ -91,6 +94,17 @@ impl Scene {
         let origin = self.bodies[place.body].motion.base_point();
         [place.position[0] - origin[0], place.position[1] - origin[1]]
     }
+}
+
+/// An operating condition: a share of the cycles of a life, in which some quantities of the scene have other values.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Condition {
+    /// Name, unique in its scene.
+    pub name: String,
+    /// Share of the cycles, > 0; those of all conditions of a scene add up to 1 [1].
+    pub share: f64,
+    /// The scene under this condition, on the same bores; without random variables and conditions of its own.
+    pub scene: Scene,
 }
 
 /// A rigid body.

@@ -208,6 +208,8 @@ kinds! {
     DAMPING "a damping" (1 0 -1) "N s/m" "N s/m" Open;
     TORSIONAL_STIFFNESS "a torsional stiffness" (1 2 -2) "N m/rad, N m/deg" "N m/rad" Open;
     TORSIONAL_DAMPING "a torsional damping" (1 2 -1) "N m s/rad" "N m s/rad" Open;
+    DRAG "a quadratic drag" (1 -1 0) "N s^2/m^2, kg/m" "N s^2/m^2" Open;
+    TORSIONAL_DRAG "a quadratic torsional drag" (1 2 0) "N m s^2/rad^2" "N m s^2/rad^2" Open;
     PRESSURE "a pressure" (1 -1 -2) "GPa, MPa, Pa" "Pa" Open;
     INVERSE_PRESSURE "an inverse pressure" (-1 1 2) "1/Pa, mm^2/N" "1/Pa" Open;
     INVERSE_SPEED "an inverse speed" (0 -1 1) "s/m" "s/m" Open;

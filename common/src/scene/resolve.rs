@@ -3,6 +3,7 @@
 use super::bodies::bodies;
 use super::body_row::BodyRow;
 use super::clearance::materials;
+use super::conditions::{ConditionRow, condition_rows};
 use super::context::{Context, Overrides};
 use super::correlations::{CorrelationRow, correlation_rows};
 use super::faults::{Fault, FaultKind};
@@ -27,6 +28,8 @@ pub(super) struct Resolved {
     pub(super) scene: Scene,
     /// Correlations as written; those of the scene are still empty.
     pub(super) correlations: Vec<CorrelationRow>,
+    /// Operating conditions as written; those of the scene are still empty.
+    pub(super) conditions: Vec<ConditionRow>,
     /// Random variables as written.
     pub(super) variables: Vec<VariableRow>,
     /// Every quantity read, by the path of its key.
@@ -57,6 +60,10 @@ pub(super) fn resolve(origin: &str, document: &Table, overrides: &Overrides) -> 
     }
     // The parameters of a variable or a correlation are no quantities of the scene that an override could set.
     cx.forget(|key| key.starts_with("variables.") || key.starts_with("correlations["));
+    let conditions = match parts.simulator {
+        None => condition_rows(&mut file, parts.model.life.as_ref()),
+        Some(_) => Vec::new(),
+    };
     file.finish();
     // After another fault, a key may be unread only because of it.
     if cx.fault_count() == 0 {
@@ -65,7 +72,8 @@ pub(super) fn resolve(origin: &str, document: &Table, overrides: &Overrides) -> 
     let seen = cx.take_seen();
     match parts.scene() {
         Some(scene) if cx.fault_count() == 0 => {
-            Ok(Resolved { scene, correlations, variables: rows, seen, used: cx.used_parameters() })
+            let used = cx.used_parameters();
+            Ok(Resolved { scene, correlations, conditions, variables: rows, seen, used })
         }
         _ => {
             // Faults of the variables whose nominal values could be read.
@@ -116,6 +124,7 @@ impl Parts {
             loads,
             gravity: gravity?,
             outputs: outputs.into_iter().map(|row| row.output).collect::<Option<_>>()?,
+            conditions: Vec::new(),
             variables: Vec::new(),
             correlations: Vec::new(),
             limit_states: self.limit_states.into_iter().collect::<Option<_>>()?,

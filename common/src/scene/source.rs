@@ -2,6 +2,7 @@
 //! variables.
 
 use super::builtin;
+use super::conditioned::conditions;
 use super::context::{Context, Overrides};
 use super::correlations::correlations;
 use super::expression::{ExpressionError, evaluate, read_unit};
@@ -320,7 +321,10 @@ impl SceneSource {
     fn resolve_overridden(&self, overrides: &Overrides) -> Result<Scene, Faults> {
         let resolved = resolve(&self.origin, &self.document, overrides).map_err(Faults)?;
         let (variables, correlations) = (self.nominal.variables.clone(), self.nominal.correlations.clone());
-        Ok(Scene { variables, correlations, ..resolved.scene })
+        let conditions =
+            conditions(&self.origin, &self.document, overrides, &resolved.scene, &resolved.conditions)
+                .map_err(Faults)?;
+        Ok(Scene { variables, correlations, conditions, ..resolved.scene })
     }
 
     /// Checks that the scene is valid with every variable at each of its bounds, or its 1e-6 and 1 - 1e-6 quantiles, and

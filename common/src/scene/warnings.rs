@@ -28,18 +28,14 @@ pub(super) fn warnings(scene: &Scene) -> Vec<Warning> {
     if scene.life.is_single_cycle() {
         return Vec::new();
     }
-    let varying = scene.loads.iter().filter_map(|load| match load {
-        Load::VariableForce { name, size, .. } => Some((name, "size", size)),
-        Load::VariableTorque { name, torque, .. } => Some((name, "torque", torque)),
-        _ => None,
-    });
+    let varying = scene.loads.iter().filter_map(Load::curve);
     let leaves_its_end = |curve: &Curve| match curve.over {
         _ if curve.table.repeat => false,
         Over::Time => true,
         Over::Angle(body) => has_full_turns(&scene.bodies[body].motion),
     };
-    let once = varying.filter(|(_, _, curve)| leaves_its_end(curve));
-    let warning = |(name, key, _): (&String, &str, _)| {
+    let once = varying.filter(|(_, _, curve, _)| leaves_its_end(curve));
+    let warning = |(name, key, ..): (&str, &str, _, _)| {
         Warning {
         key: format!("loads.{name}.{key}"),
         message: "does not repeat, but the cycles follow each other: what comes before a measured cycle has the first value; \

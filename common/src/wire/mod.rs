@@ -15,6 +15,8 @@
 
 pub mod codec;
 pub mod keys;
+#[cfg(test)]
+mod layout_tests;
 pub mod message;
 mod numbers;
 mod reason;
@@ -33,3 +35,7 @@ pub use status::{FarmStatus, Phase, ReliabilitySoFar, Status, StudyStatus, Worke
 
 /// Version of the messages. It changes with every change of their layout or meaning; there is no negotiation.
 pub const PROTOCOL_VERSION: u16 = 5;
+
+/// Sessions that a coordinator accepts unless its configuration sets another number: one for each directly connected
+/// worker, router, or command that queries the status. See `cargo run --release -p tests --example many_sessions`.
+pub const MAX_SESSIONS: u32 = 4000;

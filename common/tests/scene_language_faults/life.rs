@@ -84,6 +84,13 @@ fn life() {
             1,
         )
         .replacen("settle_cycles = 3", "settle_cycles = 0", 1);
+    let found = SceneSource::parse(&once, "once").unwrap_err().to_string();
+    assert!(
+        found.contains("conditions: a motion that is seen once, in one cycle, has no conditions"),
+        "{found}"
+    );
+    let (before, after) = once.split_once("[[conditions]]").unwrap();
+    let once = format!("{before}[study]{}", after.split_once("[study]").unwrap().1);
     assert_eq!(SceneSource::parse(&once, "once").unwrap().nominal().life.period, 0.15);
 }
 

@@ -117,3 +117,59 @@ fn loads() {
         "loads.motor: stall_torque and no_load_speed have",
     );
 }
+
+#[test]
+fn drags() {
+    let linear = "linear = \"0.2 N s/m\"";
+    one_fault(
+        "air",
+        linear,
+        "linear = \"-0.2 N s/m\"",
+        "loads.air.linear: \"-0.2 N s/m\" is out of range, allowed: >= 0",
+    );
+    one_fault(
+        "air",
+        linear,
+        "linear = \"0.2 N\"",
+        "loads.air.linear: \"0.2 N\" is a force, expected a damping",
+    );
+    one_fault(
+        "air",
+        "1.5 N s^2/m^2",
+        "1.5 N s/m",
+        "loads.air.quadratic: \"1.5 N s/m\" is a damping, expected a quadratic drag (N s^2/m^2, kg/m, ...)",
+    );
+    one_fault("air", "-20 m/s", "-20 m", "loads.air.flow: \"-20 m\" is a length, expected a speed");
+    one_fault(
+        "air",
+        "0.25",
+        "-0.25",
+        "loads.air.factor.value: -0.25 is out of range, allowed: >= 0: a drag slows down",
+    );
+    one_fault(
+        "air",
+        "direction = [0, 3]",
+        "direction = [0, 0]",
+        "loads.air.direction: [0, 0] is out of range",
+    );
+    one_fault(
+        "water",
+        "quadratic = \"2 kg/m\"\n",
+        "",
+        "loads.water.quadratic: is missing, expected a quadratic drag",
+    );
+    one_fault(
+        "fan",
+        "2e-5 N m s^2/rad^2",
+        "2e-5 N m s/rad",
+        "loads.fan.quadratic: \"2e-5 N m s/rad\" is a torsional damping, expected a quadratic torsional drag",
+    );
+    one_fault(
+        "fan",
+        "\"20 ms\", \"50 ms\"",
+        "\"20 ms\", \"70 ms\"",
+        "life.period: a cycle of 0.1 s is not a multiple of 0.07 s",
+    );
+    one_fault("plain_fan", "body = \"slider\"", "body = \"slidr\"", "there is no body \"slidr\"");
+    one_fault("plain_fan", "linear", "flow = \"1 m/s\"\nlinear", "loads.plain_fan.flow: unknown key");
+}

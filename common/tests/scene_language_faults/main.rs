@@ -1,5 +1,6 @@
 //! Faults of joints, drives, tables, loads, outputs and life: each named by file, key, value and what is allowed.
 
+mod conditions;
 mod drives;
 mod joints;
 mod life;

@@ -2,6 +2,7 @@
 
 use super::decision_error::DecisionError;
 use super::drive_angles::drive_at;
+use super::foreign_study::ForeignStudy;
 use super::{pdf::PdfError, signals::INTERRUPTED};
 use common::failure::SimulationFailure;
 use common::scene::{Faults, Scene};
@@ -148,14 +149,9 @@ pub enum CommandError {
         /// The fault of the destination.
         fault: String,
     },
-    /// The campaign file has settings of another version of the program.
-    #[error("{file}: the settings of this study cannot be read: {reason}")]
-    ForeignSettings {
-        /// The campaign file.
-        file: String,
-        /// Reason in words.
-        reason: String,
-    },
+    /// A study of another version of the program.
+    #[error(transparent)]
+    Foreign(#[from] ForeignStudy),
     /// Studies that cannot be compared.
     #[error(transparent)]
     Incomparable(#[from] Incomparable),
@@ -304,7 +300,7 @@ impl CommandError {
             | Self::NothingToStudy { .. }
             | Self::Setting(_)
             | Self::Destination { .. }
-            | Self::ForeignSettings { .. }
+            | Self::Foreign(_)
             | Self::Incomparable(_)
             | Self::Existing { .. }
             | Self::SceneName { .. }

@@ -75,7 +75,16 @@ fn explain_into(out: &mut String, scene: &Scene, model: &Model) -> std::fmt::Res
     let cycles = |n: u32| count(n as usize, "cycle");
     let every = if life.checkpoint_every == 1 { "cycle".to_owned() } else { cycles(life.checkpoint_every) };
     writeln!(out, "Life: {} of {:.6} s, reported every {every}.", cycles(life.cycles), life.period)?;
+    conditions(out, scene)?;
     study(out, scene)
+}
+
+/// The operating conditions with what is simulated under each.
+fn conditions(out: &mut String, scene: &Scene) -> std::fmt::Result {
+    for Condition { name, share, scene } in &scene.conditions {
+        writeln!(out, "  {name}: {:.4} % of the cycles, of {:.6} s each", share * 100.0, scene.life.period)?;
+    }
+    Ok(())
 }
 
 /// The description of a scene that names its own simulator.
@@ -246,6 +255,9 @@ mod tests {
             "push: force on slider along (0.6, 0.8), 1 to 5.5 N by a table over time, repeated",
             "twist: torque on slider, 0 to 2 N m by a table over the angle of rod, once",
             "motor: motor on rod, -0.3 N m at rest, none at -3000.0 r/min",
+            "air: drag of 0.2 N s/m and 1.5 N s^2/m^2 on rod along (0, 1) in a flow of -20 m/s, times 0.25 to 1 by a table over the \
+             angle of crank, repeated",
+            "plain_fan: drag of 0.0001 N m s/rad and 0 N m s^2/rad^2 on slider",
             "wear: largest wear depth of joint worn",
             "all_wear: largest wear depth of 3 joints",
             "angle: largest difference of angle, rod against slider",
@@ -261,6 +273,7 @@ mod tests {
             "triangular, mean 10.03333, std 0.06236096, from 9.9 to 10.2 mm",
             "constant, mean 0.5 N m",
             "correlation of brake and friction_worn, as normals: 0.4",
+            "full: 30.0000 % of the cycles, of 0.100000 s each",
         ] {
             assert!(found.contains(line), "no \"{line}\" in:\n{found}");
         }

@@ -18,6 +18,7 @@ mod explain;
 mod external;
 mod extremes;
 mod farm;
+mod foreign_study;
 mod init;
 mod measured;
 mod model;

@@ -95,6 +95,8 @@ pub fn run(arguments: &RunArguments, verbosity: Verbosity) -> Result<(), Command
 /// [`CommandError`].
 pub fn resume(arguments: &ResumeArguments, verbosity: Verbosity) -> Result<(), CommandError> {
     let ResumeArguments { dir, extension, farm, monitor } = arguments;
+    // A study that this version cannot go on with is refused before its file is brought up to the present layout.
+    StoredStudy::look(dir)?;
     let mut study = StoredStudy::read(CampaignFile::open(dir)?)?;
     let extended = extension.extended(&study.settings, study.campaign.count()?)?;
     extended.check(study.scene())?;
@@ -129,6 +131,13 @@ pub fn resume(arguments: &ResumeArguments, verbosity: Verbosity) -> Result<(), C
 /// Says on standard error what a study goes on from.
 fn say_what_is_done(study: &StoredStudy, extended: &Settings) -> Result<(), CommandError> {
     eprintln!("{} evaluations are done already", study.campaign.count()?);
+    let (before, ours) = (&study.campaign.meta().version, env!("CARGO_PKG_VERSION"));
+    if before != ours {
+        eprintln!(
+            "they are by version {before} of the program, and those that follow by version {ours}: where the two compute \
+             other digits, the study has both"
+        );
+    }
     if extended.larger_populations != study.settings.larger_populations {
         eprintln!(
             "the population grows to {} points once learning has ended on the present one: all results are used, where a \

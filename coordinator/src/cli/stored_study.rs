@@ -1,6 +1,7 @@
 //! A study in its folder, finished or not, with its scene, settings and evaluations.
 
 use super::error::CommandError;
+use super::foreign_study::{ForeignPart, ForeignStudy};
 use common::scene::{Scene, SceneSource};
 use coordinator::analyses::designs::{DESIGNS_DOCUMENT, DesignSpace, StoredSpace};
 use coordinator::presentation::report::SUMMARY_DOCUMENT;
@@ -26,7 +27,7 @@ impl StoredStudy {
     /// Opens the folder of a study for reading, which may be running.
     ///
     /// # Errors
-    /// [`CommandError::Store`], [`CommandError::Scene`] or [`CommandError::ForeignSettings`].
+    /// [`CommandError::Store`] or [`CommandError::Foreign`].
     pub fn look(dir: &Path) -> Result<Self, CommandError> {
         Self::read(CampaignFile::look(dir)?)
     }
@@ -34,12 +35,11 @@ impl StoredStudy {
     /// Reads scene and settings of an open campaign file.
     ///
     /// # Errors
-    /// [`CommandError::Scene`] or [`CommandError::ForeignSettings`].
+    /// [`CommandError::Foreign`].
     pub fn read(campaign: CampaignFile) -> Result<Self, CommandError> {
         let source = scene_of(&campaign)?;
-        let settings = Settings::from_stored(&campaign.meta().settings).map_err(|error| {
-            CommandError::ForeignSettings { file: origin(&campaign), reason: error.to_string() }
-        })?;
+        let settings = Settings::from_stored(&campaign.meta().settings)
+            .map_err(|error| foreign(&campaign, ForeignPart::Settings(error)))?;
         Ok(Self { campaign, source, settings })
     }
 
@@ -119,9 +119,15 @@ pub fn summary_of(campaign: &CampaignFile) -> Result<StudySummary, CommandError>
 /// The scene stored in a campaign file.
 ///
 /// # Errors
-/// [`CommandError::Scene`].
+/// [`CommandError::Foreign`].
 pub fn scene_of(campaign: &CampaignFile) -> Result<SceneSource, CommandError> {
-    Ok(SceneSource::parse(&campaign.meta().scene_source, &origin(campaign))?)
+    SceneSource::parse(&campaign.meta().scene_source, &origin(campaign))
+        .map_err(|faults| foreign(campaign, ForeignPart::Scene(faults)))
+}
+
+fn foreign(campaign: &CampaignFile, part: ForeignPart) -> CommandError {
+    let program = campaign.meta().version.clone();
+    ForeignStudy { file: origin(campaign), program, part }.into()
 }
 
 fn origin(campaign: &CampaignFile) -> String {

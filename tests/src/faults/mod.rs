@@ -5,12 +5,14 @@
 mod coordinators;
 mod disk;
 mod network;
+mod routers;
 mod soak;
 mod workers;
 
 pub use coordinators::{killed_coordinator, stalled_coordinator};
 pub use disk::{MOST_UNRECORDED, full_disk, slow_disk};
 pub use network::cut_network;
+pub use routers::killed_routers;
 pub use soak::soak;
 pub use workers::{frozen_worker, killed_workers};
 

@@ -55,7 +55,7 @@ const KEPT_TO: [(&str, &str, &[&str]); 12] = [
     ("bincode", "common", &["wire/codec.rs"]),
     ("rusqlite", "coordinator", &["results/store/"]),
     ("worker", "coordinator", &["cli/", "main.rs"]),
-    ("rustix", "coordinator", &["farm/evaluate/process.rs"]),
+    ("rustix", "coordinator", &["farm/evaluate/process.rs", "farm/dispatch/transport/file_limit.rs"]),
     ("rustix", "worker", &["service/slots.rs"]),
     ("ureq", "coordinator", &["farm/evaluate/umbridge.rs"]),
     ("axum", "worker", &["umbridge/"]),

@@ -48,6 +48,9 @@ pub trait Arcs<R: Real> {
     fn integrate(&self, e: [R; 2]) -> Integrals<R>;
     /// Penetration in free flight, not above zero, at the eccentricity `e` [m]; zero where `touches` is above zero.
     fn free_penetration(&self, e: [R; 2], touches: R) -> R;
+    /// Direction in which the journal is nearest to the bore at the eccentricity `e` [m], which is not zero; zeros where `penetration` is above
+    /// zero `(2,)` [1].
+    fn nearest_free(&self, e: [R; 2], penetration: R) -> [R; 2];
 }
 
 impl Arc {
@@ -300,6 +303,12 @@ impl Arcs<f64> for Arc {
     #[inline(always)]
     fn free_penetration(&self, e: [f64; 2], touches: f64) -> f64 {
         if touches <= 0.0 { Arc::free_penetration(self, e) } else { 0.0 }
+    }
+
+    #[inline(always)]
+    fn nearest_free(&self, e: [f64; 2], penetration: f64) -> [f64; 2] {
+        // An idle lane has no bore.
+        if penetration > 0.0 || self.radius.is_empty() { [0.0; 2] } else { self.nearest(e) }
     }
 }
 

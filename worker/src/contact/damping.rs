@@ -15,16 +15,19 @@
 //! Hunt, Crossley (1975), J. Appl. Mech. 42, 440-445. Flores, Machado, Silva, Martins (2011), Multibody
 //! System Dynamics 25, 357-375.
 
+use crate::lanes::{Real, lanewise};
 use common::scene::{ContactDamping, RestitutionLaw};
 
 /// How D follows from the speed of approach.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Restitution {
+pub struct Restitution<R = f64> {
     /// D v0 [1].
-    pub factor: f64,
+    pub factor: R,
     /// Smallest speed that counts as an impact [m/s].
-    pub least_speed: f64,
+    pub least_speed: R,
 }
+
+lanewise!(Restitution { factor, least_speed });
 
 impl Restitution {
     /// D v0 for the coefficient of restitution e in (0, 1] [1]; zero for e = 1.
@@ -37,10 +40,13 @@ impl Restitution {
         };
         Restitution { factor, least_speed }
     }
+}
 
+impl<R: Real> Restitution<R> {
     /// D of a contact that began at this speed of approach [s/m]; a slower one, or none, counts as the least.
-    pub(crate) fn damping(&self, approach: f64) -> f64 {
-        self.factor / approach.max(self.least_speed)
+    #[inline(always)]
+    pub(crate) fn damping(&self, approach: R) -> R {
+        self.factor / approach.larger(self.least_speed)
     }
 }
 

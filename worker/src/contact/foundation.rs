@@ -219,6 +219,16 @@ impl<R: Real, A: Arcs<R>> Foundation<R, A> {
         (out, slopes)
     }
 
+    /// Rate of the largest gap, where `penetration` is not above zero [m/s]: in the direction in which the journal is nearest to the bore; in
+    /// the middle of the bore, from where every direction leads to the wall, the speed.
+    #[inline(always)]
+    pub(super) fn approach(&self, motion: &JointMotion<R>, penetration: R) -> R {
+        let JointMotion { e, w, .. } = *motion;
+        let rate = dot(self.arc.nearest_free(e, penetration), in_bushing_frame(motion));
+        let size = length(e);
+        R::select(size.zero().below(size), rate, length(w))
+    }
+
     /// Derivative of (force, torques) without the film to (e, w, omega_i, omega_j), in the axes (n, t) `(4, 6)`, with
     /// the foundation's stiffness, entries xx, xy, yy [N/m].
     #[inline(always)]
@@ -326,15 +336,16 @@ impl Law for Foundation {
     /// The gap function grows at this rate where it is largest, in the direction in which the journal is
     /// nearest to the bore.
     fn approach(&self, surfaces: Surfaces, motion: &JointMotion) -> f64 {
-        if let Some(pair) = surfaces.journal.and_then(|journal| self.with_journal(journal)) {
-            return pair.approach_with_journal(motion);
+        match surfaces.journal.and_then(|journal| self.with_journal(journal)) {
+            None => Foundation::<f64, Arc>::approach(self, motion, 0.0),
+            Some(pair) => pair.approach_with_journal(motion, 0.0),
         }
-        dot(self.arc.nearest(motion.e), in_bushing_frame(motion))
     }
 }
 
 /// Velocity of the journal's centre differentiated in the bushing's frame, w - omega_j x e `(2,)` [m/s].
-pub(super) fn in_bushing_frame(motion: &JointMotion) -> [f64; 2] {
+#[inline(always)]
+pub(super) fn in_bushing_frame<R: Real>(motion: &JointMotion<R>) -> [R; 2] {
     let JointMotion { e, w, omega_bushing, .. } = *motion;
     [w[0] + omega_bushing * e[1], w[1] - omega_bushing * e[0]]
 }

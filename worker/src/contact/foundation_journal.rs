@@ -34,6 +34,9 @@ pub trait JournalInArc<R: Real> {
     fn integrate(&self, e: [R; 2], alpha: R) -> TurnedIntegrals<R>;
     /// Penetration in free flight, not above zero [m]; zero where `touches` is above zero.
     fn free_penetration(&self, e: [R; 2], alpha: R, touches: R) -> R;
+    /// Direction in which the journal is nearest to the bore at the eccentricity `e` [m], which is not zero `(2,)` [1], and the derivative of
+    /// the gap to alpha there [m/rad]; zeros where `penetration` is above zero.
+    fn nearest_free(&self, e: [R; 2], alpha: R, penetration: R) -> ([R; 2], R);
     /// Radius of the journal at the angle `chi` in its own body, within half a turn of zero [rad].
     fn journal(&self, chi: R) -> Radius<R>;
 }
@@ -54,6 +57,11 @@ impl JournalInArc<f64> for Pair<'_> {
     #[inline(always)]
     fn free_penetration(&self, e: [f64; 2], alpha: f64, touches: f64) -> f64 {
         if touches <= 0.0 { self.turned.free_penetration(e, alpha) } else { 0.0 }
+    }
+
+    #[inline(always)]
+    fn nearest_free(&self, e: [f64; 2], alpha: f64, penetration: f64) -> ([f64; 2], f64) {
+        if penetration > 0.0 { ([0.0; 2], 0.0) } else { self.turned.nearest(e, alpha) }
     }
 
     #[inline(always)]
@@ -136,12 +144,6 @@ impl FoundationWithJournal<'_> {
         let spin = motion.omega_journal - motion.omega_bushing;
         let power = dot(force, in_bushing_frame(motion)) + moment * spin;
         Elastic { stored: energy, force: size, rate: power / size }
-    }
-
-    /// Rate of the largest gap, also in free flight [m/s].
-    pub(super) fn approach_with_journal(&self, motion: &JointMotion) -> f64 {
-        let (direction, to_alpha) = self.arc.turned.nearest(motion.e, motion.turn);
-        dot(direction, in_bushing_frame(motion)) + to_alpha * (motion.omega_journal - motion.omega_bushing)
     }
 }
 
@@ -240,6 +242,17 @@ impl<R: Real, A: JournalInArc<R>> Foundation<R, A> {
             s.add_film_slopes(&mut slopes);
         }
         (out, slopes)
+    }
+
+    /// Rate of the largest gap, where `penetration` is not above zero [m/s]; in the middle of the bore, from where every direction leads to
+    /// the wall, the speed.
+    #[inline(always)]
+    pub(super) fn approach_with_journal(&self, motion: &JointMotion<R>, penetration: R) -> R {
+        let JointMotion { e, w, omega_journal, omega_bushing, turn } = *motion;
+        let (direction, to_alpha) = self.arc.nearest_free(e, turn, penetration);
+        let rate = dot(direction, in_bushing_frame(motion)) + to_alpha * (omega_journal - omega_bushing);
+        let size = length(e);
+        R::select(size.zero().below(size), rate, length(w))
     }
 
     /// Derivative of (force, torques) without the film to (e, w, omega_i, omega_j) and to alpha, in the axes (n, t).

@@ -93,6 +93,25 @@ impl<R: Real> JournalInArc<R> for JournalLanes<R> {
     }
 
     #[inline(always)]
+    fn nearest_free(&self, e: [R; 2], alpha: R, penetration: R) -> ([R; 2], R) {
+        let nothing = alpha.zero();
+        let (mut direction, mut to_alpha) = ([nothing; 2], nothing);
+        for lane in 0..R::LANES {
+            let (arc, journal) = &self.pairs[lane];
+            // An idle lane has no bore.
+            if penetration.lane(lane) > 0.0 || arc.intervals() == 0 {
+                continue;
+            }
+            let at = [e[0].lane(lane), e[1].lane(lane)];
+            let (one, slope) = TurnedArc { arc, journal }.nearest(at, alpha.lane(lane));
+            direction[0].set_lane(lane, one[0]);
+            direction[1].set_lane(lane, one[1]);
+            to_alpha.set_lane(lane, slope);
+        }
+        (direction, to_alpha)
+    }
+
+    #[inline(always)]
     fn journal(&self, chi: R) -> Radius<R> {
         worn_radius(self.radius, self.depths.radius_at(chi))
     }

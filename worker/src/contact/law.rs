@@ -32,7 +32,7 @@ pub(super) trait Law {
     /// Energy, force and rate of the elastic part of the contact; all zero in free flight.
     fn elastic(&self, surfaces: Surfaces, motion: &JointMotion) -> Elastic;
 
-    /// Rate of the penetration, delta_dot, also in free flight [m/s]. The eccentricity must not be zero.
+    /// Rate of the penetration, delta_dot, in free flight [m/s]; the speed in the middle of the bore.
     fn approach(&self, surfaces: Surfaces, motion: &JointMotion) -> f64;
 }
 

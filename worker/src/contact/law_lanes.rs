@@ -59,12 +59,43 @@ impl<R: Real> LawLanes<R> {
     }
 
     /// Constants of the joints.
+    #[inline(always)]
     fn surface_mut(&mut self) -> &mut Surface<R> {
         match self {
             LawLanes::LocalHertz(law, ..) => &mut law.surface,
             LawLanes::Foundation(law) => &mut law.surface,
             LawLanes::FoundationWithJournal(law) => &mut law.surface,
         }
+    }
+
+    /// Constants of the joints.
+    #[inline(always)]
+    pub(crate) fn surface(&self) -> &Surface<R> {
+        match self {
+            LawLanes::LocalHertz(law, ..) => &law.surface,
+            LawLanes::Foundation(law) => &law.surface,
+            LawLanes::FoundationWithJournal(law) => &law.surface,
+        }
+    }
+
+    /// Lets the damping factors of laws with memory follow the speeds of approach, in lanes where the `penetration` [m] at this place and
+    /// motion is not above zero; no effect for constant D.
+    #[inline(always)]
+    pub(crate) fn follow_approach(
+        &mut self,
+        (place, walls): (&PolarEccentricity<R>, &Walls<R>),
+        motion: &JointMotion<R>,
+        penetration: R,
+    ) {
+        if self.surface().restitution.is_none() {
+            return;
+        }
+        let approach = match self {
+            LawLanes::LocalHertz(law, ..) => law.approach(place, walls, motion),
+            LawLanes::Foundation(law) => law.approach(motion, penetration),
+            LawLanes::FoundationWithJournal(law) => law.approach_with_journal(motion, penetration),
+        };
+        self.surface_mut().follow_approach(approach, penetration);
     }
 
     /// Replaces a lane by a joint with the same law and its surfaces, of which the same wear.
@@ -148,6 +179,17 @@ impl<R: Real> Arcs<R> for ArcLanes {
             }
         }
         all
+    }
+
+    #[inline(always)]
+    fn nearest_free(&self, e: [R; 2], penetration: R) -> [R; 2] {
+        let mut out = [e[0].zero(); 2];
+        for lane in 0..R::LANES {
+            let one = self.0[lane].0.nearest_free([e[0].lane(lane), e[1].lane(lane)], penetration.lane(lane));
+            out[0].set_lane(lane, one[0]);
+            out[1].set_lane(lane, one[1]);
+        }
+        out
     }
 
     #[inline(always)]

@@ -170,6 +170,21 @@ impl<R: Real> LocalHertz<R> {
         (out, slopes)
     }
 
+    /// Rate of the penetration, delta_dot, at the eccentricity `e`, in whose direction the surfaces are `walls` [m/s]; in the middle of the
+    /// bore, from where every direction leads to the wall, the speed.
+    #[inline(always)]
+    pub(super) fn approach(&self, e: &PolarEccentricity<R>, walls: &Walls<R>, motion: &JointMotion<R>) -> R {
+        let JointMotion { w, omega_journal, omega_bushing, .. } = *motion;
+        let along = dot(w, left(e.u));
+        let turn = (-omega_bushing).plus_product(along, e.inverse);
+        let mut rate = dot(w, e.u).minus_product(walls.bore.d1, turn);
+        if let Some(journal) = walls.journal {
+            let spin = (-omega_journal).plus_product(along, e.inverse);
+            rate = rate.plus_product(journal.d1, spin);
+        }
+        R::select(e.size.zero().below(e.size), rate, dot(w, w).sqrt())
+    }
+
     /// Derivative of (force, torques) without the film to (e, w, omega_i, omega_j), in the axes (u, t) `(4, 6)`, and to alpha if the
     /// journal wears `(4,)`.
     #[inline(always)]
@@ -284,20 +299,12 @@ impl Law for LocalHertz {
             return Elastic::default();
         }
         let force = self.surface.stiffness * delta * delta.sqrt();
-        Elastic { stored: 0.4 * force * delta, force, rate: self.approach(surfaces, motion) }
+        Elastic { stored: 0.4 * force * delta, force, rate: Law::approach(self, surfaces, motion) }
     }
 
     fn approach(&self, Surfaces { bore, journal }: Surfaces, motion: &JointMotion) -> f64 {
-        let JointMotion { e, w, omega_journal, omega_bushing, turn } = *motion;
-        let r = libm::hypot(e[0], e[1]);
-        let u = [e[0] / r, e[1] / r];
-        let along = w[1] * u[0] - w[0] * u[1];
-        let psi = libm::atan2(e[1], e[0]);
-        let slope = bore.radius_at(psi).d1;
-        let of_bore = w[0] * u[0] + w[1] * u[1] - slope * (along / r - omega_bushing);
-        match journal {
-            None => of_bore,
-            Some(journal) => of_bore + journal.radius_at(psi - turn).d1 * (along / r - omega_journal),
-        }
+        let e = PolarEccentricity::new(motion.e);
+        let journal = journal.map(|journal| journal.radius_at(e.psi - motion.turn));
+        LocalHertz::approach(self, &e, &Walls { bore: bore.radius_at(e.psi), journal }, motion)
     }
 }

@@ -130,18 +130,13 @@ impl Contact {
         if now.penetration > 0.0 {
             return;
         }
-        let approach = if motion.e == [0.0; 2] {
-            // From the middle of the bore every direction leads to the wall.
-            libm::hypot(motion.w[0], motion.w[1])
-        } else {
-            self.approach(surfaces.into(), motion)
-        };
+        let approach = self.approach(surfaces.into(), motion);
         self.restore_damping(restitution.damping(approach));
     }
 
     /// Rate of the penetration, also in free flight [m/s]. The eccentricity must not be zero.
     fn approach(&self, surfaces: Surfaces, motion: &JointMotion) -> f64 {
-        with_law!(self, law => law.approach(surfaces, motion))
+        with_law!(self, law => Law::approach(law, surfaces, motion))
     }
 
     /// Restores the damping factor [s/m] fixed at the last impact.

@@ -11,7 +11,7 @@
 use super::damping::{self, Restitution};
 use super::joint_force::{ForceSlopes, JointForce, JointMotion};
 use super::stiffness::hertz_stiffness;
-use crate::lanes::{Lanewise, Real, lanewise, tanh};
+use crate::lanes::{Real, lanewise, tanh};
 use common::scene::Clearance;
 
 /// Constants of one joint that all contact laws share.
@@ -26,7 +26,7 @@ pub struct Surface<R = f64> {
     /// Damping factor D in effect [s/m].
     pub damping: R,
     /// How D follows from the speed of approach; `None` if D is constant.
-    pub restitution: Option<Restitution>,
+    pub restitution: Option<Restitution<R>>,
     /// Friction coefficient mu [1].
     pub friction: R,
     /// Regularisation speed v_0 [m/s].
@@ -45,18 +45,6 @@ lanewise!(Surface {
     friction_speed,
     film
 });
-
-/// Lanes have a constant D: a restitution is not transferred to them.
-impl Lanewise for Option<Restitution> {
-    type Lanes<R: Real> = Option<Restitution>;
-    fn in_lanes<R: Real>(&self, _like: R) -> Option<Restitution> {
-        None
-    }
-    fn write_lane<R: Real>(&self, _lane: usize, _to: &mut Option<Restitution>) {}
-    fn has_same_topology(&self, other: &Self) -> bool {
-        self.is_some() == other.is_some()
-    }
-}
 
 impl Surface {
     /// Constants of a checked joint.
@@ -87,6 +75,16 @@ impl<R: Real> Surface<R> {
         let per_speed = v.like(1.0) / self.friction_speed;
         let th = tanh(v * per_speed);
         (self.friction * th, self.friction * th.like(1.0).minus_product(th, th) * per_speed)
+    }
+
+    /// Sets the damping factor of a contact that is about to begin, at its speed of approach [m/s], in lanes where the `penetration` [m] is
+    /// not above zero; no effect for constant D.
+    #[inline(always)]
+    pub(super) fn follow_approach(&mut self, approach: R, penetration: R) {
+        if let Some(restitution) = self.restitution {
+            let touches = approach.zero().below(penetration);
+            self.damping = R::select(touches, self.damping, restitution.damping(approach));
+        }
     }
 
     /// Adds the film's force -c_f w through the centres.

@@ -90,13 +90,22 @@ pub fn cases(scene: &Scene, accuracy: &Accuracy) -> Vec<Case> {
     let of_law = |law: ContactLaw| {
         CASES.iter().map(move |&(name, change)| {
             let mut case = Case { name, law, scene: scene.clone(), accuracy: *accuracy };
-            case.scene.life.cycles = scene.life.cycles.min(CHECKPOINTS * scene.life.checkpoint_every);
-            each(&mut case.scene, |c| c.contact_law = law);
-            change(&mut case.scene, &mut case.accuracy);
+            let conditions = case.scene.conditions.iter_mut().map(|condition| &mut condition.scene);
+            for scene in conditions {
+                change_case(scene, &mut case.accuracy, law, change);
+            }
+            change_case(&mut case.scene, &mut case.accuracy, law, change);
             case
         })
     };
     ContactLaw::ALL.into_iter().flat_map(of_law).collect()
+}
+
+/// Shortens the life of a scene, sets the contact law and applies the change.
+fn change_case(scene: &mut Scene, accuracy: &mut Accuracy, law: ContactLaw, change: Change) {
+    scene.life.cycles = scene.life.cycles.min(CHECKPOINTS * scene.life.checkpoint_every);
+    each(scene, |c| c.contact_law = law);
+    change(scene, accuracy);
 }
 
 /// Changes every joint with clearance.

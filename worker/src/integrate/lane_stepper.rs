@@ -1,12 +1,12 @@
 //! Integration of several systems at once, one per SIMD lane, each with its own step length.
 //!
-//! Scheme and decisions are those of [`super::Stepper`]: [`SpanProgress`] accepts or refuses the step of every lane. Two
-//! things differ, which is why there are two steppers: ideal joints and contact laws that depend on their history are handled by
-//! [`super::Stepper`] alone; and all lanes linearise and try a step in the same round, so that a lane whose step was refused
-//! linearises the same state again. The result of a lane does not depend on the other lanes.
+//! Scheme and decisions are those of [`super::Stepper`]: [`SpanProgress`] accepts or refuses the step of every lane. One thing differs,
+//! which is why there are two steppers: all lanes linearise and try a step in the same round, so that a lane whose step was
+//! refused linearises the same state again. The result of a lane does not depend on the other lanes.
 
 use super::{
-    Dynamics, IntegrationError, Linearised, Rosenbrock, SpanProgress, StepControl, StepDecision, step_ratio,
+    Closed, Dynamics, IntegrationError, Linearised, Rosenbrock, SpanProgress, StepControl, StepDecision,
+    step_ratio,
 };
 use crate::lanes::Real;
 use std::ops::Range;
@@ -34,8 +34,22 @@ impl LaneState {
     }
 }
 
-/// Dynamics with the scales of their errors.
-pub trait Scaled<R: Real>: Dynamics<R> {
+/// Dynamics with what error control needs: scales and constraints.
+pub trait SteppedLanes<R: Real>: Dynamics<R> {
+    /// True if the systems have ideal joints, so that [`SteppedLanes::close`] changes their states.
+    fn is_constrained(&self) -> bool {
+        false
+    }
+    /// Called with the linearisation `at` of the present states, again where a step was refused: contact laws whose damping depends on the
+    /// speed at impact update it here.
+    fn on_accepted(&mut self, at: &Linearised<R>) {
+        let _ = at;
+    }
+    /// Moves positions and velocities back onto the constraints of ideal joints at the times `t` [s], in lanes where `wanted` is one.
+    fn close(&mut self, t: R, wanted: R, q: &mut [R], v: &mut [R]) -> Closed<R> {
+        let _ = (q, v);
+        Closed { drift: t.zero(), closed: wanted }
+    }
     /// Inverse scales of the local error of position and velocity `(n,)` [1/m or 1/rad, s/m or s/rad].
     fn inverse_scales(&self) -> &[(R, R)];
 }
@@ -71,6 +85,11 @@ pub struct LaneStepper<R> {
     ratio: R,
     /// Zero times the force: not a number where the force is not finite.
     force: R,
+    /// Largest distance by which an ideal joint drifted open in the step of this round [m].
+    drift: R,
+    /// State before ideal joints were closed `(n,)` each.
+    open_q: Vec<R>,
+    open_v: Vec<R>,
 }
 
 impl<R: Real> LaneStepper<R> {
@@ -88,6 +107,9 @@ impl<R: Real> LaneStepper<R> {
             error: like.zero(),
             ratio: like.zero(),
             force: like.zero(),
+            drift: like.zero(),
+            open_q: vec![like.zero(); n],
+            open_v: vec![like.zero(); n],
         }
     }
 
@@ -99,7 +121,7 @@ impl<R: Real> LaneStepper<R> {
 
     /// First half of a round: linearises the state of every lane and tries a step from it.
     #[inline(always)]
-    pub(crate) fn try_steps(&mut self, system: &mut impl Scaled<R>) {
+    pub(crate) fn try_steps(&mut self, system: &mut impl SteppedLanes<R>) {
         let like = self.error;
         let lanes = &mut self.lanes;
         let h = like.each(|k| match &mut lanes[k] {
@@ -113,6 +135,7 @@ impl<R: Real> LaneStepper<R> {
         let tolerance = like.each(|k| lanes[k].map_or(1.0, |lane| lane.progress.control.tolerance));
         self.time = t;
         system.linearise(t, &self.q, &self.v, &mut self.at);
+        system.on_accepted(&self.at);
         self.force = like.zero();
         for f in &self.at.f {
             self.force = self.force.plus_product(*f, like.zero());
@@ -123,7 +146,43 @@ impl<R: Real> LaneStepper<R> {
         let error = self.scheme.error(|i| inverse[i]) / sound / tolerance;
         let infinite = error.like(f64::INFINITY);
         self.error = R::select(error.below(infinite), error, infinite);
+        if system.is_constrained() {
+            self.close(system, t + h, tolerance);
+        }
         self.ratio = step_ratio(self.error);
+    }
+
+    /// Closes the ideal joints at the ends `t` [s] of the steps just tried, where their errors allow them: the largest resulting change of
+    /// the state, over the scales and the tolerance of the local error, counts as an error too. Infinite if the joints cannot be closed.
+    #[inline(always)]
+    fn close(&mut self, system: &mut impl SteppedLanes<R>, t: R, tolerance: R) {
+        let (zero, one) = (t.zero(), t.like(1.0));
+        let lanes = &self.lanes;
+        let under_way = t.each(|k| match &lanes[k] {
+            Some(lane) if !lane.progress.is_complete() => 1.0,
+            _ => 0.0,
+        });
+        let wanted = R::select(one.below(self.error), zero, under_way);
+        let s = &mut self.scheme;
+        self.open_q.copy_from_slice(&s.new_q);
+        self.open_v.copy_from_slice(&s.new_v);
+        let Closed { drift, closed } = system.close(t, wanted, &mut s.new_q, &mut s.new_v);
+        let mut moved = zero;
+        for (i, &(inverse_q, inverse_v)) in system.inverse_scales().iter().enumerate() {
+            moved = moved.larger((s.new_q[i] - self.open_q[i]).abs() * inverse_q);
+            moved = moved.larger((s.new_v[i] - self.open_v[i]).abs() * inverse_v);
+        }
+        let infinite = t.like(f64::INFINITY);
+        let moved = moved / tolerance;
+        let moved = R::select(moved.below(infinite), moved, infinite);
+        let moved = R::select(zero.below(closed), moved, infinite);
+        self.error = R::select(zero.below(wanted), self.error.larger(moved), self.error);
+        self.drift = drift;
+    }
+
+    /// True if the force of a lane exists at the state linearised in this round: the constraints of its ideal joints are independent.
+    pub(crate) fn is_independent(&self, lane: usize) -> bool {
+        self.at.independent.is_none_or(|independent| independent.lane(lane) == 1.0)
     }
 
     /// True if the force of a lane is finite at the state linearised in this round.
@@ -147,6 +206,7 @@ impl<R: Real> LaneStepper<R> {
         let (error, ratio) = (self.error.lane(lane), self.ratio.lane(lane));
         state.fresh = progress.decide(state.tried, error, ratio)? == StepDecision::Accepted;
         if state.fresh {
+            progress.counts.drift = progress.counts.drift.max(self.drift.lane(lane));
             for (to, from) in self.q.iter_mut().zip(&self.scheme.new_q) {
                 to.set_lane(lane, from.lane(lane));
             }
@@ -185,6 +245,7 @@ impl<R: Real> LaneStepper<R> {
             to.penetration = from.penetration.lane(lane);
             to.sliding = from.sliding.lane(lane);
         }
+        to.lambda.iter_mut().zip(&self.at.lambda).for_each(|(to, from)| *to = from.lane(lane));
         to.e.iter_mut().zip(&self.at.e).for_each(|(to, from)| *to = from.map(|x| x.lane(lane)));
         to.turns.iter_mut().zip(&self.at.turns).for_each(|(to, from)| *to = from.lane(lane));
         for (to, from) in to.prescribed.iter_mut().zip(&self.at.prescribed) {

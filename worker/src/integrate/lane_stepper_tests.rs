@@ -1,9 +1,8 @@
-//! Two steppers integrate the dynamics: `Stepper` handles ideal joints and contact laws with memory, `LaneStepper` many islands
-//! at once. On a system that both can integrate they must take the same decisions.
+//! Two steppers integrate the dynamics: `Stepper` one island, `LaneStepper` many islands at once. They must take the same decisions.
 
 use super::{
-    Band, Dynamics, IntegrationError, LaneOutcome, LaneState, LaneStepper, Linearised, Scaled, StateObserver,
-    StepControl, StepCounts, Stepped, Stepper,
+    Band, Dynamics, IntegrationError, LaneOutcome, LaneState, LaneStepper, Linearised, StateObserver,
+    StepControl, StepCounts, Stepped, SteppedLanes, Stepper,
 };
 use std::ops::Range;
 
@@ -34,7 +33,7 @@ impl Stepped for Bouncing {
     }
 }
 
-impl Scaled<f64> for Bouncing {
+impl SteppedLanes<f64> for Bouncing {
     fn inverse_scales(&self) -> &[(f64, f64)] {
         &[(1.0 / 1e-4, 1.0)]
     }

@@ -26,7 +26,7 @@ mod stepper;
 pub use band::Band;
 pub use control::StepControl;
 pub(crate) use control::{step_ratio, within_remaining};
-pub(crate) use lane_stepper::{LaneOutcome, LaneState, LaneStepper, Scaled};
+pub(crate) use lane_stepper::{LaneOutcome, LaneState, LaneStepper, SteppedLanes};
 pub(crate) use linear::add_product;
 pub(crate) use pivoted::Pivoted;
 pub use progress::{IntegrationError, StepCounts};
@@ -81,6 +81,15 @@ pub trait Stepped: Dynamics {
     }
 }
 
+/// Ideal joints moved back onto their constraints, lane by lane.
+#[derive(Debug, Clone, Copy)]
+pub struct Closed<R = f64> {
+    /// Largest distance by which a joint had drifted open (angles times the size of the mechanism) [m].
+    pub drift: R,
+    /// One where the joints are closed, zero where they could not be closed or were not to be.
+    pub closed: R,
+}
+
 /// f and its derivatives at one instant.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Linearised<R = f64> {
@@ -104,8 +113,9 @@ pub struct Linearised<R = f64> {
     pub lambda: Vec<R>,
     /// Generalised force (x, y, angle) of joints and loads on each prescribed body `(bodies, 3)` [N, N m].
     pub prescribed: Vec<[R; 3]>,
-    /// True if the constraints of the ideal joints are linearly dependent here, so that f does not exist.
-    pub singular: bool,
+    /// One where the constraints of the ideal joints are linearly independent, zero where they are not, so that f does not exist;
+    /// `None` without ideal joints.
+    pub independent: Option<R>,
 }
 
 impl<R: Real> Linearised<R> {
@@ -138,7 +148,7 @@ impl<R: Real> Linearised<R> {
             turns: vec![],
             lambda: vec![],
             prescribed: vec![],
-            singular: false,
+            independent: None,
         }
     }
 }

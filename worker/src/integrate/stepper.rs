@@ -130,7 +130,7 @@ impl Stepper {
         let time = progress.time;
         system.linearise(time, q, v, &mut self.at);
         progress.counts.forces += 1;
-        if self.at.singular {
+        if self.at.independent == Some(0.0) {
             return Err(IntegrationError::Singular { time });
         }
         if !self.at.f.iter().all(|f| f.is_finite()) {

@@ -52,6 +52,25 @@ impl<T: Lanewise, const N: usize> Lanewise for [T; N] {
     }
 }
 
+impl<T: Lanewise> Lanewise for Option<T> {
+    type Lanes<R: Real> = Option<T::Lanes<R>>;
+    fn in_lanes<R: Real>(&self, like: R) -> Self::Lanes<R> {
+        self.as_ref().map(|value| value.in_lanes::<R>(like))
+    }
+    fn write_lane<R: Real>(&self, lane: usize, to: &mut Self::Lanes<R>) {
+        if let (Some(from), Some(to)) = (self, to) {
+            from.write_lane::<R>(lane, to);
+        }
+    }
+    fn has_same_topology(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Some(a), Some(b)) => a.has_same_topology(b),
+            (None, None) => true,
+            _ => false,
+        }
+    }
+}
+
 /// Implements [`Lanewise`] for a struct, field by field.
 macro_rules! lanewise {
     ($name:ident { $($field:ident),+ $(,)? }) => {

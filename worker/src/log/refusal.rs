@@ -20,11 +20,12 @@ use tracing::{Event, Level, Subscriber};
 use tracing_subscriber::layer::{Context, Layer};
 
 /// Modules of Zenoh that log why a connection failed, with the level of these messages.
-pub const SOURCES: [(&str, Level); 4] = [
+pub const SOURCES: [(&str, Level); 5] = [
     ("zenoh::net::runtime::orchestrator", Level::DEBUG),
     ("zenoh::net::routing::interceptor::access_control", Level::INFO),
     ("zenoh_link_tls", Level::WARN),
     ("zenoh_transport::unicast::establishment::accept", Level::DEBUG),
+    ("zenoh_transport::unicast::manager", Level::TRACE),
 ];
 
 /// The last failed connection: time and message.
@@ -65,7 +66,7 @@ fn with_cause(text: &str) -> String {
 }
 
 /// Phrases in Zenoh's messages for connections of this process, with their likely cause.
-const CAUSES: [(&[&str], &str); 13] = [
+const CAUSES: [(&[&str], &str); 14] = [
     (
         &["connection refused"],
         "nothing listens there: is the coordinator running, and are address and port right?",
@@ -107,6 +108,11 @@ const CAUSES: [(&[&str], &str); 13] = [
             "close message (reason generic) in response to an opensyn",
         ],
         "the coordinator refuses our user and password (transport/auth/usrpwd of --config)",
+    ),
+    (
+        &["close message (reason invalid) in response to an opensyn"],
+        "it has as many sessions as it accepts (a coordinator 4000, unless its log names another number): connect \
+         through a router (zenohd), see deploy/README.md, Several sites",
     ),
     (&["corrupt message"], "that port does not use TLS: does the coordinator listen with tcp/?"),
     (
@@ -154,6 +160,15 @@ fn refused(text: &str) -> Option<String> {
     if text.contains("did not match any configured ACL subject") {
         let why = "no subject of access_control in --config matches it, so its messages are dropped";
         return Some(format!("a client connected without access: {why}"));
+    }
+    if let Some(number) =
+        text.strip_prefix("Max transports reached (").and_then(|rest| rest.split(')').next())
+    {
+        return Some(format!(
+            "a connection was refused: there are {number} sessions, as many as are accepted \
+             (transport/unicast/max_sessions of --config, and ulimit -n); more workers can connect through a router \
+             (zenohd), see deploy/README.md, Several sites"
+        ));
     }
     let (_, why) = REFUSALS.iter().find(|(part, _)| text.contains(part))?;
     Some(format!("a connection was refused: {why}"))
@@ -227,6 +242,7 @@ impl Visit for Text {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use common::wire::MAX_SESSIONS;
 
     #[test]
     fn a_failure_is_reported_without_the_state_of_the_link() {
@@ -251,6 +267,14 @@ mod tests {
             assert!(cause(text).unwrap().contains(means), "{text}");
         }
         assert_eq!(with_cause("something new"), "something new");
+    }
+
+    #[test]
+    fn a_full_coordinator_is_named_with_its_number_on_both_sides() {
+        let line = "Max transports reached (12). Denying new transport with peer: 5ac1 at /a.rs:1.";
+        assert!(refused(line).unwrap().contains("there are 12 sessions"));
+        let line = "Received a close message (reason INVALID) in response to an OpenSyn";
+        assert!(with_cause(line).contains(&format!("a coordinator {MAX_SESSIONS},")));
     }
 
     #[test]

@@ -295,6 +295,7 @@ fn everything() -> Scene {
     let name = String::new;
     let over_time = Table { at: vec![0.0, 0.03, 0.06, 0.1], value: vec![2.0, 9.0, -4.0, 2.0], repeat: true };
     let over_angle = Table { at: vec![0.0, 2.0, 4.0, TAU], value: vec![0.1, -0.2, 0.5, 0.1], repeat: true };
+    let factor = Table { at: vec![0.0, 0.03, 0.06, 0.1], value: vec![0.5, 2.0, 0.0, 0.5], repeat: true };
     let direction = [0.6, 0.8];
     let curve = |over, table: &Table| Curve { over, table: table.clone() };
     scene.loads = vec![
@@ -325,6 +326,22 @@ fn everything() -> Scene {
             free_length: 0.01,
         },
         Load::ConstantForce { name: name(), at: at(3, [0.01, 0.02]), force: [-3.0, 1.0] },
+        Load::Drag {
+            name: name(),
+            at: at(5, [0.02, -0.03]),
+            direction,
+            linear: 0.3,
+            quadratic: 0.8,
+            flow: 0.5,
+            factor: Some(curve(Over::Angle(3), &factor)),
+        },
+        Load::RotationalDrag {
+            name: name(),
+            body: 4,
+            linear: 1e-4,
+            quadratic: 2e-4,
+            factor: Some(curve(Over::Time, &factor)),
+        },
     ];
     scene.gravity = [0.0, -9.81];
     (scene.outputs, scene.limit_states, scene.variables) = (vec![], vec![], vec![]);

@@ -15,7 +15,7 @@
 //! along M^-1/2 Q.
 //!
 //! Valid where the rows of G are independent: a redundant or singular set of joints is reported, not
-//! repaired.
+//! repaired. One source serves one island and one island per SIMD lane.
 //!
 //! # Source
 //! Udwadia, Kalaba (1992), Proc. R. Soc. Lond. A 439, 407-410 (the force with reactions; here the
@@ -23,16 +23,21 @@
 //! Autom. Des. 108, 183-188. Null space method: Benzi, Golub, Liesen (2005), Acta Numerica 14, 1-137.
 //! Coordinate projection: Eich (1993), SIAM J. Numer. Anal. 30, 1467-1482.
 
+// In lanes, closures of iterators are not compiled for the instruction set of the loop around them.
+#![allow(clippy::needless_range_loop)]
+
 use super::constraint::{Constraint, first_rows};
 use super::frame::Frame;
+use super::orthonormal::OrthonormalRows;
 use super::piecewise_cubic::Jet;
 use crate::integrate::Linearised;
+use crate::lanes::{Lanewise, Real};
 
-/// The ideal joints of an island with `n` coordinates and `m` rows of constraints.
+/// The ideal joints of an island with `n` coordinates and `m` rows of constraints, or of one island per lane.
 #[derive(Debug, Clone)]
-pub struct Elimination {
+pub struct Elimination<R = f64> {
     /// The ideal joints as constraints.
-    pub constraints: Vec<Constraint>,
+    pub constraints: Vec<Constraint<R>>,
     /// First row of each.
     first: Vec<usize>,
     /// Number of coordinates n.
@@ -40,192 +45,199 @@ pub struct Elimination {
     /// Number of rows m.
     m: usize,
     /// Values phi of the constraints, or another column `(m,)`.
-    phi: Vec<f64>,
-    /// Q', orthonormal rows `(m, n)`.
-    basis: Vec<f64>,
-    /// R', lower triangular `(m, m)`.
-    r: Vec<f64>,
+    phi: Vec<R>,
+    /// Q and R.
+    factors: OrthonormalRows<R>,
     /// h, later the multipliers lambda `(m,)`.
-    lambda: Vec<f64>,
+    lambda: Vec<R>,
     /// Derivatives of G a + h `(m, n)`.
-    c: Vec<f64>,
-    /// Square roots of the masses `(n,)`.
-    root: Vec<f64>,
+    c: Vec<R>,
 }
-
-/// A row counts as dependent if its part normal to the rows before it is below this share of its length.
-const DEPENDENT: f64 = 1e-10;
 
 /// State of an island's bodies, free ones first.
 #[derive(Clone, Copy)]
-pub struct Placed<'a> {
+pub struct Placed<'a, R = f64> {
     /// Frames of the free bodies, then of the prescribed ones.
-    pub frames: &'a [Frame],
+    pub frames: &'a [Frame<R>],
     /// Angle and derivatives of the prescribed bodies.
-    pub jets: &'a [Jet],
-    /// Diagonal of M `(n,)` [kg, kg m^2].
-    pub mass: &'a [f64],
+    pub jets: &'a [Jet<R>],
 }
 
-impl Placed<'_> {
+impl<'a, R: Real> Placed<'a, R> {
     /// Angle and derivatives of the prescribed body of frame `index`; `None` for a free body.
-    fn jet(&self, index: usize) -> Option<&Jet> {
-        index.checked_sub(self.frames.len() - self.jets.len()).map(|k| &self.jets[k])
+    #[inline(always)]
+    fn jet(&self, index: usize) -> Option<&'a Jet<R>> {
+        let free = self.frames.len() - self.jets.len();
+        if index < free { None } else { Some(&self.jets[index - free]) }
+    }
+
+    /// Frames of the two bodies that a constraint joins.
+    #[inline(always)]
+    fn pair(&self, c: &Constraint<R>) -> [&'a Frame<R>; 2] {
+        [&self.frames[c.ends[0].frame], &self.frames[c.ends[1].frame]]
     }
 }
 
 impl Elimination {
     /// The elimination for an island with the diagonal mass matrix `mass` `(n,)` [kg, kg m^2].
     pub(crate) fn new(constraints: Vec<Constraint>, mass: &[f64]) -> Self {
-        let n = mass.len();
+        let root = mass.iter().map(|mass| mass.sqrt()).collect();
+        Self::with_roots(constraints, root, 0.0)
+    }
+
+    /// This elimination in every lane; `like` sets the number of lanes.
+    pub(crate) fn in_lanes<R: Real>(&self, like: R) -> Elimination<R> {
+        let constraints = self.constraints.iter().map(|c| c.in_lanes(like)).collect();
+        let root = self.factors.roots().iter().map(|root| root.in_lanes(like)).collect();
+        Elimination::with_roots(constraints, root, like)
+    }
+
+    /// Writes the constants of this elimination into lane `lane` of `to`, an elimination of the same topology.
+    pub(crate) fn write_lane<R: Real>(&self, lane: usize, to: &mut Elimination<R>) {
+        for (to, from) in to.constraints.iter_mut().zip(&self.constraints) {
+            from.write_lane::<R>(lane, to);
+        }
+        to.factors.set_lane(lane, &self.factors);
+    }
+
+    /// Whether both join the same bodies by the same kinds of joints.
+    pub(crate) fn has_same_topology(&self, other: &Self) -> bool {
+        let pairs = self.constraints.iter().zip(&other.constraints);
+        self.constraints.len() == other.constraints.len()
+            && pairs.into_iter().all(|(a, b)| a.has_same_topology(b))
+    }
+}
+
+impl<R: Real> Elimination<R> {
+    /// The elimination for masses with the square roots `root` `(n,)`; `like` sets the number of lanes.
+    fn with_roots(constraints: Vec<Constraint<R>>, root: Vec<R>, like: R) -> Self {
+        let (zero, n) = (like.zero(), root.len());
         let (first, m) = first_rows(&constraints);
         Elimination {
             constraints,
             first,
             n,
             m,
-            phi: vec![0.0; m],
-            basis: vec![0.0; m * n],
-            r: vec![0.0; m * m],
-            lambda: vec![0.0; m],
-            c: vec![0.0; m * n],
-            root: mass.iter().map(|mass| mass.sqrt()).collect(),
+            phi: vec![zero; m],
+            factors: OrthonormalRows::new(m, root, like),
+            lambda: vec![zero; m],
+            c: vec![zero; m * n],
         }
     }
 
     /// Number m of scalar constraints.
+    #[inline(always)]
     pub(crate) fn rows(&self) -> usize {
         self.m
     }
 
-    /// First row and constraint of joint `k`.
-    fn joint(&self, k: usize) -> (usize, Constraint) {
-        (self.first[k], self.constraints[k])
-    }
-
-    /// Fills phi, Q and R; false if the constraints are dependent here.
-    fn factor(&mut self, at: Placed) -> bool {
-        let n = self.n;
-        self.basis.fill(0.0);
+    /// Fills phi, Q and R. Returns one, zero in lanes where the constraints are dependent.
+    #[inline(always)]
+    fn factor(&mut self, at: Placed<R>) -> R {
+        self.factors.clear();
         for joint in 0..self.constraints.len() {
-            let (first, c) = self.joint(joint);
-            let (phi, rows) = c.position(&at.frames[c.ends[0].frame], &at.frames[c.ends[1].frame]);
+            let (first, c) = (self.first[joint], self.constraints[joint]);
+            let [a, b] = at.pair(&c);
+            let (phi, rows) = c.position(a, b);
             for r in 0..c.rows() {
                 self.phi[first + r] = phi[r];
-                for (side, end) in c.ends.iter().enumerate().filter(|(_, end)| at.jet(end.frame).is_none()) {
-                    for k in 3 * end.frame..3 * end.frame + 3 {
-                        self.basis[(first + r) * n + k] =
-                            rows[r][3 * side + k - 3 * end.frame] / self.root[k];
+                for side in 0..2 {
+                    let frame = c.ends[side].frame;
+                    if at.jet(frame).is_some() {
+                        continue;
+                    }
+                    for k in 0..3 {
+                        self.factors.set(first + r, 3 * frame + k, rows[r][3 * side + k]);
                     }
                 }
             }
         }
-        self.orthonormalise()
+        self.factors.orthonormalise()
     }
 
-    /// Turns the rows of `basis` into Q' and R' by the Gram-Schmidt method, twice; false if they are
-    /// dependent.
-    fn orthonormalise(&mut self) -> bool {
-        let n = self.n;
-        self.r.fill(0.0);
-        for i in 0..self.m {
-            let (done, rest) = self.basis.split_at_mut(i * n);
-            let row = &mut rest[..n];
-            let length = row.iter().map(|x| x * x).sum::<f64>().sqrt();
-            for _ in 0..2 {
-                for (j, other) in done.chunks_exact(n).enumerate() {
-                    let share: f64 = row.iter().zip(other).map(|(x, y)| x * y).sum();
-                    self.r[i * self.m + j] += share;
-                    row.iter_mut().zip(other).for_each(|(x, y)| *x -= share * y);
-                }
-            }
-            let left = row.iter().map(|x| x * x).sum::<f64>().sqrt();
-            if left.is_nan() || left <= DEPENDENT * length {
-                return false;
-            }
-            self.r[i * self.m + i] = left;
-            row.iter_mut().for_each(|x| *x /= left);
-        }
-        true
-    }
-
-    /// Adds the reactions to the applied force `f`; false if the constraints are dependent here.
-    pub(crate) fn add_reactions(&mut self, at: Placed, f: &mut [f64]) -> bool {
-        if !self.factor(at) {
-            return false;
-        }
+    /// Adds the reactions to the applied force `f`. Returns one, zero in lanes where the constraints are dependent; there the force is
+    /// not a number.
+    #[inline(always)]
+    pub(crate) fn add_reactions(&mut self, at: Placed<R>, f: &mut [R]) -> R {
+        let independent = self.factor(at);
+        let zero = independent.zero();
         for joint in 0..self.constraints.len() {
-            let (first, c) = self.joint(joint);
-            let (a, b) = (&at.frames[c.ends[0].frame], &at.frames[c.ends[1].frame]);
+            let (first, c) = (self.first[joint], self.constraints[joint]);
+            let [a, b] = at.pair(&c);
             let h = c.centripetal(a, b);
             self.lambda[first..first + c.rows()].copy_from_slice(&h[..c.rows()]);
-            for (side, end) in c.ends.iter().enumerate() {
-                if let Some([_, _, alpha, _]) = at.jet(end.frame)
-                    && *alpha != 0.0
-                {
+            for side in 0..2 {
+                if let Some(jet) = at.jet(c.ends[side].frame) {
                     let (_, rows) = c.position(a, b);
-                    for (lambda, row) in self.lambda[first..].iter_mut().zip(&rows[..c.rows()]) {
-                        *lambda += row[3 * side + 2] * alpha;
+                    for r in 0..c.rows() {
+                        self.lambda[first + r] =
+                            self.lambda[first + r].plus_product(rows[r][3 * side + 2], jet[2]);
                     }
                 }
             }
         }
         // z = R^-T h in the place of h, then lambda = R^-1 (Q' M^-1/2 f + z) and the force left.
-        forward(&self.r, self.m, &mut self.lambda, 1);
-        let weighted = |row: &[f64], f: &[f64], root: &[f64]| -> f64 {
-            row.iter().zip(f).zip(root).map(|((q, f), root)| q * f / root).sum()
-        };
-        for (lambda, row) in self.lambda.iter_mut().zip(self.basis.chunks_exact(self.n)) {
-            *lambda += weighted(row, f, &self.root);
+        self.factors.forward(&mut self.lambda, 1);
+        self.factors.add_forces(f, &mut self.lambda, 1);
+        self.factors.subtract_reactions(&self.lambda, f, 1);
+        self.factors.backward(&mut self.lambda);
+        let nothing = zero.like(f64::NAN);
+        let exists = zero.below(independent);
+        for k in 0..f.len() {
+            f[k] = R::select(exists, f[k], nothing);
         }
-        for (share, row) in self.lambda.iter().zip(self.basis.chunks_exact(self.n)) {
-            f.iter_mut().zip(row).zip(&self.root).for_each(|((f, q), root)| *f -= share * q * root);
-        }
-        backward(&self.r, self.m, &mut self.lambda);
-        true
+        independent
     }
 
     /// After [`Self::add_reactions`] to `to.f`: turns the derivatives of the applied force in `to` into those
     /// of the force with reactions, stores the multipliers, and adds the reactions on prescribed bodies.
-    pub(crate) fn reduce_derivatives(&mut self, at: Placed, to: &mut Linearised) {
+    #[inline(always)]
+    pub(crate) fn reduce_derivatives(&mut self, at: Placed<R>, to: &mut Linearised<R>) {
         let n = self.n;
         to.lambda.copy_from_slice(&self.lambda);
         self.explicit_reaction_terms(at, to);
-        for rates in [false, true] {
-            self.constraint_derivatives(at, &to.f, rates);
-            let matrix = if rates { &mut to.d } else { &mut to.k };
-            reduce(&self.basis, &self.r, &self.root, &mut self.c, matrix, n);
-        }
+        // The accelerations are those with reactions, the same for both.
+        self.constraint_derivatives(at, &to.f, false);
+        self.factors.reduce(&mut self.c, &mut to.k, n);
+        self.constraint_derivatives(at, &to.f, true);
+        self.factors.reduce(&mut self.c, &mut to.d, n);
         self.time_derivative(at, &to.f);
-        reduce(&self.basis, &self.r, &self.root, &mut self.phi, &mut to.ft, 1);
+        self.factors.reduce(&mut self.phi, &mut to.ft, 1);
     }
 
     /// Subtracts d(G' lambda)/dx, and the reactions on prescribed bodies.
-    fn explicit_reaction_terms(&self, at: Placed, to: &mut Linearised) {
+    #[inline(always)]
+    fn explicit_reaction_terms(&self, at: Placed<R>, to: &mut Linearised<R>) {
         let n = self.n;
         for joint in 0..self.constraints.len() {
-            let (first, c) = self.joint(joint);
-            let (a, b) = (&at.frames[c.ends[0].frame], &at.frames[c.ends[1].frame]);
+            let (first, c) = (self.first[joint], self.constraints[joint]);
+            let [a, b] = at.pair(&c);
             let lambda = &self.lambda[first..first + c.rows()];
             let derivative = c.reaction_derivative(a, b, lambda);
             let (_, rows) = c.position(a, b);
-            for (side, end) in c.ends.iter().enumerate() {
-                if at.jet(end.frame).is_some() {
-                    let on = &mut to.prescribed[end.frame - n / 3];
+            for side in 0..2 {
+                let frame = c.ends[side].frame;
+                if at.jet(frame).is_some() {
+                    let on = &mut to.prescribed[frame - n / 3];
                     for k in 0..3 {
-                        on[k] -= (0..c.rows()).map(|r| rows[r][3 * side + k] * lambda[r]).sum::<f64>();
+                        for r in 0..c.rows() {
+                            on[k] = on[k].minus_product(rows[r][3 * side + k], lambda[r]);
+                        }
                     }
                     continue;
                 }
                 for r in 0..3 {
-                    let row = 3 * end.frame + r;
-                    for (other, to_end) in c.ends.iter().enumerate() {
-                        let entries = &derivative[3 * side + r][3 * other..3 * other + 3];
-                        match at.jet(to_end.frame) {
-                            Some([_, omega, ..]) => to.ft[row] -= entries[2] * omega,
+                    let row = 3 * frame + r;
+                    for other in 0..2 {
+                        let to_frame = c.ends[other].frame;
+                        let entries = &derivative[3 * side + r];
+                        match at.jet(to_frame) {
+                            Some(jet) => {
+                                to.ft[row] = to.ft[row].minus_product(entries[3 * other + 2], jet[1]);
+                            }
                             None => {
-                                for (k, entry) in entries.iter().enumerate() {
-                                    to.k[row * n + 3 * to_end.frame + k] -= entry;
+                                for k in 0..3 {
+                                    to.k[row * n + 3 * to_frame + k] -= entries[3 * other + k];
                                 }
                             }
                         }
@@ -236,14 +248,17 @@ impl Elimination {
     }
 
     /// Accelerations of the pair that a constraint joins `(6,)`, at the force with reactions `f`.
-    fn accelerations(c: &Constraint, at: Placed, f: &[f64]) -> [f64; 6] {
-        let mut a = [0.0; 6];
-        for (side, end) in c.ends.iter().enumerate() {
-            match at.jet(end.frame) {
-                Some([_, _, alpha, _]) => a[3 * side + 2] = *alpha,
+    #[inline(always)]
+    fn accelerations(&self, c: &Constraint<R>, at: Placed<R>, f: &[R]) -> [R; 6] {
+        let mut a = [f[0].zero(); 6];
+        for side in 0..2 {
+            let frame = c.ends[side].frame;
+            match at.jet(frame) {
+                Some(jet) => a[3 * side + 2] = jet[2],
                 None => {
-                    for k in 3 * end.frame..3 * end.frame + 3 {
-                        a[3 * side + k - 3 * end.frame] = f[k] / at.mass[k];
+                    for k in 0..3 {
+                        let coordinate = 3 * frame + k;
+                        a[3 * side + k] = self.factors.acceleration(coordinate, f[coordinate]);
                     }
                 }
             }
@@ -252,18 +267,23 @@ impl Elimination {
     }
 
     /// Fills c with the derivatives of G a + h to the coordinates, or to their rates.
-    fn constraint_derivatives(&mut self, at: Placed, f: &[f64], rates: bool) {
-        self.c.fill(0.0);
+    #[inline(always)]
+    fn constraint_derivatives(&mut self, at: Placed<R>, f: &[R], rates: bool) {
+        let n = self.n;
+        self.c.fill(f[0].zero());
         for joint in 0..self.constraints.len() {
-            let (first, c) = self.joint(joint);
-            let (a, b) = (&at.frames[c.ends[0].frame], &at.frames[c.ends[1].frame]);
-            let (to_q, to_v) = c.acceleration_derivatives(a, b, &Self::accelerations(&c, at, f));
+            let (first, c) = (self.first[joint], self.constraints[joint]);
+            let [a, b] = at.pair(&c);
+            let (to_q, to_v) = c.acceleration_derivatives(a, b, &self.accelerations(&c, at, f));
             let rows = if rates { &to_v } else { &to_q };
-            for (side, end) in c.ends.iter().enumerate() {
-                if at.jet(end.frame).is_none() {
-                    for (r, row) in rows[..c.rows()].iter().enumerate() {
-                        let to = (first + r) * self.n + 3 * end.frame;
-                        self.c[to..to + 3].copy_from_slice(&row[3 * side..3 * side + 3]);
+            for side in 0..2 {
+                let frame = c.ends[side].frame;
+                if at.jet(frame).is_some() {
+                    continue;
+                }
+                for r in 0..c.rows() {
+                    for k in 0..3 {
+                        self.c[(first + r) * n + 3 * frame + k] = rows[r][3 * side + k];
                     }
                 }
             }
@@ -271,108 +291,79 @@ impl Elimination {
     }
 
     /// Fills phi with the derivative of G a + h to time through the prescribed bodies.
-    fn time_derivative(&mut self, at: Placed, f: &[f64]) {
-        self.phi.fill(0.0);
+    #[inline(always)]
+    fn time_derivative(&mut self, at: Placed<R>, f: &[R]) {
+        self.phi.fill(f[0].zero());
         for joint in 0..self.constraints.len() {
-            let (first, c) = self.joint(joint);
-            if c.ends.iter().all(|end| at.jet(end.frame).is_none_or(|jet| jet[1..] == [0.0; 3])) {
+            let (first, c) = (self.first[joint], self.constraints[joint]);
+            if at.jet(c.ends[0].frame).is_none() && at.jet(c.ends[1].frame).is_none() {
                 continue;
             }
-            let (a, b) = (&at.frames[c.ends[0].frame], &at.frames[c.ends[1].frame]);
+            let [a, b] = at.pair(&c);
             let (_, g) = c.position(a, b);
-            let (to_q, to_v) = c.acceleration_derivatives(a, b, &Self::accelerations(&c, at, f));
-            for (side, end) in c.ends.iter().enumerate() {
-                if let Some([_, omega, alpha, jerk]) = at.jet(end.frame) {
+            let (to_q, to_v) = c.acceleration_derivatives(a, b, &self.accelerations(&c, at, f));
+            for side in 0..2 {
+                if let Some([_, omega, alpha, jerk]) = at.jet(c.ends[side].frame) {
                     let k = 3 * side + 2;
                     for r in 0..c.rows() {
-                        self.phi[first + r] += to_q[r][k] * omega + to_v[r][k] * alpha + g[r][k] * jerk;
+                        let phi = &mut self.phi[first + r];
+                        *phi = phi
+                            .plus_product(to_q[r][k], *omega)
+                            .plus_product(to_v[r][k], *alpha)
+                            .plus_product(g[r][k], *jerk);
                     }
                 }
             }
         }
     }
 
-    /// One Newton step of the positions back onto the constraints, dq = -M^-1/2 Q R^-T phi; returns the
-    /// largest gap before it (angles times `size`) [m], or `None` if the constraints are dependent here.
-    pub(crate) fn close_positions(&mut self, at: Placed, size: f64, q: &mut [f64]) -> Option<f64> {
-        if !self.factor(at) {
-            return None;
-        }
-        let mut gap: f64 = 0.0;
+    /// Prepares a Newton step of the positions back onto the constraints, dq = -M^-1/2 Q R^-T phi. Returns the largest gap before it
+    /// (angles times `size`) [m], and one, zero in lanes where the constraints are dependent.
+    #[inline(always)]
+    pub(crate) fn measure_gaps(&mut self, at: Placed<R>, size: R) -> (R, R) {
+        let independent = self.factor(at);
+        let mut gap = independent.zero();
         for joint in 0..self.constraints.len() {
-            let (first, c) = self.joint(joint);
+            let (first, c) = (self.first[joint], self.constraints[joint]);
             for k in 0..c.rows() {
-                gap = gap.max(self.phi[first + k].abs() * if c.is_angle(k) { size } else { 1.0 });
+                let phi = self.phi[first + k].abs();
+                gap = gap.larger(if c.is_angle(k) { phi * size } else { phi });
             }
         }
         self.lambda.copy_from_slice(&self.phi);
-        forward(&self.r, self.m, &mut self.lambda, 1);
-        self.move_along(q);
-        Some(gap)
+        self.factors.forward(&mut self.lambda, 1);
+        (gap, independent)
     }
 
-    /// After [`Self::close_positions`] has found no gap: projects the velocities onto the constraints, dv =
+    /// After [`Self::measure_gaps`] has found no gap: prepares the projection of the velocities onto the constraints, dv =
     /// -M^-1/2 Q (Q' M^1/2 v + R^-T dphi/dt).
-    pub(crate) fn close_velocities(&mut self, at: Placed, v: &mut [f64]) {
+    #[inline(always)]
+    pub(crate) fn measure_velocities(&mut self, at: Placed<R>, v: &[R]) {
+        let zero = v[0].zero();
         for joint in 0..self.constraints.len() {
-            let (first, c) = self.joint(joint);
-            let (_, rows) = c.position(&at.frames[c.ends[0].frame], &at.frames[c.ends[1].frame]);
-            for (lambda, row) in self.lambda[first..].iter_mut().zip(&rows[..c.rows()]) {
-                let given = c.ends.iter().enumerate().filter_map(|(side, end)| {
-                    at.jet(end.frame).map(|[_, omega, ..]| row[3 * side + 2] * omega)
-                });
-                *lambda = given.sum();
+            let (first, c) = (self.first[joint], self.constraints[joint]);
+            let [a, b] = at.pair(&c);
+            let (_, rows) = c.position(a, b);
+            for r in 0..c.rows() {
+                let mut given = zero;
+                for side in 0..2 {
+                    if let Some(jet) = at.jet(c.ends[side].frame) {
+                        given = given.plus_product(rows[r][3 * side + 2], jet[1]);
+                    }
+                }
+                self.lambda[first + r] = given;
             }
         }
-        forward(&self.r, self.m, &mut self.lambda, 1);
-        for (lambda, row) in self.lambda.iter_mut().zip(self.basis.chunks_exact(self.n)) {
-            *lambda +=
-                row.iter().zip(v.iter()).zip(&self.root).map(|((q, v), root)| q * v * root).sum::<f64>();
-        }
-        self.move_along(v);
+        self.factors.forward(&mut self.lambda, 1);
+        self.factors.add_velocities(v, &mut self.lambda);
     }
 
-    /// x -= M^-1/2 Q lambda.
-    fn move_along(&self, x: &mut [f64]) {
-        for (lambda, row) in self.lambda.iter().zip(self.basis.chunks_exact(self.n)) {
-            x.iter_mut().zip(row).zip(&self.root).for_each(|((x, q), root)| *x -= lambda * q / root);
-        }
-    }
-}
-
-/// Replaces `x` by R^-T x `(m, columns)`.
-fn forward(r: &[f64], m: usize, x: &mut [f64], columns: usize) {
-    for i in 0..m {
-        let (done, row) = x.split_at_mut(i * columns);
-        for (known, factor) in done.chunks_exact(columns).zip(&r[i * m..]) {
-            row.iter_mut().zip(known).for_each(|(x, y)| *x -= factor * y);
-        }
-        row[..columns].iter_mut().for_each(|x| *x /= r[i * m + i]);
-    }
-}
-
-/// Replaces `x` by R^-1 x `(m,)`.
-fn backward(r: &[f64], m: usize, x: &mut [f64]) {
-    for i in (0..m).rev() {
-        for k in i + 1..m {
-            x[i] -= r[k * m + i] * x[k];
-        }
-        x[i] /= r[i * m + i];
-    }
-}
-
-/// Replaces `x` by M^1/2 [(1 - Q Q') M^-1/2 x - Q R^-T c] `(n, columns)`, with `c` `(m, columns)`.
-fn reduce(basis: &[f64], r: &[f64], root: &[f64], c: &mut [f64], x: &mut [f64], columns: usize) {
-    let (n, m) = (root.len(), c.len() / columns);
-    forward(r, m, c, columns);
-    for (c, row) in c.chunks_exact_mut(columns).zip(basis.chunks_exact(n)) {
-        for ((q, root), x) in row.iter().zip(root).zip(x.chunks_exact(columns)) {
-            c.iter_mut().zip(x).for_each(|(c, x)| *c += q / root * x);
-        }
-    }
-    for (c, row) in c.chunks_exact(columns).zip(basis.chunks_exact(n)) {
-        for ((q, root), x) in row.iter().zip(root).zip(x.chunks_exact_mut(columns)) {
-            x.iter_mut().zip(c).for_each(|(x, c)| *x -= q * root * c);
+    /// x -= M^-1/2 Q lambda with what was prepared last, in lanes where `which` is one.
+    #[inline(always)]
+    pub(crate) fn move_back(&self, which: R, x: &mut [R]) {
+        let moves = which.zero().below(which);
+        for k in 0..x.len() {
+            x[k] = R::select(moves, self.factors.moved_back(k, x[k], &self.lambda), x[k]);
         }
     }
 }

@@ -27,9 +27,9 @@ pub(super) struct Acting<'a, R, J> {
 #[derive(Debug)]
 pub(super) struct JointSpace<R: Real, J: Touching<R>> {
     /// Motion of each joint `(joints,)`.
-    pairs: Vec<PairMotion<R, J::Place>>,
+    pub(super) pairs: Vec<PairMotion<R, J::Place>>,
     /// Surfaces at the contact of each joint `(joints,)`.
-    walls: Vec<J::Wall>,
+    pub(super) walls: Vec<J::Wall>,
 }
 
 impl<R: Real, J: Touching<R>> JointSpace<R, J> {

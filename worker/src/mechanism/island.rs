@@ -1,6 +1,7 @@
 //! Islands: sets of free bodies that influence each other, with the joints and loads that act on them.
 //! Islands have no forces in common; each is integrated with its own steps.
 
+use super::closing::{IdealJoints, close};
 use super::constraint::Constraint;
 use super::elimination::{Elimination, Placed};
 use super::forces::{Acting, JointSpace};
@@ -12,7 +13,7 @@ use super::prescribed::Prescribed;
 use super::wearing_joint::WearingJoint;
 use crate::contact::JointMotion;
 use crate::extremum::{largest, smallest};
-use crate::integrate::{Band, Dynamics, Linearised, Stepped};
+use crate::integrate::{Band, Closed, Dynamics, Linearised, Stepped};
 use crate::plane::length;
 use common::scene::Scene;
 
@@ -45,7 +46,7 @@ pub struct Island {
     scale_q: Vec<f64>,
     scale_v: Vec<f64>,
     /// Size of the mechanism [m].
-    size: f64,
+    pub(super) size: f64,
     /// Frames of the free bodies, then of the prescribed ones, at the state last set.
     pub(super) frames: Vec<Frame>,
     /// Angles of the prescribed bodies with their derivatives, at the state last set.
@@ -214,6 +215,7 @@ impl Island {
             power.stored += load.stored;
             power.lost += load.lost;
             if source.drives() {
+                power.driving += load.lost;
                 for (side, &frame) in load.frames.iter().enumerate().filter(|&(_, &frame)| frame != NO_FRAME)
                 {
                     let Frame { v, omega, .. } = self.frames[frame];
@@ -237,6 +239,23 @@ impl Island {
     }
 }
 
+impl IdealJoints<f64> for Island {
+    #[inline(always)]
+    fn place(&mut self, t: f64, q: &[f64], v: &[f64]) {
+        self.set_state(t, q, v);
+    }
+
+    #[inline(always)]
+    fn joints(&mut self) -> (&mut Elimination, Placed<'_>) {
+        (&mut self.ideal, Placed { frames: &self.frames, jets: &self.jets })
+    }
+
+    #[inline(always)]
+    fn size(&self) -> f64 {
+        self.size
+    }
+}
+
 impl Dynamics for Island {
     fn mass(&self) -> &[f64] {
         &self.mass
@@ -249,10 +268,8 @@ impl Dynamics for Island {
         self.acting().applied::<false>(t, &mut space, f, &mut Linearised::default());
         self.space = space;
         if self.ideal.rows() > 0 {
-            let at = Placed { frames: &self.frames, jets: &self.jets, mass: &self.mass };
-            if !self.ideal.add_reactions(at, f) {
-                f.fill(f64::NAN);
-            }
+            let at = Placed { frames: &self.frames, jets: &self.jets };
+            self.ideal.add_reactions(at, f);
         }
     }
 
@@ -263,11 +280,9 @@ impl Dynamics for Island {
         self.acting().applied::<true>(t, &mut space, &mut f, at);
         (at.f, self.space) = (f, space);
         if self.ideal.rows() > 0 {
-            let placed = Placed { frames: &self.frames, jets: &self.jets, mass: &self.mass };
-            at.singular = !self.ideal.add_reactions(placed, &mut at.f);
-            if !at.singular {
-                self.ideal.reduce_derivatives(placed, at);
-            }
+            let placed = Placed { frames: &self.frames, jets: &self.jets };
+            at.independent = Some(self.ideal.add_reactions(placed, &mut at.f));
+            self.ideal.reduce_derivatives(placed, at);
         }
     }
 }
@@ -277,22 +292,10 @@ impl Stepped for Island {
         self.ideal.rows() > 0
     }
 
+    #[inline(always)]
     fn close(&mut self, t: f64, q: &mut [f64], v: &mut [f64]) -> Option<f64> {
-        const MOST_ITERATIONS: usize = 8;
-        // Newton's last step leaves rounding of the coordinates themselves.
-        let enough = 1e-14 * self.size;
-        let mut drift = None;
-        for _ in 0..MOST_ITERATIONS {
-            self.set_state(t, q, v);
-            let at = Placed { frames: &self.frames, jets: &self.jets, mass: &self.mass };
-            let gap = self.ideal.close_positions(at, self.size, q)?;
-            let first = *drift.get_or_insert(gap);
-            if gap <= enough.max(1e-6 * first) {
-                self.ideal.close_velocities(at, v);
-                return drift;
-            }
-        }
-        None
+        let Closed { drift, closed } = close(self, t, 1.0, q, v);
+        (closed == 1.0).then_some(drift)
     }
 
     fn scales(&self) -> (&[f64], &[f64]) {

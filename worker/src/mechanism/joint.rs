@@ -135,7 +135,7 @@ pub struct PairMotion<R, P> {
     arms: [[R; 2]; 2],
     separation: [[R; 2]; 2],
     /// Motion in the bushing's frame, and the place of the contact there.
-    motion: JointMotion<R>,
+    pub motion: JointMotion<R>,
     pub place: P,
 }
 

@@ -1,6 +1,8 @@
 //! Islands of identical topology, one per SIMD lane: the same bodies, joints and loads with different
 //! numbers.
 
+use super::closing::{IdealJoints, close};
+use super::elimination::{Elimination, Placed};
 use super::forces::{Acting, JointSpace};
 use super::frame::{End, Frame};
 use super::island::Island;
@@ -10,7 +12,7 @@ use super::piecewise_cubic::Jet;
 use super::prescribed::Prescribed;
 use super::wearing_joint::WearingJoint;
 use crate::contact::{ForceSlopes, JointForce, JointMotion, LawLanes, PolarEccentricity, Walls};
-use crate::integrate::{Band, Dynamics, Linearised, Scaled};
+use crate::integrate::{Band, Closed, Dynamics, Linearised, SteppedLanes};
 use crate::lanes::{Lanewise, Real};
 
 /// One joint with clearance per lane.
@@ -40,6 +42,10 @@ pub struct IslandLanes<R: Real> {
     joints: Vec<JointLanes<R>>,
     loads: Vec<IslandLoad<R>>,
     prescribed: Vec<PrescribedLanes<R>>,
+    /// The islands' ideal joints, eliminated.
+    ideal: Elimination<R>,
+    /// Size of the mechanisms [m].
+    size: R,
     /// Diagonal of the mass matrix `(n,)` [kg, kg m^2].
     mass: Vec<R>,
     /// Weight of the free bodies `(n,)` [N, N m].
@@ -52,20 +58,14 @@ pub struct IslandLanes<R: Real> {
     band: Band,
 }
 
-/// Whether the motion of an island can be computed in lanes: all its joints have clearance and a contact law without memory. Ideal
-/// joints are eliminated one island at a time.
-pub(crate) fn fits_lanes(island: &Island) -> bool {
-    let has_no_memory = |joint: &WearingJoint| joint.contact.surface().restitution.is_none();
-    island.constraint_rows() == 0 && island.joints.iter().all(has_no_memory)
-}
-
-/// Whether two islands that fit lanes fit the lanes of one [`IslandLanes`].
+/// Whether two islands fit the lanes of one [`IslandLanes`].
 pub(crate) fn same_topology(a: &Island, b: &Island) -> bool {
     let joint = |a: &WearingJoint, b: &WearingJoint| {
         a.ends.has_same_topology(&b.ends)
             && a.profile.points() == b.profile.points()
             && a.journal.is_some() == b.journal.is_some()
             && a.contact.has_same_law(&b.contact)
+            && a.contact.surface().has_same_topology(b.contact.surface())
     };
     a.bodies.len() == b.bodies.len()
         && a.prescribed.len() == b.prescribed.len()
@@ -73,6 +73,7 @@ pub(crate) fn same_topology(a: &Island, b: &Island) -> bool {
         && a.loads.len() == b.loads.len()
         && a.joints.iter().zip(&b.joints).all(|(a, b)| joint(a, b))
         && a.loads.iter().zip(&b.loads).all(|(a, b)| a.has_same_topology(b))
+        && a.ideal.has_same_topology(&b.ideal)
 }
 
 impl<R: Real> IslandLanes<R> {
@@ -96,6 +97,8 @@ impl<R: Real> IslandLanes<R> {
             joints: island.joints.iter().map(joint).collect(),
             loads: island.loads.iter().map(|load| load.in_lanes(like)).collect(),
             prescribed: island.prescribed.iter().map(motion).collect(),
+            ideal: island.ideal.in_lanes(like),
+            size: like.like(island.size),
             mass: all(&island.mass),
             weight: all(&island.weight),
             inverse: vec![(zero, zero); island.coordinates()],
@@ -130,6 +133,8 @@ impl<R: Real> IslandLanes<R> {
             to.still = to.motions.iter().all(Prescribed::is_still);
             to.even = even_rotation(&to.motions, to.position[0]);
         }
+        island.ideal.write_lane(lane, &mut self.ideal);
+        self.size.set_lane(lane, island.size);
         for (to, from) in [(&mut self.mass, &island.mass), (&mut self.weight, &island.weight)] {
             to.iter_mut().zip(from).for_each(|(to, from)| from.write_lane::<R>(lane, to));
         }
@@ -141,10 +146,18 @@ impl<R: Real> IslandLanes<R> {
         self.update_still_frames();
     }
 
+    /// Writes what the contact laws of a lane remember into its island.
+    pub(crate) fn read_memory(&self, lane: usize, island: &mut Island) {
+        for (from, to) in self.joints.iter().zip(&mut island.joints) {
+            to.contact.restore_damping(from.law.surface().damping.lane(lane));
+        }
+    }
+
     /// Storage for the linearisation.
     pub(crate) fn linearised(&self) -> Linearised<R> {
         let zero = self.mass[0].zero();
         Linearised {
+            lambda: vec![zero; self.ideal.rows()],
             prescribed: vec![[zero; 3]; self.prescribed.len()],
             ..Linearised::new(zero, self.band, self.joints.len())
         }
@@ -228,6 +241,23 @@ impl<R: Real> Touching<R> for JointLanes<R> {
     }
 }
 
+impl<R: Real> IdealJoints<R> for IslandLanes<R> {
+    #[inline(always)]
+    fn place(&mut self, t: R, q: &[R], v: &[R]) {
+        self.update_frames(t, q, v);
+    }
+
+    #[inline(always)]
+    fn joints(&mut self) -> (&mut Elimination<R>, Placed<'_, R>) {
+        (&mut self.ideal, Placed { frames: &self.frames, jets: &self.jets })
+    }
+
+    #[inline(always)]
+    fn size(&self) -> R {
+        self.size
+    }
+}
+
 impl<R: Real> Dynamics<R> for IslandLanes<R> {
     #[inline(always)]
     fn mass(&self) -> &[R] {
@@ -240,6 +270,10 @@ impl<R: Real> Dynamics<R> for IslandLanes<R> {
         let mut space = std::mem::take(&mut self.space);
         self.acting().applied::<false>(t, &mut space, f, &mut Linearised::empty());
         self.space = space;
+        if self.ideal.rows() > 0 {
+            let (ideal, at) = self.joints();
+            ideal.add_reactions(at, f);
+        }
     }
 
     #[inline(always)]
@@ -248,10 +282,34 @@ impl<R: Real> Dynamics<R> for IslandLanes<R> {
         let (mut f, mut space) = (std::mem::take(&mut at.f), std::mem::take(&mut self.space));
         self.acting().applied::<true>(t, &mut space, &mut f, at);
         (at.f, self.space) = (f, space);
+        if self.ideal.rows() > 0 {
+            let (ideal, placed) = self.joints();
+            at.independent = Some(ideal.add_reactions(placed, &mut at.f));
+            ideal.reduce_derivatives(placed, at);
+        }
     }
 }
 
-impl<R: Real> Scaled<R> for IslandLanes<R> {
+impl<R: Real> SteppedLanes<R> for IslandLanes<R> {
+    #[inline(always)]
+    fn is_constrained(&self) -> bool {
+        self.ideal.rows() > 0
+    }
+
+    #[inline(always)]
+    fn on_accepted(&mut self, at: &Linearised<R>) {
+        for index in 0..self.joints.len() {
+            let (pair, wall) = (&self.space.pairs[index], &self.space.walls[index]);
+            let penetration = at.joints[index].penetration;
+            self.joints[index].law.follow_approach((&pair.place, wall), &pair.motion, penetration);
+        }
+    }
+
+    #[inline(always)]
+    fn close(&mut self, t: R, wanted: R, q: &mut [R], v: &mut [R]) -> Closed<R> {
+        close(self, t, wanted, q, v)
+    }
+
     #[inline(always)]
     fn inverse_scales(&self) -> &[(R, R)] {
         &self.inverse

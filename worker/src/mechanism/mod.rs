@@ -4,8 +4,11 @@
 #[cfg(test)]
 mod acceleration_tests;
 mod assembly;
+mod closing;
 mod closure;
 mod constraint;
+#[cfg(test)]
+mod constraint_tests;
 #[cfg(test)]
 mod derivative_tests;
 mod elimination;
@@ -19,6 +22,7 @@ mod lanes;
 mod load;
 #[cfg(test)]
 mod order_tests;
+mod orthonormal;
 mod piecewise_cubic;
 mod prescribed;
 mod topology;
@@ -31,7 +35,7 @@ pub use constraint::Constraint;
 pub(crate) use external_loads::ExternalLoads;
 pub use frame::{End, Frame};
 pub use island::Island;
-pub(crate) use lanes::{IslandLanes, fits_lanes, same_topology};
+pub(crate) use lanes::{IslandLanes, same_topology};
 pub use prescribed::Prescribed;
 pub use topology::islands;
 pub use turns::turns_per_cycle;

@@ -38,9 +38,13 @@ impl MotionOutput for DrivingTorque {
         let own = |t: f64| {
             let inertial = inertia.map_or(0.0, |driven| {
                 let [x, y] = driven.centre_of_mass;
+                let inertial = (driven.inertia + driven.mass * (x * x + y * y)) * motion.jet(t)[2];
+                if [x, y] == [0.0; 2] || scene.gravity == [0.0; 2] {
+                    return inertial;
+                }
                 let centre = motion.frame(t).turn([x, y]);
                 let weight = driven.mass * (centre[0] * scene.gravity[1] - centre[1] * scene.gravity[0]);
-                (driven.inertia + driven.mass * (x * x + y * y)) * motion.jet(t)[2] - weight
+                inertial - weight
             });
             inertial - outer.moment(t)
         };

@@ -18,6 +18,27 @@ pub struct FirstCycle {
     pub energy: Option<EnergyBalance>,
 }
 
+impl FirstCycle {
+    /// The summary of the first cycles of all conditions, at least one, with their shares [1]: the largest forces, the mean of the shares
+    /// in free flight, and history and energy of the first condition.
+    pub(crate) fn of_conditions(mut cycles: Vec<(f64, FirstCycle)>) -> Option<FirstCycle> {
+        let first = cycles.first()?.0;
+        let is_single = cycles.len() == 1;
+        let mut all = cycles.remove(0).1;
+        if is_single {
+            return Some(all);
+        }
+        all.free_flight.iter_mut().for_each(|(_, free)| *free *= first);
+        for (share, cycle) in cycles {
+            let peaks = all.peaks.iter_mut().zip(cycle.peaks);
+            peaks.for_each(|((_, largest), (_, peak))| *largest = largest.max(peak));
+            let free_flight = all.free_flight.iter_mut().zip(cycle.free_flight);
+            free_flight.for_each(|((_, mean), (_, free))| *mean += share * free);
+        }
+        Some(all)
+    }
+}
+
 impl Run<'_> {
     /// Outputs of the scene that follow from the motion of the cycle recorded last, zero in the place of the others
     /// `(outputs,)` [SI].

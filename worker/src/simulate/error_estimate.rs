@@ -16,50 +16,30 @@
 //! No value has a relative error below 1e-10, rounding.
 //!
 //! Where no cycle repeats the one before, several motions wear the bores (`several_cycles.rs`). Of such a motion y is the mean,
-//! and its estimate is [`SCATTER`] times the standard deviation of single cycles plus s |y|; for a wear depth as many times the standard
+//! and its estimate is `SCATTER` times the standard deviation of single cycles plus s |y|; for a wear depth as many times the standard
 //! error of the mean of what the motions have worn takes the place of the change in the probes.
 //!
-//! Valid as an estimate, not as a bound: [`MOTION_SAFETY`] lists how often it held.
+//! Under several operating conditions each has its own estimate of y, and the value of the evaluation is the worst of them
+//! (`life_history.rs`). Relative errors of the wear rates add up with the share of the volume that each condition has worn.
+//!
+//! Valid as an estimate, not as a bound: `MOTION_SAFETY` in `motion_estimate.rs` lists how often it held.
 //!
 //! # Source
 //! Factors: measured here, as stated with each constant. Interpolation: de Boor, A Practical Guide to Splines (1978).
 
-use super::probe::{Probe, SURFACES};
+use super::motion_estimate::{MeasuredLives, MotionEstimate};
+use super::probe::SURFACES;
 use super::run::Run;
-use super::several_cycles::{CycleSpread, MOTIONS, mean_and_variance};
 use crate::outputs::{Sampling, motion_output};
 use crate::wear::{WornAmounts, wear_output};
 use common::scene::{Scene, WearQuantity};
 use std::f64::consts::TAU;
 
-/// Error of the motion outputs over their change in a probe [1]: both cycles start from a state computed with the coarser
-/// steps, and a vibration differs from cycle to cycle. With this factor and [`WEAR_SAFETY`] 659 of 662 wear depths and all
-/// 662 values of the motion lie within their estimate of the values of `reference`, the worst at 1.14 and 0.67 of it:
-/// three samples each of `flapping-wing` and `four-bar` and one of `flapping-wing-tolerances`, `draft` and
-/// `balanced`, and the nominal `flapping-wing` under `foundation` to 24 000 cycles, `balanced`.
-const MOTION_SAFETY: f64 = 2.5;
-/// Error of the wear rates over their change in a probe [1].
-const WEAR_SAFETY: f64 = 2.0;
-/// Further factor of both for an aperiodic motion [1]: with friction 0.5 the flapping wing's asymmetry was off by up to 3 times the
-/// estimate without it.
-const APERIODIC_SAFETY: f64 = 3.0;
-/// Error over the irregularity of an output whose motion is aperiodic [1]. With values that scatter independently by sigma around a
-/// straight line, 95 % of the differences of two of them are below 2.8 sigma, and the largest of a few distances from the line
-/// through both neighbours is about 1.3 sigma.
-const IRREGULAR_SAFETY: f64 = 2.0;
 /// Highest harmonic of the cycle whose peaks between two time steps count [1]. How much of such an error a probe shows depends on
 /// where the steps happen to fall, so it is added.
 const HARMONICS: f64 = 15.0;
-/// Lower bound of the relative error of the motion on worn bores [1]. Other time steps cut the history of the
-/// contact elsewhere, and the bore worn by it differs by a little that no probe shows, since a probe runs on the same bore: with a
-/// wear coefficient ten times that of `flapping-wing`, half the step changes its asymmetry by 5e-5.
-const WORN_MOTION: f64 = 1e-4;
 /// Lower bound of the relative error of a value: rounding of some million steps [1].
 const ROUNDING: f64 = 1e-10;
-
-/// Stated error over the standard deviation of what is scattered [1]. With it 47 to 50 depths of 50 starts of `slider-crank`
-/// are within their stated errors, at every checkpoint (`worker/tests/evaluation/rattling.rs`).
-const SCATTER: f64 = 2.0;
 
 /// Wear of a joint, and its estimated error from wear steps, blocks and control points.
 #[derive(Clone, Copy, Default)]
@@ -68,31 +48,10 @@ struct WornJoint {
     error: WornAmounts,
 }
 
-/// Outputs measured in the simulated cycles of a life.
-pub struct MeasuredLives<'a> {
-    /// Lives at which a cycle was simulated `(k,)` [cycles].
-    pub lives: &'a [u32],
-    /// Outputs there, zero for outputs of the wear `(k, outputs)` [SI].
-    pub outputs: &'a [Vec<f64>],
-}
-
-impl MeasuredLives<'_> {
-    /// Values of one output `(k,)` [SI].
-    pub(crate) fn of_output(&self, output: usize) -> Vec<f64> {
-        self.outputs.iter().map(|values| values[output]).collect()
-    }
-}
-
 /// Probes and wear of an evaluation, from which its error is estimated.
-#[derive(Default)]
 pub struct ErrorEstimate {
-    /// Life of the first checkpoint [cycles].
-    first_checkpoint: u32,
-    probes: Vec<Probe>,
-    /// If the quasi-static model drives the wear, the largest relative difference of its wear rates from those of the dynamics [1].
-    quasi_static: Option<f64>,
-    /// Spread of the cycles at each simulated life of a motion that does not repeat itself, else empty.
-    spreads: Vec<CycleSpread>,
+    /// What the cycles under each operating condition show, at least one `(conditions,)`.
+    pub conditions: Vec<MotionEstimate>,
     /// Lives at the ends of the blocks [cycles].
     lives: Vec<u32>,
     /// Wear at these lives of every joint of the scene, zero for joints that do not wear `(lives, joints)`.
@@ -100,24 +59,10 @@ pub struct ErrorEstimate {
 }
 
 impl ErrorEstimate {
-    /// An estimate for a life whose first checkpoint is at `first_checkpoint` [cycles].
-    pub(crate) fn new(first_checkpoint: u32) -> Self {
-        ErrorEstimate { first_checkpoint, ..ErrorEstimate::default() }
-    }
-
-    /// Notes that the quasi-static model drove the wear, with rates off by this share from those of the dynamics at most [1].
-    pub(crate) fn set_quasi_static(&mut self, share: f64) {
-        self.quasi_static = Some(share);
-    }
-
-    /// Adds a probe; lives ascend.
-    pub(crate) fn add_probe(&mut self, probe: Probe) {
-        self.probes.push(probe);
-    }
-
-    /// Adds the spread of the cycles at one of the simulated lives; lives ascend.
-    pub(crate) fn add_spread(&mut self, spread: CycleSpread) {
-        self.spreads.push(spread);
+    /// An estimate for a life under this number of `conditions` whose first checkpoint is at `first_checkpoint` [cycles].
+    pub(crate) fn new(first_checkpoint: u32, conditions: usize) -> Self {
+        let conditions = (0..conditions).map(|_| MotionEstimate::new(first_checkpoint)).collect();
+        ErrorEstimate { conditions, lives: vec![], worn: vec![] }
     }
 
     /// Adds the wear at `life` [cycles], the end of a block, where the joints of `run` have been compared with their copies and were
@@ -134,10 +79,11 @@ impl ErrorEstimate {
         self.worn.push(worn);
     }
 
-    /// Error of every output at every checkpoint `(outputs, m)` [SI], given the `histories` there and the outputs in the
-    /// simulated cycles; `largest_step` is a fraction of the cycle [1].
+    /// Error of every output at every checkpoint `(outputs, m)` [SI] under condition number `condition`, given the `histories` there
+    /// and the outputs in the simulated cycles; `largest_step` is a fraction of the cycle [1].
     pub(crate) fn errors(
         &self,
+        condition: usize,
         scene: &Scene,
         histories: &[Vec<f64>],
         measured: &MeasuredLives,
@@ -155,7 +101,10 @@ impl ErrorEstimate {
                 None => {
                     let sampling =
                         motion_output(&output.kind).map_or(Sampling::Cubic, |output| output.sampling());
-                    self.motion_errors(scene, k, &histories[k], measured, sampling.missed_peak(phase))
+                    let values = (&*checkpoints, &*histories[k]);
+                    let behind = |life| self.relative_wear_error(scene, life);
+                    let missed_peak = sampling.missed_peak(phase);
+                    self.conditions[condition].motion_errors(k, values, measured, missed_peak, behind)
                 }
             };
             errors.push(
@@ -163,36 +112,6 @@ impl ErrorEstimate {
             );
         }
         errors
-    }
-
-    /// Error of output `k` of the motion at every checkpoint, given its `history` there `(m,)`; `missed_peak` is the share of a
-    /// peak missed between two time steps [1].
-    fn motion_errors(
-        &self,
-        scene: &Scene,
-        k: usize,
-        history: &[f64],
-        measured: &MeasuredLives,
-        missed_peak: f64,
-    ) -> Vec<f64> {
-        if !self.spreads.is_empty() {
-            let scatter = SCATTER * self.largest_variance(k).sqrt();
-            return history.iter().map(|value| scatter + missed_peak * value.abs()).collect();
-        }
-        let values = measured.of_output(k);
-        let irregular = self.irregularity(measured.lives, &values);
-        let checkpoints = scene.life.checkpoints().into_iter().zip(history);
-        checkpoints
-            .map(|(life, value)| {
-                let (secant, slope) = neighbours(measured.lives, &values, life);
-                let behind = self.relative_wear_error(scene, life) * f64::from(life);
-                MOTION_SAFETY * self.largest_near(life, |p| p.motion[k])
-                    + (missed_peak + WORN_MOTION) * value.abs()
-                    + (value - secant).abs()
-                    + self.irregularity_share(life) * irregular
-                    + slope * behind
-            })
-            .collect()
     }
 
     /// Largest relative error of the depth of any surface at `life` [1].
@@ -203,14 +122,15 @@ impl ErrorEstimate {
             (error, depth) if depth > 0.0 => error / depth,
             _ => 0.0,
         });
-        relative.fold(0.0, f64::max) + self.quasi_static.unwrap_or(0.0)
+        relative.fold(0.0, f64::max)
+            + self.conditions.iter().map(MotionEstimate::tier_difference).fold(0.0, f64::max)
     }
 
     /// Error of the value `value` of a quantity of the wear of some joints at `life`, which may be within a block: that at the end of the
     /// block, and of several motions as large a share of the value as there.
     fn wear_error_within(&self, of: (WearQuantity, &[usize]), life: u32, value: f64) -> f64 {
         match self.wear_error(of, life) {
-            (error, reached) if reached > 0.0 && !self.spreads.is_empty() => error * value / reached,
+            (error, reached) if reached > 0.0 && self.has_several_motions() => error * value / reached,
             (error, _) => error,
         }
     }
@@ -238,159 +158,59 @@ impl ErrorEstimate {
         WornAmounts { depths, volume: depths[0].max(depths[1]) }
     }
 
-    /// Largest variance of an output of the motion over single cycles, of all simulated lives [SI^2].
-    fn largest_variance(&self, output: usize) -> f64 {
-        self.spreads.iter().map(|spread| spread.motion[output]).fold(0.0, f64::max)
+    /// True if several motions wear the bores under one of the conditions.
+    fn has_several_motions(&self) -> bool {
+        self.conditions.iter().any(MotionEstimate::has_several_motions)
     }
 
-    /// Relative error of the wear rates of a surface up to `life` from the cycles that were simulated [1].
+    /// Relative error of the wear rates of a surface up to `life` from the cycles that were simulated [1]: the mean over all conditions,
+    /// weighted by the volume that each has worn.
     fn relative_rate_error(&self, surface: usize, life: u32) -> f64 {
-        if self.spreads.is_empty() {
-            WEAR_SAFETY * self.largest_near(life, |p| p.wear[surface])
-        } else {
-            SCATTER * self.scatter_of_depth(surface)
-        }
+        let [condition] = &self.conditions[..] else {
+            let worn = |condition: &MotionEstimate| condition.worn.get(surface).copied().unwrap_or(0.0);
+            let all: f64 = self.conditions.iter().map(worn).sum();
+            let errors = self.conditions.iter().map(|c| (worn(c), c)).filter(|(worn, _)| *worn > 0.0);
+            return errors.map(|(worn, c)| worn / all * c.relative_rate_error(surface, life)).sum();
+        };
+        condition.relative_rate_error(surface, life)
     }
-
-    /// Standard error of the mean over all motions of a surface's depth over the depth [1]: the root of the mean, over the ends of the
-    /// blocks from the first checkpoint on, of
-    ///
-    ///   sum of s_i^2 / (M sum of D_i^2)
-    ///
-    /// over the control points at least half as deep as the deepest, with the mean D_i [m] and the variance s_i^2 [m^2] of what M motions
-    /// have worn. These ratios differ little along a life.
-    fn scatter_of_depth(&self, surface: usize) -> f64 {
-        let mut worn = vec![vec![0.0; self.spreads[0].wear[0][surface].len()]; MOTIONS];
-        let (mut sum, mut ends) = (0.0, 0.0);
-        for (spread, next) in self.spreads.iter().zip(&self.spreads[1..]) {
-            let cycles = f64::from(next.life - spread.life);
-            for (worn, rates) in worn.iter_mut().zip(&spread.wear) {
-                worn.iter_mut().zip(&rates[surface]).for_each(|(depth, rate)| *depth += cycles * rate);
-            }
-            let (mean, variance) = mean_and_variance(&worn);
-            let deepest = mean.iter().fold(0.0_f64, |a, &b| a.max(b));
-            let deep = mean.iter().zip(&variance).filter(|(mean, _)| 2.0 * **mean >= deepest);
-            let (squares, variances) = deep.fold((0.0, 0.0), |(a, b), (mean, v)| (a + mean * mean, b + v));
-            if next.life >= self.first_checkpoint && squares > 0.0 {
-                ends += 1.0;
-                sum += variances / (MOTIONS as f64 * squares);
-            }
-        }
-        if ends > 0.0 { (sum / ends).sqrt() } else { 0.0 }
-    }
-
-    /// The two probes around `life`, or the one next to it.
-    fn around(&self, life: u32) -> &[Probe] {
-        let next = self.probes.partition_point(|p| p.life < life);
-        &self.probes[next.saturating_sub(1)..(next + 1).min(self.probes.len())]
-    }
-
-    /// True if one of the two probes around `life`, or the one on the unworn bores, found a motion that does not repeat itself.
-    fn is_aperiodic_near(&self, life: u32) -> bool {
-        let unworn = self.probes.first().is_some_and(|p| p.life == 0 && p.aperiodic);
-        unworn || self.around(life).iter().any(|p| p.aperiodic)
-    }
-
-    /// The larger value of the two probes around `life`; of an aperiodic motion at least [`APERIODIC_SAFETY`] times the largest value of
-    /// all probes that found one: a few cycles of it show only a part of its spread.
-    fn largest_near(&self, life: u32, value: impl Fn(&Probe) -> f64) -> f64 {
-        let largest = self.around(life).iter().map(&value).fold(0.0, f64::max);
-        if self.is_aperiodic_near(life) {
-            let aperiodic = self.probes.iter().filter(|p| p.aperiodic);
-            return largest.max(APERIODIC_SAFETY * aperiodic.map(value).fold(0.0, f64::max));
-        }
-        largest
-    }
-
-    /// Share of the irregularity that counts at `life` [1]: [`IRREGULAR_SAFETY`] where the motion is aperiodic, since it shows what
-    /// details of the bore do to an output; one where the quasi-static model drives the wear, since it shows how far an output is
-    /// from what is interpolated between a few lives; else zero.
-    fn irregularity_share(&self, life: u32) -> f64 {
-        if self.is_aperiodic_near(life) {
-            IRREGULAR_SAFETY
-        } else if self.quasi_static.is_some() {
-            1.0
-        } else {
-            0.0
-        }
-    }
-
-    /// Irregularity of an output over the `lives` `(k,)` [cycles] where it counts.
-    fn irregularity(&self, lives: &[u32], values: &[f64]) -> f64 {
-        largest_bend(lives, values, |life| self.irregularity_share(life) > 0.0)
-    }
-}
-
-/// Largest distance of a value from the straight line through its two neighbours, among the lives that are `counted`.
-pub(crate) fn largest_bend(lives: &[u32], values: &[f64], counted: impl Fn(u32) -> bool) -> f64 {
-    let distance = |(life, value): (&[u32], &[f64])| {
-        let share = f64::from(life[1] - life[0]) / f64::from(life[2] - life[0]);
-        (value[0] + share * (value[2] - value[0]) - value[1]).abs()
-    };
-    let windows = lives.windows(3).zip(values.windows(3));
-    windows.filter(|(life, _)| counted(life[1])).map(distance).fold(0.0, f64::max)
-}
-
-/// Value at `life` of the straight line between the simulated lives around it, and the steepest slope there or next to it.
-fn neighbours(lives: &[u32], values: &[f64], life: u32) -> (f64, f64) {
-    let slope = |k: usize| (values[k + 1] - values[k]) / f64::from(lives[k + 1] - lives[k]);
-    let last = lives.len() - 2;
-    let k = lives.partition_point(|&l| l < life).clamp(1, last + 1) - 1;
-    let steepest = (k.saturating_sub(1)..=(k + 1).min(last)).fold(0.0_f64, |a, k| a.max(slope(k).abs()));
-    (values[k] + slope(k) * f64::from(life - lives[k]), steepest)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simulate::probe::Probe;
 
-    fn probe(life: u32, motion: f64, wear: f64) -> Probe {
-        Probe { life, motion: vec![motion], wear: vec![wear, 0.0], aperiodic: false, rattles: false }
+    fn condition(wear: f64, volume: f64) -> MotionEstimate {
+        let probe =
+            Probe { life: 100, motion: vec![0.0], wear: vec![wear; 4], aperiodic: false, rattles: false };
+        let mut condition = MotionEstimate::new(100);
+        condition.add_probe(probe);
+        condition.worn = vec![volume; 4];
+        condition
     }
 
-    #[test]
-    fn between_two_probes_the_larger_change_counts() {
-        let probes = vec![probe(10, 1.0, 0.1), probe(30, 3.0, 0.3), probe(90, 2.0, 0.2)];
-        let estimate = ErrorEstimate { probes, ..ErrorEstimate::default() };
-        let motion = |life| estimate.largest_near(life, |p| p.motion[0]);
-        assert_eq!([5, 10, 20, 30, 31, 90].map(motion), [1.0, 1.0, 3.0, 3.0, 3.0, 3.0]);
-    }
-
-    #[test]
-    fn an_aperiodic_motion_adds_its_irregularity_where_it_was_found() {
-        let aperiodic = Probe { aperiodic: true, ..probe(40, 1.0, 0.1) };
-        let probes = vec![probe(0, 1.0, 0.1), probe(20, 1.0, 0.1), aperiodic];
-        let estimate = ErrorEstimate { probes, ..ErrorEstimate::default() };
-        assert_eq!([10, 20, 21, 40].map(|life| estimate.is_aperiodic_near(life)), [false, false, true, true]);
-        // Off the line by 4 at life 10, where the motion is periodic, and by 2 at life 30.
-        let (lives, values) = ([0, 10, 20, 30, 40], [0.0, 4.0, 0.0, 2.0, 0.0]);
-        assert_eq!(estimate.irregularity(&lives, &values), 2.0);
-    }
-
-    #[test]
-    fn wear_error_joins_that_of_the_deepest_joint_with_the_rate() {
+    fn estimate(conditions: Vec<MotionEstimate>) -> ErrorEstimate {
         let bore = |depth| WornAmounts { depths: [depth, 0.0], volume: 0.0 };
         let worn = [(10.0, 0.1), (9.0, 1.3)]
             .map(|(depth, error)| WornJoint { worn: bore(depth), error: bore(error) })
             .to_vec();
-        let estimate = ErrorEstimate {
-            probes: vec![Probe { wear: vec![0.02; 4], ..probe(100, 0.0, 0.02) }],
-            lives: vec![0, 100],
-            worn: vec![vec![], worn],
-            ..ErrorEstimate::default()
-        };
-        // The second joint might be the deepest, by 0.3; the rate is off by 2 %, counted WEAR_SAFETY times.
-        let (error, depth) = estimate.wear_error((WearQuantity::LargestDepth, &[0, 1]), 70);
-        assert_eq!(depth, 10.0);
-        assert!((error - 0.3_f64.hypot(WEAR_SAFETY * 0.2)).abs() < 1e-12, "{error}");
+        ErrorEstimate { conditions, lives: vec![0, 100], worn: vec![vec![], worn] }
     }
 
     #[test]
-    fn a_straight_line_is_interpolated_without_error() {
-        let (lives, values) = ([0, 10, 30, 70], [1.0, 2.0, 4.0, 8.0]);
-        for (life, value) in [(10, 2.0), (15, 2.5), (70, 8.0)] {
-            let (line, slope) = neighbours(&lives, &values, life);
-            assert!((line - value).abs() < 1e-12 && (slope - 0.1).abs() < 1e-12);
-        }
+    fn wear_error_joins_that_of_the_deepest_joint_with_the_rate() {
+        // The second joint might be the deepest, by 0.3; the rate is off by 2 %, counted twice.
+        let estimate = estimate(vec![condition(0.02, 0.0)]);
+        let (error, depth) = estimate.wear_error((WearQuantity::LargestDepth, &[0, 1]), 70);
+        assert_eq!(depth, 10.0);
+        assert!((error - 0.3_f64.hypot(0.4)).abs() < 1e-12, "{error}");
+    }
+
+    #[test]
+    fn a_condition_counts_with_the_volume_that_it_has_worn() {
+        let rates = |a, b| estimate(vec![condition(0.02, a), condition(0.06, b)]).relative_rate_error(0, 70);
+        assert!((rates(3.0, 1.0) - 2.0 * 0.03).abs() < 1e-12);
+        assert_eq!((rates(1.0, 0.0), rates(0.0, 0.0)), (0.04, 0.0));
     }
 }

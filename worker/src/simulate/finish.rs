@@ -1,66 +1,67 @@
 //! The result of an evaluation.
 
 use super::cycle_history::FirstCycle;
-use super::life_in_blocks::LifeHistory;
+use super::life_history::LifeHistory;
 use super::run::Run;
 use common::failure::SimulationFailure;
 use common::outputs::{Diagnostics, Evaluation, JointSummary};
 
-impl Run<'_> {
-    /// Assembles the result from the outputs over life.
-    ///
-    /// # Errors
-    /// [`SimulationFailure::NotFinite`] if a value is not finite.
-    pub(crate) fn finish(
-        &self,
-        life: LifeHistory,
-        first: FirstCycle,
-    ) -> Result<Evaluation, SimulationFailure> {
-        let LifeHistory { histories, errors, start } = life;
-        let cycles = self.scene.life.checkpoints();
-        for (output, history) in self.scene.outputs.iter().zip(&histories) {
-            if let Some(k) = history.iter().position(|x| !x.is_finite()) {
-                return Err(SimulationFailure::NotFinite {
-                    cycle: cycles[k],
-                    time: 0.0,
-                    quantity: output.name.clone(),
-                });
-            }
+/// Assembles the result from the outputs over life: counts of the `runs` of all operating conditions, at least one, and bores and motion
+/// of the first one, on which all others have run too.
+///
+/// # Errors
+/// [`SimulationFailure::NotFinite`] if a value is not finite.
+pub(crate) fn finish(
+    runs: &[Run],
+    life: LifeHistory,
+    first: FirstCycle,
+) -> Result<Evaluation, SimulationFailure> {
+    let run = &runs[0];
+    let sum = |count: fn(&Run) -> u64| runs.iter().map(count).sum();
+    let LifeHistory { histories, errors, start } = life;
+    let cycles = run.scene.life.checkpoints();
+    for (output, history) in run.scene.outputs.iter().zip(&histories) {
+        if let Some(k) = history.iter().position(|x| !x.is_finite()) {
+            return Err(SimulationFailure::NotFinite {
+                cycle: cycles[k],
+                time: 0.0,
+                quantity: output.name.clone(),
+            });
         }
-        let joints = first
-            .peaks
-            .into_iter()
-            .zip(self.depths())
-            .map(|((name, peak_force), [wear_depth, journal_wear_depth])| JointSummary {
-                name,
-                peak_force,
-                wear_depth,
-                journal_wear_depth,
-            })
-            .collect();
-        Ok(Evaluation {
-            cycles,
-            histories,
-            errors,
-            start: start.into_iter().map(|value| value.is_finite().then_some(value)).collect(),
-            joints,
-            first_cycle: first.history,
-            worn: self.display.as_ref().and_then(|display| display.life.clone()),
-            diagnostics: Diagnostics {
-                steps: self.counts.steps,
-                rejected_steps: self.counts.rejected,
-                newton_iterations: self.newton,
-                force_evaluations: self.counts.forces,
-                simulated_cycles: self.simulated,
-                wear_stages: self.wear_counts.stages,
-                rejected_wear_steps: self.wear_counts.rejected,
-                free_flight_fraction: first.free_flight,
-                constraint_drift: self.counts.drift,
-                held_wear_points: self.wear_counts.held,
-                quasi_static: !self.quasi_static.is_empty(),
-                energy: first.energy,
-                worn_energy: self.display.as_ref().and_then(|display| display.energy),
-            },
-        })
     }
+    let joints = first
+        .peaks
+        .into_iter()
+        .zip(run.depths())
+        .map(|((name, peak_force), [wear_depth, journal_wear_depth])| JointSummary {
+            name,
+            peak_force,
+            wear_depth,
+            journal_wear_depth,
+        })
+        .collect();
+    Ok(Evaluation {
+        cycles,
+        histories,
+        errors,
+        start: start.into_iter().map(|value| value.is_finite().then_some(value)).collect(),
+        joints,
+        first_cycle: first.history,
+        worn: run.display.as_ref().and_then(|display| display.life.clone()),
+        diagnostics: Diagnostics {
+            steps: sum(|run| run.counts.steps),
+            rejected_steps: sum(|run| run.counts.rejected),
+            newton_iterations: sum(|run| run.newton),
+            force_evaluations: sum(|run| run.counts.forces),
+            simulated_cycles: sum(|run| run.simulated),
+            wear_stages: run.wear_counts.stages,
+            rejected_wear_steps: run.wear_counts.rejected,
+            free_flight_fraction: first.free_flight,
+            constraint_drift: runs.iter().fold(0.0, |a, run| run.counts.drift.max(a)),
+            held_wear_points: run.wear_counts.held,
+            quasi_static: !run.quasi_static.is_empty(),
+            energy: first.energy,
+            worn_energy: run.display.as_ref().and_then(|display| display.energy),
+        },
+    })
 }

@@ -1,11 +1,12 @@
 //! Model and cost of the evaluation of a scene, from its settled first cycle and a first block of wear.
 
 use super::blocks::block_ends;
+use super::conditions::condition_scenes;
 use super::probe::{FINER, is_probed};
 use super::quasi_static::is_measured;
 use super::run::Run;
 use super::several_cycles::MOTIONS;
-use super::side_by_side::{LaneQueue, LaneWidth, run_alone};
+use super::side_by_side::{LaneQueue, run_alone};
 use crate::mechanism::Island;
 use crate::quasi_static::Unsuitable;
 use common::accuracy::Accuracy;
@@ -54,7 +55,7 @@ pub struct FirstLook {
     /// Largest relative difference of the quasi-static wear rates from those of the dynamics on the unworn bores [1], or the reason
     /// why the dynamics has to drive the wear.
     pub tier: Result<f64, Unsuitable>,
-    /// Accepted time steps of the measured cycle, all islands together.
+    /// Accepted time steps of the measured cycle, all islands and operating conditions together.
     pub steps_per_cycle: u64,
     /// Cycles that a whole evaluation simulates dynamically: settling, measuring, warming up, probing; a cycle with shorter time
     /// steps counts as more.
@@ -71,7 +72,25 @@ pub struct FirstLook {
 /// # Errors
 /// [`SimulationFailure`] as in an evaluation.
 pub fn first_look(scene: &Scene, accuracy: &Accuracy) -> Result<FirstLook, SimulationFailure> {
-    run_alone(LaneWidth::for_scene(scene), |queue| examine(queue, scene, accuracy))
+    let look = |scene| run_alone(|queue| examine(queue, scene, accuracy));
+    let mut conditions = condition_scenes(scene).into_iter().map(|(scene, _)| look(scene));
+    let Some(first) = conditions.next() else { unreachable!("at least one condition") };
+    conditions.try_fold(first?, |all, condition| Ok(all.with_condition(condition?)))
+}
+
+impl FirstLook {
+    /// The costs of both; the quasi-static model drives the wear only if it may under either condition.
+    fn with_condition(mut self, other: FirstLook) -> Self {
+        self.steps_per_cycle += other.steps_per_cycle;
+        self.dynamic_cycles += other.dynamic_cycles;
+        self.quasi_static_cycles += other.quasi_static_cycles;
+        self.expected += other.expected;
+        self.tier = match (self.tier, other.tier) {
+            (Ok(one), Ok(other)) => Ok(one.max(other)),
+            (Err(reason), _) | (_, Err(reason)) => Err(reason),
+        };
+        self
+    }
 }
 
 /// Result of a stage, and the time it took.

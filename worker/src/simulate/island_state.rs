@@ -236,7 +236,7 @@ pub(crate) fn failure(error: IntegrationError, cycle: u32, island: &Island) -> S
 #[cfg(test)]
 mod tests {
     use crate::simulate::run::Run;
-    use crate::simulate::side_by_side::{LaneWidth, run_alone};
+    use crate::simulate::side_by_side::run_alone;
     use common::accuracy::Accuracy;
     use common::scene::{ContactDamping, JointKind, RestitutionLaw, SceneSource};
 
@@ -262,7 +262,7 @@ mod tests {
             }
         }
         let accuracy = Accuracy::draft();
-        run_alone(LaneWidth::Widest, |queue| async {
+        run_alone(|queue| async {
             let mut run = Run::assemble(queue, &scene, &accuracy).expect("assembled");
             let damping = |run: &Run| -> Vec<f64> {
                 let joints = run.islands.iter().flat_map(|m| &m.island.joints);

@@ -1,23 +1,16 @@
 //! The whole life after the settled first cycle: block after block of wear, with a measured cycle at the end of each.
 
 use super::blocks::{at_checkpoints, block_ends};
-use super::error_estimate::{ErrorEstimate, MeasuredLives};
+use super::conditions::{mix_contacts, share_bores};
+use super::error_estimate::ErrorEstimate;
+use super::life_history::LifeHistory;
+use super::motion_estimate::{MeasuredLives, MotionEstimate};
 use super::probe::{Probe, is_probed};
 use super::run::Run;
 use super::several_cycles::{SeveralCycles, SeveralMotions};
+use super::side_by_side::join;
 use common::failure::SimulationFailure;
 use std::ops::Range;
-
-/// Every output of the scene at every checkpoint `(outputs, m)` [SI].
-#[derive(Debug, Clone, PartialEq)]
-pub struct LifeHistory {
-    /// Values of the outputs.
-    pub histories: Vec<Vec<f64>>,
-    /// Estimates of their errors.
-    pub errors: Vec<Vec<f64>>,
-    /// Values in the first cycle, before any wear `(outputs,)` [SI].
-    pub start: Vec<f64>,
-}
 
 /// Model of the motion in the cycles between two blocks.
 pub trait CycleModel {
@@ -41,7 +34,7 @@ pub trait CycleModel {
         &self,
         run: &Run,
         measured: &MeasuredLives,
-        estimate: &mut ErrorEstimate,
+        estimate: &mut MotionEstimate,
     ) -> Result<(), Self::Error> {
         let _ = (run, measured, estimate);
         Ok(())
@@ -89,62 +82,122 @@ impl CycleModel for SingleCycle {
     }
 }
 
-/// Wears the bores to the end of life under cycles of `model`.
+/// One condition of a life: the outputs measured so far, and the motions if they are several.
+struct ConditionLife<'a> {
+    /// Lives at which a cycle was measured `(k,)` [cycles].
+    lives: Vec<u32>,
+    /// Outputs there `(k, outputs)` [SI].
+    outputs: Vec<Vec<f64>>,
+    motions: Option<SeveralMotions<'a>>,
+}
+
+impl<'a> ConditionLife<'a> {
+    /// Starts a life with the settled first cycle of `run`, which has been measured.
+    ///
+    /// # Errors
+    /// The first error of a cycle, of a probe or of a check of the model.
+    async fn start<M: CycleModel>(
+        run: &mut Run<'a>,
+        model: &M,
+        estimate: &mut MotionEstimate,
+    ) -> Result<Self, M::Error> {
+        let mut motions = None;
+        if model.is_probed(run, None) {
+            let probe = run.probe(0).await?;
+            model.check_probe(&probe)?;
+            motions = probe.rattles.then(SeveralMotions::default);
+            estimate.add_probe(probe);
+        }
+        let outputs = vec![measured_outputs(run, 0, motions.as_mut(), estimate).await?];
+        Ok(ConditionLife { lives: vec![0], outputs, motions })
+    }
+
+    /// Simulates, and where the model asks for it measures and probes, the cycle at the end of `block` [cycles].
+    ///
+    /// # Errors
+    /// The first error of a cycle, of a probe or of a check of the model.
+    async fn go_on<M: CycleModel>(
+        &mut self,
+        run: &mut Run<'a>,
+        model: &M,
+        block: &Range<u32>,
+        estimate: &mut MotionEstimate,
+    ) -> Result<(), M::Error> {
+        if !model.simulate_cycle(run, block).await? {
+            return Ok(());
+        }
+        self.lives.push(block.end);
+        self.outputs.push(measured_outputs(run, block.end, self.motions.as_mut(), estimate).await?);
+        if self.motions.is_none() && model.is_probed(run, Some(block)) {
+            let probe = run.probe(block.end).await?;
+            model.check_probe(&probe)?;
+            estimate.add_probe(probe);
+        }
+        Ok(())
+    }
+
+    fn measured(&self) -> MeasuredLives<'_> {
+        MeasuredLives { lives: &self.lives, outputs: &self.outputs }
+    }
+}
+
+/// Wears the bores to the end of life under cycles of `model`. The `runs` are those of all operating conditions, at least one, on the
+/// same bores; the first one wears them under the contacts of all.
 ///
 /// # Errors
 /// The first error of the wear, of a cycle, of a probe or of a check of the model.
 pub(crate) async fn simulate_life<M: CycleModel>(
-    run: &mut Run<'_>,
+    runs: &mut [Run<'_>],
     model: M,
 ) -> Result<LifeHistory, M::Error> {
-    let (scene, accuracy) = (run.scene, run.accuracy);
+    let (scene, accuracy) = (runs[0].scene, runs[0].accuracy);
     let (end, every) = (scene.life.cycles, scene.life.checkpoint_every);
-    let lives = block_ends(end, accuracy.cycle_jump, every);
-    let mut estimate = ErrorEstimate::new(every);
-    let mut motions = None;
-    if model.is_probed(run, None) {
-        let probe = run.probe(0).await?;
-        model.check_probe(&probe)?;
-        motions = probe.rattles.then(SeveralMotions::default);
-        estimate.add_probe(probe);
-    }
-    let mut measured_lives = vec![0];
-    let mut measured = vec![measured_outputs(run, 0, motions.as_mut(), &mut estimate).await?];
+    let blocks = block_ends(end, accuracy.cycle_jump, every);
+    let mut estimate = ErrorEstimate::new(every, runs.len());
+    let starts = runs.iter_mut().zip(&mut estimate.conditions);
+    let started = join(starts.map(|(run, estimate)| ConditionLife::start(run, &model, estimate))).await;
+    let mut lives: Vec<ConditionLife> = started.into_iter().collect::<Result<_, _>>()?;
     let mut wear = vec![vec![]; scene.outputs.len()];
-    run.keep_bores(0);
-    for (from, to) in lives.windows(2).map(|life| (life[0], life[1])) {
+    runs[0].keep_bores(0);
+    for (from, to) in blocks.windows(2).map(|life| (life[0], life[1])) {
         let checkpoints: Vec<u32> = (from / every + 1..=to / every).map(|k| k * every).collect();
-        let worn = run.worn_amounts();
-        run.wear(from..to, &checkpoints, &mut wear)?;
-        estimate.add_wear(run, from, &worn);
-        run.keep_bores(to);
-        if !model.simulate_cycle(run, &(from..to)).await? {
-            continue;
+        let worn = runs[0].worn_amounts();
+        for (run, estimate) in runs.iter().zip(&mut estimate.conditions) {
+            estimate.add_block(run, to - from);
         }
-        measured_lives.push(to);
-        measured.push(measured_outputs(run, to, motions.as_mut(), &mut estimate).await?);
-        if motions.is_none() && model.is_probed(run, Some(&(from..to))) {
-            let probe = run.probe(to).await?;
-            model.check_probe(&probe)?;
-            estimate.add_probe(probe);
-        }
+        mix_contacts(runs);
+        runs[0].wear(from..to, &checkpoints, &mut wear)?;
+        estimate.add_wear(&runs[0], from, &worn);
+        runs[0].keep_bores(to);
+        share_bores(runs);
+        let block = from..to;
+        let conditions = runs.iter_mut().zip(&mut lives).zip(&mut estimate.conditions);
+        let cycles = conditions.map(|((run, life), estimate)| life.go_on(run, &model, &block, estimate));
+        join(cycles).await.into_iter().collect::<Result<(), _>>()?;
     }
-    run.compare_bores();
-    estimate.add_wear(run, end, &run.worn_amounts());
+    mix_contacts(runs);
+    runs[0].compare_bores();
+    estimate.add_wear(&runs[0], end, &runs[0].worn_amounts());
 
-    let cycles = scene.life.checkpoints();
-    let measured = MeasuredLives { lives: &measured_lives, outputs: &measured };
-    model.check_life(run, &measured, &mut estimate)?;
-    let mut histories = Vec::with_capacity(scene.outputs.len());
-    for (k, output) in scene.outputs.iter().enumerate() {
-        histories.push(match output.kind.wear() {
-            Some(_) => std::mem::take(&mut wear[k]),
-            None => at_checkpoints(measured.lives, &measured.of_output(k), &cycles),
-        });
+    for ((run, life), estimate) in runs.iter().zip(&lives).zip(&mut estimate.conditions) {
+        model.check_life(run, &life.measured(), estimate)?;
     }
-    let errors = estimate.errors(scene, &histories, &measured, accuracy.largest_step);
-    // An output of the wear is zero on the unworn bores, as is its measured value.
-    Ok(LifeHistory { histories, errors, start: measured.outputs[0].clone() })
+    let cycles = scene.life.checkpoints();
+    let mut found = Vec::with_capacity(lives.len());
+    for (condition, life) in lives.iter().enumerate() {
+        let measured = life.measured();
+        let outputs = scene.outputs.iter().enumerate();
+        let histories: Vec<Vec<f64>> = outputs
+            .map(|(k, output)| match output.kind.wear() {
+                Some(_) => wear[k].clone(),
+                None => at_checkpoints(measured.lives, &measured.of_output(k), &cycles),
+            })
+            .collect();
+        let errors = estimate.errors(condition, scene, &histories, &measured, accuracy.largest_step);
+        // An output of the wear is zero on the unworn bores, as is its measured value.
+        found.push(LifeHistory { histories, errors, start: measured.outputs[0].clone() });
+    }
+    Ok(LifeHistory::worst(found, scene))
 }
 
 /// Outputs of the motion on the bores of `life` [cycles] `(outputs,)` [SI]: in the cycle just measured, or if there are several
@@ -152,11 +205,11 @@ pub(crate) async fn simulate_life<M: CycleModel>(
 ///
 /// # Errors
 /// [`SimulationFailure`] if a further cycle fails.
-async fn measured_outputs(
-    run: &mut Run<'_>,
+async fn measured_outputs<'a>(
+    run: &mut Run<'a>,
     life: u32,
-    motions: Option<&mut SeveralMotions>,
-    estimate: &mut ErrorEstimate,
+    motions: Option<&mut SeveralMotions<'a>>,
+    estimate: &mut MotionEstimate,
 ) -> Result<Vec<f64>, SimulationFailure> {
     let Some(motions) = motions else { return Ok(run.motion_outputs()) };
     let SeveralCycles { motion, spread } = motions.measure(run, life).await?;

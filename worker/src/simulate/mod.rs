@@ -8,14 +8,16 @@
 //!
 //! The cycles between the first and the last may be quasi-static, with dynamic ones at a few lives if the motion is asked for; if nothing
 //! wears, one cycle represents the whole life. If the life is a single cycle, only that cycle is measured, and the wear follows from it.
+//! Under several operating conditions each has its cycles, and all wear the bores together.
 //!
 //! | file | contents |
 //! |---|---|
 //! | `mod.rs` | the evaluation as a page of stages |
 //! | `run.rs` | the stages: settle, measure a cycle, wear a block, warm up |
-//! | `life_in_blocks.rs`, `blocks.rs` | a life block by block; the ends of the blocks |
+//! | `life_in_blocks.rs`, `blocks.rs`, `life_history.rs` | a life block by block; the ends of the blocks; the outputs over it |
 //! | `no_wear.rs`, `quasi_static.rs`, `quasi_static_island.rs` | lives without wear; wear by the quasi-static model |
-//! | `probe.rs`, `error_estimate.rs` | probes of a measured cycle, and the stated error |
+//! | `conditions.rs` | several operating conditions on the same bores |
+//! | `probe.rs`, `motion_estimate.rs`, `error_estimate.rs` | probes of a measured cycle, and the stated error |
 //! | `several_cycles.rs` | means over cycles of a motion that does not repeat |
 //! | `cycle_history.rs`, `finish.rs` | outputs and history of a cycle; the result |
 //! | `island_state.rs` | an island with its state, stepper, recorder and wear |
@@ -23,12 +25,15 @@
 //! | `first_look.rs` | model and cost of an evaluation beforehand |
 
 mod blocks;
+mod conditions;
 mod cycle_history;
 mod error_estimate;
 mod finish;
 mod first_look;
 mod island_state;
+mod life_history;
 mod life_in_blocks;
+mod motion_estimate;
 mod no_wear;
 mod probe;
 mod quasi_static;
@@ -41,11 +46,15 @@ use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
 use common::scene::Scene;
+use conditions::assemble;
+use cycle_history::FirstCycle;
+use finish::finish;
+use life_history::LifeHistory;
 use life_in_blocks::{DynamicCycles, SingleCycle, simulate_life};
 use quasi_static::try_quasi_static;
 use run::{Run, WornDisplay};
 pub(crate) use side_by_side::widest_lanes;
-use side_by_side::{LaneQueue, RunningEvaluation, run_alone, run_side_by_side};
+use side_by_side::{LaneQueue, RunningEvaluation, join, run_alone, run_side_by_side};
 use std::time::Duration;
 
 pub use crate::quasi_static::Unsuitable;
@@ -88,7 +97,7 @@ pub struct CountedEvaluation {
 
 /// Simulates like [`simulate`], and counts the time steps even if the evaluation fails.
 pub fn simulate_counted(scene: &Scene, accuracy: &Accuracy, options: SimulateOptions) -> CountedEvaluation {
-    run_alone(LaneWidth::for_scene(scene), |queue| simulate_stages(queue, scene, accuracy, options))
+    run_alone(|queue| simulate_stages(queue, scene, accuracy, options))
 }
 
 /// One of several evaluations that run side by side.
@@ -131,32 +140,40 @@ async fn simulate_stages(
     accuracy: &Accuracy,
     options: SimulateOptions,
 ) -> CountedEvaluation {
-    let mut run = match Run::assemble(queue, scene, accuracy) {
-        Ok(run) => run,
+    let mut runs = match assemble(&queue, scene, accuracy) {
+        Ok(runs) => runs,
         Err(failure) => return CountedEvaluation { result: Err(failure), steps_tried: 0 },
     };
-    run.display = options.first_cycle.then(WornDisplay::default);
-    let result = evaluate(&mut run).await;
-    CountedEvaluation { result, steps_tried: run.counts.steps + run.counts.rejected }
+    runs.iter_mut().for_each(|run| run.display = options.first_cycle.then(WornDisplay::default));
+    let result = evaluate(&mut runs).await;
+    let steps_tried = runs.iter().map(|run| run.counts.steps + run.counts.rejected).sum();
+    CountedEvaluation { result, steps_tried }
 }
 
-/// The stages of an evaluation.
-async fn evaluate(run: &mut Run<'_>) -> Result<Evaluation, SimulationFailure> {
+/// The stages of an evaluation, each under every operating condition.
+async fn evaluate(runs: &mut [Run<'_>]) -> Result<Evaluation, SimulationFailure> {
+    let first = join(runs.iter_mut().map(measure_first)).await.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let Some(first) = FirstCycle::of_conditions(first) else { unreachable!("at least one condition") };
+    let scene = runs[0].scene;
+    let life = if !runs[0].wears() {
+        let lives = join(runs.iter_mut().map(Run::life_without_wear)).await;
+        LifeHistory::worst(lives.into_iter().collect::<Result<_, _>>()?, scene)
+    } else if scene.life.is_single_cycle() {
+        simulate_life(runs, SingleCycle).await?
+    } else if let Some(life) = try_quasi_static(runs).await {
+        life
+    } else {
+        simulate_life(runs, DynamicCycles).await?
+    };
+    finish(runs, life, first)
+}
+
+/// Settles the mechanism under one condition and measures its first cycle; its share of the cycles [1] with the summary.
+async fn measure_first(run: &mut Run<'_>) -> Result<(f64, FirstCycle), SimulationFailure> {
     run.settle().await?;
     run.start_full_recording();
     run.measure().await?;
     let first = run.first_cycle();
     run.stop_full_recording();
-    if !run.wears() {
-        return run.finish_without_wear(first).await;
-    }
-
-    let life = if run.scene.life.is_single_cycle() {
-        simulate_life(run, SingleCycle).await?
-    } else if let Some(life) = try_quasi_static(run).await {
-        life
-    } else {
-        simulate_life(run, DynamicCycles).await?
-    };
-    run.finish(life, first)
+    Ok((run.share, first))
 }

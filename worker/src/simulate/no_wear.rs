@@ -6,11 +6,9 @@
 //! # Source
 //! Hairer, Nørsett, Wanner: Solving Ordinary Differential Equations I (1993), section II.4 (Richardson extrapolation).
 
-use super::cycle_history::FirstCycle;
-use super::life_in_blocks::LifeHistory;
+use super::life_history::LifeHistory;
 use super::run::Run;
 use common::failure::SimulationFailure;
-use common::outputs::Evaluation;
 
 /// Factor by which the time steps of the second run are shorter [1].
 const FINER: f64 = 2.0;
@@ -20,14 +18,11 @@ const SAFETY: f64 = 2.0;
 const ROUNDING: f64 = 1e-10;
 
 impl Run<'_> {
-    /// Runs the cycle just measured a second time with shorter time steps, and returns the result of the evaluation.
+    /// Runs the cycle just measured a second time with shorter time steps, and returns the life that it stands for.
     ///
     /// # Errors
     /// [`SimulationFailure`] if the second run fails.
-    pub(crate) async fn finish_without_wear(
-        &mut self,
-        first: FirstCycle,
-    ) -> Result<Evaluation, SimulationFailure> {
+    pub(crate) async fn life_without_wear(&mut self) -> Result<LifeHistory, SimulationFailure> {
         let values = self.motion_outputs();
         let finer = self.accuracy.refined(FINER);
         self.restart_cycle(&finer);
@@ -37,6 +32,6 @@ impl Run<'_> {
         let error = |value: f64, again: f64| (SAFETY * (value - again).abs()).max(ROUNDING * value.abs());
         let errors = values.iter().zip(again).map(|(&v, a)| vec![error(v, a); count]).collect();
         let histories = values.iter().map(|&v| vec![v; count]).collect();
-        self.finish(LifeHistory { histories, errors, start: values }, first)
+        Ok(LifeHistory { histories, errors, start: values })
     }
 }

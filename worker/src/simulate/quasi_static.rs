@@ -4,9 +4,10 @@
 //! Outputs of the motion come from dynamic cycles at a few lives, on the bores worn so far, where the wear rates are compared too.
 //! That needs a contact law that conserves energy: under another one vibrations may grow as the bores wear, from one cycle to the next.
 
-use super::error_estimate::{ErrorEstimate, MeasuredLives, largest_bend};
 use super::island_state::CycleSpan;
-use super::life_in_blocks::{CycleModel, LifeHistory, simulate_life};
+use super::life_history::LifeHistory;
+use super::life_in_blocks::{CycleModel, simulate_life};
+use super::motion_estimate::{MeasuredLives, MotionEstimate, largest_bend};
 use super::probe::{Probe, SURFACES, contains_one_of, is_probed};
 use super::quasi_static_island::QuasiStaticIsland;
 use super::run::Run;
@@ -26,20 +27,34 @@ const IDEAL_INTERVALS: usize = 90;
 const STRAIGHT: f64 = 0.25;
 
 /// The whole life under the quasi-static model, if the accuracy and the outputs of the scene allow it and all
-/// comparisons with the dynamics agree; else `None`, and of `run` only the counts have changed.
-pub(crate) async fn try_quasi_static(run: &mut Run<'_>) -> Option<LifeHistory> {
-    let mut trial = run.clone();
-    match trial.simulate_quasi_static_life().await {
+/// comparisons with the dynamics agree under every operating condition; else `None`, and of the `runs` only the counts have changed.
+pub(crate) async fn try_quasi_static(runs: &mut [Run<'_>]) -> Option<LifeHistory> {
+    let mut trials = runs.to_vec();
+    match simulate_quasi_static_life(&mut trials).await {
         Ok(life) => {
-            *run = trial;
+            runs.clone_from_slice(&trials);
             Some(life)
         }
         Err(reason) => {
             tracing::debug!("the dynamics drives the wear: {reason}");
-            run.copy_counts(&trial);
+            runs.iter_mut().zip(&trials).for_each(|(run, trial)| run.copy_counts(trial));
             None
         }
     }
+}
+
+/// The whole life under the quasi-static model, from the settled first cycles just measured.
+///
+/// # Errors
+/// [`Unsuitable`] if the dynamics has to drive the wear instead.
+async fn simulate_quasi_static_life(runs: &mut [Run<'_>]) -> Result<LifeHistory, Unsuitable> {
+    runs.iter_mut().try_for_each(Run::start_quasi_static)?;
+    let mut life = simulate_life(runs, QuasiStaticCycles).await?;
+    for (k, (errors, values)) in life.errors.iter_mut().zip(&life.histories).enumerate() {
+        let share = runs.iter().map(|run| run.tier_difference[k]).fold(0.0, f64::max);
+        errors.iter_mut().zip(values).for_each(|(error, value)| *error += share * value.abs());
+    }
+    Ok(life)
 }
 
 /// True if outputs of the motion are measured at the end of this block: the first one at or after the first checkpoint and after every
@@ -86,7 +101,7 @@ impl CycleModel for QuasiStaticCycles {
         &self,
         run: &Run,
         measured: &MeasuredLives,
-        estimate: &mut ErrorEstimate,
+        estimate: &mut MotionEstimate,
     ) -> Result<(), Unsuitable> {
         for (k, output) in run.scene.outputs.iter().enumerate() {
             let values = measured.of_output(k);
@@ -102,21 +117,6 @@ impl CycleModel for QuasiStaticCycles {
 }
 
 impl Run<'_> {
-    /// The whole life under the quasi-static model, from the settled first cycle just measured.
-    ///
-    /// # Errors
-    /// [`Unsuitable`] if the dynamics has to drive the wear instead.
-    async fn simulate_quasi_static_life(&mut self) -> Result<LifeHistory, Unsuitable> {
-        self.start_quasi_static()?;
-        let mut life = simulate_life(self, QuasiStaticCycles).await?;
-        for ((errors, values), share) in
-            life.errors.iter_mut().zip(&life.histories).zip(&self.tier_difference)
-        {
-            errors.iter_mut().zip(values).for_each(|(error, value)| *error += share * value.abs());
-        }
-        Ok(life)
-    }
-
     /// Starts the quasi-static model and compares it with the settled first cycle just measured, on the unworn bores.
     fn start_quasi_static(&mut self) -> Result<(), Unsuitable> {
         if self.accuracy.tier == Tier::Dynamic {

@@ -1,12 +1,12 @@
 //! The stages of an evaluation: settle, measure a cycle, wear a block, warm up.
 
-use super::island_state::{CycleSpan, IslandStart, IslandState, failure};
+use super::island_state::{CycleSpan, IslandStart, IslandState, StateSnapshot, failure};
 use super::quasi_static_island::QuasiStaticIsland;
 use super::side_by_side::{Integrated, LaneQueue, Span};
 use crate::integrate::StepCounts;
 use crate::mechanism::{Frame, Pose, WearingJoint, ideal_cycle, islands, turns_per_cycle};
-use crate::outputs::{FullRecording, PointTrack, recording_request};
-use crate::wear::{WearStepStats, WornAmounts, wear_output};
+use crate::outputs::{FullRecording, PointTrack, Recorder, recording_request};
+use crate::wear::{ContactHistory, WearStepStats, WornAmounts, wear_output};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::{EnergyBalance, WornLife};
@@ -18,9 +18,16 @@ use std::ops::Range;
 pub struct Run<'a> {
     /// Integrates the islands.
     pub queue: LaneQueue,
+    /// The scene, under one of its operating conditions if it has any.
     pub scene: &'a Scene,
     pub accuracy: &'a Accuracy,
+    /// Share of the cycles of the life [1].
+    pub share: f64,
+    /// Contact histories of all conditions together, which wear the bores `(islands, joints)`; empty with one condition.
+    pub mixed: Vec<Vec<ContactHistory>>,
     pub islands: Vec<IslandState>,
+    /// States of the islands where the ideal mechanism has them at the start `(islands,)`.
+    pub starts: Vec<StateSnapshot>,
     /// Cycles worn so far.
     cycle: u32,
     pub counts: StepCounts,
@@ -72,7 +79,7 @@ impl<'a> Run<'a> {
         }
         let turns = turns_per_cycle(scene, &poses)?;
         let start = IslandStart { pose: &poses[0], turns: &turns };
-        let islands = islands
+        let islands: Vec<IslandState> = islands
             .into_iter()
             .map(|island| IslandState::new(island, &start, scene, &requested, accuracy))
             .collect();
@@ -80,6 +87,9 @@ impl<'a> Run<'a> {
             queue,
             scene,
             accuracy,
+            share: 1.0,
+            mixed: vec![],
+            starts: islands.iter().map(|state| state.cycle_start.clone()).collect(),
             islands,
             cycle: 0,
             counts: StepCounts::default(),
@@ -117,6 +127,26 @@ impl<'a> Run<'a> {
         self.integrate(-self.scene.life.period..0.0, false).await?;
         self.simulated += 1;
         Ok(())
+    }
+
+    /// Counts from zero on.
+    pub(crate) fn begin_count(&mut self) {
+        (self.counts, self.simulated) = (StepCounts::default(), 0);
+    }
+
+    /// Adds what a run counted that was simulated for this one.
+    pub(crate) fn add_counts(&mut self, of: &Run) {
+        self.counts.add(&of.counts);
+        self.simulated += of.simulated;
+    }
+
+    /// Takes over the bores of another run of the same mechanism.
+    pub(crate) fn take_bores(&mut self, from: &Run) {
+        self.cycle = from.cycle;
+        for (to, from) in self.islands.iter_mut().zip(&from.islands) {
+            to.depth.clone_from(&from.depth);
+            to.island.joints.iter_mut().zip(&from.depth).for_each(|(joint, depth)| joint.set_depth(depth));
+        }
     }
 
     /// True if a joint wears.
@@ -212,9 +242,9 @@ impl<'a> Run<'a> {
     pub(crate) fn compare_bores(&mut self) {
         for (index, state) in self.islands.iter_mut().enumerate() {
             let IslandState { island, recorder, finer, rates, depth, .. } = state;
-            let recorder = self.quasi_static.get(index).map_or(&*recorder, |island| &island.recorder);
+            let histories = wear_histories(&self.mixed, &self.quasi_static, recorder, index);
             for (k, _) in island.joints.iter().enumerate().filter(|(_, j)| j.wears()) {
-                finer[k].advance(&recorder.histories[k], 0.0, rates[k].sizes().amounts(&depth[k]));
+                finer[k].advance(&histories[k], 0.0, rates[k].sizes().amounts(&depth[k]));
             }
         }
     }
@@ -253,6 +283,12 @@ impl<'a> Run<'a> {
         let worn = self.display.get_or_insert_default().life.get_or_insert_default();
         worn.cycles.push(life);
         worn.wear_depth.push(depths);
+    }
+
+    /// Contact histories of the cycle simulated last under this condition `(islands, joints)`.
+    pub(crate) fn contact_histories(&self) -> impl Iterator<Item = &[ContactHistory]> {
+        let islands = self.islands.iter().enumerate();
+        islands.map(|(index, state)| wear_histories(&[], &self.quasi_static, &state.recorder, index))
     }
 
     /// Integrates every island over a span of the cycle [s], recording it or not.
@@ -300,19 +336,19 @@ impl<'a> Run<'a> {
         // Wear at each checkpoint of each joint of the scene `(checkpoints, joints)`.
         let mut marked = vec![vec![WornAmounts::default(); self.scene.joints.len()]; marks.len()];
         for (index, state) in self.islands.iter_mut().enumerate() {
-            let recorder = self.quasi_static.get(index).map_or(&state.recorder, |island| &island.recorder);
+            let histories = wear_histories(&self.mixed, &self.quasi_static, &state.recorder, index);
             for (k, joint) in state.island.joints.iter_mut().enumerate() {
                 if !joint.wears() {
                     continue;
                 }
                 let (rate, depth) = (&mut state.rates[k], &mut state.depth[k]);
-                rate.freeze(&recorder.histories[k]);
+                rate.freeze(&histories[k]);
                 let sizes = rate.sizes();
                 let note = |mark: usize, depth: &[f64]| {
                     marked[mark][joint.scene_joint] = sizes.amounts(depth);
                 };
                 let length = f64::from(to - from);
-                state.finer[k].advance(&recorder.histories[k], length, sizes.amounts(depth));
+                state.finer[k].advance(&histories[k], length, sizes.amounts(depth));
                 let advanced =
                     state.steps[k].advance(rate, depth, length, &marks, note, &mut self.wear_counts);
                 advanced.map_err(|failed| SimulationFailure::WearStep {
@@ -337,6 +373,20 @@ impl<'a> Run<'a> {
         }
         self.cycle = to;
         Ok(())
+    }
+}
+
+/// The contact histories that wear the joints of island number `index`: those `mixed` of several conditions, or those of the last cycle,
+/// quasi-static or in the `recorder`.
+fn wear_histories<'h>(
+    mixed: &'h [Vec<ContactHistory>],
+    quasi_static: &'h [QuasiStaticIsland],
+    recorder: &'h Recorder,
+    index: usize,
+) -> &'h [ContactHistory] {
+    match mixed.get(index) {
+        Some(histories) => histories,
+        None => &quasi_static.get(index).map_or(recorder, |island| &island.recorder).histories,
     }
 }
 

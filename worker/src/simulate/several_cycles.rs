@@ -15,9 +15,9 @@
 //! # Source
 //! Method of independent replications: Law, Simulation Modeling and Analysis (2015), section 9.5.
 
-use super::island_state::{IslandState, StateSnapshot};
+use super::island_state::IslandState;
 use super::run::Run;
-use crate::wear::ContactHistory;
+use super::side_by_side::join;
 use common::failure::SimulationFailure;
 use common::scene::JointKind;
 
@@ -29,10 +29,9 @@ const NARROWER: f64 = 0.03;
 
 /// Motions of a mechanism on the same bores.
 #[derive(Default)]
-pub struct SeveralMotions {
-    /// State of the further motions, one less than [`MOTIONS`], from which their next warm-up starts `(motions, islands)`; empty
-    /// before they have been started.
-    further: Vec<Vec<StateSnapshot>>,
+pub struct SeveralMotions<'a> {
+    /// The further motions, one less than [`MOTIONS`], each after its last cycle; empty before they have been started.
+    further: Vec<Run<'a>>,
 }
 
 /// Cycles measured on the same bores, one of each motion.
@@ -55,52 +54,48 @@ pub struct CycleSpread {
     pub wear: Vec<Vec<Vec<f64>>>,
 }
 
-impl SeveralMotions {
-    /// Continues all motions by a cycle on the bores of `life` [cycles], of which that of the first has just been measured, and puts
+impl<'a> SeveralMotions<'a> {
+    /// Continues all motions by a cycle on the bores of `life` [cycles], side by side; that of the first has just been measured. Puts
     /// the mean of all contact histories in the place of the last one.
     ///
     /// # Errors
     /// [`SimulationFailure`] if a cycle fails.
     pub(crate) async fn measure(
         &mut self,
-        run: &mut Run<'_>,
+        run: &mut Run<'a>,
         life: u32,
     ) -> Result<SeveralCycles, SimulationFailure> {
-        let first = warm_up_starts(run);
-        let mut histories: Vec<Vec<ContactHistory>> =
-            run.islands.iter().map(|state| state.recorder.histories.clone()).collect();
+        let start = self.further.is_empty();
+        if start {
+            self.further = vec![run.clone(); MOTIONS - 1];
+        }
+        let first = &*run;
+        let cycles = self.further.iter_mut().enumerate().map(|(k, motion)| async move {
+            motion.begin_count();
+            if start {
+                return motion.start_motion(NARROWER * (k + 1) as f64).await;
+            }
+            motion.take_bores(first);
+            motion.next_cycle().await
+        });
+        for ended in join(cycles).await {
+            ended?;
+        }
         let (mut motion, mut wear) = (vec![run.motion_outputs()], vec![run.wear_rates(life)?]);
-        for k in 1..MOTIONS {
-            if let Some(start) = self.further.get_mut(k - 1) {
-                set_warm_up_starts(run, start);
-                run.next_cycle().await?;
-                *start = warm_up_starts(run);
-            } else {
-                run.start_motion(NARROWER * k as f64).await?;
-                self.further.push(warm_up_starts(run));
-            }
-            motion.push(run.motion_outputs());
-            wear.push(run.wear_rates(life)?);
-            for (all, state) in histories.iter_mut().zip(&run.islands) {
-                all.iter_mut().zip(&state.recorder.histories).for_each(|(all, one)| all.append(one));
+        for further in &mut self.further {
+            motion.push(further.motion_outputs());
+            wear.push(further.wear_rates(life)?);
+            run.add_counts(further);
+            for (all, one) in run.islands.iter_mut().zip(&further.islands) {
+                let histories = all.recorder.histories.iter_mut().zip(&one.recorder.histories);
+                histories.for_each(|(all, one)| all.append(one));
             }
         }
-        for (mut all, state) in histories.into_iter().zip(&mut run.islands) {
-            all.iter_mut().for_each(|history| history.divide_work(MOTIONS));
-            state.recorder.histories = all;
-        }
-        set_warm_up_starts(run, &first);
+        let histories = run.islands.iter_mut().flat_map(|state| &mut state.recorder.histories);
+        histories.for_each(|history| history.divide_work(MOTIONS));
         let (mean, of_single_cycles) = mean_and_variance(&motion);
         Ok(SeveralCycles { motion: mean, spread: CycleSpread { life, motion: of_single_cycles, wear } })
     }
-}
-
-fn warm_up_starts(run: &Run) -> Vec<StateSnapshot> {
-    run.islands.iter().map(|state| state.warm_up_start.clone()).collect()
-}
-
-fn set_warm_up_starts(run: &mut Run, starts: &[StateSnapshot]) {
-    run.islands.iter_mut().zip(starts).for_each(|(state, start)| state.warm_up_start.clone_from(start));
 }
 
 impl Run<'_> {
@@ -112,9 +107,8 @@ impl Run<'_> {
             JointKind::Clearance(clearance) => narrower * clearance.radial_clearance(),
             _ => 0.0,
         };
-        let assembled = Run::assemble(self.queue.clone(), scene, self.accuracy)?;
-        for (state, start) in self.islands.iter_mut().zip(assembled.islands) {
-            state.restore(start.cycle_start);
+        for (state, start) in self.islands.iter_mut().zip(&self.starts) {
+            state.restore(start.clone());
             for joint in &mut state.island.joints {
                 let mut depth = vec![0.0; joint.depths()];
                 depth[..joint.profile.points()].fill(-less(joint.scene_joint));

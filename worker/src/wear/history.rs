@@ -69,6 +69,16 @@ impl ContactHistory {
         self.samples.iter_mut().for_each(|sample| sample.work /= cycles as f64);
     }
 
+    /// Multiplies the work of every contact by `factor` [1].
+    pub(crate) fn scale_work(&mut self, factor: f64) {
+        self.samples.iter_mut().for_each(|sample| sample.work *= factor);
+    }
+
+    /// Work F S of all contacts [N m].
+    pub(crate) fn work(&self) -> f64 {
+        self.samples.iter().map(|sample| sample.work).sum()
+    }
+
     /// Samples of the intervals with contact, in order of time.
     pub(crate) fn samples(&self) -> &[ContactSample] {
         &self.samples

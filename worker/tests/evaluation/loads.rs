@@ -121,6 +121,81 @@ fn a_force_over_time_gives_its_impulse() {
     assert!((speed - 1.0 / MASS).abs() < 1e-6, "{speed} m/s after 1 N s");
 }
 
+/// A slider that starts with `start` [m/s] in a medium that flows at `flow` [m/s], both along its guide.
+fn dragged(start: f64, [linear, quadratic]: [f64; 2], flow: f64, factor: Option<Curve>) -> Scene {
+    let (name, at, direction) = ("air".into(), Attachment { body: 1, position: [0.0; 2] }, [1.0, 0.0]);
+    let drag = Load::Drag { name, at, direction, linear, quadratic, flow, factor };
+    let guide = JointKind::Prismatic { axis: 0.0, angle: 0.0 };
+    let mut scene = one_body(guide, [0.0; 2], vec![drag], 2.0);
+    if let Motion::Free { start_velocity, .. } = &mut scene.bodies[1].motion {
+        *start_velocity = [start, 0.0];
+    }
+    scene
+}
+
+#[test]
+fn quadratic_drag_slows_a_slider_as_in_closed_form() {
+    // m dv/dt = -c |v| v: v = v_0 / (1 + c |v_0| t / m), forward and backward.
+    let c = 0.7;
+    for start in [3.0, -3.0_f64] {
+        let evaluation = run(&dragged(start, [0.0, c], 0.0, None));
+        for (t, _, x) in history(&evaluation) {
+            let exact = MASS / c * (c * start.abs() * t / MASS).ln_1p() * start.signum();
+            assert!((x - exact).abs() < 1e-8, "{x} against {exact} at {t}");
+        }
+        // What the body loses is dissipated, nothing is put in.
+        let energy = evaluation.diagnostics.energy.expect("asked for");
+        let end = start / (1.0 + c * start.abs() * 2.0 / MASS);
+        let lost = 0.5 * MASS * (start * start - end * end);
+        println!("lost {lost} J, dissipated {} J, put in {:e} J", energy.dissipated, energy.input);
+        assert!(
+            (energy.dissipated / lost - 1.0).abs() < 1e-6 && energy.input.abs() < 1e-6 * lost,
+            "{energy:?}"
+        );
+        assert!(energy.residual().abs() < 1e-6 * lost, "{energy:?}");
+    }
+    // With a linear part: dv/dt = -(b + c v) v / m has v = b / ((b / v_0 + c) exp(b t / m) - c), half of it by the factor.
+    let (b, start) = (0.4, 3.0);
+    let table = Table { at: vec![0.0, 1.0], value: vec![0.5, 0.5], repeat: true };
+    let factor = Some(Curve { over: Over::Time, table });
+    let evaluation = run(&dragged(start, [2.0 * b, 2.0 * c], 0.0, factor));
+    let speed_at_end = (b / start + c) * (b * 2.0 / MASS).exp() - c;
+    let energy = evaluation.diagnostics.energy.expect("asked for");
+    let lost = 0.5 * MASS * (start * start - (b / speed_at_end).powi(2));
+    assert!((energy.dissipated / lost - 1.0).abs() < 1e-6, "{} against {lost} J", energy.dissipated);
+}
+
+#[test]
+fn a_flow_takes_a_slider_along() {
+    // From rest, u = v - w obeys m du/dt = -c |u| u: v = w (1 - 1 / (1 + c w t / m)).
+    let (c, w) = (0.7, 4.0);
+    let evaluation = run(&dragged(0.0, [0.0, c], w, None));
+    for (t, _, x) in history(&evaluation) {
+        let exact = w * t - MASS / c * (c * w * t / MASS).ln_1p();
+        assert!((x - exact).abs() < 1e-8, "{x} against {exact} at {t}");
+    }
+    // The medium puts in F w, which is w times the momentum gained.
+    let energy = evaluation.diagnostics.energy.expect("asked for");
+    let end = w * (1.0 - 1.0 / (1.0 + c * w * 2.0 / MASS));
+    assert!((energy.input / (MASS * end * w) - 1.0).abs() < 1e-6, "{energy:?}");
+    assert!((energy.stored / (0.5 * MASS * end * end) - 1.0).abs() < 1e-6, "{energy:?}");
+    assert!(energy.residual().abs() < 1e-6 * energy.input, "{energy:?}");
+}
+
+#[test]
+fn quadratic_drag_slows_a_rotor_as_in_closed_form() {
+    let (c, start) = (0.002, -60.0_f64);
+    let drag = Load::RotationalDrag { name: "fan".into(), body: 1, linear: 0.0, quadratic: c, factor: None };
+    let mut scene = rotor(vec![drag], 2.0);
+    if let Motion::Free { start_speed, .. } = &mut scene.bodies[1].motion {
+        *start_speed = start;
+    }
+    for (t, angle, _) in history(&run(&scene)) {
+        let exact = -INERTIA / c * (c * start.abs() * t / INERTIA).ln_1p();
+        assert!((angle - exact).abs() < 1e-7 * (1.0 + exact.abs()), "{angle} against {exact} at {t}");
+    }
+}
+
 /// Two bodies fixed to each other swing as the one they make.
 #[test]
 fn a_fixed_joint_makes_one_body_of_two() {

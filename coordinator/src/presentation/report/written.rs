@@ -17,6 +17,8 @@ pub struct WrittenScene {
     pub parameters: Vec<(String, String)>,
     /// Keys of quantities that depend on parameters, with their formulas.
     pub formulas: Vec<(String, String)>,
+    /// What operating conditions change, by the path of the key: `conditions.NAME.changes.KEY`.
+    pub changes: Vec<(String, String)>,
     /// Names of the materials.
     pub materials: Vec<String>,
     /// Names by the path of their key: points, materials.
@@ -65,6 +67,9 @@ impl WrittenScene {
                 if let Some(si) = source.quantity(path) {
                     self.quantities.insert(path.to_owned(), si);
                     let text = text_of(value);
+                    if path.starts_with("conditions.") && path.contains(".changes.") {
+                        self.changes.push((path.to_owned(), text.clone()));
+                    }
                     if uses_one(&text, parameters) {
                         self.formulas.push((path.to_owned(), text));
                     }
@@ -73,6 +78,13 @@ impl WrittenScene {
                 }
             }
         }
+    }
+
+    /// What the operating condition of this name changes, as it is written: `KEY = VALUE; ...`.
+    pub fn changes_of(&self, condition: &str) -> String {
+        let place = format!("conditions.{condition}.changes.");
+        let changes = self.changes.iter().filter_map(|(key, text)| Some((key.strip_prefix(&place)?, text)));
+        changes.map(|(key, text)| format!("{key} = {text}")).collect::<Vec<_>>().join("; ")
     }
 
     /// True if the quantity at this key depends on parameters.

@@ -5,6 +5,14 @@ use rusqlite::ErrorCode;
 use std::path::PathBuf;
 use thiserror::Error;
 
+/// Version of this program.
+const OURS: &str = env!("CARGO_PKG_VERSION");
+
+/// The program that wrote a file, as part of a message.
+fn written_by(program: Option<&str>) -> String {
+    program.map_or_else(String::new, |version| format!(", written by version {version} of the program,"))
+}
+
 /// A campaign file that cannot be created, opened, written or read.
 #[derive(Debug, Error)]
 pub enum StoreError {
@@ -35,15 +43,37 @@ pub enum StoreError {
         /// Path of the campaign file.
         path: PathBuf,
     },
-    /// The file was written by a program with another layout.
-    #[error("{}: has schema version {found}; this program reads version {supported}", path.display())]
+    /// The file has a layout that this program does not know, such as that of a later one.
+    #[error(
+        "{}: has schema version {found}{} and this program, version {OURS}, reads versions {earliest} to {latest}",
+        path.display(), written_by(.program.as_deref())
+    )]
     SchemaVersion {
         /// Path of the campaign file.
         path: PathBuf,
         /// Version in the file.
         found: i64,
-        /// Version of this program.
-        supported: i64,
+        /// Version of the program that wrote the file, if the layout still says so.
+        program: Option<String>,
+        /// Earliest version that this program reads.
+        earliest: i64,
+        /// Latest version that this program reads, which it also writes.
+        latest: i64,
+    },
+    /// A recorded evaluation has a form that this program cannot read, although the layout is known.
+    #[error(
+        "{}: the outcome of evaluation {id}{} cannot be read by this program, version {OURS} ({reason}); use that version, \
+         or start a new study", path.display(), written_by(Some(program))
+    )]
+    Outcome {
+        /// Path of the campaign file.
+        path: PathBuf,
+        /// Number of the evaluation.
+        id: i64,
+        /// Version of the program that started the study.
+        program: String,
+        /// Message of the decoder.
+        reason: String,
     },
     /// The file has an earlier layout, and an evaluation in it cannot be read.
     #[error(
@@ -117,6 +147,7 @@ impl StoreError {
             | Self::NoCampaign { .. }
             | Self::NotACampaign { .. }
             | Self::SchemaVersion { .. }
+            | Self::Outcome { .. }
             | Self::Migration { .. } => true,
             Self::Folder { source, .. } => is_unusable_path(source),
             Self::Database { source, .. } => matches!(

@@ -92,7 +92,7 @@ impl CampaignFile {
             return Err(another("accuracy"));
         }
         let outcome = exact::outcome_from_bytes(&outcome)
-            .map_err(|reason| self.encoding(format!("outcome of evaluation {}", request.id), reason))?;
+            .map_err(|reason| self.unreadable_outcome(to_key(request.id), reason))?;
         Ok(Some(Finished { id: request.id, outcome, worker, wall }))
     }
 

@@ -199,6 +199,11 @@ impl CampaignFile {
         StoreError::Database { path: self.path(), source }
     }
 
+    /// The error of an outcome that cannot be decoded.
+    fn unreadable_outcome(&self, id: i64, reason: String) -> StoreError {
+        StoreError::Outcome { path: self.path(), id, program: self.meta.version.clone(), reason }
+    }
+
     fn encoding(&self, what: impl Into<String>, reason: impl ToString) -> StoreError {
         StoreError::Encoding { path: self.path(), what: what.into(), reason: reason.to_string() }
     }
@@ -277,6 +282,12 @@ fn start(connection: &mut Connection, meta: &CampaignMeta, scene: &Scene) -> rus
     transaction.commit()
 }
 
+/// Version of the program that wrote a file of any layout, if it is where all layouts so far have it.
+fn program_version(connection: &Connection) -> Option<String> {
+    let sql = "SELECT value FROM campaign WHERE key = 'version'";
+    connection.query_row(sql, [], |row| row.get(0)).ok()
+}
+
 /// Version of the layout, one that this program reads.
 fn version(path: &Path, connection: &Connection) -> Result<i64, StoreError> {
     let pragma = |name: &str| {
@@ -289,8 +300,12 @@ fn version(path: &Path, connection: &Connection) -> Result<i64, StoreError> {
     }
     match pragma("user_version")? {
         known @ migration::FROM..=schema::SCHEMA_VERSION => Ok(known),
-        found => {
-            Err(StoreError::SchemaVersion { path: path.into(), found, supported: schema::SCHEMA_VERSION })
-        }
+        found => Err(StoreError::SchemaVersion {
+            path: path.into(),
+            found,
+            program: program_version(connection),
+            earliest: migration::FROM,
+            latest: schema::SCHEMA_VERSION,
+        }),
     }
 }

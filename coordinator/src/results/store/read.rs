@@ -95,7 +95,7 @@ impl CampaignFile {
             sample: exact::sample_from_bytes(&sample)
                 .ok_or_else(|| self.encoding(what("sample"), "no whole number of values"))?,
             outcome: exact::outcome_from_bytes(&outcome)
-                .map_err(|reason| self.encoding(what("outcome"), reason))?,
+                .map_err(|reason| self.unreadable_outcome(id, reason))?,
             worker,
             wall,
             finished_at,

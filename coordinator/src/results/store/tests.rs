@@ -37,6 +37,7 @@ pub(super) fn scene() -> Scene {
             fails: Fails::Above,
         }],
         life: Life { period: 0.125, cycles: 2000, checkpoint_every: 1000, settle_cycles: 1 },
+        conditions: vec![],
         study: StudySettings { population: 100, initial: 10, batch: 4, max_evaluations: 20, seed: 1 },
         accuracy: NamedAccuracy::default(),
         simulator: None,
@@ -267,7 +268,6 @@ fn a_file_of_the_first_layout_is_brought_up_with_its_stated_errors() {
     let first_layout = "DROP TABLE output_error; DROP TABLE leg; ALTER TABLE evaluation DROP COLUMN stricter;
         PRAGMA user_version = 1;";
     Connection::open(&path).unwrap().execute_batch(first_layout).unwrap();
-
     let mut file = CampaignFile::open(dir.path()).unwrap();
     for id in 0..5 {
         assert_same_bits(&file.finished(&request(id)).unwrap().unwrap(), &finished(id));

@@ -12,7 +12,7 @@ pub const NO_FRAME: usize = usize::MAX;
 
 /// A load of one kind. Each kind implements it next to its fields.
 pub trait LoadLaw<R> {
-    /// Whether the load's work counts as input: it has neither a potential nor a damper.
+    /// Whether the load's work counts as input, as far as it is not dissipated: it has no potential.
     const DRIVES: bool;
     /// The force at time `t` [s].
     fn force(&self, t: R, frames: &[Frame<R>]) -> LoadForce<R>;

@@ -5,6 +5,7 @@
 //! `(6,)` are (F_x, F_y, M) [N, N, N m] on the first frame, then on the second.
 
 mod actuators;
+mod drag;
 mod force;
 mod size;
 mod springs;
@@ -14,7 +15,8 @@ pub use force::{LoadForce, NO_FRAME};
 use super::frame::{Frame, FrameIndices};
 use crate::lanes::{Lanewise, Real};
 use actuators::{BodyTorque, Motor, PointForce};
-use common::scene::Load;
+use common::scene::{Curve, Load};
+use drag::{Drag, RotationalDrag};
 use force::LoadLaw;
 use size::Size;
 use springs::{DirectionalSpring, Spring, TorsionSpring};
@@ -44,7 +46,7 @@ macro_rules! island_loads {
                 }
             }
 
-            /// Whether the load's work counts as input: it has neither a potential nor a damper.
+            /// Whether the load's work counts as input, as far as it is not dissipated: it has no potential.
             pub(crate) fn drives(&self) -> bool {
                 match self {
                     $(IslandLoad::$kind(_) => <$kind<R> as LoadLaw<R>>::DRIVES),+
@@ -75,7 +77,7 @@ macro_rules! island_loads {
     };
 }
 
-island_loads!(DirectionalSpring, Spring, TorsionSpring, PointForce, BodyTorque, Motor);
+island_loads!(DirectionalSpring, Spring, TorsionSpring, PointForce, BodyTorque, Motor, Drag, RotationalDrag);
 
 impl IslandLoad {
     /// The load of a scene, with its frames from `frames`.
@@ -112,6 +114,19 @@ impl IslandLoad {
             Load::Motor { body, stall_torque, no_load_speed, .. } => {
                 Self::Motor(Motor { frame: frames.frame(body), stall_torque, no_load_speed })
             }
+            Load::Drag { ref at, direction, linear, quadratic, flow, ref factor, .. } => {
+                let (end, factor) = (frames.end(at), size_or_one(factor.as_ref(), frames));
+                Self::Drag(Drag { end, direction, linear, quadratic, flow, factor })
+            }
+            Load::RotationalDrag { body, linear, quadratic, ref factor, .. } => {
+                let (frame, factor) = (frames.frame(body), size_or_one(factor.as_ref(), frames));
+                Self::RotationalDrag(RotationalDrag { frame, linear, quadratic, factor })
+            }
         }
     }
+}
+
+/// The factor of a drag, one without a curve.
+fn size_or_one(factor: Option<&Curve>, frames: &mut impl FrameIndices) -> Size {
+    factor.map_or(Size::Constant(1.0), |factor| Size::new(factor, frames))
 }

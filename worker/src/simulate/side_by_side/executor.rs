@@ -2,56 +2,11 @@
 
 use super::lanes::LanePool;
 use super::queue::{CpuTime, LaneQueue};
-use common::scene::{Motion, Scene};
-use pulp::{Arch, Scalar, Simd, WithSimd};
+use super::width::LaneWidth;
 use std::future::Future;
 use std::pin::Pin;
 use std::task::{Context, Poll, Waker};
 use std::time::{Duration, Instant};
-
-/// Numbers that a SIMD lane group holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LaneWidth {
-    /// As many as the vectors of this processor.
-    Widest,
-    /// At least this number, in the narrowest vectors that have as many: vectors wider than there are islands for cost time. One number takes
-    /// the scalar instructions of any processor.
-    Holding(usize),
-}
-
-impl LaneWidth {
-    /// The width for as many islands as the scene may have at most: one for each of its free bodies.
-    pub(crate) fn for_scene(scene: &Scene) -> Self {
-        LaneWidth::Holding(
-            scene.bodies.iter().filter(|body| matches!(body.motion, Motion::Free { .. })).count(),
-        )
-    }
-
-    /// Runs `work` in lanes of this width.
-    fn dispatch<W: WithSimd>(self, work: W) -> W::Output {
-        match self {
-            LaneWidth::Holding(..=1) => work.with_simd(Scalar::new()),
-            #[cfg(target_arch = "x86_64")]
-            LaneWidth::Holding(..=4) if let Some(avx2) = pulp::x86::V3::try_new() => {
-                Simd::vectorize(avx2, work)
-            }
-            _ => Arch::new().dispatch(work),
-        }
-    }
-}
-
-/// Numbers in the widest vectors of this processor.
-pub(crate) fn widest_lanes() -> usize {
-    /// Counts the lanes that it is run in.
-    struct Count;
-    impl WithSimd for Count {
-        type Output = usize;
-        fn with_simd<S: Simd>(self, _simd: S) -> usize {
-            S::F64_LANES
-        }
-    }
-    LaneWidth::Widest.dispatch(Count)
-}
 
 /// A running evaluation with the processor time charged to it: its own stages plus an equal share of every batch of lanes it took
 /// part in.
@@ -80,15 +35,12 @@ impl<'a, T> RunningEvaluation<'a, T> {
     }
 }
 
-/// Runs one evaluation by itself, in lanes of this width, and returns its result.
-pub(crate) fn run_alone<'a, T: 'a, F: Future<Output = T> + 'a>(
-    width: LaneWidth,
-    stages: impl FnOnce(LaneQueue) -> F,
-) -> T {
+/// Runs one evaluation by itself, in lanes as wide as its islands fill, and returns its result.
+pub(crate) fn run_alone<'a, T: 'a, F: Future<Output = T> + 'a>(stages: impl FnOnce(LaneQueue) -> F) -> T {
     let queue = LaneQueue::default();
     let mut evaluation = Some(RunningEvaluation::new(&queue, stages));
     let mut result = None;
-    run_side_by_side(width, &queue, 1, &mut || evaluation.take(), &mut |_, done, _| {
+    run_side_by_side(LaneWidth::Fitting, &queue, 1, &mut || evaluation.take(), &mut |_, done, _| {
         result = Some(done);
     });
     // Every evaluation that was started is run to its end.
@@ -104,48 +56,30 @@ pub(crate) fn run_side_by_side<'a, T>(
     next: &mut dyn FnMut() -> Option<RunningEvaluation<'a, T>>,
     done: &mut dyn FnMut(usize, T, Duration),
 ) {
-    let executor = Executor { queue, most, next, done };
-    width.dispatch(executor);
-}
-
-/// The loop of [`run_side_by_side`], compiled for one instruction set.
-struct Executor<'b, 'a, T> {
-    queue: &'b LaneQueue,
-    most: usize,
-    next: &'b mut dyn FnMut() -> Option<RunningEvaluation<'a, T>>,
-    done: &'b mut dyn FnMut(usize, T, Duration),
-}
-
-impl<T> WithSimd for Executor<'_, '_, T> {
-    type Output = ();
-
-    fn with_simd<S: Simd>(self, simd: S) {
-        let Executor { queue, most, next, done } = self;
-        let mut pool = LanePool::new(simd);
-        let mut running: Vec<(usize, RunningEvaluation<T>)> = vec![];
-        let mut started = 0;
-        loop {
-            while running.len() < most
-                && let Some(evaluation) = next()
-            {
-                running.push((started, evaluation));
-                started += 1;
+    let mut pool = LanePool::new(width);
+    let mut running: Vec<(usize, RunningEvaluation<T>)> = vec![];
+    let mut started = 0;
+    loop {
+        while running.len() < most
+            && let Some(evaluation) = next()
+        {
+            running.push((started, evaluation));
+            started += 1;
+        }
+        let before = running.len();
+        running.retain_mut(|(number, evaluation)| match evaluation.poll() {
+            Poll::Ready(result) => {
+                done(*number, result, evaluation.cpu_time.get());
+                false
             }
-            let before = running.len();
-            running.retain_mut(|(number, evaluation)| match evaluation.poll() {
-                Poll::Ready(result) => {
-                    done(*number, result, evaluation.cpu_time.get());
-                    false
-                }
-                Poll::Pending => true,
-            });
-            // An evaluation that ended makes room for another.
-            if running.len() < before {
-                continue;
-            }
-            if pool.run_group(queue) == 0 {
-                return;
-            }
+            Poll::Pending => true,
+        });
+        // An evaluation that ended makes room for another.
+        if running.len() < before {
+            continue;
+        }
+        if pool.run_group(queue) == 0 {
+            return;
         }
     }
 }

@@ -2,42 +2,57 @@
 //! topology takes its lane.
 
 use super::queue::{CpuTime, LaneQueue, PendingSpan};
+use super::width::LaneWidth;
 use crate::integrate::{
-    IntegrationError, LaneOutcome, LaneState, LaneStepper, Linearised, Stepped, worst_coordinate,
+    IntegrationError, LaneOutcome, LaneState, LaneStepper, Linearised, SpanProgress, Stepped,
+    worst_coordinate,
 };
 use crate::lanes::{Lanes, Vectorised, run_in};
 use crate::mechanism::{Island, IslandLanes, same_topology};
 use crate::outputs::{ContactLanes, FullRecording};
 use crate::simulate::island_state::IslandState;
-use pulp::Simd;
+use pulp::{Simd, WithSimd};
 use std::time::Instant;
 
 /// The lane groups of one thread.
-pub struct LanePool<S: Simd> {
-    simd: S,
-    groups: Vec<LaneGroup<S>>,
+pub struct LanePool {
+    width: LaneWidth,
+    groups: Vec<OpenGroup>,
 }
 
-impl<S: Simd> LanePool<S> {
+/// A group of the pool.
+struct OpenGroup {
+    group: Box<dyn Group>,
+    /// Number of times another group was run since this one was.
+    passed_over: usize,
+}
+
+/// Islands of one topology in lanes of some width.
+trait Group {
+    /// Number of lanes in use.
+    fn occupied(&self) -> usize;
+    /// Processor time of the evaluation of each island.
+    fn cpu_times(&self) -> Vec<CpuTime>;
+    /// Loads queued islands of this topology into the idle lanes.
+    fn fill(&mut self, queue: &LaneQueue);
+    /// Integrates until an island has ended; the number of those that have.
+    fn run(&mut self) -> usize;
+}
+
+impl LanePool {
     /// A pool without groups.
-    pub(crate) fn new(simd: S) -> Self {
-        LanePool { simd, groups: vec![] }
+    pub(crate) fn new(width: LaneWidth) -> Self {
+        LanePool { width, groups: vec![] }
     }
 
     /// Loads the queued islands into lanes and runs one group until an island of it has ended, charging the time in equal shares to
     /// the evaluations in the group. Returns the number of islands that ended; zero if no island was queued.
     pub(crate) fn run_group(&mut self, queue: &LaneQueue) -> usize {
         self.load_queued(queue);
-        let Some(group) = next_group(&mut self.groups) else { return 0 };
-        let charged: Vec<CpuTime> = group.occupants.iter().flatten().map(PendingSpan::cpu_time).collect();
+        let Some(OpenGroup { group, .. }) = next_group(&mut self.groups) else { return 0 };
+        let charged = group.cpu_times();
         let begun = Instant::now();
-        let ended = loop {
-            run_in(self.simd, Round(group));
-            let ended = group.finish_round();
-            if ended > 0 {
-                break ended;
-            }
-        };
+        let ended = group.run();
         let share = begun.elapsed() / charged.len().max(1) as u32;
         charged.iter().for_each(|cpu_time| cpu_time.set(cpu_time.get() + share));
         ended
@@ -45,28 +60,45 @@ impl<S: Simd> LanePool<S> {
 
     /// Fills the idle lanes of every group, and opens groups for the topologies that have none.
     fn load_queued(&mut self, queue: &LaneQueue) {
-        self.groups.iter_mut().for_each(|group| group.fill(queue));
+        if self.width == LaneWidth::Fitting {
+            // The next group may have to be wider.
+            self.groups.retain(|open| open.group.occupied() > 0);
+        }
+        self.groups.iter_mut().for_each(|open| open.group.fill(queue));
         while let Some(first) = queue.take(|_| true) {
-            let group = LaneGroup::new(self.simd, first);
+            let waiting = 1 + queue.count(|span| same_topology(&first.span.state.island, &span.state.island));
+            let group = self.width.for_waiting(waiting).dispatch(NewGroup(first));
             // Empty groups of other topologies make room.
-            self.groups.retain(|group| group.occupied() > 0);
-            self.groups.push(group);
-            self.groups.iter_mut().for_each(|group| group.fill(queue));
+            self.groups.retain(|open| open.group.occupied() > 0);
+            self.groups.push(OpenGroup { group, passed_over: 0 });
+            self.groups.iter_mut().for_each(|open| open.group.fill(queue));
         }
     }
 }
 
+/// Makes a group with its first island.
+struct NewGroup(PendingSpan);
+
+impl WithSimd for NewGroup {
+    type Output = Box<dyn Group>;
+
+    fn with_simd<S: Simd>(self, simd: S) -> Box<dyn Group> {
+        Box::new(LaneGroup::new(simd, self.0))
+    }
+}
+
 /// The group to run next: the fullest, where every time a group was passed over counts as an occupant.
-fn next_group<S: Simd>(groups: &mut [LaneGroup<S>]) -> Option<&mut LaneGroup<S>> {
-    let mut occupied: Vec<_> = groups.iter_mut().filter(|group| group.occupied() > 0).collect();
-    occupied.iter_mut().for_each(|group| group.passed_over += 1);
-    let group = occupied.into_iter().max_by_key(|group| group.occupied() + group.passed_over)?;
-    group.passed_over = 0;
-    Some(group)
+fn next_group(groups: &mut [OpenGroup]) -> Option<&mut OpenGroup> {
+    let mut occupied: Vec<_> = groups.iter_mut().filter(|open| open.group.occupied() > 0).collect();
+    occupied.iter_mut().for_each(|open| open.passed_over += 1);
+    let next = occupied.into_iter().max_by_key(|open| open.group.occupied() + open.passed_over)?;
+    next.passed_over = 0;
+    Some(next)
 }
 
 /// Islands of one topology, one per lane.
 struct LaneGroup<S: Simd> {
+    simd: S,
     /// An island of this topology.
     topology: Island,
     island_lanes: IslandLanes<Lanes<S>>,
@@ -74,8 +106,6 @@ struct LaneGroup<S: Simd> {
     contacts: ContactLanes<Lanes<S>>,
     /// The span in each lane, `None` in idle lanes.
     occupants: Vec<Option<PendingSpan>>,
-    /// Number of times another group was run since this one was.
-    passed_over: usize,
     /// Forces and state of one lane.
     at: Linearised,
     q: Vec<f64>,
@@ -100,6 +130,39 @@ impl<S: Simd> Vectorised for Round<'_, S> {
     }
 }
 
+impl<S: Simd> Group for LaneGroup<S> {
+    fn occupied(&self) -> usize {
+        self.occupants.iter().flatten().count()
+    }
+
+    fn cpu_times(&self) -> Vec<CpuTime> {
+        self.occupants.iter().flatten().map(PendingSpan::cpu_time).collect()
+    }
+
+    fn fill(&mut self, queue: &LaneQueue) {
+        for lane in 0..S::F64_LANES {
+            if self.occupants[lane].is_some() {
+                continue;
+            }
+            let topology = &self.topology;
+            let Some(pending) = queue.take(|span| same_topology(topology, &span.state.island)) else {
+                return;
+            };
+            self.load(lane, pending);
+        }
+    }
+
+    fn run(&mut self) -> usize {
+        loop {
+            run_in(self.simd, Round(self));
+            let ended = self.finish_round();
+            if ended > 0 {
+                return ended;
+            }
+        }
+    }
+}
+
 impl<S: Simd> LaneGroup<S> {
     /// A group with its first island; idle lanes compute steps from the same state.
     fn new(simd: S, first: PendingSpan) -> Self {
@@ -113,7 +176,7 @@ impl<S: Simd> LaneGroup<S> {
             v: state.v.clone(),
             contacts: ContactLanes::new(like, state.island.joints.len()),
             occupants: (0..S::F64_LANES).map(|_| None).collect(),
-            passed_over: 0,
+            simd,
             topology,
             island_lanes,
             stepper,
@@ -123,25 +186,6 @@ impl<S: Simd> LaneGroup<S> {
         }
         group.load(0, first);
         group
-    }
-
-    /// Number of lanes in use.
-    fn occupied(&self) -> usize {
-        self.occupants.iter().flatten().count()
-    }
-
-    /// Loads queued islands of this topology into the idle lanes.
-    fn fill(&mut self, queue: &LaneQueue) {
-        for lane in 0..S::F64_LANES {
-            if self.occupants[lane].is_some() {
-                continue;
-            }
-            let topology = &self.topology;
-            let Some(pending) = queue.take(|span| same_topology(topology, &span.state.island)) else {
-                return;
-            };
-            self.load(lane, pending);
-        }
     }
 
     fn load(&mut self, lane: usize, pending: PendingSpan) {
@@ -165,7 +209,14 @@ impl<S: Simd> LaneGroup<S> {
                 Ok(LaneOutcome::Arrived) => Ok(()),
                 Err(error) => Err(self.attribute_failure(lane, error)),
             };
-            self.unload(lane, result);
+            if let Some((pending, progress)) = self.unload(lane) {
+                match result {
+                    Err(IntegrationError::Singular { time }) => {
+                        pending.integrate_alone(time, progress.counts)
+                    }
+                    result => pending.complete(progress.counts, result),
+                }
+            }
             ended += 1;
         }
         ended
@@ -180,6 +231,9 @@ impl<S: Simd> LaneGroup<S> {
             return Ok(());
         }
         let time = state.progress.time;
+        if !self.stepper.is_independent(lane) {
+            return Err(IntegrationError::Singular { time });
+        }
         if !self.stepper.is_finite(lane) {
             return Err(IntegrationError::NotFinite { time });
         }
@@ -214,20 +268,17 @@ impl<S: Simd> LaneGroup<S> {
         error.with_joint(coordinate.and_then(|coordinate| island.responsible_joint(coordinate, &self.at)))
     }
 
-    /// Returns the island of a lane to its evaluation.
-    fn unload(&mut self, lane: usize, result: Result<(), IntegrationError>) {
-        let (Some(lane_state), Some(mut pending)) =
-            (self.stepper.lanes[lane].take(), self.occupants[lane].take())
-        else {
-            return;
-        };
+    /// Takes the island of a lane out of it, with its progress.
+    fn unload(&mut self, lane: usize) -> Option<(PendingSpan, SpanProgress)> {
+        let (lane_state, mut pending) = (self.stepper.lanes[lane].take()?, self.occupants[lane].take()?);
         let state = &mut pending.span.state;
         state.stepper.control = lane_state.progress.control;
         self.stepper.read_state(lane, &mut state.q, &mut state.v);
         if pending.span.record {
             self.contacts.unload(lane, &mut state.recorder);
         }
+        self.island_lanes.read_memory(lane, &mut state.island);
         self.island_lanes.leave_idle(lane);
-        pending.complete(lane_state.progress.counts, result);
+        Some((pending, lane_state.progress))
     }
 }

@@ -10,11 +10,17 @@
 //! | `queue.rs` | spans waiting for a lane, and their results |
 //! | `lanes.rs` | integrates queued islands, one per lane |
 //! | `executor.rs` | polls the evaluations and runs the lanes |
+//! | `width.rs` | how many numbers a lane group holds |
+//! | `join.rs` | several stages of one evaluation at the same time |
 
 mod executor;
+mod join;
 mod lanes;
 mod queue;
+mod width;
 
-pub use executor::LaneWidth;
-pub(crate) use executor::{RunningEvaluation, run_alone, run_side_by_side, widest_lanes};
+pub(crate) use executor::{RunningEvaluation, run_alone, run_side_by_side};
+pub(crate) use join::join;
 pub(crate) use queue::{Integrated, LaneQueue, Span};
+pub use width::LaneWidth;
+pub(crate) use width::widest_lanes;

@@ -1,9 +1,6 @@
 //! The queue of islands that wait to be integrated over a span of time.
-//!
-//! Islands that cannot be integrated in lanes are integrated at once, when their evaluation is polled.
 
 use crate::integrate::{IntegrationError, StepCounts};
-use crate::mechanism::fits_lanes;
 use crate::simulate::island_state::IslandState;
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
@@ -58,15 +55,15 @@ impl PendingSpan {
         *self.slot.borrow_mut() = Some(Integrated { state: self.span.state, counts, result });
     }
 
-    /// Integrates the island by itself, without lanes.
-    fn integrate(mut self) {
+    /// Integrates the island by itself from its state at `start` [s] to the end of its span, after the work `counts` in lanes.
+    pub(crate) fn integrate_alone(mut self, start: f64, mut counts: StepCounts) {
         let Span { state, time, record } = &mut self.span;
         let IslandState { island, stepper, recorder, q, v, .. } = state;
-        let mut counts = StepCounts::default();
+        let time = start..time.end;
         let result = if *record {
-            stepper.run(island, time.clone(), q, v, recorder, &mut counts)
+            stepper.run(island, time, q, v, recorder, &mut counts)
         } else {
-            stepper.run(island, time.clone(), q, v, &mut (), &mut counts)
+            stepper.run(island, time, q, v, &mut (), &mut counts)
         };
         self.complete(counts, result);
     }
@@ -102,16 +99,17 @@ impl LaneQueue {
         .await
     }
 
-    /// Queues a span, or integrates it at once if it cannot use lanes.
+    /// Queues a span.
     fn submit(&self, span: Span) -> Slot {
         let slot = Slot::default();
         let pending = PendingSpan { span, slot: Rc::clone(&slot), cpu_time: self.cpu_time() };
-        if fits_lanes(&pending.span.state.island) {
-            self.waiting.borrow_mut().push_back(pending);
-        } else {
-            pending.integrate();
-        }
+        self.waiting.borrow_mut().push_back(pending);
         slot
+    }
+
+    /// Number of waiting spans that satisfy `fits`.
+    pub(crate) fn count(&self, fits: impl Fn(&Span) -> bool) -> usize {
+        self.waiting.borrow().iter().filter(|pending| fits(&pending.span)).count()
     }
 
     /// Removes the first waiting span that satisfies `fits`.

@@ -196,6 +196,7 @@ impl Scheduler {
             match self.tasks.status(task) {
                 TaskStatus::Open if self.workers.is_unknown_task(id, task) => {
                     self.tasks.adopt(task);
+                    self.tasks.withdraw_loss(task, id);
                     self.workers.lease(id, task, now);
                 }
                 TaskStatus::Open | TaskStatus::Delivered => {}
@@ -303,6 +304,7 @@ impl Scheduler {
         if tasks.is_empty() {
             return;
         }
+        tasks.iter().for_each(|task| self.tasks.set_lost_worker(*task, &id));
         actions.push(Action::Warn(Warning::WorkerLost { worker: id, tasks: tasks.clone() }));
         self.count_losses(tasks, "workers were lost while running it", actions);
     }

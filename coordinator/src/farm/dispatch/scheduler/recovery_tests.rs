@@ -104,6 +104,40 @@ fn a_task_on_its_last_chance_goes_to_any_worker_if_none_has_finished_one() {
     }
 }
 
+/// A router that fails again and again ends no task: the worker behind it has not crashed.
+#[test]
+fn a_loss_is_withdrawn_when_the_worker_returns_with_its_task() {
+    let a = worker("a");
+    let mut s = scheduler(&[&a], 1);
+    let (_, tasks) = reply(&ask(&mut s, START, claim(&a, 1, 1, vec![], &[]))).unwrap();
+    for sequence in 2..20 {
+        let lost = s.on_event(START, Event::WorkerLost(a.clone()));
+        assert!(!lost.iter().any(|action| matches!(action, Action::GiveUp { .. })), "{lost:?}");
+        s.on_event(START, Event::WorkerJoined(a.clone()));
+        let (_, again) = reply(&ask(&mut s, START, claim(&a, sequence, 0, vec![], &[0]))).unwrap();
+        assert!(numbers(&again).is_empty(), "it holds the task already");
+    }
+    let actions = ask(&mut s, START, claim(&a, 20, 0, vec![outcome(&tasks[0], &a)], &[]));
+    assert!(matches!(&actions[..], [Action::Deliver(finished)] if finished.id == 0), "{actions:?}");
+}
+
+/// Other processes that are lost with the task still count, also under the name of the one that returned.
+#[test]
+fn losses_of_other_processes_are_not_withdrawn() {
+    let a = worker("a");
+    let mut s = scheduler(&[&a], 1);
+    ask(&mut s, START, claim(&a, 1, 1, vec![], &[]));
+    s.on_event(START, Event::WorkerLost(a.clone()));
+    let mut last = vec![];
+    for epoch in 2..4 {
+        let crashing = WorkerId { name: "a".into(), epoch };
+        s.on_event(START, Event::WorkerJoined(crashing.clone()));
+        ask(&mut s, START, claim(&crashing, 1, 1, vec![], &[]));
+        last = s.on_event(START, Event::WorkerLost(crashing));
+    }
+    assert!(last.iter().any(|action| matches!(action, Action::GiveUp { task: 0, .. })), "{last:?}");
+}
+
 #[test]
 fn tasks_found_in_the_campaign_file_are_acknowledged() {
     let a = worker("a");

@@ -1,7 +1,7 @@
 //! The tasks of a campaign and the queue of tasks without a worker.
 
 use crate::farm::evaluate::Request;
-use common::wire::{CandidatePoint, Task, TaskKey};
+use common::wire::{CandidatePoint, Task, TaskKey, WorkerId};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,6 +17,8 @@ struct Entry {
     phase: Phase,
     attempts: u32,
     losses: u32,
+    /// Workers whose loss is among `losses`.
+    lost_workers: Vec<WorkerId>,
 }
 
 impl Entry {
@@ -98,7 +100,7 @@ impl TaskTable {
         }
         self.ended.remove(&id);
         self.passed = self.passed.max(id.saturating_add(1));
-        let entry = Entry { request, phase: Phase::Queued, attempts: 0, losses: 0 };
+        let entry = Entry { request, phase: Phase::Queued, attempts: 0, losses: 0, lost_workers: vec![] };
         let point = entry.point();
         self.entries.insert(id, entry);
         self.queue.push_back(id);
@@ -164,6 +166,23 @@ impl TaskTable {
         let entry = self.entries.get_mut(&id).filter(|entry| entry.phase == Phase::Leased)?;
         entry.losses += 1;
         Some(entry.losses)
+    }
+
+    /// Notes which worker was lost with a task.
+    pub fn set_lost_worker(&mut self, id: u64, worker: &WorkerId) {
+        if let Some(entry) = self.entries.get_mut(&id) {
+            entry.lost_workers.push(worker.clone());
+        }
+    }
+
+    /// Withdraws the loss of a task with this worker: the worker has returned with it, so only its connection was lost.
+    pub fn withdraw_loss(&mut self, id: u64, worker: &WorkerId) {
+        if let Some(entry) = self.entries.get_mut(&id)
+            && let Some(at) = entry.lost_workers.iter().position(|lost| lost == worker)
+        {
+            entry.lost_workers.swap_remove(at);
+            entry.losses = entry.losses.saturating_sub(1);
+        }
     }
 
     pub fn status(&self, id: u64) -> TaskStatus {

@@ -4,6 +4,7 @@
 //! which may wait for a slow connection, are sent by a separate thread.
 
 mod client_session;
+mod file_limit;
 mod settings;
 
 pub use client_session::{ClientError, ClientSession, LivelinessGuard};

@@ -2,7 +2,8 @@
 //! clients or `--insecure`.
 
 use super::super::DispatchError;
-use common::wire::{MAX_MESSAGE, reason};
+use super::file_limit::bounded_by_open_files;
+use common::wire::{MAX_MESSAGE, MAX_SESSIONS, reason};
 use std::net::IpAddr;
 use std::path::PathBuf;
 use zenoh::Config;
@@ -19,6 +20,11 @@ const ZENOH_SETTINGS: [(&str, &str); 5] = [
     ("scouting/delay", "0"),
     ("transport/link/rx/max_message_size", MAX_MESSAGE),
 ];
+
+/// Key of the number of sessions that are accepted.
+const SESSIONS: &str = "transport/unicast/max_sessions";
+/// Key of the number of sessions that may be in the process of opening; Zenoh closes further connections without a reason.
+const OPENING: &str = "transport/unicast/accept_pending";
 
 /// Where and how the coordinator listens.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -65,6 +71,16 @@ pub(super) fn transport_settings(listen: &Listen) -> Result<TransportSettings, D
     for (key, value) in ZENOH_SETTINGS {
         config.insert_json5(key, value).map_err(messaging)?;
     }
+    // Zenoh's defaults of 1000 and 100 are replaced; other numbers come from the configuration file.
+    for (key, number) in [(SESSIONS, MAX_SESSIONS), (OPENING, MAX_SESSIONS)] {
+        if config.get_json(key).ok() == Config::default().get_json(key).ok() {
+            config.insert_json5(key, &number.to_string()).map_err(messaging)?;
+        }
+    }
+    let wanted =
+        config.get_json(SESSIONS).ok().and_then(|number| number.parse().ok()).unwrap_or(MAX_SESSIONS);
+    let sessions = bounded_by_open_files(wanted);
+    config.insert_json5(SESSIONS, &sessions.to_string()).map_err(messaging)?;
     Ok(TransportSettings { config, endpoints })
 }
 
@@ -119,6 +135,16 @@ mod tests {
         assert_eq!(settings.endpoints, ["tcp/127.0.0.1:0"]);
         assert_eq!(settings.config.get_json("listen/endpoints").unwrap(), r#"["tcp/127.0.0.1:0"]"#);
         assert_eq!(settings.config.get_json("mode").unwrap(), r#""peer""#);
+    }
+
+    #[test]
+    fn the_number_of_sessions_is_ours_unless_the_file_sets_it() {
+        let sessions = |text: &str| {
+            let settings = with_config(text, None).unwrap();
+            settings.config.get_json(SESSIONS).unwrap().parse::<u32>().unwrap()
+        };
+        assert_eq!(sessions("{}"), bounded_by_open_files(MAX_SESSIONS));
+        assert_eq!(sessions("{ transport: { unicast: { max_sessions: 12 } } }"), 12);
     }
 
     #[test]

@@ -212,6 +212,9 @@ fn load(mechanism: &Mechanism, poses: &[Pose], load: &Load) -> DrawnLoad {
             LoadSymbol::Turn(middle(*body), words::largest(&torque.table.value) >= 0.0)
         }
         Load::Motor { body, stall_torque, .. } => LoadSymbol::Turn(middle(*body), *stall_torque >= 0.0),
+        // A drag acts against the motion, to either side; it is drawn along its direction.
+        Load::Drag { at, direction, .. } => LoadSymbol::Arrow(place(poses, at), *direction),
+        Load::RotationalDrag { body, .. } => LoadSymbol::Turn(middle(*body), true),
         Load::Spring { a, b, .. } => LoadSymbol::Coil(place(poses, a), place(poses, b)),
         // Along its direction the spring ends at the height of its anchor, across it nowhere in particular.
         Load::DirectionalSpring { at, anchor, direction: [dx, dy], .. } => {

@@ -52,6 +52,14 @@ pub fn load(load: &Load) -> (String, String) {
         Load::Motor { name, stall_torque, .. } => {
             (name, format!("{} N m at rest", seven_digits(stall_torque.abs())))
         }
+        Load::Drag { name, quadratic, .. } if *quadratic > 0.0 => {
+            (name, format!("{} N s²/m²", seven_digits(*quadratic)))
+        }
+        Load::Drag { name, linear, .. } => (name, format!("{} N s/m", seven_digits(*linear))),
+        Load::RotationalDrag { name, quadratic, .. } if *quadratic > 0.0 => {
+            (name, format!("{} N m s²/rad²", seven_digits(*quadratic)))
+        }
+        Load::RotationalDrag { name, linear, .. } => (name, format!("{} N m s/rad", seven_digits(*linear))),
     };
     (name.clone(), size)
 }

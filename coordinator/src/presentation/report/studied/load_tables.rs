@@ -108,8 +108,42 @@ fn row(scene: &Scene, written: &WrittenScene, load: &Load) -> Vec<Markup> {
             let speed = texts.value(&format!("loads.{name}.no_load_speed"), *no_load_speed, "r/min");
             (name, "motor", body(*on), format!("stall torque {stall}, no-load speed {speed}"))
         }
+        Load::Drag { name, at, direction: [x, y], linear, quadratic, flow, factor } => {
+            let key = |last: &str| format!("loads.{name}.{last}");
+            (
+                name,
+                "drag",
+                place(scene, written, &key("at"), at),
+                format!(
+                    "along ({}, {}), linear {}, quadratic {}, flow {}{}",
+                    exact_number(*x),
+                    exact_number(*y),
+                    texts.value(&key("linear"), *linear, "N s/m"),
+                    texts.value(&key("quadratic"), *quadratic, "N s^2/m^2"),
+                    texts.value(&key("flow"), *flow, "m/s"),
+                    by_factor(factor.as_ref())
+                ),
+            )
+        }
+        Load::RotationalDrag { name, body: on, linear, quadratic, factor } => {
+            let key = |last: &str| format!("loads.{name}.{last}");
+            let linear = texts.value(&key("linear"), *linear, "N m s/rad");
+            let quadratic = texts.value(&key("quadratic"), *quadratic, "N m s^2/rad^2");
+            let values = format!("linear {linear}, quadratic {quadratic}{}", by_factor(factor.as_ref()));
+            (name, "rotational-drag", body(*on), values)
+        }
     };
     cells([name.clone(), word.to_owned(), on, values])
+}
+
+/// A value in its unit, which a plain number does not have.
+fn value_of(value: f64, unit: &str) -> String {
+    if unit.is_empty() { exact_number(value) } else { exact(value, unit) }
+}
+
+/// Whether a drag has a factor.
+fn by_factor(factor: Option<&Curve>) -> &'static str {
+    if factor.is_some() { ", times its curve" } else { "" }
 }
 
 /// One row per curve, with all its points.
@@ -119,7 +153,7 @@ fn curves(scene: &Scene) -> Vec<Vec<Markup>> {
             .at
             .iter()
             .zip(&table.value)
-            .map(|(at, v)| format!("{}: {}", exact(*at, argument), exact(*v, value)))
+            .map(|(at, v)| format!("{}: {}", exact(*at, argument), value_of(*v, value)))
             .collect();
         cells([of, over, if table.repeat { "yes" } else { "no" }.to_owned(), points.join("; ")])
     };
@@ -132,17 +166,14 @@ fn curves(scene: &Scene) -> Vec<Vec<Markup>> {
         }
         _ => None,
     });
-    let of_load = |name: &String, curve: &Curve, unit: &'static str| {
+    let of_load = |name: &str, curve: &Curve, unit: &'static str| {
         let (over, argument) = match curve.over {
             Over::Time => ("time".to_owned(), "s"),
             Over::Angle(body) => (format!("angle of {}", scene.bodies[body].name), "deg"),
         };
-        row(name.clone(), over, &curve.table, [argument, unit])
+        row(name.to_owned(), over, &curve.table, [argument, unit])
     };
-    let loads = scene.loads.iter().filter_map(|load| match load {
-        Load::VariableForce { name, size, .. } => Some(of_load(name, size, "N")),
-        Load::VariableTorque { name, torque, .. } => Some(of_load(name, torque, "N m")),
-        _ => None,
-    });
+    let loads = scene.loads.iter().filter_map(Load::curve);
+    let loads = loads.map(|(name, _, curve, unit)| of_load(name, curve, unit));
     drives.chain(loads).collect()
 }

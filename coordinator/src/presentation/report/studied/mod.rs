@@ -231,6 +231,7 @@ mod tests {
             "stall torque −0.3 N m, no-load speed −3000 r/min",
             "<td>bodies.rod.start_position.x</td><td><code>arm</code></td>",
             "gravity",
+            "<td>full</td><td>0.3</td><td>joints.worn.friction = 0.06; loads.brake.torque = 1.5 * full_torque</td>",
         ] {
             assert!(text.to_lowercase().contains(&said.to_lowercase()), "{said} in {text}");
         }

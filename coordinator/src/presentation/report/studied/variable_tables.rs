@@ -203,6 +203,23 @@ pub fn limits(scene: &Scene, rows: &[LimitRow], written: &WrittenScene) -> Marku
                 "."
             }
         }
+        @if !scene.conditions.is_empty() { (conditions(scene, written)) }
         (study_settings(scene))
     }
+}
+
+/// Operating conditions with their shares of the cycles and what they change.
+fn conditions(scene: &Scene, written: &WrittenScene) -> Markup {
+    let rows = scene.conditions.iter().map(|condition| {
+        let share =
+            ExactTexts(written).number(&format!("conditions.{}.share", condition.name), condition.share);
+        [condition.name.clone(), share, written.changes_of(&condition.name)]
+            .map(|cell| cell.render())
+            .to_vec()
+    });
+    captioned(
+        "conditions",
+        "Operating conditions; outputs are the worst of them",
+        table_of_text(&["condition", "share of the cycles", "changes"], rows),
+    )
 }

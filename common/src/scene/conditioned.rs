@@ -1,0 +1,95 @@
+//! Resolves a scene under each of its operating conditions, and checks that they share their bores.
+
+use super::conditions::ConditionRow;
+use super::context::Overrides;
+use super::faults::{Fault, FaultKind};
+use super::joint::{Clearance, ContactDamping, JointKind};
+use super::model::{Condition, Scene};
+use super::resolve::resolve;
+use toml::Table;
+
+/// Relative difference up to which two ratios of wear coefficients are the same: rounding of what is written [1].
+const RATIO: f64 = 1e-12;
+
+/// The conditions of a scene: `scene` as resolved with the `overrides` of the random variables, and `rows` of its conditions.
+///
+/// # Errors
+/// Every fault of the scene under one of the conditions, at the key that the condition changes.
+pub(super) fn conditions(
+    origin: &str,
+    document: &Table,
+    overrides: &Overrides,
+    scene: &Scene,
+    rows: &[ConditionRow],
+) -> Result<Vec<Condition>, Vec<Fault>> {
+    let (mut found, mut faults) = (Vec::new(), Vec::new());
+    for ConditionRow { name, share, changes } in rows {
+        let place = format!("conditions.{name}.changes");
+        let fault = |key: &str, message: String| {
+            let key = if changes.contains_key(key) { format!("{place}.{key}") } else { place.clone() };
+            Fault::new(origin, key, FaultKind::Inconsistent { message })
+        };
+        let mut all = overrides.clone();
+        all.extend(changes.iter().map(|(key, value)| (key.clone(), *value)));
+        match resolve(origin, document, &all) {
+            // Random variables belong to the scene without the condition.
+            Err(wrong) => faults.extend(
+                wrong
+                    .iter()
+                    .filter(|wrong| !wrong.key.starts_with("variables."))
+                    .map(|wrong| fault(&wrong.key, format!("{}: {}", wrong.key, wrong.kind))),
+            ),
+            Ok(resolved) => {
+                let condition = Condition { name: name.clone(), share: *share, scene: resolved.scene };
+                if let Some(joint) = other_bore(&condition.scene, scene) {
+                    let message = format!(
+                        "changes the bore of joint \"{joint}\", which all conditions share: of a joint they may change friction, \
+                         damping and, if it wears, the wear coefficient, of both surfaces by the same factor"
+                    );
+                    faults.push(fault("", message));
+                }
+                if condition.scene.limit_states != scene.limit_states {
+                    faults
+                        .push(fault("", "changes a limit state, which holds for all conditions".to_owned()));
+                }
+                found.push(condition);
+            }
+        }
+    }
+    if faults.is_empty() { Ok(found) } else { Err(faults) }
+}
+
+/// Name of the first joint whose bore in the scene `under` a condition is not that of `base`; `None` if all are the same. Friction, damping
+/// and the wear coefficient of a joint that wears may differ, the latter by the same factor for both surfaces.
+fn other_bore<'s>(under: &'s Scene, base: &Scene) -> Option<&'s str> {
+    let mut pairs = under.joints.iter().zip(&base.joints);
+    let other = pairs.find(|(own, base)| match (&own.kind, &base.kind) {
+        (JointKind::Clearance(own), JointKind::Clearance(base)) => {
+            bore(own) != bore(base) || !wear_alike(own, base)
+        }
+        _ => false,
+    });
+    other.map(|(own, _)| own.name.as_str())
+}
+
+/// A joint with clearance with what conditions may change set to one value.
+fn bore(clearance: &Clearance) -> Clearance {
+    Clearance {
+        contact_damping: ContactDamping::None,
+        film_damping: 0.0,
+        friction: 0.0,
+        friction_speed: 1.0,
+        wear_coefficient: 0.0,
+        journal_wear_coefficient: None,
+        ..clearance.clone()
+    }
+}
+
+/// True if the wear coefficients of the surfaces of two joints have the same ratio, up to rounding: one history of contacts wears both
+/// surfaces.
+fn wear_alike(own: &Clearance, base: &Clearance) -> bool {
+    let (own, base) = (own.wear_coefficients(), base.wear_coefficients());
+    let same_wear = own.iter().zip(&base).all(|(own, base)| (*own > 0.0) == (*base > 0.0));
+    let (a, b) = (own[0] / own[1], base[0] / base[1]);
+    same_wear && (own.contains(&0.0) || (a - b).abs() <= RATIO * b)
+}

@@ -1,0 +1,109 @@
+"""Running studies, with their progress."""
+
+import os
+import re
+import signal
+import subprocess
+import tempfile
+from contextlib import contextmanager
+from typing import NamedTuple
+
+from .program import ProgramError, program
+from .scenes import dumps
+from .study import Study
+
+_COUNTS = re.compile(r"(\d+)/(\d+) evaluations")
+
+
+class Progress(NamedTuple):
+    """A line that a running study prints."""
+
+    text: str
+    #: Evaluations that have ended; None in a line without counts.
+    done: int | None
+    #: Evaluations of the study at most; None in a line without counts.
+    most: int | None
+
+    def __str__(self):
+        return self.text
+
+
+def run(scene, out, *, progress=None, **options):
+    """Runs a study to its end and returns it as a `Study`.
+
+    `scene` is a dictionary, a file or the name of a built-in scene, `out` the folder of the study. `progress` is called
+    with a `Progress` for every line that the program prints meanwhile. Options are those of `coordinator run`, with `_`
+    for `-`: `accuracy="draft"`, `workers=2`, `max_evaluations=60`; True sets a flag, a list repeats an option.
+
+    An interruption (Ctrl-C, or that of a notebook) stops the study without loss, and `resume` goes on with it.
+
+    Raises ProgramError.
+    """
+    with _file_of(scene) as file:
+        return _study(["run", "--scene", file, "--out", os.fspath(out), *_words(options)], out, progress)
+
+
+def resume(folder, *, progress=None, **options):
+    """Goes on with the study in `folder`, as `coordinator resume`, and returns it. See `run`."""
+    return _study(["resume", os.fspath(folder), *_words(options)], folder, progress)
+
+
+@contextmanager
+def _file_of(scene):
+    """The argument for a scene; a dictionary becomes a file in this folder, from which CSV files in it are looked up."""
+    if not isinstance(scene, dict):
+        yield os.fspath(scene)
+        return
+    handle, file = tempfile.mkstemp(prefix=".hingewise-", suffix=".toml", dir=".")
+    try:
+        with open(handle, "w", encoding="utf-8") as text:
+            text.write(dumps(scene))
+        yield file
+    finally:
+        os.unlink(file)
+
+
+def _words(options):
+    """Command line options of keyword arguments."""
+    words = []
+    for key, value in options.items():
+        option = "--" + key.replace("_", "-")
+        for entry in value if isinstance(value, (list, tuple)) else [value]:
+            if entry is True:
+                words.append(option)
+            elif entry is not None and entry is not False:
+                words += [option, str(entry)]
+    return words
+
+
+def _study(arguments, folder, progress):
+    """Runs a command that ends with a finished study in `folder`."""
+    command = [program(), *arguments]
+    process = subprocess.Popen(
+        command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, encoding="utf-8"
+    )
+    said = []
+    try:
+        for line in process.stderr:
+            said = [*said, line.rstrip()][-20:]
+            if progress is not None:
+                progress(_progress(said[-1]))
+        process.wait()
+    except BaseException:
+        # Every finished evaluation is in the campaign file; a second signal would end the program at once.
+        if process.poll() is None:
+            process.send_signal(signal.SIGINT)
+            process.stderr.read()
+            process.wait()
+        raise
+    finally:
+        process.stderr.close()
+    if process.returncode != 0:
+        raise ProgramError(process.returncode, "\n".join(said))
+    return Study(folder)
+
+
+def _progress(line):
+    counts = _COUNTS.search(line)
+    done, most = map(int, counts.groups()) if counts else (None, None)
+    return Progress(line, done, most)

@@ -1,0 +1,91 @@
+"""Scenes as dictionaries: read from a file or the program, written as TOML."""
+
+import datetime
+import json
+import re
+import tomllib
+from pathlib import Path
+
+from .program import output_of
+
+_BARE = re.compile(r"[A-Za-z0-9_-]+")
+
+
+def load_scene(scene):
+    """The scene of a file, or the built-in one of this name, as a dictionary."""
+    path = Path(scene)
+    if path.suffix or path.exists():
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    return tomllib.loads(output_of("scenes", "--show", scene))
+
+
+def save_scene(scene, file):
+    """Writes a dictionary as the scene `file`."""
+    Path(file).write_text(dumps(scene), encoding="utf-8")
+
+
+def dumps(table):
+    """A dictionary as TOML.
+
+    `tomllib.loads` gives the same dictionary again, in the same order but for values after tables, which TOML has no
+    way to write.
+
+    Raises TypeError for a value that TOML does not know, such as None.
+    """
+    return "".join(_table((), table)).lstrip("\n")
+
+
+def _table(path, table):
+    """The lines of a table: its values first, then the tables in it."""
+    inner = [(key, value) for key, value in table.items() if _is_table(value) or _is_list_of_tables(value)]
+    names = {key for key, _ in inner}
+    for key, value in table.items():
+        if key not in names:
+            yield f"{_key(key)} = {_inline(value)}\n"
+    for key, value in inner:
+        name = ".".join(_key(part) for part in (*path, key))
+        for entry in [value] if _is_table(value) else value:
+            yield f"\n[{name}]\n" if _is_table(value) else f"\n[[{name}]]\n"
+            yield from _table((*path, key), entry)
+
+
+def _is_table(value):
+    return isinstance(value, dict)
+
+
+def _is_list_of_tables(value):
+    return isinstance(value, (list, tuple)) and len(value) > 0 and all(map(_is_table, value))
+
+
+def _key(key):
+    if not isinstance(key, str):
+        raise TypeError(f"key {key!r}: a text is expected")
+    return key if _BARE.fullmatch(key) else _text(key)
+
+
+def _text(text):
+    # The escapes of JSON are escapes of TOML, which also forbids DEL.
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def _inline(value):
+    match value:
+        case bool():
+            return "true" if value else "false"
+        case str():
+            return _text(value)
+        case int():
+            return str(value)
+        case float():
+            # Python's shortest form: a point or an exponent, `inf` and `nan`, as in TOML.
+            return float.__repr__(value)
+        case datetime.datetime() | datetime.date() | datetime.time():
+            return value.isoformat()
+        case list() | tuple():
+            return "[" + ", ".join(map(_inline, value)) + "]"
+        case dict():
+            return "{ " + ", ".join(f"{_key(key)} = {_inline(entry)}" for key, entry in value.items()) + " }"
+        case _ if hasattr(value, "item"):
+            # A number of numpy.
+            return _inline(value.item())
+    raise TypeError(f"{value!r}: TOML has no such value")

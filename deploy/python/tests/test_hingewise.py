@@ -1,0 +1,220 @@
+"""Tests of the Python package with the real program: `python3 -m unittest discover deploy/python/tests`.
+
+They need `coordinator` (HINGEWISE_COORDINATOR, or on the search path); tests of frames need pandas and say if it is missing.
+"""
+
+import copy
+import datetime
+import json
+import math
+import os
+import sqlite3
+import sys
+import tempfile
+import tomllib
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+import hingewise
+from hingewise.study import TABLES
+
+try:
+    import pandas
+except ImportError:
+    pandas = None
+
+SCENES = Path(__file__).resolve().parents[3] / "common/scenes"
+
+
+def small(evaluations=16):
+    """The four-bar with few evaluations."""
+    scene = hingewise.load_scene("four-bar")
+    scene["study"] |= {"population": 2000, "initial": 12, "batch": 4, "max_evaluations": evaluations}
+    return scene
+
+
+class WithStudy(unittest.TestCase):
+    """Tests of one small study, which is run once."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(cls.folder.cleanup)
+        cls.addClassCleanup(os.chdir, os.getcwd())
+        os.chdir(cls.folder.name)
+        cls.progress = []
+        cls.study = hingewise.run(
+            small(), "study", accuracy="draft", workers=2, progress=cls.progress.append
+        )
+
+    def test_progress_counts_up_to_the_whole_study(self):
+        counted = [line for line in self.progress if line.done is not None]
+        self.assertGreater(len(counted), 0)
+        self.assertTrue(all(0 <= line.done <= line.most == 16 for line in counted), counted)
+        self.assertTrue(any("round" in str(line) for line in self.progress), self.progress)
+        self.assertEqual(list(Path(".").glob(".hingewise-*")), [])
+
+    def test_the_scene_is_the_one_that_was_run(self):
+        self.assertEqual(self.study.scene, small())
+
+    def test_rows_have_the_values_of_the_files(self):
+        study = self.study
+        self.assertEqual(study.summary, json.loads(Path("study/summary.json").read_text()))
+        cycles = [row["cycles"] for row in study.summary["reliability"]]
+        for table in ("reliability", "moments"):
+            self.assertEqual([row["cycles"] for row in study.rows(table)], cycles, table)
+        for row, stated in zip(study.rows("reliability"), study.summary["reliability"], strict=True):
+            self.assertTrue(math.isclose(row["R_total"], stated["total"], abs_tol=1e-12))
+            self.assertTrue(math.isclose(row["low_total"], stated["interval"]["total"]["lower"], abs_tol=1e-12))
+        lives = {(row["limit_state"], row["level"]): row for row in study.rows("lives")}
+        self.assertEqual({level for _, level in lives}, {0.99, 0.9, 0.5})
+        half = lives["total", 0.5]
+        self.assertTrue(half["interval_lower"] <= half["cycles"] <= half["interval_upper"])
+        sensitivities = study.rows("sensitivities")
+        variables = {row["name"] for row in study.rows("variables")}
+        states = study.summary["limit_states"]
+        self.assertEqual({row["variable"] for row in sensitivities}, variables)
+        self.assertEqual({row["limit_state"] for row in sensitivities}, {*states, "total"})
+        first = study.summary["sensitivity"][0]
+        self.assertEqual(sensitivities[0]["standard_error_d_pf_d_mean"], first["standard_error"]["d_pf_d_mean"])
+        self.assertEqual([row["name"] for row in study.rows("limits")], states)
+
+    def test_samples_and_outputs_belong_together(self):
+        samples, outputs = self.study.rows("samples"), self.study.rows("outputs")
+        self.assertEqual(len(samples), self.study.summary["evaluations"]["total"])
+        self.assertEqual(len(samples), 16)
+        variables = [row["name"] for row in self.study.rows("variables")]
+        self.assertTrue(all(isinstance(row[name], (int, float)) for row in samples for name in variables))
+        self.assertIsNone(samples[0]["failure"])
+        self.assertEqual({row["evaluation"] for row in outputs}, {row["id"] for row in samples})
+        # The same value by another way: the exact file through SQL.
+        with sqlite3.connect("study/campaign.db") as database:
+            (friction,) = database.execute("SELECT friction FROM input WHERE evaluation = 3").fetchone()
+        self.assertEqual(samples[3]["friction"], friction)
+        errors = self.study.rows("output_errors")
+        self.assertEqual(errors[0].keys(), outputs[0].keys())
+        self.assertGreater(errors[-1]["max_wear_depth"], 0)
+
+    @unittest.skipIf(pandas is None, "pandas is not installed")
+    def test_frames_are_the_rows_by_their_index(self):
+        for table, index in TABLES.items():
+            frame, rows = getattr(self.study, table), self.study.rows(table)
+            self.assertEqual(len(frame), len(rows), table)
+            self.assertGreater(len(rows), 0, table)
+            self.assertEqual(list(frame.index.names), index, table)
+            self.assertTrue(frame.index.is_unique, table)
+        reliability = self.study.reliability["R_total"]
+        self.assertTrue(reliability.is_monotonic_decreasing and reliability.between(0, 1).all())
+        wear = self.study.outputs["max_wear_depth"].unstack("cycles")
+        self.assertEqual(wear.shape, (16, len(reliability)))
+        with self.assertRaises(AttributeError):
+            self.study.nonsense
+
+    def test_a_study_goes_on_and_nothing_is_run_again(self):
+        before = {row["id"]: row["finished_at"] for row in self.study.rows("samples")}
+        hingewise.run("study/scene.toml", "longer", accuracy="draft", workers=2)
+        longer = hingewise.resume("longer", max_evaluations=18, workers=2)
+        self.assertEqual(longer.summary["evaluations"]["total"], 18)
+        self.assertEqual(len(longer.rows("samples")), 18)
+        again = hingewise.resume("study")
+        self.assertEqual({row["id"]: row["finished_at"] for row in again.rows("samples")}, before)
+
+    def test_faults_are_those_of_the_program(self):
+        wrong = small()
+        wrong["study"]["seed"] = "one"
+        with self.assertRaises(hingewise.ProgramError) as raised:
+            hingewise.run(wrong, "wrong", workers=1)
+        self.assertEqual(raised.exception.code, 2)
+        self.assertIn("seed", str(raised.exception))
+        self.assertFalse(Path("wrong").exists())
+        with self.assertRaises(hingewise.ProgramError) as raised:
+            hingewise.run("four-bar", "study")
+        self.assertIn("already holds a campaign", str(raised.exception))
+
+    def test_an_interruption_stops_the_study_without_loss(self):
+        def interrupt(line):
+            if line.done:
+                raise KeyboardInterrupt
+
+        scene = small(60)
+        scene["study"]["initial"] = 40
+        with self.assertRaises(KeyboardInterrupt):
+            hingewise.run(scene, "stopped", accuracy="draft", workers=1, progress=interrupt)
+        with self.assertRaises(hingewise.StudyError) as raised:
+            hingewise.Study("stopped")
+        self.assertIn("coordinator resume stopped", str(raised.exception))
+        self.assertEqual(hingewise.call("status", "stopped")["state"], "interrupted")
+
+    def test_a_later_form_is_refused(self):
+        later = dict(self.study.summary, schema=99)
+        Path("later").mkdir()
+        Path("later/summary.json").write_text(json.dumps(later))
+        with self.assertRaises(hingewise.StudyError) as raised:
+            hingewise.Study("later")
+        self.assertIn("schema 99, this package reads 1", str(raised.exception))
+
+
+class Scenes(unittest.TestCase):
+    """Scenes as dictionaries."""
+
+    def test_every_scene_is_the_same_after_writing_it(self):
+        files = sorted(SCENES.glob("*.toml"))
+        self.assertGreater(len(files), 5)
+        for file in files:
+            scene = tomllib.loads(file.read_text(encoding="utf-8"))
+            # The text of a dictionary also tells whole numbers from others.
+            self.assertEqual(repr(tomllib.loads(hingewise.dumps(scene))), repr(_values_first(scene)), file.name)
+
+    def test_a_written_scene_is_simulated_to_the_same_bits(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder, "scene.toml")
+            hingewise.save_scene(hingewise.load_scene("four-bar"), file)
+            self.assertEqual(hingewise.load_scene(file), hingewise.load_scene("four-bar"))
+            results = [hingewise.call("simulate", "--scene", s, "--accuracy", "draft") for s in (file, "four-bar")]
+        for result in results:
+            del result["wall_s"]
+        self.assertEqual(*results)
+
+    def test_values_of_every_kind_are_written(self):
+        table = {
+            "text": 'a "quote" \\ back\nslash, tab\t, é, \x7f',
+            "numbers": [1, -2, 1e300, 0.1, 1e-7, 5.0, math.inf, -math.inf],
+            "truth": [True, False],
+            "date": datetime.date(2026, 1, 2),
+            "odd key.": {"empty": {}, "list": []},
+            "tables": [{"a": 1, "inner": {"b": [{"c": 2}]}}, {"a": 3}],
+            "mixed": [1, {"a": [2]}],
+        }
+        self.assertEqual(repr(tomllib.loads(hingewise.dumps(table))), repr(_values_first(copy.deepcopy(table))))
+        self.assertIn("nan", hingewise.dumps({"x": math.nan}))
+        for wrong in ({"x": None}, {"x": {1}}, {1: 2}):
+            with self.assertRaises(TypeError):
+                hingewise.dumps(wrong)
+
+    def test_an_unknown_scene_is_refused(self):
+        with self.assertRaises(hingewise.ProgramError) as raised:
+            hingewise.load_scene("no-such-scene")
+        self.assertEqual(raised.exception.code, 2)
+
+
+def _values_first(table):
+    """The order that TOML can write: values before tables."""
+    if not isinstance(table, dict):
+        return table
+
+    def is_table(value):
+        return isinstance(value, dict) or bool(
+            isinstance(value, list) and value and all(isinstance(entry, dict) for entry in value)
+        )
+
+    ordered = sorted(table.items(), key=lambda item: is_table(item[1]))
+    return {
+        key: _values_first(value) if isinstance(value, dict)
+        else [_values_first(entry) for entry in value] if is_table(value) else value
+        for key, value in ordered
+    }
+
+
+if __name__ == "__main__":
+    unittest.main()
