@@ -10,7 +10,7 @@ use crate::outputs::{
 
 /// Version and layout of the messages: [`PROTOCOL_VERSION`] and the hash of [`frames`]. Where the second changes, a message
 /// has another layout, and the first has to change too.
-const LAYOUT: (u16, u64) = (5, 0xf308_2332_2e34_88b2);
+const LAYOUT: (u16, u64) = (6, 0x5d1a_734d_15a1_90da);
 
 fn accuracy() -> Accuracy {
     Accuracy {
