@@ -24,9 +24,10 @@ use super::joint_force::{ForceSlopes, JointForce, JointMotion};
 use super::journal::Surfaces;
 use super::law::{Elastic, Law, Pressure};
 use super::modulus::Modulus;
+use super::stiffness::equivalent_penetration;
 use super::surface::Surface;
 use crate::bore::Profile;
-use crate::lanes::{Real, cube_root};
+use crate::lanes::Real;
 use crate::plane::{dot, left, length};
 use std::f64::consts::TAU;
 
@@ -333,8 +334,6 @@ impl Law for Foundation {
         Elastic { stored: energy, force: size, rate: power / size }
     }
 
-    /// The gap function grows at this rate where it is largest, in the direction in which the journal is
-    /// nearest to the bore.
     fn approach(&self, surfaces: Surfaces, motion: &JointMotion) -> f64 {
         match surfaces.journal.and_then(|journal| self.with_journal(journal)) {
             None => Foundation::<f64, Arc>::approach(self, motion, 0.0),
@@ -348,14 +347,6 @@ impl Law for Foundation {
 pub(super) fn in_bushing_frame<R: Real>(motion: &JointMotion<R>) -> [R; 2] {
     let JointMotion { e, w, omega_bushing, .. } = *motion;
     [w[0] + omega_bushing * e[1], w[1] - omega_bushing * e[0]]
-}
-
-/// Penetration at which F = K_n delta^1.5 gives the force `force` [N] for the stiffness `stiffness` [N/m^1.5]
-/// [m].
-#[inline(always)]
-pub(crate) fn equivalent_penetration<R: Real>(force: R, stiffness: R) -> R {
-    let root = cube_root(force / stiffness);
-    root * root
 }
 
 #[cfg(test)]

@@ -19,10 +19,11 @@
 // Compiled into the loops of the lanes, where closures of iterators are not: plain loops.
 #![allow(clippy::needless_range_loop)]
 
-use super::foundation::{Foundation, FoundationLoad, equivalent_penetration, in_bushing_frame};
+use super::foundation::{Foundation, FoundationLoad, in_bushing_frame};
 use super::joint_force::{ForceSlopes, JointForce, JointMotion};
 use super::journal::{Journal, within_a_turn};
 use super::law::Elastic;
+use super::stiffness::equivalent_penetration;
 use super::turned_arc::{TurnedArc, TurnedIntegrals};
 use crate::bore::Radius;
 use crate::lanes::{Real, direction_angle};

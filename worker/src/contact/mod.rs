@@ -46,13 +46,14 @@ mod turned_arc;
 
 pub use damping::Restitution;
 pub use foundation::Foundation;
-pub(crate) use foundation::{FoundationLoad, equivalent_penetration};
+pub(crate) use foundation::FoundationLoad;
 pub(crate) use foundation_journal::FoundationWithJournal;
 pub use joint_force::{ForceSlopes, JointForce, JointMotion};
 pub use journal::{Journal, Surfaces};
 pub(crate) use law::Pressure;
 pub(crate) use law_lanes::LawLanes;
 pub use local_hertz::{LocalHertz, PolarEccentricity, Walls};
+pub(crate) use stiffness::equivalent_penetration;
 pub use stiffness::hertz_stiffness;
 pub use surface::Surface;
 

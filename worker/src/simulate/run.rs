@@ -3,6 +3,7 @@
 use super::island_state::{CycleSpan, IslandStart, IslandState, StateSnapshot, failure};
 use super::quasi_static_island::QuasiStaticIsland;
 use super::side_by_side::{Integrated, LaneQueue, Span};
+use super::worn_joints::worn_through;
 use crate::integrate::StepCounts;
 use crate::mechanism::{Frame, Pose, WearingJoint, ideal_cycle, islands, turns_per_cycle};
 use crate::outputs::{FullRecording, PointTrack, Recorder, recording_request};
@@ -10,7 +11,7 @@ use crate::wear::{ContactHistory, WearStepStats, WornAmounts, wear_output};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::{EnergyBalance, WornLife};
-use common::scene::{Attachment, JointKind, Scene};
+use common::scene::{Attachment, Scene};
 use std::ops::Range;
 
 /// A running evaluation.
@@ -249,31 +250,6 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Depth at every control point of the bore and of the journal of every joint of the scene, empty where there is none and for
-    /// journals that do not wear `(joints, 2, points)` [m].
-    pub(crate) fn depths(&self) -> Vec<[Vec<f64>; 2]> {
-        let mut all = vec![[Vec::new(), Vec::new()]; self.scene.joints.len()];
-        for state in &self.islands {
-            for (joint, depth) in state.island.joints.iter().zip(&state.depth) {
-                let (bore, journal) = depth.split_at(joint.profile.points());
-                all[joint.scene_joint] = [bore.to_vec(), journal.to_vec()];
-            }
-        }
-        all
-    }
-
-    /// What the wear of every joint of the scene amounts to, nothing for ideal joints `(joints,)`.
-    pub(crate) fn worn_amounts(&self) -> Vec<WornAmounts> {
-        let mut all = vec![WornAmounts::default(); self.scene.joints.len()];
-        for state in &self.islands {
-            for (joint, (rate, depth)) in state.island.joints.iter().zip(state.rates.iter().zip(&state.depth))
-            {
-                all[joint.scene_joint] = rate.sizes().amounts(depth);
-            }
-        }
-        all
-    }
-
     /// Keeps the bores as they are at `life` [cycles], if cycles are displayed.
     pub(crate) fn keep_bores(&mut self, life: u32) {
         if self.display.is_none() {
@@ -401,11 +377,4 @@ fn ideal_path(scene: &Scene, poses: &[Pose], at: &Attachment) -> PointTrack {
         }
     }
     path
-}
-
-/// Largest depth and thickness of the wall of a joint of the scene [m], if the depth has reached the thickness.
-fn worn_through(scene: &Scene, joint: usize, depth: &[f64]) -> Option<(f64, f64)> {
-    let JointKind::Clearance(clearance) = &scene.joints[joint].kind else { return None };
-    let largest = depth.iter().fold(0.0_f64, |a, &b| a.max(b));
-    clearance.wall.filter(|&wall| largest >= wall).map(|wall| (largest, wall))
 }
