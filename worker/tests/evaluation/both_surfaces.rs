@@ -15,8 +15,13 @@ const QUANTITIES: [WearQuantity; 4] = [
     WearQuantity::Volume,
 ];
 
-/// Difference of a depth of a journal that wears evenly from the mean [1].
-const UNEVEN: f64 = 0.03;
+/// Difference of a depth of a journal that wears evenly from the mean [1]; found is 0.003.
+const UNEVEN: f64 = 0.005;
+/// The same at the control points [`SEAM`], found is 0.02: there the simulated cycle begins and ends, and time steps a quarter as long or four
+/// times the intervals change it little.
+const UNEVEN_AT_SEAM: f64 = 0.025;
+/// Control points of the journal around the place that is in contact at the start of a cycle, 274 deg of 10 deg each.
+const SEAM: std::ops::RangeInclusive<usize> = 26..=28;
 
 fn wearing(mut scene: Scene, surfaces: WearingSurfaces) -> Scene {
     every_joint(&mut scene, |clearance| clearance.wears = surfaces);
@@ -45,9 +50,9 @@ fn a_shaft_that_turns_in_a_hanging_block_wears_evenly_and_the_block_on_one_side(
         let e = evaluate(&scene, &scene.accuracy.accuracy);
         let (bore, journal) = (&e.joints[0].wear_depth, &e.joints[0].journal_wear_depth);
         let even = COEFFICIENT * WEIGHT * CYCLES / WIDTH;
-        // The mean of the depths is that of the volume; single ones differ where the simulated cycle begins and ends.
-        for depth in journal {
-            assert!((depth / even - 1.0).abs() < UNEVEN, "{law}: {depth:e} of {even:e} in {journal:?}");
+        for (point, depth) in journal.iter().enumerate() {
+            let uneven = if SEAM.contains(&point) { UNEVEN_AT_SEAM } else { UNEVEN };
+            assert!((depth / even - 1.0).abs() < uneven, "{law}: {depth:e} of {even:e} in {journal:?}");
         }
         let ratios = [volume(bore, BORE, 1.0), volume(journal, JOURNAL, -1.0)];
         println!("{law}: volumes over K F s {ratios:?}");
@@ -63,7 +68,7 @@ fn a_shaft_that_turns_in_a_hanging_block_wears_evenly_and_the_block_on_one_side(
         let errors: Vec<f64> = e.errors.iter().map(|error| error[0] / e.histories[0][0]).collect();
         println!("{law}: stated errors {errors:?} of the depth");
         assert!(e.errors.iter().all(|error| error[0] > 0.0));
-        assert!((of_journal - even).abs() < e.errors[2][0] + UNEVEN * even);
+        assert!((of_journal - even).abs() < e.errors[2][0] + UNEVEN_AT_SEAM * even);
     }
 }
 
