@@ -9,6 +9,9 @@
 //! order: the next term is (e/R1)^4 / 8, below 1e-11 m here. The arc ends at the first table angle where p is
 //! no longer positive, on the chord from the table angle before.
 //!
+//! In front of a worn journal (`contact/journal.rs`) p falls by its depth h(psi - alpha), with the angle alpha of its body
+//! from the bushing's: by the cubic through four neighbours of a table of that depth, turned by a fraction of its spacing.
+//!
 //! The search tries as many table angles at a time as a vector holds: the end is the one that a walk from angle to angle finds. Towards smaller angles it is the same search on the mirrored bore.
 //!
 //! # Source
@@ -35,6 +38,39 @@ pub struct ArcEnds {
     gap: Vec<f64>,
     /// R1 - R of the mirrored bore, at the negative angles `(2 n,)` [m].
     mirrored_gap: Vec<f64>,
+    /// Depth of the journal at the table's angles in its own body, from the angle before zero on, and that of the mirrored one
+    /// `(2 n + 3,)` each [m]; empty if it does not wear.
+    depth: [Vec<f64>; 2],
+}
+
+/// Place of the table's angles on the surface of a turned journal.
+#[derive(Clone, Copy)]
+struct OnJournal<'a> {
+    /// Depth from the angle before the first one on [m].
+    depth: &'a [f64],
+    /// Weights of four neighbouring depths [1].
+    weights: [f64; 4],
+}
+
+impl<'a> OnJournal<'a> {
+    /// Of the surface tabulated in `depth`, from the place `place` on, in intervals of a table of `n`.
+    fn new(depth: &'a [f64], place: f64, n: usize) -> Self {
+        let place = place.rem_euclid(n as f64);
+        let place = if place < n as f64 { place } else { 0.0 };
+        let base = place as usize;
+        let f = place - base as f64;
+        // Lagrange's cubic through the places -1, 0, 1, 2.
+        let (a, b, c) = (f + 1.0, f - 1.0, f - 2.0);
+        let weights = [-f * b * c / 6.0, a * b * c / 2.0, -a * f * c / 2.0, a * f * b / 6.0];
+        OnJournal { depth: &depth[base..], weights }
+    }
+
+    /// Depths at the angles from the `m`-th on [m].
+    #[inline(always)]
+    fn depth<R: Real>(&self, m: usize, like: R) -> R {
+        let at = |k: usize| like.load(&self.depth[m + k..]) * self.weights[k];
+        (at(0) + at(1)) + (at(2) + at(3))
+    }
 }
 
 /// Direction of a contact.
@@ -78,6 +114,8 @@ struct Side<'a> {
     e: [f64; 2],
     /// 1 / (2 R1) [1/m].
     curvature: f64,
+    /// Where these angles are on the journal, if that wears.
+    journal: Option<OnJournal<'a>>,
 }
 
 impl Side<'_> {
@@ -87,6 +125,10 @@ impl Side<'_> {
         let [x, y] = [like.like(self.e[0]), like.like(self.e[1])];
         let (cos, sin, gap) =
             (like.load(&self.cos[m..]), like.load(&self.sin[m..]), like.load(&self.gap[m..]));
+        let gap = match &self.journal {
+            None => gap,
+            Some(journal) => gap - journal.depth(m, like),
+        };
         let across = (x * sin).minus_product(y, cos);
         gap.plus_product(x, cos)
             .plus_product(y, sin)
@@ -112,12 +154,20 @@ impl Side<'_> {
 }
 
 impl ArcEnds {
-    /// For a journal of radius `journal_radius` [m] in a bore with `points` control points, not tabulated
+    /// For a journal of radius `journal_radius` [m], which `wears` or not, in a bore with `points` control points, not tabulated
     /// yet.
-    pub(crate) fn new(journal_radius: f64, points: usize) -> Self {
+    pub(crate) fn new(journal_radius: f64, points: usize, wears: bool) -> Self {
         let n = SUBDIVISION * points;
         let (sin, cos) = (0..2 * n).map(|k| libm::sincos(TAU * (k % n) as f64 / n as f64)).unzip();
-        ArcEnds { journal_radius, cos, sin, gap: vec![0.0; 2 * n], mirrored_gap: vec![0.0; 2 * n] }
+        let depth = || vec![0.0; if wears { 2 * n + 3 } else { 0 }];
+        ArcEnds {
+            journal_radius,
+            cos,
+            sin,
+            gap: vec![0.0; 2 * n],
+            mirrored_gap: vec![0.0; 2 * n],
+            depth: [depth(), depth()],
+        }
     }
 
     /// Number of table intervals n.
@@ -139,10 +189,25 @@ impl ArcEnds {
             .for_each(|(to, from)| *to = *from);
     }
 
+    /// Tabulates a changed depth of the journal, the radius of the profile `worn`.
+    pub(crate) fn journal_changed(&mut self, worn: &Profile) {
+        let n = self.intervals();
+        let [depth, mirrored] = &mut self.depth;
+        worn.tabulate(&mut depth[1..=n]);
+        depth[0] = depth[n];
+        for k in n + 1..depth.len() {
+            depth[k] = depth[k - n];
+        }
+        // The mirrored surface at the place k - 1 is the other one at 1 - k.
+        for (k, to) in mirrored.iter_mut().enumerate() {
+            *to = depth[1 + (3 * n + 1 - k) % n];
+        }
+    }
+
     /// Distances from the direction of the contact at `spot` to the two ends of its arc, downwards and
     /// upwards, at penetration `penetration` [m], where the bore has radius `radius` [m] and slope `slope`
-    /// [m/rad]. In table intervals; half a turn where the arc does not end. `like`
-    /// sets the number of angles tried at once.
+    /// [m/rad], of a worn journal those of the gap of both surfaces. In table intervals; half a turn where the arc does not end. `like`
+    /// sets the number of angles tried at once; `on_journal` is the place of the contact on a worn journal, in table intervals.
     ///
     /// Where a place inside the arc wears until the circle only grazes it, the arc ends there from one
     /// instant to the next, and the part behind it no longer counts; a second patch behind the end joins the
@@ -155,6 +220,7 @@ impl ArcEnds {
         penetration: f64,
         radius: f64,
         slope: f64,
+        on_journal: Option<f64>,
         like: R,
     ) -> (f64, f64) {
         let n = self.intervals();
@@ -163,8 +229,12 @@ impl ArcEnds {
         let below = spot.place as usize;
         let lead = spot.place - below as f64;
         // In the mirrored bore the first table angle is that of `below`, and slopes change sign.
-        let down = self.side(&self.mirrored_gap, n - below, [e[0], -e[1]]);
-        let up = self.side(&self.gap, below + 1, e);
+        let mut down = self.side(&self.mirrored_gap, n - below, [e[0], -e[1]]);
+        let mut up = self.side(&self.gap, below + 1, e);
+        if let Some(place) = on_journal {
+            down.journal = Some(OnJournal::new(&self.depth[1], lead - place, n));
+            up.journal = Some(OnJournal::new(&self.depth[0], place + 1.0 - lead, n));
+        }
         let slope = slope * TAU / n as f64;
         (end(&down, n, lead, penetration, slope, like), end(&up, n, 1.0 - lead, penetration, -slope, like))
     }
@@ -173,7 +243,8 @@ impl ArcEnds {
     #[inline(always)]
     fn side<'a>(&'a self, gap: &'a [f64], first: usize, e: [f64; 2]) -> Side<'a> {
         let curvature = 0.5 / self.journal_radius;
-        Side { gap: &gap[first..], cos: &self.cos[first..], sin: &self.sin[first..], e, curvature }
+        let (cos, sin) = (&self.cos[first..], &self.sin[first..]);
+        Side { gap: &gap[first..], cos, sin, e, curvature, journal: None }
     }
 }
 

@@ -9,6 +9,9 @@
 //! is smeared over the points next to it, whose depth then falls short of that in the middle of the arc
 //! (`finer_bore.rs` estimates that error).
 //!
+//! A journal that wears has its shares of the same arc, at its own control points: turned back by the angle of its body from the
+//! bushing's, and with its own mean radius along the arc.
+//!
 //! # Source
 //! Cui et al., China Mechanical Engineering 37(6), 2026, 1472-1485, doi 10.3969/j.issn.1004-132X.2026.06.020:
 //! the arc AB wears evenly by K_H F S / (|AB| L), at the control points inside it. The shares by hat functions
@@ -17,7 +20,9 @@
 use super::arc_ends::{ArcEnds, SUBDIVISION, Spot};
 use super::interval::ContactSample;
 use crate::bore::{Profile, Radius};
+use crate::contact::{Contact, Journal};
 use crate::lanes::{InLanes, Real, in_widest_lanes};
+use std::f64::consts::TAU;
 use std::ops::Range;
 
 /// Contacts of a frozen history on a bore.
@@ -29,8 +34,10 @@ pub struct LocalArcs {
     ends: ArcEnds,
     samples: Vec<Sample>,
     /// Shares on three turns, one before and one after the bore's own `(3 points,)`: there
-    /// an arc is one piece.
+    /// an arc is one piece; then those of the journal, if that wears.
     unrolled: Vec<f64>,
+    /// The journal, if it wears.
+    journal: Option<Journal>,
 }
 
 /// The parts of a contact sample that the wear law uses.
@@ -41,36 +48,53 @@ struct Sample {
     penetration: f64,
     /// Work F S [N m].
     work: f64,
+    /// Place of the contact on the journal in table intervals, in [0, n).
+    on_journal: f64,
 }
 
 impl LocalArcs {
-    /// Without samples, for a journal of radius `journal_radius` [m] in a bore with `points` control points.
-    pub(crate) fn new(journal_radius: f64, points: usize) -> Self {
+    /// Without samples, for a joint with this contact law and `points` control points of its bore, and as many of its journal if that
+    /// `wears`.
+    pub(crate) fn new(contact: &Contact, points: usize, wears: bool) -> Self {
         LocalArcs {
-            ends: ArcEnds::new(journal_radius, points),
+            ends: ArcEnds::new(contact.surface().journal_radius, points, wears),
             samples: Vec::new(),
-            unrolled: vec![0.0; 3 * points],
+            unrolled: vec![0.0; if wears { 6 * points } else { 3 * points }],
+            journal: wears.then(|| Journal::new(contact, points)),
         }
     }
 
     /// Replaces the history by the samples of a cycle.
     pub(crate) fn freeze(&mut self, samples: &[ContactSample]) {
         let n = self.ends.intervals();
-        let sample =
-            |s: &ContactSample| Sample { spot: Spot::new(s.e, n), penetration: s.penetration, work: s.work };
+        let sample = |s: &ContactSample| {
+            let spot = Spot::new(s.e, n);
+            let on_journal = (spot.place - s.turn * (n as f64 / TAU)).rem_euclid(n as f64);
+            // A place just below zero is rounded to a whole turn.
+            let on_journal = if on_journal < n as f64 { on_journal } else { 0.0 };
+            Sample { spot, penetration: s.penetration, work: s.work, on_journal }
+        };
         self.samples.clear();
         self.samples.extend(samples.iter().map(sample));
     }
 
-    /// Sum over the samples of work per radius, shared out over the control points: F S w_i / R `(points,)` [N].
-    pub(crate) fn shares(&mut self, profile: &Profile, shares: &mut [f64]) {
+    /// Sum over the samples of work per radius, shared out over the control points: F S w_i / R `(points,)` [N], of the bore and then
+    /// of a journal that wears, whose depths are `of_journal` [m].
+    pub(crate) fn shares(&mut self, profile: &Profile, of_journal: &[f64], shares: &mut [f64]) {
         self.ends.profile_changed(profile);
+        if let Some(journal) = &mut self.journal {
+            journal.set_depth(of_journal);
+            self.ends.journal_changed(journal.worn());
+        }
         self.unrolled.fill(0.0);
         in_widest_lanes(Sharing { arcs: self, profile });
-        let (first, rest) = self.unrolled.split_at(shares.len());
-        let (second, third) = rest.split_at(shares.len());
-        for (i, sum) in shares.iter_mut().enumerate() {
-            *sum = first[i] + second[i] + third[i];
+        let points = profile.points();
+        for (shares, turns) in shares.chunks_mut(points).zip(self.unrolled.chunks(3 * points)) {
+            let (first, rest) = turns.split_at(points);
+            let (second, third) = rest.split_at(points);
+            for (i, sum) in shares.iter_mut().enumerate() {
+                *sum = first[i] + second[i] + third[i];
+            }
         }
     }
 }
@@ -87,16 +111,33 @@ const AT_ONCE: usize = 16;
 impl InLanes for Sharing<'_> {
     #[inline(always)]
     fn run<R: Real>(self, like: R) {
-        let LocalArcs { ends, samples, unrolled } = self.arcs;
+        let LocalArcs { ends, samples, unrolled, journal } = self.arcs;
+        let (unrolled, of_journal) = unrolled.split_at_mut(3 * self.profile.points());
         // The offset of a turn makes truncation the floor.
         let turn = self.profile.points() as f64;
         let per_point = 1.0 / SUBDIVISION as f64;
         for samples in samples.chunks(AT_ONCE) {
             let mut arcs = [(0.0, 0.0, 0.0); AT_ONCE];
-            for (arc, Sample { spot, penetration, .. }) in arcs.iter_mut().zip(samples) {
+            for (arc, sample) in arcs.iter_mut().zip(samples) {
+                let Sample { spot, penetration, work, on_journal } = sample;
                 let (interval, s) = spot.within();
                 let Radius { r, d1, .. } = self.profile.within(interval, s);
-                let (before, after) = ends.find(spot, *penetration, r, d1, like);
+                let (before, after) = match &*journal {
+                    None => ends.find(spot, *penetration, r, d1, None, like),
+                    Some(journal) => {
+                        let place = *on_journal * per_point;
+                        let at = (place as usize).min(self.profile.points() - 1);
+                        let depth = journal.worn().within(at, place - at as f64);
+                        let (radius, slope) = (r + depth.r, d1 + depth.d1);
+                        let (before, after) =
+                            ends.find(spot, *penetration, radius, slope, Some(*on_journal), like);
+                        let (start, end) = (place - before * per_point, place + after * per_point);
+                        let worn = |x: f64| journal.worn().turned(x);
+                        let mean = journal.unworn() - (worn(start) + 4.0 * depth.r + worn(end)) / 6.0;
+                        share_out(of_journal, turn + start..turn + end, *work / mean);
+                        (before, after)
+                    }
+                };
                 *arc = ((spot.place - before) * per_point, (spot.place + after) * per_point, r);
             }
             for ((start, end, r), Sample { work, .. }) in arcs.iter_mut().zip(samples) {

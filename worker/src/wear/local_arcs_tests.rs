@@ -100,22 +100,12 @@ fn rates_are_those_of_the_walk_over_smooth_rough_and_grooved_bores() {
     let mut even = Even(0.25);
     let (mut worst, mut compared) = (0.0_f64, 0);
     for points in [12, 36, 90] {
-        let surface = Surface {
-            journal_radius: R1,
-            clearance: CLEARANCE,
-            stiffness: 3.264e10,
-            damping: 0.0,
-            restitution: None,
-            friction: 0.0,
-            friction_speed: 2.4e-3,
-            film: 0.0,
-        };
         let mut profile = Profile::round(R1 + CLEARANCE, points);
-        let contact = Contact::LocalHertz(LocalHertz { surface });
+        let contact = contact();
         for size in [1e-7, 3e-6, 30e-6] {
             let samples: Vec<(f64, f64, f64)> =
                 (0..300).map(|_| (TAU * even.next(), 10f64.powf(-8.0 + 2.5 * even.next()), 1e-4)).collect();
-            let mut history = ContactHistory::new(1.0, samples.len());
+            let mut history = ContactHistory::new(1.0, samples.len(), false);
             for &(psi, penetration, work) in &samples {
                 let u = [psi.cos(), psi.sin()];
                 let force = JointForce {
@@ -150,6 +140,21 @@ fn rates_are_those_of_the_walk_over_smooth_rough_and_grooved_bores() {
     assert!(worst < 1e-9, "{worst:e}");
 }
 
+/// The law `local-hertz` of these radii.
+fn contact() -> Contact {
+    let surface = Surface {
+        journal_radius: R1,
+        clearance: CLEARANCE,
+        stiffness: 3.264e10,
+        damping: 0.0,
+        restitution: None,
+        friction: 0.0,
+        friction_speed: 2.4e-3,
+        film: 0.0,
+    };
+    Contact::LocalHertz(LocalHertz { surface })
+}
+
 /// One sample with work 1 N m whose arc has the half angle `half` [rad] on a round bore, in direction `psi`.
 fn single(psi: f64, half: f64) -> ContactSample {
     // p(phi) = 0 on the round bore: delta + e (cos - 1) - e^2 sin^2 / (2 R1) = 0 with e = delta + c.
@@ -168,6 +173,7 @@ fn single(psi: f64, half: f64) -> ContactSample {
         penetration: low,
         force: [1.0, 0.0],
         work: 1.0,
+        turn: 0.0,
     }
 }
 
@@ -186,10 +192,10 @@ fn every_arc_wears_the_volume_of_archard_wherever_it_lies() {
             for degrees in [1.0, 2.0, 5.0, 8.2, 10.0, 20.0, 40.0, 60.0_f64] {
                 for step in 0..97 {
                     let psi = (f64::from(step) * 0.31_f64).to_radians();
-                    let mut arcs = LocalArcs::new(R1, points);
+                    let mut arcs = LocalArcs::new(&contact(), points, false);
                     arcs.freeze(&[single(psi, 0.5 * degrees.to_radians())]);
                     let mut shares = vec![0.0; points];
-                    arcs.shares(&profile, &mut shares);
+                    arcs.shares(&profile, &[], &mut shares);
                     // Volume over K: each point's depth, F S w / (R spacing L), times its cell R spacing L.
                     let radius = |k: usize| profile.radius_at(TAU * k as f64 / points as f64).r;
                     let volume: f64 = shares.iter().enumerate().map(|(k, q)| q * radius(k)).sum();
@@ -206,11 +212,12 @@ fn every_arc_wears_the_volume_of_archard_wherever_it_lies() {
 fn what_is_outside_every_arc_does_not_wear_at_all() {
     let points = 36;
     let profile = Profile::round(R1 + CLEARANCE, points);
-    let mut arcs = LocalArcs::new(R1, points);
-    let sample = ContactSample { e: [0.0, -CLEARANCE], penetration: 1e-7, force: [0.0; 2], work: 1.0 };
+    let mut arcs = LocalArcs::new(&contact(), points, false);
+    let sample =
+        ContactSample { e: [0.0, -CLEARANCE], penetration: 1e-7, force: [0.0; 2], work: 1.0, turn: 0.0 };
     arcs.freeze(&[sample]);
     let mut shares = vec![1.0; points];
-    arcs.shares(&profile, &mut shares);
+    arcs.shares(&profile, &[], &mut shares);
     // Half angle sqrt(2 delta / c) of 5.3 deg: the point in the middle and its neighbours, 10 deg away.
     let worn: Vec<usize> = (0..points).filter(|&i| shares[i] != 0.0).collect();
     assert_eq!(worn, [26, 27, 28], "{shares:?}");

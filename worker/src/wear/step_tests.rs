@@ -28,7 +28,7 @@ pub(super) fn foundation() -> Contact {
 /// N on one side and turns round quickly on the other; 9 mm of sliding in the cycle.
 fn cycle() -> ContactHistory {
     const SAMPLES: u32 = 300;
-    let mut history = ContactHistory::new(1.0, SAMPLES as usize);
+    let mut history = ContactHistory::new(1.0, SAMPLES as usize, false);
     for k in 0..SAMPLES {
         let phase = TAU * f64::from(k) / f64::from(SAMPLES);
         let psi = 2.0 + 0.9 * phase.sin() + 0.35 * (2.0 * phase).cos();
