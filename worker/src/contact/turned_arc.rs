@@ -60,10 +60,14 @@ impl TurnedArc<'_> {
         let mut sums = [[0.0; STRETCH]; 10];
         let mut touched = false;
         let at = self.journal.turned(alpha);
-        self.visit(e, at, |s, stretch| {
-            touched = true;
-            add_stretch(&mut sums, stretch, &self.gaps(e, at, s, stretch));
-        });
+        for g in 0..self.groups(e) {
+            let mut any = self.touching(e, at, g);
+            touched |= any != 0;
+            while any != 0 {
+                let (s, stretch) = self.next_stretch(g, &mut any);
+                add_stretch(&mut sums, stretch, &self.gaps(e, at, s, stretch));
+            }
+        }
         if !touched {
             return TurnedIntegrals::default();
         }
@@ -78,26 +82,31 @@ impl TurnedArc<'_> {
         }
     }
 
-    /// Calls `touch` with each stretch that may touch and its number.
+    /// Number of groups of stretches that may touch.
     #[inline(always)]
-    fn visit<'b>(&'b self, e: [f64; 2], at: Turned, mut touch: impl FnMut(usize, &'b Stretch)) {
-        if length(e) <= self.arc.reach() {
-            return;
-        }
+    fn groups(&self, e: [f64; 2]) -> usize {
+        if length(e) <= self.arc.reach() { 0 } else { self.arc.stretches().groups.len() }
+    }
+
+    /// The stretches of group `g` that may touch, one bit each.
+    #[inline(always)]
+    fn touching(&self, e: [f64; 2], at: Turned, g: usize) -> u32 {
         let stretches = self.arc.stretches();
-        for g in 0..stretches.groups.len() {
-            let mut least = [0.0; GROUP];
-            let rest = GROUP.min(stretches.each.len() - g * GROUP);
-            for i in 0..rest {
-                least[i] = self.journal.least(at, (g * GROUP + i) * STRETCH);
-            }
-            let mut any = stretches.groups[g].touched_beyond(e, stretches.widening, &least);
-            while any != 0 {
-                let s = g * GROUP + any.trailing_zeros() as usize;
-                any &= any - 1;
-                touch(s, &stretches.each[s]);
-            }
+        let mut least = [0.0; GROUP];
+        let rest = GROUP.min(stretches.each.len() - g * GROUP);
+        for i in 0..rest {
+            least[i] = self.journal.least(at, (g * GROUP + i) * STRETCH);
         }
+        stretches.groups[g].touched_beyond(e, stretches.widening, &least)
+    }
+
+    /// Takes the first stretch of group `g` from the bits `any`: its number and itself. (Not a closure called for each stretch: that
+    /// would be compiled for the least processor.)
+    #[inline(always)]
+    fn next_stretch(&self, g: usize, any: &mut u32) -> (usize, &Stretch) {
+        let s = g * GROUP + any.trailing_zeros() as usize;
+        *any &= *any - 1;
+        (s, &self.arc.stretches().each[s])
     }
 
     /// Gaps at the angles of stretch `s`; beyond its end they are not positive.
@@ -153,7 +162,11 @@ impl TurnedArc<'_> {
         let n = self.arc.intervals();
         let spacing = TAU / n as f64;
         let at = self.journal.turned(alpha);
-        self.visit(e, at, |s, stretch| {
+        let stretches = (0..self.groups(e)).flat_map(|g| {
+            let mut any = self.touching(e, at, g);
+            std::iter::from_fn(move || (any != 0).then(|| self.next_stretch(g, &mut any)))
+        });
+        for (s, stretch) in stretches {
             let gaps = self.gaps(e, at, s, stretch);
             let mut parts = [0.0; ANGLES];
             for i in 0..stretch.intervals {
@@ -164,7 +177,7 @@ impl TurnedArc<'_> {
             for (k, part) in parts.iter().enumerate().filter(|(_, part)| **part > 0.0) {
                 weigh((s * STRETCH + k) % n, part * spacing);
             }
-        });
+        }
     }
 }
 

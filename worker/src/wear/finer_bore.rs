@@ -33,8 +33,7 @@ const SAFETY: f64 = 2.0;
 /// Share of the life behind over which differences count [1].
 const RECENT: f64 = 0.75;
 /// Tolerance of the copy's wear steps over that of the bore, and its lower bound [1]: at 0.01 they err by 0.1 %
-/// (`the_local_law_takes_tight_tolerances_and_keeps_them`); below it, narrow arcs under the local law take a thousand times
-/// as many sub-steps at twice the control points.
+/// (`the_local_law_takes_tight_tolerances_and_keeps_them`), far less than the spacing of the control points.
 const TIGHTER: f64 = 0.5;
 const TIGHTEST: f64 = 0.01;
 

@@ -36,6 +36,8 @@ pub struct LocalArcs {
     /// Shares on three turns, one before and one after the bore's own `(3 points,)`: there
     /// an arc is one piece; then those of the journal, if that wears.
     unrolled: Vec<f64>,
+    /// Further patches of the contact at hand, from its direction on `(2,)` each, in spacings of the control points.
+    further: Vec<[f64; 2]>,
     /// The journal, if it wears.
     journal: Option<Journal>,
 }
@@ -60,6 +62,7 @@ impl LocalArcs {
             ends: ArcEnds::new(contact.surface().journal_radius, points, wears),
             samples: Vec::new(),
             unrolled: vec![0.0; if wears { 6 * points } else { 3 * points }],
+            further: Vec::new(),
             journal: wears.then(|| Journal::new(contact, points)),
         }
     }
@@ -111,41 +114,65 @@ const AT_ONCE: usize = 16;
 impl InLanes for Sharing<'_> {
     #[inline(always)]
     fn run<R: Real>(self, like: R) {
-        let LocalArcs { ends, samples, unrolled, journal } = self.arcs;
+        let LocalArcs { ends, samples, unrolled, further, journal } = self.arcs;
         let (unrolled, of_journal) = unrolled.split_at_mut(3 * self.profile.points());
         // The offset of a turn makes truncation the floor.
         let turn = self.profile.points() as f64;
         let per_point = 1.0 / SUBDIVISION as f64;
+        let radius_of_journal = |journal: &Journal, [start, end]: [f64; 2], middle: f64| {
+            let worn = |x: f64| journal.worn().turned(x);
+            journal.unworn() - (worn(start) + 4.0 * middle + worn(end)) / 6.0
+        };
         for samples in samples.chunks(AT_ONCE) {
-            let mut arcs = [(0.0, 0.0, 0.0); AT_ONCE];
+            let mut arcs = [(0.0, 0.0, 0.0, 0.0); AT_ONCE];
             for (arc, sample) in arcs.iter_mut().zip(samples) {
                 let Sample { spot, penetration, work, on_journal } = sample;
                 let (interval, s) = spot.within();
                 let Radius { r, d1, .. } = self.profile.within(interval, s);
-                let (before, after) = match &*journal {
-                    None => ends.find(spot, *penetration, r, d1, None, like),
-                    Some(journal) => {
-                        let place = *on_journal * per_point;
-                        let at = (place as usize).min(self.profile.points() - 1);
-                        let depth = journal.worn().within(at, place - at as f64);
-                        let (radius, slope) = (r + depth.r, d1 + depth.d1);
-                        let (before, after) =
-                            ends.find(spot, *penetration, radius, slope, Some(*on_journal), like);
-                        let (start, end) = (place - before * per_point, place + after * per_point);
-                        let worn = |x: f64| journal.worn().turned(x);
-                        let mean = journal.unworn() - (worn(start) + 4.0 * depth.r + worn(end)) / 6.0;
-                        share_out(of_journal, turn + start..turn + end, *work / mean);
-                        (before, after)
+                let place = *on_journal * per_point;
+                let depth = journal.as_ref().map(|journal| {
+                    let at = (place as usize).min(self.profile.points() - 1);
+                    journal.worn().within(at, place - at as f64)
+                });
+                let (radius, slope) = depth.map_or((r, d1), |depth| (r + depth.r, d1 + depth.d1));
+                let on_journal = depth.map(|_| *on_journal);
+                further.clear();
+                let patch = |from: f64, to: f64| further.push([from * per_point, to * per_point]);
+                let (before, after) =
+                    ends.find(spot, *penetration, radius, slope, on_journal, like, patch);
+                let (middle, before, after) = (spot.place * per_point, before * per_point, after * per_point);
+                let mut work = *work;
+                if !further.is_empty() {
+                    // Each patch wears as deeply as the arc: its work is in proportion to its length.
+                    let lengths = further.iter().map(|[from, to]| to - from).sum::<f64>() + (before + after);
+                    let density = work / lengths;
+                    work = density * (before + after);
+                    for [from, to] in &*further {
+                        let (start, end, between) = (middle + from, middle + to, middle + 0.5 * (from + to));
+                        let at = |x: f64| self.profile.turned(x);
+                        let mean = (at(start) + 4.0 * at(between) + at(end)) / 6.0;
+                        share_out(unrolled, turn + start..turn + end, density * (to - from) / mean);
+                        if let Some(journal) = &*journal {
+                            let ends = [place + from, place + to];
+                            let between = journal.worn().turned(place + 0.5 * (from + to));
+                            let mean = radius_of_journal(journal, ends, between);
+                            share_out(of_journal, turn + ends[0]..turn + ends[1], density * (to - from) / mean);
+                        }
                     }
-                };
-                *arc = ((spot.place - before) * per_point, (spot.place + after) * per_point, r);
+                }
+                if let (Some(journal), Some(depth)) = (&*journal, depth) {
+                    let ends = [place - before, place + after];
+                    let mean = radius_of_journal(journal, ends, depth.r);
+                    share_out(of_journal, turn + ends[0]..turn + ends[1], work / mean);
+                }
+                *arc = (middle - before, middle + after, r, work);
             }
-            for ((start, end, r), Sample { work, .. }) in arcs.iter_mut().zip(samples) {
+            for (start, end, r, work) in &mut arcs[..samples.len()] {
                 // Mean radius along the arc, by Simpson's rule over its angle; then work per radius in its place.
                 let mean = (self.profile.turned(*start) + 4.0 * *r + self.profile.turned(*end)) / 6.0;
                 *r = *work / mean;
             }
-            for (start, end, amount) in &arcs[..samples.len()] {
+            for (start, end, amount, _) in &arcs[..samples.len()] {
                 share_out(unrolled, turn + start..turn + end, *amount);
             }
         }

@@ -13,9 +13,9 @@ const R1: f64 = 1.5e-3;
 const COEFFICIENT: f64 = 1.288e-13;
 const WIDTH: f64 = 4e-3;
 
-/// Distance from direction `psi` to the end of the arc on the side of `sign`, by a walk over the table's
-/// angles [rad].
-fn walked(profile: &Profile, psi: f64, penetration: f64, sign: f64) -> f64 {
+/// Arc in direction `psi` and further patches on the side of `sign`, as distances from `psi` `(2,)` each, by a walk over the table's
+/// angles up to half a turn [rad].
+fn walked(profile: &Profile, psi: f64, penetration: f64, sign: f64) -> Vec<[f64; 2]> {
     let n = SUBDIVISION * profile.points();
     let spacing = TAU / n as f64;
     let at = profile.radius_at(psi);
@@ -26,25 +26,34 @@ fn walked(profile: &Profile, psi: f64, penetration: f64, sign: f64) -> f64 {
     };
     let place = psi / spacing;
     let first = if sign > 0.0 { place.floor() + 1.0 } else { place.floor() };
-    let (mut angle, mut p) = (first * spacing, beyond(first * spacing));
-    let mut phi = sign * (angle - psi);
+    let mut angle = first * spacing;
+    let (mut phi, mut p) = (sign * (angle - psi), beyond(angle));
+    let mut patches = vec![];
+    let mut start = (p > 0.0).then_some(0.0);
     if p <= 0.0 {
         // Smallest positive root of delta + slope x + q x^2 through the point found outside.
         let slope = -sign * at.d1;
         let q = (p - penetration - slope * phi) / (phi * phi);
         let root = (slope * slope - 4.0 * q * penetration).sqrt();
         let roots = [(-slope - root) / (2.0 * q), (-slope + root) / (2.0 * q)];
-        return roots.into_iter().filter(|x| *x > 0.0).fold(phi, f64::min);
+        patches.push([0.0, roots.into_iter().filter(|x| *x > 0.0).fold(phi, f64::min)]);
     }
     while phi < PI {
         angle += sign * spacing;
         let next = beyond(angle);
-        if next <= 0.0 {
-            return phi + spacing * p / (p - next);
+        let zero = phi + spacing * p / (p - next);
+        match start {
+            Some(from) if next <= 0.0 => {
+                patches.push([from, zero]);
+                start = None;
+            }
+            None if next > 0.0 => start = Some(zero),
+            _ => {}
         }
         (p, phi) = (next, phi + spacing);
     }
-    PI
+    patches.extend(start.map(|from| [from, PI]));
+    patches
 }
 
 /// Wear per cycle of these samples: (direction, penetration, work).
@@ -52,25 +61,33 @@ fn plain(profile: &Profile, samples: &[(f64, f64, f64)]) -> Vec<f64> {
     let n = profile.points();
     let mut rate = vec![0.0; n];
     for &(psi, penetration, work) in samples {
-        let [before, after] = [-1.0, 1.0].map(|sign| walked(profile, psi, penetration, sign));
-        let radius = |angle: f64| profile.radius_at(angle.rem_euclid(TAU)).r;
-        let radius_on_arc = (radius(psi - before) + 4.0 * radius(psi) + radius(psi + after)) / 6.0;
-        // Mean over the arc of each point's hat function, summed over the turns it appears in, by the antiderivative
-        // of each of its two straight sides.
-        let spacing = TAU / n as f64;
-        let rising = |from: f64, to: f64| if to > from { 0.5 * (to * to - from * from) } else { 0.0 };
-        for (i, rate) in rate.iter_mut().enumerate() {
-            let mean: f64 = (-1..=1)
-                .map(|turn| {
-                    let at = i as f64 * spacing + f64::from(turn) * TAU;
-                    let (start, end) = ((psi - before - at) / spacing, (psi + after - at) / spacing);
-                    let side = |start: f64, end: f64| {
-                        rising(1.0 + start.clamp(-1.0, 0.0), 1.0 + end.clamp(-1.0, 0.0))
-                    };
-                    (side(start, end) + side(-end, -start)) / (end - start)
-                })
-                .sum();
-            *rate += COEFFICIENT / WIDTH * work * mean / (radius_on_arc * spacing);
+        let [down, up] = [-1.0, 1.0].map(|sign| walked(profile, psi, penetration, sign));
+        // The arc in both directions, then further patches: from, middle and to.
+        let mut patches = vec![[-down[0][1], 0.0, up[0][1]]];
+        patches.extend(down[1..].iter().map(|[from, to]| [-to, -0.5 * (from + to), -from]));
+        patches.extend(up[1..].iter().map(|[from, to]| [*from, 0.5 * (from + to), *to]));
+        let length: f64 = patches.iter().map(|[from, _, to]| to - from).sum();
+        let radius = |angle: f64| profile.radius_at((psi + angle).rem_euclid(TAU)).r;
+        for [from, middle, to] in patches {
+            let mean_radius = (radius(from) + 4.0 * radius(middle) + radius(to)) / 6.0;
+            // Mean over the patch of each point's hat function, summed over the turns it appears in, by the antiderivative
+            // of each of its two straight sides.
+            let spacing = TAU / n as f64;
+            let rising = |from: f64, to: f64| if to > from { 0.5 * (to * to - from * from) } else { 0.0 };
+            for (i, rate) in rate.iter_mut().enumerate() {
+                let mean: f64 = (-1..=1)
+                    .map(|turn| {
+                        let at = i as f64 * spacing + f64::from(turn) * TAU;
+                        let (start, end) = ((psi + from - at) / spacing, (psi + to - at) / spacing);
+                        let side = |start: f64, end: f64| {
+                            rising(1.0 + start.clamp(-1.0, 0.0), 1.0 + end.clamp(-1.0, 0.0))
+                        };
+                        (side(start, end) + side(-end, -start)) / (end - start)
+                    })
+                    .sum();
+                let share = work * (to - from) / length;
+                *rate += COEFFICIENT / WIDTH * share * mean / (mean_radius * spacing);
+            }
         }
     }
     rate
@@ -206,6 +223,35 @@ fn every_arc_wears_the_volume_of_archard_wherever_it_lies() {
     }
     println!("volume within {worst:e} of K F S");
     assert!(worst < 1e-3, "{worst:e}");
+}
+
+#[test]
+fn a_groove_that_splits_an_arc_changes_its_wear_without_a_jump() {
+    // The groove lies inside the arc: as it deepens, the circle is beyond the bore in front of it and behind it, and no longer in it.
+    let points = 36;
+    let wear = |depth: f64| {
+        let mut profile = Profile::round(R1 + CLEARANCE, points);
+        let mut depths = vec![0.0; points];
+        depths[11] = depth;
+        profile.set_depth(&depths);
+        let mut arcs = LocalArcs::new(&contact(), points, false);
+        arcs.freeze(&[single(TAU * 9.0 / points as f64, 0.6)]);
+        let mut shares = vec![0.0; points];
+        arcs.shares(&profile, &[], &mut shares);
+        shares
+    };
+    let steps = 4000;
+    let (mut largest, mut total) = (0.0_f64, 0.0_f64);
+    let mut before = wear(0.0);
+    for step in 1..=steps {
+        let now = wear(10e-6 * f64::from(step) / f64::from(steps));
+        let change = now.iter().zip(&before).map(|(a, b)| (a - b).abs()).sum::<f64>() / now.iter().sum::<f64>();
+        (largest, total) = (largest.max(change), total + change);
+        before = now;
+    }
+    println!("largest change of one of {steps} steps {largest:e}, of all {total}");
+    assert!(total > 0.1, "the groove must matter: {total}");
+    assert!(largest < 0.01 * total, "{largest:e} of {total}");
 }
 
 #[test]

@@ -186,8 +186,8 @@ fn what_a_step_would_give_back_is_held_and_counted() {
 
 #[test]
 fn the_local_law_takes_tight_tolerances_and_keeps_them() {
-    // The ends of its contact arc jump, and the wear rate with them: the errors made there are part of the
-    // sum that the tolerance bounds.
+    // The wear rate has kinks where patches of the contact appear and join: the errors made there are part of the sum that
+    // the tolerance bounds.
     let contact = Contact::LocalHertz(LocalHertz { surface: SURFACE });
     let zero = [0.0; POINTS];
     let fine = wear(&contact, &zero, 4, 2000.0, 2e-5).depth;
