@@ -264,4 +264,22 @@ mod tests {
         let shown = three_around_governing(&few, &few.limit_states[0]);
         assert_eq!(shown.iter().map(|d| d.cycles).collect::<Vec<_>>(), [69_000, 70_000, 71_000]);
     }
+    #[test]
+    fn both_thresholds_of_a_two_sided_limit_are_drawn_and_within_the_axes() {
+        let mut input = test_study::report_input();
+        let upper = input.limit_states[0].threshold;
+        let mentions = |figures: Vec<Figure>| figures[0].svg.matches("threshold").count();
+        let single = [histories(&input), distributions(&input)].map(|f| mentions(f.expect("drawn")));
+        input.limit_states[0].fails = Fails::Outside { lower: -0.5 * upper };
+        for (figures, single) in [histories(&input), distributions(&input)].into_iter().zip(single) {
+            let svg = &figures.expect("drawn")[0].svg;
+            for name in ["lower threshold", "upper threshold"] {
+                assert!(svg.contains(name), "{name}: {svg}");
+            }
+            assert!(svg.matches("threshold").count() > single);
+        }
+        // The axis of the values reaches below the lower threshold, which is negative.
+        let svg = &histories(&input).expect("drawn")[0].svg;
+        assert!(svg.contains('\u{2212}'), "no negative value on the axis: {svg}");
+    }
 }

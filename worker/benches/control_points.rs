@@ -1,0 +1,84 @@
+//! Convergence of the largest wear over the control points of the profiles, the length of the blocks and the number of contact samples,
+//! for every built-in scene that wears, under both contact laws: `cargo bench -p worker --bench control_points`.
+//! At the nominal point and the end of life; every column but the first of each group changes one choice of `balanced` at 36 points.
+
+use common::accuracy::Accuracy;
+use common::outputs::Evaluation;
+use common::scene::{ContactLaw, JointKind, OutputKind, Scene, SceneSource};
+use worker::simulate::{SimulateOptions, simulate};
+
+/// Numbers of control points.
+const POINTS: [usize; 5] = [18, 36, 72, 144, 288];
+/// Lengths of the blocks [cycles].
+const BLOCKS: [u32; 3] = [500, 1000, 4000];
+/// Contact samples of a cycle.
+const SAMPLES: [usize; 2] = [150, 1200];
+
+fn with(scene: &Scene, law: ContactLaw, points: usize) -> Scene {
+    let mut scene = scene.clone();
+    for joint in &mut scene.joints {
+        if let JointKind::Clearance(clearance) = &mut joint.kind {
+            (clearance.contact_law, clearance.control_points) = (law, points);
+        }
+    }
+    scene
+}
+
+/// Largest wear at the end of life and its stated error [m].
+fn largest_wear(scene: &Scene, evaluation: &Evaluation) -> Option<(f64, f64)> {
+    let output = scene.outputs.iter().position(|output| matches!(output.kind, OutputKind::LargestWear { .. }))?;
+    Some((*evaluation.histories[output].last()?, *evaluation.errors[output].last()?))
+}
+
+fn main() {
+    println!("| scene | law | wear at 288 points | {} |", headings().join(" | "));
+    println!("|---|---|---|{}", "---|".repeat(headings().len()));
+    for name in SceneSource::builtin_names() {
+        let source = SceneSource::builtin(name).expect("built in");
+        let nominal = source.resolve_sample(&source.means()).expect("means are within bounds");
+        if !nominal.outputs.iter().any(|output| matches!(output.kind, OutputKind::LargestWear { .. })) {
+            continue;
+        }
+        for law in ContactLaw::ALL {
+            row(name, &nominal, law);
+        }
+    }
+}
+
+fn headings() -> Vec<String> {
+    let points = POINTS[..4].iter().map(|n| format!("{n} points (stated)"));
+    let blocks = BLOCKS.iter().map(|n| format!("blocks of {n}"));
+    points.chain(blocks).chain(SAMPLES.iter().map(|n| format!("{n} samples"))).collect()
+}
+
+/// Prints the differences of one scene under one law: over the points from the finest, of the rest from `balanced`.
+fn row(name: &str, nominal: &Scene, law: ContactLaw) {
+    let balanced = Accuracy::balanced();
+    let wear = |points: usize, accuracy: Accuracy| {
+        let scene = with(nominal, law, points);
+        let evaluation = simulate(&scene, &accuracy, SimulateOptions::default());
+        evaluation.map_err(|failure| failure.to_string()).map(|e| largest_wear(&scene, &e).expect("it wears"))
+    };
+    let percent = |value: f64, of: f64| format!("{:+.2} %", 100.0 * (value / of - 1.0));
+    let over_points = POINTS.map(|points| wear(points, balanced));
+    let finest = over_points[4].clone();
+    let mut cells: Vec<String> = over_points[..4]
+        .iter()
+        .map(|found| match (found, &finest) {
+            (Ok((depth, stated)), Ok((of, _))) => {
+                format!("{} ({:.2} %)", percent(*depth, *of), 100.0 * stated / of)
+            }
+            _ => "failed".to_owned(),
+        })
+        .collect();
+    let blocks = BLOCKS.map(|cycle_jump| Accuracy { cycle_jump, ..balanced });
+    let samples = SAMPLES.map(|wear_samples| Accuracy { wear_samples, ..balanced });
+    for accuracy in blocks.into_iter().chain(samples) {
+        cells.push(match (wear(36, accuracy), &over_points[1]) {
+            (Ok((depth, _)), Ok((of, _))) => percent(depth, *of),
+            _ => "failed".to_owned(),
+        });
+    }
+    let depth = finest.map_or_else(|failure| failure, |(depth, _)| format!("{:.3} µm", depth * 1e6));
+    println!("| `{name}` | `{}` | {depth} | {} |", law.name(), cells.join(" | "));
+}
