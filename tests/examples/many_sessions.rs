@@ -73,7 +73,17 @@ fn measure(sessions: usize, tasks: &str, folder: &str) -> Result<(), Box<dyn Err
     };
     print("all have claimed, after", &first, "all")?;
     let idle = first.resident().unwrap_or(f64::NAN);
+    let processor = |process: &Process| process.processor_time().unwrap_or(f64::NAN);
+    let used = || (processor(&first), workers.iter().map(processor).sum::<f64>());
+    let before = used();
     print(&format!("{tasks} empty tasks"), &first, "ran")?;
+    let after = used();
+    let each = |seconds: f64| 1e6 * seconds / tasks.parse::<f64>().unwrap_or(f64::NAN);
+    println!(
+        "| processor time per task: coordinator, workers | {:.0} us, {:.0} us |",
+        each(after.0 - before.0),
+        each(after.1 - before.1)
+    );
     print("tasks of a worker: least, a quarter below, median, a quarter above, most", &first, "shares")?;
     let busy = first.resident().unwrap_or(f64::NAN);
     println!("| memory of the coordinator: all connected, after the tasks | {idle:.0} MiB, {busy:.0} MiB |");

@@ -19,8 +19,8 @@ use std::time::{Duration, Instant};
 const ASK_AGAIN: u32 = 1000;
 /// Interval of the scheduler's tick events.
 const TICK: Duration = Duration::from_millis(500);
-/// Most points in one notice.
-const POINTS_PER_NOTICE: usize = 1000;
+/// Most points in a notice: it goes to every worker, which then claims tasks whichever points it names.
+const POINTS_PER_NOTICE: usize = 100;
 /// Workers of other versions that are remembered, so that each is logged once.
 const MOST_REFUSED: usize = 1000;
 
@@ -269,11 +269,7 @@ impl DispatchLoop {
                 };
                 self.answer(query, &Reply { acknowledged, next });
             }
-            Action::Announce(points) => {
-                for chunk in points.chunks(POINTS_PER_NOTICE) {
-                    self.announce(chunk);
-                }
-            }
+            Action::Announce(points) => self.announce(&points[..points.len().min(POINTS_PER_NOTICE)]),
             Action::AnnounceEnd => self.publish(&Notice::Ended { campaign: self.campaign }),
             Action::Warn(warning) => warn(&warning, &self.order.subject),
         }
