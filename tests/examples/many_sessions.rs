@@ -3,6 +3,7 @@
 //! `cargo run --release -p tests --example many_sessions [SESSIONS [TASKS [FOLDER]]]`, by default 2000 sessions, in 8
 //! processes, and 100 000 tasks; the campaign files are in the folder, by default the current one.
 
+use common::wire::MAX_SESSIONS;
 use coordinator::farm::dispatch::{CampaignSpec, Listen, ZenohEvaluator};
 use coordinator::farm::evaluate::{Demand, EvaluateError, Evaluator, Finished, RequestSource};
 use std::collections::BTreeMap;
@@ -20,7 +21,7 @@ use worker::service::{self, ServiceConfig};
 
 const PROCESSES: usize = 8;
 /// Time limit of each step; only a defect takes longer.
-const LONGEST: Duration = Duration::from_secs(300);
+const LONGEST: Duration = Duration::from_secs(900);
 
 /// Ends of a coordinator's process.
 const KILLED: &str = "killed";
@@ -89,6 +90,9 @@ fn measure(sessions: usize, tasks: &str, folder: &str) -> Result<(), Box<dyn Err
     println!("| memory of the coordinator: all connected, after the tasks | {idle:.0} MiB, {busy:.0} MiB |");
     let all: f64 = workers.iter().filter_map(Process::resident).sum();
     println!("| memory of the workers, per session | {:.2} MiB |", all / sessions as f64);
+    if sessions as u32 >= MAX_SESSIONS {
+        println!("| one more worker | {} |", one_more(&endpoint)?);
+    }
     first.kill();
     std::thread::sleep(Duration::from_secs(3));
     let mut second = coordinator(FINISHED);
@@ -163,6 +167,16 @@ impl RequestSource for Counted {
             *self.tasks.entry(outcome.worker.clone()).or_default() += 1;
         }
         self.journaled.record_all(finished)
+    }
+}
+
+/// What a worker reports that the coordinator does not accept.
+fn one_more(endpoint: &str) -> Result<String, Box<dyn Error>> {
+    let give_up_after = Some(Duration::from_secs(10));
+    let config = ServiceConfig { give_up_after, ..ServiceConfig::new(endpoint, 1) };
+    match service::run(config, Arc::new(ClosureSimulator(evaluation))) {
+        Err(refused) => Ok(refused.to_string()),
+        Ok(_) => Err("one more worker was accepted".into()),
     }
 }
 
