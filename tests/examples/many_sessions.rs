@@ -1,7 +1,7 @@
 //! A coordinator with thousands of worker sessions on this machine: connection, tasks per second with empty simulations whose
 //! outcomes are durable in a campaign file, shares of the workers, memory, and reconnection after the coordinator is killed.
-//! `cargo run --release -p tests --example many_sessions [SESSIONS [TASKS [FOLDER]]]`, by default 2000 sessions, in 8
-//! processes, and 100 000 tasks; the campaign files are in the folder, by default the current one.
+//! `cargo run --release -p tests --example many_sessions [SESSIONS [TASKS [FOLDER [SECONDS]]]]`, by default 2000 sessions, in 8
+//! processes, and 100 000 tasks that take no time; the campaign files are in the folder, by default the current one.
 
 use common::wire::MAX_SESSIONS;
 use coordinator::farm::dispatch::{CampaignSpec, Listen, ZenohEvaluator};
@@ -39,16 +39,18 @@ fn main() -> Result<(), Box<dyn Error>> {
             evaluator.finish();
             Ok(())
         }
-        ["workers", endpoint, first, count] => work(endpoint, first.parse()?, count.parse()?),
+        ["workers", endpoint, first, count, seconds] => {
+            work(endpoint, first.parse()?, count.parse()?, Duration::from_secs_f64(seconds.parse()?))
+        }
         _ => {
             let word = |k: usize, default: &str| words.get(k).map_or(default.to_owned(), |w| (*w).to_owned());
-            measure(word(0, "2000").parse()?, &word(1, "100000"), &word(2, "."))
+            measure(word(0, "2000").parse()?, &word(1, "100000"), &word(2, "."), &word(3, "0"))
         }
     }
 }
 
 /// Starts the processes and prints the table.
-fn measure(sessions: usize, tasks: &str, folder: &str) -> Result<(), Box<dyn Error>> {
+fn measure(sessions: usize, tasks: &str, folder: &str, seconds: &str) -> Result<(), Box<dyn Error>> {
     let endpoint = format!("tcp/{}", TcpListener::bind("127.0.0.1:0")?.local_addr()?);
     let own = std::env::current_exe()?;
     let coordinator = |end: &str| {
@@ -62,7 +64,7 @@ fn measure(sessions: usize, tasks: &str, folder: &str) -> Result<(), Box<dyn Err
         .map(|k| {
             let [from, to] = [k, k + 1].map(|k| k * sessions / PROCESSES);
             let mut command = Command::new(&own);
-            command.args(["workers", &endpoint, &from.to_string(), &(to - from).to_string()]);
+            command.args(["workers", &endpoint, &from.to_string(), &(to - from).to_string(), seconds]);
             Process::start(&mut command)
         })
         .collect();
@@ -77,7 +79,7 @@ fn measure(sessions: usize, tasks: &str, folder: &str) -> Result<(), Box<dyn Err
     let processor = |process: &Process| process.processor_time().unwrap_or(f64::NAN);
     let used = || (processor(&first), workers.iter().map(processor).sum::<f64>());
     let before = used();
-    print(&format!("{tasks} empty tasks"), &first, "ran")?;
+    print(&format!("{tasks} tasks of {seconds} s"), &first, "ran")?;
     let after = used();
     let each = |seconds: f64| 1e6 * seconds / tasks.parse::<f64>().unwrap_or(f64::NAN);
     println!(
@@ -181,8 +183,11 @@ fn one_more(endpoint: &str) -> Result<String, Box<dyn Error>> {
 }
 
 /// A process with `count` workers, numbered from `first`, each with a session and a slot of its own.
-fn work(endpoint: &str, first: usize, count: usize) -> Result<(), Box<dyn Error>> {
-    let simulator = Arc::new(ClosureSimulator(evaluation));
+fn work(endpoint: &str, first: usize, count: usize, takes: Duration) -> Result<(), Box<dyn Error>> {
+    let simulator = Arc::new(ClosureSimulator(move |sample: &[f64]| {
+        std::thread::sleep(takes);
+        evaluation(sample)
+    }));
     let mut workers = Vec::new();
     for k in first..first + count {
         let config = ServiceConfig {

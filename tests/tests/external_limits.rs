@@ -159,8 +159,12 @@ fn a_worker_whose_run_time_ends_returns_its_evaluations_and_ends_its_programs() 
         let study = Study::new();
         // With licences no evaluation goes to a second worker before.
         let mut coordinator = study.coordinator(Some(9), Arc::default());
-        let mut short =
-            study.worker(&coordinator.endpoints()[0], "short", &study.file("all", "60 s"), &["--walltime", "3"]);
+        let mut short = study.worker(
+            &coordinator.endpoints()[0],
+            "short",
+            &study.file("all", "60 s"),
+            &["--walltime", "3"],
+        );
         let (outcomes, workers) = std::thread::scope(|scope| {
             let endpoint = coordinator.endpoints()[0].clone();
             let evaluated = scope.spawn(|| evaluate(&mut coordinator, 8).unwrap());
@@ -199,7 +203,12 @@ fn programs_under_licences_end_without_contact_and_not_at_once() {
         let study = Study::new();
         let interrupted = Arc::new(AtomicBool::new(false));
         let mut coordinator = study.coordinator(Some(2), Arc::clone(&interrupted));
-        let worker = study.worker(&coordinator.endpoints()[0], "w", &study.file("all", "60 s"), &["--give-up-after", "0"]);
+        let worker = study.worker(
+            &coordinator.endpoints()[0],
+            "w",
+            &study.file("all", "60 s"),
+            &["--give-up-after", "0"],
+        );
         let evaluated = std::thread::spawn(move || {
             let ended = evaluate(&mut coordinator, 2);
             // As if it were killed: without notice.

@@ -105,7 +105,13 @@ fn frames() -> Vec<Vec<u8>> {
     };
     let order = |subject| {
         let tasks = vec![task(1), task(2)];
-        Next::Work(WorkOrder { subject, accuracy: accuracy(), accuracy_name: "balanced".into(), licensed: true, tasks })
+        Next::Work(WorkOrder {
+            subject,
+            accuracy: accuracy(),
+            accuracy_name: "balanced".into(),
+            licensed: true,
+            tasks,
+        })
     };
     let orders = [order(Subject::Scene("[scene]".into())), order(Subject::Simulator(beam()))];
     let replies = [Next::Idle { ask_again: 500 }, Next::Leave];

@@ -120,7 +120,13 @@ fn reply() -> impl Strategy<Value = Reply> {
     let work = (".{0,99}", number(), vec(task(), 0..9)).prop_map(|(scene, x, tasks)| {
         let subject =
             if tasks.len() % 2 == 0 { Subject::Scene(scene) } else { Subject::Simulator(simulator(7)) };
-        Next::Work(WorkOrder { subject, accuracy: accuracy(x), accuracy_name: "draft".into(), licensed: x > 0.5, tasks })
+        Next::Work(WorkOrder {
+            subject,
+            accuracy: accuracy(x),
+            accuracy_name: "draft".into(),
+            licensed: x > 0.5,
+            tasks,
+        })
     });
     let idle = any::<u32>().prop_map(|ask_again| Next::Idle { ask_again });
     (vec(key(), 0..9), prop_oneof![work, idle, Just(Next::Leave)])

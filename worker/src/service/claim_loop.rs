@@ -143,8 +143,9 @@ impl ClaimLoop {
         let now = Instant::now();
         match event {
             // Stopped because the worker is leaving, or without contact: the task goes to another worker.
-            ClaimEvent::Finished(outcome) if outcome.is_unusable()
-                && (self.licence_contact.take_ended(&outcome.task) || self.leaving_since.is_some()) =>
+            ClaimEvent::Finished(outcome)
+                if outcome.is_unusable()
+                    && (self.licence_contact.take_ended(&outcome.task) || self.leaving_since.is_some()) =>
             {
                 self.running.retain(|(task, _)| !task.same_work(&outcome.task));
                 self.returned_tasks = true;
@@ -233,7 +234,8 @@ impl ClaimLoop {
                 self.slots.shares().answered(self.coordinator, 0, now);
                 // Without credits, the reply says nothing about the queue.
                 if credits > 0 {
-                    self.claim_at = now + self.backoff.spread(Duration::from_millis(u64::from(ask_again)), self.sequence);
+                    self.claim_at =
+                        now + self.backoff.spread(Duration::from_millis(u64::from(ask_again)), self.sequence);
                 }
             }
             Next::Leave => return Ok(self.campaign_ended(now)),

@@ -58,7 +58,8 @@ impl Job {
 
     /// Like [`Job::standalone`], for a scene or a simulator.
     pub fn of_subject(subject: Subject, sample: &[f64], accuracy: Accuracy) -> Self {
-        let order = WorkOrder { subject, accuracy, accuracy_name: String::new(), licensed: false, tasks: vec![] };
+        let order =
+            WorkOrder { subject, accuracy, accuracy_name: String::new(), licensed: false, tasks: vec![] };
         let task = Task {
             key: TaskKey { campaign: 0, task: 0 },
             attempt: 1,

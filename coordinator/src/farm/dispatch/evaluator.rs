@@ -98,7 +98,8 @@ impl ZenohEvaluator {
         }
         let subject =
             simulator.map_or_else(|| Subject::Scene(scene), |simulator| Subject::Simulator(simulator.id));
-        let order = WorkOrder { subject, accuracy, accuracy_name, licensed: licences.is_some(), tasks: vec![] };
+        let order =
+            WorkOrder { subject, accuracy, accuracy_name, licensed: licences.is_some(), tasks: vec![] };
         Reply { acknowledged: vec![], next: Next::Work(order.clone()) }.check()?;
 
         let (inputs, received) = channel();
