@@ -3,7 +3,7 @@
 use super::DispatchError;
 use super::backpressure::Backpressure;
 use super::dispatch_loop::{ConnectedWorker, ConnectedWorkers, Delivery, DispatchLoop, Input};
-use super::scheduler::{HELD, SchedulerSettings};
+use super::scheduler::{LICENCE_HOLD, SchedulerSettings};
 use super::status_board::StatusBoard;
 use super::transport::{Listen, Transport};
 use crate::farm::evaluate::{EvaluateError, Evaluator, POLL_INTERVAL, PendingRequests, RequestSource};
@@ -87,7 +87,7 @@ impl ZenohEvaluator {
         let licences = campaign.simulator.as_ref().and_then(|simulator| simulator.licences);
         let settle = match (campaign.resumed, licences) {
             // Evaluations of the earlier coordinator may still run, also where its workers do not find this one.
-            (true, Some(_)) => HELD,
+            (true, Some(_)) => LICENCE_HOLD,
             (true, None) if fixed_endpoint => SETTLE,
             _ => Duration::ZERO,
         };

@@ -34,7 +34,9 @@ impl Scheduler {
         running: &BTreeSet<u64>,
     ) {
         if self.settings.licences.is_none() {
-        } else if leaving {
+            return;
+        }
+        if leaving {
             self.held_licences.hold_leaving(id, self.workers.under_way_at(id), now);
         } else {
             let ended = |task: &&u64| self.tasks.status(**task) == TaskStatus::Ended;

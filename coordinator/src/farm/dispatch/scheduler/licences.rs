@@ -9,7 +9,7 @@ use std::time::Duration;
 
 /// Time for which a licence is held back after the last contact: longer than [`LICENCE_CONTACT`] by the time in which a
 /// worker notices that it is over and ends its programs.
-pub const HELD: Duration = LICENCE_CONTACT.saturating_add(Duration::from_secs(2));
+pub const LICENCE_HOLD: Duration = LICENCE_CONTACT.saturating_add(Duration::from_secs(2));
 /// Time in which the programs of a worker that leaves have ended.
 const LEAVING: Duration = Duration::from_secs(1);
 
@@ -20,7 +20,7 @@ pub(super) struct HeldLicences(BTreeMap<WorkerId, Vec<Duration>>);
 impl HeldLicences {
     /// Holds licences of a worker back that has no leases for what it runs.
     pub fn hold(&mut self, worker: &WorkerId, count: usize, now: Duration) {
-        self.hold_until(worker, count, now + HELD);
+        self.hold_until(worker, count, now + LICENCE_HOLD);
     }
 
     /// Holds licences of a worker that leaves back until its programs have ended.
@@ -37,7 +37,7 @@ impl HeldLicences {
     /// Extends the time of a worker that has contact and no leases.
     pub fn extend(&mut self, worker: &WorkerId, now: Duration) {
         if let Some(held) = self.0.get_mut(worker) {
-            held.fill(now + HELD);
+            held.fill(now + LICENCE_HOLD);
         }
     }
 

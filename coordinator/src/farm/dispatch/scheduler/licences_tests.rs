@@ -107,9 +107,9 @@ fn licences_of_a_lost_worker_are_held_while_its_programs_may_run() {
     s.on_event(SECOND, Event::WorkerLost(a.clone()));
     // It still has contact, but no token, so it gets no tasks and may go on: the time begins again.
     assert_eq!(tasks(&mut s, 2 * SECOND, of_beam(&a, 4, vec![], &[0, 1])), vec![]);
-    let held_until = 2 * SECOND + HELD;
-    assert_eq!(s.on_event(SECOND + HELD, Event::Tick), vec![]);
-    assert_eq!(tasks(&mut s, SECOND + HELD, of_beam(&b, 4, vec![], &[3])), vec![]);
+    let held_until = 2 * SECOND + LICENCE_HOLD;
+    assert_eq!(s.on_event(SECOND + LICENCE_HOLD, Event::Tick), vec![]);
+    assert_eq!(tasks(&mut s, SECOND + LICENCE_HOLD, of_beam(&b, 4, vec![], &[3])), vec![]);
     let freed = s.on_event(held_until, Event::Tick);
     assert!(matches!(&freed[..], [Action::Announce(points)] if points.len() == 7), "{freed:?}");
     assert_eq!(numbers(&tasks(&mut s, held_until, of_beam(&b, 5, vec![], &[next[0].key.task]))), [0]);

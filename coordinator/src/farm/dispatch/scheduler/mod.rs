@@ -44,7 +44,7 @@ mod workers;
 mod workers_tests;
 
 pub use event::{Action, Assignment, Event, Token, Warning};
-pub use licences::HELD;
+pub use licences::LICENCE_HOLD;
 pub use settings::SchedulerSettings;
 pub use snapshot::FarmSnapshot;
 
