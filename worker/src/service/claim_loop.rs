@@ -143,10 +143,7 @@ impl ClaimLoop {
         let now = Instant::now();
         match event {
             // Stopped because the worker is leaving, or without contact: the task goes to another worker.
-            ClaimEvent::Finished(outcome)
-                if outcome.is_unusable()
-                    && (self.licence_contact.take_ended(&outcome.task) || self.leaving_since.is_some()) =>
-            {
+            ClaimEvent::Finished(outcome) if self.licence_contact.has_ended(&outcome, self.leaving_since) => {
                 self.running.retain(|(task, _)| !task.same_work(&outcome.task));
                 self.returned_tasks = true;
             }

@@ -3,7 +3,7 @@
 //! The coordinator gives the licences of a lost worker to others after a while. So a worker that runs such evaluations
 //! sends a claim every two seconds, and ends them when no claim has been answered for [`LICENCE_CONTACT`].
 
-use common::wire::{LICENCE_CONTACT, Task};
+use common::wire::{LICENCE_CONTACT, Outcome, Task};
 use std::time::{Duration, Instant};
 
 /// Interval of claims while evaluations under licences run.
@@ -48,10 +48,11 @@ impl LicenceContact {
         tracing::warn!("{} evaluations that need licences end: no coordinator answers", self.ended.len());
     }
 
-    /// True if the slot of a task that was ended returns.
-    pub(crate) fn take_ended(&mut self, task: &Task) -> bool {
-        let at = self.ended.iter().position(|ended| ended.same_work(task));
-        at.map(|at| self.ended.swap_remove(at)).is_some()
+    /// True if the outcome is that of a task that was ended here, without contact or since the worker leaves.
+    pub(crate) fn has_ended(&mut self, outcome: &Outcome, leaving_since: Option<Instant>) -> bool {
+        let at = self.ended.iter().position(|ended| ended.same_work(&outcome.task));
+        let was_ended = at.map(|at| self.ended.swap_remove(at)).is_some() || leaving_since.is_some();
+        was_ended && outcome.is_unusable()
     }
 }
 
@@ -59,6 +60,7 @@ impl LicenceContact {
 mod tests {
     use super::*;
     use crate::service::practice::job;
+    use common::failure::SimulationFailure;
 
     #[test]
     fn only_evaluations_under_licences_end_without_contact() {
@@ -79,9 +81,16 @@ mod tests {
 
     #[test]
     fn an_ended_task_returns_once() {
-        let [task, other] = [job(1.0).task, job(2.0).task];
+        let unusable = || Err(SimulationFailure::SimulatorUnusable { reason: "stopped".into() });
+        let outcome = |x: f64, result| Outcome { task: job(x).task, worker: "w/0".into(), wall: 1.0, result };
+        let (ended, other) = (outcome(1.0, unusable()), outcome(2.0, unusable()));
         let mut contact = LicenceContact::default();
-        contact.end(std::iter::once(task.clone()));
-        assert!(!contact.take_ended(&other) && contact.take_ended(&task) && !contact.take_ended(&task));
+        contact.end(std::iter::once(ended.task.clone()));
+        assert!(!contact.has_ended(&other, None) && contact.has_ended(&other, Some(Instant::now())));
+        assert!(contact.has_ended(&ended, None) && !contact.has_ended(&ended, None));
+        // One that has finished before it was stopped counts.
+        contact.end(std::iter::once(ended.task.clone()));
+        let finished = outcome(1.0, Err(SimulationFailure::TimedOut { seconds: 1.0 }));
+        assert!(!contact.has_ended(&finished, None) && !contact.has_ended(&ended, None));
     }
 }
