@@ -59,7 +59,7 @@ pub(super) struct ClaimLoop {
     backoff: Backoff,
     monitor: ConnectionMonitor,
     leave_policy: LeavePolicy,
-    licence_contact: LicenceContact,
+    contact: LicenceContact,
     /// Tasks were returned, and no claim has reported it yet.
     returned_tasks: bool,
     leaving_since: Option<Instant>,
@@ -96,7 +96,7 @@ impl ClaimLoop {
             backoff,
             monitor,
             leave_policy,
-            licence_contact: LicenceContact::default(),
+            contact: LicenceContact::default(),
             returned_tasks: false,
             leaving_since: None,
             farewell_answered: false,
@@ -143,7 +143,7 @@ impl ClaimLoop {
         let now = Instant::now();
         match event {
             // Stopped because the worker is leaving, or without contact: the task goes to another worker.
-            ClaimEvent::Finished(outcome) if self.licence_contact.has_ended(&outcome, self.leaving_since) => {
+            ClaimEvent::Finished(outcome) if self.contact.take_ended(&outcome, self.leaving_since) => {
                 self.running.retain(|(task, _)| !task.same_work(&outcome.task));
                 self.returned_tasks = true;
             }
@@ -213,7 +213,7 @@ impl ClaimLoop {
             return Ok(None);
         };
         self.farewell_answered |= leaving;
-        self.licence_contact.on_reply(since);
+        self.contact.on_reply(since);
         self.monitor.on_answer();
         self.backoff.reset();
         self.unacknowledged.forget(&reply.acknowledged);
@@ -266,7 +266,7 @@ impl ClaimLoop {
             tasks.clear();
         }
         self.slots.shares().answered(self.coordinator, tasks.len(), now);
-        self.licence_contact.on_work(order.licensed);
+        self.contact.on_work(order.licensed);
         let order = Arc::new(order);
         for task in tasks {
             self.running.push((task.clone(), now));
@@ -319,7 +319,7 @@ impl ClaimLoop {
             return Ok(());
         }
         let leaving = self.leaving_since.is_some();
-        let contact = self.licence_contact.next_claim(self.running.len()).is_some_and(|due| due <= now);
+        let contact = self.contact.next_claim(self.running.len()).is_some_and(|due| due <= now);
         let must_report = (leaving && !self.farewell_answered) || self.returned_tasks || contact;
         if credits == 0 && !must_report && self.unacknowledged.next_due().is_none_or(|due| due > now) {
             return Ok(());
@@ -352,7 +352,7 @@ impl ClaimLoop {
         let mut wake = now + POLL_INTERVAL;
         if self.pending.is_none() {
             let claim = Some(self.claim_at).filter(|at| self.accepts_tasks() && *at > now);
-            let contact = self.licence_contact.next_claim(self.running.len());
+            let contact = self.contact.next_claim(self.running.len());
             let due = [claim, self.unacknowledged.next_due(), contact].into_iter().flatten().min();
             wake = due.map_or(wake, |due| wake.min(due.max(self.silent_until)));
         }
@@ -375,10 +375,10 @@ impl ClaimLoop {
                 self.slots.simulator().stop();
             }
         }
-        if self.licence_contact.is_lost(now, self.running.len()) {
+        if self.contact.is_lost(now, self.running.len()) {
             // The coordinator may give their licences to other workers.
             self.returned_tasks |= self.withdraw(|_| true) > 0;
-            self.licence_contact.end(self.running.drain(..).map(|(task, _)| task));
+            self.contact.end(self.running.drain(..).map(|(task, _)| task));
             self.slots.simulator().stop_jobs_of(self.coordinator);
         }
         if let Some(since) = self.leaving_since {

@@ -49,7 +49,7 @@ impl LicenceContact {
     }
 
     /// True if the outcome is that of a task that was ended here, without contact or since the worker leaves.
-    pub(crate) fn has_ended(&mut self, outcome: &Outcome, leaving_since: Option<Instant>) -> bool {
+    pub(crate) fn take_ended(&mut self, outcome: &Outcome, leaving_since: Option<Instant>) -> bool {
         let at = self.ended.iter().position(|ended| ended.same_work(&outcome.task));
         let was_ended = at.map(|at| self.ended.swap_remove(at)).is_some() || leaving_since.is_some();
         was_ended && outcome.is_unusable()
@@ -86,11 +86,11 @@ mod tests {
         let (ended, other) = (outcome(1.0, unusable()), outcome(2.0, unusable()));
         let mut contact = LicenceContact::default();
         contact.end(std::iter::once(ended.task.clone()));
-        assert!(!contact.has_ended(&other, None) && contact.has_ended(&other, Some(Instant::now())));
-        assert!(contact.has_ended(&ended, None) && !contact.has_ended(&ended, None));
+        assert!(!contact.take_ended(&other, None) && contact.take_ended(&other, Some(Instant::now())));
+        assert!(contact.take_ended(&ended, None) && !contact.take_ended(&ended, None));
         // One that has finished before it was stopped counts.
         contact.end(std::iter::once(ended.task.clone()));
         let finished = outcome(1.0, Err(SimulationFailure::TimedOut { seconds: 1.0 }));
-        assert!(!contact.has_ended(&finished, None) && !contact.has_ended(&ended, None));
+        assert!(!contact.take_ended(&finished, None) && !contact.take_ended(&ended, None));
     }
 }
