@@ -1,8 +1,9 @@
 //! A coordinator with thousands of worker sessions on this machine: connection, tasks per second with empty simulations whose
 //! outcomes are durable in a campaign file, shares of the workers, memory, and reconnection after the coordinator is killed.
-//! `cargo run --release -p tests --example many_sessions [SESSIONS [TASKS [FOLDER]]]`, by default 2000 sessions, in 8
-//! processes, and 100 000 tasks; the campaign files are in the folder, by default the current one.
+//! `cargo run --release -p tests --example many_sessions [SESSIONS [TASKS [FOLDER [SECONDS]]]]`, by default 2000 sessions, in 8
+//! processes, and 100 000 tasks that take no time; the campaign files are in the folder, by default the current one.
 
+use common::wire::MAX_SESSIONS;
 use coordinator::farm::dispatch::{CampaignSpec, Listen, ZenohEvaluator};
 use coordinator::farm::evaluate::{Demand, EvaluateError, Evaluator, Finished, RequestSource};
 use std::collections::BTreeMap;
@@ -20,7 +21,7 @@ use worker::service::{self, ServiceConfig};
 
 const PROCESSES: usize = 8;
 /// Time limit of each step; only a defect takes longer.
-const LONGEST: Duration = Duration::from_secs(300);
+const LONGEST: Duration = Duration::from_secs(900);
 
 /// Ends of a coordinator's process.
 const KILLED: &str = "killed";
@@ -38,16 +39,18 @@ fn main() -> Result<(), Box<dyn Error>> {
             evaluator.finish();
             Ok(())
         }
-        ["workers", endpoint, first, count] => work(endpoint, first.parse()?, count.parse()?),
+        ["workers", endpoint, first, count, seconds] => {
+            work(endpoint, first.parse()?, count.parse()?, Duration::from_secs_f64(seconds.parse()?))
+        }
         _ => {
             let word = |k: usize, default: &str| words.get(k).map_or(default.to_owned(), |w| (*w).to_owned());
-            measure(word(0, "2000").parse()?, &word(1, "100000"), &word(2, "."))
+            measure(word(0, "2000").parse()?, &word(1, "100000"), &word(2, "."), &word(3, "0"))
         }
     }
 }
 
 /// Starts the processes and prints the table.
-fn measure(sessions: usize, tasks: &str, folder: &str) -> Result<(), Box<dyn Error>> {
+fn measure(sessions: usize, tasks: &str, folder: &str, seconds: &str) -> Result<(), Box<dyn Error>> {
     let endpoint = format!("tcp/{}", TcpListener::bind("127.0.0.1:0")?.local_addr()?);
     let own = std::env::current_exe()?;
     let coordinator = |end: &str| {
@@ -61,7 +64,7 @@ fn measure(sessions: usize, tasks: &str, folder: &str) -> Result<(), Box<dyn Err
         .map(|k| {
             let [from, to] = [k, k + 1].map(|k| k * sessions / PROCESSES);
             let mut command = Command::new(&own);
-            command.args(["workers", &endpoint, &from.to_string(), &(to - from).to_string()]);
+            command.args(["workers", &endpoint, &from.to_string(), &(to - from).to_string(), seconds]);
             Process::start(&mut command)
         })
         .collect();
@@ -73,12 +76,25 @@ fn measure(sessions: usize, tasks: &str, folder: &str) -> Result<(), Box<dyn Err
     };
     print("all have claimed, after", &first, "all")?;
     let idle = first.resident().unwrap_or(f64::NAN);
-    print(&format!("{tasks} empty tasks"), &first, "ran")?;
+    let processor = |process: &Process| process.processor_time().unwrap_or(f64::NAN);
+    let used = || (processor(&first), workers.iter().map(processor).sum::<f64>());
+    let before = used();
+    print(&format!("{tasks} tasks of {seconds} s"), &first, "ran")?;
+    let after = used();
+    let each = |seconds: f64| 1e6 * seconds / tasks.parse::<f64>().unwrap_or(f64::NAN);
+    println!(
+        "| processor time per task: coordinator, workers | {:.0} us, {:.0} us |",
+        each(after.0 - before.0),
+        each(after.1 - before.1)
+    );
     print("tasks of a worker: least, a quarter below, median, a quarter above, most", &first, "shares")?;
     let busy = first.resident().unwrap_or(f64::NAN);
     println!("| memory of the coordinator: all connected, after the tasks | {idle:.0} MiB, {busy:.0} MiB |");
     let all: f64 = workers.iter().filter_map(Process::resident).sum();
     println!("| memory of the workers, per session | {:.2} MiB |", all / sessions as f64);
+    if sessions as u32 >= MAX_SESSIONS {
+        println!("| one more worker | {} |", one_more(&endpoint)?);
+    }
     first.kill();
     std::thread::sleep(Duration::from_secs(3));
     let mut second = coordinator(FINISHED);
@@ -156,9 +172,22 @@ impl RequestSource for Counted {
     }
 }
 
+/// What a worker reports that the coordinator does not accept.
+fn one_more(endpoint: &str) -> Result<String, Box<dyn Error>> {
+    let give_up_after = Some(Duration::from_secs(10));
+    let config = ServiceConfig { give_up_after, ..ServiceConfig::new(endpoint, 1) };
+    match service::run(config, Arc::new(ClosureSimulator(evaluation))) {
+        Err(refused) => Ok(refused.to_string()),
+        Ok(_) => Err("one more worker was accepted".into()),
+    }
+}
+
 /// A process with `count` workers, numbered from `first`, each with a session and a slot of its own.
-fn work(endpoint: &str, first: usize, count: usize) -> Result<(), Box<dyn Error>> {
-    let simulator = Arc::new(ClosureSimulator(evaluation));
+fn work(endpoint: &str, first: usize, count: usize, takes: Duration) -> Result<(), Box<dyn Error>> {
+    let simulator = Arc::new(ClosureSimulator(move |sample: &[f64]| {
+        std::thread::sleep(takes);
+        evaluation(sample)
+    }));
     let mut workers = Vec::new();
     for k in first..first + count {
         let config = ServiceConfig {

@@ -70,6 +70,7 @@ fn a_worker_in_a_batch_job_gets_the_remaining_time() {
         stand_in(path, "squeue", &format!("echo {left}"));
         let mut job = batch(path, "workers.sbatch");
         job.envs([("SLURM_JOB_ID", "31"), ("SLURM_ARRAY_JOB_ID", "30"), ("SLURM_ARRAY_TASK_ID", "4")]);
+        job.env("WORKER_OPTIONS", "--drain 5");
         let output = job.env("SLURM_CPUS_PER_TASK", "16").env("CONFIG", "worker.json5").output().unwrap();
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         let started = noted(path, "worker");
@@ -80,6 +81,7 @@ fn a_worker_in_a_batch_job_gets_the_remaining_time() {
             ("--name", "slurm-30_4"),
             ("--idle-timeout", "600"),
             ("--walltime", &walltime.to_string()),
+            ("--drain", "5"),
         ] {
             let at = arguments.iter().position(|word| *word == option).unwrap();
             assert_eq!(arguments[at + 1], value, "{left}: {option}");

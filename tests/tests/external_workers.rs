@@ -92,7 +92,7 @@ fn answer(query: &Query, (state, changed): &(Mutex<State>, Condvar)) {
             state.given += 1;
             let task = Task { key, attempt: 1, sample, with_first_cycle: false, accuracy: None };
             let (accuracy, accuracy_name) = (Accuracy::draft(), "draft".to_owned());
-            Next::Work(WorkOrder { subject, accuracy, accuracy_name, tasks: vec![task] })
+            Next::Work(WorkOrder { subject, accuracy, accuracy_name, licensed: false, tasks: vec![task] })
         }
         _ => Next::Idle { ask_again: 20 },
     };

@@ -10,9 +10,10 @@ use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
 use common::scene::{Faults, SceneSource};
 use common::wire::{Offers, Subject};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use thiserror::Error;
 
 /// Reasons why a worker cannot offer simulators.
@@ -96,6 +97,8 @@ struct Offer {
 pub struct OwnSimulators {
     offers: Vec<Offer>,
     stopped: Arc<AtomicBool>,
+    /// Signals that stop the running jobs of a coordinator, by its index.
+    stopped_jobs: Mutex<BTreeMap<usize, Arc<AtomicBool>>>,
 }
 
 impl OwnSimulators {
@@ -122,12 +125,16 @@ impl OwnSimulators {
             offers.push((offer, origin));
         }
         let offers = offers.into_iter().map(|(offer, _)| offer).collect();
-        Ok(Self { offers, stopped: Arc::default() })
+        Ok(Self { offers, stopped: Arc::default(), stopped_jobs: Mutex::default() })
     }
 
     /// What the worker offers.
     pub fn ids(&self) -> impl Iterator<Item = &SimulatorId> {
         self.offers.iter().map(|offer| &offer.id)
+    }
+
+    fn stopped_jobs(&self) -> MutexGuard<'_, BTreeMap<usize, Arc<AtomicBool>>> {
+        self.stopped_jobs.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The offer for a job, if its sample fits.
@@ -146,7 +153,7 @@ impl OwnSimulators {
 }
 
 impl Offer {
-    fn idle(&self) -> std::sync::MutexGuard<'_, Vec<Box<dyn Slot>>> {
+    fn idle(&self) -> MutexGuard<'_, Vec<Box<dyn Slot>>> {
         self.idle.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -177,7 +184,8 @@ impl Simulator for OwnSimulators {
             tracing::error!("an evaluation is refused: {reason}");
             SimulationFailure::SimulatorUnusable { reason }
         })?;
-        offer.evaluate(job, &StopSignal::new([Arc::clone(&self.stopped)]))
+        let of_coordinator = Arc::clone(self.stopped_jobs().entry(job.coordinator()).or_default());
+        offer.evaluate(job, &StopSignal::new([Arc::clone(&self.stopped), of_coordinator]))
     }
 
     /// Ends the programs that wait for samples.
@@ -185,6 +193,13 @@ impl Simulator for OwnSimulators {
         for offer in &self.offers {
             let idle = std::mem::take(&mut *offer.idle());
             drop(idle);
+        }
+    }
+
+    /// Kills the programs at work for a coordinator.
+    fn stop_jobs_of(&self, coordinator: usize) {
+        if let Some(stopped) = self.stopped_jobs().remove(&coordinator) {
+            stopped.store(true, Ordering::Relaxed);
         }
     }
 

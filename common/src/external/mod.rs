@@ -4,6 +4,8 @@
 //! | file | content |
 //! |---|---|
 //! | `slot` | a slot evaluates one sample at a time; the signal that stops it |
+//! | `executable` | the program of a command |
+//! | `guard` | ends a process group with the process that started it |
 //! | `process` | a process with its process group: lines in and out, time limit, kill |
 //! | `reply`, `results_file`, `template` | what programs write and read, checked against the scene |
 //! | `working_folder` | one run of a program in a folder, with files in and out |
@@ -12,6 +14,8 @@
 //! | `identity` | what a coordinator and a worker with its own program agree by |
 
 mod error;
+mod executable;
+mod guard;
 mod identity;
 mod opened;
 mod process;

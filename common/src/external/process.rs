@@ -1,13 +1,14 @@
 //! A program that keeps running between requests, with one line per request and one per reply, or that runs once per
 //! evaluation. It runs in a separate process group: a signal to this process does not reach it, and its child processes
-//! end with it.
+//! end with it. The group also ends when this process is killed.
 
+use super::guard::guarded;
 use super::slot::{StopSignal, WaitError};
 use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, kill_process_group, waitid};
 use std::collections::{BTreeSet, VecDeque};
 use std::io::{BufRead, BufReader, Read, Write};
-use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::path::Path;
+use std::process::{Child, Stdio};
 use std::sync::mpsc::{Receiver, Sender, channel, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -54,18 +55,6 @@ pub enum LineError {
     Stopped,
 }
 
-/// Path of the program of a command: a relative path starts at `folder`, a bare name is searched for by the system.
-///
-/// # Errors
-/// The command is empty.
-pub fn program_path(command: &[String], folder: &Path) -> std::io::Result<PathBuf> {
-    let Some(program) = command.first() else {
-        return Err(std::io::Error::other("the command is empty"));
-    };
-    let named = PathBuf::from(program);
-    Ok(if named.components().count() > 1 { folder.join(named) } else { named })
-}
-
 /// A running program. When dropped, its standard input is closed, and it is killed if it does not exit.
 ///
 /// The process is reaped last: until then the system gives its number, and that of its group, to no other, so
@@ -99,8 +88,7 @@ impl Process {
     /// The operating system cannot start the program.
     pub fn start_in(command: &[String], folder: &Path, directory: &Path) -> std::io::Result<Self> {
         use std::os::unix::process::CommandExt;
-        let mut child = Command::new(program_path(command, folder)?)
-            .args(&command[1..])
+        let mut child = guarded(command, folder)?
             .current_dir(directory)
             .process_group(0)
             .stdin(Stdio::piped())

@@ -7,7 +7,8 @@
 //! time limit is killed and replaced; a process that exits is replaced and gets the request once more.
 
 use super::error::SimulatorError;
-use super::process::{LineError, Process, program_path};
+use super::executable::check_executable;
+use super::process::{LineError, Process};
 use super::reply::{Expected, parse, shown};
 use super::results_file::{self, of_object};
 use super::slot::{SampleResult, Slot, SlotError, StopSignal};
@@ -113,7 +114,7 @@ impl Serialize for SampleByName<'_> {
 /// [`SimulatorError::Start`].
 pub fn check_program_file(program: &Program, scene: &Scene) -> Result<(), SimulatorError> {
     let folder = PathBuf::from(&program.folder);
-    let found = executable(&program.command, &folder).and_then(|()| match file_program(program) {
+    let found = check_executable(&program.command, &folder).and_then(|()| match file_program(program) {
         Some(files) => files.check(&Expected::from_scene(scene).inputs),
         None => Ok(()),
     });
@@ -122,38 +123,6 @@ pub fn check_program_file(program: &Program, scene: &Scene) -> Result<(), Simula
 
 fn start_error(command: &[String], folder: &Path, reason: std::io::Error) -> SimulatorError {
     SimulatorError::Start { program: command.join(" "), folder: folder.display().to_string(), reason }
-}
-
-/// Fails like the start of a command in `folder` would if its program is missing or not executable.
-fn executable(command: &[String], folder: &Path) -> std::io::Result<()> {
-    let named = program_path(command, folder)?;
-    if !folder.is_dir() {
-        return Err(std::io::ErrorKind::NotADirectory.into());
-    }
-    if named.components().count() > 1 {
-        return is_executable(&named);
-    }
-    let path = std::env::var_os("PATH").unwrap_or_default();
-    let mut reason = std::io::Error::from(std::io::ErrorKind::NotFound);
-    for folder in std::env::split_paths(&path) {
-        match is_executable(&folder.join(&named)) {
-            Ok(()) => return Ok(()),
-            // A file without permission says more than a missing one.
-            Err(error) if error.kind() == std::io::ErrorKind::PermissionDenied => reason = error,
-            Err(_) => {}
-        }
-    }
-    Err(reason)
-}
-
-fn is_executable(file: &Path) -> std::io::Result<()> {
-    use std::os::unix::fs::PermissionsExt;
-    let found = std::fs::metadata(file)?;
-    if found.is_file() && found.permissions().mode() & 0o111 != 0 {
-        Ok(())
-    } else {
-        Err(std::io::ErrorKind::PermissionDenied.into())
-    }
 }
 
 /// A slot with at most one running process.

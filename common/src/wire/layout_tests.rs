@@ -11,7 +11,7 @@ use crate::outputs::{
 
 /// Version and layout of the messages: [`PROTOCOL_VERSION`] and the hash of [`frames`]. Where the second changes, a message
 /// has another layout, and the first has to change too.
-const LAYOUT: (u16, u64) = (6, 0xbc77_619d_cfe3_8ab3);
+const LAYOUT: (u16, u64) = (7, 0xe6cd_6b2c_1ec5_50e5);
 
 fn accuracy() -> Accuracy {
     Accuracy {
@@ -110,7 +110,13 @@ fn frames() -> Vec<Vec<u8>> {
     };
     let order = |subject| {
         let tasks = vec![task(1), task(2)];
-        Next::Work(WorkOrder { subject, accuracy: accuracy(), accuracy_name: "balanced".into(), tasks })
+        Next::Work(WorkOrder {
+            subject,
+            accuracy: accuracy(),
+            accuracy_name: "balanced".into(),
+            licensed: true,
+            tasks,
+        })
     };
     let orders = [order(Subject::Scene("[scene]".into())), order(Subject::Simulator(beam()))];
     let replies = [Next::Idle { ask_again: 500 }, Next::Leave];

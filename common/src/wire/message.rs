@@ -156,6 +156,8 @@ pub struct WorkOrder {
     pub accuracy: Accuracy,
     /// Name of the numerical settings, for display.
     pub accuracy_name: String,
+    /// Whether the tasks need licences: a worker without contact ends them after [`super::LICENCE_CONTACT`].
+    pub licensed: bool,
     /// Tasks to evaluate.
     pub tasks: Vec<Task>,
 }

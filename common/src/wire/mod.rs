@@ -24,6 +24,8 @@ pub mod status;
 #[cfg(test)]
 mod tests;
 
+use std::time::Duration;
+
 pub use codec::{MAX_MESSAGE, MAX_PAYLOAD, Message, WireError, decode, encode};
 pub use message::{
     CandidatePoint, Claim, Next, Notice, Offers, Outcome, Reply, Subject, Task, TaskKey, WorkOrder, WorkerId,
@@ -39,3 +41,7 @@ pub const PROTOCOL_VERSION: u16 = 7;
 /// Sessions that a coordinator accepts unless its configuration sets another number: one for each directly connected
 /// worker, router, or command that queries the status. See `cargo run --release -p tests --example many_sessions`.
 pub const MAX_SESSIONS: u32 = 4000;
+
+/// Time without an answered claim after which a worker ends the evaluations that need licences. A coordinator holds the
+/// licences of a lost worker back for longer than this.
+pub const LICENCE_CONTACT: Duration = Duration::from_secs(10);

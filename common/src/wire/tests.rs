@@ -125,7 +125,13 @@ fn reply() -> impl Strategy<Value = Reply> {
     let work = (".{0,99}", number(), vec(task(), 0..9)).prop_map(|(scene, x, tasks)| {
         let subject =
             if tasks.len() % 2 == 0 { Subject::Scene(scene) } else { Subject::Simulator(simulator(7)) };
-        Next::Work(WorkOrder { subject, accuracy: accuracy(x), accuracy_name: "draft".into(), tasks })
+        Next::Work(WorkOrder {
+            subject,
+            accuracy: accuracy(x),
+            accuracy_name: "draft".into(),
+            licensed: x > 0.5,
+            tasks,
+        })
     });
     let idle = any::<u32>().prop_map(|ask_again| Next::Idle { ask_again });
     (vec(key(), 0..9), prop_oneof![work, idle, Just(Next::Leave)])
@@ -355,6 +361,7 @@ fn issue_settings_that_exhaust_a_worker_passed_if_they_were_finite() {
                 subject: Subject::Scene(String::new()),
                 accuracy,
                 accuracy_name: String::new(),
+                licensed: false,
                 tasks: vec![],
             }),
         })
@@ -380,6 +387,7 @@ fn the_largest_message_passes_and_a_larger_one_does_not() {
             subject: Subject::Scene("s".repeat(bytes)),
             accuracy: accuracy(1e-6),
             accuracy_name: String::new(),
+            licensed: true,
             tasks: vec![],
         }),
     };

@@ -113,15 +113,14 @@ within 60 scontrol ping
 node_is_idle() { [[ $(sinfo --noheader --format %t) == idle ]]; }
 within 60 node_is_idle
 
-# What a user has: programs on PATH, certificates, and the Zenoh configurations where the scripts look for them.
+# What a user has: programs on PATH, and certificates and Zenoh configurations as deploy's README makes them.
 export HOME=$work/home
 config=$HOME/.config/hingewise
 mkdir -p "$config" "$work/job"
-"$top/deploy/certificates.sh" "$work/tls" worker:cluster "$(hostname --fqdn)" >/dev/null
-for role in "coordinator $(hostname --fqdn)" "worker cluster"; do
-    read -r program certificate <<<"$role"
-    sed "s#/etc/hingewise/tls#$work/tls/$certificate#" "$top/deploy/zenoh-tls.json5" >"$config/zenoh-$program.json5"
-done
+"$top/deploy/certificates.sh" "$work/tls" worker:cluster coordinator >/dev/null
+sed "s#/etc/hingewise/tls#$work/tls/coordinator#" "$top/deploy/zenoh-tls.json5" >"$config/zenoh-coordinator.json5"
+sed -e "s#/etc/hingewise/tls#$work/tls/cluster#" -e 's/verify_name_on_connect: true/verify_name_on_connect: false/' \
+    "$top/deploy/zenoh-tls.json5" >"$config/zenoh-worker.json5"
 cd "$work/job"
 sed -e "s/^initial = .*/initial = $EVALUATIONS/" -e "s/^max_evaluations = .*/max_evaluations = $EVALUATIONS/" \
     "$top/common/scenes/four-bar.toml" >scene.toml

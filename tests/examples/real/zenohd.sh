@@ -18,8 +18,8 @@ printed=$("$ZENOHD" --version | tail -n 1)
 echo "$printed"
 [[ $printed == *v$version* ]] || echo "warning: the programs use Zenoh $version"
 
-# Without --no-run first, the time limits of the tests would include the build.
-cargo test --release -p tests -p coordinator -p worker --no-run
-cargo test --release -p tests --test router -- --nocapture
-cargo build --release -p tests
-cargo run --release -p tests --example faults -- routers
+# Built first: the time limits of the tests would include it.
+cargo build --release --workspace --bins --example faults
+cargo test --release --workspace --no-run --test router
+cargo test --release --workspace --test router -- --nocapture
+"${CARGO_TARGET_DIR:-$PWD/target}/release/examples/faults" routers

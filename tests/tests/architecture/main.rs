@@ -57,7 +57,7 @@ const KEPT_TO: [(&str, &str, &[&str]); 13] = [
     ("bincode", "common", &["wire/codec.rs"]),
     ("rusqlite", "coordinator", &["results/store/"]),
     ("worker", "coordinator", &["cli/", "main.rs"]),
-    ("rustix", "common", &["external/process.rs"]),
+    ("rustix", "common", &["external/guard.rs", "external/process.rs"]),
     ("rustix", "coordinator", &["farm/dispatch/transport/file_limit.rs"]),
     ("rustix", "worker", &["service/slots.rs"]),
     ("ureq", "common", &["external/umbridge.rs"]),

@@ -1,12 +1,13 @@
 //! Claims of a worker to one coordinator: when to claim, how many tasks to request, which outcomes to return. Only one
 //! claim is open at a time, so that its list of held tasks is exact and the coordinator detects a lost reply.
 //!
-//! There are three kinds of reply: work; "idle, claim again in T" (a notice ends the wait early); none, after which the
-//! worker backs off, with a spread so that many workers do not return at the same time.
+//! There are three kinds of reply: work; "idle, claim again in T" (a notice ends the wait early); none, after which the worker backs off.
 
+use super::backoff::Backoff;
 use super::claim_event::ClaimEvent;
 use super::connection_monitor::ConnectionMonitor;
 use super::leave_policy::LeavePolicy;
+use super::licence_contact::LicenceContact;
 use super::link::Link;
 use super::prefetch::PrefetchEstimator;
 use super::slots::Slots;
@@ -14,18 +15,12 @@ use super::unacknowledged::UnacknowledgedResults;
 use super::{Departure, Job, ServiceConfig, ServiceError};
 use crate::log::refusal;
 use common::wire::{self, Claim, Next, Notice, Reply, Task, TaskKey, WireError, WorkOrder, WorkerId};
-use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
 /// Size of unacknowledged outcomes above which the worker takes no more tasks [bytes].
 const MOST_UNACKNOWLEDGED: usize = 64 << 20;
-/// First pause after a claim without reply; it doubles each time. Short enough that a restarted coordinator has its workers
-/// within a second.
-const FIRST_BACKOFF: Duration = Duration::from_millis(50);
-/// Longest pause after a claim without reply.
-const LONGEST_BACKOFF: Duration = Duration::from_millis(400);
 /// Pause after a reply with fewer tasks than requested, unless a notice ends it.
 const QUEUE_EMPTY_PAUSE: Duration = Duration::from_secs(1);
 /// Time limit for leaving.
@@ -61,9 +56,10 @@ pub(super) struct ClaimLoop {
     claim_at: Instant,
     /// No claim is sent before this time.
     silent_until: Instant,
-    backoff: Duration,
+    backoff: Backoff,
     monitor: ConnectionMonitor,
     leave_policy: LeavePolicy,
+    contact: LicenceContact,
     /// Tasks were returned, and no claim has reported it yet.
     returned_tasks: bool,
     leaving_since: Option<Instant>,
@@ -83,6 +79,7 @@ impl ClaimLoop {
         leave_policy: LeavePolicy,
     ) -> Self {
         let now = Instant::now();
+        let backoff = Backoff::new(&worker);
         Self {
             config,
             worker,
@@ -96,9 +93,10 @@ impl ClaimLoop {
             pending: None,
             claim_at: now,
             silent_until: now,
-            backoff: FIRST_BACKOFF,
+            backoff,
             monitor,
             leave_policy,
+            contact: LicenceContact::default(),
             returned_tasks: false,
             leaving_since: None,
             farewell_answered: false,
@@ -144,8 +142,8 @@ impl ClaimLoop {
     fn handle(&mut self, event: ClaimEvent) -> Result<Option<Departure>, ServiceError> {
         let now = Instant::now();
         match event {
-            // Stopped because the worker is leaving: the task goes to another worker.
-            ClaimEvent::Finished(outcome) if self.leaving_since.is_some() && outcome.is_unusable() => {
+            // Stopped because the worker is leaving, or without contact: the task goes to another worker.
+            ClaimEvent::Finished(outcome) if self.contact.take_ended(&outcome, self.leaving_since) => {
                 self.running.retain(|(task, _)| !task.same_work(&outcome.task));
                 self.returned_tasks = true;
             }
@@ -215,8 +213,9 @@ impl ClaimLoop {
             return Ok(None);
         };
         self.farewell_answered |= leaving;
+        self.contact.on_reply(since);
         self.monitor.on_answer();
-        self.backoff = FIRST_BACKOFF;
+        self.backoff.reset();
         self.unacknowledged.forget(&reply.acknowledged);
         // Tasks that other workers have finished are not started.
         self.withdraw(|task| reply.acknowledged.contains(&task.key));
@@ -232,7 +231,8 @@ impl ClaimLoop {
                 self.slots.shares().answered(self.coordinator, 0, now);
                 // Without credits, the reply says nothing about the queue.
                 if credits > 0 {
-                    self.claim_at = now + self.spread(Duration::from_millis(u64::from(ask_again)));
+                    self.claim_at =
+                        now + self.backoff.spread(Duration::from_millis(u64::from(ask_again)), self.sequence);
                 }
             }
             Next::Leave => return Ok(self.campaign_ended(now)),
@@ -266,6 +266,7 @@ impl ClaimLoop {
             tasks.clear();
         }
         self.slots.shares().answered(self.coordinator, tasks.len(), now);
+        self.contact.on_work(order.licensed);
         let order = Arc::new(order);
         for task in tasks {
             self.running.push((task.clone(), now));
@@ -288,18 +289,9 @@ impl ClaimLoop {
         self.slots.shares().answered(self.coordinator, 0, now);
         self.monitor.on_failure(since, reason);
         self.unacknowledged.resend_all(now);
-        let pause = self.spread(self.backoff);
-        self.backoff = (2 * self.backoff).min(LONGEST_BACKOFF);
+        let pause = self.backoff.next(self.sequence);
         self.claim_at = now + pause;
         self.silent_until = now + pause;
-    }
-
-    /// `pause` reduced by up to a quarter, by a hash of worker and claim.
-    fn spread(&self, pause: Duration) -> Duration {
-        let mut hasher = DefaultHasher::new();
-        (&self.worker, self.sequence).hash(&mut hasher);
-        let share = (hasher.finish() % 1024) as f64 / 1024.0;
-        pause.mul_f64(1.0 - 0.25 * share)
     }
 
     /// True if the worker takes new tasks.
@@ -327,7 +319,8 @@ impl ClaimLoop {
             return Ok(());
         }
         let leaving = self.leaving_since.is_some();
-        let must_report = (leaving && !self.farewell_answered) || self.returned_tasks;
+        let contact = self.contact.next_claim(self.running.len()).is_some_and(|due| due <= now);
+        let must_report = (leaving && !self.farewell_answered) || self.returned_tasks || contact;
         if credits == 0 && !must_report && self.unacknowledged.next_due().is_none_or(|due| due > now) {
             return Ok(());
         }
@@ -359,7 +352,8 @@ impl ClaimLoop {
         let mut wake = now + POLL_INTERVAL;
         if self.pending.is_none() {
             let claim = Some(self.claim_at).filter(|at| self.accepts_tasks() && *at > now);
-            let due = [claim, self.unacknowledged.next_due()].into_iter().flatten().min();
+            let contact = self.contact.next_claim(self.running.len());
+            let due = [claim, self.unacknowledged.next_due(), contact].into_iter().flatten().min();
             wake = due.map_or(wake, |due| wake.min(due.max(self.silent_until)));
         }
         self.leave_policy
@@ -380,6 +374,12 @@ impl ClaimLoop {
             if !self.running.is_empty() {
                 self.slots.simulator().stop();
             }
+        }
+        if self.contact.is_lost(now, self.running.len()) {
+            // The coordinator may give their licences to other workers.
+            self.returned_tasks |= self.withdraw(|_| true) > 0;
+            self.contact.end(self.running.drain(..).map(|(task, _)| task));
+            self.slots.simulator().stop_jobs_of(self.coordinator);
         }
         if let Some(since) = self.leaving_since {
             // Outcomes not acknowledged by then belong to tasks the coordinator has not requested.

@@ -13,12 +13,14 @@
 //! is acknowledged (`UnacknowledgedResults`), so a coordinator may stop and the connection may break at any time. The
 //! caller needs no tokio runtime; if it has one, it must be multi-threaded (a condition of Zenoh).
 
+mod backoff;
 mod claim_event;
 mod claim_loop;
 mod connection_monitor;
 mod fair_share;
 mod guard;
 mod leave_policy;
+mod licence_contact;
 mod link;
 #[cfg(test)]
 mod practice;
@@ -56,7 +58,8 @@ impl Job {
 
     /// Like [`Job::standalone`], for a scene or a simulator.
     pub fn of_subject(subject: Subject, sample: &[f64], accuracy: Accuracy) -> Self {
-        let order = WorkOrder { subject, accuracy, accuracy_name: String::new(), tasks: vec![] };
+        let order =
+            WorkOrder { subject, accuracy, accuracy_name: String::new(), licensed: false, tasks: vec![] };
         let task = Task {
             key: TaskKey { campaign: 0, task: 0 },
             attempt: 1,
@@ -71,6 +74,11 @@ impl Job {
     pub fn and_first_cycle(mut self) -> Self {
         self.task.with_first_cycle = true;
         self
+    }
+
+    /// Index of the coordinator that gets the outcome.
+    pub fn coordinator(&self) -> usize {
+        self.coordinator
     }
 
     /// The scene or simulator of the job.
@@ -117,6 +125,9 @@ pub trait Simulator: Send + Sync {
 
     /// The worker is leaving: the results of running jobs are not needed any more.
     fn stop(&self) {}
+
+    /// Ends the running jobs of one coordinator, which may not go on without contact with it. Later jobs run as usual.
+    fn stop_jobs_of(&self, _coordinator: usize) {}
 
     /// Number of evaluations a thread runs side by side.
     fn side_by_side(&self) -> usize {

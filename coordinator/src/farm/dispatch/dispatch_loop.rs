@@ -1,5 +1,6 @@
 //! The thread between transport and scheduler: passes messages to the scheduler as events and executes its actions.
 
+use super::announcements::Announcements;
 use super::backpressure::Backpressure;
 use super::scheduler::{Action, Assignment, Event, Scheduler, SchedulerSettings, Token};
 use super::status_board::StatusBoard;
@@ -7,9 +8,7 @@ use super::throughput::Throughput;
 use super::transport::{Incoming, IncomingQuery, Transport};
 use super::warn::warn;
 use crate::farm::evaluate::{Finished, Request};
-use common::wire::{
-    self, CandidatePoint, Claim, Next, Notice, Reply, Status, WireError, WorkOrder, WorkerId,
-};
+use common::wire::{self, Claim, Next, Notice, Reply, Status, WireError, WorkOrder, WorkerId};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -19,8 +18,6 @@ use std::time::{Duration, Instant};
 const ASK_AGAIN: u32 = 1000;
 /// Interval of the scheduler's tick events.
 const TICK: Duration = Duration::from_millis(500);
-/// Most points in one notice.
-const POINTS_PER_NOTICE: usize = 1000;
 /// Workers of other versions that are remembered, so that each is logged once.
 const MOST_REFUSED: usize = 1000;
 
@@ -104,6 +101,7 @@ pub(super) struct DispatchLoop {
     connected: Arc<ConnectedWorkers>,
     board: StatusBoard,
     throughput: Throughput,
+    announcements: Announcements,
     backpressure: Arc<Backpressure>,
     started: Instant,
     unanswered: BTreeMap<Token, IncomingQuery>,
@@ -134,6 +132,7 @@ impl DispatchLoop {
             connected,
             board,
             throughput: Throughput::default(),
+            announcements: Announcements::default(),
             backpressure,
             started: Instant::now(),
             unanswered: BTreeMap::new(),
@@ -149,7 +148,9 @@ impl DispatchLoop {
     pub fn run(mut self, inputs: &Receiver<Input>) {
         let mut next_tick = Instant::now() + TICK;
         loop {
-            match inputs.recv_timeout(next_tick.saturating_duration_since(Instant::now())) {
+            let notice = self.announcements.due().map(|due| self.started + due);
+            let wake = notice.map_or(next_tick, |due| next_tick.min(due));
+            match inputs.recv_timeout(wake.saturating_duration_since(Instant::now())) {
                 Ok(Input::Close) | Err(RecvTimeoutError::Disconnected) => break,
                 Ok(input) => self.handle(input),
                 Err(RecvTimeoutError::Timeout) => {}
@@ -158,6 +159,7 @@ impl DispatchLoop {
                 next_tick = Instant::now() + TICK;
                 self.event(Event::Tick);
             }
+            self.announce();
         }
         self.unanswered.clear();
         self.transport.close();
@@ -269,11 +271,7 @@ impl DispatchLoop {
                 };
                 self.answer(query, &Reply { acknowledged, next });
             }
-            Action::Announce(points) => {
-                for chunk in points.chunks(POINTS_PER_NOTICE) {
-                    self.announce(chunk);
-                }
-            }
+            Action::Announce(points) => self.announcements.add(points),
             Action::AnnounceEnd => self.publish(&Notice::Ended { campaign: self.campaign }),
             Action::Warn(warning) => warn(&warning, &self.order.subject),
         }
@@ -296,8 +294,15 @@ impl DispatchLoop {
         }
     }
 
-    fn announce(&self, points: &[CandidatePoint]) {
-        self.publish(&Notice::Batch { campaign: self.campaign, points: points.to_vec() });
+    /// Announces waiting points if that is due.
+    fn announce(&mut self) {
+        if self.announcements.due().is_none() {
+            return;
+        }
+        let workers = self.scheduler.workers().count();
+        if let Some(points) = self.announcements.take_due(self.started.elapsed(), workers) {
+            self.publish(&Notice::Batch { campaign: self.campaign, points });
+        }
     }
 
     fn publish(&self, notice: &Notice) {

@@ -3,7 +3,7 @@
 use super::DispatchError;
 use super::backpressure::Backpressure;
 use super::dispatch_loop::{ConnectedWorker, ConnectedWorkers, Delivery, DispatchLoop, Input};
-use super::scheduler::{LicenceSettings, SchedulerSettings};
+use super::scheduler::{LICENCE_HOLD, SchedulerSettings};
 use super::status_board::StatusBoard;
 use super::transport::{Listen, Transport};
 use crate::farm::evaluate::{EvaluateError, Evaluator, POLL_INTERVAL, PendingRequests, RequestSource};
@@ -45,7 +45,7 @@ pub struct CampaignSpec {
     /// The external simulator of the scene, if it names one. Workers then get its identity instead of the scene.
     pub simulator: Option<CampaignSimulator>,
     /// Whether an earlier coordinator began the campaign. Its workers may reconnect with running tasks, so new leases wait
-    /// one second for them if the endpoint is a fixed one.
+    /// one second for them if the endpoint is a fixed one, and twelve with licences.
     pub resumed: bool,
 }
 
@@ -84,16 +84,22 @@ impl ZenohEvaluator {
         interrupted: Arc<AtomicBool>,
     ) -> Result<Self, DispatchError> {
         let fixed_endpoint = listen.endpoint.is_some() || listen.config.is_some();
-        let settle = if campaign.resumed && fixed_endpoint { SETTLE } else { Duration::ZERO };
+        let licences = campaign.simulator.as_ref().and_then(|simulator| simulator.licences);
+        let settle = match (campaign.resumed, licences) {
+            // Evaluations of the earlier coordinator may still run, also where its workers do not find this one.
+            (true, Some(_)) => LICENCE_HOLD,
+            (true, None) if fixed_endpoint => SETTLE,
+            _ => Duration::ZERO,
+        };
         let CampaignSpec { id, scene, accuracy, accuracy_name, simulator, .. } = campaign;
         let settings = SchedulerSettings { settle, ..settings(id, simulator.as_ref()) };
         if scene.len() > MAX_SCENE {
             return Err(DispatchError::SceneTooLarge { bytes: scene.len(), limit: MAX_SCENE });
         }
-        let licences = simulator.as_ref().and_then(|simulator| simulator.licences);
         let subject =
             simulator.map_or_else(|| Subject::Scene(scene), |simulator| Subject::Simulator(simulator.id));
-        let order = WorkOrder { subject, accuracy, accuracy_name, tasks: vec![] };
+        let order =
+            WorkOrder { subject, accuracy, accuracy_name, licensed: licences.is_some(), tasks: vec![] };
         Reply { acknowledged: vec![], next: Next::Work(order.clone()) }.check()?;
 
         let (inputs, received) = channel();
@@ -276,7 +282,7 @@ fn settings(campaign: u64, simulator: Option<&CampaignSimulator>) -> SchedulerSe
     let longest = timeout.saturating_mul(TRIES).saturating_add(usual.shortest_deadline);
     SchedulerSettings {
         subject: Subject::Simulator(simulator.id.clone()),
-        licences: simulator.licences.map(|count| LicenceSettings { count, timeout }),
+        licences: simulator.licences,
         first_deadline: usual.first_deadline.max(longest),
         shortest_deadline: longest,
         ..usual

@@ -1,34 +1,48 @@
 //! Which workers may run how many tasks of an external simulator: licences, and reports of simulators that cannot be used.
 
+use super::tasks::TaskStatus;
 use super::{Action, Scheduler, Warning};
 use common::wire::{TaskKey, WorkerId};
+use std::collections::BTreeSet;
 use std::time::Duration;
 
 impl Scheduler {
     /// Tasks that worker `id` may get in addition: without licences any number; with licences one per free slot, so that
     /// none waits at the worker, and at most the free licences.
     pub(super) fn licences_for(&self, id: &WorkerId) -> usize {
-        let Some(licences) = &self.settings.licences else { return usize::MAX };
+        let Some(licences) = self.settings.licences else { return usize::MAX };
         let taken = self.workers.under_way() + self.held_licences.count();
         let slots = self.workers.get(id).map_or(0, |worker| worker.usable_slots() as usize);
         let free_slots = slots.saturating_sub(self.workers.under_way_at(id));
-        (licences.count as usize).saturating_sub(taken).min(free_slots)
+        (licences as usize).saturating_sub(taken).min(free_slots)
     }
 
     /// Holds the licences of a lost worker back: its programs may still run.
     pub(super) fn hold_licences_of_lost(&mut self, now: Duration, id: &WorkerId) {
-        if let Some(licences) = &self.settings.licences {
-            let count = self.workers.under_way_at(id);
-            self.held_licences.hold_lost(id, count, now, licences, self.longest_wall);
+        if self.settings.licences.is_some() {
+            self.held_licences.hold(id, self.workers.under_way_at(id), now);
         }
     }
 
-    /// Accounts for a worker's claim, which lists what it runs: nothing is held back for it, unless it is leaving.
-    pub(super) fn account_for_licences(&mut self, now: Duration, id: &WorkerId, leaving: bool) {
-        if !leaving {
-            self.held_licences.forget(id);
-        } else if self.settings.licences.is_some() {
+    /// Accounts for a worker's claim with the tasks `running`: their licences are those of its leases, and held back for
+    /// tasks that have ended elsewhere meanwhile. After the claim of a worker that leaves, its programs end.
+    pub(super) fn account_for_licences(
+        &mut self,
+        now: Duration,
+        id: &WorkerId,
+        leaving: bool,
+        running: &BTreeSet<u64>,
+    ) {
+        if self.settings.licences.is_none() {
+            return;
+        }
+        if leaving {
             self.held_licences.hold_leaving(id, self.workers.under_way_at(id), now);
+        } else {
+            let ended = |task: &&u64| self.tasks.status(**task) == TaskStatus::Ended;
+            let ended = running.iter().filter(ended).count();
+            self.held_licences.forget(id);
+            self.held_licences.hold(id, ended, now);
         }
     }
 

@@ -1,51 +1,43 @@
 //! Licences: a bound on the evaluations that run at once, on all workers together.
 //!
-//! A lease takes a licence. The licence of a lease that ends without an outcome is held back for as long as its program may
-//! still run: a lost worker may be cut off rather than dead, and a program outlives a worker that was killed.
+//! A lease takes a licence. A worker without contact ends its evaluations after [`LICENCE_CONTACT`], and those of a worker
+//! that is killed end with it; until then the licence of a lease that ends without an outcome is held back.
 
-use common::wire::WorkerId;
+use common::wire::{LICENCE_CONTACT, WorkerId};
 use std::collections::BTreeMap;
 use std::time::Duration;
 
+/// Time for which a licence is held back after the last contact: longer than [`LICENCE_CONTACT`] by the time in which a
+/// worker notices that it is over and ends its programs.
+pub const LICENCE_HOLD: Duration = LICENCE_CONTACT.saturating_add(Duration::from_secs(2));
 /// Time in which the programs of a worker that leaves have ended.
 const LEAVING: Duration = Duration::from_secs(1);
-
-/// Bound on the evaluations at once.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct LicenceSettings {
-    /// Number of licences.
-    pub count: u32,
-    /// Longest time of one evaluation.
-    pub timeout: Duration,
-}
 
 /// Licences held back, with the time until when.
 #[derive(Debug, Default)]
 pub(super) struct HeldLicences(BTreeMap<WorkerId, Vec<Duration>>);
 
 impl HeldLicences {
-    /// Holds licences of a lost worker back for twice the longest evaluation so far, at most for the time limit of an
-    /// evaluation; for the latter before the first evaluation has ended. `longest_wall` is in seconds.
-    pub fn hold_lost(
-        &mut self,
-        worker: &WorkerId,
-        count: usize,
-        now: Duration,
-        settings: &LicenceSettings,
-        longest_wall: Option<f64>,
-    ) {
-        let usual = longest_wall.and_then(|wall| Duration::try_from_secs_f64(2.0 * wall).ok());
-        self.hold(worker, count, now + usual.map_or(settings.timeout, |usual| usual.min(settings.timeout)));
+    /// Holds licences of a worker back that has no leases for what it runs.
+    pub fn hold(&mut self, worker: &WorkerId, count: usize, now: Duration) {
+        self.hold_until(worker, count, now + LICENCE_HOLD);
     }
 
     /// Holds licences of a worker that leaves back until its programs have ended.
     pub fn hold_leaving(&mut self, worker: &WorkerId, count: usize, now: Duration) {
-        self.hold(worker, count, now + LEAVING);
+        self.hold_until(worker, count, now + LEAVING);
     }
 
-    fn hold(&mut self, worker: &WorkerId, count: usize, until: Duration) {
+    fn hold_until(&mut self, worker: &WorkerId, count: usize, until: Duration) {
         if count > 0 {
             self.0.entry(worker.clone()).or_default().extend(std::iter::repeat_n(until, count));
+        }
+    }
+
+    /// Extends the time of a worker that has contact and no leases.
+    pub fn extend(&mut self, worker: &WorkerId, now: Duration) {
+        if let Some(held) = self.0.get_mut(worker) {
+            held.fill(now + LICENCE_HOLD);
         }
     }
 

@@ -13,7 +13,6 @@ fn beam() -> SimulatorId {
 
 /// A scheduler for `beam` with these workers, tasks and licences.
 fn scheduler(workers: &[&WorkerId], tasks: u64, licences: Option<u32>) -> Scheduler {
-    let licences = licences.map(|count| LicenceSettings { count, timeout: 60 * SECOND });
     let subject = Subject::Simulator(beam());
     let mut s = Scheduler::new(SchedulerSettings { subject, licences, ..SchedulerSettings::new(CAMPAIGN) });
     for id in workers {
@@ -103,28 +102,53 @@ fn licences_of_a_lost_worker_are_held_while_its_programs_may_run() {
     let lost = tasks(&mut s, START, of_beam(&a, 1, vec![], &[]));
     let kept = tasks(&mut s, START, of_beam(&b, 2, vec![], &[]));
     assert_eq!((lost.len(), kept.len()), (2, 1));
-    // An evaluation took one second, so a program of the lost worker ends within two.
+    // However short the evaluations are, those of the lost worker may be long ones.
     let next = exchange(&mut s, SECOND, &b, 3, &kept);
     s.on_event(SECOND, Event::WorkerLost(a.clone()));
-    assert_eq!(tasks(&mut s, 2 * SECOND, of_beam(&b, 4, vec![], &[3])), vec![]);
-    let freed = s.on_event(3 * SECOND, Event::Tick);
+    // It still has contact, but no token, so it gets no tasks and may go on: the time begins again.
+    assert_eq!(tasks(&mut s, 2 * SECOND, of_beam(&a, 4, vec![], &[0, 1])), vec![]);
+    let held_until = 2 * SECOND + LICENCE_HOLD;
+    assert_eq!(s.on_event(SECOND + LICENCE_HOLD, Event::Tick), vec![]);
+    assert_eq!(tasks(&mut s, SECOND + LICENCE_HOLD, of_beam(&b, 4, vec![], &[3])), vec![]);
+    let freed = s.on_event(held_until, Event::Tick);
     assert!(matches!(&freed[..], [Action::Announce(points)] if points.len() == 7), "{freed:?}");
-    assert_eq!(numbers(&tasks(&mut s, 3 * SECOND, of_beam(&b, 5, vec![], &[next[0].key.task]))), [0]);
+    assert_eq!(numbers(&tasks(&mut s, held_until, of_beam(&b, 5, vec![], &[next[0].key.task]))), [0]);
 
     // One that is back lists what it runs; one that leaves has a second to end its programs.
-    s.on_event(4 * SECOND, Event::WorkerJoined(a.clone()));
-    assert_eq!(tasks(&mut s, 4 * SECOND, of_beam(&a, 9, vec![], &[1])), vec![]);
+    let later = held_until + SECOND;
+    s.on_event(later, Event::WorkerJoined(a.clone()));
+    assert_eq!(tasks(&mut s, later, of_beam(&a, 9, vec![], &[1])), vec![]);
     let leaving = Claim { leaving: true, ..of_beam(&a, 10, vec![], &[]) };
-    ask(&mut s, 5 * SECOND, leaving);
+    ask(&mut s, later, leaving);
     let done = vec![outcome(&next[0], &b)];
     let many = |sequence, done| Claim { slots: 9, credits: 9, ..of_beam(&b, sequence, done, &[0]) };
-    ask(&mut s, 5 * SECOND, many(6, done));
-    let held = reply(&s.on_event(5 * SECOND, Event::Recorded { task: next[0].key.task })).unwrap().1;
+    ask(&mut s, later, many(6, done));
+    let held = reply(&s.on_event(later, Event::Recorded { task: next[0].key.task })).unwrap().1;
     assert_eq!(held.len(), 1, "two run at b, and one licence is held");
-    assert_eq!(s.on_event(6 * SECOND, Event::Tick).len(), 1);
+    assert_eq!(s.on_event(later + SECOND, Event::Tick).len(), 1);
     let kept = [0, held[0].key.task];
-    let freed = tasks(&mut s, 6 * SECOND, Claim { slots: 9, ..of_beam(&b, 7, vec![], &kept) });
+    let freed = tasks(&mut s, later + SECOND, Claim { slots: 9, ..of_beam(&b, 7, vec![], &kept) });
     assert_eq!(freed.len(), 1, "its time is over");
+}
+
+#[test]
+fn a_task_that_has_ended_elsewhere_keeps_its_licence_while_it_runs() {
+    let [a, b] = ["a", "b"].map(worker);
+    let mut s = scheduler(&[&a, &b], 9, Some(2));
+    let one = |claim: Claim| Claim { credits: 1, ..claim };
+    tasks(&mut s, START, one(of_beam(&a, 1, vec![], &[])));
+    let mut mine = tasks(&mut s, START, one(of_beam(&b, 2, vec![], &[])));
+    s.on_event(SECOND, Event::WorkerLost(a.clone()));
+    for (sequence, next) in [(3, 0), (4, 2)] {
+        mine = exchange(&mut s, 2 * SECOND, &b, sequence, &mine);
+        assert_eq!(numbers(&mine), [next]);
+    }
+    // The lost worker is back and still runs what the other one has finished.
+    s.on_event(3 * SECOND, Event::WorkerJoined(a.clone()));
+    let back = reply(&ask(&mut s, 3 * SECOND, of_beam(&a, 5, vec![], &[0]))).unwrap();
+    assert_eq!(back, (vec![0], vec![]));
+    assert_eq!(tasks(&mut s, 4 * SECOND, of_beam(&b, 6, vec![], &[2])), vec![]);
+    assert_eq!(numbers(&tasks(&mut s, 5 * SECOND, of_beam(&a, 7, vec![], &[]))), [3]);
 }
 
 fn unusable(task: &Task, who: &WorkerId) -> Outcome {

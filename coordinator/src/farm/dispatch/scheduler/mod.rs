@@ -44,7 +44,7 @@ mod workers;
 mod workers_tests;
 
 pub use event::{Action, Assignment, Event, Token, Warning};
-pub use licences::LicenceSettings;
+pub use licences::LICENCE_HOLD;
 pub use settings::SchedulerSettings;
 pub use snapshot::FarmSnapshot;
 
@@ -176,8 +176,12 @@ impl Scheduler {
         let Claim { worker: id, sequence, offers, slots, credits, holding, finished, leaving } = claim;
         let offered = offers.cover(&self.settings.subject);
         let campaign = self.settings.campaign;
-        let held = holding.into_iter().chain(finished.iter().map(|outcome| outcome.task.key));
-        let kept: BTreeSet<u64> = held.filter(|key| key.campaign == campaign).map(|key| key.task).collect();
+        let of_campaign = |key: TaskKey| (key.campaign == campaign).then_some(key.task);
+        let returned: BTreeSet<u64> =
+            finished.iter().filter_map(|outcome| of_campaign(outcome.task.key)).collect();
+        let mut running: BTreeSet<u64> = holding.into_iter().filter_map(of_campaign).collect();
+        let kept = &running | &returned;
+        running.retain(|task| !returned.contains(task));
 
         // Outcomes first: they count whichever worker returns them.
         let mut pending =
@@ -192,13 +196,14 @@ impl Scheduler {
         }
         if self.workers.get(&id).is_none() {
             pending.credits = 0;
+            self.held_licences.extend(&id, now);
             actions.extend(self.warnings.on_claim_without_token(&id).map(Action::Warn));
         } else if self.workers.register_claim(&id, sequence, slots, offered) {
             if !offered {
                 actions.extend(self.warnings.on_claim_without_subject(&id, offers).map(Action::Warn));
             }
             let lost = self.workers.missing_leases(&id, &kept, leaving);
-            self.account_for_licences(now, &id, leaving);
+            self.account_for_licences(now, &id, leaving, &running);
             self.workers.forget_dropped(&id, &kept);
             let free = lost.into_iter().filter(|task| !self.workers.release(&id, *task)).collect();
             self.pending_replies.withdraw_credits(&id);

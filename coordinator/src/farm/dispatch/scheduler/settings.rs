@@ -1,6 +1,5 @@
 //! Deadlines and limits of the scheduler.
 
-use super::licences::LicenceSettings;
 use common::wire::Subject;
 use std::time::Duration;
 
@@ -12,7 +11,7 @@ pub struct SchedulerSettings {
     /// Scene or simulator of the tasks: workers that do not offer it get none.
     pub subject: Subject,
     /// Bound on the evaluations at once, if there is one.
-    pub licences: Option<LicenceSettings>,
+    pub licences: Option<u32>,
     /// Losses (of a worker, or by a deadline) after which a task is given up; the last loss counts at a worker that has
     /// finished other tasks, if any exists.
     pub losses_allowed: u32,
