@@ -61,14 +61,15 @@ impl Surface {
             film: joint.film_damping,
         }
     }
-
-    /// Largest penetration for which Hertz's theory is taken as valid: a tenth of the journal radius [m].
-    pub(crate) fn deepest(&self) -> f64 {
-        0.1 * self.journal_radius
-    }
 }
 
 impl<R: Real> Surface<R> {
+    /// Largest penetration for which Hertz's theory is taken as valid: a tenth of the journal radius [m].
+    #[inline(always)]
+    pub(crate) fn deepest(&self) -> R {
+        self.journal_radius * 0.1
+    }
+
     /// F_T / F_N = mu tanh(v / v_0) at the sliding speed v [m/s], and its derivative to v [s/m].
     #[inline(always)]
     pub(super) fn friction(&self, v: R) -> (R, R) {

@@ -16,22 +16,24 @@
 //! # Source
 //! Hairer, Nørsett, Wanner: Solving Ordinary Differential Equations I (1993), section II.4.
 
-use crate::lanes::Real;
+use crate::lanes::{Real, lanewise};
 
-/// Bounds of the steps of one island, and the step to try next.
+/// Bounds of the steps of one island, and the step to try next; in lanes those of one island each.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StepControl {
+pub struct StepControl<R = f64> {
     /// Tolerance of the local error, in the scales of the system [1].
-    pub tolerance: f64,
+    pub tolerance: R,
     /// Largest step [s].
-    pub largest: f64,
+    pub largest: R,
     /// Smallest step [s].
-    pub smallest: f64,
-    /// Bound on the accepted steps of one span.
-    pub bound: u64,
+    pub smallest: R,
+    /// Bound on the accepted steps of one span, a whole number.
+    pub bound: R,
     /// Step to try next [s].
-    pub step: f64,
+    pub step: R,
 }
+
+lanewise!(StepControl { tolerance, largest, smallest, bound, step });
 
 /// First step after a start or a jump of the system, as a share of the largest step [1].
 const FIRST_STEP: f64 = 1e-2;
@@ -39,33 +41,47 @@ const FIRST_STEP: f64 = 1e-2;
 impl StepControl {
     /// Steps between `smallest` and `largest` [s], at most `bound` accepted ones a span, with local errors up to `tolerance`.
     pub fn new(tolerance: f64, largest: f64, smallest: f64, bound: u64) -> Self {
-        StepControl { tolerance, largest, smallest, bound, step: largest * FIRST_STEP }
+        StepControl { tolerance, largest, smallest, bound: bound as f64, step: largest * FIRST_STEP }
     }
 
     /// Shortens the next step after a discontinuous change of the system, e.g. of a bore.
     pub(crate) fn after_jump(&mut self) {
         self.step = self.largest * FIRST_STEP;
     }
+}
 
-    /// The step to try [s] if the time `left` [s] remains in the span.
-    #[inline]
-    pub(crate) fn next(&self, left: f64) -> f64 {
-        within_remaining(self.step, left)
-    }
-
-    /// Sets the next step after an accepted one of length `h` [s] with this [`step_ratio`]. A step cut short by the end of a span does
-    /// not lengthen it.
-    #[inline]
-    pub(crate) fn lengthen(&mut self, h: f64, ratio: f64) {
-        let growth = ratio.clamp(0.3, 3.0);
-        if h >= self.step || growth < 1.0 {
-            self.step = (h * growth).min(self.largest);
+impl<R: Real> StepControl<R> {
+    /// Bounds and next step of one lane.
+    pub(crate) fn lane(&self, k: usize) -> StepControl {
+        StepControl {
+            tolerance: self.tolerance.lane(k),
+            largest: self.largest.lane(k),
+            smallest: self.smallest.lane(k),
+            bound: self.bound.lane(k),
+            step: self.step.lane(k),
         }
     }
 
-    /// Sets the next step after a refused one of length `h` [s] with this [`step_ratio`].
-    pub(crate) fn shorten(&mut self, h: f64, ratio: f64) {
-        self.step = h * ratio.clamp(0.1, 0.5);
+    /// The step to try [s] if the time `left` [s] remains in the span.
+    #[inline(always)]
+    pub(crate) fn next(&self, left: R) -> R {
+        within_remaining(self.step, left)
+    }
+
+    /// The next step after an accepted one of length `h` [s] with this [`step_ratio`]. A step cut short by the end of a span does
+    /// not lengthen it.
+    #[inline(always)]
+    pub(crate) fn lengthened(&self, h: R, ratio: R) -> R {
+        let growth = ratio.larger(h.like(0.3)).smaller(h.like(3.0));
+        let next = (h * growth).smaller(self.largest);
+        let shorter = R::select(growth.below(h.like(1.0)), next, self.step);
+        R::select(h.below(self.step), shorter, next)
+    }
+
+    /// The next step after a refused one of length `h` [s] with this [`step_ratio`].
+    #[inline(always)]
+    pub(crate) fn shortened(&self, h: R, ratio: R) -> R {
+        h * ratio.larger(h.like(0.1)).smaller(h.like(0.5))
     }
 }
 
@@ -77,13 +93,8 @@ pub(crate) fn step_ratio<R: Real>(error: R) -> R {
 }
 
 /// `step`, or what the time `left` allows [s]: the last two steps of a span share it equally, so that no sliver remains.
-#[inline]
-pub(crate) fn within_remaining(step: f64, left: f64) -> f64 {
-    if step >= left {
-        left
-    } else if 2.0 * step > left {
-        0.5 * left
-    } else {
-        step
-    }
+#[inline(always)]
+pub(crate) fn within_remaining<R: Real>(step: R, left: R) -> R {
+    let shared = R::select(left.below(step * 2.0), left * 0.5, step);
+    R::select(step.below(left), shared, left)
 }

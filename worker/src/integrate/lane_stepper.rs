@@ -5,34 +5,11 @@
 //! refused linearises the same state again. The result of a lane does not depend on the other lanes.
 
 use super::{
-    Closed, Dynamics, IntegrationError, Linearised, Rosenbrock, SpanProgress, StepControl, StepDecision,
+    Closed, Dynamics, IntegrationError, Linearised, Rosenbrock, SpanProgress, StepControl, StepDecisions,
     step_ratio,
 };
-use crate::lanes::Real;
+use crate::lanes::{Lanewise, Real};
 use std::ops::Range;
-
-/// The integration under way in one lane.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LaneState {
-    /// Time reached, step control and counts.
-    pub progress: SpanProgress,
-    /// True if no earlier round has linearised the present state.
-    fresh: bool,
-    /// Length of the step tried in this round [s].
-    tried: f64,
-}
-
-impl LaneState {
-    /// The start of a span of time [s].
-    pub(crate) fn new(span: Range<f64>, control: StepControl) -> Self {
-        LaneState { progress: SpanProgress::new(span, control), fresh: true, tried: 0.0 }
-    }
-
-    /// True if this round is the first that linearises the present state.
-    pub(crate) fn is_fresh(&self) -> bool {
-        self.fresh
-    }
-}
 
 /// Dynamics with what error control needs: scales and constraints.
 pub trait SteppedLanes<R: Real>: Dynamics<R> {
@@ -54,15 +31,6 @@ pub trait SteppedLanes<R: Real>: Dynamics<R> {
     fn inverse_scales(&self) -> &[(R, R)];
 }
 
-/// What a round means for one lane.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LaneOutcome {
-    /// The end of the span is reached and has been linearised.
-    Arrived,
-    /// The lane goes on with the next round.
-    UnderWay,
-}
-
 /// Scheme, states and step control of all lanes.
 #[derive(Debug, Clone)]
 pub struct LaneStepper<R> {
@@ -73,12 +41,17 @@ pub struct LaneStepper<R> {
     pub q: Vec<R>,
     /// Velocities `(n,)` [m/s, rad/s].
     pub v: Vec<R>,
-    /// Integration of each lane, `None` in idle lanes `(LANES,)`.
-    pub lanes: Vec<Option<LaneState>>,
-    /// Length of the step tried in idle lanes [s].
-    idle: f64,
-    /// Time of the states of this round, zero in idle lanes [s].
-    pub time: R,
+    /// Time reached, step control and counts of each lane; the span of an idle lane is empty.
+    progress: SpanProgress<R>,
+    /// One in lanes with a system, zero in idle ones.
+    busy: R,
+    /// One in busy lanes whose present state no earlier round has linearised, else zero.
+    pub fresh: R,
+    /// One in lanes for which the last round was the last one, see [`Self::outcome`], else zero.
+    stopped: R,
+    /// Length of the step tried in this round, and in lanes at the end of their spans [s].
+    tried: R,
+    idle: R,
     /// Error over tolerance of the step of this round [1]; infinite if the step has none.
     error: R,
     /// Ratio of the length wanted to that of this step [1].
@@ -101,9 +74,12 @@ impl<R: Real> LaneStepper<R> {
             at,
             q: vec![like.zero(); n],
             v: vec![like.zero(); n],
-            lanes: vec![None; R::LANES],
-            idle,
-            time: like.zero(),
+            progress: SpanProgress::new(0.0..0.0, StepControl::new(1.0, idle, idle, 0)).in_lanes(like),
+            busy: like.zero(),
+            fresh: like.zero(),
+            stopped: like.zero(),
+            tried: like.like(idle),
+            idle: like.like(idle),
             error: like.zero(),
             ratio: like.zero(),
             force: like.zero(),
@@ -119,21 +95,38 @@ impl<R: Real> LaneStepper<R> {
         self.v.iter_mut().zip(v).for_each(|(to, from)| to.set_lane(lane, *from));
     }
 
+    /// Starts the integration of a lane from its state over a span of time [s].
+    pub(crate) fn start(&mut self, lane: usize, span: Range<f64>, control: StepControl) {
+        SpanProgress::new(span, control).write_lane::<R>(lane, &mut self.progress);
+        self.busy.set_lane(lane, 1.0);
+        self.fresh.set_lane(lane, 1.0);
+        self.stopped.set_lane(lane, 0.0);
+    }
+
+    /// Leaves a lane idle, and returns its progress.
+    pub(crate) fn stop(&mut self, lane: usize) -> SpanProgress {
+        let progress = self.progress.lane(lane);
+        SpanProgress { end: progress.time, ..progress }.write_lane::<R>(lane, &mut self.progress);
+        for flag in [&mut self.busy, &mut self.fresh, &mut self.stopped] {
+            flag.set_lane(lane, 0.0);
+        }
+        progress
+    }
+
+    /// Times of the states of this round [s].
+    #[inline(always)]
+    pub(crate) fn time(&self) -> R {
+        self.progress.time
+    }
+
     /// First half of a round: linearises the state of every lane and tries a step from it.
     #[inline(always)]
     pub(crate) fn try_steps(&mut self, system: &mut impl SteppedLanes<R>) {
         let like = self.error;
-        let lanes = &mut self.lanes;
-        let h = like.each(|k| match &mut lanes[k] {
-            Some(lane) if !lane.progress.is_complete() => {
-                lane.tried = lane.progress.next_step();
-                lane.tried
-            }
-            _ => self.idle,
-        });
-        let t = like.each(|k| lanes[k].map_or(0.0, |lane| lane.progress.time));
-        let tolerance = like.each(|k| lanes[k].map_or(1.0, |lane| lane.progress.control.tolerance));
-        self.time = t;
+        let (t, tolerance) = (self.progress.time, self.progress.control.tolerance);
+        let under_way = t.below(self.progress.end);
+        let h = R::select(under_way, self.progress.next_step(), self.idle);
+        self.tried = h;
         system.linearise(t, &self.q, &self.v, &mut self.at);
         system.on_accepted(&self.at);
         self.force = like.zero();
@@ -147,21 +140,18 @@ impl<R: Real> LaneStepper<R> {
         let infinite = error.like(f64::INFINITY);
         self.error = R::select(error.below(infinite), error, infinite);
         if system.is_constrained() {
-            self.close(system, t + h, tolerance);
+            let under_way = R::select(under_way, like.like(1.0), like.zero());
+            self.close(system, t + h, tolerance, under_way);
         }
         self.ratio = step_ratio(self.error);
     }
 
     /// Closes the ideal joints at the ends `t` [s] of the steps just tried, where their errors allow them: the largest resulting change of
     /// the state, over the scales and the tolerance of the local error, counts as an error too. Infinite if the joints cannot be closed.
+    /// `under_way` is one in lanes before the end of their spans.
     #[inline(always)]
-    fn close(&mut self, system: &mut impl SteppedLanes<R>, t: R, tolerance: R) {
+    fn close(&mut self, system: &mut impl SteppedLanes<R>, t: R, tolerance: R, under_way: R) {
         let (zero, one) = (t.zero(), t.like(1.0));
-        let lanes = &self.lanes;
-        let under_way = t.each(|k| match &lanes[k] {
-            Some(lane) if !lane.progress.is_complete() => 1.0,
-            _ => 0.0,
-        });
         let wanted = R::select(one.below(self.error), zero, under_way);
         let s = &mut self.scheme;
         self.open_q.copy_from_slice(&s.new_q);
@@ -180,41 +170,76 @@ impl<R: Real> LaneStepper<R> {
         self.drift = drift;
     }
 
-    /// True if the force of a lane exists at the state linearised in this round: the constraints of its ideal joints are independent.
-    pub(crate) fn is_independent(&self, lane: usize) -> bool {
-        self.at.independent.is_none_or(|independent| independent.lane(lane) == 1.0)
+    /// Second half of a round: accepts or refuses the step tried in every lane, unless the end of its span was reached before or its
+    /// state has no force or is `outside` the range of the model (one there, else zero). True if a lane stopped, for a reason that
+    /// [`Self::outcome`] tells.
+    #[inline(always)]
+    pub(crate) fn finish_round(&mut self, outside: R) -> bool {
+        let (zero, one) = (outside.zero(), outside.like(1.0));
+        let SpanProgress { time, end, steps, control, .. } = self.progress;
+        let existing = self.at.independent.unwrap_or(one);
+        // Zero or not a number, of which only zero is below one.
+        let finite = R::select(self.force.below(one), existing, zero);
+        let sound = R::select(zero.below(outside), zero, finite);
+        let entered = R::select(zero.below(self.fresh), sound, one);
+        let entered = R::select(zero.below(self.busy), entered, zero);
+        let under_way = R::select(time.below(end), entered, zero);
+        let tried = R::select(steps.below(control.bound), under_way, zero);
+        self.progress.forces = self.progress.forces.plus_product(tried, one + one) + entered;
+        let StepDecisions { accepted, too_small } =
+            self.progress.decide_lanes(tried, self.tried, self.error, self.ratio);
+        let is_accepted = zero.below(accepted);
+        for i in 0..self.q.len() {
+            self.q[i] = R::select(is_accepted, self.scheme.new_q[i], self.q[i]);
+            self.v[i] = R::select(is_accepted, self.scheme.new_v[i], self.v[i]);
+        }
+        let drift = self.progress.drift.larger(self.drift);
+        self.progress.drift = R::select(is_accepted, drift, self.progress.drift);
+        self.fresh = R::select(zero.below(tried), accepted, self.fresh);
+        self.stopped = self.busy - tried + too_small;
+        R::any(zero.below(self.stopped))
     }
 
-    /// True if the force of a lane is finite at the state linearised in this round.
-    pub(crate) fn is_finite(&self, lane: usize) -> bool {
-        self.force.lane(lane) == 0.0
+    /// How the integration of a lane ended in the round just finished, if it did not go on; `deepest` is the largest penetration of each
+    /// of its joints in the range of the model `(joints,)` [m].
+    ///
+    /// The error is an [`IntegrationError`] without the joint with the largest error.
+    pub(crate) fn outcome(&self, lane: usize, deepest: &[f64]) -> Option<Result<(), IntegrationError>> {
+        if self.stopped.lane(lane) == 0.0 {
+            return None;
+        }
+        let progress = self.progress.lane(lane);
+        let entered = if self.fresh.lane(lane) == 1.0 { self.check(lane, deepest) } else { Ok(()) };
+        let ended = entered.and_then(|()| {
+            if progress.is_complete() {
+                return Ok(());
+            }
+            progress.check_bound()?;
+            Err(progress.too_small(self.error.lane(lane)))
+        });
+        Some(ended)
     }
 
-    /// Second half of a round for one lane: accepts or refuses the step tried, unless the end of the span was reached before.
+    /// Checks the state linearised in this round in a lane: its force exists and is finite, and no joint is deeper than `deepest`
+    /// `(joints,)` [m].
     ///
     /// # Errors
-    /// [`IntegrationError`] without a joint; the state is then the last accepted one.
-    pub(crate) fn finish_round(&mut self, lane: usize) -> Result<LaneOutcome, IntegrationError> {
-        let Some(state) = &mut self.lanes[lane] else { return Ok(LaneOutcome::UnderWay) };
-        let progress = &mut state.progress;
-        progress.counts.forces += 1;
-        if progress.is_complete() {
-            return Ok(LaneOutcome::Arrived);
+    /// [`IntegrationError`] with the joint that left the range.
+    pub(crate) fn check(&self, lane: usize, deepest: &[f64]) -> Result<(), IntegrationError> {
+        let time = self.progress.time.lane(lane);
+        if self.at.independent.is_some_and(|independent| independent.lane(lane) != 1.0) {
+            return Err(IntegrationError::Singular { time });
         }
-        progress.check_bound()?;
-        progress.counts.forces += 2;
-        let (error, ratio) = (self.error.lane(lane), self.ratio.lane(lane));
-        state.fresh = progress.decide(state.tried, error, ratio)? == StepDecision::Accepted;
-        if state.fresh {
-            progress.counts.drift = progress.counts.drift.max(self.drift.lane(lane));
-            for (to, from) in self.q.iter_mut().zip(&self.scheme.new_q) {
-                to.set_lane(lane, from.lane(lane));
-            }
-            for (to, from) in self.v.iter_mut().zip(&self.scheme.new_v) {
-                to.set_lane(lane, from.lane(lane));
+        if self.force.lane(lane) != 0.0 {
+            return Err(IntegrationError::NotFinite { time });
+        }
+        for (joint, (force, deepest)) in self.at.joints.iter().zip(deepest).enumerate() {
+            let penetration = force.penetration.lane(lane);
+            if penetration > *deepest {
+                return Err(IntegrationError::OutOfRange { time, joint, penetration });
             }
         }
-        Ok(LaneOutcome::UnderWay)
+        Ok(())
     }
 
     /// Errors (position, velocity) of every coordinate of the step last tried in a lane.

@@ -1,8 +1,8 @@
 //! Two steppers integrate the dynamics: `Stepper` one island, `LaneStepper` many islands at once. They must take the same decisions.
 
 use super::{
-    Band, Dynamics, IntegrationError, LaneOutcome, LaneState, LaneStepper, Linearised, StateObserver,
-    StepControl, StepCounts, Stepped, SteppedLanes, Stepper,
+    Band, Dynamics, IntegrationError, LaneStepper, Linearised, StateObserver, StepControl, StepCounts,
+    Stepped, SteppedLanes, Stepper,
 };
 use std::ops::Range;
 
@@ -61,21 +61,20 @@ fn by_stepper(span: Range<f64>, control: StepControl) -> Run {
 fn by_lane(span: Range<f64>, control: StepControl) -> Run {
     let mut stepper = LaneStepper::new(0.0, Linearised::new(0.0, Band::new(1, 0), 0), control.largest);
     stepper.load_state(0, &[0.0], &[0.5]);
-    stepper.lanes[0] = Some(LaneState::new(span, control));
+    stepper.start(0, span, control);
     let mut accepted = Accepted::default();
     loop {
         stepper.try_steps(&mut Bouncing);
-        let state = stepper.lanes[0].expect("loaded");
-        if state.is_fresh() {
-            accepted.0.push([state.progress.time, stepper.q[0], stepper.v[0]]);
+        if stepper.fresh == 1.0 {
+            accepted.0.push([stepper.time(), stepper.q[0], stepper.v[0]]);
         }
-        let result = match stepper.finish_round(0) {
-            Ok(LaneOutcome::UnderWay) => continue,
-            Ok(LaneOutcome::Arrived) => Ok(()),
-            Err(error) => Err(error),
-        };
-        let progress = stepper.lanes[0].expect("loaded").progress;
-        return (accepted, progress.counts, progress.control, result);
+        let stopped = stepper.finish_round(0.0);
+        if let Some(result) = stepper.outcome(0, &[]) {
+            assert!(stopped);
+            let progress = stepper.stop(0);
+            return (accepted, progress.counts(), progress.control, result);
+        }
+        assert!(!stopped);
     }
 }
 

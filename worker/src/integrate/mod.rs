@@ -26,11 +26,13 @@ mod stepper;
 pub use band::Band;
 pub use control::StepControl;
 pub(crate) use control::{step_ratio, within_remaining};
-pub(crate) use lane_stepper::{LaneOutcome, LaneState, LaneStepper, SteppedLanes};
+pub(crate) use lane_stepper::{LaneStepper, SteppedLanes};
 pub(crate) use linear::add_product;
 pub(crate) use pivoted::Pivoted;
 pub use progress::{IntegrationError, StepCounts};
-pub(crate) use progress::{SpanProgress, StepDecision, nan_as_infinite, worst_coordinate};
+pub(crate) use progress::{
+    SpanProgress, StepDecision, StepDecisions, nan_as_infinite, worst_coordinate,
+};
 pub(crate) use rosenbrock::Rosenbrock;
 pub use stepper::{StateObserver, Stepper};
 

@@ -4,6 +4,7 @@
 //! [`SpanProgress`]: its length, whether it is accepted, and when the integration gives up.
 
 use super::StepControl;
+use crate::lanes::{Real, lanewise};
 use std::ops::Range;
 
 /// Work done in one or more spans of time.
@@ -88,18 +89,26 @@ impl IntegrationError {
     }
 }
 
-/// Time reached in a span, with the step control and the counts of this span.
+/// Time reached in a span, with the step control and the counts of this span; in lanes those of one system each.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SpanProgress {
+pub struct SpanProgress<R = f64> {
     /// Time reached [s].
-    pub time: f64,
+    pub time: R,
     /// End of the span [s].
-    pub end: f64,
+    pub end: R,
     /// Length of the steps.
-    pub control: StepControl,
-    /// Work done in this span.
-    pub counts: StepCounts,
+    pub control: StepControl<R>,
+    /// Accepted and refused steps and evaluations of the force in this span, as in [`StepCounts`]; whole numbers.
+    pub steps: R,
+    /// Refused steps.
+    pub rejected: R,
+    /// Evaluations of the force.
+    pub forces: R,
+    /// Largest distance by which an ideal joint drifted open in one step [m].
+    pub drift: R,
 }
+
+lanewise!(SpanProgress { time, end, control, steps, rejected, forces, drift });
 
 /// Decision about a step just tried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -110,10 +119,30 @@ pub enum StepDecision {
     Refused,
 }
 
+/// Decisions about the steps just tried, lane by lane: one where it applies, else zero.
+#[derive(Debug, Clone, Copy)]
+pub struct StepDecisions<R> {
+    /// The state at the end of the step is the new state.
+    pub accepted: R,
+    /// The step is refused, and the next one would be below its bound.
+    pub too_small: R,
+}
+
 impl SpanProgress {
     /// The start of a span of time [s].
     pub(crate) fn new(span: Range<f64>, control: StepControl) -> Self {
-        SpanProgress { time: span.start, end: span.end, control, counts: StepCounts::default() }
+        let (time, end) = (span.start, span.end);
+        SpanProgress { time, end, control, steps: 0.0, rejected: 0.0, forces: 0.0, drift: 0.0 }
+    }
+
+    /// Work done in this span.
+    pub(crate) fn counts(&self) -> StepCounts {
+        StepCounts {
+            steps: self.steps as u64,
+            rejected: self.rejected as u64,
+            forces: self.forces as u64,
+            drift: self.drift,
+        }
     }
 
     /// True if the end of the span is reached.
@@ -122,48 +151,80 @@ impl SpanProgress {
         self.time >= self.end
     }
 
-    /// Length of the step to try [s].
-    #[inline]
-    pub(crate) fn next_step(&self) -> f64 {
-        self.control.next(self.end - self.time)
-    }
-
     /// Checks that another step is allowed.
     ///
     /// # Errors
     /// [`IntegrationError::TooManySteps`] without a joint.
     pub(crate) fn check_bound(&self) -> Result<(), IntegrationError> {
         let bound = self.control.bound;
-        if self.counts.steps < bound {
+        if self.steps < bound {
             return Ok(());
         }
-        Err(IntegrationError::TooManySteps { time: self.time, bound, joint: None })
+        Err(IntegrationError::TooManySteps { time: self.time, bound: bound as u64, joint: None })
     }
 
-    /// Accepts or refuses a step of length `h` [s] whose estimated error over its tolerance is `error` [1] (infinite if the
-    /// step has no finite one), and adapts the length of the next step; `ratio` is the [`step_ratio`](super::step_ratio) of this error.
+    /// Accepts or refuses a step of length `h` [s] as [`Self::decide_lanes`] does.
     ///
     /// # Errors
     /// [`IntegrationError::StepTooSmall`] without a joint, if the step is refused and the next one would be below its bound.
+    #[inline(always)]
     pub(crate) fn decide(
         &mut self,
         h: f64,
         error: f64,
         ratio: f64,
     ) -> Result<StepDecision, IntegrationError> {
-        if error <= 1.0 {
-            self.time = if h == self.end - self.time { self.end } else { self.time + h };
-            self.counts.steps += 1;
-            self.control.lengthen(h, ratio);
-            return Ok(StepDecision::Accepted);
+        let StepDecisions { accepted, too_small } = self.decide_lanes(1.0, h, error, ratio);
+        if too_small > 0.0 {
+            return Err(self.too_small(error));
         }
-        self.counts.rejected += 1;
-        self.control.shorten(h, ratio);
-        if self.control.step < self.control.smallest {
-            let (error, step) = (error.min(f64::MAX), self.control.step);
-            return Err(IntegrationError::StepTooSmall { time: self.time, step, error, joint: None });
+        Ok(if accepted > 0.0 { StepDecision::Accepted } else { StepDecision::Refused })
+    }
+
+    /// The next step would be below its bound, after one refused with this error over its tolerance [1].
+    pub(crate) fn too_small(&self, error: f64) -> IntegrationError {
+        let (error, step) = (error.min(f64::MAX), self.control.step);
+        IntegrationError::StepTooSmall { time: self.time, step, error, joint: None }
+    }
+}
+
+impl<R: Real> SpanProgress<R> {
+    /// Progress of one lane.
+    pub(crate) fn lane(&self, k: usize) -> SpanProgress {
+        SpanProgress {
+            time: self.time.lane(k),
+            end: self.end.lane(k),
+            control: self.control.lane(k),
+            steps: self.steps.lane(k),
+            rejected: self.rejected.lane(k),
+            forces: self.forces.lane(k),
+            drift: self.drift.lane(k),
         }
-        Ok(StepDecision::Refused)
+    }
+
+    /// Length of the step to try [s].
+    #[inline(always)]
+    pub(crate) fn next_step(&self) -> R {
+        self.control.next(self.end - self.time)
+    }
+
+    /// Accepts or refuses a step of length `h` [s] whose estimated error over its tolerance is `error` [1] (infinite if the
+    /// step has no finite one), and adapts the length of the next step; `ratio` is the [`step_ratio`](super::step_ratio) of this error.
+    /// Only lanes where `tried` is one change.
+    #[inline(always)]
+    pub(crate) fn decide_lanes(&mut self, tried: R, h: R, error: R, ratio: R) -> StepDecisions<R> {
+        let (zero, one) = (h.zero(), h.like(1.0));
+        let accepted = R::select(one.below(error), zero, tried);
+        let refused = tried - accepted;
+        let (is_accepted, is_refused) = (zero.below(accepted), zero.below(refused));
+        let reached = R::select(h.below(self.end - self.time), self.time + h, self.end);
+        self.time = R::select(is_accepted, reached, self.time);
+        self.steps += accepted;
+        self.rejected += refused;
+        let step = R::select(is_accepted, self.control.lengthened(h, ratio), self.control.step);
+        self.control.step = R::select(is_refused, self.control.shortened(h, ratio), step);
+        let too_small = R::select(self.control.step.below(self.control.smallest), refused, zero);
+        StepDecisions { accepted, too_small }
     }
 }
 

@@ -85,7 +85,7 @@ impl Stepper {
         let mut progress = SpanProgress::new(span, self.control);
         let result = fused(Integration { stepper: self, system, progress: &mut progress, q, v, observer });
         self.control = progress.control;
-        counts.add(&progress.counts);
+        counts.add(&progress.counts());
         result.map_err(|error| error.with_joint(self.responsible_joint(system)))
     }
 
@@ -129,7 +129,7 @@ impl Stepper {
     ) -> Result<(), IntegrationError> {
         let time = progress.time;
         system.linearise(time, q, v, &mut self.at);
-        progress.counts.forces += 1;
+        progress.forces += 1.0;
         if self.at.independent == Some(0.0) {
             return Err(IntegrationError::Singular { time });
         }
@@ -154,10 +154,10 @@ impl Stepper {
         v: &[f64],
     ) -> f64 {
         let sound = self.scheme.step(system, &self.at, progress.time, h, q, v);
-        progress.counts.forces += 2;
+        progress.forces += 2.0;
         let error = if sound == 1.0 { self.error(system.scales()) } else { f64::INFINITY };
         if error <= 1.0 && system.is_constrained() {
-            return error.max(self.close(system, progress.time + h, &mut progress.counts));
+            return error.max(self.close(system, progress.time + h, &mut progress.drift));
         }
         error
     }
@@ -165,7 +165,7 @@ impl Stepper {
     /// Closes the ideal joints at the end of the step just tried: the largest resulting change of the state, over the scales
     /// and the tolerance of the local error; infinite if the joints cannot be closed.
     #[inline(always)]
-    fn close<D: Stepped>(&mut self, system: &mut D, t: f64, counts: &mut StepCounts) -> f64 {
+    fn close<D: Stepped>(&mut self, system: &mut D, t: f64, largest_drift: &mut f64) -> f64 {
         let s = &mut self.scheme;
         self.open_q.copy_from_slice(&s.new_q);
         self.open_v.copy_from_slice(&s.new_v);
@@ -182,7 +182,7 @@ impl Stepper {
             scale_v,
         )) / self.control.tolerance;
         if moved <= 1.0 {
-            counts.drift = counts.drift.max(drift);
+            *largest_drift = largest_drift.max(drift);
         }
         nan_as_infinite(moved)
     }

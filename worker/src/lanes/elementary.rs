@@ -43,8 +43,11 @@ const COSINE: [f64; 9] = [
 #[inline(always)]
 pub(crate) fn sincos<R: Real>(angle: R) -> (R, R) {
     let turns = (angle * (1.0 / PI)).round();
-    let [first, second, third] = PI_PARTS.map(|part| angle.like(part));
-    let r = angle.minus_product(turns, first).minus_product(turns, second).minus_product(turns, third);
+    // Without `map`, whose closure is not compiled for the instruction set of the lanes.
+    let mut r = angle;
+    for part in PI_PARTS {
+        r = r.minus_product(turns, angle.like(part));
+    }
     // Half turns change the signs of both: +1 for even, -1 for odd ones.
     let half = turns * 0.5;
     let sign = turns.like(1.0).minus_product((half - half.round()).abs(), turns.like(4.0));

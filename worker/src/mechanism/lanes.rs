@@ -146,6 +146,18 @@ impl<R: Real> IslandLanes<R> {
         self.update_still_frames();
     }
 
+    /// One in lanes where a joint of the islands linearised as `at` is deeper than its contact law allows, else zero.
+    #[inline(always)]
+    pub(crate) fn outside(&self, at: &Linearised<R>) -> R {
+        let zero = self.size.zero();
+        let mut outside = zero;
+        for index in 0..self.joints.len() {
+            let deepest = self.joints[index].law.surface().deepest();
+            outside = R::select(deepest.below(at.joints[index].penetration), zero.like(1.0), outside);
+        }
+        outside
+    }
+
     /// Writes what the contact laws of a lane remember into its island.
     pub(crate) fn read_memory(&self, lane: usize, island: &mut Island) {
         for (from, to) in self.joints.iter().zip(&mut island.joints) {

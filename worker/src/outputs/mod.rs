@@ -29,6 +29,7 @@ mod peak_joint_force;
 mod peaks;
 mod point_track;
 mod position_error;
+mod motion_rows;
 mod recorded_cycle;
 mod recorder;
 mod recording_request;
@@ -36,6 +37,7 @@ mod trace;
 mod wanted;
 
 pub(crate) use contact_lanes::ContactLanes;
+pub(crate) use motion_rows::{LaneRows, MotionRows};
 pub(crate) use energy::sum_of_islands;
 pub(crate) use full_recording::FullRecording;
 pub(crate) use motion_output::{MotionOutput, Sampling};

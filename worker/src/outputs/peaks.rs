@@ -56,6 +56,11 @@ impl Peaks {
         }
     }
 
+    /// True if anything is kept.
+    pub(crate) fn any(&self) -> bool {
+        self.impacts.is_some() || !self.accelerations.is_empty() || !self.angular.is_empty()
+    }
+
     /// True if [`Self::push`] reads the forces of the joints.
     pub(crate) fn needs_joint_forces(&self) -> bool {
         self.impacts.is_some()

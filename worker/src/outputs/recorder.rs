@@ -4,8 +4,9 @@
 use super::impact_count::ImpactCount;
 use super::moment_track::MomentTrack;
 use super::peaks::Peaks;
-use super::{BodyTrack, FullRecording, PointTrack, RecordingRequest};
+use super::{BodyTrack, FullRecording, LaneRows, PointTrack, RecordingRequest};
 use crate::integrate::{Dynamics, Linearised, StateObserver};
+use crate::lanes::Real;
 use crate::mechanism::{End, Frame, Island};
 use crate::wear::{ContactHistory, ContactInstant};
 use common::scene::{Attachment, Scene};
@@ -158,6 +159,37 @@ impl Recorder {
         if let Some(full) = &mut self.full {
             full.push(island, t, q, v, at);
         }
+    }
+
+    /// Records everything of the new states of a lane but the contacts, as [`Self::record_motion`] does for one state that needs no forces of
+    /// joints; a state that was recorded before adds nothing. `space` holds one state (q, v, linearisation).
+    pub(crate) fn record_rows<R: Real>(
+        &mut self,
+        island: &Island,
+        rows: &LaneRows<R>,
+        space: (&mut [f64], &mut [f64], &mut Linearised),
+    ) {
+        let recorded = self.last.as_ref().map(|(time, _)| *time);
+        if self.points.is_empty() && !self.peaks.any() {
+            for (slot, inertia, track) in &mut self.bodies {
+                rows.each_new(|row, t| {
+                    let [angle, omega, moment] = rows.coordinate(row, 3 * *slot + 2);
+                    if recorded != Some(t) {
+                        track.push(t, angle, omega, moment / *inertia);
+                    }
+                });
+            }
+            return;
+        }
+        let (q, v, at) = space;
+        rows.each_new(|row, t| {
+            for k in 0..q.len() {
+                [q[k], v[k], at.f[k]] = rows.coordinate(row, k);
+            }
+            if recorded != Some(t) {
+                self.record_motion(island, t, q, v, at);
+            }
+        });
     }
 
     /// Adds the contacts of a state to the histories.

@@ -3,13 +3,10 @@
 
 use super::queue::{CpuTime, LaneQueue, PendingSpan};
 use super::width::LaneWidth;
-use crate::integrate::{
-    IntegrationError, LaneOutcome, LaneState, LaneStepper, Linearised, SpanProgress, Stepped,
-    worst_coordinate,
-};
-use crate::lanes::{Lanes, Vectorised, run_in};
+use crate::integrate::{IntegrationError, LaneStepper, Linearised, SpanProgress, Stepped, worst_coordinate};
+use crate::lanes::{Lanes, Real, Vectorised, run_in};
 use crate::mechanism::{Island, IslandLanes, same_topology};
-use crate::outputs::{ContactLanes, FullRecording};
+use crate::outputs::{ContactLanes, FullRecording, MotionRows};
 use crate::simulate::island_state::IslandState;
 use pulp::{Simd, WithSimd};
 use std::time::Instant;
@@ -104,6 +101,10 @@ struct LaneGroup<S: Simd> {
     island_lanes: IslandLanes<Lanes<S>>,
     stepper: LaneStepper<Lanes<S>>,
     contacts: ContactLanes<Lanes<S>>,
+    /// States of lanes whose recorders need no forces of joints.
+    motion: MotionRows<Lanes<S>>,
+    /// Lanes whose recorders need these forces, and read every state when it is new.
+    watched: Vec<usize>,
     /// The span in each lane, `None` in idle lanes.
     occupants: Vec<Option<PendingSpan>>,
     /// Forces and state of one lane.
@@ -112,21 +113,35 @@ struct LaneGroup<S: Simd> {
     v: Vec<f64>,
 }
 
-/// First half of a round, compiled for the instruction set of the lanes.
-struct Round<'a, S: Simd>(&'a mut LaneGroup<S>);
+/// Rounds until a lane stops, compiled for the instruction set of the lanes.
+struct Rounds<'a, S: Simd>(&'a mut LaneGroup<S>);
 
-impl<S: Simd> Vectorised for Round<'_, S> {
+impl<S: Simd> Vectorised for Rounds<'_, S> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let LaneGroup { island_lanes, stepper, contacts, occupants, .. } = self.0;
-        stepper.try_steps(island_lanes);
-        contacts.record(stepper.time, &stepper.at, &mut |joint, lane, sample| {
-            if let Some(pending) = &mut occupants[lane] {
-                pending.span.state.recorder.histories[joint].add(sample);
+        let group = self.0;
+        loop {
+            let LaneGroup { island_lanes, stepper, contacts, occupants, .. } = group;
+            stepper.try_steps(island_lanes);
+            contacts.record(stepper.time(), &stepper.at, &mut |joint, lane, sample| {
+                if let Some(pending) = &mut occupants[lane] {
+                    pending.span.state.recorder.histories[joint].add(sample);
+                }
+            });
+            if !group.watched.is_empty() {
+                group.record_watched();
             }
-        });
+            if group.motion.is_full() {
+                group.record_rows();
+            }
+            group.motion.push(&group.stepper);
+            let outside = group.island_lanes.outside(&group.stepper.at);
+            if group.stepper.finish_round(outside) {
+                return;
+            }
+        }
     }
 }
 
@@ -153,13 +168,8 @@ impl<S: Simd> Group for LaneGroup<S> {
     }
 
     fn run(&mut self) -> usize {
-        loop {
-            run_in(self.simd, Round(self));
-            let ended = self.finish_round();
-            if ended > 0 {
-                return ended;
-            }
-        }
+        run_in(self.simd, Rounds(self));
+        self.take_stopped()
     }
 }
 
@@ -175,6 +185,8 @@ impl<S: Simd> LaneGroup<S> {
             q: state.q.clone(),
             v: state.v.clone(),
             contacts: ContactLanes::new(like, state.island.joints.len()),
+            motion: MotionRows::new(like, state.q.len()),
+            watched: vec![],
             occupants: (0..S::F64_LANES).map(|_| None).collect(),
             simd,
             topology,
@@ -194,27 +206,29 @@ impl<S: Simd> LaneGroup<S> {
         self.stepper.load_state(lane, &state.q, &state.v);
         if pending.span.record {
             self.contacts.load(lane, &state.recorder, pending.span.time.start);
+            if state.recorder.needs_joint_forces() {
+                self.watched.push(lane);
+            } else {
+                self.motion.set_recorded(lane, true);
+            }
         }
-        self.stepper.lanes[lane] = Some(LaneState::new(pending.span.time.clone(), state.stepper.control));
+        self.stepper.start(lane, pending.span.time.clone(), state.stepper.control);
         self.occupants[lane] = Some(pending);
     }
 
-    /// Second half of a round: records new states, decides about the steps tried, and returns the islands that have ended. The
-    /// result is their number.
-    fn finish_round(&mut self) -> usize {
+    /// Takes the islands out of the lanes that stopped in the round just finished and returns them to their evaluations; their number.
+    fn take_stopped(&mut self) -> usize {
         let mut ended = 0;
         for lane in 0..S::F64_LANES {
-            let result = match self.check_and_record(lane).and_then(|()| self.stepper.finish_round(lane)) {
-                Ok(LaneOutcome::UnderWay) => continue,
-                Ok(LaneOutcome::Arrived) => Ok(()),
-                Err(error) => Err(self.attribute_failure(lane, error)),
-            };
-            if let Some((pending, progress)) = self.unload(lane) {
+            let deepest = self.deepest(lane);
+            let Some(outcome) = self.stepper.outcome(lane, &deepest) else { continue };
+            let result = outcome.map_err(|error| self.attribute_failure(lane, error));
+            if let Some((pending, progress)) = self.unload(lane, result.is_ok()) {
                 match result {
                     Err(IntegrationError::Singular { time }) => {
-                        pending.integrate_alone(time, progress.counts)
+                        pending.integrate_alone(time, progress.counts())
                     }
-                    result => pending.complete(progress.counts, result),
+                    result => pending.complete(progress.counts(), result),
                 }
             }
             ended += 1;
@@ -222,41 +236,48 @@ impl<S: Simd> LaneGroup<S> {
         ended
     }
 
-    /// Checks the range of a new state of a lane and records its motion.
-    fn check_and_record(&mut self, lane: usize) -> Result<(), IntegrationError> {
-        let (Some(state), Some(pending)) = (&self.stepper.lanes[lane], &mut self.occupants[lane]) else {
-            return Ok(());
-        };
-        if !state.is_fresh() {
-            return Ok(());
-        }
-        let time = state.progress.time;
-        if !self.stepper.is_independent(lane) {
-            return Err(IntegrationError::Singular { time });
-        }
-        if !self.stepper.is_finite(lane) {
-            return Err(IntegrationError::NotFinite { time });
-        }
-        let IslandState { island, recorder, .. } = &mut pending.span.state;
-        for (joint, (force, wearing)) in self.stepper.at.joints.iter().zip(&island.joints).enumerate() {
-            let penetration = force.penetration.values()[lane];
-            if penetration > wearing.contact.surface().deepest() {
-                return Err(IntegrationError::OutOfRange { time, joint, penetration });
+    /// Largest penetration of every joint of a lane in the range of its contact law `(joints,)` [m].
+    fn deepest(&self, lane: usize) -> Vec<f64> {
+        let joints = self.occupants[lane].iter().flat_map(|pending| &pending.span.state.island.joints);
+        joints.map(|joint| joint.contact.surface().deepest()).collect()
+    }
+
+    /// Records the motion of the lanes whose recorders need the forces of the joints, where their states are new and sound.
+    fn record_watched(&mut self) {
+        for index in 0..self.watched.len() {
+            let lane = self.watched[index];
+            let sound = self.stepper.check(lane, &self.deepest(lane)).is_ok();
+            let Some(pending) = &mut self.occupants[lane] else { continue };
+            let IslandState { island, recorder, .. } = &mut pending.span.state;
+            let time = self.stepper.time().lane(lane);
+            if !sound || self.stepper.fresh.lane(lane) != 1.0 || recorder.has_recorded(time) {
+                continue;
             }
-        }
-        if pending.span.record && !recorder.has_recorded(time) {
-            if recorder.needs_joint_forces() {
-                self.stepper.read_forces(lane, &mut self.at);
-            } else {
-                self.stepper.read_force(lane, &mut self.at);
-            }
+            self.stepper.read_forces(lane, &mut self.at);
             self.stepper.read_state(lane, &mut self.q, &mut self.v);
             if recorder.full.as_ref().is_some_and(FullRecording::is_displayed) {
                 island.set_state(time, &self.q, &self.v);
             }
             recorder.record_motion(island, time, &self.q, &self.v, &self.at);
         }
-        Ok(())
+    }
+
+    /// Records the motion of all other lanes since this was done last.
+    fn record_rows(&mut self) {
+        for lane in 0..S::F64_LANES {
+            self.record_rows_of(lane);
+        }
+        self.motion.clear();
+    }
+
+    fn record_rows_of(&mut self, lane: usize) {
+        let Some(pending) = &mut self.occupants[lane] else { return };
+        let IslandState { island, recorder, .. } = &mut pending.span.state;
+        recorder.record_rows(
+            island,
+            &self.motion.of_lane(lane),
+            (&mut self.q, &mut self.v, &mut self.at),
+        );
     }
 
     /// Adds the joint with the largest error of a lane to an error of its integration.
@@ -268,17 +289,25 @@ impl<S: Simd> LaneGroup<S> {
         error.with_joint(coordinate.and_then(|coordinate| island.responsible_joint(coordinate, &self.at)))
     }
 
-    /// Takes the island of a lane out of it, with its progress.
-    fn unload(&mut self, lane: usize) -> Option<(PendingSpan, SpanProgress)> {
-        let (lane_state, mut pending) = (self.stepper.lanes[lane].take()?, self.occupants[lane].take()?);
+    /// Takes the island of a lane out of it, with its progress; without the state of the last round unless that is `sound`.
+    fn unload(&mut self, lane: usize, sound: bool) -> Option<(PendingSpan, SpanProgress)> {
+        if !sound {
+            self.motion.remove_last(lane);
+        }
+        self.record_rows_of(lane);
+        self.motion.clear_lane(lane);
+        self.motion.set_recorded(lane, false);
+        self.watched.retain(|watched| *watched != lane);
+        let mut pending = self.occupants[lane].take()?;
+        let progress = self.stepper.stop(lane);
         let state = &mut pending.span.state;
-        state.stepper.control = lane_state.progress.control;
+        state.stepper.control = progress.control;
         self.stepper.read_state(lane, &mut state.q, &mut state.v);
         if pending.span.record {
             self.contacts.unload(lane, &mut state.recorder);
         }
         self.island_lanes.read_memory(lane, &mut state.island);
         self.island_lanes.leave_idle(lane);
-        Some((pending, lane_state.progress))
+        Some((pending, progress))
     }
 }
