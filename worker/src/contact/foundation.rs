@@ -368,7 +368,7 @@ mod tests {
                     damping: 0.0,
                     restitution: None,
                     friction: 0.0,
-                    friction_speed: 1e-3,
+                    per_friction_speed: 1.0 / 1e-3,
                     film: 0.0,
                 },
                 36,

@@ -29,8 +29,8 @@ pub struct Surface<R = f64> {
     pub restitution: Option<Restitution<R>>,
     /// Friction coefficient mu [1].
     pub friction: R,
-    /// Regularisation speed v_0 [m/s].
-    pub friction_speed: R,
+    /// Inverse of the regularisation speed v_0 [s/m].
+    pub per_friction_speed: R,
     /// Film damping c_f [N s/m].
     pub film: R,
 }
@@ -42,7 +42,7 @@ lanewise!(Surface {
     damping,
     restitution,
     friction,
-    friction_speed,
+    per_friction_speed,
     film
 });
 
@@ -57,7 +57,7 @@ impl Surface {
             damping,
             restitution,
             friction: joint.friction,
-            friction_speed: joint.friction_speed,
+            per_friction_speed: 1.0 / joint.friction_speed,
             film: joint.film_damping,
         }
     }
@@ -73,7 +73,7 @@ impl<R: Real> Surface<R> {
     /// F_T / F_N = mu tanh(v / v_0) at the sliding speed v [m/s], and its derivative to v [s/m].
     #[inline(always)]
     pub(super) fn friction(&self, v: R) -> (R, R) {
-        let per_speed = v.like(1.0) / self.friction_speed;
+        let per_speed = self.per_friction_speed;
         let th = tanh(v * per_speed);
         (self.friction * th, self.friction * th.like(1.0).minus_product(th, th) * per_speed)
     }

@@ -46,7 +46,7 @@ fn surface(stiffness: f64, damping: f64) -> Surface {
         damping,
         restitution: None,
         friction: 0.0,
-        friction_speed: 1e-3,
+        per_friction_speed: 1.0 / 1e-3,
         film: 0.0,
     }
 }

@@ -134,11 +134,12 @@ impl<R: Real> LaneStepper<R> {
             self.force = self.force.plus_product(*f, like.zero());
         }
         let sound = self.scheme.step(system, &self.at, t, h, &self.q, &self.v);
-        // Not a number where the matrix was as good as singular.
         let inverse = system.inverse_scales();
-        let error = self.scheme.error(|i| inverse[i]) / sound / tolerance;
+        let error = self.scheme.error(|i| inverse[i]) / tolerance;
+        // Where the matrix was as good as singular the step has no error.
         let infinite = error.like(f64::INFINITY);
-        self.error = R::select(error.below(infinite), error, infinite);
+        let exists = R::both(error.below(infinite), infinite.zero().below(sound));
+        self.error = R::select(exists, error, infinite);
         if system.is_constrained() {
             let under_way = R::select(under_way, like.like(1.0), like.zero());
             self.close(system, t + h, tolerance, under_way);

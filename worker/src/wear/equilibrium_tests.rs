@@ -15,7 +15,7 @@ fn law(clearance: f64, depth: &[f64; POINTS]) -> Foundation {
         damping: 0.0,
         restitution: None,
         friction: 0.0,
-        friction_speed: 2.4e-3,
+        per_friction_speed: 1.0 / 2.4e-3,
         film: 0.0,
     };
     let mut profile = Profile::round(surface.journal_radius + clearance, POINTS);

@@ -166,7 +166,7 @@ fn contact() -> Contact {
         damping: 0.0,
         restitution: None,
         friction: 0.0,
-        friction_speed: 2.4e-3,
+        per_friction_speed: 1.0 / 2.4e-3,
         film: 0.0,
     };
     Contact::LocalHertz(LocalHertz { surface })

@@ -13,7 +13,7 @@ pub(super) const SURFACE: Surface = Surface {
     damping: 0.0,
     restitution: None,
     friction: 0.0,
-    friction_speed: 2.4e-3,
+    per_friction_speed: 1.0 / 2.4e-3,
     film: 0.0,
 };
 pub(super) const COEFFICIENT: f64 = 1.288e-13;
