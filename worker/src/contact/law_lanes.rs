@@ -155,7 +155,8 @@ impl<R: Real> LawLanes<R> {
         motion: &JointMotion<R>,
     ) -> (JointForce<R>, ForceSlopes<R>) {
         match self {
-            LawLanes::LocalHertz(law, ..) => law.force::<JACOBIAN>(place, walls, motion),
+            LawLanes::LocalHertz(law, _, None) => law.force::<JACOBIAN, false>(place, walls, motion),
+            LawLanes::LocalHertz(law, ..) => law.force::<JACOBIAN, true>(place, walls, motion),
             LawLanes::Foundation(law) => law.force::<JACOBIAN>(motion),
             LawLanes::FoundationWithJournal(law) => law.force_with_journal::<JACOBIAN>(motion),
         }

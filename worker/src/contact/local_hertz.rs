@@ -111,9 +111,9 @@ impl<R: Real> LocalHertz<R> {
     /// With u the unit vector of e, t its left normal, r = |e|: delta_dot = w.u - R' (w.t / r - omega_j) + R_j' (w.t / r - omega_i), v_t
     /// = w.t + omega_i R_j - omega_j R, force = -F_N u - F_T t - c_f w, torques -R_j F_T on the journal, +R F_T
     /// on the bushing. In free flight (delta <= 0), and where the contact lets go early (1 + D delta_dot <=
-    /// 0), only the film acts.
+    /// 0), only the film acts. Without `JOURNAL` the journal does not wear, which is known when this is compiled.
     #[inline(always)]
-    pub(crate) fn force<const JACOBIAN: bool>(
+    pub(crate) fn force<const JACOBIAN: bool, const JOURNAL: bool>(
         &self,
         e: &PolarEccentricity<R>,
         walls: &Walls<R>,
@@ -122,7 +122,8 @@ impl<R: Real> LocalHertz<R> {
         let s = &self.surface;
         let JointMotion { w, omega_journal, omega_bushing, .. } = *motion;
         let PolarEccentricity { size, inverse, u, .. } = *e;
-        let Walls { bore, journal } = *walls;
+        let bore = walls.bore;
+        let journal = if JOURNAL { walls.journal } else { None };
         let radius = journal.map_or(s.journal_radius, |journal| journal.r);
         let nothing = size.zero();
         let one = nothing.like(1.0);
@@ -161,7 +162,7 @@ impl<R: Real> LocalHertz<R> {
         s.add_film(motion, &mut out);
         let mut slopes = ForceSlopes::none(nothing);
         if JACOBIAN {
-            let polar = Polar { u, inverse, walls: *walls, radius, wu, wt, turn, spin };
+            let polar = Polar { u, inverse, walls: Walls { bore, journal }, radius, wu, wt, turn, spin };
             let normal = Normal { root, elastic, factor, normal, mu, mu_v, friction };
             let (rows, to_turn) = self.slopes(&polar, &normal, [omega_journal, omega_bushing]);
             slopes = ForceSlopes { u, rows, to_turn };
@@ -286,7 +287,7 @@ impl Law for LocalHertz {
     ) -> (JointForce, ForceSlopes) {
         let e = PolarEccentricity::new(motion.e);
         let journal = journal.map(|journal| journal.radius_at(e.psi - motion.turn));
-        LocalHertz::force::<JACOBIAN>(self, &e, &Walls { bore: bore.radius_at(e.psi), journal }, motion)
+        LocalHertz::force::<JACOBIAN, true>(self, &e, &Walls { bore: bore.radius_at(e.psi), journal }, motion)
     }
 
     fn elastic(&self, surfaces: Surfaces, motion: &JointMotion) -> Elastic {

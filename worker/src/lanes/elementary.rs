@@ -211,8 +211,11 @@ mod tests {
                 let found = every(x, y);
                 let below = (0..S::F64_LANES).find(|&lane| x.lane(lane) < y.lane(lane));
                 assert_eq!(Lanes::first(x.below(y)), below.unwrap_or(S::F64_LANES));
+                let columns = x.columns(|lane| [0.0, 1.0, 2.0, 3.0].map(|column| x.lane(lane) + column));
                 for lane in 0..S::F64_LANES {
                     let (x, y) = (x.lane(lane), y.lane(lane));
+                    let row = columns.map(|column| column.lane(lane));
+                    assert_eq!(row, [x, x + 1.0, x + 2.0, x + 3.0]);
                     let alone = every(x, y);
                     for (found, alone) in found.iter().zip(alone) {
                         assert_eq!(found.lane(lane).to_bits(), alone.to_bits(), "{x} {y}");

@@ -35,6 +35,8 @@ pub trait Real:
     fn set_lane(&mut self, k: usize, value: f64);
     /// The first numbers of `from`, one per lane; `self` sets the number of lanes.
     fn load(self, from: &[f64]) -> Self;
+    /// The columns of the rows `row(k)`, of which lane k has one; `self` sets the number of lanes.
+    fn columns(self, row: impl FnMut(usize) -> [f64; 4]) -> [Self; 4];
     /// The first lane where the mask is true; `LANES` if there is none.
     fn first(mask: Self::Mask) -> usize;
     /// `self` + `a` `b`, rounded once.
@@ -107,6 +109,10 @@ impl Real for f64 {
         from[0]
     }
     #[inline(always)]
+    fn columns(self, mut row: impl FnMut(usize) -> [f64; 4]) -> [Self; 4] {
+        row(0)
+    }
+    #[inline(always)]
     fn first(mask: bool) -> usize {
         usize::from(!mask)
     }
@@ -146,6 +152,17 @@ impl Real for f64 {
 
 /// Bit mask of a number without its sign.
 const ALL_BUT_SIGN: f64 = f64::from_bits(!(1 << 63));
+
+/// Where `deinterleave_shfl_f64s` of pulp 0.22 takes the row of lane `k` from: vectors of eight lanes come out with the lanes 1 and 2 of each
+/// half exchanged, all others in their order.
+#[inline(always)]
+const fn place_of_row(k: usize, lanes: usize) -> usize {
+    match (lanes, k & 3) {
+        (8, 1) => k + 1,
+        (8, 2) => k - 1,
+        _ => k,
+    }
+}
 
 /// A SIMD vector of the instruction set `S`, aligned as the widest ones: reading and writing across lines of the cache takes twice as long.
 #[derive(Debug, Clone, Copy)]
@@ -250,6 +267,17 @@ impl<S: Simd> Real for Lanes<S> {
     #[inline(always)]
     fn load(self, from: &[f64]) -> Self {
         Lanes { simd: self.simd, value: S::as_simd_f64s(&from[..S::F64_LANES]).0[0] }
+    }
+    #[inline(always)]
+    fn columns(self, mut row: impl FnMut(usize) -> [f64; 4]) -> [Self; 4] {
+        let mut values = [self.value; 4];
+        let rows: &mut [[f64; 4]] = bytemuck::cast_slice_mut(&mut values);
+        for k in 0..S::F64_LANES {
+            rows[place_of_row(k, S::F64_LANES)] = row(k);
+        }
+        let [a, b, c, d] = self.simd.deinterleave_shfl_f64s(values);
+        let lanes = |value| Lanes { simd: self.simd, value };
+        [lanes(a), lanes(b), lanes(c), lanes(d)]
     }
     #[inline(always)]
     fn first((simd, mask): Self::Mask) -> usize {

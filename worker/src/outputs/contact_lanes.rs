@@ -1,6 +1,7 @@
 //! Contact histories of the islands in the lanes of a vector, one per lane: what [`Recorder`] does for one island.
 
 use super::Recorder;
+use super::recorder::LastContacts;
 use crate::integrate::Linearised;
 use crate::lanes::{Lanewise, Real};
 use crate::wear::{ContactInstant, ContactSample, Interval};
@@ -18,8 +19,9 @@ struct ContactOfLanes<R> {
 #[derive(Debug, Clone)]
 pub struct ContactLanes<R> {
     joints: Vec<ContactOfLanes<R>>,
-    /// Time of the last state [s].
+    /// Time of the last state and half of the step before it [s].
     time: R,
+    half: R,
     /// One half in lanes that record, zero in others [1].
     weight: R,
 }
@@ -32,7 +34,7 @@ impl<R: Real> ContactLanes<R> {
             interval: Interval::new(f64::INFINITY, false).in_lanes(like),
             last: nothing.in_lanes(like),
         };
-        ContactLanes { joints: vec![joint; joints], time: like.zero(), weight: like.zero() }
+        ContactLanes { joints: vec![joint; joints], time: like.zero(), half: like.zero(), weight: like.zero() }
     }
 
     /// Continues the histories of `recorder` in a lane, from its last state or else from the first one, at time `start` [s].
@@ -40,19 +42,20 @@ impl<R: Real> ContactLanes<R> {
         for (to, from) in self.joints.iter_mut().zip(&recorder.histories) {
             from.interval().write_lane::<R>(lane, &mut to.interval);
         }
-        let mut time = start;
-        if let Some((last, contacts)) = &recorder.last {
-            time = *last;
-            for (to, from) in self.joints.iter_mut().zip(contacts) {
+        let (mut time, mut half) = (start, 0.0);
+        if let Some(last) = &recorder.last {
+            (time, half) = (last.time, last.half);
+            for (to, from) in self.joints.iter_mut().zip(&last.contacts) {
                 from.write_lane::<R>(lane, &mut to.last);
             }
         }
         self.time.set_lane(lane, time);
+        self.half.set_lane(lane, half);
         self.weight.set_lane(lane, 0.5);
     }
 
     /// Adds the contacts of the states linearised as `at`, at the times `t` [s]; `ended` receives joint, lane and averages of every
-    /// interval that ends. A state that was added before adds nothing.
+    /// interval that ends with the states before them. A state that was added before adds nothing.
     #[inline(always)]
     pub(crate) fn record(
         &mut self,
@@ -60,17 +63,18 @@ impl<R: Real> ContactLanes<R> {
         at: &Linearised<R>,
         ended: &mut dyn FnMut(usize, usize, ContactSample),
     ) {
-        // Trapezoidal rule: each end of the step stands for half of it.
+        // Trapezoidal rule: a state stands for half of the step before it and half of the one after it.
         let half = (t - self.time) * self.weight;
+        let stepped = half.zero().below(half);
+        let duration = R::select(stepped, self.half + half, half.zero());
         for j in 0..self.joints.len() {
             let joint = &mut self.joints[j];
             let now = ContactInstant::new(at.e[j], &at.joints[j]).turned(at.turns[j]);
             let mut ended = |lane: usize, sample: ContactSample| ended(j, lane, sample);
-            joint.interval.push(half, &joint.last, &mut ended);
-            joint.interval.push(half, &now, &mut ended);
+            joint.interval.push(duration, &joint.last, &mut ended);
             joint.last = now;
         }
-        self.time = t;
+        (self.time, self.half) = (t, R::select(stepped, half, self.half));
     }
 
     /// Returns the histories of a lane to its recorder.
@@ -78,8 +82,11 @@ impl<R: Real> ContactLanes<R> {
         for (from, to) in self.joints.iter().zip(&mut recorder.histories) {
             to.set_interval(from.interval.lane(lane));
         }
-        let contacts = self.joints.iter().map(|joint| joint.last.lane(lane));
-        recorder.last = Some((self.time.lane(lane), contacts.collect()));
+        recorder.last = Some(LastContacts {
+            time: self.time.lane(lane),
+            half: self.half.lane(lane),
+            contacts: self.joints.iter().map(|joint| joint.last.lane(lane)).collect(),
+        });
         self.weight.set_lane(lane, 0.0);
     }
 }

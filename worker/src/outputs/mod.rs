@@ -8,7 +8,8 @@
 //! | `motion_output.rs` | the trait of the outputs |
 //! | `angle_difference.rs`, `peak_joint_force.rs`, `position_error.rs`, `angle_error.rs`, `acceleration.rs`, `impacts.rs`, `driving_torque.rs` | the outputs |
 //! | `deviation.rs`, `wanted.rs` | size of a deviation over a cycle; wanted functions of time or of an angle |
-//! | `recording_request.rs`, `recorder.rs`, `peaks.rs`, `contact_lanes.rs` | what to record of an island, and the recording; contacts of islands in lanes |
+//! | `recording_request.rs`, `recorder.rs`, `peaks.rs` | what to record of an island, and the recording |
+//! | `contact_lanes.rs`, `motion_rows.rs` | contacts and motion of islands in lanes |
 //! | `recorded_cycle.rs` | the recordings of all islands of a cycle, as outputs read them |
 //! | `trace.rs`, `point_track.rs`, `moment_track.rs` | angle of a body, force of a joint, path of a point and moment on a body over time |
 //! | `full_recording.rs`, `energy.rs` | everything of a cycle that is displayed |
@@ -32,6 +33,8 @@ mod position_error;
 mod motion_rows;
 mod recorded_cycle;
 mod recorder;
+#[cfg(test)]
+mod recorder_tests;
 mod recording_request;
 mod trace;
 mod wanted;

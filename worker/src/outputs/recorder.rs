@@ -11,6 +11,17 @@ use crate::mechanism::{End, Frame, Island};
 use crate::wear::{ContactHistory, ContactInstant};
 use common::scene::{Attachment, Scene};
 
+/// Contacts of the last state, which is added to the histories when the length of the step after it is known.
+#[derive(Debug, Clone)]
+pub(super) struct LastContacts {
+    /// Time of the state [s].
+    pub time: f64,
+    /// Half of the step before it [s].
+    pub half: f64,
+    /// Contact of each joint `(joints,)`.
+    pub contacts: Vec<ContactInstant>,
+}
+
 /// Records a cycle of one island.
 #[derive(Debug, Clone)]
 pub struct Recorder {
@@ -28,8 +39,8 @@ pub struct Recorder {
     peaks: Peaks,
     /// Largest force so far of each joint, those with clearance first, if requested [N].
     peak_forces: Option<Vec<f64>>,
-    /// Time [s] and contacts of the last state `(joints,)`.
-    pub(super) last: Option<(f64, Vec<ContactInstant>)>,
+    /// Contacts of the last state.
+    pub(super) last: Option<LastContacts>,
 }
 
 impl Recorder {
@@ -116,6 +127,10 @@ impl Recorder {
 
     /// Closes the recording at the end of the cycle.
     pub(crate) fn finish(&mut self) {
+        if let Some(LastContacts { half, contacts, .. }) = &mut self.last {
+            let half = std::mem::take(half);
+            self.histories.iter_mut().zip(contacts).for_each(|(history, contact)| history.push(half, contact));
+        }
         self.histories.iter_mut().for_each(ContactHistory::close_stretch);
     }
 }
@@ -124,7 +139,7 @@ impl Recorder {
     /// True if a state at this time [s] was the last one recorded: the second half of a cycle begins at the end of the first, and that
     /// instant is observed twice.
     pub(crate) fn has_recorded(&self, t: f64) -> bool {
-        self.last.as_ref().is_some_and(|(time, _)| *time == t)
+        self.last.as_ref().is_some_and(|last| last.time == t)
     }
 
     /// True if [`Self::record_motion`] reads the forces of the joints and those on prescribed bodies.
@@ -169,7 +184,7 @@ impl Recorder {
         rows: &LaneRows<R>,
         space: (&mut [f64], &mut [f64], &mut Linearised),
     ) {
-        let recorded = self.last.as_ref().map(|(time, _)| *time);
+        let recorded = self.last.as_ref().map(|last| last.time);
         if self.points.is_empty() && !self.peaks.any() {
             for (slot, inertia, track) in &mut self.bodies {
                 rows.each_new(|row, t| {
@@ -193,21 +208,20 @@ impl Recorder {
     }
 
     /// Adds the contacts of a state to the histories.
-    fn record_contacts(&mut self, t: f64, at: &Linearised) {
+    pub(super) fn record_contacts(&mut self, t: f64, at: &Linearised) {
         let turned = at.e.iter().zip(&at.joints).zip(&at.turns);
         let now = turned.map(|((e, joint), turn)| ContactInstant::new(*e, joint).turned(*turn));
-        let Some((time, before)) = &mut self.last else {
-            self.last = Some((t, now.collect()));
+        let Some(last) = &mut self.last else {
+            self.last = Some(LastContacts { time: t, half: 0.0, contacts: now.collect() });
             return;
         };
-        // Trapezoidal rule: each end of the step stands for half of it.
-        let half = 0.5 * (t - *time);
-        for ((history, before), now) in self.histories.iter_mut().zip(before).zip(now) {
-            history.push(half, before);
-            history.push(half, &now);
+        // Trapezoidal rule: a state stands for half of the step before it and half of the one after it.
+        let half = 0.5 * (t - last.time);
+        for ((history, before), now) in self.histories.iter_mut().zip(&mut last.contacts).zip(now) {
+            history.push(last.half + half, before);
             *before = now;
         }
-        *time = t;
+        (last.time, last.half) = (t, half);
     }
 }
 
