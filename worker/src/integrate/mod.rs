@@ -30,9 +30,7 @@ pub(crate) use lane_stepper::{LaneStepper, SteppedLanes};
 pub(crate) use linear::add_product;
 pub(crate) use pivoted::Pivoted;
 pub use progress::{IntegrationError, StepCounts};
-pub(crate) use progress::{
-    SpanProgress, StepDecision, StepDecisions, nan_as_infinite, worst_coordinate,
-};
+pub(crate) use progress::{SpanProgress, StepDecision, StepDecisions, nan_as_infinite, worst_coordinate};
 pub(crate) use rosenbrock::Rosenbrock;
 pub use stepper::{StateObserver, Stepper};
 

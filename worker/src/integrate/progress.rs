@@ -98,11 +98,11 @@ pub struct SpanProgress<R = f64> {
     pub end: R,
     /// Length of the steps.
     pub control: StepControl<R>,
-    /// Accepted and refused steps and evaluations of the force in this span, as in [`StepCounts`]; whole numbers.
+    /// Number of accepted steps in this span, a whole number as the next two.
     pub steps: R,
-    /// Refused steps.
+    /// Number of refused steps.
     pub rejected: R,
-    /// Evaluations of the force.
+    /// Evaluations of the force, with or without derivatives.
     pub forces: R,
     /// Largest distance by which an ideal joint drifted open in one step [m].
     pub drift: R,

@@ -101,7 +101,7 @@ impl<'a> Compared<'a> {
 
     /// Value and slope at the times `t0`, the present one, and `t1` [s], which is the present one from now on.
     #[inline]
-    fn from_to<Q: Quantity>(&mut self, t0: f64, t1: f64) -> [(f64, f64); 2] {
+    fn at_both<Q: Quantity>(&mut self, t0: f64, t1: f64) -> [(f64, f64); 2] {
         let (piece, now) = self.piece.unwrap_or_else(|| {
             let piece = Q::piece(self.track, self.interval);
             (piece, piece.at(t0))
@@ -142,7 +142,7 @@ fn largest_difference<Q: Quantity>(a: (&BodyTrack, f64), b: (&BodyTrack, f64)) -
             if middle + a.spread.reach + b.spread.reach < largest {
                 (a.piece, b.piece) = (None, None);
             } else {
-                let ([a0, a1], [b0, b1]) = (a.from_to::<Q>(t0, t1), b.from_to::<Q>(t0, t1));
+                let ([a0, a1], [b0, b1]) = (a.at_both::<Q>(t0, t1), b.at_both::<Q>(t0, t1));
                 let ((y0, d0), (y1, d1)) = (difference(a0, b0), difference(a1, b1));
                 largest = largest.max(y0.abs()).max(y1.abs());
                 if d0 * d1 < 0.0 {

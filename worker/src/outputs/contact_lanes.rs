@@ -34,7 +34,12 @@ impl<R: Real> ContactLanes<R> {
             interval: Interval::new(f64::INFINITY, false).in_lanes(like),
             last: nothing.in_lanes(like),
         };
-        ContactLanes { joints: vec![joint; joints], time: like.zero(), half: like.zero(), weight: like.zero() }
+        ContactLanes {
+            joints: vec![joint; joints],
+            time: like.zero(),
+            half: like.zero(),
+            weight: like.zero(),
+        }
     }
 
     /// Continues the histories of `recorder` in a lane, from its last state or else from the first one, at time `start` [s].

@@ -26,11 +26,11 @@ mod impact_count;
 mod impacts;
 mod moment_track;
 mod motion_output;
+mod motion_rows;
 mod peak_joint_force;
 mod peaks;
 mod point_track;
 mod position_error;
-mod motion_rows;
 mod recorded_cycle;
 mod recorder;
 #[cfg(test)]
@@ -40,10 +40,10 @@ mod trace;
 mod wanted;
 
 pub(crate) use contact_lanes::ContactLanes;
-pub(crate) use motion_rows::{LaneRows, MotionRows};
 pub(crate) use energy::sum_of_islands;
 pub(crate) use full_recording::FullRecording;
 pub(crate) use motion_output::{MotionOutput, Sampling};
+pub(crate) use motion_rows::{LaneRows, MotionRows};
 pub(crate) use point_track::PointTrack;
 pub(crate) use recorded_cycle::{IdealTracks, RecordedCycle, sample_times};
 pub(crate) use recorder::Recorder;

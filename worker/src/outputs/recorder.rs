@@ -129,7 +129,10 @@ impl Recorder {
     pub(crate) fn finish(&mut self) {
         if let Some(LastContacts { half, contacts, .. }) = &mut self.last {
             let half = std::mem::take(half);
-            self.histories.iter_mut().zip(contacts).for_each(|(history, contact)| history.push(half, contact));
+            self.histories
+                .iter_mut()
+                .zip(contacts)
+                .for_each(|(history, contact)| history.push(half, contact));
         }
         self.histories.iter_mut().for_each(ContactHistory::close_stretch);
     }
@@ -198,8 +201,8 @@ impl Recorder {
         }
         let (q, v, at) = space;
         rows.each_new(|row, t| {
-            for k in 0..q.len() {
-                [q[k], v[k], at.f[k]] = rows.coordinate(row, k);
+            for (k, (q, v)) in q.iter_mut().zip(v.iter_mut()).enumerate() {
+                [*q, *v, at.f[k]] = rows.coordinate(row, k);
             }
             if recorded != Some(t) {
                 self.record_motion(island, t, q, v, at);
