@@ -29,7 +29,8 @@ fn issue_the_stated_wear_error_of_a_rattling_mechanism_exceeded_the_wear() {
         }
         println!("{:.1} % stated at most, {steps:.0} steps", 100.0 * error);
         assert!(error < bound, "{error}");
-        assert!(steps < 2.0 * steps_before, "{steps} steps");
+        // Steps of one start scatter by 5 %, their mean over ten by 2 %.
+        assert!(steps < 2.1 * steps_before, "{steps} steps");
     }
 }
 
