@@ -7,7 +7,7 @@ use common::scene::SceneSource;
 
 #[test]
 fn contacts_in_a_lane_are_those_of_one_recorder() {
-    let scene = SceneSource::builtin("pendulum").expect("built in").nominal().clone();
+    let scene = SceneSource::builtin("four-bar").expect("built in").nominal().clone();
     let island = islands(&scene).expect("assembled").remove(0);
     assert!(!island.scales().0.is_empty());
     let mut alone = Recorder::new(&island, &scene, &recording_request(&scene), 40);

@@ -52,9 +52,8 @@ struct Refused {
 pub struct WearStep {
     /// Allowed sum of the sub-steps' errors relative to the largest wear they add [1].
     tolerance: f64,
-    /// Direction of the stiffest mode found so far, and -d rate/d depth in that direction [1/cycle], zero before the first block.
+    /// Direction of the stiffest mode found so far.
     stiffest: Vec<f64>,
-    stiffness: f64,
     /// Wear rate at both ends of the sub-step, and the depth at its end.
     f0: Vec<f64>,
     f1: Vec<f64>,
@@ -72,8 +71,6 @@ const SPENDABLE: f64 = 0.5;
 /// Displacement by which the stiffness is probed [m]: a tenth of the penetrations and more, so that kinks of
 /// the rate are averaged over.
 const PROBE: f64 = 1e-8;
-/// Change of the stiffness from block to block beyond which its direction is found anew [1].
-const CHANGED: f64 = 0.25;
 
 impl WearStep {
     /// A wear step for `points` control points with the relative tolerance `tolerance` [1].
@@ -82,7 +79,6 @@ impl WearStep {
         WearStep {
             tolerance,
             stiffest: (0..points).map(|i| if i % 2 == 0 { 1.0 } else { -1.0 }).collect(),
-            stiffness: 0.0,
             f0: zero.clone(),
             f1: zero.clone(),
             end: zero,
@@ -151,7 +147,7 @@ impl WearStep {
         credit: &mut f64,
         stats: &mut WearStepStats,
     ) -> Result<f64, Refused> {
-        let stages = ((1.0 + 1.54 * step * radius).sqrt().ceil() as usize).max(2);
+        let stages = ((1.0 + 1.54 * step * radius).sqrt().ceil() as usize + 1).max(2);
         if stages > MOST_STAGES {
             return Err(Refused { smaller: step * 0.5, error: f64::INFINITY });
         }
@@ -204,7 +200,7 @@ impl WearStep {
 
     /// Largest eigenvalue of -d rate/d depth at `depth`, where the rate is f0, with a margin of a quarter
     /// [1/cycle]: a step of the power method from the stiffest direction of the block before, two at the
-    /// start and where the stiffness has changed by more than [`CHANGED`].
+    /// start.
     fn spectral_radius(
         &mut self,
         rate: &mut WearRate,
@@ -227,11 +223,6 @@ impl WearStep {
                 *v = (f1 - f0) / PROBE;
             }
             radius = norm(&self.stiffest);
-            let change = (radius - self.stiffness).abs();
-            self.stiffness = radius;
-            if change <= CHANGED * radius {
-                break;
-            }
         }
         Ok(1.25 * radius)
     }
