@@ -22,6 +22,7 @@
 
 mod arc;
 mod arc_cell;
+mod coulomb;
 mod damping;
 mod energy;
 mod foundation;
@@ -37,6 +38,7 @@ mod surface;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use coulomb::coulomb;
 pub use damping::Restitution;
 pub use foundation::Foundation;
 pub(crate) use foundation::{FoundationLoad, equivalent_penetration};

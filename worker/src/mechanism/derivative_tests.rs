@@ -259,7 +259,7 @@ fn everything() -> Scene {
         body("arm", free(0.16, 0.02, 1.0, 0.1)),
         body("weight", free(0.2, 0.1, 1.3, 0.15)),
     ];
-    let joint = |name: &str, journal, bushing, kind| Joint { name: name.into(), journal, bushing, kind };
+    let joint = |name: &str, journal, bushing, kind| Joint { name: name.into(), journal, bushing, kind, friction: None };
     let slide = JointKind::Prismatic { axis: 0.2, angle: 0.2 };
     scene.joints = vec![
         joint("crank", at(1, [0.05, 0.0]), at(2, [0.0, 0.0]), JointKind::Revolute),
@@ -334,6 +334,39 @@ fn derivatives_with_ideal_joints_and_every_load_agree_with_differences() {
     for state in states(&scene, island) {
         check(island, &state, [1e-7, 1e-6, 1e-5, 1e-4, 1e-6], 1e-4, "everything");
     }
+}
+
+/// [`everything`] with friction in every joint that slides, on pins and in the guide, at speeds where tanh bends.
+fn everything_rubs() -> Scene {
+    let mut scene = everything();
+    for (joint, coefficient, size) in [(0, 0.15, 0.02), (1, 0.3, 0.015), (2, 0.2, 0.08), (3, 0.25, 0.01)] {
+        scene.joints[joint].friction = Some(IdealFriction { coefficient, speed: 0.4, size });
+    }
+    scene
+}
+
+#[test]
+fn derivatives_with_friction_in_ideal_joints_agree_with_differences() {
+    let (mut on_ends, mut on_one_side) = (0, 0);
+    for length in [0.01, 0.02, 0.08, 0.4] {
+        let mut scene = everything_rubs();
+        if let Some(friction) = &mut scene.joints[2].friction {
+            friction.size = length;
+        }
+        let mut found = islands(&scene).expect("it is modelled");
+        let [island] = found.as_mut_slice() else { panic!("one island") };
+        for state in states(&scene, island) {
+            check(island, &state, [1e-7, 1e-6, 1e-5, 1e-4, 1e-6], 1e-4, "friction");
+            let mut at = island.linearised();
+            island.clone().linearise(state.0, &state.1, &state.2, &mut at);
+            assert_eq!((at.balanced, at.friction.len()), (Some(1.0), 4));
+            assert!(at.friction.iter().all(|[force, speed]| force * speed > 0.0), "{:?}", at.friction);
+            // The guide's rows follow those of two pins.
+            let tilted = 2.0 * at.lambda[5].abs() > length * at.lambda[4].abs();
+            *(if tilted { &mut on_ends } else { &mut on_one_side }) += 1;
+        }
+    }
+    assert!(on_ends > 2 && on_one_side > 2, "{on_ends} states on the guide's ends, {on_one_side} on one side");
 }
 
 #[test]

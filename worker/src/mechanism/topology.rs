@@ -78,7 +78,9 @@ fn assemble(scene: &Scene, bodies: Vec<usize>) -> Island {
                 wall: clearance.wall,
                 ends,
             }),
-            ideal => constraints.push(Constraint::new(index, ends, ideal)),
+            ideal => {
+                constraints.push(Constraint::new(index, ends, ideal).with_friction(joint.friction));
+            }
         }
     }
     let acting = scene.loads.iter().filter(|load| load.bodies().iter().any(|b| bodies.contains(b)));
