@@ -70,7 +70,9 @@ mod warnings;
 pub use attachment::Attachment;
 pub use drive::{Curve, Drive, Over, Table};
 pub use faults::{Fault, FaultKind, Faults};
-pub use joint::{Clearance, ContactDamping, ContactLaw, IdealFriction, Joint, JointKind, Material, RestitutionLaw};
+pub use joint::{
+    Clearance, ContactDamping, ContactLaw, IdealFriction, Joint, JointKind, Material, RestitutionLaw,
+};
 pub use limits::VALUE_LIMIT;
 pub use load::Load;
 pub use location::Location;

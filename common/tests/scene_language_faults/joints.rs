@@ -32,13 +32,13 @@ fn joints() {
     one_fault("guide", "axis = \"15 deg\"", "axis = \"15 mm\"", "joints.guide.axis: \"15 mm\" is a length");
     one_fault("weld", "angle = \"90 deg\"", "axis = \"9 deg\"", "joints.weld.axis: unknown key");
     one_fault("weld", "angle = \"90 deg\"", "friction = 0.1", "joints.weld.friction: unknown key");
-    one_fault("hinge", "friction = 0.1", "friction = -0.1", "joints.hinge.friction: -0.1 is out of range, allowed: 0 to 2");
     one_fault(
         "hinge",
-        "friction = 0.1\n",
-        "",
-        "joints.hinge.friction: is missing, expected a plain number",
+        "friction = 0.1",
+        "friction = -0.1",
+        "joints.hinge.friction: -0.1 is out of range, allowed: 0 to 2",
     );
+    one_fault("hinge", "friction = 0.1\n", "", "joints.hinge.friction: is missing, expected a plain number");
     one_fault(
         "guide",
         "friction_speed = \"2 mm/s\"\n",

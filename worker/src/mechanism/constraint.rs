@@ -20,7 +20,7 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::frame::{End, Frame};
-use super::sliding::{FrictionConstants, Sliding};
+use super::sliding::{FrictionConstants, NormalForce, Sliding};
 use crate::lanes::{Lanewise, Real, lanewise};
 use crate::plane::{dot, left};
 use common::scene::{IdealFriction, JointKind};
@@ -143,6 +143,15 @@ impl<R: Real> Constraint<R> {
             Kind::Revolute | Kind::Prismatic => 2,
             Kind::Fixed => 3,
         }
+    }
+
+    /// Normal force that the friction of the joint follows, if it has friction.
+    pub(super) fn normal_force(&self) -> Option<NormalForce<R>> {
+        let size = self.friction?.size;
+        Some(match self.kind {
+            Kind::Revolute | Kind::Fixed => NormalForce::on_pin(),
+            Kind::Prismatic => NormalForce::in_guide(size),
+        })
     }
 
     /// How the two bodies slide on each other, if the joint has friction.

@@ -259,7 +259,13 @@ fn everything() -> Scene {
         body("arm", free(0.16, 0.02, 1.0, 0.1)),
         body("weight", free(0.2, 0.1, 1.3, 0.15)),
     ];
-    let joint = |name: &str, journal, bushing, kind| Joint { name: name.into(), journal, bushing, kind, friction: None };
+    let joint = |name: &str, journal, bushing, kind| Joint {
+        name: name.into(),
+        journal,
+        bushing,
+        kind,
+        friction: None,
+    };
     let slide = JointKind::Prismatic { axis: 0.2, angle: 0.2 };
     scene.joints = vec![
         joint("crank", at(1, [0.05, 0.0]), at(2, [0.0, 0.0]), JointKind::Revolute),
@@ -366,7 +372,10 @@ fn derivatives_with_friction_in_ideal_joints_agree_with_differences() {
             *(if tilted { &mut on_ends } else { &mut on_one_side }) += 1;
         }
     }
-    assert!(on_ends > 2 && on_one_side > 2, "{on_ends} states on the guide's ends, {on_one_side} on one side");
+    assert!(
+        on_ends > 2 && on_one_side > 2,
+        "{on_ends} states on the guide's ends, {on_one_side} on one side"
+    );
 }
 
 #[test]

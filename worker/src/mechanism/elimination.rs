@@ -84,6 +84,7 @@ impl Elimination {
         for (to, from) in to.constraints.iter_mut().zip(&self.constraints) {
             from.write_lane::<R>(lane, to);
         }
+        to.friction.update(&to.constraints);
         to.factors.set_lane(lane, &self.factors);
     }
 

@@ -16,6 +16,7 @@ mod elimination;
 mod external_loads;
 mod forces;
 mod frame;
+mod friction_balance;
 #[cfg(test)]
 mod friction_tests;
 mod island;

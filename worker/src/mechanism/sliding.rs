@@ -33,7 +33,7 @@ pub struct FrictionConstants<R = f64> {
     /// Regularisation speed v_0 [m/s].
     speed: R,
     /// Radius of the pin, or length of the guide [m].
-    size: R,
+    pub(super) size: R,
 }
 
 lanewise!(FrictionConstants { coefficient, speed, size });
@@ -58,8 +58,50 @@ pub(super) struct Sliding<R> {
     /// F_T / N = mu tanh(v_t / v_0) [1] and its derivative to v_t [s/m].
     pub ratio: R,
     pub slope: R,
-    /// Length L of a guide [m]; `None` for a pin.
-    guide: Option<R>,
+}
+
+/// Normal force N as a function of the two multipliers of a joint.
+#[derive(Debug, Clone, Copy)]
+pub struct NormalForce<R> {
+    /// Inverse of half the length L of a guide [1/m]; `None` for a pin.
+    per_half: Option<R>,
+}
+
+impl<R: Real> NormalForce<R> {
+    /// That of a pin.
+    pub(super) fn on_pin() -> Self {
+        NormalForce { per_half: None }
+    }
+
+    /// That of a guide of length `length` [m].
+    #[inline(always)]
+    pub(super) fn in_guide(length: R) -> Self {
+        NormalForce { per_half: Some(length.like(2.0) / length) }
+    }
+
+    /// N at the multipliers `lambda` `(2,)` [N] and its derivative to them `(2,)`; zero where N has its corner at zero.
+    #[inline(always)]
+    pub(super) fn at(&self, lambda: [R; 2]) -> (R, [R; 2]) {
+        let zero = lambda[0].zero();
+        let one = zero.like(1.0);
+        match self.per_half {
+            None => {
+                let size = (lambda[0] * lambda[0]).plus_product(lambda[1], lambda[1]).sqrt();
+                let inverse = one / R::select(zero.below(size), size, one);
+                (size, [lambda[0] * inverse, lambda[1] * inverse])
+            }
+            Some(per_half) => {
+                let (force, pair) = (lambda[0].abs(), lambda[1].abs() * per_half);
+                let tilted = force.below(pair);
+                let sign = |x: R| R::select(zero.below(x), one, R::select(x.below(zero), -one, zero));
+                let slopes = [
+                    R::select(tilted, zero, sign(lambda[0])),
+                    R::select(tilted, sign(lambda[1]) * per_half, zero),
+                ];
+                (R::select(tilted, pair, force), slopes)
+            }
+        }
+    }
 }
 
 impl<R: Real> Sliding<R> {
@@ -67,7 +109,7 @@ impl<R: Real> Sliding<R> {
     #[inline(always)]
     pub(super) fn on_pin(constants: FrictionConstants<R>, first: &Frame<R>, second: &Frame<R>) -> Self {
         let (radius, zero) = (constants.size, constants.size.zero());
-        Self::new(constants, [zero, zero, radius, zero, zero, -radius], None, None, [first, second])
+        Self::new(constants, [zero, zero, radius, zero, zero, -radius], None, [first, second])
     }
 
     /// Sliding along the line with normal `normal` in the second body's frame, with the point of the slider at `arm` of the first body.
@@ -92,7 +134,7 @@ impl<R: Real> Sliding<R> {
         }
         (turning[2][2], turning[2][5]) = (-along, along);
         turning[5] = [-u[1], u[0], along, u[1], -u[0], -dot(c, u)];
-        Self::new(constants, direction, Some(turning), Some(constants.size), [first, second])
+        Self::new(constants, direction, Some(turning), [first, second])
     }
 
     #[inline(always)]
@@ -100,7 +142,6 @@ impl<R: Real> Sliding<R> {
         constants: FrictionConstants<R>,
         direction: [R; 6],
         turning: Option<[[R; 6]; 6]>,
-        guide: Option<R>,
         frames: [&Frame<R>; 2],
     ) -> Self {
         let [i, j] = frames;
@@ -110,33 +151,6 @@ impl<R: Real> Sliding<R> {
             speed = speed.plus_product(direction[k], rates[k]);
         }
         let (ratio, slope) = coulomb(constants.coefficient, constants.speed, speed);
-        Sliding { direction, turning, rates, speed, ratio, slope, guide }
-    }
-
-    /// Normal force N at the multipliers `lambda` `(2,)` [N] and its derivative to them `(2,)`; zero where N has a corner at zero.
-    #[inline(always)]
-    pub(super) fn normal(&self, lambda: [R; 2]) -> (R, [R; 2]) {
-        let zero = self.speed.zero();
-        let one = zero.like(1.0);
-        match self.guide {
-            None => {
-                let size = (lambda[0] * lambda[0]).plus_product(lambda[1], lambda[1]).sqrt();
-                let inverse = one / R::select(zero.below(size), size, one);
-                (size, [lambda[0] * inverse, lambda[1] * inverse])
-            }
-            Some(length) => {
-                let per_half = length.like(2.0) / length;
-                let (force, pair) = (lambda[0].abs(), lambda[1].abs() * per_half);
-                let tilted = force.below(pair);
-                let sign = |x: R| {
-                    R::select(zero.below(x), one, R::select(x.below(zero), -one, zero))
-                };
-                let slopes = [
-                    R::select(tilted, zero, sign(lambda[0])),
-                    R::select(tilted, sign(lambda[1]) * per_half, zero),
-                ];
-                (R::select(tilted, pair, force), slopes)
-            }
-        }
+        Sliding { direction, turning, rates, speed, ratio, slope }
     }
 }

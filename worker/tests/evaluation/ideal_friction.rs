@@ -3,7 +3,7 @@
 use crate::scenes::scene;
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
-use common::outputs::{Evaluation, EnergyBalance};
+use common::outputs::{EnergyBalance, Evaluation};
 use common::scene::*;
 use worker::simulate::{SimulateOptions, simulate};
 
@@ -43,7 +43,13 @@ fn mechanism(bodies: Vec<Body>, joints: Vec<Joint>, period: f64) -> Scene {
 
 fn guide(name: &str, slider: usize, on: usize, axis: f64, friction: Option<IdealFriction>) -> Joint {
     let kind = JointKind::Prismatic { axis, angle: 0.0 };
-    Joint { name: name.into(), journal: place(slider, [0.0; 2]), bushing: place(on, [0.0; 2]), kind, friction }
+    Joint {
+        name: name.into(),
+        journal: place(slider, [0.0; 2]),
+        bushing: place(on, [0.0; 2]),
+        kind,
+        friction,
+    }
 }
 
 fn run(scene: &Scene) -> Evaluation {
@@ -137,7 +143,8 @@ fn end_of_swing(start: f64, sign: f64, e: f64) -> f64 {
 #[test]
 fn the_swings_of_a_pendulum_shrink_as_in_closed_form() {
     let (mu, radius, length, start) = (0.2, 0.05, 1.5, 1.2_f64);
-    let mut scene = scene("pendulum", &[("parameters.length", length), ("bodies.pendulum.start_angle", start)]);
+    let mut scene =
+        scene("pendulum", &[("parameters.length", length), ("bodies.pendulum.start_angle", start)]);
     scene.joints[0].friction = friction(mu, 1e-4, radius);
     let evaluation = run(&scene);
     // The pin also bears the force along the path that holds the friction's moment: |N| is the tension over sqrt(1 - (mu r / l)^2).
