@@ -3,6 +3,10 @@
 //! Friction F_T = mu F_N tanh(v_t / v_0), with the friction coefficient mu [1], the normal force F_N [N], the
 //! sliding speed v_t and the regularisation speed v_0 [m/s] (`coulomb.rs`); film force -c_f w through the centres,
 //! with the film damping c_f [N s/m] and the relative velocity w of the centres [m/s].
+//!
+//! # Source
+//! Coulomb's law regularised as by Andersson, Soderberg, Bjorklund (2007), Tribology International 40,
+//! 580-587.
 
 use super::coulomb::coulomb;
 use super::damping::{self, Restitution};

@@ -51,12 +51,13 @@ pub struct RubbingJoint<R> {
 /// The equations of all joints with friction of an island, or of one island per lane.
 #[derive(Debug, Clone)]
 pub struct FrictionBalance<R = f64> {
+    /// The joints with friction.
     pub joints: Vec<RubbingJoint<R>>,
     /// Number of multipliers m.
     m: usize,
-    /// lambda_0 `(m,)`.
+    /// Multipliers lambda_0 without friction `(m,)`.
     pub lambda: Vec<R>,
-    /// p_k `(joints, m)`.
+    /// Multipliers p_k of unit friction forces `(joints, m)`.
     pub influence: Vec<R>,
     /// Layout of the matrix A, and its factors.
     layout: Band,
