@@ -32,13 +32,15 @@ pub struct JointFriction<R = f64> {
     /// Q' M^-1/2 b_k, and R^-T dN_k/dlambda `(joints, m)` each.
     spread: Vec<R>,
     adjoint: Vec<R>,
-    /// One in lanes where a balance was not found at a finite state since the last linearisation.
+    /// One in lanes where a balance was found last.
+    balanced: R,
+    /// One in lanes where none was found at a finite state, since the last linearisation at which one was.
     locked: R,
 }
 
 impl JointFriction {
     /// Constraint of the joint whose friction amplifies its own reaction most, if no balance was found at a state since the last
-    /// linearisation.
+    /// linearisation at which one was.
     pub(super) fn locked_constraint(&self) -> Option<usize> {
         let amplification = |k: &usize| self.balance.amplification(*k);
         let worst = (0..self.count()).max_by(|a, b| amplification(a).total_cmp(&amplification(b)));
@@ -67,6 +69,7 @@ impl<R: Real> JointFriction<R> {
             m,
             spread: vec![zero; count * m],
             adjoint: vec![zero; count * m],
+            balanced: zero,
             locked: zero,
         }
     }
@@ -130,6 +133,7 @@ impl<R: Real> JointFriction<R> {
         // A comparison with what is not a number is false.
         let found_wanting = R::both(nothing.below(one), balanced.below(one));
         self.locked = R::select(found_wanting, one, self.locked);
+        self.balanced = balanced;
         for k in 0..self.constraints.len() {
             let joint = &self.balance.joints[k];
             let friction = joint.ratio * joint.normal;
@@ -176,8 +180,8 @@ impl<R: Real> JointFriction<R> {
         rows: &OrthonormalRows<R>,
         to: &mut Linearised<R>,
     ) {
-        let (n, m) = (to.f.len(), self.m);
-        self.locked = self.locked.zero();
+        let (n, m, zero) = (to.f.len(), self.m, self.locked.zero());
+        self.locked = R::select(zero.below(self.balanced), zero, self.locked);
         for k in 0..self.constraints.len() {
             let joint = &self.balance.joints[k];
             let c = &constraints[self.constraints[k]];
