@@ -43,7 +43,12 @@ fn sound_frames() -> Vec<Vec<u8>> {
         histories: vec![vec![1e-6, 2e-6, 3e-6]; 2],
         errors: vec![vec![1e-9; 3]; 2],
         start: vec![Some(0.0), None],
-        joints: vec![JointSummary { name: "crank".into(), peak_force: 55.0, wear_depth: vec![1e-7; 36] }],
+        joints: vec![JointSummary {
+            name: "crank".into(),
+            peak_force: 55.0,
+            wear_depth: vec![1e-7; 36],
+            journal_wear_depth: vec![],
+        }],
         first_cycle: Some(CycleHistory {
             time: vec![0.0, 0.1],
             motion: vec![],

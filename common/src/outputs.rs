@@ -61,9 +61,12 @@ pub struct JointSummary {
     pub name: String,
     /// Largest contact force magnitude of the settled first cycle [N].
     pub peak_force: f64,
-    /// Wear depth at each control point at the end of life `(control_points,)` [m]; empty for an
+    /// Wear depth at each control point of the bushing at the end of life `(control_points,)` [m]; empty for an
     /// ideal joint.
     pub wear_depth: Vec<f64>,
+    /// The same of the journal; empty if the journal does not wear.
+    #[serde(default)]
+    pub journal_wear_depth: Vec<f64>,
 }
 
 /// Wear of all bores over life, and the motion at its end.

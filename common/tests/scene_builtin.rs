@@ -52,8 +52,8 @@ fn the_flapping_wing_has_the_numbers_of_the_model() {
         assert_eq!(joint.bushing_material.elastic_modulus, 1.1e11);
         assert_eq!(joint.contact_law, ContactLaw::LocalHertz);
         assert_eq!(joint.contact_damping, ContactDamping::HuntCrossley { factor: 7.5 });
-        assert_eq!((joint.wear_coefficient, joint.friction), (1.293e-13, 0.025));
-        assert_eq!((joint.film_damping, joint.friction_speed), (7.21, 0.0024));
+        assert_eq!((joint.wear_coefficient, joint.friction), (1.299e-13, 0.025));
+        assert_eq!((joint.film_damping, joint.friction_speed), (7.24, 0.0024));
         assert_eq!((joint.width, joint.control_points), (0.004, 36));
     }
     let thresholds: Vec<_> =

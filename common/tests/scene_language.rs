@@ -113,7 +113,9 @@ fn clearances() {
         film_damping: 3.0,
         friction: 0.05,
         friction_speed: 0.005,
+        wears: WearingSurfaces::Bushing,
         wear_coefficient: 1e-13,
+        journal_wear_coefficient: None,
         control_points: 40,
         wall: Some(0.001),
     };
@@ -242,7 +244,25 @@ fn outputs_and_limit_states() {
     assert_eq!(*output("wear"), OutputKind::LargestWear { joints: vec![index("worn")] });
     // By default every joint that wears: neither the ideal ones nor those with wear = false.
     let worn = ["worn", "struck", "undamped"].map(index).to_vec();
-    assert_eq!(*output("all_wear"), OutputKind::LargestWear { joints: worn });
+    assert_eq!(*output("all_wear"), OutputKind::LargestWear { joints: worn.clone() });
+    // Of the bushings and the journals those that wear.
+    let wear = |quantity, joints: &[&str]| OutputKind::Wear {
+        quantity,
+        joints: joints.iter().map(|name| index(name)).collect(),
+    };
+    assert_eq!(*output("bushing_wear"), wear(WearQuantity::BushingDepth, &["worn", "undamped"]));
+    assert_eq!(*output("journal_wear"), wear(WearQuantity::JournalDepth, &["struck", "undamped"]));
+    let all = ["worn", "struck", "undamped"];
+    assert_eq!(*output("growth"), wear(WearQuantity::ClearanceGrowth, &all));
+    assert_eq!(*output("volume"), wear(WearQuantity::Volume, &all));
+    let coefficients = |name: &str| match &scene.joints[index(name)].kind {
+        JointKind::Clearance(clearance) => clearance.wear_coefficients(),
+        _ => panic!("{name} is ideal"),
+    };
+    assert_eq!(
+        ["worn", "struck", "undamped"].map(coefficients),
+        [[1e-13, 0.0], [0.0, 1e-13], [1e-13, 5e-14]]
+    );
     let (a, b) = (signed("rod", 1.0, "right"), signed("crank", -1.0, "left"));
     assert_eq!(*output("speed"), OutputKind::AngularVelocityDifference { a, b });
     let (a, b) = (signed("rod", 1.0, "rod"), signed("slider", -1.0, "slider"));

@@ -48,7 +48,13 @@ fn motions(profile: &Profile, journal_radius: f64) -> Vec<JointMotion> {
             let depth = 0.2e-6 * f64::from(1 + k * 7 % 10);
             let r = profile.radius_at(psi % std::f64::consts::TAU).r - journal_radius + depth;
             let w = [0.01 * psi.sin(), -0.02 * psi.cos()];
-            JointMotion { e: [r * psi.cos(), r * psi.sin()], w, omega_journal: 20.0, omega_bushing: -5.0 }
+            JointMotion {
+                e: [r * psi.cos(), r * psi.sin()],
+                w,
+                omega_journal: 20.0,
+                omega_bushing: -5.0,
+                turn: 0.0,
+            }
         })
         .collect()
 }

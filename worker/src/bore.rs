@@ -103,6 +103,18 @@ impl Profile {
         cubic_at(self.cubic[interval], s, self.per_radian)
     }
 
+    /// Coefficients in the fraction of interval `interval` between control points [m].
+    pub(crate) fn cubic(&self, interval: usize) -> [f64; 4] {
+        self.cubic[interval]
+    }
+
+    /// Depth at the control points less a twelfth of w'' times the squared spacing of `sub` intervals between two of them: the values
+    /// of chords that have the mean of their arcs to fourth order `(points,)` [m].
+    pub(crate) fn chord_depth(&self, sub: usize) -> Vec<f64> {
+        let share = 1.0 / (12.0 * (sub * sub) as f64);
+        self.depth.iter().zip(&self.bend).map(|(depth, bend)| depth - share * bend).collect()
+    }
+
     /// Radius at `x` control points from that at angle zero, in [-n, 2 n) [m].
     #[inline(always)]
     pub(crate) fn turned(&self, x: f64) -> f64 {

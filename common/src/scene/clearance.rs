@@ -2,7 +2,7 @@
 
 use super::context::Range;
 use super::faults::in_first_unit;
-use super::joint::{Clearance, ContactDamping, ContactLaw, Material, RestitutionLaw};
+use super::joint::{Clearance, ContactDamping, ContactLaw, Material, RestitutionLaw, WearingSurfaces};
 use super::quantity::*;
 use super::section::Section;
 
@@ -53,6 +53,12 @@ pub(super) fn clearance(row: &mut Section, materials: &[MaterialRow], wears: boo
             .quantity("wear_coefficient", INVERSE_PRESSURE, Range::NonNegative)
             .map(|coefficient| if wears { coefficient } else { 0.0 }),
     };
+    let surfaces = WearingSurfaces::ALL.map(|surfaces| (surfaces.name(), surfaces));
+    let surfaces = match row.get("wears") {
+        None => Some(WearingSurfaces::default()),
+        Some(_) => row.choice("wears", "bushing, journal or both", &surfaces),
+    };
+    let journal_wear_coefficient = journal_wear_coefficient(row, surfaces);
     let control_points = row.integer("control_points", CONTROL_POINTS, Some(CONTROL_POINTS_DEFAULT));
     let wall = match row.get("wall") {
         Some(_) => row.quantity("wall", LENGTH, Range::Positive).map(Some),
@@ -69,10 +75,26 @@ pub(super) fn clearance(row: &mut Section, materials: &[MaterialRow], wears: boo
         film_damping: film_damping?,
         friction: friction?,
         friction_speed: friction_speed?,
+        wears: surfaces?,
         wear_coefficient: wear_coefficient?,
+        journal_wear_coefficient: journal_wear_coefficient?.filter(|_| wears),
         control_points: control_points? as usize,
         wall: wall?,
     })
+}
+
+/// Reads the wear coefficient of the journal, which is that of the joint unless both surfaces wear.
+fn journal_wear_coefficient(row: &mut Section, surfaces: Option<WearingSurfaces>) -> Option<Option<f64>> {
+    if row.get("journal_wear_coefficient").is_none() {
+        return Some(None);
+    }
+    let found = row.quantity("journal_wear_coefficient", INVERSE_PRESSURE, Range::NonNegative);
+    if surfaces.is_some_and(|surfaces| surfaces != WearingSurfaces::Both) {
+        let message = "needs wears = \"both\"; a single surface that wears has wear_coefficient";
+        row.inconsistent("journal_wear_coefficient", message);
+        return None;
+    }
+    found.map(Some)
 }
 
 /// The bushing is given by its radius or by the clearance it leaves to its journal.

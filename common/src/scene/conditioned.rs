@@ -9,6 +9,9 @@ use super::output::OutputKind;
 use super::resolve::resolve;
 use toml::Table;
 
+/// Relative difference up to which two ratios of wear coefficients are the same: rounding of what is written [1].
+const RATIO: f64 = 1e-12;
+
 /// The conditions of a scene: `scene` as resolved with the `overrides` of the random variables, and `rows` of its conditions.
 ///
 /// # Errors
@@ -48,7 +51,7 @@ pub(super) fn conditions(
                 if let Some(joint) = other_bore(&condition.scene, scene) {
                     let message = format!(
                         "changes the bore of joint \"{joint}\", which all conditions share: of a joint they may change friction, \
-                         damping and, if it wears, the wear coefficient"
+                         damping and, if it wears, the wear coefficient, of both surfaces by the same factor"
                     );
                     faults.push(fault("", message));
                 }
@@ -76,11 +79,13 @@ fn two_sided(scene: &Scene) -> Option<&str> {
 }
 
 /// Name of the first joint whose bore in the scene `under` a condition is not that of `base`; `None` if all are the same. Friction, damping
-/// and the wear coefficient of a joint that wears may differ.
+/// and the wear coefficient of a joint that wears may differ, the latter by the same factor for both surfaces.
 fn other_bore<'s>(under: &'s Scene, base: &Scene) -> Option<&'s str> {
     let mut pairs = under.joints.iter().zip(&base.joints);
     let other = pairs.find(|(own, base)| match (&own.kind, &base.kind) {
-        (JointKind::Clearance(own), JointKind::Clearance(base)) => bore(own) != bore(base),
+        (JointKind::Clearance(own), JointKind::Clearance(base)) => {
+            bore(own) != bore(base) || !wear_alike(own, base)
+        }
         _ => false,
     });
     other.map(|(own, _)| own.name.as_str())
@@ -93,7 +98,17 @@ fn bore(clearance: &Clearance) -> Clearance {
         film_damping: 0.0,
         friction: 0.0,
         friction_speed: 1.0,
-        wear_coefficient: if clearance.wear_coefficient > 0.0 { 1.0 } else { 0.0 },
+        wear_coefficient: 0.0,
+        journal_wear_coefficient: None,
         ..clearance.clone()
     }
+}
+
+/// True if the wear coefficients of the surfaces of two joints have the same ratio, up to rounding: one history of contacts wears both
+/// surfaces.
+fn wear_alike(own: &Clearance, base: &Clearance) -> bool {
+    let (own, base) = (own.wear_coefficients(), base.wear_coefficients());
+    let same_wear = own.iter().zip(&base).all(|(own, base)| (*own > 0.0) == (*base > 0.0));
+    let (a, b) = (own[0] / own[1], base[0] / base[1]);
+    same_wear && (own.contains(&0.0) || (a - b).abs() <= RATIO * b)
 }

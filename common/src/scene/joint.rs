@@ -74,9 +74,13 @@ pub struct Clearance {
     pub friction: f64,
     /// Speed at which tanh regularises the friction, v_0 [m/s].
     pub friction_speed: f64,
-    /// Archard wear coefficient K_H [1/Pa]; zero: the joint does not wear.
+    /// Surfaces that wear.
+    pub wears: WearingSurfaces,
+    /// Archard wear coefficient K_H [1/Pa] of the surface that wears, of the bushing if both do; zero: it does not wear.
     pub wear_coefficient: f64,
-    /// Number of control points of the wear profile.
+    /// Wear coefficient of the journal if both surfaces wear [1/Pa]; `None`: that of the bushing.
+    pub journal_wear_coefficient: Option<f64>,
+    /// Number of control points of each wear profile.
     pub control_points: usize,
     /// Thickness of the bushing's wall, if it may be worn through [m].
     pub wall: Option<f64>,
@@ -86,6 +90,42 @@ impl Clearance {
     /// Radial clearance c = R2 - R1 [m].
     pub fn radial_clearance(&self) -> f64 {
         self.bushing_radius - self.journal_radius
+    }
+
+    /// Wear coefficients of bushing and journal, zero for a surface that does not wear `(2,)` [1/Pa].
+    pub fn wear_coefficients(&self) -> [f64; 2] {
+        let own = self.wear_coefficient;
+        match self.wears {
+            WearingSurfaces::Bushing => [own, 0.0],
+            WearingSurfaces::Journal => [0.0, own],
+            WearingSurfaces::Both => [own, self.journal_wear_coefficient.unwrap_or(own)],
+        }
+    }
+}
+
+/// Surfaces of a joint that wear.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum WearingSurfaces {
+    /// The bore of the bushing; the journal stays round.
+    #[default]
+    Bushing,
+    /// The journal; the bore stays round.
+    Journal,
+    /// Both, each with its own profile.
+    Both,
+}
+
+impl WearingSurfaces {
+    /// Every choice.
+    pub const ALL: [WearingSurfaces; 3] = [Self::Bushing, Self::Journal, Self::Both];
+
+    /// Word of the choice in a scene file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Bushing => "bushing",
+            Self::Journal => "journal",
+            Self::Both => "both",
+        }
     }
 }
 

@@ -100,3 +100,21 @@ fn friction(row: &mut Section, size: &'static str) -> Option<Option<IdealFrictio
     let size = row.quantity(size, LENGTH, Range::Positive);
     Some(Some(IdealFriction { coefficient: coefficient?, speed: speed?, size: size? }))
 }
+
+/// The names that could be chosen instead, for a message; empty if there are none.
+pub(super) fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    let names: Vec<&str> = names.collect();
+    if names.is_empty() { String::new() } else { format!("; there are: {}", names.join(", ")) }
+}
+
+/// Indices of the joints that a row names under `joints`; none if one is unknown.
+pub(super) fn chosen_joints(row: &mut Section, joints: &[JointRow]) -> Option<Vec<usize>> {
+    let names = row.texts("joints", "a list of names of joints")?;
+    if names.is_empty() {
+        row.inconsistent("joints", "is empty, expected at least one joint");
+    }
+    let known = joints.iter().map(|joint| joint.name.as_str());
+    let found: Vec<_> =
+        names.iter().map(|name| row.reference("joints", "joint", name, known.clone())).collect();
+    found.into_iter().collect::<Option<Vec<_>>>().filter(|chosen| !chosen.is_empty())
+}

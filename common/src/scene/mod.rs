@@ -7,10 +7,10 @@
 //! | layer | modules | content |
 //! |---|---|---|
 //! | values | [`quantity`], [`expression`], `expression_error`, `nearest_unit` | dimensions and units; evaluation of `"2 * arm + 1 mm"`, and why a text has no value |
-//! | model | [`model`], `attachment`, `joint`, `drive`, `load`, `output` | the types of a checked scene, all exported here |
+//! | model | [`model`], `attachment`, `joint`, `drive`, `load`, `output`, `wear_output` | the types of a checked scene, all exported here |
 //! | faults | [`faults`], `location`, `trace`, `layers`, `excerpts`, `unit_advice` | what is wrong, with file, line, column, key, value and allowed range |
 //! | reading | `document`, `extends`, `csv_file`, `csv_import`, `context`, `parameters`, `quantity_list`, `section` | one pass over the file that records every fault |
-//! | readers | `bodies`, `joints`, `clearance`, `loads`, `tables`, `outputs`, `life`, `simulator`, `variables`, `variable_law`, `measured`, `fits`, `correlations`, `conditions` | one part of a file each |
+//! | readers | `bodies`, `joints`, `clearance`, `loads`, `tables`, `outputs`, `wear_outputs`, `life`, `simulator`, `variables`, `variable_law`, `measured`, `fits`, `correlations`, `conditions` | one part of a file each |
 //! | whole | `resolve`, `conditioned`, `merge`, `warnings`, `magnitudes`, `builtin`, `reference`, [`source`] | all parts together; warnings; `extends`; the built-in scenes and their published results; samples |
 
 mod attachment;
@@ -66,12 +66,15 @@ mod unit_advice;
 mod variable_law;
 mod variables;
 mod warnings;
+mod wear_output;
+mod wear_outputs;
 
 pub use attachment::Attachment;
 pub use drive::{Curve, Drive, Over, Table};
 pub use faults::{Fault, FaultKind, Faults};
 pub use joint::{
     Clearance, ContactDamping, ContactLaw, IdealFriction, Joint, JointKind, Material, RestitutionLaw,
+    WearingSurfaces,
 };
 pub use limits::VALUE_LIMIT;
 pub use load::Load;
@@ -87,3 +90,4 @@ pub use reference::published_results;
 pub use simulator::REQUEST_FILE;
 pub use source::SceneSource;
 pub use warnings::Warning;
+pub use wear_output::WearQuantity;

@@ -3,6 +3,7 @@
 use super::attachment::Attachment;
 use super::drive::Curve;
 use super::output_unit::OutputUnit;
+use super::wear_output::WearQuantity;
 use serde::{Deserialize, Serialize};
 
 /// A quantity returned at every checkpoint of life.
@@ -17,8 +18,15 @@ pub struct Output {
 /// Kinds of output.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum OutputKind {
-    /// Largest wear depth over the control points of these joints, delta_0 [m].
+    /// Largest wear depth over the control points of these joints, of the bushing or the journal, delta_0 [m].
     LargestWear {
+        /// Indices into [`super::Scene::joints`].
+        joints: Vec<usize>,
+    },
+    /// Another quantity of the wear of these joints [m or m^3].
+    Wear {
+        /// The quantity.
+        quantity: WearQuantity,
         /// Indices into [`super::Scene::joints`].
         joints: Vec<usize>,
     },
@@ -121,6 +129,7 @@ impl OutputKind {
     pub fn unit(&self) -> OutputUnit {
         match self {
             OutputKind::LargestWear { .. } | OutputKind::PositionError { .. } => OutputUnit::Length,
+            OutputKind::Wear { quantity, .. } => quantity.unit(),
             OutputKind::AngularVelocityDifference { .. } => OutputUnit::AngularVelocity,
             OutputKind::AngleDifference { .. } | OutputKind::AngleError { .. } => OutputUnit::Angle,
             OutputKind::Acceleration { .. } => OutputUnit::Acceleration,
@@ -145,6 +154,9 @@ impl OutputKind {
         };
         match self {
             OutputKind::LargestWear { joints: worn } => format!("largest wear depth of {}", joints(worn)),
+            OutputKind::Wear { quantity, joints: worn } => {
+                format!("{} of {}", quantity.description(), joints(worn))
+            }
             OutputKind::AngularVelocityDifference { a, b } => {
                 format!("largest difference of angular velocity, {} against {}", a.label, b.label)
             }
@@ -209,6 +221,15 @@ impl OutputKind {
             OutputKind::PositionError { wanted, .. } => wanted.iter_mut().flatten().collect(),
             OutputKind::AngleError { wanted, .. } => wanted.iter_mut().collect(),
             _ => vec![],
+        }
+    }
+
+    /// The quantity of the wear and the indices of its joints, if the output is one.
+    pub fn wear(&self) -> Option<(WearQuantity, &[usize])> {
+        match self {
+            OutputKind::LargestWear { joints } => Some((WearQuantity::LargestDepth, joints)),
+            OutputKind::Wear { quantity, joints } => Some((*quantity, joints)),
+            _ => None,
         }
     }
 

@@ -10,6 +10,8 @@ use serde::{Deserialize, Serialize};
 pub enum OutputUnit {
     /// A length: `m` in files, `µm` in text.
     Length,
+    /// A volume: `m3` in files, `mm³` in text.
+    Volume,
     /// An angular velocity: `rpm` in files, `r/min` in text.
     AngularVelocity,
     /// An angle: `deg` in files and in text.
@@ -51,6 +53,7 @@ impl OutputUnit {
     pub fn suffix(&self) -> &str {
         match self {
             Self::Length => "m",
+            Self::Volume => "m3",
             Self::AngularVelocity => "rpm",
             Self::Angle => "deg",
             Self::Force => "N",
@@ -76,6 +79,7 @@ impl OutputUnit {
     pub fn kind(&self) -> Kind {
         match self {
             Self::Length => LENGTH,
+            Self::Volume => VOLUME,
             Self::AngularVelocity => ANGULAR_VELOCITY,
             Self::Angle => ANGLE,
             Self::Force => FORCE,
@@ -91,6 +95,7 @@ impl OutputUnit {
     pub fn symbol(&self) -> &str {
         match self {
             Self::Length => "µm",
+            Self::Volume => "mm³",
             Self::AngularVelocity => "r/min",
             Self::Angle => "deg",
             Self::Force => "N",
@@ -105,6 +110,7 @@ impl OutputUnit {
     pub fn to_shown(&self, si: f64) -> f64 {
         match self {
             Self::Length => si * 1e6,
+            Self::Volume => si * 1e9,
             Self::Energy => si * 1e3,
             other => other.to_file(si),
         }
@@ -145,6 +151,14 @@ mod tests {
         assert_eq!(keys, ["a_m_per_s2", "a_rad_per_s2", "a"]);
         assert_eq!(OutputUnit::Energy.after("2"), "2 mJ");
         assert_eq!((OutputUnit::Energy.to_file(2e-3), OutputUnit::Energy.to_shown(2e-3)), (2e-3, 2.0));
+    }
+
+    #[test]
+    fn volumes_are_cubic_metres_in_files_and_cubic_millimetres_in_texts() {
+        assert_eq!(OutputUnit::Volume.key("worn"), "worn_m3");
+        assert_eq!(OutputUnit::Volume.to_file(2e-9), 2e-9);
+        assert!((OutputUnit::Volume.to_shown(2e-9) - 2.0).abs() < 1e-12);
+        assert_eq!(OutputUnit::Volume.after("2"), "2 mm³");
     }
 
     #[test]

@@ -4,11 +4,13 @@ use super::attachment::Attachment;
 use super::body_row::{BodyRow, MotionWord, body, place};
 use super::drive::Curve;
 use super::joint::JointKind;
-use super::joints::JointRow;
+use super::joints::{JointRow, chosen_joints, listed};
 use super::output::{ErrorMeasure, ImpactMeasure, Output, OutputKind, SignedBody};
 use super::quantity::*;
 use super::section::Section;
 use super::tables::curve;
+use super::wear_output::WearQuantity;
+use super::wear_outputs::wear;
 
 /// An output while its scene is read; a faulty one keeps its name, so that references to it are found.
 pub(super) struct OutputRow {
@@ -36,7 +38,7 @@ impl OutputRow {
 /// The words of `type`.
 #[derive(Clone, Copy)]
 enum OutputWord {
-    LargestWear,
+    Wear(WearQuantity),
     AngularVelocityDifference,
     AngleDifference,
     PeakJointForce,
@@ -52,7 +54,11 @@ enum OutputWord {
 /// Reads `[[outputs]]`; a faulty output keeps its row.
 pub(super) fn outputs(file: &mut Section, bodies: &[BodyRow], joints: &[JointRow]) -> Vec<OutputRow> {
     let words = [
-        ("largest-wear", (OutputWord::LargestWear, LENGTH)),
+        ("largest-wear", (OutputWord::Wear(WearQuantity::LargestDepth), LENGTH)),
+        ("bushing-wear", (OutputWord::Wear(WearQuantity::BushingDepth), LENGTH)),
+        ("journal-wear", (OutputWord::Wear(WearQuantity::JournalDepth), LENGTH)),
+        ("clearance-growth", (OutputWord::Wear(WearQuantity::ClearanceGrowth), LENGTH)),
+        ("worn-volume", (OutputWord::Wear(WearQuantity::Volume), VOLUME)),
         ("angular-velocity-difference", (OutputWord::AngularVelocityDifference, ANGULAR_VELOCITY)),
         ("angle-difference", (OutputWord::AngleDifference, ANGLE)),
         ("peak-joint-force", (OutputWord::PeakJointForce, FORCE)),
@@ -83,7 +89,7 @@ fn output(
 ) -> Option<OutputKind> {
     let mut signed = |key| signed_body(row, key, bodies);
     match word {
-        OutputWord::LargestWear => largest_wear(row, joints),
+        OutputWord::Wear(quantity) => wear(row, quantity, joints),
         OutputWord::AngularVelocityDifference => {
             let (a, b) = (signed("a"), signed("b"));
             Some(OutputKind::AngularVelocityDifference { a: a?, b: b? })
@@ -200,55 +206,6 @@ fn moves(
     let there_are = listed(fitting);
     row.inconsistent(key, format!("body \"{}\" is not {in_words}{there_are}", bodies[body].name));
     None
-}
-
-/// The names that could be chosen instead, for a message; empty if there are none.
-fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
-    let names: Vec<&str> = names.collect();
-    if names.is_empty() { String::new() } else { format!("; there are: {}", names.join(", ")) }
-}
-
-fn chosen_joints(row: &mut Section, joints: &[JointRow]) -> Option<Vec<usize>> {
-    let names = row.texts("joints", "a list of names of joints")?;
-    if names.is_empty() {
-        row.inconsistent("joints", "is empty, expected at least one joint");
-    }
-    let known = joints.iter().map(|joint| joint.name.as_str());
-    let found: Vec<_> =
-        names.iter().map(|name| row.reference("joints", "joint", name, known.clone())).collect();
-    found.into_iter().collect::<Option<Vec<_>>>().filter(|chosen| !chosen.is_empty())
-}
-
-fn largest_wear(row: &mut Section, joints: &[JointRow]) -> Option<OutputKind> {
-    let chosen: Vec<usize> = match row.get("joints") {
-        None => (0..joints.len()).filter(|&i| joints[i].unworn.is_none()).collect(),
-        Some(_) => chosen_joints(row, joints)?,
-    };
-    let faults = row.cx.fault_count();
-    for joint in chosen.iter().map(|&i| &joints[i]) {
-        if let Some(reason) = joint.unworn {
-            let wearing = joints.iter().filter(|other| other.unworn.is_none());
-            let there_are = listed(wearing.map(|other| other.name.as_str()));
-            row.inconsistent(
-                "joints",
-                format!("joint \"{}\" {reason} and does not wear{there_are}", joint.name),
-            );
-        }
-    }
-    // An override may set a wear coefficient to 0, to see the mechanism in its new state.
-    let no_wear = |&i: &usize| match joints[i].joint.as_ref().map(|joint| &joint.kind) {
-        Some(JointKind::Clearance(clearance)) => clearance.wear_coefficient == 0.0 && row.cx.as_written(),
-        _ => false,
-    };
-    if chosen.is_empty() {
-        row.inconsistent(
-            "joints",
-            "there is no joint that wears, i.e. with clearance and without wear = false",
-        );
-    } else if row.cx.fault_count() == faults && chosen.iter().all(no_wear) {
-        row.inconsistent("joints", "every wear_coefficient of these joints is 0: they do not wear");
-    }
-    (row.cx.fault_count() == faults).then_some(OutputKind::LargestWear { joints: chosen })
 }
 
 fn signed_body(row: &mut Section, key: &'static str, bodies: &[BodyRow]) -> Option<SignedBody> {

@@ -53,7 +53,12 @@ fn evaluation() -> Evaluation {
         histories: vec![vec![0.25, 0.5]],
         errors: vec![vec![0.125, 0.0625]],
         start: vec![Some(8.0), None],
-        joints: vec![JointSummary { name: "1".into(), peak_force: 9.0, wear_depth: vec![10.0, 11.0] }],
+        joints: vec![JointSummary {
+            name: "1".into(),
+            peak_force: 9.0,
+            wear_depth: vec![10.0, 11.0],
+            journal_wear_depth: vec![13.0],
+        }],
         first_cycle: Some(cycle()),
         worn: Some(WornLife {
             cycles: vec![0],

@@ -35,6 +35,9 @@ pub fn find_non_finite(evaluation: &Evaluation) -> Option<NonFinite> {
         if let Some(at) = position(&joint.wear_depth) {
             return elsewhere(format!("wear depth {at} of joint {}", joint.name));
         }
+        if let Some(at) = position(&joint.journal_wear_depth) {
+            return elsewhere(format!("wear depth {at} of the journal of joint {}", joint.name));
+        }
     }
     let last_cycle = worn.as_ref().and_then(|worn| worn.last_cycle.as_ref());
     for (which, cycle) in [("first", first_cycle.as_ref()), ("last", last_cycle)] {

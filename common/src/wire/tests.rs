@@ -59,7 +59,12 @@ fn evaluation() -> impl Strategy<Value = Evaluation> {
             errors: histories.clone(),
             start: histories.iter().map(|history| history.first().copied()).collect(),
             histories,
-            joints: vec![JointSummary { name: "1".into(), peak_force, wear_depth }],
+            joints: vec![JointSummary {
+                name: "1".into(),
+                peak_force,
+                journal_wear_depth: wear_depth.clone(),
+                wear_depth,
+            }],
             first_cycle,
             diagnostics: Diagnostics {
                 steps: 7,

@@ -79,6 +79,14 @@ fn conditions() {
         "wear_coefficient = \"0 1/Pa\"",
         "conditions.full.changes: changes the bore of joint \"worn\"",
     );
+    // Both surfaces of a joint wear under one history of contacts.
+    one_fault(
+        "full",
+        "worn = { friction = 0.06 }",
+        "undamped = { journal_wear_coefficient = \"9e-14 1/Pa\" }",
+        "conditions.full.changes: changes the bore of joint \"undamped\", which all conditions share: of a joint they may change \
+         friction, damping and, if it wears, the wear coefficient, of both surfaces by the same factor",
+    );
     one_fault(
         "full",
         &format!("{change} = \"1.5 * full_torque\""),

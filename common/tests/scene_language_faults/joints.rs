@@ -81,6 +81,24 @@ fn joints() {
         "wall = \"0 mm\"",
         "joints.worn.wall: \"0 mm\" is out of range, allowed: > 0",
     );
+    one_fault(
+        "struck",
+        "wears = \"journal\"",
+        "wears = \"pin\"",
+        "joints.struck.wears: \"pin\" is unknown; allowed: bushing, journal, both",
+    );
+    one_fault(
+        "undamped",
+        "wears = \"both\"\n",
+        "",
+        "joints.undamped.journal_wear_coefficient: needs wears = \"both\"",
+    );
+    one_fault(
+        "undamped",
+        "\"5e-14 1/Pa\"",
+        "\"-5e-14 1/Pa\"",
+        "joints.undamped.journal_wear_coefficient: \"-5e-14 1/Pa\" is out of range, allowed: >= 0",
+    );
 }
 
 #[test]

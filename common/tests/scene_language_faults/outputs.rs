@@ -30,6 +30,12 @@ fn outputs() {
         "outputs.wear.joints: every wear_coefficient of these joints is 0",
     );
     one_fault(
+        "journal_wear",
+        "type = \"journal-wear\"",
+        "type = \"journal-wear\"\njoints = [\"worn\"]",
+        "outputs.journal_wear.joints: joint \"worn\" has wears = \"bushing\"; there are: struck, undamped",
+    );
+    one_fault(
         "hinge_force",
         "\"worn\"]",
         "\"wron\"]",
@@ -74,7 +80,7 @@ fn wear_needs_a_joint_that_wears() {
         .replace("wear_coefficient = \"1e-13 1/Pa\"\n\n", "wear = false\n\n")
         .replace("joints = [\"worn\"]\n", "");
     let found = SceneSource::parse(&text, "my.toml").unwrap_err();
-    assert_eq!(found.0.len(), 2, "{found}");
+    assert_eq!(found.0.len(), 6, "{found}");
     for fault in &found.0 {
         assert!(fault.to_string().contains("there is no joint that wears"), "{fault}");
     }

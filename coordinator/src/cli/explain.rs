@@ -179,13 +179,17 @@ fn ideal(joint: &Joint, on: &str) -> String {
 }
 
 fn wear(clearance: &Clearance) -> String {
-    if clearance.wear_coefficient == 0.0 {
-        return "does not wear".to_owned();
+    let points = clearance.control_points;
+    match clearance.wear_coefficients() {
+        [0.0, 0.0] => "does not wear".to_owned(),
+        [bore, 0.0] => format!("the bore wears (Archard, K_H = {bore:e} 1/Pa, {points} control points)"),
+        [0.0, journal] => {
+            format!("the journal wears (Archard, K_H = {journal:e} 1/Pa, {points} control points)")
+        }
+        [bore, journal] => format!(
+            "bore and journal wear (Archard, K_H = {bore:e} and {journal:e} 1/Pa, {points} control points each)"
+        ),
     }
-    format!(
-        "the bore wears (Archard, K_H = {:e} 1/Pa, {} control points)",
-        clearance.wear_coefficient, clearance.control_points
-    )
 }
 
 fn contact(clearance: &Clearance) -> String {

@@ -158,6 +158,7 @@ mod tests {
             name: name.to_owned(),
             peak_force,
             wear_depth: Vec::new(),
+            journal_wear_depth: Vec::new(),
         };
         evaluation.joints = vec![summary("crank", 0.0), summary("coupler", 30.0), summary("rocker", 9e6)];
         evaluation.diagnostics.free_flight_fraction =

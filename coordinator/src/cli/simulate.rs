@@ -110,6 +110,8 @@ struct PrintedJoint<'r> {
     #[serde(rename = "peak_force_N")]
     peak_force: f64,
     wear_depth_m: &'r [f64],
+    #[serde(skip_serializing_if = "<[f64]>::is_empty")]
+    journal_wear_depth_m: &'r [f64],
 }
 
 #[derive(Debug, Serialize)]
@@ -252,6 +254,7 @@ fn printed<'r>(
                 name: &joint.name,
                 peak_force: joint.peak_force,
                 wear_depth_m: &joint.wear_depth,
+                journal_wear_depth_m: &joint.journal_wear_depth,
             })
             .collect(),
         diagnostics: printed_diagnostics(&evaluation.diagnostics),

@@ -304,6 +304,7 @@ fn evaluation(id: u64, scene: &Scene) -> Evaluation {
         name: k.to_string(),
         peak_force: if k > 4 { 9.3 } else { 5.9 },
         wear_depth: depth(k),
+        journal_wear_depth: Vec::new(),
     };
     Evaluation {
         histories: vec![history(0), history(1)],

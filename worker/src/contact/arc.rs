@@ -94,6 +94,11 @@ impl Arc {
         self.scale
     }
 
+    /// Stretches of its intervals.
+    pub(super) fn stretches(&self) -> &Stretches {
+        &self.stretches
+    }
+
     /// Number of intervals around the bore.
     pub(crate) fn intervals(&self) -> usize {
         self.radius.len()
@@ -131,7 +136,7 @@ impl Arc {
 
     /// Gap function g at table angle `k` [m].
     #[inline(always)]
-    fn gap(&self, e: [f64; 2], k: usize) -> f64 {
+    pub(super) fn gap(&self, e: [f64; 2], k: usize) -> f64 {
         dot(e, self.direction[k]) - (self.radius[k] - self.journal_radius)
     }
 

@@ -96,6 +96,7 @@ mod tests {
             w: [0.03 * psi.cos() + 0.01 * psi.sin(), 0.03 * psi.sin() - 0.01 * psi.cos()],
             omega_journal: 3.0,
             omega_bushing: -40.0,
+            turn: 0.0,
         }
     }
 

@@ -4,7 +4,7 @@
 //! unphysical [W], with friction F_T v_t, damping (F_N - F_el) delta_dot, film c_f |w|^2 and the stored
 //! energy (2/5) K_n delta^2.5 (`local-hertz`) or U (`foundation`) [J]. The unphysical part is zero for an
 //! elastic force that is a gradient; `local-hertz` on a worn bore has -F_N R' (w.t / r - omega_j), with the
-//! slope R' of the bore [m/rad], the tangent t and the eccentricity r = |e|.
+//! slope R' of the bore [m/rad], the tangent t and the eccentricity r = |e|; a worn journal of radius R_j adds F_N R_j' (w.t / r - omega_i).
 //!
 //! # Source
 //! Hunt, Crossley (1975), J. Appl. Mech. 42, 440-445; the same balance in Simbody: Sherman, Seth, Delp
@@ -12,7 +12,7 @@
 
 use super::Contact;
 use super::joint_force::{JointForce, JointMotion};
-use crate::bore::Profile;
+use super::journal::Surfaces;
 
 /// Energy stored in a joint and powers, at one instant.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -31,14 +31,14 @@ pub struct ContactEnergy {
 
 impl Contact {
     /// The joint's energy and powers at a motion, given its force there.
-    pub(crate) fn energy(
+    pub(crate) fn energy<'a>(
         &self,
-        profile: &Profile,
+        surfaces: impl Into<Surfaces<'a>>,
         motion: &JointMotion,
         force: &JointForce,
     ) -> ContactEnergy {
         let surface = self.surface();
-        let elastic = self.elastic(profile, motion);
+        let elastic = self.elastic(surfaces.into(), motion);
         let JointMotion { w, omega_journal, omega_bushing, .. } = *motion;
         let power = force.force[0] * w[0]
             + force.force[1] * w[1]
@@ -60,6 +60,7 @@ impl Contact {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bore::Profile;
     use crate::contact::tests::{SURFACE, laws, motions, worn};
     use std::f64::consts::TAU;
 
@@ -85,6 +86,7 @@ mod tests {
             w: [own[0] - omega_bushing * now[1], own[1] + omega_bushing * now[0]],
             omega_journal: 25.0 * (19.0 * t).sin(),
             omega_bushing,
+            turn: 0.0,
         }
     }
 

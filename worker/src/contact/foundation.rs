@@ -21,11 +21,13 @@
 
 use super::arc::{Arc, Arcs};
 use super::joint_force::{ForceSlopes, JointForce, JointMotion};
+use super::journal::Surfaces;
 use super::law::{Elastic, Law, Pressure};
 use super::modulus::Modulus;
+use super::stiffness::equivalent_penetration;
 use super::surface::Surface;
 use crate::bore::Profile;
-use crate::lanes::{Real, cube_root};
+use crate::lanes::Real;
 use crate::plane::{dot, left, length};
 use std::f64::consts::TAU;
 
@@ -44,7 +46,7 @@ pub struct Foundation<R = f64, A = Arc> {
     pub surface: Surface<R>,
     /// Modulus of the foundation.
     pub(super) modulus: Modulus<R>,
-    /// The tabulated bore, or one per lane.
+    /// The tabulated bore, with the journal if that wears, or one per lane.
     pub(super) arc: A,
 }
 
@@ -108,6 +110,7 @@ impl Foundation {
     }
 
     /// The tabulated bore.
+    #[inline(always)]
     pub(crate) fn arc(&self) -> &Arc {
         &self.arc
     }
@@ -150,7 +153,7 @@ impl<R: Real, A: Arcs<R>> Foundation<R, A> {
         motion: &JointMotion<R>,
     ) -> (JointForce<R>, ForceSlopes<R>) {
         let s = &self.surface;
-        let JointMotion { e, w, omega_journal, omega_bushing } = *motion;
+        let JointMotion { e, w, omega_journal, omega_bushing, .. } = *motion;
         let loaded = self.load(e);
         let nothing = e[0].zero();
         let one = nothing.like(1.0);
@@ -210,7 +213,8 @@ impl<R: Real, A: Arcs<R>> Foundation<R, A> {
             for k in 0..3 {
                 stiffness[k] = R::select(touches, stiffness[k], nothing);
             }
-            slopes = ForceSlopes { u: n, rows: self.slopes(&resultant, stiffness, omega_bushing) };
+            let rows = self.slopes(&resultant, stiffness, omega_bushing);
+            slopes = ForceSlopes { u: n, rows, to_turn: None };
             s.add_film_slopes(&mut slopes);
         }
         (out, slopes)
@@ -308,13 +312,19 @@ impl Law for Foundation {
     #[inline]
     fn force<const JACOBIAN: bool>(
         &self,
-        _profile: &Profile,
+        surfaces: Surfaces,
         motion: &JointMotion,
     ) -> (JointForce, ForceSlopes) {
-        Foundation::<f64, Arc>::force::<JACOBIAN>(self, motion)
+        match surfaces.journal.and_then(|journal| self.with_journal(journal)) {
+            None => Foundation::<f64, Arc>::force::<JACOBIAN>(self, motion),
+            Some(pair) => pair.force_with_journal::<JACOBIAN>(motion),
+        }
     }
 
-    fn elastic(&self, _profile: &Profile, motion: &JointMotion) -> Elastic {
+    fn elastic(&self, surfaces: Surfaces, motion: &JointMotion) -> Elastic {
+        if let Some(pair) = surfaces.journal.and_then(|journal| self.with_journal(journal)) {
+            return pair.elastic_with_journal(motion);
+        }
         let FoundationLoad { energy, force, .. } = self.load(motion.e);
         let size = libm::hypot(force[0], force[1]);
         if size <= 0.0 {
@@ -324,26 +334,19 @@ impl Law for Foundation {
         Elastic { stored: energy, force: size, rate: power / size }
     }
 
-    /// The gap function grows at this rate where it is largest, in the direction in which the journal is
-    /// nearest to the bore.
-    fn approach(&self, _profile: &Profile, motion: &JointMotion) -> f64 {
-        Foundation::<f64, Arc>::approach(self, motion, 0.0)
+    fn approach(&self, surfaces: Surfaces, motion: &JointMotion) -> f64 {
+        match surfaces.journal.and_then(|journal| self.with_journal(journal)) {
+            None => Foundation::<f64, Arc>::approach(self, motion, 0.0),
+            Some(pair) => pair.approach_with_journal(motion, 0.0),
+        }
     }
 }
 
 /// Velocity of the journal's centre differentiated in the bushing's frame, w - omega_j x e `(2,)` [m/s].
 #[inline(always)]
-fn in_bushing_frame<R: Real>(motion: &JointMotion<R>) -> [R; 2] {
+pub(super) fn in_bushing_frame<R: Real>(motion: &JointMotion<R>) -> [R; 2] {
     let JointMotion { e, w, omega_bushing, .. } = *motion;
     [w[0] + omega_bushing * e[1], w[1] - omega_bushing * e[0]]
-}
-
-/// Penetration at which F = K_n delta^1.5 gives the force `force` [N] for the stiffness `stiffness` [N/m^1.5]
-/// [m].
-#[inline(always)]
-pub(crate) fn equivalent_penetration<R: Real>(force: R, stiffness: R) -> R {
-    let root = cube_root(force / stiffness);
-    root * root
 }
 
 #[cfg(test)]
@@ -378,6 +381,7 @@ mod tests {
                         w: [0.0; 2],
                         omega_journal: 0.0,
                         omega_bushing: 0.0,
+                        turn: 0.0,
                     };
                     let hertz = stiffness * libm::pow(delta, 1.5);
                     let off = (law.force::<false>(&motion).0.normal / hertz - 1.0).abs();

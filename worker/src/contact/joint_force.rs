@@ -13,6 +13,8 @@ pub struct JointMotion<R = f64> {
     pub omega_journal: R,
     /// Angular velocity of the bushing's body [rad/s].
     pub omega_bushing: R,
+    /// Angle alpha of the journal's body minus that of the bushing's [rad].
+    pub turn: R,
 }
 
 /// Force and torques of one joint at one instant.
@@ -42,6 +44,9 @@ pub struct ForceSlopes<R = f64> {
     /// Derivatives of (force along u, force along t, torque_journal, torque_bushing) to (e along u, e along t, w
     /// along u, w along t, omega_journal, omega_bushing) `(4, 6)`.
     pub rows: [[R; 6]; 4],
+    /// Derivatives of the same to the angle alpha of the journal from the bushing at constant e and w `(4,)`; `None` if the
+    /// journal is round, and its angle without effect.
+    pub to_turn: Option<[R; 4]>,
 }
 
 impl<R: Real> JointForce<R> {
@@ -66,12 +71,19 @@ impl<R: Real> ForceSlopes<R> {
     #[inline(always)]
     pub(crate) fn none(like: R) -> Self {
         let zero = like.zero();
-        ForceSlopes { u: [like.like(1.0), zero], rows: [[zero; 6]; 4] }
+        ForceSlopes { u: [like.like(1.0), zero], rows: [[zero; 6]; 4], to_turn: None }
     }
 }
 
 #[cfg(test)]
 impl ForceSlopes {
+    /// Derivatives of (force, torque_journal, torque_bushing) to the angle alpha, in the bushing's axes `(4,)`.
+    pub(crate) fn turn_in_bushing_axes(&self) -> [f64; 4] {
+        let [a, b, journal, bushing] = self.to_turn.unwrap_or_default();
+        let (u, t) = (self.u, crate::plane::left(self.u));
+        [a * u[0] + b * t[0], a * u[1] + b * t[1], journal, bushing]
+    }
+
     /// Derivatives of (force, torque_journal, torque_bushing) to (e, w, omega_journal, omega_bushing) in the bushing's
     /// axes `(4, 6)`.
     pub(crate) fn in_bushing_axes(&self) -> [[f64; 6]; 4] {

@@ -1,6 +1,7 @@
 //! What one contact law defines; everything else is shared by all laws.
 
 use super::joint_force::{ForceSlopes, JointForce, JointMotion};
+use super::journal::Surfaces;
 use super::surface::Surface;
 use crate::bore::Profile;
 
@@ -24,15 +25,15 @@ pub(super) trait Law {
     /// Force at this motion; with `JACOBIAN` its exact derivative, else no slopes.
     fn force<const JACOBIAN: bool>(
         &self,
-        profile: &Profile,
+        surfaces: Surfaces,
         motion: &JointMotion,
     ) -> (JointForce, ForceSlopes);
 
     /// Energy, force and rate of the elastic part of the contact; all zero in free flight.
-    fn elastic(&self, profile: &Profile, motion: &JointMotion) -> Elastic;
+    fn elastic(&self, surfaces: Surfaces, motion: &JointMotion) -> Elastic;
 
     /// Rate of the penetration, delta_dot, in free flight [m/s]; the speed in the middle of the bore.
-    fn approach(&self, profile: &Profile, motion: &JointMotion) -> f64;
+    fn approach(&self, surfaces: Surfaces, motion: &JointMotion) -> f64;
 }
 
 /// Distribution of the contact pressure along the bore, for wear.

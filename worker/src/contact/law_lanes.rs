@@ -8,19 +8,23 @@ use super::arc_cell::ArcCell;
 use super::foundation::Foundation;
 use super::integrals::Integrals;
 use super::joint_force::{ForceSlopes, JointForce, JointMotion};
-use super::local_hertz::{LocalHertz, PolarEccentricity};
+use super::journal::{Surfaces, within_a_turn, worn_radius};
+use super::journal_lanes::JournalLanes;
+use super::local_hertz::{LocalHertz, PolarEccentricity, Walls};
 use super::{Contact, Surface};
-use crate::bore::{Bore, Bores, Profile, Radius};
+use crate::bore::{Bore, Bores, Radius};
 use crate::lanes::{Lanewise, Real};
 use std::cell::RefCell;
 
 /// A contact law in lanes.
 #[derive(Debug, Clone)]
 pub enum LawLanes<R> {
-    /// Hertz's force along the eccentricity, with one bore per lane.
-    LocalHertz(LocalHertz<R>, Bores),
+    /// Hertz's force along the eccentricity, with one bore per lane, and the depths of one journal if that wears.
+    LocalHertz(LocalHertz<R>, Bores, Option<Bores>),
     /// Elastic foundation along the bore, with one bore per lane.
     Foundation(Foundation<R, ArcLanes>),
+    /// Elastic foundation along the bore, with one bore and one worn journal per lane.
+    FoundationWithJournal(Foundation<R, JournalLanes<R>>),
 }
 
 /// Tabulated bores, one per lane `(lanes,)`, with the cell of eccentricities met last. What an arc of contact needs differs too much
@@ -29,18 +33,28 @@ pub enum LawLanes<R> {
 pub struct ArcLanes(Vec<(Arc, RefCell<ArcCell>)>);
 
 impl<R: Real> LawLanes<R> {
-    /// The law of a joint and its bore in every lane; `like` sets the number of lanes.
-    pub(crate) fn new(contact: &Contact, profile: &Profile, like: R) -> Self {
+    /// The law of a joint and its surfaces in every lane; `like` sets the number of lanes.
+    pub(crate) fn new(contact: &Contact, surfaces: Surfaces, like: R) -> Self {
         let surface = contact.surface().in_lanes(like);
+        let Surfaces { bore, journal } = surfaces;
         match contact {
             Contact::LocalHertz(_) => {
-                LawLanes::LocalHertz(LocalHertz { surface }, Bores::new(profile, R::LANES))
+                let journals = journal.map(|journal| Bores::new(journal.worn(), R::LANES));
+                LawLanes::LocalHertz(LocalHertz { surface }, Bores::new(bore, R::LANES), journals)
             }
-            Contact::Foundation(law) => LawLanes::Foundation(Foundation {
-                surface,
-                modulus: law.modulus.in_lanes(like),
-                arc: ArcLanes(vec![(law.arc.clone(), RefCell::new(ArcCell::NONE)); R::LANES]),
-            }),
+            Contact::Foundation(law) => {
+                let modulus = law.modulus.in_lanes(like);
+                match journal.and_then(|journal| Some((journal, journal.table()?))) {
+                    None => {
+                        let arc = ArcLanes(vec![(law.arc.clone(), RefCell::new(ArcCell::NONE)); R::LANES]);
+                        LawLanes::Foundation(Foundation { surface, modulus, arc })
+                    }
+                    Some((journal, table)) => {
+                        let arc = JournalLanes::new((&law.arc, table), journal, surface.journal_radius);
+                        LawLanes::FoundationWithJournal(Foundation { surface, modulus, arc })
+                    }
+                }
+            }
         }
     }
 
@@ -48,8 +62,9 @@ impl<R: Real> LawLanes<R> {
     #[inline(always)]
     fn surface_mut(&mut self) -> &mut Surface<R> {
         match self {
-            LawLanes::LocalHertz(law, _) => &mut law.surface,
+            LawLanes::LocalHertz(law, ..) => &mut law.surface,
             LawLanes::Foundation(law) => &mut law.surface,
+            LawLanes::FoundationWithJournal(law) => &mut law.surface,
         }
     }
 
@@ -57,8 +72,9 @@ impl<R: Real> LawLanes<R> {
     #[inline(always)]
     pub(crate) fn surface(&self) -> &Surface<R> {
         match self {
-            LawLanes::LocalHertz(law, _) => &law.surface,
+            LawLanes::LocalHertz(law, ..) => &law.surface,
             LawLanes::Foundation(law) => &law.surface,
+            LawLanes::FoundationWithJournal(law) => &law.surface,
         }
     }
 
@@ -67,7 +83,7 @@ impl<R: Real> LawLanes<R> {
     #[inline(always)]
     pub(crate) fn follow_approach(
         &mut self,
-        (place, wall): (&PolarEccentricity<R>, &Radius<R>),
+        (place, walls): (&PolarEccentricity<R>, &Walls<R>),
         motion: &JointMotion<R>,
         penetration: R,
     ) {
@@ -75,54 +91,73 @@ impl<R: Real> LawLanes<R> {
             return;
         }
         let approach = match self {
-            LawLanes::LocalHertz(law, _) => law.approach(place, wall, motion),
+            LawLanes::LocalHertz(law, ..) => law.approach(place, walls, motion),
             LawLanes::Foundation(law) => law.approach(motion, penetration),
+            LawLanes::FoundationWithJournal(law) => law.approach_with_journal(motion, penetration),
         };
         self.surface_mut().follow_approach(approach, penetration);
     }
 
-    /// Replaces a lane by a joint with the same law and its bore.
-    pub(crate) fn set(&mut self, lane: usize, contact: &Contact, profile: &Profile) {
+    /// Replaces a lane by a joint with the same law and its surfaces, of which the same wear.
+    pub(crate) fn set(&mut self, lane: usize, contact: &Contact, surfaces: Surfaces) {
         contact.surface().write_lane::<R>(lane, self.surface_mut());
         match (self, contact) {
-            (LawLanes::LocalHertz(_, bores), _) => bores.set(lane, profile),
+            (LawLanes::LocalHertz(_, bores, journals), _) => {
+                bores.set(lane, surfaces.bore);
+                if let Some((journals, journal)) = journals.as_mut().zip(surfaces.journal) {
+                    journals.set(lane, journal.worn());
+                }
+            }
             (LawLanes::Foundation(to), Contact::Foundation(from)) => {
                 from.modulus.write_lane::<R>(lane, &mut to.modulus);
                 to.arc.0[lane] = (from.arc.clone(), RefCell::new(ArcCell::NONE));
             }
-            (LawLanes::Foundation(_), Contact::LocalHertz(_)) => {}
+            (LawLanes::FoundationWithJournal(to), Contact::Foundation(from)) => {
+                from.modulus.write_lane::<R>(lane, &mut to.modulus);
+                if let Some(journal) = surfaces.journal {
+                    to.arc.set(lane, &from.arc, journal, from.surface.journal_radius);
+                }
+            }
+            (LawLanes::Foundation(_) | LawLanes::FoundationWithJournal(_), Contact::LocalHertz(_)) => {}
         }
     }
 
     /// Leaves a lane idle: its bore takes no time until [`Self::set`] replaces it.
     pub(crate) fn leave_idle(&mut self, lane: usize) {
-        if let LawLanes::Foundation(law) = self {
-            law.arc.0[lane] = (Arc::out_of_reach(), RefCell::new(ArcCell::NONE));
-        }
-    }
-
-    /// Bore at the place of a contact; zeros under [`Foundation`], whose arcs look it up themselves.
-    #[inline(always)]
-    pub(crate) fn wall(&self, place: &PolarEccentricity<R>) -> Radius<R> {
         match self {
-            LawLanes::LocalHertz(_, bores) => bores.radius_at(place.psi),
-            LawLanes::Foundation(_) => {
-                let nothing = place.psi.zero();
-                Radius { r: nothing, d1: nothing, d2: nothing }
+            LawLanes::LocalHertz(..) => {}
+            LawLanes::Foundation(law) => {
+                law.arc.0[lane] = (Arc::out_of_reach(), RefCell::new(ArcCell::NONE));
             }
+            LawLanes::FoundationWithJournal(law) => law.arc.leave_idle(lane),
         }
     }
 
-    /// Force on the journal at this place of the contact and this bore; with `JACOBIAN` its exact derivative, else no slopes.
+    /// Surfaces at the place of a contact, with the journal turned by `turn` [rad]; zeros under [`Foundation`], whose arcs look them up
+    /// themselves.
+    #[inline(always)]
+    pub(crate) fn walls(&self, place: &PolarEccentricity<R>, turn: R) -> Walls<R> {
+        let LawLanes::LocalHertz(law, bores, journals) = self else {
+            let nothing = place.psi.zero();
+            return Walls { bore: Radius { r: nothing, d1: nothing, d2: nothing }, journal: None };
+        };
+        let bore = bores.radius_at(place.psi);
+        let Some(journals) = journals else { return Walls { bore, journal: None } };
+        let depth = journals.radius_at(within_a_turn(place.psi - turn));
+        Walls { bore, journal: Some(worn_radius(law.surface.journal_radius, depth)) }
+    }
+
+    /// Force on the journal at this place of the contact and these surfaces; with `JACOBIAN` its exact derivative, else no slopes.
     #[inline(always)]
     pub(crate) fn force<const JACOBIAN: bool>(
         &self,
-        (place, wall): (&PolarEccentricity<R>, &Radius<R>),
+        (place, walls): (&PolarEccentricity<R>, &Walls<R>),
         motion: &JointMotion<R>,
     ) -> (JointForce<R>, ForceSlopes<R>) {
         match self {
-            LawLanes::LocalHertz(law, _) => law.force::<JACOBIAN>(place, wall, motion),
+            LawLanes::LocalHertz(law, ..) => law.force::<JACOBIAN>(place, walls, motion),
             LawLanes::Foundation(law) => law.force::<JACOBIAN>(motion),
+            LawLanes::FoundationWithJournal(law) => law.force_with_journal::<JACOBIAN>(motion),
         }
     }
 }

@@ -5,6 +5,10 @@
 //! journal radius R1 and the worn bore R(psi) [m], the Hertz stiffness K_n [N/m^1.5] (see `stiffness.rs`),
 //! the damping factor D [s/m], the friction coefficient mu [1] and its regularisation speed v_0 [m/s].
 //!
+//! A worn journal (`journal.rs`) of radius R_j(chi), chi = psi - alpha, takes the place of R1 throughout; its
+//! surface passes the contact at the rate chi_dot = w.t / |e| - omega_i [rad/s], and delta_dot gains R_j'
+//! chi_dot.
+//!
 //! Exact for the model on a round bore. On a worn profile, whose normal is not along e, the law is not
 //! conservative: it can feed energy into a vibration (`energy.rs` measures how much).
 //!
@@ -14,9 +18,10 @@
 //! 112, 369-376.
 
 use super::joint_force::{ForceSlopes, JointForce, JointMotion};
+use super::journal::Surfaces;
 use super::law::{Elastic, Law, Pressure};
 use super::surface::Surface;
-use crate::bore::{Profile, Radius};
+use crate::bore::Radius;
 use crate::lanes::{Real, direction_angle};
 use crate::plane::{fused_dot as dot, left};
 
@@ -52,20 +57,36 @@ impl<R: Real> PolarEccentricity<R> {
     }
 }
 
+/// The two surfaces in the direction of the eccentricity.
+#[derive(Debug, Clone, Copy)]
+pub struct Walls<R> {
+    /// The bore.
+    pub bore: Radius<R>,
+    /// The journal, if it wears; its derivatives are to the angle in its own body.
+    pub journal: Option<Radius<R>>,
+}
+
 /// Motion along the eccentricity and across it.
 struct Polar<R> {
     /// Unit vector u of the eccentricity `(2,)` [1].
     u: [R; 2],
     /// 1 / |e| [1/m].
     inverse: R,
-    /// Bore in the direction of u.
-    bore: Radius<R>,
+    /// Bore in the direction of u, and the journal if it wears.
+    walls: Walls<R>,
+    /// Radius of the journal there [m].
+    radius: R,
     /// w.u and w.t [m/s].
     wu: R,
     wt: R,
     /// Rate of the direction of e in the bushing's frame [rad/s].
     turn: R,
+    /// The same in that of the journal's body.
+    spin: R,
 }
+
+/// Derivatives of force and torques, see [`ForceSlopes`].
+type Slopes<R> = ([[R; 6]; 4], Option<[R; 4]>);
 
 /// Elastic force, damping and friction of one contact.
 struct Normal<R> {
@@ -85,37 +106,43 @@ struct Normal<R> {
 }
 
 impl<R: Real> LocalHertz<R> {
-    /// Force on the journal at the eccentricity `e`, in whose direction the bore is `bore`; with `JACOBIAN` its exact derivative, else no slopes.
+    /// Force on the journal at the eccentricity `e`, in whose direction the surfaces are `walls`; with `JACOBIAN` its exact derivative, else no slopes.
     ///
-    /// With u the unit vector of e, t its left normal, r = |e|: delta_dot = w.u - R' (w.t / r - omega_j), v_t
-    /// = w.t + omega_i R1 - omega_j R, force = -F_N u - F_T t - c_f w, torques -R1 F_T on the journal, +R F_T
+    /// With u the unit vector of e, t its left normal, r = |e|: delta_dot = w.u - R' (w.t / r - omega_j) + R_j' (w.t / r - omega_i), v_t
+    /// = w.t + omega_i R_j - omega_j R, force = -F_N u - F_T t - c_f w, torques -R_j F_T on the journal, +R F_T
     /// on the bushing. In free flight (delta <= 0), and where the contact lets go early (1 + D delta_dot <=
     /// 0), only the film acts.
     #[inline(always)]
     pub(crate) fn force<const JACOBIAN: bool>(
         &self,
         e: &PolarEccentricity<R>,
-        bore: &Radius<R>,
+        walls: &Walls<R>,
         motion: &JointMotion<R>,
     ) -> (JointForce<R>, ForceSlopes<R>) {
         let s = &self.surface;
         let JointMotion { w, omega_journal, omega_bushing, .. } = *motion;
         let PolarEccentricity { size, inverse, u, .. } = *e;
-        let bore = *bore;
+        let Walls { bore, journal } = *walls;
+        let radius = journal.map_or(s.journal_radius, |journal| journal.r);
         let nothing = size.zero();
         let one = nothing.like(1.0);
-        let delta = size + s.journal_radius - bore.r;
+        let delta = size + radius - bore.r;
         let t = left(u);
         let (wu, wt) = (dot(w, u), dot(w, t));
         let turn = (-omega_bushing).plus_product(wt, inverse);
-        let rate = wu.minus_product(bore.d1, turn);
+        let mut rate = wu.minus_product(bore.d1, turn);
+        let mut spin = nothing;
+        if let Some(journal) = journal {
+            spin = (-omega_journal).plus_product(wt, inverse);
+            rate = rate.plus_product(journal.d1, spin);
+        }
         let factor = one.plus_product(s.damping, rate);
         // NaN compares as no contact; the penetration keeps the NaN.
         let touches = R::both(nothing.below(delta), nothing.below(factor));
         let root = R::select(touches, delta, nothing).sqrt();
         let elastic = s.stiffness * root * root * root;
         let normal = elastic * factor;
-        let sliding = wt.plus_product(omega_journal, s.journal_radius).minus_product(omega_bushing, bore.r);
+        let sliding = wt.plus_product(omega_journal, radius).minus_product(omega_bushing, bore.r);
         let sliding = R::select(touches, sliding, nothing);
         let (mu, mu_v) = s.friction(sliding);
         let friction = mu * normal;
@@ -124,7 +151,7 @@ impl<R: Real> LocalHertz<R> {
                 -(normal * u[0]).plus_product(friction, t[0]),
                 -(normal * u[1]).plus_product(friction, t[1]),
             ],
-            torque_journal: -s.journal_radius * friction,
+            torque_journal: -radius * friction,
             torque_bushing: bore.r * friction,
             normal,
             direction: [R::select(touches, u[0], nothing), R::select(touches, u[1], nothing)],
@@ -134,38 +161,56 @@ impl<R: Real> LocalHertz<R> {
         s.add_film(motion, &mut out);
         let mut slopes = ForceSlopes::none(nothing);
         if JACOBIAN {
-            let polar = Polar { u, inverse, bore, wu, wt, turn };
+            let polar = Polar { u, inverse, walls: *walls, radius, wu, wt, turn, spin };
             let normal = Normal { root, elastic, factor, normal, mu, mu_v, friction };
-            slopes = ForceSlopes { u, rows: self.slopes(&polar, &normal, omega_bushing) };
+            let (rows, to_turn) = self.slopes(&polar, &normal, [omega_journal, omega_bushing]);
+            slopes = ForceSlopes { u, rows, to_turn };
             s.add_film_slopes(&mut slopes);
         }
         (out, slopes)
     }
 
-    /// Rate of the penetration, delta_dot, at the eccentricity `e`, in whose direction the bore is `bore` [m/s]; in the middle of the bore, from
-    /// where every direction leads to the wall, the speed.
+    /// Rate of the penetration, delta_dot, at the eccentricity `e`, in whose direction the surfaces are `walls` [m/s]; in the middle of the
+    /// bore, from where every direction leads to the wall, the speed.
     #[inline(always)]
-    pub(super) fn approach(&self, e: &PolarEccentricity<R>, bore: &Radius<R>, motion: &JointMotion<R>) -> R {
-        let JointMotion { w, omega_bushing, .. } = *motion;
-        let turn = (-omega_bushing).plus_product(dot(w, left(e.u)), e.inverse);
-        let rate = dot(w, e.u).minus_product(bore.d1, turn);
+    pub(super) fn approach(&self, e: &PolarEccentricity<R>, walls: &Walls<R>, motion: &JointMotion<R>) -> R {
+        let JointMotion { w, omega_journal, omega_bushing, .. } = *motion;
+        let along = dot(w, left(e.u));
+        let turn = (-omega_bushing).plus_product(along, e.inverse);
+        let mut rate = dot(w, e.u).minus_product(walls.bore.d1, turn);
+        if let Some(journal) = walls.journal {
+            let spin = (-omega_journal).plus_product(along, e.inverse);
+            rate = rate.plus_product(journal.d1, spin);
+        }
         R::select(e.size.zero().below(e.size), rate, dot(w, w).sqrt())
     }
 
-    /// Derivative of (force, torques) without the film to (e, w, omega_i, omega_j), in the axes (u, t) `(4, 6)`.
+    /// Derivative of (force, torques) without the film to (e, w, omega_i, omega_j), in the axes (u, t) `(4, 6)`, and to alpha if the
+    /// journal wears `(4,)`.
     #[inline(always)]
-    fn slopes(&self, polar: &Polar<R>, contact: &Normal<R>, omega_bushing: R) -> [[R; 6]; 4] {
+    fn slopes(
+        &self,
+        polar: &Polar<R>,
+        contact: &Normal<R>,
+        [omega_journal, omega_bushing]: [R; 2],
+    ) -> Slopes<R> {
         let s = &self.surface;
-        let &Polar { u, inverse, bore, wu, wt, turn } = polar;
+        let &Polar { u, inverse, walls: Walls { bore, journal }, radius, wu, wt, turn, spin } = polar;
         let &Normal { root, elastic, factor, normal, mu, mu_v, friction } = contact;
         let nothing = u[0].zero();
         let slope = s.stiffness * root * factor * 1.5;
         let ed = elastic * s.damping;
-        let bend = bore.d1 * inverse;
+        let bend = match journal {
+            None => bore.d1 * inverse,
+            Some(journal) => (bore.d1 - journal.d1) * inverse,
+        };
         // Normal force. delta grows by 1 along u and by -bend along t; its rate by (bend wt / r, (wt - R'' turn + bend
         // wu) / r) with e, by (1, -bend) with w and by R' with omega_j.
-        let rate_t = wt.minus_product(bore.d2, turn).plus_product(bend, wu) * inverse;
-        let dn = [
+        let mut rate_t = wt.minus_product(bore.d2, turn).plus_product(bend, wu) * inverse;
+        if let Some(journal) = journal {
+            rate_t = rate_t.plus_product(journal.d2 * spin, inverse);
+        }
+        let mut dn = [
             slope.plus_product(ed, bend * wt * inverse),
             (ed * rate_t).minus_product(slope, bend),
             ed,
@@ -173,7 +218,10 @@ impl<R: Real> LocalHertz<R> {
             nothing,
             ed * bore.d1,
         ];
-        // Friction. The sliding speed grows by -(wu + omega_j R') / r with e along t, by 1 with w along t, by R1 with
+        if let Some(journal) = journal {
+            dn[4] = -(ed * journal.d1);
+        }
+        // Friction. The sliding speed grows by -(wu + omega_j R' - omega_i R_j') / r with e along t, by 1 with w along t, by R_j with
         // omega_i and by -R with omega_j.
         let grip = mu_v * normal;
         let mut df = [nothing; 6];
@@ -182,21 +230,34 @@ impl<R: Real> LocalHertz<R> {
         }
         df[1] = df[1].minus_product(grip, wu.plus_product(omega_bushing, bore.d1) * inverse);
         df[3] += grip;
-        df[4] = grip * s.journal_radius;
+        df[4] = grip * radius;
+        if let Some(journal) = journal {
+            df[1] = df[1].plus_product(grip * omega_journal, journal.d1 * inverse);
+            df[4] = df[4].plus_product(mu, dn[4]);
+        }
         df[5] = df[5].minus_product(grip, bore.r);
         let mut rows = [[nothing; 6]; 4];
         for c in 0..6 {
             rows[0][c] = -dn[c];
             rows[1][c] = -df[c];
-            rows[2][c] = -(s.journal_radius * df[c]);
+            rows[2][c] = -(radius * df[c]);
             rows[3][c] = bore.r * df[c];
         }
         // The unit vectors turn with the direction of e, du = t dpsi, dt = -u dpsi; the bore's radius
         // changes.
         rows[0][1] = rows[0][1].plus_product(friction, inverse);
         rows[1][1] = rows[1][1].minus_product(normal, inverse);
-        rows[3][1] = rows[3][1].plus_product(bend, friction);
-        rows
+        let Some(journal) = journal else {
+            rows[3][1] = rows[3][1].plus_product(bend, friction);
+            return (rows, None);
+        };
+        rows[2][1] = rows[2][1].minus_product(journal.d1 * inverse, friction);
+        rows[3][1] = rows[3][1].plus_product(bore.d1 * inverse, friction);
+        // The place on the journal falls behind as alpha grows.
+        let dn = -(slope * journal.d1).plus_product(ed * journal.d2, spin);
+        let df = (mu * dn).minus_product(grip * omega_journal, journal.d1);
+        let torque_journal = (journal.d1 * friction).minus_product(radius, df);
+        (rows, Some([-dn, -df, torque_journal, bore.r * df]))
     }
 }
 
@@ -220,26 +281,30 @@ impl Law for LocalHertz {
     #[inline(always)]
     fn force<const JACOBIAN: bool>(
         &self,
-        profile: &Profile,
+        Surfaces { bore, journal }: Surfaces,
         motion: &JointMotion,
     ) -> (JointForce, ForceSlopes) {
         let e = PolarEccentricity::new(motion.e);
-        LocalHertz::force::<JACOBIAN>(self, &e, &profile.radius_at(e.psi), motion)
+        let journal = journal.map(|journal| journal.radius_at(e.psi - motion.turn));
+        LocalHertz::force::<JACOBIAN>(self, &e, &Walls { bore: bore.radius_at(e.psi), journal }, motion)
     }
 
-    fn elastic(&self, profile: &Profile, motion: &JointMotion) -> Elastic {
+    fn elastic(&self, surfaces: Surfaces, motion: &JointMotion) -> Elastic {
+        let Surfaces { bore, journal } = surfaces;
         let e = motion.e;
-        let delta = libm::hypot(e[0], e[1]) + self.surface.journal_radius
-            - profile.radius_at(libm::atan2(e[1], e[0])).r;
+        let psi = libm::atan2(e[1], e[0]);
+        let radius = journal.map_or(self.surface.journal_radius, |j| j.radius_at(psi - motion.turn).r);
+        let delta = libm::hypot(e[0], e[1]) + radius - bore.radius_at(psi).r;
         if delta <= 0.0 {
             return Elastic::default();
         }
         let force = self.surface.stiffness * delta * delta.sqrt();
-        Elastic { stored: 0.4 * force * delta, force, rate: Law::approach(self, profile, motion) }
+        Elastic { stored: 0.4 * force * delta, force, rate: Law::approach(self, surfaces, motion) }
     }
 
-    fn approach(&self, profile: &Profile, motion: &JointMotion) -> f64 {
+    fn approach(&self, Surfaces { bore, journal }: Surfaces, motion: &JointMotion) -> f64 {
         let e = PolarEccentricity::new(motion.e);
-        LocalHertz::approach(self, &e, &profile.radius_at(e.psi), motion)
+        let journal = journal.map(|journal| journal.radius_at(e.psi - motion.turn));
+        LocalHertz::approach(self, &e, &Walls { bore: bore.radius_at(e.psi), journal }, motion)
     }
 }

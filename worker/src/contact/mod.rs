@@ -26,8 +26,14 @@ mod coulomb;
 mod damping;
 mod energy;
 mod foundation;
+mod foundation_journal;
 mod integrals;
 mod joint_force;
+mod journal;
+mod journal_lanes;
+mod journal_table;
+#[cfg(test)]
+mod journal_tests;
 mod law;
 mod law_lanes;
 mod local_hertz;
@@ -37,15 +43,19 @@ mod stretch;
 mod surface;
 #[cfg(test)]
 mod tests;
+mod turned_arc;
 
 pub(crate) use coulomb::coulomb;
 pub use damping::Restitution;
 pub use foundation::Foundation;
-pub(crate) use foundation::{FoundationLoad, equivalent_penetration};
+pub(crate) use foundation::FoundationLoad;
+pub(crate) use foundation_journal::FoundationWithJournal;
 pub use joint_force::{ForceSlopes, JointForce, JointMotion};
+pub use journal::{Journal, Surfaces};
 pub(crate) use law::Pressure;
 pub(crate) use law_lanes::LawLanes;
-pub use local_hertz::{LocalHertz, PolarEccentricity};
+pub use local_hertz::{LocalHertz, PolarEccentricity, Walls};
+pub(crate) use stiffness::equivalent_penetration;
 pub use stiffness::hertz_stiffness;
 pub use surface::Surface;
 
@@ -113,13 +123,23 @@ impl Contact {
     /// Called after each accepted step with the motion reached and its force. In free flight the damping
     /// factor follows the current speed of approach; in contact it keeps its value at impact. No effect for
     /// constant D.
-    pub(crate) fn accepted(&mut self, profile: &Profile, motion: &JointMotion, now: &JointForce) {
+    pub(crate) fn accepted<'a>(
+        &mut self,
+        surfaces: impl Into<Surfaces<'a>>,
+        motion: &JointMotion,
+        now: &JointForce,
+    ) {
         let Some(restitution) = self.surface().restitution else { return };
         if now.penetration > 0.0 {
             return;
         }
-        let approach = with_law!(self, law => Law::approach(law, profile, motion));
+        let approach = self.approach(surfaces.into(), motion);
         self.restore_damping(restitution.damping(approach));
+    }
+
+    /// Rate of the penetration, also in free flight [m/s]. The eccentricity must not be zero.
+    fn approach(&self, surfaces: Surfaces, motion: &JointMotion) -> f64 {
+        with_law!(self, law => Law::approach(law, surfaces, motion))
     }
 
     /// Restores the damping factor [s/m] fixed at the last impact.
@@ -129,16 +149,16 @@ impl Contact {
 
     /// Force at this motion; with `JACOBIAN` its exact derivative, else no slopes.
     #[inline(always)]
-    pub fn force<const JACOBIAN: bool>(
+    pub fn force<'a, const JACOBIAN: bool>(
         &self,
-        profile: &Profile,
+        surfaces: impl Into<Surfaces<'a>>,
         motion: &JointMotion,
     ) -> (JointForce, ForceSlopes) {
-        with_law!(self, law => Law::force::<JACOBIAN>(law, profile, motion))
+        with_law!(self, law => Law::force::<JACOBIAN>(law, surfaces.into(), motion))
     }
 
     /// Energy, force and rate of the elastic part of the contact.
-    fn elastic(&self, profile: &Profile, motion: &JointMotion) -> Elastic {
-        with_law!(self, law => law.elastic(profile, motion))
+    fn elastic(&self, surfaces: Surfaces, motion: &JointMotion) -> Elastic {
+        with_law!(self, law => law.elastic(surfaces, motion))
     }
 }

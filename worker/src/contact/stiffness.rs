@@ -3,6 +3,7 @@
 //! # Source
 //! Goldsmith (1960), Impact, as used by Lankarani, Nikravesh (1990), J. Mech. Design 112, 369-376.
 
+use crate::lanes::{Real, cube_root};
 use common::scene::{Clearance, Material};
 use std::f64::consts::PI;
 
@@ -16,4 +17,12 @@ pub fn hertz_stiffness(joint: &Clearance) -> f64 {
     let (r1, r2) = (joint.journal_radius, joint.bushing_radius);
     let h = compliance(&joint.journal_material) + compliance(&joint.bushing_material);
     4.0 / (3.0 * PI * h) * (r1 * r2 / (r2 - r1)).sqrt()
+}
+
+/// Penetration at which F = K_n delta^1.5 gives the force `force` [N] for the stiffness `stiffness` [N/m^1.5]
+/// [m].
+#[inline(always)]
+pub(crate) fn equivalent_penetration<R: Real>(force: R, stiffness: R) -> R {
+    let root = cube_root(force / stiffness);
+    root * root
 }

@@ -65,6 +65,19 @@ impl StretchGroup {
         }
         StretchContact { any: positive(&above), whole: positive(&within) }
     }
+
+    /// Stretches that may touch at the eccentricity `e` [m] a journal that is worn by at least `worn` `(GROUP,)` [m] along each.
+    #[inline(always)]
+    pub(super) fn touched_beyond(&self, e: [f64; 2], widening: f64, worn: &[f64; GROUP]) -> u32 {
+        let (a, b) = (self.ends[0].gaps(e), self.ends[1].gaps(e));
+        let mut above = [0.0; GROUP];
+        for i in 0..GROUP {
+            let high = if a[i] < b[i] { b[i] } else { a[i] };
+            let widest = if high > 0.0 { high * widening } else { high };
+            above[i] = widest - self.least[i] - worn[i];
+        }
+        positive(&above)
+    }
 }
 
 /// Angles of a tabulated bore.

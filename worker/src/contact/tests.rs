@@ -47,6 +47,7 @@ pub(super) fn motions(profile: &Profile) -> Vec<JointMotion> {
                 w: [4e-3 * (2.1 * x).sin(), 4e-3 * (0.9 * x).cos()],
                 omega_journal: omega_bushing + 2.0 * (0.4 * x).sin(),
                 omega_bushing,
+                turn: 0.4 * x,
             }
         })
         .collect()
@@ -131,7 +132,13 @@ fn friction_opposes_sliding_and_dissipates_what_it_should() {
 #[test]
 fn the_film_dissipates_c_w_squared_and_acts_alone_in_free_flight() {
     let profile = worn();
-    let motion = JointMotion { e: [9e-6, -4e-6], w: [0.02, 0.03], omega_journal: 50.0, omega_bushing: -7.0 };
+    let motion = JointMotion {
+        e: [9e-6, -4e-6],
+        w: [0.02, 0.03],
+        omega_journal: 50.0,
+        omega_bushing: -7.0,
+        turn: 0.0,
+    };
     let dry = laws(Surface { film: 0.0, ..SURFACE }, &profile);
     for (wet, dry) in laws(SURFACE, &profile).iter().zip(&dry) {
         let f = wet.force::<true>(&profile, &motion).0;
@@ -179,9 +186,12 @@ fn loop_work(law: &Contact, profile: &Profile, path: impl Fn(f64) -> [f64; 2]) -
     const STEPS: usize = 20_000;
     let (mut work, mut absolute) = (0.0, 0.0);
     let force = |e: [f64; 2]| {
-        law.force::<false>(profile, &JointMotion { e, w: [0.0; 2], omega_journal: 0.0, omega_bushing: 0.0 })
-            .0
-            .force
+        law.force::<false>(
+            profile,
+            &JointMotion { e, w: [0.0; 2], omega_journal: 0.0, omega_bushing: 0.0, turn: 0.0 },
+        )
+        .0
+        .force
     };
     let mut e = path(0.0);
     let mut f = force(e);

@@ -137,7 +137,10 @@ fn friction(scene: &mut Scene, coefficient: f64) {
 
 /// Scales the wear coefficient.
 fn wear(scene: &mut Scene, factor: f64) {
-    each(scene, |c| c.wear_coefficient *= factor);
+    each(scene, |c| {
+        c.wear_coefficient *= factor;
+        c.journal_wear_coefficient = c.journal_wear_coefficient.map(|coefficient| factor * coefficient);
+    });
 }
 
 /// Sets the length of a wear block [cycles], in a life of at least that.

@@ -35,7 +35,7 @@ impl Impact {
 }
 
 fn motion(q: &[f64], v: &[f64]) -> JointMotion {
-    JointMotion { e: [q[0], q[1]], w: [v[0], v[1]], omega_journal: 0.0, omega_bushing: 0.0 }
+    JointMotion { e: [q[0], q[1]], w: [v[0], v[1]], omega_journal: 0.0, omega_bushing: 0.0, turn: 0.0 }
 }
 
 fn surface(stiffness: f64, damping: f64) -> Surface {

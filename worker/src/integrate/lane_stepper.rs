@@ -252,6 +252,7 @@ impl<R: Real> LaneStepper<R> {
         }
         to.lambda.iter_mut().zip(&self.at.lambda).for_each(|(to, from)| *to = from.lane(lane));
         to.e.iter_mut().zip(&self.at.e).for_each(|(to, from)| *to = from.map(|x| x.lane(lane)));
+        to.turns.iter_mut().zip(&self.at.turns).for_each(|(to, from)| *to = from.lane(lane));
         for (to, from) in to.prescribed.iter_mut().zip(&self.at.prescribed) {
             *to = from.map(|x| x.lane(lane));
         }

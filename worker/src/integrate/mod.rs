@@ -111,6 +111,8 @@ pub struct Linearised<R = f64> {
     pub joints: Vec<JointForce<R>>,
     /// Eccentricity of each joint in its bushing's frame `(joints, 2)` [m].
     pub e: Vec<[R; 2]>,
+    /// Angle of each journal's body minus that of its bushing's `(joints,)` [rad].
+    pub turns: Vec<R>,
     /// Multipliers of the ideal joints' constraints `(m,)` [N, N m].
     pub lambda: Vec<R>,
     /// Friction force of each ideal joint with friction, and its sliding speed `(joints, 2)` [N, m/s].
@@ -137,6 +139,7 @@ impl<R: Real> Linearised<R> {
             band,
             joints: vec![JointForce::none(zero); joints],
             e: vec![[zero; 2]; joints],
+            turns: vec![zero; joints],
             ..Self::empty()
         }
     }
@@ -151,6 +154,7 @@ impl<R: Real> Linearised<R> {
             ft: vec![],
             joints: vec![],
             e: vec![],
+            turns: vec![],
             lambda: vec![],
             friction: vec![],
             prescribed: vec![],

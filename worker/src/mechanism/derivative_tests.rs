@@ -5,7 +5,7 @@ use super::frame::End;
 use super::joint::{Blocks, PairForce, PairMotion, Touching, pair_force};
 use super::{Frame, Island, ideal_cycle, islands};
 use crate::bore::Profile;
-use crate::contact::{Contact, ForceSlopes, JointForce, JointMotion};
+use crate::contact::{Contact, ForceSlopes, JointForce, JointMotion, Journal, Surfaces};
 use crate::integrate::{Dynamics, StepControl, StepCounts, Stepped, Stepper};
 use common::scene::*;
 use std::f64::consts::TAU;
@@ -60,6 +60,7 @@ const ARM_J: [f64; 2] = [-0.02, 0.007];
 struct Alone {
     contact: Contact,
     profile: Profile,
+    journal: Option<Journal>,
 }
 
 impl Touching<f64> for Alone {
@@ -70,13 +71,14 @@ impl Touching<f64> for Alone {
         [End { frame: 0, arm: ARM_I }, End { frame: 1, arm: ARM_J }]
     }
     fn place(&self, _e: [f64; 2]) {}
-    fn wall(&self, _place: &()) {}
+    fn wall(&self, _place: &(), _turn: f64) {}
     fn force<const JACOBIAN: bool>(
         &self,
         _at: (&(), &()),
         motion: &JointMotion,
     ) -> (JointForce, ForceSlopes) {
-        self.contact.force::<JACOBIAN>(&self.profile, motion)
+        let surfaces = Surfaces { bore: &self.profile, journal: self.journal.as_ref() };
+        self.contact.force::<JACOBIAN>(surfaces, motion)
     }
 }
 
@@ -89,14 +91,22 @@ impl Alone {
 
 #[test]
 fn pair_derivatives_agree_with_differences() {
-    for law in [ContactLaw::LocalHertz, ContactLaw::Foundation] {
+    for (law, wears) in [ContactLaw::LocalHertz, ContactLaw::Foundation]
+        .into_iter()
+        .flat_map(|law| [false, true].map(|wears| (law, wears)))
+    {
         let scene = flapping_wing(law);
         let clearance = clearance(&scene);
         let mut profile = Profile::round(clearance.bushing_radius, 36);
         profile.set_depth(&worn_depth());
         let mut contact = Contact::new(clearance);
         contact.profile_changed(&profile);
-        let joint = Alone { contact, profile };
+        let journal = wears.then(|| {
+            let mut journal = Journal::new(&contact, 36);
+            journal.set_depth(&worn_depth().into_iter().rev().collect::<Vec<_>>());
+            journal
+        });
+        let joint = Alone { contact, profile, journal };
         let force = |q: &[f64; 6], v: &[f64; 6]| {
             let (i, j) = (Frame::free(&q[..3], &v[..3]), Frame::free(&q[3..], &v[3..]));
             joint.pair_force::<false>(&i, &j).f
@@ -105,11 +115,15 @@ fn pair_derivatives_agree_with_differences() {
             // The journal's centre at a chosen eccentricity in the bushing's frame.
             let x = f64::from(k);
             let psi = 0.2 + TAU * x / 12.0;
-            let reach = joint.profile.radius_at(psi).r - clearance.journal_radius + 1e-7 * (1.0 + x % 4.0);
             let bushing = [0.003, -0.002, 0.7 * x];
+            let angle = 1.0 - 0.4 * x;
+            let radius = joint
+                .journal
+                .as_ref()
+                .map_or(clearance.journal_radius, |journal| journal.radius_at(psi - (angle - bushing[2])).r);
+            let reach = joint.profile.radius_at(psi).r - radius + 1e-7 * (1.0 + x % 4.0);
             let j = Frame::free(&bushing, &[0.0; 3]);
             let centre = j.point([ARM_J[0] + reach * psi.cos(), ARM_J[1] + reach * psi.sin()]);
-            let angle = 1.0 - 0.4 * x;
             let arm = Frame::free(&[0.0, 0.0, angle], &[0.0; 3]).turn(ARM_I);
             let q = [centre[0] - arm[0], centre[1] - arm[1], angle, bushing[0], bushing[1], bushing[2]];
             // Turning together about the bushing's centre, but for a few millimetres per second.
@@ -148,7 +162,7 @@ fn pair_derivatives_agree_with_differences() {
             let entry = |rates: usize, r: usize, c: usize| blocks[r / 3][c / 3][rates][r % 3][c % 3];
             let k_off = worst(6, |r, c| entry(0, r, c), &differences([2e-10, 2e-8], false));
             let d_off = worst(6, |r, c| entry(1, r, c), &differences([1e-7, 1e-5], true));
-            assert!(k_off < 2e-5 && d_off < 2e-5, "{law:?} at {psi}: {k_off} {d_off}");
+            assert!(k_off < 2e-5 && d_off < 2e-5, "{law:?}, {wears}, at {psi}: {k_off} {d_off}");
         }
     }
 }
@@ -157,7 +171,8 @@ fn pair_derivatives_agree_with_differences() {
 /// contact.
 fn states(scene: &Scene, island: &mut Island) -> Vec<(f64, Vec<f64>, Vec<f64>)> {
     for joint in &mut island.joints {
-        joint.set_depth(&worn_depth());
+        let depth = worn_depth().into_iter().cycle().take(joint.depths());
+        joint.set_depth(&depth.collect::<Vec<_>>());
     }
     let pose = ideal_cycle(scene, 2, &mut 0).expect("the linkage closes").swap_remove(0);
     let pick = |from: &[Option<[f64; 3]>]| -> Vec<f64> {
@@ -218,8 +233,17 @@ fn check(island: &Island, (t, q, v): &(f64, Vec<f64>, Vec<f64>), steps: [f64; 5]
 
 #[test]
 fn island_derivatives_agree_with_differences() {
-    for law in [ContactLaw::LocalHertz, ContactLaw::Foundation] {
-        let scene = flapping_wing(law);
+    let both = |law| {
+        let mut scene = flapping_wing(law);
+        for joint in &mut scene.joints {
+            if let JointKind::Clearance(clearance) = &mut joint.kind {
+                clearance.wears = WearingSurfaces::Both;
+            }
+        }
+        scene
+    };
+    let laws = [ContactLaw::LocalHertz, ContactLaw::Foundation];
+    for (law, scene) in laws.into_iter().flat_map(|law| [(law, flapping_wing(law)), (law, both(law))]) {
         for mut island in islands(&scene).expect("all joints have clearance") {
             for state in states(&scene, &mut island) {
                 let mut at = island.linearised();

@@ -28,7 +28,7 @@ pub(super) struct Acting<'a, R, J> {
 pub(super) struct JointSpace<R: Real, J: Touching<R>> {
     /// Motion of each joint `(joints,)`.
     pub(super) pairs: Vec<PairMotion<R, J::Place>>,
-    /// Bore at the contact of each joint `(joints,)`.
+    /// Surfaces at the contact of each joint `(joints,)`.
     pub(super) walls: Vec<J::Wall>,
 }
 
@@ -39,7 +39,7 @@ impl<R: Real, J: Touching<R>> JointSpace<R, J> {
         let at_rest = Frame { x: [zero; 2], angle: zero, cs: [zero; 2], v: [zero; 2], omega: zero };
         let pair = |joint: &J| PairMotion::new(joint, &at_rest, &at_rest);
         let pairs: Vec<_> = joints.iter().map(pair).collect();
-        let walls = joints.iter().zip(&pairs).map(|(joint, pair)| joint.wall(&pair.place)).collect();
+        let walls = joints.iter().zip(&pairs).map(|(joint, pair)| pair.wall(joint)).collect();
         JointSpace { pairs, walls }
     }
 }
@@ -81,7 +81,7 @@ impl<R: Real, J: Touching<R>> Acting<'_, R, J> {
             *pair = PairMotion::new(joint, &self.frames[i.frame], &self.frames[j.frame]);
         }
         for (joint, (pair, wall)) in self.joints.iter().zip(pairs.iter().zip(&mut *walls)) {
-            *wall = joint.wall(&pair.place);
+            *wall = pair.wall(joint);
         }
         for (index, (joint, (pair, wall))) in self.joints.iter().zip(pairs.iter().zip(&*walls)).enumerate() {
             let [i, j] = joint.ends();
@@ -91,6 +91,7 @@ impl<R: Real, J: Touching<R>> Acting<'_, R, J> {
             if JACOBIAN {
                 at.joints[index] = pair.joint;
                 at.e[index] = pair.e;
+                at.turns[index] = pair.turn;
             }
         }
         for load in self.loads {

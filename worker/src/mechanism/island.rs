@@ -6,46 +6,17 @@ use super::constraint::Constraint;
 use super::elimination::{Elimination, Existence};
 use super::forces::{Acting, JointSpace};
 use super::frame::{End, Frame};
-use super::joint::{Touching, joint_motion};
+use super::joint::joint_motion;
 use super::load::{IslandLoad, NO_FRAME};
 use super::piecewise_cubic::Jet;
 use super::placed::Placed;
 use super::prescribed::Prescribed;
-use crate::bore::Profile;
-use crate::contact::{Contact, ForceSlopes, JointForce, JointMotion};
+use super::wearing_joint::WearingJoint;
+use crate::contact::JointMotion;
 use crate::extremum::{largest, smallest};
 use crate::integrate::{Band, Closed, Dynamics, Linearised, Stepped};
 use crate::plane::length;
 use common::scene::Scene;
-
-/// A joint with clearance and its bore.
-#[derive(Debug, Clone)]
-pub struct WearingJoint {
-    /// Index into the scene's joints.
-    pub scene_joint: usize,
-    /// Name in the scene.
-    pub name: String,
-    /// Contact law of the joint.
-    pub contact: Contact,
-    /// Profile of the bore, worn so far.
-    pub profile: Profile,
-    /// Wear coefficient K_H [1/Pa].
-    pub wear_coefficient: f64,
-    /// Width L of the bushing [m].
-    pub width: f64,
-    /// Wall thickness of the bushing [m]; `None` if it cannot be worn through.
-    pub wall: Option<f64>,
-    /// Ends of the joint: journal, bushing.
-    pub ends: [End; 2],
-}
-
-impl WearingJoint {
-    /// Replaces the wear depths of the bore by `depth` `(points,)` [m].
-    pub(crate) fn set_depth(&mut self, depth: &[f64]) {
-        self.profile.set_depth(depth);
-        self.contact.profile_changed(&self.profile);
-    }
-}
 
 /// Energy of an island and power of its loads at one instant, without contacts.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -276,30 +247,6 @@ impl Island {
     }
 }
 
-impl Touching<f64> for WearingJoint {
-    type Place = ();
-    type Wall = ();
-
-    fn ends(&self) -> [End; 2] {
-        self.ends
-    }
-
-    #[inline(always)]
-    fn place(&self, _e: [f64; 2]) {}
-
-    #[inline(always)]
-    fn wall(&self, _place: &()) {}
-
-    #[inline(always)]
-    fn force<const JACOBIAN: bool>(
-        &self,
-        _at: (&(), &()),
-        motion: &JointMotion,
-    ) -> (JointForce, ForceSlopes) {
-        self.contact.force::<JACOBIAN>(&self.profile, motion)
-    }
-}
-
 impl IdealJoints<f64> for Island {
     #[inline(always)]
     fn place(&mut self, t: f64, q: &[f64], v: &[f64]) {
@@ -368,8 +315,7 @@ impl Stepped for Island {
         for index in 0..self.joints.len() {
             if self.joints[index].contact.surface().restitution.is_some() {
                 let motion = self.joint_motion(index);
-                let WearingJoint { contact, profile, .. } = &mut self.joints[index];
-                contact.accepted(profile, &motion, &at.joints[index]);
+                self.joints[index].accepted(&motion, &at.joints[index]);
             }
         }
     }

@@ -37,6 +37,8 @@ pub struct PairForce<R = f64> {
     pub joint: JointForce<R>,
     /// Eccentricity in the bushing's frame `(2,)` [m].
     pub e: [R; 2],
+    /// Angle of the journal's body minus that of the bushing's [rad].
+    pub turn: R,
     /// Derivatives of f; zero unless computed with `JACOBIAN`.
     pub slopes: PairSlopes<R>,
 }
@@ -100,22 +102,24 @@ pub(crate) fn joint_motion<R: Real>(
     arm_j: [R; 2],
 ) -> JointMotion<R> {
     let (e, w) = separation(fi, fi.turn(arm_i), fj, fj.turn(arm_j));
-    JointMotion { e: fj.turn_back(e), w: fj.turn_back(w), omega_journal: fi.omega, omega_bushing: fj.omega }
+    let (omega_journal, omega_bushing) = (fi.omega, fj.omega);
+    let turn = fi.angle - fj.angle;
+    JointMotion { e: fj.turn_back(e), w: fj.turn_back(w), omega_journal, omega_bushing, turn }
 }
 
 /// A joint with clearance as a source of force in an island.
 pub trait Touching<R: Real> {
-    /// Where the contact is, and the bore there. Each is computed of all joints before the next step is done of any: all are long
+    /// Where the contact is, and the surfaces there. Each is computed of all joints before the next step is done of any: all are long
     /// chains of operations, and those of several joints side by side fill the time that one alone waits.
     type Place: Debug + Copy;
-    /// Bore at the contact.
+    /// Surfaces at the contact.
     type Wall: Debug + Copy;
     /// Ends of the joint: journal, bushing.
     fn ends(&self) -> [End<R>; 2];
     /// Place of the contact at the eccentricity `e` `(2,)` [m].
     fn place(&self, e: [R; 2]) -> Self::Place;
-    /// Bore at this place.
-    fn wall(&self, place: &Self::Place) -> Self::Wall;
+    /// Surfaces at this place, with the journal's body turned by `turn` from the bushing's [rad].
+    fn wall(&self, place: &Self::Place, turn: R) -> Self::Wall;
     /// Force of the joint at this place and motion; with `JACOBIAN` its exact derivative, else no slopes.
     fn force<const JACOBIAN: bool>(
         &self,
@@ -143,12 +147,20 @@ impl<R: Real, P> PairMotion<R, P> {
         let arms = [fi.turn(i.arm), fj.turn(j.arm)];
         let (e, w) = separation(fi, arms[0], fj, arms[1]);
         let (omega_journal, omega_bushing) = (fi.omega, fj.omega);
-        let motion = JointMotion { e: fj.turn_back(e), w: fj.turn_back(w), omega_journal, omega_bushing };
+        let turn = fi.angle - fj.angle;
+        let motion =
+            JointMotion { e: fj.turn_back(e), w: fj.turn_back(w), omega_journal, omega_bushing, turn };
         PairMotion { arms, separation: [e, w], place: touching.place(motion.e), motion }
+    }
+
+    /// Surfaces at the contact.
+    #[inline(always)]
+    pub(crate) fn wall<J: Touching<R, Place = P>>(&self, touching: &J) -> J::Wall {
+        touching.wall(&self.place, self.motion.turn)
     }
 }
 
-/// Generalised forces of a joint at the motion `pair` and the bore `wall`, with its journal on the body in frame `fi` and its bushing on that in `fj`;
+/// Generalised forces of a joint at the motion `pair` and the surfaces `wall`, with its journal on the body in frame `fi` and its bushing on that in `fj`;
 /// with `JACOBIAN` their exact derivatives.
 #[inline(always)]
 pub(crate) fn pair_force<R: Real, J: Touching<R>, const JACOBIAN: bool>(
@@ -167,6 +179,9 @@ pub(crate) fn pair_force<R: Real, J: Touching<R>, const JACOBIAN: bool>(
         let axis = fj.turn(slopes.u);
         pair.turn_law(&slopes.rows, axis, [e, w], force);
         pair.add_arms([fi, fj], [ai, aj], force);
+        if let Some(to_turn) = slopes.to_turn {
+            pair.add_turn(to_turn, axis, [ai, aj]);
+        }
     }
     PairForce {
         f: [
@@ -179,6 +194,7 @@ pub(crate) fn pair_force<R: Real, J: Touching<R>, const JACOBIAN: bool>(
         ],
         joint,
         e: motion.e,
+        turn: motion.turn,
         slopes: pair,
     }
 }
@@ -209,6 +225,20 @@ impl<R: Real> PairSlopes<R> {
         }
         self.to_angle[0][1] -= force[1];
         self.to_angle[1][1] += force[0];
+    }
+
+    /// Adds the derivatives `to_turn` to the angle of a worn journal from the bushing, in the contact's axes, the first of which is `u`
+    /// in global axes; the force has the moments of `arms` of journal and bushing [m].
+    #[inline(always)]
+    fn add_turn(&mut self, to_turn: [R; 4], u: [R; 2], [ai, aj]: [[R; 2]; 2]) {
+        let t = left(u);
+        let [along, across, journal, bushing] = to_turn;
+        let force = [0, 1].map(|k| (along * u[k]).plus_product(across, t[k]));
+        let column = [force[0], force[1], journal + cross(ai, force), bushing - cross(aj, force)];
+        for r in 0..4 {
+            self.to_angle[r][0] += column[r];
+            self.to_angle[r][1] -= column[r];
+        }
     }
 
     /// Adds what the arms `arms` of journal and bushing [m] contribute: e and w change with the bodies' angles and angular

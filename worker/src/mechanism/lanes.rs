@@ -5,14 +5,14 @@ use super::closing::{IdealJoints, close};
 use super::elimination::{Elimination, Existence};
 use super::forces::{Acting, JointSpace};
 use super::frame::{End, Frame};
-use super::island::{Island, WearingJoint};
+use super::island::Island;
 use super::joint::Touching;
 use super::load::IslandLoad;
 use super::piecewise_cubic::Jet;
 use super::placed::Placed;
 use super::prescribed::Prescribed;
-use crate::bore::Radius;
-use crate::contact::{ForceSlopes, JointForce, JointMotion, LawLanes, PolarEccentricity};
+use super::wearing_joint::WearingJoint;
+use crate::contact::{ForceSlopes, JointForce, JointMotion, LawLanes, PolarEccentricity, Walls};
 use crate::integrate::{Band, Closed, Dynamics, Linearised, SteppedLanes};
 use crate::lanes::{Lanewise, Real};
 
@@ -64,6 +64,7 @@ pub(crate) fn same_topology(a: &Island, b: &Island) -> bool {
     let joint = |a: &WearingJoint, b: &WearingJoint| {
         a.ends.has_same_topology(&b.ends)
             && a.profile.points() == b.profile.points()
+            && a.journal.is_some() == b.journal.is_some()
             && a.contact.has_same_law(&b.contact)
             && a.contact.surface().has_same_topology(b.contact.surface())
     };
@@ -83,7 +84,7 @@ impl<R: Real> IslandLanes<R> {
         let zero = like.zero();
         let joint = |joint: &WearingJoint| JointLanes {
             ends: joint.ends.in_lanes(like),
-            law: LawLanes::new(&joint.contact, &joint.profile, like),
+            law: LawLanes::new(&joint.contact, joint.surfaces(), like),
         };
         let motion = |motion: &Prescribed| PrescribedLanes {
             motions: vec![motion.clone(); R::LANES],
@@ -122,7 +123,7 @@ impl<R: Real> IslandLanes<R> {
     pub(crate) fn set(&mut self, lane: usize, island: &Island) {
         for (to, from) in self.joints.iter_mut().zip(&island.joints) {
             from.ends.write_lane::<R>(lane, &mut to.ends);
-            to.law.set(lane, &from.contact, &from.profile);
+            to.law.set(lane, &from.contact, from.surfaces());
         }
         for (to, from) in self.loads.iter_mut().zip(&island.loads) {
             from.write_lane::<R>(lane, to);
@@ -215,7 +216,7 @@ fn even_rotation<R: Real>(motions: &[Prescribed], like: R) -> Option<[R; 2]> {
 
 impl<R: Real> Touching<R> for JointLanes<R> {
     type Place = PolarEccentricity<R>;
-    type Wall = Radius<R>;
+    type Wall = Walls<R>;
 
     #[inline(always)]
     fn ends(&self) -> [End<R>; 2] {
@@ -228,14 +229,14 @@ impl<R: Real> Touching<R> for JointLanes<R> {
     }
 
     #[inline(always)]
-    fn wall(&self, place: &PolarEccentricity<R>) -> Radius<R> {
-        self.law.wall(place)
+    fn wall(&self, place: &PolarEccentricity<R>, turn: R) -> Walls<R> {
+        self.law.walls(place, turn)
     }
 
     #[inline(always)]
     fn force<const JACOBIAN: bool>(
         &self,
-        at: (&PolarEccentricity<R>, &Radius<R>),
+        at: (&PolarEccentricity<R>, &Walls<R>),
         motion: &JointMotion<R>,
     ) -> (JointForce<R>, ForceSlopes<R>) {
         self.law.force::<JACOBIAN>(at, motion)

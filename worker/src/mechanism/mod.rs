@@ -34,15 +34,17 @@ mod prescribed;
 mod sliding;
 mod topology;
 mod turns;
+mod wearing_joint;
 
 pub(crate) use assembly::ideal_accelerations;
 pub use assembly::{Pose, ideal_cycle};
 pub use constraint::Constraint;
 pub(crate) use external_loads::ExternalLoads;
 pub use frame::{End, Frame};
-pub use island::{Island, WearingJoint};
+pub use island::Island;
 pub(crate) use lanes::{IslandLanes, same_topology};
 pub(crate) use piecewise_cubic::PiecewiseCubic;
 pub use prescribed::Prescribed;
 pub use topology::islands;
 pub use turns::turns_per_cycle;
+pub use wearing_joint::WearingJoint;

@@ -3,11 +3,10 @@
 use super::constraint::Constraint;
 use super::elimination::Elimination;
 use super::frame::FrameIndices;
-use super::island::{Island, Parts, WearingJoint};
+use super::island::{Island, Parts};
 use super::island_frames::IslandFrames;
 use super::load::IslandLoad;
-use crate::bore::Profile;
-use crate::contact::Contact;
+use super::wearing_joint::WearingJoint;
 use common::failure::SimulationFailure;
 use common::scene::{JointKind, Load, Motion, Scene};
 
@@ -68,16 +67,9 @@ fn assemble(scene: &Scene, bodies: Vec<usize>) -> Island {
         }
         let ends = [frames.end(&joint.journal), frames.end(&joint.bushing)];
         match &joint.kind {
-            JointKind::Clearance(clearance) => joints.push(WearingJoint {
-                scene_joint: index,
-                name: joint.name.clone(),
-                contact: Contact::new(clearance),
-                profile: Profile::round(clearance.bushing_radius, clearance.control_points),
-                wear_coefficient: clearance.wear_coefficient,
-                width: clearance.width,
-                wall: clearance.wall,
-                ends,
-            }),
+            JointKind::Clearance(clearance) => {
+                joints.push(WearingJoint::new(index, &joint.name, clearance, ends));
+            }
             ideal => {
                 constraints.push(Constraint::new(index, ends, ideal).with_friction(joint.friction));
             }

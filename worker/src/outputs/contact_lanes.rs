@@ -29,7 +29,7 @@ impl<R: Real> ContactLanes<R> {
     pub(crate) fn new(like: R, joints: usize) -> Self {
         let nothing = ContactInstant::default();
         let joint = ContactOfLanes {
-            interval: Interval::new(f64::INFINITY).in_lanes(like),
+            interval: Interval::new(f64::INFINITY, false).in_lanes(like),
             last: nothing.in_lanes(like),
         };
         ContactLanes { joints: vec![joint; joints], time: like.zero(), weight: like.zero() }
@@ -64,7 +64,7 @@ impl<R: Real> ContactLanes<R> {
         let half = (t - self.time) * self.weight;
         for j in 0..self.joints.len() {
             let joint = &mut self.joints[j];
-            let now = ContactInstant::new(at.e[j], &at.joints[j]);
+            let now = ContactInstant::new(at.e[j], &at.joints[j]).turned(at.turns[j]);
             let mut ended = |lane: usize, sample: ContactSample| ended(j, lane, sample);
             joint.interval.push(half, &joint.last, &mut ended);
             joint.interval.push(half, &now, &mut ended);

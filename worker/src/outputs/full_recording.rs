@@ -128,7 +128,7 @@ fn power_state(island: &Island, t: f64, v: &[f64], at: &Linearised) -> PowerStat
     now.lost += at.friction.iter().map(|[force, speed]| force * speed).sum::<f64>();
     for (k, force) in at.joints.iter().enumerate() {
         let joint = &island.joints[k];
-        let energy = joint.contact.energy(&joint.profile, &island.joint_motion(k), force);
+        let energy = joint.contact.energy(joint.surfaces(), &island.joint_motion(k), force);
         now.stored += energy.stored;
         now.lost += energy.friction + energy.damping + energy.film;
         now.unphysical += energy.unphysical;

@@ -57,7 +57,7 @@ use position_error::PositionError;
 /// The output of this kind, if it follows from the motion of a cycle; `None` for the wear and for external simulators.
 pub(crate) fn motion_output(kind: &OutputKind) -> Option<Box<dyn MotionOutput + '_>> {
     match kind {
-        OutputKind::LargestWear { .. } | OutputKind::External { .. } => None,
+        OutputKind::LargestWear { .. } | OutputKind::Wear { .. } | OutputKind::External { .. } => None,
         OutputKind::AngularVelocityDifference { a, b } => Some(Box::new(AngleDifference::of_speeds(a, b))),
         OutputKind::AngleDifference { a, b } => Some(Box::new(AngleDifference::of_angles(a, b))),
         OutputKind::PeakJointForce { joints } => Some(Box::new(PeakJointForce { joints })),

@@ -44,7 +44,11 @@ impl Recorder {
         let touched = (0..island.touched.len()).filter(|&k| requested.driven.contains(&island.touched[k]));
         let joints = island.joints.len() + island.constraints().len();
         Recorder {
-            histories: vec![ContactHistory::new(scene.life.period, samples); island.joints.len()],
+            histories: island
+                .joints
+                .iter()
+                .map(|joint| ContactHistory::new(scene.life.period, samples, joint.journal.is_some()))
+                .collect(),
             full: None,
             bodies: slots(&requested.bodies)
                 .into_iter()
@@ -158,7 +162,8 @@ impl Recorder {
 
     /// Adds the contacts of a state to the histories.
     fn record_contacts(&mut self, t: f64, at: &Linearised) {
-        let now = at.e.iter().zip(&at.joints).map(|(e, joint)| ContactInstant::new(*e, joint));
+        let turned = at.e.iter().zip(&at.joints).zip(&at.turns);
+        let now = turned.map(|((e, joint), turn)| ContactInstant::new(*e, joint).turned(*turn));
         let Some((time, before)) = &mut self.last else {
             self.last = Some((t, now.collect()));
             return;

@@ -1,14 +1,14 @@
 //! Difference of the wear rates of two models of the motion.
 
-/// Largest difference between models `a` and `b` of the largest wear rate of a joint, relative to the largest rate of all `joints`
-/// under `b`, so that joints that hardly wear do not decide [1].
+/// Largest difference between models `a` and `b` of the largest wear rate of a surface, relative to the largest rate of all `surfaces`
+/// under `b`, so that surfaces that hardly wear do not decide [1].
 ///
-/// Rates are given for every joint of the scene and every control point `(joints, points)` [m per cycle]. The result is zero if
-/// nothing wears under either model, infinite if a joint wears under `a` alone.
-pub(crate) fn wear_rate_difference(a: &[Vec<f64>], b: &[Vec<f64>], joints: &[usize]) -> f64 {
+/// Rates are given for every surface of the joints of the scene and every control point `(surfaces, points)` [m per cycle]. The result
+/// is zero if nothing wears under either model, infinite if a surface wears under `a` alone.
+pub(crate) fn wear_rate_difference(a: &[Vec<f64>], b: &[Vec<f64>], surfaces: &[usize]) -> f64 {
     let largest = |rates: &[Vec<f64>], j: usize| rates[j].iter().fold(0.0, |m: f64, x| m.max(*x));
-    let largest_of_all = joints.iter().map(|&j| largest(b, j)).fold(0.0, f64::max);
-    let off = joints.iter().map(|&j| (largest(a, j) - largest(b, j)).abs()).fold(0.0, f64::max);
+    let largest_of_all = surfaces.iter().map(|&j| largest(b, j)).fold(0.0, f64::max);
+    let off = surfaces.iter().map(|&j| (largest(a, j) - largest(b, j)).abs()).fold(0.0, f64::max);
     if off == 0.0 { 0.0 } else { off / largest_of_all }
 }
 
@@ -17,7 +17,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_joint_that_hardly_wears_does_not_decide() {
+    fn a_surface_that_hardly_wears_does_not_decide() {
         let a = [vec![1.0, 5.1, 0.0], vec![0.02, 0.0], vec![9.0]];
         let b = [vec![5.0, 1.0, 0.0], vec![0.01, 0.0], vec![7.0]];
         assert!((wear_rate_difference(&a, &b, &[0, 1]) - 0.02).abs() < 1e-12);

@@ -6,12 +6,13 @@
 //!   dh_i/dN = sum over c of a_c (dh_i/dN)_c        [m per cycle],
 //!
 //! which is the rate under one history that holds the contacts of all conditions, their work F S multiplied by a_c K_c / K_0, with the
-//! wear coefficients K [1/Pa] of condition c and of the first one. This is what many changes of the condition within a block come to:
+//! wear coefficients K [1/Pa] of condition c and of the first one, whose ratio is the same for both surfaces of a joint. This is what many changes of the condition within a block come to:
 //! valid while a condition does not last so long that the bore adapts to it alone.
 //!
 //! # Source
 //! Archard (1953), J. Appl. Phys. 24, 981-988: wear is linear in the work.
 
+use super::probe::SURFACES;
 use super::run::Run;
 use super::side_by_side::LaneQueue;
 use crate::mechanism::WearingJoint;
@@ -62,9 +63,9 @@ pub(crate) fn mix_contacts(runs: &mut [Run]) {
     first.mixed = mixed;
 }
 
-/// The wear coefficients of all joints of a run `(islands, joints)` [1/Pa].
+/// The wear coefficients of all joints of a run, of a surface that wears `(islands, joints)` [1/Pa].
 fn wear_coefficients(run: &Run) -> Vec<Vec<f64>> {
-    let of = |joint: &WearingJoint| joint.wear_coefficient;
+    let of = |joint: &WearingJoint| joint.wear_coefficients[0].max(joint.wear_coefficients[1]);
     run.islands.iter().map(|state| state.island.joints.iter().map(of).collect()).collect()
 }
 
@@ -91,13 +92,15 @@ pub(crate) fn share_bores(runs: &mut [Run]) {
 }
 
 impl Run<'_> {
-    /// Volume K_H F S that one cycle of this condition wears in every joint of the scene, zero for joints that do not wear `(joints,)`
-    /// [m^3].
+    /// Volume K_H F S that one cycle of this condition wears from every surface of every joint of the scene, zero for those that do not wear
+    /// `(SURFACES joints,)` [m^3].
     pub(crate) fn volume_per_cycle(&self) -> Vec<f64> {
-        let mut volumes = vec![0.0; self.scene.joints.len()];
+        let mut volumes = vec![0.0; SURFACES * self.scene.joints.len()];
         for (state, histories) in self.islands.iter().zip(self.contact_histories()) {
             for (joint, history) in state.island.joints.iter().zip(histories) {
-                volumes[joint.scene_joint] = joint.wear_coefficient * history.work();
+                for (k, coefficient) in joint.wear_coefficients.iter().enumerate() {
+                    volumes[SURFACES * joint.scene_joint + k] = coefficient * history.work();
+                }
             }
         }
         volumes

@@ -28,9 +28,11 @@
 //! Factors: measured here, as stated with each constant. Interpolation: de Boor, A Practical Guide to Splines (1978).
 
 use super::motion_estimate::{MeasuredLives, MotionEstimate};
+use super::probe::SURFACES;
 use super::run::Run;
 use crate::outputs::{Sampling, motion_output};
-use common::scene::{OutputKind, Scene};
+use crate::wear::{WornAmounts, wear_output};
+use common::scene::{Scene, WearQuantity};
 use std::f64::consts::TAU;
 
 /// Highest harmonic of the cycle whose peaks between two time steps count [1]. How much of such an error a probe shows depends on
@@ -39,11 +41,11 @@ const HARMONICS: f64 = 15.0;
 /// Lower bound of the relative error of a value: rounding of some million steps [1].
 const ROUNDING: f64 = 1e-10;
 
-/// Largest depth of a bore, and its estimated error from wear steps, blocks and control points [m].
+/// Wear of a joint, and its estimated error from wear steps, blocks and control points.
 #[derive(Clone, Copy, Default)]
 struct WornJoint {
-    depth: f64,
-    error: f64,
+    worn: WornAmounts,
+    error: WornAmounts,
 }
 
 /// Probes and wear of an evaluation, from which its error is estimated.
@@ -63,13 +65,14 @@ impl ErrorEstimate {
         ErrorEstimate { conditions, lives: vec![], worn: vec![] }
     }
 
-    /// Adds the wear at `life` [cycles], the end of a block, where the bores of `run` have been compared with their copies and had the
-    /// largest depths `deepest` `(joints,)` [m].
-    pub(crate) fn add_wear(&mut self, run: &Run, life: u32, deepest: &[f64]) {
-        let mut worn: Vec<WornJoint> = deepest.iter().map(|&depth| WornJoint { depth, error: 0.0 }).collect();
+    /// Adds the wear at `life` [cycles], the end of a block, where the joints of `run` have been compared with their copies and were
+    /// worn by `amounts` `(joints,)`.
+    pub(crate) fn add_wear(&mut self, run: &Run, life: u32, amounts: &[WornAmounts]) {
+        let unknown = |&worn: &WornAmounts| WornJoint { worn, error: WornAmounts::default() };
+        let mut worn: Vec<WornJoint> = amounts.iter().map(unknown).collect();
         for state in &run.islands {
             for (joint, finer) in state.island.joints.iter().zip(&state.finer) {
-                worn[joint.scene_joint].error = finer.error();
+                worn[joint.scene_joint].error = finer.errors();
             }
         }
         self.lives.push(life);
@@ -90,13 +93,14 @@ impl ErrorEstimate {
         let checkpoints = scene.life.checkpoints();
         let mut errors = Vec::with_capacity(scene.outputs.len());
         for (k, output) in scene.outputs.iter().enumerate() {
-            let error: Vec<f64> = match &output.kind {
-                OutputKind::LargestWear { joints } => {
+            let error: Vec<f64> = match output.kind.wear() {
+                Some(of) => {
                     let values = checkpoints.iter().zip(&histories[k]);
-                    values.map(|(&life, &value)| self.wear_error_within(joints, life, value)).collect()
+                    values.map(|(&life, &value)| self.wear_error_within(of, life, value)).collect()
                 }
-                kind => {
-                    let sampling = motion_output(kind).map_or(Sampling::Cubic, |output| output.sampling());
+                None => {
+                    let sampling =
+                        motion_output(&output.kind).map_or(Sampling::Cubic, |output| output.sampling());
                     let values = (&*checkpoints, &*histories[k]);
                     let behind = |life| self.relative_wear_error(scene, life);
                     let missed_peak = sampling.missed_peak(phase);
@@ -110,9 +114,11 @@ impl ErrorEstimate {
         errors
     }
 
-    /// Largest relative error of any joint's depth at `life` [1].
+    /// Largest relative error of the depth of any surface at `life` [1].
     fn relative_wear_error(&self, scene: &Scene, life: u32) -> f64 {
-        let relative = (0..scene.joints.len()).map(|joint| match self.wear_error(&[joint], life) {
+        let surfaces = [WearQuantity::BushingDepth, WearQuantity::JournalDepth];
+        let all = (0..scene.joints.len()).flat_map(|joint| surfaces.map(|surface| (surface, joint)));
+        let relative = all.map(|(surface, joint)| match self.wear_error((surface, &[joint]), life) {
             (error, depth) if depth > 0.0 => error / depth,
             _ => 0.0,
         });
@@ -120,27 +126,36 @@ impl ErrorEstimate {
             + self.conditions.iter().map(MotionEstimate::tier_difference).fold(0.0, f64::max)
     }
 
-    /// Error of the largest depth `depth` of these joints at `life`, which may be within a block [m]: that at the end of the block, and of
-    /// several motions as large a share of the depth as there.
-    fn wear_error_within(&self, joints: &[usize], life: u32, depth: f64) -> f64 {
-        match self.wear_error(joints, life) {
-            (error, reached) if reached > 0.0 && self.has_several_motions() => error * depth / reached,
+    /// Error of the value `value` of a quantity of the wear of some joints at `life`, which may be within a block: that at the end of the
+    /// block, and of several motions as large a share of the value as there.
+    fn wear_error_within(&self, of: (WearQuantity, &[usize]), life: u32, value: f64) -> f64 {
+        match self.wear_error(of, life) {
+            (error, reached) if reached > 0.0 && self.has_several_motions() => error * value / reached,
             (error, _) => error,
         }
     }
 
-    /// Error of the largest depth of these joints at `life`, and that depth [m].
+    /// Error of a quantity of the wear of some joints at `life`, and that quantity.
     ///
-    /// The error of the wear is how much deeper the deepest joint would be if every joint were off by its own estimate; that of the
-    /// time steps is the probes' relative one of the depth. The two are independent: their squares add.
-    fn wear_error(&self, joints: &[usize], life: u32) -> (f64, f64) {
+    /// The error of the wear is how much larger the quantity would be if every surface were off by its own estimate; that of the
+    /// time steps is the probes' relative one of the depths. The two are independent: their squares add.
+    fn wear_error(&self, (quantity, joints): (WearQuantity, &[usize]), life: u32) -> (f64, f64) {
         let block = self.lives.partition_point(|&end| end < life).min(self.lives.len().saturating_sub(1));
         let Some(worn) = self.worn.get(block) else { return (0.0, 0.0) };
-        let largest = |value: &dyn Fn(usize) -> f64| joints.iter().fold(0.0_f64, |a, &j| a.max(value(j)));
-        let depth = largest(&|j| worn[j].depth);
-        let wear = largest(&|j| worn[j].depth + worn[j].error) - depth;
-        let rates = largest(&|j| worn[j].depth * self.relative_rate_error(j, life));
-        (libm::hypot(wear, rates), depth)
+        let value = |amounts: &dyn Fn(usize) -> WornAmounts| {
+            wear_output(quantity, joints.iter().map(|&joint| amounts(joint)))
+        };
+        let now = value(&|j| worn[j].worn);
+        let wear = value(&|j| worn[j].worn.with(&worn[j].error, |worn, error| worn + error)) - now;
+        let rates =
+            value(&|j| worn[j].worn.with(&self.relative_rate_errors(j, life), |worn, share| worn * share));
+        (libm::hypot(wear, rates), now)
+    }
+
+    /// Relative errors of the depths of a joint up to `life` from the cycles that were simulated, and of the volume the larger one [1].
+    fn relative_rate_errors(&self, joint: usize, life: u32) -> WornAmounts {
+        let depths = [0, 1].map(|k| self.relative_rate_error(SURFACES * joint + k, life));
+        WornAmounts { depths, volume: depths[0].max(depths[1]) }
     }
 
     /// True if several motions wear the bores under one of the conditions.
@@ -148,16 +163,16 @@ impl ErrorEstimate {
         self.conditions.iter().any(MotionEstimate::has_several_motions)
     }
 
-    /// Relative error of the wear rates of a joint up to `life` from the cycles that were simulated [1]: the mean over all conditions,
+    /// Relative error of the wear rates of a surface up to `life` from the cycles that were simulated [1]: the mean over all conditions,
     /// weighted by the volume that each has worn.
-    fn relative_rate_error(&self, joint: usize, life: u32) -> f64 {
+    fn relative_rate_error(&self, surface: usize, life: u32) -> f64 {
         let [condition] = &self.conditions[..] else {
-            let worn = |condition: &MotionEstimate| condition.worn.get(joint).copied().unwrap_or(0.0);
+            let worn = |condition: &MotionEstimate| condition.worn.get(surface).copied().unwrap_or(0.0);
             let all: f64 = self.conditions.iter().map(worn).sum();
             let errors = self.conditions.iter().map(|c| (worn(c), c)).filter(|(worn, _)| *worn > 0.0);
-            return errors.map(|(worn, c)| worn / all * c.relative_rate_error(joint, life)).sum();
+            return errors.map(|(worn, c)| worn / all * c.relative_rate_error(surface, life)).sum();
         };
-        condition.relative_rate_error(joint, life)
+        condition.relative_rate_error(surface, life)
     }
 }
 
@@ -168,22 +183,26 @@ mod tests {
 
     fn condition(wear: f64, volume: f64) -> MotionEstimate {
         let probe =
-            Probe { life: 100, motion: vec![0.0], wear: vec![wear; 2], aperiodic: false, rattles: false };
+            Probe { life: 100, motion: vec![0.0], wear: vec![wear; 4], aperiodic: false, rattles: false };
         let mut condition = MotionEstimate::new(100);
         condition.add_probe(probe);
-        condition.worn = vec![volume; 2];
+        condition.worn = vec![volume; 4];
         condition
     }
 
     fn estimate(conditions: Vec<MotionEstimate>) -> ErrorEstimate {
-        let worn = vec![WornJoint { depth: 10.0, error: 0.1 }, WornJoint { depth: 9.0, error: 1.3 }];
+        let bore = |depth| WornAmounts { depths: [depth, 0.0], volume: 0.0 };
+        let worn = [(10.0, 0.1), (9.0, 1.3)]
+            .map(|(depth, error)| WornJoint { worn: bore(depth), error: bore(error) })
+            .to_vec();
         ErrorEstimate { conditions, lives: vec![0, 100], worn: vec![vec![], worn] }
     }
 
     #[test]
     fn wear_error_joins_that_of_the_deepest_joint_with_the_rate() {
         // The second joint might be the deepest, by 0.3; the rate is off by 2 %, counted twice.
-        let (error, depth) = estimate(vec![condition(0.02, 0.0)]).wear_error(&[0, 1], 70);
+        let estimate = estimate(vec![condition(0.02, 0.0)]);
+        let (error, depth) = estimate.wear_error((WearQuantity::LargestDepth, &[0, 1]), 70);
         assert_eq!(depth, 10.0);
         assert!((error - 0.3_f64.hypot(0.4)).abs() < 1e-12, "{error}");
     }

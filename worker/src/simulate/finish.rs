@@ -33,7 +33,12 @@ pub(crate) fn finish(
         .peaks
         .into_iter()
         .zip(run.depths())
-        .map(|((name, peak_force), wear_depth)| JointSummary { name, peak_force, wear_depth })
+        .map(|((name, peak_force), [wear_depth, journal_wear_depth])| JointSummary {
+            name,
+            peak_force,
+            wear_depth,
+            journal_wear_depth,
+        })
         .collect();
     Ok(Evaluation {
         cycles,

@@ -61,7 +61,7 @@ pub struct IslandState {
     pub steps: Vec<WearStep>,
     /// Bore of each joint with clearance with more control points, for the error of the wear `(joints,)`.
     pub finer: Vec<FinerBore>,
-    /// Wear depth of each joint with clearance at its control points `(joints, points)` [m].
+    /// Wear depth of each joint with clearance at the control points of its bore, then of its journal if that wears `(joints, depths)` [m].
     pub depth: Vec<Vec<f64>>,
 }
 
@@ -135,22 +135,18 @@ impl IslandState {
             rates: island
                 .joints
                 .iter()
-                .map(|j| WearRate::new(j.wear_coefficient, j.width, &j.contact, &j.profile))
+                .map(|j| WearRate::new(j.wear_coefficients, j.width, &j.contact, &j.profile))
                 .collect(),
-            steps: island
-                .joints
-                .iter()
-                .map(|j| WearStep::new(j.profile.points(), accuracy.wear_tolerance))
-                .collect(),
+            steps: island.joints.iter().map(|j| WearStep::new(j.depths(), accuracy.wear_tolerance)).collect(),
             finer: island
                 .joints
                 .iter()
                 .map(|j| {
                     let tolerance = accuracy.wear_tolerance;
-                    FinerBore::new(j.wear_coefficient, j.width, &j.contact, &j.profile, tolerance)
+                    FinerBore::new(j.wear_coefficients, j.width, &j.contact, &j.profile, tolerance)
                 })
                 .collect(),
-            depth: island.joints.iter().map(|j| vec![0.0; j.profile.points()]).collect(),
+            depth: island.joints.iter().map(|j| vec![0.0; j.depths()]).collect(),
             island,
         }
     }

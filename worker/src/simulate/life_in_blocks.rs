@@ -10,7 +10,6 @@ use super::run::Run;
 use super::several_cycles::{SeveralCycles, SeveralMotions};
 use super::side_by_side::join;
 use common::failure::SimulationFailure;
-use common::scene::OutputKind;
 use std::ops::Range;
 
 /// Model of the motion in the cycles between two blocks.
@@ -162,13 +161,13 @@ pub(crate) async fn simulate_life<M: CycleModel>(
     runs[0].keep_bores(0);
     for (from, to) in blocks.windows(2).map(|life| (life[0], life[1])) {
         let checkpoints: Vec<u32> = (from / every + 1..=to / every).map(|k| k * every).collect();
-        let deepest = runs[0].largest_depths();
+        let worn = runs[0].worn_amounts();
         for (run, estimate) in runs.iter().zip(&mut estimate.conditions) {
             estimate.add_block(run, to - from);
         }
         mix_contacts(runs);
         runs[0].wear(from..to, &checkpoints, &mut wear)?;
-        estimate.add_wear(&runs[0], from, &deepest);
+        estimate.add_wear(&runs[0], from, &worn);
         runs[0].keep_bores(to);
         share_bores(runs);
         let block = from..to;
@@ -178,7 +177,7 @@ pub(crate) async fn simulate_life<M: CycleModel>(
     }
     mix_contacts(runs);
     runs[0].compare_bores();
-    estimate.add_wear(&runs[0], end, &runs[0].largest_depths());
+    estimate.add_wear(&runs[0], end, &runs[0].worn_amounts());
 
     for ((run, life), estimate) in runs.iter().zip(&lives).zip(&mut estimate.conditions) {
         model.check_life(run, &life.measured(), estimate)?;
@@ -189,9 +188,9 @@ pub(crate) async fn simulate_life<M: CycleModel>(
         let measured = life.measured();
         let outputs = scene.outputs.iter().enumerate();
         let histories: Vec<Vec<f64>> = outputs
-            .map(|(k, output)| match output.kind {
-                OutputKind::LargestWear { .. } => wear[k].clone(),
-                _ => at_checkpoints(measured.lives, &measured.of_output(k), &cycles),
+            .map(|(k, output)| match output.kind.wear() {
+                Some(_) => wear[k].clone(),
+                None => at_checkpoints(measured.lives, &measured.of_output(k), &cycles),
             })
             .collect();
         let errors = estimate.errors(condition, scene, &histories, &measured, accuracy.largest_step);

@@ -20,7 +20,7 @@
 //! | `probe.rs`, `motion_estimate.rs`, `error_estimate.rs` | probes of a measured cycle, and the stated error |
 //! | `several_cycles.rs` | means over cycles of a motion that does not repeat |
 //! | `cycle_history.rs`, `finish.rs` | outputs and history of a cycle; the result |
-//! | `island_state.rs` | an island with its state, stepper, recorder and wear |
+//! | `island_state.rs`, `worn_joints.rs` | an island with its state, stepper, recorder and wear; the wear of all joints |
 //! | `side_by_side/` | several evaluations in the SIMD lanes of one core |
 //! | `first_look.rs` | model and cost of an evaluation beforehand |
 
@@ -42,6 +42,7 @@ mod quasi_static_island;
 mod run;
 mod several_cycles;
 mod side_by_side;
+mod worn_joints;
 
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;

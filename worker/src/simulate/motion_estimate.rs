@@ -54,7 +54,7 @@ pub struct MotionEstimate {
     quasi_static: Option<f64>,
     /// Spread of the cycles at each simulated life of a motion that does not repeat itself, else empty.
     spreads: Vec<CycleSpread>,
-    /// Volume that the blocks added so far have worn in every joint of the scene `(joints,)` [m^3].
+    /// Volume that the blocks added so far have worn from every surface of every joint of the scene `(SURFACES joints,)` [m^3].
     pub worn: Vec<f64>,
 }
 
@@ -133,29 +133,29 @@ impl MotionEstimate {
         self.spreads.iter().map(|spread| spread.motion[output]).fold(0.0, f64::max)
     }
 
-    /// Relative error of the wear rates of a joint up to `life` from the cycles that were simulated [1].
-    pub(crate) fn relative_rate_error(&self, joint: usize, life: u32) -> f64 {
+    /// Relative error of the wear rates of a surface up to `life` from the cycles that were simulated [1].
+    pub(crate) fn relative_rate_error(&self, surface: usize, life: u32) -> f64 {
         if self.spreads.is_empty() {
-            WEAR_SAFETY * self.largest_near(life, |p| p.wear[joint])
+            WEAR_SAFETY * self.largest_near(life, |p| p.wear[surface])
         } else {
-            SCATTER * self.scatter_of_depth(joint)
+            SCATTER * self.scatter_of_depth(surface)
         }
     }
 
-    /// Standard error of the mean over all motions of a joint's depth over the depth [1]: the root of the mean, over the ends of the
+    /// Standard error of the mean over all motions of a surface's depth over the depth [1]: the root of the mean, over the ends of the
     /// blocks from the first checkpoint on, of
     ///
     ///   sum of s_i^2 / (M sum of D_i^2)
     ///
     /// over the control points at least half as deep as the deepest, with the mean D_i [m] and the variance s_i^2 [m^2] of what M motions
     /// have worn. These ratios differ little along a life.
-    fn scatter_of_depth(&self, joint: usize) -> f64 {
-        let mut worn = vec![vec![0.0; self.spreads[0].wear[0][joint].len()]; MOTIONS];
+    fn scatter_of_depth(&self, surface: usize) -> f64 {
+        let mut worn = vec![vec![0.0; self.spreads[0].wear[0][surface].len()]; MOTIONS];
         let (mut sum, mut ends) = (0.0, 0.0);
         for (spread, next) in self.spreads.iter().zip(&self.spreads[1..]) {
             let cycles = f64::from(next.life - spread.life);
             for (worn, rates) in worn.iter_mut().zip(&spread.wear) {
-                worn.iter_mut().zip(&rates[joint]).for_each(|(depth, rate)| *depth += cycles * rate);
+                worn.iter_mut().zip(&rates[surface]).for_each(|(depth, rate)| *depth += cycles * rate);
             }
             let (mean, variance) = mean_and_variance(&worn);
             let deepest = mean.iter().fold(0.0_f64, |a, &b| a.max(b));

@@ -33,6 +33,9 @@ const MOST_CYCLES: usize = 3;
 /// of an impact during settling, which is arbitrary, and what depends on that is part of the error.
 const DAMPING_FACTORS: [f64; 2] = [8.0, 1.0 / 64.0];
 
+/// Surfaces of a joint: the bore, whose rates come first, and the journal.
+pub const SURFACES: usize = 2;
+
 /// Changes from the measured cycle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Probe {
@@ -40,7 +43,7 @@ pub struct Probe {
     pub life: u32,
     /// Largest change of every output of the motion `(outputs,)` [SI].
     pub motion: Vec<f64>,
-    /// Largest relative change of the wear rate of every joint of the scene `(joints,)` [1].
+    /// Largest relative change of the wear rate of every surface of every joint of the scene `(SURFACES joints,)` [1].
     pub wear: Vec<f64>,
     /// True if the motion does not repeat itself.
     pub aperiodic: bool,
@@ -49,7 +52,7 @@ pub struct Probe {
     pub rattles: bool,
 }
 
-/// Outputs of the motion `(outputs,)` [SI] and wear rates `(joints, points)` [m per cycle] of one cycle.
+/// Outputs of the motion `(outputs,)` [SI] and wear rates `(SURFACES joints, points)` [m per cycle] of one cycle.
 struct CycleValues {
     motion: Vec<f64>,
     wear: Vec<Vec<f64>>,
@@ -131,20 +134,22 @@ impl Run<'_> {
         }
     }
 
-    /// Wear per cycle at every control point of every joint of the scene under the contact of the cycle recorded last; empty
-    /// for a joint that does not wear `(joints, points)` [m per cycle].
+    /// Wear per cycle at every control point of every surface of every joint of the scene under the contact of the cycle recorded last;
+    /// empty for a journal that does not wear, and for a joint that does not `(SURFACES joints, points)` [m per cycle].
     pub(crate) fn wear_rates(&mut self, cycle: u32) -> Result<Vec<Vec<f64>>, SimulationFailure> {
-        let mut all = vec![Vec::new(); self.scene.joints.len()];
+        let mut all = vec![Vec::new(); SURFACES * self.scene.joints.len()];
         for IslandState { island, recorder, rates, depth, .. } in &mut self.islands {
-            for (k, joint) in island.joints.iter().enumerate().filter(|(_, j)| j.wear_coefficient > 0.0) {
-                let found = &mut all[joint.scene_joint];
-                found.resize(depth[k].len(), 0.0);
+            for (k, joint) in island.joints.iter().enumerate().filter(|(_, j)| j.wears()) {
+                let mut found = vec![0.0; depth[k].len()];
                 rates[k].freeze(&recorder.histories[k]);
-                rates[k].rate(&depth[k], found).map_err(|unbalanced| SimulationFailure::WearStep {
+                rates[k].rate(&depth[k], &mut found).map_err(|unbalanced| SimulationFailure::WearStep {
                     cycle,
                     joint: joint.name.clone(),
                     error: crate::wear::WearStepFailed::from(unbalanced).0,
                 })?;
+                let journal = found.split_off(joint.profile.points());
+                all[SURFACES * joint.scene_joint] = found;
+                all[SURFACES * joint.scene_joint + 1] = journal;
             }
         }
         Ok(all)
@@ -171,7 +176,7 @@ impl Probe {
     }
 }
 
-/// True if the wear rates `(joints, points)` of a joint are not those `before`.
+/// True if the wear rates `(surfaces, points)` of a surface are not those `before`.
 fn is_other_wear(now: &[Vec<f64>], before: &[Vec<f64>]) -> bool {
     now.iter().zip(before).any(|(now, before)| relative_change(now, before) > APERIODIC_WEAR)
 }

@@ -8,14 +8,14 @@ use super::island_state::CycleSpan;
 use super::life_history::LifeHistory;
 use super::life_in_blocks::{CycleModel, simulate_life};
 use super::motion_estimate::{MeasuredLives, MotionEstimate, largest_bend};
-use super::probe::{Probe, contains_one_of, is_probed};
+use super::probe::{Probe, SURFACES, contains_one_of, is_probed};
 use super::quasi_static_island::QuasiStaticIsland;
 use super::run::Run;
 use crate::contact::Pressure;
 use crate::mechanism::ideal_cycle;
 use crate::quasi_static::{QuasiStaticCounts, Unsuitable, ideal_motions, wear_rate_difference};
 use common::accuracy::Tier;
-use common::scene::{Life, Output, OutputKind};
+use common::scene::{Life, Output};
 use std::ops::Range;
 
 /// Intervals of the tabulated ideal motion; twice as many change the wear of the built-in scenes by less than
@@ -144,8 +144,7 @@ impl Run<'_> {
 
     /// The first output of the scene that is not wear.
     pub(crate) fn first_motion_output(&self) -> Option<&Output> {
-        let is_wear = |output: &&Output| matches!(output.kind, OutputKind::LargestWear { .. });
-        self.scene.outputs.iter().find(|output| !is_wear(output))
+        self.scene.outputs.iter().find(|output| output.kind.wear().is_none())
     }
 
     /// True if the elastic forces of all joints with clearance have a potential, whatever the bore.
@@ -202,25 +201,29 @@ impl Run<'_> {
     /// # Errors
     /// [`Unsuitable::Disagrees`] if the rates of an output differ by more than the tolerance of the wear.
     fn check_against_dynamics(&mut self) -> Result<(), Unsuitable> {
-        let none = || vec![vec![]; self.scene.joints.len()];
+        let none = || vec![vec![]; SURFACES * self.scene.joints.len()];
         let (mut quasi_static, mut dynamic) = (none(), none());
         for (state, island) in self.islands.iter_mut().zip(&self.quasi_static) {
             for (k, joint) in state.island.joints.iter().enumerate() {
                 for (rates, recorder) in
                     [(&mut quasi_static, &island.recorder), (&mut dynamic, &state.recorder)]
                 {
-                    let mut rate = vec![0.0; joint.profile.points()];
+                    let mut rate = vec![0.0; joint.depths()];
                     state.rates[k].freeze(&recorder.histories[k]);
                     state.rates[k]
                         .rate(&state.depth[k], &mut rate)
                         .map_err(|_| Unsuitable::Disagrees { share: f64::INFINITY })?;
-                    rates[joint.scene_joint] = rate;
+                    let journal = rate.split_off(joint.profile.points());
+                    rates[SURFACES * joint.scene_joint] = rate;
+                    rates[SURFACES * joint.scene_joint + 1] = journal;
                 }
             }
         }
         for (output, largest) in self.scene.outputs.iter().zip(&mut self.tier_difference) {
-            if let OutputKind::LargestWear { joints } = &output.kind {
-                let share = wear_rate_difference(&quasi_static, &dynamic, joints);
+            if let Some((_, joints)) = output.kind.wear() {
+                let surfaces: Vec<usize> =
+                    joints.iter().flat_map(|joint| [0, 1].map(|k| SURFACES * joint + k)).collect();
+                let share = wear_rate_difference(&quasi_static, &dynamic, &surfaces);
                 if share > self.accuracy.wear_tolerance {
                     return Err(Unsuitable::Disagrees { share });
                 }

@@ -4,15 +4,15 @@ use super::ideal_tracks::{ideal_angle, ideal_path};
 use super::island_state::{CycleSpan, IslandStart, IslandState, StateSnapshot, failure};
 use super::quasi_static_island::QuasiStaticIsland;
 use super::side_by_side::{Integrated, LaneQueue, Span};
-use crate::extremum::largest as largest_of;
+use super::worn_joints::worn_through;
 use crate::integrate::StepCounts;
-use crate::mechanism::{Pose, ideal_cycle, islands, turns_per_cycle};
+use crate::mechanism::{Pose, WearingJoint, ideal_cycle, islands, turns_per_cycle};
 use crate::outputs::{FullRecording, IdealTracks, Recorder, RecordingRequest, recording_request};
-use crate::wear::{ContactHistory, WearStepStats};
+use crate::wear::{ContactHistory, WearStepStats, WornAmounts, wear_output};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::{EnergyBalance, WornLife};
-use common::scene::{Attachment, JointKind, OutputKind, Scene};
+use common::scene::{Attachment, Scene};
 use std::ops::Range;
 
 /// A running evaluation.
@@ -154,7 +154,7 @@ impl<'a> Run<'a> {
 
     /// True if a joint wears.
     pub(crate) fn wears(&self) -> bool {
-        self.islands.iter().any(|m| m.island.joints.iter().any(|j| j.wear_coefficient > 0.0))
+        self.islands.iter().any(|m| m.island.joints.iter().any(WearingJoint::wears))
     }
 
     /// Integrates from the state kept of the cycle before, on the profile as it is now, to the start of a cycle.
@@ -244,28 +244,12 @@ impl<'a> Run<'a> {
     /// Compares the bores at the end of life with their finer copies, under the contact of the cycle just measured.
     pub(crate) fn compare_bores(&mut self) {
         for (index, state) in self.islands.iter_mut().enumerate() {
-            let IslandState { island, recorder, finer, depth, .. } = state;
+            let IslandState { island, recorder, finer, rates, depth, .. } = state;
             let histories = wear_histories(&self.mixed, &self.quasi_static, recorder, index);
-            for (k, _) in island.joints.iter().enumerate().filter(|(_, j)| j.wear_coefficient > 0.0) {
-                finer[k].advance(&histories[k], 0.0, largest_of(depth[k].iter().copied()));
+            for (k, _) in island.joints.iter().enumerate().filter(|(_, j)| j.wears()) {
+                finer[k].advance(&histories[k], 0.0, rates[k].sizes().amounts(&depth[k]));
             }
         }
-    }
-
-    /// Depth at every control point of every joint of the scene, empty for ideal joints `(joints, points)` [m].
-    pub(crate) fn depths(&self) -> Vec<Vec<f64>> {
-        let mut all = vec![Vec::new(); self.scene.joints.len()];
-        for state in &self.islands {
-            for (joint, depth) in state.island.joints.iter().zip(&state.depth) {
-                all[joint.scene_joint].clone_from(depth);
-            }
-        }
-        all
-    }
-
-    /// Largest depth of every joint of the scene, zero for ideal joints `(joints,)` [m].
-    pub(crate) fn largest_depths(&self) -> Vec<f64> {
-        self.depths().into_iter().map(largest_of).collect()
     }
 
     /// Keeps the bores as they are at `life` [cycles], if cycles are displayed.
@@ -273,7 +257,7 @@ impl<'a> Run<'a> {
         if self.display.is_none() {
             return;
         }
-        let depths = self.depths();
+        let depths = self.depths().into_iter().map(|[bore, _]| bore).collect();
         let worn = self.display.get_or_insert_default().life.get_or_insert_default();
         worn.cycles.push(life);
         worn.wear_depth.push(depths);
@@ -315,7 +299,7 @@ impl<'a> Run<'a> {
     }
 
     /// Wears every bore over a block of the life [cycles] under the contact of the cycle just measured, and adds the wear outputs at
-    /// the `checkpoints` within to `wear` `(outputs, m)` [m].
+    /// the `checkpoints` within to `wear` `(outputs, m)` [m or m^3].
     ///
     /// # Errors
     /// [`SimulationFailure`] if a wear step fails or a wall is worn through.
@@ -327,29 +311,32 @@ impl<'a> Run<'a> {
     ) -> Result<(), SimulationFailure> {
         let Range { start: from, end: to } = block;
         let marks: Vec<f64> = checkpoints.iter().map(|&c| f64::from(c - from)).collect();
-        // Largest depth at each checkpoint of each joint of the scene `(checkpoints, joints)`.
-        let mut largest = vec![vec![0.0_f64; self.scene.joints.len()]; marks.len()];
+        // Wear at each checkpoint of each joint of the scene `(checkpoints, joints)`.
+        let mut marked = vec![vec![WornAmounts::default(); self.scene.joints.len()]; marks.len()];
         for (index, state) in self.islands.iter_mut().enumerate() {
             let histories = wear_histories(&self.mixed, &self.quasi_static, &state.recorder, index);
             for (k, joint) in state.island.joints.iter_mut().enumerate() {
-                if joint.wear_coefficient == 0.0 {
+                if !joint.wears() {
                     continue;
                 }
                 let (rate, depth) = (&mut state.rates[k], &mut state.depth[k]);
                 rate.freeze(&histories[k]);
-                let note_largest = |mark: usize, depth: &[f64]| {
-                    largest[mark][joint.scene_joint] = depth.iter().fold(0.0, |a: f64, &b| a.max(b));
+                let sizes = rate.sizes();
+                let note = |mark: usize, depth: &[f64]| {
+                    marked[mark][joint.scene_joint] = sizes.amounts(depth);
                 };
                 let length = f64::from(to - from);
-                state.finer[k].advance(&histories[k], length, largest_of(depth.iter().copied()));
+                state.finer[k].advance(&histories[k], length, sizes.amounts(depth));
                 let advanced =
-                    state.steps[k].advance(rate, depth, length, &marks, note_largest, &mut self.wear_counts);
+                    state.steps[k].advance(rate, depth, length, &marks, note, &mut self.wear_counts);
                 advanced.map_err(|failed| SimulationFailure::WearStep {
                     cycle: from,
                     joint: joint.name.clone(),
                     error: failed.0,
                 })?;
-                if let Some((depth, wall)) = worn_through(self.scene, joint.scene_joint, depth) {
+                if let Some((depth, wall)) =
+                    worn_through(self.scene, joint.scene_joint, &depth[..sizes.points])
+                {
                     let joint = joint.name.clone();
                     return Err(SimulationFailure::WornThrough { cycle: to, joint, depth, wall });
                 }
@@ -357,9 +344,9 @@ impl<'a> Run<'a> {
             }
         }
         for (output, history) in self.scene.outputs.iter().zip(wear) {
-            if let OutputKind::LargestWear { joints } = &output.kind {
-                let depths = largest.iter().map(|depth| joints.iter().fold(0.0_f64, |a, &j| a.max(depth[j])));
-                history.extend(depths);
+            if let Some((quantity, joints)) = output.kind.wear() {
+                let value = |worn: &Vec<_>| wear_output(quantity, joints.iter().map(|&j| worn[j]));
+                history.extend(marked.iter().map(value));
             }
         }
         self.cycle = to;
@@ -388,11 +375,4 @@ fn wear_histories<'h>(
         Some(histories) => histories,
         None => &quasi_static.get(index).map_or(recorder, |island| &island.recorder).histories,
     }
-}
-
-/// Largest depth and thickness of the wall of a joint of the scene [m], if the depth has reached the thickness.
-fn worn_through(scene: &Scene, joint: usize, depth: &[f64]) -> Option<(f64, f64)> {
-    let JointKind::Clearance(clearance) = &scene.joints[joint].kind else { return None };
-    let largest = depth.iter().fold(0.0_f64, |a, &b| a.max(b));
-    clearance.wall.filter(|&wall| largest >= wall).map(|wall| (largest, wall))
 }

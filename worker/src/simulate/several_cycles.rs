@@ -49,8 +49,8 @@ pub struct CycleSpread {
     pub life: u32,
     /// Variance of every output of the motion over single cycles `(outputs,)` [SI^2].
     pub motion: Vec<f64>,
-    /// Wear rate in each motion at every control point of every joint of the scene `(motions, joints, points)` [m per cycle]; empty for
-    /// joints that do not wear.
+    /// Wear rate in each motion at every control point of every surface of every joint of the scene `(motions, surfaces, points)` [m per
+    /// cycle], as [`Run::wear_rates`] has them; empty for surfaces that do not wear.
     pub wear: Vec<Vec<Vec<f64>>>,
 }
 
@@ -110,7 +110,9 @@ impl Run<'_> {
         for (state, start) in self.islands.iter_mut().zip(&self.starts) {
             state.restore(start.clone());
             for joint in &mut state.island.joints {
-                joint.set_depth(&vec![-less(joint.scene_joint); joint.profile.points()]);
+                let mut depth = vec![0.0; joint.depths()];
+                depth[..joint.profile.points()].fill(-less(joint.scene_joint));
+                joint.set_depth(&depth);
             }
         }
         self.settling_cycle().await?;

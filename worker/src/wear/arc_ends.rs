@@ -9,6 +9,15 @@
 //! order: the next term is (e/R1)^4 / 8, below 1e-11 m here. The arc ends at the first table angle where p is
 //! no longer positive, on the chord from the table angle before.
 //!
+//! On a bore with roughness, or two worn surfaces, p may be positive again behind an end: the contact has further patches, found
+//! in the same way. Their lengths, and with them the wear rate, are continuous functions of the profile: a patch
+//! that appears has no length yet, and one that joins the arc leaves nothing out. (Were only the arc around the direction u counted,
+//! as in the source, its length would jump where a place inside wears until the circle only grazes it.)
+//! Patches are looked for up to the angle where e cos(phi) no longer exceeds the least gap of the surfaces.
+//!
+//! In front of a worn journal (`contact/journal.rs`) p falls by its depth h(psi - alpha), with the angle alpha of its body
+//! from the bushing's: by the cubic through four neighbours of a table of that depth, turned by a fraction of its spacing.
+//!
 //! The search tries as many table angles at a time as a vector holds: the end is the one that a walk from angle to angle finds. Towards smaller angles it is the same search on the mirrored bore.
 //!
 //! # Source
@@ -17,7 +26,7 @@
 
 use crate::bore::Profile;
 use crate::lanes::Real;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 /// Table intervals per control point: 1.25 deg at 36 control points; a linear interpolation there misplaces
 /// the ends of a 20 deg arc by 0.2 %.
@@ -35,6 +44,41 @@ pub struct ArcEnds {
     gap: Vec<f64>,
     /// R1 - R of the mirrored bore, at the negative angles `(2 n,)` [m].
     mirrored_gap: Vec<f64>,
+    /// Largest R1 - R of the table [m].
+    largest_gap: f64,
+    /// Depth of the journal at the table's angles in its own body, from the angle before zero on, and that of the mirrored one
+    /// `(2 n + 3,)` each [m]; empty if it does not wear.
+    depth: [Vec<f64>; 2],
+}
+
+/// Place of the table's angles on the surface of a turned journal.
+#[derive(Clone, Copy)]
+struct OnJournal<'a> {
+    /// Depth from the angle before the first one on [m].
+    depth: &'a [f64],
+    /// Weights of four neighbouring depths [1].
+    weights: [f64; 4],
+}
+
+impl<'a> OnJournal<'a> {
+    /// Of the surface tabulated in `depth`, from the place `place` on, in intervals of a table of `n`.
+    fn new(depth: &'a [f64], place: f64, n: usize) -> Self {
+        let place = place.rem_euclid(n as f64);
+        let place = if place < n as f64 { place } else { 0.0 };
+        let base = place as usize;
+        let f = place - base as f64;
+        // Lagrange's cubic through the places -1, 0, 1, 2.
+        let (a, b, c) = (f + 1.0, f - 1.0, f - 2.0);
+        let weights = [-f * b * c / 6.0, a * b * c / 2.0, -a * f * c / 2.0, a * f * b / 6.0];
+        OnJournal { depth: &depth[base..], weights }
+    }
+
+    /// Depths at the angles from the `m`-th on [m].
+    #[inline(always)]
+    fn depth<R: Real>(&self, m: usize, like: R) -> R {
+        let at = |k: usize| like.load(&self.depth[m + k..]) * self.weights[k];
+        (at(0) + at(1)) + (at(2) + at(3))
+    }
 }
 
 /// Direction of a contact.
@@ -78,6 +122,8 @@ struct Side<'a> {
     e: [f64; 2],
     /// 1 / (2 R1) [1/m].
     curvature: f64,
+    /// Where these angles are on the journal, if that wears.
+    journal: Option<OnJournal<'a>>,
 }
 
 impl Side<'_> {
@@ -87,21 +133,43 @@ impl Side<'_> {
         let [x, y] = [like.like(self.e[0]), like.like(self.e[1])];
         let (cos, sin, gap) =
             (like.load(&self.cos[m..]), like.load(&self.sin[m..]), like.load(&self.gap[m..]));
+        let gap = match &self.journal {
+            None => gap,
+            Some(journal) => gap - journal.depth(m, like),
+        };
         let across = (x * sin).minus_product(y, cos);
         gap.plus_product(x, cos)
             .plus_product(y, sin)
             .minus_product(across * across, like.like(self.curvature))
     }
 
-    /// The first angle at which the circle is not beyond the bore, if it is among the first `most`; `like` sets the number of angles
-    /// tried at once.
+    /// The first angle, from the one of number `from` on, at which the circle is not beyond the bore, if it is among the
+    /// first `most`; `like` sets the number of angles tried at once.
     #[inline(always)]
-    fn first_outside<R: Real>(&self, most: usize, like: R) -> Option<usize> {
+    fn first_outside<R: Real>(&self, from: usize, most: usize, like: R) -> Option<usize> {
         // The numbers below this one are those that are not positive.
         let least = like.like(f64::from_bits(1));
-        let mut first = 0;
+        self.first_where(from, most, like, |p| p.below(least))
+    }
+
+    /// The first angle, from the one of number `from` on, at which the circle is beyond the bore, if it is among the first `most`.
+    #[inline(always)]
+    fn first_inside<R: Real>(&self, from: usize, most: usize, like: R) -> Option<usize> {
+        self.first_where(from, most, like, |p| like.zero().below(p))
+    }
+
+    /// The first angle from the one of number `from` on, of the first `most`, at which p satisfies the `condition`.
+    #[inline(always)]
+    fn first_where<R: Real>(
+        &self,
+        from: usize,
+        most: usize,
+        like: R,
+        condition: impl Fn(R) -> R::Mask,
+    ) -> Option<usize> {
+        let mut first = from;
         while first < most {
-            let k = first + R::first(self.beyond(first, like).below(least));
+            let k = first + R::first(condition(self.beyond(first, like)));
             if k < first + R::LANES {
                 return (k < most).then_some(k);
             }
@@ -112,12 +180,21 @@ impl Side<'_> {
 }
 
 impl ArcEnds {
-    /// For a journal of radius `journal_radius` [m] in a bore with `points` control points, not tabulated
+    /// For a journal of radius `journal_radius` [m], which `wears` or not, in a bore with `points` control points, not tabulated
     /// yet.
-    pub(crate) fn new(journal_radius: f64, points: usize) -> Self {
+    pub(crate) fn new(journal_radius: f64, points: usize, wears: bool) -> Self {
         let n = SUBDIVISION * points;
         let (sin, cos) = (0..2 * n).map(|k| libm::sincos(TAU * (k % n) as f64 / n as f64)).unzip();
-        ArcEnds { journal_radius, cos, sin, gap: vec![0.0; 2 * n], mirrored_gap: vec![0.0; 2 * n] }
+        let depth = || vec![0.0; if wears { 2 * n + 3 } else { 0 }];
+        ArcEnds {
+            journal_radius,
+            cos,
+            sin,
+            gap: vec![0.0; 2 * n],
+            mirrored_gap: vec![0.0; 2 * n],
+            largest_gap: 0.0,
+            depth: [depth(), depth()],
+        }
     }
 
     /// Number of table intervals n.
@@ -132,6 +209,7 @@ impl ArcEnds {
         profile.tabulate(&mut gap[..n]);
         gap[..n].iter_mut().for_each(|gap| *gap = self.journal_radius - *gap);
         gap.copy_within(..n, n);
+        self.largest_gap = gap[..n].iter().fold(f64::NEG_INFINITY, |a, &b| a.max(b));
         // The angle zero is its own mirror image.
         mirrored
             .iter_mut()
@@ -139,15 +217,28 @@ impl ArcEnds {
             .for_each(|(to, from)| *to = *from);
     }
 
+    /// Tabulates a changed depth of the journal, the radius of the profile `worn`.
+    pub(crate) fn journal_changed(&mut self, worn: &Profile) {
+        let n = self.intervals();
+        let [depth, mirrored] = &mut self.depth;
+        worn.tabulate(&mut depth[1..=n]);
+        depth[0] = depth[n];
+        for k in n + 1..depth.len() {
+            depth[k] = depth[k - n];
+        }
+        // The mirrored surface at the place k - 1 is the other one at 1 - k.
+        for (k, to) in mirrored.iter_mut().enumerate() {
+            *to = depth[1 + (3 * n + 1 - k) % n];
+        }
+    }
+
     /// Distances from the direction of the contact at `spot` to the two ends of its arc, downwards and
     /// upwards, at penetration `penetration` [m], where the bore has radius `radius` [m] and slope `slope`
-    /// [m/rad]. In table intervals; half a turn where the arc does not end. `like`
-    /// sets the number of angles tried at once.
+    /// [m/rad], of a worn journal those of the gap of both surfaces. In table intervals; half a turn where the arc does not end. `like`
+    /// sets the number of angles tried at once; `on_journal` is the place of the contact on a worn journal, in table intervals.
     ///
-    /// Where a place inside the arc wears until the circle only grazes it, the arc ends there from one
-    /// instant to the next, and the part behind it no longer counts; a second patch behind the end joins the
-    /// arc again where the gap between them closes. There the end, and with it the wear rate, is not a
-    /// continuous function of the profile.
+    /// Calls `patch` with the start and the end of every further patch, in table intervals from the direction of the contact, negative
+    /// below it.
     #[inline(always)]
     pub(crate) fn find<R: Real>(
         &self,
@@ -155,7 +246,9 @@ impl ArcEnds {
         penetration: f64,
         radius: f64,
         slope: f64,
+        on_journal: Option<f64>,
         like: R,
+        mut patch: impl FnMut(f64, f64),
     ) -> (f64, f64) {
         let n = self.intervals();
         let size = penetration + radius - self.journal_radius;
@@ -163,32 +256,74 @@ impl ArcEnds {
         let below = spot.place as usize;
         let lead = spot.place - below as f64;
         // In the mirrored bore the first table angle is that of `below`, and slopes change sign.
-        let down = self.side(&self.mirrored_gap, n - below, [e[0], -e[1]]);
-        let up = self.side(&self.gap, below + 1, e);
+        let mut down = self.side(&self.mirrored_gap, n - below, [e[0], -e[1]]);
+        let mut up = self.side(&self.gap, below + 1, e);
+        if let Some(place) = on_journal {
+            down.journal = Some(OnJournal::new(&self.depth[1], lead - place, n));
+            up.journal = Some(OnJournal::new(&self.depth[0], place + 1.0 - lead, n));
+        }
         let slope = slope * TAU / n as f64;
-        (end(&down, n, lead, penetration, slope, like), end(&up, n, 1.0 - lead, penetration, -slope, like))
+        let reach = self.reach(size);
+        let mut further = |from: f64, to: f64| patch(-to, -from);
+        let before = end(&down, n, lead, penetration, slope, reach, like, &mut further);
+        (before, end(&up, n, 1.0 - lead, penetration, -slope, reach, like, &mut patch))
+    }
+
+    /// Number of table angles on one side beyond which p is negative for an eccentricity of `size` [m]: with the largest gap g,
+    /// p <= g + e cos(phi), and cos(phi) <= 1 - 11/24 phi^2 up to 1 rad, 1 - 2 (phi / pi)^2 up to pi.
+    #[inline(always)]
+    fn reach(&self, size: f64) -> usize {
+        let n = self.intervals();
+        let fall = 1.0 + self.largest_gap / size;
+        let square = if fall <= 11.0 / 24.0 { fall * (24.0 / 11.0) } else { fall * (0.5 * PI * PI) };
+        // Also where it is not a number: half a turn.
+        if square < PI * PI { 1 + (square.sqrt() * (n as f64 / TAU)) as usize } else { n / 2 }
     }
 
     /// The side of the bore with these gaps that begins at the table angle `first`, for the eccentricity `e` [m].
     #[inline(always)]
     fn side<'a>(&'a self, gap: &'a [f64], first: usize, e: [f64; 2]) -> Side<'a> {
         let curvature = 0.5 / self.journal_radius;
-        Side { gap: &gap[first..], cos: &self.cos[first..], sin: &self.sin[first..], e, curvature }
+        let (cos, sin) = (&self.cos[first..], &self.sin[first..]);
+        Side { gap: &gap[first..], cos, sin, e, curvature, journal: None }
     }
 }
 
 /// One end of the arc on a table of `n` intervals; `first` is the distance to the first table angle on this side, `slope` that of p
-/// outwards [m per interval].
+/// outwards [m per interval]. Calls `patch` with start and end of those behind it, among the first `reach` table angles.
 #[inline(always)]
-fn end<R: Real>(side: &Side, n: usize, first: f64, penetration: f64, slope: f64, like: R) -> f64 {
-    match side.first_outside(n / 2 + 1, like) {
-        None => n as f64 / 2.0,
-        Some(0) => first_end(penetration, slope, first, side.beyond(0, first)),
-        Some(m) => {
-            let (p, next) = (side.beyond(m - 1, first), side.beyond(m, first));
-            first + (m - 1) as f64 + p / (p - next)
-        }
+#[expect(clippy::too_many_arguments, reason = "the geometry of one end")]
+fn end<R: Real>(
+    side: &Side,
+    n: usize,
+    first: f64,
+    penetration: f64,
+    slope: f64,
+    reach: usize,
+    like: R,
+    patch: &mut impl FnMut(f64, f64),
+) -> f64 {
+    let half = n / 2 + 1;
+    // Where p is zero between the table angles m - 1 and m.
+    let zero = |m: usize| {
+        let (p, next) = (side.beyond(m - 1, first), side.beyond(m, first));
+        first + (m - 1) as f64 + p / (p - next)
+    };
+    let Some(mut outside) = side.first_outside(0, half, like) else { return n as f64 / 2.0 };
+    let end = match outside {
+        0 => first_end(penetration, slope, first, side.beyond(0, first)),
+        m => zero(m),
+    };
+    while let Some(inside) = side.first_inside(outside + 1, reach, like) {
+        let start = zero(inside);
+        let Some(next) = side.first_outside(inside + 1, half, like) else {
+            patch(start, n as f64 / 2.0);
+            break;
+        };
+        patch(start, zero(next));
+        outside = next;
     }
+    end
 }
 
 /// End of the arc within the first table interval: positive root of delta + slope x + q x^2, where q makes

@@ -1,4 +1,5 @@
-//! Archard's law over one cycle: wear rate of every control point of a bore under a frozen contact history.
+//! Archard's law over one cycle: wear rate of every control point of a bore, and of the journal in it if that
+//! wears, under a frozen contact history.
 //!
 //! Archard: wear depth h = K_H p s, with the wear coefficient K_H [1/Pa] (dimensionless coefficient over
 //! hardness), the contact pressure p [Pa] and the sliding distance s [m]. A contact sample is a short part of
@@ -13,13 +14,16 @@
 //! The history fixes forces and sliding distances; the contact is found again on the present profile, because
 //! a spot that wears unloads itself. That feedback makes the wear step stiff.
 //!
-//! Both keep Archard's volume for every arc. Valid for mild sliding wear with a constant K_H; only the bushing
-//! wears, and wear never decreases.
+//! The journal wears by the same law, with its own coefficient and radius, at the places of its own surface that the arc
+//! covers: those at the angle chi = psi - alpha in its body, with the angle alpha [rad] of that body from the bushing's in the sample.
+//!
+//! Both keep Archard's volume for every arc, of each surface. Valid for mild sliding wear with a constant K_H; wear never decreases.
 //!
 //! # Source
 //! Archard (1953), J. Appl. Phys. 24, 981-988. Arc rule of the local law: the seed paper, Cui et al., China
 //! Mechanical Engineering 37(6), 2026, 1472-1485, doi 10.3969/j.issn.1004-132X.2026.06.020.
 
+use super::amounts::SurfaceSizes;
 use super::conformal::ConformalContacts;
 use super::equilibrium::NoEquilibrium;
 use super::history::ContactHistory;
@@ -28,13 +32,29 @@ use crate::bore::Profile;
 use crate::contact::{Contact, Pressure};
 use std::f64::consts::TAU;
 
+/// Wear coefficients K_H of bushing and journal, zero for a surface that does not wear `(2,)` [1/Pa].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WearCoefficients(pub [f64; 2]);
+
+impl From<f64> for WearCoefficients {
+    /// Only the bushing wears.
+    fn from(coefficient: f64) -> Self {
+        WearCoefficients([coefficient, 0.0])
+    }
+}
+
+impl From<[f64; 2]> for WearCoefficients {
+    fn from(coefficients: [f64; 2]) -> Self {
+        WearCoefficients(coefficients)
+    }
+}
+
 /// Wear rate of one joint under a frozen contact history.
 #[derive(Debug, Clone)]
 pub struct WearRate {
-    /// Wear coefficient K_H [1/Pa].
-    coefficient: f64,
-    /// Width L [m].
-    width: f64,
+    /// Wear coefficients K_H of bushing and journal [1/Pa].
+    coefficients: [f64; 2],
+    sizes: SurfaceSizes,
     profile: Profile,
     contacts: FrozenContacts,
 }
@@ -47,20 +67,34 @@ enum FrozenContacts {
 }
 
 impl WearRate {
-    /// Rate of a joint with wear coefficient `coefficient` [1/Pa], width `width` [m] and this contact law.
-    pub(crate) fn new(coefficient: f64, width: f64, contact: &Contact, profile: &Profile) -> Self {
+    /// Rate of a joint with these wear coefficients, width `width` [m] and this contact law.
+    pub(crate) fn new(
+        coefficients: impl Into<WearCoefficients>,
+        width: f64,
+        contact: &Contact,
+        profile: &Profile,
+    ) -> Self {
         let (surface, points) = (*contact.surface(), profile.points());
+        let WearCoefficients(coefficients) = coefficients.into();
+        let wears = coefficients[1] > 0.0;
         WearRate {
-            coefficient,
-            width,
+            coefficients,
+            sizes: SurfaceSizes { points, radii: [profile.initial_radius(), surface.journal_radius], width },
             profile: profile.clone(),
             contacts: match contact.pressure() {
                 Pressure::UniformOverArc => {
-                    FrozenContacts::UniformOverArc(LocalArcs::new(surface.journal_radius, points))
+                    FrozenContacts::UniformOverArc(LocalArcs::new(contact, points, wears))
                 }
-                Pressure::Foundation => FrozenContacts::Foundation(ConformalContacts::new(surface, points)),
+                Pressure::Foundation => {
+                    FrozenContacts::Foundation(ConformalContacts::new(surface, points, wears))
+                }
             },
         }
+    }
+
+    /// Sizes of the surfaces.
+    pub(crate) fn sizes(&self) -> SurfaceSizes {
+        self.sizes
     }
 
     /// Replaces the frozen history by that of the cycle just simulated.
@@ -80,25 +114,29 @@ impl WearRate {
         }
     }
 
-    /// Wear rate dh/dN at every control point of a bore worn to `depth` `(points,)` [m]: `rate` `(points,)`
-    /// [m/cycle].
+    /// Wear rate dh/dN at every control point of a bore worn to `depth` `(points,)` [m], followed by those of the journal if that
+    /// wears: `rate` of the same length [m/cycle].
     ///
     /// # Errors
     /// [`NoEquilibrium`] if a frozen force has no equilibrium on that bore.
     pub(crate) fn rate(&mut self, depth: &[f64], rate: &mut [f64]) -> Result<(), NoEquilibrium> {
-        self.profile.set_depth(depth);
-        let spacing = TAU / rate.len() as f64;
+        let SurfaceSizes { points, radii, width } = self.sizes;
+        let (bore, of_journal) = depth.split_at(points);
+        self.profile.set_depth(bore);
+        let spacing = TAU / points as f64;
         let per = match &mut self.contacts {
             FrozenContacts::UniformOverArc(arcs) => {
-                arcs.shares(&self.profile, rate);
-                spacing * self.width
+                arcs.shares(&self.profile, of_journal, rate);
+                [spacing * width; 2]
             }
             FrozenContacts::Foundation(contacts) => {
-                contacts.shares(&self.profile, rate)?;
-                spacing * self.profile.initial_radius() * self.width
+                contacts.shares(&self.profile, of_journal, rate)?;
+                radii.map(|radius| spacing * radius * width)
             }
         };
-        rate.iter_mut().for_each(|r| *r *= self.coefficient / per);
+        for (rate, (coefficient, per)) in rate.chunks_mut(points).zip(self.coefficients.iter().zip(per)) {
+            rate.iter_mut().for_each(|r| *r *= coefficient / per);
+        }
         Ok(())
     }
 }

@@ -2,7 +2,7 @@
 //! sample to sample.
 //!
 //! A group holds the samples whose penetration delta [m] lies between a power of [`LEVEL`] and the next, and whose direction lies in
-//! the same sector of the bore. A sector is as wide as [`TURN`] of the half angle sqrt(2 delta / c) [rad] of their contact arc on a
+//! the same sector of the bore, and of a journal that wears. A sector is as wide as [`TURN`] of the half angle sqrt(2 delta / c) [rad] of their contact arc on a
 //! round bore, with the clearance c [m]; on a worn bore the arc is wider. Sectors of very light contacts are [`NARROW`] of the spacing
 //! of the control points, below which nothing of the arc's shape is left in the depths. A group is replaced by its mean, weighted
 //! with the work, so that what it leaves out is of second order in its width.
@@ -30,6 +30,8 @@ pub struct Touched {
     pub penetration: f64,
     /// Direction of the contact, of any length `(2,)`.
     pub direction: [f64; 2],
+    /// Angle of a journal that wears from the bushing; `None` of a round one [rad].
+    pub turn: Option<f64>,
 }
 
 /// Groups samples of joints with one clearance and number of control points.
@@ -39,8 +41,8 @@ pub struct Condenser {
     clearance: f64,
     /// Angle between control points [rad].
     spacing: f64,
-    /// Group (level, sector) and index of every sample.
-    order: Vec<(i32, u32, u32)>,
+    /// Group (level, sector, sector of the journal) and index of every sample.
+    order: Vec<(i32, u32, u32, u32)>,
 }
 
 impl Condenser {
@@ -50,12 +52,14 @@ impl Condenser {
     }
 
     /// Group of a contact.
-    fn group(&self, of: Touched) -> (i32, u32) {
+    fn group(&self, of: Touched) -> (i32, u32, u32) {
         let level = (libm::log(of.penetration) / libm::log(LEVEL)).floor();
         let half_arc = (2.0 * libm::pow(LEVEL, level) / self.clearance).sqrt();
         let width = (TURN * half_arc).clamp(NARROW * self.spacing, WIDE * self.spacing);
         let turn = libm::atan2(of.direction[1], of.direction[0]) / TAU + 0.5;
-        (level as i32, (turn * (TAU / width).ceil()) as u32)
+        let sectors = (TAU / width).ceil();
+        let on_journal = of.turn.map_or(0.0, |angle| (turn - angle / TAU).rem_euclid(1.0));
+        (level as i32, (turn * sectors) as u32, (on_journal * sectors) as u32)
     }
 
     /// The means of the groups of `samples`, whose contacts are `touched`, into `means`.
@@ -67,14 +71,14 @@ impl Condenser {
     ) {
         self.order.clear();
         for (index, sample) in samples.iter().enumerate() {
-            let (level, sector) = self.group(touched(sample));
-            self.order.push((level, sector, index as u32));
+            let (level, sector, on_journal) = self.group(touched(sample));
+            self.order.push((level, sector, on_journal, index as u32));
         }
         self.order.sort_unstable();
         means.clear();
-        for group in self.order.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+        for group in self.order.chunk_by(|a, b| (a.0, a.1, a.2) == (b.0, b.1, b.2)) {
             let members = group.iter().map(|&(.., index)| &samples[index as usize]);
-            means.push(if group.len() > 1 { mean(members) } else { samples[group[0].2 as usize] });
+            means.push(if group.len() > 1 { mean(members) } else { samples[group[0].3 as usize] });
         }
     }
 }
@@ -82,6 +86,10 @@ impl Condenser {
 /// The mean of samples with their work as weight, and the sum of their work.
 fn mean<'a>(samples: impl Iterator<Item = &'a ContactSample> + Clone) -> ContactSample {
     let work: f64 = samples.clone().map(|s| s.work).sum();
+    // Angles of a group differ by whole turns and little more.
+    let reference = samples.clone().next().map_or(0.0, |sample| sample.turn);
+    let beyond = |turn: f64| (turn - reference) - TAU * ((turn - reference) / TAU).round();
+    let turn = samples.clone().map(|s| s.work * beyond(s.turn)).sum::<f64>() / work;
     let of =
         |value: fn(&ContactSample) -> f64| samples.clone().map(|s| s.work * value(s)).sum::<f64>() / work;
     ContactSample {
@@ -89,6 +97,7 @@ fn mean<'a>(samples: impl Iterator<Item = &'a ContactSample> + Clone) -> Contact
         penetration: of(|s| s.penetration),
         force: [of(|s| s.force[0]), of(|s| s.force[1])],
         work,
+        turn: reference + turn,
     }
 }
 
@@ -98,12 +107,12 @@ mod tests {
 
     fn sample(angle: f64, penetration: f64, work: f64) -> ContactSample {
         let u = [angle.cos(), angle.sin()];
-        ContactSample { e: u.map(|u| 25e-6 * u), penetration, force: u, work }
+        ContactSample { e: u.map(|u| 25e-6 * u), penetration, force: u, work, turn: 0.0 }
     }
 
     fn condensed(samples: &[ContactSample]) -> Vec<ContactSample> {
         let mut means = vec![];
-        let touched = |s: &ContactSample| Touched { penetration: s.penetration, direction: s.e };
+        let touched = |s: &ContactSample| Touched { penetration: s.penetration, direction: s.e, turn: None };
         Condenser::new(23.5e-6, 36).condense(samples, touched, &mut means);
         means
     }

@@ -14,7 +14,7 @@
 //! Damped Newton method for a convex function: Nocedal, Wright (2006), Numerical Optimization, chapters 3 and
 //! 6. Potential: `contact/foundation.rs`.
 
-use crate::contact::{Foundation, FoundationLoad, equivalent_penetration};
+use crate::contact::{Foundation, FoundationLoad, FoundationWithJournal, Surface, equivalent_penetration};
 use crate::plane::{dot, length};
 
 /// Relative residual below which a force counts as carried.
@@ -35,6 +35,42 @@ const EACH: u32 = 400;
 const LET_OFF: f64 = 0.125;
 /// Energy differences below this share of the energies are rounding.
 const ROUNDING: f64 = 1e-15;
+
+/// An elastic foundation with the surfaces as they are.
+pub(super) trait ElasticSurfaces {
+    /// Constants of the joint.
+    fn surface(&self) -> &Surface;
+    /// Gap function in the direction of the eccentricity `e` itself [m].
+    fn gap_along(&self, e: [f64; 2]) -> f64;
+    /// Load at the eccentricity `e` [m].
+    fn load(&self, e: [f64; 2]) -> FoundationLoad;
+}
+
+impl ElasticSurfaces for Foundation {
+    fn surface(&self) -> &Surface {
+        &self.surface
+    }
+    fn gap_along(&self, e: [f64; 2]) -> f64 {
+        self.arc().gap_along(e)
+    }
+    #[inline]
+    fn load(&self, e: [f64; 2]) -> FoundationLoad {
+        Foundation::load(self, e)
+    }
+}
+
+/// A foundation with a worn journal, and the angle of the journal's body from the bushing's [rad].
+impl ElasticSurfaces for (FoundationWithJournal<'_>, f64) {
+    fn surface(&self) -> &Surface {
+        &self.0.surface
+    }
+    fn gap_along(&self, e: [f64; 2]) -> f64 {
+        self.0.turned_arc().gap_along(e, self.1)
+    }
+    fn load(&self, e: [f64; 2]) -> FoundationLoad {
+        self.0.load_at(e, self.1)
+    }
+}
 
 /// A force in equilibrium with the foundation.
 #[derive(Debug, Clone, Copy)]
@@ -57,12 +93,12 @@ pub struct NoEquilibrium(pub f64);
 ///
 /// # Errors
 /// [`NoEquilibrium`] if the force is beyond the law's range, or the bore has radii that are not finite.
-pub(crate) fn equilibrium(
-    law: &Foundation,
+pub(super) fn equilibrium(
+    law: &impl ElasticSurfaces,
     force: [f64; 2],
     start: [f64; 2],
 ) -> Result<Equilibrium, NoEquilibrium> {
-    let surface = &law.surface;
+    let surface = law.surface();
     let wanted = libm::hypot(force[0], force[1]);
     let direction = [force[0] / wanted, force[1] / wanted];
     let depth = equivalent_penetration(wanted, surface.stiffness);
@@ -78,7 +114,7 @@ pub(crate) fn equilibrium(
     }
     // At a penetration equal to the play in that direction, the arc of a round bore spans a third of it.
     let c = surface.clearance;
-    let play = c - law.arc().gap_along([c * direction[0], c * direction[1]]);
+    let play = c - law.gap_along([c * direction[0], c * direction[1]]);
     let mut load = f64::max(1.0, surface.stiffness * play * play.sqrt() / size);
     let reach = play + equivalent_penetration(load * size, surface.stiffness);
     let mut e = [reach * direction[0], reach * direction[1]];
@@ -105,7 +141,7 @@ struct Point {
 
 impl Point {
     /// The point at eccentricity `e` [m] for the force `force` [N].
-    fn new(law: &Foundation, force: [f64; 2], e: [f64; 2]) -> Self {
+    fn new(law: &impl ElasticSurfaces, force: [f64; 2], e: [f64; 2]) -> Self {
         let load = law.load(e);
         let miss = [load.force[0] - force[0], load.force[1] - force[1]];
         Point { e, load, miss, height: load.energy - dot(force, e) }
@@ -116,15 +152,15 @@ impl Point {
 /// contact, which are added to `spent`. From no contact, or almost none, the journal moves outward along the
 /// load, by the penetration of that force on an unworn bore at a time.
 fn descend(
-    law: &Foundation,
+    law: &impl ElasticSurfaces,
     force: [f64; 2],
     start: [f64; 2],
     most: u32,
     spent: &mut u32,
 ) -> Result<Equilibrium, NoEquilibrium> {
     let wanted = length(force);
-    let outward = equivalent_penetration(wanted, law.surface.stiffness) / wanted;
-    let resolved = RESOLVED * law.surface.journal_radius;
+    let outward = equivalent_penetration(wanted, law.surface().stiffness) / wanted;
+    let resolved = RESOLVED * law.surface().journal_radius;
     let last = *spent + most;
     let mut now = Point::new(law, force, start);
     *spent += 1;

@@ -14,16 +14,18 @@
 //! too, and were they added up, they would state ten and more times the true error. A bore with fewer control points
 //! would cost less, but its difference depends on how its points happen to lie to the arc.
 //!
+//! A journal that wears has its copy too, in that of its bore; the same estimate is made of its largest depth and of the worn volume.
+//!
 //! # Source
 //! Comparison with a finer grid, without the extrapolation of Richardson (1911), Phil. Trans. R. Soc. A 210,
 //! 307-357; `stated_wear_errors_of_random_loads` compares with a converged bore.
 
-use super::archard::WearRate;
+use super::amounts::WornAmounts;
+use super::archard::{WearCoefficients, WearRate};
 use super::history::ContactHistory;
 use super::step::{WearStep, WearStepStats};
 use crate::bore::Profile;
 use crate::contact::Contact;
-use crate::extremum::largest;
 
 /// Error over the largest difference [1]: 2 where it halves with the spacing, as at the edge of a scar, 4/3 where the
 /// profile is smooth.
@@ -31,8 +33,7 @@ const SAFETY: f64 = 2.0;
 /// Share of the life behind over which differences count [1].
 const RECENT: f64 = 0.75;
 /// Tolerance of the copy's wear steps over that of the bore, and its lower bound [1]: at 0.01 they err by 0.1 %
-/// (`the_local_law_takes_tight_tolerances_and_keeps_them`); below it, narrow arcs under the local law take a thousand times
-/// as many sub-steps at twice the control points.
+/// (`the_local_law_takes_tight_tolerances_and_keeps_them`), far less than the spacing of the control points.
 const TIGHTER: f64 = 0.5;
 const TIGHTEST: f64 = 0.01;
 
@@ -41,27 +42,27 @@ const TIGHTEST: f64 = 0.01;
 pub struct FinerBore {
     rate: WearRate,
     step: WearStep,
-    /// Depth at its control points `(points,)` [m], up to the middle of the last block.
+    /// Depths of the copy `(depths,)` [m], up to the middle of the last block.
     depth: Vec<f64>,
     /// Cycles from there to the end of that block.
     behind: f64,
     /// Life at the end of that block [cycles].
     life: f64,
-    /// Largest depth of the bore there [m].
-    deepest: f64,
+    /// Wear of the joint there.
+    worn: WornAmounts,
     /// True if the wear steps to the middle of that block failed.
     failed: bool,
-    /// Wear of the half blocks over which wear steps failed [m].
-    missed: f64,
-    /// Life [cycle] and difference of the largest depths [m] at the end of each block.
-    differences: Vec<(f64, f64)>,
+    /// Wear of the half blocks over which wear steps failed.
+    missed: WornAmounts,
+    /// Life [cycle] and difference of the two at the end of each block.
+    differences: Vec<(f64, WornAmounts)>,
 }
 
 impl FinerBore {
-    /// Copy of the unworn bore `profile` of a joint with this wear coefficient [1/Pa], width [m] and contact,
+    /// Copy of the unworn bore `profile` of a joint with these wear coefficients, this width [m] and contact,
     /// whose wear steps have the tolerance `tolerance` [1].
     pub(crate) fn new(
-        coefficient: f64,
+        coefficients: impl Into<WearCoefficients>,
         width: f64,
         contact: &Contact,
         profile: &Profile,
@@ -69,45 +70,54 @@ impl FinerBore {
     ) -> Self {
         let points = 2 * profile.points();
         let finer = Profile::round(profile.initial_radius(), points);
+        let coefficients = coefficients.into();
+        let depths = points * if coefficients.0[1] > 0.0 { 2 } else { 1 };
         FinerBore {
-            rate: WearRate::new(coefficient, width, contact, &finer),
-            step: WearStep::new(points, (TIGHTER * tolerance).max(TIGHTEST)),
-            depth: vec![0.0; points],
+            rate: WearRate::new(coefficients, width, contact, &finer),
+            step: WearStep::new(depths, (TIGHTER * tolerance).max(TIGHTEST)),
+            depth: vec![0.0; depths],
             behind: 0.0,
             life: 0.0,
-            deepest: 0.0,
+            worn: WornAmounts::default(),
             failed: false,
-            missed: 0.0,
+            missed: WornAmounts::default(),
             differences: Vec::new(),
         }
     }
 
-    /// Compares the copy with the bore at the end of the block behind, where the largest depth of the bore is `deepest`
-    /// [m] and the contact history was measured, and wears it to the middle of the next block of `cycles`, which is
+    /// Compares the copy with the bore at the end of the block behind, where the joint is `worn`
+    /// and the contact history was measured, and wears it to the middle of the next block of `cycles`, which is
     /// zero at the end of life.
-    pub(crate) fn advance(&mut self, history: &ContactHistory, cycles: f64, deepest: f64) {
+    pub(crate) fn advance(&mut self, history: &ContactHistory, cycles: f64, worn: WornAmounts) {
         self.rate.freeze(history);
         let mut uncounted = WearStepStats::default();
-        let (behind, mut copy) = (self.behind, largest(self.depth.iter().copied()));
-        let growth = deepest - self.deepest;
+        let sizes = self.rate.sizes();
+        let (behind, mut copy) = (self.behind, sizes.amounts(&self.depth));
+        let growth = worn.with(&self.worn, |now, before| now - before);
         // Wear steps that failed miss the half blocks on both sides of a history.
-        self.missed += if self.failed { 0.5 * growth } else { 0.0 };
-        let to_compare = |_: usize, depth: &[f64]| copy = largest(depth.iter().copied());
+        let miss = |missed: f64, growth: f64| missed + 0.5 * growth;
+        if self.failed {
+            self.missed = self.missed.with(&growth, miss);
+        }
+        let to_compare = |_: usize, depth: &[f64]| copy = sizes.amounts(depth);
         let (step, rate) = (&mut self.step, &mut self.rate);
         let advanced =
             step.advance(rate, &mut self.depth, behind + 0.5 * cycles, &[behind], to_compare, &mut uncounted);
         self.failed = advanced.is_err();
-        self.missed += if self.failed { 0.5 * growth } else { 0.0 };
-        self.differences.push((self.life, (deepest - copy).abs()));
+        if self.failed {
+            self.missed = self.missed.with(&growth, miss);
+        }
+        self.differences.push((self.life, worn.with(&copy, |worn, copy| (worn - copy).abs())));
         self.life += cycles;
         self.behind = 0.5 * cycles;
-        self.deepest = deepest;
+        self.worn = worn;
     }
 
-    /// Estimated error of the largest depth of the bore where it was compared last [m].
-    pub(crate) fn error(&self) -> f64 {
+    /// Estimated error of the wear of the joint where it was compared last.
+    pub(crate) fn errors(&self) -> WornAmounts {
         let now = self.differences.last().map_or(0.0, |(life, _)| *life);
         let recent = self.differences.iter().filter(|(life, _)| *life >= (1.0 - RECENT) * now);
-        SAFETY * largest(recent.map(|(_, difference)| *difference)) + self.missed
+        let largest = recent.fold(WornAmounts::default(), |a, (_, difference)| a.with(difference, f64::max));
+        largest.with(&self.missed, |difference, missed| SAFETY * difference + missed)
     }
 }

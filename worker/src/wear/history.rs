@@ -20,9 +20,10 @@ pub struct ContactHistory {
 }
 
 impl ContactHistory {
-    /// An empty history that cuts a cycle of `period` [s] into about `samples` intervals.
-    pub(crate) fn new(period: f64, samples: usize) -> Self {
-        let empty = Interval::new(period / samples as f64);
+    /// An empty history that cuts a cycle of `period` [s] into about `samples` intervals, and also where the place on the journal has
+    /// turned if the journal `wears`.
+    pub(crate) fn new(period: f64, samples: usize, wears: bool) -> Self {
+        let empty = Interval::new(period / samples as f64, wears);
         ContactHistory { samples: Vec::with_capacity(2 * samples), interval: empty, empty }
     }
 

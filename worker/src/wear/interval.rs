@@ -2,6 +2,7 @@
 //!
 //! An interval is averaged with the work density of Archard's law F_N |v_t| [W] as weight. It ends after a given duration, and where the
 //! contact has turned by more than [`LARGEST_TURN`]: a cycle of many turns, or of impacts, is cut into as many intervals as it needs.
+//! The same holds for a journal that wears and turns in its bushing.
 //!
 //! # Source
 //! Archard (1953), J. Appl. Phys. 24, 981-988: wear is proportional to the work F S. The averaging is chosen here.
@@ -12,6 +13,8 @@ use crate::plane::fused_dot as dot;
 
 /// Cosine of the largest angle by which the contact may turn within an interval, 1.25 deg: an eighth of the spacing of 36 control points.
 const LARGEST_TURN: f64 = 0.999_762;
+/// The same angle, by which a journal that wears may turn in its bushing [rad].
+const LARGEST_ANGLE: f64 = 0.021_817;
 
 /// A short interval of the cycle, averaged with the work density F_N |v_t| as weight.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,6 +27,8 @@ pub struct ContactSample {
     pub force: [f64; 2],
     /// Integral of F_N |v_t| dt over the interval [N m].
     pub work: f64,
+    /// Angle of the journal's body minus that of the bushing's [rad].
+    pub turn: f64,
 }
 
 /// A contact at one instant.
@@ -39,16 +44,25 @@ pub struct ContactInstant<R = f64> {
     normal: R,
     /// Direction in which the journal presses on the bushing `(2,)` [1].
     direction: [R; 2],
+    /// Angle of the journal's body minus that of the bushing's [rad].
+    turn: R,
 }
 
-lanewise!(ContactInstant { density, e, penetration, normal, direction });
+lanewise!(ContactInstant { density, e, penetration, normal, direction, turn });
 
 impl<R: Real> ContactInstant<R> {
     /// The contact of a joint with eccentricity `e` `(2,)` [m].
     #[inline(always)]
     pub(crate) fn new(e: [R; 2], contact: &JointForce<R>) -> Self {
         let JointForce { penetration, normal, direction, sliding, .. } = *contact;
-        ContactInstant { density: normal * sliding.abs(), e, penetration, normal, direction }
+        let turn = normal.zero();
+        ContactInstant { density: normal * sliding.abs(), e, penetration, normal, direction, turn }
+    }
+
+    /// The same with the journal's body turned by `turn` from the bushing's [rad].
+    #[inline(always)]
+    pub(crate) fn turned(self, turn: R) -> Self {
+        ContactInstant { turn, ..self }
     }
 
     /// The contact in one lane.
@@ -59,6 +73,7 @@ impl<R: Real> ContactInstant<R> {
             penetration: self.penetration.lane(k),
             normal: self.normal.lane(k),
             direction: self.direction.map(|x| x.lane(k)),
+            turn: self.turn.lane(k),
         }
     }
 }
@@ -78,13 +93,29 @@ pub struct Interval<R = f64> {
     force: [R; 2],
     /// Direction of the contact where the first work was done `(2,)` [1].
     first_direction: [R; 2],
+    /// Angle by which the journal may turn in the bushing [rad], and that angle where the first work was done.
+    largest_turn: R,
+    first_turn: R,
+    /// Integral over the work of the angle since then.
+    turn: R,
 }
 
-lanewise!(Interval { longest, elapsed, work, e, penetration, force, first_direction });
+lanewise!(Interval {
+    longest,
+    elapsed,
+    work,
+    e,
+    penetration,
+    force,
+    first_direction,
+    largest_turn,
+    first_turn,
+    turn
+});
 
 impl Interval {
-    /// An empty interval that ends after `longest` [s].
-    pub(crate) fn new(longest: f64) -> Self {
+    /// An empty interval that ends after `longest` [s], and if the journal `wears` also where that has turned.
+    pub(crate) fn new(longest: f64, wears: bool) -> Self {
         Interval {
             longest,
             elapsed: 0.0,
@@ -93,6 +124,9 @@ impl Interval {
             penetration: 0.0,
             force: [0.0; 2],
             first_direction: [0.0; 2],
+            largest_turn: if wears { LARGEST_ANGLE } else { f64::INFINITY },
+            first_turn: 0.0,
+            turn: 0.0,
         }
     }
 }
@@ -108,10 +142,12 @@ impl<R: Real> Interval<R> {
     ) {
         let zero = duration.zero();
         let one = zero.like(1.0);
-        let ContactInstant { density, e, penetration, normal, direction } = *at;
+        let ContactInstant { density, e, penetration, normal, direction, turn } = *at;
         let work = density * duration;
         let works = zero.below(work);
-        let turned = dot(direction, self.first_direction).below(zero.like(LARGEST_TURN));
+        let swept = self.largest_turn.below((turn - self.first_turn).abs());
+        let cosine = R::select(swept, zero, dot(direction, self.first_direction));
+        let turned = cosine.below(zero.like(LARGEST_TURN));
         let turned = R::both(works, R::both(zero.below(self.work), turned));
         if R::any(turned) {
             self.end_lanes(R::select(turned, one, zero), ended);
@@ -129,6 +165,8 @@ impl<R: Real> Interval<R> {
         }
         self.penetration =
             R::select(works, self.penetration.plus_product(weight, penetration), self.penetration);
+        self.first_turn = R::select(works, R::select(begun, self.first_turn, turn), self.first_turn);
+        self.turn = R::select(works, self.turn.plus_product(weight, turn - self.first_turn), self.turn);
         self.work += weight;
         self.elapsed += duration;
         let over = R::select(self.elapsed.below(self.longest), zero, one);
@@ -160,6 +198,7 @@ impl<R: Real> Interval<R> {
             penetration: average(&mut self.penetration),
             force: self.force.each_mut().map(average),
             work,
+            turn: average(&mut self.turn) + self.first_turn.lane(lane),
         };
         self.work.set_lane(lane, 0.0);
         self.elapsed.set_lane(lane, 0.0);
@@ -176,6 +215,9 @@ impl<R: Real> Interval<R> {
             penetration: self.penetration.lane(k),
             force: self.force.map(|x| x.lane(k)),
             first_direction: self.first_direction.map(|x| x.lane(k)),
+            largest_turn: self.largest_turn.lane(k),
+            first_turn: self.first_turn.lane(k),
+            turn: self.turn.lane(k),
         }
     }
 }
@@ -183,6 +225,7 @@ impl<R: Real> Interval<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::TAU;
 
     /// A contact pressed by 2 N in this direction [deg], sliding at 3 m/s.
     fn pressed(degrees: f64, penetration: f64) -> ContactInstant {
@@ -202,13 +245,13 @@ mod tests {
 
     #[test]
     fn an_interval_is_averaged_by_its_work() {
-        let mut interval = Interval::new(4.0);
+        let mut interval = Interval::new(4.0, false);
         // Free flight counts for the duration only, also where the contact has no direction.
         let free = ContactInstant { e: [f64::NAN; 2], ..ContactInstant::default() };
         let found =
             ended(&mut interval, &[(1.0, pressed(0.0, 1e-6)), (1.0, free), (2.0, pressed(0.5, 4e-6))]);
         assert_eq!(found.len(), 1);
-        let ContactSample { e, penetration, force, work } = found[0];
+        let ContactSample { e, penetration, force, work, .. } = found[0];
         assert!((work - 18.0).abs() < 1e-12 && (penetration - 3e-6).abs() < 1e-18, "{found:?}");
         let (direction, middle) = (e[1].atan2(e[0]).to_degrees(), force[1].atan2(force[0]).to_degrees());
         assert!((direction - 1.0 / 3.0).abs() < 1e-4 && (middle - direction).abs() < 1e-12);
@@ -218,11 +261,26 @@ mod tests {
 
     #[test]
     fn an_interval_ends_where_the_contact_has_turned() {
-        let mut interval = Interval::new(100.0);
+        let mut interval = Interval::new(100.0, false);
         let turning: Vec<_> = (0..10).map(|k| (1.0, pressed(0.5 * f64::from(k), 1e-6))).collect();
         // Each holds 0, 0.5 and 1 degree from its first contact; the last one has not ended yet.
         let found = ended(&mut interval, &turning);
         assert_eq!(found.iter().map(|sample| sample.work).collect::<Vec<_>>(), [18.0; 3]);
         assert_eq!(interval.end(0).map(|sample| sample.work), Some(6.0));
+    }
+
+    #[test]
+    fn an_interval_ends_where_a_journal_that_wears_has_turned() {
+        let turning = |k: u32| (1.0, pressed(0.0, 1e-6).turned(TAU + 0.5_f64.to_radians() * f64::from(k)));
+        let turning: Vec<_> = (0..10).map(turning).collect();
+        let mut round = Interval::new(100.0, false);
+        assert!(ended(&mut round, &turning).is_empty());
+        let mut wearing = Interval::new(100.0, true);
+        let found = ended(&mut wearing, &turning);
+        assert_eq!(found.iter().map(|sample| sample.work).collect::<Vec<_>>(), [18.0; 3]);
+        for (k, sample) in found.iter().enumerate() {
+            let middle = TAU + (1.5 * k as f64 + 0.5).to_radians();
+            assert!((sample.turn - middle).abs() < 1e-12, "{sample:?}");
+        }
     }
 }

@@ -9,6 +9,9 @@
 //! is smeared over the points next to it, whose depth then falls short of that in the middle of the arc
 //! (`finer_bore.rs` estimates that error).
 //!
+//! A journal that wears has its shares of the same arc, at its own control points: turned back by the angle of its body from the
+//! bushing's, and with its own mean radius along the arc.
+//!
 //! # Source
 //! Cui et al., China Mechanical Engineering 37(6), 2026, 1472-1485, doi 10.3969/j.issn.1004-132X.2026.06.020:
 //! the arc AB wears evenly by K_H F S / (|AB| L), at the control points inside it. The shares by hat functions
@@ -17,7 +20,9 @@
 use super::arc_ends::{ArcEnds, SUBDIVISION, Spot};
 use super::interval::ContactSample;
 use crate::bore::{Profile, Radius};
+use crate::contact::{Contact, Journal};
 use crate::lanes::{InLanes, Real, in_widest_lanes};
+use std::f64::consts::TAU;
 use std::ops::Range;
 
 /// Contacts of a frozen history on a bore.
@@ -29,8 +34,12 @@ pub struct LocalArcs {
     ends: ArcEnds,
     samples: Vec<Sample>,
     /// Shares on three turns, one before and one after the bore's own `(3 points,)`: there
-    /// an arc is one piece.
+    /// an arc is one piece; then those of the journal, if that wears.
     unrolled: Vec<f64>,
+    /// Further patches of the contact at hand, from its direction on `(2,)` each, in spacings of the control points.
+    further: Vec<[f64; 2]>,
+    /// The journal, if it wears.
+    journal: Option<Journal>,
 }
 
 /// The parts of a contact sample that the wear law uses.
@@ -41,36 +50,54 @@ struct Sample {
     penetration: f64,
     /// Work F S [N m].
     work: f64,
+    /// Place of the contact on the journal in table intervals, in [0, n).
+    on_journal: f64,
 }
 
 impl LocalArcs {
-    /// Without samples, for a journal of radius `journal_radius` [m] in a bore with `points` control points.
-    pub(crate) fn new(journal_radius: f64, points: usize) -> Self {
+    /// Without samples, for a joint with this contact law and `points` control points of its bore, and as many of its journal if that
+    /// `wears`.
+    pub(crate) fn new(contact: &Contact, points: usize, wears: bool) -> Self {
         LocalArcs {
-            ends: ArcEnds::new(journal_radius, points),
+            ends: ArcEnds::new(contact.surface().journal_radius, points, wears),
             samples: Vec::new(),
-            unrolled: vec![0.0; 3 * points],
+            unrolled: vec![0.0; if wears { 6 * points } else { 3 * points }],
+            further: Vec::new(),
+            journal: wears.then(|| Journal::new(contact, points)),
         }
     }
 
     /// Replaces the history by the samples of a cycle.
     pub(crate) fn freeze(&mut self, samples: &[ContactSample]) {
         let n = self.ends.intervals();
-        let sample =
-            |s: &ContactSample| Sample { spot: Spot::new(s.e, n), penetration: s.penetration, work: s.work };
+        let sample = |s: &ContactSample| {
+            let spot = Spot::new(s.e, n);
+            let on_journal = (spot.place - s.turn * (n as f64 / TAU)).rem_euclid(n as f64);
+            // A place just below zero is rounded to a whole turn.
+            let on_journal = if on_journal < n as f64 { on_journal } else { 0.0 };
+            Sample { spot, penetration: s.penetration, work: s.work, on_journal }
+        };
         self.samples.clear();
         self.samples.extend(samples.iter().map(sample));
     }
 
-    /// Sum over the samples of work per radius, shared out over the control points: F S w_i / R `(points,)` [N].
-    pub(crate) fn shares(&mut self, profile: &Profile, shares: &mut [f64]) {
+    /// Sum over the samples of work per radius, shared out over the control points: F S w_i / R `(points,)` [N], of the bore and then
+    /// of a journal that wears, whose depths are `of_journal` [m].
+    pub(crate) fn shares(&mut self, profile: &Profile, of_journal: &[f64], shares: &mut [f64]) {
         self.ends.profile_changed(profile);
+        if let Some(journal) = &mut self.journal {
+            journal.set_depth(of_journal);
+            self.ends.journal_changed(journal.worn());
+        }
         self.unrolled.fill(0.0);
         in_widest_lanes(Sharing { arcs: self, profile });
-        let (first, rest) = self.unrolled.split_at(shares.len());
-        let (second, third) = rest.split_at(shares.len());
-        for (i, sum) in shares.iter_mut().enumerate() {
-            *sum = first[i] + second[i] + third[i];
+        let points = profile.points();
+        for (shares, turns) in shares.chunks_mut(points).zip(self.unrolled.chunks(3 * points)) {
+            let (first, rest) = turns.split_at(points);
+            let (second, third) = rest.split_at(points);
+            for (i, sum) in shares.iter_mut().enumerate() {
+                *sum = first[i] + second[i] + third[i];
+            }
         }
     }
 }
@@ -87,24 +114,68 @@ const AT_ONCE: usize = 16;
 impl InLanes for Sharing<'_> {
     #[inline(always)]
     fn run<R: Real>(self, like: R) {
-        let LocalArcs { ends, samples, unrolled } = self.arcs;
+        let LocalArcs { ends, samples, unrolled, further, journal } = self.arcs;
+        let (unrolled, of_journal) = unrolled.split_at_mut(3 * self.profile.points());
         // The offset of a turn makes truncation the floor.
         let turn = self.profile.points() as f64;
         let per_point = 1.0 / SUBDIVISION as f64;
+        let radius_of_journal = |journal: &Journal, [start, end]: [f64; 2], middle: f64| {
+            let worn = |x: f64| journal.worn().turned(x);
+            journal.unworn() - (worn(start) + 4.0 * middle + worn(end)) / 6.0
+        };
         for samples in samples.chunks(AT_ONCE) {
-            let mut arcs = [(0.0, 0.0, 0.0); AT_ONCE];
-            for (arc, Sample { spot, penetration, .. }) in arcs.iter_mut().zip(samples) {
+            let mut arcs = [(0.0, 0.0, 0.0, 0.0); AT_ONCE];
+            for (arc, sample) in arcs.iter_mut().zip(samples) {
+                let Sample { spot, penetration, work, on_journal } = sample;
                 let (interval, s) = spot.within();
                 let Radius { r, d1, .. } = self.profile.within(interval, s);
-                let (before, after) = ends.find(spot, *penetration, r, d1, like);
-                *arc = ((spot.place - before) * per_point, (spot.place + after) * per_point, r);
+                let place = *on_journal * per_point;
+                let depth = journal.as_ref().map(|journal| {
+                    let at = (place as usize).min(self.profile.points() - 1);
+                    journal.worn().within(at, place - at as f64)
+                });
+                let (radius, slope) = depth.map_or((r, d1), |depth| (r + depth.r, d1 + depth.d1));
+                let on_journal = depth.map(|_| *on_journal);
+                further.clear();
+                let patch = |from: f64, to: f64| further.push([from * per_point, to * per_point]);
+                let (before, after) = ends.find(spot, *penetration, radius, slope, on_journal, like, patch);
+                let (middle, before, after) = (spot.place * per_point, before * per_point, after * per_point);
+                let mut work = *work;
+                if !further.is_empty() {
+                    // Each patch wears as deeply as the arc: its work is in proportion to its length.
+                    let lengths = further.iter().map(|[from, to]| to - from).sum::<f64>() + (before + after);
+                    let density = work / lengths;
+                    work = density * (before + after);
+                    for [from, to] in &*further {
+                        let (start, end, between) = (middle + from, middle + to, middle + 0.5 * (from + to));
+                        let at = |x: f64| self.profile.turned(x);
+                        let mean = (at(start) + 4.0 * at(between) + at(end)) / 6.0;
+                        share_out(unrolled, turn + start..turn + end, density * (to - from) / mean);
+                        if let Some(journal) = &*journal {
+                            let ends = [place + from, place + to];
+                            let between = journal.worn().turned(place + 0.5 * (from + to));
+                            let mean = radius_of_journal(journal, ends, between);
+                            share_out(
+                                of_journal,
+                                turn + ends[0]..turn + ends[1],
+                                density * (to - from) / mean,
+                            );
+                        }
+                    }
+                }
+                if let (Some(journal), Some(depth)) = (&*journal, depth) {
+                    let ends = [place - before, place + after];
+                    let mean = radius_of_journal(journal, ends, depth.r);
+                    share_out(of_journal, turn + ends[0]..turn + ends[1], work / mean);
+                }
+                *arc = (middle - before, middle + after, r, work);
             }
-            for ((start, end, r), Sample { work, .. }) in arcs.iter_mut().zip(samples) {
+            for (start, end, r, work) in &mut arcs[..samples.len()] {
                 // Mean radius along the arc, by Simpson's rule over its angle; then work per radius in its place.
                 let mean = (self.profile.turned(*start) + 4.0 * *r + self.profile.turned(*end)) / 6.0;
                 *r = *work / mean;
             }
-            for (start, end, amount) in &arcs[..samples.len()] {
+            for (start, end, amount, _) in &arcs[..samples.len()] {
                 share_out(unrolled, turn + start..turn + end, *amount);
             }
         }

@@ -13,9 +13,9 @@ const R1: f64 = 1.5e-3;
 const COEFFICIENT: f64 = 1.288e-13;
 const WIDTH: f64 = 4e-3;
 
-/// Distance from direction `psi` to the end of the arc on the side of `sign`, by a walk over the table's
-/// angles [rad].
-fn walked(profile: &Profile, psi: f64, penetration: f64, sign: f64) -> f64 {
+/// Arc in direction `psi` and further patches on the side of `sign`, as distances from `psi` `(2,)` each, by a walk over the table's
+/// angles up to half a turn [rad].
+fn walked(profile: &Profile, psi: f64, penetration: f64, sign: f64) -> Vec<[f64; 2]> {
     let n = SUBDIVISION * profile.points();
     let spacing = TAU / n as f64;
     let at = profile.radius_at(psi);
@@ -26,25 +26,34 @@ fn walked(profile: &Profile, psi: f64, penetration: f64, sign: f64) -> f64 {
     };
     let place = psi / spacing;
     let first = if sign > 0.0 { place.floor() + 1.0 } else { place.floor() };
-    let (mut angle, mut p) = (first * spacing, beyond(first * spacing));
-    let mut phi = sign * (angle - psi);
+    let mut angle = first * spacing;
+    let (mut phi, mut p) = (sign * (angle - psi), beyond(angle));
+    let mut patches = vec![];
+    let mut start = (p > 0.0).then_some(0.0);
     if p <= 0.0 {
         // Smallest positive root of delta + slope x + q x^2 through the point found outside.
         let slope = -sign * at.d1;
         let q = (p - penetration - slope * phi) / (phi * phi);
         let root = (slope * slope - 4.0 * q * penetration).sqrt();
         let roots = [(-slope - root) / (2.0 * q), (-slope + root) / (2.0 * q)];
-        return roots.into_iter().filter(|x| *x > 0.0).fold(phi, f64::min);
+        patches.push([0.0, roots.into_iter().filter(|x| *x > 0.0).fold(phi, f64::min)]);
     }
     while phi < PI {
         angle += sign * spacing;
         let next = beyond(angle);
-        if next <= 0.0 {
-            return phi + spacing * p / (p - next);
+        let zero = phi + spacing * p / (p - next);
+        match start {
+            Some(from) if next <= 0.0 => {
+                patches.push([from, zero]);
+                start = None;
+            }
+            None if next > 0.0 => start = Some(zero),
+            _ => {}
         }
         (p, phi) = (next, phi + spacing);
     }
-    PI
+    patches.extend(start.map(|from| [from, PI]));
+    patches
 }
 
 /// Wear per cycle of these samples: (direction, penetration, work).
@@ -52,25 +61,33 @@ fn plain(profile: &Profile, samples: &[(f64, f64, f64)]) -> Vec<f64> {
     let n = profile.points();
     let mut rate = vec![0.0; n];
     for &(psi, penetration, work) in samples {
-        let [before, after] = [-1.0, 1.0].map(|sign| walked(profile, psi, penetration, sign));
-        let radius = |angle: f64| profile.radius_at(angle.rem_euclid(TAU)).r;
-        let radius_on_arc = (radius(psi - before) + 4.0 * radius(psi) + radius(psi + after)) / 6.0;
-        // Mean over the arc of each point's hat function, summed over the turns it appears in, by the antiderivative
-        // of each of its two straight sides.
-        let spacing = TAU / n as f64;
-        let rising = |from: f64, to: f64| if to > from { 0.5 * (to * to - from * from) } else { 0.0 };
-        for (i, rate) in rate.iter_mut().enumerate() {
-            let mean: f64 = (-1..=1)
-                .map(|turn| {
-                    let at = i as f64 * spacing + f64::from(turn) * TAU;
-                    let (start, end) = ((psi - before - at) / spacing, (psi + after - at) / spacing);
-                    let side = |start: f64, end: f64| {
-                        rising(1.0 + start.clamp(-1.0, 0.0), 1.0 + end.clamp(-1.0, 0.0))
-                    };
-                    (side(start, end) + side(-end, -start)) / (end - start)
-                })
-                .sum();
-            *rate += COEFFICIENT / WIDTH * work * mean / (radius_on_arc * spacing);
+        let [down, up] = [-1.0, 1.0].map(|sign| walked(profile, psi, penetration, sign));
+        // The arc in both directions, then further patches: from, middle and to.
+        let mut patches = vec![[-down[0][1], 0.0, up[0][1]]];
+        patches.extend(down[1..].iter().map(|[from, to]| [-to, -0.5 * (from + to), -from]));
+        patches.extend(up[1..].iter().map(|[from, to]| [*from, 0.5 * (from + to), *to]));
+        let length: f64 = patches.iter().map(|[from, _, to]| to - from).sum();
+        let radius = |angle: f64| profile.radius_at((psi + angle).rem_euclid(TAU)).r;
+        for [from, middle, to] in patches {
+            let mean_radius = (radius(from) + 4.0 * radius(middle) + radius(to)) / 6.0;
+            // Mean over the patch of each point's hat function, summed over the turns it appears in, by the antiderivative
+            // of each of its two straight sides.
+            let spacing = TAU / n as f64;
+            let rising = |from: f64, to: f64| if to > from { 0.5 * (to * to - from * from) } else { 0.0 };
+            for (i, rate) in rate.iter_mut().enumerate() {
+                let mean: f64 = (-1..=1)
+                    .map(|turn| {
+                        let at = i as f64 * spacing + f64::from(turn) * TAU;
+                        let (start, end) = ((psi + from - at) / spacing, (psi + to - at) / spacing);
+                        let side = |start: f64, end: f64| {
+                            rising(1.0 + start.clamp(-1.0, 0.0), 1.0 + end.clamp(-1.0, 0.0))
+                        };
+                        (side(start, end) + side(-end, -start)) / (end - start)
+                    })
+                    .sum();
+                let share = work * (to - from) / length;
+                *rate += COEFFICIENT / WIDTH * share * mean / (mean_radius * spacing);
+            }
         }
     }
     rate
@@ -100,22 +117,12 @@ fn rates_are_those_of_the_walk_over_smooth_rough_and_grooved_bores() {
     let mut even = Even(0.25);
     let (mut worst, mut compared) = (0.0_f64, 0);
     for points in [12, 36, 90] {
-        let surface = Surface {
-            journal_radius: R1,
-            clearance: CLEARANCE,
-            stiffness: 3.264e10,
-            damping: 0.0,
-            restitution: None,
-            friction: 0.0,
-            friction_speed: 2.4e-3,
-            film: 0.0,
-        };
         let mut profile = Profile::round(R1 + CLEARANCE, points);
-        let contact = Contact::LocalHertz(LocalHertz { surface });
+        let contact = contact();
         for size in [1e-7, 3e-6, 30e-6] {
             let samples: Vec<(f64, f64, f64)> =
                 (0..300).map(|_| (TAU * even.next(), 10f64.powf(-8.0 + 2.5 * even.next()), 1e-4)).collect();
-            let mut history = ContactHistory::new(1.0, samples.len());
+            let mut history = ContactHistory::new(1.0, samples.len(), false);
             for &(psi, penetration, work) in &samples {
                 let u = [psi.cos(), psi.sin()];
                 let force = JointForce {
@@ -150,6 +157,21 @@ fn rates_are_those_of_the_walk_over_smooth_rough_and_grooved_bores() {
     assert!(worst < 1e-9, "{worst:e}");
 }
 
+/// The law `local-hertz` of these radii.
+fn contact() -> Contact {
+    let surface = Surface {
+        journal_radius: R1,
+        clearance: CLEARANCE,
+        stiffness: 3.264e10,
+        damping: 0.0,
+        restitution: None,
+        friction: 0.0,
+        friction_speed: 2.4e-3,
+        film: 0.0,
+    };
+    Contact::LocalHertz(LocalHertz { surface })
+}
+
 /// One sample with work 1 N m whose arc has the half angle `half` [rad] on a round bore, in direction `psi`.
 fn single(psi: f64, half: f64) -> ContactSample {
     // p(phi) = 0 on the round bore: delta + e (cos - 1) - e^2 sin^2 / (2 R1) = 0 with e = delta + c.
@@ -168,6 +190,7 @@ fn single(psi: f64, half: f64) -> ContactSample {
         penetration: low,
         force: [1.0, 0.0],
         work: 1.0,
+        turn: 0.0,
     }
 }
 
@@ -186,10 +209,10 @@ fn every_arc_wears_the_volume_of_archard_wherever_it_lies() {
             for degrees in [1.0, 2.0, 5.0, 8.2, 10.0, 20.0, 40.0, 60.0_f64] {
                 for step in 0..97 {
                     let psi = (f64::from(step) * 0.31_f64).to_radians();
-                    let mut arcs = LocalArcs::new(R1, points);
+                    let mut arcs = LocalArcs::new(&contact(), points, false);
                     arcs.freeze(&[single(psi, 0.5 * degrees.to_radians())]);
                     let mut shares = vec![0.0; points];
-                    arcs.shares(&profile, &mut shares);
+                    arcs.shares(&profile, &[], &mut shares);
                     // Volume over K: each point's depth, F S w / (R spacing L), times its cell R spacing L.
                     let radius = |k: usize| profile.radius_at(TAU * k as f64 / points as f64).r;
                     let volume: f64 = shares.iter().enumerate().map(|(k, q)| q * radius(k)).sum();
@@ -203,14 +226,45 @@ fn every_arc_wears_the_volume_of_archard_wherever_it_lies() {
 }
 
 #[test]
+fn a_groove_that_splits_an_arc_changes_its_wear_without_a_jump() {
+    // The groove lies inside the arc: as it deepens, the circle is beyond the bore in front of it and behind it, and no longer in it.
+    let points = 36;
+    let wear = |depth: f64| {
+        let mut profile = Profile::round(R1 + CLEARANCE, points);
+        let mut depths = vec![0.0; points];
+        depths[11] = depth;
+        profile.set_depth(&depths);
+        let mut arcs = LocalArcs::new(&contact(), points, false);
+        arcs.freeze(&[single(TAU * 9.0 / points as f64, 0.6)]);
+        let mut shares = vec![0.0; points];
+        arcs.shares(&profile, &[], &mut shares);
+        shares
+    };
+    let steps = 4000;
+    let (mut largest, mut total) = (0.0_f64, 0.0_f64);
+    let mut before = wear(0.0);
+    for step in 1..=steps {
+        let now = wear(10e-6 * f64::from(step) / f64::from(steps));
+        let change =
+            now.iter().zip(&before).map(|(a, b)| (a - b).abs()).sum::<f64>() / now.iter().sum::<f64>();
+        (largest, total) = (largest.max(change), total + change);
+        before = now;
+    }
+    println!("largest change of one of {steps} steps {largest:e}, of all {total}");
+    assert!(total > 0.1, "the groove must matter: {total}");
+    assert!(largest < 0.01 * total, "{largest:e} of {total}");
+}
+
+#[test]
 fn what_is_outside_every_arc_does_not_wear_at_all() {
     let points = 36;
     let profile = Profile::round(R1 + CLEARANCE, points);
-    let mut arcs = LocalArcs::new(R1, points);
-    let sample = ContactSample { e: [0.0, -CLEARANCE], penetration: 1e-7, force: [0.0; 2], work: 1.0 };
+    let mut arcs = LocalArcs::new(&contact(), points, false);
+    let sample =
+        ContactSample { e: [0.0, -CLEARANCE], penetration: 1e-7, force: [0.0; 2], work: 1.0, turn: 0.0 };
     arcs.freeze(&[sample]);
     let mut shares = vec![1.0; points];
-    arcs.shares(&profile, &mut shares);
+    arcs.shares(&profile, &[], &mut shares);
     // Half angle sqrt(2 delta / c) of 5.3 deg: the point in the middle and its neighbours, 10 deg away.
     let worn: Vec<usize> = (0..points).filter(|&i| shares[i] != 0.0).collect();
     assert_eq!(worn, [26, 27, 28], "{shares:?}");

@@ -1,11 +1,12 @@
-//! Wear of a bore: Archard's law over the contact history of a cycle, and the wear step over a block of
+//! Wear of a bore, and of the journal in it: Archard's law over the contact history of a cycle, and the wear step over a block of
 //! cycles.
 //!
 //! Order of use: `interval` and `history` record contact samples; `archard` turns them into a wear rate on the present
 //! profile, for `local-hertz` by `local_arcs` and `arc_ends`, for `foundation` by `condense`, `conformal` and
 //! `equilibrium`; `step` integrates that rate over a block; `finer_bore`
-//! shows what the spacing of the control points costs.
+//! shows what the spacing of the control points costs, `amounts` what the depths come to.
 
+mod amounts;
 mod arc_ends;
 mod archard;
 mod condense;
@@ -16,6 +17,8 @@ mod equilibrium_tests;
 mod finer_bore;
 mod history;
 mod interval;
+#[cfg(test)]
+mod journal_tests;
 mod local_arcs;
 #[cfg(test)]
 mod local_arcs_tests;
@@ -27,6 +30,7 @@ mod step_tests;
 #[cfg(test)]
 mod volume_tests;
 
+pub(crate) use amounts::{WornAmounts, wear_output};
 pub(crate) use archard::WearRate;
 pub(crate) use finer_bore::FinerBore;
 pub(crate) use history::ContactHistory;

@@ -2,7 +2,7 @@
 //! at random.
 
 use super::step_tests::{COEFFICIENT, POINTS, SURFACE, WIDTH};
-use super::{ContactHistory, ContactInstant, FinerBore, WearRate, WearStep, WearStepStats};
+use super::{ContactHistory, ContactInstant, FinerBore, WearRate, WearStep, WearStepStats, WornAmounts};
 use crate::bore::Profile;
 use crate::contact::{Contact, Foundation, JointForce, LocalHertz};
 use crate::extremum::largest;
@@ -59,7 +59,7 @@ fn cases(seed: u64, count: usize) -> Vec<Case> {
 
 /// History of a cycle at the life `life` [1], counted in blocks.
 fn history(case: &Case, life: f64) -> ContactHistory {
-    let mut history = ContactHistory::new(1.0, SAMPLES);
+    let mut history = ContactHistory::new(1.0, SAMPLES, false);
     let middle = case.direction + case.drift * life / LIFE;
     for k in 0..SAMPLES {
         let phase = (TAU * k as f64 / SAMPLES as f64).sin();
@@ -90,20 +90,20 @@ fn worn(law: &str, case: &Case, points: usize) -> (Vec<f64>, Vec<f64>) {
     let mut step = WearStep::new(points, case.tolerance);
     let mut copy = FinerBore::new(COEFFICIENT, WIDTH, &contact, &profile, case.tolerance);
     let mut depth = vec![0.0; points];
-    let (mut depths, mut stated, mut deepest) = (vec![], vec![], 0.0);
+    let (mut depths, mut stated, mut amounts) = (vec![], vec![], WornAmounts::default());
     for block in ENDS.windows(2) {
         let history = history(case, block[0]);
         let cycles = case.block * (block[1] - block[0]);
-        copy.advance(&history, cycles, deepest);
-        stated.push(copy.error());
+        copy.advance(&history, cycles, amounts);
+        stated.push(copy.errors().depths[0]);
         rate.freeze(&history);
         step.advance(&mut rate, &mut depth, cycles, &[], |_, _| {}, &mut WearStepStats::default())
             .unwrap_or_else(|failed| panic!("{points} points: {failed:?}"));
-        deepest = largest(depth.iter().copied());
-        depths.push(deepest);
+        amounts = rate.sizes().amounts(&depth);
+        depths.push(amounts.depths[0]);
     }
-    copy.advance(&history(case, LIFE), 0.0, deepest);
-    stated.push(copy.error());
+    copy.advance(&history(case, LIFE), 0.0, amounts);
+    stated.push(copy.errors().depths[0]);
     stated.remove(0);
     (depths, stated)
 }

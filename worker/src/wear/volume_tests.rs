@@ -1,10 +1,9 @@
 //! Archard's volume K_H F S and the wear step, under contact histories made for the purpose.
 
 use super::step_tests::{COEFFICIENT, POINTS, SURFACE, WIDTH, foundation};
-use super::{ContactHistory, ContactInstant, FinerBore, WearRate, WearStep, WearStepStats};
+use super::{ContactHistory, ContactInstant, FinerBore, WearRate, WearStep, WearStepStats, WornAmounts};
 use crate::bore::Profile;
 use crate::contact::{Contact, Foundation, JointForce, LocalHertz};
-use crate::extremum::largest;
 use std::f64::consts::TAU;
 
 /// Normal force [N] and sliding distance per cycle [m], those of the flapping-wing's joints.
@@ -26,7 +25,7 @@ fn foundation_of(points: usize) -> Contact {
 /// A history with the same force and sliding in each of these directions, the work of a cycle shared between
 /// them.
 fn history(directions: &[f64]) -> ContactHistory {
-    let mut history = ContactHistory::new(1.0, directions.len());
+    let mut history = ContactHistory::new(1.0, directions.len(), false);
     let penetration = (FORCE / SURFACE.stiffness).powf(2.0 / 3.0);
     for psi in directions {
         let u = [psi.cos(), psi.sin()];
@@ -193,15 +192,15 @@ fn scar(contact: &Contact, history: &ContactHistory, points: usize) -> (f64, f64
     rate.freeze(history);
     let mut step = WearStep::new(points, 5e-3);
     let mut copy = FinerBore::new(COEFFICIENT, WIDTH, contact, &profile, 5e-3);
-    let (mut depth, mut deepest) = (vec![0.0; points], 0.0);
+    let (mut depth, mut worn) = (vec![0.0; points], WornAmounts::default());
     for _ in 0..8 {
         step.advance(&mut rate, &mut depth, 250.0, &[], |_, _| {}, &mut WearStepStats::default())
             .unwrap_or_else(|failed| panic!("{points} points: {failed:?}"));
-        copy.advance(history, 250.0, deepest);
-        deepest = largest(depth.iter().copied());
+        copy.advance(history, 250.0, worn);
+        worn = rate.sizes().amounts(&depth);
     }
-    copy.advance(history, 0.0, deepest);
-    (deepest, copy.error())
+    copy.advance(history, 0.0, worn);
+    (worn.depths[0], copy.errors().depths[0])
 }
 
 #[test]

@@ -4,15 +4,15 @@ use common::scene::{Scene, SceneSource};
 use std::f64::consts::TAU;
 use worker::simulate::{SimulateOptions, simulate};
 
-const JOURNAL: f64 = 9.95e-3;
-const BORE: f64 = 10e-3;
-const WIDTH: f64 = 20e-3;
-const COEFFICIENT: f64 = 1e-13;
-const CYCLES: f64 = 1000.0;
-const WEIGHT: f64 = 9.81;
+pub const JOURNAL: f64 = 9.95e-3;
+pub const BORE: f64 = 10e-3;
+pub const WIDTH: f64 = 20e-3;
+pub const COEFFICIENT: f64 = 1e-13;
+pub const CYCLES: f64 = 1000.0;
+pub const WEIGHT: f64 = 9.81;
 
 /// A block of 1 kg on a shaft of 300 r/min, pulled in direction `degrees`.
-fn hung(degrees: f64, law: &str, points: usize) -> Scene {
+pub fn hung(degrees: f64, law: &str, points: usize) -> Scene {
     let (y, x) = degrees.to_radians().sin_cos();
     let text = format!(
         r#"gravity = ["{:.9} m/s^2", "{:.9} m/s^2"]

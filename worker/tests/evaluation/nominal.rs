@@ -131,3 +131,13 @@ fn tighter_steps_and_smaller_blocks_change_little() {
     assert!(early < 0.01, "gamma to 60 000: {early}");
     assert!(all < 0.03, "gamma {all}");
 }
+
+#[test]
+fn issue_the_wear_of_a_whole_life_missed_tolerances_below_3e_4() {
+    let [usual, tight] = [Accuracy::draft().wear_tolerance, 1e-4]
+        .map(|wear_tolerance| evaluate(&Accuracy { wear_tolerance, ..Accuracy::draft() }));
+    let (a, b) = (at(&usual, WEAR, 72_000), at(&tight, WEAR, 72_000));
+    let stated = usual.errors[WEAR].last().expect("checkpoints");
+    println!("{a:e} and {b:e}, stated {stated:e}");
+    assert!((a - b).abs() < *stated, "{a:e} and {b:e}, stated {stated:e}");
+}

@@ -4,7 +4,7 @@ use crate::scenes::{RPM, every_joint, short};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
-use common::scene::{ContactLaw, IdealFriction, JointKind, Scene};
+use common::scene::{ContactLaw, IdealFriction, JointKind, Scene, WearingSurfaces};
 use worker::simulate::{LaneWidth, SimulateOptions, SimulationInput, simulate, simulate_side_by_side};
 
 type Outcome = Result<Evaluation, SimulationFailure>;
@@ -40,6 +40,10 @@ fn mixed() -> Vec<SimulationInput> {
         every_joint(&mut scene, |joint| joint.contact_law = ContactLaw::Foundation);
         scene
     };
+    let both = |mut scene: Scene| {
+        every_joint(&mut scene, |joint| joint.wears = WearingSurfaces::Both);
+        scene
+    };
     // Ideal joints, and contacts with memory under both laws, on motions that do not repeat.
     let rattling = short("slider-crank", &[], 1000);
     let mut rattling_founded = rattling.clone();
@@ -67,6 +71,10 @@ fn mixed() -> Vec<SimulationInput> {
         input(short("flapping-wing-tolerances", &[], 1000), Accuracy::draft(), PLAIN),
         input(founded(("friction", 0.03)), Accuracy::draft(), PLAIN),
         input(founded(("bushing_radius_2", 1.5237e-3)), Accuracy::balanced(), SHOWN),
+        input(both(wing(("friction", 0.03))), Accuracy::draft(), PLAIN),
+        input(both(founded(("friction", 0.03))), Accuracy::draft(), SHOWN),
+        input(both(rattling.clone()), Accuracy::draft(), PLAIN),
+        input(both(rattling_founded.clone()), Accuracy::draft(), PLAIN),
         input(rattling, Accuracy::draft(), SHOWN),
         input(rattling_founded, Accuracy::draft(), PLAIN),
         input(short("andrews-squeezer", &[], 1), Accuracy::draft(), PLAIN),
@@ -80,7 +88,7 @@ fn an_evaluation_does_not_depend_on_those_next_to_it() {
     let inputs = mixed();
     let alone: Vec<Outcome> = inputs.iter().map(|o| simulate(&o.scene, &o.accuracy, o.options)).collect();
     assert!(matches!(alone[4], Err(SimulationFailure::TooManySteps { .. })), "{:?}", alone[4]);
-    assert_eq!(alone.iter().filter(|outcome| outcome.is_ok()).count(), 12);
+    assert_eq!(alone.iter().filter(|outcome| outcome.is_ok()).count(), 16);
     let mut inputs: Vec<_> = inputs.into_iter().map(Ok).collect();
     assert_eq!(together(LaneWidth::Widest, 8, &inputs), alone);
     // In another order and next to other evaluations.

@@ -51,6 +51,7 @@ fn stand_in(scene: &Scene, request: &Request) -> Result<Evaluation, SimulationFa
         name: joint.name.clone(),
         peak_force: 20.0 + 1000.0 * width,
         wear_depth: (0..36).map(bore).collect(),
+        journal_wear_depth: Vec::new(),
     };
     Ok(Evaluation {
         histories: vec![history, vec![1.0; cycles.len()]],

@@ -11,7 +11,12 @@ fn bores_are_kept_of_evaluations_with_their_first_cycle() {
     let mut file = CampaignFile::create(dir.path(), &meta(), &scene()).unwrap();
     for id in [0, 1] {
         let mut worn = finished(id);
-        let bore = JointSummary { name: "1".into(), peak_force: 3.0, wear_depth: vec![1e-5; 36] };
+        let bore = JointSummary {
+            name: "1".into(),
+            peak_force: 3.0,
+            wear_depth: vec![1e-5; 36],
+            journal_wear_depth: Vec::new(),
+        };
         worn.outcome.as_mut().unwrap().joints = vec![bore];
         file.record(&request(id), &worn).unwrap();
     }

@@ -77,7 +77,8 @@ pub(super) fn finished(id: u64) -> Finished {
         wear_depth: vec![vec![x.clone()], vec![vec![0.1 + 0.2]]],
         last_cycle: Some(cycle),
     });
-    let bore = JointSummary { name: "1".into(), peak_force: 0.1 + 0.2, wear_depth: x.clone() };
+    let (name, wear_depth) = ("1".into(), x.clone());
+    let bore = JointSummary { name, peak_force: 0.1 + 0.2, journal_wear_depth: x.clone(), wear_depth };
     let evaluation = Evaluation {
         worn,
         cycles: vec![1000, 2000],
@@ -104,10 +105,8 @@ pub(super) fn record(file: &mut CampaignFile, ids: impl Iterator<Item = u64>) {
 
 /// Equal to the last bit, NaN and the sign of zero included.
 fn assert_same_bits(left: &Finished, right: &Finished) {
-    assert_eq!(
-        exact::outcome_to_bytes(&left.outcome).unwrap(),
-        exact::outcome_to_bytes(&right.outcome).unwrap()
-    );
+    let bytes = |finished: &Finished| exact::outcome_to_bytes(&finished.outcome).unwrap();
+    assert_eq!(bytes(left), bytes(right));
     assert_eq!(format!("{left:?}"), format!("{right:?}"));
 }
 

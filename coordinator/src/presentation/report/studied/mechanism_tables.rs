@@ -8,6 +8,7 @@ use crate::presentation::report::tables::{table, table_of_text};
 use crate::presentation::report::written::WrittenScene;
 use common::scene::{
     Attachment, Clearance, ContactDamping, Drive, Joint, JointKind, Material, Motion, RestitutionLaw, Scene,
+    WearingSurfaces,
 };
 use maud::{Markup, Render, html};
 
@@ -210,13 +211,22 @@ fn hinges(scene: &Scene, written: &WrittenScene) -> Markup {
         let wall = clearance
             .wall
             .map_or(String::new(), |wall| format!("; wall {}", texts.value(&key("wall"), wall, "mm")));
+        let wear = texts.value(&key("wear_coefficient"), clearance.wear_coefficient, "1/Pa");
+        let wear = match (clearance.wears, clearance.journal_wear_coefficient) {
+            (WearingSurfaces::Bushing, _) => wear,
+            (WearingSurfaces::Journal, _) => format!("{wear} (journal)"),
+            (WearingSurfaces::Both, None) => format!("{wear} (both surfaces)"),
+            (WearingSurfaces::Both, Some(journal)) => {
+                format!("{wear}; journal {}", texts.value(&key("journal_wear_coefficient"), journal, "1/Pa"))
+            }
+        };
         cells([
             name.to_owned(),
             texts.value(&key("journal_radius"), clearance.journal_radius, "mm"),
             following(radial.replace("um", "µm"), !by_clearance),
             following(radius, by_clearance),
             texts.value(&key("width"), clearance.width, "mm"),
-            texts.value(&key("wear_coefficient"), clearance.wear_coefficient, "1/Pa"),
+            wear,
             texts.number(&key("friction"), clearance.friction),
             texts.value(&key("friction_speed"), clearance.friction_speed, "mm/s"),
             texts.value(&key("film_damping"), clearance.film_damping, "N s/m"),

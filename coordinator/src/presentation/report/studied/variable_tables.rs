@@ -124,6 +124,7 @@ fn subject(scene: &Scene, written: &WrittenScene, output: &Output) -> String {
     };
     match &output.kind {
         OutputKind::LargestWear { joints: of }
+        | OutputKind::Wear { joints: of, .. }
         | OutputKind::PeakJointForce { joints: of }
         | OutputKind::Impacts { joints: of }
         | OutputKind::ImpactEnergy { joints: of, .. } => joints(of),

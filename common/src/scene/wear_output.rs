@@ -1,0 +1,60 @@
+//! Quantities of the wear of joints that an evaluation returns.
+
+use super::joint::WearingSurfaces;
+use super::output_unit::OutputUnit;
+use serde::{Deserialize, Serialize};
+
+/// A quantity of the wear of one or more joints.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum WearQuantity {
+    /// Largest wear depth of either surface of any of the joints [m].
+    LargestDepth,
+    /// Largest wear depth of a bushing [m].
+    BushingDepth,
+    /// Largest wear depth of a journal [m].
+    JournalDepth,
+    /// Growth of the radial clearance of the joint where it grows most: the sum of the largest depths of its bushing and its journal,
+    /// which is the largest growth of the gap over all places and relative angles [m].
+    ClearanceGrowth,
+    /// Volume worn from both surfaces of all joints [m^3].
+    Volume,
+}
+
+impl WearQuantity {
+    /// Unit of the values.
+    pub fn unit(self) -> OutputUnit {
+        match self {
+            Self::Volume => OutputUnit::Volume,
+            _ => OutputUnit::Length,
+        }
+    }
+
+    /// The quantity in words.
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::LargestDepth => "largest wear depth",
+            Self::BushingDepth => "largest wear depth of the bushing",
+            Self::JournalDepth => "largest wear depth of the journal",
+            Self::ClearanceGrowth => "growth of the radial clearance",
+            Self::Volume => "worn volume",
+        }
+    }
+
+    /// True if it is not zero by definition for a joint of which these surfaces wear.
+    pub(super) fn is_of(self, wears: WearingSurfaces) -> bool {
+        match self {
+            Self::BushingDepth => wears != WearingSurfaces::Journal,
+            Self::JournalDepth => wears != WearingSurfaces::Bushing,
+            _ => true,
+        }
+    }
+
+    /// The surface that must wear, in words.
+    pub(super) fn surface(self) -> &'static str {
+        match self {
+            Self::BushingDepth => "a bushing",
+            Self::JournalDepth => "a journal",
+            _ => "a joint",
+        }
+    }
+}

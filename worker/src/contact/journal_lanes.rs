@@ -1,0 +1,118 @@
+//! Tabulated bores with a worn journal in each, one pair per lane.
+//!
+//! As in `law_lanes.rs` the arcs of contact are summed lane by lane, each in loops over its own bore.
+//!
+//! # Source
+//! The law: see `foundation_journal.rs`.
+
+// Compiled into the loops of the lanes, where closures of iterators are not: plain loops.
+#![allow(clippy::needless_range_loop)]
+
+use super::arc::Arc;
+use super::foundation_journal::JournalInArc;
+use super::integrals::Integrals;
+use super::journal::{Journal, worn_radius};
+use super::journal_table::JournalTable;
+use super::turned_arc::{TurnedArc, TurnedIntegrals};
+use crate::bore::{Bore, Bores, Radius};
+use crate::lanes::Real;
+
+/// Bores with a worn journal in each, one pair per lane.
+#[derive(Debug, Clone)]
+pub struct JournalLanes<R> {
+    /// Tabulated bore and journal of each lane `(lanes,)`.
+    pairs: Vec<(Arc, JournalTable)>,
+    /// Unworn radius of the journals [m], and their depths.
+    radius: R,
+    depths: Bores,
+}
+
+impl<R: Real> JournalLanes<R> {
+    /// This tabulated bore and journal in every lane; `journal` has the unworn radius `radius` [m].
+    pub(super) fn new((arc, table): (&Arc, &JournalTable), journal: &Journal, radius: R) -> Self {
+        let pair = (arc.clone(), table.clone());
+        JournalLanes { pairs: vec![pair; R::LANES], radius, depths: Bores::new(journal.worn(), R::LANES) }
+    }
+
+    /// Replaces a lane by this bore and this journal of unworn radius `radius` [m].
+    pub(super) fn set(&mut self, lane: usize, arc: &Arc, journal: &Journal, radius: f64) {
+        let (to_arc, to_table) = &mut self.pairs[lane];
+        to_arc.clone_from(arc);
+        if let Some(table) = journal.table() {
+            to_table.clone_from(table);
+        }
+        self.radius.set_lane(lane, radius);
+        self.depths.set(lane, journal.worn());
+    }
+
+    /// Leaves a lane idle: its bore takes no time until [`Self::set`] replaces it.
+    pub(super) fn leave_idle(&mut self, lane: usize) {
+        self.pairs[lane].0 = Arc::out_of_reach();
+    }
+}
+
+impl<R: Real> JournalInArc<R> for JournalLanes<R> {
+    #[inline(always)]
+    fn integrate(&self, e: [R; 2], alpha: R) -> TurnedIntegrals<R> {
+        let nothing = alpha.zero();
+        let mut all = TurnedIntegrals {
+            to_e: Integrals { v: nothing, p: [nothing; 2], d: [nothing; 3] },
+            t: nothing,
+            et: [nothing; 2],
+            tt: nothing,
+        };
+        for lane in 0..R::LANES {
+            let (arc, journal) = &self.pairs[lane];
+            let one =
+                TurnedArc { arc, journal }.integrate([e[0].lane(lane), e[1].lane(lane)], alpha.lane(lane));
+            all.to_e.v.set_lane(lane, one.to_e.v);
+            all.t.set_lane(lane, one.t);
+            all.tt.set_lane(lane, one.tt);
+            for k in 0..2 {
+                all.to_e.p[k].set_lane(lane, one.to_e.p[k]);
+                all.et[k].set_lane(lane, one.et[k]);
+            }
+            for k in 0..3 {
+                all.to_e.d[k].set_lane(lane, one.to_e.d[k]);
+            }
+        }
+        all
+    }
+
+    #[inline(always)]
+    fn free_penetration(&self, e: [R; 2], alpha: R, touches: R) -> R {
+        let mut out = alpha.zero();
+        for lane in 0..R::LANES {
+            if touches.lane(lane) <= 0.0 {
+                let (arc, journal) = &self.pairs[lane];
+                let at = [e[0].lane(lane), e[1].lane(lane)];
+                out.set_lane(lane, TurnedArc { arc, journal }.free_penetration(at, alpha.lane(lane)));
+            }
+        }
+        out
+    }
+
+    #[inline(always)]
+    fn nearest_free(&self, e: [R; 2], alpha: R, penetration: R) -> ([R; 2], R) {
+        let nothing = alpha.zero();
+        let (mut direction, mut to_alpha) = ([nothing; 2], nothing);
+        for lane in 0..R::LANES {
+            let (arc, journal) = &self.pairs[lane];
+            // An idle lane has no bore.
+            if penetration.lane(lane) > 0.0 || arc.intervals() == 0 {
+                continue;
+            }
+            let at = [e[0].lane(lane), e[1].lane(lane)];
+            let (one, slope) = TurnedArc { arc, journal }.nearest(at, alpha.lane(lane));
+            direction[0].set_lane(lane, one[0]);
+            direction[1].set_lane(lane, one[1]);
+            to_alpha.set_lane(lane, slope);
+        }
+        (direction, to_alpha)
+    }
+
+    #[inline(always)]
+    fn journal(&self, chi: R) -> Radius<R> {
+        worn_radius(self.radius, self.depths.radius_at(chi))
+    }
+}

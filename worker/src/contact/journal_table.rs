@@ -1,0 +1,171 @@
+//! Wear depth of a journal at the angles of an elastic foundation, whatever the angle by which it is turned.
+//!
+//! The foundation is tabulated at the angles psi_k = k s in the bushing's frame, of which a whole number lies
+//! between two control points. A journal turned by alpha has there the depth h(psi_k - alpha) [m]. The
+//! fraction f of -alpha / s is the same for all angles: with the base index b = floor(-alpha / s) the depth at
+//! psi_k is the cubic number b + k of the table at f, a + f (b + f (c + f d)). The depth in the table is h -
+//! h'' s^2 / 12, as that of the bore (`arc.rs`), by the spline through the values of that at the control
+//! points: it stays twice continuously differentiable in alpha.
+//!
+//! # Source
+//! Derived here.
+
+// Compiled into the loops of the lanes, where closures of iterators are not: plain loops.
+#![allow(clippy::needless_range_loop)]
+
+use super::stretch::STRETCH;
+use crate::bore::Profile;
+use crate::interpolate::Cubic;
+use std::f64::consts::TAU;
+
+/// Tabulated depth of one journal.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JournalTable {
+    /// Number of table intervals n of a turn.
+    intervals: usize,
+    /// Spline through h - h'' s^2 / 12 at the control points.
+    chords: Profile,
+    /// Coefficients of the cubics in the fraction of a table interval, over two turns and a stretch more
+    /// `(2 n + STRETCH + 1,)` each [m].
+    cubic: [Vec<f64>; 4],
+    /// Lower bound of the depth over each [`STRETCH`] table intervals [m].
+    least: Vec<f64>,
+}
+
+/// Place of a turned journal on the foundation.
+#[derive(Debug, Clone, Copy)]
+pub struct Turned {
+    /// Table interval of the journal at the angle zero of the foundation, and the fraction there.
+    base: usize,
+    fraction: f64,
+}
+
+/// Depth at neighbouring angles of the foundation, with its derivatives to the angle alpha of the journal.
+#[derive(Debug, Clone, Copy)]
+pub struct TurnedDepth<const N: usize> {
+    /// Depth `(N,)` [m].
+    pub depth: [f64; N],
+    /// First derivative `(N,)` [m/rad].
+    pub d1: [f64; N],
+    /// Second derivative `(N,)` [m/rad^2].
+    pub d2: [f64; N],
+}
+
+impl JournalTable {
+    /// An unworn journal with `points` control points, on a foundation of `intervals` intervals, a multiple
+    /// of the points.
+    pub(super) fn new(points: usize, intervals: usize) -> Self {
+        let length = 2 * intervals + STRETCH + 1;
+        JournalTable {
+            intervals,
+            chords: Profile::round(0.0, points),
+            cubic: std::array::from_fn(|_| vec![0.0; length]),
+            least: vec![0.0; length.div_ceil(STRETCH)],
+        }
+    }
+
+    /// Tabulates a changed depth, the radius of the profile `worn`.
+    pub(super) fn tabulate(&mut self, worn: &Profile) {
+        let points = worn.points();
+        let sub = self.intervals / points;
+        self.chords.set_depth(&worn.chord_depth(sub));
+        let step = 1.0 / sub as f64;
+        for j in 0..self.cubic[0].len() {
+            let within = j % self.intervals;
+            let (cubic, o) = (Cubic(self.chords.cubic(within / sub)), (within % sub) as f64 * step);
+            let values = [
+                cubic.value(o),
+                cubic.slope(o) * step,
+                0.5 * cubic.curvature(o) * step * step,
+                cubic.0[3] * step * step * step,
+            ];
+            for (to, value) in self.cubic.iter_mut().zip(values) {
+                to[j] = value;
+            }
+        }
+        // Least of the Bezier coefficients of a cubic, a lower bound of its values.
+        let [a, b, c, d] = &self.cubic;
+        let bound = |j: usize| {
+            a[j].min(a[j] + b[j] / 3.0).min(a[j] + (2.0 * b[j] + c[j]) / 3.0).min(a[j] + b[j] + c[j] + d[j])
+        };
+        for (block, least) in self.least.iter_mut().enumerate() {
+            let last = (block * STRETCH + STRETCH).min(a.len());
+            *least = (block * STRETCH..last).map(bound).fold(f64::INFINITY, f64::min);
+        }
+    }
+
+    /// Place of the journal turned by `alpha` [rad].
+    #[inline(always)]
+    pub(super) fn turned(&self, alpha: f64) -> Turned {
+        let n = self.intervals as f64;
+        let place = (-alpha * (n / TAU)).rem_euclid(n);
+        // A place just below zero is rounded to a whole turn.
+        let place = if place < n { place } else { 0.0 };
+        let base = place as usize;
+        Turned { base, fraction: place - base as f64 }
+    }
+
+    /// Lower bound of the depth over the stretch that begins at the angle `first` of the foundation [m].
+    #[inline(always)]
+    pub(super) fn least(&self, at: Turned, first: usize) -> f64 {
+        let block = (at.base + first) / STRETCH;
+        self.least[block].min(self.least[block + 1])
+    }
+
+    /// Depth at `N` angles of the foundation from the angle `first` on, at most the turn and a stretch.
+    #[inline(always)]
+    pub(super) fn depths<const N: usize>(&self, at: Turned, first: usize) -> TurnedDepth<N> {
+        let from = at.base + first;
+        let [a, b, c, d] = [0, 1, 2, 3].map(|k| &self.cubic[k][from..from + N]);
+        let f = at.fraction;
+        let per_angle = self.intervals as f64 / TAU;
+        let mut out = TurnedDepth { depth: [0.0; N], d1: [0.0; N], d2: [0.0; N] };
+        for i in 0..N {
+            let fd = f * d[i];
+            out.depth[i] = a[i] + f * (b[i] + f * (c[i] + fd));
+            out.d1[i] = -per_angle * (b[i] + f * (2.0 * c[i] + 3.0 * fd));
+            out.d2[i] = per_angle * per_angle * (2.0 * c[i] + 6.0 * fd);
+        }
+        out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_turned_journal_has_its_depth_at_the_angles_of_the_foundation() {
+        let (points, intervals) = (36, 720);
+        let mut worn = Profile::round(0.0, points);
+        let depth: Vec<f64> =
+            (0..points).map(|i| 4e-6 * (1.0 + (TAU * i as f64 / points as f64).cos()).powi(2)).collect();
+        worn.set_depth(&depth);
+        let mut table = JournalTable::new(points, intervals);
+        table.tabulate(&worn);
+        let spacing = TAU / intervals as f64;
+        let chord = |psi: f64| {
+            let at = worn.radius_at(psi.rem_euclid(TAU));
+            at.r - at.d2 * spacing * spacing / 12.0
+        };
+        for alpha in [0.0, 0.3, -2.0, 3.1, 40.0 * TAU + 1.0, -1e-18] {
+            let at = table.turned(alpha);
+            for first in [0, 16, 352, 704] {
+                let found = table.depths::<17>(at, first);
+                let least = table.least(at, first);
+                for i in 0..17 {
+                    let psi = (first + i) as f64 * spacing;
+                    // The correction is that of the control points, interpolated.
+                    assert!((found.depth[i] - chord(psi - alpha)).abs() < 2e-12, "{alpha}, {psi}");
+                    assert!(found.depth[i] >= least);
+                    let h = 1e-4;
+                    let [after, before] = [h, -h].map(|h| table.depths::<17>(table.turned(alpha + h), first));
+                    let slope = (after.depth[i] - before.depth[i]) / (2.0 * h);
+                    let bend = (after.d1[i] - before.d1[i]) / (2.0 * h);
+                    assert!((found.d1[i] - slope).abs() < 1e-11, "{alpha}: {} against {slope}", found.d1[i]);
+                    assert!((found.d2[i] - bend).abs() < 1e-7, "{alpha}: {} against {bend}", found.d2[i]);
+                }
+            }
+        }
+    }
+}

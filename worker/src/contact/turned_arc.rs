@@ -1,0 +1,237 @@
+//! Integrals of the gap function over the arc in contact, on a tabulated bore in which a worn journal turns.
+//!
+//! g(psi) = e.u(psi) + R1 - R(psi) - h(psi - alpha) [m], with the eccentricity e [m], the unit vector u at the
+//! angle psi, the unworn radius R1 of the journal, the worn bore R, the wear depth h of the journal and the
+//! angle alpha [rad] of the journal's body from that of the bushing. V = integral of g^2 / 2 over g > 0 [m^2
+//! rad], with g piecewise linear between the angles of the table, is a function of e and alpha; all
+//! derivatives are exact. Which intervals touch is found stretch by stretch as for the bore alone
+//! (`stretch.rs`), less the least depth of the journal there; they are then evaluated one by one, without
+//! branches, since the coefficients of an interval change with alpha.
+//!
+//! # Source
+//! Derived here, for the Winkler foundation of `foundation.rs` (Winkler 1867; Johnson 1985).
+
+// Compiled into the loops of the lanes, where closures of iterators are not: plain loops.
+#![allow(clippy::needless_range_loop)]
+
+use super::arc::Arc;
+use super::integrals::Integrals;
+use super::journal_table::{JournalTable, Turned};
+use super::stretch::{GROUP, STRETCH, Stretch};
+use crate::plane::{dot, length};
+use std::f64::consts::TAU;
+
+/// Angles at which the intervals of a stretch begin or end.
+const ANGLES: usize = STRETCH + 1;
+
+/// Integrals over the arc in contact with a turned journal.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct TurnedIntegrals<R = f64> {
+    /// V and its derivatives to e.
+    pub to_e: Integrals<R>,
+    /// dV/dalpha: minus the integral of g dh/dalpha [m^2].
+    pub t: R,
+    /// d2V/(de dalpha) `(2,)` [m].
+    pub et: [R; 2],
+    /// d2V/dalpha2 [m^2/rad].
+    pub tt: R,
+}
+
+/// A tabulated bore with a worn journal in it.
+#[derive(Debug, Clone, Copy)]
+pub struct TurnedArc<'a> {
+    /// The bore.
+    pub arc: &'a Arc,
+    /// The journal.
+    pub journal: &'a JournalTable,
+}
+
+/// Gaps at the angles of a stretch, with their derivatives to alpha.
+struct Gaps {
+    gap: [f64; ANGLES],
+    d1: [f64; ANGLES],
+    d2: [f64; ANGLES],
+}
+
+impl TurnedArc<'_> {
+    /// Integrals over the arc in contact at the eccentricity `e` [m] with the journal turned by `alpha` [rad].
+    #[inline(always)]
+    pub(super) fn integrate(&self, e: [f64; 2], alpha: f64) -> TurnedIntegrals {
+        let mut sums = [[0.0; STRETCH]; 10];
+        let mut touched = false;
+        let at = self.journal.turned(alpha);
+        for g in 0..self.groups(e) {
+            let mut any = self.touching(e, at, g);
+            touched |= any != 0;
+            while any != 0 {
+                let (s, stretch) = self.next_stretch(g, &mut any);
+                add_stretch(&mut sums, stretch, &self.gaps(e, at, s, stretch));
+            }
+        }
+        if !touched {
+            return TurnedIntegrals::default();
+        }
+        let sum = sums.map(|of| of.iter().sum::<f64>());
+        let to_e = Integrals { v: sum[0], p: [sum[1], sum[2]], d: [sum[3], sum[4], sum[5]] };
+        let spacing = TAU / self.arc.intervals() as f64;
+        TurnedIntegrals {
+            to_e: self.arc.finished(to_e),
+            t: sum[6] * spacing,
+            et: [sum[7] * spacing, sum[8] * spacing],
+            tt: sum[9] * spacing,
+        }
+    }
+
+    /// Number of groups of stretches that may touch.
+    #[inline(always)]
+    fn groups(&self, e: [f64; 2]) -> usize {
+        if length(e) <= self.arc.reach() { 0 } else { self.arc.stretches().groups.len() }
+    }
+
+    /// The stretches of group `g` that may touch, one bit each.
+    #[inline(always)]
+    fn touching(&self, e: [f64; 2], at: Turned, g: usize) -> u32 {
+        let stretches = self.arc.stretches();
+        let mut least = [0.0; GROUP];
+        let rest = GROUP.min(stretches.each.len() - g * GROUP);
+        for i in 0..rest {
+            least[i] = self.journal.least(at, (g * GROUP + i) * STRETCH);
+        }
+        stretches.groups[g].touched_beyond(e, stretches.widening, &least)
+    }
+
+    /// Takes the first stretch of group `g` from the bits `any`: its number and itself. (Not a closure called for each stretch: that
+    /// would be compiled for the least processor.)
+    #[inline(always)]
+    fn next_stretch(&self, g: usize, any: &mut u32) -> (usize, &Stretch) {
+        let s = g * GROUP + any.trailing_zeros() as usize;
+        *any &= *any - 1;
+        (s, &self.arc.stretches().each[s])
+    }
+
+    /// Gaps at the angles of stretch `s`; beyond its end they are not positive.
+    #[inline(always)]
+    fn gaps(&self, e: [f64; 2], at: Turned, s: usize, stretch: &Stretch) -> Gaps {
+        let depth = self.journal.depths::<ANGLES>(at, s * STRETCH);
+        let mut gaps = Gaps { gap: [0.0; ANGLES], d1: [0.0; ANGLES], d2: [0.0; ANGLES] };
+        for i in 0..STRETCH {
+            let bore = e[0] * stretch.begin.x[i] + e[1] * stretch.begin.y[i] - stretch.begin.play[i];
+            gaps.gap[i] = bore - depth.depth[i];
+        }
+        let last = stretch.intervals;
+        let (v, play) = stretch.angle(last);
+        gaps.gap[last] = dot(e, v) - play - depth.depth[last];
+        for i in 0..ANGLES {
+            (gaps.d1[i], gaps.d2[i]) = (-depth.d1[i], -depth.d2[i]);
+        }
+        gaps
+    }
+
+    /// Gap function in the direction of the eccentricity itself [m].
+    pub(crate) fn gap_along(&self, e: [f64; 2], alpha: f64) -> f64 {
+        let n = self.arc.intervals();
+        let x = libm::atan2(e[1], e[0]).rem_euclid(TAU) / TAU * n as f64;
+        let k = x as usize;
+        let depth = self.journal.depths::<2>(self.journal.turned(alpha), k % n).depth;
+        self.arc.gap_along(e) - depth[0] - (x - k as f64) * (depth[1] - depth[0])
+    }
+
+    /// Penetration in free flight, not above zero [m].
+    pub(super) fn free_penetration(&self, e: [f64; 2], alpha: f64) -> f64 {
+        let beyond = length(e) - self.arc.reach();
+        if beyond <= 0.0 { beyond } else { self.gap_along(e, alpha).min(0.0) }
+    }
+
+    /// Direction in which the gap function is largest `(2,)` [1], and its derivative to alpha there [m/rad].
+    pub(super) fn nearest(&self, e: [f64; 2], alpha: f64) -> ([f64; 2], f64) {
+        let n = self.arc.intervals();
+        let at = self.journal.turned(alpha);
+        let gap = |k: usize| self.arc.gap(e, k % n) - self.journal.depths::<1>(at, k % n).depth[0];
+        let nearest = (0..n).fold(0, |best, k| if gap(k) > gap(best) { k } else { best });
+        let (before, here, after) = (gap(nearest + n - 1), gap(nearest), gap(nearest + 1));
+        let bend = before - 2.0 * here + after;
+        let offset = if bend < 0.0 { 0.5 * (before - after) / bend } else { 0.0 };
+        let (s, c) = libm::sincos(TAU * (nearest as f64 + offset) / n as f64);
+        let turned = self.journal.turned(alpha - offset * TAU / n as f64);
+        ([c, s], -self.journal.depths::<1>(turned, nearest).d1[0])
+    }
+
+    /// Calls `weigh` with each angle of the table in contact, or next to it, and the part of the integral of g that belongs to it [m
+    /// rad]; with an angle between two stretches once for each.
+    pub(crate) fn weigh(&self, e: [f64; 2], alpha: f64, mut weigh: impl FnMut(usize, f64)) {
+        let n = self.arc.intervals();
+        let spacing = TAU / n as f64;
+        let at = self.journal.turned(alpha);
+        let stretches = (0..self.groups(e)).flat_map(|g| {
+            let mut any = self.touching(e, at, g);
+            std::iter::from_fn(move || (any != 0).then(|| self.next_stretch(g, &mut any)))
+        });
+        for (s, stretch) in stretches {
+            let gaps = self.gaps(e, at, s, stretch);
+            let mut parts = [0.0; ANGLES];
+            for i in 0..stretch.intervals {
+                let weights = IntervalWeights::new(gaps.gap[i], gaps.gap[i + 1]);
+                parts[i] += weights.first[0];
+                parts[i + 1] += weights.first[1];
+            }
+            for (k, part) in parts.iter().enumerate().filter(|(_, part)| **part > 0.0) {
+                weigh((s * STRETCH + k) % n, part * spacing);
+            }
+        }
+    }
+}
+
+/// First and second derivatives aa, ab, bb of the potential of an interval of length one to the gaps at its ends; zero where neither
+/// is positive.
+struct IntervalWeights {
+    first: [f64; 2],
+    second: [f64; 3],
+}
+
+impl IntervalWeights {
+    /// Of an interval with the larger gap h and the smaller one l the share f = h / (h - l), at most one, is in contact; the formulas
+    /// are those of `integrals.rs`, without branches.
+    #[inline(always)]
+    fn new(a: f64, b: f64) -> Self {
+        let falls = b < a;
+        let (high, low) = if falls { (a, b) } else { (b, a) };
+        let high = if high > 0.0 { high } else { 0.0 };
+        let (over, under) = if low > 0.0 { (low, 0.0) } else { (0.0, low) };
+        let f = high / (high - under + f64::MIN_POSITIVE);
+        let (f2, f3) = (f * f, f * f * f * (1.0 / 3.0));
+        let near = high * (0.5 * f - f2 * (1.0 / 6.0)) + over * (1.0 / 6.0);
+        let far = high * f2 * (1.0 / 6.0) + over * (1.0 / 3.0);
+        let (near_2, mixed, far_2) = (f - f2 + f3, 0.5 * f2 - f3, f3);
+        let (wa, wb) = if falls { (near, far) } else { (far, near) };
+        let (aa, bb) = if falls { (near_2, far_2) } else { (far_2, near_2) };
+        IntervalWeights { first: [wa, wb], second: [aa, mixed, bb] }
+    }
+}
+
+/// Adds twice the potential, its gradient x, y, its second derivative xx, xy, yy, its derivative to alpha and the mixed and second
+/// ones, for intervals of length one.
+#[inline(always)]
+fn add_stretch(sums: &mut [[f64; STRETCH]; 10], stretch: &Stretch, gaps: &Gaps) {
+    let (last, [end]) = (stretch.intervals, [stretch.angle(stretch.intervals).0]);
+    let (mut x, mut y) = ([0.0; ANGLES], [0.0; ANGLES]);
+    x[..STRETCH].copy_from_slice(&stretch.begin.x);
+    y[..STRETCH].copy_from_slice(&stretch.begin.y);
+    (x[last], y[last]) = (end[0], end[1]);
+    for i in 0..last {
+        let (ux, uy, vx, vy) = (x[i], y[i], x[i + 1], y[i + 1]);
+        let (a, b, da, db) = (gaps.gap[i], gaps.gap[i + 1], gaps.d1[i], gaps.d1[i + 1]);
+        let IntervalWeights { first: [wa, wb], second: [aa, ab, bb] } = IntervalWeights::new(a, b);
+        sums[0][i] += wa * a + wb * b;
+        sums[1][i] += wa * ux + wb * vx;
+        sums[2][i] += wa * uy + wb * vy;
+        sums[3][i] += aa * ux * ux + 2.0 * ab * ux * vx + bb * vx * vx;
+        sums[4][i] += aa * ux * uy + ab * (ux * vy + vx * uy) + bb * vx * vy;
+        sums[5][i] += aa * uy * uy + 2.0 * ab * uy * vy + bb * vy * vy;
+        sums[6][i] += wa * da + wb * db;
+        // Columns of the second derivative that alpha moves.
+        let (to_a, to_b) = (aa * da + ab * db, ab * da + bb * db);
+        sums[7][i] += to_a * ux + to_b * vx;
+        sums[8][i] += to_a * uy + to_b * vy;
+        sums[9][i] += to_a * da + to_b * db + wa * gaps.d2[i] + wb * gaps.d2[i + 1];
+    }
+}

@@ -1,0 +1,106 @@
+//! A joint with clearance of an island, with its contact law and its surfaces as worn so far.
+
+use super::frame::End;
+use super::joint::Touching;
+use crate::bore::Profile;
+use crate::contact::{Contact, ForceSlopes, JointForce, JointMotion, Journal, Surfaces};
+use common::scene::Clearance;
+
+/// A joint with clearance and its surfaces.
+#[derive(Debug, Clone)]
+pub struct WearingJoint {
+    /// Index into the scene's joints.
+    pub scene_joint: usize,
+    /// Name in the scene.
+    pub name: String,
+    /// Contact law of the joint.
+    pub contact: Contact,
+    /// Profile of the bore, worn so far.
+    pub profile: Profile,
+    /// The journal, worn so far; `None` if it does not wear.
+    pub journal: Option<Journal>,
+    /// Wear coefficient K_H of bushing and journal, zero for a surface that does not wear `(2,)` [1/Pa].
+    pub wear_coefficients: [f64; 2],
+    /// Width L of the bushing [m].
+    pub width: f64,
+    /// Wall thickness of the bushing [m]; `None` if it cannot be worn through.
+    pub wall: Option<f64>,
+    /// Ends of the joint: journal, bushing.
+    pub ends: [End; 2],
+}
+
+impl WearingJoint {
+    /// Joint number `scene_joint` of a checked scene, called `name`, unworn.
+    pub(super) fn new(scene_joint: usize, name: &str, clearance: &Clearance, ends: [End; 2]) -> Self {
+        let contact = Contact::new(clearance);
+        let wear_coefficients = clearance.wear_coefficients();
+        let points = clearance.control_points;
+        WearingJoint {
+            scene_joint,
+            name: name.to_owned(),
+            journal: (wear_coefficients[1] > 0.0).then(|| Journal::new(&contact, points)),
+            contact,
+            profile: Profile::round(clearance.bushing_radius, points),
+            wear_coefficients,
+            width: clearance.width,
+            wall: clearance.wall,
+            ends,
+        }
+    }
+
+    /// True if a surface of the joint wears.
+    pub(crate) fn wears(&self) -> bool {
+        self.wear_coefficients.iter().any(|coefficient| *coefficient > 0.0)
+    }
+
+    /// Number of depths: those at the control points of the bore, then those of the journal if it wears.
+    pub(crate) fn depths(&self) -> usize {
+        self.profile.points() * if self.journal.is_some() { 2 } else { 1 }
+    }
+
+    /// The two surfaces as worn so far.
+    #[inline(always)]
+    pub(crate) fn surfaces(&self) -> Surfaces<'_> {
+        Surfaces { bore: &self.profile, journal: self.journal.as_ref() }
+    }
+
+    /// Replaces the wear depths by `depth` `(depths,)` [m].
+    pub(crate) fn set_depth(&mut self, depth: &[f64]) {
+        let (bore, of_journal) = depth.split_at(self.profile.points());
+        self.profile.set_depth(bore);
+        self.contact.profile_changed(&self.profile);
+        if let Some(journal) = &mut self.journal {
+            journal.set_depth(of_journal);
+        }
+    }
+
+    /// Called after each accepted step, see [`Contact::accepted`].
+    pub(super) fn accepted(&mut self, motion: &JointMotion, now: &JointForce) {
+        let WearingJoint { contact, profile, journal, .. } = self;
+        contact.accepted(Surfaces { bore: profile, journal: journal.as_ref() }, motion, now);
+    }
+}
+
+impl Touching<f64> for WearingJoint {
+    type Place = ();
+    type Wall = ();
+
+    fn ends(&self) -> [End; 2] {
+        self.ends
+    }
+
+    #[inline(always)]
+    fn place(&self, _e: [f64; 2]) {}
+
+    #[inline(always)]
+    fn wall(&self, _place: &(), _turn: f64) {}
+
+    #[inline(always)]
+    fn force<const JACOBIAN: bool>(
+        &self,
+        _at: (&(), &()),
+        motion: &JointMotion,
+    ) -> (JointForce, ForceSlopes) {
+        self.contact.force::<JACOBIAN>(self.surfaces(), motion)
+    }
+}

@@ -1,0 +1,94 @@
+//! What the depths of a joint amount to: largest depth of each surface and worn volume.
+//!
+//! The depths of a joint are those at the control points of its bore, then those of its journal if that wears. With the
+//! unworn radii R2 of the bore and R1 of the journal, the width L [m] and the angle s between control points [rad], the
+//! volume between worn and unworn surfaces is L s (sum of (R2 h + h^2 / 2) over the bore + sum of (R1 h - h^2 / 2)
+//! over the journal) [m^3]: the control points' sectors, and to second order in h / R the integral over the splines.
+//!
+//! # Source
+//! Derived here.
+
+use crate::extremum::largest;
+use common::scene::WearQuantity;
+use std::f64::consts::TAU;
+
+/// Sizes of the two surfaces of a joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfaceSizes {
+    /// Number of control points of each.
+    pub points: usize,
+    /// Unworn radii of bore and journal `(2,)` [m].
+    pub radii: [f64; 2],
+    /// Width [m].
+    pub width: f64,
+}
+
+/// What the wear of a joint amounts to, or an error of that.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct WornAmounts {
+    /// Largest depth of bore and journal `(2,)` [m].
+    pub depths: [f64; 2],
+    /// Volume worn from both [m^3].
+    pub volume: f64,
+}
+
+impl SurfaceSizes {
+    /// Amounts of the depths `depth` of a joint [m].
+    pub(crate) fn amounts(&self, depth: &[f64]) -> WornAmounts {
+        let (bore, journal) = depth.split_at(self.points);
+        let sector = |radius: f64, sign: f64| move |h: &f64| h * (radius + sign * 0.5 * h);
+        let [of_bore, of_journal] = self.radii;
+        let sum = bore.iter().map(sector(of_bore, 1.0)).sum::<f64>()
+            + journal.iter().map(sector(of_journal, -1.0)).sum::<f64>();
+        WornAmounts {
+            depths: [bore, journal].map(|depth| largest(depth.iter().copied())),
+            volume: sum * TAU / self.points as f64 * self.width,
+        }
+    }
+}
+
+impl WornAmounts {
+    /// These amounts with `f` of each and its namesake of `other`.
+    pub(crate) fn with(&self, other: &Self, f: impl Fn(f64, f64) -> f64) -> Self {
+        WornAmounts {
+            depths: [0, 1].map(|k| f(self.depths[k], other.depths[k])),
+            volume: f(self.volume, other.volume),
+        }
+    }
+}
+
+/// The value of an output of the wear for joints with these amounts [m or m^3].
+pub(crate) fn wear_output(quantity: WearQuantity, joints: impl Iterator<Item = WornAmounts>) -> f64 {
+    let value = |WornAmounts { depths: [bore, journal], volume }: WornAmounts| match quantity {
+        WearQuantity::LargestDepth => bore.max(journal),
+        WearQuantity::BushingDepth => bore,
+        WearQuantity::JournalDepth => journal,
+        WearQuantity::ClearanceGrowth => bore + journal,
+        WearQuantity::Volume => volume,
+    };
+    let values = joints.map(value);
+    if quantity == WearQuantity::Volume { values.sum() } else { values.fold(0.0, f64::max) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn amounts_are_those_of_rings() {
+        // A bore bored out by 10 um and a journal turned down by 4 um all round.
+        let sizes = SurfaceSizes { points: 36, radii: [1.5e-3, 1.48e-3], width: 4e-3 };
+        let depth: Vec<f64> = (0..72).map(|i| if i < 36 { 10e-6 } else { 4e-6 }).collect();
+        let WornAmounts { depths, volume } = sizes.amounts(&depth);
+        assert_eq!(depths, [10e-6, 4e-6]);
+        let ring = |a: f64, b: f64| 0.5 * TAU * (b * b - a * a) * 4e-3;
+        let expected = ring(1.5e-3, 1.51e-3) + ring(1.476e-3, 1.48e-3);
+        assert!((volume / expected - 1.0).abs() < 1e-12, "{volume:e} against {expected:e}");
+        let joints = || [sizes.amounts(&depth), sizes.amounts(&depth[..36])].into_iter();
+        let value = |quantity| wear_output(quantity, joints());
+        assert_eq!(value(WearQuantity::LargestDepth), 10e-6);
+        assert_eq!(value(WearQuantity::JournalDepth), 4e-6);
+        assert_eq!(value(WearQuantity::ClearanceGrowth), 10e-6 + 4e-6);
+        assert!(value(WearQuantity::Volume) > volume);
+    }
+}
