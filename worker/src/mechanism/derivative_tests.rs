@@ -169,7 +169,7 @@ fn pair_derivatives_agree_with_differences() {
 
 /// An island of the flapping-wing with worn bores, at a few times of a cycle when all its joints are in
 /// contact.
-fn states(scene: &Scene, island: &mut Island) -> Vec<(f64, Vec<f64>, Vec<f64>)> {
+pub(super) fn states(scene: &Scene, island: &mut Island) -> Vec<(f64, Vec<f64>, Vec<f64>)> {
     for joint in &mut island.joints {
         let depth = worn_depth().into_iter().cycle().take(joint.depths());
         joint.set_depth(&depth.collect::<Vec<_>>());
@@ -197,7 +197,13 @@ fn states(scene: &Scene, island: &mut Island) -> Vec<(f64, Vec<f64>, Vec<f64>)> 
 
 /// Derivatives of the whole island at a state against central differences, with steps for lengths, angles,
 /// their rates and time; each within `bound` of the largest of its row (column, for time).
-fn check(island: &Island, (t, q, v): &(f64, Vec<f64>, Vec<f64>), steps: [f64; 5], bound: f64, case: &str) {
+pub(super) fn check(
+    island: &Island,
+    (t, q, v): &(f64, Vec<f64>, Vec<f64>),
+    steps: [f64; 5],
+    bound: f64,
+    case: &str,
+) {
     let n = island.coordinates();
     let mut at = island.linearised();
     island.clone().linearise(*t, q, v, &mut at);
@@ -261,7 +267,7 @@ fn at(body: usize, position: [f64; 2]) -> Attachment {
 
 /// A crank of varying speed, a rod, a slider on an inclined line, an arm hinged to the slider, a weight fixed
 /// to the arm: every kind of ideal joint and of load.
-fn everything() -> Scene {
+pub(super) fn everything() -> Scene {
     let mut scene = SceneSource::builtin("four-bar").expect("it is built in").nominal().clone();
     let free = |x: f64, y: f64, angle: f64, mass: f64| Motion::Free {
         mass,
@@ -364,42 +370,6 @@ fn derivatives_with_ideal_joints_and_every_load_agree_with_differences() {
     for state in states(&scene, island) {
         check(island, &state, [1e-7, 1e-6, 1e-5, 1e-4, 1e-6], 1e-4, "everything");
     }
-}
-
-/// [`everything`] with friction in every joint that slides, on pins and in the guide, at speeds where tanh bends.
-fn everything_rubs() -> Scene {
-    let mut scene = everything();
-    for (joint, coefficient, size) in [(0, 0.15, 0.02), (1, 0.3, 0.015), (2, 0.2, 0.08), (3, 0.25, 0.01)] {
-        scene.joints[joint].friction = Some(IdealFriction { coefficient, speed: 0.4, size });
-    }
-    scene
-}
-
-#[test]
-fn derivatives_with_friction_in_ideal_joints_agree_with_differences() {
-    let (mut on_ends, mut on_one_side) = (0, 0);
-    for length in [0.01, 0.02, 0.08, 0.4] {
-        let mut scene = everything_rubs();
-        if let Some(friction) = &mut scene.joints[2].friction {
-            friction.size = length;
-        }
-        let mut found = islands(&scene).expect("it is modelled");
-        let [island] = found.as_mut_slice() else { panic!("one island") };
-        for state in states(&scene, island) {
-            check(island, &state, [1e-7, 1e-6, 1e-5, 1e-4, 1e-6], 1e-4, "friction");
-            let mut at = island.linearised();
-            island.clone().linearise(state.0, &state.1, &state.2, &mut at);
-            assert_eq!((at.balanced, at.friction.len()), (Some(1.0), 4));
-            assert!(at.friction.iter().all(|[force, speed]| force * speed > 0.0), "{:?}", at.friction);
-            // The guide's rows follow those of two pins.
-            let tilted = 2.0 * at.lambda[5].abs() > length * at.lambda[4].abs();
-            *(if tilted { &mut on_ends } else { &mut on_one_side }) += 1;
-        }
-    }
-    assert!(
-        on_ends > 2 && on_one_side > 2,
-        "{on_ends} states on the guide's ends, {on_one_side} on one side"
-    );
 }
 
 #[test]

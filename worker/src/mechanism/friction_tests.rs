@@ -1,5 +1,6 @@
-//! Friction of ideal joints against statics: the moment on the crank of a slider-crank at given positions.
+//! Friction of ideal joints: its derivatives against differences, and the moment on the crank of a slider-crank against statics.
 
+use super::derivative_tests::{check, everything, states};
 use super::{ideal_cycle, islands};
 use crate::integrate::Dynamics;
 use common::scene::*;
@@ -104,4 +105,40 @@ fn the_moment_on_the_crank_is_that_of_statics_with_friction() {
     }
     assert!(without > 0.3, "friction changes the moment by up to {without} N m");
     assert!((4..40).contains(&on_ends), "{on_ends} positions on the ends of the guide");
+}
+
+/// [`everything`] with friction in every joint that slides, on pins and in the guide, at speeds where tanh bends.
+fn everything_rubs() -> Scene {
+    let mut scene = everything();
+    for (joint, coefficient, size) in [(0, 0.15, 0.02), (1, 0.3, 0.015), (2, 0.2, 0.08), (3, 0.25, 0.01)] {
+        scene.joints[joint].friction = Some(IdealFriction { coefficient, speed: 0.4, size });
+    }
+    scene
+}
+
+#[test]
+fn derivatives_with_friction_in_ideal_joints_agree_with_differences() {
+    let (mut on_ends, mut on_one_side) = (0, 0);
+    for length in [0.01, 0.02, 0.08, 0.4] {
+        let mut scene = everything_rubs();
+        if let Some(friction) = &mut scene.joints[2].friction {
+            friction.size = length;
+        }
+        let mut found = islands(&scene).expect("it is modelled");
+        let [island] = found.as_mut_slice() else { panic!("one island") };
+        for state in states(&scene, island) {
+            check(island, &state, [1e-7, 1e-6, 1e-5, 1e-4, 1e-6], 1e-4, "friction");
+            let mut at = island.linearised();
+            island.clone().linearise(state.0, &state.1, &state.2, &mut at);
+            assert_eq!((at.balanced, at.friction.len()), (Some(1.0), 4));
+            assert!(at.friction.iter().all(|[force, speed]| force * speed > 0.0), "{:?}", at.friction);
+            // The guide's rows follow those of two pins.
+            let tilted = 2.0 * at.lambda[5].abs() > length * at.lambda[4].abs();
+            *(if tilted { &mut on_ends } else { &mut on_one_side }) += 1;
+        }
+    }
+    assert!(
+        on_ends > 2 && on_one_side > 2,
+        "{on_ends} states on the guide's ends, {on_one_side} on one side"
+    );
 }
