@@ -22,6 +22,7 @@
 
 mod arc;
 mod arc_cell;
+mod coulomb;
 mod damping;
 mod energy;
 mod foundation;
@@ -44,6 +45,7 @@ mod surface;
 mod tests;
 mod turned_arc;
 
+pub(crate) use coulomb::coulomb;
 pub use damping::Restitution;
 pub use foundation::Foundation;
 pub(crate) use foundation::FoundationLoad;

@@ -180,9 +180,11 @@ impl<R: Real> LaneStepper<R> {
         self.drift = drift;
     }
 
-    /// True if the force of a lane exists at the state linearised in this round: the constraints of its ideal joints are independent.
-    pub(crate) fn is_independent(&self, lane: usize) -> bool {
-        self.at.independent.is_none_or(|independent| independent.lane(lane) == 1.0)
+    /// True if the force of a lane exists at the state linearised in this round: the constraints of its ideal joints are independent,
+    /// and their reactions balance their friction.
+    pub(crate) fn has_reactions(&self, lane: usize) -> bool {
+        let exist = |one: &Option<R>| one.is_none_or(|one| one.lane(lane) == 1.0);
+        exist(&self.at.independent) && exist(&self.at.balanced)
     }
 
     /// True if the force of a lane is finite at the state linearised in this round.
@@ -244,6 +246,9 @@ impl<R: Real> LaneStepper<R> {
             to.direction = from.direction.map(|x| x.lane(lane));
             to.penetration = from.penetration.lane(lane);
             to.sliding = from.sliding.lane(lane);
+        }
+        for (to, from) in to.friction.iter_mut().zip(&self.at.friction) {
+            *to = from.map(|x| x.lane(lane));
         }
         to.lambda.iter_mut().zip(&self.at.lambda).for_each(|(to, from)| *to = from.lane(lane));
         to.e.iter_mut().zip(&self.at.e).for_each(|(to, from)| *to = from.map(|x| x.lane(lane)));

@@ -279,7 +279,7 @@ impl<'a> Run<'a> {
         for Integrated { mut state, counts, result } in self.queue.integrate(spans).await {
             state.time = time.end;
             self.counts.add(&counts);
-            first = first.and(result.map_err(|error| failure(error, self.cycle, &state.island)));
+            first = first.and(result.map_err(|error| failure(error, self.cycle, &state.island, self.scene)));
             self.islands.push(state);
         }
         first

@@ -210,8 +210,13 @@ impl<S: Simd> LaneGroup<S> {
                 Err(error) => Err(self.attribute_failure(lane, error)),
             };
             if let Some((pending, progress)) = self.unload(lane) {
+                let island = &pending.span.state.island;
                 match result {
                     Err(IntegrationError::Singular { time }) => {
+                        pending.integrate_alone(time, progress.counts)
+                    }
+                    // It may lock itself, which only one island by itself finds out.
+                    Err(IntegrationError::StepTooSmall { time, .. }) if island.has_friction() => {
                         pending.integrate_alone(time, progress.counts)
                     }
                     result => pending.complete(progress.counts, result),
@@ -231,7 +236,7 @@ impl<S: Simd> LaneGroup<S> {
             return Ok(());
         }
         let time = state.progress.time;
-        if !self.stepper.is_independent(lane) {
+        if !self.stepper.has_reactions(lane) {
             return Err(IntegrationError::Singular { time });
         }
         if !self.stepper.is_finite(lane) {
