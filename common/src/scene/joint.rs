@@ -116,7 +116,7 @@ pub enum WearingSurfaces {
 }
 
 impl WearingSurfaces {
-    /// Every choice.
+    /// Every choice of wearing surfaces.
     pub const ALL: [WearingSurfaces; 3] = [Self::Bushing, Self::Journal, Self::Both];
 
     /// Word of the choice in a scene file.

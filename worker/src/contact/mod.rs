@@ -110,6 +110,14 @@ impl Contact {
         with_law!(self, law => law.profile_changed(profile));
     }
 
+    /// An unworn journal with `points` control points in a joint with this law.
+    pub fn new_journal(&self, points: usize) -> Journal {
+        match self {
+            Contact::LocalHertz(law) => Journal::new(law.surface.journal_radius, points, None),
+            Contact::Foundation(law) => law.new_journal(points),
+        }
+    }
+
     /// True if both have the same law.
     pub(crate) fn has_same_law(&self, other: &Self) -> bool {
         std::mem::discriminant(self) == std::mem::discriminant(other)

@@ -102,7 +102,7 @@ fn pair_derivatives_agree_with_differences() {
         let mut contact = Contact::new(clearance);
         contact.profile_changed(&profile);
         let journal = wears.then(|| {
-            let mut journal = Journal::new(&contact, 36);
+            let mut journal = contact.new_journal(36);
             journal.set_depth(&worn_depth().into_iter().rev().collect::<Vec<_>>());
             journal
         });

@@ -4,7 +4,7 @@ use super::ideal_tracks::{ideal_angle, ideal_path};
 use super::island_state::{CycleSpan, IslandStart, IslandState, StateSnapshot, failure};
 use super::quasi_static_island::QuasiStaticIsland;
 use super::side_by_side::{Integrated, LaneQueue, Span};
-use super::worn_joints::worn_through;
+use super::wall::worn_through;
 use crate::integrate::StepCounts;
 use crate::mechanism::{Pose, WearingJoint, ideal_cycle, islands, turns_per_cycle};
 use crate::outputs::{FullRecording, IdealTracks, Recorder, RecordingRequest, recording_request};

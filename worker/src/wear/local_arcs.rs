@@ -63,7 +63,7 @@ impl LocalArcs {
             samples: Vec::new(),
             unrolled: vec![0.0; if wears { 6 * points } else { 3 * points }],
             further: Vec::new(),
-            journal: wears.then(|| Journal::new(contact, points)),
+            journal: wears.then(|| contact.new_journal(points)),
         }
     }
 
