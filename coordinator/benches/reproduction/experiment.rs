@@ -10,6 +10,9 @@ use worker::simulate::{SimulateOptions, simulate};
 /// The scene of the experiment.
 pub const SCENE: &str = "flapping-wing-experiment";
 
+/// Life at which the bore was measured [cycles].
+pub const MEASURED: f64 = 72_000.0;
+
 /// Joint to whose bore the load was fitted.
 pub const JOINT: usize = 0;
 
@@ -79,8 +82,9 @@ pub struct Measured {
 
 /// The scene of the experiment until its bore was measured, with further lines of TOML; `without` continues its table `[scene]`.
 fn source(without: &str, lines: &str) -> Result<SceneSource, Box<dyn Error>> {
-    let head =
-        format!("[scene]\nname = \"measured\"\nextends = \"{SCENE}\"\n{without}\n[life]\ncycles = 72000\n");
+    let head = format!(
+        "[scene]\nname = \"measured\"\nextends = \"{SCENE}\"\n{without}\n[life]\ncycles = {MEASURED:.0}\n"
+    );
     Ok(SceneSource::parse(&format!("{head}{lines}"), "measured")?)
 }
 
@@ -118,6 +122,8 @@ pub struct WholeLife {
     pub speeds: [f64; 2],
     /// Largest difference of their angles [deg].
     pub angle: f64,
+    /// Power of the cycles with which the deepest wear grows from the measured bore to the end of life [1].
+    pub power: f64,
 }
 
 /// A load of one sign that gives joint 1 the depth of the scene after 72 000 cycles: `load_drag` [N s/m] and `load_flow` [m/s].
@@ -136,7 +142,13 @@ pub fn whole_life(load: Option<[f64; 2]>) -> Result<WholeLife, Box<dyn Error>> {
     let limit = &scene.limit_states[0];
     let reached = evaluation.histories[limit.output].iter().position(|depth| *depth >= limit.threshold);
     let speeds = history("angular_velocity_difference")?.iter().map(|speed| speed * 30.0 / PI);
+    let depths = history("max_wear_depth")?;
+    let last = evaluation.cycles.len() - 1;
+    let measured =
+        evaluation.cycles.iter().position(|cycles| f64::from(*cycles) == MEASURED).ok_or("no checkpoint")?;
+    let cycles = [measured, last].map(|n| f64::from(evaluation.cycles[n]));
     Ok(WholeLife {
+        power: (depths[last] / depths[measured]).ln() / (cycles[1] / cycles[0]).ln(),
         worn: reached.map(|n| evaluation.cycles[n]),
         speeds: [speeds.clone().fold(f64::INFINITY, f64::min), speeds.fold(0.0, f64::max)],
         angle: history("angle_difference")?.iter().copied().fold(0.0, f64::max).to_degrees(),

@@ -138,8 +138,8 @@ fn bounds(
     writeln!(
         out,
         "The six published signs can be had together (last column). The published means and reliabilities cannot:\n\n\
-         - **Wear that grows in proportion.** At any instant of the cycle the difference is a + b s, with the depth s of the wear, up to second order in \
-         offset over length (0.5 %). Before wear it is below {limit:.0} r/min, as R of the asymmetry is 1 until 63 000 cycles, so |a| < {limit:.0}; at the \
+         - **Wear that grows in proportion.** While journals keep contact, the difference at any instant of the cycle is a + b s, with the depth s of the wear, up to second order in \
+         offset over length (0.5 %). Before wear it is below {limit:.0} r/min, since R of the asymmetry is 0.9989 even at 64 000 cycles, so |a| < {limit:.0}; at the \
          published {:.1} um of 64 000 cycles it is at most {:.2} r/min. Hence at the {:.1} um of 68 000 cycles it is at most \
          ({:.2} + {limit:.0}) {:.1} / {:.1} - {limit:.0} = {most:.1} r/min, and {:.2} are published. That needs an instant at which the difference \
          changes its sign through life; without, it is {:.2} r/min at most. No length, mass or load enters.\n\

@@ -16,7 +16,8 @@ program:
 
 ```sh
 coordinator run --scene flapping-wing --out study
-cargo run --release -p coordinator --example reproduction -- study > coordinator/doc/reproduction.md
+coordinator run --scene flapping-wing-experiment --out tunnel
+cargo run --release -p coordinator --example reproduction -- study both-signs=tunnel --figure coordinator/doc/experiment.svg > coordinator/doc/reproduction.md
 ```
 
 `flapping-wing` is a reconstruction: the publication names the mechanism, its materials, its loads in words and its results, but not all
