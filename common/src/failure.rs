@@ -180,6 +180,16 @@ pub enum SimulationFailure {
         /// What is wrong with the simulator or its reply.
         reason: String,
     },
+    /// The friction of the ideal joints has no solution, or none that continues the one without friction.
+    #[error("at cycle {cycle}, t = {time} s, joint {joint} locks itself: no reaction balances its friction")]
+    SelfLocking {
+        /// Cycle of the life, from 0.
+        cycle: u32,
+        /// Time within the cycle [s].
+        time: f64,
+        /// Name of the ideal joint.
+        joint: String,
+    },
 }
 
 /// `: LINES`, or nothing without lines.

@@ -64,7 +64,7 @@ pub struct JointSummary {
     /// Wear depth at each control point of the bushing at the end of life `(control_points,)` [m]; empty for an
     /// ideal joint.
     pub wear_depth: Vec<f64>,
-    /// The same of the journal; empty if the journal does not wear.
+    /// Wear depth at the control points of the journal; empty if the journal does not wear.
     #[serde(default)]
     pub journal_wear_depth: Vec<f64>,
 }

@@ -174,6 +174,22 @@ fn variables_have_the_spread_of_the_table() {
     assert_eq!(paper, workshop);
 }
 
+/// The drive in the wind tunnel is that of the simulations but for speed, load, life and the limit of the asymmetry.
+#[test]
+fn the_experiment_shares_the_drive() {
+    let mut drive = flapping_wing().resolve().unwrap();
+    let mut tunnel = SceneSource::builtin("flapping-wing-experiment").unwrap().resolve().unwrap();
+    near(tunnel.life.period, 0.12, 1e-15);
+    assert_eq!((tunnel.life.cycles, tunnel.loads.len(), tunnel.variables.len()), (104_000, 2, 31));
+    assert!(tunnel.loads.iter().all(|load| matches!(load, Load::Drag { .. })), "{:?}", tunnel.loads);
+    assert!(tunnel.variables.iter().all(|variable| variable.name != "load_stiffness"));
+    near(tunnel.limit_states[1].threshold, 1f64.to_radians(), 1e-15);
+    for scene in [&mut drive, &mut tunnel] {
+        scene.bodies.retain(|body| body.name != "crank");
+    }
+    assert_eq!((drive.bodies, drive.joints), (tunnel.bodies, tunnel.joints));
+}
+
 #[test]
 fn a_sample_changes_exactly_what_its_variables_change() {
     let source = flapping_wing();
@@ -222,6 +238,35 @@ fn settings_by_name_or_key() {
     );
     let found = source.resolve_sample(&[0.0; 3]).unwrap_err().to_string();
     assert!(found.contains("3 values") && found.contains("30"), "{found}");
+}
+
+#[test]
+fn a_scene_leaves_out_parts_of_another() {
+    let scene = |without: &str, rest: &str| {
+        let text = format!("[scene]\nname = \"less\"\nextends = \"four-bar\"\nwithout = {without}\n{rest}");
+        SceneSource::parse(&text, "less.toml")
+    };
+    let whole = SceneSource::builtin("four-bar").unwrap();
+    let variables = whole.variables().len();
+    // A load of another type takes the place of the one that is left out.
+    let drag = "[[loads]]\nname = \"air\"\ntype = \"rotational-drag\"\nbody = \"rocker\"\nlinear = \"1 N mm s/rad\"\n";
+    let less = scene("[\"loads.work\", \"variables.load_torque\"]", drag).unwrap();
+    assert!(matches!(&less.nominal().loads[..], [Load::RotationalDrag { .. }]), "{:?}", less.nominal().loads);
+    assert_eq!(less.variables().len(), variables - 1);
+    assert_eq!(SceneSource::parse(less.text(), "sent").unwrap().nominal(), less.nominal());
+    // Keys within rows and tables.
+    let bare = scene("[\"joints.crank.film_damping\", \"scene.title\"]", "").unwrap();
+    let JointKind::Clearance(crank) = &bare.nominal().joints[0].kind else { panic!("an ideal joint") };
+    assert_eq!((bare.nominal().title.as_str(), crank.film_damping), ("less", 0.0));
+    let fault = |without: &str| scene(without, "").unwrap_err().to_string();
+    let lost = scene("[\"loads.pull\"]", "").unwrap_err();
+    assert_eq!(lost.to_string(), "less.toml: scene.without: the extended scene has no \"loads.pull\"");
+    assert_eq!(lost.0[0].location.as_ref().unwrap().line, 4);
+    assert!(fault("\"loads\"").contains("scene.without: \"loads\" is no list of keys"));
+    assert!(fault("[1]").contains("is no list of keys"));
+    let alone = whole.text().replacen("[scene]\n", "[scene]\nwithout = [\"loads.push\"]\n", 1);
+    let alone = SceneSource::parse(&alone, "alone.toml").unwrap_err().to_string();
+    assert!(alone.contains("scene.without: needs `extends`"), "{alone}");
 }
 
 #[test]

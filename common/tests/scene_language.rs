@@ -83,7 +83,11 @@ fn joints() {
     assert_eq!(hinge.kind, JointKind::Revolute);
     assert_eq!(hinge.journal, place(&scene, "rod", [0.0, 0.0]));
     assert_eq!(hinge.bushing, place(&scene, "crank", [0.02, 0.0]));
-    let JointKind::Prismatic { axis, angle } = joint(&scene, "guide").kind else { panic!() };
+    assert_eq!(hinge.friction, Some(IdealFriction { coefficient: 0.1, speed: 0.001, size: 0.005 }));
+    let guide = joint(&scene, "guide");
+    assert_eq!(guide.friction, Some(IdealFriction { coefficient: 0.15, speed: 0.002, size: 0.01 }));
+    assert!(["plain_guide", "weld", "worn"].iter().all(|name| joint(&scene, name).friction.is_none()));
+    let JointKind::Prismatic { axis, angle } = guide.kind else { panic!() };
     same(&[axis, angle], &[PI / 12.0, -PI / 9.0]);
     assert_eq!(joint(&scene, "plain_guide").kind, JointKind::Prismatic { axis: 0.0, angle: 0.0 });
     let JointKind::Fixed { angle } = joint(&scene, "weld").kind else { panic!() };

@@ -125,6 +125,7 @@ fn scenes_are_listed_shown_and_valid() {
     let expected = [
         "flapping-wing",
         "flapping-wing-tolerances",
+        "flapping-wing-experiment",
         "four-bar",
         "slider-crank",
         "pendulum",

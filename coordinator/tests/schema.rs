@@ -190,8 +190,9 @@ fn refused_keys(validator: &Validator, scene: &Value, path: &str) -> BTreeSet<St
 }
 
 /// Keys that decide which other keys a table has, and those that only some of these allow.
-const DECIDING: [&str; 12] = [
+const DECIDING: [&str; 13] = [
     "extends",
+    "without",
     "simulator",
     "program",
     "umbridge",

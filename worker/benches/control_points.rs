@@ -26,7 +26,8 @@ fn with(scene: &Scene, law: ContactLaw, points: usize) -> Scene {
 
 /// Largest wear at the end of life and its stated error [m].
 fn largest_wear(scene: &Scene, evaluation: &Evaluation) -> Option<(f64, f64)> {
-    let output = scene.outputs.iter().position(|output| matches!(output.kind, OutputKind::LargestWear { .. }))?;
+    let output =
+        scene.outputs.iter().position(|output| matches!(output.kind, OutputKind::LargestWear { .. }))?;
     Some((*evaluation.histories[output].last()?, *evaluation.errors[output].last()?))
 }
 

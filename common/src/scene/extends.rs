@@ -5,7 +5,7 @@ use super::csv_import::import;
 use super::document::document;
 use super::faults::{FaultKind, Faults, nearest};
 use super::layers::{Layer, Layers};
-use super::merge::merge;
+use super::merge::{leave_out, merge};
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
@@ -14,6 +14,9 @@ const EXTENDS_LIMIT: usize = 8;
 
 /// Path of the key that names the extended scene.
 const KEY: &str = "scene.extends";
+
+/// Path of the key that lists what is left out of the extended scene.
+const WITHOUT: &str = "scene.without";
 
 /// Reads a file of a scene.
 ///
@@ -45,25 +48,52 @@ pub(super) fn flatten(text: String, origin: &str, folder: Option<&Path>) -> Resu
     while let Some((text, file, folder)) = next {
         let mut own = document(&text, &file)?;
         let scene = own.get_mut("scene").and_then(Value::as_table_mut);
-        let extends = scene.and_then(|scene| scene.remove("extends"));
+        let (extends, without) =
+            scene.map_or((None, None), |scene| (scene.remove("extends"), scene.remove("without")));
         let mut layer = Layer { file, text, imported: Vec::new() };
         let imported = import(&mut own, &layer.file, folder.as_deref());
         layer.imported = imported.map_err(|faults| Layers(vec![layer.clone()]).located(faults))?;
+        let located = |faults| Layers(vec![layer.clone()]).located(faults);
+        let without = left_out(without, extends.is_some(), &layer.file).map_err(located)?;
         next = match extends {
             None => None,
             Some(extends) => {
-                let base = base(&extends, documents.len(), &layer.file, folder.as_deref());
-                Some(base.map_err(|faults| Layers(vec![layer.clone()]).located(faults))?)
+                Some(base(&extends, documents.len(), &layer.file, folder.as_deref()).map_err(located)?)
             }
         };
-        documents.push(own);
+        documents.push((own, without));
         layers.push(layer);
     }
-    let merged = documents.into_iter().rev().reduce(|mut below, above| {
-        merge(&mut below, above);
-        below
-    });
-    Ok((merged.unwrap_or_default(), Layers(layers)))
+    let mut merged = Table::new();
+    for ((own, without), layer) in documents.into_iter().zip(&layers).rev() {
+        for path in without {
+            if !leave_out(&mut merged, &path) {
+                let message = format!("the extended scene has no {path:?}");
+                let faults = Faults::one(&layer.file, WITHOUT, FaultKind::Inconsistent { message });
+                return Err(Layers(vec![layer.clone()]).located(faults));
+            }
+        }
+        merge(&mut merged, own);
+    }
+    Ok((merged, Layers(layers)))
+}
+
+/// Paths of what a scene leaves out of the one that it extends.
+fn left_out(without: Option<Value>, extends: bool, origin: &str) -> Result<Vec<String>, Faults> {
+    let refuse = |message: String| Err(Faults::one(origin, WITHOUT, FaultKind::Inconsistent { message }));
+    match without {
+        None => Ok(vec![]),
+        Some(_) if !extends => refuse("needs `extends`: the scene that has what is left out".to_owned()),
+        Some(without) => {
+            let paths = without.as_array().and_then(|paths| {
+                paths.iter().map(|path| path.as_str().map(str::to_owned)).collect::<Option<Vec<_>>>()
+            });
+            paths.map_or_else(
+                || refuse(format!("{without} is no list of keys, e.g. [\"loads.push\", \"variables.push\"]")),
+                Ok,
+            )
+        }
+    }
 }
 
 /// Text, file and folder of the scene that `extends` names, in a file which `depth` others extend.

@@ -14,6 +14,19 @@ pub struct Joint {
     pub bushing: Attachment,
     /// Ideal or with clearance.
     pub kind: JointKind,
+    /// Coulomb friction of an ideal revolute or prismatic joint; `None`: it has none. A joint with clearance has its own.
+    pub friction: Option<IdealFriction>,
+}
+
+/// Coulomb friction of an ideal joint: mu tanh(v_t / v_0) times the normal force, against the sliding speed v_t [m/s].
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct IdealFriction {
+    /// Coulomb friction coefficient, mu [1].
+    pub coefficient: f64,
+    /// Speed at which tanh regularises the friction, v_0 [m/s].
+    pub speed: f64,
+    /// Radius of the pin of a revolute joint, or length of the guide that bears a prismatic joint's slider [m].
+    pub size: f64,
 }
 
 /// Kinds of joint. Ideal ones are constraints; their second body is the one in whose frame directions are given.
@@ -103,7 +116,7 @@ pub enum WearingSurfaces {
 }
 
 impl WearingSurfaces {
-    /// Every choice.
+    /// Every choice of wearing surfaces.
     pub const ALL: [WearingSurfaces; 3] = [Self::Bushing, Self::Journal, Self::Both];
 
     /// Word of the choice in a scene file.

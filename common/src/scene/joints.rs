@@ -3,8 +3,8 @@
 use super::body_row::{BodyRow, place};
 use super::clearance::{MaterialRow, clearance};
 use super::context::Range;
-use super::joint::{Joint, JointKind};
-use super::quantity::ANGLE;
+use super::joint::{IdealFriction, Joint, JointKind};
+use super::quantity::{ANGLE, LENGTH, NUMBER, SPEED};
 use super::section::Section;
 
 /// A joint while its scene is read; a faulty one keeps its name, so that references to it are found.
@@ -67,15 +67,38 @@ fn joint(
         }
     };
     let (journal, bushing) = (place(row, first, bodies), place(row, second, bodies));
+    let friction = match word {
+        JointWord::Revolute => friction(row, "pin_radius"),
+        JointWord::Prismatic => friction(row, "guide_length"),
+        JointWord::Fixed | JointWord::Clearance => Some(None),
+    };
     if let (Some(journal), Some(bushing)) = (journal, bushing)
         && journal.body == bushing.body
     {
         row.inconsistent_table(format!("{first} and {second} are on the same body"));
     }
-    let joint = kind.zip(journal.zip(bushing));
-    let joint =
-        joint.map(|(kind, (journal, bushing))| Joint { name: name.to_owned(), journal, bushing, kind });
+    let joint = kind.zip(friction).zip(journal.zip(bushing));
+    let joint = joint.map(|((kind, friction), (journal, bushing))| Joint {
+        name: name.to_owned(),
+        journal,
+        bushing,
+        kind,
+        friction,
+    });
     (unworn, joint)
+}
+
+/// Reads the friction of an ideal joint, of which `size` is the key of the length; outer none if it is faulty, inner none without
+/// any of its keys.
+fn friction(row: &mut Section, size: &'static str) -> Option<Option<IdealFriction>> {
+    // All three are read, so that they are known keys.
+    if ["friction", "friction_speed", size].map(|key| row.get(key)).iter().all(Option::is_none) {
+        return Some(None);
+    }
+    let coefficient = row.quantity("friction", NUMBER, Range::Within(0.0, 2.0));
+    let speed = row.quantity("friction_speed", SPEED, Range::Positive);
+    let size = row.quantity(size, LENGTH, Range::Positive);
+    Some(Some(IdealFriction { coefficient: coefficient?, speed: speed?, size: size? }))
 }
 
 /// The names that could be chosen instead, for a message; empty if there are none.

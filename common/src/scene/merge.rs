@@ -1,7 +1,7 @@
 //! `extends`: a scene that changes tables of another one.
 //!
 //! Tables merge key by key; lists of named tables merge row by row, by name, new rows at the end; everything else is
-//! replaced.
+//! replaced. What `scene.without` names is left out first.
 
 use toml::{Table, Value};
 
@@ -21,6 +21,33 @@ pub(super) fn merge(base: &mut Table, over: Table) {
                 base.insert(key, value);
             }
         }
+    }
+}
+
+/// Removes a key, or a row of a list of named tables, by its path, e.g. `loads.push`: false if there is none.
+pub(super) fn leave_out(base: &mut Table, path: &str) -> bool {
+    let (first, rest) = match path.split_once('.') {
+        Some((first, rest)) => (first, Some(rest)),
+        None => (path, None),
+    };
+    let Some(rest) = rest else { return base.remove(first).is_some() };
+    match base.get_mut(first) {
+        Some(Value::Table(inner)) => leave_out(inner, rest),
+        Some(Value::Array(rows)) => {
+            let (row, rest) = match rest.split_once('.') {
+                Some((row, rest)) => (row, Some(rest)),
+                None => (rest, None),
+            };
+            let Some(place) = rows.iter().position(|other| name(other) == Some(row)) else { return false };
+            match rest {
+                None => {
+                    rows.remove(place);
+                    true
+                }
+                Some(rest) => rows[place].as_table_mut().is_some_and(|row| leave_out(row, rest)),
+            }
+        }
+        _ => false,
     }
 }
 

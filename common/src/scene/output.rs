@@ -25,7 +25,7 @@ pub enum OutputKind {
     },
     /// Another quantity of the wear of these joints [m or m^3].
     Wear {
-        /// The quantity.
+        /// What is read from their depths.
         quantity: WearQuantity,
         /// Indices into [`super::Scene::joints`].
         joints: Vec<usize>,

@@ -96,9 +96,10 @@ pub fn failure_is_finite(failure: &SimulationFailure) -> bool {
         F::StepTooSmall { time, step, error, .. } => {
             time.is_finite() && step.is_finite() && error.is_finite()
         }
-        F::TooManySteps { time, .. } | F::NotFinite { time, .. } | F::Singular { time, .. } => {
-            time.is_finite()
-        }
+        F::TooManySteps { time, .. }
+        | F::NotFinite { time, .. }
+        | F::Singular { time, .. }
+        | F::SelfLocking { time, .. } => time.is_finite(),
         F::WearStep { error, .. } => error.is_finite(),
         F::OutOfRange { time, penetration, .. } => time.is_finite() && penetration.is_finite(),
         F::TimedOut { seconds } => seconds.is_finite(),

@@ -31,6 +31,36 @@ fn joints() {
     );
     one_fault("guide", "axis = \"15 deg\"", "axis = \"15 mm\"", "joints.guide.axis: \"15 mm\" is a length");
     one_fault("weld", "angle = \"90 deg\"", "axis = \"9 deg\"", "joints.weld.axis: unknown key");
+    one_fault("weld", "angle = \"90 deg\"", "friction = 0.1", "joints.weld.friction: unknown key");
+    one_fault(
+        "hinge",
+        "friction = 0.1",
+        "friction = -0.1",
+        "joints.hinge.friction: -0.1 is out of range, allowed: 0 to 2",
+    );
+    one_fault("hinge", "friction = 0.1\n", "", "joints.hinge.friction: is missing, expected a plain number");
+    one_fault(
+        "guide",
+        "friction_speed = \"2 mm/s\"\n",
+        "",
+        "joints.guide.friction_speed: is missing, expected a speed",
+    );
+    one_fault(
+        "guide",
+        "guide_length = \"arm / 2\"\n",
+        "",
+        "joints.guide.guide_length: is missing, expected a length",
+    );
+    one_fault(
+        "guide",
+        "\"arm / 2\"",
+        "\"-arm\"",
+        "joints.guide.guide_length: \"-arm\" = -20 mm is out of range, allowed: > 0",
+    );
+    let found = faults("name = \"hinge\"", "pin_radius = \"5 mm\"", "guide_length = \"5 mm\"");
+    assert_eq!(found.len(), 2, "{found:#?}");
+    assert!(found[0].contains("joints.hinge.pin_radius: is missing, expected a length"), "{found:?}");
+    assert!(found[1].contains("joints.hinge.guide_length: unknown key"), "{found:?}");
     one_fault("weld", "name = \"weld\"", "name = \"guide\"", "the name \"guide\" is taken");
     one_fault(
         "unworn",

@@ -1,7 +1,7 @@
 //! The page, in Markdown.
 
-use super::nominal::{EXPERIMENT, Run};
-use super::published::{Goal, Ours, Row, Standing, sections};
+use super::nominal::Run;
+use super::published::{Goal, Number, Ours, Standing, sections};
 use super::sensitivity;
 use super::study::Finished;
 use std::fmt::Write;
@@ -16,7 +16,8 @@ program:
 
 ```sh
 coordinator run --scene flapping-wing --out study
-cargo run --release -p coordinator --example reproduction -- study > coordinator/doc/reproduction.md
+coordinator run --scene flapping-wing-experiment --out tunnel
+cargo run --release -p coordinator --example reproduction -- study both-signs=tunnel --figure coordinator/doc/experiment.svg > coordinator/doc/reproduction.md
 ```
 
 `flapping-wing` is a reconstruction: the publication names the mechanism, its materials, its loads in words and its results, but not all
@@ -26,25 +27,19 @@ marked *free* were not targets.
 
 ";
 
-/// The whole page.
+/// The page of the drive of the simulations.
 pub fn page(
     study: &Finished,
     others: &[Finished],
     nominal: &Run,
     variants: &[Run],
 ) -> Result<String, Box<dyn std::error::Error>> {
-    let experiment =
-        variants.iter().find(|run| run.variant.name == EXPERIMENT.name).ok_or("no experiment")?;
     let mut out = String::from(OPENING);
-    let ours = Ours { study, nominal, experiment };
+    let ours = Ours { study, nominal };
     for section in sections() {
-        writeln!(out, "## {}\n", section.title)?;
-        writeln!(
-            out,
-            "| | published | ours | difference | aimed at | | why |\n|---|---|---|---|---|---|---|"
-        )?;
+        writeln!(out, "## {}\n\n{HEAD}", section.title)?;
         for row in &section.rows {
-            write_row(&mut out, row, (row.ours)(&ours))?;
+            write_number(&mut out, &row.number, (row.ours)(&ours))?;
         }
         writeln!(out)?;
     }
@@ -54,7 +49,12 @@ pub fn page(
     Ok(out)
 }
 
-fn write_row(out: &mut String, row: &Row, ours: Option<f64>) -> std::fmt::Result {
+/// Head of a table of published numbers.
+pub const HEAD: &str =
+    "| | published | ours | difference | aimed at | | why |\n|---|---|---|---|---|---|---|";
+
+/// A line of that table: a published number beside ours.
+pub fn write_number(out: &mut String, row: &Number, ours: Option<f64>) -> std::fmt::Result {
     let unit = if row.unit.is_empty() { String::new() } else { format!(" {}", row.unit) };
     let digits = row.decimals;
     let standing = match row.standing {
@@ -91,9 +91,7 @@ fn write_row(out: &mut String, row: &Row, ours: Option<f64>) -> std::fmt::Result
 fn bores(out: &mut String, nominal: &Run) -> std::fmt::Result {
     writeln!(
         out,
-        "## Worn bores\n\nThe publication shows one bore of the specimens: 0.0249 mm deep at 110 deg and \
-         0.0087 mm at 310 deg, clockwise from \
-         the leftmost point; the joint is not named. The nominal drive after 72 000 cycles, at angles counter-clockwise in the frame of the bushing:\n\n| joint | deepest | second peak |\n|---|---|---|"
+        "## Worn bores\n\nThe nominal drive after 72 000 cycles, at angles counter-clockwise in the frame of the bushing:\n\n| joint | deepest | second peak |\n|---|---|---|"
     )?;
     for (joint, peaks) in nominal.bores() {
         let shown = |k: usize| {
@@ -106,8 +104,8 @@ fn bores(out: &mut String, nominal: &Run) -> std::fmt::Result {
     writeln!(
         out,
         "\nThe simulated load has one direction through the whole cycle, as the single published force peak \
-         requires, so every bore wears on one side. A second, opposite peak needs a load that changes its \
-         sign, like that of a flapping wing in a flow. The two joints at the crank wear deepest, because \
+         requires, so every bore wears on one side; that of a load that changes its sign is in \
+         [the experiment](#the-experiment). The two joints at the crank wear deepest, because \
          their journal makes a full turn in every cycle.\n"
     )
 }
@@ -182,16 +180,21 @@ fn studies_over_life(out: &mut String, study: &Finished, others: &[Finished]) ->
     )?;
     for study in std::iter::once(study).chain(others) {
         write!(out, "| {} ", study.name)?;
-        for level in [0.99, 0.9, 0.5] {
-            match study.life(level) {
-                Some([life, lower, upper]) => write!(out, "| {life:.2} ({lower:.2} to {upper:.2}) ")?,
-                None => write!(out, "| ")?,
-            }
-        }
-        let curve: Vec<String> = study.fall().map(|(life, r)| format!("{:.0}: {r:.4}", life / 1e3)).collect();
-        writeln!(out, "| {} |", curve.join(", "))?;
+        write_lives(out, study)?;
     }
     Ok(())
+}
+
+/// The end of a line: lives of a study at three levels, and R where it falls.
+pub fn write_lives(out: &mut String, study: &Finished) -> std::fmt::Result {
+    for level in [0.99, 0.9, 0.5] {
+        match study.life(level) {
+            Some([life, lower, upper]) => write!(out, "| {life:.2} ({lower:.2} to {upper:.2}) ")?,
+            None => write!(out, "| ")?,
+        }
+    }
+    let curve: Vec<String> = study.fall().map(|(life, r)| format!("{:.0}: {r:.4}", life / 1e3)).collect();
+    writeln!(out, "| {} |", curve.join(", "))
 }
 
 fn shown(value: Option<f64>) -> String {

@@ -65,7 +65,7 @@ const FIGURES: [Figure; 4] = [
         why: "The asymmetry of this reconstruction is a vibration of the left rocker that grows in joint 4: its \
               bore, the load and the friction decide when, and the lengths hardly matter. The published order is \
               that of the kinematic difference between the two sides, which exists from the first cycle. This is \
-              the largest difference between the two models.",
+              the largest difference between the two models ([more](#could-the-asymmetry-be-kinematic)).",
     },
     Figure {
         limit_state: "asymmetry",

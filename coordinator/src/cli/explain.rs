@@ -143,10 +143,12 @@ fn joints(out: &mut String, scene: &Scene) -> std::fmt::Result {
             (&scene.bodies[joint.journal.body].name, &scene.bodies[joint.bushing.body].name);
         match &joint.kind {
             JointKind::Revolute => {
-                writeln!(out, "  {}: {journal} turns on {bushing}, ideal, no wear", joint.name)?
+                let ideal = ideal(joint, "a pin of radius");
+                writeln!(out, "  {}: {journal} turns on {bushing}, {ideal}", joint.name)?
             }
             JointKind::Prismatic { .. } => {
-                writeln!(out, "  {}: {journal} slides on {bushing}, ideal, no wear", joint.name)?;
+                let ideal = ideal(joint, "a guide of length");
+                writeln!(out, "  {}: {journal} slides on {bushing}, {ideal}", joint.name)?;
             }
             JointKind::Fixed { .. } => {
                 writeln!(out, "  {}: {journal} is fixed to {bushing}, no wear", joint.name)?;
@@ -164,6 +166,16 @@ fn joints(out: &mut String, scene: &Scene) -> std::fmt::Result {
         }
     }
     writeln!(out)
+}
+
+/// What is modelled of an ideal joint; its friction acts on `on`, a pin or guide.
+fn ideal(joint: &Joint, on: &str) -> String {
+    match joint.friction {
+        None => "ideal, no wear".to_owned(),
+        Some(IdealFriction { coefficient, size, .. }) => {
+            format!("ideal, friction {coefficient} on {on} {} mm, no wear", size * 1e3)
+        }
+    }
 }
 
 fn wear(clearance: &Clearance) -> String {
@@ -242,8 +254,9 @@ mod tests {
         let found = text(source.nominal(), &Model::new(source.nominal(), &NamedAccuracy::default()));
         for line in [
             "wheel: speed by a table over time, prescribed, no unknowns",
-            "hinge: rod turns on crank, ideal, no wear",
-            "guide: slider slides on frame, ideal, no wear",
+            "hinge: rod turns on crank, ideal, friction 0.1 on a pin of radius 5 mm, no wear",
+            "guide: slider slides on frame, ideal, friction 0.15 on a guide of length 10 mm, no wear",
+            "plain_guide: slider slides on frame, ideal, no wear",
             "weld: rod is fixed to slider, no wear",
             "unworn: journal of rod in bushing of slider, clearance 30.00 um, does not wear",
             "damping for a restitution of 0.9 (Lankarani-Nikravesh)",

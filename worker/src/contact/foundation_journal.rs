@@ -85,7 +85,7 @@ pub(super) struct TurnedLoad<R> {
 }
 
 /// A contact in the axes (n, t) of its elastic force, as in `foundation.rs`; what is new there for the journal.
-struct Resultant<R> {
+struct TurnedResultant<R> {
     n: [R; 2],
     t: [R; 2],
     /// e.n and e.t [m].
@@ -115,6 +115,11 @@ struct Resultant<R> {
 }
 
 impl Foundation {
+    /// An unworn journal with `points` control points on this foundation.
+    pub(crate) fn new_journal(&self, points: usize) -> Journal {
+        Journal::new(self.surface.journal_radius, points, Some(self.arc().intervals()))
+    }
+
     /// The law with this journal, which has a table of its depth if it belongs to a joint with this law.
     pub(crate) fn with_journal<'a>(&'a self, journal: &'a Journal) -> Option<FoundationWithJournal<'a>> {
         let turned = TurnedArc { arc: self.arc(), journal: journal.table()? };
@@ -219,7 +224,7 @@ impl<R: Real, A: JournalInArc<R>> Foundation<R, A> {
         s.add_film(motion, &mut out);
         let mut slopes = ForceSlopes::none(nothing);
         if JACOBIAN {
-            let resultant = Resultant {
+            let resultant = TurnedResultant {
                 n,
                 t,
                 en,
@@ -258,9 +263,9 @@ impl<R: Real, A: JournalInArc<R>> Foundation<R, A> {
 
     /// Derivative of (force, torques) without the film to (e, w, omega_i, omega_j) and to alpha, in the axes (n, t).
     #[inline(always)]
-    fn slopes_with_journal(&self, resultant: &Resultant<R>, load: &TurnedLoad<R>) -> ForceSlopes<R> {
+    fn slopes_with_journal(&self, resultant: &TurnedResultant<R>, load: &TurnedLoad<R>) -> ForceSlopes<R> {
         let s = &self.surface;
-        let &Resultant {
+        let &TurnedResultant {
             n,
             t,
             en,

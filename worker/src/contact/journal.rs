@@ -14,7 +14,6 @@
 //! Schmitz, Sawyer (2010), Wear 268, 643-652. Splines: de Boor (1978), A Practical Guide to Splines.
 
 use super::journal_table::JournalTable;
-use super::{Contact, Foundation};
 use crate::bore::{Profile, Radius};
 use crate::lanes::Real;
 use std::f64::consts::TAU;
@@ -46,21 +45,11 @@ impl<'a> From<&'a Profile> for Surfaces<'a> {
 }
 
 impl Journal {
-    /// An unworn journal with `points` control points in a joint with this contact law.
-    pub fn new(contact: &Contact, points: usize) -> Self {
-        match contact {
-            Contact::LocalHertz(law) => {
-                let radius = law.surface.journal_radius;
-                Journal { radius, worn: Profile::round(0.0, points), table: None }
-            }
-            Contact::Foundation(law) => Self::on_foundation(law, points),
-        }
-    }
-
-    /// An unworn journal with `points` control points on this foundation.
-    pub(crate) fn on_foundation(law: &Foundation, points: usize) -> Self {
-        let table = Some(JournalTable::new(points, law.arc().intervals()));
-        Journal { radius: law.surface.journal_radius, worn: Profile::round(0.0, points), table }
+    /// An unworn journal of radius `radius` [m] with `points` control points, tabulated at `intervals` equal intervals for an elastic
+    /// foundation of as many.
+    pub(super) fn new(radius: f64, points: usize, intervals: Option<usize>) -> Self {
+        let table = intervals.map(|intervals| JournalTable::new(points, intervals));
+        Journal { radius, worn: Profile::round(0.0, points), table }
     }
 
     /// Replaces the wear depths at the control points by `depth` `(points,)` [m].
@@ -99,7 +88,7 @@ pub(super) fn worn_radius<R: Real>(radius: R, depth: Radius<R>) -> Radius<R> {
     Radius { r: radius - depth.r, d1: -depth.d1, d2: -depth.d2 }
 }
 
-/// The same angle within half a turn of zero [rad].
+/// An angle without its whole turns, within half a turn of zero [rad].
 #[inline(always)]
 pub(super) fn within_a_turn<R: Real>(angle: R) -> R {
     angle.minus_product((angle * (1.0 / TAU)).round(), angle.like(TAU))

@@ -17,7 +17,7 @@ fn scars(points: usize) -> Vec<f64> {
 }
 
 fn journal(contact: &Contact) -> Journal {
-    let mut journal = Journal::new(contact, 36);
+    let mut journal = contact.new_journal(36);
     journal.set_depth(&scars(36));
     journal
 }

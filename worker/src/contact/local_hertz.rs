@@ -60,7 +60,7 @@ impl<R: Real> PolarEccentricity<R> {
 /// The two surfaces in the direction of the eccentricity.
 #[derive(Debug, Clone, Copy)]
 pub struct Walls<R> {
-    /// The bore.
+    /// The bore, worn so far.
     pub bore: Radius<R>,
     /// The journal, if it wears; its derivatives are to the angle in its own body.
     pub journal: Option<Radius<R>>,
@@ -81,7 +81,7 @@ struct Polar<R> {
     wt: R,
     /// Rate of the direction of e in the bushing's frame [rad/s].
     turn: R,
-    /// The same in that of the journal's body.
+    /// Rate of the direction of e in the frame of the journal's body [rad/s].
     spin: R,
 }
 

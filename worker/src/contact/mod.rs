@@ -22,6 +22,7 @@
 
 mod arc;
 mod arc_cell;
+mod coulomb;
 mod damping;
 mod energy;
 mod foundation;
@@ -44,6 +45,7 @@ mod surface;
 mod tests;
 mod turned_arc;
 
+pub(crate) use coulomb::coulomb;
 pub use damping::Restitution;
 pub use foundation::Foundation;
 pub(crate) use foundation::FoundationLoad;
@@ -106,6 +108,14 @@ impl Contact {
     /// Adopts a changed profile of the bore.
     pub fn profile_changed(&mut self, profile: &Profile) {
         with_law!(self, law => law.profile_changed(profile));
+    }
+
+    /// An unworn journal with `points` control points in a joint with this law.
+    pub fn new_journal(&self, points: usize) -> Journal {
+        match self {
+            Contact::LocalHertz(law) => Journal::new(law.surface.journal_radius, points, None),
+            Contact::Foundation(law) => law.new_journal(points),
+        }
     }
 
     /// True if both have the same law.

@@ -1,17 +1,18 @@
 //! Constants of one joint that all contact laws share, with the friction and film laws that follow from them.
 //!
 //! Friction F_T = mu F_N tanh(v_t / v_0), with the friction coefficient mu [1], the normal force F_N [N], the
-//! sliding speed v_t and the regularisation speed v_0 [m/s]; film force -c_f w through the centres, with the
-//! film damping c_f [N s/m] and the relative velocity w of the centres [m/s].
+//! sliding speed v_t and the regularisation speed v_0 [m/s] (`coulomb.rs`); film force -c_f w through the centres,
+//! with the film damping c_f [N s/m] and the relative velocity w of the centres [m/s].
 //!
 //! # Source
 //! Coulomb's law regularised as by Andersson, Soderberg, Bjorklund (2007), Tribology International 40,
 //! 580-587.
 
+use super::coulomb::coulomb;
 use super::damping::{self, Restitution};
 use super::joint_force::{ForceSlopes, JointForce, JointMotion};
 use super::stiffness::hertz_stiffness;
-use crate::lanes::{Real, lanewise, tanh};
+use crate::lanes::{Real, lanewise};
 use common::scene::Clearance;
 
 /// Constants of one joint that all contact laws share.
@@ -73,9 +74,7 @@ impl<R: Real> Surface<R> {
     /// F_T / F_N = mu tanh(v / v_0) at the sliding speed v [m/s], and its derivative to v [s/m].
     #[inline(always)]
     pub(super) fn friction(&self, v: R) -> (R, R) {
-        let per_speed = self.per_friction_speed;
-        let th = tanh(v * per_speed);
-        (self.friction * th, self.friction * th.like(1.0).minus_product(th, th) * per_speed)
+        coulomb(self.friction, self.per_friction_speed, v)
     }
 
     /// Sets the damping factor of a contact that is about to begin, at its speed of approach [m/s], in lanes where the `penetration` [m] is

@@ -33,21 +33,21 @@ pub struct TurnedIntegrals<R = f64> {
     pub t: R,
     /// d2V/(de dalpha) `(2,)` [m].
     pub et: [R; 2],
-    /// d2V/dalpha2 [m^2/rad].
+    /// Second derivative of V to alpha [m^2/rad].
     pub tt: R,
 }
 
 /// A tabulated bore with a worn journal in it.
 #[derive(Debug, Clone, Copy)]
 pub struct TurnedArc<'a> {
-    /// The bore.
+    /// The tabulated bore.
     pub arc: &'a Arc,
-    /// The journal.
+    /// The tabulated journal.
     pub journal: &'a JournalTable,
 }
 
 /// Gaps at the angles of a stretch, with their derivatives to alpha.
-struct Gaps {
+struct TurnedGaps {
     gap: [f64; ANGLES],
     d1: [f64; ANGLES],
     d2: [f64; ANGLES],
@@ -111,9 +111,9 @@ impl TurnedArc<'_> {
 
     /// Gaps at the angles of stretch `s`; beyond its end they are not positive.
     #[inline(always)]
-    fn gaps(&self, e: [f64; 2], at: Turned, s: usize, stretch: &Stretch) -> Gaps {
+    fn gaps(&self, e: [f64; 2], at: Turned, s: usize, stretch: &Stretch) -> TurnedGaps {
         let depth = self.journal.depths::<ANGLES>(at, s * STRETCH);
-        let mut gaps = Gaps { gap: [0.0; ANGLES], d1: [0.0; ANGLES], d2: [0.0; ANGLES] };
+        let mut gaps = TurnedGaps { gap: [0.0; ANGLES], d1: [0.0; ANGLES], d2: [0.0; ANGLES] };
         for i in 0..STRETCH {
             let bore = e[0] * stretch.begin.x[i] + e[1] * stretch.begin.y[i] - stretch.begin.play[i];
             gaps.gap[i] = bore - depth.depth[i];
@@ -211,7 +211,7 @@ impl IntervalWeights {
 /// Adds twice the potential, its gradient x, y, its second derivative xx, xy, yy, its derivative to alpha and the mixed and second
 /// ones, for intervals of length one.
 #[inline(always)]
-fn add_stretch(sums: &mut [[f64; STRETCH]; 10], stretch: &Stretch, gaps: &Gaps) {
+fn add_stretch(sums: &mut [[f64; STRETCH]; 10], stretch: &Stretch, gaps: &TurnedGaps) {
     let (last, [end]) = (stretch.intervals, [stretch.angle(stretch.intervals).0]);
     let (mut x, mut y) = ([0.0; ANGLES], [0.0; ANGLES]);
     x[..STRETCH].copy_from_slice(&stretch.begin.x);

@@ -178,7 +178,7 @@ impl<R: Real> LaneStepper<R> {
     pub(crate) fn finish_round(&mut self, outside: R) -> bool {
         let (zero, one) = (outside.zero(), outside.like(1.0));
         let SpanProgress { time, end, steps, control, .. } = self.progress;
-        let existing = self.at.independent.unwrap_or(one);
+        let existing = self.at.independent.unwrap_or(one) * self.at.balanced.unwrap_or(one);
         // Zero or not a number, of which only zero is below one.
         let finite = R::select(self.force.below(one), existing, zero);
         let sound = R::select(zero.below(outside), zero, finite);
@@ -228,7 +228,8 @@ impl<R: Real> LaneStepper<R> {
     /// [`IntegrationError`] with the joint that left the range.
     pub(crate) fn check(&self, lane: usize, deepest: &[f64]) -> Result<(), IntegrationError> {
         let time = self.progress.time.lane(lane);
-        if self.at.independent.is_some_and(|independent| independent.lane(lane) != 1.0) {
+        let missing = |exists: &Option<R>| exists.is_some_and(|exists| exists.lane(lane) != 1.0);
+        if missing(&self.at.independent) || missing(&self.at.balanced) {
             return Err(IntegrationError::Singular { time });
         }
         if self.force.lane(lane) != 0.0 {
@@ -270,6 +271,9 @@ impl<R: Real> LaneStepper<R> {
             to.direction = from.direction.map(|x| x.lane(lane));
             to.penetration = from.penetration.lane(lane);
             to.sliding = from.sliding.lane(lane);
+        }
+        for (to, from) in to.friction.iter_mut().zip(&self.at.friction) {
+            *to = from.map(|x| x.lane(lane));
         }
         to.lambda.iter_mut().zip(&self.at.lambda).for_each(|(to, from)| *to = from.lane(lane));
         to.e.iter_mut().zip(&self.at.e).for_each(|(to, from)| *to = from.map(|x| x.lane(lane)));

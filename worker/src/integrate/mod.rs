@@ -27,7 +27,7 @@ pub use band::Band;
 pub use control::StepControl;
 pub(crate) use control::{step_ratio, within_remaining};
 pub(crate) use lane_stepper::{LaneStepper, SteppedLanes};
-pub(crate) use linear::add_product;
+pub(crate) use linear::{add_product, factor, solve};
 pub(crate) use pivoted::Pivoted;
 pub use progress::{IntegrationError, StepCounts};
 pub(crate) use progress::{SpanProgress, StepDecision, StepDecisions, nan_as_infinite, worst_coordinate};
@@ -74,6 +74,10 @@ pub trait Stepped: Dynamics {
         let _ = at;
         Ok(())
     }
+    /// The ideal joint that locks itself, if the force did not exist for that reason at a state tried since the last linearisation.
+    fn locked_joint(&self) -> Option<usize> {
+        None
+    }
     /// The joint to name when the error of this coordinate stops the integration.
     fn responsible_joint(&self, coordinate: usize, at: &Linearised) -> Option<usize> {
         let _ = (coordinate, at);
@@ -111,11 +115,16 @@ pub struct Linearised<R = f64> {
     pub turns: Vec<R>,
     /// Multipliers of the ideal joints' constraints `(m,)` [N, N m].
     pub lambda: Vec<R>,
+    /// Friction force of each ideal joint with friction, and its sliding speed `(joints, 2)` [N, m/s].
+    pub friction: Vec<[R; 2]>,
     /// Generalised force (x, y, angle) of joints and loads on each prescribed body `(bodies, 3)` [N, N m].
     pub prescribed: Vec<[R; 3]>,
     /// One where the constraints of the ideal joints are linearly independent, zero where they are not, so that f does not exist;
     /// `None` without ideal joints.
     pub independent: Option<R>,
+    /// One where the reactions of the ideal joints balance their friction, zero where f does not exist because they do not; `None`
+    /// without ideal joints.
+    pub balanced: Option<R>,
 }
 
 impl<R: Real> Linearised<R> {
@@ -147,8 +156,10 @@ impl<R: Real> Linearised<R> {
             e: vec![],
             turns: vec![],
             lambda: vec![],
+            friction: vec![],
             prescribed: vec![],
             independent: None,
+            balanced: None,
         }
     }
 }

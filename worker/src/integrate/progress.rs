@@ -67,6 +67,13 @@ pub enum IntegrationError {
         /// Time of the state [s].
         time: f64,
     },
+    /// The reactions of the ideal joints do not balance their friction.
+    SelfLocking {
+        /// Time of the last state at which they did, or of the state at which they did not [s].
+        time: f64,
+        /// Ideal joint that locks itself, by index into the island's constraints.
+        joint: usize,
+    },
     /// The state or the force is not finite.
     NotFinite {
         /// Time of the state [s].

@@ -86,7 +86,13 @@ impl Stepper {
         let result = fused(Integration { stepper: self, system, progress: &mut progress, q, v, observer });
         self.control = progress.control;
         counts.add(&progress.counts());
-        result.map_err(|error| error.with_joint(self.responsible_joint(system)))
+        result.map_err(|error| match (error, system.locked_joint()) {
+            // The steps tried last led to states at which the force does not exist.
+            (IntegrationError::StepTooSmall { time, .. }, Some(joint)) => {
+                IntegrationError::SelfLocking { time, joint }
+            }
+            (error, _) => error.with_joint(self.responsible_joint(system)),
+        })
     }
 
     #[inline(always)]
@@ -132,6 +138,11 @@ impl Stepper {
         progress.forces += 1.0;
         if self.at.independent == Some(0.0) {
             return Err(IntegrationError::Singular { time });
+        }
+        if self.at.balanced == Some(0.0)
+            && let Some(joint) = system.locked_joint()
+        {
+            return Err(IntegrationError::SelfLocking { time, joint });
         }
         if !self.at.f.iter().all(|f| f.is_finite()) {
             return Err(IntegrationError::NotFinite { time });

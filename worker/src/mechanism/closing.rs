@@ -7,7 +7,8 @@
 //! # Source
 //! Coordinate projection: Eich (1993), SIAM J. Numer. Anal. 30, 1467-1482.
 
-use super::elimination::{Elimination, Placed};
+use super::elimination::Elimination;
+use super::placed::Placed;
 use crate::integrate::Closed;
 use crate::lanes::Real;
 

@@ -20,9 +20,10 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::frame::{End, Frame};
+use super::sliding::{FrictionConstants, NormalForce, Sliding};
 use crate::lanes::{Lanewise, Real, lanewise};
 use crate::plane::{dot, left};
-use common::scene::JointKind;
+use common::scene::{IdealFriction, JointKind};
 use std::f64::consts::TAU;
 
 /// Most scalar constraints of one joint.
@@ -45,9 +46,11 @@ pub struct Constraint<R = f64> {
     normal: [R; 2],
     /// theta_1 - theta_2 of a prismatic or fixed joint [rad].
     angle: R,
+    /// Friction of a revolute or prismatic joint, if it has any.
+    pub friction: Option<FrictionConstants<R>>,
 }
 
-lanewise!(Constraint { scene_joint, ends, kind, normal, angle });
+lanewise!(Constraint { scene_joint, ends, kind, normal, angle, friction });
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Kind {
@@ -114,14 +117,19 @@ impl Constraint {
             }
             JointKind::Fixed { angle } => (Kind::Fixed, [0.0; 2], *angle),
         };
-        Constraint { scene_joint, ends, kind, normal, angle }
+        Constraint { scene_joint, ends, kind, normal, angle, friction: None }
     }
 
-    /// Size of the force the joint transmits, for multipliers `lambda` of its rows [N]. A prismatic joint's
-    /// moment is not part of it.
-    pub(crate) fn force(&self, lambda: &[f64]) -> f64 {
+    /// The constraint with this friction.
+    pub(crate) fn with_friction(self, friction: Option<IdealFriction>) -> Self {
+        Constraint { friction: friction.map(FrictionConstants::from), ..self }
+    }
+
+    /// Size of the force the joint transmits, for multipliers `lambda` of its rows and the `friction` along a prismatic joint [N]. A
+    /// prismatic joint's moment is not part of it, nor the moment of friction on a pin.
+    pub(crate) fn force(&self, lambda: &[f64], friction: f64) -> f64 {
         match self.kind {
-            Kind::Prismatic => lambda[0].abs(),
+            Kind::Prismatic => libm::hypot(lambda[0], friction),
             Kind::Revolute | Kind::Fixed => libm::hypot(lambda[0], lambda[1]),
         }
     }
@@ -135,6 +143,25 @@ impl<R: Real> Constraint<R> {
             Kind::Revolute | Kind::Prismatic => 2,
             Kind::Fixed => 3,
         }
+    }
+
+    /// Normal force that the friction of the joint follows, if it has friction.
+    pub(super) fn normal_force(&self) -> Option<NormalForce<R>> {
+        let size = self.friction?.size;
+        Some(match self.kind {
+            Kind::Revolute | Kind::Fixed => NormalForce::on_pin(),
+            Kind::Prismatic => NormalForce::in_guide(size),
+        })
+    }
+
+    /// How the two bodies slide on each other, if the joint has friction.
+    #[inline(always)]
+    pub(super) fn sliding(&self, first: &Frame<R>, second: &Frame<R>) -> Option<Sliding<R>> {
+        let friction = self.friction?;
+        Some(match self.kind {
+            Kind::Revolute | Kind::Fixed => Sliding::on_pin(friction, first, second),
+            Kind::Prismatic => Sliding::in_guide(friction, self.normal, self.ends[0].arm, first, second),
+        })
     }
 
     /// Whether row `k` is an angle [rad]; else it is a length [m].

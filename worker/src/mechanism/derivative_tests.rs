@@ -102,7 +102,7 @@ fn pair_derivatives_agree_with_differences() {
         let mut contact = Contact::new(clearance);
         contact.profile_changed(&profile);
         let journal = wears.then(|| {
-            let mut journal = Journal::new(&contact, 36);
+            let mut journal = contact.new_journal(36);
             journal.set_depth(&worn_depth().into_iter().rev().collect::<Vec<_>>());
             journal
         });
@@ -169,7 +169,7 @@ fn pair_derivatives_agree_with_differences() {
 
 /// An island of the flapping-wing with worn bores, at a few times of a cycle when all its joints are in
 /// contact.
-fn states(scene: &Scene, island: &mut Island) -> Vec<(f64, Vec<f64>, Vec<f64>)> {
+pub(super) fn states(scene: &Scene, island: &mut Island) -> Vec<(f64, Vec<f64>, Vec<f64>)> {
     for joint in &mut island.joints {
         let depth = worn_depth().into_iter().cycle().take(joint.depths());
         joint.set_depth(&depth.collect::<Vec<_>>());
@@ -197,7 +197,13 @@ fn states(scene: &Scene, island: &mut Island) -> Vec<(f64, Vec<f64>, Vec<f64>)> 
 
 /// Derivatives of the whole island at a state against central differences, with steps for lengths, angles,
 /// their rates and time; each within `bound` of the largest of its row (column, for time).
-fn check(island: &Island, (t, q, v): &(f64, Vec<f64>, Vec<f64>), steps: [f64; 5], bound: f64, case: &str) {
+pub(super) fn check(
+    island: &Island,
+    (t, q, v): &(f64, Vec<f64>, Vec<f64>),
+    steps: [f64; 5],
+    bound: f64,
+    case: &str,
+) {
     let n = island.coordinates();
     let mut at = island.linearised();
     island.clone().linearise(*t, q, v, &mut at);
@@ -261,7 +267,7 @@ fn at(body: usize, position: [f64; 2]) -> Attachment {
 
 /// A crank of varying speed, a rod, a slider on an inclined line, an arm hinged to the slider, a weight fixed
 /// to the arm: every kind of ideal joint and of load.
-fn everything() -> Scene {
+pub(super) fn everything() -> Scene {
     let mut scene = SceneSource::builtin("four-bar").expect("it is built in").nominal().clone();
     let free = |x: f64, y: f64, angle: f64, mass: f64| Motion::Free {
         mass,
@@ -283,7 +289,13 @@ fn everything() -> Scene {
         body("arm", free(0.16, 0.02, 1.0, 0.1)),
         body("weight", free(0.2, 0.1, 1.3, 0.15)),
     ];
-    let joint = |name: &str, journal, bushing, kind| Joint { name: name.into(), journal, bushing, kind };
+    let joint = |name: &str, journal, bushing, kind| Joint {
+        name: name.into(),
+        journal,
+        bushing,
+        kind,
+        friction: None,
+    };
     let slide = JointKind::Prismatic { axis: 0.2, angle: 0.2 };
     scene.joints = vec![
         joint("crank", at(1, [0.05, 0.0]), at(2, [0.0, 0.0]), JointKind::Revolute),

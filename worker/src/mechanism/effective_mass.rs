@@ -13,11 +13,11 @@
 //! Effective mass of a collision: Gilardi, Sharf (2002), Literature survey of contact dynamics modelling, Mechanism and Machine Theory
 //! 37, 1213-1239, section 3.
 
-use super::elimination::Placed;
 use super::frame::Frame;
 use super::island::Island;
 use super::joint::joint_motion;
 use super::piecewise_cubic::Jet;
+use super::placed::Placed;
 use crate::plane::fused_cross as cross;
 
 impl Island {
@@ -70,8 +70,8 @@ impl Island {
         let jets: Vec<Jet> = self.prescribed.iter().map(|motion| [motion.angle(t), 0.0, 0.0, 0.0]).collect();
         let mut change = impulse.to_vec();
         let placed = Placed { frames: &frames, jets: &jets };
-        let independent = self.ideal.clone().add_reactions(placed, &mut change);
-        (independent > 0.0).then_some(change)
+        let existence = self.ideal.clone().add_reactions(placed, &mut change);
+        (existence.independent > 0.0).then_some(change)
     }
 
     /// Frame of a body of the island in a state.

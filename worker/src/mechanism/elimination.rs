@@ -27,9 +27,9 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::constraint::{Constraint, first_rows};
-use super::frame::Frame;
+use super::joint_friction::JointFriction;
 use super::orthonormal::OrthonormalRows;
-use super::piecewise_cubic::Jet;
+use super::placed::Placed;
 use crate::integrate::Linearised;
 use crate::lanes::{Lanewise, Real};
 
@@ -52,30 +52,17 @@ pub struct Elimination<R = f64> {
     lambda: Vec<R>,
     /// Derivatives of G a + h `(m, n)`.
     c: Vec<R>,
+    /// Friction of the joints.
+    friction: JointFriction<R>,
 }
 
-/// State of an island's bodies, free ones first.
-#[derive(Clone, Copy)]
-pub struct Placed<'a, R = f64> {
-    /// Frames of the free bodies, then of the prescribed ones.
-    pub frames: &'a [Frame<R>],
-    /// Angle and derivatives of the prescribed bodies.
-    pub jets: &'a [Jet<R>],
-}
-
-impl<'a, R: Real> Placed<'a, R> {
-    /// Angle and derivatives of the prescribed body of frame `index`; `None` for a free body.
-    #[inline(always)]
-    fn jet(&self, index: usize) -> Option<&'a Jet<R>> {
-        let free = self.frames.len() - self.jets.len();
-        if index < free { None } else { Some(&self.jets[index - free]) }
-    }
-
-    /// Frames of the two bodies that a constraint joins.
-    #[inline(always)]
-    fn pair(&self, c: &Constraint<R>) -> [&'a Frame<R>; 2] {
-        [&self.frames[c.ends[0].frame], &self.frames[c.ends[1].frame]]
-    }
+/// Whether the reactions of the ideal joints exist, one or zero.
+#[derive(Debug, Clone, Copy)]
+pub struct Existence<R = f64> {
+    /// One where the constraints are independent.
+    pub independent: R,
+    /// One where reactions and friction balance each other.
+    pub balanced: R,
 }
 
 impl Elimination {
@@ -97,7 +84,14 @@ impl Elimination {
         for (to, from) in to.constraints.iter_mut().zip(&self.constraints) {
             from.write_lane::<R>(lane, to);
         }
+        to.friction.update(&to.constraints);
         to.factors.set_lane(lane, &self.factors);
+    }
+
+    /// The joint whose friction amplifies its own reaction most, if the joints have been found to lock themselves since the last
+    /// linearisation: index into the constraints.
+    pub(crate) fn locked_joint(&self) -> Option<usize> {
+        self.friction.locked_constraint()
     }
 
     /// Whether both join the same bodies by the same kinds of joints.
@@ -114,6 +108,7 @@ impl<R: Real> Elimination<R> {
         let (zero, n) = (like.zero(), root.len());
         let (first, m) = first_rows(&constraints);
         Elimination {
+            friction: JointFriction::new(&constraints, &first, m, like),
             constraints,
             first,
             n,
@@ -129,6 +124,12 @@ impl<R: Real> Elimination<R> {
     #[inline(always)]
     pub(crate) fn rows(&self) -> usize {
         self.m
+    }
+
+    /// Number of joints with friction.
+    #[inline(always)]
+    pub(crate) fn friction_joints(&self) -> usize {
+        self.friction.count()
     }
 
     /// Fills phi, Q and R. Returns one, zero in lanes where the constraints are dependent.
@@ -155,10 +156,9 @@ impl<R: Real> Elimination<R> {
         self.factors.orthonormalise()
     }
 
-    /// Adds the reactions to the applied force `f`. Returns one, zero in lanes where the constraints are dependent; there the force is
-    /// not a number.
+    /// Adds the reactions and the friction of the joints to the applied force `f`; where they do not exist, the force is not a number.
     #[inline(always)]
-    pub(crate) fn add_reactions(&mut self, at: Placed<R>, f: &mut [R]) -> R {
+    pub(crate) fn add_reactions(&mut self, at: Placed<R>, f: &mut [R]) -> Existence<R> {
         let independent = self.factor(at);
         let zero = independent.zero();
         for joint in 0..self.constraints.len() {
@@ -179,14 +179,18 @@ impl<R: Real> Elimination<R> {
         // z = R^-T h in the place of h, then lambda = R^-1 (Q' M^-1/2 f + z) and the force left.
         self.factors.forward(&mut self.lambda, 1);
         self.factors.add_forces(f, &mut self.lambda, 1);
+        let mut balanced = zero.like(1.0);
+        if self.friction.count() > 0 {
+            balanced = self.friction.add(at, &self.constraints, &self.factors, f, &mut self.lambda);
+        }
         self.factors.subtract_reactions(&self.lambda, f, 1);
         self.factors.backward(&mut self.lambda);
         let nothing = zero.like(f64::NAN);
-        let exists = zero.below(independent);
+        let exists = R::both(zero.below(independent), zero.below(balanced));
         for k in 0..f.len() {
             f[k] = R::select(exists, f[k], nothing);
         }
-        independent
+        Existence { independent, balanced }
     }
 
     /// After [`Self::add_reactions`] to `to.f`: turns the derivatives of the applied force in `to` into those
@@ -196,13 +200,31 @@ impl<R: Real> Elimination<R> {
         let n = self.n;
         to.lambda.copy_from_slice(&self.lambda);
         self.explicit_reaction_terms(at, to);
+        let Elimination { constraints, factors, friction, .. } = self;
+        if friction.count() > 0 {
+            friction.add_derivatives(at, constraints, factors, to);
+        }
         // The accelerations are those with reactions, the same for both.
         self.constraint_derivatives(at, &to.f, false);
-        self.factors.reduce(&mut self.c, &mut to.k, n);
+        self.reduce::<false>(at, &mut to.k, n);
         self.constraint_derivatives(at, &to.f, true);
-        self.factors.reduce(&mut self.c, &mut to.d, n);
+        self.reduce::<false>(at, &mut to.d, n);
         self.time_derivative(at, &to.f);
-        self.factors.reduce(&mut self.phi, &mut to.ft, 1);
+        self.reduce::<true>(at, &mut to.ft, 1);
+    }
+
+    /// Turns the derivatives `x` `(n, columns)` of the applied force and those of G a + h, which are c or with `TIME` phi, into those of the
+    /// force with reactions and friction.
+    #[inline(always)]
+    fn reduce<const TIME: bool>(&mut self, at: Placed<R>, x: &mut [R], columns: usize) {
+        let Elimination { constraints, factors, friction, c, phi, .. } = self;
+        let c = if TIME { phi } else { c };
+        factors.forward(c, columns);
+        factors.add_forces(x, c, columns);
+        if friction.count() > 0 {
+            friction.reduce(at, constraints, c, x, columns);
+        }
+        factors.subtract_reactions(c, x, columns);
     }
 
     /// Subtracts d(G' lambda)/dx, and the reactions on prescribed bodies.

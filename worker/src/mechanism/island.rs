@@ -3,12 +3,13 @@
 
 use super::closing::{IdealJoints, close};
 use super::constraint::Constraint;
-use super::elimination::{Elimination, Placed};
+use super::elimination::{Elimination, Existence};
 use super::forces::{Acting, JointSpace};
 use super::frame::{End, Frame};
 use super::joint::joint_motion;
 use super::load::{IslandLoad, NO_FRAME};
 use super::piecewise_cubic::Jet;
+use super::placed::Placed;
 use super::prescribed::Prescribed;
 use super::wearing_joint::WearingJoint;
 use crate::contact::JointMotion;
@@ -125,13 +126,19 @@ impl Island {
         Band::new(n, 3 * frames.map(reach).max().unwrap_or(0) + 2)
     }
 
+    /// True if an ideal joint has friction.
+    pub(crate) fn has_friction(&self) -> bool {
+        self.ideal.friction_joints() > 0
+    }
+
     /// Force in each ideal joint at the state of `at`, in the order of [`Self::constraints`] [N].
     pub(crate) fn ideal_forces<'a>(&'a self, at: &'a Linearised) -> impl Iterator<Item = f64> + 'a {
-        let mut first = 0;
+        let (mut first, mut rubbing) = (0, at.friction.iter());
         self.ideal.constraints.iter().map(move |c| {
             let lambda = &at.lambda[first..first + c.rows()];
             first += c.rows();
-            c.force(lambda)
+            let friction = c.friction.and_then(|_| rubbing.next());
+            c.force(lambda, friction.map_or(0.0, |[force, _]| *force))
         })
     }
 
@@ -139,6 +146,7 @@ impl Island {
     pub fn linearised(&self) -> Linearised {
         Linearised {
             lambda: vec![0.0; self.ideal.rows()],
+            friction: vec![[0.0; 2]; self.ideal.friction_joints()],
             prescribed: vec![[0.0; 3]; self.prescribed.len()],
             ..Linearised::new(0.0, self.band(), self.joints.len())
         }
@@ -281,7 +289,8 @@ impl Dynamics for Island {
         (at.f, self.space) = (f, space);
         if self.ideal.rows() > 0 {
             let placed = Placed { frames: &self.frames, jets: &self.jets };
-            at.independent = Some(self.ideal.add_reactions(placed, &mut at.f));
+            let Existence { independent, balanced } = self.ideal.add_reactions(placed, &mut at.f);
+            (at.independent, at.balanced) = (Some(independent), Some(balanced));
             self.ideal.reduce_derivatives(placed, at);
         }
     }
@@ -309,6 +318,10 @@ impl Stepped for Island {
                 self.joints[index].accepted(&motion, &at.joints[index]);
             }
         }
+    }
+
+    fn locked_joint(&self) -> Option<usize> {
+        self.ideal.locked_joint()
     }
 
     fn responsible_joint(&self, coordinate: usize, at: &Linearised) -> Option<usize> {

@@ -2,13 +2,14 @@
 //! numbers.
 
 use super::closing::{IdealJoints, close};
-use super::elimination::{Elimination, Placed};
+use super::elimination::{Elimination, Existence};
 use super::forces::{Acting, JointSpace};
 use super::frame::{End, Frame};
 use super::island::Island;
 use super::joint::Touching;
 use super::load::IslandLoad;
 use super::piecewise_cubic::Jet;
+use super::placed::Placed;
 use super::prescribed::Prescribed;
 use super::wearing_joint::WearingJoint;
 use crate::contact::{ForceSlopes, JointForce, JointMotion, LawLanes, PolarEccentricity, Walls};
@@ -170,6 +171,7 @@ impl<R: Real> IslandLanes<R> {
         let zero = self.mass[0].zero();
         Linearised {
             lambda: vec![zero; self.ideal.rows()],
+            friction: vec![[zero; 2]; self.ideal.friction_joints()],
             prescribed: vec![[zero; 3]; self.prescribed.len()],
             ..Linearised::new(zero, self.band, self.joints.len())
         }
@@ -296,7 +298,8 @@ impl<R: Real> Dynamics<R> for IslandLanes<R> {
         (at.f, self.space) = (f, space);
         if self.ideal.rows() > 0 {
             let (ideal, placed) = self.joints();
-            at.independent = Some(ideal.add_reactions(placed, &mut at.f));
+            let Existence { independent, balanced } = ideal.add_reactions(placed, &mut at.f);
+            (at.independent, at.balanced) = (Some(independent), Some(balanced));
             ideal.reduce_derivatives(placed, at);
         }
     }

@@ -16,16 +16,22 @@ mod elimination;
 mod external_loads;
 mod forces;
 mod frame;
+mod friction_balance;
+#[cfg(test)]
+mod friction_tests;
 mod island;
 mod island_frames;
 mod joint;
+mod joint_friction;
 mod lanes;
 mod load;
 #[cfg(test)]
 mod order_tests;
 mod orthonormal;
 mod piecewise_cubic;
+mod placed;
 mod prescribed;
+mod sliding;
 mod topology;
 mod turns;
 mod wearing_joint;

@@ -159,6 +159,14 @@ impl<R: Real> OrthonormalRows<R> {
         add_rows(&self.per_root, self.root.len(), x, sums, columns);
     }
 
+    /// Adds Q' M^-1/2 x to `sums` `(m,)`, where x is zero but for `value` at coordinate `k`.
+    #[inline(always)]
+    pub(super) fn add_force(&self, k: usize, value: R, sums: &mut [R]) {
+        for i in 0..self.m {
+            sums[i] = sums[i].plus_product(self.per_root[i * self.root.len() + k], value);
+        }
+    }
+
     /// Adds Q' M^1/2 v to `sums` `(m,)`, with `v` `(n,)`.
     #[inline(always)]
     pub(super) fn add_velocities(&self, v: &[R], sums: &mut [R]) {
@@ -188,14 +196,6 @@ impl<R: Real> OrthonormalRows<R> {
             new = new.minus_product(c[i], self.per_root[i * self.root.len() + k]);
         }
         new
-    }
-
-    /// Replaces `x` by M^1/2 [(1 - Q Q') M^-1/2 x - Q R^-T c] `(n, columns)`, with `c` `(m, columns)`, which is changed.
-    #[inline(always)]
-    pub(super) fn reduce(&self, c: &mut [R], x: &mut [R], columns: usize) {
-        self.forward(c, columns);
-        self.add_forces(x, c, columns);
-        self.subtract_reactions(c, x, columns);
     }
 }
 

@@ -70,7 +70,9 @@ fn assemble(scene: &Scene, bodies: Vec<usize>) -> Island {
             JointKind::Clearance(clearance) => {
                 joints.push(WearingJoint::new(index, &joint.name, clearance, ends));
             }
-            ideal => constraints.push(Constraint::new(index, ends, ideal)),
+            ideal => {
+                constraints.push(Constraint::new(index, ends, ideal).with_friction(joint.friction));
+            }
         }
     }
     let acting = scene.loads.iter().filter(|load| load.bodies().iter().any(|b| bodies.contains(b)));

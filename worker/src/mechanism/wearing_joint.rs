@@ -38,7 +38,7 @@ impl WearingJoint {
         WearingJoint {
             scene_joint,
             name: name.to_owned(),
-            journal: (wear_coefficients[1] > 0.0).then(|| Journal::new(&contact, points)),
+            journal: (wear_coefficients[1] > 0.0).then(|| contact.new_journal(points)),
             contact,
             profile: Profile::round(clearance.bushing_radius, points),
             wear_coefficients,

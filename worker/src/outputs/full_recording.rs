@@ -125,6 +125,7 @@ fn power_state(island: &Island, t: f64, v: &[f64], at: &Linearised) -> PowerStat
         at.prescribed.iter().zip(island.prescribed_speeds()).map(|(f, omega)| -f[2] * omega).sum();
     let mut now =
         PowerState { stored: loads.stored, input: drives + loads.driving, lost: loads.lost, unphysical: 0.0 };
+    now.lost += at.friction.iter().map(|[force, speed]| force * speed).sum::<f64>();
     for (k, force) in at.joints.iter().enumerate() {
         let joint = &island.joints[k];
         let energy = joint.contact.energy(joint.surfaces(), &island.joint_motion(k), force);

@@ -213,8 +213,13 @@ fn stepper(island: &Island, period: f64, accuracy: &Accuracy) -> Stepper {
     Stepper::new(island.linearised(), control)
 }
 
-/// The failure of an evaluation whose integration stopped: adds the life `cycle` [cycles] and the names of joints.
-pub(crate) fn failure(error: IntegrationError, cycle: u32, island: &Island) -> SimulationFailure {
+/// The failure of an evaluation of `scene` whose integration stopped: adds the life `cycle` [cycles] and the names of joints.
+pub(crate) fn failure(
+    error: IntegrationError,
+    cycle: u32,
+    island: &Island,
+    scene: &Scene,
+) -> SimulationFailure {
     let name = |joint: usize| island.joints[joint].name.clone();
     match error {
         IntegrationError::StepTooSmall { time, step, error, joint } => {
@@ -227,6 +232,10 @@ pub(crate) fn failure(error: IntegrationError, cycle: u32, island: &Island) -> S
             SimulationFailure::OutOfRange { cycle, time, joint: name(joint), penetration }
         }
         IntegrationError::Singular { time } => SimulationFailure::Singular { cycle, time },
+        IntegrationError::SelfLocking { time, joint } => {
+            let joint = scene.joints[island.constraints()[joint].scene_joint].name.clone();
+            SimulationFailure::SelfLocking { cycle, time, joint }
+        }
         IntegrationError::NotFinite { time } => {
             SimulationFailure::NotFinite { cycle, time, quantity: "the force".into() }
         }

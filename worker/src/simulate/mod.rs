@@ -42,6 +42,7 @@ mod quasi_static_island;
 mod run;
 mod several_cycles;
 mod side_by_side;
+mod wall;
 mod worn_joints;
 
 use common::accuracy::Accuracy;

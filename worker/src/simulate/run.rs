@@ -4,7 +4,7 @@ use super::ideal_tracks::{ideal_angle, ideal_path};
 use super::island_state::{CycleSpan, IslandStart, IslandState, StateSnapshot, failure};
 use super::quasi_static_island::QuasiStaticIsland;
 use super::side_by_side::{Integrated, LaneQueue, Span};
-use super::worn_joints::worn_through;
+use super::wall::worn_through;
 use crate::integrate::StepCounts;
 use crate::mechanism::{Pose, WearingJoint, ideal_cycle, islands, turns_per_cycle};
 use crate::outputs::{FullRecording, IdealTracks, Recorder, RecordingRequest, recording_request};
@@ -279,7 +279,7 @@ impl<'a> Run<'a> {
         for Integrated { mut state, counts, result } in self.queue.integrate(spans).await {
             state.time = time.end;
             self.counts.add(&counts);
-            first = first.and(result.map_err(|error| failure(error, self.cycle, &state.island)));
+            first = first.and(result.map_err(|error| failure(error, self.cycle, &state.island, self.scene)));
             self.islands.push(state);
         }
         first

@@ -2,7 +2,6 @@
 
 use super::run::Run;
 use crate::wear::WornAmounts;
-use common::scene::{JointKind, Scene};
 
 impl Run<'_> {
     /// Depth at every control point of the bore and of the journal of every joint of the scene, empty where there is none and for
@@ -29,11 +28,4 @@ impl Run<'_> {
         }
         all
     }
-}
-
-/// Largest depth and thickness of the wall of a joint of the scene [m], if the depth has reached the thickness.
-pub(super) fn worn_through(scene: &Scene, joint: usize, depth: &[f64]) -> Option<(f64, f64)> {
-    let JointKind::Clearance(clearance) = &scene.joints[joint].kind else { return None };
-    let largest = depth.iter().fold(0.0_f64, |a, &b| a.max(b));
-    clearance.wall.filter(|&wall| largest >= wall).map(|wall| (largest, wall))
 }

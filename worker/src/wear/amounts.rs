@@ -19,7 +19,7 @@ pub struct SurfaceSizes {
     pub points: usize,
     /// Unworn radii of bore and journal `(2,)` [m].
     pub radii: [f64; 2],
-    /// Width [m].
+    /// Width of the bushing [m].
     pub width: f64,
 }
 

@@ -47,7 +47,7 @@ impl ConformalContacts {
         let sub = law.arc().intervals() / points;
         ConformalContacts {
             hats: (0..points * sub).map(|k| (k / sub, (k % sub) as f64 / sub as f64)).collect(),
-            journal: wears.then(|| Journal::on_foundation(&law, points)),
+            journal: wears.then(|| law.new_journal(points)),
             law,
             condenser: Condenser::new(surface.clearance, points),
             samples: Vec::new(),

@@ -13,7 +13,7 @@ use crate::plane::fused_dot as dot;
 
 /// Cosine of the largest angle by which the contact may turn within an interval, 1.25 deg: an eighth of the spacing of 36 control points.
 const LARGEST_TURN: f64 = 0.999_762;
-/// The same angle, by which a journal that wears may turn in its bushing [rad].
+/// Largest angle by which a journal that wears may turn in its bushing over an interval, 1.25 deg as well [rad].
 const LARGEST_ANGLE: f64 = 0.021_817;
 
 /// A short interval of the cycle, averaged with the work density F_N |v_t| as weight.
@@ -59,7 +59,7 @@ impl<R: Real> ContactInstant<R> {
         ContactInstant { density: normal * sliding.abs(), e, penetration, normal, direction, turn }
     }
 
-    /// The same with the journal's body turned by `turn` from the bushing's [rad].
+    /// The instant with the journal's body turned by `turn` from the bushing's [rad].
     #[inline(always)]
     pub(crate) fn turned(self, turn: R) -> Self {
         ContactInstant { turn, ..self }

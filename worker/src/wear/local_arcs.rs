@@ -63,7 +63,7 @@ impl LocalArcs {
             samples: Vec::new(),
             unrolled: vec![0.0; if wears { 6 * points } else { 3 * points }],
             further: Vec::new(),
-            journal: wears.then(|| Journal::new(contact, points)),
+            journal: wears.then(|| contact.new_journal(points)),
         }
     }
 
@@ -138,8 +138,7 @@ impl InLanes for Sharing<'_> {
                 let on_journal = depth.map(|_| *on_journal);
                 further.clear();
                 let patch = |from: f64, to: f64| further.push([from * per_point, to * per_point]);
-                let (before, after) =
-                    ends.find(spot, *penetration, radius, slope, on_journal, like, patch);
+                let (before, after) = ends.find(spot, *penetration, radius, slope, on_journal, like, patch);
                 let (middle, before, after) = (spot.place * per_point, before * per_point, after * per_point);
                 let mut work = *work;
                 if !further.is_empty() {
@@ -156,7 +155,11 @@ impl InLanes for Sharing<'_> {
                             let ends = [place + from, place + to];
                             let between = journal.worn().turned(place + 0.5 * (from + to));
                             let mean = radius_of_journal(journal, ends, between);
-                            share_out(of_journal, turn + ends[0]..turn + ends[1], density * (to - from) / mean);
+                            share_out(
+                                of_journal,
+                                turn + ends[0]..turn + ends[1],
+                                density * (to - from) / mean,
+                            );
                         }
                     }
                 }

@@ -245,7 +245,8 @@ fn a_groove_that_splits_an_arc_changes_its_wear_without_a_jump() {
     let mut before = wear(0.0);
     for step in 1..=steps {
         let now = wear(10e-6 * f64::from(step) / f64::from(steps));
-        let change = now.iter().zip(&before).map(|(a, b)| (a - b).abs()).sum::<f64>() / now.iter().sum::<f64>();
+        let change =
+            now.iter().zip(&before).map(|(a, b)| (a - b).abs()).sum::<f64>() / now.iter().sum::<f64>();
         (largest, total) = (largest.max(change), total + change);
         before = now;
     }

@@ -35,7 +35,7 @@ fn local_hertz_gains_energy_on_a_worn_bore_and_says_so() {
     let (round, worn) = (found.energy.expect("asked for"), found.worn_energy.expect("asked for"));
     println!("round: {round:?}\nworn: {worn:?}");
     assert!(round.unphysical.abs() < 1e-12 * round.input, "{round:?}");
-    assert!(worn.unphysical > 1e-3 * worn.input, "{worn:?}");
+    assert!(worn.unphysical > 5e-4 * worn.input, "{worn:?}");
     // The account closes with it, and not without it.
     assert!(worn.residual().abs() < 0.5 * worn.unphysical, "{worn:?}");
 }

@@ -218,6 +218,7 @@ fn a_fixed_joint_makes_one_body_of_two() {
         journal: at(2, 0.5),
         bushing: at(1, 0.5),
         kind: JointKind::Fixed { angle: 0.0 },
+        friction: None,
     });
     let mut one = base;
     let centre = 0.6 * 0.8 + 0.4 * 1.1;

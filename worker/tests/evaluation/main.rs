@@ -10,6 +10,7 @@ mod foundation;
 mod four_bar;
 mod full_turns;
 mod hung_block;
+mod ideal_friction;
 mod islands;
 mod kinematics;
 mod loads;

@@ -4,7 +4,7 @@ use crate::scenes::{RPM, every_joint, short};
 use common::accuracy::Accuracy;
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
-use common::scene::{ContactLaw, Scene, WearingSurfaces};
+use common::scene::{ContactLaw, IdealFriction, JointKind, Scene, WearingSurfaces};
 use worker::simulate::{LaneWidth, SimulateOptions, SimulationInput, simulate, simulate_side_by_side};
 
 type Outcome = Result<Evaluation, SimulationFailure>;
@@ -48,6 +48,18 @@ fn mixed() -> Vec<SimulationInput> {
     let rattling = short("slider-crank", &[], 1000);
     let mut rattling_founded = rattling.clone();
     every_joint(&mut rattling_founded, |joint| joint.contact_law = ContactLaw::Foundation);
+    // Friction in every ideal joint, on pins of 2 mm and in guides of 20 mm.
+    let rubbing = |mut scene: Scene| {
+        for joint in &mut scene.joints {
+            let size = match joint.kind {
+                JointKind::Revolute => 2e-3,
+                JointKind::Prismatic { .. } => 2e-2,
+                JointKind::Fixed { .. } | JointKind::Clearance(_) => continue,
+            };
+            joint.friction = Some(IdealFriction { coefficient: 0.1, speed: 1e-2, size });
+        }
+        scene
+    };
     let mut few = Accuracy::draft();
     few.steps_bound = 2000;
     vec![
@@ -66,6 +78,8 @@ fn mixed() -> Vec<SimulationInput> {
         input(rattling, Accuracy::draft(), SHOWN),
         input(rattling_founded, Accuracy::draft(), PLAIN),
         input(short("andrews-squeezer", &[], 1), Accuracy::draft(), PLAIN),
+        input(rubbing(short("andrews-squeezer", &[], 1)), Accuracy::draft(), SHOWN),
+        input(rubbing(short("slider-crank", &[], 1000)), Accuracy::draft(), PLAIN),
     ]
 }
 
@@ -74,7 +88,7 @@ fn an_evaluation_does_not_depend_on_those_next_to_it() {
     let inputs = mixed();
     let alone: Vec<Outcome> = inputs.iter().map(|o| simulate(&o.scene, &o.accuracy, o.options)).collect();
     assert!(matches!(alone[4], Err(SimulationFailure::TooManySteps { .. })), "{:?}", alone[4]);
-    assert_eq!(alone.iter().filter(|outcome| outcome.is_ok()).count(), 14);
+    assert_eq!(alone.iter().filter(|outcome| outcome.is_ok()).count(), 16);
     let mut inputs: Vec<_> = inputs.into_iter().map(Ok).collect();
     assert_eq!(together(LaneWidth::Widest, 8, &inputs), alone);
     // In another order and next to other evaluations.

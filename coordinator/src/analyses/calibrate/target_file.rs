@@ -5,7 +5,7 @@ use super::space::{FreeParameter, ParameterKind};
 use super::targets::{CalibrationTargets, ShownUnit, Target, TargetQuantity};
 use common::scene::Scene;
 use common::scene::expression::{ExpressionError, evaluate};
-use common::scene::quantity::{Dimension, FORCE, Kind, LENGTH, NUMBER};
+use common::scene::quantity::{ANGLE, Dimension, FORCE, Kind, LENGTH, NUMBER};
 use serde::Deserialize;
 use std::path::Path;
 use toml::{Table, Value};
@@ -43,6 +43,7 @@ struct TargetRow {
     limit_state: Option<String>,
     joint: Option<String>,
     statistic: Option<String>,
+    angle: Option<Value>,
     cycles: Option<u32>,
     value: Option<Value>,
     profile: Option<String>,
@@ -201,8 +202,23 @@ impl Reader<'_> {
                 let label = format!("peak force in joint {}", self.scene.joints[joint].name);
                 Ok((TargetQuantity::PeakForce { joint }, FORCE, label))
             }
+            "depth" => {
+                let joint = self.joint(&key("joint"), row)?;
+                let Some(angle) = &row.angle else {
+                    let what = "is missing, expected the angle on the bore in the frame of the bushing";
+                    return Err(fault(self.path, &key("angle"), what.to_owned()));
+                };
+                let (angle, _) = self.number(&key("angle"), angle, ANGLE)?;
+                let label = format!(
+                    "depth of bore {} at {:.0} deg",
+                    self.scene.joints[joint].name,
+                    angle.to_degrees()
+                );
+                Ok((TargetQuantity::Depth { joint, angle }, LENGTH, label))
+            }
             other => {
-                let what = format!("{other:?}: allowed are mean, std, nominal, reliability and peak-force");
+                let what =
+                    format!("{other:?}: allowed are mean, std, nominal, reliability, peak-force and depth");
                 Err(fault(self.path, &key("statistic"), what))
             }
         }

@@ -1,6 +1,7 @@
 //! Calibrations of the four-bar with a stand-in in closed form for its simulation, so that the right answer is known.
 
 use super::responses::depth;
+use super::targets::TargetQuantity;
 use super::{
     CalibrationError, CalibrationResult, CalibrationSettings, Space, calibrate, markdown, parse_targets,
 };
@@ -163,6 +164,25 @@ fn a_measured_profile_is_read_from_a_file() {
     std::fs::write(folder.path().join("bore.csv"), "0,five\n").unwrap();
     let error = read(&text).unwrap_err().to_string();
     assert!(error.contains("bore.csv, line 1: expected an angle in degrees and a depth in um"), "{error}");
+}
+
+#[test]
+fn a_target_is_the_depth_at_one_angle() {
+    let source = four_bar();
+    let row = |angle: &str| {
+        let text = format!(
+            "{PARAMETERS}[[targets]]\njoint = \"rocker\"\nstatistic = \"depth\"\n{angle}\nvalue = \"5 um\"\ntolerance = \"0.1 um\"\n"
+        );
+        parse_targets(&text, Path::new("targets.toml"), source.nominal())
+    };
+    let target = &row("angle = \"-90 deg\"").unwrap().targets[0];
+    let TargetQuantity::Depth { joint, angle } = target.quantity else { panic!("{target:?}") };
+    assert_eq!((joint, target.name.as_str()), (2, "depth of bore rocker at -90 deg"));
+    assert!((angle + 0.5 * std::f64::consts::PI).abs() < 1e-12 && (target.value - 5e-6).abs() < 1e-20);
+    let error = row("").unwrap_err().to_string();
+    assert!(error.contains("targets[1].angle: is missing, expected the angle on the bore"), "{error}");
+    let error = row("angle = \"1 mm\"").unwrap_err().to_string();
+    assert!(error.contains("targets[1].angle: \"1 mm\" is a length, expected an angle"), "{error}");
 }
 
 #[test]

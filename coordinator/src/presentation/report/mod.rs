@@ -19,7 +19,7 @@ mod page;
 pub mod palette;
 mod plot;
 mod png;
-mod polar;
+pub mod polar;
 mod stated;
 mod stated_errors;
 mod studied;

@@ -224,8 +224,13 @@ impl<S: Simd> LaneGroup<S> {
             let Some(outcome) = self.stepper.outcome(lane, &deepest) else { continue };
             let result = outcome.map_err(|error| self.attribute_failure(lane, error));
             if let Some((pending, progress)) = self.unload(lane, result.is_ok()) {
+                let island = &pending.span.state.island;
                 match result {
                     Err(IntegrationError::Singular { time }) => {
+                        pending.integrate_alone(time, progress.counts())
+                    }
+                    // It may lock itself, which only one island by itself finds out.
+                    Err(IntegrationError::StepTooSmall { time, .. }) if island.has_friction() => {
                         pending.integrate_alone(time, progress.counts())
                     }
                     result => pending.complete(progress.counts(), result),

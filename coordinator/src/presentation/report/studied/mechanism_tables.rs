@@ -141,9 +141,19 @@ fn joints(scene: &Scene, written: &WrittenScene) -> Markup {
             }
             JointKind::Clearance(_) => ("hinge with clearance".to_owned(), ["journal", "bushing"]),
         };
+        let size = if matches!(joint.kind, JointKind::Revolute) { "pin_radius" } else { "guide_length" };
+        let friction = joint.friction.map_or(String::new(), |friction| {
+            format!(
+                "; friction {}, friction speed {}, {} {}",
+                texts.number(&key("friction"), friction.coefficient),
+                texts.value(&key("friction_speed"), friction.speed, "mm/s"),
+                size.replace('_', " "),
+                texts.value(&key(size), friction.size, "mm")
+            )
+        });
         let [first, second] = [(ends[0], &joint.journal), (ends[1], &joint.bushing)]
             .map(|(end, at)| place(scene, written, &key(end), at));
-        cells([joint.name.clone(), kind, first, second])
+        cells([joint.name.clone(), kind + &friction, first, second])
     });
     let head = ["joint", "kind", "journal, or first body [mm]", "bushing, or second body [mm]"];
     captioned("joints", "Joints, with their places in the frames of the bodies", table_of_text(&head, rows))
