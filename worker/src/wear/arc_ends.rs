@@ -28,9 +28,13 @@ use crate::bore::Profile;
 use crate::lanes::Real;
 use std::f64::consts::{PI, TAU};
 
-/// Table intervals per control point: 1.25 deg at 36 control points; a linear interpolation there misplaces
-/// the ends of a 20 deg arc by 0.2 %.
-pub const SUBDIVISION: usize = 8;
+/// Fewest table intervals of a turn: 1.25 deg each; a linear interpolation there misplaces the ends of a 20 deg arc by 0.2 %.
+const INTERVALS: usize = 288;
+
+/// Table intervals per control point of a profile with `points` of them.
+pub(super) fn subdivision(points: usize) -> usize {
+    INTERVALS.div_ceil(points)
+}
 
 /// A bore tabulated for the search, over two turns: half a turn from any angle of the first is one piece.
 #[derive(Debug, Clone)]
@@ -103,10 +107,12 @@ impl Spot {
         }
     }
 
-    /// Interval between control points that contains the contact, and its fraction there in [0, 1).
-    pub(crate) fn within(&self) -> (usize, f64) {
-        let interval = self.place as usize / SUBDIVISION;
-        (interval, self.place / SUBDIVISION as f64 - interval as f64)
+    /// Interval between `points` control points that contains the contact, and its fraction there in [0, 1]; `per_point` is one over
+    /// the table intervals of a point.
+    pub(crate) fn within(&self, points: usize, per_point: f64) -> (usize, f64) {
+        let place = self.place * per_point;
+        let interval = (place as usize).min(points - 1);
+        (interval, place - interval as f64)
     }
 }
 
@@ -183,7 +189,7 @@ impl ArcEnds {
     /// For a journal of radius `journal_radius` [m], which `wears` or not, in a bore with `points` control points, not tabulated
     /// yet.
     pub(crate) fn new(journal_radius: f64, points: usize, wears: bool) -> Self {
-        let n = SUBDIVISION * points;
+        let n = subdivision(points) * points;
         let (sin, cos) = (0..2 * n).map(|k| libm::sincos(TAU * (k % n) as f64 / n as f64)).unzip();
         let depth = || vec![0.0; if wears { 2 * n + 3 } else { 0 }];
         ArcEnds {

@@ -17,7 +17,7 @@
 //! the arc AB wears evenly by K_H F S / (|AB| L), at the control points inside it. The shares by hat functions
 //! are chosen here: the published rule gives an arc between two points no wear at all.
 
-use super::arc_ends::{ArcEnds, SUBDIVISION, Spot};
+use super::arc_ends::{ArcEnds, Spot};
 use super::interval::ContactSample;
 use crate::bore::{Profile, Radius};
 use crate::contact::{Contact, Journal};
@@ -118,7 +118,7 @@ impl InLanes for Sharing<'_> {
         let (unrolled, of_journal) = unrolled.split_at_mut(3 * self.profile.points());
         // The offset of a turn makes truncation the floor.
         let turn = self.profile.points() as f64;
-        let per_point = 1.0 / SUBDIVISION as f64;
+        let per_point = self.profile.points() as f64 / ends.intervals() as f64;
         let radius_of_journal = |journal: &Journal, [start, end]: [f64; 2], middle: f64| {
             let worn = |x: f64| journal.worn().turned(x);
             journal.unworn() - (worn(start) + 4.0 * middle + worn(end)) / 6.0
@@ -127,7 +127,7 @@ impl InLanes for Sharing<'_> {
             let mut arcs = [(0.0, 0.0, 0.0, 0.0); AT_ONCE];
             for (arc, sample) in arcs.iter_mut().zip(samples) {
                 let Sample { spot, penetration, work, on_journal } = sample;
-                let (interval, s) = spot.within();
+                let (interval, s) = spot.within(self.profile.points(), per_point);
                 let Radius { r, d1, .. } = self.profile.within(interval, s);
                 let place = *on_journal * per_point;
                 let depth = journal.as_ref().map(|journal| {

@@ -1,6 +1,6 @@
 //! The wear rate of the local law against its readable version: a walk from angle to angle, sample by sample.
 
-use super::arc_ends::SUBDIVISION;
+use super::arc_ends::subdivision;
 use super::interval::ContactSample;
 use super::local_arcs::LocalArcs;
 use super::{ContactHistory, ContactInstant, WearRate};
@@ -16,7 +16,7 @@ const WIDTH: f64 = 4e-3;
 /// Arc in direction `psi` and further patches on the side of `sign`, as distances from `psi` `(2,)` each, by a walk over the table's
 /// angles up to half a turn [rad].
 fn walked(profile: &Profile, psi: f64, penetration: f64, sign: f64) -> Vec<[f64; 2]> {
-    let n = SUBDIVISION * profile.points();
+    let n = subdivision(profile.points()) * profile.points();
     let spacing = TAU / n as f64;
     let at = profile.radius_at(psi);
     let e = penetration + at.r - R1;
