@@ -116,6 +116,20 @@ impl Spot {
     }
 }
 
+/// A journal pressed into a bore.
+#[derive(Debug, Clone, Copy)]
+pub struct Pressed {
+    /// Direction of the eccentricity.
+    pub spot: Spot,
+    /// Penetration delta there [m].
+    pub penetration: f64,
+    /// Radius of the bore there [m], and its slope [m/rad]; of a worn journal those of the gap of both surfaces.
+    pub radius: f64,
+    pub slope: f64,
+    /// Place of the contact on a worn journal, in table intervals.
+    pub on_journal: Option<f64>,
+}
+
 /// Journal circle of one contact, and one side of the bore.
 #[derive(Clone, Copy)]
 struct Side<'a> {
@@ -238,24 +252,19 @@ impl ArcEnds {
         }
     }
 
-    /// Distances from the direction of the contact at `spot` to the two ends of its arc, downwards and
-    /// upwards, at penetration `penetration` [m], where the bore has radius `radius` [m] and slope `slope`
-    /// [m/rad], of a worn journal those of the gap of both surfaces. In table intervals; half a turn where the arc does not end. `like`
-    /// sets the number of angles tried at once; `on_journal` is the place of the contact on a worn journal, in table intervals.
+    /// Distances from the direction of the `contact` to the two ends of its arc, downwards and upwards, in table intervals; half a turn
+    /// where the arc does not end. `like` sets the number of angles tried at once.
     ///
     /// Calls `patch` with the start and the end of every further patch, in table intervals from the direction of the contact, negative
     /// below it.
     #[inline(always)]
     pub(crate) fn find<R: Real>(
         &self,
-        spot: &Spot,
-        penetration: f64,
-        radius: f64,
-        slope: f64,
-        on_journal: Option<f64>,
+        contact: Pressed,
         like: R,
         mut patch: impl FnMut(f64, f64),
     ) -> (f64, f64) {
+        let Pressed { spot, penetration, radius, slope, on_journal } = contact;
         let n = self.intervals();
         let size = penetration + radius - self.journal_radius;
         let e = [size * spot.u[0], size * spot.u[1]];

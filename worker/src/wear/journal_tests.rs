@@ -64,7 +64,7 @@ fn worn(
     (depth, journal, amounts, copy.errors())
 }
 
-/// Volumes of bore and journal over K F S of so many cycles [1].
+/// Volumes of bore and journal over K F S after a number of cycles [1].
 fn volumes(bore: &[f64], journal: &[f64], cycles: f64) -> [f64; 2] {
     let archard = COEFFICIENT * FORCE * SLIDING * cycles;
     let sum = |depth: &[f64], radius: f64, sign: f64| {

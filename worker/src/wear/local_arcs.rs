@@ -17,7 +17,7 @@
 //! the arc AB wears evenly by K_H F S / (|AB| L), at the control points inside it. The shares by hat functions
 //! are chosen here: the published rule gives an arc between two points no wear at all.
 
-use super::arc_ends::{ArcEnds, Spot};
+use super::arc_ends::{ArcEnds, Pressed, Spot};
 use super::interval::ContactSample;
 use crate::bore::{Profile, Radius};
 use crate::contact::{Contact, Journal};
@@ -138,7 +138,9 @@ impl InLanes for Sharing<'_> {
                 let on_journal = depth.map(|_| *on_journal);
                 further.clear();
                 let patch = |from: f64, to: f64| further.push([from * per_point, to * per_point]);
-                let (before, after) = ends.find(spot, *penetration, radius, slope, on_journal, like, patch);
+                let (spot, penetration) = (*spot, *penetration);
+                let pressed = Pressed { spot, penetration, radius, slope, on_journal };
+                let (before, after) = ends.find(pressed, like, patch);
                 let (middle, before, after) = (spot.place * per_point, before * per_point, after * per_point);
                 let mut work = *work;
                 if !further.is_empty() {
