@@ -227,7 +227,7 @@ fn an_error_budget_chooses_the_accuracy() {
         assert!(told.contains(&format!("accuracy {name}: the cheapest")), "{told}");
         (name, found["diagnostics"]["steps"].as_u64().unwrap())
     };
-    let (loose, tight) = (chosen("50%"), chosen("0.008"));
+    let (loose, tight) = (chosen("50%"), chosen("0.01"));
     assert_eq!(loose.0, "draft+step-x1.41");
     assert!(loose.1 < tight.1, "{loose:?} {tight:?}");
 }
