@@ -13,12 +13,12 @@ trait Quantity {
 }
 
 /// The angle [rad].
-struct Angle;
+struct AngleOfTrack;
 
 /// The angular velocity [rad/s].
 struct Speed;
 
-impl Quantity for Angle {
+impl Quantity for AngleOfTrack {
     #[inline]
     fn piece(track: &BodyTrack, k: usize) -> Piece {
         track.angle_in(k)
@@ -51,7 +51,7 @@ pub struct AngleDifference<'a> {
 impl<'a> AngleDifference<'a> {
     /// Difference of the angles of two bodies.
     pub(crate) fn of_angles(a: &'a SignedBody, b: &'a SignedBody) -> Self {
-        AngleDifference { largest: largest_difference::<Angle>, a, b }
+        AngleDifference { largest: largest_difference::<AngleOfTrack>, a, b }
     }
 
     /// Difference of the angular velocities of two bodies.
@@ -73,7 +73,7 @@ impl MotionOutput for AngleDifference<'_> {
 }
 
 /// One of the two tracks while they are compared.
-struct Compared<'a> {
+struct SignedTrack<'a> {
     track: &'a BodyTrack,
     sign: f64,
     /// Interval of the track that contains the present time.
@@ -84,9 +84,9 @@ struct Compared<'a> {
     piece: Option<(Piece, (f64, f64))>,
 }
 
-impl<'a> Compared<'a> {
+impl<'a> SignedTrack<'a> {
     fn new<Q: Quantity>((track, sign): (&'a BodyTrack, f64)) -> Self {
-        Compared { track, sign, interval: 0, spread: Q::spread(track, 0), piece: None }
+        SignedTrack { track, sign, interval: 0, spread: Q::spread(track, 0), piece: None }
     }
 
     /// Start and end of the present interval [s].
@@ -129,7 +129,7 @@ impl<'a> Compared<'a> {
 /// cubic too, and its extremum is found exactly: a vibration sampled a few times a period keeps its peak. Where bounds of both cubics say
 /// that their difference is smaller than the largest one so far, it is not computed.
 fn largest_difference<Q: Quantity>(a: (&BodyTrack, f64), b: (&BodyTrack, f64)) -> f64 {
-    let (mut a, mut b) = (Compared::new::<Q>(a), Compared::new::<Q>(b));
+    let (mut a, mut b) = (SignedTrack::new::<Q>(a), SignedTrack::new::<Q>(b));
     let (sign_a, sign_b) = (a.sign, b.sign);
     let difference =
         |(x, dx): (f64, f64), (y, dy): (f64, f64)| (sign_a * x - sign_b * y, sign_a * dx - sign_b * dy);
@@ -225,7 +225,7 @@ mod tests {
         }
         let found = [
             largest_difference::<Speed>((&a, 1.0), (&b, 1.0)),
-            largest_difference::<Angle>((&a, 1.0), (&b, 1.0)),
+            largest_difference::<AngleOfTrack>((&a, 1.0), (&b, 1.0)),
         ];
         for (found, grid) in found.into_iter().zip([speeds, angles]) {
             assert!(found >= grid && found < 1.01 * grid, "{found} {grid}");
