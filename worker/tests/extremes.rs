@@ -44,7 +44,7 @@ fn check(rows: &[Row], agreeing: usize) {
     let agrees = |row: &&Row| match row.outcome {
         Outcome::Agrees => true,
         Outcome::Disagrees => row.compared.iter().all(|c| c.difference <= LARGEST_SHARE * c.error),
-        Outcome::Refused(_) => false,
+        Outcome::Refused(_) | Outcome::Unconfirmed(_) => false,
     };
     let unsound: Vec<_> = rows.iter().filter(|row| !row.outcome.is_sound() && !agrees(row)).collect();
     assert!(unsound.is_empty(), "{unsound:#?}");
