@@ -205,7 +205,11 @@ impl<R: Real> LaneStepper<R> {
     /// of its joints in the range of the model `(joints,)` [m].
     ///
     /// The error is an [`IntegrationError`] without the joint with the largest error.
-    pub(crate) fn outcome(&self, lane: usize, deepest: &[f64]) -> Option<Result<(), IntegrationError>> {
+    pub(crate) fn outcome(
+        &self,
+        lane: usize,
+        deepest: impl Iterator<Item = f64>,
+    ) -> Option<Result<(), IntegrationError>> {
         if self.stopped.lane(lane) == 0.0 {
             return None;
         }
@@ -226,7 +230,11 @@ impl<R: Real> LaneStepper<R> {
     ///
     /// # Errors
     /// [`IntegrationError`] with the joint that left the range.
-    pub(crate) fn check(&self, lane: usize, deepest: &[f64]) -> Result<(), IntegrationError> {
+    pub(crate) fn check(
+        &self,
+        lane: usize,
+        deepest: impl Iterator<Item = f64>,
+    ) -> Result<(), IntegrationError> {
         let time = self.progress.time.lane(lane);
         let missing = |exists: &Option<R>| exists.is_some_and(|exists| exists.lane(lane) != 1.0);
         if missing(&self.at.independent) || missing(&self.at.balanced) {
@@ -237,7 +245,7 @@ impl<R: Real> LaneStepper<R> {
         }
         for (joint, (force, deepest)) in self.at.joints.iter().zip(deepest).enumerate() {
             let penetration = force.penetration.lane(lane);
-            if penetration > *deepest {
+            if penetration > deepest {
                 return Err(IntegrationError::OutOfRange { time, joint, penetration });
             }
         }

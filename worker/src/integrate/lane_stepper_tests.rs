@@ -69,7 +69,7 @@ fn by_lane(span: Range<f64>, control: StepControl) -> Run {
             accepted.0.push([stepper.time(), stepper.q[0], stepper.v[0]]);
         }
         let stopped = stepper.finish_round(0.0);
-        if let Some(result) = stepper.outcome(0, &[]) {
+        if let Some(result) = stepper.outcome(0, std::iter::empty()) {
             assert!(stopped);
             let progress = stepper.stop(0);
             return (accepted, progress.counts(), progress.control, result);

@@ -220,8 +220,7 @@ impl<S: Simd> LaneGroup<S> {
     fn take_stopped(&mut self) -> usize {
         let mut ended = 0;
         for lane in 0..S::F64_LANES {
-            let deepest = self.deepest(lane);
-            let Some(outcome) = self.stepper.outcome(lane, &deepest) else { continue };
+            let Some(outcome) = self.stepper.outcome(lane, self.deepest(lane)) else { continue };
             let result = outcome.map_err(|error| self.attribute_failure(lane, error));
             if let Some((pending, progress)) = self.unload(lane, result.is_ok()) {
                 let island = &pending.span.state.island;
@@ -242,16 +241,16 @@ impl<S: Simd> LaneGroup<S> {
     }
 
     /// Largest penetration of every joint of a lane in the range of its contact law `(joints,)` [m].
-    fn deepest(&self, lane: usize) -> Vec<f64> {
+    fn deepest(&self, lane: usize) -> impl Iterator<Item = f64> + '_ {
         let joints = self.occupants[lane].iter().flat_map(|pending| &pending.span.state.island.joints);
-        joints.map(|joint| joint.contact.surface().deepest()).collect()
+        joints.map(|joint| joint.contact.surface().deepest())
     }
 
     /// Records the motion of the lanes whose recorders need the forces of the joints, where their states are new and sound.
     fn record_watched(&mut self) {
         for index in 0..self.watched.len() {
             let lane = self.watched[index];
-            let sound = self.stepper.check(lane, &self.deepest(lane)).is_ok();
+            let sound = self.stepper.check(lane, self.deepest(lane)).is_ok();
             let Some(pending) = &mut self.occupants[lane] else { continue };
             let IslandState { island, recorder, .. } = &mut pending.span.state;
             let time = self.stepper.time().lane(lane);
