@@ -37,8 +37,10 @@ pub trait Real:
     fn load(self, from: &[f64]) -> Self;
     /// The columns of the rows `row(k)`, of which lane k has one; `self` sets the number of lanes.
     fn columns(self, row: impl FnMut(usize) -> [f64; 4]) -> [Self; 4];
-    /// The first lane where the mask is true; `LANES` if there is none.
-    fn first(mask: Self::Mask) -> usize;
+    /// Bit k is one where the mask is true in lane k.
+    fn bits(mask: Self::Mask) -> u64;
+    /// Writes the numbers into the first ones of `to`.
+    fn store(self, to: &mut [f64]);
     /// `self` + `a` `b`, rounded once.
     fn plus_product(self, a: Self, b: Self) -> Self;
     /// `self` - `a` `b`, rounded once.
@@ -113,8 +115,12 @@ impl Real for f64 {
         row(0)
     }
     #[inline(always)]
-    fn first(mask: bool) -> usize {
-        usize::from(!mask)
+    fn bits(mask: bool) -> u64 {
+        u64::from(mask)
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [f64]) {
+        to[0] = self;
     }
     #[inline(always)]
     fn plus_product(self, a: Self, b: Self) -> Self {
@@ -280,13 +286,19 @@ impl<S: Simd> Real for Lanes<S> {
         [lanes(a), lanes(b), lanes(c), lanes(d)]
     }
     #[inline(always)]
-    fn first((simd, mask): Self::Mask) -> usize {
-        if const { size_of::<S::m64s>() > 1 } {
-            return simd.first_true_m64s(mask);
+    fn bits((_, mask): Self::Mask) -> u64 {
+        let bytes = bytemuck::bytes_of(&mask);
+        if const { size_of::<S::m64s>() == 1 } {
+            // One bit for each lane.
+            return u64::from(bytes[0]) & ((1 << S::F64_LANES) - 1);
         }
-        // Where a mask is a byte with one bit for each lane, `first_true_m64s` of pulp 0.22 counts from the last lane.
-        let bits: u8 = bytemuck::cast(mask);
-        (bits.trailing_zeros() as usize).min(S::F64_LANES)
+        // A number for each lane, all of whose bits are one where the mask is true.
+        let size = size_of::<S::m64s>() / S::F64_LANES;
+        (0..S::F64_LANES).fold(0, |bits, k| bits | u64::from(bytes[size * k] & 1) << k)
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [f64]) {
+        S::as_mut_simd_f64s(&mut to[..S::F64_LANES]).0[0] = self.value;
     }
     #[inline(always)]
     fn plus_product(self, a: Self, b: Self) -> Self {

@@ -18,7 +18,9 @@
 //! In front of a worn journal (`contact/journal.rs`) p falls by its depth h(psi - alpha), with the angle alpha of its body
 //! from the bushing's: by the cubic through four neighbours of a table of that depth, turned by a fraction of its spacing.
 //!
-//! The search tries as many table angles at a time as a vector holds: the end is the one that a walk from angle to angle finds. Towards smaller angles it is the same search on the mirrored bore.
+//! The search notes in the bits of a word at which of 64 table angles the circle lies beyond the bore, as many at a time as a vector holds: ends
+//! and starts are where neighbouring bits differ, those that a walk from angle to angle finds. Towards smaller angles it is the same
+//! search on the mirrored bore.
 //!
 //! # Source
 //! Arc ends by the law of cosines: Cui et al., China Mechanical Engineering 37(6), 2026, 1472-1485,
@@ -30,6 +32,9 @@ use std::f64::consts::{PI, TAU};
 
 /// Fewest table intervals of a turn: 1.25 deg each; a linear interpolation there misplaces the ends of a 20 deg arc by 0.2 %.
 const INTERVALS: usize = 288;
+
+/// Table angles tried before any end is looked for among them: as many as a word has bits.
+const WORD: usize = 64;
 
 /// Table intervals per control point of a profile with `points` of them.
 pub(super) fn subdivision(points: usize) -> usize {
@@ -163,39 +168,17 @@ impl Side<'_> {
             .minus_product(across * across, like.like(self.curvature))
     }
 
-    /// The first angle, from the one of number `from` on, at which the circle is not beyond the bore, if it is among the
-    /// first `most`; `like` sets the number of angles tried at once.
+    /// How far the circle lies beyond the bore at the `count` angles from the `first`-th on, into `beyond` [m]; the bits of the numbers
+    /// of those where it does. `like` sets the number of angles tried at once.
     #[inline(always)]
-    fn first_outside<R: Real>(&self, from: usize, most: usize, like: R) -> Option<usize> {
-        // The numbers below this one are those that are not positive.
-        let least = like.like(f64::from_bits(1));
-        self.first_where(from, most, like, |p| p.below(least))
-    }
-
-    /// The first angle, from the one of number `from` on, at which the circle is beyond the bore, if it is among the first `most`.
-    #[inline(always)]
-    fn first_inside<R: Real>(&self, from: usize, most: usize, like: R) -> Option<usize> {
-        self.first_where(from, most, like, |p| like.zero().below(p))
-    }
-
-    /// The first angle from the one of number `from` on, of the first `most`, at which p satisfies the `condition`.
-    #[inline(always)]
-    fn first_where<R: Real>(
-        &self,
-        from: usize,
-        most: usize,
-        like: R,
-        condition: impl Fn(R) -> R::Mask,
-    ) -> Option<usize> {
-        let mut first = from;
-        while first < most {
-            let k = first + R::first(condition(self.beyond(first, like)));
-            if k < first + R::LANES {
-                return (k < most).then_some(k);
-            }
-            first += R::LANES;
+    fn inside<R: Real>(&self, first: usize, count: usize, like: R, beyond: &mut [f64; WORD]) -> u64 {
+        let mut inside = 0;
+        for k in (0..count).step_by(R::LANES) {
+            let p = self.beyond(first + k, like);
+            p.store(&mut beyond[k..]);
+            inside |= R::bits(like.zero().below(p)) << k;
         }
-        None
+        inside & (u64::MAX >> (WORD - count))
     }
 }
 
@@ -319,26 +302,38 @@ fn end<R: Real>(
     patch: &mut impl FnMut(f64, f64),
 ) -> f64 {
     let half = n / 2 + 1;
-    // Where p is zero between the table angles m - 1 and m.
-    let zero = |m: usize| {
-        let (p, next) = (side.beyond(m - 1, first), side.beyond(m, first));
-        first + (m - 1) as f64 + p / (p - next)
-    };
-    let Some(mut outside) = side.first_outside(0, half, like) else { return n as f64 / 2.0 };
-    let end = match outside {
-        0 => first_end(penetration, slope, first, side.beyond(0, first)),
-        m => zero(m),
-    };
-    while let Some(inside) = side.first_inside(outside + 1, reach, like) {
-        let start = zero(inside);
-        let Some(next) = side.first_outside(inside + 1, half, like) else {
-            patch(start, n as f64 / 2.0);
-            break;
-        };
-        patch(start, zero(next));
-        outside = next;
+    let reach = reach.min(half);
+    let mut beyond = [0.0; WORD];
+    // Number of the angle to go on from, p at the one before, and whether that is inside a patch.
+    let (mut at, mut last, mut inside) = (0, penetration, true);
+    // End of the arc, and start of the patch at hand.
+    let (mut arc, mut start) = (n as f64 / 2.0, None);
+    while at < if inside { half } else { reach } {
+        let count = (if at < reach { reach } else { half } - at).min(WORD);
+        let bits = side.inside(at, count, like, &mut beyond);
+        let mut changes = (bits ^ (bits << 1 | u64::from(inside))) & (u64::MAX >> (WORD - count));
+        while changes != 0 {
+            let k = changes.trailing_zeros() as usize;
+            changes &= changes - 1;
+            let (m, next) = (at + k, beyond[k]);
+            let p = if k == 0 { last } else { beyond[k - 1] };
+            let zero = match m {
+                0 => first_end(penetration, slope, first, next),
+                m => first + (m - 1) as f64 + p / (p - next),
+            };
+            match (inside, start) {
+                (true, None) => arc = zero,
+                (true, Some(from)) => patch(from, zero),
+                (false, _) => start = Some(zero),
+            }
+            inside = !inside;
+        }
+        (at, last) = (at + count, beyond[count - 1]);
     }
-    end
+    if let (true, Some(from)) = (inside, start) {
+        patch(from, n as f64 / 2.0);
+    }
+    arc
 }
 
 /// End of the arc within the first table interval: positive root of delta + slope x + q x^2, where q makes
