@@ -34,7 +34,10 @@ use std::f64::consts::{PI, TAU};
 const INTERVALS: usize = 288;
 
 /// Table angles tried before any end is looked for among them: as many as a word has bits.
-const WORD: usize = 64;
+pub(super) const WORD: usize = 64;
+
+/// How far a circle lies beyond a bore at the table angles of a word [m].
+pub type Beyond = [f64; WORD];
 
 /// Table intervals per control point of a profile with `points` of them.
 pub(super) fn subdivision(points: usize) -> usize {
@@ -133,6 +136,20 @@ pub struct Pressed {
     pub slope: f64,
     /// Place of the contact on a worn journal, in table intervals.
     pub on_journal: Option<f64>,
+    /// Number of table angles on each side among which further patches may be: [`ArcEnds::reach`].
+    pub reach: usize,
+}
+
+impl Pressed {
+    /// No contact.
+    pub(super) const NONE: Pressed = Pressed {
+        spot: Spot { u: [1.0, 0.0], place: 0.0 },
+        penetration: 0.0,
+        radius: 0.0,
+        slope: 0.0,
+        on_journal: None,
+        reach: 0,
+    };
 }
 
 /// Journal circle of one contact, and one side of the bore.
@@ -149,6 +166,11 @@ struct Side<'a> {
     curvature: f64,
     /// Where these angles are on the journal, if that wears.
     journal: Option<OnJournal<'a>>,
+    /// Distance from the direction of the contact to the first of them, in table intervals.
+    lead: f64,
+    /// Penetration in that direction [m], and the slope of p outwards there [m per interval].
+    penetration: f64,
+    slope: f64,
 }
 
 impl Side<'_> {
@@ -171,7 +193,7 @@ impl Side<'_> {
     /// How far the circle lies beyond the bore at the `count` angles from the `first`-th on, into `beyond` [m]; the bits of the numbers
     /// of those where it does. `like` sets the number of angles tried at once.
     #[inline(always)]
-    fn inside<R: Real>(&self, first: usize, count: usize, like: R, beyond: &mut [f64; WORD]) -> u64 {
+    fn inside<R: Real>(&self, first: usize, count: usize, like: R, beyond: &mut Beyond) -> u64 {
         let mut inside = 0;
         for k in (0..count).step_by(R::LANES) {
             let p = self.beyond(first + k, like);
@@ -179,6 +201,51 @@ impl Side<'_> {
             inside |= R::bits(like.zero().below(p)) << k;
         }
         inside & (u64::MAX >> (WORD - count))
+    }
+
+    /// Distance to the end of the arc on this side of a table of `n` intervals. Calls `patch` with start and end of those behind it, among
+    /// the first `reach` table angles.
+    #[inline(always)]
+    fn end<R: Real>(
+        &self,
+        n: usize,
+        reach: usize,
+        like: R,
+        beyond: &mut Beyond,
+        patch: &mut impl FnMut(f64, f64),
+    ) -> f64 {
+        let half = n / 2 + 1;
+        let reach = reach.min(half);
+        // Number of the angle to go on from, p at the one before, and whether that is inside a patch.
+        let (mut at, mut last, mut inside) = (0, self.penetration, true);
+        // End of the arc, and start of the patch at hand.
+        let (mut arc, mut start) = (n as f64 / 2.0, None);
+        while at < if inside { half } else { reach } {
+            let count = (if at < reach { reach } else { half } - at).min(WORD);
+            let bits = self.inside(at, count, like, beyond);
+            let mut changes = (bits ^ (bits << 1 | u64::from(inside))) & (u64::MAX >> (WORD - count));
+            while changes != 0 {
+                let k = changes.trailing_zeros() as usize;
+                changes &= changes - 1;
+                let (m, next) = (at + k, beyond[k]);
+                let p = if k == 0 { last } else { beyond[k - 1] };
+                let zero = match m {
+                    0 => first_end(self.penetration, self.slope, self.lead, next),
+                    m => self.lead + (m - 1) as f64 + p / (p - next),
+                };
+                match (inside, start) {
+                    (true, None) => arc = zero,
+                    (true, Some(from)) => patch(from, zero),
+                    (false, _) => start = Some(zero),
+                }
+                inside = !inside;
+            }
+            (at, last) = (at + count, beyond[count - 1]);
+        }
+        if let (true, Some(from)) = (inside, start) {
+            patch(from, n as f64 / 2.0);
+        }
+        arc
     }
 }
 
@@ -239,39 +306,44 @@ impl ArcEnds {
     /// where the arc does not end. `like` sets the number of angles tried at once.
     ///
     /// Calls `patch` with the start and the end of every further patch, in table intervals from the direction of the contact, negative
-    /// below it.
+    /// below it. `beyond` is overwritten.
     #[inline(always)]
     pub(crate) fn find<R: Real>(
         &self,
-        contact: Pressed,
+        contact: &Pressed,
         like: R,
+        beyond: &mut Beyond,
         mut patch: impl FnMut(f64, f64),
     ) -> (f64, f64) {
-        let Pressed { spot, penetration, radius, slope, on_journal } = contact;
+        let Pressed { spot, penetration, radius, slope, on_journal, reach } = *contact;
         let n = self.intervals();
         let size = penetration + radius - self.journal_radius;
         let e = [size * spot.u[0], size * spot.u[1]];
         let below = spot.place as usize;
         let lead = spot.place - below as f64;
+        let slope = slope * TAU / n as f64;
         // In the mirrored bore the first table angle is that of `below`, and slopes change sign.
-        let mut down = self.side(&self.mirrored_gap, n - below, [e[0], -e[1]]);
-        let mut up = self.side(&self.gap, below + 1, e);
+        let down =
+            Side { lead, penetration, slope, ..self.side(&self.mirrored_gap, n - below, [e[0], -e[1]]) };
+        let up = self.side(&self.gap, below + 1, e);
+        let up = Side { lead: 1.0 - lead, penetration, slope: -slope, ..up };
+        let (mut down, mut up) = (down, up);
         if let Some(place) = on_journal {
             down.journal = Some(OnJournal::new(&self.depth[1], lead - place, n));
             up.journal = Some(OnJournal::new(&self.depth[0], place + 1.0 - lead, n));
         }
-        let slope = slope * TAU / n as f64;
-        let reach = self.reach(size);
         let mut further = |from: f64, to: f64| patch(-to, -from);
-        let before = end(&down, n, lead, penetration, slope, reach, like, &mut further);
-        (before, end(&up, n, 1.0 - lead, penetration, -slope, reach, like, &mut patch))
+        let before = down.end(n, reach, like, beyond, &mut further);
+        (before, up.end(n, reach, like, beyond, &mut patch))
     }
 
-    /// Number of table angles on one side beyond which p is negative for an eccentricity of `size` [m]: with the largest gap g,
-    /// p <= g + e cos(phi), and cos(phi) <= 1 - 11/24 phi^2 up to 1 rad, 1 - 2 (phi / pi)^2 up to pi.
+    /// Number of table angles on one side beyond which p is negative, for a journal pressed in by `penetration` [m] where the bore has
+    /// this `radius` [m]: with the largest gap g, p <= g + e cos(phi), and cos(phi) <= 1 - 11/24 phi^2 up to 1 rad, 1 - 2 (phi / pi)^2
+    /// up to pi.
     #[inline(always)]
-    fn reach(&self, size: f64) -> usize {
+    pub(super) fn reach(&self, penetration: f64, radius: f64) -> usize {
         let n = self.intervals();
+        let size = penetration + radius - self.journal_radius;
         let fall = 1.0 + self.largest_gap / size;
         let square = if fall <= 11.0 / 24.0 { fall * (24.0 / 11.0) } else { fall * (0.5 * PI * PI) };
         // Also where it is not a number: half a turn.
@@ -283,57 +355,9 @@ impl ArcEnds {
     fn side<'a>(&'a self, gap: &'a [f64], first: usize, e: [f64; 2]) -> Side<'a> {
         let curvature = 0.5 / self.journal_radius;
         let (cos, sin) = (&self.cos[first..], &self.sin[first..]);
-        Side { gap: &gap[first..], cos, sin, e, curvature, journal: None }
+        let gap = &gap[first..];
+        Side { gap, cos, sin, e, curvature, journal: None, lead: 0.0, penetration: 0.0, slope: 0.0 }
     }
-}
-
-/// One end of the arc on a table of `n` intervals; `first` is the distance to the first table angle on this side, `slope` that of p
-/// outwards [m per interval]. Calls `patch` with start and end of those behind it, among the first `reach` table angles.
-#[inline(always)]
-#[expect(clippy::too_many_arguments, reason = "the geometry of one end")]
-fn end<R: Real>(
-    side: &Side,
-    n: usize,
-    first: f64,
-    penetration: f64,
-    slope: f64,
-    reach: usize,
-    like: R,
-    patch: &mut impl FnMut(f64, f64),
-) -> f64 {
-    let half = n / 2 + 1;
-    let reach = reach.min(half);
-    let mut beyond = [0.0; WORD];
-    // Number of the angle to go on from, p at the one before, and whether that is inside a patch.
-    let (mut at, mut last, mut inside) = (0, penetration, true);
-    // End of the arc, and start of the patch at hand.
-    let (mut arc, mut start) = (n as f64 / 2.0, None);
-    while at < if inside { half } else { reach } {
-        let count = (if at < reach { reach } else { half } - at).min(WORD);
-        let bits = side.inside(at, count, like, &mut beyond);
-        let mut changes = (bits ^ (bits << 1 | u64::from(inside))) & (u64::MAX >> (WORD - count));
-        while changes != 0 {
-            let k = changes.trailing_zeros() as usize;
-            changes &= changes - 1;
-            let (m, next) = (at + k, beyond[k]);
-            let p = if k == 0 { last } else { beyond[k - 1] };
-            let zero = match m {
-                0 => first_end(penetration, slope, first, next),
-                m => first + (m - 1) as f64 + p / (p - next),
-            };
-            match (inside, start) {
-                (true, None) => arc = zero,
-                (true, Some(from)) => patch(from, zero),
-                (false, _) => start = Some(zero),
-            }
-            inside = !inside;
-        }
-        (at, last) = (at + count, beyond[count - 1]);
-    }
-    if let (true, Some(from)) = (inside, start) {
-        patch(from, n as f64 / 2.0);
-    }
-    arc
 }
 
 /// End of the arc within the first table interval: positive root of delta + slope x + q x^2, where q makes
