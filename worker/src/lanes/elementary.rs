@@ -209,8 +209,11 @@ mod tests {
                 let x = Lanes::all(simd, 0.0).each(|lane| (f64::from(k) * 0.037 + 1.3 * lane as f64).tan());
                 let y = x.each(|lane| (f64::from(k) * 0.11 - 0.7 * lane as f64).sin());
                 let found = every(x, y);
-                let below = (0..S::F64_LANES).find(|&lane| x.lane(lane) < y.lane(lane));
-                assert_eq!(Lanes::first(x.below(y)), below.unwrap_or(S::F64_LANES));
+                let below = |lane: usize| u64::from(x.lane(lane) < y.lane(lane)) << lane;
+                assert_eq!(Lanes::bits(x.below(y)), (0..S::F64_LANES).map(below).sum::<u64>());
+                let mut stored = [0.0_f64; 16];
+                x.store(&mut stored);
+                assert_eq!(&stored[..S::F64_LANES], x.values());
                 let columns = x.columns(|lane| [0.0, 1.0, 2.0, 3.0].map(|column| x.lane(lane) + column));
                 for lane in 0..S::F64_LANES {
                     let (x, y) = (x.lane(lane), y.lane(lane));
@@ -230,5 +233,9 @@ mod tests {
     fn lanes_have_the_bits_of_one_number() {
         println!("{} lanes", Arch::new().dispatch(Compare));
         assert_eq!(pulp::Scalar::new().vectorize(Compare), 1);
+        #[cfg(target_arch = "x86_64")]
+        if let Some(narrower) = pulp::x86::V3::try_new() {
+            assert_eq!(pulp::Simd::vectorize(narrower, Compare), 4);
+        }
     }
 }
