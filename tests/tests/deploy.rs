@@ -29,6 +29,13 @@ fn assert_accepted(program_name: &str, arguments: &[String]) {
 fn the_programs_accept_the_command_lines_of_the_units() {
     for (name, lines) in UNITS.into_iter().zip([2, 1]) {
         let start = values(&deployed(name), "ExecStart").join(" ");
+        // Variables of further options, as an administrator may set them.
+        let start = start.replace("$${LICENCES:+--licences \"$$LICENCES\"}", "--licences 3");
+        let start = start.replace("$WORKER_OPTIONS", "--simulator beam.toml --slots 2");
+        let start = start.replace("$$OPTIONS", "--samples 1000");
+        let shared = start.split("set -- ").nth(1).map_or("", |rest| rest.split(';').next().unwrap());
+        let start = start.replace("\"$$@\"", shared);
+        assert!(!start.contains("OPTIONS") && !start.contains("LICENCES"), "{start}");
         let commands: Vec<&str> = start.split(INSTALLED).skip(1).collect();
         assert_eq!(commands.len(), lines, "{name}: {start}");
         for command in commands {
@@ -55,7 +62,7 @@ fn units_stop_by_sigterm_and_run_without_privileges() {
     }
     // An interrupted study counts as stopped successfully.
     assert_eq!(values(&deployed(UNITS[0]), "SuccessExitStatus"), ["130"]);
-    assert!(values(&deployed(UNITS[1]), "ExecStart")[0].ends_with("--give-up-after 0"));
+    assert!(values(&deployed(UNITS[1]), "ExecStart")[0].ends_with("--give-up-after 0 $WORKER_OPTIONS"));
 }
 
 #[test]
@@ -163,7 +170,13 @@ fn the_units_study_is_resumed_after_a_restart() {
         let line = line.trim_end_matches('\'').replace("$$", "$").replace(INSTALLED, &programs);
         let line = line.replace("/etc/hingewise/zenoh-tls.json5", config.to_str().unwrap());
         let listen = "tls/127.0.0.1:0";
-        let settings = [("SCENE", "small.toml"), ("STUDY", "study"), ("LISTEN", listen)];
+        let settings = [
+            ("SCENE", "small.toml"),
+            ("STUDY", "study"),
+            ("LISTEN", listen),
+            ("OPTIONS", "--seed 7 --samples 3000"),
+            ("LICENCES", ""),
+        ];
 
         let (mut first, mut said) = start_unit(&line, folder.path(), &settings);
         assert!(said.any(|line| line.starts_with("waiting for workers")), "the study does not start");
@@ -183,5 +196,7 @@ fn the_units_study_is_resumed_after_a_restart() {
         assert_eq!(second.0.wait().unwrap().code(), Some(0), "{said:#?}");
         assert_eq!(worker.0.wait().unwrap().code(), Some(0));
         assert!(folder.path().join("study/report.html").is_file());
+        let summary = std::fs::read_to_string(folder.path().join("study/summary.json")).unwrap();
+        assert_eq!(serde_json::from_str::<Value>(&summary).unwrap()["seed"], 7, "of the unit's OPTIONS");
     });
 }

@@ -198,6 +198,35 @@ fn the_programs_of_a_killed_worker_end_with_it() {
 }
 
 #[test]
+fn programs_under_licences_end_while_their_worker_is_stopped() {
+    within(2 * PATIENCE, || {
+        let study = Study::new();
+        let mut coordinator = study.coordinator(Some(2), Arc::default());
+        let endpoint = coordinator.endpoints()[0].clone();
+        let stopped = study.worker(&endpoint, "stopped", &study.file("1", "60 s"), &[]);
+        let (outcomes, workers, other) = std::thread::scope(|scope| {
+            let evaluated = scope.spawn(|| evaluate(&mut coordinator, 2).unwrap());
+            let hung = study.hanging(2);
+            stopped.signal("STOP");
+            let at = Instant::now();
+            let other = study.worker(&endpoint, "other", &study.file("never", "60 s"), &[]);
+            // The coordinator gives the licence to the other worker later.
+            assert_end_within(common::wire::LICENCE_CONTACT + Duration::from_secs(1), &hung);
+            assert!(at.elapsed() > common::wire::LICENCE_CONTACT / 2, "not at once");
+            let (outcomes, workers) = evaluated.join().unwrap();
+            (outcomes, workers, other)
+        });
+        assert_eq!((outcomes.len(), outcomes.values().filter(|outcome| outcome.is_ok()).count()), (2, 2));
+        assert!(workers.contains(&"other".to_owned()), "{workers:?}");
+        // What was ended is no report of an unusable program: the worker goes on with other evaluations.
+        stopped.signal("CONT");
+        drop(other);
+        let (outcomes, workers) = evaluate(&mut coordinator, 1).unwrap();
+        assert_eq!((outcomes[&0].is_ok(), workers), (true, vec!["stopped".to_owned()]));
+    });
+}
+
+#[test]
 fn programs_under_licences_end_without_contact_and_not_at_once() {
     within(2 * PATIENCE, || {
         let study = Study::new();

@@ -5,7 +5,9 @@
 //! worker was started: nothing that a coordinator sends can change them.
 
 use crate::service::{Job, Simulator};
-use common::external::{OpenedSimulator, SimulatorError, SimulatorId, Slot, SlotError, StopSignal};
+use common::external::{
+    OpenedSimulator, SimulatorError, SimulatorId, Slot, SlotError, StopSignal, limit_contact,
+};
 use common::failure::SimulationFailure;
 use common::outputs::Evaluation;
 use common::scene::{Faults, SceneSource};
@@ -14,6 +16,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
 use thiserror::Error;
 
 /// Reasons why a worker cannot offer simulators.
@@ -185,7 +188,8 @@ impl Simulator for OwnSimulators {
             SimulationFailure::SimulatorUnusable { reason }
         })?;
         let of_coordinator = Arc::clone(self.stopped_jobs().entry(job.coordinator()).or_default());
-        offer.evaluate(job, &StopSignal::new([Arc::clone(&self.stopped), of_coordinator]))
+        let stop = StopSignal::new([Arc::clone(&self.stopped), of_coordinator]);
+        offer.evaluate(job, &stop.needing(job.licensed().then_some(job.coordinator())))
     }
 
     /// Ends the programs that wait for samples.
@@ -200,6 +204,14 @@ impl Simulator for OwnSimulators {
     fn stop_jobs_of(&self, coordinator: usize) {
         if let Some(stopped) = self.stopped_jobs().remove(&coordinator) {
             stopped.store(true, Ordering::Relaxed);
+        }
+    }
+
+    /// Programs that need licences end at that time, even if this process is stopped.
+    fn limit_contact(&self, coordinator: usize, until: Option<Instant>) {
+        let left = until.map(|until| until.saturating_duration_since(Instant::now()));
+        if let Err(error) = limit_contact(coordinator, left) {
+            tracing::error!("programs under licences cannot be given a time limit: {error}");
         }
     }
 

@@ -1,17 +1,25 @@
-//! The process group of a program ends with the process that started it, even if that one is killed and can end nothing.
+//! The process group of a program ends with the process that started it, even if that one is killed and can end nothing. A program
+//! that may not run without contact also ends if that process is stopped (SIGSTOP) and can end nothing.
 //!
 //! The program is started by a shell. Before it executes the program, the shell starts a guard in the same process group,
-//! which reads from a pipe that only this process can write to, and never does. When this process ends, by whatever cause,
-//! the system closes the pipe, and the guard kills the group. A program that ends before, or is killed at its time limit,
-//! takes the guard of its group with it. A program that moves to another process group or session has no guard.
+//! which reads from a pipe to which nothing is ever written. When the end for writing is closed, the guard kills the group. A
+//! program that ends before, or is killed at its time limit, takes the guard of its group with it. A program that moves to another
+//! process group or session has no guard.
+//!
+//! The end for writing belongs to this process alone, so that the system closes it when this process ends, by whatever cause. For
+//! programs that need contact it belongs to another process, the [`Watch`], which ends with this process too, and when this process
+//! has not sent it a new time limit within the last one ([`limit_contact`]).
 
 use super::executable::{check_executable, program_path};
 use rustix::io::{FdFlags, fcntl_setfd};
-use std::io::{Error, PipeReader, PipeWriter, Result};
+use std::collections::BTreeMap;
+use std::io::{Error, PipeReader, PipeWriter, Result, Write};
 use std::os::fd::AsRawFd;
+use std::os::unix::process::CommandExt;
 use std::path::Path;
-use std::process::Command;
-use std::sync::Mutex;
+use std::process::{Child, ChildStdin, Command, Stdio};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
 /// Script of the shell; its arguments are the number of the pipe and the command.
 ///
@@ -20,30 +28,148 @@ use std::sync::Mutex;
 const SCRIPT: &str =
     "( { read -r _; kill -s KILL 0; } >/dev/null 2>&1 </dev/fd/\"$0\" & ) 2>/dev/null; exec \"$@\"";
 
-/// The pipe: its end for writing is inherited by no program, its end for reading by all.
-static PIPE: Mutex<Option<(PipeReader, PipeWriter)>> = Mutex::new(None);
+/// Script of the watch: each line of its standard input is the time until the next one [s], 0 for any time. Without the program
+/// `timeout` only the end of this process ends it.
+const WATCH: &str = "\
+if command -v timeout >/dev/null; then
+    limit=0
+    while limit=$(timeout \"$limit\" sh -c 'read -r limit && echo \"$limit\"'); do :; done
+else
+    while read -r _; do :; done
+fi";
 
-/// The command with a guard, to be started as the leader of a process group. A relative path of the program starts at
-/// `folder`.
-///
-/// # Errors
-/// The program is missing or not executable, or the system has no more pipes.
-pub fn guarded(command: &[String], folder: &Path) -> Result<Command> {
-    check_executable(command, folder)?;
-    let mut shell = Command::new("/bin/sh");
-    shell.args(["-c", SCRIPT, &pipe()?.to_string()]);
-    shell.arg(program_path(command, folder)?).args(&command[1..]);
-    Ok(shell)
+/// Longest time in which the end of a watch is visible after it has killed a program.
+const WATCH_ENDS: Duration = Duration::from_millis(200);
+/// Interval at which that is polled.
+const POLL: Duration = Duration::from_millis(5);
+
+/// Guards of programs that need no contact (`None`), and of those that need it, by the number of the contact.
+static GUARDS: Mutex<BTreeMap<Option<usize>, Arc<Guard>>> = Mutex::new(BTreeMap::new());
+
+/// What ends the programs that were started under it.
+#[derive(Debug)]
+pub struct Guard {
+    /// End of the pipe for reading, inherited by all programs.
+    reader: PipeReader,
+    holder: Holder,
 }
 
-/// Number of the pipe's end for reading.
-fn pipe() -> Result<i32> {
-    let mut pipe = PIPE.lock().map_err(|_| Error::other("the pipe of the guards is locked"))?;
-    if pipe.is_none() {
+/// Who has the end for writing.
+#[derive(Debug)]
+enum Holder {
+    /// This process; the system closes it.
+    Own {
+        _writer: PipeWriter,
+    },
+    Watch(Mutex<Watch>),
+}
+
+/// The process that ends without contact.
+#[derive(Debug)]
+struct Watch {
+    /// Time limits; closed first.
+    limits: Option<ChildStdin>,
+    process: Child,
+}
+
+impl Guard {
+    fn new(needs_contact: bool) -> Result<Self> {
         let (reader, writer) = std::io::pipe()?;
         // The end for writing is closed when a program is executed.
         fcntl_setfd(&reader, FdFlags::empty())?;
-        *pipe = Some((reader, writer));
+        let holder = if needs_contact {
+            let mut shell = Command::new("/bin/sh");
+            // Signals of a terminal to this process do not reach it.
+            shell
+                .args(["-c", WATCH])
+                .process_group(0)
+                .stdin(Stdio::piped())
+                .stdout(writer)
+                .stderr(Stdio::null());
+            let mut process = shell.spawn()?;
+            Holder::Watch(Mutex::new(Watch { limits: process.stdin.take(), process }))
+        } else {
+            Holder::Own { _writer: writer }
+        };
+        Ok(Self { reader, holder })
     }
-    pipe.as_ref().map(|(reader, _)| reader.as_raw_fd()).ok_or_else(|| Error::other("there is no pipe"))
+
+    /// True if it has ended its programs for lack of contact. It is called when one of them was killed.
+    pub fn has_ended_programs(&self) -> bool {
+        let Holder::Watch(watch) = &self.holder else { return false };
+        let killed = Instant::now();
+        loop {
+            if !matches!(locked(watch).process.try_wait(), Ok(None)) {
+                return true;
+            }
+            if killed.elapsed() > WATCH_ENDS {
+                return false;
+            }
+            std::thread::sleep(POLL);
+        }
+    }
+
+    /// Sends a time limit to the watch.
+    fn limit(&self, seconds: u64) -> Result<()> {
+        match &self.holder {
+            Holder::Own { .. } => Ok(()),
+            Holder::Watch(watch) => match &mut locked(watch).limits {
+                Some(limits) => limits.write_all(format!("{seconds}\n").as_bytes()),
+                None => Err(Error::other("the watch has no input")),
+            },
+        }
+    }
+}
+
+impl Drop for Watch {
+    fn drop(&mut self) {
+        self.limits = None;
+        // It may have ended already.
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
+/// The command with a guard, to be started as the leader of a process group, and that guard. A relative path of the program
+/// starts at `folder`. With `contact`, the program ends without that contact.
+///
+/// # Errors
+/// The program is missing or not executable, or the system has no more pipes or processes.
+pub fn guarded(command: &[String], folder: &Path, contact: Option<usize>) -> Result<(Command, Arc<Guard>)> {
+    check_executable(command, folder)?;
+    let guard = guard_of(&mut locked(&GUARDS), contact)?;
+    let mut shell = Command::new("/bin/sh");
+    shell.args(["-c", SCRIPT, &guard.reader.as_raw_fd().to_string()]);
+    shell.arg(program_path(command, folder)?).args(&command[1..]);
+    Ok((shell, guard))
+}
+
+/// Ends the programs that need `contact` once `limit`, rounded down to whole seconds, has passed without another call, also if
+/// this process is stopped; without a limit, when this process ends. If they were ended before, programs can be started again.
+///
+/// # Errors
+/// The system has no more pipes or processes.
+pub fn limit_contact(contact: usize, limit: Option<Duration>) -> Result<()> {
+    let mut guards = locked(&GUARDS);
+    // No limit is 0.
+    let seconds = limit.map_or(0, |limit| limit.as_secs().max(1));
+    let guard = guard_of(&mut guards, Some(contact))?;
+    if guard.limit(seconds).is_err() {
+        guards.remove(&Some(contact));
+        guard_of(&mut guards, Some(contact))?.limit(seconds)?;
+    }
+    Ok(())
+}
+
+fn guard_of(guards: &mut BTreeMap<Option<usize>, Arc<Guard>>, contact: Option<usize>) -> Result<Arc<Guard>> {
+    if let Some(guard) = guards.get(&contact) {
+        return Ok(Arc::clone(guard));
+    }
+    let guard = Arc::new(Guard::new(contact.is_some())?);
+    guards.insert(contact, Arc::clone(&guard));
+    Ok(guard)
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

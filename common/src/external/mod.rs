@@ -5,7 +5,7 @@
 //! |---|---|
 //! | `slot` | a slot evaluates one sample at a time; the signal that stops it |
 //! | `executable` | the program of a command |
-//! | `guard` | ends a process group with the process that started it |
+//! | `guard` | ends a process group with the process that started it, or without contact |
 //! | `process` | a process with its process group: lines in and out, time limit, kill |
 //! | `reply`, `results_file`, `template` | what programs write and read, checked against the scene |
 //! | `working_folder` | one run of a program in a folder, with files in and out |
@@ -28,6 +28,7 @@ mod umbridge;
 mod working_folder;
 
 pub use error::SimulatorError;
+pub use guard::limit_contact;
 pub use identity::SimulatorId;
 pub use opened::{OpenedSimulator, check};
 pub use process::kill_all;

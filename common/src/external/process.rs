@@ -2,13 +2,14 @@
 //! evaluation. It runs in a separate process group: a signal to this process does not reach it, and its child processes
 //! end with it. The group also ends when this process is killed.
 
-use super::guard::guarded;
+use super::guard::{Guard, guarded};
 use super::slot::{StopSignal, WaitError};
 use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, kill_process_group, waitid};
 use std::collections::{BTreeSet, VecDeque};
 use std::io::{BufRead, BufReader, Read, Write};
+use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::Path;
-use std::process::{Child, Stdio};
+use std::process::{Child, ExitStatus, Stdio};
 use std::sync::mpsc::{Receiver, Sender, channel, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -51,7 +52,7 @@ pub enum LineError {
         /// The last lines of its standard error.
         stderr: String,
     },
-    /// The stop signal was set.
+    /// The stop signal was set, or the program was ended without contact.
     Stopped,
 }
 
@@ -63,10 +64,14 @@ pub enum LineError {
 pub struct Process {
     child: Child,
     group: i32,
+    guard: Arc<Guard>,
+    contact: Option<usize>,
     /// How it ended, once it was reaped.
     status: Option<String>,
     /// Whether it ended with exit status 0.
     succeeded: bool,
+    /// Whether it was killed by another process.
+    was_killed: bool,
     /// Lines for the writing thread; dropping it closes the program's standard input.
     input: Option<Sender<String>>,
     lines: Receiver<String>,
@@ -74,21 +79,19 @@ pub struct Process {
 }
 
 impl Process {
-    /// Starts `command`, a program with its arguments, in `folder`. A relative path of the program starts at `folder`.
+    /// Starts `command`, a program with its arguments, with the working directory `directory`. A relative path of the program
+    /// starts at `folder`. With `contact` it ends without that contact ([`limit_contact`](super::limit_contact)).
     ///
     /// # Errors
     /// The operating system cannot start the program.
-    pub fn start(command: &[String], folder: &Path) -> std::io::Result<Self> {
-        Self::start_in(command, folder, folder)
-    }
-
-    /// Like [`Process::start`], with the working directory `directory`.
-    ///
-    /// # Errors
-    /// The operating system cannot start the program.
-    pub fn start_in(command: &[String], folder: &Path, directory: &Path) -> std::io::Result<Self> {
-        use std::os::unix::process::CommandExt;
-        let mut child = guarded(command, folder)?
+    pub fn start(
+        command: &[String],
+        folder: &Path,
+        directory: &Path,
+        contact: Option<usize>,
+    ) -> std::io::Result<Self> {
+        let (mut shell, guard) = guarded(command, folder, contact)?;
+        let mut child = shell
             .current_dir(directory)
             .process_group(0)
             .stdin(Stdio::piped())
@@ -104,8 +107,11 @@ impl Process {
         let process = Self {
             child,
             group,
+            guard,
+            contact,
             status: None,
             succeeded: false,
+            was_killed: false,
             input: Some(input),
             lines,
             stderr: Arc::clone(&stderr),
@@ -189,7 +195,12 @@ impl Process {
         while let Ok(line) = self.lines.recv_timeout(FAREWELL) {
             keep(&self.stderr, &line);
         }
-        if self.succeeded { Ok(()) } else { Err(LineError::Ended { status, stderr: self.last_lines() }) }
+        if self.succeeded { Ok(()) } else { Err(self.ended_with(status)) }
+    }
+
+    /// True if the program needs what an evaluation with this contact needs, if any.
+    pub fn serves(&self, contact: Option<usize>) -> bool {
+        contact.is_none() || contact == self.contact
     }
 
     /// The last lines of standard error.
@@ -201,6 +212,13 @@ impl Process {
 
     fn ended(&mut self) -> LineError {
         let status = self.finish();
+        self.ended_with(status)
+    }
+
+    fn ended_with(&self, status: String) -> LineError {
+        if self.was_killed && self.guard.has_ended_programs() {
+            return LineError::Stopped;
+        }
         LineError::Ended { status, stderr: self.last_lines() }
     }
 
@@ -245,10 +263,12 @@ impl Process {
         if let Some(status) = &self.status {
             return status.clone();
         }
+        let had_exited = self.has_exited();
         kill_group(self.group);
         locked(&RUNNING).remove(&self.group);
         let ended = self.child.wait();
-        self.succeeded = ended.as_ref().is_ok_and(std::process::ExitStatus::success);
+        self.succeeded = ended.as_ref().is_ok_and(ExitStatus::success);
+        self.was_killed = had_exited && ended.as_ref().is_ok_and(|status| status.signal().is_some());
         let status = ended.map_or_else(|error| error.to_string(), |status| status.to_string());
         self.status = Some(status.clone());
         status
@@ -312,7 +332,7 @@ mod tests {
 
     fn shell(script: &str) -> Process {
         let command = ["sh", "-c", script].map(str::to_owned);
-        Process::start(&command, Path::new(".")).unwrap()
+        Process::start(&command, Path::new("."), Path::new("."), None).unwrap()
     }
 
     fn ask(process: &mut Process, line: &str, patience: Duration) -> Result<String, LineError> {

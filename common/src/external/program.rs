@@ -150,11 +150,12 @@ impl ProgramSlot {
         Self { setup, number, process: None }
     }
 
-    /// Starts a program that keeps running, if it is not running.
-    fn start_process(&mut self) -> Result<(), SimulatorError> {
-        if self.process.is_none() {
+    /// Starts a program that keeps running, if it is not running; again, if it would not end without `contact`.
+    fn start_process(&mut self, contact: Option<usize>) -> Result<(), SimulatorError> {
+        if self.process.as_ref().is_none_or(|process| !process.serves(contact)) {
+            self.process = None;
             let Setup { command, folder, .. } = &*self.setup;
-            let started = Process::start(command, folder);
+            let started = Process::start(command, folder, folder, contact);
             self.process = Some(started.map_err(|reason| start_error(command, folder, reason))?);
         }
         Ok(())
@@ -173,7 +174,7 @@ impl ProgramSlot {
                 Err(RunError::Line(none)) => without_line(none),
             };
         }
-        self.start_process()?;
+        self.start_process(stop.contact())?;
         let process = self.process.as_mut().expect("the program was started above");
         let none = match process.ask(line, self.setup.timeout, stop) {
             Ok(line) => return Ok(RunReply::Text(line)),
@@ -239,7 +240,7 @@ fn without_line(none: LineError) -> Result<RunReply, SlotError> {
 
 impl Slot for ProgramSlot {
     fn start(&mut self) -> Result<(), SimulatorError> {
-        if self.setup.files.is_some() { Ok(()) } else { self.start_process() }
+        if self.setup.files.is_some() { Ok(()) } else { self.start_process(None) }
     }
 
     fn evaluate(&mut self, id: u64, sample: &[f64], stop: &StopSignal) -> Result<SampleResult, SlotError> {

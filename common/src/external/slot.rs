@@ -15,19 +15,33 @@ const POLL_INTERVAL: Duration = Duration::from_millis(50);
 /// Result of one sample. A failed simulation is a result, not an error of the slot.
 pub type SampleResult = Result<Evaluation, SimulationFailure>;
 
-/// Set when any of its flags is true.
+/// Set when any of its flags is true. It also names the contact without which the program of the evaluation must end, if there
+/// is one.
 #[derive(Debug, Clone, Default)]
-pub struct StopSignal(Vec<Arc<AtomicBool>>);
+pub struct StopSignal {
+    flags: Vec<Arc<AtomicBool>>,
+    contact: Option<usize>,
+}
 
 impl StopSignal {
     /// A signal that is set when one of `flags` is true.
     pub fn new(flags: impl IntoIterator<Item = Arc<AtomicBool>>) -> Self {
-        Self(flags.into_iter().collect())
+        Self { flags: flags.into_iter().collect(), contact: None }
+    }
+
+    /// This signal for an evaluation whose program must end without `contact`; see `external::limit_contact`.
+    pub fn needing(self, contact: Option<usize>) -> Self {
+        Self { contact, ..self }
+    }
+
+    /// The contact that the program needs.
+    pub fn contact(&self) -> Option<usize> {
+        self.contact
     }
 
     /// True if the slot is to stop.
     pub fn is_set(&self) -> bool {
-        self.0.iter().any(|flag| flag.load(Ordering::Relaxed))
+        self.flags.iter().any(|flag| flag.load(Ordering::Relaxed))
     }
 
     /// Waits for a message for at most `timeout` and polls the stop signal.
@@ -65,7 +79,7 @@ pub enum WaitError {
 /// Reasons for a slot to return no result: nothing is known about the sample.
 #[derive(Debug, Error)]
 pub enum SlotError {
-    /// The stop signal was set.
+    /// The stop signal was set, or the program was ended without contact.
     #[error("stopped")]
     Stopped,
     /// The operating system cannot start a thread.

@@ -79,7 +79,8 @@ impl FileProgram {
         for argument in &mut command[1..] {
             *argument = argument.replace(FOLDER, &place.display().to_string());
         }
-        let mut process = Process::start_in(&command, &place, &folder.0).map_err(RunError::Start)?;
+        let started = Process::start(&command, &place, &folder.0, stop.contact());
+        let mut process = started.map_err(RunError::Start)?;
         let ended = process.complete(timeout, stop);
         let results = match ended {
             Ok(()) => self.results(&folder).map_err(|reason| LineError::Ended {

@@ -1,8 +1,8 @@
 #!/bin/bash
 # The units of deploy/ under a systemd of their own: Debian with systemd, made by debootstrap, is booted by systemd-nspawn with a
 # loopback network only. The programs are installed as deploy/README.md says. In the container a study is started by its unit,
-# interrupted and resumed; its worker is killed and restarted by systemd. The answer is compared with that of the same
-# study outside, byte by byte.
+# interrupted and resumed; its worker is killed and restarted by systemd. A second study uses a program that its scene names, which
+# the worker's unit offers, with a licence. Both answers are compared with those of the same studies outside, byte by byte.
 #   tests/examples/real/systemd.sh [FOLDER OF THE PROGRAMS]
 # Needs root, debootstrap, systemd-nspawn (Debian: systemd-container) and a Debian mirror; three minutes. Exit code 77 if
 # something is missing. ROOTFS names a tree with systemd made before by debootstrap, which is copied.
@@ -57,7 +57,27 @@ systemctl --quiet --root="$root" enable hingewise-coordinator hingewise-worker
 
 sed -e 's/^initial = .*/initial = 100/' -e 's/^max_evaluations = .*/max_evaluations = 100/' \
     "$top/common/scenes/four-bar.toml" >"$work/trial.toml"
-install -m 644 -t "$root/etc/hingewise" "$work/trial.toml"
+# A program of a scene's own: a beam, by awk, with an input file.
+cat >"$work/beam.toml" <<'SCENE'
+scene = { name = "beam", title = "Beam" }
+simulator = { program = ["awk", "-f", "beam.awk", "beam.txt"], templates = ["beam.txt"], files = ["beam.awk"], results = "results.out" }
+outputs = [{ name = "deflection", unit = "mm" }]
+limit_states = [{ name = "bent", output = "deflection", threshold = 8.5 }]
+variables = [
+  { name = "load", mean = "500 N", std = "10 %" },
+  { name = "height", mean = "40 mm", std = "0.2 mm" },
+]
+study = { population = 2000, initial = 12, max_evaluations = 24 }
+SCENE
+printf '%s\n' 'load {load}' 'height {height}' >"$work/beam.txt"
+cat >"$work/beam.awk" <<'AWK'
+{ x[$1] = $2 }
+END {
+    inertia = 0.02 * x["height"] * x["height"] * x["height"] / 12
+    printf "%.17g\n", 1000 * x["load"] / (3 * 206e9 * inertia) >"results.out"
+}
+AWK
+install -m 644 -t "$root/etc/hingewise" "$work/trial.toml" "$work"/beam.*
 printf '%s\n' SCENE=/etc/hingewise/trial.toml STUDY=trial LISTEN=tls/127.0.0.1:7447 >"$root/etc/hingewise/coordinator.env"
 echo COORDINATOR=tls/127.0.0.1:7447 >"$root/etc/hingewise/worker.env"
 
@@ -112,6 +132,18 @@ has_ended || { echo "a finished study was started again"; exit 1; }
 within 30 is_active worker
 systemctl stop hingewise-worker
 echo "the worker was stopped: $(value worker Result), exit code $(value worker ExecMainStatus)"
+
+printf '%s\n' SCENE=/etc/hingewise/beam.toml STUDY=beam LISTEN=tls/127.0.0.1:7447 'OPTIONS=--seed 3' LICENCES=1 >/etc/hingewise/coordinator.env
+printf '%s\n' COORDINATOR=tls/127.0.0.1:7447 'WORKER_OPTIONS=--simulator /etc/hingewise/beam.toml --slots 2' >/etc/hingewise/worker.env
+systemctl start hingewise-coordinator
+tr '\0' ' ' <"/proc/$(value coordinator MainPID)/cmdline"
+echo
+systemctl start hingewise-worker
+within 120 test -s /var/lib/hingewise/beam/summary.json
+within 60 has_ended
+logged worker "offering simulator beam"
+echo "the study with a program of its own ended: $(value coordinator Result), exit code $(value coordinator ExecMainStatus)"
+systemctl stop hingewise-worker
 echo "ok"
 TRIAL
 cat >"$root/etc/systemd/system/trial.service" <<'UNIT'
@@ -141,5 +173,11 @@ cat "$root/trial.log" || fail "the container did not start"
 
 "$programs/coordinator" run --quiet --scene "$work/trial.toml" --out "$work/alone" --workers auto >/dev/null 2>"$work/alone.log" ||
     fail "the study outside"
-cmp "$root/var/lib/hingewise/trial/reliability.csv" "$work/alone/reliability.csv" || fail "another answer"
-echo "ok: the answer is that of the study outside"
+"$programs/coordinator" run --quiet --scene "$work/beam.toml" --seed 3 --out "$work/alone-beam" --workers 1 >/dev/null \
+    2>>"$work/alone.log" || fail "the study of a program outside"
+for study in trial beam; do
+    alone=$work/alone
+    [ "$study" = beam ] && alone=$work/alone-beam
+    cmp "$root/var/lib/hingewise/$study/reliability.csv" "$alone/reliability.csv" || fail "another answer of $study"
+done
+echo "ok: both answers are those of the studies outside"

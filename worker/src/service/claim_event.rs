@@ -1,6 +1,7 @@
 //! Events of a claim loop.
 
 use common::wire::Outcome;
+use std::time::Instant;
 
 /// Input of a claim loop, from slots, link and [`Stopper`](super::Stopper).
 #[derive(Debug)]
@@ -27,4 +28,16 @@ pub(super) enum ClaimEvent {
     Stop,
     /// Leave at once, without returning outcomes.
     Abort,
+}
+
+/// A claim without reply so far.
+pub(super) struct PendingClaim {
+    /// Its sequence number.
+    pub sequence: u64,
+    /// Number of tasks it requests.
+    pub credits: usize,
+    /// Whether it announces that the worker leaves.
+    pub leaving: bool,
+    /// Time at which it was sent.
+    pub since: Instant,
 }

@@ -4,7 +4,7 @@
 //! There are three kinds of reply: work; "idle, claim again in T" (a notice ends the wait early); none, after which the worker backs off.
 
 use super::backoff::Backoff;
-use super::claim_event::ClaimEvent;
+use super::claim_event::{ClaimEvent, PendingClaim};
 use super::connection_monitor::ConnectionMonitor;
 use super::leave_policy::LeavePolicy;
 use super::licence_contact::LicenceContact;
@@ -29,14 +29,6 @@ const FAREWELL: Duration = Duration::from_secs(5);
 const QUERY_MARGIN: Duration = Duration::from_secs(5);
 /// Longest wait for an event.
 const POLL_INTERVAL: Duration = Duration::from_millis(500);
-
-/// A claim without reply so far.
-struct PendingClaim {
-    sequence: u64,
-    credits: usize,
-    leaving: bool,
-    since: Instant,
-}
 
 /// State of the claims to one coordinator.
 pub(super) struct ClaimLoop {
@@ -119,6 +111,8 @@ impl ClaimLoop {
     fn serve(&mut self, inbox: &Receiver<ClaimEvent>) -> Result<Departure, ServiceError> {
         loop {
             let now = Instant::now();
+            // Before a claim: after a pause of this process the coordinator may have given the licences to others.
+            self.check_contact(now);
             self.claim_if_due(now)?;
             let wait = self.next_wake(now).saturating_duration_since(now);
             let mut next = match inbox.recv_timeout(wait) {
@@ -155,19 +149,17 @@ impl ClaimLoop {
                 self.unacknowledged.push(*outcome, now);
                 self.claim_at = now;
             }
-            ClaimEvent::SlotFree => {}
             ClaimEvent::Answer { sequence, frame } if self.is_pending(sequence) => {
                 return self.on_reply(now, frame);
             }
             ClaimEvent::QueryEnded { sequence } if self.is_pending(sequence) => {
                 self.on_no_reply(now, refusal::no_answer(now));
             }
-            ClaimEvent::Answer { .. } | ClaimEvent::QueryEnded { .. } => {}
+            ClaimEvent::SlotFree | ClaimEvent::Answer { .. } | ClaimEvent::QueryEnded { .. } => {}
             ClaimEvent::Notice(frame) => match wire::decode::<Notice>(&frame) {
                 Ok(Notice::Batch { points, .. }) => {
                     tracing::debug!("the coordinator announces {} points", points.len());
-                    self.claim_at = now;
-                    self.silent_until = now;
+                    (self.claim_at, self.silent_until) = (now, now);
                     // The points may include tasks whose outcomes wait here for a request.
                     self.unacknowledged.resend_all(now);
                 }
@@ -268,8 +260,9 @@ impl ClaimLoop {
         self.slots.shares().answered(self.coordinator, tasks.len(), now);
         self.contact.on_work(order.licensed);
         let order = Arc::new(order);
+        self.running.extend(tasks.iter().map(|task| (task.clone(), now)));
+        self.limit_contact();
         for task in tasks {
-            self.running.push((task.clone(), now));
             self.slots.start_job(Job { order: Arc::clone(&order), task, coordinator: self.coordinator });
         }
     }
@@ -290,8 +283,7 @@ impl ClaimLoop {
         self.monitor.on_failure(since, reason);
         self.unacknowledged.resend_all(now);
         let pause = self.backoff.next(self.sequence);
-        self.claim_at = now + pause;
-        self.silent_until = now + pause;
+        (self.claim_at, self.silent_until) = (now + pause, now + pause);
     }
 
     /// True if the worker takes new tasks.
@@ -332,8 +324,8 @@ impl ClaimLoop {
             worker: self.worker.clone(),
             sequence: self.sequence,
             offers: self.slots.simulator().offers(),
-            slots: as_u32(self.config.slots),
-            credits: as_u32(credits),
+            slots: u32::try_from(self.config.slots).unwrap_or(u32::MAX),
+            credits: u32::try_from(credits).unwrap_or(u32::MAX),
             holding,
             finished: self.unacknowledged.take_due(now),
             leaving,
@@ -361,6 +353,24 @@ impl ClaimLoop {
             .map_or(wake, |check| wake.min(check.max(now)))
     }
 
+    /// Ends the running tasks that need licences if there is no contact.
+    fn check_contact(&mut self, now: Instant) {
+        if self.contact.is_lost(now, self.running.len()) {
+            // The coordinator may give their licences to other workers.
+            self.returned_tasks |= self.withdraw(|_| true) > 0;
+            self.contact.end(self.running.drain(..).map(|(task, _)| task));
+            self.slots.simulator().stop_jobs_of(self.coordinator);
+        }
+        self.limit_contact();
+    }
+
+    /// Gives the simulator the time at which it ends them if this process cannot.
+    fn limit_contact(&mut self) {
+        if let Some(until) = self.contact.new_limit(self.running.len()) {
+            self.slots.simulator().limit_contact(self.coordinator, until);
+        }
+    }
+
     /// Checks timeouts, the leave policy and the connection.
     fn check_time(&mut self, now: Instant) -> Result<Option<Departure>, ServiceError> {
         let limit = self.config.answer_timeout + QUERY_MARGIN;
@@ -375,12 +385,6 @@ impl ClaimLoop {
                 self.slots.simulator().stop();
             }
         }
-        if self.contact.is_lost(now, self.running.len()) {
-            // The coordinator may give their licences to other workers.
-            self.returned_tasks |= self.withdraw(|_| true) > 0;
-            self.contact.end(self.running.drain(..).map(|(task, _)| task));
-            self.slots.simulator().stop_jobs_of(self.coordinator);
-        }
         if let Some(since) = self.leaving_since {
             // Outcomes not acknowledged by then belong to tasks the coordinator has not requested.
             let returned =
@@ -392,8 +396,4 @@ impl ClaimLoop {
         self.monitor.check(now)?;
         Ok(None)
     }
-}
-
-fn as_u32(count: usize) -> u32 {
-    u32::try_from(count).unwrap_or(u32::MAX)
 }

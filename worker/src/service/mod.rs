@@ -86,6 +86,11 @@ impl Job {
         &self.order.subject
     }
 
+    /// Whether its evaluation takes a licence.
+    pub fn licensed(&self) -> bool {
+        self.order.licensed
+    }
+
     /// Campaign and number of the evaluation.
     pub fn key(&self) -> TaskKey {
         self.task.key
@@ -128,6 +133,10 @@ pub trait Simulator: Send + Sync {
 
     /// Ends the running jobs of one coordinator, which may not go on without contact with it. Later jobs run as usual.
     fn stop_jobs_of(&self, _coordinator: usize) {}
+
+    /// The running jobs of a coordinator that take licences end at `until`, even if this process can end nothing then. Replaces
+    /// the earlier time; `None`: no such job runs.
+    fn limit_contact(&self, _coordinator: usize, _until: Option<Instant>) {}
 
     /// Number of evaluations a thread runs side by side.
     fn side_by_side(&self) -> usize {

@@ -17,7 +17,7 @@ use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// Time for workers to leave at the end of a campaign.
+/// Time for workers to leave at the end of a campaign; it begins again while some leave, since thousands take longer.
 const FAREWELL: Duration = Duration::from_secs(2);
 /// Most outcomes recorded together.
 const MOST_TOGETHER: usize = 256;
@@ -165,11 +165,20 @@ impl ZenohEvaluator {
         self.connected.wait_for(timeout, enough)
     }
 
-    /// Ends the campaign: notifies the workers, waits up to 2 s for them to leave, and stops listening. An evaluator that
-    /// is only dropped stops listening without notice, and its workers keep trying to reconnect.
+    /// Ends the campaign: notifies the workers, waits until they have left or none has left for 2 s, and stops listening. An
+    /// evaluator that is only dropped stops listening without notice, and its workers keep trying to reconnect.
     pub fn finish(self) {
-        if self.inputs.send(Input::Finish).is_ok() && !self.wait_for_workers(FAREWELL, <[_]>::is_empty) {
-            tracing::debug!("{} workers are still connected", self.workers().len());
+        if self.inputs.send(Input::Finish).is_err() {
+            return;
+        }
+        let mut connected = self.workers().len();
+        while !self.wait_for_workers(FAREWELL, <[_]>::is_empty) {
+            let left = self.workers().len();
+            if left >= connected {
+                tracing::debug!("{left} workers are still connected");
+                break;
+            }
+            connected = left;
         }
     }
 

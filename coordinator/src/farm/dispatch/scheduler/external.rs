@@ -25,7 +25,8 @@ impl Scheduler {
     }
 
     /// Accounts for a worker's claim with the tasks `running`: their licences are those of its leases, and held back for
-    /// tasks that have ended elsewhere meanwhile. After the claim of a worker that leaves, its programs end.
+    /// tasks that have ended elsewhere meanwhile, or that the study has not requested again after a restart. After the claim
+    /// of a worker that leaves, its programs end.
     pub(super) fn account_for_licences(
         &mut self,
         now: Duration,
@@ -39,10 +40,12 @@ impl Scheduler {
         if leaving {
             self.held_licences.hold_leaving(id, self.workers.under_way_at(id), now);
         } else {
-            let ended = |task: &&u64| self.tasks.status(**task) == TaskStatus::Ended;
-            let ended = running.iter().filter(ended).count();
+            let has_no_lease = |task: &&u64| {
+                matches!(self.tasks.status(**task), TaskStatus::Ended | TaskStatus::NotRequested)
+            };
+            let without_lease = running.iter().filter(has_no_lease).count();
             self.held_licences.forget(id);
-            self.held_licences.hold(id, ended, now);
+            self.held_licences.hold(id, without_lease, now);
         }
     }
 

@@ -151,6 +151,25 @@ fn a_task_that_has_ended_elsewhere_keeps_its_licence_while_it_runs() {
     assert_eq!(numbers(&tasks(&mut s, 5 * SECOND, of_beam(&a, 7, vec![], &[]))), [3]);
 }
 
+#[test]
+fn an_evaluation_of_the_earlier_coordinator_keeps_its_licence_until_it_is_requested_or_ends() {
+    let [a, b] = ["a", "b"].map(worker);
+    // A resumed study, whose first requests are tasks 0 to 4; worker `a` still runs task 7 of the earlier coordinator.
+    let mut s = scheduler(&[&a, &b], 5, Some(2));
+    let one = |claim: Claim| Claim { credits: 1, ..claim };
+    assert_eq!(numbers(&tasks(&mut s, START, one(of_beam(&a, 1, vec![], &[7])))), [0]);
+    assert_eq!(tasks(&mut s, START, of_beam(&b, 2, vec![], &[])), vec![]);
+    // Its next claims show it again, and then its lease.
+    assert_eq!(tasks(&mut s, SECOND, one(of_beam(&a, 3, vec![], &[0, 7]))), vec![]);
+    assert_eq!(tasks(&mut s, SECOND, of_beam(&b, 4, vec![], &[])), vec![]);
+    s.on_event(2 * SECOND, Event::Submit(requests(5..9)));
+    assert_eq!(tasks(&mut s, 2 * SECOND, one(of_beam(&a, 5, vec![], &[0, 7]))), vec![]);
+    assert_eq!(tasks(&mut s, 2 * SECOND, of_beam(&b, 6, vec![], &[])), vec![]);
+    // One that ends without an outcome frees its licence.
+    assert_eq!(tasks(&mut s, 3 * SECOND, Claim { credits: 0, ..of_beam(&a, 7, vec![], &[0]) }), vec![]);
+    assert_eq!(numbers(&tasks(&mut s, 3 * SECOND, of_beam(&b, 8, vec![], &[]))), [7]);
+}
+
 fn unusable(task: &Task, who: &WorkerId) -> Outcome {
     let reason = "no licence file".to_owned();
     Outcome { result: Err(SimulationFailure::SimulatorUnusable { reason }), ..outcome(task, who) }
